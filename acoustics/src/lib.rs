@@ -1,0 +1,1 @@
+//! Levels, radiation of moving surfaces and exhaust noise.

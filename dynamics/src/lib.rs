@@ -1,0 +1,1 @@
+//! The nailing cycle of a pneumatic nailer: gas, motion, contacts and events.

@@ -1,0 +1,1 @@
+//! Finite-element modal models of the bodies and their transient response.

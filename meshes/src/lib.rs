@@ -1,0 +1,1 @@
+//! Finite-element meshes: built-in mesher, skin, quality and VTK output.

@@ -1,0 +1,2 @@
+//! The `nailnoise` command.
+fn main() {}
