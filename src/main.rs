@@ -1,2 +1,8 @@
-//! The `nailnoise` command.
-fn main() {}
+//! The `nailnoise` command. Everything it does stands in the library; see `nailnoise::commands`.
+#![forbid(unsafe_code)]
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    nailnoise::commands::main()
+}

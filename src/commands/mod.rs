@@ -1,0 +1,137 @@
+//! The command line: one file a command, and what they share (arguments, threads, progress, exit status).
+//!
+//! Results go to standard output, progress and warnings to standard error. Exit status: 0 done; 1 done, but a limit is
+//! not met; 2 wrong use or input; 3 a numerical check failed; 130 interrupted.
+
+mod cycle;
+mod modes;
+mod progress;
+mod run;
+mod table;
+
+use std::io::{IsTerminal, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::design::Design;
+use crate::error::Error;
+use crate::result::Check;
+
+/// Predicts how much sound power each source of a pneumatic nailer radiates, from its design.
+#[derive(Parser)]
+#[command(name = "nailnoise", version, about, max_term_width = 120)]
+#[command(after_help = "Exit status: 0 done; 1 done, but a limit is not met; 2 wrong use or input; \
+                        3 a numerical check failed; 130 interrupted.")]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Rank the sources of a design by their sound power
+    Run(run::Arguments),
+    /// Compute one nailing cycle: pressures, motions, forces and events
+    Cycle(cycle::Arguments),
+    /// Compute the vibration modes of a body
+    Modes(modes::Arguments),
+}
+
+/// What every command takes.
+#[derive(Args)]
+struct Common {
+    /// Design file (TOML)
+    design: PathBuf,
+    /// Print exactly one JSON value instead of tables
+    #[arg(long)]
+    json: bool,
+    /// Folder for the output files [default: out/NAME]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Number of threads; results do not depend on it [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+impl Common {
+    /// Reads the design and prints its warnings.
+    fn load(&self) -> Result<Design, Error> {
+        let design = Design::load(&self.design)?;
+        for warning in design.warnings() {
+            eprintln!("warning: {warning}");
+        }
+        Ok(design)
+    }
+
+    /// The folder for the output files of this design.
+    fn out(&self, design: &Design) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| Path::new("out").join(design.name()))
+    }
+
+    /// Sets the size of the thread pool of the whole process.
+    fn start_threads(&self) -> Result<(), Error> {
+        let threads = self.threads.map_or(0, usize::from);
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().map_err(Error::Threads)
+    }
+}
+
+/// Runs the command line of this process.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse(); // wrong use ends here with status 2
+    install_error_style();
+    let outcome = match &cli.command {
+        Command::Run(arguments) => run::execute(arguments),
+        Command::Cycle(arguments) => cycle::execute(arguments),
+        Command::Modes(arguments) => modes::execute(arguments),
+    };
+    outcome.unwrap_or_else(|error| {
+        let status = error.exit_status();
+        eprintln!("{:?}", miette::Report::new(error));
+        ExitCode::from(status)
+    })
+}
+
+/// Errors are drawn with a caret under the place in the design; without colour where nobody would see it.
+fn install_error_style() {
+    let colour = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
+    // The hook can only be set once a process; a second command in the same process keeps the first style.
+    let _ = miette::set_hook(Box::new(move |_| {
+        Box::new(
+            miette::MietteHandlerOpts::new()
+                .color(colour)
+                .unicode(colour)
+                .terminal_links(false)
+                .width(100)
+                .context_lines(1)
+                .build(),
+        )
+    }));
+}
+
+/// Status 0 when all checks hold, else 3 with the failed ones on standard error.
+fn status_of(checks: &[Check]) -> ExitCode {
+    let failed: Vec<&Check> = checks.iter().filter(|check| !check.ok).collect();
+    for check in &failed {
+        eprintln!(
+            "check failed: {} is {:.3e}, limit {:.3e}; the result is not to be trusted",
+            check.name, check.value, check.limit
+        );
+    }
+    if failed.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(3) }
+}
+
+/// Writes text to standard output; a closed pipe (`| head`) is not an error.
+fn print(text: &str) {
+    let mut out = std::io::stdout().lock();
+    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+}
+
+/// Prints one JSON value.
+fn print_json<T: serde::Serialize>(value: &T) -> Result<(), Error> {
+    let mut text = serde_json::to_string_pretty(value).map_err(Error::Json)?;
+    text.push('\n');
+    print(&text);
+    Ok(())
+}

@@ -1,0 +1,52 @@
+//! Plain text tables: columns as wide as their widest cell, numbers to the right.
+
+/// Lays out rows under headings. The first column is text (left), the others numbers (right).
+pub(super) fn table(headings: &[&str], rows: &[Vec<String>]) -> String {
+    let width = |column: usize| {
+        rows.iter()
+            .filter_map(|row| row.get(column))
+            .map(|cell| cell.chars().count())
+            .chain([headings[column].chars().count()])
+            .max()
+            .unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..headings.len()).map(width).collect();
+    let line = |cells: &[&str]| {
+        let mut text = String::new();
+        for (column, (cell, width)) in cells.iter().zip(&widths).enumerate() {
+            text.push_str("  ");
+            let padding = " ".repeat(width - cell.chars().count());
+            if column == 0 {
+                text.push_str(cell);
+                text.push_str(&padding);
+            } else {
+                text.push_str(&padding);
+                text.push_str(cell);
+            }
+        }
+        text.truncate(text.trim_end().len());
+        text.push('\n');
+        text
+    };
+    let mut text = line(headings);
+    for row in rows {
+        text.push_str(&line(&row.iter().map(String::as_str).collect::<Vec<_>>()));
+    }
+    text
+}
+
+/// A level in dB with one decimal; a silent source shows a dash.
+pub(super) fn decibels(level: Option<f64>) -> String {
+    level.map_or_else(|| "-".to_owned(), |level| format!("{level:.1}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_line_up() {
+        let text = table(&["source", "dB"], &[vec!["exhaust".into(), "112.3".into()], vec!["body".into(), "9.0".into()]]);
+        assert_eq!(text, "  source      dB\n  exhaust  112.3\n  body       9.0\n");
+    }
+}

@@ -1,0 +1,71 @@
+//! What can end a command, and the exit status it ends with.
+
+use std::path::PathBuf;
+
+use miette::Diagnostic;
+use thiserror::Error;
+
+use crate::design::DesignError;
+
+/// Why a command could not do what it was asked.
+#[derive(Debug, Error, Diagnostic)]
+#[non_exhaustive]
+pub enum Error {
+    /// The design file is wrong.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Design(#[from] DesignError),
+    /// The cycle could not be computed.
+    #[error("the nailing cycle of this design cannot be computed")]
+    Cycle(#[from] nailnoise_dynamics::CycleError),
+    /// A mesh could not be built.
+    #[error("the mesh of a body cannot be built")]
+    Mesh(#[from] nailnoise_meshes::MeshError),
+    /// The modes or the response could not be computed.
+    #[error("the structural model cannot be solved")]
+    Fem(#[from] nailnoise_fem::FemError),
+    /// The response of the workpiece could not be computed.
+    #[error("the response of workpiece and support cannot be computed")]
+    Transient(#[from] nailnoise_fem::transient::TransientError),
+    /// Radiation or exhaust could not be computed.
+    #[error("the sound power of a source cannot be computed")]
+    Acoustics(#[from] nailnoise_acoustics::AcousticsError),
+    /// The chosen support has no body of this name.
+    #[error("the design \"{design}\" has no {body}: its support is a {support}")]
+    #[diagnostic(help("choose --body workpiece, or set support.kind = \"worktable\""))]
+    NoSuchBody {
+        /// Name of the design.
+        design: String,
+        /// The body asked for.
+        body: &'static str,
+        /// What its workpiece stands on.
+        support: &'static str,
+    },
+    /// A file could not be written.
+    #[error("cannot write {}: {source}", path.display())]
+    #[diagnostic(help("choose a folder that can be written with --out DIR"))]
+    Write {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The thread pool could not be started.
+    #[error("the thread pool cannot be started")]
+    #[diagnostic(help("choose a smaller --threads N"))]
+    Threads(#[source] rayon::ThreadPoolBuildError),
+    /// A result could not be written as JSON.
+    #[error("the result cannot be written as JSON")]
+    Json(#[source] serde_json::Error),
+}
+
+impl Error {
+    /// Exit status of the command: 2 for wrong use or input, 3 for a numerical failure.
+    pub fn exit_status(&self) -> u8 {
+        match self {
+            Self::Fem(_) | Self::Transient(_) | Self::Acoustics(_) | Self::Json(_) => 3,
+            Self::Cycle(error) => if error.is_input() { 2 } else { 3 },
+            _ => 2,
+        }
+    }
+}

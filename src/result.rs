@@ -1,0 +1,138 @@
+//! What a run tells: the ranked sources, the events, the checks and the time each stage took.
+//!
+//! These types are the schema of `run --json` and of `result.json`.
+
+use serde::{Serialize, Serializer, ser::SerializeMap};
+
+/// Version of the layout of [`RunResult`]; it changes when a reader of the old layout would misread the new one.
+pub const SCHEMA: &str = "nailnoise-run/1";
+
+/// The outcome of a run.
+#[derive(Debug, Clone, Serialize)]
+pub struct RunResult {
+    /// [`SCHEMA`].
+    pub schema: &'static str,
+    /// Which design this is of.
+    pub design: DesignId,
+    /// The sources, loudest first.
+    pub ranking: Vec<RankedSource>,
+    /// All sources together.
+    pub total: Total,
+    /// What the shot did: `drives`, `strikes_bumper`, `underdriven`, `does_not_open` or `does_not_release`.
+    pub outcome: nailnoise_dynamics::Outcome,
+    /// Event times t0..t18 \[s\]; null where one does not occur.
+    pub events: nailnoise_dynamics::Events,
+    /// Checks of every stage.
+    pub checks: Vec<Check>,
+    /// What a reader must know beside the numbers.
+    pub notes: Vec<String>,
+    /// Wall time of each stage \[s\].
+    pub timing: Timing,
+}
+
+/// Name and content digest of a design.
+#[derive(Debug, Clone, Serialize)]
+pub struct DesignId {
+    /// Name of the file without its extension.
+    pub name: String,
+    /// Digest of every value the result depends on.
+    pub digest: String,
+}
+
+/// One source in the ranking.
+#[derive(Debug, Clone, Serialize)]
+pub struct RankedSource {
+    /// `workpiece`, `exhaust` or `body`.
+    pub source: String,
+    /// A-weighted single-event sound power level over the common range \[dB re 1 pW s\]; null when silent.
+    pub lwa_db: Option<f64>,
+    /// The same without weighting.
+    pub lw_db: Option<f64>,
+    /// Part of the total A-weighted energy \[-\].
+    pub share: f64,
+    /// How it was computed.
+    pub method: String,
+    /// Range over which it was computed \[Hz\].
+    pub range_hz: [f64; 2],
+    /// A-weighted level over `range_hz` instead of the common range \[dB re 1 pW s\].
+    pub lwa_own_range_db: Option<f64>,
+    /// One-third-octave bands of the common range.
+    pub bands: Vec<BandLevel>,
+    /// Parts of the source, summing to it.
+    pub components: Vec<Component>,
+}
+
+/// Level of one band.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct BandLevel {
+    /// Nominal mid-band frequency (IEC 61260-1) \[Hz\].
+    pub hz: f64,
+    /// Unweighted single-event sound power level \[dB re 1 pW s\]; null when silent.
+    pub lw_db: Option<f64>,
+}
+
+/// Part of a source.
+#[derive(Debug, Clone, Serialize)]
+pub struct Component {
+    /// Patch or mechanism.
+    pub name: String,
+    /// A-weighted level over the common range \[dB re 1 pW s\]; null when silent.
+    pub lwa_db: Option<f64>,
+}
+
+/// All sources together.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Total {
+    /// A-weighted single-event sound power level over the common range \[dB re 1 pW s\]; null when all are silent.
+    pub lwa_db: Option<f64>,
+}
+
+/// A check of a run: a number that must stay within its limit.
+#[derive(Debug, Clone, Serialize)]
+pub struct Check {
+    /// What is checked, with unit.
+    pub name: String,
+    /// Value found.
+    pub value: f64,
+    /// Largest value allowed.
+    pub limit: f64,
+    /// Whether `value` is within `limit`; never true for NaN.
+    pub ok: bool,
+}
+
+impl Check {
+    /// A check that holds when `|value| <= limit`.
+    pub fn at_most(name: impl Into<String>, value: f64, limit: f64) -> Self {
+        Self { name: name.into(), value, limit, ok: value.abs() <= limit }
+    }
+}
+
+impl From<&nailnoise_dynamics::Check> for Check {
+    fn from(check: &nailnoise_dynamics::Check) -> Self {
+        Self { name: check.name.to_owned(), value: check.value, limit: check.limit, ok: check.ok }
+    }
+}
+
+/// Wall time of each stage, in the order they ran.
+#[derive(Debug, Clone, Default)]
+pub struct Timing(pub Vec<(&'static str, f64)>);
+
+impl Timing {
+    /// Runs a stage and keeps its wall time.
+    pub fn time<T>(&mut self, stage: &'static str, work: impl FnOnce() -> T) -> T {
+        let start = std::time::Instant::now();
+        let value = work();
+        self.0.push((stage, start.elapsed().as_secs_f64()));
+        value
+    }
+}
+
+impl Serialize for Timing {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(self.0.len()))?;
+        for (stage, seconds) in &self.0 {
+            map.serialize_entry(stage, seconds)?;
+        }
+        map.end()
+    }
+}
