@@ -1,0 +1,139 @@
+//! Physical dimensions: what a quantity is, whatever unit it is written in.
+
+use std::fmt;
+
+/// Exponents of length, mass, time, temperature and plane angle.
+///
+/// The angle is kept apart from a plain number, so that a degree where a ratio belongs is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Dimension {
+    length: i8,
+    mass: i8,
+    time: i8,
+    temperature: i8,
+    angle: i8,
+}
+
+impl Dimension {
+    /// The dimension with these exponents of length, mass, time, temperature and angle.
+    pub(crate) const fn new(length: i8, mass: i8, time: i8, temperature: i8, angle: i8) -> Self {
+        Self {
+            length,
+            mass,
+            time,
+            temperature,
+            angle,
+        }
+    }
+
+    /// The product `self * other^power`, or `None` where an exponent leaves the range of `i8`.
+    pub(crate) fn times(self, other: Self, power: i32) -> Option<Self> {
+        let exponent = |a: i8, b: i8| i8::try_from(i32::from(b).checked_mul(power)?.checked_add(i32::from(a))?).ok();
+        Some(Self {
+            length: exponent(self.length, other.length)?,
+            mass: exponent(self.mass, other.mass)?,
+            time: exponent(self.time, other.time)?,
+            temperature: exponent(self.temperature, other.temperature)?,
+            angle: exponent(self.angle, other.angle)?,
+        })
+    }
+
+    /// The unit of the SI in which the design keeps a quantity of this dimension; empty for a plain number.
+    pub fn unit(self) -> String {
+        self.named()
+            .map_or_else(|| self.base_units(), |named| named.unit.to_owned())
+    }
+
+    /// Units an engineer may write for this dimension, for the remedy of an error.
+    pub fn examples(self) -> String {
+        self.named()
+            .map_or_else(|| self.base_units(), |named| named.examples.to_owned())
+    }
+
+    /// Factor and unit in which a person reads a value of this dimension.
+    pub(crate) fn readable(self) -> (f64, String) {
+        match self {
+            LENGTH => (1e3, "mm".to_owned()),
+            AREA => (1e6, "mm2".to_owned()),
+            VOLUME => (1e6, "cm3".to_owned()),
+            TIME => (1e3, "ms".to_owned()),
+            PRESSURE => (1e-3, "kPa".to_owned()),
+            _ => (1.0, self.unit()),
+        }
+    }
+
+    fn named(self) -> Option<&'static Named> {
+        NAMED.iter().find(|named| named.dimension == self)
+    }
+
+    fn base_units(self) -> String {
+        let exponents = [
+            ("m", self.length),
+            ("kg", self.mass),
+            ("s", self.time),
+            ("K", self.temperature),
+            ("rad", self.angle),
+        ];
+        let power = |unit: &str, n: i8| if n == 1 { unit.to_owned() } else { format!("{unit}{n}") };
+        let parts: Vec<_> = exponents
+            .iter()
+            .filter(|(_, n)| *n != 0)
+            .map(|(unit, n)| power(unit, *n))
+            .collect();
+        parts.join(" ")
+    }
+}
+
+/// "a pressure", "a length", or the base units where the dimension has no name of its own.
+impl fmt::Display for Dimension {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.named() {
+            Some(named) => f.write_str(named.name),
+            None => write!(f, "a quantity in {}", self.base_units()),
+        }
+    }
+}
+
+struct Named {
+    dimension: Dimension,
+    name: &'static str,
+    unit: &'static str,
+    examples: &'static str,
+}
+
+macro_rules! dimensions {
+    ($($constant:ident = [$($exponent:literal),+] $name:literal, $unit:literal, $examples:literal;)+) => {
+        $(#[doc = concat!("Dimension of ", $name, ", in SI `", $unit, "`.")]
+        pub(crate) const $constant: Dimension = Dimension::new($($exponent),+);)+
+        const NAMED: &[Named] = &[$(Named { dimension: $constant, name: $name, unit: $unit, examples: $examples }),+];
+    };
+}
+
+dimensions! {
+    NUMBER = [0, 0, 0, 0, 0] "a plain number", "", "none, or %";
+    LENGTH = [1, 0, 0, 0, 0] "a length", "m", "m, mm, in";
+    AREA = [2, 0, 0, 0, 0] "an area", "m2", "m2, cm2, mm2";
+    VOLUME = [3, 0, 0, 0, 0] "a volume", "m3", "m3, l, cm3";
+    MASS = [0, 1, 0, 0, 0] "a mass", "kg", "kg, g, lb";
+    TIME = [0, 0, 1, 0, 0] "a time", "s", "s, ms, us";
+    FREQUENCY = [0, 0, -1, 0, 0] "a frequency", "Hz", "Hz, kHz";
+    TEMPERATURE = [0, 0, 0, 1, 0] "a temperature", "K", "K, degC";
+    ANGLE = [0, 0, 0, 0, 1] "an angle", "rad", "rad, deg";
+    VELOCITY = [1, 0, -1, 0, 0] "a velocity", "m/s", "m/s, mm/s";
+    VELOCITY_SQUARED = [2, 0, -2, 0, 0] "a squared velocity", "m2/s2", "m2/s2, J/kg";
+    ACCELERATION = [1, 0, -2, 0, 0] "an acceleration", "m/s2", "m/s2";
+    FORCE = [1, 1, -2, 0, 0] "a force", "N", "N, kN, lbf";
+    PRESSURE = [-1, 1, -2, 0, 0] "a pressure", "Pa", "Pa, kPa, MPa, GPa, bar, psi";
+    STIFFNESS = [0, 1, -2, 0, 0] "a stiffness", "N/m", "N/m, N/mm, kN/mm";
+    DAMPING = [0, 1, -1, 0, 0] "a damping coefficient", "N s/m", "N s/m, N s/mm";
+    STIFFNESS_PER_AREA = [-2, 1, -2, 0, 0] "a stiffness per area", "N/m3", "N/m3, N/mm3";
+    DENSITY = [-3, 1, 0, 0, 0] "a density", "kg/m3", "kg/m3, g/cm3";
+    HEAT_TRANSFER = [0, 1, -3, -1, 0] "a heat transfer coefficient", "W/(m2 K)", "W/(m2 K)";
+    GAS_CONSTANT = [2, 0, -2, -1, 0] "a specific gas constant", "J/(kg K)", "J/(kg K)";
+    VISCOSITY = [-1, 1, -1, 0, 0] "a dynamic viscosity", "Pa s", "Pa s, mPa s";
+    FLOW_RESISTIVITY = [-3, 1, -1, 0, 0] "a flow resistivity", "Pa s/m2", "Pa s/m2, kPa s/m2";
+    ENERGY = [2, 1, -2, 0, 0] "an energy", "J", "J, mJ";
+    POWER = [2, 1, -3, 0, 0] "a power", "W", "W, mW";
+    FLOW = [3, 0, -1, 0, 0] "a volume flow", "m3/s", "m3/s, l/min";
+    MASS_FLOW = [0, 1, -1, 0, 0] "a mass flow", "kg/s", "kg/s, g/s";
+}

@@ -1,0 +1,558 @@
+//! What is wrong with a design, where, and what to do about it.
+
+use std::fmt::{self, Display};
+use std::io;
+use std::path::{Path, PathBuf};
+
+use miette::{Diagnostic, LabeledSpan, Severity, SourceCode};
+
+use super::checks::Conflict;
+use super::dimension::Dimension;
+use super::source::Place;
+use super::units::UnitError;
+
+/// Why a design cannot be used. As a [`Diagnostic`] it shows the place and the remedy.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum DesignError {
+    /// There is no such file.
+    #[error("there is no design file `{}`", path.display())]
+    NotFound {
+        /// The file asked for.
+        path: PathBuf,
+        /// A design file nearby whose name is most like it.
+        nearest: Option<PathBuf>,
+        /// The `base` key that asks for it; none for the command's own design.
+        at: Option<Box<Place>>,
+    },
+    /// The file is there and cannot be read.
+    #[error("the design file `{}` cannot be read: {source}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+        /// The `base` key that asks for it; none for the command's own design.
+        at: Option<Box<Place>>,
+    },
+    /// The file holds bytes that are no UTF-8 text.
+    #[error("the design file `{}` is not text: line {line} holds bytes that are not UTF-8", path.display())]
+    NotText {
+        /// The file.
+        path: PathBuf,
+        /// Line of the first such byte, from 1.
+        line: usize,
+    },
+    /// The text is no TOML.
+    #[error("this is not TOML: {message}")]
+    Syntax {
+        /// What the reader stumbled over.
+        message: String,
+        /// Where.
+        at: Box<Place>,
+    },
+    /// A file inherits from itself, directly or through others.
+    #[error("inheritance loop: {}", chain.join(" -> "))]
+    InheritanceLoop {
+        /// The files of the loop, the first one again at the end.
+        chain: Vec<String>,
+        /// The `base` key that closes it.
+        at: Box<Place>,
+    },
+    /// A key that no design has.
+    #[error("unknown key `{key}`")]
+    UnknownKey {
+        /// Its full name.
+        key: String,
+        /// The key most like it, if one is.
+        nearest: Option<String>,
+        /// The keys that may stand in its place.
+        known: Vec<String>,
+        /// Where.
+        at: Box<Place>,
+    },
+    /// A group that no design has.
+    #[error("unknown group `[{group}]`")]
+    UnknownGroup {
+        /// Its full name.
+        group: String,
+        /// The group most like it, if one is.
+        nearest: Option<String>,
+        /// The groups that may stand in its place.
+        known: Vec<String>,
+        /// Where.
+        at: Box<Place>,
+    },
+    /// A value of the wrong type.
+    #[error("`{key}` is {found}, it must be given {expected}")]
+    WrongKind {
+        /// Full name of the key.
+        key: String,
+        /// What stands there.
+        found: String,
+        /// What may stand there.
+        expected: String,
+        /// Where.
+        at: Box<Place>,
+    },
+    /// A text that does not begin with a number.
+    #[error("`{key}`: \"{found}\" is not a number with a unit")]
+    BadNumber {
+        /// Full name of the key.
+        key: String,
+        /// What stands there.
+        found: String,
+        /// What is expected.
+        expected: Dimension,
+        /// Where.
+        at: Box<Place>,
+    },
+    /// A unit that is not known or not clear.
+    #[error("`{key}`: {problem}")]
+    BadUnit {
+        /// Full name of the key.
+        key: String,
+        /// What is wrong with the unit.
+        problem: UnitError,
+        /// What is expected.
+        expected: Dimension,
+        /// Where.
+        at: Box<Place>,
+    },
+    /// A unit of another dimension, or none where one is needed.
+    #[error("`{key}` is {expected}, found {}", found_unit(unit, found))]
+    WrongUnit {
+        /// Full name of the key.
+        key: String,
+        /// The unit found; empty where there is none.
+        unit: String,
+        /// Its dimension.
+        found: Dimension,
+        /// The dimension of the key.
+        expected: Dimension,
+        /// Where.
+        at: Box<Place>,
+    },
+    /// A gauge pressure where only an absolute one makes sense.
+    #[error("`{key}` cannot be given as gauge pressure, found the unit `{unit}`")]
+    Gauge {
+        /// Full name of the key.
+        key: String,
+        /// The unit found.
+        unit: String,
+        /// Where.
+        at: Box<Place>,
+    },
+    /// Not a number, or infinite.
+    #[error("`{key}` is {found}, which is not a finite number")]
+    NotFinite {
+        /// Full name of the key.
+        key: String,
+        /// What stands there.
+        found: String,
+        /// Where.
+        at: Box<Place>,
+    },
+    /// A value outside what the physics allows.
+    #[error("`{key}` is {found}, it must be {allowed}")]
+    OutsideLimits {
+        /// Full name of the key.
+        key: String,
+        /// What stands there.
+        found: String,
+        /// The limit in words.
+        allowed: &'static str,
+        /// Where.
+        at: Box<Place>,
+    },
+    /// A range whose ends are the wrong way round.
+    #[error("the range of `{key}` runs from {low} down to {high}")]
+    BadRange {
+        /// Full name of the key.
+        key: String,
+        /// Lower end as shown.
+        low: String,
+        /// Upper end as shown.
+        high: String,
+        /// Where.
+        at: Box<Place>,
+    },
+    /// A provenance that is none of the known ones.
+    #[error("`{key}` has the provenance \"{found}\"")]
+    BadProvenance {
+        /// Full name of the key.
+        key: String,
+        /// What stands there.
+        found: String,
+        /// Where.
+        at: Box<Place>,
+    },
+    /// Keys that neither the file nor its bases give.
+    #[error("`{key}` is missing{}", others(*count))]
+    Missing {
+        /// Full name of the first one.
+        key: String,
+        /// A value it might have.
+        example: String,
+        /// How many keys are missing.
+        count: usize,
+        /// The file at the end of the chain, which has no base.
+        at: Box<Place>,
+    },
+    /// A derived quantity that differs from what its primary quantities give.
+    #[error("`{key}` is given as {given}, but it is computed: {}", computed(value, primaries))]
+    Derived {
+        /// Full name of the derived quantity.
+        key: &'static str,
+        /// The value given, in SI units.
+        given: String,
+        /// The value computed, in SI units.
+        value: String,
+        /// The primary quantities and their values.
+        primaries: Vec<(&'static str, String)>,
+        /// Where it is given.
+        at: Box<Place>,
+    },
+    /// Values that do not go together.
+    #[error("{conflict}")]
+    Conflict {
+        /// The conflict with its numbers.
+        conflict: Conflict,
+        /// The place of the key that was set last.
+        at: Box<Place>,
+        /// The other keys and their places.
+        others: Vec<(&'static str, String)>,
+    },
+}
+
+fn found_unit(unit: &str, found: &Dimension) -> String {
+    if unit.is_empty() {
+        "a number without a unit".to_owned()
+    } else {
+        format!("{found} (`{unit}`)")
+    }
+}
+
+fn others(count: usize) -> String {
+    match count {
+        0 | 1 => String::new(),
+        2 => ", and 1 other key".to_owned(),
+        _ => format!(", and {} other keys", count - 1),
+    }
+}
+
+fn computed(value: &str, primaries: &[(&'static str, String)]) -> String {
+    let from: Vec<_> = primaries
+        .iter()
+        .map(|(key, value)| format!("{key} = {value}"))
+        .collect();
+    format!("{} gives {value}", from.join(", "))
+}
+
+impl DesignError {
+    pub(crate) fn unreadable(path: &Path, source: io::Error, at: Option<&Place>) -> Self {
+        let (path, at) = (path.to_owned(), at.cloned().map(Box::new));
+        if source.kind() == io::ErrorKind::NotFound {
+            let nearest = nearest_design(&path);
+            Self::NotFound { path, nearest, at }
+        } else {
+            Self::Unreadable { path, source, at }
+        }
+    }
+
+    /// Where the error is; none where a whole file is missing or unreadable.
+    pub fn place(&self) -> Option<&Place> {
+        match self {
+            Self::NotText { .. } => None,
+            Self::NotFound { at, .. } | Self::Unreadable { at, .. } => at.as_deref(),
+            Self::Syntax { at, .. }
+            | Self::InheritanceLoop { at, .. }
+            | Self::UnknownKey { at, .. }
+            | Self::UnknownGroup { at, .. }
+            | Self::WrongKind { at, .. }
+            | Self::BadNumber { at, .. }
+            | Self::BadUnit { at, .. }
+            | Self::WrongUnit { at, .. }
+            | Self::Gauge { at, .. }
+            | Self::NotFinite { at, .. }
+            | Self::OutsideLimits { at, .. }
+            | Self::BadRange { at, .. }
+            | Self::BadProvenance { at, .. }
+            | Self::Missing { at, .. }
+            | Self::Derived { at, .. }
+            | Self::Conflict { at, .. } => Some(at),
+        }
+    }
+
+    /// What to do about it.
+    pub fn remedy(&self) -> String {
+        match self {
+            Self::NotFound { path, nearest, at } => {
+                let meant = nearest
+                    .as_ref()
+                    .map_or_else(String::new, |near| format!("did you mean `{}`? ", near.display()));
+                match at {
+                    Some(at) => format!(
+                        "{meant}`base` is relative to the folder of the file it stands in, {}",
+                        at.file()
+                    ),
+                    None if meant.is_empty() => format!(
+                        "give the path of a design file, as in `nailnoise run designs/n80cb.toml`; \
+                         or write `{}` with the one line `base = \"PATH/TO/n80cb.toml\"` and what differs from it",
+                        path.display()
+                    ),
+                    None => meant.trim().to_owned(),
+                }
+            }
+            Self::Unreadable { .. } => "a design is one readable file of TOML text".to_owned(),
+            Self::NotText { .. } => "save the file as UTF-8 text".to_owned(),
+            Self::Syntax { .. } => {
+                "write `key = value`, texts in quotes: pressure = \"763.2 kPa\"; groups as `[supply]`".to_owned()
+            }
+            Self::InheritanceLoop { .. } => "remove `base` from one of these files".to_owned(),
+            Self::UnknownKey { nearest, known, .. } => meant(nearest.as_deref(), known, "the keys here are"),
+            Self::UnknownGroup { nearest, known, .. } => meant(nearest.as_deref(), known, "the groups here are"),
+            Self::WrongKind { key, expected, .. } => format!("give `{key}` {expected}"),
+            Self::BadNumber { key, expected, .. } => {
+                format!(
+                    "give `{key}` as a number, a point and no comma in it, and a unit: {}",
+                    expected.examples()
+                )
+            }
+            Self::BadUnit { key, expected, .. } => format!("units of `{key}` are {}", expected.examples()),
+            Self::WrongUnit {
+                key, expected, unit, ..
+            } if unit.is_empty() => format!(
+                "add a unit to `{key}` ({}), or give the bare number in {} without quotes",
+                expected.examples(),
+                expected.unit()
+            ),
+            Self::WrongUnit { key, expected, .. } => format!("give `{key}` in one of {}", expected.examples()),
+            Self::Gauge { key, .. } => format!("give `{key}` as absolute pressure: kPa, bar, psi"),
+            Self::NotFinite { key, .. } => format!("give `{key}` a finite number"),
+            Self::OutsideLimits { key, allowed, .. } => format!("give `{key}` a value {allowed}"),
+            Self::BadRange { key, .. } => format!("write the lower end of the range of `{key}` first"),
+            Self::BadProvenance { .. } => "begin with published, computed, estimated, decided, numerical, constant or \
+                design; the source may follow a colon: \"published: thesis Table 4-3\""
+                .to_owned(),
+            Self::Missing { key, example, .. } => format!(
+                "begin the file with `base = \"n80cb.toml\"` (relative to its folder) and give only what differs, \
+                 or add `{key} = {example}`"
+            ),
+            Self::Derived { key, primaries, .. } => {
+                let keys: Vec<_> = primaries.iter().map(|(key, _)| format!("`{key}`")).collect();
+                format!("remove `{key}` and change {}", keys.join(", "))
+            }
+            Self::Conflict { conflict, others, .. } => {
+                let also: Vec<_> = others
+                    .iter()
+                    .map(|(key, place)| format!("`{key}` is set at {place}"))
+                    .collect();
+                let also = if also.is_empty() {
+                    String::new()
+                } else {
+                    format!("; {}", also.join(", "))
+                };
+                format!("{}{also}", conflict.remedy())
+            }
+        }
+    }
+
+    fn label(&self) -> &'static str {
+        match self {
+            Self::NotFound { .. } | Self::Unreadable { .. } => "asked for here",
+            Self::NotText { .. } => "",
+            Self::Syntax { .. } => "here",
+            Self::InheritanceLoop { .. } => "closes the loop",
+            Self::UnknownKey { .. } => "unknown key",
+            Self::UnknownGroup { .. } => "unknown group",
+            Self::WrongKind { .. } => "wrong type",
+            Self::BadNumber { .. } => "not a number with a unit",
+            Self::BadUnit { .. } => "unit not understood",
+            Self::WrongUnit { .. } => "wrong unit",
+            Self::Gauge { .. } => "gauge pressure",
+            Self::NotFinite { .. } => "not finite",
+            Self::OutsideLimits { .. } => "outside its limits",
+            Self::BadRange { .. } => "wrong way round",
+            Self::BadProvenance { .. } => "unknown provenance",
+            Self::Missing { .. } => "no base here",
+            Self::Derived { .. } => "disagrees",
+            Self::Conflict { .. } => "in conflict",
+        }
+    }
+
+    fn name(&self) -> &'static str {
+        match self {
+            Self::NotFound { .. } => "not_found",
+            Self::Unreadable { .. } => "unreadable",
+            Self::NotText { .. } => "not_text",
+            Self::Syntax { .. } => "syntax",
+            Self::InheritanceLoop { .. } => "inheritance_loop",
+            Self::UnknownKey { .. } => "unknown_key",
+            Self::UnknownGroup { .. } => "unknown_group",
+            Self::WrongKind { .. } => "wrong_kind",
+            Self::BadNumber { .. } => "bad_number",
+            Self::BadUnit { .. } => "bad_unit",
+            Self::WrongUnit { .. } => "wrong_unit",
+            Self::Gauge { .. } => "gauge",
+            Self::NotFinite { .. } => "not_finite",
+            Self::OutsideLimits { .. } => "outside_limits",
+            Self::BadRange { .. } => "bad_range",
+            Self::BadProvenance { .. } => "bad_provenance",
+            Self::Missing { .. } => "missing",
+            Self::Derived { .. } => "derived",
+            Self::Conflict { .. } => "conflict",
+        }
+    }
+}
+
+fn meant(nearest: Option<&str>, known: &[String], intro: &str) -> String {
+    match nearest {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => format!("{intro} {}", known.join(", ")),
+    }
+}
+
+impl Diagnostic for DesignError {
+    fn code<'a>(&'a self) -> Option<Box<dyn Display + 'a>> {
+        Some(Box::new(format!("design::{}", self.name())))
+    }
+
+    fn help<'a>(&'a self) -> Option<Box<dyn Display + 'a>> {
+        Some(Box::new(self.remedy()))
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.place().map(|place| &place.source as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        labels(self.place()?, self.label())
+    }
+}
+
+/// Something about a design that the user should know; it does not stop the run.
+#[derive(Debug, Clone, thiserror::Error)]
+#[non_exhaustive]
+pub enum Warning {
+    /// A value outside the range that the design gives it.
+    #[error("`{key}` is {value}, outside its range {low} .. {high}")]
+    OutsideRange {
+        /// Full name of the key.
+        key: String,
+        /// The value as shown.
+        value: String,
+        /// Lower end of the range as shown.
+        low: String,
+        /// Upper end of the range as shown.
+        high: String,
+        /// Where the value is given.
+        at: Box<Place>,
+    },
+    /// A derived quantity is given and agrees with its primary ones.
+    #[error("`{key}` has no effect: it is computed from {}", primaries.join(", "))]
+    Computed {
+        /// Full name of the derived quantity.
+        key: &'static str,
+        /// The primary quantities.
+        primaries: Vec<&'static str>,
+        /// Where it is given.
+        at: Box<Place>,
+    },
+}
+
+impl Warning {
+    /// What it points at.
+    pub fn place(&self) -> &Place {
+        match self {
+            Self::OutsideRange { at, .. } | Self::Computed { at, .. } => at,
+        }
+    }
+}
+
+impl Diagnostic for Warning {
+    fn severity(&self) -> Option<Severity> {
+        Some(Severity::Warning)
+    }
+
+    fn code<'a>(&'a self) -> Option<Box<dyn Display + 'a>> {
+        Some(Box::new(match self {
+            Self::OutsideRange { .. } => "design::outside_range",
+            Self::Computed { .. } => "design::computed",
+        }))
+    }
+
+    fn help<'a>(&'a self) -> Option<Box<dyn Display + 'a>> {
+        Some(Box::new(match self {
+            Self::OutsideRange { key, .. } => format!(
+                "if the value is meant, give its own range: {key} = {{ value = ..., range = \"low .. high unit\" }}"
+            ),
+            Self::Computed { key, .. } => format!("remove `{key}`"),
+        }))
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        Some(&self.place().source)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let label = match self {
+            Self::OutsideRange { .. } => "outside its range",
+            Self::Computed { .. } => "computed",
+        };
+        labels(self.place(), label)
+    }
+}
+
+fn labels<'a>(place: &Place, label: &str) -> Option<Box<dyn Iterator<Item = LabeledSpan> + 'a>> {
+    Some(Box::new(std::iter::once(LabeledSpan::new_with_span(
+        Some(label.to_owned()),
+        place.span.clone(),
+    ))))
+}
+
+/// The design file in the same folder whose name is most like that of `path`.
+fn nearest_design(path: &Path) -> Option<PathBuf> {
+    let stem = path.file_stem()?.to_string_lossy().into_owned();
+    let folder = path.parent()?;
+    let listed = if folder.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        folder
+    };
+    let mut best: Option<(f64, PathBuf)> = None;
+    for entry in std::fs::read_dir(listed).ok()?.flatten() {
+        let name = PathBuf::from(entry.file_name());
+        if name.extension().is_none_or(|extension| extension != "toml") {
+            continue;
+        }
+        let likeness = strsim::jaro_winkler(&stem, &name.file_stem()?.to_string_lossy());
+        let better = |(top, other): &(f64, PathBuf)| likeness > *top || (likeness == *top && name < *other);
+        if likeness > 0.7 && best.as_ref().is_none_or(better) {
+            best = Some((likeness, name));
+        }
+    }
+    best.map(|(_, name)| folder.join(name))
+}
+
+/// A number to six significant digits, without a tail of zeros.
+pub(crate) struct Short(pub(crate) f64);
+
+impl Display for Short {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Ok(rounded) = format!("{:.5e}", self.0).parse::<f64>() else {
+            return write!(f, "{}", self.0);
+        };
+        if rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs()) {
+            write!(f, "{rounded}")
+        } else {
+            write!(f, "{rounded:e}")
+        }
+    }
+}
+
+/// The value with a readable unit of its dimension: 0.06 m is "60 mm".
+pub(crate) fn show(value: f64, dimension: Dimension) -> String {
+    let (scale, unit) = dimension.readable();
+    format!("{} {unit}", Short(value * scale)).trim_end().to_owned()
+}

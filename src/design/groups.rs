@@ -1,0 +1,615 @@
+//! Every key of the design file, group by group.
+//!
+//! Symbols are those of Z. Nili Ahmadabadi, "Noise source identification and dynamic modeling of a pneumatic nailing
+//! device" (ETS Montreal, 2016), ch. 4, where it has one.
+
+use super::dimension::*;
+use super::schema::{Kind, any, choice, fraction, gas_pressure, group, nonnegative, positive};
+
+group! {
+    /// All quantities of a design, in SI units.
+    Values {}
+    groups {
+        supply: Supply,
+        piston: Piston,
+        head_valve: HeadValve,
+        chambers: Chambers,
+        exhaust: Exhaust,
+        trigger: Trigger,
+        nail: Nail,
+        wood: Wood,
+        workpiece: Workpiece,
+        contacts: Contacts,
+        tool: Tool,
+        hand: Hand,
+        support: Support,
+        body: Body,
+        ambient: Ambient,
+        analysis: Analysis,
+        model: Model,
+    }
+}
+
+group! {
+    /// Compressed-air supply.
+    Supply {
+        /// Supply pressure, absolute; a unit that ends in g (psig, barg) is a gauge pressure.
+        pressure: f64 = gas_pressure(), "P_sup";
+        /// Flow area of the hose and its fitting; flow is this times the discharge coefficient of the holes.
+        hose_area: f64 = nonnegative(AREA), "A_sup";
+    }
+}
+
+group! {
+    /// Coulomb friction that falls from its static to its sliding value, and a viscous part.
+    Friction {
+        /// Static friction.
+        static_force: f64 = nonnegative(FORCE), "F_s";
+        /// Sliding friction.
+        sliding_force: f64 = nonnegative(FORCE), "F_d";
+        /// Viscous friction coefficient.
+        viscous: f64 = nonnegative(DAMPING), "beta";
+    }
+}
+
+group! {
+    /// Piston with its driver rod.
+    Piston {
+        /// Mass of piston and rod.
+        mass: f64 = positive(MASS), "M_p";
+        /// Travel from the upper stopper to the bumper.
+        stroke: f64 = positive(LENGTH), "L";
+        /// Bore of the cylinder.
+        bore: f64 = positive(LENGTH), "d_c";
+        /// Diameter of the driver rod.
+        rod_diameter: f64 = positive(LENGTH), "d_r";
+    }
+    groups {
+        friction: Friction,
+    }
+}
+
+group! {
+    /// Head valve: a ring that shuts the cylinder's top, or opens it to the supply and shuts the exhaust.
+    HeadValve {
+        /// Mass of the valve.
+        mass: f64 = positive(MASS), "M_h";
+        /// Full lift, from the cylinder's seat to the cap.
+        lift: f64 = positive(LENGTH), "L_h";
+        /// Outer diameter of the ring; A_h1 = pi/4 (outer^2 - inner^2).
+        outer_diameter: f64 = positive(LENGTH), "D_o";
+        /// Diameter of the seat on the cylinder; A_h2 = pi/4 (outer^2 - seat^2).
+        seat_diameter: f64 = positive(LENGTH), "D_s";
+        /// Inner diameter of the ring.
+        inner_diameter: f64 = positive(LENGTH), "D_i";
+        /// Lift at which the intake opens.
+        intake_lap: f64 = nonnegative(LENGTH), "Y_he0";
+        /// Lift at which the exhaust shuts; at most the intake's, or air passes from supply to exhaust.
+        exhaust_lap: f64 = nonnegative(LENGTH), "Y_he1";
+        /// Seat angle of the intake.
+        intake_angle: f64 = positive(ANGLE), "theta_0";
+        /// Seat angle of the exhaust.
+        exhaust_angle: f64 = positive(ANGLE), "theta_1";
+        /// Diameter of the exhaust's seat.
+        exhaust_seat_diameter: f64 = positive(LENGTH), "d_ps";
+        /// Compression of the closing spring with the valve shut.
+        spring_preload: f64 = nonnegative(LENGTH), "y_sp";
+    }
+    groups {
+        friction: Friction,
+    }
+}
+
+group! {
+    /// Gas volumes, the holes between them, and their walls.
+    Chambers {
+        /// Dead volume above the piston.
+        above_piston: f64 = positive(VOLUME), "V_01";
+        /// Dead volume below the piston when it stands on the bumper.
+        below_piston: f64 = positive(VOLUME), "V_02";
+        /// Return volume around the cylinder.
+        return_volume: f64 = positive(VOLUME), "V_r";
+        /// Dead volume above the open head valve.
+        above_valve: f64 = positive(VOLUME), "V_0h";
+        /// Volume on the supply side: handle and cylinder jacket.
+        supply_volume: f64 = positive(VOLUME), "V_ext";
+        /// Area of the check-ring holes from above the piston to the return volume.
+        check_hole_area: f64 = nonnegative(AREA), "A_1r";
+        /// Piston travel that uncovers the check-ring holes.
+        check_hole_position: f64 = positive(LENGTH), "y_rh";
+        /// Area of the open holes at the cylinder's foot to the return volume.
+        return_hole_area: f64 = nonnegative(AREA), "A_2r";
+        /// Area of the leak past the rod, from below the piston to the atmosphere.
+        leak_area: f64 = nonnegative(AREA), "A_lk2";
+        /// Discharge coefficient of all holes, those of the exhaust included.
+        discharge_coefficient: f64 = fraction(), "C_d";
+        /// Heat transfer between gas and walls.
+        wall_heat_transfer: f64 = nonnegative(HEAT_TRANSFER), "h_w";
+        /// Wall of the volume above the piston, without the cylinder's bore.
+        wall_above_piston: f64 = nonnegative(AREA), "A_w10";
+        /// Wall of the volume below the piston, without the cylinder's bore.
+        wall_below_piston: f64 = nonnegative(AREA), "A_w20";
+        /// Wall of the return volume.
+        wall_return: f64 = nonnegative(AREA), "A_wr";
+        /// Wall of the volume above the head valve.
+        wall_above_valve: f64 = nonnegative(AREA), "A_wh";
+        /// Wall of the supply side.
+        wall_supply: f64 = nonnegative(AREA), "A_wx";
+    }
+}
+
+group! {
+    /// Exhaust holes behind the head valve; A_ma = n pi d^2/4.
+    Exhaust {
+        /// Number of holes.
+        holes: u32 = Kind::Count, "n";
+        /// Diameter of one hole.
+        hole_diameter: f64 = positive(LENGTH), "d";
+    }
+}
+
+group! {
+    /// Trigger valve, and the channel from it to the volume above the head valve.
+    Trigger {
+        /// Length of the channel.
+        channel_length: f64 = positive(LENGTH), "L_ch";
+        /// Diameter of the channel.
+        channel_diameter: f64 = positive(LENGTH), "D_ch";
+        /// Effective area, C_d included, of the vent to the atmosphere.
+        vent_area: f64 = positive(AREA), "C A_tv";
+        /// Effective area, C_d included, of the fill from the supply side.
+        fill_area: f64 = positive(AREA), "C A_tvin";
+    }
+}
+
+group! {
+    /// The nail, and where it stands under the rod.
+    Nail {
+        /// Length with the head.
+        length: f64 = positive(LENGTH), "l_n";
+        /// Diameter of the shank.
+        diameter: f64 = positive(LENGTH), "D";
+        /// Diameter of the head.
+        head_diameter: f64 = positive(LENGTH), "D_h";
+        /// Thickness of the head.
+        head_thickness: f64 = positive(LENGTH), "t_h";
+        /// Density of the steel.
+        density: f64 = positive(DENSITY), "rho_n";
+        /// Piston travel at which the rod strikes the nail's head.
+        head_gap: f64 = positive(LENGTH), "y_pbin";
+        /// Piston travel at which the nail's tip touches the wood.
+        tip_gap: f64 = positive(LENGTH), "y_pbp";
+    }
+}
+
+choice! {
+    /// A law of penetration resistance.
+    PenetrationLaw {
+        /// Smooth shank, Eq. 2.2.
+        Smooth = "smooth",
+        /// Annular shank, Eq. 2.2.
+        Annular = "annular",
+        /// Helical shank, Eq. 2.2.
+        Helical = "helical",
+        /// All shanks, Eq. 2.2.
+        General = "general",
+        /// General law without its last term (Table 2-8).
+        Reduced1 = "reduced1",
+        /// General law without its last two terms.
+        Reduced2 = "reduced2",
+        /// General law without its last three terms.
+        Reduced3 = "reduced3",
+        /// General law without its last four terms.
+        Reduced4 = "reduced4",
+        /// General law without its last five terms.
+        Reduced5 = "reduced5",
+        /// General law without its last six terms.
+        Reduced6 = "reduced6",
+        /// Solid wood, Eq. 4.59.
+        SolidWood = "solid_wood",
+    }
+}
+
+choice! {
+    /// The direction across the grain along which the nail is driven.
+    Rings {
+        /// Driven across the growth rings: the thickness is radial, the width tangential.
+        Radial = "radial",
+        /// Driven along the growth rings: the thickness is tangential, the width radial.
+        Tangential = "tangential",
+    }
+}
+
+group! {
+    /// An orthotropic solid: axis 1 along the grain, 2 and 3 across it.
+    Orthotropic {
+        /// Young's modulus along axis 1.
+        e1: f64 = positive(PRESSURE), "E_1";
+        /// Young's modulus along axis 2.
+        e2: f64 = positive(PRESSURE), "E_2";
+        /// Young's modulus along axis 3.
+        e3: f64 = positive(PRESSURE), "E_3";
+        /// Shear modulus in the plane of axes 1 and 2.
+        g12: f64 = positive(PRESSURE), "G_12";
+        /// Shear modulus in the plane of axes 1 and 3.
+        g13: f64 = positive(PRESSURE), "G_13";
+        /// Shear modulus in the plane of axes 2 and 3.
+        g23: f64 = positive(PRESSURE), "G_23";
+        /// Contraction along axis 2 for a pull along axis 1.
+        nu12: f64 = any(NUMBER), "nu_12";
+        /// Contraction along axis 3 for a pull along axis 1.
+        nu13: f64 = any(NUMBER), "nu_13";
+        /// Contraction along axis 3 for a pull along axis 2.
+        nu23: f64 = any(NUMBER), "nu_23";
+    }
+}
+
+group! {
+    /// The wood of the workpiece.
+    Wood {
+        /// Density.
+        density: f64 = positive(DENSITY), "rho_w";
+        /// Hardness modulus; also the stiffness k_w of the wood under the nail's head.
+        hardness_modulus: f64 = positive(STIFFNESS), "H_M";
+        /// Law of penetration resistance.
+        penetration_law: PenetrationLaw = PenetrationLaw::KIND, "F_r";
+        /// Coefficient of the speed term of the solid-wood law, at its reference speed.
+        speed_term: f64 = any(VELOCITY_SQUARED), "C8 v_ref^2";
+        /// Coefficient of the slenderness term D/l_n of the solid-wood law.
+        slenderness_term: f64 = any(NUMBER), "C9";
+        /// Multiplier on the penetration law.
+        resistance_scale: f64 = nonnegative(NUMBER), "Fr_scale";
+        /// Multiplier on the stiffness under the nail's head, k_w = scale H_M.
+        head_stiffness_scale: f64 = nonnegative(NUMBER), "kw_scale";
+        /// Unloading stiffness of the seated nail.
+        unloading_stiffness: f64 = positive(STIFFNESS), "k_u";
+        /// Direction of driving relative to the growth rings.
+        driven: Rings = Rings::KIND, "";
+        /// Loss factor of the free block's modes.
+        loss_factor: f64 = fraction(), "eta";
+    }
+    groups {
+        elastic: Grain,
+    }
+}
+
+group! {
+    /// Elastic constants of wood: L along the grain, R radial, T tangential to the growth rings.
+    Grain {
+        /// Young's modulus along the grain.
+        e_l: f64 = positive(PRESSURE), "E_L";
+        /// Young's modulus in radial direction.
+        e_r: f64 = positive(PRESSURE), "E_R";
+        /// Young's modulus in tangential direction.
+        e_t: f64 = positive(PRESSURE), "E_T";
+        /// Shear modulus in the longitudinal-radial plane.
+        g_lr: f64 = positive(PRESSURE), "G_LR";
+        /// Shear modulus in the longitudinal-tangential plane.
+        g_lt: f64 = positive(PRESSURE), "G_LT";
+        /// Rolling shear modulus, in the radial-tangential plane.
+        g_rt: f64 = positive(PRESSURE), "G_RT";
+        /// Radial contraction for a pull along the grain.
+        nu_lr: f64 = any(NUMBER), "nu_LR";
+        /// Tangential contraction for a pull along the grain.
+        nu_lt: f64 = any(NUMBER), "nu_LT";
+        /// Tangential contraction for a radial pull.
+        nu_rt: f64 = any(NUMBER), "nu_RT";
+    }
+}
+
+group! {
+    /// The block of wood that is nailed.
+    Workpiece {
+        /// Length, along the grain.
+        length: f64 = positive(LENGTH), "L";
+        /// Width.
+        width: f64 = positive(LENGTH), "W";
+        /// Thickness, in the direction of driving.
+        thickness: f64 = positive(LENGTH), "H";
+    }
+}
+
+group! {
+    /// Lumped contacts: springs and dampers that act in compression only.
+    Contacts {
+        /// Stiffness of the bumper under the piston.
+        bumper_stiffness: f64 = positive(STIFFNESS), "k_pb";
+        /// Damping of the bumper.
+        bumper_damping: f64 = nonnegative(DAMPING), "beta_pb";
+        /// Stiffness of the upper stopper.
+        stopper_stiffness: f64 = positive(STIFFNESS), "k_ps";
+        /// Damping of the upper stopper.
+        stopper_damping: f64 = nonnegative(DAMPING), "beta_ps";
+        /// Stiffness of the head valve on the cap.
+        cap_stiffness: f64 = positive(STIFFNESS), "k_hc1";
+        /// Stiffness of the head valve on the cylinder's seat.
+        seat_stiffness: f64 = positive(STIFFNESS), "k_hc2";
+        /// Damping ratio of both head-valve contacts, on the valve's mass.
+        valve_damping_ratio: f64 = nonnegative(NUMBER), "zeta_hc";
+        /// Stiffness of the nose on the wood.
+        nose_stiffness: f64 = positive(STIFFNESS), "k_wsn";
+        /// Damping ratio of the nose contact, on the tool's mass.
+        nose_damping_ratio: f64 = nonnegative(NUMBER), "zeta_wsn";
+        /// Stiffness of the guard's spring.
+        guard_stiffness: f64 = positive(STIFFNESS), "k_sg";
+        /// Guard travel: rise of the tool off the wood at which the trigger valve is released.
+        guard_travel: f64 = positive(LENGTH), "y_msg";
+    }
+}
+
+group! {
+    /// The tool without its moving parts.
+    Tool {
+        /// Mass of the tool without piston and head valve.
+        mass: f64 = positive(MASS), "M_g";
+    }
+}
+
+group! {
+    /// The hand that holds the tool.
+    Hand {
+        /// Constant push towards the wood.
+        force: f64 = nonnegative(FORCE), "F_hm";
+    }
+}
+
+choice! {
+    /// What the workpiece stands on.
+    SupportKind {
+        /// The block stands on a worktable.
+        Worktable = "worktable",
+        /// The block lies in a sandbox, its top flush with the sand.
+        Sandbox = "sandbox",
+    }
+}
+
+choice! {
+    /// Build of the worktable.
+    WorktablePreset {
+        /// A: a plywood top on four legs of solid wood.
+        A = "A",
+    }
+}
+
+group! {
+    /// What the workpiece stands on; only the group of the chosen kind takes part.
+    Support {
+        /// The support.
+        kind: SupportKind = SupportKind::KIND, "";
+    }
+    groups {
+        worktable: Worktable,
+        contact: BlockContact,
+        sand: Sand,
+    }
+}
+
+group! {
+    /// Worktable: a plate on four square legs, clamped at the floor.
+    Worktable {
+        /// Build of the table; results are stated with it.
+        preset: WorktablePreset = WorktablePreset::KIND, "";
+        /// Length of the top, along the workpiece's length.
+        length: f64 = positive(LENGTH), "";
+        /// Width of the top.
+        width: f64 = positive(LENGTH), "";
+        /// Height of the top's upper face above the floor.
+        height: f64 = positive(LENGTH), "";
+        /// Thickness of the top.
+        top_thickness: f64 = positive(LENGTH), "";
+        /// Side of a leg's square section; the legs stand flush with the top's corners.
+        leg_width: f64 = positive(LENGTH), "";
+        /// Density of the top.
+        top_density: f64 = positive(DENSITY), "rho";
+        /// Density of the legs.
+        leg_density: f64 = positive(DENSITY), "rho";
+        /// Loss factor of the assembled table's modes.
+        loss_factor: f64 = fraction(), "eta";
+        /// Stiffness under the block in the cycle model, where the table is one spring.
+        stiffness: f64 = positive(STIFFNESS), "k_ws";
+        /// Damping ratio of that spring, on the workpiece's mass.
+        damping_ratio: f64 = nonnegative(NUMBER), "zeta_ws";
+    }
+    groups {
+        top: Orthotropic,
+        legs: Orthotropic,
+    }
+}
+
+group! {
+    /// Contact between block and worktable: unilateral points, p = max(0, k'' d + c'' d') for d > 0.
+    BlockContact {
+        /// Stiffness per area.
+        stiffness_per_area: f64 = positive(STIFFNESS_PER_AREA), "k''";
+        /// Loss ratio 2 pi f c''/k'' at the frequency below.
+        loss_ratio: f64 = nonnegative(NUMBER), "";
+        /// Frequency of the loss ratio.
+        loss_frequency: f64 = positive(FREQUENCY), "f";
+        /// Contact points along the block's length.
+        points_along: u32 = Kind::Count, "";
+        /// Contact points across the block's width.
+        points_across: u32 = Kind::Count, "";
+    }
+}
+
+group! {
+    /// Sandbox.
+    Sand {
+        /// Length of the box, along the workpiece's length.
+        box_length: f64 = positive(LENGTH), "";
+        /// Width of the box.
+        box_width: f64 = positive(LENGTH), "";
+        /// Depth of the box.
+        box_depth: f64 = positive(LENGTH), "";
+        /// Density of the sand.
+        density: f64 = positive(DENSITY), "rho";
+        /// Small-strain shear modulus.
+        shear_modulus: f64 = positive(PRESSURE), "G_0";
+        /// Poisson's ratio.
+        poisson_ratio: f64 = nonnegative(NUMBER), "nu";
+        /// Hysteretic loss factor.
+        loss_factor: f64 = fraction(), "eta";
+        /// Flow resistivity of the surface, for its sound absorption.
+        flow_resistivity: f64 = positive(FLOW_RESISTIVITY), "sigma";
+        /// Share of the absorption of an infinite sand plane, in dB, that the patch around the block reaches.
+        absorption_share: f64 = fraction(), "";
+        /// Share of the block's side walls that carries the sand's impedance.
+        side_contact: f64 = fraction(), "";
+        /// Mass of sand that moves with the base, m = coefficient rho r0 A.
+        added_mass: f64 = nonnegative(NUMBER), "";
+        /// Whether the block sticks to the sand (linear) or lifts off it.
+        bonded: bool = Kind::Switch, "";
+        /// Whether the sand's surface around the block moves with it and radiates.
+        moving_surface: bool = Kind::Switch, "";
+    }
+}
+
+group! {
+    /// Tool body: the outer geometry of the housing, heights up from the nose's tip.
+    Body {
+        /// Outer radius of the barrel.
+        barrel_radius: f64 = positive(LENGTH), "";
+        /// Wall of the barrel.
+        barrel_wall: f64 = positive(LENGTH), "";
+        /// Height of the barrel.
+        barrel_height: f64 = positive(LENGTH), "";
+        /// Outer radius of the cap on the barrel.
+        cap_radius: f64 = positive(LENGTH), "";
+        /// Wall of the cap.
+        cap_wall: f64 = positive(LENGTH), "";
+        /// Height of the cap.
+        cap_height: f64 = positive(LENGTH), "";
+        /// Length of the handle.
+        handle_length: f64 = positive(LENGTH), "";
+        /// Outer radius of the handle.
+        handle_radius: f64 = positive(LENGTH), "";
+        /// Wall of the handle.
+        handle_wall: f64 = positive(LENGTH), "";
+        /// Height of the handle's axis above the nose's tip.
+        handle_elevation: f64 = positive(LENGTH), "";
+        /// Outer radius of the magazine.
+        magazine_radius: f64 = positive(LENGTH), "";
+        /// Wall of the magazine.
+        magazine_wall: f64 = positive(LENGTH), "";
+        /// Height (axial length) of the magazine.
+        magazine_height: f64 = positive(LENGTH), "";
+        /// Distance of the magazine's centre from the barrel's axis.
+        magazine_offset: f64 = positive(LENGTH), "";
+        /// Height of the magazine's centre above the nose's tip.
+        magazine_elevation: f64 = positive(LENGTH), "";
+        /// Width of the steel nose.
+        nose_width: f64 = positive(LENGTH), "";
+        /// Depth of the steel nose.
+        nose_depth: f64 = positive(LENGTH), "";
+        /// Height of the steel nose.
+        nose_height: f64 = positive(LENGTH), "";
+        /// Young's modulus of the housing.
+        youngs_modulus: f64 = positive(PRESSURE), "E";
+        /// Poisson's ratio of the housing.
+        poisson_ratio: f64 = nonnegative(NUMBER), "nu";
+        /// Density of the housing.
+        density: f64 = positive(DENSITY), "rho";
+        /// Loss factor of the assembled body's modes.
+        loss_factor: f64 = fraction(), "eta";
+    }
+}
+
+group! {
+    /// Surrounding air and gravity.
+    Ambient {
+        /// Absolute pressure.
+        pressure: f64 = positive(PRESSURE), "P_a";
+        /// Temperature.
+        temperature: f64 = positive(TEMPERATURE), "T_a";
+        /// Specific gas constant of air.
+        gas_constant: f64 = positive(GAS_CONSTANT), "R";
+        /// Ratio of specific heats.
+        heat_capacity_ratio: f64 = positive(NUMBER), "gamma";
+        /// Dynamic viscosity.
+        viscosity: f64 = positive(VISCOSITY), "mu";
+        /// Acceleration of gravity.
+        gravity: f64 = nonnegative(ACCELERATION), "g";
+    }
+}
+
+group! {
+    /// What is computed: frequency ranges, meshes, steps and tolerances.
+    Analysis {
+        /// Lower end of the range over which sources are ranked.
+        range_low: f64 = positive(FREQUENCY), "";
+        /// Upper end of the range over which sources are ranked.
+        range_high: f64 = positive(FREQUENCY), "";
+        /// Top frequency of the workpiece's modes that take part.
+        workpiece_top: f64 = positive(FREQUENCY), "";
+        /// Top frequency of the worktable's modes that take part.
+        worktable_top: f64 = positive(FREQUENCY), "";
+        /// Top frequency of the tool body.
+        body_top: f64 = positive(FREQUENCY), "";
+        /// Top frequency of the exhaust.
+        exhaust_top: f64 = positive(FREQUENCY), "";
+        /// Modes are computed up to this many times the top frequency.
+        mode_margin: f64 = positive(NUMBER), "";
+        /// Largest side of a quadratic element of the workpiece.
+        workpiece_element: f64 = positive(LENGTH), "";
+        /// Largest side of a quadratic element of the worktable.
+        worktable_element: f64 = positive(LENGTH), "";
+        /// Step of the structural response and of the sampled cycle.
+        time_step: f64 = positive(TIME), "";
+        /// Duration of the structural response from the trigger on.
+        duration: f64 = positive(TIME), "";
+        /// Latest end of the cycle's record.
+        cycle_end: f64 = positive(TIME), "t_end";
+        /// Record of the cycle after its last event.
+        cycle_tail: f64 = nonnegative(TIME), "";
+        /// Relative tolerance of the cycle's integration.
+        cycle_tolerance: f64 = positive(NUMBER), "";
+        /// Largest relative residual of a mode.
+        mode_tolerance: f64 = positive(NUMBER), "";
+    }
+}
+
+choice! {
+    /// Which form of one part of the physics is used.
+    Form {
+        /// The corrected form.
+        Corrected = "corrected",
+        /// As printed in the thesis.
+        Published = "published",
+    }
+}
+
+group! {
+    /// Which form of the physics is used, corrected or as published, and widths that smooth it.
+    Model {
+        /// Gas: balances of mass and energy, or the published isothermal polytropic law.
+        gas: Form = Form::KIND, "thermo";
+        /// Head valve: the pressure above the piston acts on its underside and it sweeps all volumes, or neither.
+        valve_underside: Form = Form::KIND, "hvp1";
+        /// Nail: elasto-plastic penetration, or resistance that ends at full depth and at the first reversal.
+        nail: Form = Form::KIND, "nailmode";
+        /// Rod on nail: a plastic impact that keeps momentum, or a mass that jumps at constant velocity.
+        impact: Form = Form::KIND, "jump";
+        /// Contacts: compression only, or dampers that may pull.
+        contacts: Form = Form::KIND, "clampc";
+        /// Intake and exhaust: flow both ways, or one way.
+        intake: Form = Form::KIND, "bidir";
+        /// Trigger channel: only the switching is delayed, or the flow is.
+        delay: Form = Form::KIND, "delaymode";
+        /// Trigger channel: the same flow at both ends, or the supply side loses the undelayed one.
+        channel: Form = Form::KIND, "chcons";
+        /// Supply hose: refills the supply side, or is absent.
+        refill: Form = Form::KIND, "refill";
+        /// Polytropic exponent of the published gas law.
+        polytropic: f64 = positive(NUMBER), "alpha";
+        /// Exponent of inflow in the published gas law.
+        polytropic_inflow: f64 = positive(NUMBER), "alpha_in";
+        /// Exponent of outflow in the published gas law.
+        polytropic_outflow: f64 = positive(NUMBER), "alpha_out";
+        /// Velocity over which friction turns its sign.
+        friction_velocity: f64 = positive(VELOCITY), "v_0";
+        /// Velocity over which friction falls from static to sliding.
+        stribeck_velocity: f64 = positive(VELOCITY), "v_st";
+        /// Relative pressure difference below which an orifice is linearised.
+        orifice_linear: f64 = positive(NUMBER), "1 - P_d/P_u";
+    }
+}

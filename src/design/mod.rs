@@ -1,0 +1,199 @@
+//! The design file: what a nailer is, in the words and units of an engineer.
+//!
+//! ```text
+//! base = "n80cb.toml"                 # inherit everything, relative to this file, and give what differs
+//! supply.pressure = "96 psig"         # a text with a unit; bare pressures are absolute, suffix g is gauge
+//! piston.mass = 0.131                 # a number is in SI units
+//! wood.density = { value = "429 kg/m3", range = "400 .. 480 kg/m3", provenance = "estimated: own scale" }
+//! ```
+//!
+//! [`Design::load`] reads a file and those it inherits from, converts every quantity to SI, and refuses what cannot be:
+//! unknown keys, wrong dimensions, numbers that are not finite, values outside what the physics allows, values that do
+//! not go together, and derived quantities that disagree with their primary ones. Each error names file, line, key and
+//! remedy ([`DesignError`]).
+
+mod checks;
+mod derived;
+mod dimension;
+mod error;
+mod groups;
+mod provenance;
+mod quantity;
+mod reference;
+mod resolve;
+mod schema;
+mod settings;
+mod source;
+mod suggest;
+mod units;
+
+use std::fmt::Write as _;
+use std::ops::{Deref, DerefMut};
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest as _, Sha256};
+
+pub use checks::Conflict;
+pub use derived::{AGREEMENT, DERIVED, Derived};
+pub use dimension::Dimension;
+pub use error::{DesignError, Warning};
+pub use groups::*;
+pub use provenance::Provenance;
+pub use reference::reference;
+pub use schema::{GroupSpec, KeySpec, Kind, Sign, Value};
+pub use source::Place;
+pub use units::UnitError;
+
+use resolve::{Record, Records, Resolved};
+use schema::Group;
+use source::File;
+
+/// A design: every quantity in SI units, and where each comes from.
+///
+/// The groups stand on the design itself: `design.supply.pressure` is the supply pressure in Pa. A program may change
+/// them; [`digest`](Self::digest) and [`entries`](Self::entries) follow, and
+/// [`conflict`](Values::conflict) checks the result.
+#[derive(Debug)]
+pub struct Design {
+    name: String,
+    path: PathBuf,
+    values: Values,
+    records: Records,
+    warnings: Vec<Warning>,
+}
+
+/// What is known about one key of a design.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct Entry {
+    /// Full name, as `piston.mass`.
+    pub key: String,
+    /// Symbol in the thesis or the field; empty where there is none.
+    pub symbol: &'static str,
+    /// Value, quantities in SI units.
+    pub value: Value,
+    /// SI unit; empty for plain numbers, counts, switches and choices.
+    pub unit: String,
+    /// Range of plausible values, in SI units.
+    pub range: Option<[f64; 2]>,
+    /// Where the value comes from.
+    pub provenance: Provenance,
+    /// The source in words; may be empty.
+    pub source: String,
+    /// A remark; may be empty.
+    pub note: String,
+    /// The file that gives the value.
+    pub file: String,
+    /// The line in that file, from 1.
+    pub line: usize,
+}
+
+impl Design {
+    /// Reads a design file and those it inherits from.
+    ///
+    /// # Errors
+    /// A [`DesignError`] for the first thing that is wrong, with its place and remedy.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, DesignError> {
+        let path = path.as_ref();
+        Self::resolve(path, File::read(path, None)?)
+    }
+
+    /// Reads a design from text, as if it stood in the file `path`, to whose folder a `base` is relative.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, DesignError> {
+        let path = path.as_ref();
+        Self::resolve(path, File::new(path, text))
+    }
+
+    fn resolve(path: &Path, file: File) -> Result<Self, DesignError> {
+        let Resolved {
+            values,
+            records,
+            warnings,
+        } = resolve::resolve(&file.chain()?)?;
+        let name = path
+            .file_stem()
+            .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+        Ok(Self {
+            name,
+            path: path.to_owned(),
+            values,
+            records,
+            warnings,
+        })
+    }
+
+    /// The file's name without folder and extension.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The file, as it was asked for.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// What the user should know about the design; each is a [`miette::Diagnostic`].
+    pub fn warnings(&self) -> &[Warning] {
+        &self.warnings
+    }
+
+    /// SHA-256 of all values in hexadecimal digits.
+    ///
+    /// It is the same for two designs whose values agree to twelve digits, however and in whichever files and units they
+    /// are written, and whatever is said about provenance and range.
+    pub fn digest(&self) -> String {
+        let mut text = String::new();
+        self.values.visit("", &mut |key, _, value| {
+            // Writing to a string cannot fail.
+            let _ = match value {
+                Value::Number(0.0) => writeln!(text, "{key}=0"),
+                Value::Number(value) => writeln!(text, "{key}={value:.11e}"),
+                Value::Count(count) => writeln!(text, "{key}={count}"),
+                Value::Switch(on) => writeln!(text, "{key}={on}"),
+                Value::Choice(word) => writeln!(text, "{key}={word}"),
+            };
+        });
+        Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+
+    /// Every key with its value and where it comes from, in the order of the reference.
+    ///
+    /// A value changed by the program since the design was read has the provenance "design".
+    pub fn entries(&self) -> Vec<Entry> {
+        let mut entries = Vec::new();
+        self.values.visit("", &mut |key, spec, value| {
+            let Some(record) = self.records.get(key) else { return };
+            let Record { range, note, place, .. } = record;
+            let changed = value != record.value;
+            entries.push(Entry {
+                key: key.to_owned(),
+                symbol: spec.symbol,
+                value,
+                unit: spec.unit(),
+                range: *range,
+                provenance: if changed { Provenance::Design } else { record.provenance },
+                source: if changed { String::new() } else { record.source.clone() },
+                note: note.clone(),
+                file: place.file().to_owned(),
+                line: place.line(),
+            });
+        });
+        entries
+    }
+}
+
+impl Deref for Design {
+    type Target = Values;
+
+    fn deref(&self) -> &Values {
+        &self.values
+    }
+}
+
+impl DerefMut for Design {
+    fn deref_mut(&mut self) -> &mut Values {
+        &mut self.values
+    }
+}

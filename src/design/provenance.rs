@@ -1,0 +1,64 @@
+//! Where a value comes from.
+
+use std::fmt;
+
+/// The standing of a value; the reports state it beside the number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Provenance {
+    /// Printed in a publication.
+    Published,
+    /// Computed from published values.
+    Computed,
+    /// An engineer's estimate.
+    Estimated,
+    /// Decided where sources contradict each other or leave a choice.
+    Decided,
+    /// A property of the numerical method.
+    Numerical,
+    /// A constant of nature or of the reference atmosphere.
+    Constant,
+    /// Set by a design without saying more.
+    Design,
+}
+
+impl Provenance {
+    /// All of them, in the order of the documentation.
+    pub const ALL: [Self; 7] = [
+        Self::Published,
+        Self::Computed,
+        Self::Estimated,
+        Self::Decided,
+        Self::Numerical,
+        Self::Constant,
+        Self::Design,
+    ];
+
+    /// The word in the design file.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Published => "published",
+            Self::Computed => "computed",
+            Self::Estimated => "estimated",
+            Self::Decided => "decided",
+            Self::Numerical => "numerical",
+            Self::Constant => "constant",
+            Self::Design => "design",
+        }
+    }
+
+    /// Reads "published: thesis Table 4-3" as a standing and its source.
+    pub(crate) fn parse(text: &str) -> Option<(Self, String)> {
+        let (word, source) = text.split_once(':').unwrap_or((text, ""));
+        let standing = Self::ALL
+            .into_iter()
+            .find(|standing| standing.as_str() == word.trim())?;
+        Some((standing, source.trim().to_owned()))
+    }
+}
+
+impl fmt::Display for Provenance {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.as_str())
+    }
+}

@@ -1,0 +1,81 @@
+//! The reference of all keys, from the same declarations that read them.
+
+use std::fmt::Write as _;
+
+use super::derived::DERIVED;
+use super::groups::Values;
+use super::schema::{Group, GroupSpec, Kind, dotted};
+
+/// All groups and keys of the design file as Markdown: key, what may stand there, symbol, description.
+pub fn reference() -> String {
+    let mut text = String::from(INTRODUCTION);
+    for (name, group) in Values::SPEC.groups {
+        section(&mut text, name, group);
+    }
+    text.push_str(DERIVED_INTRODUCTION);
+    for derived in DERIVED {
+        let unit = derived.dimension.unit();
+        let primaries: Vec<_> = derived.primaries.iter().map(|key| format!("`{key}`")).collect();
+        let (key, symbol, description) = (derived.key, derived.symbol, derived.description);
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "| `{key}` | {unit} | {symbol} | {description} | {} |",
+            primaries.join(", ")
+        );
+    }
+    text
+}
+
+fn section(text: &mut String, path: &str, group: &GroupSpec) {
+    let _ = writeln!(text, "\n## `[{path}]`\n\n{}\n", group.description());
+    if !group.keys.is_empty() {
+        text.push_str("| key | holds | symbol | description |\n|---|---|---|---|\n");
+    }
+    for key in group.keys {
+        let _ = writeln!(
+            text,
+            "| `{}` | {} | {} | {} |",
+            key.name,
+            holds(key.kind),
+            key.symbol,
+            key.description()
+        );
+    }
+    for (name, inner) in group.groups {
+        section(text, &dotted(path, name), inner);
+    }
+}
+
+fn holds(kind: Kind) -> String {
+    match kind {
+        Kind::Quantity { dimension, sign, .. } => {
+            let unit = dimension.unit();
+            format!(
+                "{}, {}",
+                if unit.is_empty() { "number".to_owned() } else { unit },
+                sign.describe()
+            )
+        }
+        Kind::Count => "whole number above zero".to_owned(),
+        Kind::Switch => "`true` or `false`".to_owned(),
+        Kind::Choice(words) => words
+            .iter()
+            .map(|word| format!("`\"{word}\"`"))
+            .collect::<Vec<_>>()
+            .join(", "),
+    }
+}
+
+const INTRODUCTION: &str = include_str!("reference.md");
+
+const DERIVED_INTRODUCTION: &str = "
+## Derived quantities
+
+These are computed and never given twice. A file that gives one which differs by more than 0.1 % from the computed value
+is refused, with both numbers and the primary quantities to change; one that agrees is accepted with a warning that it
+has no effect.
+
+| quantity | unit | symbol | description | computed from |
+|---|---|---|---|---|
+";

@@ -1,0 +1,322 @@
+//! From a chain of files to one value per key.
+
+use std::collections::HashMap;
+
+use super::derived::AGREEMENT;
+use super::dimension::{Dimension, NUMBER};
+use super::error::{DesignError, Warning, show};
+use super::groups::Values;
+use super::provenance::Provenance;
+use super::quantity::Measured;
+use super::schema::{Group, KeySpec, Kind, Sign, Value};
+use super::settings::{Given, GivenDerived, Layer, Setting};
+use super::source::{File, Place};
+
+/// What the files say about one key, the nearest file last.
+#[derive(Debug)]
+struct Merged {
+    spec: &'static KeySpec,
+    value: Option<(Given, String, Box<Place>)>,
+    range: Option<([Measured; 2], Box<Place>)>,
+    provenance: Provenance,
+    source: String,
+    note: String,
+    /// How many files stand between this one and the design itself.
+    depth: usize,
+}
+
+/// A key with its resolved value and what is known about it.
+#[derive(Debug, Clone)]
+pub(crate) struct Record {
+    pub(crate) value: Value,
+    pub(crate) range: Option<[f64; 2]>,
+    pub(crate) provenance: Provenance,
+    pub(crate) source: String,
+    pub(crate) note: String,
+    pub(crate) place: Box<Place>,
+    depth: usize,
+}
+
+/// All keys of a design by their full names.
+pub(crate) type Records = HashMap<String, Record>;
+
+/// A design whose values are known and fit together.
+#[derive(Debug)]
+pub(crate) struct Resolved {
+    pub(crate) values: Values,
+    pub(crate) records: Records,
+    pub(crate) warnings: Vec<Warning>,
+}
+
+/// Reads the files of a chain, the nearest first, and resolves every key.
+pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
+    let mut merged = HashMap::new();
+    let mut derived = Vec::new();
+    for (depth, file) in chain.iter().enumerate().rev() {
+        let layer = Layer::read(file, &Values::SPEC)?;
+        for setting in layer.settings {
+            merge(&mut merged, setting, depth);
+        }
+        derived.extend(layer.derived);
+    }
+    complete(&merged, chain)?;
+
+    let ambient = match merged.get("ambient.pressure").and_then(|merged| merged.value.as_ref()) {
+        Some((Given::Quantity(pressure), ..)) => pressure.si,
+        _ => 0.0,
+    };
+    let mut records = Records::with_capacity(merged.len());
+    for (key, merged) in merged {
+        if let Some(record) = record(&key, merged, ambient)? {
+            records.insert(key, record);
+        }
+    }
+    let values = Values::build("", &|key| records.get(key).map(|record| record.value))
+        .map_err(|key| missing(key, 1, "a value".to_owned(), chain))?;
+    if let Some(conflict) = values.conflict() {
+        return Err(conflicting(conflict, &records));
+    }
+    let mut warnings = outside_range(&values, &records);
+    for given in derived {
+        warnings.push(agree(given, &values)?);
+    }
+    Ok(Resolved {
+        values,
+        records,
+        warnings,
+    })
+}
+
+fn merge(merged: &mut HashMap<String, Merged>, setting: Setting, depth: usize) {
+    let Setting {
+        key,
+        spec,
+        value,
+        range,
+        provenance,
+        note,
+    } = setting;
+    let entry = merged.entry(key).or_insert_with(|| Merged {
+        spec,
+        value: None,
+        range: None,
+        provenance: Provenance::Design,
+        source: String::new(),
+        note: String::new(),
+        depth,
+    });
+    if value.is_some() {
+        entry.value = value;
+        entry.provenance = Provenance::Design;
+        entry.source.clear();
+        entry.depth = depth;
+    }
+    if range.is_some() {
+        entry.range = range;
+    }
+    if let Some((provenance, source)) = provenance {
+        (entry.provenance, entry.source) = (provenance, source);
+    }
+    if let Some(note) = note {
+        entry.note = note;
+    }
+}
+
+/// Every key has a value, in one file or another.
+fn complete(merged: &HashMap<String, Merged>, chain: &[File]) -> Result<(), DesignError> {
+    let mut first: Option<(String, String)> = None;
+    let mut count = 0;
+    Values::SPEC.each_key("", &mut |key, spec| {
+        if merged.get(key).is_none_or(|merged| merged.value.is_none()) {
+            count += 1;
+            first.get_or_insert_with(|| (key.to_owned(), example(spec.kind)));
+        }
+    });
+    match first {
+        Some((key, example)) => Err(missing(key, count, example, chain)),
+        None => Ok(()),
+    }
+}
+
+fn missing(key: String, count: usize, example: String, chain: &[File]) -> DesignError {
+    // The chain holds the design itself at least.
+    let at = chain[chain.len() - 1].place(0..0);
+    DesignError::Missing {
+        key,
+        example,
+        count,
+        at,
+    }
+}
+
+fn example(kind: Kind) -> String {
+    match kind {
+        Kind::Quantity { dimension: NUMBER, .. } => "NUMBER".to_owned(),
+        Kind::Quantity { dimension, .. } => format!("\"NUMBER {}\"", dimension.unit()),
+        Kind::Count => "COUNT".to_owned(),
+        Kind::Switch => "true".to_owned(),
+        Kind::Choice(words) => format!("\"{}\"", words.first().unwrap_or(&"")),
+    }
+}
+
+fn record(key: &str, merged: Merged, ambient: f64) -> Result<Option<Record>, DesignError> {
+    let Merged {
+        spec,
+        value,
+        range,
+        provenance,
+        source,
+        note,
+        depth,
+    } = merged;
+    let Some((given, text, place)) = value else {
+        return Ok(None);
+    };
+    let (dimension, sign) = limits(spec.kind);
+    let value = match given {
+        Given::Other(value) => value,
+        Given::Quantity(measured) => {
+            let value = measured.absolute(ambient);
+            if !sign.allows(value) {
+                let found = format!("{text}, {} absolute", show(value, dimension));
+                let (key, allowed) = (key.to_owned(), sign.describe());
+                return Err(DesignError::OutsideLimits {
+                    key,
+                    found,
+                    allowed,
+                    at: place,
+                });
+            }
+            Value::Number(value)
+        }
+    };
+    let range = match range {
+        None => None,
+        Some((ends, at)) => {
+            let [low, high] = ends.map(|end| end.absolute(ambient));
+            if low > high {
+                let (low, high) = (show(low, dimension), show(high, dimension));
+                return Err(DesignError::BadRange {
+                    key: key.to_owned(),
+                    low,
+                    high,
+                    at,
+                });
+            }
+            Some([low, high])
+        }
+    };
+    Ok(Some(Record {
+        value,
+        range,
+        provenance,
+        source,
+        note,
+        place,
+        depth,
+    }))
+}
+
+fn limits(kind: Kind) -> (Dimension, Sign) {
+    match kind {
+        Kind::Quantity { dimension, sign, .. } => (dimension, sign),
+        _ => (NUMBER, Sign::Any),
+    }
+}
+
+/// The conflict at the key that was set last: in the file nearest to the design, and there furthest down.
+fn conflicting(conflict: super::Conflict, records: &Records) -> DesignError {
+    let mut places: Vec<_> = conflict
+        .keys()
+        .into_iter()
+        .filter_map(|key| records.get(key).map(|record| (key, record)))
+        .collect();
+    places.sort_by_key(|(_, record)| (record.depth, usize::MAX - record.place.span.start));
+    let others = places
+        .iter()
+        .skip(1)
+        .map(|(key, record)| (*key, record.place.to_string()))
+        .collect();
+    let at = places[0].1.place.clone();
+    DesignError::Conflict { conflict, at, others }
+}
+
+fn outside_range(values: &Values, records: &Records) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    values.visit("", &mut |key, spec, value| {
+        let Some(Record {
+            range: Some([low, high]),
+            place,
+            ..
+        }) = records.get(key)
+        else {
+            return;
+        };
+        let value = match value {
+            Value::Number(value) => value,
+            Value::Count(count) => f64::from(count),
+            Value::Switch(_) | Value::Choice(_) => return,
+        };
+        // "96 psig" as a value and its like in a range may differ by a rounding.
+        let slack = 1e-9 * low.abs().max(high.abs());
+        if value < low - slack || value > high + slack {
+            let (dimension, _) = limits(spec.kind);
+            warnings.push(Warning::OutsideRange {
+                key: key.to_owned(),
+                value: show(value, dimension),
+                low: show(*low, dimension),
+                high: show(*high, dimension),
+                at: place.clone(),
+            });
+        }
+    });
+    warnings
+}
+
+/// A derived quantity that is given must be the computed one; it has no effect then.
+fn agree(given: GivenDerived, values: &Values) -> Result<Warning, DesignError> {
+    let GivenDerived { derived, value, at } = given;
+    let computed = (derived.value)(values);
+    if (value.si - computed).abs() <= AGREEMENT * computed.abs() {
+        return Ok(Warning::Computed {
+            key: derived.key,
+            primaries: derived.primaries.to_vec(),
+            at,
+        });
+    }
+    let mut primaries = Vec::new();
+    values.visit("", &mut |key, spec, value| {
+        if let Some(own) = derived.primaries.iter().find(|own| **own == key) {
+            primaries.push((*own, shown(value, spec)));
+        }
+    });
+    Err(DesignError::Derived {
+        key: derived.key,
+        given: show(value.si, derived.dimension),
+        value: show(computed, derived.dimension),
+        primaries,
+        at,
+    })
+}
+
+fn shown(value: Value, spec: &KeySpec) -> String {
+    match value {
+        Value::Number(value) => show(value, limits(spec.kind).0),
+        Value::Count(count) => count.to_string(),
+        Value::Switch(on) => on.to_string(),
+        Value::Choice(word) => word.to_owned(),
+    }
+}
+
+/// Every primary quantity that a derived one names is a key.
+#[test]
+fn derived_quantities_name_keys() {
+    let mut keys = Vec::new();
+    Values::SPEC.each_key("", &mut |key, _| keys.push(key.to_owned()));
+    for derived in super::derived::DERIVED {
+        assert!(!keys.iter().any(|key| key == derived.key), "{} is a key", derived.key);
+        for primary in derived.primaries {
+            assert!(keys.iter().any(|key| key == primary), "{} names {primary}", derived.key);
+        }
+    }
+}

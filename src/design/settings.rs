@@ -1,0 +1,415 @@
+//! What one file says about one key: value, range, provenance and note, each with its place.
+
+use std::ops::Range;
+
+use toml::Spanned;
+use toml::de::{DeArray, DeTable, DeValue};
+
+use super::derived::Derived;
+use super::dimension::{Dimension, NUMBER};
+use super::error::DesignError;
+use super::provenance::Provenance;
+use super::quantity::{self, Measured, QuantityError};
+use super::schema::{GroupSpec, KeySpec, Kind, Value, dotted};
+use super::source::{File, Place};
+use super::suggest;
+
+/// What stands beside a key before gauge pressures are made absolute.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Given {
+    Quantity(Measured),
+    Other(Value),
+}
+
+/// What one file says about one key.
+#[derive(Debug)]
+pub(crate) struct Setting {
+    pub(crate) key: String,
+    pub(crate) spec: &'static KeySpec,
+    pub(crate) value: Option<(Given, String, Box<Place>)>,
+    pub(crate) range: Option<([Measured; 2], Box<Place>)>,
+    pub(crate) provenance: Option<(Provenance, String)>,
+    pub(crate) note: Option<String>,
+}
+
+/// A derived quantity that a file gives all the same.
+#[derive(Debug)]
+pub(crate) struct GivenDerived {
+    pub(crate) derived: &'static Derived,
+    pub(crate) value: Measured,
+    pub(crate) at: Box<Place>,
+}
+
+/// All that one file says.
+#[derive(Debug, Default)]
+pub(crate) struct Layer {
+    pub(crate) settings: Vec<Setting>,
+    pub(crate) derived: Vec<GivenDerived>,
+}
+
+impl Layer {
+    /// Reads `file` by the declaration `root`.
+    pub(crate) fn read(file: &File, root: &'static GroupSpec) -> Result<Self, DesignError> {
+        let table = file.table()?;
+        let mut layer = Self::default();
+        Reader { file, root }.group(&table, root, "", &mut layer)?;
+        Ok(layer)
+    }
+}
+
+struct Reader<'a> {
+    file: &'a File,
+    root: &'static GroupSpec,
+}
+
+impl Reader<'_> {
+    fn group(
+        &self,
+        table: &DeTable<'_>,
+        spec: &'static GroupSpec,
+        path: &str,
+        layer: &mut Layer,
+    ) -> Result<(), DesignError> {
+        for (key, value) in table {
+            let name = key.get_ref().as_ref();
+            let full = dotted(path, name);
+            if path.is_empty() && name == "base" {
+                continue;
+            }
+            if let Some(spec) = spec.key(name) {
+                layer.settings.push(self.setting(full, spec, value)?);
+            } else if let Some(inner) = spec.group(name) {
+                let DeValue::Table(table) = value.get_ref() else {
+                    let at = self.file.place(key.span());
+                    let expected = format!("as a group of keys: [{full}]");
+                    return Err(DesignError::WrongKind {
+                        key: full,
+                        found: found(value.get_ref()),
+                        expected,
+                        at,
+                    });
+                };
+                self.group(table, inner, &full, layer)?;
+            } else if let Some(derived) = Derived::find(&full) {
+                layer.derived.push(self.derived(derived, value)?);
+            } else {
+                return Err(self.unknown(full, spec, key.span(), value));
+            }
+        }
+        Ok(())
+    }
+
+    fn unknown(&self, full: String, spec: &GroupSpec, span: Range<usize>, value: &Spanned<DeValue<'_>>) -> DesignError {
+        let at = self.file.place(span);
+        // A table may be a misspelt group or a misspelt key with range and provenance.
+        let inner = value.get_ref().as_table();
+        if inner.is_some_and(|table| !table.contains_key("value")) {
+            let nearest = suggest::group(self.root, &full);
+            let known = spec
+                .groups
+                .iter()
+                .map(|(name, _)| (*name).to_owned())
+                .collect::<Vec<_>>();
+            if nearest.is_some() || !known.is_empty() {
+                return DesignError::UnknownGroup {
+                    group: full,
+                    nearest,
+                    known,
+                    at,
+                };
+            }
+        }
+        let nearest = suggest::key(self.root, &full);
+        let keys = spec.keys.iter().map(|key| key.name);
+        let known = keys
+            .chain(spec.groups.iter().map(|(name, _)| *name))
+            .map(str::to_owned)
+            .collect();
+        DesignError::UnknownKey {
+            key: full,
+            nearest,
+            known,
+            at,
+        }
+    }
+
+    fn derived(&self, derived: &'static Derived, value: &Spanned<DeValue<'_>>) -> Result<GivenDerived, DesignError> {
+        let inner = match value.get_ref() {
+            DeValue::Table(table) => table.get("value").unwrap_or(value),
+            _ => value,
+        };
+        let field = Field {
+            file: self.file,
+            key: derived.key,
+        };
+        let measured = field.measured(inner, derived.dimension, false)?;
+        Ok(GivenDerived {
+            derived,
+            value: measured,
+            at: self.file.place(inner.span()),
+        })
+    }
+
+    fn setting(
+        &self,
+        key: String,
+        spec: &'static KeySpec,
+        value: &Spanned<DeValue<'_>>,
+    ) -> Result<Setting, DesignError> {
+        let field = Field {
+            file: self.file,
+            key: &key,
+        };
+        let mut setting = Setting {
+            key: key.clone(),
+            spec,
+            value: None,
+            range: None,
+            provenance: None,
+            note: None,
+        };
+        let DeValue::Table(table) = value.get_ref() else {
+            setting.value = Some(field.value(value, spec)?);
+            return Ok(setting);
+        };
+        for (name, value) in table {
+            match name.get_ref().as_ref() {
+                "value" => setting.value = Some(field.value(value, spec)?),
+                "range" => setting.range = Some(field.range(value, spec)?),
+                "provenance" => setting.provenance = Some(field.provenance(value)?),
+                "note" => setting.note = Some(field.text(value, "note")?),
+                other => {
+                    let known = ["value", "range", "provenance", "note"].map(str::to_owned).to_vec();
+                    return Err(DesignError::UnknownKey {
+                        key: dotted(&key, other),
+                        nearest: suggest::word(known.iter().map(String::as_str), other).map(|near| dotted(&key, near)),
+                        known,
+                        at: self.file.place(name.span()),
+                    });
+                }
+            }
+        }
+        Ok(setting)
+    }
+}
+
+/// Reads what stands beside one key.
+struct Field<'a> {
+    file: &'a File,
+    key: &'a str,
+}
+
+impl Field<'_> {
+    fn value(&self, value: &Spanned<DeValue<'_>>, spec: &KeySpec) -> Result<(Given, String, Box<Place>), DesignError> {
+        let at = self.file.place(value.span());
+        let text = found_value(value.get_ref());
+        let outside = |allowed| DesignError::OutsideLimits {
+            key: self.key.to_owned(),
+            found: text.clone(),
+            allowed,
+            at: at.clone(),
+        };
+        let given = match (spec.kind, value.get_ref()) {
+            (Kind::Quantity { dimension, sign, gauge }, _) => {
+                let measured = self.measured(value, dimension, gauge)?;
+                // A gauge pressure may be below zero; its limits are those of the absolute one.
+                if !measured.gauge && !sign.allows(measured.si) {
+                    return Err(outside(sign.describe()));
+                }
+                Given::Quantity(measured)
+            }
+            (Kind::Count, DeValue::Integer(integer)) => {
+                let count = i64::from_str_radix(integer.as_str(), integer.radix()).ok();
+                let count = count
+                    .and_then(|count| u32::try_from(count).ok())
+                    .filter(|count| *count > 0);
+                Given::Other(Value::Count(
+                    count.ok_or_else(|| outside("a whole number from 1 to 4294967295"))?,
+                ))
+            }
+            (Kind::Switch, DeValue::Boolean(on)) => Given::Other(Value::Switch(*on)),
+            (Kind::Choice(words), DeValue::String(word)) => match words.iter().find(|own| **own == word.as_ref()) {
+                Some(word) => Given::Other(Value::Choice(word)),
+                None => return Err(self.wrong_kind(value, one_of(words))),
+            },
+            (Kind::Count, _) => return Err(self.wrong_kind(value, "as a whole number".to_owned())),
+            (Kind::Switch, _) => return Err(self.wrong_kind(value, "as true or false, without quotes".to_owned())),
+            (Kind::Choice(words), _) => return Err(self.wrong_kind(value, one_of(words))),
+        };
+        Ok((given, text, at))
+    }
+
+    fn measured(
+        &self,
+        value: &Spanned<DeValue<'_>>,
+        dimension: Dimension,
+        gauge: bool,
+    ) -> Result<Measured, DesignError> {
+        let si = match value.get_ref() {
+            DeValue::String(text) => {
+                return quantity::quantity(text, dimension, gauge)
+                    .map_err(|error| self.quantity(error, text, dimension, value.span()));
+            }
+            DeValue::Float(float) => float.as_str().parse().unwrap_or(f64::NAN),
+            // Hexadecimal and its like are integers beyond doubt, and no way to write a quantity.
+            DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().parse().unwrap_or(f64::NAN),
+            _ => {
+                let examples = dimension.examples();
+                return Err(self.wrong_kind(
+                    value,
+                    format!("as {dimension}: a number in SI, or a text with a unit ({examples})"),
+                ));
+            }
+        };
+        if si.is_finite() {
+            return Ok(Measured { si, gauge: false });
+        }
+        let (found, at) = (found_value(value.get_ref()), self.file.place(value.span()));
+        Err(DesignError::NotFinite {
+            key: self.key.to_owned(),
+            found,
+            at,
+        })
+    }
+
+    fn range(&self, value: &Spanned<DeValue<'_>>, spec: &KeySpec) -> Result<([Measured; 2], Box<Place>), DesignError> {
+        let (dimension, gauge) = match spec.kind {
+            Kind::Quantity { dimension, gauge, .. } => (dimension, gauge),
+            Kind::Count => (NUMBER, false),
+            Kind::Switch | Kind::Choice(_) => {
+                return Err(self.wrong_kind(value, "without a range: it is no quantity".to_owned()));
+            }
+        };
+        let ends = match value.get_ref() {
+            DeValue::String(text) => quantity::range(text, dimension, gauge)
+                .map_err(|error| self.quantity(error, text, dimension, value.span()))?,
+            DeValue::Array(ends) => self.ends(ends, value, dimension, gauge)?,
+            _ => return Err(self.wrong_kind(value, RANGE.to_owned())),
+        };
+        Ok((ends, self.file.place(value.span())))
+    }
+
+    fn ends(
+        &self,
+        ends: &DeArray<'_>,
+        value: &Spanned<DeValue<'_>>,
+        dimension: Dimension,
+        gauge: bool,
+    ) -> Result<[Measured; 2], DesignError> {
+        let mut ends = ends.iter();
+        match (ends.next(), ends.next(), ends.next()) {
+            (Some(low), Some(high), None) => Ok([
+                self.measured(low, dimension, gauge)?,
+                self.measured(high, dimension, gauge)?,
+            ]),
+            _ => Err(self.wrong_kind(value, RANGE.to_owned())),
+        }
+    }
+
+    fn provenance(&self, value: &Spanned<DeValue<'_>>) -> Result<(Provenance, String), DesignError> {
+        let text = self.text(value, "provenance")?;
+        Provenance::parse(&text).ok_or_else(|| DesignError::BadProvenance {
+            key: self.key.to_owned(),
+            found: text,
+            at: self.file.place(value.span()),
+        })
+    }
+
+    fn text(&self, value: &Spanned<DeValue<'_>>, name: &str) -> Result<String, DesignError> {
+        match value.get_ref() {
+            DeValue::String(text) => Ok(text.to_string()),
+            _ => Err(Field {
+                file: self.file,
+                key: &dotted(self.key, name),
+            }
+            .wrong_kind(value, "as text in quotes".to_owned())),
+        }
+    }
+
+    fn wrong_kind(&self, value: &Spanned<DeValue<'_>>, expected: String) -> DesignError {
+        let found = found(value.get_ref());
+        DesignError::WrongKind {
+            key: self.key.to_owned(),
+            found,
+            expected,
+            at: self.file.place(value.span()),
+        }
+    }
+
+    fn quantity(&self, error: QuantityError, text: &str, expected: Dimension, span: Range<usize>) -> DesignError {
+        let key = self.key.to_owned();
+        let at = self.file.place(span);
+        match error {
+            QuantityError::Number => DesignError::BadNumber {
+                key,
+                found: text.to_owned(),
+                expected,
+                at,
+            },
+            QuantityError::NotFinite => DesignError::NotFinite {
+                key,
+                found: format!("\"{text}\""),
+                at,
+            },
+            QuantityError::NoUnit => DesignError::WrongUnit {
+                key,
+                unit: String::new(),
+                found: NUMBER,
+                expected,
+                at,
+            },
+            QuantityError::Unit(problem) => DesignError::BadUnit {
+                key,
+                problem,
+                expected,
+                at,
+            },
+            QuantityError::Dimension { unit, found } => DesignError::WrongUnit {
+                key,
+                unit,
+                found,
+                expected,
+                at,
+            },
+            QuantityError::Gauge { unit } => DesignError::Gauge { key, unit, at },
+        }
+    }
+}
+
+const RANGE: &str = "with a range of two ends: \"low .. high unit\" or [low, high]";
+
+fn one_of(words: &[&str]) -> String {
+    let quoted: Vec<_> = words.iter().map(|word| format!("\"{word}\"")).collect();
+    match quoted.as_slice() {
+        [one] => format!("as {one}"),
+        _ => format!("as one of {}", quoted.join(", ")),
+    }
+}
+
+/// The value as it is written, for a message.
+fn found_value(value: &DeValue<'_>) -> String {
+    match value {
+        DeValue::String(text) => format!("\"{text}\""),
+        DeValue::Integer(integer) => integer.to_string(),
+        DeValue::Float(float) => float.as_str().to_owned(),
+        DeValue::Boolean(on) => on.to_string(),
+        other => format!("{} {}", article(other.type_str()), other.type_str()),
+    }
+}
+
+/// What kind of value it is, with the value where it is short.
+fn found(value: &DeValue<'_>) -> String {
+    match value {
+        DeValue::String(_) => format!("the text {}", found_value(value)),
+        DeValue::Integer(_) | DeValue::Float(_) => format!("the number {}", found_value(value)),
+        _ => found_value(value),
+    }
+}
+
+fn article(noun: &str) -> &'static str {
+    if noun.starts_with(['a', 'e', 'i', 'o', 'u']) {
+        "an"
+    } else {
+        "a"
+    }
+}

@@ -1,0 +1,150 @@
+//! Design files as text, the places in them, and the chain of files that one inherits from.
+
+use std::fmt;
+use std::fs;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use miette::NamedSource;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::error::DesignError;
+
+/// The text of one design file.
+#[derive(Debug)]
+pub(crate) struct File {
+    path: PathBuf,
+    text: Arc<str>,
+}
+
+/// A place in a design file: what an error points at.
+#[derive(Debug, Clone)]
+pub struct Place {
+    pub(crate) source: NamedSource<Arc<str>>,
+    pub(crate) span: Range<usize>,
+    line: usize,
+    column: usize,
+}
+
+impl Place {
+    /// The file as it was named.
+    pub fn file(&self) -> &str {
+        self.source.name()
+    }
+
+    /// Line, from 1.
+    pub fn line(&self) -> usize {
+        self.line
+    }
+
+    /// Column in characters, from 1.
+    pub fn column(&self) -> usize {
+        self.column
+    }
+}
+
+/// `file:line:column`.
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}:{}", self.file(), self.line, self.column)
+    }
+}
+
+impl File {
+    pub(crate) fn new(path: &Path, text: &str) -> Self {
+        // A byte order mark is no part of the first key.
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        Self {
+            path: path.to_owned(),
+            text: text.into(),
+        }
+    }
+
+    pub(crate) fn read(path: &Path, at: Option<&Place>) -> Result<Self, DesignError> {
+        let bytes = fs::read(path).map_err(|source| DesignError::unreadable(path, source, at))?;
+        match String::from_utf8(bytes) {
+            Ok(text) => Ok(Self::new(path, &text)),
+            Err(error) => {
+                let at = error.utf8_error().valid_up_to();
+                let line = error.as_bytes()[..at].iter().filter(|byte| **byte == b'\n').count() + 1;
+                Err(DesignError::NotText {
+                    path: path.to_owned(),
+                    line,
+                })
+            }
+        }
+    }
+
+    pub(crate) fn place(&self, span: Range<usize>) -> Box<Place> {
+        let start = (0..=span.start.min(self.text.len()))
+            .rev()
+            .find(|at| self.text.is_char_boundary(*at))
+            .unwrap_or(0);
+        let end = span.end.clamp(start, self.text.len());
+        let before = &self.text[..start];
+        let line = before.matches('\n').count() + 1;
+        let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
+        let source = NamedSource::new(self.path.to_string_lossy(), Arc::clone(&self.text)).with_language("TOML");
+        Box::new(Place {
+            source,
+            span: start..end,
+            line,
+            column,
+        })
+    }
+
+    pub(crate) fn table(&self) -> Result<DeTable<'_>, DesignError> {
+        DeTable::parse(&self.text)
+            .map(Spanned::into_inner)
+            .map_err(|error| DesignError::Syntax {
+                message: error.message().to_owned(),
+                at: self.place(error.span().unwrap_or(0..0)),
+            })
+    }
+
+    /// The file named by `base`, relative to the folder of this file.
+    fn base(&self) -> Result<Option<(PathBuf, Box<Place>)>, DesignError> {
+        let table = self.table()?;
+        let Some((key, value)) = table.get_key_value("base") else {
+            return Ok(None);
+        };
+        let place = self.place(key.span().start..value.span().end);
+        let DeValue::String(name) = value.get_ref() else {
+            return Err(DesignError::WrongKind {
+                key: "base".to_owned(),
+                found: value.get_ref().type_str().to_owned(),
+                expected: "as the name of a design file, in quotes".to_owned(),
+                at: place,
+            });
+        };
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        Ok(Some((folder.join(name.as_ref()), place)))
+    }
+
+    /// This file and those it inherits from, the nearest first.
+    pub(crate) fn chain(self) -> Result<Vec<Self>, DesignError> {
+        let mut chain = vec![self];
+        let mut seen: Vec<PathBuf> = chain.iter().map(|file| identity(&file.path)).collect();
+        while let Some((path, at)) = chain[chain.len() - 1].base()? {
+            let own = identity(&path);
+            if let Some(first) = seen.iter().position(|other| *other == own) {
+                let names = chain[first..]
+                    .iter()
+                    .map(|file| file.path.as_path())
+                    .chain([path.as_path()]);
+                let chain = names.map(|path| path.display().to_string()).collect();
+                return Err(DesignError::InheritanceLoop { chain, at });
+            }
+            seen.push(own);
+            chain.push(Self::read(&path, Some(&at))?);
+        }
+        Ok(chain)
+    }
+}
+
+/// One name for one file, however its path is written.
+fn identity(path: &Path) -> PathBuf {
+    fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
+}
