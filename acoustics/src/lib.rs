@@ -1,1 +1,15 @@
 //! Levels, radiation of moving surfaces and exhaust noise.
+//!
+//! Everything ends in a [`levels::SourceSpectrum`]: the energy a source radiates during one shot, per hertz. Surfaces
+//! bring quadrature points with modal displacements ([`radiation`]), the exhaust brings its flow ([`exhaust`]).
+//! Time factor e^{+j omega t}; spectra are one-sided; SI units throughout.
+
+mod air;
+mod error;
+pub mod exhaust;
+pub mod fourier;
+pub mod levels;
+pub mod radiation;
+
+pub use air::{Air, GAS_CONSTANT, HEAT_RATIO};
+pub use error::AcousticsError;

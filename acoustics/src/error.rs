@@ -1,0 +1,167 @@
+use thiserror::Error;
+
+/// What can go wrong between a motion or a flow and its sound power.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum AcousticsError {
+    /// Two arrays that describe the same thing differ in length.
+    #[error("{what}: {found} values where {expected} are needed; give both on the same points or samples")]
+    Length {
+        /// The array that was counted.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length it must have.
+        expected: usize,
+    },
+    /// A quantity that must be finite and positive is not.
+    #[error("{what} is {value}; it must be a finite number above zero")]
+    NotPositive {
+        /// The quantity.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A value of a history or spectrum is not finite.
+    #[error("{what}[{index}] is {value}; every value must be finite")]
+    NotFinite {
+        /// The array.
+        what: &'static str,
+        /// Position of the first bad value.
+        index: usize,
+        /// The value.
+        value: f64,
+    },
+    /// A quantity lies outside the interval in which the model holds.
+    #[error("{what} is {value}, outside {low} to {high}")]
+    OutsideRange {
+        /// The quantity.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// Lowest value allowed.
+        low: f64,
+        /// Highest value allowed.
+        high: f64,
+    },
+    /// The analysed range is empty or reaches above half the sampling frequency.
+    #[error("the range {low} to {high} Hz is empty or reaches above {nyquist} Hz, half the sampling frequency")]
+    Range {
+        /// Lower end [Hz].
+        low: f64,
+        /// Upper end [Hz].
+        high: f64,
+        /// Highest frequency the samples can carry [Hz].
+        nyquist: f64,
+    },
+    /// A record is too short to be transformed.
+    #[error("the record {what} has {found} samples; at least {needed} are needed")]
+    ShortRecord {
+        /// The record.
+        what: &'static str,
+        /// Its number of samples.
+        found: usize,
+        /// The least number of samples.
+        needed: usize,
+    },
+    /// Frequencies do not rise strictly.
+    #[error("the frequency {next} Hz follows {previous} Hz; a spectrum's frequencies rise strictly")]
+    Frequencies {
+        /// A frequency [Hz].
+        previous: f64,
+        /// The one after it [Hz].
+        next: f64,
+    },
+    /// The Rayleigh integral was asked for a surface that is not one plane facing up.
+    #[error(
+        "surface point {point} lies {offset} m off the plane z = {plane} m or its normal is not +z (n_z = {normal}); \
+         the Rayleigh integral holds for a flat face in a rigid plane, use another operator for this surface"
+    )]
+    NotPlanar {
+        /// Index of the quadrature point.
+        point: usize,
+        /// Distance from the plane [m].
+        offset: f64,
+        /// Height of the plane [m].
+        plane: f64,
+        /// Vertical component of the point's normal.
+        normal: f64,
+    },
+    /// A patch index points past the list of patch names.
+    #[error("surface point {point} belongs to patch {patch}, but only {patches} patches are named")]
+    Patch {
+        /// Index of the quadrature point.
+        point: usize,
+        /// Its patch index.
+        patch: usize,
+        /// Number of named patches.
+        patches: usize,
+    },
+    /// The block's footprint does not lie inside the sand box.
+    #[error("the footprint {footprint:?} m (x, y) does not lie inside the sand box {sand:?} m; enlarge the box")]
+    SandBox {
+        /// Half-open intervals of the block's top, x then y [m].
+        footprint: [[f64; 2]; 2],
+        /// Intervals of the sand surface, x then y [m].
+        sand: [[f64; 2]; 2],
+    },
+    /// The radiation matrix was not resolved over frequency with the samples allowed.
+    #[error(
+        "the radiation matrix near {hz} Hz is interpolated with error {error:.1e} after {samples} samples, \
+         above the tolerance {tolerance:.1e}; allow more samples or a larger tolerance"
+    )]
+    Unresolved {
+        /// Middle of the worst interval [Hz].
+        hz: f64,
+        /// Its estimated relative error.
+        error: f64,
+        /// Samples taken.
+        samples: usize,
+        /// Error asked for.
+        tolerance: f64,
+    },
+    /// Exhaust holes so close that their jets merge.
+    #[error(
+        "{count} holes of {diameter} m stand {pitch} m apart; below three diameters their jets merge: give a larger \
+         pitch, or one hole of {merged:.2e} m"
+    )]
+    MergingJets {
+        /// Number of holes.
+        count: usize,
+        /// Hole diameter [m].
+        diameter: f64,
+        /// Distance between centres [m].
+        pitch: f64,
+        /// Diameter of one hole of the same area [m].
+        merged: f64,
+    },
+}
+
+/// Fails with [`AcousticsError::NotPositive`] unless `value` is finite and above zero.
+pub(crate) fn positive(what: &'static str, value: f64) -> Result<f64, AcousticsError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(AcousticsError::NotPositive { what, value })
+    }
+}
+
+/// Fails with [`AcousticsError::NotFinite`] at the first value that is not finite.
+pub(crate) fn finite(what: &'static str, values: &[f64]) -> Result<(), AcousticsError> {
+    match values.iter().position(|v| !v.is_finite()) {
+        None => Ok(()),
+        Some(index) => Err(AcousticsError::NotFinite {
+            what,
+            index,
+            value: values[index],
+        }),
+    }
+}
+
+/// Fails with [`AcousticsError::Length`] unless the two lengths agree.
+pub(crate) fn same_length(what: &'static str, found: usize, expected: usize) -> Result<(), AcousticsError> {
+    if found == expected {
+        Ok(())
+    } else {
+        Err(AcousticsError::Length { what, found, expected })
+    }
+}

@@ -1,0 +1,67 @@
+use crate::air::{Air, GAS_CONSTANT, HEAT_RATIO};
+
+/// A jet fully expanded to ambient pressure.
+///
+/// ```text
+/// M_j^2 = 2/(g-1) [(P/P_a)^((g-1)/g) - 1]        T_j = T / (1 + (g-1)/2 M_j^2)
+/// U_j = M_j sqrt(g R T_j)                        rho_j = P_a / (R T_j)
+/// D_j/d = [(1 + (g-1)/2 M_j^2) / ((g+1)/2)]^((g+1)/(4(g-1))) M_j^{-1/2}     for M_j > 1, else 1
+/// ```
+///
+/// Isentropic expansion of a perfect gas; D_j follows from mass conservation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Jet {
+    /// Mach number M_j.
+    pub mach: f64,
+    /// Static temperature T_j [K].
+    pub temperature: f64,
+    /// Velocity U_j [m/s].
+    pub velocity: f64,
+    /// Density rho_j [kg/m³].
+    pub density: f64,
+    /// Diameter over that of the hole, D_j/d.
+    pub diameter_ratio: f64,
+}
+
+impl Jet {
+    /// The jet from stagnation pressure \[Pa\] and temperature \[K\]; `None` unless the pressure exceeds the ambient one.
+    pub fn expand(pressure: f64, temperature: f64, air: &Air) -> Option<Self> {
+        const G: f64 = HEAT_RATIO;
+        if !(pressure > air.pressure) {
+            return None;
+        }
+        // 1 + (g-1)/2 M_j^2 is the ratio of stagnation to static temperature.
+        let ratio = (pressure / air.pressure).powf((G - 1.0) / G);
+        let mach = (2.0 / (G - 1.0) * (ratio - 1.0)).sqrt();
+        let static_temperature = temperature / ratio;
+        let diameter_ratio = if mach > 1.0 {
+            // (g+1)/(4(g-1)) is 3/2 for g = 7/5.
+            let x = ratio / (0.5 * (G + 1.0));
+            x * x.sqrt() / mach.sqrt()
+        } else {
+            1.0
+        };
+        Some(Self {
+            mach,
+            temperature: static_temperature,
+            velocity: mach * (G * GAS_CONSTANT * static_temperature).sqrt(),
+            density: air.pressure / (GAS_CONSTANT * static_temperature),
+            diameter_ratio,
+        })
+    }
+
+    /// Area A_j of the expanded jets of an effective area A \[m²\].
+    pub fn area(&self, effective_area: f64) -> f64 {
+        effective_area * self.diameter_ratio * self.diameter_ratio
+    }
+
+    /// Mass flow rho_j U_j A_j [kg/s].
+    pub fn mass_flow(&self, effective_area: f64) -> f64 {
+        self.density * self.velocity * self.area(effective_area)
+    }
+
+    /// beta² = M_j² - 1, negative below Mach 1.
+    pub fn beta_squared(&self) -> f64 {
+        self.mach * self.mach - 1.0
+    }
+}

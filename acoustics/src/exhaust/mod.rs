@@ -1,0 +1,26 @@
+//! Exhaust noise from the flow of one cycle.
+//!
+//! Per sample the opening's jet is expanded to ambient pressure ([`Jet`]); its mixing and shock noise power is spread
+//! over frequency by the shape of its own instant and integrated over the record. The unsteady outflow is a monopole.
+//! Flow inward radiates nothing here.
+
+mod cross_check;
+mod histogram;
+mod jet;
+mod mixing;
+mod monopole;
+mod noise;
+mod opening;
+mod screech;
+mod shock;
+mod similarity;
+
+pub use cross_check::{ValveNoise, valve_noise_energy};
+pub use jet::Jet;
+pub use mixing::{MIXING_RANGE, mixing_power};
+pub use monopole::PlenumResonance;
+pub use noise::{ExhaustNoise, ExhaustSettings, exhaust_noise};
+pub use opening::{FlowHistory, Opening};
+pub use screech::{screech_frequency, screech_track};
+pub use shock::{shock_peak_frequency, shock_power};
+pub use similarity::fine_scale_shape;

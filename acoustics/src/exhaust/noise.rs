@@ -1,0 +1,156 @@
+use super::histogram::PeakHistogram;
+use super::jet::Jet;
+use super::mixing::{MIXING_RANGE, mixing_power};
+use super::monopole::{PlenumResonance, monopole};
+use super::opening::{FlowHistory, Opening};
+use super::{shock, similarity};
+use crate::air::Air;
+use crate::error::AcousticsError;
+use crate::fourier::TransformSettings;
+use crate::levels::{Contribution, SourceSpectrum};
+use serde::Serialize;
+
+/// Strouhal number f D_j/U_j at which mixing noise peaks, per hertz.
+const MIXING_STROUHAL: f64 = 0.2;
+
+/// How the exhaust is analysed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ExhaustSettings {
+    /// Range, taper and padding of the transform.
+    pub transform: TransformSettings,
+    /// Resonance of the plenum, where it is to filter the unsteady outflow.
+    pub plenum: Option<PlenumResonance>,
+}
+
+impl Default for ExhaustSettings {
+    /// 20 Hz to 20 kHz, no plenum resonance.
+    fn default() -> Self {
+        let transform = TransformSettings {
+            range_hz: [20.0, 20_000.0],
+            ..TransformSettings::default()
+        };
+        Self {
+            transform,
+            plenum: None,
+        }
+    }
+}
+
+/// The noise of one opening over a cycle.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ExhaustNoise {
+    /// Energy spectrum with the contributions `mixing`, `shock` and `unsteady flow`.
+    pub spectrum: SourceSpectrum,
+    /// Energy of mixing noise over all frequencies [J].
+    pub mixing_energy: f64,
+    /// Energy of shock noise over all frequencies [J].
+    pub shock_energy: f64,
+    /// Share of the mixing energy from jet speeds outside the correlation's range.
+    pub mixing_outside_range: f64,
+    /// Mass that left through the opening by the cycle's flow [kg].
+    pub mass: f64,
+    /// Mass that the isentropic jets carry [kg]; near `mass` when areas and pressures agree with the cycle's.
+    pub jet_mass: f64,
+}
+
+/// Exhaust noise of one opening: turbulent mixing, broadband shock noise and the monopole of the unsteady outflow.
+///
+/// Times when the flow is inward, or the pressure at or below ambient, are silent.
+///
+/// # Errors
+/// Histories of different lengths or with values that are not finite, an impossible opening, jets that merge.
+pub fn exhaust_noise(
+    source: impl Into<String>,
+    history: &FlowHistory,
+    opening: &Opening,
+    air: &Air,
+    settings: &ExhaustSettings,
+) -> Result<ExhaustNoise, AcousticsError> {
+    history.check()?;
+    opening.check()?;
+    let area = opening.effective_area();
+    let dt = history.sample_interval;
+    let (mut mixing, mut shocks) = (PeakHistogram::new(), PeakHistogram::new());
+    let (mut mixing_energy, mut shock_energy, mut outside) = (0.0, 0.0, 0.0);
+    let (mut mass, mut jet_mass) = (0.0, 0.0);
+    for ((&flow, &pressure), &temperature) in history
+        .mass_flow
+        .iter()
+        .zip(&history.pressure)
+        .zip(&history.temperature)
+    {
+        if flow <= 0.0 {
+            continue;
+        }
+        mass += flow * dt;
+        let Some(jet) = Jet::expand(pressure, temperature, air) else {
+            continue;
+        };
+        jet_mass += jet.mass_flow(area) * dt;
+        let jet_area = jet.area(area);
+        let energy = mixing_power(&jet, jet_area, air) * dt;
+        mixing.deposit(
+            MIXING_STROUHAL * jet.velocity / (jet.diameter_ratio * opening.diameter),
+            energy,
+        );
+        mixing_energy += energy;
+        if !MIXING_RANGE.contains(&(jet.velocity / air.sound_speed).log10()) {
+            outside += energy;
+        }
+        if let Some(peak) = shock::shock_peak_frequency(&jet, jet_area / opening.count as f64, air) {
+            let energy = shock::factor(&jet, jet_area, air) * dt;
+            shocks.deposit(peak, energy);
+            shock_energy += energy;
+        }
+    }
+    let (frequency, mut unsteady) = monopole(history, air, &settings.transform)?;
+    if let Some(plenum) = &settings.plenum {
+        plenum.check()?;
+        let resonance = plenum.frequency(opening, outflow_temperature(history).unwrap_or(air.temperature));
+        unsteady
+            .iter_mut()
+            .zip(&frequency)
+            .for_each(|(e, &hz)| *e *= plenum.gain(hz, resonance));
+    }
+    let normal = similarity::total();
+    let parts = [
+        ("mixing", mixing.spread(|x| similarity::shape(x) / normal, &frequency)),
+        ("shock", shocks.spread(shock::shape, &frequency)),
+        ("unsteady flow", unsteady),
+    ];
+    let density = (0..frequency.len())
+        .map(|i| parts.iter().map(|(_, e)| e[i]).sum())
+        .collect();
+    let method = "jet correlations and unsteady flow";
+    let mut spectrum = SourceSpectrum::new(source, method, frequency, density, settings.transform.range_hz)?;
+    spectrum.contributions = parts
+        .map(|(name, energy_density)| Contribution {
+            name: name.to_owned(),
+            energy_density,
+        })
+        .into();
+    Ok(ExhaustNoise {
+        spectrum,
+        mixing_energy,
+        shock_energy: shock_energy * shock::total(),
+        mixing_outside_range: if mixing_energy > 0.0 {
+            outside / mixing_energy
+        } else {
+            0.0
+        },
+        mass,
+        jet_mass,
+    })
+}
+
+/// Stagnation temperature of the outflow, averaged over its mass [K].
+fn outflow_temperature(history: &FlowHistory) -> Option<f64> {
+    let mass: f64 = history.mass_flow.iter().map(|m| m.max(0.0)).sum();
+    let heat: f64 = history
+        .mass_flow
+        .iter()
+        .zip(&history.temperature)
+        .map(|(m, t)| m.max(0.0) * t)
+        .sum();
+    (mass > 0.0).then(|| heat / mass)
+}

@@ -1,0 +1,72 @@
+use crate::error::{AcousticsError, finite, positive, same_length};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// Flow through an opening to the ambient on uniform samples, from the cycle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlowHistory {
+    /// Sample interval [s].
+    pub sample_interval: f64,
+    /// Mass flow outward [kg/s]; negative inward.
+    pub mass_flow: Vec<f64>,
+    /// Absolute stagnation pressure before the opening [Pa].
+    pub pressure: Vec<f64>,
+    /// Stagnation temperature before the opening [K].
+    pub temperature: Vec<f64>,
+}
+
+impl FlowHistory {
+    pub(super) fn check(&self) -> Result<(), AcousticsError> {
+        let n = self.mass_flow.len();
+        positive("sample interval [s]", self.sample_interval)?;
+        same_length("pressure before the opening", self.pressure.len(), n)?;
+        same_length("temperature before the opening", self.temperature.len(), n)?;
+        finite("exhaust mass flow", &self.mass_flow)?;
+        finite("pressure before the opening", &self.pressure)?;
+        finite("temperature before the opening", &self.temperature)?;
+        for &t in &self.temperature {
+            positive("temperature before the opening [K]", t)?;
+        }
+        Ok(())
+    }
+}
+
+/// Round holes through which the air leaves, as independent jets.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Opening {
+    /// Number of holes n.
+    pub count: usize,
+    /// Diameter d of one hole [m].
+    pub diameter: f64,
+    /// Discharge coefficient C_d.
+    pub discharge_coefficient: f64,
+    /// Distance between the centres of neighbouring holes [m], where it is known.
+    pub pitch: Option<f64>,
+}
+
+impl Opening {
+    /// Geometric area of all holes [m²].
+    pub fn area(&self) -> f64 {
+        self.count as f64 * PI / 4.0 * self.diameter * self.diameter
+    }
+
+    /// Effective area C_d A_geo of all holes [m²].
+    pub fn effective_area(&self) -> f64 {
+        self.discharge_coefficient * self.area()
+    }
+
+    pub(super) fn check(&self) -> Result<(), AcousticsError> {
+        positive("number of exhaust holes", self.count as f64)?;
+        positive("diameter of an exhaust hole [m]", self.diameter)?;
+        positive("discharge coefficient of the exhaust", self.discharge_coefficient)?;
+        match self.pitch {
+            Some(pitch) if self.count > 1 && !(pitch > 3.0 * self.diameter) => Err(AcousticsError::MergingJets {
+                count: self.count,
+                diameter: self.diameter,
+                pitch,
+                merged: self.diameter * (self.count as f64).sqrt(),
+            }),
+            _ => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! Fourier transforms of uniform records.
+//!
+//! ```text
+//! X(f) = integral x(t) e^{-j 2 pi f t} dt  ~  dt sum_n x_n e^{-j 2 pi f n dt}
+//! ```
+
+use crate::error::{AcousticsError, finite, positive};
+use realfft::{RealFftPlanner, RealToComplex};
+use rustfft::num_complex::Complex;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// How a record becomes a spectrum.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TransformSettings {
+    /// Analysed range [Hz]; the bins kept cover it.
+    pub range_hz: [f64; 2],
+    /// Length of the cosine taper at the end of the record [s].
+    pub taper: f64,
+    /// Least ratio of transform length to record length; from 2 on the samples of |X|² determine it everywhere.
+    pub padding: f64,
+}
+
+impl Default for TransformSettings {
+    /// 20 Hz to 10 kHz, 5 ms of taper, padded to twice the record.
+    fn default() -> Self {
+        Self {
+            range_hz: [20.0, 10_000.0],
+            taper: 5e-3,
+            padding: 2.0,
+        }
+    }
+}
+
+/// A planned transform of records of one length, which keeps the bins of the analysed range.
+#[derive(Clone)]
+pub struct Transform {
+    fft: Arc<dyn RealToComplex<f64>>,
+    samples: usize,
+    sample_interval: f64,
+    taper: Vec<f64>,
+    first: usize,
+    bins: usize,
+}
+
+impl std::fmt::Debug for Transform {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Transform")
+            .field("samples", &self.samples)
+            .field("length", &self.fft.len())
+            .field("first", &self.first)
+            .field("bins", &self.bins)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Transform {
+    /// A transform for records of `samples` values at intervals of `sample_interval` [s].
+    ///
+    /// # Errors
+    /// A record of fewer than 8 samples, an interval or padding that is not positive, a range beyond half the sampling
+    /// frequency.
+    pub fn new(samples: usize, sample_interval: f64, settings: &TransformSettings) -> Result<Self, AcousticsError> {
+        positive("sample interval [s]", sample_interval)?;
+        positive("padding", settings.padding)?;
+        if samples < 8 {
+            return Err(AcousticsError::ShortRecord {
+                what: "to transform",
+                found: samples,
+                needed: 8,
+            });
+        }
+        let [low, high] = settings.range_hz;
+        let nyquist = 0.5 / sample_interval;
+        if !(low > 0.0 && high > low && high <= nyquist) {
+            return Err(AcousticsError::Range { low, high, nyquist });
+        }
+        let length = fast_length((samples as f64 * settings.padding.max(1.0)).ceil() as usize);
+        let df = 1.0 / (length as f64 * sample_interval);
+        let first = ((low / df).floor() as usize).max(1);
+        let last = ((high / df).ceil() as usize).min(length / 2);
+        let tapered = ((settings.taper / sample_interval).round().max(0.0) as usize).min(samples);
+        let fall = |i: usize| 0.5 * (1.0 + (PI * (i as f64 + 0.5) / tapered as f64).cos());
+        Ok(Self {
+            fft: RealFftPlanner::new().plan_fft_forward(length),
+            samples,
+            sample_interval,
+            taper: (0..tapered).map(fall).collect(),
+            first,
+            bins: last + 1 - first,
+        })
+    }
+
+    /// Distance of the bins [Hz].
+    pub fn resolution(&self) -> f64 {
+        1.0 / (self.fft.len() as f64 * self.sample_interval)
+    }
+
+    /// Frequencies of the bins kept [Hz].
+    pub fn frequencies(&self) -> Vec<f64> {
+        let df = self.resolution();
+        (self.first..self.first + self.bins).map(|k| k as f64 * df).collect()
+    }
+
+    /// X(f) of the tapered, zero-padded record at [`Self::frequencies`]; unit of x times seconds.
+    ///
+    /// # Errors
+    /// A record of another length than planned, values that are not finite.
+    pub fn apply(&self, record: &[f64]) -> Result<Vec<Complex<f64>>, AcousticsError> {
+        crate::error::same_length("record", record.len(), self.samples)?;
+        finite("record", record)?;
+        let mut padded = self.fft.make_input_vec();
+        padded[..self.samples].copy_from_slice(record);
+        let start = self.samples - self.taper.len();
+        for (x, w) in padded[start..self.samples].iter_mut().zip(&self.taper) {
+            *x *= w;
+        }
+        let mut spectrum = self.fft.make_output_vec();
+        // The only error is a wrong buffer length, and both buffers are the plan's own.
+        self.fft
+            .process(&mut padded, &mut spectrum)
+            .map_err(|_| AcousticsError::Length {
+                what: "transform buffer",
+                found: padded.len(),
+                expected: self.fft.len(),
+            })?;
+        Ok(spectrum[self.first..self.first + self.bins]
+            .iter()
+            .map(|x| x * self.sample_interval)
+            .collect())
+    }
+}
+
+/// The smallest even length of at least `n` with no prime factor above 5.
+fn fast_length(n: usize) -> usize {
+    let mut best = n.next_power_of_two().max(2);
+    let mut fives = 1;
+    while fives < best {
+        let mut odd = fives;
+        while odd < best {
+            let twos = n.div_ceil(odd).next_power_of_two().max(2);
+            best = best.min(odd * twos);
+            odd *= 3;
+        }
+        fives *= 5;
+    }
+    best
+}

@@ -1,0 +1,33 @@
+//! Energy spectra, bands, frequency weightings, single-event levels and the ranking of sources.
+//!
+//! A source is known by its energy spectral density E(f) [J/Hz], one-sided; all levels follow from integrals of E.
+
+mod bands;
+mod ranking;
+mod spectrum;
+mod weighting;
+
+pub use bands::{Band, THIRD_OCTAVES, band_containing, third_octaves};
+pub use ranking::{COMMON_RANGE_HZ, RankedSource, Ranking, rank};
+pub use spectrum::{BandLevel, Contribution, SourceSpectrum};
+pub use weighting::Weighting;
+
+/// Reference sound energy: 1 pW over 1 s [J].
+pub const REFERENCE_ENERGY: f64 = 1e-12;
+
+/// A level in decibels; a source that radiates nothing has none.
+pub type Level = Option<f64>;
+
+/// Single-event sound power level of a sound energy \[J\]; `None` for silence.
+///
+/// ```text
+/// L_W,1s = 10 lg(E / (1 pW x 1 s))
+/// ```
+pub fn energy_level(energy: f64) -> Level {
+    (energy > 0.0).then(|| 10.0 * (energy / REFERENCE_ENERGY).log10())
+}
+
+/// Sound energy \[J\] of a single-event level; the inverse of [`energy_level`].
+pub fn level_energy(level: Level) -> f64 {
+    level.map_or(0.0, |db| REFERENCE_ENERGY * 10f64.powf(db / 10.0))
+}

@@ -1,0 +1,207 @@
+use super::bands::{Band, band_containing, edge, third_octaves};
+use super::{Level, Weighting, energy_level};
+use crate::error::{AcousticsError, finite, same_length};
+use serde::{Deserialize, Serialize};
+
+/// One part of a source; the parts of a spectrum add up to it at every frequency.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Contribution {
+    /// Name of the part: a surface patch or a mechanism.
+    pub name: String,
+    /// Energy density [J/Hz] on the frequencies of the spectrum. A patch that absorbs what others radiate is negative.
+    pub energy_density: Vec<f64>,
+}
+
+/// Sound energy radiated by one source during one shot, as a one-sided spectral density.
+///
+/// E(f) is linear between the given frequencies and zero outside them, and every integral below is of that function.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SourceSpectrum {
+    /// Name of the source.
+    pub source: String,
+    /// How the energy was found, as shown beside every result.
+    pub method: String,
+    /// Frequencies [Hz], rising.
+    pub frequency: Vec<f64>,
+    /// Energy spectral density E(f) [J/Hz].
+    pub energy_density: Vec<f64>,
+    /// Range over which the source was computed [Hz].
+    pub range_hz: [f64; 2],
+    /// Parts that add up to `energy_density`; empty where the source has none.
+    pub contributions: Vec<Contribution>,
+}
+
+/// Energy and levels of one one-third-octave band.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct BandLevel {
+    /// The band.
+    pub band: Band,
+    /// Energy inside the band and the range asked for [J].
+    pub energy: f64,
+    /// Unweighted level L_W,1s [dB re 1 pW s].
+    pub lw: Level,
+    /// A-weighted energy [J].
+    pub a_energy: f64,
+    /// A-weighted level L_WA,1s [dB re 1 pW s].
+    pub lwa: Level,
+}
+
+impl SourceSpectrum {
+    /// A spectrum without contributions.
+    ///
+    /// # Errors
+    /// Lengths that differ, values that are not finite, frequencies that do not rise.
+    pub fn new(
+        source: impl Into<String>,
+        method: impl Into<String>,
+        frequency: Vec<f64>,
+        energy_density: Vec<f64>,
+        range_hz: [f64; 2],
+    ) -> Result<Self, AcousticsError> {
+        same_length("energy density", energy_density.len(), frequency.len())?;
+        finite("frequency", &frequency)?;
+        finite("energy density", &energy_density)?;
+        if let Some(pair) = frequency.windows(2).find(|pair| pair[1] <= pair[0]) {
+            return Err(AcousticsError::Frequencies {
+                previous: pair[0],
+                next: pair[1],
+            });
+        }
+        Ok(Self {
+            source: source.into(),
+            method: method.into(),
+            frequency,
+            energy_density,
+            range_hz,
+            contributions: Vec::new(),
+        })
+    }
+
+    /// The spectrum of a source that does not sound.
+    pub fn silent(source: impl Into<String>, method: impl Into<String>, range_hz: [f64; 2]) -> Self {
+        Self {
+            source: source.into(),
+            method: method.into(),
+            frequency: Vec::new(),
+            energy_density: Vec::new(),
+            range_hz,
+            contributions: Vec::new(),
+        }
+    }
+
+    /// Energy \[J\] between the two frequencies, weighted under the integral.
+    pub fn energy(&self, range_hz: [f64; 2], weighting: Weighting) -> f64 {
+        integrate(&self.frequency, &self.energy_density, range_hz, weighting)
+    }
+
+    /// Level of [`Self::energy`].
+    pub fn level(&self, range_hz: [f64; 2], weighting: Weighting) -> Level {
+        energy_level(self.energy(range_hz, weighting))
+    }
+
+    /// Energies \[J\] of the contributions between the two frequencies; they add up to [`Self::energy`].
+    pub fn contribution_energies(&self, range_hz: [f64; 2], weighting: Weighting) -> Vec<(String, f64)> {
+        let of = |part: &Contribution| integrate(&self.frequency, &part.energy_density, range_hz, weighting);
+        self.contributions
+            .iter()
+            .map(|part| (part.name.clone(), of(part)))
+            .collect()
+    }
+
+    /// The bands of 50 Hz to 20 kHz. A band cut by the ends of `range_hz` holds the energy of its part inside, so that
+    /// bands that cover the range add up to [`Self::energy`] to round-off.
+    pub fn band_levels(&self, range_hz: [f64; 2]) -> Vec<BandLevel> {
+        let level_of = |band: Band| {
+            let cut = [band.low.max(range_hz[0]), band.high.min(range_hz[1])];
+            let (energy, a_energy) = (self.energy(cut, Weighting::Z), self.energy(cut, Weighting::A));
+            BandLevel {
+                band,
+                energy,
+                lw: energy_level(energy),
+                a_energy,
+                lwa: energy_level(a_energy),
+            }
+        };
+        third_octaves().into_iter().map(level_of).collect()
+    }
+
+    /// The sum of spectra of parts that radiate independently, on the union of their frequencies, where the sum of
+    /// piecewise linear functions is exact. The parts become the contributions. The range is the one they share.
+    pub fn sum(source: impl Into<String>, method: impl Into<String>, parts: &[Self]) -> Self {
+        let mut frequency: Vec<f64> = parts.iter().flat_map(|part| part.frequency.iter().copied()).collect();
+        frequency.sort_by(f64::total_cmp);
+        frequency.dedup();
+        let contributions: Vec<Contribution> = parts
+            .iter()
+            .map(|part| Contribution {
+                name: part.source.clone(),
+                energy_density: frequency.iter().map(|&f| part.density_at(f)).collect(),
+            })
+            .collect();
+        let energy_density = (0..frequency.len())
+            .map(|i| contributions.iter().map(|part| part.energy_density[i]).sum())
+            .collect();
+        let low = parts.iter().map(|part| part.range_hz[0]).fold(0.0, f64::max);
+        let high = parts.iter().map(|part| part.range_hz[1]).fold(f64::INFINITY, f64::min);
+        Self {
+            source: source.into(),
+            method: method.into(),
+            frequency,
+            energy_density,
+            range_hz: [low, high],
+            contributions,
+        }
+    }
+
+    /// E(f) [J/Hz], linear between the frequencies and zero outside.
+    pub fn density_at(&self, hz: f64) -> f64 {
+        let after = self.frequency.partition_point(|&f| f < hz);
+        match (self.frequency.get(after), after.checked_sub(1)) {
+            (Some(&f), _) if f == hz => self.energy_density[after],
+            (Some(&f1), Some(before)) => {
+                let f0 = self.frequency[before];
+                let share = (hz - f0) / (f1 - f0);
+                (1.0 - share) * self.energy_density[before] + share * self.energy_density[after]
+            }
+            _ => 0.0,
+        }
+    }
+}
+
+/// Abscissa and weight of the three-point Gauss rule on [-1, 1] beside its middle point of weight 8/9.
+const GAUSS3: (f64, f64) = (0.774_596_669_241_483_4, 5.0 / 9.0);
+
+/// Integral of a piecewise linear density times the weighting over `range`.
+///
+/// Every interval of the frequency grid is cut at the edges of all one-third-octave bands, whatever the range, and each
+/// piece is integrated by the same Gauss rule: exact for Z, and additive over bands for every weighting.
+fn integrate(frequency: &[f64], density: &[f64], range: [f64; 2], weighting: Weighting) -> f64 {
+    let [low, high] = range;
+    if frequency.len() < 2 || !(high > low) {
+        return 0.0;
+    }
+    let first = frequency.partition_point(|&f| f <= low).saturating_sub(1);
+    let mut total = 0.0;
+    for i in first..frequency.len() - 1 {
+        let (f0, f1) = (frequency[i], frequency[i + 1]);
+        if f0 >= high {
+            break;
+        }
+        let slope = (density[i + 1] - density[i]) / (f1 - f0);
+        let (mut a, end) = (f0.max(low), f1.min(high));
+        let mut cut = if a > 0.0 {
+            band_containing(a).index + 1
+        } else {
+            i32::MIN
+        };
+        while a < end {
+            let b = if cut > i32::MIN { edge(cut).min(end) } else { end };
+            let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
+            let value = |f: f64| (density[i] + slope * (f - f0)) * weighting.energy_factor(f);
+            let (x, w) = GAUSS3;
+            total += half * (8.0 / 9.0 * value(middle) + w * (value(middle - half * x) + value(middle + half * x)));
+            (a, cut) = (b, cut.saturating_add(1));
+        }
+    }
+    total
+}

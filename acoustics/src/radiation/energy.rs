@@ -1,0 +1,91 @@
+use super::resistance::ModalRadiation;
+use crate::error::{AcousticsError, same_length};
+use crate::fourier::{Transform, TransformSettings};
+use crate::levels::{Contribution, SourceSpectrum};
+use nalgebra::{Complex, DMatrix};
+use rayon::prelude::*;
+
+/// Fourier transforms of modal accelerations on the bins of the analysed range.
+#[derive(Debug, Clone)]
+pub struct ModalSpectra {
+    /// Frequencies of the bins [Hz].
+    pub frequency: Vec<f64>,
+    /// A(f): modes x bins; unit of the modal acceleration times seconds.
+    pub accelerations: DMatrix<Complex<f64>>,
+    /// Analysed range [Hz].
+    pub range_hz: [f64; 2],
+}
+
+impl ModalSpectra {
+    /// Transforms the acceleration records of `modes` modes, `samples` long at `sample_interval` [s].
+    ///
+    /// Records are asked for one mode at a time, in parallel, so that no more than one per thread need exist.
+    ///
+    /// # Errors
+    /// See [`Transform::new`] and [`Transform::apply`].
+    pub fn from_accelerations(
+        modes: usize,
+        samples: usize,
+        sample_interval: f64,
+        settings: &TransformSettings,
+        record: impl Fn(usize) -> Vec<f64> + Sync,
+    ) -> Result<Self, AcousticsError> {
+        let transform = Transform::new(samples, sample_interval, settings)?;
+        let frequency = transform.frequencies();
+        let rows: Vec<Vec<Complex<f64>>> = (0..modes)
+            .into_par_iter()
+            .map(|mode| transform.apply(&record(mode)))
+            .collect::<Result<_, _>>()?;
+        let accelerations = DMatrix::from_fn(modes, frequency.len(), |mode, bin| rows[mode][bin]);
+        Ok(Self {
+            frequency,
+            accelerations,
+            range_hz: settings.range_hz,
+        })
+    }
+}
+
+/// Energy spectrum of a surface that moves in modes, with its patches as contributions.
+///
+/// ```text
+/// E(f) = 2 V^H R V = 2 A^H (R / omega^2) A
+/// ```
+///
+/// # Errors
+/// A number of modes that differs from the operator's, a range beyond the operator's.
+pub fn radiated_energy(
+    source: impl Into<String>,
+    radiation: &dyn ModalRadiation,
+    spectra: &ModalSpectra,
+) -> Result<SourceSpectrum, AcousticsError> {
+    same_length("modal spectra", spectra.accelerations.nrows(), radiation.modes())?;
+    let [low, high] = spectra.range_hz;
+    if high > radiation.highest_hz() * (1.0 + 1e-9) {
+        let highest = radiation.highest_hz();
+        return Err(AcousticsError::OutsideRange {
+            what: "analysed frequency [Hz]",
+            value: high,
+            low: 0.0,
+            high: highest,
+        });
+    }
+    let mut forms = radiation.energy_forms(&spectra.frequency, &spectra.accelerations) * 2.0;
+    let mut density = Vec::with_capacity(spectra.frequency.len());
+    for mut bin in forms.column_iter_mut() {
+        let total = bin.sum();
+        // Interpolation leaves R semidefinite only to its error; where the motion all but cancels the sum may dip below 0.
+        if total < 0.0 {
+            bin.fill(0.0);
+        }
+        density.push(total.max(0.0));
+    }
+    let part = |(p, name): (usize, &String)| Contribution {
+        name: name.clone(),
+        energy_density: forms.row(p).iter().copied().collect(),
+    };
+    let contributions = radiation.patches().iter().enumerate().map(part).collect();
+    let frequency = spectra.frequency.clone();
+    let mut spectrum = SourceSpectrum::new(source, radiation.method(), frequency, density, [low, high])?;
+    spectrum.contributions = contributions;
+    Ok(spectrum)
+}

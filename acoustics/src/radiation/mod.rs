@@ -1,0 +1,30 @@
+//! Sound power of moving surfaces.
+//!
+//! Modal accelerations A(f) and a modal radiation resistance R(f) give the energy spectrum
+//!
+//! ```text
+//! E(f) = 2 V^H R V,   V = A / (j omega)      =>      E(f) = 2 A^H (R / omega^2) A
+//! ```
+//!
+//! R / omega² is what is sampled and interpolated: it stays finite at f = 0.
+
+mod energy;
+mod erp;
+mod kernel;
+mod plane_waves;
+mod quadrature;
+mod rayleigh;
+mod resistance;
+mod sampled;
+mod sand;
+mod sphere;
+mod surface;
+
+pub use energy::{ModalSpectra, radiated_energy};
+pub use erp::Erp;
+pub use rayleigh::{Rayleigh, SecondEvaluation};
+pub use resistance::{ModalRadiation, Resistance};
+pub use sampled::{SampledRadiation, Sampling};
+pub use sand::{AbsorbingSand, MovingSand, miki_admittance};
+pub use sphere::rigid_body_energy;
+pub use surface::RadiatingSurface;

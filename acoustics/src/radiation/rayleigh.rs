@@ -1,0 +1,227 @@
+use super::kernel::pairwise;
+use super::plane_waves::{Directions, PlanarPoints};
+use super::resistance::Resistance;
+use super::sampled::{SampledRadiation, Sampling};
+use super::sand::{AbsorbingSand, MovingSand, SandPatch};
+use super::surface::RadiatingSurface;
+use crate::air::Air;
+use crate::error::{AcousticsError, positive};
+use nalgebra::DMatrix;
+use serde::Serialize;
+use std::f64::consts::PI;
+
+/// Rayleigh's integral for a flat surface, flush in an infinite rigid plane, that radiates to its upper side.
+///
+/// ```text
+/// R = rho0 omega^2 / (2 pi c0) Phi_n^T S K S Phi_n       K_ab = sin(k r_ab) / (k r_ab)
+/// ```
+///
+/// S holds the quadrature weights. The kernel is smooth, so a Gauss rule on the faces converges spectrally. It is
+/// applied as a sum of plane waves; [`Self::second_evaluation`] compares with the pairwise sum.
+#[derive(Debug, Clone)]
+pub struct Rayleigh {
+    air: Air,
+    points: Vec<[f64; 2]>,
+    planar: PlanarPoints,
+    rows: Vec<Vec<usize>>,
+    displacement: DMatrix<f64>,
+    sources: DMatrix<f64>,
+    patches: Vec<String>,
+    absorbing: Option<AbsorbingSand>,
+    moving: Option<SandPatch>,
+}
+
+/// Two evaluations of the same resistance at one frequency: plane waves (far field) and pairs of points (surface).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SecondEvaluation {
+    /// Frequency [Hz].
+    pub hz: f64,
+    /// Largest difference of an entry R_ij over sqrt(R_ii R_jj).
+    pub difference: f64,
+}
+
+impl Rayleigh {
+    /// The operator for a flat surface that faces up (+z), with its points in one plane z = const.
+    ///
+    /// # Errors
+    /// [`AcousticsError::NotPlanar`] for any other surface.
+    pub fn new(surface: &RadiatingSurface, air: &Air) -> Result<Self, AcousticsError> {
+        positive("area of the surface [m2]", surface.area())?;
+        let points: Vec<[f64; 2]> = surface.points().iter().map(|p| [p.x, p.y]).collect();
+        let planar = PlanarPoints::new(&points);
+        let plane = surface.points()[0].z;
+        for (point, (p, normal)) in surface.points().iter().zip(surface.normals()).enumerate() {
+            let offset = p.z - plane;
+            if offset.abs() > 1e-6 * planar.diameter || normal.z < 1.0 - 1e-6 {
+                return Err(AcousticsError::NotPlanar {
+                    point,
+                    offset,
+                    plane,
+                    normal: normal.z,
+                });
+            }
+        }
+        let patches = surface.patch_names().to_vec();
+        let rows = (0..patches.len())
+            .map(|p| (0..points.len()).filter(|&i| surface.patch()[i] == p).collect())
+            .collect();
+        let displacement = surface.normal_modes().clone();
+        let mut sources = displacement.clone();
+        for (row, weight) in surface.weights().iter().enumerate() {
+            sources.row_mut(row).scale_mut(*weight);
+        }
+        Ok(Self {
+            air: *air,
+            points,
+            planar,
+            rows,
+            displacement,
+            sources,
+            patches,
+            absorbing: None,
+            moving: None,
+        })
+    }
+
+    /// With sand around the surface that absorbs part of the power.
+    ///
+    /// # Errors
+    /// A resistivity that is not positive, a share outside 0 to 1.
+    pub fn with_absorbing_sand(mut self, sand: AbsorbingSand) -> Result<Self, AcousticsError> {
+        sand.check()?;
+        self.absorbing = Some(sand);
+        Ok(self)
+    }
+
+    /// With sand around the surface that moves with it; it becomes one more patch, `sand`.
+    ///
+    /// # Errors
+    /// A footprint outside the box, a speed or frequency that is not positive.
+    pub fn with_moving_sand(mut self, sand: MovingSand) -> Result<Self, AcousticsError> {
+        sand.check()?;
+        self.moving = Some(sand.patch(&self.air, &self.points, &self.displacement));
+        if self.patches.len() == self.rows.len() {
+            self.patches.push("sand".to_owned());
+        }
+        Ok(self)
+    }
+
+    /// Names of the patches.
+    pub fn patches(&self) -> &[String] {
+        &self.patches
+    }
+
+    /// Resistance of every patch at the frequency `hz`; they add up to the whole, which is positive semidefinite.
+    pub fn resistance(&self, hz: f64) -> Vec<Resistance> {
+        let omega = 2.0 * PI * hz;
+        let k = omega / self.air.sound_speed;
+        let diameter = self
+            .planar
+            .diameter
+            .max(self.moving.as_ref().map_or(0.0, |sand| sand.planar.diameter));
+        let directions = Directions::new(k, diameter);
+        let (n, modes) = (2 * directions.len(), self.sources.ncols());
+        let mut fields: Vec<(DMatrix<f64>, Option<DMatrix<f64>>)> = Vec::new();
+        for rows in &self.rows {
+            let mut field = DMatrix::zeros(n, modes);
+            directions.add_field(k, &self.planar, rows, &self.sources, &mut field);
+            fields.push((field, None));
+        }
+        if let Some(sand) = &self.moving {
+            let (mut real, mut imaginary) = (DMatrix::zeros(n, modes), None);
+            if let Some((re, im)) = sand.sources(hz) {
+                let rows: Vec<usize> = (0..sand.planar.len()).collect();
+                directions.add_field(k, &sand.planar, &rows, &re, &mut real);
+                let mut field = DMatrix::zeros(n, modes);
+                directions.add_field(k, &sand.planar, &rows, &im, &mut field);
+                imaginary = Some(field);
+            }
+            fields.push((real, imaginary));
+        }
+        let factor = self.factor(hz);
+        patch_forms(&fields)
+            .into_iter()
+            .map(|form| form.scaled(factor))
+            .collect()
+    }
+
+    /// The resistance over a range of frequencies, sampled as finely as `sampling` asks.
+    ///
+    /// # Errors
+    /// An empty range, or a tolerance that the allowed number of samples cannot meet.
+    pub fn sampled(&self, sampling: &Sampling) -> Result<SampledRadiation, AcousticsError> {
+        let method = match (&self.absorbing, &self.moving) {
+            (None, None) => "Rayleigh",
+            (Some(_), None) => "Rayleigh, absorbing sand",
+            (None, Some(_)) => "Rayleigh, moving sand",
+            (Some(_), Some(_)) => "Rayleigh, absorbing and moving sand",
+        };
+        SampledRadiation::new(method, self.sources.ncols(), self.patches.clone(), sampling, |hz| {
+            self.resistance(hz)
+        })
+    }
+
+    /// Compares the plane waves with the pairwise sum over the surface (without moving sand) at one frequency.
+    pub fn second_evaluation(&self, hz: f64) -> SecondEvaluation {
+        let k = 2.0 * PI * hz / self.air.sound_speed;
+        let bare = Self {
+            moving: None,
+            ..self.clone()
+        };
+        let mut far = Resistance::zeros(self.sources.ncols());
+        bare.resistance(hz).iter().for_each(|patch| far.add_scaled(1.0, patch));
+        let near = pairwise(k, &self.points, &self.sources) * self.factor(hz);
+        SecondEvaluation {
+            hz,
+            difference: relative_difference(&far.real, &near),
+        }
+    }
+
+    /// rho0 omega² / (2 pi c0), times the sand's absorption.
+    fn factor(&self, hz: f64) -> f64 {
+        let omega = 2.0 * PI * hz;
+        let absorption = self.absorbing.map_or(1.0, |sand| sand.factor(hz));
+        absorption * self.air.density * omega * omega / (2.0 * PI * self.air.sound_speed)
+    }
+}
+
+/// The Hermitian parts of Y_p^H Y for every patch field Y_p, with Y their sum.
+fn patch_forms(fields: &[(DMatrix<f64>, Option<DMatrix<f64>>)]) -> Vec<Resistance> {
+    let mut real = fields[0].0.clone();
+    let mut imaginary: Option<DMatrix<f64>> = None;
+    for (re, im) in &fields[1..] {
+        real += re;
+        imaginary = imaginary.or_else(|| im.clone());
+    }
+    let form = |(re, im): &(DMatrix<f64>, Option<DMatrix<f64>>)| {
+        let mut symmetric = re.tr_mul(&real);
+        // Y_p^H Y = (A - jB)^T (C + jD) = A^T C + B^T D + j (A^T D - B^T C)
+        let mut skew = imaginary.as_ref().map(|d| re.tr_mul(d));
+        if let (Some(b), Some(d), Some(skew)) = (im, &imaginary, &mut skew) {
+            symmetric += b.tr_mul(d);
+            *skew -= b.tr_mul(&real);
+        }
+        let symmetric = (&symmetric + symmetric.transpose()) * 0.5;
+        Resistance {
+            real: symmetric,
+            imaginary: skew.map(|s| (&s - s.transpose()) * 0.5),
+        }
+    };
+    fields.iter().map(form).collect()
+}
+
+/// Largest |A_ij - B_ij| / sqrt(A_ii A_jj) over modes that radiate.
+fn relative_difference(a: &DMatrix<f64>, b: &DMatrix<f64>) -> f64 {
+    let floor = 1e-12 * a.diagonal().amax();
+    let scale = |i: usize| a[(i, i)].max(floor).sqrt();
+    let mut worst: f64 = 0.0;
+    for j in 0..a.ncols() {
+        for i in 0..a.nrows() {
+            let difference = (a[(i, j)] - b[(i, j)]).abs();
+            if difference > 0.0 {
+                worst = worst.max(difference / (scale(i) * scale(j)));
+            }
+        }
+    }
+    worst
+}

@@ -1,0 +1,87 @@
+use nalgebra::{Complex, DMatrix};
+
+/// Modal radiation resistance R(f) of one frequency: Hermitian, positive semidefinite, modes x modes.
+///
+/// With mass-normalised modal coordinates its unit is 1/s. It is real symmetric unless surface points move with phase
+/// lags of their own, as sand around a block does; then `imaginary` holds the antisymmetric part.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Resistance {
+    /// Symmetric real part.
+    pub real: DMatrix<f64>,
+    /// Antisymmetric imaginary part; `None` where it is zero.
+    pub imaginary: Option<DMatrix<f64>>,
+}
+
+impl Resistance {
+    /// The quadratic form v^H R v.
+    pub fn form(&self, v: &[Complex<f64>]) -> f64 {
+        let n = v.len();
+        let mut total = 0.0;
+        for j in 0..n {
+            for i in 0..n {
+                let pair = v[i].conj() * v[j];
+                total += self.real[(i, j)] * pair.re;
+                if let Some(imaginary) = &self.imaginary {
+                    total -= imaginary[(i, j)] * pair.im;
+                }
+            }
+        }
+        total
+    }
+
+    /// R times a real factor.
+    pub fn scaled(mut self, factor: f64) -> Self {
+        self.real *= factor;
+        if let Some(imaginary) = &mut self.imaginary {
+            *imaginary *= factor;
+        }
+        self
+    }
+
+    /// Adds `factor` times another resistance.
+    pub fn add_scaled(&mut self, factor: f64, other: &Self) {
+        add_scaled(&mut self.real, factor, &other.real);
+        if let Some(theirs) = &other.imaginary {
+            let (rows, columns) = theirs.shape();
+            add_scaled(
+                self.imaginary.get_or_insert_with(|| DMatrix::zeros(rows, columns)),
+                factor,
+                theirs,
+            );
+        }
+    }
+
+    /// The zero resistance of so many modes.
+    pub fn zeros(modes: usize) -> Self {
+        Self {
+            real: DMatrix::zeros(modes, modes),
+            imaginary: None,
+        }
+    }
+}
+
+fn add_scaled(to: &mut DMatrix<f64>, factor: f64, from: &DMatrix<f64>) {
+    to.iter_mut().zip(from.iter()).for_each(|(a, b)| *a += factor * b);
+}
+
+/// A radiation operator reduced to modal coordinates.
+pub trait ModalRadiation: Sync {
+    /// Label of the operator, shown beside every result.
+    fn method(&self) -> &str;
+
+    /// Number of modes.
+    fn modes(&self) -> usize;
+
+    /// Names of the surface patches, whose resistances add up to the whole.
+    fn patches(&self) -> &[String];
+
+    /// Highest frequency the operator was computed for [Hz].
+    fn highest_hz(&self) -> f64;
+
+    /// Resistance R(f) of the whole surface at the frequency `hz`.
+    fn resistance(&self, hz: f64) -> Resistance;
+
+    /// a^H (R_p / omega²) a for every patch p (rows) and frequency (columns), with the modal accelerations a in the
+    /// columns of `accelerations` (modes x frequencies).
+    fn energy_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64>;
+}

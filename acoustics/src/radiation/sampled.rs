@@ -1,0 +1,385 @@
+use super::resistance::{ModalRadiation, Resistance};
+use crate::error::{AcousticsError, positive};
+use nalgebra::{Complex, DMatrix};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+/// Where and how finely a radiation resistance is sampled over frequency.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sampling {
+    /// Lowest and highest sample [Hz]. Below the lowest every entry follows its own power law.
+    pub range_hz: [f64; 2],
+    /// Largest interpolation error of an entry R_ij, relative to sqrt(R_ii R_jj).
+    pub tolerance: f64,
+    /// Most samples taken.
+    pub most_samples: usize,
+}
+
+impl Default for Sampling {
+    /// 40 Hz to 10 kHz, 1e-4, 400 samples.
+    fn default() -> Self {
+        Self {
+            range_hz: [40.0, 10_000.0],
+            tolerance: 1e-4,
+            most_samples: 400,
+        }
+    }
+}
+
+/// Orders of the nested Chebyshev-Lobatto rules tried on an interval before it is halved.
+const ORDERS: [usize; 5] = [2, 4, 8, 16, 32];
+
+/// A radiation resistance sampled at a few frequencies and interpolated between them.
+///
+/// Q = R / omega² is interpolated entrywise by Chebyshev polynomials on intervals of the frequency axis. Rules are
+/// nested: an interval is accepted once the rule of half the order reproduces the new samples within the tolerance, so
+/// the stated error is that of the coarser rule and bounds the finer one in practice. Below the lowest sample f_0
+///
+/// ```text
+/// R_ij(f) = R_ij(f_0) (f/f_0)^{(n_i + n_j)/2}      n_i = 2, 4, 6: the slope of R_ii at f_0, rounded to even
+/// ```
+///
+/// which keeps R positive semidefinite.
+#[derive(Debug, Clone)]
+pub struct SampledRadiation {
+    method: String,
+    modes: usize,
+    patches: Vec<String>,
+    intervals: Vec<Interval>,
+    samples: Vec<Sample>,
+    slopes: Vec<f64>,
+    error: f64,
+}
+
+/// Q of every patch at one frequency.
+#[derive(Debug, Clone)]
+struct Sample {
+    hz: f64,
+    patches: Vec<Resistance>,
+}
+
+#[derive(Debug, Clone)]
+struct Interval {
+    low: f64,
+    high: f64,
+    nodes: Vec<usize>,
+}
+
+impl SampledRadiation {
+    /// Samples `resistance`, which returns R(f) of every patch, until the tolerance is met; frequencies in parallel.
+    ///
+    /// # Errors
+    /// An empty range, a tolerance that is not positive, or [`AcousticsError::Unresolved`].
+    pub fn new(
+        method: impl Into<String>,
+        modes: usize,
+        patches: Vec<String>,
+        sampling: &Sampling,
+        resistance: impl Fn(f64) -> Vec<Resistance> + Sync,
+    ) -> Result<Self, AcousticsError> {
+        let [low, high] = sampling.range_hz;
+        positive("interpolation tolerance", sampling.tolerance)?;
+        if !(low > 0.0 && high > low && high.is_finite()) {
+            return Err(AcousticsError::Range {
+                low,
+                high,
+                nyquist: f64::INFINITY,
+            });
+        }
+        let octaves = (high / low).log2().ceil().max(1.0) as usize;
+        let edge = |i: usize| {
+            if i == octaves {
+                high
+            } else {
+                low * (high / low).powf(i as f64 / octaves as f64)
+            }
+        };
+        let mut pending: Vec<(f64, f64, usize)> = (0..octaves).map(|i| (edge(i), edge(i + 1), 1)).collect();
+        let (mut samples, mut index) = (Vec::<Sample>::new(), BTreeMap::<u64, usize>::new());
+        let (mut intervals, mut error) = (Vec::new(), 0.0f64);
+        while !pending.is_empty() {
+            let mut wanted: Vec<f64> = pending.iter().flat_map(|&(a, b, o)| nodes(a, b, ORDERS[o])).collect();
+            wanted.retain(|hz| !index.contains_key(&hz.to_bits()));
+            wanted.sort_by(f64::total_cmp);
+            wanted.dedup();
+            let take = |&hz: &f64| {
+                let inverse = (2.0 * PI * hz).powi(-2);
+                Sample {
+                    hz,
+                    patches: resistance(hz).into_iter().map(|r| r.scaled(inverse)).collect(),
+                }
+            };
+            for sample in wanted.par_iter().map(take).collect::<Vec<_>>() {
+                index.insert(sample.hz.to_bits(), samples.len());
+                samples.push(sample);
+            }
+            let judged: Vec<(Interval, f64)> = pending
+                .par_iter()
+                .map(|&(low, high, order)| {
+                    let nodes = nodes(low, high, ORDERS[order]).map(|hz| index[&hz.to_bits()]).collect();
+                    let interval = Interval { low, high, nodes };
+                    let error = interval.coarser_error(&samples, modes);
+                    (interval, error)
+                })
+                .collect();
+            let mut next = Vec::new();
+            for ((interval, estimate), (low, high, order)) in judged.into_iter().zip(pending) {
+                if estimate <= sampling.tolerance {
+                    error = error.max(estimate);
+                    intervals.push(interval);
+                } else if samples.len() >= sampling.most_samples {
+                    let (hz, samples, tolerance) = ((low * high).sqrt(), samples.len(), sampling.tolerance);
+                    return Err(AcousticsError::Unresolved {
+                        hz,
+                        error: estimate,
+                        samples,
+                        tolerance,
+                    });
+                } else if order + 1 < ORDERS.len() {
+                    next.push((low, high, order + 1));
+                } else {
+                    let middle = 0.5 * (low + high);
+                    next.extend([(low, middle, 2), (middle, high, 2)]);
+                }
+            }
+            pending = next;
+        }
+        intervals.sort_by(|a, b| a.low.total_cmp(&b.low));
+        let slopes = low_slopes(&intervals[0], &samples, modes);
+        Ok(Self {
+            method: method.into(),
+            modes,
+            patches,
+            intervals,
+            samples,
+            slopes,
+            error,
+        })
+    }
+
+    /// Frequencies sampled [Hz], rising.
+    pub fn sampled_hz(&self) -> Vec<f64> {
+        let mut hz: Vec<f64> = self.samples.iter().map(|s| s.hz).collect();
+        hz.sort_by(f64::total_cmp);
+        hz
+    }
+
+    /// Estimated largest interpolation error of an entry R_ij, relative to sqrt(R_ii R_jj).
+    pub fn interpolation_error(&self) -> f64 {
+        self.error
+    }
+
+    fn lowest(&self) -> f64 {
+        self.intervals[0].low
+    }
+
+    fn interval(&self, hz: f64) -> usize {
+        self.intervals
+            .partition_point(|i| i.high <= hz)
+            .min(self.intervals.len() - 1)
+    }
+
+    /// What each mode's amplitude is multiplied by to evaluate the lowest sample's Q at a lower frequency.
+    fn low_factor(&self, hz: f64, mode: usize) -> f64 {
+        (hz / self.lowest()).powf(0.5 * self.slopes[mode] - 1.0)
+    }
+
+    /// Index of the sample at the lowest frequency.
+    fn lowest_sample(&self) -> usize {
+        self.intervals[0].nodes[0]
+    }
+}
+
+impl ModalRadiation for SampledRadiation {
+    fn method(&self) -> &str {
+        &self.method
+    }
+
+    fn modes(&self) -> usize {
+        self.modes
+    }
+
+    fn patches(&self) -> &[String] {
+        &self.patches
+    }
+
+    fn highest_hz(&self) -> f64 {
+        self.intervals.last().map_or(0.0, |i| i.high)
+    }
+
+    fn resistance(&self, hz: f64) -> Resistance {
+        let omega2 = (2.0 * PI * hz).powi(2);
+        let mut result = Resistance::zeros(self.modes);
+        if hz < self.lowest() {
+            for patch in &self.samples[self.lowest_sample()].patches {
+                result.add_scaled(omega2, patch);
+            }
+            let scale = |m: &mut DMatrix<f64>| {
+                for j in 0..self.modes {
+                    for i in 0..self.modes {
+                        m[(i, j)] *= self.low_factor(hz, i) * self.low_factor(hz, j);
+                    }
+                }
+            };
+            scale(&mut result.real);
+            result.imaginary.as_mut().map(scale);
+            return result;
+        }
+        let interval = &self.intervals[self.interval(hz)];
+        for (node, weight) in interval
+            .nodes
+            .iter()
+            .zip(interval.weights(hz, interval.nodes.len() - 1))
+        {
+            for patch in &self.samples[*node].patches {
+                result.add_scaled(omega2 * weight, patch);
+            }
+        }
+        result
+    }
+
+    fn energy_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
+        const CHUNK: usize = 256;
+        let (modes, patches) = (self.modes, self.patches.len());
+        // Runs of bins that share an interval, cut into chunks; `None` is below the lowest sample.
+        let place = |&hz: &f64| (hz >= self.lowest()).then(|| self.interval(hz));
+        let mut runs: Vec<(Option<usize>, usize, usize)> = Vec::new();
+        for (bin, at) in frequency.iter().map(place).enumerate() {
+            match runs.last_mut() {
+                Some((last, start, end)) if *last == at && bin - *start < CHUNK => *end = bin + 1,
+                _ => runs.push((at, bin, bin + 1)),
+            }
+        }
+        let evaluate = |&(at, start, end): &(Option<usize>, usize, usize)| {
+            let bins = end - start;
+            let factor = |i: usize, bin: usize| {
+                if at.is_none() {
+                    self.low_factor(frequency[bin], i)
+                } else {
+                    1.0
+                }
+            };
+            let parts = DMatrix::from_fn(modes, 2 * bins, |i, j| {
+                let (bin, imaginary) = (start + j % bins, j >= bins);
+                let a = accelerations[(i, bin)];
+                factor(i, bin) * if imaginary { a.im } else { a.re }
+            });
+            let (nodes, weights): (Vec<usize>, Vec<Vec<f64>>) = match at {
+                None => (vec![self.lowest_sample()], vec![vec![1.0]; bins]),
+                Some(i) => {
+                    let interval = &self.intervals[i];
+                    let order = interval.nodes.len() - 1;
+                    (
+                        interval.nodes.clone(),
+                        frequency[start..end]
+                            .iter()
+                            .map(|&hz| interval.weights(hz, order))
+                            .collect(),
+                    )
+                }
+            };
+            let mut result = DMatrix::zeros(patches, bins);
+            for (n, node) in nodes.iter().enumerate() {
+                for (p, q) in self.samples[*node].patches.iter().enumerate() {
+                    let image = &q.real * &parts;
+                    let skew = q.imaginary.as_ref().map(|m| m * parts.columns(0, bins));
+                    for bin in 0..bins {
+                        let mut form = parts.column(bin).dot(&image.column(bin))
+                            + parts.column(bins + bin).dot(&image.column(bins + bin));
+                        if let Some(skew) = &skew {
+                            form += 2.0 * parts.column(bins + bin).dot(&skew.column(bin));
+                        }
+                        result[(p, bin)] += weights[bin][n] * form;
+                    }
+                }
+            }
+            result
+        };
+        let mut forms = DMatrix::zeros(patches, frequency.len());
+        let blocks: Vec<DMatrix<f64>> = runs.par_iter().map(evaluate).collect();
+        for (&(_, start, end), block) in runs.iter().zip(&blocks) {
+            forms.columns_mut(start, end - start).copy_from(block);
+        }
+        forms
+    }
+}
+
+impl Interval {
+    /// Barycentric weights of the Lobatto rule of the given order at the frequency `hz` (they sum to one). An order
+    /// below the interval's own uses every second, fourth ... node.
+    fn weights(&self, hz: f64, order: usize) -> Vec<f64> {
+        let x: Vec<f64> = nodes(self.low, self.high, order).collect();
+        if let Some(hit) = x.iter().position(|&node| node == hz) {
+            return (0..=order).map(|i| f64::from(u8::from(i == hit))).collect();
+        }
+        let term = |(i, node): (usize, &f64)| {
+            let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
+            let end = if i == 0 || i == order { 0.5 } else { 1.0 };
+            sign * end / (hz - node)
+        };
+        let terms: Vec<f64> = x.iter().enumerate().map(term).collect();
+        let sum: f64 = terms.iter().sum();
+        terms.into_iter().map(|t| t / sum).collect()
+    }
+
+    /// Largest error of the rule of half the order at the nodes it does not use, relative to sqrt(Q_ii Q_jj).
+    fn coarser_error(&self, samples: &[Sample], modes: usize) -> f64 {
+        let order = self.nodes.len() - 1;
+        let mut worst: f64 = 0.0;
+        for new in (1..order).step_by(2) {
+            let sample = &samples[self.nodes[new]];
+            let weights = self.weights(sample.hz, order / 2);
+            let mut whole = vec![0.0; modes];
+            for patch in &sample.patches {
+                (0..modes).for_each(|i| whole[i] += patch.real[(i, i)]);
+            }
+            let floor = 1e-12 * whole.iter().copied().fold(0.0, f64::max);
+            let scale: Vec<f64> = whole
+                .iter()
+                .map(|q| q.max(floor).max(f64::MIN_POSITIVE).sqrt())
+                .collect();
+            for p in 0..sample.patches.len() {
+                let mut difference = sample.patches[p].clone();
+                for (i, weight) in weights.iter().enumerate() {
+                    difference.add_scaled(-weight, &samples[self.nodes[2 * i]].patches[p]);
+                }
+                for part in std::iter::once(&difference.real).chain(difference.imaginary.as_ref()) {
+                    for j in 0..modes {
+                        for i in 0..modes {
+                            worst = worst.max(part[(i, j)].abs() / (scale[i] * scale[j]));
+                        }
+                    }
+                }
+            }
+        }
+        worst
+    }
+}
+
+/// Chebyshev-Lobatto nodes of [low, high], rising; the ends are exact.
+fn nodes(low: f64, high: f64, order: usize) -> impl Iterator<Item = f64> {
+    // The finest order's index makes nested rules agree bit for bit.
+    let finest = ORDERS[ORDERS.len() - 1];
+    (0..=order).map(move |i| match i {
+        0 => low,
+        i if i == order => high,
+        i => 0.5 * (low + high) - 0.5 * (high - low) * (PI * (i * (finest / order)) as f64 / finest as f64).cos(),
+    })
+}
+
+/// Power laws of the diagonal of R at the lowest sample, rounded to even numbers from 2 up.
+fn low_slopes(interval: &Interval, samples: &[Sample], modes: usize) -> Vec<f64> {
+    let diagonal = |s: &Sample, i: usize| s.patches.iter().map(|p| p.real[(i, i)]).sum::<f64>();
+    let (first, second) = (&samples[interval.nodes[0]], &samples[interval.nodes[1]]);
+    let slope = |i: usize| {
+        let ratio = diagonal(second, i) / diagonal(first, i);
+        let slope = 2.0 + ratio.ln() / (second.hz / first.hz).ln();
+        if slope.is_finite() {
+            (2.0 * (slope / 2.0).round()).max(2.0)
+        } else {
+            2.0
+        }
+    };
+    (0..modes).map(slope).collect()
+}

@@ -1,0 +1,249 @@
+//! Sand around a flush block: what it absorbs and what it radiates.
+
+use super::plane_waves::PlanarPoints;
+use super::quadrature::gauss_legendre;
+use crate::air::Air;
+use crate::error::{AcousticsError, positive};
+use nalgebra::{Complex, DMatrix};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// Normalised surface admittance beta = rho0 c0 / Z of a half space of porous material.
+///
+/// ```text
+/// Z / (rho0 c0) = 1 + 0.070 (f/sigma)^{-0.632} - j 0.107 (f/sigma)^{-0.632}
+/// ```
+///
+/// Y. Miki, J. Acoust. Soc. Jpn. (E) 11, 19 (1990), fitted for 0.01 < f/sigma < 1 and causal below. `resistivity` is
+/// the flow resistivity sigma [Pa s/m²].
+pub fn miki_admittance(hz: f64, resistivity: f64) -> Complex<f64> {
+    let x = (hz / resistivity).powf(-0.632);
+    Complex::new(1.0 + 0.070 * x, -0.107 * x).inv()
+}
+
+/// Sand that absorbs the sound passing along it.
+///
+/// Over an infinite locally reacting plane a compact source in it loses
+///
+/// ```text
+/// g(f) = int_0^1 |u / (u + beta)|^2 du       u the cosine of the angle to the normal
+/// ```
+///
+/// of its power on a rigid plane. The sand of a box is finite, so only `share` of the loss, in decibels, is applied.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct AbsorbingSand {
+    /// Flow resistivity sigma [Pa s/m²]; dry sand has 1e5 to 5e5.
+    pub resistivity: f64,
+    /// Share of the infinite plane's decibels, 0 to 1.
+    pub share: f64,
+}
+
+impl Default for AbsorbingSand {
+    fn default() -> Self {
+        Self {
+            resistivity: 2.5e5,
+            share: 0.5,
+        }
+    }
+}
+
+impl AbsorbingSand {
+    /// The factor g on power above an infinite plane.
+    pub fn infinite_plane_factor(&self, hz: f64) -> f64 {
+        let beta = miki_admittance(hz, self.resistivity);
+        // u = t² gathers the nodes where u ~ beta.
+        let value = |t: f64| 2.0 * t * (Complex::from(t * t) / (beta + t * t)).norm_sqr();
+        gauss_legendre(48)
+            .into_iter()
+            .map(|(x, w)| 0.5 * w * value(0.5 * (1.0 + x)))
+            .sum()
+    }
+
+    /// The factor g^share applied.
+    pub fn factor(&self, hz: f64) -> f64 {
+        self.infinite_plane_factor(hz).powf(self.share)
+    }
+
+    pub(super) fn check(&self) -> Result<(), AcousticsError> {
+        positive("flow resistivity of the sand [Pa s/m2]", self.resistivity)?;
+        if (0.0..=1.0).contains(&self.share) {
+            Ok(())
+        } else {
+            Err(AcousticsError::OutsideRange {
+                what: "share of the sand's absorption",
+                value: self.share,
+                low: 0.0,
+                high: 1.0,
+            })
+        }
+    }
+}
+
+/// Sand that moves with the block and radiates with it.
+///
+/// ```text
+/// v(s) = v_edge (2/pi) asin(a / (a + s)) e^{-j k_R s (1 - j eta/2)}      a = sqrt(A/pi),  k_R = omega / (0.93 V_s)
+/// ```
+///
+/// s is the distance to the block's edge, v_edge the block's velocity at the nearest point of its edge and A the area
+/// of its top: the static surface displacement around a rigid disk, carried outward as a Rayleigh wave.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct MovingSand {
+    /// The block's top, intervals of x and y [m].
+    pub footprint: [[f64; 2]; 2],
+    /// The sand's surface, intervals of x and y [m].
+    pub sand: [[f64; 2]; 2],
+    /// Shear wave speed V_s of the sand [m/s].
+    pub shear_speed: f64,
+    /// Loss factor eta of the sand.
+    pub loss_factor: f64,
+    /// Highest frequency up to which the sand moves [Hz]; its motion fades out over the third octave below.
+    pub to_hz: f64,
+}
+
+/// Rayleigh wave speed over shear wave speed, for a Poisson ratio of 0.3.
+const RAYLEIGH_SPEED: f64 = 0.93;
+
+/// The sand's surface in quadrature points, with the block's modal displacement at the edge point that carries each.
+#[derive(Debug, Clone)]
+pub(super) struct SandPatch {
+    pub(super) points: Vec<[f64; 2]>,
+    pub(super) planar: PlanarPoints,
+    distance: Vec<f64>,
+    /// Edge displacement times area, points x modes.
+    carried: DMatrix<f64>,
+    radius: f64,
+    law: MovingSand,
+}
+
+impl MovingSand {
+    pub(super) fn check(&self) -> Result<(), AcousticsError> {
+        positive("shear wave speed of the sand [m/s]", self.shear_speed)?;
+        positive("upper frequency of the moving sand [Hz]", self.to_hz)?;
+        let inside = |i: usize| {
+            let ([a, b], [c, d]) = (self.footprint[i], self.sand[i]);
+            c < a && a < b && b < d
+        };
+        if inside(0) && inside(1) {
+            Ok(())
+        } else {
+            Err(AcousticsError::SandBox {
+                footprint: self.footprint,
+                sand: self.sand,
+            })
+        }
+    }
+
+    /// Gauss points on the eight rectangles around the footprint, close enough for the shortest Rayleigh wave.
+    pub(super) fn patch(&self, air: &Air, block: &[[f64; 2]], displacement: &DMatrix<f64>) -> SandPatch {
+        let k = 2.0 * PI * self.to_hz * (1.0 / (RAYLEIGH_SPEED * self.shear_speed) + 1.0 / air.sound_speed);
+        let strips = |i: usize| {
+            let ([a, b], [c, d]) = (self.footprint[i], self.sand[i]);
+            [(c, a), (a, b), (b, d)].map(|(low, high)| {
+                // Two points a wavelength are the limit of Gauss rules; the rest is for the law's own variation.
+                let n = (k * (high - low) / PI * 1.3).ceil() as usize + 6;
+                let half = 0.5 * (high - low);
+                gauss_legendre(n)
+                    .into_iter()
+                    .map(|(x, w)| (low + half * (1.0 + x), half * w))
+                    .collect::<Vec<_>>()
+            })
+        };
+        let (xs, ys) = (strips(0), strips(1));
+        let (mut points, mut weights) = (Vec::new(), Vec::new());
+        for (i, x_strip) in xs.iter().enumerate() {
+            for (j, y_strip) in ys.iter().enumerate().filter(|(j, _)| (i, *j) != (1, 1)) {
+                debug_assert!(j < 3);
+                for (x, wx) in x_strip {
+                    for (y, wy) in y_strip {
+                        points.push([*x, *y]);
+                        weights.push(wx * wy);
+                    }
+                }
+            }
+        }
+        let edge = |p: &[f64; 2]| [0, 1].map(|i| p[i].clamp(self.footprint[i][0], self.footprint[i][1]));
+        let distance = points
+            .iter()
+            .map(|p| {
+                let e = edge(p);
+                (p[0] - e[0]).hypot(p[1] - e[1])
+            })
+            .collect();
+        let mut carried = DMatrix::zeros(points.len(), displacement.ncols());
+        let mut last: Option<([f64; 2], nalgebra::RowDVector<f64>)> = None;
+        for (row, (p, w)) in points.iter().zip(&weights).enumerate() {
+            let e = edge(p);
+            let value = match &last {
+                Some((at, value)) if *at == e => value.clone(),
+                _ => plane_fit(block, displacement, e),
+            };
+            carried.set_row(row, &(&value * *w));
+            last = Some((e, value));
+        }
+        let [[x0, x1], [y0, y1]] = self.footprint;
+        let radius = ((x1 - x0) * (y1 - y0) / PI).sqrt();
+        SandPatch {
+            planar: PlanarPoints::new(&points),
+            points,
+            distance,
+            carried,
+            radius,
+            law: *self,
+        }
+    }
+}
+
+/// Displacement at a point of the edge: the plane through the nine nearest quadrature points, least squares. Exact for
+/// rigid motion.
+fn plane_fit(block: &[[f64; 2]], displacement: &DMatrix<f64>, at: [f64; 2]) -> nalgebra::RowDVector<f64> {
+    let mut near: Vec<(f64, usize)> = block
+        .iter()
+        .enumerate()
+        .map(|(i, p)| ((p[0] - at[0]).hypot(p[1] - at[1]), i))
+        .collect();
+    near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    near.truncate(9);
+    let rows: Vec<usize> = near.iter().map(|(_, i)| *i).collect();
+    let values = displacement.select_rows(&rows);
+    let basis = DMatrix::from_fn(rows.len(), 3, |i, j| match j {
+        0 => 1.0,
+        j => block[rows[i]][j - 1] - at[j - 1],
+    });
+    match basis.clone().svd(true, true).pseudo_inverse(1e-9 * basis.norm()) {
+        // The plane's value at the edge point is its constant term.
+        Ok(inverse) => inverse.row(0) * values,
+        Err(_) => values.row(0).into_owned(),
+    }
+}
+
+impl SandPatch {
+    /// Modal velocity of the sand times area at one frequency, real and imaginary part (points x modes); `None` where
+    /// the sand no longer moves.
+    pub(super) fn sources(&self, hz: f64) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
+        let fade = self.law.fade(hz)?;
+        let k = 2.0 * PI * hz / (RAYLEIGH_SPEED * self.law.shear_speed);
+        let mut real = self.carried.clone();
+        let mut imaginary = self.carried.clone();
+        for (row, &s) in self.distance.iter().enumerate() {
+            let amplitude =
+                2.0 / PI * (self.radius / (self.radius + s)).asin() * (-0.5 * self.law.loss_factor * k * s).exp();
+            let (sine, cosine) = (k * s).sin_cos();
+            real.row_mut(row).scale_mut(fade * amplitude * cosine);
+            imaginary.row_mut(row).scale_mut(-fade * amplitude * sine);
+        }
+        Some((real, imaginary))
+    }
+}
+
+impl MovingSand {
+    /// 1 up to a third octave below `to_hz`, then a smooth fall to 0 there.
+    fn fade(&self, hz: f64) -> Option<f64> {
+        let start = self.to_hz * 10f64.powf(-0.1);
+        match (hz - start) / (self.to_hz - start) {
+            x if x <= 0.0 => Some(1.0),
+            x if x < 1.0 => Some(0.5 * (1.0 + (PI * x).cos())),
+            _ => None,
+        }
+    }
+}

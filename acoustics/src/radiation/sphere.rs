@@ -1,0 +1,44 @@
+use crate::air::Air;
+use crate::error::{AcousticsError, positive};
+use crate::fourier::{Transform, TransformSettings};
+use crate::levels::SourceSpectrum;
+use std::f64::consts::PI;
+
+/// Acceleration noise of a body that moves rigidly along one axis, as that of the sphere of its volume.
+///
+/// ```text
+/// E(f) = 2 |A/omega|^2 rho0 c0 (4 pi a^2 / 3) (k a)^4 / (4 + (k a)^4)       a = (3 V / 4 pi)^{1/3}
+/// ```
+///
+/// The oscillating sphere's exact radiation resistance. A step of velocity v radiates rho0 V v² / 4. Only the motion of
+/// the whole body is in it, in free space: no vibration of its walls and no reflection from a surface below it.
+///
+/// `acceleration` [m/s²] at intervals of `sample_interval` [s], `volume` [m³].
+///
+/// # Errors
+/// See [`Transform::new`] and [`Transform::apply`]; a volume that is not positive.
+pub fn rigid_body_energy(
+    source: impl Into<String>,
+    acceleration: &[f64],
+    sample_interval: f64,
+    volume: f64,
+    air: &Air,
+    settings: &TransformSettings,
+) -> Result<SourceSpectrum, AcousticsError> {
+    positive("volume of the body [m3]", volume)?;
+    let transform = Transform::new(acceleration.len(), sample_interval, settings)?;
+    let frequency = transform.frequencies();
+    let a = (3.0 * volume / (4.0 * PI)).cbrt();
+    let energy = |(hz, acceleration): (&f64, rustfft::num_complex::Complex<f64>)| {
+        let omega = 2.0 * PI * hz;
+        let ka4 = (omega * a / air.sound_speed).powi(4);
+        let resistance = air.impedance() * 4.0 * PI * a * a / 3.0 * ka4 / (4.0 + ka4);
+        2.0 * acceleration.norm_sqr() / (omega * omega) * resistance
+    };
+    let density = frequency
+        .iter()
+        .zip(transform.apply(acceleration)?)
+        .map(energy)
+        .collect();
+    SourceSpectrum::new(source, "rigid motion only", frequency, density, settings.range_hz)
+}
