@@ -123,7 +123,7 @@ impl Grid {
     fn lattice_point(&self, at: [usize; 3]) -> Point3<f64> {
         Point3::from([0, 1, 2].map(|k| {
             let (line, i) = (&self.lines[k], at[k] / 2);
-            if at[k] % 2 == 0 {
+            if at[k].is_multiple_of(2) {
                 line[i]
             } else {
                 (line[i] + line[i + 1]) / 2.0
