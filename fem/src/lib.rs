@@ -1,1 +1,21 @@
 //! Finite-element modal models of the bodies and their transient response.
+//!
+//! A mesh with a [`Material`] for each part and [`Constraints`] assembles to a [`System`] K, M; [`modes`] solves
+//! K phi = lambda M phi for all modes below a frequency and proves by a Sturm count that none is missing.
+#![forbid(unsafe_code)]
+
+mod assembly;
+mod constraints;
+mod element;
+mod error;
+mod material;
+mod modal;
+mod order;
+mod solve;
+
+pub use assembly::{Equations, System, assemble};
+pub use constraints::Constraints;
+pub use error::FemError;
+pub use material::{Material, Orthotropic};
+pub use modal::{Corrections, ModalBasis, ModalSettings, ModalWork, Sturm};
+pub use solve::modes;

@@ -1,0 +1,122 @@
+//! What can go wrong between a mesh and its modes.
+
+/// An error of the modal models; every variant carries the numbers and names the remedy.
+#[derive(Debug, thiserror::Error)]
+pub enum FemError {
+    /// A material constant is not a positive finite number.
+    #[error("{what} is {value}; give a positive finite number")]
+    NotPositive {
+        /// Which constant.
+        what: &'static str,
+        /// The value found.
+        value: f64,
+    },
+    /// The elastic constants store negative energy in some strain.
+    #[error(
+        "the elastic constants are not positive definite: smallest eigenvalue of the scaled compliance is {eigenvalue:e}; \
+         lower the Poisson ratios (|nu_ij| < sqrt(E_i / E_j))"
+    )]
+    NotPositiveDefinite {
+        /// Smallest eigenvalue of the compliance scaled to a unit diagonal.
+        eigenvalue: f64,
+    },
+    /// The material axes are not at right angles.
+    #[error("the material axes deviate from orthonormal by {deviation:e}; give three unit vectors at right angles")]
+    Axes {
+        /// Largest entry of |Q^T Q - I|.
+        deviation: f64,
+    },
+    /// Parts and materials do not match.
+    #[error("the mesh has {parts} parts but {materials} materials were given; give one for each part")]
+    Materials {
+        /// Parts of the mesh.
+        parts: usize,
+        /// Materials given.
+        materials: usize,
+    },
+    /// An element is inverted or flat.
+    #[error("element {element} has Jacobian determinant {determinant:e} m^3; it is inverted or flat: repair the mesh")]
+    Inverted {
+        /// Element index.
+        element: usize,
+        /// The determinant found \[m^3\].
+        determinant: f64,
+    },
+    /// Nothing is left to move.
+    #[error("all {dofs} degrees of freedom are constrained; free some of them")]
+    NothingFree {
+        /// Degrees of freedom of the mesh.
+        dofs: usize,
+    },
+    /// The fill-reducing order could not be found.
+    #[error("nested dissection failed: {reason}; check the mesh for disconnected or damaged elements")]
+    Order {
+        /// The library's reason.
+        reason: String,
+    },
+    /// The system is larger than its index type or the memory.
+    #[error("the factor of {dofs} degrees of freedom does not fit; use a coarser mesh")]
+    TooLarge {
+        /// Degrees of freedom.
+        dofs: usize,
+    },
+    /// A factorisation met a pivot it cannot use.
+    #[error("factorisation of K - sigma M at sigma = {shift:e} failed at pivot {pivot}; check masses and constraints")]
+    Pivot {
+        /// The shift \[(rad/s)^2\].
+        shift: f64,
+        /// Index of the pivot in elimination order.
+        pivot: usize,
+    },
+    /// A factorisation does not reproduce its matrix.
+    #[error("the factor of K - sigma M at sigma = {shift:e} has relative residual {residual:e} (limit {limit:e})")]
+    Probe {
+        /// The shift \[(rad/s)^2\].
+        shift: f64,
+        /// Residual of a solve with a known vector.
+        residual: f64,
+        /// The limit.
+        limit: f64,
+    },
+    /// The iteration did not converge.
+    #[error(
+        "{converged} of {wanted} modes converged within {vectors} Lanczos vectors; allow more or lower the frequency"
+    )]
+    NotConverged {
+        /// Modes below the edge by the Sturm count.
+        wanted: usize,
+        /// Modes found converged.
+        converged: usize,
+        /// Vectors used.
+        vectors: usize,
+    },
+    /// The modes found are not those the Sturm count demands.
+    #[error("{found} modes found below {upper_hz} Hz, the Sturm count is {count}; change the upper frequency slightly")]
+    Incomplete {
+        /// Modes found.
+        found: usize,
+        /// Modes there are.
+        count: usize,
+        /// The edge \[Hz\].
+        upper_hz: f64,
+    },
+    /// A load vector does not match the mesh.
+    #[error("the loads have {found} rows, the mesh has {expected} degrees of freedom; give three rows a node")]
+    LoadRows {
+        /// Rows given.
+        found: usize,
+        /// Rows needed.
+        expected: usize,
+    },
+    /// A constraint names a node that does not exist.
+    #[error("node {node} is constrained, the mesh has {nodes} nodes")]
+    Node {
+        /// The node named.
+        node: usize,
+        /// Nodes of the mesh.
+        nodes: usize,
+    },
+    /// A mesh error.
+    #[error(transparent)]
+    Mesh(#[from] nailnoise_meshes::MeshError),
+}

@@ -1,0 +1,186 @@
+//! Linear elastic materials: isotropic and orthotropic with oriented axes.
+
+use nalgebra::{Matrix3, Matrix6};
+
+use crate::FemError;
+
+/// Elastic constants of an orthotropic material in its own axes 1, 2, 3 (for wood L, R, T).
+///
+/// nu_ij is the contraction along j per extension along i under a stress along i, so that nu_ij / E_i = nu_ji / E_j.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Orthotropic {
+    /// Young's modulus along 1 \[Pa\].
+    pub e_1: f64,
+    /// Young's modulus along 2 \[Pa\].
+    pub e_2: f64,
+    /// Young's modulus along 3 \[Pa\].
+    pub e_3: f64,
+    /// Shear modulus in the plane 1-2 \[Pa\].
+    pub g_12: f64,
+    /// Shear modulus in the plane 1-3 \[Pa\].
+    pub g_13: f64,
+    /// Shear modulus in the plane 2-3 \[Pa\].
+    pub g_23: f64,
+    /// Poisson ratio 1-2.
+    pub nu_12: f64,
+    /// Poisson ratio 1-3.
+    pub nu_13: f64,
+    /// Poisson ratio 2-3.
+    pub nu_23: f64,
+}
+
+/// A linear elastic material in global axes.
+///
+/// sigma = C epsilon with Voigt order xx, yy, zz, yz, xz, xy and engineering shear strains.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    density: f64,
+    stiffness: Matrix6<f64>,
+    slowest_shear: f64,
+}
+
+/// Tensor indices of the Voigt components.
+pub(crate) const VOIGT: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)];
+
+impl Material {
+    /// An isotropic material from Young's modulus `e` \[Pa\], Poisson ratio `nu` and `density` \[kg/m^3\].
+    ///
+    /// # Errors
+    /// [`FemError::NotPositive`], or [`FemError::NotPositiveDefinite`] unless -1 < nu < 1/2.
+    pub fn isotropic(e: f64, nu: f64, density: f64) -> Result<Self, FemError> {
+        if !(nu.is_finite() && nu > -1.0) {
+            return Err(FemError::NotPositiveDefinite { eigenvalue: 1.0 + nu });
+        }
+        let g = e / (2.0 * (1.0 + nu));
+        let constants = Orthotropic {
+            e_1: e,
+            e_2: e,
+            e_3: e,
+            g_12: g,
+            g_13: g,
+            g_23: g,
+            nu_12: nu,
+            nu_13: nu,
+            nu_23: nu,
+        };
+        Self::orthotropic(&constants, &Matrix3::identity(), density)
+    }
+
+    /// An orthotropic material; the columns of `axes` are its directions 1, 2, 3 in global coordinates. A left-handed
+    /// set is as good as a right-handed one, since the material is its own mirror image.
+    ///
+    /// The compliance in material axes is (Lekhnitskii, *Theory of Elasticity of an Anisotropic Body*, section 3)
+    /// S_ii = 1 / E_i,  S_ij = -nu_ij / E_i,  S_44 = 1 / G_23, S_55 = 1 / G_13, S_66 = 1 / G_12,
+    /// and the stiffness in global axes C_ijkl = Q_ip Q_jq Q_kr Q_ls C'_pqrs with Q = `axes` and C' = S^-1.
+    ///
+    /// # Errors
+    /// [`FemError::NotPositive`], [`FemError::NotPositiveDefinite`] or [`FemError::Axes`].
+    pub fn orthotropic(constants: &Orthotropic, axes: &Matrix3<f64>, density: f64) -> Result<Self, FemError> {
+        let c = constants;
+        let positive = [
+            ("Young's modulus E_1", c.e_1),
+            ("Young's modulus E_2", c.e_2),
+            ("Young's modulus E_3", c.e_3),
+            ("shear modulus G_12", c.g_12),
+            ("shear modulus G_13", c.g_13),
+            ("shear modulus G_23", c.g_23),
+            ("density", density),
+        ];
+        for (what, value) in positive {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(FemError::NotPositive { what, value });
+            }
+        }
+        let deviation = (axes.transpose() * axes - Matrix3::identity()).amax();
+        // A NaN axis is refused as well.
+        if deviation.is_nan() || deviation > 1e-9 {
+            return Err(FemError::Axes { deviation });
+        }
+        let normal = Matrix3::new(
+            1.0 / c.e_1,
+            -c.nu_12 / c.e_1,
+            -c.nu_13 / c.e_1,
+            -c.nu_12 / c.e_1,
+            1.0 / c.e_2,
+            -c.nu_23 / c.e_2,
+            -c.nu_13 / c.e_1,
+            -c.nu_23 / c.e_2,
+            1.0 / c.e_3,
+        );
+        let scale = Matrix3::from_diagonal(&normal.diagonal().map(|s| 1.0 / s.sqrt()));
+        let eigenvalue = (scale * normal * scale).symmetric_eigenvalues().min();
+        if eigenvalue.is_nan() || eigenvalue < 1e-9 {
+            return Err(FemError::NotPositiveDefinite { eigenvalue });
+        }
+        let inverse = normal
+            .try_inverse()
+            .ok_or(FemError::NotPositiveDefinite { eigenvalue })?;
+        let mut local = Matrix6::zeros();
+        local
+            .fixed_view_mut::<3, 3>(0, 0)
+            .copy_from(&((inverse + inverse.transpose()) / 2.0));
+        for (k, g) in [c.g_23, c.g_13, c.g_12].into_iter().enumerate() {
+            local[(3 + k, 3 + k)] = g;
+        }
+        let stiffness = if *axes == Matrix3::identity() {
+            local
+        } else {
+            rotate(&local, axes)
+        };
+        Ok(Self {
+            density,
+            stiffness,
+            slowest_shear: c.g_12.min(c.g_13).min(c.g_23),
+        })
+    }
+
+    /// Density \[kg/m^3\].
+    pub fn density(&self) -> f64 {
+        self.density
+    }
+
+    /// Stiffness C in global axes \[Pa\].
+    pub fn stiffness(&self) -> &Matrix6<f64> {
+        &self.stiffness
+    }
+
+    /// Speed of the slowest shear wave along a material axis, sqrt(G_min / rho) \[m/s\], from which elements are sized.
+    pub fn slowest_speed(&self) -> f64 {
+        (self.slowest_shear / self.density).sqrt()
+    }
+
+    /// The stiffness tensor C_ijkl, which is what the displacement gradients see.
+    pub(crate) fn tensor(&self) -> [[[[f64; 3]; 3]; 3]; 3] {
+        tensor(&self.stiffness)
+    }
+}
+
+/// Voigt index of a pair of tensor indices.
+const fn voigt(i: usize, j: usize) -> usize {
+    if i == j { i } else { 6 - i - j }
+}
+
+fn tensor(c: &Matrix6<f64>) -> [[[[f64; 3]; 3]; 3]; 3] {
+    std::array::from_fn(|i| {
+        std::array::from_fn(|j| std::array::from_fn(|k| std::array::from_fn(|l| c[(voigt(i, j), voigt(k, l))])))
+    })
+}
+
+fn rotate(local: &Matrix6<f64>, q: &Matrix3<f64>) -> Matrix6<f64> {
+    let c = tensor(local);
+    let rotated = Matrix6::from_fn(|row, column| {
+        let ((i, j), (k, l)) = (VOIGT[row], VOIGT[column]);
+        let mut sum = 0.0;
+        for p in 0..3 {
+            for r in 0..3 {
+                for s in 0..3 {
+                    for t in 0..3 {
+                        sum += q[(i, p)] * q[(j, r)] * q[(k, s)] * q[(l, t)] * c[p][r][s][t];
+                    }
+                }
+            }
+        }
+        sum
+    });
+    (rotated + rotated.transpose()) / 2.0
+}

@@ -1,0 +1,117 @@
+//! Modes of vibration: what is asked for and what comes back.
+
+use nalgebra::DMatrix;
+
+/// What to solve for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModalSettings {
+    /// All modes below this frequency are returned \[Hz\]. The edge may be moved up slightly into a gap between modes.
+    pub top_hz: f64,
+    /// Load patterns, 3 x nodes rows, one column each, for which static-correction shapes are returned; may have no
+    /// columns.
+    pub loads: Option<DMatrix<f64>>,
+    /// Largest residual accepted for any mode.
+    pub residual_limit: f64,
+    /// Vectors a Lanczos block holds; multiplicities up to this number are found in one pass.
+    pub block: usize,
+    /// The largest number of Lanczos vectors kept before the iteration restarts on the best of them.
+    pub max_vectors: usize,
+}
+
+impl ModalSettings {
+    /// All modes below `top_hz` \[Hz\], without static corrections: blocks of 16, residuals below 1e-8.
+    pub fn below(top_hz: f64) -> Self {
+        Self {
+            top_hz,
+            loads: None,
+            residual_limit: 1e-8,
+            block: 16,
+            max_vectors: 3000,
+        }
+    }
+
+    /// The same with static corrections for these load patterns (3 x nodes rows).
+    #[must_use]
+    pub fn with_loads(self, loads: DMatrix<f64>) -> Self {
+        Self {
+            loads: Some(loads),
+            ..self
+        }
+    }
+}
+
+/// The modes of a body below a frequency, proven complete.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModalBasis {
+    /// Free degrees of freedom of the model.
+    pub dofs: usize,
+    /// Natural frequencies, ascending; 0 for rigid modes \[Hz\].
+    pub hz: Vec<f64>,
+    /// Mode shapes, 3 x nodes rows, one column a mode, phi^T M phi = 1 \[kg^-1/2\].
+    pub shapes: DMatrix<f64>,
+    /// |K phi - lambda M phi| / |lambda M phi| of each mode; a rigid mode has no lambda to divide by, so its scale is
+    /// |sigma M phi| with the shift sigma of the factorisation, and lambda = 0 in the numerator.
+    pub residuals: Vec<f64>,
+    /// Whether a mode moves the body without straining it.
+    pub rigid: Vec<bool>,
+    /// Largest entry of |Phi^T M Phi - I|.
+    pub orthonormality: f64,
+    /// The proof that none is missing.
+    pub sturm: Sturm,
+    /// Static corrections for the load patterns asked for, to be appended to the modes.
+    pub corrections: Corrections,
+    /// What the solution cost.
+    pub work: ModalWork,
+}
+
+/// The number of eigenvalues below an edge, by Sylvester's law of inertia.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Sturm {
+    /// The edge \[Hz\].
+    pub upper_hz: f64,
+    /// Negative pivots of K - (2 pi upper_hz)^2 M.
+    pub count: usize,
+}
+
+/// Residual vectors: what the modes left out contribute to the static response to the given loads.
+///
+/// They are orthogonal to the modes and to each other with respect to M and K, mass-normalised, and so are taken as
+/// further modes with the frequencies given, which lie above those of the modes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Corrections {
+    /// Rayleigh frequencies, ascending \[Hz\].
+    pub hz: Vec<f64>,
+    /// Shapes, 3 x nodes rows \[kg^-1/2\].
+    pub shapes: DMatrix<f64>,
+}
+
+/// Work counters of a modal solution; they do not depend on the machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct ModalWork {
+    /// Stored values of the factor L.
+    pub factor_values: usize,
+    /// Factorisations, of the shifted matrix and for the Sturm counts.
+    pub factorisations: usize,
+    /// Lanczos block steps.
+    pub block_steps: usize,
+    /// Right-hand sides solved for, those of a block step counting one each.
+    pub solves: usize,
+    /// Restarts of the iteration.
+    pub restarts: usize,
+}
+
+impl ModalBasis {
+    /// Frequencies of modes and corrections, in the order of [`Self::all_shapes`] \[Hz\].
+    pub fn all_hz(&self) -> Vec<f64> {
+        self.hz.iter().chain(&self.corrections.hz).copied().collect()
+    }
+
+    /// Shapes of the modes, then of the corrections \[kg^-1/2\].
+    pub fn all_shapes(&self) -> DMatrix<f64> {
+        let (n, m) = (self.shapes.ncols(), self.corrections.shapes.ncols());
+        let mut all = DMatrix::zeros(self.shapes.nrows(), n + m);
+        all.columns_mut(0, n).copy_from(&self.shapes);
+        all.columns_mut(n, m).copy_from(&self.corrections.shapes);
+        all
+    }
+}
