@@ -12,6 +12,8 @@ mod material;
 mod modal;
 mod order;
 mod solve;
+pub mod supports;
+pub mod transient;
 
 pub use assembly::{Equations, System, assemble};
 pub use constraints::Constraints;

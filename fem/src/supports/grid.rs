@@ -1,0 +1,79 @@
+//! Points that stand for a rectangular contact area.
+
+/// Where the points of a [`ContactGrid`] lie.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GridRule {
+    /// Gauss-Legendre points and weights.
+    GaussLegendre,
+    /// Centres of equal cells.
+    CellCentred,
+}
+
+/// Points (x, y) on the rectangle |x| <= lx/2, |y| <= ly/2 with the areas they stand for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactGrid {
+    /// Coordinates \[m\] from the centre, x fastest.
+    pub points: Vec<[f64; 2]>,
+    /// Tributary areas [m2]; their sum is lx ly.
+    pub areas: Vec<f64>,
+}
+
+impl ContactGrid {
+    /// nx x ny points on a rectangle of lx x ly.
+    pub fn new(lx: f64, ly: f64, nx: usize, ny: usize, rule: GridRule) -> Self {
+        let (xs, wx) = line(nx, rule);
+        let (ys, wy) = line(ny, rule);
+        let mut grid = Self {
+            points: Vec::with_capacity(nx * ny),
+            areas: Vec::with_capacity(nx * ny),
+        };
+        for (y, wy) in ys.iter().zip(&wy) {
+            for (x, wx) in xs.iter().zip(&wx) {
+                grid.points.push([0.5 * lx * x, 0.5 * ly * y]);
+                grid.areas.push(0.25 * lx * ly * wx * wy);
+            }
+        }
+        grid
+    }
+}
+
+fn line(n: usize, rule: GridRule) -> (Vec<f64>, Vec<f64>) {
+    match rule {
+        GridRule::CellCentred => {
+            let width = 2.0 / n as f64;
+            (
+                (0..n).map(|i| -1.0 + (i as f64 + 0.5) * width).collect(),
+                vec![width; n],
+            )
+        }
+        GridRule::GaussLegendre => gauss_legendre(n),
+    }
+}
+
+/// Points and weights of the n-point Gauss-Legendre rule on [-1, 1], ascending, by Newton's method on P_n.
+pub(crate) fn gauss_legendre(n: usize) -> (Vec<f64>, Vec<f64>) {
+    let (mut points, mut weights) = (vec![0.0; n], vec![0.0; n]);
+    for i in 0..n.div_ceil(2) {
+        let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (n as f64 + 0.5)).cos();
+        let mut slope = 1.0;
+        for _ in 0..20 {
+            let (mut p, mut before) = (x, 1.0);
+            for k in 2..=n {
+                (p, before) = (((2 * k - 1) as f64 * x * p - (k - 1) as f64 * before) / k as f64, p);
+            }
+            slope = n as f64 * (x * p - before) / (x * x - 1.0);
+            let change = p / slope;
+            x -= change;
+            if change.abs() < 1e-15 {
+                break;
+            }
+        }
+        if 2 * i + 1 == n {
+            x = 0.0;
+        }
+        let weight = 2.0 / ((1.0 - x * x) * slope * slope);
+        (points[i], points[n - 1 - i]) = (-x, x);
+        (weights[i], weights[n - 1 - i]) = (weight, weight);
+    }
+    (points, weights)
+}

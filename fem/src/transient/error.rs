@@ -1,0 +1,108 @@
+//! What can go wrong in a transient run.
+
+use thiserror::Error;
+
+/// A transient run that cannot start or cannot go on; the text names the remedy.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum TransientError {
+    /// An array does not have the size that the others ask for.
+    #[error("{what}: {found} given where {expected} are needed; make all arrays of a body and of the loads agree")]
+    Size {
+        /// The array, with its body's name where it has one.
+        what: String,
+        /// Size asked for by the rest of the input.
+        expected: usize,
+        /// Size found.
+        found: usize,
+    },
+    /// A number is not finite or outside the range in which it has a meaning.
+    #[error("{what} is {value}, but must be {range}")]
+    Value {
+        /// The quantity.
+        what: String,
+        /// The value found.
+        value: f64,
+        /// The values allowed.
+        range: &'static str,
+    },
+    /// A constant load pushes a body in a direction in which it can move freely.
+    #[error(
+        "no static equilibrium: {share:.1e} of the load at t = 0 acts on rigid motions that no support can hold \
+         (largest on body `{body}`); add a support in that direction, balance the load, or start from rest"
+    )]
+    NotSupported {
+        /// Body whose rigid modes carry most of the unsupported load.
+        body: String,
+        /// Norm of the unsupported part over the norm of the whole modal load.
+        share: f64,
+    },
+    /// The unilateral supports cannot balance the loads at t = 0: a body tips over or is lifted off.
+    #[error(
+        "no static equilibrium: after {iterations} iterations {residual:.1e} of the load is unbalanced with \
+         {touching} supports touching; the body `{body}` tips or is lifted off: move the load inside the support, \
+         press harder, or start from rest"
+    )]
+    NoEquilibrium {
+        /// Body with the largest unbalanced load.
+        body: String,
+        /// Newton iterations done.
+        iterations: usize,
+        /// Norm of the unbalanced modal load over the norm of the whole modal load.
+        residual: f64,
+        /// Supports in contact at the end of the iteration.
+        touching: usize,
+    },
+    /// No unilateral support touched from the start to the end of the run.
+    #[error(
+        "a support never touches: the smallest gap of all {supports} unilateral supports in {duration:.3} s was \
+         {gap:.2e} m (support {nearest}); check the gap and the direction of its normals, or set require_contact = false"
+    )]
+    SupportNeverTouches {
+        /// Number of unilateral supports.
+        supports: usize,
+        /// Index of the support that came nearest.
+        nearest: usize,
+        /// Its smallest gap [m].
+        gap: f64,
+        /// Length of the run [s].
+        duration: f64,
+    },
+    /// The supports are so stiff that a body bounces on them within a few steps.
+    #[error(
+        "contact too stiff for the step: the fastest contact vibration is {frequency:.0} Hz, omega h = {rate:.2} with \
+         a step of {step:.2e} s (limit {limit}); use a step of at most {remedy:.1e} s or softer supports"
+    )]
+    ContactBeyondStep {
+        /// Frequency of the fastest vibration of the bodies on their supports [Hz].
+        frequency: f64,
+        /// Its omega h.
+        rate: f64,
+        /// The limit of omega h that the settings allow.
+        limit: f64,
+        /// Step [s].
+        step: f64,
+        /// Step that would pass [s].
+        remedy: f64,
+    },
+    /// The set of touching supports could not be found.
+    #[error(
+        "contact not found at t = {time:.6} s: {violations} of {supports} supports disagree with the contact law after \
+         {iterations} iterations; reduce the step or raise max_contact_iterations"
+    )]
+    ContactNotConverged {
+        /// Time of the step's end [s].
+        time: f64,
+        /// Iterations done.
+        iterations: usize,
+        /// Supports whose state contradicts the law.
+        violations: usize,
+        /// Number of supports.
+        supports: usize,
+    },
+    /// The response has become infinite or not a number.
+    #[error("the response is not finite at t = {time:.6} s; check loads, damping (>= 0) and supports")]
+    NotFinite {
+        /// Time [s].
+        time: f64,
+    },
+}
