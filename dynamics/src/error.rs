@@ -1,0 +1,172 @@
+//! What can be wrong with a cycle.
+
+use thiserror::Error;
+
+/// Why a cycle cannot be computed.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum CycleError {
+    /// A number is not finite or has the wrong sign.
+    #[error("{name} = {value} must be {rule}")]
+    Value {
+        /// Full name of the quantity, as in the design (`piston.mass`).
+        name: &'static str,
+        /// The value found.
+        value: f64,
+        /// What it must be.
+        rule: &'static str,
+    },
+    /// The closing spring would be compressed beyond the range of its published characteristic.
+    #[error(
+        "head_valve.lift {lift} m + head_valve.spring_preload {preload} m exceeds {limit} m, the range of the spring \
+         characteristic (Eq. 4.60); shorten the lift or the preload"
+    )]
+    SpringRange {
+        /// L_h \[m\].
+        lift: f64,
+        /// y_sp \[m\].
+        preload: f64,
+        /// Largest compression \[m\].
+        limit: f64,
+    },
+    /// Intake and exhaust would be open together.
+    #[error(
+        "head_valve.exhaust_lap {exhaust} m exceeds head_valve.intake_lap {intake} m: the supply would blow straight into \
+         the exhaust; make the exhaust lap the smaller"
+    )]
+    LapOverlap {
+        /// Y_he1 \[m\].
+        exhaust: f64,
+        /// Y_he0 \[m\].
+        intake: f64,
+    },
+    /// A diameter that must be the smaller is not.
+    #[error("{inner_name} {inner} m must be smaller than {outer_name} {outer} m")]
+    DiameterOrder {
+        /// Name of the smaller diameter.
+        inner_name: &'static str,
+        /// Its value \[m\].
+        inner: f64,
+        /// Name of the larger diameter.
+        outer_name: &'static str,
+        /// Its value \[m\].
+        outer: f64,
+    },
+    /// The rod would meet the nail after the nail meets the wood.
+    #[error(
+        "nail.head_gap {head_gap} m exceeds nail.tip_gap {tip_gap} m: the rod must reach the nail before the nail reaches \
+         the wood"
+    )]
+    GapOrder {
+        /// y_pbin \[m\].
+        head_gap: f64,
+        /// y_pbp \[m\].
+        tip_gap: f64,
+    },
+    /// The nail is longer than the block is thick.
+    #[error("nail.length {length} m exceeds wood.thickness {thickness} m; use a shorter nail or a thicker block")]
+    NailLongerThanBlock {
+        /// l_n \[m\].
+        length: f64,
+        /// Block thickness \[m\].
+        thickness: f64,
+    },
+    /// The guard spring lifts the tool off the wood before the shot.
+    #[error(
+        "the tool is not seated: the guard spring carries {guard} N, hand and weight press with {press} N; push harder \
+         (hand.force) or shorten contacts.guard_travel"
+    )]
+    NotSeated {
+        /// Force of the guard spring with the nose on the wood \[N\].
+        guard: f64,
+        /// Hand force and weights \[N\].
+        press: f64,
+    },
+    /// Supply pressure does not hold the head valve on its seat before the shot.
+    #[error(
+        "the head valve does not close: {force} N on its seat at rest; raise supply.pressure or head_valve.outer_diameter"
+    )]
+    ValveNotClosed {
+        /// F_close \[N\].
+        force: f64,
+    },
+    /// The piston compressed the bumper so far that no volume is left below it.
+    #[error(
+        "dry fire: at {time} s the piston compresses the bumper by {compression} m, more than the dead volume below it \
+         allows ({available} m); the nail or wood does not stop this piston"
+    )]
+    DryFire {
+        /// Time \[s\].
+        time: f64,
+        /// Bumper compression \[m\].
+        compression: f64,
+        /// V_02/A_2 \[m\].
+        available: f64,
+    },
+    /// A gas volume lost its volume or its mass.
+    #[error(
+        "the {volume} volume collapsed at {time} s (V = {size} m3, m = {mass} kg); check chambers and travel limits"
+    )]
+    Collapse {
+        /// Which volume.
+        volume: &'static str,
+        /// Time \[s\].
+        time: f64,
+        /// Its size \[m3\].
+        size: f64,
+        /// Its mass \[kg\].
+        mass: f64,
+    },
+    /// A contact opens and closes without end.
+    #[error(
+        "chatter: {contact} changed {count} times within {window} s at {time} s; add damping to this contact or lower its \
+         stiffness"
+    )]
+    Chatter {
+        /// Which contact or switch.
+        contact: &'static str,
+        /// Changes counted.
+        count: usize,
+        /// Window they were counted in \[s\].
+        window: f64,
+        /// Time \[s\].
+        time: f64,
+    },
+    /// A published form that this version does not compute.
+    #[error("model.{switch} = \"published\" is not available yet; use \"corrected\"")]
+    FormNotAvailable {
+        /// Name of the switch.
+        switch: &'static str,
+    },
+    /// A penetration speed outside the range of the quasi-static laws.
+    #[error(
+        "penetration speed {speed} m/s is outside {lowest} .. {highest} m/s, the range of the quasi-static laws (Eq. 2.2); \
+         use prf::REFERENCE_SPEED for a dynamic run"
+    )]
+    PenetrationSpeed {
+        /// Speed asked for \[m/s\].
+        speed: f64,
+        /// Lowest speed \[m/s\].
+        lowest: f64,
+        /// Highest speed \[m/s\].
+        highest: f64,
+    },
+    /// A depth beyond the nail's length.
+    #[error("depth {depth} m is beyond the nail's length {length} m, where the penetration law ends")]
+    PenetrationDepth {
+        /// Depth asked for \[m\].
+        depth: f64,
+        /// Nail length \[m\].
+        length: f64,
+    },
+    /// The integration could not go on.
+    #[error(
+        "the integration stopped at {time} s: {cause}; loosen settings.relative_tolerance or check the design's ranges"
+    )]
+    Integration {
+        /// Time \[s\].
+        time: f64,
+        /// What the solver reported.
+        cause: String,
+    },
+}

@@ -1,0 +1,23 @@
+//! Penetration resistance force of a nail in wood.
+//!
+//! ```text
+//! F_r = H_M NL max(0, C0 + C1 x + ... + C7 x^7 + C8 Pi3 + C9 Pi4)^2
+//! x = y/NL,  Pi3 = NL rho v^2/H_M,  Pi4 = D/NL
+//! ```
+//! Nili Ahmadabadi (2016), Eq. 2.2, Tables 2-6 and 2-8 (plywood), Eq. 4.59 (solid wood). The laws are quasi-static: they
+//! hold for penetration speeds of 20 to 500 mm/min, and a dynamic run uses the upper end, [`REFERENCE_SPEED`].
+
+mod law;
+mod tables;
+
+pub use law::{PenetrationLaw, Specimen};
+pub use tables::{FitQuality, NAILS, NailSize, Shank, WOODS, WoodKind};
+
+/// Slowest penetration speed of the tests behind the laws, 20 mm/min \[m/s\].
+pub const LOWEST_SPEED: f64 = 20e-3 / 60.0;
+
+/// Fastest penetration speed the laws are used at, 8.4 mm/s (500 mm/min, rounded up) \[m/s\].
+pub const HIGHEST_SPEED: f64 = 8.4e-3;
+
+/// Penetration speed a dynamic run evaluates the quasi-static laws at, 500 mm/min \[m/s\].
+pub const REFERENCE_SPEED: f64 = 500e-3 / 60.0;

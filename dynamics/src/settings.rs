@@ -1,0 +1,42 @@
+//! How a cycle is integrated and recorded.
+
+use serde::{Deserialize, Serialize};
+
+/// Integration method.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    /// Variable-order backward differentiation formulas (orders 1 to 5).
+    #[default]
+    Bdf,
+    /// Explicit-first-stage singly diagonally implicit Runge-Kutta, order 3 with dense output of the same order.
+    Esdirk34,
+}
+
+/// How a cycle is integrated and recorded. The physics stands in [`Parameters`](crate::Parameters).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Settings {
+    /// Integration method.
+    pub method: Method,
+    /// Relative tolerance of the integration \[-\].
+    pub relative_tolerance: f64,
+    /// Interval of the recorded samples \[s\].
+    pub sample_interval: f64,
+    /// Duration after the trigger pull beyond which no cycle is followed \[s\].
+    pub end: f64,
+    /// Recording after t18 \[s\].
+    pub tail: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            method: Method::Bdf,
+            relative_tolerance: 1e-6,
+            sample_interval: 4e-6,
+            end: 0.1,
+            tail: 5e-3,
+        }
+    }
+}
