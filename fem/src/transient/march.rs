@@ -1,23 +1,475 @@
 //! The march in time.
 
-use super::error::TransientError;
-use super::model::{Loads, ModalBody, Settings, Support};
-use super::response::ModalResponse;
+use nalgebra::DMatrix;
+use pulp::Arch;
 
-/// Response of one or two bodies to applied loads and supports.
+use super::contact::ContactSolver;
+use super::energy::{EnergyHistory, Ledger, elastic_energy};
+use super::error::TransientError;
+use super::kernels::{State, combine, finish, predict, project};
+use super::model::{Loads, ModalBody, ModalState, Settings, Start, Support, SupportLaw};
+use super::response::{Check, Ending, ModalResponse, Work};
+use super::statics::{Equilibrium, equilibrium};
+use super::system::{System, any_unilateral, validate};
+
+/// Response of one or two bodies to applied loads, on supports that may let go.
+///
+/// Every mode follows forces that are linear over a step exactly; the support forces at the end of a step are implicit in
+/// it. After the loads' record ends each load goes smoothly to its final value, and the run goes on until
+/// `settings.duration` or until the energy has fallen by `settings.decay`. The result is the same for any number of threads
+/// and on every machine.
 ///
 /// # Errors
-/// See [`TransientError`].
+/// [`TransientError`]: sizes and values of the inputs, no static equilibrium at the start, supports too stiff for the step,
+/// a contact that is not found, supports that never touch.
 pub fn respond(
     bodies: &[ModalBody],
     supports: &[Support],
     loads: &Loads,
     settings: &Settings,
 ) -> Result<ModalResponse, TransientError> {
-    let _ = (bodies, supports, loads);
-    Err(TransientError::Value {
-        what: "duration".into(),
-        value: settings.duration,
-        range: "positive",
-    })
+    validate(bodies, supports, loads, settings)?;
+    let mut run = Run::new(bodies, supports, loads, settings)?;
+    let last = run.applied.ncols() - 1;
+    let stride = ((settings.energy_interval / settings.step).round() as usize).max(1);
+    let tapered = loads.record_end() + settings.taper;
+    let mut decay = Decay::new(bodies, supports, loads, settings, &mut run);
+    decay.record(&run);
+    let mut ended = None;
+    for n in 1..=last {
+        run.advance(n)?;
+        if n % stride == 0 || n == last {
+            run.record(n)?;
+            let level = decay.record(&run);
+            if n == last {
+                ended = Some((
+                    n,
+                    Ending::Duration {
+                        level,
+                        over_equilibrium: decay.potential.is_some(),
+                    },
+                ));
+            } else if n as f64 * settings.step >= tapered && decay.settled(level) {
+                ended = Some((
+                    n,
+                    Ending::Decayed {
+                        level,
+                        over_equilibrium: decay.potential.is_some(),
+                    },
+                ));
+                break;
+            }
+        }
+    }
+    let (last, ending) = ended.unwrap_or((
+        0,
+        Ending::Duration {
+            level: 0.0,
+            over_equilibrium: false,
+        },
+    ));
+    run.into_response(last, ending, decay.unsupported)
+}
+
+struct Run<'a> {
+    arch: Arch,
+    bodies: &'a [ModalBody],
+    supports: &'a [Support],
+    settings: &'a Settings,
+    system: System,
+    state: State,
+    contact: ContactSolver,
+    /// Loads x samples.
+    applied: DMatrix<f64>,
+    /// Supports x samples.
+    forces: DMatrix<f64>,
+    start: Vec<ModalState>,
+    unsupported: f64,
+    all_supports: Vec<usize>,
+    /// Minus the support forces.
+    back: Vec<f64>,
+    free: Vec<f64>,
+    free_rate: Vec<f64>,
+    load_motion: Vec<f64>,
+    load_rate: Vec<f64>,
+    load_ledger: Ledger,
+    contact_ledger: Ledger,
+    energy: EnergyHistory,
+    open_samples: usize,
+    /// Unilateral support that came nearest, and its gap.
+    nearest: (usize, f64),
+    momentum_error: f64,
+    work: Work,
+}
+
+impl<'a> Run<'a> {
+    fn new(
+        bodies: &'a [ModalBody],
+        supports: &'a [Support],
+        loads: &Loads,
+        settings: &'a Settings,
+    ) -> Result<Self, TransientError> {
+        let arch = Arch::new();
+        let h = settings.step;
+        let samples = (settings.duration / h + 1e-9).floor() as usize + 1;
+        let applied = loads.sampled(h, samples, settings.taper);
+        let system = System::new(bodies, loads.count(), supports.len(), h);
+        let compliance = system.compliance(bodies, supports.len(), h);
+        let contact = ContactSolver::new(arch, supports, compliance, settings.max_contact_iterations);
+        let mut work = Work {
+            modes_beyond_step: system.modes_beyond_step,
+            ..Work::default()
+        };
+        let (start, unsupported) = starting_states(bodies, supports, &applied, settings, &mut work)?;
+        let mut state = State::rest(system.height);
+        state.q = system.gather(start.iter().map(|s| s.displacement.as_slice()));
+        state.v = system.gather(start.iter().map(|s| s.velocity.as_slice()));
+        let (n, l) = (supports.len(), loads.count());
+        let nothing = Ledger::new(h, &[], &[], &[]);
+        let mut run = Self {
+            arch,
+            bodies,
+            supports,
+            settings,
+            state,
+            contact,
+            forces: DMatrix::zeros(n, samples),
+            applied,
+            start,
+            unsupported,
+            all_supports: (0..n).collect(),
+            back: vec![0.0; n],
+            free: vec![0.0; n],
+            free_rate: vec![0.0; n],
+            load_motion: vec![0.0; l],
+            load_rate: vec![0.0; l],
+            load_ledger: nothing.clone(),
+            contact_ledger: nothing,
+            energy: EnergyHistory::new(bodies.len()),
+            open_samples: 0,
+            nearest: (0, f64::INFINITY),
+            momentum_error: 0.0,
+            work,
+            system,
+        };
+        run.begin()?;
+        Ok(run)
+    }
+
+    /// Forces and ledgers at t = 0, and the prediction of the first step.
+    fn begin(&mut self) -> Result<(), TransientError> {
+        let h = self.settings.step;
+        self.project_supports(false);
+        self.contact.start(&self.free, &self.free_rate);
+        self.project_loads();
+        let first = self.applied.column(0).into_owned();
+        self.load_ledger = Ledger::new(h, first.as_slice(), &self.load_motion, &self.load_rate);
+        let c = &self.contact;
+        self.contact_ledger = Ledger::new(h, &c.force, &c.penetration, &c.rate);
+        self.apply_loads(0);
+        self.apply_supports();
+        for (g, (a, c)) in self
+            .state
+            .g
+            .iter_mut()
+            .zip(self.state.applied.iter().zip(&self.state.contact))
+        {
+            for l in 0..4 {
+                g[l] = a[l] + c[l];
+            }
+        }
+        self.after(0);
+        self.record(0)?;
+        if self.applied.ncols() > 1 {
+            self.apply_loads(1);
+            predict(self.arch, &self.system.coefficients, &mut self.state);
+        }
+        Ok(())
+    }
+
+    /// The step that ends at sample n.
+    fn advance(&mut self, n: usize) -> Result<(), TransientError> {
+        let time = n as f64 * self.settings.step;
+        self.project_supports(true);
+        self.contact.solve(&self.free, &self.free_rate, time, &mut self.work)?;
+        self.apply_supports();
+        finish(self.arch, &self.system.coefficients, &mut self.state);
+        self.project_loads();
+        self.load_ledger
+            .add(self.applied.column(n).as_slice(), &self.load_motion, &self.load_rate);
+        let c = &self.contact;
+        self.contact_ledger.add(&c.force, &c.penetration, &c.rate);
+        self.after(n);
+        self.work.steps += 1;
+        self.work.contact_steps += usize::from(!self.contact.touching().is_empty());
+        if n + 1 < self.applied.ncols() {
+            self.apply_loads(n + 1);
+            predict(self.arch, &self.system.coefficients, &mut self.state);
+        }
+        Ok(())
+    }
+
+    /// Penetrations and rates of the predicted state, or of the present one.
+    fn project_supports(&mut self, predicted: bool) {
+        for (free, support) in self.free.iter_mut().zip(self.supports) {
+            *free = -support.gap;
+        }
+        self.free_rate.fill(0.0);
+        let s = &self.state;
+        let motion = if predicted {
+            (&s.q_free[..], &s.v_free[..])
+        } else {
+            (&s.q[..], &s.v[..])
+        };
+        let out = (&mut self.free[..], &mut self.free_rate[..]);
+        project(
+            self.arch,
+            &self.system.supports,
+            0..self.system.height,
+            &self.all_supports,
+            motion,
+            out,
+        );
+    }
+
+    fn project_loads(&mut self) {
+        self.load_motion.fill(0.0);
+        self.load_rate.fill(0.0);
+        for part in &self.system.parts {
+            let motion = (&self.state.q[..], &self.state.v[..]);
+            let out = (&mut self.load_motion[..], &mut self.load_rate[..]);
+            project(
+                self.arch,
+                &self.system.loads,
+                part.lanes.clone(),
+                &part.loads,
+                motion,
+                out,
+            );
+        }
+    }
+
+    fn apply_loads(&mut self, n: usize) {
+        let column = self.applied.column(n);
+        for part in &self.system.parts {
+            let out = &mut self.state.applied;
+            combine(
+                self.arch,
+                &self.system.loads,
+                part.lanes.clone(),
+                &part.loads,
+                column.as_slice(),
+                out,
+            );
+        }
+    }
+
+    fn apply_supports(&mut self) {
+        for (back, force) in self.back.iter_mut().zip(&self.contact.force) {
+            *back = -force;
+        }
+        let which = if self.work.steps == 0 {
+            &self.all_supports[..]
+        } else {
+            self.contact.touching()
+        };
+        let all = 0..self.system.height;
+        combine(
+            self.arch,
+            &self.system.supports,
+            all,
+            which,
+            &self.back,
+            &mut self.state.contact,
+        );
+    }
+
+    /// Keeps the support forces of sample n and sees which supports touch.
+    fn after(&mut self, n: usize) {
+        self.forces.column_mut(n).copy_from_slice(&self.contact.force);
+        let mut open = true;
+        for (i, support) in self.supports.iter().enumerate() {
+            if support.law == SupportLaw::Unilateral {
+                open &= self.contact.force[i] == 0.0;
+                if -self.contact.penetration[i] < self.nearest.1 {
+                    self.nearest = (i, -self.contact.penetration[i]);
+                }
+            }
+        }
+        self.open_samples += usize::from(open);
+    }
+
+    fn record(&mut self, n: usize) -> Result<(), TransientError> {
+        let time = n as f64 * self.settings.step;
+        let elastic = elastic_energy(self.supports, &self.contact.penetration);
+        let (into_contact, work) = (self.contact_ledger.work, self.load_ledger.work);
+        self.energy
+            .record(time, &self.system, &self.state, elastic, into_contact, work);
+        if !self.energy.mechanical(self.energy.time.len() - 1).is_finite() {
+            return Err(TransientError::NotFinite { time });
+        }
+        self.check_momentum();
+        Ok(())
+    }
+
+    /// Momentum of each rigid mode since t = 0 against the impulses of loads and supports, summed on their own.
+    fn check_momentum(&mut self) {
+        for ((body, part), start) in self.bodies.iter().zip(&self.system.parts).zip(&self.start) {
+            let velocity = self.state.v[part.lanes.clone()].as_flattened();
+            for j in (0..body.modes()).filter(|&j| body.omega[j] == 0.0) {
+                let change = velocity[j] - start.velocity[j];
+                let (mut sum, mut size) = (0.0, change.abs() + start.velocity[j].abs());
+                for (l, impulse) in self.load_ledger.impulse.iter().enumerate() {
+                    sum += body.loads[(j, l)] * impulse;
+                    size += (body.loads[(j, l)] * impulse).abs();
+                }
+                for (i, impulse) in self.contact_ledger.impulse.iter().enumerate() {
+                    sum -= body.supports[(j, i)] * impulse;
+                    size += (body.supports[(j, i)] * impulse).abs();
+                }
+                if size > 0.0 {
+                    self.momentum_error = self.momentum_error.max((change - sum).abs() / size);
+                }
+            }
+        }
+    }
+
+    fn into_response(self, last: usize, ending: Ending, unsupported: f64) -> Result<ModalResponse, TransientError> {
+        let samples = last + 1;
+        let never = self.open_samples == samples;
+        if any_unilateral(self.supports) && self.settings.require_contact && never {
+            return Err(TransientError::SupportNeverTouches {
+                supports: self.supports.iter().filter(|s| s.law == SupportLaw::Unilateral).count(),
+                nearest: self.nearest.0,
+                gap: self.nearest.1,
+                duration: last as f64 * self.settings.step,
+            });
+        }
+        let check = |name: &str, value: f64, limit: f64| Check {
+            name: name.to_owned(),
+            value,
+            limit,
+            ok: value.is_finite() && value <= limit,
+        };
+        let least = self.contact_least_lost();
+        let checks = vec![
+            check("contact energy", self.energy.imbalance(), 1e-4),
+            check("contact force law", self.contact.law_error, 1e-9),
+            check("force balance between bodies", self.momentum_error, 1e-9),
+            check("contact gains no energy", least, 1e-4),
+        ];
+        let unilateral = any_unilateral(self.supports);
+        Ok(ModalResponse {
+            step: self.settings.step,
+            loads: self.applied.columns(0, samples).into_owned(),
+            contact_forces: self.forces.columns(0, samples).into_owned(),
+            end: self.system.states(&self.state.q, &self.state.v),
+            start: self.start,
+            energy: self.energy,
+            open_fraction: if unilateral {
+                self.open_samples as f64 / samples as f64
+            } else {
+                0.0
+            },
+            unsupported_load: self.unsupported.max(unsupported),
+            ending,
+            checks,
+            work: self.work,
+            bodies: self.bodies.to_vec(),
+        })
+    }
+
+    /// Energy that the supports gave out beyond what they took in, over the peak of kinetic energy or work.
+    fn contact_least_lost(&self) -> f64 {
+        let e = &self.energy;
+        let least = e.contact_lost.iter().fold(0.0, |m: f64, x| m.min(*x));
+        let peak = (0..e.time.len()).fold(1e-9 * e.mechanical(0), |m, k| {
+            m.max(e.kinetic_total(k)).max(e.work[k].abs())
+        });
+        if least == 0.0 { 0.0 } else { -least / peak }
+    }
+}
+
+fn starting_states(
+    bodies: &[ModalBody],
+    supports: &[Support],
+    applied: &DMatrix<f64>,
+    settings: &Settings,
+    work: &mut Work,
+) -> Result<(Vec<ModalState>, f64), TransientError> {
+    match &settings.start {
+        Start::Rest => Ok((bodies.iter().map(|b| ModalState::rest(b.modes())).collect(), 0.0)),
+        Start::State(states) => Ok((states.clone(), 0.0)),
+        Start::Equilibrium => {
+            let found = equilibrium(bodies, supports, applied.column(0).as_slice())?;
+            work.static_iterations += found.iterations;
+            let rest = |displacement: Vec<f64>| ModalState {
+                velocity: vec![0.0; displacement.len()],
+                displacement,
+            };
+            Ok((found.displacement.into_iter().map(rest).collect(), found.unsupported))
+        }
+    }
+}
+
+/// Watches the energy above the final equilibrium (or, where there is none, the kinetic energy) fall.
+struct Decay<'a> {
+    loads: &'a Loads,
+    fall: f64,
+    /// Potential energy of the final equilibrium.
+    potential: Option<f64>,
+    unsupported: f64,
+    largest: f64,
+    below: usize,
+}
+
+impl<'a> Decay<'a> {
+    fn new(
+        bodies: &[ModalBody],
+        supports: &[Support],
+        loads: &'a Loads,
+        settings: &Settings,
+        run: &mut Run<'_>,
+    ) -> Self {
+        let found = equilibrium(bodies, supports, &loads.final_values).ok();
+        run.work.static_iterations += found.as_ref().map_or(0, |e| e.iterations);
+        let unsupported = found.as_ref().map_or(0.0, |e| e.unsupported);
+        let potential = found.map(|Equilibrium { potential, .. }| potential);
+        Self {
+            loads,
+            fall: settings.decay,
+            potential,
+            unsupported,
+            largest: 0.0,
+            below: 0,
+        }
+    }
+
+    /// Level of the latest energy relative to the largest so far \[dB\].
+    fn record(&mut self, run: &Run<'_>) -> f64 {
+        let k = run.energy.time.len() - 1;
+        let energy = match self.potential {
+            Some(lowest) => {
+                let along: f64 = self
+                    .loads
+                    .final_values
+                    .iter()
+                    .zip(&run.load_motion)
+                    .map(|(f, u)| f * u)
+                    .sum();
+                run.energy.mechanical(k) - along - lowest
+            }
+            None => run.energy.kinetic_total(k),
+        };
+        self.largest = self.largest.max(energy);
+        10.0 * (energy.max(0.0) / self.largest).log10()
+    }
+
+    /// Whether the energy has fallen far enough; kinetic energy alone swings, so it has to stay there for a while.
+    fn settled(&mut self, level: f64) -> bool {
+        const STAY: usize = 20;
+        let low = level <= -self.fall || self.largest == 0.0;
+        self.below = if low { self.below + 1 } else { 0 };
+        self.below >= if self.potential.is_some() { 1 } else { STAY }
+    }
 }

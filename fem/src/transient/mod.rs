@@ -1,10 +1,15 @@
 //! Time-domain response of modal bodies with supports that can lose contact.
 
+mod contact;
 mod energy;
 mod error;
+mod kernels;
 mod march;
 mod model;
+mod recurrence;
 mod response;
+mod statics;
+mod system;
 
 pub use energy::EnergyHistory;
 pub use error::TransientError;

@@ -3,11 +3,14 @@
 use std::ops::Range;
 
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::energy::EnergyHistory;
 use super::error::TransientError;
 use super::model::{ModalBody, ModalState};
+use super::recurrence::Recurrence;
+use super::system::effective_zeta;
 
 /// What ended the run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -121,8 +124,27 @@ impl ModalResponse {
     /// # Errors
     /// [`TransientError::Size`] for a body or a mode that does not exist.
     pub fn modal(&self, body: usize, modes: Range<usize>, motion: Motion) -> Result<DMatrix<f64>, TransientError> {
-        let _ = (body, modes, motion);
-        Ok(DMatrix::zeros(self.samples(), 0))
+        let chosen = self.body(body)?;
+        if modes.end > chosen.modes() || modes.start > modes.end {
+            let what = format!("modes of `{}`", chosen.name);
+            return Err(TransientError::Size {
+                what,
+                expected: chosen.modes(),
+                found: modes.end,
+            });
+        }
+        let samples = self.samples();
+        let mut history = DMatrix::zeros(samples, modes.len());
+        history
+            .as_mut_slice()
+            .par_chunks_mut(BLOCK * samples)
+            .enumerate()
+            .for_each(|(block, out)| {
+                let first = modes.start + block * BLOCK;
+                let range = first..modes.end.min(first + BLOCK);
+                Replay::new(self, body, range).run(motion, out);
+            });
+        Ok(history)
     }
 
     /// Motion of points of one body: samples x points, for mode shapes at the points (modes x points).
@@ -130,7 +152,127 @@ impl ModalResponse {
     /// # Errors
     /// [`TransientError::Size`] for a body that does not exist or shapes of another number of modes.
     pub fn points(&self, body: usize, shapes: &DMatrix<f64>, motion: Motion) -> Result<DMatrix<f64>, TransientError> {
-        let _ = (body, shapes, motion);
-        Ok(DMatrix::zeros(self.samples(), 0))
+        let chosen = self.body(body)?;
+        if shapes.nrows() != chosen.modes() {
+            let what = format!("rows of the shapes at points of `{}`", chosen.name);
+            return Err(TransientError::Size {
+                what,
+                expected: chosen.modes(),
+                found: shapes.nrows(),
+            });
+        }
+        let mut points = DMatrix::zeros(self.samples(), shapes.ncols());
+        let modes = chosen.modes();
+        // In parts, which bounds the memory and fixes the order of summation.
+        for first in (0..modes).step_by(4 * BLOCK) {
+            let range = first..modes.min(first + 4 * BLOCK);
+            let rows = shapes.rows(first, range.len());
+            points.gemm(1.0, &self.modal(body, range, motion)?, &rows, 1.0);
+        }
+        Ok(points)
+    }
+
+    fn body(&self, body: usize) -> Result<&ModalBody, TransientError> {
+        let what = || "index of the body (bodies exist up to)".to_owned();
+        let missing = || TransientError::Size {
+            what: what(),
+            expected: self.bodies.len() - 1,
+            found: body,
+        };
+        self.bodies.get(body).ok_or_else(missing)
+    }
+}
+
+/// Modes replayed together.
+const BLOCK: usize = 32;
+
+/// Samples whose modal forces are formed at once.
+const CHUNK: usize = 512;
+
+/// The recurrence run again for some modes, from the recorded forces.
+struct Replay<'a> {
+    response: &'a ModalResponse,
+    body: &'a ModalBody,
+    modes: Range<usize>,
+    q: Vec<f64>,
+    v: Vec<f64>,
+}
+
+impl<'a> Replay<'a> {
+    fn new(response: &'a ModalResponse, body: usize, modes: Range<usize>) -> Self {
+        let start = &response.start[body];
+        let q = start.displacement[modes.clone()].to_vec();
+        let v = start.velocity[modes.clone()].to_vec();
+        Self {
+            response,
+            body: &response.bodies[body],
+            modes,
+            q,
+            v,
+        }
+    }
+
+    /// Modal forces of the samples from `first` on, modes x samples.
+    fn forces(&self, first: usize, count: usize) -> DMatrix<f64> {
+        let rows = |matrix: &DMatrix<f64>| matrix.rows(self.modes.start, self.modes.len()).into_owned();
+        let mut g = DMatrix::zeros(self.modes.len(), count);
+        g.gemm(
+            1.0,
+            &rows(&self.body.loads),
+            &self.response.loads.columns(first, count),
+            0.0,
+        );
+        g.gemm(
+            -1.0,
+            &rows(&self.body.supports),
+            &self.response.contact_forces.columns(first, count),
+            1.0,
+        );
+        g
+    }
+
+    /// Writes the motion of the modes, one after the other, each a contiguous history.
+    fn run(mut self, motion: Motion, out: &mut [f64]) {
+        let (samples, h) = (self.response.samples(), self.response.step);
+        let count = self.modes.len();
+        let omega = self.body.omega[self.modes.clone()].to_vec();
+        let given = self.body.zeta[self.modes.clone()].iter();
+        let zeta: Vec<f64> = omega
+            .iter()
+            .zip(given)
+            .map(|(&w, &z)| effective_zeta(w, z, h))
+            .collect();
+        let steps: Vec<Recurrence> = omega
+            .iter()
+            .zip(&zeta)
+            .map(|(&w, &z)| Recurrence::new(w, z, h))
+            .collect();
+        let mut before = vec![0.0; count];
+        for first in (0..samples).step_by(CHUNK) {
+            let length = CHUNK.min(samples - first);
+            let forces = self.forces(first, length);
+            for j in 0..count {
+                let r = steps[j];
+                let (mut q, mut v, mut g0) = (self.q[j], self.v[j], before[j]);
+                let (damping, stiffness) = (2.0 * zeta[j] * omega[j], omega[j] * omega[j]);
+                let history = &mut out[j * samples + first..][..length];
+                for (n, sample) in history.iter_mut().enumerate() {
+                    let g1 = forces[(j, n)];
+                    if first + n > 0 {
+                        (q, v) = (
+                            (r.a11 * q + r.a12 * v) + (r.b1 * g0 + r.c1 * g1),
+                            (r.a21 * q + r.a22 * v) + (r.b2 * g0 + r.c2 * g1),
+                        );
+                    }
+                    *sample = match motion {
+                        Motion::Displacement => q,
+                        Motion::Velocity => v,
+                        Motion::Acceleration => g1 - damping * v - stiffness * q,
+                    };
+                    g0 = g1;
+                }
+                (self.q[j], self.v[j], before[j]) = (q, v, g0);
+            }
+        }
     }
 }
