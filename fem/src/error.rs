@@ -100,6 +100,16 @@ pub enum FemError {
         /// The edge \[Hz\].
         upper_hz: f64,
     },
+    /// A mode does not satisfy its equation.
+    #[error(
+        "a mode has the residual {residual:e}, the limit is {limit:e}; repair badly shaped elements or relax the limit"
+    )]
+    Residual {
+        /// The largest residual.
+        residual: f64,
+        /// The limit.
+        limit: f64,
+    },
     /// A load vector does not match the mesh.
     #[error("the loads have {found} rows, the mesh has {expected} degrees of freedom; give three rows a node")]
     LoadRows {

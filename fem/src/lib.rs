@@ -6,12 +6,17 @@
 
 mod assembly;
 mod constraints;
+mod dense;
 mod element;
 mod error;
+mod factor;
+mod lanczos;
 mod material;
 mod modal;
 mod order;
+mod random;
 mod solve;
+mod sparse;
 pub mod supports;
 pub mod transient;
 

@@ -49,8 +49,8 @@ pub struct ModalBasis {
     pub hz: Vec<f64>,
     /// Mode shapes, 3 x nodes rows, one column a mode, phi^T M phi = 1 \[kg^-1/2\].
     pub shapes: DMatrix<f64>,
-    /// |K phi - lambda M phi| / |lambda M phi| of each mode; a rigid mode has no lambda to divide by, so its scale is
-    /// |sigma M phi| with the shift sigma of the factorisation, and lambda = 0 in the numerator.
+    /// |K phi - lambda M phi| / |lambda M phi| of each mode; a rigid mode has no lambda to divide by, so its residual is
+    /// |K phi| / |lambda_1 M phi| with the first elastic mode's lambda_1, or that of the edge when there is none.
     pub residuals: Vec<f64>,
     /// Whether a mode moves the body without straining it.
     pub rigid: Vec<bool>,

@@ -1,0 +1,306 @@
+//! Block Lanczos for the negative eigenvalues of (K - sigma M)^-1 M.
+//!
+//! With the shift sigma at the upper edge of the frequencies wanted, theta = sigma / (lambda - sigma) is at most -1 for
+//! every lambda in \[0, sigma) and positive beyond: the modes wanted are the negative end of the spectrum, and how many
+//! there are is the Sturm count of the very factorisation that serves the iteration. The basis is kept M-orthonormal to
+//! rounding, so there are no ghosts, and by Cauchy interlacing no more Ritz values than eigenvalues are negative: when
+//! as many have converged, none is missing (Grimes, Lewis & Simon 1994, SIAM J. Matrix Anal. Appl. 15, 228-272).
+
+use faer::Mat;
+use nalgebra_sparse::CscMatrix;
+
+use crate::FemError;
+use crate::dense::{add_product, cholesky_qr, negative_pivots, symmetric_eigen, transpose_product};
+use crate::random::Random;
+use crate::sparse::product;
+
+/// What to find.
+pub(crate) struct Target {
+    /// How many eigenvalues are negative.
+    pub(crate) count: usize,
+    /// Largest |r| sigma / |lambda - sigma| relative to lambda, see [`Ritz::converged`].
+    pub(crate) tolerance: f64,
+    /// Vectors in a block.
+    pub(crate) block: usize,
+    /// The largest number of basis vectors.
+    pub(crate) max_vectors: usize,
+}
+
+/// What was found.
+pub(crate) struct Pairs {
+    /// The eigenvectors of the negative eigenvalues, lambda ascending, one step of the power method ahead of the Ritz
+    /// vectors, not normalised.
+    pub(crate) vectors: Mat<f64>,
+    /// Applications of the operator to a block.
+    pub(crate) steps: usize,
+    /// Restarts.
+    pub(crate) restarts: usize,
+}
+
+/// The basis V, T = V^T M B V, and the next block Q.
+struct Basis<'a> {
+    mass: &'a CscMatrix<f64>,
+    /// The accepted vectors and behind them Q.
+    v: Mat<f64>,
+    /// M Q.
+    m_q: Mat<f64>,
+    t: Mat<f64>,
+    /// Vectors accepted, not counting Q.
+    size: usize,
+    block: usize,
+    /// Vectors before `size` with which the next application of B overlaps by more than rounding.
+    reach: usize,
+    /// Diagonals of T on either side of the main one that are not zero.
+    band: usize,
+    /// R of the last step: B V = V T + Q R E^T with the last block's columns E of the identity.
+    coupling: Mat<f64>,
+    random: Random,
+}
+
+/// Ritz pairs of the present basis.
+struct Ritz {
+    /// Ascending.
+    theta: Vec<f64>,
+    s: Mat<f64>,
+    /// |B y - theta y| in the norm of M.
+    residual: Vec<f64>,
+}
+
+/// Finds the `target.count` negative eigenpairs; `apply` maps Z to sigma (K - sigma M)^-1 Z.
+pub(crate) fn lanczos(
+    mass: &CscMatrix<f64>,
+    target: &Target,
+    mut apply: impl FnMut(&Mat<f64>) -> Result<Mat<f64>, FemError>,
+) -> Result<Pairs, FemError> {
+    let n = mass.nrows();
+    let block = target.block.clamp(1, n);
+    let limit = target.max_vectors.max(target.count + 4 * block).min(n);
+    let mut basis = Basis::new(mass, block, (3 * target.count + 4 * block).min(limit + block))?;
+    let (mut steps, mut restarts, mut next_check) = (0, 0, target.count + block);
+    let mut last_worst = f64::INFINITY;
+    loop {
+        let w = apply(&basis.m_q)?;
+        steps += 1;
+        basis.extend(w)?;
+        let full = basis.size + block > limit;
+        // The count of the band matrix costs little and tells whether the full check can succeed at all.
+        let due = basis.size >= next_check && negative_pivots(basis.t.as_ref(), basis.band) >= target.count;
+        if !(full || due) {
+            continue;
+        }
+        let ritz = basis.ritz()?;
+        if std::env::var("LZ").is_ok() { let w = (0..target.count).map(|i| (ritz.error(i), i)).fold((0.0, 0), |a: (f64, usize), b| if b.0 > a.0 { b } else { a });
+            eprintln!("size {} count {} worst {:?} theta {} max {} pos>2 {}", basis.size, target.count, w, ritz.theta[w.1], ritz.theta[ritz.theta.len() - 1], ritz.theta.iter().filter(|t| **t > 2.0).count()); }
+        let converged = (0..target.count)
+            .take_while(|&i| ritz.error(i) <= target.tolerance)
+            .count();
+        if converged == target.count {
+            return Ok(Pairs {
+                vectors: basis.improved(&ritz, target.count),
+                steps,
+                restarts,
+            });
+        }
+        if full {
+            if basis.size + block > n || restarts == 20 {
+                return Err(FemError::NotConverged {
+                    wanted: target.count,
+                    converged,
+                    vectors: basis.size,
+                });
+            }
+            restarts += 1;
+            basis.restart(&ritz, target.count + (limit - target.count) / 3);
+        }
+        // Errors fall by a factor a step; the next check comes when the present pace, or three digits a step at best,
+        // reaches the tolerance.
+        let worst = (0..target.count).map(|i| ritz.error(i)).fold(0.0, f64::max);
+        let pace = (last_worst / worst).log10().clamp(0.5, 3.0);
+        let wait = ((worst / target.tolerance).log10() / pace).clamp(1.0, 4.0) as usize;
+        last_worst = worst;
+        next_check = basis.size + wait * block;
+    }
+}
+
+impl Ritz {
+    /// The relative residual |K phi - lambda M phi| / |lambda M phi| that the improved vector will have, up to the
+    /// difference of norms: with B phi = theta phi + r it is |M r| sigma / (theta^2 lambda |M phi|), and
+    /// theta = sigma / (lambda - sigma). For lambda near zero a thousandth of sigma takes its place.
+    fn error(&self, i: usize) -> f64 {
+        let theta = self.theta[i];
+        if theta >= 0.0 {
+            return f64::INFINITY;
+        }
+        let lambda = (1.0 + 1.0 / theta).max(1e-2);
+        self.residual[i] / (theta * theta * lambda)
+    }
+}
+
+impl<'a> Basis<'a> {
+    fn new(mass: &'a CscMatrix<f64>, block: usize, capacity: usize) -> Result<Self, FemError> {
+        let n = mass.nrows();
+        let mut random = Random::new(0x6e61_696c);
+        let mut q = Mat::from_fn(n, block, |_, _| random.next());
+        let mut m_q = product(mass, q.as_ref());
+        let lost = FemError::NotConverged {
+            wanted: block,
+            converged: 0,
+            vectors: 0,
+        };
+        cholesky_qr(&mut q, &mut m_q).ok_or(lost)?;
+        let mut v = Mat::zeros(n, capacity.max(2 * block));
+        v.subcols_mut(0, block).copy_from(&q);
+        Ok(Self {
+            mass,
+            v,
+            m_q,
+            t: Mat::zeros(0, 0),
+            size: 0,
+            block,
+            reach: 0,
+            band: 2 * block - 1,
+            coupling: Mat::zeros(block, block),
+            random,
+        })
+    }
+
+    /// Accepts Q, given W = B Q, and forms the block after it.
+    fn extend(&mut self, mut w: Mat<f64>) -> Result<(), FemError> {
+        let (b, old) = (self.block, self.size);
+        self.size += b;
+        let mut t = Mat::zeros(self.size, self.size);
+        t.submatrix_mut(0, 0, old, old).copy_from(&self.t);
+        // Twice is enough: W overlaps with the last blocks only, and a pass over the whole basis removes what rounding
+        // left of it in every direction.
+        for start in [old - self.reach, 0] {
+            let z = product(self.mass, w.as_ref());
+            let v = self.v.subcols(start, self.size - start);
+            let c = transpose_product(v, z.as_ref());
+            add_product(w.as_mut(), -1.0, v, c.as_ref());
+            for j in 0..b {
+                for i in 0..c.nrows() {
+                    t[(start + i, old + j)] += c[(i, j)];
+                }
+            }
+        }
+        for j in old..self.size {
+            for i in 0..=j {
+                let mean = if i < old {
+                    t[(i, j)]
+                } else {
+                    (t[(i, j)] + t[(j, i)]) / 2.0
+                };
+                t[(i, j)] = mean;
+                t[(j, i)] = mean;
+            }
+        }
+        self.t = t;
+        self.reach = b;
+        if self.size + b > self.v.nrows() {
+            self.coupling = Mat::zeros(b, b);
+            return Ok(());
+        }
+        let mut z = product(self.mass, w.as_ref());
+        self.coupling = match cholesky_qr(&mut w, &mut z) {
+            Some(r) => r,
+            None => self.replace(&mut w, &mut z)?,
+        };
+        if self.size + b > self.v.ncols() {
+            let (rows, columns) = (self.v.nrows(), (self.v.ncols() * 3 / 2).max(self.size + b));
+            self.v.resize_with(rows, columns, |_, _| 0.0);
+        }
+        self.v.subcols_mut(self.size, b).copy_from(&w);
+        self.m_q = z;
+        Ok(())
+    }
+
+    /// Makes an orthonormal block of a W whose columns are nearly dependent: an invariant subspace has been found, and
+    /// random directions carry on in place of those that have vanished.
+    fn replace(&mut self, w: &mut Mat<f64>, z: &mut Mat<f64>) -> Result<Mat<f64>, FemError> {
+        let (b, original) = (self.block, w.clone());
+        let norm = |x: &Mat<f64>, m_x: &Mat<f64>| transpose_product(x.as_ref(), m_x.as_ref())[(0, 0)].max(0.0).sqrt();
+        let mut q: Mat<f64> = Mat::zeros(w.nrows(), 0);
+        let scale = (0..b).map(|j| original.col(j).norm_l2()).fold(0.0, f64::max);
+        for j in 0..b {
+            let mut column = original.subcols(j, 1).to_owned();
+            let mut done = column.norm_l2() <= 1e-10 * scale;
+            if done {
+                column.col_mut(0).iter_mut().for_each(|x| *x = self.random.next());
+                done = false;
+            }
+            for _ in 0..5 {
+                let before = norm(&column, &product(self.mass, column.as_ref()));
+                for _ in 0..2 {
+                    for basis in [self.v.subcols(0, self.size), q.as_ref()] {
+                        let c = transpose_product(basis, product(self.mass, column.as_ref()).as_ref());
+                        add_product(column.as_mut(), -1.0, basis, c.as_ref());
+                    }
+                }
+                let after = norm(&column, &product(self.mass, column.as_ref()));
+                if after > 1e-3 * before {
+                    column *= faer::Scale(1.0 / after);
+                    done = true;
+                    break;
+                }
+                column.col_mut(0).iter_mut().for_each(|x| *x = self.random.next());
+            }
+            if !done {
+                return Err(FemError::NotConverged {
+                    wanted: b,
+                    converged: j,
+                    vectors: self.size,
+                });
+            }
+            q.resize_with(w.nrows(), j + 1, |i, _| column[(i, 0)]);
+        }
+        *z = product(self.mass, q.as_ref());
+        let r = transpose_product(z.as_ref(), original.as_ref());
+        *w = q;
+        Ok(r)
+    }
+
+    fn ritz(&self) -> Result<Ritz, FemError> {
+        let (m, b) = (self.size, self.block);
+        let (theta, s) = symmetric_eigen(self.t.as_ref())?;
+        let last = &self.coupling * s.subrows(m - b, b);
+        let residual = (0..m).map(|i| last.col(i).norm_l2()).collect();
+        Ok(Ritz { theta, s, residual })
+    }
+
+    /// The Ritz vectors one application of the operator ahead, B y / theta = y + Q R s_last / theta, which costs none
+    /// (Ericsson & Ruhe 1980, Math. Comp. 35, 1251-1268); lambda ascends as theta descends from -1.
+    fn improved(&self, ritz: &Ritz, count: usize) -> Mat<f64> {
+        let (m, b) = (self.size, self.block);
+        let used = if m + b <= self.v.ncols() && self.coupling.norm_max() > 0.0 {
+            m + b
+        } else {
+            m
+        };
+        let mut s = Mat::zeros(m + b, count);
+        for i in 0..count {
+            let from = count - 1 - i;
+            s.col_mut(i).subrows_mut(0, m).copy_from(ritz.s.col(from));
+            let last = &self.coupling * ritz.s.col(from).subrows(m - b, b);
+            for k in 0..b {
+                s[(m + k, i)] = last[k] / ritz.theta[from];
+            }
+        }
+        let mut y = Mat::zeros(self.v.nrows(), count);
+        add_product(y.as_mut(), 1.0, self.v.subcols(0, used), s.subrows(0, used));
+        y
+    }
+
+    /// Keeps the lowest Ritz vectors and the next block (thick restart, Wu & Simon 2000).
+    fn restart(&mut self, ritz: &Ritz, keep: usize) {
+        let (m, b) = (self.size, self.block);
+        let mut kept = Mat::zeros(self.v.nrows(), keep);
+        add_product(kept.as_mut(), 1.0, self.v.subcols(0, m), ritz.s.subcols(0, keep));
+        let next = self.v.subcols(m, b).to_owned();
+        self.v.subcols_mut(0, keep).copy_from(&kept);
+        self.v.subcols_mut(keep, b).copy_from(&next);
+        self.size = keep;
+        self.reach = keep;
+        self.band = self.band.max(keep + b);
+        self.t = Mat::from_fn(keep, keep, |i, j| if i == j { ritz.theta[i] } else { 0.0 });
+    }
+}
