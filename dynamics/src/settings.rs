@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::CycleError;
+
 /// Integration method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -37,6 +39,48 @@ impl Default for Settings {
             sample_interval: 4e-6,
             end: 0.1,
             tail: 5e-3,
+        }
+    }
+}
+
+impl Settings {
+    /// Refuses settings nothing can be computed with.
+    pub(crate) fn check(&self) -> Result<(), CycleError> {
+        let rules = [
+            (
+                "settings.relative_tolerance",
+                self.relative_tolerance,
+                self.relative_tolerance > 0.0,
+                "above 0",
+            ),
+            (
+                "settings.relative_tolerance",
+                self.relative_tolerance,
+                self.relative_tolerance <= 1e-2,
+                "at most 0.01",
+            ),
+            (
+                "settings.sample_interval",
+                self.sample_interval,
+                self.sample_interval >= 1e-8,
+                "at least 10 ns",
+            ),
+            (
+                "settings.end",
+                self.end,
+                self.end > 0.0 && self.end <= 10.0,
+                "above 0 s and at most 10 s",
+            ),
+            (
+                "settings.tail",
+                self.tail,
+                self.tail >= 0.0 && self.tail.is_finite(),
+                "a time that is not negative",
+            ),
+        ];
+        match rules.into_iter().find(|(.., ok, _)| !ok) {
+            Some((name, value, _, rule)) => Err(CycleError::Value { name, value, rule }),
+            None => Ok(()),
         }
     }
 }

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::tables::{FitQuality, coefficients, fit_quality};
 use super::{HIGHEST_SPEED, LOWEST_SPEED};
 use crate::CycleError;
+use crate::cycle::Real;
 
 /// A published law of the penetration resistance force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -127,6 +128,17 @@ impl Curve {
     pub(crate) fn scaled(mut self, factor: f64) -> Self {
         self.scale *= factor;
         self
+    }
+
+    /// Force at `z` with its derivative, continued smoothly above the surface.
+    #[inline]
+    pub(crate) fn evaluate<S: Real>(&self, z: S) -> S {
+        let root = (z * (1.0 / self.length)).polynomial(&self.root);
+        if root.value() > 0.0 {
+            root * root * self.scale
+        } else {
+            S::constant(0.0)
+        }
     }
 
     /// Force at `depth`, 0 above the surface \[N\].

@@ -10,6 +10,7 @@
 mod law;
 mod tables;
 
+pub(crate) use law::Curve;
 pub use law::{PenetrationLaw, Specimen};
 pub use tables::{FitQuality, NAILS, NailSize, Shank, WOODS, WoodKind};
 

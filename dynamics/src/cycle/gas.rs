@@ -1,0 +1,226 @@
+//! Flow of air through restrictions.
+
+use super::real::Real;
+
+/// Air and the compressible orifice law.
+///
+/// ```text
+/// mdot = C A K P_u N(P_d/P_u)/sqrt(T_u),   K = sqrt(gamma/R (2/(gamma+1))^((gamma+1)/(gamma-1)))
+/// N(r) = 1                                                    r <= P_cr = (2/(gamma+1))^(gamma/(gamma-1))
+///      = sqrt((r^(2/gamma) - r^((gamma+1)/gamma))/n2)         n2 = (gamma-1)/2 (2/(gamma+1))^((gamma+1)/(gamma-1))
+///      = linear to N(1) = 0                                   1 - r < `linear` (C-28)
+/// ```
+/// Thesis Eq. 4.28; ISO 6358 uses the same ideal-nozzle form.
+#[derive(Debug, Clone)]
+pub(crate) struct Air {
+    /// R \[J/(kg K)\].
+    pub(crate) gas_constant: f64,
+    /// gamma \[-\].
+    pub(crate) gamma: f64,
+    /// c_p \[J/(kg K)\].
+    pub(crate) cp: f64,
+    /// P_cr, critical pressure ratio \[-\].
+    pub(crate) critical: f64,
+    /// K \[sqrt(K) s/m\].
+    coefficient: f64,
+    inv_n2: f64,
+    inv_gamma: f64,
+    linear: f64,
+    linear_slope: f64,
+}
+
+impl Air {
+    pub(crate) fn new(gas_constant: f64, gamma: f64, linear: f64) -> Self {
+        let base = 2.0 / (gamma + 1.0);
+        let power = base.powf((gamma + 1.0) / (gamma - 1.0));
+        let mut air = Self {
+            gas_constant,
+            gamma,
+            cp: gamma * gas_constant / (gamma - 1.0),
+            critical: base.powf(gamma / (gamma - 1.0)),
+            coefficient: (gamma / gas_constant * power).sqrt(),
+            inv_n2: 1.0 / (0.5 * (gamma - 1.0) * power),
+            inv_gamma: 1.0 / gamma,
+            linear,
+            linear_slope: 0.0,
+        };
+        air.linear_slope = air.subsonic(1.0 - linear).0 / linear;
+        air
+    }
+
+    #[inline]
+    fn subsonic(&self, r: f64) -> (f64, f64) {
+        let q = r.powf(self.inv_gamma);
+        let n = ((q * q - q * r) * self.inv_n2).sqrt();
+        // d(q^2 - q r)/dr with dq/dr = q/(gamma r)
+        let dq = q / r * self.inv_gamma;
+        (n, 0.5 * self.inv_n2 * (2.0 * q * dq - dq * r - q) / n)
+    }
+
+    /// N(r) and its derivative, for r in 0..1.
+    #[inline]
+    pub(crate) fn flow_function(&self, r: f64) -> (f64, f64) {
+        if r <= self.critical {
+            (1.0, 0.0)
+        } else if 1.0 - r < self.linear {
+            (self.linear_slope * (1.0 - r), -self.linear_slope)
+        } else {
+            self.subsonic(r)
+        }
+    }
+
+    /// mdot from `up` to `down`, for P_u >= P_d \[kg/s\]; `area` is C A.
+    #[inline]
+    pub(crate) fn flow<S: Real>(&self, area: S, up: Gas<S>, down: S) -> S {
+        let r = down * up.pressure.recip();
+        let (n, dn) = self.flow_function(r.value());
+        area * up.pressure * r.chain(n, dn) * up.temperature.recip_sqrt() * self.coefficient
+    }
+
+    /// mdot from `a` to `b`, either way; positive from `a` to `b` \[kg/s\].
+    #[inline]
+    pub(crate) fn exchange<S: Real>(&self, area: f64, a: Gas<S>, b: Gas<S>) -> S {
+        let area = S::constant(area);
+        if a.pressure.value() >= b.pressure.value() {
+            self.flow(area, a, b.pressure)
+        } else {
+            -self.flow(area, b, a.pressure)
+        }
+    }
+
+    /// Pressure between two restrictions in series, first C A `first`, then `second`.
+    ///
+    /// Solves first P_u N(P_m/P_u) = second P_m N(P_d/P_m) for P_d <= P_m <= P_u, the temperature being the same in both
+    /// (C-15). The residual falls strictly in P_m, so safeguarded Newton cannot fail; derivatives follow from the
+    /// implicit function theorem.
+    pub(crate) fn intermediate_pressure<S: Real>(&self, first: S, second: S, up: S, down: S) -> S {
+        let (pu, pd, a1, a2) = (up.value(), down.value(), first.value(), second.value());
+        let (mut low, mut high) = (pd, pu);
+        // Start at the solution for incompressible flow, or the choked one.
+        let share = a1 * a1 / (a1 * a1 + a2 * a2);
+        let mut pm = pd + (pu - pd) * share;
+        let choked = a1 * pu / a2;
+        if choked <= self.critical * pu && pd <= self.critical * choked {
+            pm = choked;
+        }
+        for _ in 0..80 {
+            let (n1, dn1) = self.flow_function((pm / pu).min(1.0));
+            let r2 = (pd / pm).min(1.0);
+            let (n2, dn2) = self.flow_function(r2);
+            let residual = a1 * pu * n1 - a2 * pm * n2;
+            if residual > 0.0 {
+                low = pm;
+            } else {
+                high = pm;
+            }
+            let slope = a1 * dn1 - a2 * (n2 - r2 * dn2);
+            let newton = pm - residual / slope;
+            let next = if newton > low && newton < high {
+                newton
+            } else {
+                0.5 * (low + high)
+            };
+            let done = (next - pm).abs() <= 4.0 * f64::EPSILON * pm;
+            pm = next;
+            if done {
+                break;
+            }
+        }
+        // One Newton step carried out in S from the constant P_m gives its derivatives exactly.
+        let r1 = up.recip() * pm;
+        let (n1, dn1) = self.flow_function(r1.value().min(1.0));
+        let r2 = down * (1.0 / pm);
+        let (n2, dn2) = self.flow_function(r2.value().min(1.0));
+        let slope = a1 * dn1 - a2 * (n2 - r2.value() * dn2);
+        if slope == 0.0 {
+            return S::constant(pm);
+        }
+        let residual = first * up * r1.chain(n1, dn1) - second * r2.chain(n2, dn2) * pm;
+        (residual - residual.value()) * (-1.0 / slope) + pm
+    }
+}
+
+/// State of a gas that flows.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Gas<S> {
+    /// P \[Pa\].
+    pub(crate) pressure: S,
+    /// T \[K\].
+    pub(crate) temperature: S,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::real::Dual;
+    use super::*;
+
+    fn air() -> Air {
+        Air::new(287.05, 1.4, 1e-3)
+    }
+
+    #[test]
+    fn flow_function_is_continuous_and_choked_below_the_critical_ratio() {
+        let air = air();
+        assert!((air.critical - 0.5283).abs() < 1e-4);
+        for r in [air.critical, 1.0 - 1e-3, 1.0] {
+            let step = air.flow_function(r - 1e-12).0 - air.flow_function((r + 1e-12).min(1.0)).0;
+            assert!(step.abs() < 1e-9, "{r} {step}");
+        }
+        assert_eq!(air.flow_function(0.2).0, 1.0);
+        assert_eq!(air.flow_function(1.0).0, 0.0);
+    }
+
+    #[test]
+    fn flow_function_derivative_equals_a_difference() {
+        let air = air();
+        for r in [0.6, 0.8, 0.95, 0.998, 0.9995] {
+            let h = 1e-7;
+            let slope = (air.flow_function(r + h).0 - air.flow_function(r - h).0) / (2.0 * h);
+            assert!((air.flow_function(r).1 / slope - 1.0).abs() < 1e-6, "{r}");
+        }
+    }
+
+    #[test]
+    fn series_restriction_equals_bisection() {
+        let air = air();
+        let pd = 101_325.0;
+        for ratio in [1.0002, 1.005, 1.1, 1.5, 1.9, 3.0, 7.5] {
+            for a1 in [1e-7, 3e-5, 1e-4, 1.4e-4, 5e-4] {
+                let (pu, a2) = (ratio * pd, 1.4e-4);
+                let g = |pm: f64| a1 * pu * air.flow_function(pm / pu).0 - a2 * pm * air.flow_function(pd / pm).0;
+                let (mut low, mut high) = (pd, pu);
+                for _ in 0..200 {
+                    let mid = 0.5 * (low + high);
+                    if g(mid) > 0.0 { low = mid } else { high = mid }
+                }
+                let pm = air.intermediate_pressure(a1, a2, pu, pd);
+                assert!((pm - low).abs() < 1e-7 * low, "{ratio} {a1}: {pm} {low}");
+            }
+        }
+    }
+
+    #[test]
+    fn series_restriction_has_exact_derivatives() {
+        let air = air();
+        let solve = |a1: f64, pu: f64| air.intermediate_pressure(a1, 1.4e-4, pu, 101_325.0);
+        for (a1, pu) in [(1e-4, 3e5), (4e-4, 1.3e5), (2e-5, 6e5)] {
+            let dual = air.intermediate_pressure(
+                Dual {
+                    value: a1,
+                    slope: [1.0, 0.0],
+                },
+                Dual::constant(1.4e-4),
+                Dual {
+                    value: pu,
+                    slope: [0.0, 1.0],
+                },
+                Dual::constant(101_325.0),
+            );
+            let (ha, hp) = (1e-5 * a1, 1e-5 * pu);
+            let da = (solve(a1 + ha, pu) - solve(a1 - ha, pu)) / (2.0 * ha);
+            let dp = (solve(a1, pu + hp) - solve(a1, pu - hp)) / (2.0 * hp);
+            assert!((dual.slope[0] / da - 1.0).abs() < 1e-5, "{} {da}", dual.slope[0]);
+            assert!((dual.slope[1] / dp - 1.0).abs() < 1e-5, "{} {dp}", dual.slope[1]);
+        }
+    }
+}

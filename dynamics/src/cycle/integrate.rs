@@ -1,0 +1,483 @@
+//! Segments between events, each a smooth problem given to diffsol.
+//!
+//! A step may run past an event, since the right-hand side of a mode is smooth everywhere; the event is then located on
+//! the solver's own interpolant, the state taken from it, and the next segment started in the new mode. Events are located
+//! here rather than by the solver's root finder because they have a direction, need arming after a restart, and must be
+//! found between steps' ends as well.
+
+use diffsol::{
+    NalgebraLU, NalgebraVec, OdeBuilder, OdeSolverMethod, OdeSolverProblem, OdeSolverState, OdeSolverStopReason,
+    Vector, matrix::dense_nalgebra_serial::NalgebraMat, ode_solver::state::StateCommon,
+};
+
+use super::balance::Balance;
+use super::equations::Equations;
+use super::marks::{Log, Mark, heights};
+use super::mode::{Channel, Contact, Mode};
+use super::recorder::Recorder;
+use super::start::start;
+use super::state::*;
+use super::switching::{SLOTS, cross, margins, slot_name};
+use super::system::System;
+use crate::{CycleError, Method, Settings, Work};
+
+/// Points at which conditions are checked within a step, its end included.
+const POINTS: usize = 2;
+/// Changes of one condition within [`CHATTER_WINDOW`] that count as chatter; a contact of 200 kHz makes 400.
+const CHATTER_CHANGES: usize = 2000;
+const CHATTER_WINDOW: f64 = 1e-3;
+/// Steps beyond which a run is given up.
+const STEP_LIMIT: usize = 5_000_000;
+/// Part of V_02 left below the piston at which a dry fire is declared.
+const DRY_FIRE: f64 = 1e-3;
+
+type Problem<'s> = OdeSolverProblem<Equations<'s>>;
+
+/// All that a run leaves for the record.
+pub(crate) struct Run {
+    pub(crate) recorder: Recorder,
+    pub(crate) log: Log,
+    pub(crate) balance: Balance,
+    pub(crate) work: Work,
+    pub(crate) end: f64,
+    pub(crate) last: State,
+    pub(crate) last_mode: Mode,
+    /// Piston speed before and after the rod met the nail.
+    pub(crate) impact: Option<(f64, f64)>,
+    /// Contacts closed, indexed by [`Contact`], the seat's first one before the shot not counted.
+    pub(crate) closings: [usize; Contact::COUNT],
+    /// Time in which the holes are choked, and in which the exhaust is open, is measured on samples by `summary`.
+    pub(crate) landed: bool,
+}
+
+/// A cycle in progress.
+struct Cycle<'s> {
+    system: &'s System,
+    settings: &'s Settings,
+    mode: Mode,
+    t: f64,
+    y: State,
+    /// Times at which the channel switches.
+    venting: f64,
+    filling: Option<f64>,
+    end: f64,
+    heights: [f64; Mark::COUNT],
+    armed: [bool; SLOTS],
+    chatter: [(f64, usize); SLOTS],
+    run: Run,
+}
+
+/// Integrates a cycle.
+pub(crate) fn integrate(system: &System, settings: &Settings) -> Result<Run, CycleError> {
+    let (y, mode) = start(system)?;
+    let mut cycle = Cycle {
+        system,
+        settings,
+        mode,
+        t: 0.0,
+        y,
+        venting: system.geometry.channel_delay,
+        filling: None,
+        end: settings.end,
+        heights: heights(system, &y),
+        armed: margins(system, &mode, &y).map(|m| m > 0.0),
+        chatter: [(0.0, 0); SLOTS],
+        run: Run {
+            recorder: Recorder::new(settings.sample_interval),
+            log: Log::new(system),
+            balance: Balance::new(system, &mode, &y),
+            work: Work::default(),
+            end: 0.0,
+            last: y,
+            last_mode: mode,
+            impact: None,
+            closings: [0; Contact::COUNT],
+            landed: false,
+        },
+    };
+    let problem = cycle.problem()?;
+    while cycle.t < cycle.end {
+        cycle.segment(&problem)?;
+    }
+    // The last sample stands at the end itself where the grid meets it.
+    let (t, y, mode) = (cycle.t, cycle.y, cycle.mode);
+    let recorder = &mut cycle.run.recorder;
+    if !cycle.run.landed && recorder.next_time() <= t * (1.0 + 4.0 * f64::EPSILON) {
+        recorder.push(system, &mode, &y);
+    }
+    let calls = problem.eqn.calls();
+    cycle.run.work.evaluations = calls.rates;
+    cycle.run.work.jacobians = calls.jacobians;
+    cycle.run.end = t;
+    cycle.run.last = y;
+    cycle.run.last_mode = mode;
+    Ok(cycle.run)
+}
+
+/// Absolute tolerances: every state has a characteristic size, its error is kept to the tolerance times that size.
+///
+/// Relative weights would not do: a nose contact of 5e8 N/m needs the position of the body to 1e-10 m wherever it stands,
+/// and a gas energy of 1 kJ must not loosen that of 1 J.
+fn tolerances(system: &System, relative: f64) -> Vec<f64> {
+    let p = &system.p;
+    let mut size = [1e30; SIZE];
+    size[Y_P] = 1e-2;
+    size[V_P] = 10.0;
+    size[Y_H] = 1e-3;
+    size[V_H] = 5.0;
+    size[Y_G] = 1e-4;
+    size[V_G] = 0.5;
+    size[Y_W] = 1e-4;
+    size[V_W] = 0.5;
+    let c = &p.chambers;
+    let volumes = [
+        c.above_piston,
+        c.below_piston,
+        c.return_volume,
+        c.above_valve,
+        c.supply_volume,
+    ];
+    for (i, volume) in volumes.into_iter().enumerate() {
+        size[ENERGY + i] = p.supply.pressure * volume / (system.air.gamma - 1.0);
+        size[MASS + i] = p.supply.pressure * volume / (system.air.gas_constant * p.ambient.temperature);
+    }
+    // The solver's norm is a mean over all entries; the integrals have no error weight, so the mean is taken back.
+    let share = (STATES as f64 / SIZE as f64).sqrt();
+    size.iter().map(|size| relative * size * share).collect()
+}
+
+impl<'s> Cycle<'s> {
+    fn problem(&self) -> Result<Problem<'s>, CycleError> {
+        let mut problem = OdeBuilder::<NalgebraMat<f64>>::new()
+            .rtol(0.0)
+            .atol(tolerances(self.system, self.settings.relative_tolerance))
+            .build_from_eqn(Equations::new(self.system, self.mode))
+            .map_err(|cause| self.failure(&cause))?;
+        // Counted over a whole segment, not in a row, so no limit: STEP_LIMIT and the least step end a hopeless run.
+        problem.ode_options.max_nonlinear_solver_failures = usize::MAX;
+        problem.ode_options.min_timestep = 1e-16;
+        Ok(problem)
+    }
+
+    fn failure(&self, cause: &diffsol::DiffsolError) -> CycleError {
+        CycleError::Integration {
+            time: self.t,
+            cause: cause.to_string(),
+        }
+    }
+
+    /// Next time at which the smooth problem ends whatever happens.
+    fn stop_time(&self) -> f64 {
+        let mut stop = self.end;
+        if self.mode.channel == Channel::Closed {
+            stop = stop.min(self.venting);
+        }
+        if let Some(filling) = self.filling
+            && self.mode.channel != Channel::Filling
+        {
+            stop = stop.min(filling);
+        }
+        stop
+    }
+
+    /// Changes the channel where its time has come.
+    fn switch_channel(&mut self) {
+        let reached = |t: f64, due: f64| t >= due - 1e-15;
+        if self.filling.is_some_and(|due| reached(self.t, due)) {
+            self.mode.channel = Channel::Filling;
+        } else if self.mode.channel == Channel::Closed && reached(self.t, self.venting) {
+            self.mode.channel = Channel::Venting;
+        }
+    }
+
+    /// Step size for a first-order start, from the error h^2 |y''|/3 it makes.
+    fn first_step(&self, problem: &Problem<'s>, second: &State) -> f64 {
+        let atol = problem.atol.batch_as_slice(0);
+        let sum: f64 = second.iter().zip(atol).map(|(d, atol)| (d / atol) * (d / atol)).sum();
+        let norm = (sum / SIZE as f64).sqrt();
+        (1.5 / norm).sqrt().clamp(1e-12, 1e-5)
+    }
+
+    fn segment(&mut self, problem: &Problem<'s>) -> Result<(), CycleError> {
+        self.switch_channel();
+        problem.eqn.set_mode(self.mode);
+        let (first, second) = problem.eqn.derivatives(&self.y);
+        let empty = || NalgebraVec::<f64>::zeros(0, Default::default());
+        let common = StateCommon {
+            y: NalgebraVec::from_vec(self.y.to_vec(), Default::default()),
+            dy: NalgebraVec::from_vec(first.to_vec(), Default::default()),
+            g: empty(),
+            dg: empty(),
+            s: empty(),
+            ds: empty(),
+            sg: empty(),
+            dsg: empty(),
+            t: self.t,
+            h: self.first_step(problem, &second),
+        };
+        match self.settings.method {
+            Method::Bdf => {
+                let solver = problem.bdf_solver::<NalgebraLU<f64>>(OdeSolverState::new_from_common(common));
+                self.follow(solver.map_err(|cause| self.failure(&cause))?)
+            }
+            Method::Esdirk34 => {
+                let solver = problem.esdirk34_solver::<NalgebraLU<f64>>(OdeSolverState::new_from_common(common));
+                self.follow(solver.map_err(|cause| self.failure(&cause))?)
+            }
+        }
+    }
+
+    /// Steps to the end of the segment.
+    fn follow<'p, M>(&mut self, mut solver: M) -> Result<(), CycleError>
+    where
+        M: OdeSolverMethod<'p, Equations<'s>>,
+        's: 'p,
+    {
+        let stop = self.stop_time();
+        solver.set_stop_time(stop).map_err(|cause| self.failure(&cause))?;
+        let mut scratch = NalgebraVec::<f64>::zeros(SIZE, Default::default());
+        let mut margin = margins(self.system, &self.mode, &self.y);
+        // A condition broken at once is only known after a step, when it has had the time to arm.
+        loop {
+            let reason = solver.step().map_err(|cause| self.failure(&cause))?;
+            self.run.work.steps += 1;
+            if self.run.work.steps > STEP_LIMIT {
+                return Err(CycleError::Integration {
+                    time: self.t,
+                    cause: format!("{STEP_LIMIT} steps were not enough"),
+                });
+            }
+            let (from, to) = (self.t, solver.state().t);
+            let mut at = |t: f64| -> Result<State, CycleError> {
+                solver
+                    .interpolate_inplace(t, &mut scratch)
+                    .map_err(|cause| CycleError::Integration {
+                        time: t,
+                        cause: cause.to_string(),
+                    })?;
+                let mut y = [0.0; SIZE];
+                y.copy_from_slice(scratch.batch_as_slice(0));
+                Ok(y)
+            };
+
+            // The first condition to fall.
+            let mut points: [(f64, State); POINTS] = [(to, self.y); POINTS];
+            for (k, point) in points.iter_mut().enumerate() {
+                let t = if k + 1 == POINTS {
+                    to
+                } else {
+                    from + (to - from) * (k + 1) as f64 / POINTS as f64
+                };
+                *point = (t, at(t)?);
+            }
+            let mut event: Option<(f64, usize)> = None;
+            let mut used = POINTS;
+            let mut left = (from, margin);
+            for (k, (t, y)) in points.iter().enumerate() {
+                let right = margins(self.system, &self.mode, y);
+                for slot in 0..SLOTS {
+                    if right[slot] > 0.0 {
+                        self.armed[slot] = true;
+                    } else if self.armed[slot] || left.1[slot] <= 0.0 {
+                        let time = if left.1[slot] > 0.0 {
+                            let f = |t: f64| Ok(margins(self.system, &self.mode, &at(t)?)[slot]);
+                            locate(left.0, *t, left.1[slot], right[slot], f)?
+                        } else {
+                            left.0
+                        };
+                        if event.is_none_or(|(earliest, _)| time < earliest) {
+                            event = Some((time, slot));
+                        }
+                    }
+                }
+                left = (*t, right);
+                if event.is_some() {
+                    used = k + 1;
+                    break;
+                }
+            }
+            let (t_end, y_end) = match event {
+                Some((time, _)) => {
+                    points[used - 1] = (time, at(time)?);
+                    points[used - 1]
+                }
+                None => points[POINTS - 1],
+            };
+
+            // Crossings of the levels that define t0..t18, and samples.
+            let logged = self.run.log.len();
+            let mut previous = (from, self.heights);
+            for (t, y) in &points[..used] {
+                let now = heights(self.system, y);
+                for index in 0..Mark::COUNT {
+                    let (a, b) = (previous.1[index], now[index]);
+                    if (a > 0.0) != (b > 0.0) {
+                        let time = locate(previous.0, *t, a, b, |t| Ok(heights(self.system, &at(t)?)[index]))?;
+                        self.run
+                            .log
+                            .push(self.system, Mark::from_index(index), time, b > 0.0, &at(time)?);
+                    }
+                }
+                previous = (*t, now);
+            }
+            self.heights = previous.1;
+            self.run.log.sort_from(logged);
+            while self.run.recorder.next_time() < t_end {
+                let y = at(self.run.recorder.next_time())?;
+                self.run.recorder.push(self.system, &self.mode, &y);
+            }
+
+            self.t = t_end;
+            self.y = y_end;
+            margin = left.1;
+            self.run.recorder.peak(&self.system.evaluate(&self.y, &self.mode));
+            self.run.balance.follow(self.system, &self.mode, &self.y);
+            self.guard()?;
+            self.schedule();
+
+            let done = event.is_some() || reason == OdeSolverStopReason::TstopReached || self.t >= self.end;
+            if let Some((_, slot)) = event {
+                self.cross(slot)?;
+            }
+            if done {
+                let statistics = solver.get_statistics();
+                let work = &mut self.run.work;
+                work.rejected += statistics.number_of_error_test_failures;
+                work.newton_failures += statistics.number_of_nonlinear_solver_fails;
+                work.newton_iterations += statistics.number_of_nonlinear_solver_iterations;
+                work.factorisations += statistics.number_of_linear_solver_setups;
+                return Ok(());
+            }
+            let stop_now = self.stop_time();
+            if stop_now < stop && stop_now > self.t {
+                solver.set_stop_time(stop_now).map_err(|cause| self.failure(&cause))?;
+            }
+        }
+    }
+
+    /// Applies the event of `slot` at the present time.
+    fn cross(&mut self, slot: usize) -> Result<(), CycleError> {
+        let (window, count) = &mut self.chatter[slot];
+        if self.t - *window > CHATTER_WINDOW {
+            (*window, *count) = (self.t, 0);
+        }
+        *count += 1;
+        if *count > CHATTER_CHANGES {
+            let contact = slot_name(slot);
+            return Err(CycleError::Chatter {
+                contact,
+                count: *count,
+                window: CHATTER_WINDOW,
+                time: self.t,
+            });
+        }
+        let before = (self.mode, self.y);
+        cross(self.system, slot, &mut self.mode, &mut self.y);
+        self.run
+            .balance
+            .cross(self.system, (&before.0, &before.1), (&self.mode, &self.y));
+        if before.1[V_P] != self.y[V_P] {
+            self.run.impact = Some((before.1[V_P], self.y[V_P]));
+        }
+        if slot < Contact::COUNT && self.mode.closed[slot] {
+            self.run.closings[slot] += 1;
+        }
+        self.run.work.events += 1;
+        let margin = margins(self.system, &self.mode, &self.y);
+        for other in 0..SLOTS {
+            self.armed[other] = margin[other] > 0.0 || (other != slot && self.armed[other]);
+        }
+        Ok(())
+    }
+
+    /// Ends the run where the model does.
+    fn guard(&self) -> Result<(), CycleError> {
+        let now = self.system.instant(&self.y);
+        let c = &self.system.p.chambers;
+        if now.volume[BELOW] < DRY_FIRE * c.below_piston {
+            return Err(CycleError::DryFire {
+                time: self.t,
+                compression: now.travel - self.system.p.piston.stroke,
+                available: c.below_piston / self.system.geometry.ring_area,
+            });
+        }
+        for (i, name) in VOLUME_NAMES.iter().enumerate() {
+            let (size, mass) = (now.volume[i], self.y[MASS + i]);
+            if !(size > 0.0 && mass > 0.0 && self.y[ENERGY + i] > 0.0) {
+                return Err(CycleError::Collapse {
+                    volume: name,
+                    time: self.t,
+                    size,
+                    mass,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Sets what follows from the events so far: release of the trigger, end of the record, landing.
+    fn schedule(&mut self) {
+        let log = &self.run.log;
+        if self.filling.is_none()
+            && let Some(t12) = log.first(Mark::Guard, false, 0.0)
+        {
+            self.filling = Some(t12 + self.system.geometry.channel_delay);
+        }
+        if let Some(t16) = log.back_home()
+            && let Some(t18) = log.rest(t16, self.t)
+        {
+            self.end = self.end.min((t18 + self.settings.tail).max(self.t));
+        }
+        if let Some(t12) = log.first(Mark::Guard, false, 0.0)
+            && let Some(landing) = log.first(Mark::Landing, true, t12)
+        {
+            self.end = self.end.min(landing);
+            self.run.landed = true;
+        }
+    }
+}
+
+/// Last point of the narrowest bracket of a sign change of `f` between `a` and `b` (Illinois variant of regula falsi,
+/// Dowell and Jarratt 1971), safeguarded by bisection; the point returned has the sign of `fb`.
+fn locate(
+    mut a: f64,
+    mut b: f64,
+    mut fa: f64,
+    mut fb: f64,
+    mut f: impl FnMut(f64) -> Result<f64, CycleError>,
+) -> Result<f64, CycleError> {
+    let positive = fb > 0.0;
+    let mut side = 0;
+    for iteration in 0..60 {
+        let width = b - a;
+        if width <= 4.0 * f64::EPSILON * b.abs() {
+            break;
+        }
+        let mut c = b - fb * width / (fb - fa);
+        // Jumps and flat stretches make the secant creep.
+        if iteration % 8 == 7 || !(c > a && c < b) {
+            c = a + 0.5 * width;
+        }
+        if !(c > a && c < b) {
+            break;
+        }
+        let fc = f(c)?;
+        if (fc > 0.0) == positive {
+            (b, fb) = (c, fc);
+            if side == -1 {
+                fa *= 0.5;
+            }
+            side = -1;
+            if fc == 0.0 {
+                break;
+            }
+        } else {
+            (a, fa) = (c, fc);
+            if side == 1 {
+                fb *= 0.5;
+            }
+            side = 1;
+        }
+    }
+    Ok(b)
+}

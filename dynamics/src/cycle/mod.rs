@@ -1,0 +1,33 @@
+//! One nailing cycle: segments of smooth motion between located events.
+
+mod balance;
+mod equations;
+mod gas;
+mod integrate;
+mod marks;
+mod mode;
+mod real;
+mod recorder;
+mod start;
+mod state;
+mod summary;
+mod switching;
+mod system;
+
+pub(crate) use real::Real;
+
+use crate::{CycleError, CycleRecord, Parameters, Settings};
+
+/// Computes one nailing cycle, from the trigger pull to 5 ms after the piston has come to rest at the top, at most to
+/// `settings.end`, and never past the tool's landing.
+///
+/// # Errors
+/// [`CycleError`]: a number out of range, a design the model does not hold for (spring range, overlapping laps, tool not
+/// seated, valve not closed), a dry fire, a contact that chatters, or an integration that cannot go on.
+pub fn simulate(parameters: &Parameters, settings: &Settings) -> Result<CycleRecord, CycleError> {
+    start::check(parameters)?;
+    settings.check()?;
+    let system = system::System::new(parameters);
+    let run = integrate::integrate(&system, settings)?;
+    Ok(summary::record(&system, run))
+}

@@ -1,0 +1,96 @@
+//! Which contacts are closed and which passages open: the discrete state between two events.
+//!
+//! The right-hand side is smooth for a fixed mode, whatever the state, so a step may run past an event and be cut back to
+//! it: no force or flow has a branch on the sign of a gap.
+
+/// A contact that pushes with F = k u + c u' while closed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(usize)]
+pub(crate) enum Contact {
+    Bumper,
+    Stopper,
+    Cap,
+    Seat,
+    Nose,
+    Support,
+}
+
+impl Contact {
+    pub(crate) const COUNT: usize = 6;
+    pub(crate) const ALL: [Self; Self::COUNT] = [
+        Self::Bumper,
+        Self::Stopper,
+        Self::Cap,
+        Self::Seat,
+        Self::Nose,
+        Self::Support,
+    ];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Bumper => "the bumper",
+            Self::Stopper => "the stopper",
+            Self::Cap => "the head valve's cap",
+            Self::Seat => "the head valve's seat",
+            Self::Nose => "the nose",
+            Self::Support => "the support",
+        }
+    }
+}
+
+/// How the rod acts on the wood through the nail.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Penetration {
+    /// No force: the rod is above the wood, or off the nail it has driven to `deepest` against `force`.
+    Free { deepest: f64, force: f64 },
+    /// The nail goes deeper, F = E(z); `seated` beyond its length.
+    Loading { seated: bool },
+    /// The seated nail springs back, F = force + k_u (z - deepest).
+    Unloading { deepest: f64, force: f64 },
+}
+
+/// Where the nail is with respect to the rod.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum NailState {
+    /// In the magazine's guide, at rest.
+    Waiting,
+    /// Driven by the rod.
+    Attached,
+    /// Left by the rod.
+    Left,
+}
+
+/// Which end of the trigger channel is open.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Channel {
+    Closed,
+    Venting,
+    Filling,
+}
+
+/// Discrete state of the cycle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Mode {
+    /// Closed contacts, indexed by [`Contact`].
+    pub(crate) closed: [bool; Contact::COUNT],
+    /// Whether the guard spring reaches the wood.
+    pub(crate) guard: bool,
+    /// Whether the intake is open.
+    pub(crate) intake: bool,
+    /// Whether the exhaust is open.
+    pub(crate) exhaust: bool,
+    /// Whether the check-ring holes are uncovered.
+    pub(crate) check_holes: bool,
+    /// Penetration.
+    pub(crate) penetration: Penetration,
+    /// Nail.
+    pub(crate) nail: NailState,
+    /// Trigger channel.
+    pub(crate) channel: Channel,
+}
+
+impl Mode {
+    pub(crate) fn closed(&self, contact: Contact) -> bool {
+        self.closed[contact as usize]
+    }
+}

@@ -1,0 +1,115 @@
+//! Histories on the uniform grid, and peaks.
+
+use super::mode::{Channel, Contact, Mode};
+use super::state::*;
+use super::switching::deepest;
+use super::system::{Evaluation, Instant, System};
+use crate::{Body, ExhaustFlow, Forces, Motion, Summary, VentFlow, Volume};
+
+/// Histories under construction.
+#[derive(Debug, Default)]
+pub(crate) struct Recorder {
+    pub(crate) interval: f64,
+    pub(crate) bodies: [Body; 4],
+    pub(crate) motion: Motion,
+    pub(crate) volumes: [Volume; VOLUMES],
+    pub(crate) forces: Forces,
+    pub(crate) exhaust: ExhaustFlow,
+    pub(crate) vent: VentFlow,
+    peaks: Summary,
+}
+
+impl Recorder {
+    pub(crate) fn new(interval: f64) -> Self {
+        Self {
+            interval,
+            ..Self::default()
+        }
+    }
+
+    /// Number of samples so far.
+    pub(crate) fn len(&self) -> usize {
+        self.motion.piston_travel.len()
+    }
+
+    /// Time of the next sample.
+    pub(crate) fn next_time(&self) -> f64 {
+        self.len() as f64 * self.interval
+    }
+
+    /// Appends a sample.
+    pub(crate) fn push(&mut self, system: &System, mode: &Mode, y: &State) {
+        let e: Evaluation<f64> = system.evaluate(y, mode);
+        self.peak(&e);
+        let Instant { travel, valve, gas, .. } = e.instant;
+        for (body, history) in self.bodies.iter_mut().enumerate() {
+            history.position.push(y[2 * body]);
+            history.velocity.push(y[2 * body + 1]);
+            history.acceleration.push(e.acceleration[body]);
+        }
+        let m = &mut self.motion;
+        m.piston_travel.push(travel);
+        m.valve_lift.push(system.p.head_valve.lift - valve);
+        m.tip_depth.push(system.depth(y));
+        m.nail_depth.push(deepest(system, mode, y));
+        m.moving_mass.push(system.moving_mass(mode));
+        for (i, history) in self.volumes.iter_mut().enumerate() {
+            history.pressure.push(gas[i].pressure);
+            history.temperature.push(gas[i].temperature);
+            history.mass.push(y[MASS + i]);
+        }
+        let f = &mut self.forces;
+        let push = |contact: Contact| e.push[contact as usize];
+        f.piston_gas.push(e.piston_gas);
+        f.valve_gas.push(e.valve_gas);
+        f.bumper.push(push(Contact::Bumper));
+        f.stopper.push(-push(Contact::Stopper));
+        f.cap.push(-push(Contact::Cap));
+        f.seat.push(push(Contact::Seat));
+        f.spring.push(e.spring);
+        f.piston_friction.push(e.piston_friction);
+        f.valve_friction.push(e.valve_friction);
+        f.penetration.push(e.penetration);
+        f.nose.push(push(Contact::Nose));
+        f.guard.push(e.guard);
+        f.support.push(push(Contact::Support));
+        f.hand.push(system.p.hand.force);
+        let x = &mut self.exhaust;
+        x.mass_flow.push(e.exhaust);
+        x.plenum_pressure.push(e.plenum);
+        x.stagnation_temperature.push(if e.exhaust >= 0.0 {
+            gas[ABOVE].temperature
+        } else {
+            system.p.ambient.temperature
+        });
+        x.choked
+            .push(mode.exhaust && system.p.ambient.pressure < system.air.critical * e.plenum);
+        x.intake_choked
+            .push(mode.intake && gas[ABOVE].pressure < system.air.critical * gas[SUPPLY].pressure);
+        x.intake_mass_flow.push(e.intake);
+        let v = &mut self.vent;
+        v.mass_flow
+            .push(if mode.channel == Channel::Venting { e.vent } else { 0.0 });
+        v.pressure.push(gas[CONTROL].pressure);
+        v.temperature.push(gas[CONTROL].temperature);
+    }
+
+    /// Follows peaks between the samples.
+    pub(crate) fn peak(&mut self, e: &Evaluation<f64>) {
+        let push = |contact: Contact| e.push[contact as usize];
+        let s = &mut self.peaks;
+        let highest = |peak: &mut f64, value: f64| *peak = peak.max(value);
+        highest(&mut s.peak_penetration_force, e.penetration);
+        highest(&mut s.peak_bumper_force, push(Contact::Bumper));
+        highest(&mut s.peak_stopper_force, push(Contact::Stopper));
+        highest(&mut s.peak_cap_force, push(Contact::Cap));
+        highest(&mut s.peak_seat_force, push(Contact::Seat));
+        highest(&mut s.peak_nose_force, push(Contact::Nose));
+        highest(&mut s.peak_support_force, push(Contact::Support));
+    }
+
+    /// Peaks so far, everything else empty.
+    pub(crate) fn peaks(&self) -> Summary {
+        self.peaks.clone()
+    }
+}

@@ -1,0 +1,66 @@
+//! Layout of the state vector: 18 states, then the time integrals that certify the run.
+
+/// Number of states with dynamics.
+pub(crate) const STATES: usize = 18;
+/// Number of integrals.
+pub(crate) const INTEGRALS: usize = 21;
+/// Length of the vector that is integrated.
+pub(crate) const SIZE: usize = STATES + INTEGRALS;
+
+/// States: positions and velocities.
+pub(crate) const Y_P: usize = 0;
+pub(crate) const V_P: usize = 1;
+pub(crate) const Y_H: usize = 2;
+pub(crate) const V_H: usize = 3;
+pub(crate) const Y_G: usize = 4;
+pub(crate) const V_G: usize = 5;
+pub(crate) const Y_W: usize = 6;
+pub(crate) const V_W: usize = 7;
+/// Internal energies U_1, U_2, U_r, U_h, U_ext.
+pub(crate) const ENERGY: usize = 8;
+/// Masses m_1, m_2, m_r, m_h, m_ext.
+pub(crate) const MASS: usize = 13;
+
+/// Gas volumes, the order of energies and masses.
+pub(crate) const VOLUMES: usize = 5;
+/// Volume 1, above the piston.
+pub(crate) const ABOVE: usize = 0;
+/// Volume 2, below the piston.
+pub(crate) const BELOW: usize = 1;
+/// Return volume.
+pub(crate) const RETURN: usize = 2;
+/// Volume above the head valve.
+pub(crate) const CONTROL: usize = 3;
+/// Supply-side volume.
+pub(crate) const SUPPLY: usize = 4;
+
+/// Names of the volumes, for messages.
+pub(crate) const VOLUME_NAMES: [&str; VOLUMES] =
+    ["above-piston", "below-piston", "return", "above-valve", "supply-side"];
+
+/// Integrals: mass and enthalpy through the four openings to the outside.
+pub(crate) const EXHAUST_MASS: usize = STATES;
+pub(crate) const VENT_MASS: usize = STATES + 1;
+pub(crate) const LEAK_MASS: usize = STATES + 2;
+pub(crate) const SUPPLY_MASS: usize = STATES + 3;
+pub(crate) const EXHAUST_ENTHALPY: usize = STATES + 4;
+pub(crate) const VENT_ENTHALPY: usize = STATES + 5;
+pub(crate) const LEAK_ENTHALPY: usize = STATES + 6;
+pub(crate) const SUPPLY_ENTHALPY: usize = STATES + 7;
+/// Heat from the walls into the gas.
+pub(crate) const HEAT: usize = STATES + 8;
+/// Work of the gas on piston and valve, sum of P dV.
+pub(crate) const GAS_WORK: usize = STATES + 9;
+/// Work against friction.
+pub(crate) const PISTON_FRICTION: usize = STATES + 10;
+pub(crate) const VALVE_FRICTION: usize = STATES + 11;
+/// Work on the wood at the nail.
+pub(crate) const PENETRATION: usize = STATES + 12;
+/// Work of the dashpots of the six contacts, in the order of `Contact`.
+pub(crate) const DASHPOTS: usize = STATES + 13;
+/// Impulse of the support, and of the forces from outside without it.
+pub(crate) const SUPPORT_IMPULSE: usize = STATES + 19;
+pub(crate) const OUTER_IMPULSE: usize = STATES + 20;
+
+/// The integrated vector.
+pub(crate) type State = [f64; SIZE];

@@ -1,0 +1,122 @@
+//! When the mode changes, and to what.
+//!
+//! Each slot watches one condition of the current mode through a margin that is positive while the condition holds; the
+//! event is its fall through zero.
+
+use super::mode::{Contact, Mode, NailState, Penetration};
+use super::state::*;
+use super::system::System;
+
+/// Number of watched conditions.
+pub(crate) const SLOTS: usize = 13;
+
+const GUARD: usize = 6;
+const INTAKE: usize = 7;
+const EXHAUST: usize = 8;
+const CHECK_HOLES: usize = 9;
+const NAIL: usize = 10;
+const DEPTH_UP: usize = 11;
+const DEPTH_DOWN: usize = 12;
+
+/// What a slot watches, for messages.
+pub(crate) fn slot_name(slot: usize) -> &'static str {
+    match slot {
+        GUARD => "the guard spring",
+        INTAKE => "the intake",
+        EXHAUST => "the exhaust",
+        CHECK_HOLES => "the check-ring holes",
+        NAIL => "the rod on the nail",
+        DEPTH_UP | DEPTH_DOWN => "the nail in the wood",
+        contact => Contact::ALL[contact].name(),
+    }
+}
+
+/// Margins of all conditions of `mode` at `y`; infinite where nothing is watched.
+pub(crate) fn margins(system: &System, mode: &Mode, y: &State) -> [f64; SLOTS] {
+    let mut margin = [f64::INFINITY; SLOTS];
+    let p = &system.p;
+    for contact in Contact::ALL {
+        let (u, rate) = system.overlap(contact, y);
+        let pad = system.pads[contact as usize];
+        let push = u + pad.damping / pad.stiffness * rate;
+        // Closing needs overlap and a pushing force; a contact that still overlaps but is being let go stays open.
+        margin[contact as usize] = if mode.closed(contact) { push } else { -u.min(push) };
+    }
+    let signed = |inside: bool, x: f64| if inside { x } else { -x };
+    let lift = p.head_valve.lift - (y[Y_H] - y[Y_G]);
+    let travel = y[Y_P] - y[Y_G];
+    margin[GUARD] = signed(mode.guard, y[Y_G] - y[Y_W] + p.contacts.guard_travel);
+    margin[INTAKE] = signed(mode.intake, lift - p.head_valve.intake_lap);
+    margin[EXHAUST] = signed(mode.exhaust, p.head_valve.exhaust_lap - lift);
+    margin[CHECK_HOLES] = signed(mode.check_holes, travel - p.chambers.check_hole_position);
+    margin[NAIL] = match mode.nail {
+        NailState::Waiting => p.nail.head_gap - travel,
+        NailState::Attached => y[V_P],
+        NailState::Left => f64::INFINITY,
+    };
+    let z = system.depth(y);
+    match mode.penetration {
+        Penetration::Free { deepest, force } => margin[DEPTH_UP] = deepest - force / p.wood.unloading_stiffness - z,
+        Penetration::Loading { seated } => {
+            if !seated {
+                margin[DEPTH_UP] = p.nail.length - z;
+            }
+            margin[DEPTH_DOWN] = y[V_P] - y[V_W];
+        }
+        Penetration::Unloading { deepest, force } => {
+            margin[DEPTH_UP] = deepest - z;
+            margin[DEPTH_DOWN] = z - (deepest - force / p.wood.unloading_stiffness);
+        }
+    }
+    margin
+}
+
+/// Changes mode and state at the event of `slot`.
+pub(crate) fn cross(system: &System, slot: usize, mode: &mut Mode, y: &mut State) {
+    match slot {
+        GUARD => mode.guard = !mode.guard,
+        INTAKE => mode.intake = !mode.intake,
+        EXHAUST => mode.exhaust = !mode.exhaust,
+        CHECK_HOLES => mode.check_holes = !mode.check_holes,
+        NAIL => match mode.nail {
+            NailState::Waiting => {
+                // Plastic impact of the rod on the nail at rest (C-08).
+                y[V_P] *= system.p.piston.mass / (system.p.piston.mass + system.geometry.nail_mass);
+                mode.nail = NailState::Attached;
+            }
+            NailState::Attached | NailState::Left => mode.nail = NailState::Left,
+        },
+        DEPTH_UP => {
+            mode.penetration = match mode.penetration {
+                Penetration::Free { deepest, force } if force > 0.0 => Penetration::Unloading { deepest, force },
+                Penetration::Free { .. } => Penetration::Loading { seated: false },
+                Penetration::Loading { .. } => Penetration::Loading { seated: true },
+                Penetration::Unloading { deepest, .. } => Penetration::Loading {
+                    seated: deepest >= system.p.nail.length,
+                },
+            }
+        }
+        DEPTH_DOWN => {
+            mode.penetration = match mode.penetration {
+                Penetration::Loading { .. } => {
+                    let deepest = system.depth(y);
+                    Penetration::Unloading {
+                        deepest,
+                        force: system.envelope(deepest),
+                    }
+                }
+                Penetration::Unloading { deepest, force } => Penetration::Free { deepest, force },
+                free @ Penetration::Free { .. } => free,
+            }
+        }
+        contact => mode.closed[contact] = !mode.closed[contact],
+    }
+}
+
+/// z_max, deepest nail tip depth so far, at least 0.
+pub(crate) fn deepest(system: &System, mode: &Mode, y: &State) -> f64 {
+    match mode.penetration {
+        Penetration::Free { deepest, .. } | Penetration::Unloading { deepest, .. } => deepest,
+        Penetration::Loading { .. } => system.depth(y).max(0.0),
+    }
+}
