@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use miette::Diagnostic;
+use nailnoise_dynamics::CycleError;
 use thiserror::Error;
 
 use crate::design::DesignError;
@@ -17,13 +18,17 @@ pub enum Error {
     Design(#[from] DesignError),
     /// The cycle could not be computed.
     #[error("the nailing cycle of this design cannot be computed")]
-    Cycle(#[from] nailnoise_dynamics::CycleError),
+    Cycle(#[from] CycleError),
     /// A mesh could not be built.
     #[error("the mesh of a body cannot be built")]
     Mesh(#[from] nailnoise_meshes::MeshError),
     /// The modes or the response could not be computed.
     #[error("the structural model cannot be solved")]
     Fem(#[from] nailnoise_fem::FemError),
+    /// The sand's constants are outside the range of the foundation's formulas.
+    #[error("the sand under the workpiece cannot be modelled")]
+    #[diagnostic(help("correct the keys of support.sand"))]
+    Sand(#[from] nailnoise_fem::supports::SandError),
     /// The response of the workpiece could not be computed.
     #[error("the response of workpiece and support cannot be computed")]
     Transient(#[from] nailnoise_fem::transient::TransientError),
@@ -64,7 +69,7 @@ impl Error {
     pub fn exit_status(&self) -> u8 {
         match self {
             Self::Fem(_) | Self::Transient(_) | Self::Acoustics(_) | Self::Json(_) => 3,
-            Self::Cycle(error) => if error.is_input() { 2 } else { 3 },
+            Self::Cycle(CycleError::Integration { .. } | CycleError::Collapse { .. } | CycleError::Chatter { .. }) => 3,
             _ => 2,
         }
     }

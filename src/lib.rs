@@ -1,3 +1,15 @@
 //! nailnoise predicts how much sound power each source of a pneumatic nailer radiates, from its design.
+//!
+//! [`design`] reads the design file, [`pipeline`] turns it into ranked sources, [`output`] writes them to files and
+//! [`commands`] is the command line over all of it.
+#![forbid(unsafe_code)]
 
+pub mod commands;
 pub mod design;
+mod error;
+pub mod output;
+pub mod pipeline;
+pub mod result;
+
+pub use design::Design;
+pub use error::Error;

@@ -69,6 +69,8 @@ pub struct BandLevel {
     pub hz: f64,
     /// Unweighted single-event sound power level \[dB re 1 pW s\]; null when silent.
     pub lw_db: Option<f64>,
+    /// The same with A weighting.
+    pub lwa_db: Option<f64>,
 }
 
 /// Part of a source.
@@ -85,6 +87,8 @@ pub struct Component {
 pub struct Total {
     /// A-weighted single-event sound power level over the common range \[dB re 1 pW s\]; null when all are silent.
     pub lwa_db: Option<f64>,
+    /// The same without weighting.
+    pub lw_db: Option<f64>,
 }
 
 /// A check of a run: a number that must stay within its limit.

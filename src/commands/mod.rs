@@ -18,6 +18,7 @@ use clap::{Args, Parser, Subcommand};
 use crate::design::Design;
 use crate::error::Error;
 use crate::result::Check;
+use progress::Progress;
 
 /// Predicts how much sound power each source of a pneumatic nailer radiates, from its design.
 #[derive(Parser)]

@@ -226,10 +226,9 @@ impl Values {
             .or_else(|| friction("piston.friction", &self.piston.friction))
             .or_else(|| friction("head_valve.friction", &self.head_valve.friction))
             .or_else(|| seated(self))
-            .or_else(|| body(&self.body))
+            .or_else(|| nose(self))
             .or_else(|| support(self))
             .or_else(|| elastic("wood.elastic", &self.wood.elastic.axes()))
-            .or_else(|| incompressible("body.poisson_ratio", self.body.poisson_ratio))
             .or_else(|| analysis(self))
     }
 }
@@ -377,24 +376,16 @@ fn seated(v: &Values) -> Option<Conflict> {
     (push <= guard).then_some(Conflict::NotSeated { push, guard })
 }
 
-fn body(b: &Body) -> Option<Conflict> {
-    [
-        (
-            ("body.barrel_wall", b.barrel_wall),
-            ("body.barrel_radius", b.barrel_radius),
-        ),
-        (("body.cap_wall", b.cap_wall), ("body.cap_radius", b.cap_radius)),
-        (
-            ("body.handle_wall", b.handle_wall),
-            ("body.handle_radius", b.handle_radius),
-        ),
-        (
-            ("body.magazine_wall", b.magazine_wall),
-            ("body.magazine_radius", b.magazine_radius),
-        ),
-    ]
-    .into_iter()
-    .find_map(|(wall, radius)| below(wall, radius, "the part is hollow"))
+/// The nose stands wholly on the block.
+fn nose(v: &Values) -> Option<Conflict> {
+    let within = |offset: (&'static str, f64), nose: f64, block: (&'static str, f64)| {
+        let reach = (offset.0, 2.0 * offset.1.abs() + nose);
+        at_most(reach, block, "the nose, which stands over the nail, must stand on the block")
+    };
+    let (nail, block, body) = (&v.nail, &v.workpiece, &v.body);
+    within(("nail.offset_along", nail.offset_along), body.nose_width, ("workpiece.length", block.length)).or_else(|| {
+        within(("nail.offset_across", nail.offset_across), body.nose_depth, ("workpiece.width", block.width))
+    })
 }
 
 fn support(v: &Values) -> Option<Conflict> {

@@ -179,6 +179,10 @@ group! {
         head_gap: f64 = positive(LENGTH), "y_pbin";
         /// Piston travel at which the nail's tip touches the wood.
         tip_gap: f64 = positive(LENGTH), "y_pbp";
+        /// Where the nail is driven: distance from the block's centre along its length.
+        offset_along: f64 = any(LENGTH), "";
+        /// Where the nail is driven: distance from the block's centre across its width.
+        offset_across: f64 = any(LENGTH), "";
     }
 }
 
@@ -263,6 +267,8 @@ group! {
         head_stiffness_scale: f64 = nonnegative(NUMBER), "kw_scale";
         /// Unloading stiffness of the seated nail.
         unloading_stiffness: f64 = positive(STIFFNESS), "k_u";
+        /// Share of the resistance at full depth that is friction along the shank; the rest acts at the tip.
+        friction_share: f64 = fraction(), "";
         /// Direction of driving relative to the growth rings.
         driven: Rings = Rings::KIND, "";
         /// Loss factor of the free block's modes.
@@ -429,6 +435,8 @@ group! {
         points_along: u32 = Kind::Count, "";
         /// Contact points across the block's width.
         points_across: u32 = Kind::Count, "";
+        /// Whether the block is glued to the table (linear) or lifts off it.
+        bonded: bool = Kind::Switch, "";
     }
 }
 
@@ -453,14 +461,12 @@ group! {
         flow_resistivity: f64 = positive(FLOW_RESISTIVITY), "sigma";
         /// Share of the absorption of an infinite sand plane, in dB, that the patch around the block reaches.
         absorption_share: f64 = fraction(), "";
-        /// Share of the block's side walls that carries the sand's impedance.
-        side_contact: f64 = fraction(), "";
-        /// Mass of sand that moves with the base, m = coefficient rho r0 A.
-        added_mass: f64 = nonnegative(NUMBER), "";
         /// Whether the block sticks to the sand (linear) or lifts off it.
         bonded: bool = Kind::Switch, "";
         /// Whether the sand's surface around the block moves with it and radiates.
         moving_surface: bool = Kind::Switch, "";
+        /// Highest frequency at which the sand's surface moves with the block.
+        moving_surface_top: f64 = positive(FREQUENCY), "";
     }
 }
 
@@ -469,48 +475,26 @@ group! {
     Body {
         /// Outer radius of the barrel.
         barrel_radius: f64 = positive(LENGTH), "";
-        /// Wall of the barrel.
-        barrel_wall: f64 = positive(LENGTH), "";
         /// Height of the barrel.
         barrel_height: f64 = positive(LENGTH), "";
         /// Outer radius of the cap on the barrel.
         cap_radius: f64 = positive(LENGTH), "";
-        /// Wall of the cap.
-        cap_wall: f64 = positive(LENGTH), "";
         /// Height of the cap.
         cap_height: f64 = positive(LENGTH), "";
         /// Length of the handle.
         handle_length: f64 = positive(LENGTH), "";
         /// Outer radius of the handle.
         handle_radius: f64 = positive(LENGTH), "";
-        /// Wall of the handle.
-        handle_wall: f64 = positive(LENGTH), "";
-        /// Height of the handle's axis above the nose's tip.
-        handle_elevation: f64 = positive(LENGTH), "";
         /// Outer radius of the magazine.
         magazine_radius: f64 = positive(LENGTH), "";
-        /// Wall of the magazine.
-        magazine_wall: f64 = positive(LENGTH), "";
         /// Height (axial length) of the magazine.
         magazine_height: f64 = positive(LENGTH), "";
-        /// Distance of the magazine's centre from the barrel's axis.
-        magazine_offset: f64 = positive(LENGTH), "";
-        /// Height of the magazine's centre above the nose's tip.
-        magazine_elevation: f64 = positive(LENGTH), "";
         /// Width of the steel nose.
         nose_width: f64 = positive(LENGTH), "";
         /// Depth of the steel nose.
         nose_depth: f64 = positive(LENGTH), "";
         /// Height of the steel nose.
         nose_height: f64 = positive(LENGTH), "";
-        /// Young's modulus of the housing.
-        youngs_modulus: f64 = positive(PRESSURE), "E";
-        /// Poisson's ratio of the housing.
-        poisson_ratio: f64 = nonnegative(NUMBER), "nu";
-        /// Density of the housing.
-        density: f64 = positive(DENSITY), "rho";
-        /// Loss factor of the assembled body's modes.
-        loss_factor: f64 = fraction(), "eta";
     }
 }
 
@@ -543,16 +527,18 @@ group! {
         workpiece_top: f64 = positive(FREQUENCY), "";
         /// Top frequency of the worktable's modes that take part.
         worktable_top: f64 = positive(FREQUENCY), "";
-        /// Top frequency of the tool body.
-        body_top: f64 = positive(FREQUENCY), "";
         /// Top frequency of the exhaust.
         exhaust_top: f64 = positive(FREQUENCY), "";
         /// Modes are computed up to this many times the top frequency.
         mode_margin: f64 = positive(NUMBER), "";
         /// Largest side of a quadratic element of the workpiece.
         workpiece_element: f64 = positive(LENGTH), "";
-        /// Largest side of a quadratic element of the worktable.
+        /// Largest side of a quadratic element of the worktable, seen from above.
         worktable_element: f64 = positive(LENGTH), "";
+        /// Largest length of a quadratic element along the worktable's legs.
+        worktable_leg_element: f64 = positive(LENGTH), "";
+        /// Layers of quadratic elements through the worktable's top.
+        worktable_top_layers: u32 = Kind::Count, "";
         /// Step of the structural response and of the sampled cycle.
         time_step: f64 = positive(TIME), "";
         /// Duration of the structural response from the trigger on.

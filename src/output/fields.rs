@@ -1,0 +1,85 @@
+//! VTK files for ParaView: vibration of each body in the shot, and mode shapes.
+
+use std::path::{Path, PathBuf};
+
+use nailnoise_acoustics::radiation::ModalSpectra;
+use nailnoise_meshes::vtu::{Field, write_mesh, write_series, write_surface};
+use nalgebra::DMatrix;
+
+use crate::error::Error;
+use crate::pipeline::{Body, Run};
+
+/// Octave bands of the velocity fields: mid-band frequencies \[Hz\] (IEC 61260-1, base ten: 1000 G^k, G = 10^0.3).
+const OCTAVES: std::ops::RangeInclusive<i32> = -4..=3;
+
+/// Reference of velocity exposure levels: (50 nm/s)^2 over 1 s \[m2/s\] (ISO 1683).
+const REFERENCE: f64 = 50e-9 * 50e-9;
+
+/// Writes `BODY.vtu`: on every point of the body's surface the velocity exposure level of the shot in octave bands,
+///
+/// ```text
+/// L_vE = 10 lg( 2 int |v(f)|^2 df / ((50 nm/s)^2 x 1 s) )
+/// ```
+///
+/// with v the velocity vector, from the coherent sum of all modes.
+pub(super) fn write(folder: &Path, run: &Run) -> Result<(), Error> {
+    super::create(folder)?;
+    for (body, spectra) in run.structure.bodies().zip(&run.spectra) {
+        let bands: Vec<(String, Vec<f64>)> = OCTAVES
+            .filter_map(|k| {
+                let centre = 1000.0 * 10f64.powf(0.3 * f64::from(k));
+                let edges = [centre * 10f64.powf(-0.15), centre * 10f64.powf(0.15)];
+                let energies = exposure(body, spectra, edges)?;
+                let levels = energies.iter().map(|e| 10.0 * (e.max(f64::MIN_POSITIVE) / REFERENCE).log10()).collect();
+                Some((format!("velocity exposure level {centre:.0} Hz octave [dB]"), levels))
+            })
+            .collect();
+        let fields: Vec<Field<'_>> =
+            bands.iter().map(|(name, values)| Field { name, components: 1, values }).collect();
+        write_surface(&folder.join(format!("{}.vtu", body.name)), &body.surface, &fields, &[])?;
+    }
+    Ok(())
+}
+
+/// 2 int |v|^2 df over a band at every point of the surface \[m2/s\]; nothing when the band holds no analysed frequency.
+///
+/// With v = Phi a/(j omega) and C = sum over bins of Re(a a^H)/omega^2 this is phi^T C phi for each component.
+fn exposure(body: &Body, spectra: &ModalSpectra, [low, high]: [f64; 2]) -> Option<Vec<f64>> {
+    let bins: Vec<usize> =
+        (0..spectra.frequency.len()).filter(|&k| (low..high).contains(&spectra.frequency[k])).collect();
+    if bins.len() < 2 || spectra.frequency[bins[0]] > low * 1.1 || spectra.range_hz[1] < high {
+        return None;
+    }
+    let step = spectra.frequency[1] - spectra.frequency[0];
+    let modes = body.omega.len();
+    let mut rows = DMatrix::zeros(modes, 2 * bins.len());
+    for (column, &bin) in bins.iter().enumerate() {
+        let scale = (2.0 * step).sqrt() / (std::f64::consts::TAU * spectra.frequency[bin]);
+        for mode in 0..modes {
+            let a = spectra.accelerations[(mode, bin)];
+            rows[(mode, 2 * column)] = a.re * scale;
+            rows[(mode, 2 * column + 1)] = a.im * scale;
+        }
+    }
+    let covariance = &rows * rows.transpose();
+    let dofs: Vec<usize> = body.surface.volume_nodes.iter().flat_map(|n| [3 * n, 3 * n + 1, 3 * n + 2]).collect();
+    let shapes = body.shapes.select_rows(&dofs);
+    let moved = &shapes * covariance;
+    let of_point = |point: usize| (0..3).map(|axis| shapes.row(3 * point + axis).dot(&moved.row(3 * point + axis))).sum();
+    Some((0..body.surface.points.len()).map(of_point).collect())
+}
+
+/// Writes one `.vtu` a mode and the `.pvd` that lists them by frequency; returns the `.pvd`.
+pub(super) fn write_modes(folder: &Path, body: &Body) -> Result<PathBuf, Error> {
+    super::create(folder)?;
+    let mut series = Vec::with_capacity(body.basis.hz.len());
+    for (index, (&hz, shape)) in body.basis.hz.iter().zip(body.basis.shapes.column_iter()).enumerate() {
+        let file = format!("mode-{:04}.vtu", index + 1);
+        let field = Field { name: "mode shape [kg^-1/2]", components: 3, values: shape.as_slice() };
+        write_mesh(&folder.join(&file), &body.mesh, &[field], &[])?;
+        series.push((hz, file));
+    }
+    let list = folder.join("modes.pvd");
+    write_series(&list, &series)?;
+    Ok(list)
+}

@@ -1,0 +1,57 @@
+//! Files of a run: every one is written whole, or not at all.
+
+mod columns;
+mod csv;
+mod fields;
+
+use std::path::{Path, PathBuf};
+
+use nailnoise_dynamics::CycleRecord;
+use nailnoise_meshes::write_atomic;
+
+use crate::error::Error;
+use crate::pipeline::{Body, Run};
+
+pub use columns::{Column, columns};
+pub use csv::EVENT_NAMES;
+
+/// Writes everything a run leaves behind to `folder`: `result.json`, `levels.csv`, `events.csv`, `histories.csv` and
+/// `fields/*.vtu`.
+///
+/// # Errors
+/// [`Error::Write`] with the file that could not be written.
+pub fn write_run(folder: &Path, run: &Run) -> Result<(), Error> {
+    write_cycle(folder, &run.record)?;
+    let mut json = serde_json::to_vec_pretty(&run.result).map_err(Error::Json)?;
+    json.push(b'\n');
+    write(&folder.join("levels.csv"), csv::levels(&run.result).as_bytes())?;
+    fields::write(&folder.join("fields"), run)?;
+    // Last, so that a folder with a result has all the rest of it.
+    write(&folder.join("result.json"), &json)
+}
+
+/// Writes `events.csv` and `histories.csv` of a cycle to `folder`.
+///
+/// # Errors
+/// [`Error::Write`] with the file that could not be written.
+pub fn write_cycle(folder: &Path, record: &CycleRecord) -> Result<(), Error> {
+    create(folder)?;
+    write(&folder.join("events.csv"), csv::events(&record.events).as_bytes())?;
+    write(&folder.join("histories.csv"), csv::histories(record).as_bytes())
+}
+
+/// Writes the mode shapes of a body to `folder/modes/BODY/`; returns the `.pvd` that lists them.
+///
+/// # Errors
+/// [`Error::Write`] or [`Error::Mesh`] with the file that could not be written.
+pub fn write_modes(folder: &Path, body: &Body) -> Result<PathBuf, Error> {
+    fields::write_modes(&folder.join("modes").join(body.name), body)
+}
+
+fn create(folder: &Path) -> Result<(), Error> {
+    std::fs::create_dir_all(folder).map_err(|source| Error::Write { path: folder.to_owned(), source })
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    write_atomic(path, bytes).map_err(|source| Error::Write { path: path.to_owned(), source })
+}

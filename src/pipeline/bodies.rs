@@ -1,0 +1,239 @@
+//! Finite-element bodies of a design: mesh, modes, and the patterns through which forces reach them.
+//!
+//! Workpiece and worktable meet in the plane z = 0, z up; the workpiece's centre is at x = y = 0, x along the grain.
+
+use nailnoise_fem::supports::{ContactGrid, GridRule};
+use nailnoise_fem::{Constraints, Material, ModalBasis, ModalSettings, System, assemble, modes};
+use nailnoise_meshes::{Block, Mesh, Surface, block, worktable};
+use nalgebra::{DMatrix, DVector, Matrix3, Point3};
+
+use super::pattern::{Pattern, Rectangle};
+use super::shank;
+use crate::design::{self, Design, SupportKind};
+use crate::error::Error;
+use crate::result::Check;
+
+/// A body in modal coordinates, with its geometry.
+pub struct Body {
+    /// `workpiece` or `worktable`.
+    pub name: &'static str,
+    /// Its mesh.
+    pub mesh: Mesh,
+    /// Its outer faces.
+    pub surface: Surface,
+    /// Its modes, proven complete up to their top frequency.
+    pub basis: ModalBasis,
+    /// Modes, then static corrections: 3 nodes x modes \[kg^-1/2\].
+    pub shapes: DMatrix<f64>,
+    /// Angular frequencies of the columns of `shapes` \[rad/s\]; 0 for rigid modes.
+    pub omega: Vec<f64>,
+    /// Loss factor of all modes \[-\].
+    pub loss_factor: f64,
+    /// Frequency up to which the body's motion is part of the result \[Hz\].
+    pub top_hz: f64,
+    /// Modal force of gravity \[N kg^-1/2\].
+    pub weight: DVector<f64>,
+    /// Generalised displacement of each load, downwards positive: modes x loads.
+    pub loads: DMatrix<f64>,
+    /// Generalised displacement of each contact cell along the body's outward normal: modes x cells.
+    pub contacts: DMatrix<f64>,
+}
+
+/// The bodies of a design.
+pub struct Structure {
+    /// The wood block.
+    pub workpiece: Body,
+    /// The worktable, when the block stands on one.
+    pub worktable: Option<Body>,
+    /// Cells in which the block's underside touches what it stands on.
+    pub grid: ContactGrid,
+}
+
+impl Structure {
+    /// The bodies there are.
+    pub fn bodies(&self) -> impl Iterator<Item = &Body> {
+        std::iter::once(&self.workpiece).chain(&self.worktable)
+    }
+}
+
+/// Where loads act on the workpiece, in the order of the columns of [`Body::loads`]: the nail's stations, then the nose.
+pub(super) const WORKPIECE_LOADS: usize = shank::STATIONS + 1;
+
+/// The contact cells of the workpiece's underside.
+pub(super) fn contact_grid(design: &Design) -> ContactGrid {
+    let (block, contact) = (&design.workpiece, &design.support.contact);
+    let (along, across) = (contact.points_along as usize, contact.points_across as usize);
+    ContactGrid::new(block.length, block.width, along, across, GridRule::CellCentred)
+}
+
+/// The wood block, free.
+///
+/// # Errors
+/// Those of mesh, material and modal solution.
+pub fn workpiece(design: &Design) -> Result<Body, Error> {
+    let size = [design.workpiece.length, design.workpiece.width, design.workpiece.thickness];
+    let origin = [-0.5 * size[0], -0.5 * size[1], 0.0];
+    let mesh = block(&Block::with_element_size(size, design.analysis.workpiece_element, origin)?)?;
+    let wood = &design.wood;
+    let material = Material::orthotropic(&constants(&wood.block_axes()), &Matrix3::identity(), wood.density)?;
+    let mut loads = Vec::with_capacity(WORKPIECE_LOADS);
+    let nail = [design.nail.offset_along, design.nail.offset_across];
+    for depth in shank::depths(design.nail.length) {
+        loads.push(Pattern::point(&mesh, Point3::new(nail[0], nail[1], size[2] - depth))?.reversed());
+    }
+    let nose = [design.body.nose_width, design.body.nose_depth];
+    loads.push(Pattern::patch(&mesh, "top", Rectangle { centre: nail, size: nose, height: size[2] })?.reversed());
+    let contacts = contact_patterns(design, &mesh, "bottom")?;
+    let contacts = contacts.iter().map(Pattern::reversed).collect(); // outward is down
+    let model = Model {
+        name: "workpiece",
+        top_hz: design.analysis.workpiece_top,
+        loss_factor: wood.loss_factor,
+        materials: vec![material],
+        constraints: Constraints::free(),
+        loads,
+        contacts,
+        mesh,
+    };
+    model.solve(design)
+}
+
+/// The worktable, clamped at the floor.
+///
+/// # Errors
+/// [`Error::NoSuchBody`] when the support is a sandbox; those of mesh, material and modal solution.
+pub fn table(design: &Design) -> Result<Body, Error> {
+    let support = &design.support;
+    if support.kind != SupportKind::Worktable {
+        let design = design.name().to_owned();
+        return Err(Error::NoSuchBody { design, body: "worktable", support: support.kind.as_str() });
+    }
+    let t = &support.worktable;
+    let spec = nailnoise_meshes::Worktable {
+        top: [t.length, t.width],
+        thickness: t.top_thickness,
+        leg: [t.leg_width; 2],
+        height: t.height,
+        element_size: design.analysis.worktable_element,
+        leg_element_size: design.analysis.worktable_leg_element,
+        top_layers: design.analysis.worktable_top_layers as usize,
+        origin: [-0.5 * t.length, -0.5 * t.width, -t.height],
+    };
+    let mesh = worktable(&spec)?;
+    let top = Material::orthotropic(&constants(&t.top), &Matrix3::identity(), t.top_density)?;
+    // Legs: grain (axis 1) vertical, axis 2 along x, axis 3 along y.
+    let upright = Matrix3::new(0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0);
+    let legs = Material::orthotropic(&constants(&t.legs), &upright, t.leg_density)?;
+    let contacts = contact_patterns(design, &mesh, "top")?;
+    let model = Model {
+        name: "worktable",
+        top_hz: design.analysis.worktable_top,
+        loss_factor: t.loss_factor,
+        materials: vec![top, legs],
+        constraints: Constraints::clamped(&mesh, "floor")?,
+        loads: Vec::new(),
+        contacts,
+        mesh,
+    };
+    model.solve(design)
+}
+
+fn constants(c: &design::Orthotropic) -> nailnoise_fem::Orthotropic {
+    nailnoise_fem::Orthotropic {
+        e_1: c.e1,
+        e_2: c.e2,
+        e_3: c.e3,
+        g_12: c.g12,
+        g_13: c.g13,
+        g_23: c.g23,
+        nu_12: c.nu12,
+        nu_13: c.nu13,
+        nu_23: c.nu23,
+    }
+}
+
+/// Mean upward displacement of each contact cell on a face group in the plane z = 0.
+fn contact_patterns(design: &Design, mesh: &Mesh, group: &str) -> Result<Vec<Pattern>, Error> {
+    let (block, contact) = (&design.workpiece, &design.support.contact);
+    let size = [block.length / f64::from(contact.points_along), block.width / f64::from(contact.points_across)];
+    let cells = contact_grid(design);
+    let patch = |&centre: &[f64; 2]| Pattern::patch(mesh, group, Rectangle { centre, size, height: 0.0 });
+    Ok(cells.points.iter().map(patch).collect::<Result<_, _>>()?)
+}
+
+/// A finite-element model before its modes are known.
+struct Model {
+    name: &'static str,
+    mesh: Mesh,
+    materials: Vec<Material>,
+    constraints: Constraints,
+    top_hz: f64,
+    loss_factor: f64,
+    loads: Vec<Pattern>,
+    contacts: Vec<Pattern>,
+}
+
+impl Model {
+    fn solve(self, design: &Design) -> Result<Body, Error> {
+        let dofs = 3 * self.mesh.nodes.len();
+        let system = assemble(&self.mesh, &self.materials, &self.constraints)?;
+        let patterns: Vec<_> = self.loads.iter().chain(&self.contacts).map(|pattern| pattern.dense(dofs)).collect();
+        let settings = ModalSettings {
+            residual_limit: design.analysis.mode_tolerance,
+            ..ModalSettings::below(design.analysis.mode_margin * self.top_hz)
+        };
+        let basis = modes(&system, &settings.with_loads(DMatrix::from_columns(&patterns)))?;
+        let shapes = basis.all_shapes();
+        let omega = basis.all_hz().iter().map(|hz| std::f64::consts::TAU * hz).collect();
+        let weight = shapes.tr_mul(&gravity(&system, design.ambient.gravity)?);
+        let participation = |patterns: &[Pattern]| {
+            let columns: Vec<_> = patterns.iter().map(|pattern| pattern.of_modes(&shapes)).collect();
+            if columns.is_empty() { DMatrix::zeros(shapes.ncols(), 0) } else { DMatrix::from_columns(&columns) }
+        };
+        let (loads, contacts) = (participation(&self.loads), participation(&self.contacts));
+        let surface = Surface::of(&self.mesh);
+        Ok(Body {
+            name: self.name,
+            surface,
+            basis,
+            omega,
+            loss_factor: self.loss_factor,
+            top_hz: self.top_hz,
+            weight,
+            loads,
+            contacts,
+            mesh: self.mesh,
+            shapes,
+        })
+    }
+}
+
+/// Nodal forces of gravity, M (0, 0, -g), over all degrees of freedom \[N\].
+fn gravity(system: &System, g: f64) -> Result<DVector<f64>, Error> {
+    let mut field = DMatrix::zeros(system.equations.dofs(), 1);
+    for dof in (2..field.nrows()).step_by(3) {
+        field[dof] = -g;
+    }
+    let acceleration = system.equations.restrict(&field)?;
+    let mut force = DMatrix::zeros(acceleration.nrows(), 1);
+    for (row, column, &value) in system.mass.triplet_iter() {
+        force[row] += value * acceleration[column];
+        if row != column {
+            force[column] += value * acceleration[row]; // only the lower triangle is stored
+        }
+    }
+    Ok(system.equations.expand(&force).column(0).into_owned())
+}
+
+impl Body {
+    /// Checks of the modal solution.
+    pub fn checks(&self) -> Vec<Check> {
+        let worst = self.basis.residuals.iter().fold(0.0, |worst: f64, &r| worst.max(r));
+        let missing = self.basis.sturm.count as f64 - self.basis.hz.len() as f64;
+        vec![
+            Check::at_most(format!("{}: eigen residual", self.name), worst, 1e-8),
+            Check::at_most(format!("{}: orthonormality", self.name), self.basis.orthonormality, 1e-8),
+            Check::at_most(format!("{}: Sturm count less modes found", self.name), missing, 0.0),
+        ]
+    }
+}

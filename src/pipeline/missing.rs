@@ -1,0 +1,92 @@
+//! Energy above the top frequency of a part, where the model has no modes.
+//!
+//! The part is absent there. What that leaves out is estimated by going on with the slope of its last octave.
+
+use nailnoise_acoustics::levels::{BandLevel, SourceSpectrum, Weighting, third_octaves};
+
+use super::bodies::Structure;
+use crate::design::Design;
+use crate::result::Check;
+
+/// Third-octave bands in an octave.
+const OCTAVE: usize = 3;
+
+/// Largest part of a source's A-weighted level that may be left out \[dB\].
+const LIMIT_DB: f64 = 0.2;
+
+/// What a part leaves out of its source.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Missing {
+    /// The part.
+    pub(super) part: &'static str,
+    /// Its top frequency \[Hz\].
+    pub(super) top_hz: f64,
+    /// How much higher the source's A-weighted level would be \[dB\].
+    pub(super) decibels: f64,
+}
+
+impl Missing {
+    /// The check that the part is small.
+    pub(super) fn check(&self) -> Check {
+        let name = format!("{} above {:.0} Hz, estimated from its last octave [dB]", self.part, self.top_hz);
+        Check::at_most(name, self.decibels, LIMIT_DB)
+    }
+}
+
+/// Parts of the source `workpiece` whose top frequency is below the analysed range.
+pub(super) fn above_top(design: &Design, structure: &Structure, workpiece: &SourceSpectrum) -> Vec<Missing> {
+    let high = design.analysis.range_high;
+    let total = workpiece.energy([design.analysis.range_low, high], Weighting::A);
+    let of_body = |body: &super::Body| {
+        let part = workpiece.contributions.iter().find(|part| part.name == body.name);
+        let density = part.map_or(&workpiece.energy_density, |part| &part.energy_density);
+        let spectrum = SourceSpectrum { energy_density: density.clone(), contributions: Vec::new(), ..workpiece.clone() };
+        let left_out = extrapolated(&spectrum, body.top_hz, high);
+        let decibels = if total > 0.0 { 10.0 * (1.0 + left_out / total).log10() } else { 0.0 };
+        Missing { part: body.name, top_hz: body.top_hz, decibels }
+    };
+    structure.bodies().filter(|body| body.top_hz < high).map(of_body).collect()
+}
+
+/// A-weighted energy between `top` and `high` if the band energies went on as in the octave below `top` \[J\].
+///
+/// The line of 10 lg E over the band number is fitted by least squares to the last three whole bands. It may not rise:
+/// a rising end says nothing about where the rise ends.
+fn extrapolated(spectrum: &SourceSpectrum, top: f64, high: f64) -> f64 {
+    let bands: Vec<BandLevel> = spectrum.band_levels([0.0, top]);
+    let whole = bands.iter().filter(|b| b.band.high <= top * (1.0 + 1e-9) && b.energy > 0.0);
+    let last: Vec<&BandLevel> = whole.rev().take(OCTAVE).collect();
+    if last.len() < OCTAVE {
+        return 0.0;
+    }
+    let level = |b: &BandLevel| 10.0 * b.energy.log10();
+    let slope = ((level(last[0]) - level(last[OCTAVE - 1])) / (OCTAVE - 1) as f64).min(0.0);
+    let mean = last.iter().map(|b| level(b)).sum::<f64>() / OCTAVE as f64;
+    let centre = f64::from(last[OCTAVE / 2].band.index);
+    third_octaves()
+        .into_iter()
+        .filter(|band| band.high > top && band.low < high)
+        .map(|band| {
+            let energy = 10f64.powf((mean + slope * (f64::from(band.index) - centre)) / 10.0);
+            let covered = (band.high.min(high) / band.low.max(top)).ln() / (band.high / band.low).ln();
+            energy * covered * Weighting::A.energy_factor(band.hz)
+        })
+        .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A spectrum E(f) = f^-3 cut at `top`: bands fall by 2 dB each, and the energy above is known.
+    #[test]
+    fn a_power_law_is_continued() {
+        let (top, high) = (5011.872, 10_000.0);
+        let grid: Vec<f64> = (40..=12_000).map(f64::from).collect();
+        let density: Vec<f64> = grid.iter().map(|f| f.powi(-3)).collect();
+        let full = SourceSpectrum::new("s", "m", grid.clone(), density, [50.0, 12_000.0]).unwrap();
+        let expected = full.energy([top, high], Weighting::A);
+        let found = extrapolated(&full, top, high);
+        assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
+    }
+}

@@ -1,0 +1,127 @@
+//! From a design to ranked sources: cycle, bodies, response, radiation, exhaust.
+//!
+//! Each stage is a function of the design and of what stands before it; none keeps state.
+
+mod bodies;
+mod cycle;
+mod exhaust;
+mod missing;
+mod notes;
+mod pattern;
+mod radiation;
+mod ranking;
+mod response;
+mod shank;
+
+use nailnoise_acoustics::Air;
+use nailnoise_acoustics::radiation::ModalSpectra;
+use nailnoise_dynamics::CycleRecord;
+use nailnoise_fem::transient::ModalResponse;
+
+pub use bodies::{Body, Structure, table, workpiece};
+pub use cycle::{cycle, parameters};
+
+use crate::design::{Design, SupportKind};
+use crate::error::Error;
+use crate::result::{Check, DesignId, RunResult, SCHEMA, Timing};
+
+/// Is told how far a run has got.
+pub trait Observer {
+    /// A stage begins.
+    fn stage(&mut self, name: &str);
+    /// Something the user should know beside the result.
+    fn note(&mut self, text: &str);
+}
+
+/// Listens to nothing.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Silent;
+
+impl Observer for Silent {
+    fn stage(&mut self, _: &str) {}
+    fn note(&mut self, _: &str) {}
+}
+
+/// A result with the histories and fields behind it.
+pub struct Run {
+    /// What the run tells.
+    pub result: RunResult,
+    /// The nailing cycle.
+    pub record: CycleRecord,
+    /// The bodies with their modes.
+    pub structure: Structure,
+    /// Their response to the shot.
+    pub response: ModalResponse,
+    /// Fourier transforms of the modal accelerations, one set a body.
+    pub spectra: Vec<ModalSpectra>,
+}
+
+/// What a run may change about the physics without being another design; for studies and tests of laws.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Factor on the forces of the shot on the workpiece \[-\].
+    pub workpiece_force_scale: f64,
+}
+
+impl Default for Options {
+    /// The design as it is.
+    fn default() -> Self {
+        Self { workpiece_force_scale: 1.0 }
+    }
+}
+
+/// Predicts and ranks the sound power of a design's sources.
+///
+/// # Errors
+/// [`Error`] of the stage that could not be computed.
+pub fn run(design: &Design, options: Options, observer: &mut dyn Observer) -> Result<Run, Error> {
+    // Dense products inside a stage stay on one thread: a result must not depend on how many there are.
+    let mut timing = Timing::default();
+    observer.stage("nailing cycle");
+    let record = timing.time("cycle", || cycle(design))?;
+    observer.stage("modes of the workpiece");
+    let block = timing.time("workpiece modes", || workpiece(design))?;
+    let worktable = match design.support.kind {
+        SupportKind::Worktable => {
+            observer.stage("modes of the worktable");
+            Some(timing.time("worktable modes", || table(design))?)
+        }
+        SupportKind::Sandbox => None,
+    };
+    let structure = Structure { workpiece: block, worktable, grid: bodies::contact_grid(design) };
+    observer.stage("response of workpiece and support");
+    let parameters = parameters(design)?;
+    let force_scale = options.workpiece_force_scale;
+    let response =
+        timing.time("response", || response::response(design, &structure, &parameters, &record, force_scale))?;
+    observer.stage("radiation");
+    let air = Air::at(design.ambient.temperature, design.ambient.pressure)?;
+    let spectra = timing.time("modal spectra", || radiation::modal_spectra(design, &structure, &response))?;
+    let workpiece = timing.time("radiation", || radiation::workpiece(design, &structure, &spectra, &air))?;
+    let body = timing.time("body", || radiation::tool_body(design, &record, &air))?;
+    observer.stage("exhaust");
+    let exhaust = timing.time("exhaust", || exhaust::exhaust(design, &record, &air))?;
+
+    let range = [design.analysis.range_low, design.analysis.range_high];
+    let missing = missing::above_top(design, &structure, &workpiece);
+    let notes = notes::notes(design, &record, &response, &exhaust, &missing);
+    notes.iter().for_each(|note| observer.note(note));
+    let (ranking, total) = ranking::rank(&[workpiece, exhaust.spectrum, body], range);
+    let mut checks: Vec<Check> = record.checks.iter().map(Check::from).collect();
+    structure.bodies().for_each(|body| checks.extend(body.checks()));
+    checks.extend(response::checks(&response));
+    checks.extend(missing.iter().map(missing::Missing::check));
+    checks.extend(ranking::checks(&ranking, &total));
+    let result = RunResult {
+        schema: SCHEMA,
+        design: DesignId { name: design.name().to_owned(), digest: design.digest() },
+        ranking,
+        total,
+        outcome: record.outcome,
+        events: record.events,
+        checks,
+        notes,
+        timing,
+    };
+    Ok(Run { result, record, structure, response, spectra })
+}

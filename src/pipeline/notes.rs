@@ -1,0 +1,53 @@
+//! What a reader must know beside the numbers of a run.
+
+use nailnoise_dynamics::{CycleRecord, Outcome};
+use nailnoise_fem::transient::{Ending, ModalResponse};
+
+use super::exhaust::Exhaust;
+use super::missing::Missing;
+use crate::design::{Design, SupportKind};
+
+/// Notes on one run, most important first.
+pub(super) fn notes(
+    design: &Design,
+    record: &CycleRecord,
+    response: &ModalResponse,
+    exhaust: &Exhaust,
+    missing: &[Missing],
+) -> Vec<String> {
+    let mut notes = vec![match record.outcome {
+        Outcome::Drives => "the nail is driven".to_owned(),
+        Outcome::StrikesBumper => "the piston strikes the bumper before it stops on the wood".to_owned(),
+        Outcome::Underdriven => "the nail is not driven to its length".to_owned(),
+        Outcome::DoesNotOpen => "the head valve does not open: no shot".to_owned(),
+        Outcome::DoesNotRelease => "the tool does not rise far enough to release the trigger valve".to_owned(),
+    }];
+    if design.support.kind == SupportKind::Worktable {
+        let preset = design.support.worktable.preset.as_str();
+        notes.push(format!(
+            "workpiece on worktable {preset}: radiated power is the ERP reference (radiation efficiency 1), an \
+             overestimate at low frequencies, until boundary elements replace it"
+        ));
+    }
+    notes.push("body: rigid motion only, without the vibration of its housing: a lower bound".to_owned());
+    for part in missing {
+        notes.push(format!(
+            "{} is absent above {:.0} Hz; its last octave continued would add {:.2} dB to the workpiece",
+            part.part, part.top_hz, part.decibels
+        ));
+    }
+    if let (Some(here), Some(there)) = (exhaust.jets_lw, exhaust.cross_check_lw) {
+        notes.push(format!(
+            "exhaust jets: {here:.1} dB unweighted, by the efficiencies of IEC 60534-8-3 {there:.1} dB; {:.0} % of the \
+             mixing noise is from jet speeds outside its correlation",
+            100.0 * exhaust.outside_range
+        ));
+    }
+    let end = response.duration();
+    notes.push(match response.ending {
+        Ending::Decayed { level, .. } => format!("response ended at {end:.3} s, its energy {level:.0} dB down"),
+        Ending::Duration { level, .. } => format!("response cut at {end:.3} s, its energy {level:.0} dB down"),
+    });
+    notes.push("the tool's later landing is not part of the shot".to_owned());
+    notes
+}

@@ -1,0 +1,121 @@
+//! Where forces act on a finite-element body: weights on its degrees of freedom.
+//!
+//! A pattern reads a displacement, d = sum w_i u_i, and its transpose spreads a force, so that force times d is work:
+//! what one body does to another through the same pair of patterns neither makes nor loses energy.
+
+use nailnoise_meshes::{Mesh, MeshError, gauss_legendre};
+use nalgebra::{DMatrix, DVector, Point3};
+
+/// Sparse weights on the degrees of freedom 3 node + axis of a mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Pattern(Vec<(usize, f64)>);
+
+/// A rectangle in a horizontal plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Rectangle {
+    /// Centre (x, y) \[m\].
+    pub centre: [f64; 2],
+    /// Lengths along x and y \[m\].
+    pub size: [f64; 2],
+    /// Height z of the plane \[m\].
+    pub height: f64,
+}
+
+/// Gauss points along each side of a rectangle: enough for a patch that covers several quadratic elements.
+const PATCH_POINTS: usize = 6;
+
+/// How far a face may lie off the plane of a patch \[m\].
+const PLANE_TOLERANCE: f64 = 1e-6;
+
+impl Pattern {
+    /// Mean vertical displacement (z up) of a rectangle on a face group; its transpose is a uniform pressure.
+    ///
+    /// # Errors
+    /// [`MeshError::Outside`] when the rectangle is not wholly on the group.
+    pub(super) fn patch(mesh: &Mesh, group: &str, rectangle: Rectangle) -> Result<Self, MeshError> {
+        let rule = gauss_legendre(PATCH_POINTS)?;
+        let mut weights = Vec::new();
+        for &(eta, w_eta) in &rule {
+            for &(xi, w_xi) in &rule {
+                let at = |axis: usize, s: f64| rectangle.centre[axis] + 0.5 * s * rectangle.size[axis];
+                let point = Point3::new(at(0, xi), at(1, eta), rectangle.height);
+                let place = mesh.locate_on(group, point, PLANE_TOLERANCE)?;
+                let share = 0.25 * w_xi * w_eta;
+                weights.extend(place.nodes.iter().zip(&place.weights).map(|(node, w)| (3 * node + 2, share * w)));
+            }
+        }
+        Ok(Self::gathered(weights))
+    }
+
+    /// Vertical displacement (z up) of a point inside the body.
+    ///
+    /// # Errors
+    /// [`MeshError::Outside`] when the point is not in the mesh.
+    pub(super) fn point(mesh: &Mesh, point: Point3<f64>) -> Result<Self, MeshError> {
+        let place = mesh.locate(point)?;
+        Ok(Self::gathered(place.nodes.iter().zip(&place.weights).map(|(node, &w)| (3 * node + 2, w)).collect()))
+    }
+
+    /// The pattern in the opposite direction.
+    pub(super) fn reversed(&self) -> Self {
+        Self(self.0.iter().map(|&(dof, w)| (dof, -w)).collect())
+    }
+
+    /// As a column over all degrees of freedom.
+    pub(super) fn dense(&self, dofs: usize) -> DVector<f64> {
+        let mut column = DVector::zeros(dofs);
+        for &(dof, weight) in &self.0 {
+            column[dof] = weight;
+        }
+        column
+    }
+
+    /// Value of the pattern for every mode: `shapes` is dofs x modes.
+    pub(super) fn of_modes(&self, shapes: &DMatrix<f64>) -> DVector<f64> {
+        DVector::from_iterator(
+            shapes.ncols(),
+            shapes.column_iter().map(|shape| self.0.iter().map(|&(dof, weight)| weight * shape[dof]).sum()),
+        )
+    }
+
+    /// Adds up what falls on the same degree of freedom, in rising order.
+    fn gathered(mut weights: Vec<(usize, f64)>) -> Self {
+        weights.sort_by_key(|&(dof, _)| dof);
+        let mut sums: Vec<(usize, f64)> = Vec::new();
+        for (dof, weight) in weights {
+            match sums.last_mut() {
+                Some((last, sum)) if *last == dof => *sum += weight,
+                _ => sums.push((dof, weight)),
+            }
+        }
+        Self(sums)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nailnoise_meshes::{Block, block};
+
+    fn mesh() -> Mesh {
+        block(&Block { size: [0.4, 0.15, 0.1], divisions: [7, 3, 2], origin: [-0.2, -0.075, 0.0] }).unwrap()
+    }
+
+    #[test]
+    fn a_patch_reads_a_linear_displacement_at_its_centre() {
+        let mesh = mesh();
+        let rectangle = Rectangle { centre: [0.03, -0.01], size: [0.11, 0.05], height: 0.1 };
+        let pattern = Pattern::patch(&mesh, "top", rectangle).unwrap();
+        let field = |p: &Point3<f64>| 1.0 + 2.0 * p.x - 3.0 * p.y;
+        let u = DMatrix::from_fn(3 * mesh.nodes.len(), 1, |dof, _| if dof % 3 == 2 { field(&mesh.nodes[dof / 3]) } else { 9.0 });
+        let expected = field(&Point3::new(0.03, -0.01, 0.1));
+        assert!((pattern.of_modes(&u)[0] - expected).abs() < 1e-12);
+        assert!((pattern.reversed().of_modes(&u)[0] + expected).abs() < 1e-12);
+        assert!((pattern.dense(u.nrows()).dot(&u.column(0)) - expected).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_point_outside_is_refused() {
+        assert!(matches!(Pattern::point(&mesh(), Point3::new(0.0, 0.0, 0.2)), Err(MeshError::Outside { .. })));
+    }
+}

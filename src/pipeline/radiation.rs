@@ -1,0 +1,156 @@
+//! Sound energy of the moving surfaces: the workpiece with its support, and the tool body.
+
+use nailnoise_acoustics::Air;
+use nailnoise_acoustics::fourier::TransformSettings;
+use nailnoise_acoustics::levels::SourceSpectrum;
+use nailnoise_acoustics::radiation::{
+    AbsorbingSand, Erp, ModalSpectra, MovingSand, RadiatingSurface, Rayleigh, Sampling, radiated_energy,
+    rigid_body_energy,
+};
+use nailnoise_dynamics::CycleRecord;
+use nailnoise_fem::supports::Sand;
+use nailnoise_fem::transient::{ModalResponse, Motion};
+use nailnoise_meshes::QuadraturePoint;
+use nalgebra::{DMatrix, Point3, Vector3};
+
+use super::bodies::{Body, Structure};
+use crate::design::{Design, SupportKind};
+use crate::error::Error;
+
+/// Gauss points along each side of a face; the modes are quadratic on it, so their squares are integrated exactly on
+/// rectangular faces.
+const FACE_POINTS: usize = 3;
+
+/// Lowest frequency at which a radiation resistance is sampled \[Hz\]; below it each entry follows its own power law.
+const LOWEST_SAMPLE: f64 = 40.0;
+
+/// Fourier transforms of every body's modal accelerations.
+pub(super) fn modal_spectra(
+    design: &Design,
+    structure: &Structure,
+    response: &ModalResponse,
+) -> Result<Vec<ModalSpectra>, Error> {
+    structure.bodies().enumerate().map(|(index, body)| body_spectra(design, index, body, response)).collect()
+}
+
+fn body_spectra(design: &Design, index: usize, body: &Body, response: &ModalResponse) -> Result<ModalSpectra, Error> {
+    let settings = TransformSettings {
+        range_hz: [design.analysis.range_low, body.top_hz.min(design.analysis.range_high)],
+        ..TransformSettings::default()
+    };
+    // The index is a mode of this body, so the response has it; an empty record is refused by the transform.
+    let record = |mode: usize| {
+        let motion = response.modal(index, mode..mode + 1, Motion::Acceleration);
+        motion.map_or_else(|_| Vec::new(), |motion| motion.as_slice().to_vec())
+    };
+    let modes = body.omega.len();
+    Ok(ModalSpectra::from_accelerations(modes, response.samples(), response.step, &settings, record)?)
+}
+
+/// The workpiece with its support as one source.
+pub(super) fn workpiece(
+    design: &Design,
+    structure: &Structure,
+    spectra: &[ModalSpectra],
+    air: &Air,
+) -> Result<SourceSpectrum, Error> {
+    match design.support.kind {
+        SupportKind::Sandbox => flush_top(design, &structure.workpiece, &spectra[0], air),
+        SupportKind::Worktable => free_standing(design, structure, spectra, air),
+    }
+}
+
+/// ERP of block and table. Where they face each other, and under the table's feet, no sound gets out.
+fn free_standing(
+    design: &Design,
+    structure: &Structure,
+    spectra: &[ModalSpectra],
+    air: &Air,
+) -> Result<SourceSpectrum, Error> {
+    let half = [0.5 * design.workpiece.length, 0.5 * design.workpiece.width];
+    let mut parts = Vec::new();
+    for (body, spectrum) in structure.bodies().zip(spectra) {
+        let hidden = |patch: &str, p: &Point3<f64>| match patch {
+            "bottom" | "floor" => true,
+            "top" => body.name == "worktable" && p.x.abs() < half[0] && p.y.abs() < half[1],
+            _ => false,
+        };
+        let surface = radiating(body, hidden)?;
+        parts.push(radiated_energy(body.name, &Erp::new(&surface, air), spectrum)?);
+    }
+    let mut source = SourceSpectrum::sum("workpiece", "ERP", &parts);
+    source.range_hz = spectra[0].range_hz;
+    Ok(source)
+}
+
+/// Rayleigh's integral over the block's top, flush with the sand.
+fn flush_top(
+    design: &Design,
+    body: &Body,
+    spectrum: &ModalSpectra,
+    air: &Air,
+) -> Result<SourceSpectrum, Error> {
+    let (block, sand) = (&design.workpiece, &design.support.sand);
+    let surface = radiating(body, |patch, _| patch != "top")?;
+    let mut rayleigh = Rayleigh::new(&surface, air)?;
+    if sand.absorption_share > 0.0 {
+        let absorbing = AbsorbingSand { resistivity: sand.flow_resistivity, share: sand.absorption_share };
+        rayleigh = rayleigh.with_absorbing_sand(absorbing)?;
+    }
+    if sand.moving_surface {
+        let around = |length: f64| [-0.5 * length, 0.5 * length];
+        let ground = Sand::new(sand.shear_modulus, sand.density, sand.poisson_ratio)?;
+        rayleigh = rayleigh.with_moving_sand(MovingSand {
+            footprint: [around(block.length), around(block.width)],
+            sand: [around(sand.box_length), around(sand.box_width)],
+            shear_speed: ground.shear_speed(),
+            loss_factor: sand.loss_factor,
+            to_hz: sand.moving_surface_top,
+        })?;
+    }
+    let top = spectrum.range_hz[1];
+    let sampled = rayleigh.sampled(&Sampling { range_hz: [LOWEST_SAMPLE.min(0.5 * top), top], ..Sampling::default() })?;
+    Ok(radiated_energy("workpiece", &sampled, spectrum)?)
+}
+
+/// The surface of a body with the normal displacements of its modes, less what is hidden.
+fn radiating(body: &Body, hidden: impl Fn(&str, &Point3<f64>) -> bool) -> Result<RadiatingSurface, Error> {
+    let surface = &body.surface;
+    let points: Vec<QuadraturePoint> = surface
+        .quadrature(FACE_POINTS)?
+        .into_iter()
+        .filter(|point| !hidden(&surface.patches[surface.faces[point.face].patch], &point.position))
+        .collect();
+    let mut modes = DMatrix::zeros(points.len(), body.shapes.ncols());
+    for (shape, mut column) in body.shapes.column_iter().zip(modes.column_iter_mut()) {
+        for (point, value) in points.iter().zip(column.iter_mut()) {
+            let nodes = &surface.faces[point.face].nodes;
+            *value = nodes
+                .iter()
+                .zip(&point.shape)
+                .map(|(&node, weight)| {
+                    let dof = 3 * surface.volume_nodes[node];
+                    weight * Vector3::new(shape[dof], shape[dof + 1], shape[dof + 2]).dot(&point.normal)
+                })
+                .sum();
+        }
+    }
+    Ok(RadiatingSurface::new(
+        points.iter().map(|p| p.position).collect(),
+        points.iter().map(|p| p.normal).collect(),
+        points.iter().map(|p| p.weight).collect(),
+        points.iter().map(|p| surface.faces[p.face].patch).collect(),
+        surface.patches.clone(),
+        modes,
+    )?)
+}
+
+/// The tool body as the sphere of its volume in the cycle's rigid motion.
+pub(super) fn tool_body(design: &Design, record: &CycleRecord, air: &Air) -> Result<SourceSpectrum, Error> {
+    let settings = TransformSettings {
+        range_hz: [design.analysis.range_low, design.analysis.range_high],
+        ..TransformSettings::default()
+    };
+    let acceleration = &record.tool.acceleration;
+    Ok(rigid_body_energy("body", acceleration, record.sample_interval, design.body.volume(), air, &settings)?)
+}

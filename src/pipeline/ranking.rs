@@ -1,0 +1,57 @@
+//! The ranked table: levels of every source over the common range.
+
+use nailnoise_acoustics::levels::{self, BandLevel as Band, Level, SourceSpectrum, Weighting, energy_level, level_energy};
+
+use crate::result::{BandLevel, Check, Component, RankedSource, Total};
+
+/// Ranks the sources by A-weighted energy over `range_hz`.
+pub(super) fn rank(spectra: &[SourceSpectrum], range_hz: [f64; 2]) -> (Vec<RankedSource>, Total) {
+    let ranking = levels::rank(spectra, range_hz);
+    let ranked = |source: &levels::RankedSource| {
+        let spectrum = spectra.iter().find(|s| s.source == source.source);
+        RankedSource {
+            source: source.source.clone(),
+            lwa_db: source.lwa,
+            lw_db: source.lw,
+            share: source.share.unwrap_or(0.0),
+            method: source.method.clone(),
+            range_hz: source.range_hz,
+            lwa_own_range_db: source.own_lwa,
+            bands: spectrum.map_or_else(Vec::new, |s| bands(s, range_hz)),
+            components: spectrum.map_or_else(Vec::new, |s| components(s, range_hz)),
+        }
+    };
+    (ranking.sources.iter().map(ranked).collect(), Total { lwa_db: ranking.total_lwa, lw_db: ranking.total_lw })
+}
+
+/// The bands that reach into the range.
+fn bands(spectrum: &SourceSpectrum, range_hz: [f64; 2]) -> Vec<BandLevel> {
+    let inside = |b: &&Band| b.band.high > range_hz[0] && b.band.low < range_hz[1];
+    let level = |b: &Band| BandLevel { hz: b.band.nominal_hz(), lw_db: b.lw, lwa_db: b.lwa };
+    spectrum.band_levels(range_hz).iter().filter(inside).map(level).collect()
+}
+
+fn components(spectrum: &SourceSpectrum, range_hz: [f64; 2]) -> Vec<Component> {
+    let parts = spectrum.contribution_energies(range_hz, Weighting::A);
+    parts.into_iter().map(|(name, energy)| Component { name, lwa_db: energy_level(energy) }).collect()
+}
+
+/// Checks that bands sum to each source's level and sources to the total, as relative energy.
+pub(super) fn checks(ranking: &[RankedSource], total: &Total) -> Vec<Check> {
+    let gap = |sum: f64, whole: Level| {
+        let whole = level_energy(whole);
+        if whole > 0.0 { (sum / whole - 1.0).abs() } else { sum }
+    };
+    let mut checks: Vec<Check> = ranking
+        .iter()
+        .map(|source| {
+            let weighted: f64 = source.bands.iter().map(|band| level_energy(band.lwa_db)).sum();
+            let plain: f64 = source.bands.iter().map(|band| level_energy(band.lw_db)).sum();
+            let worst = gap(weighted, source.lwa_db).max(gap(plain, source.lw_db));
+            Check::at_most(format!("{}: bands sum to the total", source.source), worst, 1e-9)
+        })
+        .collect();
+    let sum = ranking.iter().map(|source| level_energy(source.lwa_db)).sum();
+    checks.push(Check::at_most("sources sum to the total", gap(sum, total.lwa_db), 1e-9));
+    checks
+}

@@ -1,0 +1,103 @@
+//! The blow in wood and support: the cycle's forces drive the bodies, the block may lift off what it stands on.
+//!
+//! One-way coupling: the cycle has its own lumped workpiece, and its forces on the wood are applied to the block.
+
+use nailnoise_dynamics::{CycleRecord, Parameters};
+use nailnoise_fem::supports::{RectangularBase, Sand, contact_dashpot};
+use nailnoise_fem::transient::{Loads, ModalBody, ModalResponse, Settings, Support, SupportLaw, respond};
+use nalgebra::{DMatrix, DVector};
+
+use super::bodies::{Body, Structure, WORKPIECE_LOADS};
+use super::shank;
+use crate::design::{Design, SupportKind};
+use crate::error::Error;
+use crate::result::Check;
+
+/// Forces of the shot on the workpiece, and gravity as the last load.
+const LOADS: usize = WORKPIECE_LOADS + 1;
+
+/// Computes the response of workpiece and support to the forces of a cycle.
+///
+/// # Errors
+/// Those of the penetration law and of the transient solver.
+pub(super) fn response(
+    design: &Design,
+    structure: &Structure,
+    parameters: &Parameters,
+    record: &CycleRecord,
+    force_scale: f64,
+) -> Result<ModalResponse, Error> {
+    let bodies: Vec<ModalBody> = structure.bodies().map(modal_body).collect();
+    let analysis = &design.analysis;
+    let settings = Settings { step: analysis.time_step, duration: analysis.duration, ..Settings::default() };
+    let loads = loads(design, parameters, record, force_scale)?;
+    Ok(respond(&bodies, &supports(design, structure)?, &loads, &settings)?)
+}
+
+/// A body as the transient solver takes it. Loads of the shot act on the workpiece alone, gravity on every body.
+fn modal_body(body: &Body) -> ModalBody {
+    let modes = body.omega.len();
+    let mut loads = DMatrix::zeros(modes, LOADS);
+    loads.columns_mut(0, body.loads.ncols()).copy_from(&body.loads);
+    loads.set_column(LOADS - 1, &body.weight);
+    ModalBody {
+        name: body.name.to_owned(),
+        omega: body.omega.clone(),
+        zeta: vec![0.5 * body.loss_factor; modes],
+        loads,
+        supports: body.contacts.clone(),
+    }
+}
+
+/// Springs and dashpots of the contact cells between the block and what it stands on.
+fn supports(design: &Design, structure: &Structure) -> Result<Vec<Support>, Error> {
+    let (stiffness, dashpot, bonded) = match design.support.kind {
+        SupportKind::Worktable => {
+            let c = &design.support.contact;
+            let dashpot = contact_dashpot(c.stiffness_per_area, c.loss_ratio, c.loss_frequency);
+            (c.stiffness_per_area, dashpot, c.bonded)
+        }
+        SupportKind::Sandbox => {
+            let s = &design.support.sand;
+            let sand = Sand::new(s.shear_modulus, s.density, s.poisson_ratio)?;
+            let base = RectangularBase::new(design.workpiece.length, design.workpiece.width)?;
+            (base.normal_bedding(&sand), sand.normal_dashpot(), s.bonded)
+        }
+    };
+    let law = if bonded { SupportLaw::Bonded } else { SupportLaw::Unilateral };
+    let cell = |&area: &f64| Support { stiffness: stiffness * area, damping: dashpot * area, gap: 0.0, law };
+    Ok(structure.grid.areas.iter().map(cell).collect())
+}
+
+/// Loads of the shot: the nail's stations, the nose with the guard spring, gravity.
+///
+/// After the record the tool is off the wood and the nail at rest: the forces of the shot go to zero, gravity stays.
+fn loads(
+    design: &Design,
+    parameters: &Parameters,
+    record: &CycleRecord,
+    force_scale: f64,
+) -> Result<Loads, Error> {
+    let nail = shank::forces(parameters, design.wood.friction_share, record)?;
+    let mut history = DMatrix::zeros(LOADS, record.len());
+    history.rows_mut(0, shank::STATIONS).copy_from(&nail);
+    for sample in 0..record.len() {
+        history[(shank::STATIONS, sample)] = record.forces.nose[sample] + record.forces.guard[sample];
+    }
+    history *= force_scale;
+    history.row_mut(LOADS - 1).fill(1.0);
+    let mut final_values = DVector::zeros(LOADS);
+    final_values[LOADS - 1] = 1.0;
+    Ok(Loads { interval: record.sample_interval, history, final_values: final_values.as_slice().to_vec() })
+}
+
+/// Checks of the response.
+pub(super) fn checks(response: &ModalResponse) -> Vec<Check> {
+    let check = |c: &nailnoise_fem::transient::Check| Check {
+        name: format!("response: {}", c.name),
+        value: c.value,
+        limit: c.limit,
+        ok: c.ok,
+    };
+    response.checks.iter().map(check).collect()
+}

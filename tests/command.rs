@@ -1,0 +1,117 @@
+//! The command as a user meets it: tables, JSON, files, exit status, errors.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn nailnoise(arguments: &[&str]) -> Output {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    Command::new(env!("CARGO_BIN_EXE_nailnoise"))
+        .args(arguments)
+        .current_dir(root)
+        .env("NO_COLOR", "1")
+        .output()
+        .unwrap()
+}
+
+/// A folder of this test's own, emptied.
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&folder);
+    folder
+}
+
+fn json(output: &Output) -> Value {
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+#[test]
+fn run_ranks_three_sources_and_leaves_every_file() {
+    let out = folder("run");
+    let output = nailnoise(&["run", "tests/data/small.toml", "--json", "--out", out.to_str().unwrap()]);
+    let result = json(&output);
+    assert_eq!(result["schema"], "nailnoise-run/1");
+    assert_eq!(result["design"]["name"], "small");
+    assert_eq!(result["design"]["digest"].as_str().unwrap().len(), 64);
+    let ranking = result["ranking"].as_array().unwrap();
+    let mut names: Vec<&str> = ranking.iter().map(|s| s["source"].as_str().unwrap()).collect();
+    let levels: Vec<f64> = ranking.iter().map(|s| s["lwa_db"].as_f64().unwrap()).collect();
+    assert!(levels.windows(2).all(|pair| pair[0] >= pair[1]), "loudest first: {levels:?}");
+    names.sort_unstable();
+    assert_eq!(names, ["body", "exhaust", "workpiece"]);
+    let energy: f64 = levels.iter().map(|level| 10f64.powf(level / 10.0)).sum();
+    assert!((10.0 * energy.log10() - result["total"]["lwa_db"].as_f64().unwrap()).abs() < 1e-9);
+    let checks = result["checks"].as_array().unwrap();
+    assert!(checks.iter().all(|check| check["ok"] == true), "{checks:#?}");
+    assert!((0..=18).all(|k| result["events"][format!("t{k}")].is_f64()));
+    for file in ["result.json", "levels.csv", "events.csv", "histories.csv", "fields/workpiece.vtu", "fields/worktable.vtu"] {
+        assert!(out.join(file).metadata().unwrap().len() > 100, "{file}");
+    }
+    let stored: Value = serde_json::from_slice(&std::fs::read(out.join("result.json")).unwrap()).unwrap();
+    assert_eq!(stored, result);
+    assert!(!output.stderr.is_empty(), "progress is shown");
+}
+
+#[test]
+fn results_do_not_depend_on_the_number_of_threads() {
+    let run = |threads: &str| {
+        let out = folder(&format!("threads-{threads}"));
+        let mut result = json(&nailnoise(&[
+            "run", "tests/data/small.toml", "--json", "--threads", threads, "--out", out.to_str().unwrap(),
+        ]));
+        result["timing"] = Value::Null;
+        result
+    };
+    assert_eq!(run("1"), run("2"));
+}
+
+#[test]
+fn tables_are_printed_without_json() {
+    let out = folder("table");
+    let output = nailnoise(&["run", "tests/data/small.toml", "--out", out.to_str().unwrap()]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    for word in ["workpiece", "exhaust", "body", "total", "rigid motion only", "ERP", "checks ok"] {
+        assert!(text.contains(word), "{word} is missing in\n{text}");
+    }
+}
+
+#[test]
+fn cycle_tells_outcome_events_and_work() {
+    let out = folder("cycle");
+    let result = json(&nailnoise(&["cycle", "tests/data/small.toml", "--json", "--out", out.to_str().unwrap()]));
+    assert_eq!(result["outcome"], "drives");
+    assert!(result["work"]["steps"].as_u64().unwrap() > 100);
+    assert!(result["summary"]["exhaust_mass"].as_f64().unwrap() > 1e-3);
+    let header = std::fs::read_to_string(out.join("histories.csv")).unwrap();
+    assert!(header.starts_with("time [s],piston_position [m],"));
+}
+
+#[test]
+fn modes_of_both_bodies_are_counted() {
+    for (body, rigid) in [("workpiece", 6), ("worktable", 0)] {
+        let out = folder(&format!("modes-{body}"));
+        let result =
+            json(&nailnoise(&["modes", "tests/data/small.toml", "--body", body, "--json", "--out", out.to_str().unwrap()]));
+        let modes = result["modes"].as_array().unwrap();
+        assert_eq!(result["sturm"]["count"].as_u64().unwrap() as usize, modes.len());
+        assert_eq!(modes.iter().filter(|mode| mode["rigid"] == true).count(), rigid);
+        assert!(out.join("modes").join(body).join("modes.pvd").exists());
+    }
+}
+
+#[test]
+fn wrong_input_ends_with_status_2_and_a_remedy() {
+    for (name, arguments, words) in [
+        ("missing file", vec!["run", "designs/none.toml"], vec!["designs/none.toml"]),
+        ("no design", vec!["run"], vec!["<DESIGN>"]),
+        ("no such body", vec!["modes", "designs/n80cb-sandbox.toml", "--body", "worktable"], vec!["sandbox", "--body workpiece"]),
+    ] {
+        let output = nailnoise(&arguments);
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{name}: {text}");
+        assert!(words.iter().all(|word| text.contains(word)), "{name}: {text}");
+        assert!(text.lines().count() < 25 && !text.contains("panicked"), "{name}: {text}");
+    }
+}

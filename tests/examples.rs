@@ -1,0 +1,22 @@
+//! Every example runs as a reader would run it, and shows the figure it is there for.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The program `cargo test` has built of an example, beside the tests' own folder.
+fn example(name: &str) -> PathBuf {
+    let test = std::env::current_exe().unwrap();
+    let profile = test.parent().and_then(Path::parent).unwrap();
+    profile.join("examples").join(name).with_extension(std::env::consts::EXE_EXTENSION)
+}
+
+#[test]
+fn rank_prints_three_sources_in_under_thirty_lines() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let output = Command::new(example("rank")).arg("tests/data/small.toml").current_dir(root).output().unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(text.lines().count(), 3, "{text}");
+    assert!(text.contains("exhaust") && text.contains("dB(A)"), "{text}");
+    assert!(include_str!("../examples/rank.rs").lines().count() < 30);
+}
