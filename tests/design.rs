@@ -1,9 +1,534 @@
-//! The design file.
-use nailnoise::design::Design;
+//! The design file: what it reads, what it derives, what it refuses and how it says so.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
+use nailnoise::design::{DERIVED, Design, DesignError, Entry, Provenance, Rings, SupportKind, Value, reference};
+use proptest::prelude::*;
+
+const BASE: &str = "designs/n80cb.toml";
+
+fn load(path: &str) -> Design {
+    Design::load(path).unwrap_or_else(|error| panic!("{}", render(&error)))
+}
+
+/// A design that says `text` over the N80CB.
+fn over(text: &str) -> Result<Design, DesignError> {
+    Design::parse(&format!("base = \"n80cb.toml\"\n{text}\n"), "designs/over.toml")
+}
+
+fn changed(text: &str) -> Design {
+    over(text).unwrap_or_else(|error| panic!("{}", render(&error)))
+}
+
+fn render(diagnostic: &dyn Diagnostic) -> String {
+    let mut text = String::new();
+    GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor())
+        .with_width(100)
+        .render_report(&mut text, diagnostic)
+        .expect("writing to a string");
+    text
+}
+
+fn entries(design: &Design) -> BTreeMap<String, Entry> {
+    design
+        .entries()
+        .into_iter()
+        .map(|entry| (entry.key.clone(), entry))
+        .collect()
+}
+
+fn number(value: Value) -> f64 {
+    match value {
+        Value::Number(number) => number,
+        Value::Count(count) => f64::from(count),
+        other => panic!("{other:?} is no number"),
+    }
+}
+
+/// Key, value and range in SI units of the N80CB's primary quantities.
+#[rustfmt::skip]
+const PRIMARY: &[(&str, f64, [f64; 2])] = &[
+    ("piston.mass", 0.131, [0.129, 0.133]),
+    ("piston.stroke", 0.12125, [0.121, 0.1215]),
+    ("nail.length", 0.08255, [0.0318, 0.0889]),
+    ("nail.diameter", 0.00381, [0.002, 0.0041]),
+    ("wood.hardness_modulus", 383640.0, [300000.0, 600000.0]),
+    ("wood.density", 429.46, [400.0, 480.0]),
+    ("piston.friction.static_force", 21.05, [15.0, 30.0]),
+    ("piston.friction.sliding_force", 11.73, [8.0, 20.0]),
+    ("piston.friction.viscous", 0.0, [0.0, 5.0]),
+    ("head_valve.friction.static_force", 26.36, [15.0, 35.0]),
+    ("head_valve.friction.sliding_force", 17.68, [10.0, 25.0]),
+    ("head_valve.friction.viscous", 0.0, [0.0, 5.0]),
+    ("contacts.bumper_stiffness", 980000.0, [500000.0, 2000000.0]),
+    ("contacts.bumper_damping", 265.0, [100.0, 500.0]),
+    ("contacts.stopper_stiffness", 1120000.0, [500000.0, 2000000.0]),
+    ("contacts.stopper_damping", 226.0, [100.0, 500.0]),
+    ("contacts.cap_stiffness", 110000000.0, [50000000.0, 110000000000.0]),
+    ("contacts.seat_stiffness", 214000000.0, [50000000.0, 500000000.0]),
+    ("contacts.nose_stiffness", 510000000.0, [5000000.0, 510000000.0]),
+    ("support.worktable.stiffness", 510000000.0, [10000000.0, 1000000000.0]),
+    ("contacts.guard_stiffness", 2970.0, [2500.0, 3500.0]),
+    ("supply.pressure", 763200.0, [583000.0, 929000.0]),
+    ("wood.speed_term", -122.91, [-130.0, -115.0]),
+    ("wood.slenderness_term", -1.15, [-1.2, -1.1]),
+    ("piston.bore", 0.06, [0.05, 0.064]),
+    ("tool.mass", 4.1, [3.3, 4.8]),
+    ("head_valve.mass", 0.06, [0.03, 0.12]),
+    ("head_valve.lift", 0.0047, [0.003, 0.006]),
+    ("head_valve.spring_preload", 0.0003, [0.0003, 0.0015]),
+    ("head_valve.intake_lap", 0.0014, [0.0005, 0.002]),
+    ("head_valve.exhaust_lap", 0.0012, [0.0005, 0.002]),
+    ("head_valve.intake_angle", 0.7853981633974483, [0.5235987755982988, 1.0471975511965976]),
+    ("head_valve.exhaust_angle", 0.7853981633974483, [0.5235987755982988, 1.5707963267948966]),
+    ("head_valve.exhaust_seat_diameter", 0.051, [0.03, 0.055]),
+    ("chambers.above_piston", 2.5e-05, [1e-05, 6e-05]),
+    ("chambers.below_piston", 1.5e-05, [5e-06, 4e-05]),
+    ("chambers.return_volume", 0.0003, [0.00012, 0.0005]),
+    ("chambers.above_valve", 1.5e-06, [5e-07, 5e-06]),
+    ("chambers.supply_volume", 0.0011, [0.0005, 0.0014]),
+    ("chambers.check_hole_area", 5e-05, [1e-05, 0.00012]),
+    ("chambers.return_hole_area", 0.0003, [0.0001, 0.0008]),
+    ("chambers.check_hole_position", 0.08, [0.055, 0.105]),
+    ("nail.head_gap", 0.0225, [0.015, 0.035]),
+    ("nail.tip_gap", 0.0265, [0.02, 0.0385]),
+    ("contacts.guard_travel", 0.015, [0.008, 0.018]),
+    ("hand.force", 110.0, [40.0, 150.0]),
+    ("trigger.vent_area", 4.6e-06, [1.5e-06, 1e-05]),
+    ("trigger.fill_area", 4.6e-06, [1.5e-06, 1e-05]),
+    ("supply.hose_area", 1.5e-05, [0.0, 4e-05]),
+    ("chambers.leak_area", 1e-06, [0.0, 5e-06]),
+    ("wood.unloading_stiffness", 10000000.0, [3000000.0, 30000000.0]),
+    ("support.worktable.damping_ratio", 0.05, [0.0, 0.2]),
+    ("contacts.nose_damping_ratio", 0.05, [0.0, 0.2]),
+    ("contacts.valve_damping_ratio", 0.1, [0.0, 0.3]),
+    ("chambers.discharge_coefficient", 0.82, [0.6, 0.95]),
+    ("chambers.wall_above_piston", 0.006, [0.003, 0.012]),
+    ("chambers.wall_below_piston", 0.006, [0.003, 0.012]),
+    ("chambers.wall_return", 0.035, [0.0175, 0.07]),
+    ("chambers.wall_above_valve", 0.004, [0.002, 0.008]),
+    ("chambers.wall_supply", 0.07, [0.035, 0.14]),
+    ("chambers.wall_heat_transfer", 200.0, [0.0, 600.0]),
+    ("model.friction_velocity", 0.001, [0.0001, 0.01]),
+    ("model.stribeck_velocity", 0.01, [0.001, 0.05]),
+    ("model.orifice_linear", 0.001, [0.0001, 0.01]),
+    ("ambient.pressure", 101325.0, [101325.0, 101325.0]),
+    ("ambient.temperature", 293.15, [293.15, 293.15]),
+    ("ambient.gas_constant", 287.05, [287.05, 287.05]),
+    ("ambient.heat_capacity_ratio", 1.4, [1.4, 1.4]),
+    ("ambient.gravity", 9.81, [9.81, 9.81]),
+    ("model.polytropic", 1.2, [1.0, 1.4]),
+    ("model.polytropic_inflow", 1.4, [1.2, 1.4]),
+    ("model.polytropic_outflow", 1.0, [1.0, 1.2]),
+    ("wood.head_stiffness_scale", 1.0, [0.5, 2.0]),
+    ("wood.resistance_scale", 1.0, [0.6, 1.2]),
+    ("exhaust.holes", 5.0, [1.0, 20.0]),
+];
+
 #[test]
-fn loads() {
-    for f in ["designs/n80cb.toml","designs/n80cb-sandbox.toml","tests/data/small.toml"] {
-        let d = match Design::load(f) { Ok(d) => d, Err(e) => panic!("{:?}", miette::Report::new(e)) };
-        println!("{} {} {:?}", d.name(), d.digest(), d.warnings().iter().map(|w| w.to_string()).collect::<Vec<_>>());
+fn the_n80cb_holds_its_primary_quantities() {
+    let entries = entries(&load(BASE));
+    for (key, value, range) in PRIMARY {
+        let entry = &entries[*key];
+        // "45 deg" needs pi, and what stands in decimal units is the same binary number.
+        let slack = if key.ends_with("angle") { 1e-15 } else { 0.0 };
+        let own = number(entry.value);
+        assert!((own - value).abs() <= slack * value, "{key} is {own}, not {value}");
+        if entry.provenance == Provenance::Constant {
+            continue;
+        }
+        let [low, high] = entry.range.unwrap_or_else(|| panic!("{key} has no range"));
+        for (own, expected) in [(low, range[0]), (high, range[1])] {
+            assert!(
+                (own - expected).abs() <= 1e-6 * expected.abs(),
+                "an end of the range of {key} is {own}, not {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+fn every_quantity_says_where_it_comes_from() {
+    for entry in load(BASE).entries() {
+        assert_ne!(entry.provenance, Provenance::Design, "{} has no provenance", entry.key);
+        if entry.provenance == Provenance::Estimated && matches!(entry.value, Value::Number(_)) {
+            assert!(entry.range.is_some(), "{} is estimated and has no range", entry.key);
+        }
+    }
+}
+
+#[test]
+fn derived_quantities_follow_from_the_primary_ones() {
+    let design = load(BASE);
+    for (key, value, tolerance) in [
+        ("workpiece.mass", 2.5335318619584, 1e-12),
+        ("nail.mass", 0.007814578377566488, 1e-12),
+        // The reference takes c = 343 m/s, the design file 343.2 m/s from the temperature: 0.2 us.
+        ("trigger.delay", 0.0002915451895043732, 1e-3),
+        ("trigger.fill_attenuation", 0.9998, 1e-4),
+        ("trigger.vent_attenuation", 0.998, 1e-4),
+        ("piston.area", 0.0028274333882308137, 1e-12),
+        ("piston.rod_area", 3.318307240354219e-05, 1e-12),
+        ("piston.lower_area", 0.0027942503158272713, 1e-12),
+        ("head_valve.control_area", 0.0014095462298677666, 1e-12),
+        ("head_valve.supply_area", 0.0002353759755885813, 1e-12),
+        ("exhaust.area", 1.4e-4, 1e-5),
+        ("ambient.density", 1.204, 1e-3),
+        ("ambient.sound_speed", 343.2, 1e-3),
+        ("support.sand.shear_speed", 111.8, 1e-3),
+    ] {
+        let derived = DERIVED
+            .iter()
+            .find(|derived| derived.key == key)
+            .expect("a derived quantity");
+        let own = (derived.value)(&design);
+        assert!((own / value - 1.0).abs() < tolerance, "{key} is {own}, not {value}");
+    }
+}
+
+#[test]
+fn ready_designs_load_without_warnings() {
+    for path in [BASE, "designs/n80cb-sandbox.toml", "tests/data/small.toml"] {
+        let design = load(path);
+        assert!(
+            design.warnings().is_empty(),
+            "{path}: {}",
+            render(&design.warnings()[0])
+        );
+    }
+    assert_eq!(load("tests/data/small.toml").name(), "small");
+}
+
+#[test]
+fn the_sandbox_differs_in_the_support_only() {
+    let (table, sand) = (entries(&load(BASE)), entries(&load("designs/n80cb-sandbox.toml")));
+    let differ: Vec<_> = table
+        .keys()
+        .filter(|key| table[*key].value != sand[*key].value)
+        .collect();
+    assert_eq!(differ, ["support.kind"]);
+    assert_eq!(load("designs/n80cb-sandbox.toml").support.kind, SupportKind::Sandbox);
+}
+
+#[test]
+fn a_bare_value_keeps_range_and_note_and_becomes_the_designs_own() {
+    let (base, own) = (entries(&load(BASE)), entries(&changed("hand.force = \"120 N\"")));
+    let (base, own) = (&base["hand.force"], &own["hand.force"]);
+    assert_eq!(
+        (base.provenance, own.provenance),
+        (Provenance::Estimated, Provenance::Design)
+    );
+    assert_eq!(
+        (own.value, own.range, &own.note),
+        (Value::Number(120.0), base.range, &base.note)
+    );
+    assert_eq!((own.file.as_str(), own.line), ("designs/over.toml", 2));
+    assert_eq!(base.file, BASE);
+}
+
+#[test]
+fn a_table_replaces_only_what_it_gives() {
+    let own = entries(&changed(
+        "hand.force = { range = \"100 .. 120 N\", note = \"a scale\" }",
+    ));
+    let own = &own["hand.force"];
+    assert_eq!((own.value, own.range), (Value::Number(110.0), Some([100.0, 120.0])));
+    assert_eq!((own.provenance, own.note.as_str()), (Provenance::Estimated, "a scale"));
+    let own = entries(&changed(
+        "hand.force = { value = 115, provenance = \"published: EN 12549\" }",
+    ));
+    let own = &own["hand.force"];
+    assert_eq!(
+        (own.provenance, own.source.as_str()),
+        (Provenance::Published, "EN 12549")
+    );
+    assert_eq!(own.range, Some([40.0, 150.0]));
+}
+
+#[test]
+fn inheritance_passes_through_several_files() {
+    let text = "base = \"../tests/data/small.toml\"\nanalysis.range_high = \"1 kHz\"";
+    let design = Design::parse(text, "designs/through.toml").unwrap();
+    assert_eq!((design.analysis.range_high, design.analysis.workpiece_top), (1e3, 2e3));
+    assert_eq!(design.piston.mass, 0.131);
+}
+
+#[test]
+fn a_value_outside_its_range_is_a_warning() {
+    let design = changed("[hand]\nforce = \"200 N\"");
+    insta::assert_snapshot!(render(&design.warnings()[0]));
+    assert_eq!(design.warnings().len(), 1);
+    // Both ends belong to the range.
+    assert!(changed("hand.force = \"150 N\"").warnings().is_empty());
+    // A range of the design's own takes the place of the base's.
+    assert!(
+        changed("hand.force = { value = 200, range = [150, 250] }")
+            .warnings()
+            .is_empty()
+    );
+}
+
+#[test]
+fn a_derived_quantity_that_agrees_has_no_effect_and_warns() {
+    let design = changed("exhaust.area = \"140 mm2\"");
+    insta::assert_snapshot!(render(&design.warnings()[0]));
+    assert_eq!(design.digest(), load(BASE).digest());
+    // The derived quantity is compared with the design's own primary quantities.
+    assert!(over("exhaust.area = \"280 mm2\"").is_err());
+    assert_eq!(
+        changed("exhaust = { holes = 10, area = \"280 mm2\" }").warnings().len(),
+        1
+    );
+}
+
+#[test]
+fn gauge_pressure_counts_from_the_designs_ambient_pressure() {
+    let psi = 6_894.757_293_168_361;
+    let sea = changed("supply.pressure = \"96 psig\"").supply.pressure;
+    assert!((sea - (96.0 * psi + 101_325.0)).abs() < 1e-6);
+    let high = changed("ambient.pressure = \"80 kPa\"\nsupply.pressure = \"96 psig\"")
+        .supply
+        .pressure;
+    assert!((sea - high - 21_325.0).abs() < 1e-6);
+    assert!((changed("supply.pressure = \"110.7 psi\"").supply.pressure - 110.7 * psi).abs() < 1e-6);
+    let range = entries(&changed("supply.pressure = { range = \"70 .. 120 psig\" }"))["supply.pressure"].range;
+    assert!((range.unwrap()[0] - (70.0 * psi + 101_325.0)).abs() < 1e-6);
+}
+
+#[test]
+fn the_digest_follows_the_values_and_nothing_else() {
+    let base = load(BASE);
+    for same in [
+        "piston.mass = 0.131",
+        "[piston]\nmass = { value = \"131000 mg\", note = \"weighed\", range = [0.1, 0.2] }",
+        "piston = { mass = \"131e-3 kg\" }",
+        "piston.stroke = \"4.773622047244094 in\"",
+        "ambient.temperature = 293.15",
+        "supply.pressure = \"95.99609 psig\"\nsupply.pressure.note = \"\"",
+    ] {
+        if let Ok(design) = over(same) {
+            let same_pressure = (design.supply.pressure - base.supply.pressure).abs() < 1e-6;
+            assert_eq!(design.digest() == base.digest(), same_pressure, "{same}");
+        }
+    }
+    for entry in base.entries() {
+        let text = match entry.value {
+            Value::Number(0.0) => format!("{} = 1e-3", entry.key),
+            Value::Number(value) => format!("{} = {:e}", entry.key, value * 0.999),
+            Value::Count(count) => format!("{} = {}", entry.key, count + 1),
+            Value::Switch(on) => format!("{} = {}", entry.key, !on),
+            Value::Choice(_) => continue,
+        };
+        assert_ne!(changed(&text).digest(), base.digest(), "{text}");
+    }
+    assert_ne!(changed("model.gas = \"published\"").digest(), base.digest());
+}
+
+#[test]
+fn a_program_may_change_values_and_check_them() {
+    let mut design = load(BASE);
+    let digest = design.digest();
+    design.supply.pressure *= 1.1;
+    assert_ne!(design.digest(), digest);
+    assert_eq!(entries(&design)["supply.pressure"].provenance, Provenance::Design);
+    assert_eq!(design.conflict(), None);
+    design.nail.length = 0.1;
+    assert_eq!(
+        design.conflict().unwrap().keys(),
+        ["nail.length", "workpiece.thickness"]
+    );
+}
+
+#[test]
+fn the_growth_rings_turn_with_the_block() {
+    let design = load(BASE);
+    let (grain, radial) = (&design.wood.elastic, design.wood.block_axes());
+    assert_eq!(design.wood.driven, Rings::Radial);
+    assert_eq!((radial.e1, radial.e2, radial.e3), (grain.e_l, grain.e_t, grain.e_r));
+    assert_eq!(
+        (radial.g12, radial.g13, radial.g23),
+        (grain.g_lt, grain.g_lr, grain.g_rt)
+    );
+    // The compliance is symmetric: nu_23/E_2 = nu_32/E_3.
+    assert!((radial.nu23 / radial.e2 - grain.nu_rt / grain.e_r).abs() < 1e-25);
+    let tangential = changed("wood.driven = \"tangential\"").wood.block_axes();
+    assert_eq!(
+        (tangential.e2, tangential.e3, tangential.nu23),
+        (grain.e_r, grain.e_t, grain.nu_rt)
+    );
+}
+
+/// Every file in `tests/data/bad`: the line of the error, the key or file it names, and a part of the remedy.
+#[rustfmt::skip]
+const BAD: &[(&str, usize, &str, &str)] = &[
+    ("ambiguous-unit", 3, "chambers.wall_heat_transfer", "W/(m2 K)"),
+    ("backward-range", 3, "piston.mass", "lower end"),
+    ("base-not-text", 1, "base", "in quotes"),
+    ("below-vacuum", 3, "supply.pressure", "above zero"),
+    ("decimal-comma", 3, "piston.rod_diameter", "no comma"),
+    ("derived-area", 3, "exhaust.area", "change `exhaust.holes`, `exhaust.hole_diameter`"),
+    ("derived-mass", 4, "workpiece.mass", "`wood.density`"),
+    ("elastic", 4, "wood.elastic", "Poisson"),
+    ("gaps", 3, "nail.head_gap", "`nail.tip_gap`"),
+    ("gauge-ambient", 3, "ambient.pressure", "absolute"),
+    ("group-as-value", 3, "supply", "[supply]"),
+    ("half-a-hole", 3, "exhaust.holes", "whole number"),
+    ("infinite", 3, "piston.stroke", "finite"),
+    ("key-of-another-group", 3, "tool.stroke", "`piston.stroke`"),
+    ("laps", 3, "head_valve.exhaust_lap", "`head_valve.intake_lap`"),
+    ("long-nail", 5, "nail", "`workpiece.thickness`"),
+    ("loop-a", 2, "loop-b.toml", "remove `base`"),
+    ("loop-b", 1, "loop-a.toml", "remove `base`"),
+    ("malformed", 3, "TOML", "[supply]"),
+    ("missing-base", 1, "n80bc.toml", "did you mean `tests/data/bad/../../../designs/n80cb.toml`"),
+    ("nan", 4, "tool.mass", "finite"),
+    ("negative-mass", 4, "piston.mass", "above zero"),
+    ("no-base", 1, "supply.pressure", "base = \"n80cb.toml\""),
+    ("no-holes", 3, "exhaust.holes", "from 1"),
+    ("no-unit", 3, "piston.bore", "mm"),
+    ("not-seated", 4, "guard", "`hand.force`"),
+    ("own-base", 1, "own-base.toml", "remove `base`"),
+    ("quoted-switch", 3, "support.sand.bonded", "without quotes"),
+    ("rod", 3, "piston.rod_diameter", "`piston.bore`"),
+    ("spring", 3, "spring", "`head_valve.lift`"),
+    ("twice", 4, "duplicate key", "key = value"),
+    ("unknown-choice", 3, "support.kind", "sandbox"),
+    ("unknown-field", 3, "piston.mass.rnage", "piston.mass.range"),
+    ("unknown-group", 3, "headvalve", "`head_valve`"),
+    ("unknown-key", 4, "supply.presure", "`supply.pressure`"),
+    ("unknown-provenance", 3, "piston.mass", "published"),
+    ("unknown-unit", 3, "piston.bore", "mm"),
+    ("unquoted", 3, "TOML", "quotes"),
+    ("wrong-unit", 4, "piston.mass", "kg, g, lb"),
+    ("wrong-unit-in-range", 4, "piston.mass", "kg, g, lb"),
+];
+
+#[test]
+fn bad_designs_are_refused_with_file_line_key_and_remedy() {
+    let folder = Path::new("tests/data/bad");
+    let mut files: Vec<_> = fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect();
+    files.sort_by_key(|file| file.file_stem().map(|stem| stem.to_owned()));
+    let stems: Vec<_> = files
+        .iter()
+        .map(|file| file.file_stem().unwrap().to_str().unwrap())
+        .collect();
+    assert_eq!(
+        stems,
+        BAD.iter().map(|(stem, ..)| *stem).collect::<Vec<_>>(),
+        "a file without its line in the table"
+    );
+
+    let mut gallery = String::new();
+    for (stem, line, key, remedy) in BAD {
+        let path = folder.join(format!("{stem}.toml"));
+        let error = Design::load(&path).expect_err(stem);
+        let place = error.place().unwrap_or_else(|| panic!("{stem} has no place"));
+        assert_eq!(place.line(), *line, "{stem}");
+        assert!(error.to_string().contains(key), "{stem}: {error} does not name {key}");
+        assert!(
+            error.remedy().contains(remedy),
+            "{stem}: {} does not say {remedy}",
+            error.remedy()
+        );
+        let text = render(&error);
+        // A loop is closed by the other file of the two.
+        let named = if stem.starts_with("loop") { "loop-" } else { stem };
+        assert!(
+            text.contains(&format!("{named}")) && text.contains(&format!(".toml:{line}:")),
+            "{stem}:\n{text}"
+        );
+        assert!(text.lines().count() <= 24, "{stem} fills more than a screen:\n{text}");
+        gallery.push_str(&format!("{stem}\n{text}\n"));
+    }
+    insta::assert_snapshot!(gallery);
+}
+
+#[test]
+fn a_missing_file_names_the_path_and_what_to_do() {
+    let near = Design::load("designs/n80bc.toml").unwrap_err();
+    assert_eq!(near.to_string(), "there is no design file `designs/n80bc.toml`");
+    assert_eq!(near.remedy(), "did you mean `designs/n80cb.toml`?");
+    let far = Design::load("no/such/folder/tool.toml").unwrap_err();
+    insta::assert_snapshot!(render(&far));
+    assert!(matches!(
+        Design::load("designs").unwrap_err(),
+        DesignError::Unreadable { .. }
+    ));
+}
+
+#[test]
+fn bytes_that_are_no_text_are_refused_with_their_line() {
+    let path = std::env::temp_dir().join(format!("nailnoise-not-text-{}.toml", std::process::id()));
+    fs::write(&path, b"# one\n# two \xff\n").unwrap();
+    let error = Design::load(&path).unwrap_err();
+    fs::remove_file(&path).unwrap();
+    assert!(matches!(error, DesignError::NotText { line: 2, .. }), "{error}");
+}
+
+#[test]
+fn the_reference_in_docs_is_generated() {
+    let (path, generated) = (Path::new("docs/design-file.md"), reference());
+    if std::env::var_os("NAILNOISE_UPDATE_DOCS").is_some() {
+        fs::write(path, &generated).unwrap();
+    }
+    let committed = fs::read_to_string(path).unwrap_or_default();
+    assert!(
+        committed == generated,
+        "docs/design-file.md is old: run this test with NAILNOISE_UPDATE_DOCS=1"
+    );
+}
+
+#[test]
+fn the_examples_of_the_reference_load() {
+    let text = reference();
+    for (number, example) in text.split("```toml\n").skip(1).enumerate() {
+        let example = example.split("```").next().unwrap();
+        let design = Design::parse(example, format!("designs/example-{number}.toml"));
+        design.unwrap_or_else(|error| panic!("{}", render(&error)));
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 512, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Whatever a slip of the hand does to the file, the answer is a design or an error that can be shown.
+    #[test]
+    fn edited_text_never_panics(
+        edits in prop::collection::vec((any::<prop::sample::Index>(), 0usize..40, "[ -~\n\u{e9}\u{b5}]{0,8}"), 1..4)
+    ) {
+        let mut text: Vec<char> = fs::read_to_string(BASE).unwrap().chars().collect();
+        for (at, removed, inserted) in edits {
+            let start = at.index(text.len());
+            let end = (start + removed).min(text.len());
+            text.splice(start..end, inserted.chars());
+            if text.is_empty() {
+                text.push('\n');
+            }
+        }
+        let text: String = text.into_iter().collect();
+        match Design::parse(&text, BASE) {
+            Ok(design) => prop_assert!(design.warnings().iter().all(|warning| !render(warning).is_empty())),
+            Err(error) => prop_assert!(!render(&error).is_empty() && !error.remedy().is_empty()),
+        }
+    }
+
+    /// Any text as a value is a number of the right dimension or an error.
+    #[test]
+    fn any_value_never_panics(value in "(\\PC{0,12}|[-+]?[0-9.eE_,]{0,8} ?[a-zA-Z0-9/*^() \u{b0}\u{b5}\u{b2}-]{0,10})") {
+        let value = value.replace(['\\', '"'], "");
+        for key in ["supply.pressure", "wood.slenderness_term", "ambient.temperature"] {
+            for text in [format!("{key} = \"{value}\""), format!("{key}.range = \"{value} .. {value}\"")] {
+                match over(&text) {
+                    Ok(design) => prop_assert!(design.supply.pressure.is_finite() && design.supply.pressure > 0.0),
+                    Err(error) => prop_assert!(!render(&error).is_empty()),
+                }
+            }
+        }
     }
 }
