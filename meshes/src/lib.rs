@@ -1,1 +1,32 @@
 //! Finite-element meshes: built-in mesher, skin, quality and VTK output.
+//!
+//! A [`Mesh`] holds nodes, elements with a part each, and named groups of element faces. [`block()`] and
+//! [`worktable()`] build structured quadratic meshes of the two wooden bodies; [`Surface`] is the skin through which a
+//! body radiates; [`locate`] finds the nodes and weights that carry a value to any point; [`vtu`] writes what a
+//! post-processor reads. Lengths are in metres throughout.
+#![forbid(unsafe_code)]
+
+mod atomic;
+mod block;
+mod element;
+mod error;
+mod gauss;
+mod grid;
+pub mod locate;
+mod mesh;
+mod size;
+mod surface;
+pub mod vtu;
+mod worktable;
+
+pub use atomic::write_atomic;
+pub use block::{Block, block};
+pub use element::{ElementKind, FaceKind};
+pub use error::MeshError;
+pub use gauss::gauss_legendre;
+pub use grid::Grid;
+pub use locate::Location;
+pub use mesh::{ElementRef, FaceGroup, FaceRef, Mesh};
+pub use size::{element_size, subdivide};
+pub use surface::{QuadraturePoint, Surface, SurfaceFace};
+pub use worktable::{Worktable, worktable};

@@ -1,0 +1,140 @@
+//! From points to nodes: where a point lies in a mesh, and with which weights its nodes carry a value to it.
+
+use nalgebra::{Matrix2, Matrix3, Point3, Vector2, Vector3};
+
+use crate::{FaceKind, Mesh, MeshError};
+
+/// Nodes and weights of a point: u(x) = sum of weights\[a\] u(nodes\[a\]); the transpose spreads a force at x.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Location {
+    /// The element that holds the point.
+    pub element: usize,
+    /// Volume nodes.
+    pub nodes: Vec<usize>,
+    /// Shape-function values, summing to one.
+    pub weights: Vec<f64>,
+}
+
+/// How far outside \[-1, 1\] natural coordinates may be: points on a common face belong to either element.
+const SLACK: f64 = 1e-9;
+
+impl Mesh {
+    /// Finds the element that holds `point` \[m\] by Newton's method on x(xi) = point.
+    ///
+    /// # Errors
+    /// [`MeshError::Outside`] when none does.
+    pub fn locate(&self, point: Point3<f64>) -> Result<Location, MeshError> {
+        let mut nearest = f64::INFINITY;
+        for (element, view) in self.elements().enumerate() {
+            let distance = box_distance(view.nodes.iter().map(|&i| self.nodes[i]), point);
+            nearest = nearest.min(distance);
+            if distance > 0.0 {
+                continue;
+            }
+            let n = view.kind.nodes();
+            let (mut shape, mut slope) = (vec![0.0; n], vec![[0.0; 3]; n]);
+            let mut xi = Vector3::zeros();
+            for _ in 0..25 {
+                view.kind.shape(xi.into(), &mut shape, &mut slope);
+                let (mut x, mut j) = (-point.coords, Matrix3::zeros());
+                for (a, &node) in view.nodes.iter().enumerate() {
+                    let p = self.nodes[node].coords;
+                    x += shape[a] * p;
+                    j += p * Vector3::from(slope[a]).transpose();
+                }
+                let Some(step) = j.lu().solve(&x) else { break };
+                xi -= step;
+                if step.amax() < 1e-13 {
+                    break;
+                }
+            }
+            if xi.amax() <= 1.0 + SLACK {
+                view.kind.shape(xi.into(), &mut shape, &mut slope);
+                return Ok(Location {
+                    element,
+                    nodes: view.nodes.to_vec(),
+                    weights: shape,
+                });
+            }
+        }
+        Err(outside(point, "the mesh".to_owned(), nearest))
+    }
+
+    /// Finds the point of a face group nearest to `point`, which may lie off the faces by at most `tolerance` \[m\].
+    ///
+    /// # Errors
+    /// [`MeshError::UnknownGroup`], or [`MeshError::Outside`] with the distance when no face is that near.
+    pub fn locate_on(&self, group: &str, point: Point3<f64>, tolerance: f64) -> Result<Location, MeshError> {
+        let mut nearest = f64::INFINITY;
+        for &face in &self.group(group)?.faces {
+            let nodes = self.face_nodes(face);
+            let distance = box_distance(nodes.iter().map(|&i| self.nodes[i]), point);
+            nearest = nearest.min(distance);
+            if distance > tolerance {
+                continue;
+            }
+            let kind = self.kinds[face.element].face_kind();
+            let (xi, distance) = project(kind, &nodes.map(|i| self.nodes[i]), point);
+            if xi.amax() <= 1.0 + SLACK && distance <= tolerance {
+                let (mut shape, mut slope) = ([0.0; 8], [[0.0; 2]; 8]);
+                kind.shape(xi.into(), &mut shape, &mut slope);
+                return Ok(Location {
+                    element: face.element,
+                    nodes: nodes.to_vec(),
+                    weights: shape.to_vec(),
+                });
+            }
+        }
+        Err(outside(point, format!("the face group \"{group}\""), nearest))
+    }
+}
+
+/// Natural coordinates of the foot of the perpendicular from `point` on a face, and its length, by Gauss-Newton.
+fn project(kind: FaceKind, corners: &[Point3<f64>; 8], point: Point3<f64>) -> (Vector2<f64>, f64) {
+    let (mut shape, mut slope) = ([0.0; 8], [[0.0; 2]; 8]);
+    let mut xi = Vector2::zeros();
+    let mut off = Vector3::zeros();
+    for _ in 0..25 {
+        kind.shape(xi.into(), &mut shape, &mut slope);
+        off = -point.coords;
+        let mut t = [Vector3::zeros(); 2];
+        for (a, p) in corners.iter().enumerate() {
+            off += shape[a] * p.coords;
+            for k in 0..2 {
+                t[k] += slope[a][k] * p.coords;
+            }
+        }
+        let normal = Matrix2::from_fn(|i, j| t[i].dot(&t[j]));
+        let Some(step) = normal.lu().solve(&Vector2::new(t[0].dot(&off), t[1].dot(&off))) else {
+            break;
+        };
+        xi -= step;
+        if step.amax() < 1e-13 {
+            break;
+        }
+    }
+    (xi, off.norm())
+}
+
+/// Distance from a point to the box around nodes, 0 inside or within rounding of it \[m\].
+fn box_distance(nodes: impl Iterator<Item = Point3<f64>>, point: Point3<f64>) -> f64 {
+    let (low, high) = nodes.fold(
+        (Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3])),
+        |(low, high), p| (low.inf(&p), high.sup(&p)),
+    );
+    let slack = SLACK * (high - low).norm();
+    let gap = (low - point)
+        .sup(&(point - high))
+        .map(|g| if g <= slack { 0.0 } else { g });
+    gap.norm()
+}
+
+fn outside(point: Point3<f64>, place: String, distance: f64) -> MeshError {
+    MeshError::Outside {
+        x: point.x,
+        y: point.y,
+        z: point.z,
+        place,
+        distance,
+    }
+}

@@ -1,0 +1,202 @@
+//! The skin of a mesh: the faces through which a body touches and radiates.
+
+use std::collections::HashMap;
+
+use nalgebra::{Point3, Vector3};
+
+use crate::{FaceKind, FaceRef, Mesh, MeshError, gauss_legendre};
+
+/// The outer faces of a mesh, with outward normals, and the volume node behind each of their nodes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    /// Node positions \[m\].
+    pub points: Vec<Point3<f64>>,
+    /// The volume node of each point; nodal vectors of the volume are read at 3 `volume_nodes[i]` + axis.
+    pub volume_nodes: Vec<usize>,
+    /// The outer faces.
+    pub faces: Vec<SurfaceFace>,
+    /// Names of the patches: the mesh's face groups, and `unnamed` if an outer face is in none.
+    pub patches: Vec<String>,
+}
+
+/// One face of a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SurfaceFace {
+    /// Its shape.
+    pub kind: FaceKind,
+    /// Its nodes, indices into [`Surface::points`]: corners outward by the right-hand rule, then mid-sides.
+    pub nodes: [usize; 8],
+    /// Its patch, an index into [`Surface::patches`].
+    pub patch: usize,
+    /// The volume element and its face behind it.
+    pub of: FaceRef,
+}
+
+/// A quadrature point on a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct QuadraturePoint {
+    /// Index of the face it lies on.
+    pub face: usize,
+    /// Position \[m\].
+    pub position: Point3<f64>,
+    /// Outward unit normal.
+    pub normal: Vector3<f64>,
+    /// Area it stands for \[m^2\].
+    pub weight: f64,
+    /// Values of the face's shape functions here, in the order of [`SurfaceFace::nodes`].
+    pub shape: [f64; 8],
+}
+
+impl Surface {
+    /// The skin of `mesh`: faces that belong to one element only, in the order of the elements.
+    pub fn of(mesh: &Mesh) -> Self {
+        let mut seen: HashMap<[usize; 4], usize> = HashMap::new();
+        let every = |visit: &mut dyn FnMut(FaceRef, [usize; 4])| {
+            for (element, view) in mesh.elements().enumerate() {
+                for (face, local) in view.kind.faces().iter().enumerate() {
+                    let mut corners = [0, 1, 2, 3].map(|k| view.nodes[local[k]]);
+                    corners.sort_unstable();
+                    visit(FaceRef { element, face }, corners);
+                }
+            }
+        };
+        every(&mut |_, corners| *seen.entry(corners).or_insert(0) += 1);
+        let mut patches: Vec<String> = mesh.groups.iter().map(|g| g.name.clone()).collect();
+        let patch_of: HashMap<FaceRef, usize> = mesh
+            .groups
+            .iter()
+            .enumerate()
+            .flat_map(|(p, g)| g.faces.iter().map(move |&f| (f, p)))
+            .collect();
+        let mut surface = Self {
+            points: Vec::new(),
+            volume_nodes: Vec::new(),
+            faces: Vec::new(),
+            patches: Vec::new(),
+        };
+        let mut point_of: HashMap<usize, usize> = HashMap::new();
+        every(&mut |of, corners| {
+            if seen[&corners] != 1 {
+                return;
+            }
+            let patch = patch_of.get(&of).copied().unwrap_or(mesh.groups.len());
+            let nodes = mesh.face_nodes(of).map(|node| {
+                *point_of.entry(node).or_insert_with(|| {
+                    surface.points.push(mesh.nodes[node]);
+                    surface.volume_nodes.push(node);
+                    surface.points.len() - 1
+                })
+            });
+            surface.faces.push(SurfaceFace {
+                kind: mesh.kinds[of.element].face_kind(),
+                nodes,
+                patch,
+                of,
+            });
+        });
+        if surface.faces.iter().any(|f| f.patch == mesh.groups.len()) {
+            patches.push("unnamed".to_owned());
+        }
+        surface.patches = patches;
+        surface
+    }
+
+    /// Index of the patch of this name.
+    ///
+    /// # Errors
+    /// [`MeshError::UnknownGroup`] with the names there are.
+    pub fn patch(&self, name: &str) -> Result<usize, MeshError> {
+        self.patches
+            .iter()
+            .position(|p| p == name)
+            .ok_or_else(|| MeshError::UnknownGroup {
+                name: name.to_owned(),
+                known: self.patches.join(", "),
+            })
+    }
+
+    /// The product rule of n x n Gauss points on every face, face by face.
+    ///
+    /// The normal is t_1 x t_2 / |t_1 x t_2| with the tangents t = dx/dxi, and the weight w_i w_j |t_1 x t_2|.
+    ///
+    /// # Errors
+    /// [`MeshError::GaussPoints`] unless 1 <= n <= 10.
+    pub fn quadrature(&self, n: usize) -> Result<Vec<QuadraturePoint>, MeshError> {
+        let rule = gauss_legendre(n)?;
+        let mut points = Vec::with_capacity(self.faces.len() * n * n);
+        for face in 0..self.faces.len() {
+            for &(eta, w_eta) in &rule {
+                for &(xi, w_xi) in &rule {
+                    let mut point = self.point_at(face, [xi, eta]);
+                    point.weight *= w_xi * w_eta;
+                    points.push(point);
+                }
+            }
+        }
+        Ok(points)
+    }
+
+    /// The point of a face at natural coordinates `xi`; its weight is the area factor |t_1 x t_2| alone.
+    pub fn point_at(&self, face: usize, xi: [f64; 2]) -> QuadraturePoint {
+        let f = &self.faces[face];
+        let (mut shape, mut slope) = ([0.0; 8], [[0.0; 2]; 8]);
+        f.kind.shape(xi, &mut shape, &mut slope);
+        let (mut x, mut t1, mut t2) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
+        for (a, &node) in f.nodes.iter().enumerate() {
+            let p = self.points[node].coords;
+            x += shape[a] * p;
+            t1 += slope[a][0] * p;
+            t2 += slope[a][1] * p;
+        }
+        let normal = t1.cross(&t2);
+        let weight = normal.norm();
+        QuadraturePoint {
+            face,
+            position: Point3::from(x),
+            normal: normal / weight,
+            weight,
+            shape,
+        }
+    }
+
+    /// Area of the whole surface \[m^2\].
+    pub fn area(&self) -> f64 {
+        self.fold(|point| point.weight)
+    }
+
+    /// Area of one patch \[m^2\].
+    pub fn patch_area(&self, patch: usize) -> f64 {
+        self.fold(|point| {
+            if self.faces[point.face].patch == patch {
+                point.weight
+            } else {
+                0.0
+            }
+        })
+    }
+
+    /// The volume inside by the divergence theorem, V = 1/3 closed integral of x . n dS \[m^3\]; meaningful when the
+    /// surface [is closed](Self::open_edges) and negative when its faces point inwards.
+    pub fn volume(&self) -> f64 {
+        self.fold(|point| point.position.coords.dot(&point.normal) * point.weight / 3.0)
+    }
+
+    /// Number of edges that are not shared by faces in pairs of opposite direction: 0 for a closed, consistently
+    /// oriented surface.
+    pub fn open_edges(&self) -> usize {
+        let mut balance: HashMap<(usize, usize), i32> = HashMap::new();
+        for face in &self.faces {
+            for k in 0..4 {
+                let (a, b) = (face.nodes[k], face.nodes[(k + 1) % 4]);
+                *balance.entry((a.min(b), a.max(b))).or_insert(0) += if a < b { 1 } else { -1 };
+            }
+        }
+        balance.values().filter(|&&b| b != 0).count()
+    }
+
+    fn fold(&self, value: impl Fn(&QuadraturePoint) -> f64) -> f64 {
+        // Three points a direction integrate the Jacobian of a plane quad8 exactly.
+        self.quadrature(3)
+            .map_or(f64::NAN, |points| points.iter().map(value).sum())
+    }
+}

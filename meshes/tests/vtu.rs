@@ -1,0 +1,146 @@
+//! Files are read back by the library's own reader and hold what was written, to the last bit.
+
+use nailnoise_meshes::vtu::{Field, write_mesh, write_series, write_surface};
+use nailnoise_meshes::{Block, MeshError, Surface, block, write_atomic};
+use vtkio::Vtk;
+use vtkio::model::{Attribute, CellType, UnstructuredGridPiece, VertexNumbers};
+
+fn folder(name: &str) -> std::path::PathBuf {
+    let path = std::env::temp_dir().join(format!("nailnoise-meshes-{name}-{}", std::process::id()));
+    std::fs::create_dir_all(&path).unwrap();
+    path
+}
+
+fn read(path: &std::path::Path) -> UnstructuredGridPiece {
+    UnstructuredGridPiece::try_from(Vtk::import(path).unwrap().data).unwrap()
+}
+
+fn values(attributes: &[Attribute], name: &str) -> Vec<f64> {
+    attributes
+        .iter()
+        .find_map(|a| match a {
+            Attribute::DataArray(d) if d.name == name => d.data.clone().into_vec::<f64>(),
+            _ => None,
+        })
+        .unwrap()
+}
+
+#[test]
+fn a_mesh_and_its_surface_survive_the_round_trip() {
+    let folder = folder("round-trip");
+    let mesh = block(&Block {
+        size: [0.4, 0.3, 0.1],
+        divisions: [3, 2, 1],
+        origin: [0.0; 3],
+    })
+    .unwrap();
+    let u: Vec<f64> = (0..3 * mesh.nodes.len()).map(|i| (i as f64).sin()).collect();
+    let v: Vec<f64> = u.iter().map(|x| x * 1e-12).collect();
+    let p: Vec<f64> = (0..mesh.nodes.len()).map(|i| i as f64).collect();
+    let e: Vec<f64> = (0..mesh.element_count()).map(|i| (i as f64).sqrt()).collect();
+    let points = [
+        Field {
+            name: "displacement [m]",
+            components: 3,
+            values: &u,
+        },
+        Field {
+            name: "velocity [m/s]",
+            components: 3,
+            values: &v,
+        },
+        Field {
+            name: "pressure [Pa]",
+            components: 1,
+            values: &p,
+        },
+    ];
+    let path = folder.join("block.vtu");
+    write_mesh(
+        &path,
+        &mesh,
+        &points,
+        &[Field {
+            name: "energy [J]",
+            components: 1,
+            values: &e,
+        }],
+    )
+    .unwrap();
+    let piece = read(&path);
+    assert_eq!(
+        piece.points.clone().into_vec::<f64>().unwrap().len(),
+        3 * mesh.nodes.len()
+    );
+    assert!(piece.cells.types.iter().all(|&t| t == CellType::QuadraticHexahedron));
+    let VertexNumbers::XML { connectivity, offsets } = &piece.cells.cell_verts else {
+        panic!("not XML")
+    };
+    assert!(
+        connectivity
+            .iter()
+            .zip(&mesh.connectivity)
+            .all(|(&a, &b)| a as usize == b)
+    );
+    assert_eq!(offsets.last().copied().unwrap() as usize, mesh.connectivity.len());
+    assert_eq!(values(&piece.data.point, "displacement [m]"), u);
+    assert_eq!(values(&piece.data.point, "velocity [m/s]"), v);
+    assert_eq!(values(&piece.data.point, "pressure [Pa]"), p);
+    assert_eq!(values(&piece.data.cell, "energy [J]"), e);
+    assert_eq!(values(&piece.data.cell, "part"), vec![0.0; 6]);
+
+    let surface = Surface::of(&mesh);
+    let path = folder.join("skin.vtu");
+    write_surface(&path, &surface, &[], &[]).unwrap();
+    let piece = read(&path);
+    assert!(piece.cells.types.iter().all(|&t| t == CellType::QuadraticQuad));
+    assert_eq!(values(&piece.data.cell, "patch").len(), surface.faces.len());
+
+    // Nothing but the finished files is left behind.
+    let mut names: Vec<_> = std::fs::read_dir(&folder)
+        .unwrap()
+        .map(|f| f.unwrap().file_name())
+        .collect();
+    names.sort();
+    assert_eq!(names, ["block.vtu", "skin.vtu"]);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn a_series_lists_its_files() {
+    let folder = folder("series");
+    let path = folder.join("modes.pvd");
+    write_series(
+        &path,
+        &[(1483.0, "mode & 7.vtu".to_owned()), (2261.5, "mode8.vtu".to_owned())],
+    )
+    .unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(text.contains(r#"timestep="1483""#) && text.contains("mode &amp; 7.vtu") && text.contains("mode8.vtu"));
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn wrong_fields_and_folders_are_refused() {
+    let mesh = block(&Block {
+        size: [1.0; 3],
+        divisions: [1; 3],
+        origin: [0.0; 3],
+    })
+    .unwrap();
+    let short = [Field {
+        name: "u",
+        components: 3,
+        values: &[0.0; 3],
+    }];
+    let path = std::path::Path::new("nowhere/at/all/block.vtu");
+    assert!(matches!(
+        write_mesh(path, &mesh, &short, &[]),
+        Err(MeshError::FieldLength { .. })
+    ));
+    assert!(matches!(
+        write_mesh(path, &mesh, &[], &[]),
+        Err(MeshError::Write { .. })
+    ));
+    assert!(write_atomic(std::path::Path::new("/"), b"").is_err());
+}
