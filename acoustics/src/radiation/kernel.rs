@@ -14,7 +14,7 @@ pub(crate) fn pairwise(k: f64, points: &[[f64; 2]], sources: &DMatrix<f64>) -> D
             let kr = k * (a[0] - b[0]).hypot(a[1] - b[1]);
             if kr < 1e-8 { 1.0 } else { kr.sin() / kr }
         });
-        result += sources.rows(start, rows).tr_mul(&(kernel * sources));
+        result += sources.rows(start, rows).transpose() * (kernel * sources);
     }
     result
 }

@@ -194,12 +194,12 @@ fn patch_forms(fields: &[(DMatrix<f64>, Option<DMatrix<f64>>)]) -> Vec<Resistanc
         imaginary = imaginary.or_else(|| im.clone());
     }
     let form = |(re, im): &(DMatrix<f64>, Option<DMatrix<f64>>)| {
-        let mut symmetric = re.tr_mul(&real);
+        let mut symmetric = product(re, &real);
         // Y_p^H Y = (A - jB)^T (C + jD) = A^T C + B^T D + j (A^T D - B^T C)
-        let mut skew = imaginary.as_ref().map(|d| re.tr_mul(d));
+        let mut skew = imaginary.as_ref().map(|d| product(re, d));
         if let (Some(b), Some(d), Some(skew)) = (im, &imaginary, &mut skew) {
-            symmetric += b.tr_mul(d);
-            *skew -= b.tr_mul(&real);
+            symmetric += product(b, d);
+            *skew -= product(b, &real);
         }
         let symmetric = (&symmetric + symmetric.transpose()) * 0.5;
         Resistance {
@@ -208,6 +208,11 @@ fn patch_forms(fields: &[(DMatrix<f64>, Option<DMatrix<f64>>)]) -> Vec<Resistanc
         }
     };
     fields.iter().map(form).collect()
+}
+
+/// A^T B through the blocked matrix product, which nalgebra's own `tr_mul` is not.
+fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+    a.transpose() * b
 }
 
 /// Largest |A_ij - B_ij| / sqrt(A_ii A_jj) over modes that radiate.

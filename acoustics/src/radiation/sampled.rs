@@ -17,7 +17,7 @@ pub struct Sampling {
 }
 
 impl Default for Sampling {
-    /// 40 Hz to 10 kHz, 1e-4, 400 samples.
+    /// 40 Hz to 10 kHz, 1e-3, 400 samples.
     fn default() -> Self {
         Self {
             range_hz: [40.0, 10_000.0],
@@ -28,13 +28,16 @@ impl Default for Sampling {
 }
 
 /// Orders of the nested Chebyshev-Lobatto rules tried on an interval before it is halved.
-const ORDERS: [usize; 5] = [2, 4, 8, 16, 32];
+const ORDERS: [usize; 4] = [4, 8, 16, 32];
+
+/// A mode that radiates less than this share of the best radiator at a frequency is judged against that share: its
+/// resistance is a small difference of large numbers, and the motion hardly sounds.
+const FLOOR: f64 = 1e-6;
 
 /// A radiation resistance sampled at a few frequencies and interpolated between them.
 ///
-/// Q = R / omega² is interpolated entrywise by Chebyshev polynomials on intervals of the frequency axis. Rules are
-/// nested: an interval is accepted once the rule of half the order reproduces the new samples within the tolerance, so
-/// the stated error is that of the coarser rule and bounds the finer one in practice. Below the lowest sample f_0
+/// Q = R / omega² is interpolated entrywise by Chebyshev polynomials on intervals of the frequency axis, of one octave
+/// at first; rules are nested, so that raising the order keeps the samples taken. Below the lowest sample f_0
 ///
 /// ```text
 /// R_ij(f) = R_ij(f_0) (f/f_0)^{(n_i + n_j)/2}      n_i = 2, 4, 6: the slope of R_ii at f_0, rounded to even
@@ -95,7 +98,7 @@ impl SampledRadiation {
                 low * (high / low).powf(i as f64 / octaves as f64)
             }
         };
-        let mut pending: Vec<(f64, f64, usize)> = (0..octaves).map(|i| (edge(i), edge(i + 1), 1)).collect();
+        let mut pending: Vec<(f64, f64, usize)> = (0..octaves).map(|i| (edge(i), edge(i + 1), 0)).collect();
         let (mut samples, mut index) = (Vec::<Sample>::new(), BTreeMap::<u64, usize>::new());
         let (mut intervals, mut error) = (Vec::new(), 0.0f64);
         while !pending.is_empty() {
@@ -119,7 +122,7 @@ impl SampledRadiation {
                 .map(|&(low, high, order)| {
                     let nodes = nodes(low, high, ORDERS[order]).map(|hz| index[&hz.to_bits()]).collect();
                     let interval = Interval { low, high, nodes };
-                    let error = interval.coarser_error(&samples, modes);
+                    let error = interval.error(&samples, modes);
                     (interval, error)
                 })
                 .collect();
@@ -140,7 +143,7 @@ impl SampledRadiation {
                     next.push((low, high, order + 1));
                 } else {
                     let middle = 0.5 * (low + high);
-                    next.extend([(low, middle, 2), (middle, high, 2)]);
+                    next.extend([(low, middle, 1), (middle, high, 1)]);
                 }
             }
             pending = next;
@@ -323,32 +326,36 @@ impl Interval {
         terms.into_iter().map(|t| t / sum).collect()
     }
 
-    /// Largest error of the rule of half the order at the nodes it does not use, relative to sqrt(Q_ii Q_jj).
-    fn coarser_error(&self, samples: &[Sample], modes: usize) -> f64 {
+    /// Estimated interpolation error, relative to the interval's least sqrt(Q_ii Q_jj): the magnitude of the last two
+    /// Chebyshev coefficients of every entry, beyond which those of an analytic function fall geometrically or faster.
+    fn error(&self, samples: &[Sample], modes: usize) -> f64 {
         let order = self.nodes.len() - 1;
+        let mut scale = vec![f64::INFINITY; modes];
+        for &node in &self.nodes {
+            let whole = |i: usize| samples[node].patches.iter().map(|p| p.real[(i, i)]).sum::<f64>();
+            let diagonal: Vec<f64> = (0..modes).map(whole).collect();
+            let floor = FLOOR * diagonal.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+            scale
+                .iter_mut()
+                .zip(diagonal)
+                .for_each(|(s, q)| *s = s.min(q.max(floor).sqrt()));
+        }
         let mut worst: f64 = 0.0;
-        for new in (1..order).step_by(2) {
-            let sample = &samples[self.nodes[new]];
-            let weights = self.weights(sample.hz, order / 2);
-            let mut whole = vec![0.0; modes];
-            for patch in &sample.patches {
-                (0..modes).for_each(|i| whole[i] += patch.real[(i, i)]);
-            }
-            let floor = 1e-12 * whole.iter().copied().fold(0.0, f64::max);
-            let scale: Vec<f64> = whole
-                .iter()
-                .map(|q| q.max(floor).max(f64::MIN_POSITIVE).sqrt())
-                .collect();
-            for p in 0..sample.patches.len() {
-                let mut difference = sample.patches[p].clone();
-                for (i, weight) in weights.iter().enumerate() {
-                    difference.add_scaled(-weight, &samples[self.nodes[2 * i]].patches[p]);
+        for p in 0..samples[self.nodes[0]].patches.len() {
+            let [last, before] = [order, order - 1].map(|k| {
+                let mut coefficient = Resistance::zeros(modes);
+                for (j, &node) in self.nodes.iter().enumerate() {
+                    let end = if j == 0 || j == order { 0.5 } else { 1.0 };
+                    let cosine = (PI * ((j * k) % (2 * order)) as f64 / order as f64).cos();
+                    coefficient.add_scaled(2.0 / order as f64 * end * cosine, &samples[node].patches[p]);
                 }
-                for part in std::iter::once(&difference.real).chain(difference.imaginary.as_ref()) {
-                    for j in 0..modes {
-                        for i in 0..modes {
-                            worst = worst.max(part[(i, j)].abs() / (scale[i] * scale[j]));
-                        }
+                coefficient
+            });
+            let parts = |r: Resistance| std::iter::once(r.real).chain(r.imaginary);
+            for (a, b) in parts(last).zip(parts(before)) {
+                for j in 0..modes {
+                    for i in 0..modes {
+                        worst = worst.max((a[(i, j)].abs() + b[(i, j)].abs()) / (scale[i] * scale[j]));
                     }
                 }
             }

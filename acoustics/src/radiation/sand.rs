@@ -107,7 +107,6 @@ const RAYLEIGH_SPEED: f64 = 0.93;
 /// The sand's surface in quadrature points, with the block's modal displacement at the edge point that carries each.
 #[derive(Debug, Clone)]
 pub(super) struct SandPatch {
-    pub(super) points: Vec<[f64; 2]>,
     pub(super) planar: PlanarPoints,
     distance: Vec<f64>,
     /// Edge displacement times area, points x modes.
@@ -152,8 +151,12 @@ impl MovingSand {
         let (xs, ys) = (strips(0), strips(1));
         let (mut points, mut weights) = (Vec::new(), Vec::new());
         for (i, x_strip) in xs.iter().enumerate() {
-            for (j, y_strip) in ys.iter().enumerate().filter(|(j, _)| (i, *j) != (1, 1)) {
-                debug_assert!(j < 3);
+            for y_strip in ys
+                .iter()
+                .enumerate()
+                .filter(|(j, _)| (i, *j) != (1, 1))
+                .map(|(_, strip)| strip)
+            {
                 for (x, wx) in x_strip {
                     for (y, wy) in y_strip {
                         points.push([*x, *y]);
@@ -185,7 +188,6 @@ impl MovingSand {
         let radius = ((x1 - x0) * (y1 - y0) / PI).sqrt();
         SandPatch {
             planar: PlanarPoints::new(&points),
-            points,
             distance,
             carried,
             radius,

@@ -1,0 +1,172 @@
+//! From acceleration records to energy.
+
+mod common;
+
+use common::{disk, flat, rectangle, references};
+use nailnoise_acoustics::fourier::TransformSettings;
+use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
+use nailnoise_acoustics::radiation::{
+    Erp, ModalSpectra, RadiatingSurface, Rayleigh, Sampling, radiated_energy, rigid_body_energy,
+};
+use nailnoise_acoustics::{AcousticsError, Air};
+use std::f64::consts::PI;
+
+/// An acceleration pulse of one sample that leaves the velocity `v` behind.
+fn step(samples: usize, dt: f64, v: f64) -> Vec<f64> {
+    let mut record = vec![0.0; samples];
+    record[samples / 4] = v / dt;
+    record
+}
+
+#[test]
+fn a_sphere_set_in_motion_radiates_a_quarter_of_rho_v_squared_times_its_volume() {
+    let air = Air::default();
+    let (dt, volume, v) = (1e-7, 1.5e-3, 2.0);
+    let high = 2e6;
+    let settings = TransformSettings {
+        range_hz: [4.0, high],
+        taper: 0.0,
+        padding: 2.0,
+    };
+    let spectrum = rigid_body_energy("body", &step(400_000, dt, v), dt, volume, &air, &settings).unwrap();
+    let energy = spectrum.energy([4.0, high], Weighting::Z);
+    // Above the range: int_X^inf x²/(4 + x⁴) dx = 1/X + ..., of pi/4 in all, with x = k a.
+    let x = 2.0 * PI * high / air.sound_speed * (3.0 * volume / (4.0 * PI)).cbrt();
+    let whole = energy / (1.0 - 4.0 / (PI * x));
+    let exact = air.density * volume * v * v / 4.0;
+    assert!((whole / exact - 1.0).abs() < 1e-5, "{whole} against {exact}");
+    assert_eq!(spectrum.method, "rigid motion only");
+}
+
+#[test]
+fn the_rigid_body_has_the_oscillating_spheres_efficiency() {
+    let air = Air::default();
+    let settings = TransformSettings {
+        range_hz: [100.0, 1000.0],
+        taper: 0.0,
+        padding: 1.0,
+    };
+    for row in references()["oscillating_sphere"]["table"].as_array().unwrap() {
+        let (ka, z1) = (row["ka"].as_f64().unwrap(), row["z1_re"].as_f64().unwrap());
+        // 500 Hz is a bin of 8000 samples at 25 us.
+        let a = ka * air.sound_speed / (2.0 * PI * 500.0);
+        let (record, volume) = (step(8000, 2.5e-5, 1.0), 4.0 / 3.0 * PI * a.powi(3));
+        let spectrum = rigid_body_energy("body", &record, 2.5e-5, volume, &air, &settings).unwrap();
+        let velocity = 1.0 / (2.0 * PI * 500.0);
+        let sigma = spectrum.density_at(500.0) / (2.0 * velocity * velocity * air.impedance() * 4.0 * PI * a * a / 3.0);
+        assert!((sigma / z1 - 1.0).abs() < 1e-9, "ka = {ka}: {sigma} against {z1}");
+    }
+}
+
+#[test]
+fn a_small_piston_radiates_what_its_pressure_pulse_carries() {
+    // p = rho0 S a(t - r/c)/(2 pi r): E = rho0 S² / (2 pi c0) int a² dt.
+    let air = Air::default();
+    let radius = 1e-3;
+    let (dt, s, n) = (1e-5, 4e-4, 4000);
+    let wave = |i: usize| {
+        let x = (i as f64 * dt - 0.02) / s;
+        300.0 * (1.0 - x * x) * (-0.5 * x * x).exp()
+    };
+    let record: Vec<f64> = (0..n).map(wave).collect();
+    let piston = Rayleigh::new(&flat(disk(radius, 4, 8), &[&|_, _| 1.0]), &air).unwrap();
+    let radiation = piston
+        .sampled(&Sampling {
+            range_hz: [40.0, 8000.0],
+            ..Sampling::default()
+        })
+        .unwrap();
+    let settings = TransformSettings {
+        range_hz: [10.0, 8000.0],
+        taper: 1e-3,
+        padding: 2.0,
+    };
+    let spectra = ModalSpectra::from_accelerations(1, n, dt, &settings, |_| record.clone()).unwrap();
+    let energy = radiated_energy("piston", &radiation, &spectra)
+        .unwrap()
+        .energy([10.0, 8000.0], Weighting::Z);
+    let area = PI * radius * radius;
+    let square: f64 = record.iter().map(|a| a * a).sum::<f64>() * dt;
+    let exact = air.density * area * area / (2.0 * PI * air.sound_speed) * square;
+    assert!((energy / exact - 1.0).abs() < 2e-4, "{energy} against {exact}");
+}
+
+/// Two modes of a surface in two patches, driven by decaying records.
+fn spectrum(factor: f64) -> SourceSpectrum {
+    let air = Air::default();
+    let points = rectangle([-0.2, 0.2], [-0.08, 0.08], 24, 12);
+    let flat = flat(points, &[&|_, _| 0.6, &|x, _| (PI * x / 0.2).cos()]);
+    let patch: Vec<usize> = flat.points().iter().map(|p| usize::from(p.x > 0.0)).collect();
+    let names = vec!["left".to_owned(), "right".to_owned()];
+    let (points, normals, weights) = (flat.points().to_vec(), flat.normals().to_vec(), flat.weights().to_vec());
+    let surface = RadiatingSurface::new(points, normals, weights, patch, names, flat.normal_modes().clone()).unwrap();
+    let radiation = Rayleigh::new(&surface, &air)
+        .unwrap()
+        .sampled(&Sampling::default())
+        .unwrap();
+    let record = |mode: usize| {
+        let (w, dt) = (2.0 * PI * [310.0, 1480.0][mode], 1e-5);
+        (0..5000)
+            .map(|i| i as f64 * dt)
+            .map(|t| factor * 90.0 * (-t * 150.0).exp() * (w * t).sin())
+            .collect()
+    };
+    let spectra = ModalSpectra::from_accelerations(2, 5000, 1e-5, &TransformSettings::default(), record).unwrap();
+    radiated_energy("workpiece", &radiation, &spectra).unwrap()
+}
+
+#[test]
+fn doubled_forces_raise_every_band_by_20_lg_2() {
+    let (one, two) = (spectrum(1.0), spectrum(2.0));
+    let range = [50.0, 10_000.0];
+    for (a, b) in one.band_levels(range).iter().zip(two.band_levels(range)) {
+        if let (Some(a), Some(b)) = (a.lw, b.lw) {
+            assert!((b - a - 20.0 * 2f64.log10()).abs() < 1e-9);
+        }
+    }
+    let rise = two.level(range, Weighting::A).unwrap() - one.level(range, Weighting::A).unwrap();
+    assert!((rise - 6.02).abs() < 0.001);
+}
+
+#[test]
+fn no_motion_is_silence() {
+    let silent = spectrum(0.0);
+    assert_eq!(silent.level([50.0, 10_000.0], Weighting::A), None);
+}
+
+#[test]
+fn patches_share_the_energy() {
+    let whole = spectrum(1.0);
+    let parts = whole.contribution_energies([50.0, 10_000.0], Weighting::A);
+    assert_eq!((parts[0].0.as_str(), parts[1].0.as_str()), ("left", "right"));
+    let sum: f64 = parts.iter().map(|p| p.1).sum();
+    assert!((sum / whole.energy([50.0, 10_000.0], Weighting::A) - 1.0).abs() < 1e-12);
+    // Both modes are even in x, so the halves are alike.
+    assert!((parts[0].1 / parts[1].1 - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn impossible_combinations_are_named() {
+    let air = Air::default();
+    let surface = flat(rectangle([0.0, 0.3], [0.0, 0.3], 8, 8), &[&|_, _| 1.0]);
+    let radiation = Rayleigh::new(&surface, &air).unwrap().sampled(&Sampling {
+        range_hz: [40.0, 2000.0],
+        ..Sampling::default()
+    });
+    let radiation = radiation.unwrap();
+    let spectra = |modes: usize| {
+        let settings = TransformSettings::default();
+        ModalSpectra::from_accelerations(modes, 100, 1e-5, &settings, |_| vec![1.0; 100]).unwrap()
+    };
+    let error = radiated_energy("s", &radiation, &spectra(1)).unwrap_err();
+    assert!(matches!(error, AcousticsError::OutsideRange { high, .. } if high == 2000.0));
+    let error = radiated_energy("s", &Erp::new(&surface, &air), &spectra(2)).unwrap_err();
+    assert!(matches!(
+        error,
+        AcousticsError::Length {
+            found: 2,
+            expected: 1,
+            ..
+        }
+    ));
+}
