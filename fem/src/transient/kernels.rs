@@ -1,12 +1,12 @@
 //! The loops in which a run spends its time, on lanes of four modes.
 //!
-//! They are compiled for the vector instructions that the machine has (pulp's dispatch) but written without fused
-//! multiply-add and with a fixed order of summation, so that every machine gives the same bits: a bouncing block amplifies
+//! They use the vector instructions that the machine has (pulp's dispatch), but no fused multiply-add and an order of
+//! summation that does not depend on the vectors' width, so that every machine gives the same bits: a bouncing block amplifies
 //! rounding, and its result should still be reproducible.
 
 use std::ops::Range;
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 use super::recurrence::Recurrence;
 
@@ -43,44 +43,36 @@ impl Columns {
     }
 }
 
-/// Coefficients of four modes.
-#[derive(Debug, Clone, Copy)]
+/// Coefficients of all modes, array by array.
+#[derive(Debug, Clone)]
 pub(super) struct Coefficients {
-    a11: Lane,
-    a12: Lane,
-    a21: Lane,
-    a22: Lane,
-    b1: Lane,
-    c1: Lane,
-    b2: Lane,
-    c2: Lane,
-    dissipation: [Lane; 10],
+    /// a11, a12, b1, c1: what q at the end of a step takes from q, v, g at its start and g at its end.
+    displacement: [Vec<Lane>; 4],
+    /// a21, a22, b2, c2: the same for v.
+    velocity: [Vec<Lane>; 4],
+    /// The quadratic form of the dissipation.
+    dissipation: [Vec<Lane>; 10],
 }
 
 impl Coefficients {
-    pub(super) const ZERO: Self = Self {
-        a11: [0.0; 4],
-        a12: [0.0; 4],
-        a21: [0.0; 4],
-        a22: [0.0; 4],
-        b1: [0.0; 4],
-        c1: [0.0; 4],
-        b2: [0.0; 4],
-        c2: [0.0; 4],
-        dissipation: [[0.0; 4]; 10],
-    };
+    pub(super) fn zeros(height: usize) -> Self {
+        let zeros = || vec![[0.0; 4]; height];
+        Self {
+            displacement: std::array::from_fn(|_| zeros()),
+            velocity: std::array::from_fn(|_| zeros()),
+            dissipation: std::array::from_fn(|_| zeros()),
+        }
+    }
 
-    pub(super) fn set(&mut self, lane: usize, r: Recurrence, dissipation: [f64; 10]) {
-        self.a11[lane] = r.a11;
-        self.a12[lane] = r.a12;
-        self.a21[lane] = r.a21;
-        self.a22[lane] = r.a22;
-        self.b1[lane] = r.b1;
-        self.c1[lane] = r.c1;
-        self.b2[lane] = r.b2;
-        self.c2[lane] = r.c2;
+    pub(super) fn set(&mut self, lane: usize, slot: usize, r: Recurrence, dissipation: [f64; 10]) {
+        for (entry, value) in self.displacement.iter_mut().zip([r.a11, r.a12, r.b1, r.c1]) {
+            entry[lane][slot] = value;
+        }
+        for (entry, value) in self.velocity.iter_mut().zip([r.a21, r.a22, r.b2, r.c2]) {
+            entry[lane][slot] = value;
+        }
         for (entry, value) in self.dissipation.iter_mut().zip(dissipation) {
-            entry[lane] = value;
+            entry[lane][slot] = value;
         }
     }
 }
@@ -122,73 +114,118 @@ impl State {
     }
 }
 
+/// Views four-value lanes as the machine's vectors (of one, two or four values).
+#[inline(always)]
+fn vectors<S: Simd>(lanes: &[Lane]) -> &[S::f64s] {
+    S::as_simd_f64s(lanes.as_flattened()).0
+}
+
+/// As `vectors`, to write.
+#[inline(always)]
+fn vectors_mut<S: Simd>(lanes: &mut [Lane]) -> &mut [S::f64s] {
+    S::as_mut_simd_f64s(lanes.as_flattened_mut()).0
+}
+
+/// sum_k c_k[i] x_k, the first two and the last two terms first.
+#[inline(always)]
+fn weighted<S: Simd>(simd: S, c: &[&[S::f64s]; 4], i: usize, x: [S::f64s; 4]) -> S::f64s {
+    let first = simd.add_f64s(simd.mul_f64s(c[0][i], x[0]), simd.mul_f64s(c[1][i], x[1]));
+    let second = simd.add_f64s(simd.mul_f64s(c[2][i], x[2]), simd.mul_f64s(c[3][i], x[3]));
+    simd.add_f64s(first, second)
+}
+
 /// q_free = a11 q + a12 v + b1 g + c1 applied, and v_free likewise.
-pub(super) fn predict(arch: Arch, coefficients: &[Coefficients], s: &mut State) {
-    #[inline(always)]
-    #[allow(clippy::too_many_arguments)]
-    fn run(c: &[Coefficients], q: &[Lane], v: &[Lane], g: &[Lane], f: &[Lane], qf: &mut [Lane], vf: &mut [Lane]) {
-        let n = c.len();
-        let (q, v, g, f, qf, vf) = (&q[..n], &v[..n], &g[..n], &f[..n], &mut qf[..n], &mut vf[..n]);
-        for i in 0..n {
-            let c = &c[i];
-            for l in 0..4 {
-                qf[i][l] = (c.a11[l] * q[i][l] + c.a12[l] * v[i][l]) + (c.b1[l] * g[i][l] + c.c1[l] * f[i][l]);
-                vf[i][l] = (c.a21[l] * q[i][l] + c.a22[l] * v[i][l]) + (c.b2[l] * g[i][l] + c.c2[l] * f[i][l]);
+pub(super) fn predict(arch: Arch, coefficients: &Coefficients, state: &mut State) {
+    struct Predict<'a>(&'a Coefficients, &'a mut State);
+    impl WithSimd for Predict<'_> {
+        type Output = ();
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            let Self(c, s) = self;
+            let [a11, a12, b1, c1] = &c.displacement;
+            let [a21, a22, b2, c2] = &c.velocity;
+            let (q, v) = (vectors::<S>(&s.q), vectors::<S>(&s.v));
+            let (g, f) = (vectors::<S>(&s.g), vectors::<S>(&s.applied));
+            let (q_free, v_free) = (vectors_mut::<S>(&mut s.q_free), vectors_mut::<S>(&mut s.v_free));
+            let n = q_free.len();
+            let to_q = [
+                &vectors::<S>(a11)[..n],
+                &vectors::<S>(a12)[..n],
+                &vectors::<S>(b1)[..n],
+                &vectors::<S>(c1)[..n],
+            ];
+            let to_v = [
+                &vectors::<S>(a21)[..n],
+                &vectors::<S>(a22)[..n],
+                &vectors::<S>(b2)[..n],
+                &vectors::<S>(c2)[..n],
+            ];
+            let (q, v, g, f, v_free) = (&q[..n], &v[..n], &g[..n], &f[..n], &mut v_free[..n]);
+            for i in 0..n {
+                let x = [q[i], v[i], g[i], f[i]];
+                q_free[i] = weighted(simd, &to_q, i, x);
+                v_free[i] = weighted(simd, &to_v, i, x);
             }
         }
     }
-    arch.dispatch(
-        #[inline(always)]
-        || run(coefficients, &s.q, &s.v, &s.g, &s.applied, &mut s.q_free, &mut s.v_free),
-    );
+    arch.dispatch(Predict(coefficients, state));
 }
 
 /// Ends the step with the contact forces found: q, v, g at its end, and what it dissipated.
-pub(super) fn finish(arch: Arch, coefficients: &[Coefficients], s: &mut State) {
-    #[inline(always)]
-    #[allow(clippy::too_many_arguments)]
-    fn run(
-        c: &[Coefficients],
-        q: &mut [Lane],
-        v: &mut [Lane],
-        g: &mut [Lane],
-        (applied, contact): (&[Lane], &[Lane]),
-        (qf, vf): (&[Lane], &[Lane]),
-        dissipated: &mut [Lane],
-    ) {
-        let n = c.len();
-        let (q, v, g, dissipated) = (&mut q[..n], &mut v[..n], &mut g[..n], &mut dissipated[..n]);
-        let (applied, contact, qf, vf) = (&applied[..n], &contact[..n], &qf[..n], &vf[..n]);
-        for i in 0..n {
-            let c = &c[i];
+pub(super) fn finish(arch: Arch, coefficients: &Coefficients, state: &mut State) {
+    struct Finish<'a>(&'a Coefficients, &'a mut State);
+    impl WithSimd for Finish<'_> {
+        type Output = ();
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            let Self(c, s) = self;
+            let (mul, add) = (S::mul_f64s, S::add_f64s);
+            let (q, v, g) = (
+                vectors_mut::<S>(&mut s.q),
+                vectors_mut::<S>(&mut s.v),
+                vectors_mut::<S>(&mut s.g),
+            );
+            let n = q.len();
+            let (v, g) = (&mut v[..n], &mut g[..n]);
+            let dissipated = &mut vectors_mut::<S>(&mut s.dissipated)[..n];
+            let (applied, contact) = (&vectors::<S>(&s.applied)[..n], &vectors::<S>(&s.contact)[..n]);
+            let (q_free, v_free) = (&vectors::<S>(&s.q_free)[..n], &vectors::<S>(&s.v_free)[..n]);
+            let (c1, c2) = (
+                &vectors::<S>(&c.displacement[3])[..n],
+                &vectors::<S>(&c.velocity[3])[..n],
+            );
             let d = &c.dissipation;
-            for l in 0..4 {
-                let (x1, x2, x3, x4) = (q[i][l], v[i][l], g[i][l], applied[i][l] + contact[i][l]);
-                let row_1 = x1 * ((d[0][l] * x1 + d[1][l] * x2) + (d[2][l] * x3 + d[3][l] * x4));
-                let row_2 = x2 * ((d[4][l] * x2 + d[5][l] * x3) + d[6][l] * x4);
-                let row_3 = x3 * (d[7][l] * x3 + d[8][l] * x4);
-                let row_4 = d[9][l] * (x4 * x4);
-                dissipated[i][l] += (row_1 + row_2) + (row_3 + row_4);
-                q[i][l] = qf[i][l] + c.c1[l] * contact[i][l];
-                v[i][l] = vf[i][l] + c.c2[l] * contact[i][l];
-                g[i][l] = x4;
+            let row_1 = [
+                vectors::<S>(&d[0]),
+                vectors::<S>(&d[1]),
+                vectors::<S>(&d[2]),
+                vectors::<S>(&d[3]),
+            ];
+            let row_2 = [vectors::<S>(&d[4]), vectors::<S>(&d[5]), vectors::<S>(&d[6])];
+            let row_3 = [vectors::<S>(&d[7]), vectors::<S>(&d[8]), vectors::<S>(&d[9])];
+            let row_1 = [&row_1[0][..n], &row_1[1][..n], &row_1[2][..n], &row_1[3][..n]];
+            let row_2 = [&row_2[0][..n], &row_2[1][..n], &row_2[2][..n]];
+            let row_3 = [&row_3[0][..n], &row_3[1][..n], &row_3[2][..n]];
+            for i in 0..n {
+                let x = [q[i], v[i], g[i], add(simd, applied[i], contact[i])];
+                let by_q = mul(simd, x[0], weighted(simd, &row_1, i, x));
+                let v_and_g = add(simd, mul(simd, row_2[0][i], x[1]), mul(simd, row_2[1][i], x[2]));
+                let by_v = mul(simd, x[1], add(simd, v_and_g, mul(simd, row_2[2][i], x[3])));
+                let by_g = mul(
+                    simd,
+                    x[2],
+                    add(simd, mul(simd, row_3[0][i], x[2]), mul(simd, row_3[1][i], x[3])),
+                );
+                let last = mul(simd, row_3[2][i], mul(simd, x[3], x[3]));
+                let lost = add(simd, add(simd, by_q, by_v), add(simd, by_g, last));
+                dissipated[i] = add(simd, dissipated[i], lost);
+                q[i] = add(simd, q_free[i], mul(simd, c1[i], contact[i]));
+                v[i] = add(simd, v_free[i], mul(simd, c2[i], contact[i]));
+                g[i] = x[3];
             }
         }
     }
-    arch.dispatch(
-        #[inline(always)]
-        || {
-            run(
-                coefficients,
-                &mut s.q,
-                &mut s.v,
-                &mut s.g,
-                (&s.applied, &s.contact),
-                (&s.q_free, &s.v_free),
-                &mut s.dissipated,
-            );
-        },
-    );
+    arch.dispatch(Finish(coefficients, state));
 }
 
 /// out = sum over k in `which` of scale_k column_k, on the lanes `range`.
@@ -200,128 +237,145 @@ pub(super) fn combine(
     scale: &[f64],
     out: &mut [Lane],
 ) {
-    #[inline(always)]
-    fn four(out: &mut [Lane], c: [&[Lane]; 4], s: [f64; 4]) {
-        let n = out.len();
-        let [c0, c1, c2, c3] = c.map(|c| &c[..n]);
-        for i in 0..n {
-            for l in 0..4 {
-                out[i][l] += (s[0] * c0[i][l] + s[1] * c1[i][l]) + (s[2] * c2[i][l] + s[3] * c3[i][l]);
+    struct Four<'a>(&'a mut [Lane], [&'a [Lane]; 4], [f64; 4]);
+    impl WithSimd for Four<'_> {
+        type Output = ();
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            let Self(out, c, s) = self;
+            let out = vectors_mut::<S>(out);
+            let n = out.len();
+            let (c0, c1, c2, c3) = (
+                vectors::<S>(c[0]),
+                vectors::<S>(c[1]),
+                vectors::<S>(c[2]),
+                vectors::<S>(c[3]),
+            );
+            let c = [&c0[..n], &c1[..n], &c2[..n], &c3[..n]];
+            let s = [
+                simd.splat_f64s(s[0]),
+                simd.splat_f64s(s[1]),
+                simd.splat_f64s(s[2]),
+                simd.splat_f64s(s[3]),
+            ];
+            for i in 0..n {
+                out[i] = simd.add_f64s(out[i], weighted(simd, &c, i, s));
             }
         }
     }
-    #[inline(always)]
-    fn one(out: &mut [Lane], c: &[Lane], s: f64) {
-        let c = &c[..out.len()];
-        for (out, c) in out.iter_mut().zip(c) {
-            for l in 0..4 {
-                out[l] += s * c[l];
+    struct One<'a>(&'a mut [Lane], &'a [Lane], f64);
+    impl WithSimd for One<'_> {
+        type Output = ();
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            let Self(out, c, s) = self;
+            let s = simd.splat_f64s(s);
+            for (out, c) in vectors_mut::<S>(out).iter_mut().zip(vectors::<S>(c)) {
+                *out = simd.add_f64s(*out, simd.mul_f64s(s, *c));
             }
         }
     }
     let out = &mut out[range.clone()];
     out.fill([0.0; 4]);
-    arch.dispatch(
-        #[inline(always)]
-        || {
-            let (quads, rest) = which.as_chunks::<4>();
-            for quad in quads {
-                four(
-                    out,
-                    quad.map(|k| &columns.column(k)[range.clone()]),
-                    quad.map(|k| scale[k]),
-                );
-            }
-            for &k in rest {
-                one(out, &columns.column(k)[range.clone()], scale[k]);
-            }
-        },
-    );
+    let cut = |k: usize| &columns.column(k)[range.clone()];
+    let (quads, rest) = which.as_chunks::<4>();
+    for &[a, b, c, d] in quads {
+        arch.dispatch(Four(
+            out,
+            [cut(a), cut(b), cut(c), cut(d)],
+            [scale[a], scale[b], scale[c], scale[d]],
+        ));
+    }
+    for &k in rest {
+        arch.dispatch(One(out, cut(k), scale[k]));
+    }
 }
 
-/// Adds to a_k and b_k, for k in `which`, the products of column k with the vectors a and b, on the lanes `range`.
+/// out_a = sum over modes of a_j row_j and out_b likewise, on the lanes `range` of the modes; `rows` holds one column per
+/// mode. Mode by mode rather than product by product: nothing is summed across a vector, so its width does not matter.
 pub(super) fn project(
     arch: Arch,
-    columns: &Columns,
-    range: Range<usize>,
-    which: &[usize],
+    rows: &Columns,
     (a, b): (&[Lane], &[Lane]),
-    (out_a, out_b): (&mut [f64], &mut [f64]),
+    (out_a, out_b): (&mut [Lane], &mut [Lane]),
 ) {
-    #[inline(always)]
-    fn product<const N: usize>(c: [&[Lane]; N], a: &[Lane], b: &[Lane]) -> [(f64, f64); N] {
-        let n = a.len();
-        let c = c.map(|c| &c[..n]);
-        let b = &b[..n];
-        let (mut sum_a, mut sum_b) = ([[0.0; 4]; N], [[0.0; 4]; N]);
-        for i in 0..n {
-            let (a, b) = (a[i], b[i]);
-            for k in 0..N {
-                let c = c[k][i];
-                for l in 0..4 {
-                    sum_a[k][l] += c[l] * a[l];
-                    sum_b[k][l] += c[l] * b[l];
+    struct Project<'a>(&'a Columns, &'a [Lane], &'a [Lane], &'a mut [Lane], &'a mut [Lane]);
+    impl WithSimd for Project<'_> {
+        type Output = ();
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            let Self(rows, a, b, out_a, out_b) = self;
+            let (out_a, out_b) = (vectors_mut::<S>(out_a), vectors_mut::<S>(out_b));
+            let n = out_a.len();
+            let out_b = &mut out_b[..n];
+            for (quad, (a, b)) in rows.data.chunks_exact(4 * rows.height).zip(a.iter().zip(b)) {
+                let (c0, rest) = vectors::<S>(quad).split_at(n);
+                let (c1, rest) = rest.split_at(n);
+                let (c2, c3) = rest.split_at(n);
+                let c = [c0, c1, c2, &c3[..n]];
+                let a = [
+                    simd.splat_f64s(a[0]),
+                    simd.splat_f64s(a[1]),
+                    simd.splat_f64s(a[2]),
+                    simd.splat_f64s(a[3]),
+                ];
+                let b = [
+                    simd.splat_f64s(b[0]),
+                    simd.splat_f64s(b[1]),
+                    simd.splat_f64s(b[2]),
+                    simd.splat_f64s(b[3]),
+                ];
+                for i in 0..n {
+                    out_a[i] = simd.add_f64s(out_a[i], weighted(simd, &c, i, a));
+                    out_b[i] = simd.add_f64s(out_b[i], weighted(simd, &c, i, b));
                 }
             }
         }
-        std::array::from_fn(|k| (total(sum_a[k]), total(sum_b[k])))
     }
-    let (a, b) = (&a[range.clone()], &b[range.clone()]);
-    arch.dispatch(
-        #[inline(always)]
-        || {
-            let (quads, rest) = which.as_chunks::<4>();
-            for quad in quads {
-                let sums = product(quad.map(|k| &columns.column(k)[range.clone()]), a, b);
-                for (&k, (x, y)) in quad.iter().zip(sums) {
-                    out_a[k] += x;
-                    out_b[k] += y;
-                }
-            }
-            for &k in rest {
-                let [(x, y)] = product([&columns.column(k)[range.clone()]], a, b);
-                out_a[k] += x;
-                out_b[k] += y;
-            }
-        },
-    );
+    out_a.fill([0.0; 4]);
+    out_b.fill([0.0; 4]);
+    if rows.height > 0 {
+        arch.dispatch(Project(rows, a, b, out_a, out_b));
+    }
 }
 
 /// Exchanges argument and value of index k of the square matrix y = T x (principal pivot):
 ///
 ///   T_kk' = 1/T_kk, T_kj' = -T_kj/T_kk, T_ik' = T_ik/T_kk, T_ij' = T_ij - T_ik T_kj/T_kk.
 pub(super) fn pivot(arch: Arch, t: &mut Columns, k: usize, scratch: &mut [Lane]) {
-    #[inline(always)]
-    fn run(t: &mut Columns, k: usize, scratch: &mut [Lane]) {
-        let (lane, slot) = (k / 4, k % 4);
-        scratch.copy_from_slice(t.column(k));
-        let p = scratch[lane][slot];
-        for (j, column) in t.data.chunks_exact_mut(t.height).enumerate() {
-            if j == k {
-                for entry in column.iter_mut() {
-                    for l in 0..4 {
-                        entry[l] /= p;
+    struct Pivot<'a>(&'a mut Columns, usize, &'a mut [Lane]);
+    impl WithSimd for Pivot<'_> {
+        type Output = ();
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            let Self(t, k, scratch) = self;
+            let (lane, slot) = (k / 4, k % 4);
+            scratch.copy_from_slice(t.column(k));
+            let p = scratch[lane][slot];
+            for (j, column) in t.data.chunks_exact_mut(t.height).enumerate() {
+                if j == k {
+                    for entry in column.iter_mut() {
+                        for l in 0..4 {
+                            entry[l] /= p;
+                        }
                     }
-                }
-                column[lane][slot] = 1.0 / p;
-            } else {
-                let factor = column[lane][slot] / p;
-                for (entry, c) in column.iter_mut().zip(scratch.iter()) {
-                    for l in 0..4 {
-                        entry[l] -= factor * c[l];
+                    column[lane][slot] = 1.0 / p;
+                } else {
+                    let factor = column[lane][slot] / p;
+                    let minus = simd.splat_f64s(-factor);
+                    for (entry, c) in vectors_mut::<S>(column).iter_mut().zip(vectors::<S>(scratch)) {
+                        *entry = simd.add_f64s(*entry, simd.mul_f64s(minus, *c));
                     }
+                    column[lane][slot] = -factor;
                 }
-                column[lane][slot] = -factor;
             }
         }
     }
-    arch.dispatch(
-        #[inline(always)]
-        || run(t, k, scratch),
-    );
+    arch.dispatch(Pivot(t, k, scratch));
 }
 
 /// Sum of a lane in the order that the vector kernels use.
+#[inline(always)]
 fn total(lane: Lane) -> f64 {
     (lane[0] + lane[2]) + (lane[1] + lane[3])
 }

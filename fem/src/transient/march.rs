@@ -6,7 +6,7 @@ use pulp::Arch;
 use super::contact::ContactSolver;
 use super::energy::{EnergyHistory, Ledger, elastic_energy};
 use super::error::TransientError;
-use super::kernels::{State, combine, finish, predict, project};
+use super::kernels::{Lane, State, combine, finish, lanes, predict, project};
 use super::model::{Loads, ModalBody, ModalState, Settings, Start, Support, SupportLaw};
 use super::response::{Check, Ending, ModalResponse, Work};
 use super::statics::{Equilibrium, equilibrium};
@@ -88,8 +88,9 @@ struct Run<'a> {
     all_supports: Vec<usize>,
     /// Minus the support forces.
     back: Vec<f64>,
-    free: Vec<f64>,
-    free_rate: Vec<f64>,
+    free: Vec<Lane>,
+    free_rate: Vec<Lane>,
+    load_scratch: [Vec<Lane>; 2],
     load_motion: Vec<f64>,
     load_rate: Vec<f64>,
     load_ledger: Ledger,
@@ -139,8 +140,9 @@ impl<'a> Run<'a> {
             unsupported,
             all_supports: (0..n).collect(),
             back: vec![0.0; n],
-            free: vec![0.0; n],
-            free_rate: vec![0.0; n],
+            free: vec![[0.0; 4]; lanes(n)],
+            free_rate: vec![[0.0; 4]; lanes(n)],
+            load_scratch: std::array::from_fn(|_| vec![[0.0; 4]; lanes(l)]),
             load_motion: vec![0.0; l],
             load_rate: vec![0.0; l],
             load_ledger: nothing.clone(),
@@ -160,7 +162,9 @@ impl<'a> Run<'a> {
     fn begin(&mut self) -> Result<(), TransientError> {
         let h = self.settings.step;
         self.project_supports(false);
-        self.contact.start(&self.free, &self.free_rate);
+        let n = self.supports.len();
+        self.contact
+            .start(&self.free.as_flattened()[..n], &self.free_rate.as_flattened()[..n]);
         self.project_loads();
         let first = self.applied.column(0).into_owned();
         self.load_ledger = Ledger::new(h, first.as_slice(), &self.load_motion, &self.load_rate);
@@ -191,7 +195,12 @@ impl<'a> Run<'a> {
     fn advance(&mut self, n: usize) -> Result<(), TransientError> {
         let time = n as f64 * self.settings.step;
         self.project_supports(true);
-        self.contact.solve(&self.free, &self.free_rate, time, &mut self.work)?;
+        let n_supports = self.supports.len();
+        let (free, rate) = (
+            &self.free.as_flattened()[..n_supports],
+            &self.free_rate.as_flattened()[..n_supports],
+        );
+        self.contact.solve(free, rate, time, &mut self.work)?;
         self.apply_supports();
         finish(self.arch, &self.system.coefficients, &mut self.state);
         self.project_loads();
@@ -211,10 +220,6 @@ impl<'a> Run<'a> {
 
     /// Penetrations and rates of the predicted state, or of the present one.
     fn project_supports(&mut self, predicted: bool) {
-        for (free, support) in self.free.iter_mut().zip(self.supports) {
-            *free = -support.gap;
-        }
-        self.free_rate.fill(0.0);
         let s = &self.state;
         let motion = if predicted {
             (&s.q_free[..], &s.v_free[..])
@@ -222,30 +227,25 @@ impl<'a> Run<'a> {
             (&s.q[..], &s.v[..])
         };
         let out = (&mut self.free[..], &mut self.free_rate[..]);
-        project(
-            self.arch,
-            &self.system.supports,
-            0..self.system.height,
-            &self.all_supports,
-            motion,
-            out,
-        );
+        project(self.arch, &self.system.support_rows, motion, out);
+        for (free, support) in self.free.as_flattened_mut().iter_mut().zip(self.supports) {
+            *free -= support.gap;
+        }
     }
 
     fn project_loads(&mut self) {
         self.load_motion.fill(0.0);
         self.load_rate.fill(0.0);
         for part in &self.system.parts {
-            let motion = (&self.state.q[..], &self.state.v[..]);
-            let out = (&mut self.load_motion[..], &mut self.load_rate[..]);
-            project(
-                self.arch,
-                &self.system.loads,
-                part.lanes.clone(),
-                &part.loads,
-                motion,
-                out,
-            );
+            let motion = (&self.state.q[part.lanes.clone()], &self.state.v[part.lanes.clone()]);
+            let height = part.load_rows.height;
+            let [u, rate] = &mut self.load_scratch;
+            let (u, rate) = (&mut u[..height], &mut rate[..height]);
+            project(self.arch, &part.load_rows, motion, (&mut *u, &mut *rate));
+            for (k, &l) in part.loads.iter().enumerate() {
+                self.load_motion[l] += u[k / 4][k % 4];
+                self.load_rate[l] += rate[k / 4][k % 4];
+            }
         }
     }
 

@@ -20,6 +20,8 @@ pub(super) struct Part {
     pub(super) modes: usize,
     /// Loads that act on it.
     pub(super) loads: Vec<usize>,
+    /// Participation of these loads, a column per mode.
+    pub(super) load_rows: Columns,
 }
 
 /// All modes of all bodies, each body padded to whole lanes with modes that never move.
@@ -28,13 +30,15 @@ pub(super) struct System {
     pub(super) parts: Vec<Part>,
     /// Lanes of all parts.
     pub(super) height: usize,
-    pub(super) coefficients: Vec<Coefficients>,
+    pub(super) coefficients: Coefficients,
     /// omega^2.
     pub(super) omega2: Vec<Lane>,
     /// Modal participation of the loads.
     pub(super) loads: Columns,
     /// Modal participation of the supports.
     pub(super) supports: Columns,
+    /// The same, a column per mode.
+    pub(super) support_rows: Columns,
     /// Modes with omega h >= pi.
     pub(super) modes_beyond_step: usize,
 }
@@ -51,23 +55,32 @@ impl System {
         let mut height = 0;
         for body in bodies {
             let end = height + lanes(body.modes());
-            let acting = (0..loads)
+            let acting: Vec<usize> = (0..loads)
                 .filter(|&l| body.loads.column(l).iter().any(|&x| x != 0.0))
                 .collect();
+            let mut load_rows = Columns::zeros(lanes(acting.len()), 4 * lanes(body.modes()));
+            for j in 0..body.modes() {
+                let row = load_rows.column_mut(j).as_flattened_mut();
+                for (x, &l) in row.iter_mut().zip(&acting) {
+                    *x = body.loads[(j, l)];
+                }
+            }
             parts.push(Part {
                 lanes: height..end,
                 modes: body.modes(),
                 loads: acting,
+                load_rows,
             });
             height = end;
         }
         let mut system = Self {
             parts,
             height,
-            coefficients: vec![Coefficients::ZERO; height],
+            coefficients: Coefficients::zeros(height),
             omega2: vec![[0.0; 4]; height],
             loads: Columns::zeros(height, loads),
             supports: Columns::zeros(height, supports),
+            support_rows: Columns::zeros(lanes(supports), 4 * height),
             modes_beyond_step: 0,
         };
         let rule = gauss_legendre(10);
@@ -79,7 +92,7 @@ impl System {
                     Recurrence::new(omega, zeta, step),
                     dissipation(omega, zeta, step, &rule),
                 );
-                system.coefficients[lane].set(slot, recurrence, lost);
+                system.coefficients.set(lane, slot, recurrence, lost);
                 system.omega2[lane][slot] = omega * omega;
                 system.modes_beyond_step += usize::from(omega * step >= PI);
                 for l in 0..loads {
@@ -87,6 +100,7 @@ impl System {
                 }
                 for i in 0..supports {
                     system.supports.column_mut(i)[lane][slot] = body.supports[(j, i)];
+                    system.support_rows.column_mut(4 * lane + slot)[i / 4][i % 4] = body.supports[(j, i)];
                 }
             }
         }
