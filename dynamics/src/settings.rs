@@ -21,7 +21,7 @@ pub enum Method {
 pub struct Settings {
     /// Integration method.
     pub method: Method,
-    /// Relative tolerance of the integration \[-\].
+    /// Tolerance of the integration as a part of the characteristic size of each state \[-\].
     pub relative_tolerance: f64,
     /// Interval of the recorded samples \[s\].
     pub sample_interval: f64,
@@ -35,7 +35,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             method: Method::Bdf,
-            relative_tolerance: 1e-6,
+            relative_tolerance: 1e-7,
             sample_interval: 4e-6,
             end: 0.1,
             tail: 5e-3,

@@ -46,7 +46,7 @@ pub(crate) struct Run {
     pub(crate) impact: Option<(f64, f64)>,
     /// Contacts closed, indexed by [`Contact`], the seat's first one before the shot not counted.
     pub(crate) closings: [usize; Contact::COUNT],
-    /// Time in which the holes are choked, and in which the exhaust is open, is measured on samples by `summary`.
+    /// Whether the tool came back down on the wood, where the record ends.
     pub(crate) landed: bool,
 }
 
@@ -95,6 +95,7 @@ pub(crate) fn integrate(system: &System, settings: &Settings) -> Result<Run, Cyc
             landed: false,
         },
     };
+    cycle.run.recorder.reserve(settings.end);
     let problem = cycle.problem()?;
     while cycle.t < cycle.end {
         cycle.segment(&problem)?;
@@ -237,7 +238,6 @@ impl<'s> Cycle<'s> {
         solver.set_stop_time(stop).map_err(|cause| self.failure(&cause))?;
         let mut scratch = NalgebraVec::<f64>::zeros(SIZE, Default::default());
         let mut margin = margins(self.system, &self.mode, &self.y);
-        // A condition broken at once is only known after a step, when it has had the time to arm.
         loop {
             let reason = solver.step().map_err(|cause| self.failure(&cause))?;
             self.run.work.steps += 1;

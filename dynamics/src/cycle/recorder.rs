@@ -27,6 +27,54 @@ impl Recorder {
         }
     }
 
+    /// Makes room for the samples up to `end`.
+    pub(crate) fn reserve(&mut self, end: f64) {
+        let n = (end / self.interval) as usize + 2;
+        let (m, f, x, v) = (&mut self.motion, &mut self.forces, &mut self.exhaust, &mut self.vent);
+        let bodies = self
+            .bodies
+            .iter_mut()
+            .flat_map(|b| [&mut b.position, &mut b.velocity, &mut b.acceleration]);
+        let volumes = self
+            .volumes
+            .iter_mut()
+            .flat_map(|v| [&mut v.pressure, &mut v.temperature, &mut v.mass]);
+        let others = [
+            &mut m.piston_travel,
+            &mut m.valve_lift,
+            &mut m.tip_depth,
+            &mut m.nail_depth,
+            &mut m.moving_mass,
+            &mut f.piston_gas,
+            &mut f.valve_gas,
+            &mut f.bumper,
+            &mut f.stopper,
+            &mut f.cap,
+            &mut f.seat,
+            &mut f.spring,
+            &mut f.piston_friction,
+            &mut f.valve_friction,
+            &mut f.penetration,
+            &mut f.nose,
+            &mut f.guard,
+            &mut f.support,
+            &mut f.hand,
+            &mut x.mass_flow,
+            &mut x.plenum_pressure,
+            &mut x.stagnation_temperature,
+            &mut x.intake_mass_flow,
+            &mut v.mass_flow,
+            &mut v.pressure,
+            &mut v.temperature,
+        ];
+        bodies
+            .chain(volumes)
+            .chain(others)
+            .for_each(|column| column.reserve_exact(n));
+        x.choked.reserve_exact(n);
+        x.intake_choked.reserve_exact(n);
+    }
+
     /// Number of samples so far.
     pub(crate) fn len(&self) -> usize {
         self.motion.piston_travel.len()

@@ -1,0 +1,451 @@
+//! An independent integration of the cycle: pressures as states, branches on the sign of every gap, fixed-step RK4.
+//!
+//! Written from the published equations without the crate's model code, so that a mistake in either shows.
+
+use std::f64::consts::PI;
+
+use nailnoise_dynamics::{Parameters, SupportDamping};
+
+const N: usize = 19;
+type Y = [f64; N];
+
+/// Which event times the reference delivers.
+pub(crate) const EVENTS: [&str; 16] = [
+    "t1",
+    "t2",
+    "t3",
+    "t4",
+    "t5",
+    "t6",
+    "t7",
+    "t8",
+    "t9",
+    "t10",
+    "t12",
+    "t13",
+    "t15",
+    "t16",
+    "t17",
+    "full depth",
+];
+
+/// Constants of one design, named as in the thesis.
+struct Model {
+    p: Parameters,
+    a1: f64,
+    a2: f64,
+    ar: f64,
+    ah1: f64,
+    ah2: f64,
+    ah3: f64,
+    ama: f64,
+    mn: f64,
+    mw: f64,
+    tau: f64,
+    phi_in: f64,
+    phi_out: f64,
+    c_ws: f64,
+    pcr: f64,
+    k: f64,
+    n2: f64,
+    /// Time of the trigger's release, infinite before.
+    released: f64,
+    attached: bool,
+    left: bool,
+}
+
+impl Model {
+    fn new(p: &Parameters) -> Self {
+        let disc = |d: f64| PI / 4.0 * d * d;
+        let v = &p.head_valve;
+        let air = &p.ambient;
+        let (g, r) = (air.heat_capacity_ratio, air.gas_constant);
+        let c = (g * r * air.temperature).sqrt();
+        let ch = &p.trigger;
+        let attenuation = |pressure: f64| {
+            let resistance = 32.0 * air.viscosity / ch.channel_diameter.powi(2);
+            (-resistance * r * air.temperature * ch.channel_length / (2.0 * pressure * c)).exp()
+        };
+        let mw = p.wood.density * p.wood.length * p.wood.width * p.wood.thickness;
+        let n = &p.nail;
+        Self {
+            a1: disc(p.piston.bore),
+            ar: disc(p.piston.rod_diameter),
+            a2: disc(p.piston.bore) - disc(p.piston.rod_diameter),
+            ah1: disc(v.outer_diameter) - disc(v.inner_diameter),
+            ah2: disc(v.outer_diameter) - disc(v.seat_diameter),
+            ah3: disc(v.seat_diameter) - disc(v.inner_diameter),
+            ama: f64::from(p.exhaust.holes) * disc(p.exhaust.hole_diameter),
+            mn: n.density
+                * (disc(n.diameter) * (n.length - n.head_thickness) + disc(n.head_diameter) * n.head_thickness),
+            mw,
+            tau: ch.channel_length / c,
+            phi_in: attenuation(p.supply.pressure),
+            phi_out: attenuation(air.pressure),
+            c_ws: match p.support.damping {
+                SupportDamping::Ratio(z) => 2.0 * z * (p.support.stiffness * mw).sqrt(),
+                SupportDamping::Coefficient(c) => c,
+            },
+            pcr: (2.0 / (g + 1.0)).powf(g / (g - 1.0)),
+            k: (g / r * (2.0 / (g + 1.0)).powf((g + 1.0) / (g - 1.0))).sqrt(),
+            n2: (g - 1.0) / 2.0 * (2.0 / (g + 1.0)).powf((g + 1.0) / (g - 1.0)),
+            released: f64::INFINITY,
+            attached: false,
+            left: false,
+            p: p.clone(),
+        }
+    }
+
+    fn nozzle(&self, r: f64) -> f64 {
+        let g = self.p.ambient.heat_capacity_ratio;
+        let lin = self.p.model.orifice_linear;
+        if r <= self.pcr {
+            1.0
+        } else if 1.0 - r < lin {
+            self.nozzle(1.0 - lin) * (1.0 - r) / lin
+        } else {
+            ((r.powf(2.0 / g) - r.powf((g + 1.0) / g)) / self.n2).sqrt()
+        }
+    }
+
+    fn orifice(&self, pu: f64, pd: f64, tu: f64, ca: f64) -> f64 {
+        ca * self.k * pu * self.nozzle(pd / pu) / tu.sqrt()
+    }
+
+    /// Flow and enthalpy flow from a to b.
+    fn both(&self, a: (f64, f64), b: (f64, f64), ca: f64) -> (f64, f64) {
+        let air = &self.p.ambient;
+        let cp = air.heat_capacity_ratio * air.gas_constant / (air.heat_capacity_ratio - 1.0);
+        if a.0 >= b.0 {
+            let m = self.orifice(a.0, b.0, a.1, ca);
+            (m, m * cp * a.1)
+        } else {
+            let m = self.orifice(b.0, a.0, b.1, ca);
+            (-m, -m * cp * b.1)
+        }
+    }
+
+    /// Series restriction: flow per C_d K/sqrt(T).
+    fn series(&self, first: f64, second: f64, pu: f64, pd: f64) -> f64 {
+        let f = |pm: f64| first * pu * self.nozzle(pm / pu) - second * pm * self.nozzle(pd / pm);
+        let (mut a, mut b) = (pd, pu);
+        let (mut fa, mut fb) = (f(a), f(b));
+        let mut pm = a;
+        for _ in 0..60 {
+            pm = if fa == fb {
+                0.5 * (a + b)
+            } else {
+                b - fb * (b - a) / (fb - fa)
+            };
+            let fm = f(pm);
+            if fm.abs() <= 1e-13 * second * pu || (b - a).abs() < 1e-12 * pu {
+                break;
+            }
+            if fm * fb < 0.0 {
+                (a, fa) = (b, fb);
+            } else {
+                fa *= 0.5;
+            }
+            (b, fb) = (pm, fm);
+        }
+        second * pm * self.nozzle(pd / pm)
+    }
+
+    fn friction(&self, law: &nailnoise_dynamics::Friction, v: f64) -> f64 {
+        let m = &self.p.model;
+        let stribeck = (law.static_force - law.sliding_force) * (-(v / m.stribeck_velocity).powi(2)).exp();
+        (law.sliding_force + stribeck) * (v / m.friction_velocity).tanh() + law.viscous * v
+    }
+
+    fn spring(&self, y: f64) -> f64 {
+        let c = [
+            4.17, 79135.7, -7.55e7, 3.56e10, -8.57e12, 1.13e15, -8.28e16, 3.14e18, -4.79e19,
+        ];
+        c.iter().enumerate().map(|(i, c)| c * y.powi(i as i32)).sum()
+    }
+
+    fn envelope(&self, z: f64) -> f64 {
+        let (n, w) = (&self.p.nail, &self.p.wood);
+        let (ln, hm) = (n.length, w.hardness_modulus);
+        let x = z.min(ln) / ln;
+        let root = 0.085 + 2.038 * x - 12.95 * x.powi(2) + 46.49 * x.powi(3) - 94.97 * x.powi(4) + 110.18 * x.powi(5)
+            - 67.56 * x.powi(6)
+            + 16.99 * x.powi(7)
+            - 122.91 * ln * w.density / hm
+            - 1.15 * n.diameter / ln;
+        w.resistance_scale * hm * ln * root.max(0.0).powi(2) + w.head_stiffness_scale * hm * (z - ln).max(0.0)
+    }
+
+    fn volumes(&self, y: &Y) -> [f64; 5] {
+        let c = &self.p.chambers;
+        let (travel, valve) = (y[0] - y[4], y[2] - y[4]);
+        let s = self.p.head_valve.lift - valve;
+        [
+            c.above_piston + self.a1 * travel + self.ah3 * s,
+            c.below_piston + self.a2 * (self.p.piston.stroke - travel),
+            c.return_volume,
+            c.above_valve + self.ah1 * valve,
+            c.supply_volume + self.ah2 * s,
+        ]
+    }
+
+    fn f(&self, t: f64, y: &Y) -> Y {
+        let p = &self.p;
+        let (air, v, c, k) = (&p.ambient, &p.head_valve, &p.chambers, &p.contacts);
+        let (yp, vp, yh, vh, yg, vg, yw, vw) = (y[0], y[1], y[2], y[3], y[4], y[5], y[6], y[7]);
+        let (travel, rate, valve, valve_rate) = (yp - yg, vp - vg, yh - yg, vh - vg);
+        let s = v.lift - valve;
+        let vol = self.volumes(y);
+        let pr: [f64; 5] = std::array::from_fn(|i| y[8 + i]);
+        let mass: [f64; 5] = std::array::from_fn(|i| y[13 + i]);
+        let temp: [f64; 5] = std::array::from_fn(|i| pr[i] * vol[i] / (mass[i] * air.gas_constant));
+        let (pa, ta) = (air.pressure, air.temperature);
+
+        let fgp = pr[0] * self.a1 - pr[1] * self.a2 - pa * self.ar;
+        let fgh = pr[3] * self.ah1 - pr[4] * self.ah2 - pr[0] * self.ah3;
+        let l = p.piston.stroke;
+        let fb = if travel >= l {
+            (k.bumper_stiffness * (travel - l) + k.bumper_damping * rate).max(0.0)
+        } else {
+            0.0
+        };
+        let fst = if travel <= 0.0 {
+            (k.stopper_stiffness * travel + k.stopper_damping * rate).min(0.0)
+        } else {
+            0.0
+        };
+        let dash = |kk: f64, m: f64, z: f64| 2.0 * z * (kk * m).sqrt();
+        let fhc = if valve <= 0.0 {
+            let cc = dash(k.cap_stiffness, v.mass, k.valve_damping_ratio);
+            (k.cap_stiffness * valve + cc * valve_rate).min(0.0)
+        } else if valve >= v.lift {
+            let cc = dash(k.seat_stiffness, v.mass, k.valve_damping_ratio);
+            (k.seat_stiffness * (valve - v.lift) + cc * valve_rate).max(0.0)
+        } else {
+            0.0
+        };
+        let u = yg - yw;
+        let cn = dash(k.nose_stiffness, p.tool.mass, k.nose_damping_ratio);
+        let fnose = if u > 0.0 {
+            (k.nose_stiffness * u + cn * (vg - vw)).max(0.0)
+        } else {
+            0.0
+        };
+        let kesg = k.guard_stiffness * k.nose_stiffness / (k.guard_stiffness + k.nose_stiffness);
+        let fe = if u > -k.guard_travel {
+            kesg * (u + k.guard_travel)
+        } else {
+            0.0
+        };
+        let fsup = if yw > 0.0 {
+            (p.support.stiffness * yw + self.c_ws * vw).max(0.0)
+        } else {
+            0.0
+        };
+        let z = yp - yw - p.nail.tip_gap;
+        let zmax = y[18];
+        let fpen = if z <= 0.0 && zmax <= 0.0 {
+            0.0
+        } else if z >= zmax {
+            self.envelope(z)
+        } else {
+            (self.envelope(zmax) - p.wood.unloading_stiffness * (zmax - z)).max(0.0)
+        };
+        let fs = self.spring(s + v.spring_preload);
+        let ffp = self.friction(&p.piston.friction, rate);
+        let ffh = self.friction(&v.friction, valve_rate);
+        let mt = p.piston.mass + if self.attached { self.mn } else { 0.0 };
+        let g = air.gravity;
+
+        // Flows.
+        let gas = |i: usize| (pr[i], temp[i]);
+        let seat = |y: f64, th: f64, d: f64, sign: f64| PI * y * th.sin() * (d - sign * y * th.sin() * th.cos());
+        let opening = s - v.intake_lap;
+        let (mi, hi) = if opening > 0.0 {
+            let r = (pr[0].min(pr[4]) / pr[0].max(pr[4])).clamp(0.390, 0.913);
+            let cf = 1.1 - 0.71 * r + 0.49 * r * r - 0.14 * r.powi(3);
+            self.both(gas(4), gas(0), cf * seat(opening, v.intake_angle, p.piston.bore, 1.0))
+        } else {
+            (0.0, 0.0)
+        };
+        let cd = c.discharge_coefficient;
+        let cp = air.heat_capacity_ratio * air.gas_constant / (air.heat_capacity_ratio - 1.0);
+        let opening = v.exhaust_lap - s;
+        let (mx, hx) = if opening > 0.0 && pr[0] != pa {
+            let a = seat(opening, v.exhaust_angle, v.exhaust_seat_diameter, -1.0);
+            if pr[0] > pa {
+                let m = cd * self.k * self.series(a, self.ama, pr[0], pa) / temp[0].sqrt();
+                (m, m * cp * temp[0])
+            } else {
+                let m = cd * self.k * self.series(self.ama, a, pa, pr[0]) / ta.sqrt();
+                (-m, -m * cp * ta)
+            }
+        } else {
+            (0.0, 0.0)
+        };
+        let (mc, hc) = if travel > c.check_hole_position && pr[0] > pr[2] {
+            self.both(gas(0), gas(2), cd * c.check_hole_area)
+        } else {
+            (0.0, 0.0)
+        };
+        let (mf, hf) = self.both(gas(1), gas(2), cd * c.return_hole_area);
+        let (ml, hl) = self.both(gas(1), (pa, ta), cd * c.leak_area);
+        let filling = t - self.released >= self.tau;
+        let (mv, hv) = if t >= self.tau && !filling {
+            self.both(gas(3), (pa, ta), p.trigger.vent_area * self.phi_out)
+        } else {
+            (0.0, 0.0)
+        };
+        let (mfill, hfill) = if filling {
+            self.both(gas(4), gas(3), p.trigger.fill_area * self.phi_in)
+        } else {
+            (0.0, 0.0)
+        };
+        let (ms, hs) = if p.supply.pressure > pr[4] {
+            self.both((p.supply.pressure, ta), gas(4), cd * p.supply.hose_area)
+        } else {
+            (0.0, 0.0)
+        };
+        let flow = [mi - mx - mc, -mf - ml, mc + mf, mfill - mv, ms - mi - mfill];
+        let enthalpy = [hi - hx - hc, -hf - hl, hc + hf, hfill - hv, hs - hi - hfill];
+        let bore = PI * p.piston.bore;
+        let wall = [
+            c.wall_above_piston + bore * travel,
+            c.wall_below_piston + bore * (l - travel),
+            c.wall_return,
+            c.wall_above_valve,
+            c.wall_supply,
+        ];
+        let dv = [
+            self.a1 * rate - self.ah3 * valve_rate,
+            -self.a2 * rate,
+            0.0,
+            self.ah1 * valve_rate,
+            -self.ah2 * valve_rate,
+        ];
+        let gamma = air.heat_capacity_ratio;
+        let mut d = [0.0; N];
+        d[0] = vp;
+        d[1] = (fgp - fb - fst - fpen - ffp) / mt + g;
+        d[2] = vh;
+        d[3] = (fgh + fs - fhc - ffh) / v.mass + g;
+        d[4] = vg;
+        d[5] = (p.hand.force - fgp - fgh - fs + fb + fst + fhc + ffp + ffh - fnose - fe) / p.tool.mass + g;
+        d[6] = vw;
+        d[7] = (fpen + fnose + fe - fsup) / self.mw + g;
+        for i in 0..5 {
+            let heat = c.wall_heat_transfer * wall[i] * (ta - temp[i]);
+            d[8 + i] = ((gamma - 1.0) * (enthalpy[i] + heat) - gamma * pr[i] * dv[i]) / vol[i];
+            d[13 + i] = flow[i];
+        }
+        d[18] = if z >= zmax && z > 0.0 { (vp - vw).max(0.0) } else { 0.0 };
+        d
+    }
+
+    fn start(&self) -> Y {
+        let p = &self.p;
+        let g = p.ambient.gravity;
+        let mut y = [0.0; N];
+        let tool = p.hand.force + (p.tool.mass + p.piston.mass + p.head_valve.mass) * g;
+        let k = &p.contacts;
+        let kesg = k.guard_stiffness * k.nose_stiffness / (k.guard_stiffness + k.nose_stiffness);
+        y[6] = (tool + self.mw * g) / p.support.stiffness;
+        y[4] = y[6] + (tool - kesg * k.guard_travel) / (k.nose_stiffness + kesg);
+        y[0] = y[4];
+        let (ps, pa) = (p.supply.pressure, p.ambient.pressure);
+        let close = ps * self.ah1 - ps * self.ah2 - pa * self.ah3
+            + self.spring(p.head_valve.spring_preload)
+            + p.head_valve.mass * g;
+        y[2] = y[4] + p.head_valve.lift + close / k.seat_stiffness;
+        let vol = self.volumes(&y);
+        for (i, pressure) in [pa, pa, pa, ps, ps].into_iter().enumerate() {
+            y[8 + i] = pressure;
+            y[13 + i] = pressure * vol[i] / (p.ambient.gas_constant * p.ambient.temperature);
+        }
+        y
+    }
+}
+
+/// Event times \[s\] in the order of [`EVENTS`], from RK4 with step `h` up to `end`.
+pub(crate) fn integrate(p: &Parameters, h: f64, end: f64) -> [Option<f64>; 16] {
+    let mut m = Model::new(p);
+    let mut y = m.start();
+    let mut t = 0.0;
+    let mut found: [Option<f64>; 16] = [None; 16];
+    let level = p.ambient.pressure + 0.1 * (p.supply.pressure - p.ambient.pressure);
+    // (rises, value, may it be looked for yet)
+    let watch = |m: &Model, y: &Y, found: &[Option<f64>; 16], t: f64| -> [(bool, f64, bool); 16] {
+        let p = &m.p;
+        let (travel, s) = (y[0] - y[4], p.head_valve.lift - (y[2] - y[4]));
+        let z = y[0] - y[6] - p.nail.tip_gap;
+        let after = |i: usize| found[i].is_some();
+        [
+            (true, s - 10e-6, true),
+            (false, y[11] - level, true),
+            (true, s - p.head_valve.intake_lap, true),
+            (true, travel - 0.1e-3, true),
+            (true, travel - p.nail.head_gap, true),
+            (true, z, true),
+            (true, travel - 50.51e-3, true),
+            (true, travel - p.chambers.check_hole_position, true),
+            (false, y[1] - y[7], after(5)),
+            (true, travel - p.piston.stroke, after(8)),
+            (false, y[4] - y[6] + p.contacts.guard_travel, true),
+            (
+                false,
+                s - p.head_valve.exhaust_lap,
+                after(10) && y[8] > p.ambient.pressure,
+            ),
+            (false, travel - 50.51e-3, after(8)),
+            (false, travel, after(12)),
+            (
+                false,
+                y[8] - 1.02 * p.ambient.pressure,
+                found[11].is_some_and(|t13| t > t13 + 1e-3),
+            ),
+            (true, z - p.nail.length, true),
+        ]
+    };
+    while t < end {
+        let add = |a: &Y, b: &Y, w: f64| -> Y { std::array::from_fn(|i| a[i] + w * b[i]) };
+        let k1 = m.f(t, &y);
+        let k2 = m.f(t + 0.5 * h, &add(&y, &k1, 0.5 * h));
+        let k3 = m.f(t + 0.5 * h, &add(&y, &k2, 0.5 * h));
+        let k4 = m.f(t + h, &add(&y, &k3, h));
+        let mut next: Y = std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
+        next[18] = next[18].max(next[0] - next[6] - p.nail.tip_gap).max(0.0);
+        let before = watch(&m, &y, &found, t);
+        let after = watch(&m, &next, &found, t + h);
+        for i in 0..16 {
+            let (rises, a, _) = before[i];
+            let (_, b, open) = after[i];
+            if found[i].is_none()
+                && open
+                && (if rises {
+                    a <= 0.0 && b > 0.0
+                } else {
+                    a > 0.0 && b <= 0.0
+                })
+            {
+                found[i] = Some(t + h * a / (a - b));
+            }
+        }
+        // t10 is t9 where the piston has passed the bumper before.
+        if found[8].is_some() && found[9].is_none() && before[9].1 > 0.0 {
+            found[9] = found[8];
+        }
+        if !m.attached && !m.left && next[0] - next[4] >= p.nail.head_gap {
+            next[1] *= p.piston.mass / (p.piston.mass + m.mn);
+            m.attached = true;
+        } else if m.attached && next[1] <= 0.0 {
+            m.attached = false;
+            m.left = true;
+        }
+        if let Some(t12) = found[10] {
+            m.released = m.released.min(t12);
+        }
+        t += h;
+        y = next;
+    }
+    found
+}
