@@ -1,37 +1,58 @@
-//! Stage shares and growth with the number of degrees of freedom: `cargo bench -p nailnoise-fem`.
+//! Stage shares of the modal solution and its growth with the degrees of freedom.
+//!
+//! `cargo bench -p nailnoise-fem` runs the small meshes; `cargo bench -p nailnoise-fem -- --full` also the free wood
+//! block with 50 000 and 153 000 degrees of freedom. Times are wall times; set RAYON_NUM_THREADS=1 for one core.
 
 #[path = "../tests/bodies/mod.rs"]
 mod bodies;
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use nailnoise_fem::{ModalSettings, modes};
+use nailnoise_fem::{Constraints, ModalSettings, System, assemble, modes};
+
+fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
+    let start = Instant::now();
+    let result = work();
+    (result, start.elapsed())
+}
+
+fn report(name: &str, mesh: Duration, assembly: (System, Duration), top_hz: f64) -> (f64, f64) {
+    let (system, assembly) = assembly;
+    let (basis, solution) = timed(|| modes(&system, &ModalSettings::below(top_hz)).expect("modes of a sound model"));
+    let total = (mesh + assembly + solution).as_secs_f64();
+    let worst = basis.residuals.iter().fold(0.0, |a: f64, &b| a.max(b));
+    println!(
+        "{name:22} {:7} dofs {:4} modes  mesh {:4.1} %  assembly {:4.1} %  modes {:4.1} %  total {total:7.2} s  \
+         residual {worst:.1e}  L {:.1} M  steps {}  solves {}",
+        basis.dofs,
+        basis.hz.len(),
+        100.0 * mesh.as_secs_f64() / total,
+        100.0 * assembly.as_secs_f64() / total,
+        100.0 * solution.as_secs_f64() / total,
+        basis.work.factor_values as f64 / 1e6,
+        basis.work.block_steps,
+        basis.work.solves,
+    );
+    (basis.dofs as f64, total)
+}
 
 fn main() {
-    let args: Vec<String> = std::env::args().collect();
-    let full = args.iter().any(|a| a == "--full");
+    let full = std::env::args().any(|a| a == "--full");
+    let mut last: Option<(f64, f64)> = None;
     for divisions in [[17, 6, 4], [22, 9, 6], [34, 13, 8], [50, 19, 12]] {
         if divisions[0] > 22 && !full {
             continue;
         }
-        let start = Instant::now();
-        let system = bodies::free_workpiece(divisions);
-        let assembled = start.elapsed();
-        let start = Instant::now();
-        let basis = modes(&system, &ModalSettings { block: std::env::var("B").map_or(16, |b| b.parse().unwrap()), ..ModalSettings::below(10e3) }).unwrap();
-        println!(
-            "{divisions:?} dofs {} assembly {assembled:.2?} modes {:.2?} {} {:?} {:?}",
-            basis.dofs,
-            start.elapsed(),
-            basis.hz.len(),
-            basis.work,
-            basis.sturm
-        );
-        println!("{:?}", &basis.hz[..18]);
-        println!(
-            "residual {:e} orth {:e}",
-            basis.residuals.iter().fold(0.0, |a: f64, b| a.max(*b)),
-            basis.orthonormality
-        );
+        let (mesh, meshing) = timed(|| bodies::workpiece(divisions));
+        let assembly = timed(|| assemble(&mesh, &[bodies::pine_block()], &Constraints::free()).expect("a sound model"));
+        let point = report(&format!("block {divisions:?}"), meshing, assembly, 10e3);
+        if let Some(last) = last.replace(point) {
+            println!(
+                "    cost grows as dofs^{:.2}",
+                (point.1 / last.1).ln() / (point.0 / last.0).ln()
+            );
+        }
     }
+    let assembly = timed(|| bodies::clamped_table(if full { 0.025 } else { 0.045 }));
+    report("worktable A to 6 kHz", Duration::ZERO, assembly, 6e3);
 }

@@ -14,6 +14,9 @@ use crate::dense::{add_product, cholesky_qr, negative_pivots, symmetric_eigen, t
 use crate::random::Random;
 use crate::sparse::product;
 
+/// Restarts before the iteration gives up.
+const RESTARTS: usize = 50;
+
 /// What to find.
 pub(crate) struct Target {
     /// How many eigenvalues are negative.
@@ -44,12 +47,12 @@ struct Basis<'a> {
     v: Mat<f64>,
     /// M Q.
     m_q: Mat<f64>,
+    /// M times the last vectors accepted, those that the next application of B overlaps with by more than rounding.
+    m_last: Mat<f64>,
     t: Mat<f64>,
     /// Vectors accepted, not counting Q.
     size: usize,
     block: usize,
-    /// Vectors before `size` with which the next application of B overlaps by more than rounding.
-    reach: usize,
     /// Diagonals of T on either side of the main one that are not zero.
     band: usize,
     /// R of the last step: B V = V T + Q R E^T with the last block's columns E of the identity.
@@ -66,7 +69,8 @@ struct Ritz {
     residual: Vec<f64>,
 }
 
-/// Finds the `target.count` negative eigenpairs; `apply` maps Z to sigma (K - sigma M)^-1 Z.
+/// Finds the `target.count` negative eigenpairs; `apply` maps Z to sigma (K - sigma M)^-1 Z. The order must exceed the
+/// count by five blocks at least.
 pub(crate) fn lanczos(
     mass: &CscMatrix<f64>,
     target: &Target,
@@ -74,7 +78,7 @@ pub(crate) fn lanczos(
 ) -> Result<Pairs, FemError> {
     let n = mass.nrows();
     let block = target.block.clamp(1, n);
-    let limit = target.max_vectors.max(target.count + 4 * block).min(n);
+    let limit = target.max_vectors.max(target.count + 4 * block).min(n - block);
     let mut basis = Basis::new(mass, block, (3 * target.count + 4 * block).min(limit + block))?;
     let (mut steps, mut restarts, mut next_check) = (0, 0, target.count + block);
     let mut last_worst = f64::INFINITY;
@@ -89,8 +93,6 @@ pub(crate) fn lanczos(
             continue;
         }
         let ritz = basis.ritz()?;
-        if std::env::var("LZ").is_ok() { let w = (0..target.count).map(|i| (ritz.error(i), i)).fold((0.0, 0), |a: (f64, usize), b| if b.0 > a.0 { b } else { a });
-            eprintln!("size {} count {} worst {:?} theta {} max {} pos>2 {}", basis.size, target.count, w, ritz.theta[w.1], ritz.theta[ritz.theta.len() - 1], ritz.theta.iter().filter(|t| **t > 2.0).count()); }
         let converged = (0..target.count)
             .take_while(|&i| ritz.error(i) <= target.tolerance)
             .count();
@@ -102,7 +104,7 @@ pub(crate) fn lanczos(
             });
         }
         if full {
-            if basis.size + block > n || restarts == 20 {
+            if restarts == RESTARTS {
                 return Err(FemError::NotConverged {
                     wanted: target.count,
                     converged,
@@ -154,10 +156,10 @@ impl<'a> Basis<'a> {
             mass,
             v,
             m_q,
+            m_last: Mat::zeros(n, 0),
             t: Mat::zeros(0, 0),
             size: 0,
             block,
-            reach: 0,
             band: 2 * block - 1,
             coupling: Mat::zeros(block, block),
             random,
@@ -172,13 +174,17 @@ impl<'a> Basis<'a> {
         t.submatrix_mut(0, 0, old, old).copy_from(&self.t);
         // Twice is enough: W overlaps with the last blocks only, and a pass over the whole basis removes what rounding
         // left of it in every direction.
-        for start in [old - self.reach, 0] {
-            let z = product(self.mass, w.as_ref());
-            let v = self.v.subcols(start, self.size - start);
-            let c = transpose_product(v, z.as_ref());
+        let start = old - self.m_last.ncols();
+        for (start, m_v) in [(start, Some(&self.m_last)), (old, Some(&self.m_q)), (0, None)] {
+            let size = m_v.map_or(self.size - start, Mat::ncols);
+            let v = self.v.subcols(start, size);
+            let c = match m_v {
+                Some(m_v) => transpose_product(m_v.as_ref(), w.as_ref()),
+                None => transpose_product(v, product(self.mass, w.as_ref()).as_ref()),
+            };
             add_product(w.as_mut(), -1.0, v, c.as_ref());
             for j in 0..b {
-                for i in 0..c.nrows() {
+                for i in 0..size {
                     t[(start + i, old + j)] += c[(i, j)];
                 }
             }
@@ -195,11 +201,6 @@ impl<'a> Basis<'a> {
             }
         }
         self.t = t;
-        self.reach = b;
-        if self.size + b > self.v.nrows() {
-            self.coupling = Mat::zeros(b, b);
-            return Ok(());
-        }
         let mut z = product(self.mass, w.as_ref());
         self.coupling = match cholesky_qr(&mut w, &mut z) {
             Some(r) => r,
@@ -210,7 +211,7 @@ impl<'a> Basis<'a> {
             self.v.resize_with(rows, columns, |_, _| 0.0);
         }
         self.v.subcols_mut(self.size, b).copy_from(&w);
-        self.m_q = z;
+        self.m_last = std::mem::replace(&mut self.m_q, z);
         Ok(())
     }
 
@@ -271,11 +272,6 @@ impl<'a> Basis<'a> {
     /// (Ericsson & Ruhe 1980, Math. Comp. 35, 1251-1268); lambda ascends as theta descends from -1.
     fn improved(&self, ritz: &Ritz, count: usize) -> Mat<f64> {
         let (m, b) = (self.size, self.block);
-        let used = if m + b <= self.v.ncols() && self.coupling.norm_max() > 0.0 {
-            m + b
-        } else {
-            m
-        };
         let mut s = Mat::zeros(m + b, count);
         for i in 0..count {
             let from = count - 1 - i;
@@ -286,7 +282,7 @@ impl<'a> Basis<'a> {
             }
         }
         let mut y = Mat::zeros(self.v.nrows(), count);
-        add_product(y.as_mut(), 1.0, self.v.subcols(0, used), s.subrows(0, used));
+        add_product(y.as_mut(), 1.0, self.v.subcols(0, m + b), s.as_ref());
         y
     }
 
@@ -299,7 +295,7 @@ impl<'a> Basis<'a> {
         self.v.subcols_mut(0, keep).copy_from(&kept);
         self.v.subcols_mut(keep, b).copy_from(&next);
         self.size = keep;
-        self.reach = keep;
+        self.m_last = product(self.mass, kept.as_ref());
         self.band = self.band.max(keep + b);
         self.t = Mat::from_fn(keep, keep, |i, j| if i == j { ritz.theta[i] } else { 0.0 });
     }

@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 
 use crate::dense::{add_product, symmetric_eigen, transpose_product};
 use crate::factor::{Factor, Symbolic};
-use crate::lanczos::{Pairs, Target, lanczos};
+use crate::lanczos::{Target, lanczos};
 use crate::sparse::{product, shifted};
 use crate::{Corrections, FemError, ModalBasis, ModalSettings, ModalWork, Sturm, System};
 
@@ -67,13 +67,8 @@ pub fn modes(system: &System, settings: &ModalSettings) -> Result<ModalBasis, Fe
             Err(error) => return Err(error),
         };
         let count = factor.negative_eigenvalues();
-        let pairs = find(system, settings, &factor, edge, count)?;
-        work.block_steps += pairs.steps;
-        work.solves += pairs.steps * settings.block.clamp(1, k.nrows());
-        work.restarts += pairs.restarts;
-        let vectors = refine(system, &factor, &pairs.vectors, edge, settings.block)?;
-        work.solves += count;
-        let modes = Modes::new(system, vectors, edge);
+        let mut modes = Modes::new(system, find(system, settings, &factor, edge, count, &mut work)?, edge);
+        work.solves += modes.refine(system, &factor, edge, settings)?;
         storage = factor.into_storage();
         if attempt < ATTEMPTS && modes.lambda.iter().any(|&l| l > edge * (1.0 - GAP)) {
             upper_hz *= 1.0 + 1e-4 * attempt as f64;
@@ -112,65 +107,69 @@ pub fn modes(system: &System, settings: &ModalSettings) -> Result<ModalBasis, Fe
     })
 }
 
+/// The eigenvectors of the `count` eigenvalues below the edge, ascending.
 fn find(
     system: &System,
     settings: &ModalSettings,
     factor: &Factor<'_>,
     edge: f64,
     count: usize,
-) -> Result<Pairs, FemError> {
+    work: &mut ModalWork,
+) -> Result<Mat<f64>, FemError> {
+    let n = system.equations.len();
+    let block = settings.block.clamp(1, n);
     if count == 0 {
-        return Ok(Pairs {
-            vectors: Mat::zeros(system.equations.len(), 0),
-            steps: 0,
-            restarts: 0,
-        });
+        return Ok(Mat::zeros(n, 0));
     }
+    if 2 * count + 8 * block > n {
+        return dense(system, count);
+    }
+    let (tolerance, max_vectors) = (settings.residual_limit / 10.0, settings.max_vectors);
     let target = Target {
         count,
-        tolerance: settings.residual_limit / 10.0,
-        block: settings.block,
-        max_vectors: settings.max_vectors,
+        tolerance,
+        block,
+        max_vectors,
     };
-    lanczos(&system.mass, &target, |z| {
+    let pairs = lanczos(&system.mass, &target, |z| {
         let mut x = z.clone();
         factor.solve(x.as_mut())?;
         x *= Scale(edge);
         Ok(x)
-    })
+    })?;
+    work.block_steps += pairs.steps;
+    work.solves += pairs.steps * block;
+    work.restarts += pairs.restarts;
+    Ok(pairs.vectors)
 }
 
-/// One step of inverse iteration, which costs a solve for each mode and takes away the components of high modes that
-/// rounding leaves in the Lanczos basis: K would multiply them by their frequency squared and show them as residual.
-fn refine(
-    system: &System,
-    factor: &Factor<'_>,
-    vectors: &Mat<f64>,
-    edge: f64,
-    block: usize,
-) -> Result<Mat<f64>, FemError> {
-    let mut refined = product(&system.mass, vectors.as_ref());
-    for start in (0..refined.ncols()).step_by(block.max(1)) {
-        let width = block.max(1).min(refined.ncols() - start);
-        factor.solve(refined.subcols_mut(start, width))?;
+/// All of a model so small that the modes wanted are half of what there is: with M = U D U^T and S = U D^-1/2 the
+/// eigenvectors of S^T K S, times S.
+fn dense(system: &System, count: usize) -> Result<Mat<f64>, FemError> {
+    let n = system.equations.len();
+    let identity: Mat<f64> = Mat::identity(n, n);
+    let (d, mut s) = symmetric_eigen(product(&system.mass, identity.as_ref()).as_ref())?;
+    for (j, d) in d.iter().enumerate() {
+        s.col_mut(j).iter_mut().for_each(|x| *x /= d.sqrt());
     }
-    refined *= Scale(edge);
-    Ok(refined)
+    let reduced = transpose_product(s.as_ref(), product(&system.stiffness, s.as_ref()).as_ref());
+    let (_, y) = symmetric_eigen(reduced.as_ref())?;
+    let mut phi = Mat::zeros(n, count);
+    add_product(phi.as_mut(), 1.0, s.as_ref(), y.subcols(0, count));
+    Ok(phi)
 }
 
-/// Mass-normalised modes on the equations.
+/// Mass-normalised modes on the equations, lambda ascending up to rounding.
 struct Modes {
     lambda: Vec<f64>,
     phi: Mat<f64>,
     m_phi: Mat<f64>,
     residuals: Vec<f64>,
     rigid: Vec<bool>,
-    orthonormality: f64,
 }
 
 impl Modes {
-    fn new(system: &System, vectors: Mat<f64>, edge: f64) -> Self {
-        let mut phi = vectors;
+    fn new(system: &System, mut phi: Mat<f64>, edge: f64) -> Self {
         let mut m_phi = product(&system.mass, phi.as_ref());
         for i in 0..phi.ncols() {
             let scale = 1.0 / dot(phi.as_ref(), m_phi.as_ref(), i).sqrt();
@@ -178,42 +177,89 @@ impl Modes {
             m_phi.col_mut(i).iter_mut().for_each(|x| *x *= scale);
         }
         let k_phi = product(&system.stiffness, phi.as_ref());
-        let gram = transpose_product(phi.as_ref(), m_phi.as_ref());
-        let orthonormality = (0..gram.ncols())
-            .flat_map(|j| (0..gram.nrows()).map(move |i| (i, j)))
-            .map(|(i, j)| (gram[(i, j)] - f64::from(u8::from(i == j))).abs())
-            .fold(0.0, f64::max);
         let lambda: Vec<f64> = (0..phi.ncols()).map(|i| dot(phi.as_ref(), k_phi.as_ref(), i)).collect();
         let rigid: Vec<bool> = lambda.iter().map(|l| l.abs() < RIGID * edge).collect();
-        let elastic = lambda
-            .iter()
-            .zip(&rigid)
-            .filter(|(_, r)| !**r)
-            .map(|(l, _)| *l)
-            .fold(edge, f64::min);
-        let residuals = (0..phi.ncols())
+        let mut modes = Self {
+            lambda,
+            phi,
+            m_phi,
+            residuals: Vec::new(),
+            rigid,
+        };
+        let elastic = modes.elastic(edge);
+        modes.residuals = (0..modes.lambda.len())
             .map(|i| {
-                let (value, scale) = if rigid[i] {
+                let lambda = modes.lambda[i];
+                let (value, scale) = if modes.rigid[i] {
                     (0.0, elastic)
                 } else {
-                    (lambda[i], lambda[i])
+                    (lambda, lambda)
                 };
                 let (mut difference, mut size) = (0.0, 0.0);
-                for (a, b) in k_phi.col(i).iter().zip(m_phi.col(i).iter()) {
+                for (a, b) in k_phi.col(i).iter().zip(modes.m_phi.col(i).iter()) {
                     difference += (a - value * b).powi(2);
                     size += (scale * b).powi(2);
                 }
                 (difference / size).sqrt()
             })
             .collect();
-        Self {
-            lambda,
-            phi,
-            m_phi,
-            residuals,
-            rigid,
-            orthonormality,
+        modes
+    }
+
+    /// Takes modes whose residual is above half the limit through one step of inverse iteration, and says how many.
+    ///
+    /// Rounding leaves components of high modes in the Lanczos basis, which K multiplies by their frequency squared; a
+    /// solve divides them by it again. The low modes of large models need it.
+    fn refine(
+        &mut self,
+        system: &System,
+        factor: &Factor<'_>,
+        edge: f64,
+        settings: &ModalSettings,
+    ) -> Result<usize, FemError> {
+        let poor: Vec<usize> = (0..self.lambda.len())
+            .filter(|&i| self.residuals[i] > settings.residual_limit / 2.0)
+            .collect();
+        for chosen in poor.chunks(settings.block.max(1)) {
+            let mut x = Mat::from_fn(self.phi.nrows(), chosen.len(), |r, c| self.m_phi[(r, chosen[c])]);
+            factor.solve(x.as_mut())?;
+            // Near the edge a solve magnifies; what it makes of the other modes is taken out again.
+            let mut c = transpose_product(self.m_phi.as_ref(), x.as_ref());
+            chosen.iter().enumerate().for_each(|(column, &i)| c[(i, column)] = 0.0);
+            add_product(x.as_mut(), -1.0, self.phi.as_ref(), c.as_ref());
+            let refined = Self::new(system, x, edge);
+            for (c, &i) in chosen.iter().enumerate() {
+                // The residual of a rigid mode refers to the first elastic one, which may not be in this chunk.
+                let elastic = self.elastic(edge);
+                let of_chunk = refined.elastic(edge);
+                let scale = if refined.rigid[c] { of_chunk / elastic } else { 1.0 };
+                self.lambda[i] = refined.lambda[c];
+                self.rigid[i] = refined.rigid[c];
+                self.residuals[i] = refined.residuals[c] * scale;
+                self.phi.col_mut(i).copy_from(refined.phi.col(c));
+                self.m_phi.col_mut(i).copy_from(refined.m_phi.col(c));
+            }
         }
+        Ok(poor.len())
+    }
+
+    /// The lowest lambda of an elastic mode, or the edge when there is none.
+    fn elastic(&self, edge: f64) -> f64 {
+        self.lambda
+            .iter()
+            .zip(&self.rigid)
+            .filter(|(_, r)| !**r)
+            .map(|(l, _)| *l)
+            .fold(edge, f64::min)
+    }
+
+    /// Largest entry of |Phi^T M Phi - I|.
+    fn orthonormality(&self) -> f64 {
+        let gram = transpose_product(self.phi.as_ref(), self.m_phi.as_ref());
+        (0..gram.ncols())
+            .flat_map(|j| (0..gram.nrows()).map(move |i| (i, j)))
+            .map(|(i, j)| (gram[(i, j)] - f64::from(u8::from(i == j))).abs())
+            .fold(0.0, f64::max)
     }
 
     /// Residual vectors: what the modes above contribute to the response to each load.
@@ -270,7 +316,7 @@ impl Modes {
             shapes: expand(system, sorted.as_ref()),
             residuals: order.iter().map(|&i| self.residuals[i]).collect(),
             rigid: order.iter().map(|&i| self.rigid[i]).collect(),
-            orthonormality: self.orthonormality,
+            orthonormality: self.orthonormality(),
             sturm,
             corrections,
             work,

@@ -1,0 +1,105 @@
+//! Elastic constants: what is refused, and how they turn.
+
+mod bodies;
+
+use nailnoise_fem::{FemError, Material, Orthotropic};
+use nalgebra::{Matrix3, Matrix6, Rotation3, Vector3};
+
+#[test]
+fn isotropic_stiffness_is_that_of_lame() {
+    let (e, nu) = (210e9, 0.3);
+    let material = Material::isotropic(e, nu, 7850.0).unwrap();
+    let (lambda, mu) = (e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), e / (2.0 * (1.0 + nu)));
+    let mut c = Matrix6::from_diagonal(&[2.0 * mu, 2.0 * mu, 2.0 * mu, mu, mu, mu].into());
+    c.fixed_view_mut::<3, 3>(0, 0).add_scalar_mut(lambda);
+    assert!((material.stiffness() - c).amax() < 1e-12 * e);
+    assert!((material.slowest_speed() - (mu / 7850.0).sqrt()).abs() < 1e-9);
+}
+
+#[test]
+fn isotropic_stiffness_does_not_turn() {
+    let constants = Orthotropic {
+        e_1: 1e9,
+        e_2: 1e9,
+        e_3: 1e9,
+        g_12: 1e9 / 2.5,
+        g_13: 1e9 / 2.5,
+        g_23: 1e9 / 2.5,
+        nu_12: 0.25,
+        nu_13: 0.25,
+        nu_23: 0.25,
+    };
+    let turned = Rotation3::from_euler_angles(0.3, -0.8, 1.1).into_inner();
+    let a = Material::orthotropic(&constants, &turned, 1.0).unwrap();
+    let b = Material::isotropic(1e9, 0.25, 1.0).unwrap();
+    assert!((a.stiffness() - b.stiffness()).amax() < 1e-6);
+}
+
+#[test]
+fn compliance_along_a_material_axis_is_one_over_its_modulus() {
+    // The block's x = L, y = T, z = R.
+    let s = bodies::pine_block().stiffness().try_inverse().unwrap();
+    let pine = bodies::PINE;
+    let expected = [
+        ((0, 0), 1.0 / pine.e_1),
+        ((1, 1), 1.0 / pine.e_3),
+        ((2, 2), 1.0 / pine.e_2),
+        ((3, 3), 1.0 / pine.g_23),
+        ((4, 4), 1.0 / pine.g_12),
+        ((5, 5), 1.0 / pine.g_13),
+        ((0, 1), -pine.nu_13 / pine.e_1),
+        ((0, 2), -pine.nu_12 / pine.e_1),
+        ((1, 2), -pine.nu_23 / pine.e_2),
+    ];
+    for ((i, j), value) in expected {
+        assert!(
+            (s[(i, j)] - value).abs() < 1e-9 * value.abs(),
+            "{i} {j}: {} against {value}",
+            s[(i, j)]
+        );
+    }
+    // A quarter turn about L swaps R and T.
+    let axes = Matrix3::from_columns(&[Vector3::x(), Vector3::y(), Vector3::z()]);
+    let swapped = Material::orthotropic(&pine, &axes, 429.46)
+        .unwrap()
+        .stiffness()
+        .try_inverse()
+        .unwrap();
+    assert!((swapped[(1, 1)] - 1.0 / pine.e_2).abs() < 1e-9 / pine.e_2);
+}
+
+#[test]
+fn impossible_constants_are_refused() {
+    let wood = bodies::PINE;
+    let identity = Matrix3::identity();
+    assert!(matches!(
+        Material::isotropic(-1.0, 0.3, 1.0),
+        Err(FemError::NotPositive { .. })
+    ));
+    assert!(matches!(
+        Material::isotropic(1e9, 0.3, f64::NAN),
+        Err(FemError::NotPositive { .. })
+    ));
+    assert!(matches!(
+        Material::isotropic(1e9, 0.5, 1.0),
+        Err(FemError::NotPositiveDefinite { .. })
+    ));
+    assert!(matches!(
+        Material::isotropic(1e9, -1.5, 1.0),
+        Err(FemError::NotPositiveDefinite { .. })
+    ));
+    // nu_12 as large as sqrt(E_1 / E_2) stores no energy in some strain.
+    let soft = Orthotropic {
+        nu_12: (wood.e_1 / wood.e_2).sqrt(),
+        ..wood
+    };
+    assert!(matches!(
+        Material::orthotropic(&soft, &identity, 1.0),
+        Err(FemError::NotPositiveDefinite { .. })
+    ));
+    let skew = Matrix3::from_columns(&[Vector3::x(), Vector3::y(), Vector3::new(0.0, 0.6, 0.9)]);
+    assert!(matches!(
+        Material::orthotropic(&wood, &skew, 1.0),
+        Err(FemError::Axes { .. })
+    ));
+}
