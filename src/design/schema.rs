@@ -1,7 +1,7 @@
 //! One declaration per key: its place, type, dimension, symbol, limits and description.
 //!
-//! [`group!`] turns a declaration into the struct the rest of the program reads, and into the [`GroupSpec`] by which the
-//! design file is read, checked and documented. Nothing about a key stands anywhere else.
+//! [`group!`] turns a declaration into the struct the rest of the program reads, and into the [`GroupSpec`] by which
+//! the design file is read, checked and documented. Nothing about a key stands anywhere else.
 
 use super::dimension::{Dimension, NUMBER, PRESSURE};
 
