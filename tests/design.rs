@@ -33,6 +33,16 @@ fn render(diagnostic: &dyn Diagnostic) -> String {
     text
 }
 
+/// The text with the lines and columns of the N80CB's file left out, so that editing the file changes no snapshot.
+fn without_base_lines(text: &str) -> String {
+    let mut parts = text.split("n80cb.toml:");
+    let first = parts.next().unwrap_or("").to_owned();
+    parts.fold(first, |text, part| {
+        let rest = part.trim_start_matches(|c: char| c.is_ascii_digit() || c == ':');
+        format!("{text}n80cb.toml:LINE{rest}")
+    })
+}
+
 fn entries(design: &Design) -> BTreeMap<String, Entry> {
     design
         .entries()
@@ -503,7 +513,7 @@ fn bad_designs_are_refused_with_file_line_key_and_remedy() {
         assert!(text.lines().count() <= 24, "{stem} fills more than a screen:\n{text}");
         gallery.push_str(&format!("{stem}\n{text}\n"));
     }
-    insta::assert_snapshot!(gallery);
+    insta::assert_snapshot!(without_base_lines(&gallery));
 }
 
 #[test]
