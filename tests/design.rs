@@ -1,6 +1,7 @@
 //! The design file: what it reads, what it derives, what it refuses and how it says so.
 
 use std::collections::BTreeMap;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use std::fs;
 use std::path::Path;
 
@@ -30,6 +31,16 @@ fn render(diagnostic: &dyn Diagnostic) -> String {
         .render_report(&mut text, diagnostic)
         .expect("writing to a string");
     text
+}
+
+/// The text with the lines and columns of the N80CB's file left out, so that editing the file changes no snapshot.
+fn without_base_lines(text: &str) -> String {
+    let mut parts = text.split("n80cb.toml:");
+    let first = parts.next().unwrap_or("").to_owned();
+    parts.fold(first, |text, part| {
+        let rest = part.trim_start_matches(|c: char| c.is_ascii_digit() || c == ':');
+        format!("{text}n80cb.toml:LINE{rest}")
+    })
 }
 
 fn entries(design: &Design) -> BTreeMap<String, Entry> {
@@ -82,8 +93,8 @@ const PRIMARY: &[(&str, f64, [f64; 2])] = &[
     ("head_valve.spring_preload", 0.0003, [0.0003, 0.0015]),
     ("head_valve.intake_lap", 0.0014, [0.0005, 0.002]),
     ("head_valve.exhaust_lap", 0.0012, [0.0005, 0.002]),
-    ("head_valve.intake_angle", 0.7853981633974483, [0.5235987755982988, 1.0471975511965976]),
-    ("head_valve.exhaust_angle", 0.7853981633974483, [0.5235987755982988, 1.5707963267948966]),
+    ("head_valve.intake_angle", FRAC_PI_4, [0.5235987755982988, 1.0471975511965976]),
+    ("head_valve.exhaust_angle", FRAC_PI_4, [0.5235987755982988, FRAC_PI_2]),
     ("head_valve.exhaust_seat_diameter", 0.051, [0.03, 0.055]),
     ("chambers.above_piston", 2.5e-05, [1e-05, 6e-05]),
     ("chambers.below_piston", 1.5e-05, [5e-06, 4e-05]),
@@ -307,12 +318,9 @@ fn the_digest_follows_the_values_and_nothing_else() {
         "piston = { mass = \"131e-3 kg\" }",
         "piston.stroke = \"4.773622047244094 in\"",
         "ambient.temperature = 293.15",
-        "supply.pressure = \"95.99609 psig\"\nsupply.pressure.note = \"\"",
+        "supply.pressure = { range = \"0 .. 2 MPa\", provenance = \"decided\" }",
     ] {
-        if let Ok(design) = over(same) {
-            let same_pressure = (design.supply.pressure - base.supply.pressure).abs() < 1e-6;
-            assert_eq!(design.digest() == base.digest(), same_pressure, "{same}");
-        }
+        assert_eq!(changed(same).digest(), base.digest(), "{same}");
     }
     for entry in base.entries() {
         let text = match entry.value {
@@ -340,6 +348,65 @@ fn a_program_may_change_values_and_check_them() {
         design.conflict().unwrap().keys(),
         ["nail.length", "workpiece.thickness"]
     );
+}
+
+/// Values that do not go together: what the design says, and the key at which the error points.
+const CONFLICTS: &[(&str, &str)] = &[
+    ("nail.head_thickness = \"83 mm\"", "nail.head_thickness"),
+    ("nail.diameter = \"8 mm\"", "nail.diameter"),
+    ("nail.tip_gap = \"122 mm\"", "nail.tip_gap"),
+    ("head_valve.seat_diameter = \"50 mm\"", "head_valve.seat_diameter"),
+    ("head_valve.outer_diameter = \"63 mm\"", "head_valve.outer_diameter"),
+    ("head_valve.intake_lap = \"4.7 mm\"", "head_valve.intake_lap"),
+    (
+        "chambers.check_hole_position = \"130 mm\"",
+        "chambers.check_hole_position",
+    ),
+    ("piston.friction.static_force = 11", "piston.friction"),
+    ("head_valve.friction.sliding_force = 27", "head_valve.friction"),
+    ("nail.offset_along = \"200 mm\"", "nail.offset_along"),
+    ("nail.offset_across = \"-65 mm\"", "nail.offset_across"),
+    ("support.worktable.length = \"400 mm\"", "support.worktable.length"),
+    (
+        "support.worktable.leg_width = \"200 mm\"",
+        "support.worktable.leg_width",
+    ),
+    ("support.worktable.height = \"30 mm\"", "support.worktable.height"),
+    ("support.worktable.top.nu13 = 4", "support.worktable.top"),
+    ("support.worktable.legs.nu23 = -1.4", "support.worktable.legs"),
+    (
+        "support = { kind = \"sandbox\", sand.box_width = \"150 mm\" }",
+        "support.sand.box_width",
+    ),
+    (
+        "support = { kind = \"sandbox\", sand.box_depth = \"95 mm\" }",
+        "support.sand.box_depth",
+    ),
+    (
+        "support = { kind = \"sandbox\", sand.poisson_ratio = 0.6 }",
+        "support.sand.poisson_ratio",
+    ),
+    ("ambient.heat_capacity_ratio = 1", "ambient.heat_capacity_ratio"),
+    ("analysis.range_low = \"10 kHz\"", "range of the ranking"),
+    ("analysis.time_step = \"20 us\"", "time step of 20 us"),
+    ("analysis.cycle_tail = \"0.3 s\"", "analysis.cycle_tail"),
+];
+
+#[test]
+fn values_that_do_not_go_together_are_refused() {
+    for (text, named) in CONFLICTS {
+        let error = over(text).expect_err(text);
+        assert!(matches!(error, DesignError::Conflict { .. }), "{text}: {error}");
+        assert!(
+            error.to_string().contains(named),
+            "{text}: {error} does not name {named}"
+        );
+        assert_eq!(error.place().unwrap().line(), 2, "{text}: {}", render(&error));
+        assert!(!error.remedy().is_empty());
+    }
+    // What the support does not use is not checked.
+    changed("support.sand.box_width = \"150 mm\"");
+    changed("support = { kind = \"sandbox\", worktable.length = \"400 mm\" }");
 }
 
 #[test]
@@ -383,7 +450,7 @@ const BAD: &[(&str, usize, &str, &str)] = &[
     ("loop-a", 2, "loop-b.toml", "remove `base`"),
     ("loop-b", 1, "loop-a.toml", "remove `base`"),
     ("malformed", 3, "TOML", "[supply]"),
-    ("missing-base", 1, "n80bc.toml", "did you mean `tests/data/bad/../../../designs/n80cb.toml`"),
+    ("missing-base", 1, "n80bc.toml", "did you mean `designs/n80cb.toml`"),
     ("nan", 4, "tool.mass", "finite"),
     ("negative-mass", 4, "piston.mass", "above zero"),
     ("no-base", 1, "supply.pressure", "base = \"n80cb.toml\""),
@@ -440,13 +507,13 @@ fn bad_designs_are_refused_with_file_line_key_and_remedy() {
         // A loop is closed by the other file of the two.
         let named = if stem.starts_with("loop") { "loop-" } else { stem };
         assert!(
-            text.contains(&format!("{named}")) && text.contains(&format!(".toml:{line}:")),
+            text.contains(named) && text.contains(&format!(".toml:{line}:")),
             "{stem}:\n{text}"
         );
         assert!(text.lines().count() <= 24, "{stem} fills more than a screen:\n{text}");
         gallery.push_str(&format!("{stem}\n{text}\n"));
     }
-    insta::assert_snapshot!(gallery);
+    insta::assert_snapshot!(without_base_lines(&gallery));
 }
 
 #[test]
@@ -495,7 +562,7 @@ fn the_examples_of_the_reference_load() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 512, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// Whatever a slip of the hand does to the file, the answer is a design or an error that can be shown.
     #[test]
@@ -520,7 +587,9 @@ proptest! {
 
     /// Any text as a value is a number of the right dimension or an error.
     #[test]
-    fn any_value_never_panics(value in "(\\PC{0,12}|[-+]?[0-9.eE_,]{0,8} ?[a-zA-Z0-9/*^() \u{b0}\u{b5}\u{b2}-]{0,10})") {
+    fn any_value_never_panics(
+        value in "(\\PC{0,12}|[-+]?[0-9.eE_,]{0,8} ?[a-zA-Z0-9/*^() \u{b0}\u{b5}\u{b2}-]{0,10})"
+    ) {
         let value = value.replace(['\\', '"'], "");
         for key in ["supply.pressure", "wood.slenderness_term", "ambient.temperature"] {
             for text in [format!("{key} = \"{value}\""), format!("{key}.range = \"{value} .. {value}\"")] {

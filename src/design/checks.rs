@@ -47,7 +47,8 @@ pub enum Conflict {
         preload: f64,
     },
     /// Static friction below sliding friction.
-    #[error("`{group}` has less static ({} N) than sliding friction ({} N)", Short(*static_force), Short(*sliding_force))]
+    #[error("`{group}` has less static ({} N) than sliding friction ({} N)",
+        Short(*static_force), Short(*sliding_force))]
     Friction {
         /// The group.
         group: &'static str,
@@ -181,7 +182,7 @@ impl Conflict {
             }
             Self::NotElastic { group, .. } => {
                 format!(
-                    "lower the Poisson's ratios of `{group}`: nu_ij^2 < E_i/E_j must hold, and their determinant be positive"
+                    "lower the Poisson's ratios of `{group}`: nu_ij^2 < E_i/E_j must hold, and all minors be positive"
                 )
             }
             Self::Incompressible { key, .. } => format!("give `{key}` a value below 0.5"),
@@ -489,7 +490,7 @@ impl Wood {
 }
 
 /// Positive definiteness of the compliance of an orthotropic solid: with r_ij = nu_ij sqrt(E_j/E_i), every
-/// 1 - r_ij^2 > 0 and 1 - r_12^2 - r_13^2 - r_23^2 - 2 r_12 r_13 r_23 > 0 (the shear moduli are above zero by themselves).
+/// 1 - r_ij^2 > 0 and 1 - r_12^2 - r_13^2 - r_23^2 - 2 r_12 r_13 r_23 > 0; the shear moduli are positive by themselves.
 fn elastic(group: &'static str, c: &Orthotropic) -> Option<Conflict> {
     let r12 = c.nu12 * (c.e2 / c.e1).sqrt();
     let r13 = c.nu13 * (c.e3 / c.e1).sqrt();

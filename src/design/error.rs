@@ -330,7 +330,7 @@ impl DesignError {
             Self::WrongUnit { key, expected, .. } => format!("give `{key}` in one of {}", expected.examples()),
             Self::Gauge { key, .. } => format!("give `{key}` as absolute pressure: kPa, bar, psi"),
             Self::NotFinite { key, .. } => format!("give `{key}` a finite number"),
-            Self::OutsideLimits { key, allowed, .. } => format!("give `{key}` a value {allowed}"),
+            Self::OutsideLimits { key, allowed, .. } => format!("give `{key}` a value that is {allowed}"),
             Self::BadRange { key, .. } => format!("write the lower end of the range of `{key}` first"),
             Self::BadProvenance { .. } => "begin with published, computed, estimated, decided, numerical, constant or \
                 design; the source may follow a colon: \"published: thesis Table 4-3\""

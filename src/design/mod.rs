@@ -141,8 +141,8 @@ impl Design {
 
     /// SHA-256 of all values in hexadecimal digits.
     ///
-    /// It is the same for two designs whose values agree to twelve digits, however and in whichever files and units they
-    /// are written, and whatever is said about provenance and range.
+    /// It is the same for two designs whose values agree to twelve digits, however and in whichever files and units
+    /// they are written, and whatever is said about provenance and range.
     pub fn digest(&self) -> String {
         let mut text = String::new();
         self.values.visit("", &mut |key, _, value| {

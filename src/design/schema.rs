@@ -1,7 +1,7 @@
 //! One declaration per key: its place, type, dimension, symbol, limits and description.
 //!
-//! [`group!`] turns a declaration into the struct the rest of the program reads, and into the [`GroupSpec`] by which the
-//! design file is read, checked and documented. Nothing about a key stands anywhere else.
+//! [`group!`] turns a declaration into the struct the rest of the program reads, and into the [`GroupSpec`] by which
+//! the design file is read, checked and documented. Nothing about a key stands anywhere else.
 
 use super::dimension::{Dimension, NUMBER, PRESSURE};
 
@@ -233,19 +233,30 @@ fn join(doc: &[&str]) -> String {
     doc.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" ")
 }
 
+/// The symbol of a key for its documentation, where it has one.
+macro_rules! symbol {
+    ("") => {
+        ""
+    };
+    ($symbol:tt) => {
+        concat!("\nSymbol: ", $symbol, ".")
+    };
+}
+pub(crate) use symbol;
+
 /// Declares a group: documentation, then `name: type = kind, "symbol";` for each key, then the groups within it.
 macro_rules! group {
     (
         $(#[doc = $doc:literal])+
         $Group:ident {
-            $($(#[doc = $key_doc:literal])+ $key:ident: $ty:ty = $kind:expr, $symbol:literal;)*
+            $($(#[doc = $key_doc:literal])+ $key:ident: $ty:ty = $kind:expr, $symbol:tt;)*
         }
         $(groups { $($sub:ident: $Sub:ident,)+ })?
     ) => {
         $(#[doc = $doc])+
         #[derive(Debug, Clone, PartialEq, serde::Serialize)]
         pub struct $Group {
-            $($(#[doc = $key_doc])+ #[doc = concat!("\nSymbol ", $symbol, " (SI units).")] pub $key: $ty,)*
+            $($(#[doc = $key_doc])+ #[doc = $crate::design::schema::symbol!($symbol)] pub $key: $ty,)*
             $($(#[doc = concat!("See [`", stringify!($Sub), "`].")] pub $sub: $Sub,)+)?
         }
 

@@ -398,7 +398,7 @@ fn found_value(value: &DeValue<'_>) -> String {
 }
 
 /// What kind of value it is, with the value where it is short.
-fn found(value: &DeValue<'_>) -> String {
+pub(crate) fn found(value: &DeValue<'_>) -> String {
     match value {
         DeValue::String(_) => format!("the text {}", found_value(value)),
         DeValue::Integer(_) | DeValue::Float(_) => format!("the number {}", found_value(value)),

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::fs;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
 use miette::NamedSource;
@@ -114,13 +114,13 @@ impl File {
         let DeValue::String(name) = value.get_ref() else {
             return Err(DesignError::WrongKind {
                 key: "base".to_owned(),
-                found: value.get_ref().type_str().to_owned(),
+                found: super::settings::found(value.get_ref()),
                 expected: "as the name of a design file, in quotes".to_owned(),
                 at: place,
             });
         };
         let folder = self.path.parent().unwrap_or(Path::new(""));
-        Ok(Some((folder.join(name.as_ref()), place)))
+        Ok(Some((tidy(&folder.join(name.as_ref())), place)))
     }
 
     /// This file and those it inherits from, the nearest first.
@@ -141,6 +141,28 @@ impl File {
             chain.push(Self::read(&path, Some(&at))?);
         }
         Ok(chain)
+    }
+}
+
+/// The path without `a/..`, where that names the same folder: `..` behind a symbolic link may not.
+fn tidy(path: &Path) -> PathBuf {
+    let mut tidy = PathBuf::new();
+    for part in path.components() {
+        match (part, tidy.components().next_back()) {
+            (Component::ParentDir, Some(Component::Normal(_))) => {
+                tidy.pop();
+            }
+            (Component::CurDir, _) => {}
+            _ => tidy.push(part),
+        }
+    }
+    let folder = |path: &Path| {
+        let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+        fs::canonicalize(parent.unwrap_or(Path::new("."))).ok()
+    };
+    match (folder(&tidy), folder(path)) {
+        (Some(own), Some(other)) if own == other => tidy,
+        _ => path.to_owned(),
     }
 }
 

@@ -31,7 +31,7 @@ pub const EVENT_NAMES: [&str; 19] = [
 ];
 
 /// `levels.csv`: one-third-octave bands by sources, unweighted; then the A-weighted total of each. Silence is empty.
-pub fn levels(result: &RunResult) -> String {
+pub(super) fn levels(result: &RunResult) -> String {
     let mut text = String::from("band_hz");
     for source in &result.ranking {
         let _ = write!(text, ",{}_lw_db", source.source);
@@ -56,7 +56,7 @@ pub fn levels(result: &RunResult) -> String {
 }
 
 /// `events.csv`: symbol, what it is, time. An event that does not occur has no time.
-pub fn events(events: &Events) -> String {
+pub(super) fn events(events: &Events) -> String {
     let mut text = String::from("event,description,time_s\n");
     for (index, (time, name)) in events.to_array().iter().zip(EVENT_NAMES).enumerate() {
         let _ = writeln!(text, "t{index},{name},{}", optional(*time, 9));
@@ -65,7 +65,7 @@ pub fn events(events: &Events) -> String {
 }
 
 /// `histories.csv`: time and every history of the cycle.
-pub fn histories(record: &CycleRecord) -> String {
+pub(super) fn histories(record: &CycleRecord) -> String {
     let columns = columns(record);
     let mut text = String::from("time [s]");
     for column in &columns {

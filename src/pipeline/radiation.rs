@@ -135,12 +135,19 @@ fn radiating(body: &Body, hidden: impl Fn(&str, &Point3<f64>) -> bool) -> Result
                 .sum();
         }
     }
+    let mut patches: Vec<usize> = points.iter().map(|p| surface.faces[p.face].patch).collect();
+    let mut shown = patches.clone();
+    shown.sort_unstable();
+    shown.dedup(); // a patch that is wholly hidden has no level to show
+    for patch in &mut patches {
+        *patch = shown.partition_point(|p| p < patch);
+    }
     Ok(RadiatingSurface::new(
         points.iter().map(|p| p.position).collect(),
         points.iter().map(|p| p.normal).collect(),
         points.iter().map(|p| p.weight).collect(),
-        points.iter().map(|p| surface.faces[p.face].patch).collect(),
-        surface.patches.clone(),
+        patches,
+        shown.iter().map(|&patch| surface.patches[patch].clone()).collect(),
         modes,
     )?)
 }

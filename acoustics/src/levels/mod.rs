@@ -15,16 +15,20 @@ pub use weighting::Weighting;
 /// Reference sound energy: 1 pW over 1 s [J].
 pub const REFERENCE_ENERGY: f64 = 1e-12;
 
+/// Energy below which a source is silent \[J\]: k_B T at 20 °C, the thermal energy of a single degree of freedom of the
+/// air, 84 dB below the reference. What a chain of computations leaves of zero lies far below it, no sound does.
+pub const SILENCE: f64 = 1.380_649e-23 * 293.15;
+
 /// A level in decibels; a source that radiates nothing has none.
 pub type Level = Option<f64>;
 
-/// Single-event sound power level of a sound energy \[J\]; `None` for silence.
+/// Single-event sound power level of a sound energy \[J\]; `None` for [silence](SILENCE).
 ///
 /// ```text
 /// L_W,1s = 10 lg(E / (1 pW x 1 s))
 /// ```
 pub fn energy_level(energy: f64) -> Level {
-    (energy > 0.0).then(|| 10.0 * (energy / REFERENCE_ENERGY).log10())
+    (energy > SILENCE).then(|| 10.0 * (energy / REFERENCE_ENERGY).log10())
 }
 
 /// Sound energy \[J\] of a single-event level; the inverse of [`energy_level`].
