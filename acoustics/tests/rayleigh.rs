@@ -1,4 +1,5 @@
 //! Rayleigh's integral against closed forms, and the laws of a radiation resistance.
+#![allow(clippy::unwrap_used)]
 
 mod common;
 

@@ -1,4 +1,5 @@
 //! Sand around a flush block.
+#![allow(clippy::unwrap_used)]
 
 mod common;
 

@@ -34,7 +34,7 @@ pub struct Rayleigh {
 /// Two evaluations of the same resistance at one frequency: plane waves (far field) and pairs of points (surface).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SecondEvaluation {
-    /// Frequency [Hz].
+    /// Frequency \[Hz\].
     pub hz: f64,
     /// Largest difference of an entry R_ij over sqrt(R_ii R_jj).
     pub difference: f64,
