@@ -1,7 +1,7 @@
 use crate::error::{AcousticsError, positive};
 use serde::{Deserialize, Serialize};
 
-/// Specific gas constant of dry air [J/(kg K)] (ISO 2533).
+/// Specific gas constant of dry air \[J/(kg K)\] (ISO 2533).
 pub const GAS_CONSTANT: f64 = 287.052_874;
 /// Ratio of the specific heats of air.
 pub const HEAT_RATIO: f64 = 1.4;
@@ -16,18 +16,18 @@ pub const HEAT_RATIO: f64 = 1.4;
 /// rho0 by less than 1 % at room temperature, together below 0.05 dB.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Air {
-    /// Ambient temperature T_a [K].
+    /// Ambient temperature T_a \[K\].
     pub temperature: f64,
-    /// Ambient pressure P_a [Pa].
+    /// Ambient pressure P_a \[Pa\].
     pub pressure: f64,
-    /// Density rho0 [kg/m³].
+    /// Density rho0 \[kg/m³\].
     pub density: f64,
-    /// Speed of sound c0 [m/s].
+    /// Speed of sound c0 \[m/s\].
     pub sound_speed: f64,
 }
 
 impl Air {
-    /// Air at `temperature` [K] and `pressure` [Pa].
+    /// Air at `temperature` \[K\] and `pressure` \[Pa\].
     ///
     /// # Errors
     /// [`AcousticsError::NotPositive`] for a temperature or pressure that is not above zero.
@@ -37,7 +37,7 @@ impl Air {
         Ok(Self::perfect_gas(temperature, pressure))
     }
 
-    /// Characteristic impedance rho0 c0 [Pa s/m].
+    /// Characteristic impedance rho0 c0 \[Pa s/m\].
     pub fn impedance(&self) -> f64 {
         self.density * self.sound_speed
     }

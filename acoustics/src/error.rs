@@ -1,7 +1,7 @@
 use thiserror::Error;
 
 /// What can go wrong between a motion or a flow and its sound power.
-#[derive(Debug, Clone, PartialEq, Error)]
+#[derive(Debug, Error)]
 pub enum AcousticsError {
     /// Two arrays that describe the same thing differ in length.
     #[error("{what}: {found} values where {expected} are needed; give both on the same points or samples")]
@@ -46,11 +46,11 @@ pub enum AcousticsError {
     /// The analysed range is empty or reaches above half the sampling frequency.
     #[error("the range {low} to {high} Hz is empty or reaches above {nyquist} Hz, half the sampling frequency")]
     Range {
-        /// Lower end [Hz].
+        /// Lower end \[Hz\].
         low: f64,
-        /// Upper end [Hz].
+        /// Upper end \[Hz\].
         high: f64,
-        /// Highest frequency the samples can carry [Hz].
+        /// Highest frequency the samples can carry \[Hz\].
         nyquist: f64,
     },
     /// A record is too short to be transformed.
@@ -66,9 +66,9 @@ pub enum AcousticsError {
     /// Frequencies do not rise strictly.
     #[error("the frequency {next} Hz follows {previous} Hz; a spectrum's frequencies rise strictly")]
     Frequencies {
-        /// A frequency [Hz].
+        /// A frequency \[Hz\].
         previous: f64,
-        /// The one after it [Hz].
+        /// The one after it \[Hz\].
         next: f64,
     },
     /// The Rayleigh integral was asked for a surface that is not one plane facing up.
@@ -79,9 +79,9 @@ pub enum AcousticsError {
     NotPlanar {
         /// Index of the quadrature point.
         point: usize,
-        /// Distance from the plane [m].
+        /// Distance from the plane \[m\].
         offset: f64,
-        /// Height of the plane [m].
+        /// Height of the plane \[m\].
         plane: f64,
         /// Vertical component of the point's normal.
         normal: f64,
@@ -99,9 +99,9 @@ pub enum AcousticsError {
     /// The block's footprint does not lie inside the sand box.
     #[error("the footprint {footprint:?} m (x, y) does not lie inside the sand box {sand:?} m; enlarge the box")]
     SandBox {
-        /// Half-open intervals of the block's top, x then y [m].
+        /// Half-open intervals of the block's top, x then y \[m\].
         footprint: [[f64; 2]; 2],
-        /// Intervals of the sand surface, x then y [m].
+        /// Intervals of the sand surface, x then y \[m\].
         sand: [[f64; 2]; 2],
     },
     /// The radiation matrix was not resolved over frequency with the samples allowed.
@@ -110,7 +110,7 @@ pub enum AcousticsError {
          above the tolerance {tolerance:.1e}; allow more samples or a larger tolerance"
     )]
     Unresolved {
-        /// Middle of the worst interval [Hz].
+        /// Middle of the worst interval \[Hz\].
         hz: f64,
         /// Its estimated relative error.
         error: f64,
@@ -119,6 +119,9 @@ pub enum AcousticsError {
         /// Error asked for.
         tolerance: f64,
     },
+    /// The mesh has no such patch or quadrature.
+    #[error(transparent)]
+    Mesh(#[from] nailnoise_meshes::MeshError),
     /// Exhaust holes so close that their jets merge.
     #[error(
         "{count} holes of {diameter} m stand {pitch} m apart; below three diameters their jets merge: give a larger \
@@ -127,11 +130,11 @@ pub enum AcousticsError {
     MergingJets {
         /// Number of holes.
         count: usize,
-        /// Hole diameter [m].
+        /// Hole diameter \[m\].
         diameter: f64,
-        /// Distance between centres [m].
+        /// Distance between centres \[m\].
         pitch: f64,
-        /// Diameter of one hole of the same area [m].
+        /// Diameter of one hole of the same area \[m\].
         merged: f64,
     },
 }

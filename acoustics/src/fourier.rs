@@ -13,9 +13,9 @@ use std::sync::Arc;
 /// How a record becomes a spectrum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TransformSettings {
-    /// Analysed range [Hz]; the bins kept cover it.
+    /// Analysed range \[Hz\]; the bins kept cover it.
     pub range_hz: [f64; 2],
-    /// Length of the cosine taper at the end of the record [s].
+    /// Length of the cosine taper at the end of the record \[s\].
     pub taper: f64,
     /// Least ratio of transform length to record length; from 2 on the samples of |X|² determine it everywhere.
     pub padding: f64,
@@ -55,7 +55,7 @@ impl std::fmt::Debug for Transform {
 }
 
 impl Transform {
-    /// A transform for records of `samples` values at intervals of `sample_interval` [s].
+    /// A transform for records of `samples` values at intervals of `sample_interval` \[s\].
     ///
     /// # Errors
     /// A record of fewer than 8 samples, an interval or padding that is not positive, a range beyond half the sampling
@@ -91,12 +91,12 @@ impl Transform {
         })
     }
 
-    /// Distance of the bins [Hz].
+    /// Distance of the bins \[Hz\].
     pub fn resolution(&self) -> f64 {
         1.0 / (self.fft.len() as f64 * self.sample_interval)
     }
 
-    /// Frequencies of the bins kept [Hz].
+    /// Frequencies of the bins kept \[Hz\].
     pub fn frequencies(&self) -> Vec<f64> {
         let df = self.resolution();
         (self.first..self.first + self.bins).map(|k| k as f64 * df).collect()

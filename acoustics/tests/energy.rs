@@ -1,4 +1,5 @@
 //! From acceleration records to energy.
+#![allow(clippy::unwrap_used)]
 
 mod common;
 

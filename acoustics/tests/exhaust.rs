@@ -1,4 +1,5 @@
 //! Laws of the exhaust's noise.
+#![allow(clippy::unwrap_used)]
 
 use nailnoise_acoustics::exhaust::{
     ExhaustNoise, ExhaustSettings, FlowHistory, Jet, Opening, PlenumResonance, ValveNoise, exhaust_noise,

@@ -1,4 +1,5 @@
 //! Fourier transform of records.
+#![allow(clippy::unwrap_used)]
 
 use nailnoise_acoustics::AcousticsError;
 use nailnoise_acoustics::fourier::{Transform, TransformSettings};

@@ -1,4 +1,5 @@
 //! Bands, weightings, levels and ranking.
+#![allow(clippy::unwrap_used)]
 
 use nailnoise_acoustics::AcousticsError;
 use nailnoise_acoustics::levels::{

@@ -1,4 +1,5 @@
 //! Sand around a flush block.
+#![allow(clippy::unwrap_used)]
 
 mod common;
 
@@ -123,6 +124,19 @@ fn sand_that_no_longer_moves_radiates_nothing() {
     let moving = block().with_moving_sand(sand()).unwrap();
     let (with, without) = (whole(&moving, 1600.0), whole(&block(), 1600.0));
     assert!((with.real - &without.real).amax() < 1e-12 * without.real.amax());
+}
+
+#[test]
+fn moving_sand_is_resolved_over_the_whole_range() {
+    let moving = block().with_moving_sand(sand()).unwrap();
+    let sampled = moving.sampled(&Sampling::default()).unwrap();
+    assert!(sampled.interpolation_error() <= 1e-3);
+    println!("{} samples", sampled.sampled_hz().len());
+    for hz in [77.0, 640.0, 1111.0, 1300.0, 1450.0, 5000.0] {
+        let (found, exact) = (sampled.resistance(hz), whole(&moving, hz));
+        let error = (found.real - &exact.real).amax() / exact.real.amax();
+        assert!(error < 1e-3, "{hz} Hz: {error:e}");
+    }
 }
 
 #[test]

@@ -22,7 +22,7 @@ impl Default for ValveNoise {
     }
 }
 
-/// Sound energy \[J\] of a flow by the acoustic efficiencies of IEC 60534-8-3: an independent estimate of the jet noise.
+/// Sound energy \[J\] of a flow by the acoustic efficiencies of IEC 60534-8-3: another estimate of the jet noise.
 ///
 /// ```text
 /// W = r_w F_L^2 eta W_m       W_m = m' U^2/2, U at the vena contracta, at most sonic

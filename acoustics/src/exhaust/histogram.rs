@@ -28,7 +28,7 @@ impl PeakHistogram {
         self.energy[i + 1] += share * energy;
     }
 
-    /// Energy density [J/Hz] at rising frequencies of spectra with the given shape (per ln f, a function of f/f_peak).
+    /// Energy density \[J/Hz\] at rising frequencies of spectra with the given shape (per ln f, over f/f_peak).
     pub(super) fn spread(&self, shape: impl Fn(f64) -> f64, frequency: &[f64]) -> Vec<f64> {
         let (Some(&low), Some(&high)) = (frequency.first(), frequency.last()) else {
             return Vec::new();

@@ -13,21 +13,21 @@ use crate::air::{Air, GAS_CONSTANT, HEAT_RATIO};
 pub struct Jet {
     /// Mach number M_j.
     pub mach: f64,
-    /// Static temperature T_j [K].
+    /// Static temperature T_j \[K\].
     pub temperature: f64,
-    /// Velocity U_j [m/s].
+    /// Velocity U_j \[m/s\].
     pub velocity: f64,
-    /// Density rho_j [kg/m³].
+    /// Density rho_j \[kg/m³\].
     pub density: f64,
     /// Diameter over that of the hole, D_j/d.
     pub diameter_ratio: f64,
 }
 
 impl Jet {
-    /// The jet from stagnation pressure \[Pa\] and temperature \[K\]; `None` unless the pressure exceeds the ambient one.
+    /// The jet from stagnation pressure \[Pa\] and temperature \[K\]; `None` unless it exceeds the ambient one.
     pub fn expand(pressure: f64, temperature: f64, air: &Air) -> Option<Self> {
         const G: f64 = HEAT_RATIO;
-        if !(pressure > air.pressure) {
+        if pressure.is_nan() || pressure <= air.pressure {
             return None;
         }
         // 1 + (g-1)/2 M_j^2 is the ratio of stagnation to static temperature.
@@ -55,7 +55,7 @@ impl Jet {
         effective_area * self.diameter_ratio * self.diameter_ratio
     }
 
-    /// Mass flow rho_j U_j A_j [kg/s].
+    /// Mass flow rho_j U_j A_j \[kg/s\].
     pub fn mass_flow(&self, effective_area: f64) -> f64 {
         self.density * self.velocity * self.area(effective_area)
     }

@@ -12,16 +12,16 @@ use std::f64::consts::PI;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PlenumResonance {
-    /// Volume V of the plenum [m³].
+    /// Volume V of the plenum \[m³\].
     pub volume: f64,
-    /// Length L' of the openings with end corrections [m].
+    /// Length L' of the openings with end corrections \[m\].
     pub neck_length: f64,
     /// Quality factor Q.
     pub quality: f64,
 }
 
 impl PlenumResonance {
-    /// Resonance frequency f_0 [Hz] with air of the given temperature \[K\] in the plenum.
+    /// Resonance frequency f_0 \[Hz\] with air of the given temperature \[K\] in the plenum.
     pub fn frequency(&self, opening: &Opening, temperature: f64) -> f64 {
         let c = (HEAT_RATIO * GAS_CONSTANT * temperature).sqrt();
         c / (2.0 * PI) * (opening.area() / (self.volume * self.neck_length)).sqrt()
@@ -40,7 +40,7 @@ impl PlenumResonance {
     }
 }
 
-/// Frequencies [Hz] and energy density [J/Hz] of the unsteady outflow as a monopole in free space.
+/// Frequencies \[Hz\] and energy density \[J/Hz\] of the unsteady outflow as a monopole in free space.
 ///
 /// ```text
 /// E(f) = 2 |F{d(m' T_0/T_a)/dt}|^2 / (4 pi rho0 c0)

@@ -41,15 +41,15 @@ impl Default for ExhaustSettings {
 pub struct ExhaustNoise {
     /// Energy spectrum with the contributions `mixing`, `shock` and `unsteady flow`.
     pub spectrum: SourceSpectrum,
-    /// Energy of mixing noise over all frequencies [J].
+    /// Energy of mixing noise over all frequencies \[J\].
     pub mixing_energy: f64,
-    /// Energy of shock noise over all frequencies [J].
+    /// Energy of shock noise over all frequencies \[J\].
     pub shock_energy: f64,
     /// Share of the mixing energy from jet speeds outside the correlation's range.
     pub mixing_outside_range: f64,
-    /// Mass that left through the opening by the cycle's flow [kg].
+    /// Mass that left through the opening by the cycle's flow \[kg\].
     pub mass: f64,
-    /// Mass that the isentropic jets carry [kg]; near `mass` when areas and pressures agree with the cycle's.
+    /// Mass that the isentropic jets carry \[kg\]; near `mass` when areas and pressures agree with the cycle's.
     pub jet_mass: f64,
 }
 
@@ -143,7 +143,7 @@ pub fn exhaust_noise(
     })
 }
 
-/// Stagnation temperature of the outflow, averaged over its mass [K].
+/// Stagnation temperature of the outflow, averaged over its mass \[K\].
 fn outflow_temperature(history: &FlowHistory) -> Option<f64> {
     let mass: f64 = history.mass_flow.iter().map(|m| m.max(0.0)).sum();
     let heat: f64 = history

@@ -5,13 +5,13 @@ use std::f64::consts::PI;
 /// Flow through an opening to the ambient on uniform samples, from the cycle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlowHistory {
-    /// Sample interval [s].
+    /// Sample interval \[s\].
     pub sample_interval: f64,
-    /// Mass flow outward [kg/s]; negative inward.
+    /// Mass flow outward \[kg/s\]; negative inward.
     pub mass_flow: Vec<f64>,
-    /// Absolute stagnation pressure before the opening [Pa].
+    /// Absolute stagnation pressure before the opening \[Pa\].
     pub pressure: Vec<f64>,
-    /// Stagnation temperature before the opening [K].
+    /// Stagnation temperature before the opening \[K\].
     pub temperature: Vec<f64>,
 }
 
@@ -36,21 +36,21 @@ impl FlowHistory {
 pub struct Opening {
     /// Number of holes n.
     pub count: usize,
-    /// Diameter d of one hole [m].
+    /// Diameter d of one hole \[m\].
     pub diameter: f64,
     /// Discharge coefficient C_d.
     pub discharge_coefficient: f64,
-    /// Distance between the centres of neighbouring holes [m], where it is known.
+    /// Distance between the centres of neighbouring holes \[m\], where it is known.
     pub pitch: Option<f64>,
 }
 
 impl Opening {
-    /// Geometric area of all holes [m²].
+    /// Geometric area of all holes \[m²\].
     pub fn area(&self) -> f64 {
         self.count as f64 * PI / 4.0 * self.diameter * self.diameter
     }
 
-    /// Effective area C_d A_geo of all holes [m²].
+    /// Effective area C_d A_geo of all holes \[m²\].
     pub fn effective_area(&self) -> f64 {
         self.discharge_coefficient * self.area()
     }
@@ -59,8 +59,11 @@ impl Opening {
         positive("number of exhaust holes", self.count as f64)?;
         positive("diameter of an exhaust hole [m]", self.diameter)?;
         positive("discharge coefficient of the exhaust", self.discharge_coefficient)?;
+        if let Some(pitch) = self.pitch {
+            positive("pitch of the exhaust holes [m]", pitch)?;
+        }
         match self.pitch {
-            Some(pitch) if self.count > 1 && !(pitch > 3.0 * self.diameter) => Err(AcousticsError::MergingJets {
+            Some(pitch) if self.count > 1 && pitch <= 3.0 * self.diameter => Err(AcousticsError::MergingJets {
                 count: self.count,
                 diameter: self.diameter,
                 pitch,

@@ -62,7 +62,8 @@ pub(super) fn total() -> f64 {
 /// ```
 ///
 /// NASA TM-83199, sec. 8.5, after Harper-Bourne and Fisher (1974), with the cell interference factor taken as 1.
-/// `jet_area` is A_j of all jets \[m²\]. The tabulated H is used as a density over frequency and its integral as the sum.
+/// `jet_area` is A_j of all jets \[m²\]. The tabulated H is used as a density over frequency, its integral as
+/// the sum.
 pub fn shock_power(jet: &Jet, jet_area: f64, air: &Air) -> f64 {
     factor(jet, jet_area, air) * total()
 }
@@ -77,7 +78,7 @@ pub(super) fn factor(jet: &Jet, jet_area: f64, air: &Air) -> f64 {
     1.92e-3 * beta_eta * air.density * air.sound_speed.powi(3) * jet_area
 }
 
-/// Frequency of the loudest third octave of the shock noise [Hz]; `None` below Mach 1.
+/// Frequency of the loudest third octave of the shock noise \[Hz\]; `None` below Mach 1.
 ///
 /// ```text
 /// sigma = 7.80 beta sqrt(A_j1) f / c0 = 10^0.7

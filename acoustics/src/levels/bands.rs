@@ -18,11 +18,11 @@ const LG_G: f64 = 0.3;
 pub struct Band {
     /// Band number k; 0 is the band of 1 kHz.
     pub index: i32,
-    /// Exact mid-band frequency f_m [Hz].
+    /// Exact mid-band frequency f_m \[Hz\].
     pub hz: f64,
-    /// Lower edge f_1 [Hz].
+    /// Lower edge f_1 \[Hz\].
     pub low: f64,
-    /// Upper edge f_2 [Hz].
+    /// Upper edge f_2 \[Hz\].
     pub high: f64,
 }
 
@@ -46,7 +46,7 @@ impl Band {
     }
 }
 
-/// Lower edge of band k [Hz]: 1000 G^{(2k-1)/6}.
+/// Lower edge of band k \[Hz\]: 1000 G^{(2k-1)/6}.
 pub(crate) fn edge(index: i32) -> f64 {
     1000.0 * 10f64.powf(LG_G * f64::from(2 * index - 1) / 6.0)
 }

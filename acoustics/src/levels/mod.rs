@@ -1,6 +1,6 @@
 //! Energy spectra, bands, frequency weightings, single-event levels and the ranking of sources.
 //!
-//! A source is known by its energy spectral density E(f) [J/Hz], one-sided; all levels follow from integrals of E.
+//! A source is known by its energy spectral density E(f) \[J/Hz\], one-sided; all levels follow from integrals of E.
 
 mod bands;
 mod ranking;
@@ -12,7 +12,7 @@ pub use ranking::{COMMON_RANGE_HZ, RankedSource, Ranking, rank};
 pub use spectrum::{BandLevel, Contribution, SourceSpectrum};
 pub use weighting::Weighting;
 
-/// Reference sound energy: 1 pW over 1 s [J].
+/// Reference sound energy: 1 pW over 1 s \[J\].
 pub const REFERENCE_ENERGY: f64 = 1e-12;
 
 /// Energy below which a source is silent \[J\]: k_B T at 20 °C, the thermal energy of a single degree of freedom of the

@@ -1,7 +1,7 @@
 use super::{BandLevel, Level, SourceSpectrum, Weighting, energy_level};
 use serde::Serialize;
 
-/// Range in which sources are compared unless the design says otherwise [Hz].
+/// Range in which sources are compared unless the design says otherwise \[Hz\].
 pub const COMMON_RANGE_HZ: [f64; 2] = [50.0, 10_000.0];
 
 /// A source's place among the others.
@@ -11,15 +11,15 @@ pub struct RankedSource {
     pub source: String,
     /// How its energy was found.
     pub method: String,
-    /// A-weighted level over the common range [dB re 1 pW s].
+    /// A-weighted level over the common range \[dB re 1 pW s\].
     pub lwa: Level,
-    /// Unweighted level over the common range [dB re 1 pW s].
+    /// Unweighted level over the common range \[dB re 1 pW s\].
     pub lw: Level,
     /// Its share of the A-weighted energy of all sources, 0 to 1; none when all are silent.
     pub share: Option<f64>,
-    /// Range over which the source was computed [Hz].
+    /// Range over which the source was computed \[Hz\].
     pub range_hz: [f64; 2],
-    /// A-weighted level over its own range [dB re 1 pW s].
+    /// A-weighted level over its own range \[dB re 1 pW s\].
     pub own_lwa: Level,
     /// Bands over its own range.
     pub bands: Vec<BandLevel>,
@@ -28,7 +28,7 @@ pub struct RankedSource {
 /// Sources, loudest first, and their sum.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Ranking {
-    /// The common range [Hz].
+    /// The common range \[Hz\].
     pub range_hz: [f64; 2],
     /// The sources by falling A-weighted energy; silent ones last, ties in the order given.
     pub sources: Vec<RankedSource>,

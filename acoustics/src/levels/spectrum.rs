@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 pub struct Contribution {
     /// Name of the part: a surface patch or a mechanism.
     pub name: String,
-    /// Energy density [J/Hz] on the frequencies of the spectrum. A patch that absorbs what others radiate is negative.
+    /// Energy density \[J/Hz\] on the frequencies of the spectrum. Negative where a patch
+    /// absorbs what others radiate.
     pub energy_density: Vec<f64>,
 }
 
@@ -21,11 +22,11 @@ pub struct SourceSpectrum {
     pub source: String,
     /// How the energy was found, as shown beside every result.
     pub method: String,
-    /// Frequencies [Hz], rising.
+    /// Frequencies \[Hz\], rising.
     pub frequency: Vec<f64>,
-    /// Energy spectral density E(f) [J/Hz].
+    /// Energy spectral density E(f) \[J/Hz\].
     pub energy_density: Vec<f64>,
-    /// Range over which the source was computed [Hz].
+    /// Range over which the source was computed \[Hz\].
     pub range_hz: [f64; 2],
     /// Parts that add up to `energy_density`; empty where the source has none.
     pub contributions: Vec<Contribution>,
@@ -36,13 +37,13 @@ pub struct SourceSpectrum {
 pub struct BandLevel {
     /// The band.
     pub band: Band,
-    /// Energy inside the band and the range asked for [J].
+    /// Energy inside the band and the range asked for \[J\].
     pub energy: f64,
-    /// Unweighted level L_W,1s [dB re 1 pW s].
+    /// Unweighted level L_W,1s \[dB re 1 pW s\].
     pub lw: Level,
-    /// A-weighted energy [J].
+    /// A-weighted energy \[J\].
     pub a_energy: f64,
-    /// A-weighted level L_WA,1s [dB re 1 pW s].
+    /// A-weighted level L_WA,1s \[dB re 1 pW s\].
     pub lwa: Level,
 }
 
@@ -153,7 +154,7 @@ impl SourceSpectrum {
         }
     }
 
-    /// E(f) [J/Hz], linear between the frequencies and zero outside.
+    /// E(f) \[J/Hz\], linear between the frequencies and zero outside.
     pub fn density_at(&self, hz: f64) -> f64 {
         let after = self.frequency.partition_point(|&f| f < hz);
         match (self.frequency.get(after), after.checked_sub(1)) {
@@ -168,7 +169,7 @@ impl SourceSpectrum {
     }
 }
 
-/// Abscissa and weight of the three-point Gauss rule on [-1, 1] beside its middle point of weight 8/9.
+/// Abscissa and weight of the three-point Gauss rule on \[-1, 1\] beside its middle point of weight 8/9.
 const GAUSS3: (f64, f64) = (0.774_596_669_241_483_4, 5.0 / 9.0);
 
 /// Integral of a piecewise linear density times the weighting over `range`.
@@ -177,7 +178,7 @@ const GAUSS3: (f64, f64) = (0.774_596_669_241_483_4, 5.0 / 9.0);
 /// piece is integrated by the same Gauss rule: exact for Z, and additive over bands for every weighting.
 fn integrate(frequency: &[f64], density: &[f64], range: [f64; 2], weighting: Weighting) -> f64 {
     let [low, high] = range;
-    if frequency.len() < 2 || !(high > low) {
+    if frequency.len() < 2 || low.is_nan() || high.is_nan() || high <= low {
         return 0.0;
     }
     let first = frequency.partition_point(|&f| f <= low).saturating_sub(1);

@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-/// Pole frequencies f_1 .. f_4 of the weightings [Hz] (IEC 61672-1:2013, 5.4 and annex E).
+/// Pole frequencies f_1 .. f_4 of the weightings \[Hz\] (IEC 61672-1:2013, 5.4 and annex E).
 const F1: f64 = 20.598_997;
 const F2: f64 = 107.652_65;
 const F3: f64 = 737.862_23;

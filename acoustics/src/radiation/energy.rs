@@ -8,16 +8,16 @@ use rayon::prelude::*;
 /// Fourier transforms of modal accelerations on the bins of the analysed range.
 #[derive(Debug, Clone)]
 pub struct ModalSpectra {
-    /// Frequencies of the bins [Hz].
+    /// Frequencies of the bins \[Hz\].
     pub frequency: Vec<f64>,
     /// A(f): modes x bins; unit of the modal acceleration times seconds.
     pub accelerations: DMatrix<Complex<f64>>,
-    /// Analysed range [Hz].
+    /// Analysed range \[Hz\].
     pub range_hz: [f64; 2],
 }
 
 impl ModalSpectra {
-    /// Transforms the acceleration records of `modes` modes, `samples` long at `sample_interval` [s].
+    /// Transforms the acceleration records of `modes` modes, `samples` long at `sample_interval` \[s\].
     ///
     /// Records are asked for one mode at a time, in parallel, so that no more than one per thread need exist.
     ///
@@ -73,7 +73,7 @@ pub fn radiated_energy(
     let mut density = Vec::with_capacity(spectra.frequency.len());
     for mut bin in forms.column_iter_mut() {
         let total = bin.sum();
-        // Interpolation leaves R semidefinite only to its error; where the motion all but cancels the sum may dip below 0.
+        // Interpolation leaves R semidefinite only to its error: where motions all but cancel, the sum may dip below 0.
         if total < 0.0 {
             bin.fill(0.0);
         }

@@ -1,6 +1,6 @@
 use std::f64::consts::PI;
 
-/// Nodes and weights of the `n`-point Gauss-Legendre rule on [-1, 1], by Newton's method on the three-term recurrence.
+/// Nodes and weights of the `n`-point Gauss-Legendre rule on \[-1, 1\], by Newton's method.
 pub(crate) fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
     let legendre = |x: f64| {
         let (mut before, mut p) = (1.0, x);

@@ -34,7 +34,7 @@ pub struct Rayleigh {
 /// Two evaluations of the same resistance at one frequency: plane waves (far field) and pairs of points (surface).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SecondEvaluation {
-    /// Frequency [Hz].
+    /// Frequency \[Hz\].
     pub hz: f64,
     /// Largest difference of an entry R_ij over sqrt(R_ii R_jj).
     pub difference: f64,
@@ -115,11 +115,9 @@ impl Rayleigh {
     pub fn resistance(&self, hz: f64) -> Vec<Resistance> {
         let omega = 2.0 * PI * hz;
         let k = omega / self.air.sound_speed;
-        let diameter = self
-            .planar
-            .diameter
-            .max(self.moving.as_ref().map_or(0.0, |sand| sand.planar.diameter));
-        let directions = Directions::new(k, diameter);
+        let sand = self.moving.as_ref().and_then(|sand| Some((sand, sand.sources(hz)?)));
+        let sand_diameter = sand.as_ref().map_or(0.0, |(sand, _)| sand.planar.diameter);
+        let directions = Directions::new(k, self.planar.diameter.max(sand_diameter));
         let (n, modes) = (2 * directions.len(), self.sources.ncols());
         let mut fields: Vec<(DMatrix<f64>, Option<DMatrix<f64>>)> = Vec::new();
         for rows in &self.rows {
@@ -127,13 +125,13 @@ impl Rayleigh {
             directions.add_field(k, &self.planar, rows, &self.sources, &mut field);
             fields.push((field, None));
         }
-        if let Some(sand) = &self.moving {
+        if self.moving.is_some() {
             let (mut real, mut imaginary) = (DMatrix::zeros(n, modes), None);
-            if let Some((re, im)) = sand.sources(hz) {
+            if let Some((sand, (re, im))) = &sand {
                 let rows: Vec<usize> = (0..sand.planar.len()).collect();
-                directions.add_field(k, &sand.planar, &rows, &re, &mut real);
+                directions.add_field(k, &sand.planar, &rows, re, &mut real);
                 let mut field = DMatrix::zeros(n, modes);
-                directions.add_field(k, &sand.planar, &rows, &im, &mut field);
+                directions.add_field(k, &sand.planar, &rows, im, &mut field);
                 imaginary = Some(field);
             }
             fields.push((real, imaginary));

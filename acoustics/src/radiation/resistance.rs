@@ -75,7 +75,7 @@ pub trait ModalRadiation: Sync {
     /// Names of the surface patches, whose resistances add up to the whole.
     fn patches(&self) -> &[String];
 
-    /// Highest frequency the operator was computed for [Hz].
+    /// Highest frequency the operator was computed for \[Hz\].
     fn highest_hz(&self) -> f64;
 
     /// Resistance R(f) of the whole surface at the frequency `hz`.

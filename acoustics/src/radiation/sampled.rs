@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 /// Where and how finely a radiation resistance is sampled over frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sampling {
-    /// Lowest and highest sample [Hz]. Below the lowest every entry follows its own power law.
+    /// Lowest and highest sample \[Hz\]. Below the lowest every entry follows its own power law.
     pub range_hz: [f64; 2],
     /// Largest interpolation error of an entry R_ij, relative to sqrt(R_ii R_jj).
     pub tolerance: f64,
@@ -161,7 +161,7 @@ impl SampledRadiation {
         })
     }
 
-    /// Frequencies sampled [Hz], rising.
+    /// Frequencies sampled \[Hz\], rising.
     pub fn sampled_hz(&self) -> Vec<f64> {
         let mut hz: Vec<f64> = self.samples.iter().map(|s| s.hz).collect();
         hz.sort_by(f64::total_cmp);
@@ -364,7 +364,7 @@ impl Interval {
     }
 }
 
-/// Chebyshev-Lobatto nodes of [low, high], rising; the ends are exact.
+/// Chebyshev-Lobatto nodes of \[low, high\], rising; the ends are exact.
 fn nodes(low: f64, high: f64, order: usize) -> impl Iterator<Item = f64> {
     // The finest order's index makes nested rules agree bit for bit.
     let finest = ORDERS[ORDERS.len() - 1];

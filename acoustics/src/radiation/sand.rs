@@ -15,7 +15,7 @@ use std::f64::consts::PI;
 /// ```
 ///
 /// Y. Miki, J. Acoust. Soc. Jpn. (E) 11, 19 (1990), fitted for 0.01 < f/sigma < 1 and causal below. `resistivity` is
-/// the flow resistivity sigma [Pa s/m²].
+/// the flow resistivity sigma \[Pa s/m²\].
 pub fn miki_admittance(hz: f64, resistivity: f64) -> Complex<f64> {
     let x = (hz / resistivity).powf(-0.632);
     Complex::new(1.0 + 0.070 * x, -0.107 * x).inv()
@@ -32,7 +32,7 @@ pub fn miki_admittance(hz: f64, resistivity: f64) -> Complex<f64> {
 /// of its power on a rigid plane. The sand of a box is finite, so only `share` of the loss, in decibels, is applied.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct AbsorbingSand {
-    /// Flow resistivity sigma [Pa s/m²]; dry sand has 1e5 to 5e5.
+    /// Flow resistivity sigma \[Pa s/m²\]; dry sand has 1e5 to 5e5.
     pub resistivity: f64,
     /// Share of the infinite plane's decibels, 0 to 1.
     pub share: f64,
@@ -89,15 +89,15 @@ impl AbsorbingSand {
 /// of its top: the static surface displacement around a rigid disk, carried outward as a Rayleigh wave.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MovingSand {
-    /// The block's top, intervals of x and y [m].
+    /// The block's top, intervals of x and y \[m\].
     pub footprint: [[f64; 2]; 2],
-    /// The sand's surface, intervals of x and y [m].
+    /// The sand's surface, intervals of x and y \[m\].
     pub sand: [[f64; 2]; 2],
-    /// Shear wave speed V_s of the sand [m/s].
+    /// Shear wave speed V_s of the sand \[m/s\].
     pub shear_speed: f64,
     /// Loss factor eta of the sand.
     pub loss_factor: f64,
-    /// Highest frequency up to which the sand moves [Hz]; its motion fades out over the third octave below.
+    /// Highest frequency up to which the sand moves \[Hz\]; its motion fades out over the third octave below.
     pub to_hz: f64,
 }
 

@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 /// The oscillating sphere's exact radiation resistance. A step of velocity v radiates rho0 V v² / 4. Only the motion of
 /// the whole body is in it, in free space: no vibration of its walls and no reflection from a surface below it.
 ///
-/// `acceleration` [m/s²] at intervals of `sample_interval` [s], `volume` [m³].
+/// `acceleration` \[m/s²\] at intervals of `sample_interval` \[s\], `volume` \[m³\].
 ///
 /// # Errors
 /// See [`Transform::new`] and [`Transform::apply`]; a volume that is not positive.

@@ -1,4 +1,5 @@
 use crate::error::{AcousticsError, finite, same_length};
+use nailnoise_meshes::{QuadraturePoint, Surface};
 use nalgebra::{DMatrix, Point3, Vector3};
 
 /// A surface as the radiation operators see it: quadrature points and the modes' normal displacements there.
@@ -59,7 +60,62 @@ impl RadiatingSurface {
         })
     }
 
-    /// Quadrature points [m].
+    /// Patches of a mesh's skin with `order` x `order` Gauss points on every face; no names mean all patches.
+    ///
+    /// `nodal_modes`: modal displacements of the volume's nodes, (3 x nodes) x modes. The normal component is formed
+    /// per face, because a node on an edge has no single normal.
+    ///
+    /// # Errors
+    /// An unknown patch, an order the mesh has no rule for, a number of rows that does not fit the mesh's nodes.
+    pub fn of_skin(
+        skin: &Surface,
+        patches: &[&str],
+        order: usize,
+        nodal_modes: &DMatrix<f64>,
+    ) -> Result<Self, AcousticsError> {
+        let nodes = skin.volume_nodes.iter().max().map_or(0, |&n| n + 1);
+        if nodal_modes.nrows() < 3 * nodes || !nodal_modes.nrows().is_multiple_of(3) {
+            let found = nodal_modes.nrows();
+            return Err(AcousticsError::Length {
+                what: "rows of the nodal modes",
+                found,
+                expected: 3 * nodes,
+            });
+        }
+        let wanted: Vec<usize> = match patches {
+            [] => (0..skin.patches.len()).collect(),
+            names => names.iter().map(|name| skin.patch(name)).collect::<Result<_, _>>()?,
+        };
+        let patch_of = |face: usize| wanted.iter().position(|&p| p == skin.faces[face].patch);
+        let quadrature = skin.quadrature(order)?;
+        let (points, patch): (Vec<&QuadraturePoint>, Vec<usize>) = quadrature
+            .iter()
+            .filter_map(|q| patch_of(q.face).map(|p| (q, p)))
+            .unzip();
+        let mut normal_modes = DMatrix::zeros(points.len(), nodal_modes.ncols());
+        for (mode, mut column) in normal_modes.column_iter_mut().enumerate() {
+            let phi = nodal_modes.column(mode);
+            for (value, q) in column.iter_mut().zip(&points) {
+                let corners = skin.faces[q.face].nodes.iter().zip(&q.shape);
+                *value = corners
+                    .map(|(&corner, shape)| {
+                        let row = 3 * skin.volume_nodes[corner];
+                        shape * (q.normal.x * phi[row] + q.normal.y * phi[row + 1] + q.normal.z * phi[row + 2])
+                    })
+                    .sum();
+            }
+        }
+        Self::new(
+            points.iter().map(|q| q.position).collect(),
+            points.iter().map(|q| q.normal).collect(),
+            points.iter().map(|q| q.weight).collect(),
+            patch,
+            wanted.iter().map(|&p| skin.patches[p].clone()).collect(),
+            normal_modes,
+        )
+    }
+
+    /// Quadrature points \[m\].
     pub fn points(&self) -> &[Point3<f64>] {
         &self.points
     }
@@ -69,7 +125,7 @@ impl RadiatingSurface {
         &self.normals
     }
 
-    /// Quadrature weights [m²].
+    /// Quadrature weights \[m²\].
     pub fn weights(&self) -> &[f64] {
         &self.weights
     }
@@ -94,7 +150,7 @@ impl RadiatingSurface {
         self.normal_modes.ncols()
     }
 
-    /// Area [m²].
+    /// Area \[m²\].
     pub fn area(&self) -> f64 {
         self.weights.iter().sum()
     }

@@ -1,5 +1,5 @@
 //! Surfaces with analytic quadrature.
-#![allow(dead_code, unreachable_pub)]
+#![allow(dead_code, unreachable_pub, clippy::unwrap_used)]
 
 use nailnoise_acoustics::radiation::RadiatingSurface;
 use nalgebra::{DMatrix, Point3, Vector3};
