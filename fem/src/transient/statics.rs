@@ -279,7 +279,8 @@ impl<'a> Problem<'a> {
             matrix[(a + c, a + c)] = self.eps;
             right[a + c] = -rigid[c];
         }
-        let solved = matrix.lu().solve(&right).unwrap_or_else(|| DVector::zeros(a + z));
+        let solved = if right.is_empty() { None } else { matrix.lu().solve(&right) };
+        let solved = solved.unwrap_or_else(|| DVector::zeros(a + z));
         let mut push = DVector::zeros(s.d.len());
         for (row, &i) in set.iter().enumerate() {
             push[i] = root(i) * solved[row];
