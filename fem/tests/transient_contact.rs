@@ -19,15 +19,30 @@ fn mass(m: f64, supports: usize) -> ModalBody {
 }
 
 fn support(stiffness: f64, damping: f64, law: SupportLaw) -> Support {
-    Support { stiffness, damping, gap: 0.0, law }
+    Support {
+        stiffness,
+        damping,
+        gap: 0.0,
+        law,
+    }
 }
 
 fn settings(step: f64, duration: f64, start: Start) -> Settings {
-    Settings { step, duration, decay: f64::INFINITY, energy_interval: 10.0 * step, start, ..Settings::default() }
+    Settings {
+        step,
+        duration,
+        decay: f64::INFINITY,
+        energy_interval: 10.0 * step,
+        start,
+        ..Settings::default()
+    }
 }
 
 fn flying(m: f64, height: f64, speed: f64) -> Start {
-    let state = ModalState { displacement: vec![-height * m.sqrt()], velocity: vec![speed * m.sqrt()] };
+    let state = ModalState {
+        displacement: vec![-height * m.sqrt()],
+        velocity: vec![speed * m.sqrt()],
+    };
     Start::State(vec![state])
 }
 
@@ -50,8 +65,16 @@ fn a_mass_on_a_dashpot_half_space_creeps_up_to_its_speed() {
     let (m, c, force, duration) = (2.5, 17_000.0, 40.0, 1e-3);
     let mut errors = Vec::new();
     for step in [8e-6, 4e-6, 2e-6] {
-        let supports = [support(0.0, 0.4 * c, SupportLaw::Bonded), support(0.0, 0.6 * c, SupportLaw::Bonded)];
-        let r = respond(&[mass(m, 2)], &supports, &Loads::constant(&[force]), &settings(step, duration, Start::Rest));
+        let supports = [
+            support(0.0, 0.4 * c, SupportLaw::Bonded),
+            support(0.0, 0.6 * c, SupportLaw::Bonded),
+        ];
+        let r = respond(
+            &[mass(m, 2)],
+            &supports,
+            &Loads::constant(&[force]),
+            &settings(step, duration, Start::Rest),
+        );
         let r = r.unwrap();
         all_ok(&r);
         let v = motion(&r, m, Motion::Velocity);
@@ -61,8 +84,8 @@ fn a_mass_on_a_dashpot_half_space_creeps_up_to_its_speed() {
         let lost = r.energy.contact_lost.last().unwrap();
         let t = duration;
         let tau = m / c;
-        let paid = force * force / c
-            * (t - 2.0 * tau * (1.0 - (-t / tau).exp()) + 0.5 * tau * (1.0 - (-2.0 * t / tau).exp()));
+        let paid =
+            force * force / c * (t - 2.0 * tau * (1.0 - (-t / tau).exp()) + 0.5 * tau * (1.0 - (-2.0 * t / tau).exp()));
         assert!((lost / paid - 1.0).abs() < 1e-3, "{lost} {paid}");
     }
     assert!((order(&errors) - 2.0).abs() < 0.1 && errors[2] < 2e-5, "{errors:?}");
@@ -100,13 +123,30 @@ fn an_elastic_impact_lasts_half_a_period_and_returns_all_energy() {
     let contact_time = PI * (m / k).sqrt();
     let mut errors = Vec::new();
     for step in [2e-6, 1e-6, 0.5e-6] {
-        let supports = [support(0.3 * k, 0.0, SupportLaw::Unilateral), support(0.7 * k, 0.0, SupportLaw::Unilateral)];
+        let supports = [
+            support(0.3 * k, 0.0, SupportLaw::Unilateral),
+            support(0.7 * k, 0.0, SupportLaw::Unilateral),
+        ];
         let start = flying(m, 0.37e-6, speed);
-        let r = respond(&[mass(m, 2)], &supports, &Loads::constant(&[0.0]), &settings(step, 6e-4, start)).unwrap();
+        let r = respond(
+            &[mass(m, 2)],
+            &supports,
+            &Loads::constant(&[0.0]),
+            &settings(step, 6e-4, start),
+        )
+        .unwrap();
         all_ok(&r);
-        let touching = (0..r.samples()).filter(|&n| r.contact_forces.column(n).sum() > 0.0).count() as f64 * step;
-        assert!((touching - contact_time).abs() < 2.0 * step, "{touching} {contact_time}");
-        let peak = (0..r.samples()).map(|n| r.contact_forces.column(n).sum()).fold(0.0, f64::max);
+        let touching = (0..r.samples())
+            .filter(|&n| r.contact_forces.column(n).sum() > 0.0)
+            .count() as f64
+            * step;
+        assert!(
+            (touching - contact_time).abs() < 2.0 * step,
+            "{touching} {contact_time}"
+        );
+        let peak = (0..r.samples())
+            .map(|n| r.contact_forces.column(n).sum())
+            .fold(0.0, f64::max);
         assert!((peak / (speed * (k * m).sqrt()) - 1.0).abs() < 2e-3, "{peak}");
         let v = motion(&r, m, Motion::Velocity);
         errors.push((v[v.len() - 1] / -speed - 1.0).abs());
@@ -148,7 +188,10 @@ fn a_damped_impact_has_the_closed_form_restitution() {
         }
         // The dashpot's force jumps at first touch: order one.
         let order = order(&errors);
-        assert!(order > 0.9 && errors[3] < 3e-3, "zeta {zeta}: {errors:?} order {order} e {restitution}");
+        assert!(
+            order > 0.9 && errors[3] < 3e-3,
+            "zeta {zeta}: {errors:?} order {order} e {restitution}"
+        );
     }
 }
 
@@ -170,10 +213,14 @@ fn a_block_bouncing_under_gravity_keeps_its_energy() {
     assert!((highest / -height - 1.0).abs() < 2e-3, "{highest}");
     assert!(r.open_fraction > 0.9 && r.open_fraction < 0.99, "{}", r.open_fraction);
     let flight = 2.0 * (2.0 * height / g).sqrt();
-    let touchdowns: Vec<usize> =
-        (1..r.samples()).filter(|&n| r.contact_forces[(0, n)] > 0.0 && r.contact_forces[(0, n - 1)] == 0.0).collect();
+    let touchdowns: Vec<usize> = (1..r.samples())
+        .filter(|&n| r.contact_forces[(0, n)] > 0.0 && r.contact_forces[(0, n - 1)] == 0.0)
+        .collect();
     let period = (touchdowns[touchdowns.len() - 1] - touchdowns[0]) as f64 * r.step / (touchdowns.len() - 1) as f64;
-    assert!(period > flight && (period - flight - PI * (m / k).sqrt()).abs() < 0.03 * flight, "{period} {flight}");
+    assert!(
+        period > flight && (period - flight - PI * (m / k).sqrt()).abs() < 0.03 * flight,
+        "{period} {flight}"
+    );
     assert!(r.energy.contact_lost.iter().all(|e| e.abs() < 1e-3 * m * g * height));
 }
 
@@ -181,20 +228,57 @@ fn a_block_bouncing_under_gravity_keeps_its_energy() {
 fn impossible_contacts_are_named() {
     let m = 2.5;
     let run = |supports: &[Support], settings: &Settings, load: f64| {
-        respond(&[mass(m, supports.len())], supports, &Loads::constant(&[load]), settings).map(|_| ())
+        respond(
+            &[mass(m, supports.len())],
+            supports,
+            &Loads::constant(&[load]),
+            settings,
+        )
+        .map(|_| ())
     };
     let stiff = [support(1e13, 0.0, SupportLaw::Unilateral)];
     let error = run(&stiff, &settings(4e-6, 1e-3, Start::Rest), 1.0).unwrap_err();
-    let TransientError::ContactBeyondStep { remedy, .. } = error else { panic!("{error}") };
+    let TransientError::ContactBeyondStep { remedy, .. } = error else {
+        panic!("{error}")
+    };
     run(&stiff, &settings(0.99 * remedy, 1e-4, Start::Equilibrium), 1.0).unwrap();
-    let far = [Support { gap: 1e-2, ..support(1e7, 0.0, SupportLaw::Unilateral) }];
+    let far = [Support {
+        gap: 1e-2,
+        ..support(1e7, 0.0, SupportLaw::Unilateral)
+    }];
     let error = run(&far, &settings(4e-6, 1e-3, Start::Rest), 1.0).unwrap_err();
-    let TransientError::SupportNeverTouches { gap, .. } = error else { panic!("{error}") };
+    let TransientError::SupportNeverTouches { gap, .. } = error else {
+        panic!("{error}")
+    };
     assert!((gap - (1e-2 - 0.5 / m * 1e-6)).abs() < 1e-12, "{gap}");
-    run(&far, &Settings { require_contact: false, ..settings(4e-6, 1e-3, Start::Rest) }, 1.0).unwrap();
-    let error = run(&[support(f64::NAN, 0.0, SupportLaw::Bonded)], &settings(4e-6, 1e-3, Start::Rest), 1.0);
+    run(
+        &far,
+        &Settings {
+            require_contact: false,
+            ..settings(4e-6, 1e-3, Start::Rest)
+        },
+        1.0,
+    )
+    .unwrap();
+    let error = run(
+        &[support(f64::NAN, 0.0, SupportLaw::Bonded)],
+        &settings(4e-6, 1e-3, Start::Rest),
+        1.0,
+    );
     assert!(matches!(error.unwrap_err(), TransientError::Value { .. }));
     let two = [support(1e7, 0.0, SupportLaw::Bonded); 2];
-    let error = respond(&[mass(m, 1)], &two, &Loads::constant(&[1.0]), &settings(4e-6, 1e-3, Start::Rest));
-    assert!(matches!(error.unwrap_err(), TransientError::Size { expected: 2, found: 1, .. }));
+    let error = respond(
+        &[mass(m, 1)],
+        &two,
+        &Loads::constant(&[1.0]),
+        &settings(4e-6, 1e-3, Start::Rest),
+    );
+    assert!(matches!(
+        error.unwrap_err(),
+        TransientError::Size {
+            expected: 2,
+            found: 1,
+            ..
+        }
+    ));
 }

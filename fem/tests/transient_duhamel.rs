@@ -20,7 +20,11 @@ fn oscillator(omega: f64, zeta: f64) -> ModalBody {
 fn run(omega: f64, zeta: f64, step: f64, history: Vec<f64>, motion: Motion) -> Vec<f64> {
     let samples = history.len();
     let last = history[samples - 1];
-    let loads = Loads { interval: step, history: DMatrix::from_vec(1, samples, history), final_values: vec![last] };
+    let loads = Loads {
+        interval: step,
+        history: DMatrix::from_vec(1, samples, history),
+        final_values: vec![last],
+    };
     let settings = Settings {
         step,
         duration: step * (samples - 1) as f64,
@@ -58,8 +62,16 @@ fn impulse(omega: f64, zeta: f64, t: f64) -> [f64; 3] {
     [w, integral, (t - w - damping * integral) / stiffness]
 }
 
-const REGIMES: [(f64, f64); 8] =
-    [(700.0, 0.0), (9e3, 0.01), (7e4, 0.02), (5e5, 0.3), (3e3, 1.0), (2e5, 1.0), (3e3, 2.5), (6e5, 4.0)];
+const REGIMES: [(f64, f64); 8] = [
+    (700.0, 0.0),
+    (9e3, 0.01),
+    (7e4, 0.02),
+    (5e5, 0.3),
+    (3e3, 1.0),
+    (2e5, 1.0),
+    (3e3, 2.5),
+    (6e5, 4.0),
+];
 
 #[test]
 fn step_and_ramp_are_exact() {
@@ -72,8 +84,14 @@ fn step_and_ramp_are_exact() {
         let [peak_step, peak_ramp] = [&step, &ramp].map(|x| x.iter().fold(0.0f64, |m, x| m.max(x.abs())));
         for n in (0..samples).step_by(7) {
             let [_, integral, double] = impulse(omega, zeta, n as f64 * STEP);
-            let (a, b) = ((step[n] - integral).abs() / peak_step, (ramp[n] - double).abs() / peak_ramp);
-            assert!(a < 1e-11 && b < 1e-11, "omega {omega} zeta {zeta} sample {n}: {a:e} {b:e}");
+            let (a, b) = (
+                (step[n] - integral).abs() / peak_step,
+                (ramp[n] - double).abs() / peak_ramp,
+            );
+            assert!(
+                a < 1e-11 && b < 1e-11,
+                "omega {omega} zeta {zeta} sample {n}: {a:e} {b:e}"
+            );
         }
     }
 }
@@ -130,6 +148,9 @@ fn motions_are_derivatives_of_each_other() {
     for n in 1..2000 {
         let dq = (q[n + 1] - q[n - 1]) / (2.0 * STEP);
         let dv = (v[n + 1] - v[n - 1]) / (2.0 * STEP);
-        assert!((dq - v[n]).abs() < 2e-4 * peak_v && (dv - a[n]).abs() < 2e-4 * peak_a, "sample {n}");
+        assert!(
+            (dq - v[n]).abs() < 2e-4 * peak_v && (dv - a[n]).abs() < 2e-4 * peak_a,
+            "sample {n}"
+        );
     }
 }

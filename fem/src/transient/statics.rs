@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::error::TransientError;
 use super::model::{ModalBody, Support, SupportLaw};
+use super::system::add_gram;
 
 /// Equilibrium of all bodies, modes of the first body first.
 pub(super) struct Equilibrium {
@@ -112,11 +113,12 @@ impl<'a> Problem<'a> {
         }
         let held = range(&felt);
         let p_z = held.tr_mul(&p.select_rows(&rigid));
-        let mut scaled = p.select_rows(&elastic);
-        for (row, &j) in elastic.iter().enumerate() {
-            scaled.row_mut(row).scale_mut(1.0 / omega2[j]);
-        }
-        let compliance = p.select_rows(&elastic).tr_mul(&scaled);
+        let mut compliance = DMatrix::zeros(n, n);
+        add_gram(
+            &mut compliance,
+            &p,
+            |j| if omega2[j] > 0.0 { 1.0 / omega2[j] } else { 0.0 },
+        );
         let eps = 1e-10 * (held.tr_mul(&felt)).norm_squared();
         Self {
             supports,
@@ -279,7 +281,11 @@ impl<'a> Problem<'a> {
             matrix[(a + c, a + c)] = self.eps;
             right[a + c] = -rigid[c];
         }
-        let solved = if right.is_empty() { None } else { matrix.lu().solve(&right) };
+        let solved = if right.is_empty() {
+            None
+        } else {
+            matrix.lu().solve(&right)
+        };
         let solved = solved.unwrap_or_else(|| DVector::zeros(a + z));
         let mut push = DVector::zeros(s.d.len());
         for (row, &i) in set.iter().enumerate() {
