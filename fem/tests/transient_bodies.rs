@@ -145,7 +145,7 @@ fn errors(law: SupportLaw, damping: f64) -> (Vec<f64>, f64) {
         &loads(8e-6, duration),
         &settings(8e-6, duration, Start::Equilibrium),
     );
-    let start = at_rest.unwrap().start;
+    let start = at_rest.expect("an equilibrium").start;
     let reference = runge_kutta(&bodies, &supports, &start, 1e-7, 80_000);
     let mut open = 0.0;
     let mut found = Vec::new();
@@ -156,7 +156,7 @@ fn errors(law: SupportLaw, damping: f64) -> (Vec<f64>, f64) {
             &loads(step, duration),
             &settings(step, duration, Start::Equilibrium),
         );
-        let r = r.unwrap();
+        let r = r.expect("a valid run");
         assert!(r.checks.iter().all(|c| c.ok), "{:?}", r.checks);
         let end: Vec<f64> = r.end.iter().flat_map(|s| s.displacement.clone()).collect();
         found.push((DVector::from_vec(end) - &reference).amax() / reference.amax());
@@ -239,8 +239,8 @@ fn twice_the_forces_on_bonded_supports_give_exactly_twice_the_response() {
     let a = respond(&bodies, &supports, &single, &settings).unwrap();
     let b = respond(&bodies, &supports, &double, &settings).unwrap();
     assert_eq!(&a.contact_forces * 2.0, b.contact_forces);
-    for body in 0..2 {
-        let modes = 0..bodies[body].modes();
+    for (body, of) in bodies.iter().enumerate() {
+        let modes = 0..of.modes();
         let [x, y] = [&a, &b].map(|r| r.modal(body, modes.clone(), Motion::Acceleration).unwrap());
         assert_eq!(x * 2.0, y);
     }

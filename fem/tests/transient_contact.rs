@@ -48,7 +48,7 @@ fn flying(m: f64, height: f64, speed: f64) -> Start {
 
 fn motion(r: &ModalResponse, m: f64, motion: Motion) -> Vec<f64> {
     let shape = DMatrix::from_element(1, 1, 1.0 / m.sqrt());
-    r.points(0, &shape, motion).unwrap().as_slice().to_vec()
+    r.points(0, &shape, motion).expect("one mode").as_slice().to_vec()
 }
 
 fn order(errors: &[f64]) -> f64 {

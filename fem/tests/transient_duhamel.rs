@@ -32,9 +32,9 @@ fn run(omega: f64, zeta: f64, step: f64, history: Vec<f64>, motion: Motion) -> V
         start: Start::Rest,
         ..Settings::default()
     };
-    let response = respond(&[oscillator(omega, zeta)], &[], &loads, &settings).unwrap();
+    let response = respond(&[oscillator(omega, zeta)], &[], &loads, &settings).expect("a valid run");
     assert!(response.checks.iter().all(|c| c.ok), "{:?}", response.checks);
-    response.modal(0, 0..1, motion).unwrap().as_slice().to_vec()
+    response.modal(0, 0..1, motion).expect("one mode").as_slice().to_vec()
 }
 
 /// Impulse response w, its integral I and double integral J at t, from complex exponentials of well-separated roots or

@@ -291,8 +291,9 @@ pub(super) fn combine(
     }
 }
 
-/// out_a = sum over modes of a_j row_j and out_b likewise, on the lanes `range` of the modes; `rows` holds one column per
-/// mode. Mode by mode rather than product by product: nothing is summed across a vector, so its width does not matter.
+/// out_a = sum over modes of a_j row_j and out_b likewise, on the lanes `range` of the modes; `rows` holds one column
+/// per mode. Mode by mode rather than product by product: nothing is summed across a vector, so its width does not
+/// matter.
 pub(super) fn project(
     arch: Arch,
     rows: &Columns,

@@ -213,7 +213,8 @@ impl<'a> Problem<'a> {
             let (elastic, rigid) = self.held_gradient(s);
             (elastic.norm_squared() + rigid.norm_squared()).sqrt()
         };
-        // With no load and open gaps the start is the solution; a glued or pre-stressed support sets a scale of its own.
+        // With no load and open gaps the start is the solution; a glued or pre-stressed support sets a scale of its
+        // own.
         let mut residual = unbalanced(&solution);
         let scale = scale.max(residual);
         for iteration in 0..MAX_ITERATIONS {

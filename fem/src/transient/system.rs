@@ -153,8 +153,8 @@ impl System {
     }
 }
 
-/// Adds P^T diag(weights) P, P with a row per mode. In plain loops: a library's product may fuse multiply and add on some
-/// machines only, and a bouncing block would show it.
+/// Adds P^T diag(weights) P, P with a row per mode. In plain loops: a library's product may fuse multiply and add on
+/// some machines only, and a bouncing block would show it.
 pub(super) fn add_gram(gram: &mut DMatrix<f64>, p: &DMatrix<f64>, weight: impl Fn(usize) -> f64) {
     let weights: Vec<f64> = (0..p.nrows()).map(weight).collect();
     for k in 0..p.ncols() {
