@@ -3,9 +3,11 @@
 /// Where the points of a [`ContactGrid`] lie.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GridRule {
-    /// Gauss-Legendre points and weights.
+    /// Gauss-Legendre points and weights, the better default: area, rocking stiffness and the coupling of smooth mode
+    /// shapes are exact, and the outermost points lie nearer the edge, where a rocking block lands.
     GaussLegendre,
-    /// Centres of equal cells.
+    /// Centres of equal cells: every point stands for the same area, but n points across lose 1/n^2 of the rocking
+    /// stiffness (4 % for 5).
     CellCentred,
 }
 
@@ -14,7 +16,7 @@ pub enum GridRule {
 pub struct ContactGrid {
     /// Coordinates \[m\] from the centre, x fastest.
     pub points: Vec<[f64; 2]>,
-    /// Tributary areas [m2]; their sum is lx ly.
+    /// Tributary areas \[m2\]; their sum is lx ly.
     pub areas: Vec<f64>,
 }
 

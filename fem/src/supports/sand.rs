@@ -101,7 +101,7 @@ pub struct Sand {
     pub shear_modulus: f64,
     /// Density rho [kg/m3].
     pub density: f64,
-    /// Poisson's ratio nu [1].
+    /// Poisson's ratio nu \[1\].
     pub poisson: f64,
 }
 
@@ -201,7 +201,7 @@ impl RectangularBase {
         })
     }
 
-    /// Area 2L 2B [m2].
+    /// Area 2L 2B \[m2\].
     pub fn area(&self) -> f64 {
         4.0 * self.half_length * self.half_width
     }

@@ -12,15 +12,15 @@ use super::response::Work;
 ///   d = d_free - C_d f,  d' = v_free - C_v f,  C_d = P^T diag(c1) P,  C_v = P^T diag(c2) P,
 ///   f_i = max(0, k_i d_i + c_i d_i')  where d_free,i > 0, else 0  (bonded: always, without the maximum).
 ///
-/// With r = k d_free + c v_free and S = 1 + diag(k) C_d + diag(c) C_v this is the linear complementarity problem
-/// f >= 0, S f >= r, f^T (S f - r) = 0 on the points with d_free > 0. Asking for d_free > 0 instead of d > 0 keeps it
-/// solvable: at first touch the dashpot's force may be finite while d is still of order h, and then neither state of a law
-/// gated by d itself is consistent. The difference in d is C_d f = O(h^2).
+/// With r = k d_free + c v_free and S = 1 + diag(k) C_d + diag(c) C_v this is the linear complementarity problem f >=
+/// 0, S f >= r, f^T (S f - r) = 0 on the points with d_free > 0. Asking for d_free > 0 instead of d > 0 keeps it
+/// solvable: at first touch the dashpot's force may be finite while d is still of order h, and then neither state of a
+/// law gated by d itself is consistent. The difference in d is C_d f = O(h^2).
 ///
 /// The touching set A is found by block principal pivoting (all violating points change at once: the semismooth Newton
-/// method) with single pivots as a fallback, which ends for every P-matrix (Judice & Pires, 1994, Computers Ops. Res. 21).
-/// T, the principal pivot transform of S on A, holds inv(S_AA) and S_(not A) A inv(S_AA); it lives on from step to step, and
-/// a point that changes costs one rank-one update instead of a factorisation.
+/// method) with single pivots as a fallback, which ends for every P-matrix (Judice & Pires, 1994, Computers Ops. Res.
+/// 21). T, the principal pivot transform of S on A, holds inv(S_AA) and S_(not A) A inv(S_AA); it lives on from step to
+/// step, and a point that changes costs one rank-one update instead of a factorisation.
 #[derive(Debug)]
 pub(super) struct ContactSolver {
     arch: Arch,
@@ -259,5 +259,102 @@ impl ContactSolver {
         }
         self.pivots_since_rebuild = 0;
         work.factorisations += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers in (-1, 1) from a linear congruence.
+    struct Random(u64);
+
+    impl Random {
+        fn next(&mut self) -> f64 {
+            self.0 = self
+                .0
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        }
+    }
+
+    /// C_d and C_v as Gram matrices of random modes, strong enough to couple the points well beyond a real step.
+    fn compliance(n: usize, random: &mut Random) -> Columns {
+        let mut joined = Columns::zeros(2 * lanes(n), n);
+        for half in 0..2 {
+            let modes: Vec<Vec<f64>> = (0..2 * n).map(|_| (0..n).map(|_| random.next()).collect()).collect();
+            for k in 0..n {
+                let column = joined.column_mut(k).as_flattened_mut();
+                let start = half * column.len() / 2;
+                for i in 0..n {
+                    column[start + i] = modes.iter().map(|m| m[i] * m[k]).sum::<f64>() / n as f64;
+                }
+            }
+        }
+        joined
+    }
+
+    #[test]
+    fn forces_obey_the_law_through_thousands_of_changing_states() {
+        let n = 23;
+        let mut random = Random(7);
+        let supports: Vec<Support> = (0..n)
+            .map(|i| Support {
+                stiffness: 1.5 + random.next(),
+                damping: 0.7 * (1.1 + random.next()),
+                gap: 0.0,
+                law: if i % 9 == 4 {
+                    SupportLaw::Bonded
+                } else {
+                    SupportLaw::Unilateral
+                },
+            })
+            .collect();
+        let mut solver = ContactSolver::new(Arch::new(), &supports, compliance(n, &mut random), 200);
+        let mut work = Work::default();
+        for trial in 0..2000 {
+            let free: Vec<f64> = (0..n).map(|_| random.next()).collect();
+            let rate: Vec<f64> = (0..n).map(|_| 2.0 * random.next()).collect();
+            solver.solve(&free, &rate, 0.0, &mut work).unwrap();
+            for i in 0..n {
+                let linear = supports[i].stiffness * solver.penetration[i] + supports[i].damping * solver.rate[i];
+                let law = match supports[i].law {
+                    SupportLaw::Bonded => linear,
+                    SupportLaw::Unilateral => {
+                        if free[i] > 0.0 {
+                            linear.max(0.0)
+                        } else {
+                            0.0
+                        }
+                    }
+                };
+                assert!((solver.force[i] - law).abs() < 1e-10, "trial {trial}, support {i}");
+            }
+        }
+        assert!(work.factorisations > 0 && work.contact_changes > 4096, "{work:?}");
+        assert!(solver.law_error < 1e-9, "{:e}", solver.law_error);
+    }
+
+    #[test]
+    fn too_few_iterations_are_an_error_with_the_time() {
+        let n = 23;
+        let mut random = Random(11);
+        let support = Support {
+            stiffness: 1.0,
+            damping: 1.0,
+            gap: 0.0,
+            law: SupportLaw::Unilateral,
+        };
+        let mut solver = ContactSolver::new(Arch::new(), &vec![support; n], compliance(n, &mut random), 0);
+        let found = solver.solve(&vec![1.0; n], &vec![1.0; n], 0.25, &mut Work::default());
+        assert!(matches!(
+            found,
+            Err(TransientError::ContactNotConverged {
+                time: 0.25,
+                supports: 23,
+                ..
+            })
+        ));
     }
 }

@@ -55,16 +55,17 @@ pub enum TransientError {
     /// No unilateral support touched from the start to the end of the run.
     #[error(
         "a support never touches: the smallest gap of all {supports} unilateral supports in {duration:.3} s was \
-         {gap:.2e} m (support {nearest}); check the gap and the direction of its normals, or set require_contact = false"
+         {gap:.2e} m (support {nearest}); check gap and normals, \
+         or set require_contact = false"
     )]
     SupportNeverTouches {
         /// Number of unilateral supports.
         supports: usize,
         /// Index of the support that came nearest.
         nearest: usize,
-        /// Its smallest gap [m].
+        /// Its smallest gap \[m\].
         gap: f64,
-        /// Length of the run [s].
+        /// Length of the run \[s\].
         duration: f64,
     },
     /// The supports are so stiff that a body bounces on them within a few steps.
@@ -73,15 +74,15 @@ pub enum TransientError {
          a step of {step:.2e} s (limit {limit}); use a step of at most {remedy:.1e} s or softer supports"
     )]
     ContactBeyondStep {
-        /// Frequency of the fastest vibration of the bodies on their supports [Hz].
+        /// Frequency of the fastest vibration of the bodies on their supports \[Hz\].
         frequency: f64,
         /// Its omega h.
         rate: f64,
         /// The limit of omega h that the settings allow.
         limit: f64,
-        /// Step [s].
+        /// Step \[s\].
         step: f64,
-        /// Step that would pass [s].
+        /// Step that would pass \[s\].
         remedy: f64,
     },
     /// The set of touching supports could not be found.
@@ -90,7 +91,7 @@ pub enum TransientError {
          {iterations} iterations; reduce the step or raise max_contact_iterations"
     )]
     ContactNotConverged {
-        /// Time of the step's end [s].
+        /// Time of the step's end \[s\].
         time: f64,
         /// Iterations done.
         iterations: usize,
@@ -102,7 +103,7 @@ pub enum TransientError {
     /// The response has become infinite or not a number.
     #[error("the response is not finite at t = {time:.6} s; check loads, damping (>= 0) and supports")]
     NotFinite {
-        /// Time [s].
+        /// Time \[s\].
         time: f64,
     },
 }

@@ -1,8 +1,8 @@
 //! The loops in which a run spends its time, on lanes of four modes.
 //!
 //! They use the vector instructions that the machine has (pulp's dispatch), but no fused multiply-add and an order of
-//! summation that does not depend on the vectors' width, so that every machine gives the same bits: a bouncing block amplifies
-//! rounding, and its result should still be reproducible.
+//! summation that does not depend on the vectors' width, so that a run gives the same bits on any of them: a
+//! bouncing block amplifies rounding, and its result should still be reproducible.
 
 use std::ops::Range;
 
@@ -258,8 +258,8 @@ pub(super) fn combine(
                 simd.splat_f64s(s[2]),
                 simd.splat_f64s(s[3]),
             ];
-            for i in 0..n {
-                out[i] = simd.add_f64s(out[i], weighted(simd, &c, i, s));
+            for (i, out) in out.iter_mut().enumerate() {
+                *out = simd.add_f64s(*out, weighted(simd, &c, i, s));
             }
         }
     }
@@ -291,8 +291,9 @@ pub(super) fn combine(
     }
 }
 
-/// out_a = sum over modes of a_j row_j and out_b likewise, on the lanes `range` of the modes; `rows` holds one column per
-/// mode. Mode by mode rather than product by product: nothing is summed across a vector, so its width does not matter.
+/// out_a = sum over modes of a_j row_j and out_b likewise, on the lanes `range` of the modes; `rows` holds one column
+/// per mode. Mode by mode rather than product by product: nothing is summed across a vector, so its width does not
+/// matter.
 pub(super) fn project(
     arch: Arch,
     rows: &Columns,
@@ -354,10 +355,8 @@ pub(super) fn pivot(arch: Arch, t: &mut Columns, k: usize, scratch: &mut [Lane])
             let p = scratch[lane][slot];
             for (j, column) in t.data.chunks_exact_mut(t.height).enumerate() {
                 if j == k {
-                    for entry in column.iter_mut() {
-                        for l in 0..4 {
-                            entry[l] /= p;
-                        }
+                    for entry in column.as_flattened_mut() {
+                        *entry /= p;
                     }
                     column[lane][slot] = 1.0 / p;
                 } else {

@@ -14,14 +14,14 @@ use super::system::{System, any_unilateral, validate};
 
 /// Response of one or two bodies to applied loads, on supports that may let go.
 ///
-/// Every mode follows forces that are linear over a step exactly; the support forces at the end of a step are implicit in
-/// it. After the loads' record ends each load goes smoothly to its final value, and the run goes on until
-/// `settings.duration` or until the energy has fallen by `settings.decay`. The result is the same for any number of threads
-/// and on every machine.
+/// Every mode follows forces that are linear over a step exactly; the support forces at the end of a step are implicit
+/// in it. After the loads' record ends each load goes smoothly to its final value, and the run goes on until
+/// `settings.duration` or until the energy has fallen by `settings.decay`. The result does not depend on the number of
+/// threads.
 ///
 /// # Errors
-/// [`TransientError`]: sizes and values of the inputs, no static equilibrium at the start, supports too stiff for the step,
-/// a contact that is not found, supports that never touch.
+/// [`TransientError`]: sizes and values of the inputs, no static equilibrium at the start, supports too stiff for the
+/// step, a contact that is not found, supports that never touch.
 pub fn respond(
     bodies: &[ModalBody],
     supports: &[Support],

@@ -14,10 +14,10 @@ pub struct ModalBody {
     pub name: String,
     /// Angular natural frequencies [rad/s]; exactly 0 for a rigid mode.
     pub omega: Vec<f64>,
-    /// Damping ratios zeta = eta/2 of the modes [1]; without effect where omega = 0.
+    /// Damping ratios zeta = eta/2 of the modes \[1\]; without effect where omega = 0.
     pub zeta: Vec<f64>,
-    /// Modes x loads [1/sqrt(kg)]: mode shape at the point and in the direction of each load (for a distributed load its
-    /// virtual work per unit of F_l); a column of zeros for a load that does not act on this body.
+    /// Modes x loads [1/sqrt(kg)]: mode shape at the point and in the direction of each load (for a distributed load
+    /// its virtual work per unit of F_l); a column of zeros for a load that does not act on this body.
     pub loads: DMatrix<f64>,
     /// Modes x supports [1/sqrt(kg)]: mode shape at each support point along the body's OUTWARD normal, so that
     /// positive motion closes the gap. Two touching bodies have opposite normals there, hence opposite forces.

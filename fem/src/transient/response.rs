@@ -37,9 +37,9 @@ pub enum Ending {
 pub struct Check {
     /// What is checked.
     pub name: String,
-    /// Value found [1].
+    /// Value found \[1\].
     pub value: f64,
-    /// Largest value allowed [1].
+    /// Largest value allowed \[1\].
     pub limit: f64,
     /// Whether the value is within the limit.
     pub ok: bool,
@@ -79,8 +79,8 @@ pub enum Motion {
 /// Response of one or two bodies.
 ///
 /// The forces on the grid determine everything else, because between samples they are linear and each mode follows them
-/// exactly; so only they are kept (39 MB for 65 supports and 0.3 s at 4 us, instead of 780 MB of modal histories), and the
-/// motion of any mode is produced on demand by the same recurrence.
+/// exactly; so only they are kept (39 MB for 65 supports and 0.3 s at 4 us, instead of 780 MB of modal histories), and
+/// the motion of any mode is produced on demand by the same recurrence.
 #[derive(Debug, Clone)]
 pub struct ModalResponse {
     /// Step \[s\] of the grid.
@@ -95,9 +95,10 @@ pub struct ModalResponse {
     pub end: Vec<ModalState>,
     /// Energies on a coarse grid.
     pub energy: EnergyHistory,
-    /// Share of the samples at which no unilateral support touches [1]; 0 without such supports.
+    /// Share of the samples at which no unilateral support touches \[1\]; 0 without such supports.
     pub open_fraction: f64,
-    /// Share of the static load at t = 0 (and of the final one) left out because nothing can hold it [1]; at most 1e-6.
+    /// Share of the static load at t = 0 (and of the final one) left out because nothing can hold it \[1\]; at most
+    /// 1e-6.
     pub unsupported_load: f64,
     /// What ended the run.
     pub ending: Ending,

@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::error::TransientError;
 use super::model::{ModalBody, Support, SupportLaw};
+use super::system::add_gram;
 
 /// Equilibrium of all bodies, modes of the first body first.
 pub(super) struct Equilibrium {
@@ -112,11 +113,12 @@ impl<'a> Problem<'a> {
         }
         let held = range(&felt);
         let p_z = held.tr_mul(&p.select_rows(&rigid));
-        let mut scaled = p.select_rows(&elastic);
-        for (row, &j) in elastic.iter().enumerate() {
-            scaled.row_mut(row).scale_mut(1.0 / omega2[j]);
-        }
-        let compliance = p.select_rows(&elastic).tr_mul(&scaled);
+        let mut compliance = DMatrix::zeros(n, n);
+        add_gram(
+            &mut compliance,
+            &p,
+            |j| if omega2[j] > 0.0 { 1.0 / omega2[j] } else { 0.0 },
+        );
         let eps = 1e-10 * (held.tr_mul(&felt)).norm_squared();
         Self {
             supports,
@@ -211,7 +213,8 @@ impl<'a> Problem<'a> {
             let (elastic, rigid) = self.held_gradient(s);
             (elastic.norm_squared() + rigid.norm_squared()).sqrt()
         };
-        // With no load and open gaps the start is the solution; a glued or pre-stressed support sets a scale of its own.
+        // With no load and open gaps the start is the solution; a glued or pre-stressed support sets a scale of its
+        // own.
         let mut residual = unbalanced(&solution);
         let scale = scale.max(residual);
         for iteration in 0..MAX_ITERATIONS {
@@ -279,7 +282,12 @@ impl<'a> Problem<'a> {
             matrix[(a + c, a + c)] = self.eps;
             right[a + c] = -rigid[c];
         }
-        let solved = matrix.lu().solve(&right).unwrap_or_else(|| DVector::zeros(a + z));
+        let solved = if right.is_empty() {
+            None
+        } else {
+            matrix.lu().solve(&right)
+        };
+        let solved = solved.unwrap_or_else(|| DVector::zeros(a + z));
         let mut push = DVector::zeros(s.d.len());
         for (row, &i) in set.iter().enumerate() {
             push[i] = root(i) * solved[row];

@@ -112,14 +112,13 @@ impl System {
         let mut joined = Columns::zeros(2 * lanes(supports), supports);
         let (mut c_d, mut c_v) = (DMatrix::zeros(supports, supports), DMatrix::zeros(supports, supports));
         for body in bodies {
-            let (mut by_c1, mut by_c2) = (body.supports.clone(), body.supports.clone());
-            for j in 0..body.modes() {
-                let r = Recurrence::new(body.omega[j], effective_zeta(body.omega[j], body.zeta[j], step), step);
-                by_c1.row_mut(j).scale_mut(r.c1);
-                by_c2.row_mut(j).scale_mut(r.c2);
-            }
-            c_d += body.supports.tr_mul(&by_c1);
-            c_v += body.supports.tr_mul(&by_c2);
+            let step_of = |j: usize| {
+                let zeta = effective_zeta(body.omega[j], body.zeta[j], step);
+                Recurrence::new(body.omega[j], zeta, step)
+            };
+            let steps: Vec<Recurrence> = (0..body.modes()).map(step_of).collect();
+            add_gram(&mut c_d, &body.supports, |j| steps[j].c1);
+            add_gram(&mut c_v, &body.supports, |j| steps[j].c2);
         }
         for k in 0..supports {
             let column = joined.column_mut(k).as_flattened_mut();
@@ -151,6 +150,22 @@ impl System {
                 velocity: cut(v, p),
             })
             .collect()
+    }
+}
+
+/// Adds P^T diag(weights) P, P with a row per mode. In plain loops: a library's product may fuse multiply and add on
+/// some machines only, and a bouncing block would show it.
+pub(super) fn add_gram(gram: &mut DMatrix<f64>, p: &DMatrix<f64>, weight: impl Fn(usize) -> f64) {
+    let weights: Vec<f64> = (0..p.nrows()).map(weight).collect();
+    for k in 0..p.ncols() {
+        let weighted: Vec<f64> = p.column(k).iter().zip(&weights).map(|(p, w)| p * w).collect();
+        for i in 0..=k {
+            let sum: f64 = p.column(i).iter().zip(&weighted).map(|(a, b)| a * b).sum();
+            gram[(i, k)] += sum;
+            if i < k {
+                gram[(k, i)] += sum;
+            }
+        }
     }
 }
 
@@ -346,11 +361,8 @@ fn contact_rate(bodies: &[ModalBody], supports: &[Support], settings: &Settings)
     }
     let mut gram = DMatrix::<f64>::zeros(n, n);
     for body in bodies {
-        let mut rows = body.supports.clone();
-        for j in (0..body.modes()).filter(|&j| body.omega[j] * settings.step >= PI) {
-            rows.row_mut(j).fill(0.0);
-        }
-        gram += rows.tr_mul(&rows);
+        let followed = |j: usize| if body.omega[j] * settings.step < PI { 1.0 } else { 0.0 };
+        add_gram(&mut gram, &body.supports, followed);
     }
     for i in 0..n {
         for j in 0..n {

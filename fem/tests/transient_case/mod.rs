@@ -1,3 +1,5 @@
+#![allow(missing_docs, unreachable_pub)]
+
 //! A block on a table with the size of the real case, from closed-form plate shapes: enough modes, points and loads to
 //! measure work and time without a mesh.
 
@@ -82,8 +84,8 @@ pub fn block_on_table(block_modes: usize, table_modes: usize, law: SupportLaw) -
             sign * plate.shape(plate.modes[j], x, y)
         })
     };
-    // Loads: weight of the block, weight of the table, push of tool and hand, and 12 shares of the blow; motion of the
-    // block is counted downwards (its outward normal), that of the table upwards.
+    // Loads: weight of the block, weight of the table, push of tool and hand, and 12 shares of the blow. Modes count
+    // downwards in both bodies: along the block's outward normal, against the table's.
     let loads = 15;
     let points: Vec<[f64; 2]> = (0..loads - 2)
         .map(|l| [0.01 + 0.004 * l as f64, 0.003 * l as f64])
@@ -101,7 +103,7 @@ pub fn block_on_table(block_modes: usize, table_modes: usize, law: SupportLaw) -
     });
     let table_loads = DMatrix::from_fn(table.modes.len(), loads, |j, l| {
         let (_, m, n) = table.modes[j];
-        if l == 1 && m + n == 0 { -table.mass.sqrt() } else { 0.0 }
+        if l == 1 && m + n == 0 { table.mass.sqrt() } else { 0.0 }
     });
     let samples = 15_001;
     let interval = 4e-6;
