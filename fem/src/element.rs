@@ -106,20 +106,18 @@ pub(crate) fn integrate(
             *gradient = (inverse.transpose() * Vector3::from(*dn)).into();
         }
         let dv = point.weight * determinant;
-        let mut pair = 0;
+        let mut pairs = products.chunks_exact_mut(9).zip(&mut mass);
         for a in 0..n {
             let scaled = gradients[a].map(|g| g * dv);
             let m = material.density * dv * point.n[a];
-            for b in 0..=a {
-                let out = &mut products[9 * pair..9 * pair + 9];
-                let g = gradients[b];
+            let up_to_a = gradients[..=a].iter().zip(&point.n);
+            for ((g, n_b), (product, mass)) in up_to_a.zip(&mut pairs) {
                 for k in 0..3 {
                     for l in 0..3 {
-                        out[3 * k + l] += scaled[k] * g[l];
+                        product[3 * k + l] += scaled[k] * g[l];
                     }
                 }
-                mass[pair] += m * point.n[b];
-                pair += 1;
+                *mass += m * n_b;
             }
         }
     }

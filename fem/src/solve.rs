@@ -206,10 +206,12 @@ impl Modes {
         modes
     }
 
-    /// Takes modes whose residual is above half the limit through one step of inverse iteration, and says how many.
+    /// Takes modes whose residual r = K phi - lambda M phi is above half the limit through one step of inverse
+    /// iteration, and says how many.
     ///
     /// Rounding leaves components of high modes in the Lanczos basis, which K multiplies by their frequency squared; a
-    /// solve divides them by it again. The low modes of large models need it.
+    /// solve divides them by it again. In the form phi - (K - sigma M)^-1 r the solve's own rounding is relative to r,
+    /// not to phi. The low modes of large models need it.
     fn refine(
         &mut self,
         system: &System,
@@ -221,8 +223,17 @@ impl Modes {
             .filter(|&i| self.residuals[i] > settings.residual_limit / 2.0)
             .collect();
         for chosen in poor.chunks(settings.block.max(1)) {
-            let mut x = Mat::from_fn(self.phi.nrows(), chosen.len(), |r, c| self.m_phi[(r, chosen[c])]);
+            let rows = self.phi.nrows();
+            let phi = Mat::from_fn(rows, chosen.len(), |r, c| self.phi[(r, chosen[c])]);
+            let mut x = product(&system.stiffness, phi.as_ref());
+            for (c, &i) in chosen.iter().enumerate() {
+                let lambda = self.lambda[i];
+                for (x, m_phi) in x.col_mut(c).iter_mut().zip(self.m_phi.col(i).iter()) {
+                    *x -= lambda * m_phi;
+                }
+            }
             factor.solve(x.as_mut())?;
+            x = phi - x;
             // Near the edge a solve magnifies; what it makes of the other modes is taken out again.
             let mut c = transpose_product(self.m_phi.as_ref(), x.as_ref());
             chosen.iter().enumerate().for_each(|(column, &i)| c[(i, column)] = 0.0);

@@ -1,4 +1,5 @@
 //! Laws of the assembled matrices.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod bodies;
 

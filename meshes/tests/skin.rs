@@ -1,4 +1,5 @@
 //! Laws of the built-in meshes and their skins.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use nailnoise_meshes::{Block, Mesh, MeshError, Surface, Worktable, block, element_size, worktable};
 use nalgebra::{Point3, Vector3};

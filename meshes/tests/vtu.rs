@@ -1,4 +1,5 @@
 //! Files are read back by the library's own reader and hold what was written, to the last bit.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use nailnoise_meshes::vtu::{Field, write_mesh, write_series, write_surface};
 use nailnoise_meshes::{Block, MeshError, Surface, block, write_atomic};

@@ -1,5 +1,6 @@
 //! Materials and bodies of the nailer's reference design, as test data.
 #![allow(dead_code, unreachable_pub, reason = "each test file uses some of them")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use nailnoise_fem::{Constraints, Material, Orthotropic, System, assemble};
 use nailnoise_meshes::{Block, Mesh, Worktable, block, worktable};
