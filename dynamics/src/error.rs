@@ -132,12 +132,6 @@ pub enum CycleError {
         /// Time \[s\].
         time: f64,
     },
-    /// A published form that this version does not compute.
-    #[error("model.{switch} = \"published\" is not available yet; use \"corrected\"")]
-    FormNotAvailable {
-        /// Name of the switch.
-        switch: &'static str,
-    },
     /// A penetration speed outside the range of the quasi-static laws.
     #[error(
         "penetration speed {speed} m/s is outside {lowest} .. {highest} m/s, the range of the quasi-static laws (Eq. 2.2); \

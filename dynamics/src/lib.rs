@@ -13,6 +13,7 @@ mod cycle;
 mod error;
 mod geometry;
 mod parameters;
+mod presets;
 pub mod prf;
 mod record;
 mod settings;

@@ -1,6 +1,6 @@
 //! The model as a system of equations for diffsol.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 
 use diffsol::matrix::dense_nalgebra_serial::NalgebraMat;
 use diffsol::{
@@ -8,10 +8,12 @@ use diffsol::{
     OdeEquationsRef, Op, ParameterisedOp, UnitCallable,
 };
 
+use super::history::{History, Past};
 use super::mode::Mode;
 use super::real::Dual;
 use super::state::{SIZE, STATES, State};
 use super::system::System;
+use crate::Form;
 
 type Matrix = NalgebraMat<f64>;
 type Vector = NalgebraVec<f64>;
@@ -28,6 +30,7 @@ pub(crate) struct Equations<'s> {
     system: &'s System,
     mode: Cell<Mode>,
     calls: Cell<Calls>,
+    history: RefCell<History>,
     context: NalgebraContext,
 }
 
@@ -37,6 +40,7 @@ impl<'s> Equations<'s> {
             system,
             mode: Cell::new(mode),
             calls: Cell::default(),
+            history: RefCell::default(),
             context: NalgebraContext::default(),
         }
     }
@@ -49,19 +53,36 @@ impl<'s> Equations<'s> {
         self.calls.get()
     }
 
+    /// Flow of the channel one delay ago, in the form that delays it.
+    pub(crate) fn past(&self, t: f64) -> Past {
+        match self.system.p.model.delay {
+            Form::Corrected => Past::none(),
+            Form::Published => self.history.borrow().at(t - self.system.geometry.channel_delay),
+        }
+    }
+
+    /// Notes the channel's flow at an accepted state, in the form that delays it.
+    pub(crate) fn remember(&self, t: f64, y: &State) {
+        if self.system.p.model.delay == Form::Published {
+            let mode = self.mode.get();
+            let rate: State = self.system.rates(y, &mode, &self.past(t));
+            self.history.borrow_mut().push(self.system, mode.released, t, y, &rate);
+        }
+    }
+
     /// y' and y'' at a state.
-    pub(crate) fn derivatives(&self, y: &State) -> (State, State) {
-        let mode = self.mode.get();
-        let first: State = self.system.rates(y, &mode);
+    pub(crate) fn derivatives(&self, t: f64, y: &State) -> (State, State) {
+        let (mode, past) = (self.mode.get(), self.past(t));
+        let first: State = self.system.rates(y, &mode, &past);
         let along: [Dual<1>; SIZE] = std::array::from_fn(|i| Dual {
             value: y[i],
             slope: [first[i]],
         });
-        let second = self.system.rates(&along, &mode);
+        let second = self.system.rates(&along, &mode, &past);
         (first, second.map(|d| d.slope[0]))
     }
 
-    fn jacobian(&self, y: &[f64]) -> [Dual<STATES>; SIZE] {
+    fn jacobian(&self, t: f64, y: &[f64]) -> [Dual<STATES>; SIZE] {
         let mut calls = self.calls.get();
         calls.jacobians += 1;
         self.calls.set(calls);
@@ -72,7 +93,7 @@ impl<'s> Equations<'s> {
             }
             Dual { value: y[i], slope }
         });
-        self.system.rates(&seeded, &self.mode.get())
+        self.system.rates(&seeded, &self.mode.get(), &self.past(t))
     }
 }
 
@@ -135,30 +156,33 @@ impl ConstantOp for Start<'_, '_> {
 }
 
 impl NonLinearOp for Rates<'_, '_> {
-    fn call_inplace(&self, x: &Vector, _t: f64, y: &mut Vector) {
+    fn call_inplace(&self, x: &Vector, t: f64, y: &mut Vector) {
         let mut calls = self.0.calls.get();
         calls.rates += 1;
         self.0.calls.set(calls);
-        let rates: State = self.0.system.rates(x.batch_as_slice(0), &self.0.mode.get());
+        let rates: State = self
+            .0
+            .system
+            .rates(x.batch_as_slice(0), &self.0.mode.get(), &self.0.past(t));
         y.batch_as_mut_slice(0).copy_from_slice(&rates);
     }
 }
 
 impl NonLinearOpJacobian for Rates<'_, '_> {
-    fn jac_mul_inplace(&self, x: &Vector, _t: f64, v: &Vector, y: &mut Vector) {
+    fn jac_mul_inplace(&self, x: &Vector, t: f64, v: &Vector, y: &mut Vector) {
         let (x, v) = (x.batch_as_slice(0), v.batch_as_slice(0));
         let along: [Dual<1>; SIZE] = std::array::from_fn(|i| Dual {
             value: x[i],
             slope: [v[i]],
         });
-        let rates = self.0.system.rates(&along, &self.0.mode.get());
+        let rates = self.0.system.rates(&along, &self.0.mode.get(), &self.0.past(t));
         for (y, rate) in y.batch_as_mut_slice(0).iter_mut().zip(&rates) {
             *y = rate.slope[0];
         }
     }
 
-    fn jacobian_inplace(&self, x: &Vector, _t: f64, matrix: &mut Matrix) {
-        let rows = self.0.jacobian(x.batch_as_slice(0));
+    fn jacobian_inplace(&self, x: &Vector, t: f64, matrix: &mut Matrix) {
+        let rows = self.0.jacobian(t, x.batch_as_slice(0));
         for (i, row) in rows.iter().enumerate() {
             for (j, slope) in row.slope.iter().enumerate() {
                 matrix.set_index(i, j, *slope);

@@ -17,9 +17,9 @@ use super::mode::{Channel, Contact, Mode};
 use super::recorder::Recorder;
 use super::start::start;
 use super::state::*;
-use super::switching::{SLOTS, cross, margins, slot_name};
+use super::switching::{SLOTS, cross, is_impact, margins, slot_name};
 use super::system::System;
-use crate::{CycleError, Method, Settings, Work};
+use crate::{CycleError, Form, Method, Settings, Work};
 
 /// Points at which conditions are checked within a step, its end included.
 const POINTS: usize = 2;
@@ -104,7 +104,7 @@ pub(crate) fn integrate(system: &System, settings: &Settings) -> Result<Run, Cyc
     let (t, y, mode) = (cycle.t, cycle.y, cycle.mode);
     let recorder = &mut cycle.run.recorder;
     if !cycle.run.landed && recorder.next_time() <= t * (1.0 + 4.0 * f64::EPSILON) {
-        recorder.push(system, &mode, &y);
+        recorder.push(system, &mode, &problem.eqn.past(t), &y);
     }
     let calls = problem.eqn.calls();
     cycle.run.work.evaluations = calls.rates;
@@ -178,12 +178,23 @@ impl<'s> Cycle<'s> {
         {
             stop = stop.min(filling);
         }
+        if self.system.p.model.delay == Form::Published {
+            // No step may reach beyond the history, which ends one delay ahead.
+            stop = stop.min(self.t + self.system.geometry.channel_delay);
+        }
         stop
+    }
+
+    /// Whether the channel switches now.
+    fn is_due(&self) -> bool {
+        let reached = |due: f64| self.t >= due - 1e-13;
+        (self.mode.channel == Channel::Closed && reached(self.venting))
+            || (self.mode.channel != Channel::Filling && self.filling.is_some_and(reached))
     }
 
     /// Changes the channel where its time has come.
     fn switch_channel(&mut self) {
-        let reached = |t: f64, due: f64| t >= due - 1e-15;
+        let reached = |t: f64, due: f64| t >= due - 1e-13;
         if self.filling.is_some_and(|due| reached(self.t, due)) {
             self.mode.channel = Channel::Filling;
         } else if self.mode.channel == Channel::Closed && reached(self.t, self.venting) {
@@ -202,7 +213,8 @@ impl<'s> Cycle<'s> {
     fn segment(&mut self, problem: &Problem<'s>) -> Result<(), CycleError> {
         self.switch_channel();
         problem.eqn.set_mode(self.mode);
-        let (first, second) = problem.eqn.derivatives(&self.y);
+        problem.eqn.remember(self.t, &self.y);
+        let (first, second) = problem.eqn.derivatives(self.t, &self.y);
         let empty = || NalgebraVec::<f64>::zeros(0, Default::default());
         let common = StateCommon {
             y: NalgebraVec::from_vec(self.y.to_vec(), Default::default()),
@@ -234,7 +246,8 @@ impl<'s> Cycle<'s> {
         M: OdeSolverMethod<'p, Equations<'s>>,
         's: 'p,
     {
-        let stop = self.stop_time();
+        let equations = &solver.problem().eqn;
+        let mut stop = self.stop_time();
         solver.set_stop_time(stop).map_err(|cause| self.failure(&cause))?;
         let mut scratch = NalgebraVec::<f64>::zeros(SIZE, Default::default());
         let mut margin = margins(self.system, &self.mode, &self.y);
@@ -323,19 +336,26 @@ impl<'s> Cycle<'s> {
             self.heights = previous.1;
             self.run.log.sort_from(logged);
             while self.run.recorder.next_time() < t_end {
-                let y = at(self.run.recorder.next_time())?;
-                self.run.recorder.push(self.system, &self.mode, &y);
+                let time = self.run.recorder.next_time();
+                let y = at(time)?;
+                self.run
+                    .recorder
+                    .push(self.system, &self.mode, &equations.past(time), &y);
             }
 
             self.t = t_end;
             self.y = y_end;
             margin = left.1;
-            self.run.recorder.peak(&self.system.evaluate(&self.y, &self.mode));
+            equations.remember(self.t, &self.y);
+            self.run
+                .recorder
+                .peak(&self.system.evaluate(&self.y, &self.mode, &equations.past(self.t)));
             self.run.balance.follow(self.system, &self.mode, &self.y);
             self.guard()?;
             self.schedule();
 
-            let done = event.is_some() || reason == OdeSolverStopReason::TstopReached || self.t >= self.end;
+            let stopped = reason == OdeSolverStopReason::TstopReached;
+            let done = event.is_some() || (stopped && self.is_due()) || self.t >= self.end;
             if let Some((_, slot)) = event {
                 self.cross(slot)?;
             }
@@ -348,9 +368,10 @@ impl<'s> Cycle<'s> {
                 work.factorisations += statistics.number_of_linear_solver_setups;
                 return Ok(());
             }
-            let stop_now = self.stop_time();
-            if stop_now < stop && stop_now > self.t {
-                solver.set_stop_time(stop_now).map_err(|cause| self.failure(&cause))?;
+            let next = self.stop_time();
+            if (stopped || next < stop) && next > self.t {
+                stop = next;
+                solver.set_stop_time(stop).map_err(|cause| self.failure(&cause))?;
             }
         }
     }
@@ -372,11 +393,12 @@ impl<'s> Cycle<'s> {
             });
         }
         let before = (self.mode, self.y);
+        let impact = is_impact(slot, &self.mode);
         cross(self.system, slot, &mut self.mode, &mut self.y);
         self.run
             .balance
             .cross(self.system, (&before.0, &before.1), (&self.mode, &self.y));
-        if before.1[V_P] != self.y[V_P] {
+        if impact {
             self.run.impact = Some((before.1[V_P], self.y[V_P]));
         }
         if slot < Contact::COUNT && self.mode.closed[slot] {
@@ -403,7 +425,9 @@ impl<'s> Cycle<'s> {
         }
         for (i, name) in VOLUME_NAMES.iter().enumerate() {
             let (size, mass) = (now.volume[i], self.y[MASS + i]);
-            if !(size > 0.0 && mass > 0.0 && self.y[ENERGY + i] > 0.0) {
+            // The published gas law does not hold the gas to the mass it has taken in and given off (C-02).
+            let massless = mass <= 0.0 && self.system.p.model.gas == Form::Corrected;
+            if !(size > 0.0 && !massless && self.y[ENERGY + i] > 0.0) {
                 return Err(CycleError::Collapse {
                     volume: name,
                     time: self.t,

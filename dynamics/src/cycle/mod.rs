@@ -3,6 +3,7 @@
 mod balance;
 mod equations;
 mod gas;
+mod history;
 mod integrate;
 mod marks;
 mod mode;

@@ -85,8 +85,10 @@ pub(crate) struct Mode {
     pub(crate) penetration: Penetration,
     /// Nail.
     pub(crate) nail: NailState,
-    /// Trigger channel.
+    /// Trigger channel at its far end, where a switching arrives late.
     pub(crate) channel: Channel,
+    /// Whether the trigger is released (latched).
+    pub(crate) released: bool,
 }
 
 impl Mode {

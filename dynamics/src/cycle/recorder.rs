@@ -1,6 +1,7 @@
 //! Histories on the uniform grid, and peaks.
 
-use super::mode::{Channel, Contact, Mode};
+use super::history::Past;
+use super::mode::{Contact, Mode};
 use super::state::*;
 use super::switching::deepest;
 use super::system::{Evaluation, Instant, System};
@@ -86,8 +87,8 @@ impl Recorder {
     }
 
     /// Appends a sample.
-    pub(crate) fn push(&mut self, system: &System, mode: &Mode, y: &State) {
-        let e: Evaluation<f64> = system.evaluate(y, mode);
+    pub(crate) fn push(&mut self, system: &System, mode: &Mode, past: &Past, y: &State) {
+        let e: Evaluation<f64> = system.evaluate(y, mode, past);
         self.peak(&e);
         let Instant { travel, valve, gas, .. } = e.instant;
         for (body, history) in self.bodies.iter_mut().enumerate() {
@@ -136,8 +137,7 @@ impl Recorder {
             .push(mode.intake && gas[ABOVE].pressure < system.air.critical * gas[SUPPLY].pressure);
         x.intake_mass_flow.push(e.intake);
         let v = &mut self.vent;
-        v.mass_flow
-            .push(if mode.channel == Channel::Venting { e.vent } else { 0.0 });
+        v.mass_flow.push(e.channel.vent.mass);
         v.pressure.push(gas[CONTROL].pressure);
         v.temperature.push(gas[CONTROL].temperature);
     }

@@ -3,12 +3,11 @@
 use super::mode::{Channel, Contact, Mode, NailState, Penetration};
 use super::state::*;
 use super::system::{SPRING, SPRING_LIMIT, System};
-use crate::{CycleError, Form, Parameters};
+use crate::{CycleError, Parameters};
 
 /// Refuses designs the model does not hold for.
 pub(crate) fn check(p: &Parameters) -> Result<(), CycleError> {
     check_numbers(p)?;
-    check_forms(p)?;
     let valve = &p.head_valve;
     if valve.lift + valve.spring_preload > SPRING_LIMIT * (1.0 + 1e-12) {
         return Err(CycleError::SpringRange {
@@ -75,26 +74,6 @@ pub(crate) fn check(p: &Parameters) -> Result<(), CycleError> {
     Ok(())
 }
 
-/// Published forms are named errors until they are computed.
-fn check_forms(p: &Parameters) -> Result<(), CycleError> {
-    let m = &p.model;
-    let forms = [
-        ("gas", m.gas),
-        ("valve_underside", m.valve_underside),
-        ("nail", m.nail),
-        ("impact", m.impact),
-        ("contacts", m.contacts),
-        ("intake", m.intake),
-        ("delay", m.delay),
-        ("channel", m.channel),
-        ("refill", m.refill),
-    ];
-    match forms.iter().find(|(_, form)| *form == Form::Published) {
-        Some((switch, _)) => Err(CycleError::FormNotAvailable { switch }),
-        None => Ok(()),
-    }
-}
-
 fn check_numbers(p: &Parameters) -> Result<(), CycleError> {
     let positive = [
         ("supply.pressure", p.supply.pressure),
@@ -148,6 +127,9 @@ fn check_numbers(p: &Parameters) -> Result<(), CycleError> {
         ("ambient.temperature", p.ambient.temperature),
         ("ambient.gas_constant", p.ambient.gas_constant),
         ("ambient.viscosity", p.ambient.viscosity),
+        ("model.polytropic", p.model.polytropic),
+        ("model.polytropic_inflow", p.model.polytropic_inflow),
+        ("model.polytropic_outflow", p.model.polytropic_outflow),
         ("model.friction_velocity", p.model.friction_velocity),
         ("model.stribeck_velocity", p.model.stribeck_velocity),
         ("model.orifice_linear", p.model.orifice_linear),
@@ -245,8 +227,7 @@ pub(crate) fn start(system: &System) -> Result<(State, Mode), CycleError> {
         .iter()
         .rev()
         .fold(0.0, |sum, c| sum * p.head_valve.spring_preload + c);
-    let close = supply * (geometry.valve_control_area - geometry.valve_supply_area)
-        - ambient * geometry.valve_cylinder_area
+    let close = supply * (geometry.valve_control_area - geometry.valve_supply_area) - ambient * system.underside_area
         + spring
         + p.head_valve.mass * gravity;
     if close <= 0.0 {
@@ -279,6 +260,7 @@ pub(crate) fn start(system: &System) -> Result<(State, Mode), CycleError> {
         },
         nail: NailState::Waiting,
         channel: Channel::Closed,
+        released: false,
     };
     Ok((y, mode))
 }

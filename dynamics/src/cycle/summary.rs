@@ -13,7 +13,7 @@ pub(crate) fn record(system: &System, run: Run) -> CycleRecord {
     let events = run.log.events(run.end);
     let summary = summarise(system, &run, &events);
     let outcome = outcome(system, &run, &events, &summary);
-    let checks = run.balance.checks();
+    let checks = run.balance.checks(system);
     let recorder = run.recorder;
     let [piston, head_valve, tool, workpiece] = recorder.bodies;
     let [above_piston, below_piston, return_volume, above_valve, supply] = recorder.volumes;

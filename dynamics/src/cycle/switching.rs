@@ -6,6 +6,7 @@
 use super::mode::{Contact, Mode, NailState, Penetration};
 use super::state::*;
 use super::system::System;
+use crate::Form;
 
 /// Number of watched conditions.
 pub(crate) const SLOTS: usize = 13;
@@ -40,6 +41,8 @@ pub(crate) fn margins(system: &System, mode: &Mode, y: &State) -> [f64; SLOTS] {
         let pad = system.pads[contact as usize];
         let push = u + pad.damping / pad.stiffness * rate;
         // Closing needs overlap and a pushing force; a contact that still overlaps but is being let go stays open.
+        // Published contacts may pull, so only overlap counts (C-13).
+        let push = if p.model.contacts == Form::Published { u } else { push };
         margin[contact as usize] = if mode.closed(contact) { push } else { -u.min(push) };
     }
     let signed = |inside: bool, x: f64| if inside { x } else { -x };
@@ -55,6 +58,21 @@ pub(crate) fn margins(system: &System, mode: &Mode, y: &State) -> [f64; SLOTS] {
         NailState::Left => f64::INFINITY,
     };
     let z = system.depth(y);
+    if p.model.nail == Form::Published {
+        // Reversible: the force is a function of depth until the first reversal, and nothing afterwards (C-09).
+        match mode.penetration {
+            Penetration::Loading { seated: false } => {
+                margin[DEPTH_UP] = p.nail.length - z;
+                margin[DEPTH_DOWN] = z;
+            }
+            Penetration::Loading { seated: true } => margin[DEPTH_DOWN] = z - p.nail.length,
+            Penetration::Free { .. } | Penetration::Unloading { .. } if mode.nail != NailState::Left => {
+                margin[DEPTH_UP] = -z;
+            }
+            Penetration::Free { .. } | Penetration::Unloading { .. } => {}
+        }
+        return margin;
+    }
     match mode.penetration {
         Penetration::Free { deepest, force } => margin[DEPTH_UP] = deepest - force / p.wood.unloading_stiffness - z,
         Penetration::Loading { seated } => {
@@ -71,20 +89,38 @@ pub(crate) fn margins(system: &System, mode: &Mode, y: &State) -> [f64; SLOTS] {
     margin
 }
 
+/// Whether the event of `slot` is the rod meeting the nail.
+pub(crate) fn is_impact(slot: usize, mode: &Mode) -> bool {
+    slot == NAIL && mode.nail == NailState::Waiting
+}
+
 /// Changes mode and state at the event of `slot`.
 pub(crate) fn cross(system: &System, slot: usize, mode: &mut Mode, y: &mut State) {
     match slot {
-        GUARD => mode.guard = !mode.guard,
+        GUARD => {
+            mode.guard = !mode.guard;
+            mode.released |= !mode.guard;
+        }
         INTAKE => mode.intake = !mode.intake,
         EXHAUST => mode.exhaust = !mode.exhaust,
         CHECK_HOLES => mode.check_holes = !mode.check_holes,
         NAIL => match mode.nail {
             NailState::Waiting => {
-                // Plastic impact of the rod on the nail at rest (C-08).
-                y[V_P] *= system.p.piston.mass / (system.p.piston.mass + system.geometry.nail_mass);
+                // Plastic impact of the rod on the nail at rest; published, the nail comes up to speed by itself (C-08).
+                if system.p.model.impact == Form::Corrected {
+                    y[V_P] *= system.p.piston.mass / (system.p.piston.mass + system.geometry.nail_mass);
+                }
                 mode.nail = NailState::Attached;
             }
-            NailState::Attached | NailState::Left => mode.nail = NailState::Left,
+            NailState::Attached | NailState::Left => {
+                mode.nail = NailState::Left;
+                if system.p.model.nail == Form::Published {
+                    mode.penetration = Penetration::Free {
+                        deepest: deepest(system, mode, y),
+                        force: 0.0,
+                    };
+                }
+            }
         },
         DEPTH_UP => {
             mode.penetration = match mode.penetration {
@@ -98,6 +134,16 @@ pub(crate) fn cross(system: &System, slot: usize, mode: &mut Mode, y: &mut State
         }
         DEPTH_DOWN => {
             mode.penetration = match mode.penetration {
+                Penetration::Loading { seated } if system.p.model.nail == Form::Published => {
+                    if seated {
+                        Penetration::Loading { seated: false }
+                    } else {
+                        Penetration::Free {
+                            deepest: 0.0,
+                            force: 0.0,
+                        }
+                    }
+                }
                 Penetration::Loading { .. } => {
                     let deepest = system.depth(y);
                     Penetration::Unloading {

@@ -3,11 +3,12 @@
 use std::f64::consts::PI;
 
 use super::gas::{Air, Gas};
+use super::history::{Past, Stream};
 use super::mode::{Channel, Contact, Mode, NailState, Penetration};
 use super::real::Real;
 use super::state::*;
 use crate::prf::{REFERENCE_SPEED, Specimen};
-use crate::{Geometry, Parameters};
+use crate::{Form, Geometry, Parameters};
 
 /// Coefficients of the head valve's closing spring, F(y) in N, y in m (Eq. 4.60, as printed; C-24).
 pub(crate) const SPRING: [f64; 9] = [
@@ -38,6 +39,10 @@ pub(crate) struct System {
     pub(crate) pads: [Pad; Contact::COUNT],
     /// k_esg = k_sg k_wsn/(k_sg + k_wsn) (C-12).
     pub(crate) guard_stiffness: f64,
+    /// A_h3 as far as P_1 acts on it, zero in the published form (C-06).
+    pub(crate) underside_area: f64,
+    /// Areas by which the valve sweeps the volume above the piston and the supply side, zero in the published form (C-07).
+    sweep: [f64; 2],
     curve: crate::prf::Curve,
     /// k_w under the nail's head \[N/m\].
     head_stiffness: f64,
@@ -65,6 +70,14 @@ pub(crate) struct Instant<S> {
     pub(crate) gas: [Gas<S>; VOLUMES],
 }
 
+/// Flow through the trigger's channel: out of h to the atmosphere, into h, and out of ext.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ChannelFlow<S> {
+    pub(crate) vent: Stream<S>,
+    fill: Stream<S>,
+    drain: Stream<S>,
+}
+
 /// Forces, flows and accelerations.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Evaluation<S> {
@@ -81,14 +94,13 @@ pub(crate) struct Evaluation<S> {
     pub(crate) valve_friction: S,
     pub(crate) penetration: S,
     pub(crate) guard: S,
-    /// Flow 1 -> exhaust, ext -> 1, 1 -> r, 2 -> r, 2 -> atmosphere, h -> atmosphere, ext -> h, hose -> ext.
+    /// Flow 1 -> exhaust, ext -> 1, 1 -> r, 2 -> r, 2 -> atmosphere, through the trigger's channel, hose -> ext.
     pub(crate) exhaust: S,
     pub(crate) intake: S,
     check: S,
     foot: S,
     pub(crate) leak: S,
-    pub(crate) vent: S,
-    fill: S,
+    pub(crate) channel: ChannelFlow<S>,
     pub(crate) hose: S,
     /// P_m.
     pub(crate) plenum: S,
@@ -136,15 +148,28 @@ impl System {
             .curve(&specimen, REFERENCE_SPEED)
             .scaled(p.wood.resistance_scale);
         let cd = p.chambers.discharge_coefficient;
+        let underside = p.model.valve_underside == Form::Corrected;
+        let refill = p.model.refill == Form::Corrected;
         Self {
             guard_stiffness: c.guard_stiffness * c.nose_stiffness / (c.guard_stiffness + c.nose_stiffness),
             head_stiffness: p.wood.head_stiffness_scale * p.wood.hardness_modulus,
-            seated_force: curve.force(p.nail.length),
+            // The published law loses the friction on the shank where the head meets the wood (C-09).
+            seated_force: if p.model.nail == Form::Corrected {
+                curve.force(p.nail.length)
+            } else {
+                0.0
+            },
+            underside_area: if underside { geometry.valve_cylinder_area } else { 0.0 },
+            sweep: if underside {
+                [geometry.valve_cylinder_area, geometry.valve_supply_area]
+            } else {
+                [0.0; 2]
+            },
             curve,
             check_area: cd * p.chambers.check_hole_area,
             return_area: cd * p.chambers.return_hole_area,
             leak_area: cd * p.chambers.leak_area,
-            hose_area: cd * p.supply.hose_area,
+            hose_area: if refill { cd * p.supply.hose_area } else { 0.0 },
             exhaust_area: geometry.exhaust_area,
             vent_area: p.trigger.vent_area * geometry.attenuation_vent,
             fill_area: p.trigger.fill_area * geometry.attenuation_fill,
@@ -198,17 +223,20 @@ impl System {
         let lift = -valve + p.head_valve.lift;
         let c = &p.chambers;
         let volume = [
-            travel * g.piston_area + lift * g.valve_cylinder_area + c.above_piston,
+            travel * g.piston_area + lift * self.sweep[0] + c.above_piston,
             (-travel + p.piston.stroke) * g.ring_area + c.below_piston,
             S::constant(c.return_volume),
             valve * g.valve_control_area + c.above_valve,
-            lift * g.valve_supply_area + c.supply_volume,
+            lift * self.sweep[1] + c.supply_volume,
         ];
         let gas = std::array::from_fn(|i| {
             let (u, m, v) = (y[ENERGY + i], y[MASS + i], volume[i]);
             Gas {
                 pressure: u * v.recip() * (self.air.gamma - 1.0),
-                temperature: u * m.recip() * ((self.air.gamma - 1.0) / self.air.gas_constant),
+                temperature: match p.model.gas {
+                    Form::Corrected => u * m.recip() * ((self.air.gamma - 1.0) / self.air.gas_constant),
+                    Form::Published => S::constant(p.ambient.temperature),
+                },
             }
         });
         Instant {
@@ -222,7 +250,7 @@ impl System {
     }
 
     /// All forces and flows at a state \[N, kg/s\], thesis Eqs. 4.1 to 4.60 as corrected.
-    pub(crate) fn evaluate<S: Real>(&self, y: &[S], mode: &Mode) -> Evaluation<S> {
+    pub(crate) fn evaluate<S: Real>(&self, y: &[S], mode: &Mode, past: &Past) -> Evaluation<S> {
         let (p, g) = (&self.p, &self.geometry);
         let air = &self.air;
         let instant = self.instant(y);
@@ -244,7 +272,7 @@ impl System {
             gas[ABOVE].pressure * g.piston_area - gas[BELOW].pressure * g.ring_area - p.ambient.pressure * g.rod_area;
         let valve_gas = gas[CONTROL].pressure * g.valve_control_area
             - gas[SUPPLY].pressure * g.valve_supply_area
-            - gas[ABOVE].pressure * g.valve_cylinder_area;
+            - gas[ABOVE].pressure * self.underside_area;
 
         let mut push = [zero; Contact::COUNT];
         let mut dashpot = [zero; Contact::COUNT];
@@ -304,17 +332,39 @@ impl System {
             zero
         };
         let foot = air.exchange(self.return_area, gas[BELOW], gas[RETURN]);
+        // Published, nothing flows in from the atmosphere and the intake has one way.
+        let both_ways = p.model.intake == Form::Corrected;
+        let outward = |flow: S| if both_ways || flow.value() > 0.0 { flow } else { zero };
+        let (intake, exhaust) = (outward(intake), outward(exhaust));
         let leak = if self.leak_area > 0.0 {
-            air.exchange(self.leak_area, gas[BELOW], ambient)
+            outward(air.exchange(self.leak_area, gas[BELOW], ambient))
         } else {
             zero
         };
-        let (mut vent, mut fill) = (zero, zero);
-        match mode.channel {
-            Channel::Closed => {}
-            Channel::Venting => vent = air.exchange(self.vent_area, gas[CONTROL], ambient),
-            Channel::Filling => fill = air.exchange(self.fill_area, gas[SUPPLY], gas[CONTROL]),
+        let mut channel = ChannelFlow {
+            vent: Stream::still(),
+            fill: Stream::still(),
+            drain: Stream::still(),
+        };
+        if p.model.delay == Form::Corrected {
+            match mode.channel {
+                Channel::Closed => {}
+                Channel::Venting => channel.vent = self.stream(&gas, false),
+                Channel::Filling => channel.fill = self.stream(&gas, true),
+            }
+        } else {
+            match mode.channel {
+                Channel::Closed => {}
+                Channel::Venting => channel.vent = past.vent.lift(),
+                Channel::Filling => channel.fill = past.fill.lift(),
+            }
         }
+        channel.drain = match p.model.channel {
+            Form::Corrected => channel.fill,
+            // Neither delayed nor attenuated (C-03).
+            Form::Published if mode.released => self.stream(&gas, true).scaled(1.0 / self.geometry.attenuation_fill),
+            Form::Published => Stream::still(),
+        };
         let hose = if self.hose_area > 0.0 && gas[SUPPLY].pressure.value() < p.supply.pressure {
             let source = Gas {
                 pressure: S::constant(p.supply.pressure),
@@ -341,16 +391,15 @@ impl System {
             check,
             foot,
             leak,
-            vent,
-            fill,
+            channel,
             hose,
             plenum,
         }
     }
 
     /// dy/dt of states and integrals.
-    pub(crate) fn rates<S: Real>(&self, y: &[S], mode: &Mode) -> [S; SIZE] {
-        let e = self.evaluate(y, mode);
+    pub(crate) fn rates<S: Real>(&self, y: &[S], mode: &Mode, past: &Past) -> [S; SIZE] {
+        let e = self.evaluate(y, mode, past);
         let (p, g) = (&self.p, &self.geometry);
         let cp = self.air.cp;
         let ta = p.ambient.temperature;
@@ -376,8 +425,7 @@ impl System {
         let check_h = e.check * t[ABOVE] * cp;
         let foot_h = from(e.foot, t[BELOW], t[RETURN]);
         let leak_h = from(e.leak, t[BELOW], outside);
-        let vent_h = from(e.vent, t[CONTROL], outside);
-        let fill_h = from(e.fill, t[SUPPLY], t[CONTROL]);
+        let ChannelFlow { vent, fill, drain } = e.channel;
         let hose_h = e.hose * (cp * ta);
 
         let c = &p.chambers;
@@ -391,38 +439,42 @@ impl System {
         ];
         let heat: [S; VOLUMES] = std::array::from_fn(|i| wall[i] * (-t[i] + ta) * c.wall_heat_transfer);
         let growth = [
-            travel_rate * g.piston_area - valve_rate * g.valve_cylinder_area,
+            travel_rate * g.piston_area - valve_rate * self.sweep[0],
             -travel_rate * g.ring_area,
             S::constant(0.0),
             valve_rate * g.valve_control_area,
-            -valve_rate * g.valve_supply_area,
+            -valve_rate * self.sweep[1],
         ];
         let work: [S; VOLUMES] = std::array::from_fn(|i| gas[i].pressure * growth[i]);
         let inflow_h = [
             intake_h - exhaust_h - check_h,
             -foot_h - leak_h,
             check_h + foot_h,
-            fill_h - vent_h,
-            hose_h - intake_h - fill_h,
+            fill.enthalpy - vent.enthalpy,
+            hose_h - intake_h - drain.enthalpy,
         ];
         let inflow = [
             e.intake - e.exhaust - e.check,
             -e.foot - e.leak,
             e.check + e.foot,
-            e.fill - e.vent,
-            e.hose - e.intake - e.fill,
+            fill.mass - vent.mass,
+            e.hose - e.intake - drain.mass,
         ];
         let sum = |terms: [S; VOLUMES]| terms[0] + terms[1] + terms[2] + terms[3] + terms[4];
         for i in 0..VOLUMES {
             rate[ENERGY + i] = inflow_h[i] + heat[i] - work[i];
             rate[MASS + i] = inflow[i];
         }
+        if p.model.gas == Form::Published {
+            let polytropic = self.polytropic_energy(&e, &work);
+            rate[ENERGY..ENERGY + VOLUMES].copy_from_slice(&polytropic);
+        }
         rate[EXHAUST_MASS] = e.exhaust;
-        rate[VENT_MASS] = e.vent;
+        rate[VENT_MASS] = vent.mass;
         rate[LEAK_MASS] = e.leak;
         rate[SUPPLY_MASS] = e.hose;
         rate[EXHAUST_ENTHALPY] = exhaust_h;
-        rate[VENT_ENTHALPY] = vent_h;
+        rate[VENT_ENTHALPY] = vent.enthalpy;
         rate[LEAK_ENTHALPY] = leak_h;
         rate[SUPPLY_ENTHALPY] = hose_h;
         rate[HEAT] = sum(heat);
@@ -440,6 +492,64 @@ impl System {
         let weight = (self.moving_mass(mode) + p.head_valve.mass + p.tool.mass + g.workpiece_mass) * p.ambient.gravity;
         rate[OUTER_IMPULSE] = S::constant(p.hand.force + weight);
         rate
+    }
+
+    /// dU/dt of the published gas law, for the energy U = P V/(gamma - 1) that is carried (C-02).
+    ///
+    /// ```text
+    /// P' = R T_a/V (alpha_in sum(in) - alpha_o sum(out)) - alpha P V'/V
+    /// ```
+    /// with alpha_o = alpha_out from 1 to the atmosphere or back into ext and from 2 to the atmosphere, alpha_in for every
+    /// other outflow.
+    fn polytropic_energy<S: Real>(&self, e: &Evaluation<S>, work: &[S; VOLUMES]) -> [S; VOLUMES] {
+        let m = &self.p.model;
+        let (inward, outward) = (m.polytropic_inflow, m.polytropic_outflow);
+        // What a flow takes from where it starts and gives to where it ends, by its direction.
+        let weigh = |flow: S, forth: f64, back: f64| {
+            if flow.value() >= 0.0 {
+                (flow * forth, flow * inward)
+            } else {
+                (flow * inward, flow * back)
+            }
+        };
+        let exhaust = weigh(e.exhaust, outward, inward).0;
+        let intake = weigh(e.intake, inward, outward);
+        let check = weigh(e.check, inward, inward);
+        let foot = weigh(e.foot, inward, inward);
+        let leak = weigh(e.leak, outward, inward).0;
+        let ChannelFlow { vent, fill, drain } = e.channel;
+        let growth = [
+            intake.1 - exhaust - check.0,
+            -foot.0 - leak,
+            check.1 + foot.1,
+            (fill.mass - vent.mass) * inward,
+            (e.hose - drain.mass) * inward - intake.0,
+        ];
+        let rt = self.air.gas_constant * self.p.ambient.temperature;
+        let scale = 1.0 / (self.air.gamma - 1.0);
+        std::array::from_fn(|i| (growth[i] * rt - work[i] * (m.polytropic - 1.0)) * scale)
+    }
+
+    /// Attenuated flow through the trigger's channel at this instant: h -> atmosphere, or ext -> h when `released`.
+    pub(crate) fn stream<S: Real>(&self, gas: &[Gas<S>; VOLUMES], released: bool) -> Stream<S> {
+        let ambient = Gas {
+            pressure: S::constant(self.p.ambient.pressure),
+            temperature: S::constant(self.p.ambient.temperature),
+        };
+        let (area, from, to) = if released {
+            (self.fill_area, gas[SUPPLY], gas[CONTROL])
+        } else {
+            (self.vent_area, gas[CONTROL], ambient)
+        };
+        let mass = self.air.exchange(area, from, to);
+        if mass.value() < 0.0 && !released && self.p.model.intake == Form::Published {
+            return Stream::still();
+        }
+        let source = if mass.value() >= 0.0 { from } else { to };
+        Stream {
+            mass,
+            enthalpy: mass * source.temperature * self.air.cp,
+        }
     }
 
     /// F_f = [F_d + (F_s - F_d) exp(-(v/v_st)^2)] tanh(v/v_0) + beta v (C-19).
