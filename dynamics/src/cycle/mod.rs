@@ -1,6 +1,7 @@
 //! One nailing cycle: segments of smooth motion between located events.
 
 mod balance;
+mod block_lu;
 mod equations;
 mod gas;
 mod history;

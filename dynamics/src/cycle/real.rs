@@ -136,6 +136,7 @@ impl<const N: usize> Sub for Dual<N> {
 impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
     #[inline]
+    #[expect(clippy::suspicious_arithmetic_impl, reason = "product rule")]
     fn mul(self, other: Self) -> Self {
         let (x, y) = (self.value, other.value);
         self.zip(&other, x * y, |a, b| a * y + b * x)
