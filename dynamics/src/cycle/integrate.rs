@@ -1,9 +1,9 @@
 //! Segments between events, each a smooth problem given to diffsol.
 //!
 //! A step may run past an event, since the right-hand side of a mode is smooth everywhere; the event is then located on
-//! the solver's own interpolant, the state taken from it, and the next segment started in the new mode. Events are located
-//! here rather than by the solver's root finder because they have a direction, need arming after a restart, and must be
-//! found between steps' ends as well.
+//! the solver's own interpolant, the state taken from it, and the next segment started in the new mode. Events are
+//! located here rather than by the solver's root finder because they have a direction, need arming after a restart, and
+//! must be found between steps' ends as well.
 
 use diffsol::{
     NalgebraVec, OdeBuilder, OdeSolverMethod, OdeSolverProblem, OdeSolverState, OdeSolverStopReason, Vector,
@@ -118,8 +118,8 @@ pub(crate) fn integrate(system: &System, settings: &Settings) -> Result<Run, Cyc
 
 /// Absolute tolerances: every state has a characteristic size, its error is kept to the tolerance times that size.
 ///
-/// Relative weights would not do: a nose contact of 5e8 N/m needs the position of the body to 1e-10 m wherever it stands,
-/// and a gas energy of 1 kJ must not loosen that of 1 J.
+/// Relative weights would not do: a nose contact of 5e8 N/m needs the position of the body to 1e-10 m wherever it
+/// stands, and a gas energy of 1 kJ must not loosen that of 1 J.
 fn tolerances(system: &System, relative: f64) -> Vec<f64> {
     let p = &system.p;
     let mut size = [1e30; SIZE];

@@ -41,7 +41,8 @@ pub(crate) struct System {
     pub(crate) guard_stiffness: f64,
     /// A_h3 as far as P_1 acts on it, zero in the published form (C-06).
     pub(crate) underside_area: f64,
-    /// Areas by which the valve sweeps the volume above the piston and the supply side, zero in the published form (C-07).
+    /// Areas by which the valve sweeps the volume above the piston and the supply side, zero in the published form
+    /// (C-07).
     sweep: [f64; 2],
     curve: crate::prf::Curve,
     /// k_w under the nail's head \[N/m\].
@@ -504,8 +505,8 @@ impl System {
     /// ```text
     /// P' = R T_a/V (alpha_in sum(in) - alpha_o sum(out)) - alpha P V'/V
     /// ```
-    /// with alpha_o = alpha_out from 1 to the atmosphere or back into ext and from 2 to the atmosphere, alpha_in for every
-    /// other outflow.
+    /// with alpha_o = alpha_out from 1 to the atmosphere or back into ext and from 2 to the atmosphere, alpha_in for
+    /// every other outflow.
     fn polytropic_energy<S: Real>(&self, e: &Evaluation<S>, work: &[S; VOLUMES]) -> [S; VOLUMES] {
         let m = &self.p.model;
         let (inward, outward) = (m.polytropic_inflow, m.polytropic_outflow);
