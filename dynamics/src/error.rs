@@ -31,8 +31,8 @@ pub enum CycleError {
     },
     /// Intake and exhaust would be open together.
     #[error(
-        "head_valve.exhaust_lap {exhaust} m exceeds head_valve.intake_lap {intake} m: the supply would blow straight into \
-         the exhaust; make the exhaust lap the smaller"
+        "head_valve.exhaust_lap {exhaust} m exceeds head_valve.intake_lap {intake} m: the supply would blow straight \
+         into the exhaust; make the exhaust lap the smaller"
     )]
     LapOverlap {
         /// Y_he1 \[m\].
@@ -54,8 +54,8 @@ pub enum CycleError {
     },
     /// The rod would meet the nail after the nail meets the wood.
     #[error(
-        "nail.head_gap {head_gap} m exceeds nail.tip_gap {tip_gap} m: the rod must reach the nail before the nail reaches \
-         the wood"
+        "nail.head_gap {head_gap} m exceeds nail.tip_gap {tip_gap} m: the rod must reach the nail before the nail \
+         reaches the wood"
     )]
     GapOrder {
         /// y_pbin \[m\].
@@ -84,7 +84,8 @@ pub enum CycleError {
     },
     /// Supply pressure does not hold the head valve on its seat before the shot.
     #[error(
-        "the head valve does not close: {force} N on its seat at rest; raise supply.pressure or head_valve.outer_diameter"
+        "the head valve does not close: {force} N on its seat at rest; raise supply.pressure or \
+         head_valve.outer_diameter"
     )]
     ValveNotClosed {
         /// F_close \[N\].
@@ -119,8 +120,8 @@ pub enum CycleError {
     },
     /// A contact opens and closes without end.
     #[error(
-        "chatter: {contact} changed {count} times within {window} s at {time} s; add damping to this contact or lower its \
-         stiffness"
+        "chatter: {contact} changed {count} times within {window} s at {time} s; add damping to this contact or lower \
+         its stiffness"
     )]
     Chatter {
         /// Which contact or switch.
@@ -134,8 +135,8 @@ pub enum CycleError {
     },
     /// A penetration speed outside the range of the quasi-static laws.
     #[error(
-        "penetration speed {speed} m/s is outside {lowest} .. {highest} m/s, the range of the quasi-static laws (Eq. 2.2); \
-         use prf::REFERENCE_SPEED for a dynamic run"
+        "penetration speed {speed} m/s is outside {lowest} .. {highest} m/s, the range of the quasi-static laws \
+         (Eq. 2.2); use prf::REFERENCE_SPEED for a dynamic run"
     )]
     PenetrationSpeed {
         /// Speed asked for \[m/s\].
@@ -155,7 +156,8 @@ pub enum CycleError {
     },
     /// The integration could not go on.
     #[error(
-        "the integration stopped at {time} s: {cause}; loosen settings.relative_tolerance or check the design's ranges"
+        "the integration stopped at {time} s: {cause}; \
+         loosen settings.relative_tolerance or check the design's ranges"
     )]
     Integration {
         /// Time \[s\].

@@ -4,8 +4,8 @@ use serde::Serialize;
 
 /// One nailing cycle.
 ///
-/// Every history has [`len`](Self::len) samples at t = 0, dt, 2 dt, ...; at a discontinuity a sample takes the value after
-/// it. Positions and velocities point down, towards the wood.
+/// Every history has [`len`](Self::len) samples at t = 0, dt, 2 dt, ...; at a discontinuity a sample takes the value
+/// after it. Positions and velocities point down, towards the wood.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CycleRecord {
     /// dt, interval of the samples \[s\].

@@ -1,5 +1,7 @@
 //! The base design: events, peaks, masses, conservation and the expected behaviours B1 to B14.
 
+#![allow(clippy::unwrap_used)]
+
 use std::sync::OnceLock;
 
 use nailnoise_dynamics::{CycleRecord, Method, Outcome, Parameters, Settings, simulate};

@@ -1,5 +1,7 @@
 //! Laws the cycle obeys whatever the design, and designs it refuses.
 
+#![allow(clippy::unwrap_used)]
+
 use nailnoise_dynamics::{CycleError, Geometry, Outcome, Parameters, Settings, SupportDamping, simulate};
 
 fn base() -> Parameters {

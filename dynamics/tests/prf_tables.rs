@@ -1,5 +1,7 @@
 //! Check values of the published penetration laws.
 
+#![allow(clippy::unwrap_used)]
+
 use nailnoise_dynamics::CycleError;
 use nailnoise_dynamics::prf::{
     HIGHEST_SPEED, LOWEST_SPEED, NAILS, PenetrationLaw, REFERENCE_SPEED, Shank, Specimen, WOODS,

@@ -1,5 +1,7 @@
 //! The published forms, each against what is known of it.
 
+#![allow(clippy::unwrap_used)]
+
 use nailnoise_dynamics::{CycleRecord, Form, Geometry, Model, Outcome, Parameters, Settings, simulate};
 
 fn run(p: &Parameters) -> CycleRecord {

@@ -1,5 +1,7 @@
 //! The cycle against an independent fixed-step integration.
 
+#![allow(clippy::unwrap_used)]
+
 mod reference;
 
 use nailnoise_dynamics::{CycleRecord, Parameters, Settings, simulate};

@@ -119,13 +119,14 @@ impl Balance {
         if before.0.nail != after.0.nail
             && (after.0.nail == NailState::Left || system.p.model.impact == Form::Published)
         {
-            // The nail stays behind with the momentum it has, nothing to within the location of v_p = 0; in the published
-            // form it has come from nowhere with 6 % of the piston's.
+            // The nail stays behind with the momentum it has, nothing to within the location of v_p = 0; in the
+            // published form it has come from nowhere with 6 % of the piston's.
             self.momentum += momentum(system, after.0, after.1) - momentum(system, before.0, before.1);
         }
     }
 
-    /// The balances that the forms in use obey: published gas law, channel and valve underside break some (C-02, C-03, C-06).
+    /// The balances that the forms in use obey: published gas law, channel and valve underside break some (C-02, C-03,
+    /// C-06).
     pub(crate) fn checks(&self, system: &System) -> Vec<Check> {
         let check = |name, value: f64, limit: f64| Check {
             name,

@@ -63,8 +63,8 @@ struct Node {
     slope: Stream<f64>,
 }
 
-/// Flow at the ends of all steps, cubic between them (Hermite); separate for the pulled and the released trigger, because
-/// the flow jumps from one to the other.
+/// Flow at the ends of all steps, cubic between them (Hermite); separate for the pulled and the released trigger,
+/// because the flow jumps from one to the other.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct History {
     pulled: Vec<Node>,

@@ -1,16 +1,17 @@
 //! Segments between events, each a smooth problem given to diffsol.
 //!
 //! A step may run past an event, since the right-hand side of a mode is smooth everywhere; the event is then located on
-//! the solver's own interpolant, the state taken from it, and the next segment started in the new mode. Events are located
-//! here rather than by the solver's root finder because they have a direction, need arming after a restart, and must be
-//! found between steps' ends as well.
+//! the solver's own interpolant, the state taken from it, and the next segment started in the new mode. Events are
+//! located here rather than by the solver's root finder because they have a direction, need arming after a restart, and
+//! must be found between steps' ends as well.
 
 use diffsol::{
-    NalgebraLU, NalgebraVec, OdeBuilder, OdeSolverMethod, OdeSolverProblem, OdeSolverState, OdeSolverStopReason,
-    Vector, matrix::dense_nalgebra_serial::NalgebraMat, ode_solver::state::StateCommon,
+    NalgebraVec, OdeBuilder, OdeSolverMethod, OdeSolverProblem, OdeSolverState, OdeSolverStopReason, Vector,
+    matrix::dense_nalgebra_serial::NalgebraMat, ode_solver::state::StateCommon,
 };
 
 use super::balance::Balance;
+use super::block_lu::BlockLu;
 use super::equations::Equations;
 use super::marks::{Log, Mark, heights};
 use super::mode::{Channel, Contact, Mode};
@@ -117,8 +118,8 @@ pub(crate) fn integrate(system: &System, settings: &Settings) -> Result<Run, Cyc
 
 /// Absolute tolerances: every state has a characteristic size, its error is kept to the tolerance times that size.
 ///
-/// Relative weights would not do: a nose contact of 5e8 N/m needs the position of the body to 1e-10 m wherever it stands,
-/// and a gas energy of 1 kJ must not loosen that of 1 J.
+/// Relative weights would not do: a nose contact of 5e8 N/m needs the position of the body to 1e-10 m wherever it
+/// stands, and a gas energy of 1 kJ must not loosen that of 1 J.
 fn tolerances(system: &System, relative: f64) -> Vec<f64> {
     let p = &system.p;
     let mut size = [1e30; SIZE];
@@ -230,11 +231,11 @@ impl<'s> Cycle<'s> {
         };
         match self.settings.method {
             Method::Bdf => {
-                let solver = problem.bdf_solver::<NalgebraLU<f64>>(OdeSolverState::new_from_common(common));
+                let solver = problem.bdf_solver::<BlockLu>(OdeSolverState::new_from_common(common));
                 self.follow(solver.map_err(|cause| self.failure(&cause))?)
             }
             Method::Esdirk34 => {
-                let solver = problem.esdirk34_solver::<NalgebraLU<f64>>(OdeSolverState::new_from_common(common));
+                let solver = problem.esdirk34_solver::<BlockLu>(OdeSolverState::new_from_common(common));
                 self.follow(solver.map_err(|cause| self.failure(&cause))?)
             }
         }
@@ -288,13 +289,13 @@ impl<'s> Cycle<'s> {
             let mut left = (from, margin);
             for (k, (t, y)) in points.iter().enumerate() {
                 let right = margins(self.system, &self.mode, y);
-                for slot in 0..SLOTS {
-                    if right[slot] > 0.0 {
+                for (slot, margin) in right.iter().enumerate() {
+                    if *margin > 0.0 {
                         self.armed[slot] = true;
                     } else if self.armed[slot] || left.1[slot] <= 0.0 {
                         let time = if left.1[slot] > 0.0 {
                             let f = |t: f64| Ok(margins(self.system, &self.mode, &at(t)?)[slot]);
-                            locate(left.0, *t, left.1[slot], right[slot], f)?
+                            locate(left.0, *t, left.1[slot], *margin, f)?
                         } else {
                             left.0
                         };
@@ -322,8 +323,8 @@ impl<'s> Cycle<'s> {
             let mut previous = (from, self.heights);
             for (t, y) in &points[..used] {
                 let now = heights(self.system, y);
-                for index in 0..Mark::COUNT {
-                    let (a, b) = (previous.1[index], now[index]);
+                for (index, height) in now.iter().enumerate() {
+                    let (a, b) = (previous.1[index], *height);
                     if (a > 0.0) != (b > 0.0) {
                         let time = locate(previous.0, *t, a, b, |t| Ok(heights(self.system, &at(t)?)[index]))?;
                         self.run
@@ -406,8 +407,8 @@ impl<'s> Cycle<'s> {
         }
         self.run.work.events += 1;
         let margin = margins(self.system, &self.mode, &self.y);
-        for other in 0..SLOTS {
-            self.armed[other] = margin[other] > 0.0 || (other != slot && self.armed[other]);
+        for (other, armed) in self.armed.iter_mut().enumerate() {
+            *armed = margin[other] > 0.0 || (other != slot && *armed);
         }
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! One nailing cycle: segments of smooth motion between located events.
 
 mod balance;
+mod block_lu;
 mod equations;
 mod gas;
 mod history;
@@ -23,8 +24,8 @@ use crate::{CycleError, CycleRecord, Parameters, Settings};
 /// `settings.end`, and never past the tool's landing.
 ///
 /// # Errors
-/// [`CycleError`]: a number out of range, a design the model does not hold for (spring range, overlapping laps, tool not
-/// seated, valve not closed), a dry fire, a contact that chatters, or an integration that cannot go on.
+/// [`CycleError`]: a number out of range, a design the model does not hold for (spring range, overlapping laps, tool
+/// not seated, valve not closed), a dry fire, a contact that chatters, or an integration that cannot go on.
 pub fn simulate(parameters: &Parameters, settings: &Settings) -> Result<CycleRecord, CycleError> {
     start::check(parameters)?;
     settings.check()?;

@@ -1,7 +1,7 @@
 //! Which contacts are closed and which passages open: the discrete state between two events.
 //!
-//! The right-hand side is smooth for a fixed mode, whatever the state, so a step may run past an event and be cut back to
-//! it: no force or flow has a branch on the sign of a gap.
+//! The right-hand side is smooth for a fixed mode, whatever the state, so a step may run past an event and be cut back
+//! to it: no force or flow has a branch on the sign of a gap.
 
 /// A contact that pushes with F = k u + c u' while closed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,8 +1,9 @@
 //! Numbers the model is evaluated with: `f64`, and `f64` with exact derivatives.
 //!
-//! The right-hand side is written once over [`Real`]. With [`Dual`] it yields its Jacobian to round-off in one evaluation
-//! (forward-mode automatic differentiation; Griewank and Walther, Evaluating Derivatives, 2008, ch. 3), so the Newton
-//! matrix has exactly the linear invariants of the model and Newton steps conserve mass and energy to round-off.
+//! The right-hand side is written once over [`Real`]. With [`Dual`] it yields its Jacobian to round-off in one
+//! evaluation (forward-mode automatic differentiation; Griewank and Walther, Evaluating Derivatives, 2008, ch. 3), so
+//! the Newton matrix has exactly the linear invariants of the model and Newton steps conserve mass and energy to
+//! round-off.
 
 use std::ops::{Add, Mul, Neg, Sub};
 
@@ -136,6 +137,7 @@ impl<const N: usize> Sub for Dual<N> {
 impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
     #[inline]
+    #[expect(clippy::suspicious_arithmetic_impl, reason = "product rule")]
     fn mul(self, other: Self) -> Self {
         let (x, y) = (self.value, other.value);
         self.zip(&other, x * y, |a, b| a * y + b * x)

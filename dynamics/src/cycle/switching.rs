@@ -106,7 +106,8 @@ pub(crate) fn cross(system: &System, slot: usize, mode: &mut Mode, y: &mut State
         CHECK_HOLES => mode.check_holes = !mode.check_holes,
         NAIL => match mode.nail {
             NailState::Waiting => {
-                // Plastic impact of the rod on the nail at rest; published, the nail comes up to speed by itself (C-08).
+                // Plastic impact of the rod on the nail at rest; published, the nail comes up to speed by itself
+                // (C-08).
                 if system.p.model.impact == Form::Corrected {
                     y[V_P] *= system.p.piston.mass / (system.p.piston.mass + system.geometry.nail_mass);
                 }

@@ -41,7 +41,8 @@ pub(crate) struct System {
     pub(crate) guard_stiffness: f64,
     /// A_h3 as far as P_1 acts on it, zero in the published form (C-06).
     pub(crate) underside_area: f64,
-    /// Areas by which the valve sweeps the volume above the piston and the supply side, zero in the published form (C-07).
+    /// Areas by which the valve sweeps the volume above the piston and the supply side, zero in the published form
+    /// (C-07).
     sweep: [f64; 2],
     curve: crate::prf::Curve,
     /// k_w under the nail's head \[N/m\].
@@ -56,6 +57,9 @@ pub(crate) struct System {
     exhaust_area: f64,
     vent_area: f64,
     fill_area: f64,
+    /// Sine and cosine of the seats' angles.
+    intake_angle: (f64, f64),
+    exhaust_angle: (f64, f64),
 }
 
 /// Kinematics and gas state.
@@ -173,6 +177,8 @@ impl System {
             exhaust_area: geometry.exhaust_area,
             vent_area: p.trigger.vent_area * geometry.attenuation_vent,
             fill_area: p.trigger.fill_area * geometry.attenuation_fill,
+            intake_angle: p.head_valve.intake_angle.sin_cos(),
+            exhaust_angle: p.head_valve.exhaust_angle.sin_cos(),
             pads,
             air,
             geometry,
@@ -499,8 +505,8 @@ impl System {
     /// ```text
     /// P' = R T_a/V (alpha_in sum(in) - alpha_o sum(out)) - alpha P V'/V
     /// ```
-    /// with alpha_o = alpha_out from 1 to the atmosphere or back into ext and from 2 to the atmosphere, alpha_in for every
-    /// other outflow.
+    /// with alpha_o = alpha_out from 1 to the atmosphere or back into ext and from 2 to the atmosphere, alpha_in for
+    /// every other outflow.
     fn polytropic_energy<S: Real>(&self, e: &Evaluation<S>, work: &[S; VOLUMES]) -> [S; VOLUMES] {
         let m = &self.p.model;
         let (inward, outward) = (m.polytropic_inflow, m.polytropic_outflow);
@@ -567,15 +573,14 @@ impl System {
     }
 
     /// Area of a conical seat, A = pi Y sin(th) (d - sign Y sin(th) cos(th)).
-    fn seat_area<S: Real>(opening: S, angle: f64, diameter: f64, sign: f64) -> S {
-        let (sin, cos) = angle.sin_cos();
+    fn seat_area<S: Real>(opening: S, angle: (f64, f64), diameter: f64, sign: f64) -> S {
+        let (sin, cos) = angle;
         opening * (PI * sin) * (opening * (-sign * sin * cos) + diameter)
     }
 
     /// Flow ext -> 1 over the opened head valve (Eqs. 4.34, 4.35).
     fn intake_flow<S: Real>(&self, opening: S, from: Gas<S>, to: Gas<S>) -> S {
-        let valve = &self.p.head_valve;
-        let area = Self::seat_area(opening, valve.intake_angle, self.p.piston.bore, 1.0);
+        let area = Self::seat_area(opening, self.intake_angle, self.p.piston.bore, 1.0);
         let inward = from.pressure.value() >= to.pressure.value();
         let (up, down) = if inward { (from, to) } else { (to, from) };
         let ratio = down.pressure * up.pressure.recip();
@@ -594,7 +599,7 @@ impl System {
     fn exhaust_flow<S: Real>(&self, opening: S, from: Gas<S>, ambient: Gas<S>) -> (S, S) {
         let valve = &self.p.head_valve;
         let cd = self.p.chambers.discharge_coefficient;
-        let seat = Self::seat_area(opening, valve.exhaust_angle, valve.exhaust_seat_diameter, -1.0);
+        let seat = Self::seat_area(opening, self.exhaust_angle, valve.exhaust_seat_diameter, -1.0);
         let outward = from.pressure.value() >= ambient.pressure.value();
         let (up, down) = if outward { (from, ambient) } else { (ambient, from) };
         if seat.value() <= 0.0 {

@@ -83,14 +83,14 @@ impl PenetrationLaw {
     /// [`CycleError::PenetrationDepth`] beyond the nail's length.
     pub fn force(self, specimen: &Specimen, depth: f64, speed: f64) -> Result<f64, CycleError> {
         // The bounds are given to three digits in the source, so 20 mm/min itself must pass.
-        if !(speed >= LOWEST_SPEED * (1.0 - 1e-12) && speed <= HIGHEST_SPEED) {
+        if !(LOWEST_SPEED * (1.0 - 1e-12)..=HIGHEST_SPEED).contains(&speed) {
             return Err(CycleError::PenetrationSpeed {
                 speed,
                 lowest: LOWEST_SPEED,
                 highest: HIGHEST_SPEED,
             });
         }
-        if !(depth <= specimen.length * (1.0 + 1e-12)) {
+        if depth.is_nan() || depth > specimen.length * (1.0 + 1e-12) {
             return Err(CycleError::PenetrationDepth {
                 depth,
                 length: specimen.length,
