@@ -230,10 +230,7 @@ impl Modes {
             }
             factor.solve(x.as_mut())?;
             x = phi - x;
-            // Modes nearer to sigma are magnified instead; those of the basis are taken out again.
-            let mut c = transpose_product(self.m_phi.as_ref(), x.as_ref());
-            chosen.iter().enumerate().for_each(|(column, &i)| c[(i, column)] = 0.0);
-            add_product(x.as_mut(), -1.0, self.phi.as_ref(), c.as_ref());
+            self.purge(system, &mut x, chosen);
             let refined = Self::new(system, x, edge);
             for (c, &i) in chosen.iter().enumerate() {
                 // The residual of a rigid mode refers to the first elastic one, which may not be in this chunk.
@@ -248,6 +245,30 @@ impl Modes {
             }
         }
         Ok(poor.len())
+    }
+
+    /// Takes out of X, whose columns approximate the modes `chosen`, what it holds of other modes of the basis.
+    ///
+    /// Mode i holds phi_j^T (K - lambda_i M) x / (lambda_j - lambda_i) of mode j. Mere orthogonalisation would not do:
+    /// a high mode's own trace of a low one, invisible in its residual, would be pushed into the low mode and there
+    /// weigh lambda_j / lambda_i times as much. Near-degenerate modes, where the quotient says nothing, are made
+    /// orthogonal.
+    fn purge(&self, system: &System, x: &mut Mat<f64>, chosen: &[usize]) {
+        let by_k = transpose_product(self.phi.as_ref(), product(&system.stiffness, x.as_ref()).as_ref());
+        let by_m = transpose_product(self.m_phi.as_ref(), x.as_ref());
+        let c = Mat::from_fn(self.lambda.len(), chosen.len(), |j, column| {
+            let i = chosen[column];
+            let (distance, m_j) = (self.lambda[j] - self.lambda[i], by_m[(j, column)]);
+            let near = distance.abs() < 1e-3 * self.lambda[j].abs().max(self.lambda[i].abs());
+            if i == j {
+                0.0
+            } else if near || (self.rigid[i] && self.rigid[j]) {
+                m_j
+            } else {
+                (by_k[(j, column)] - self.lambda[i] * m_j) / distance
+            }
+        });
+        add_product(x.as_mut(), -1.0, self.phi.as_ref(), c.as_ref());
     }
 
     /// The largest residual, or NaN if one is.
