@@ -121,8 +121,8 @@ pub fn table(design: &Design) -> Result<Body, Error> {
     };
     let mesh = worktable(&spec)?;
     let top = Material::orthotropic(&constants(&t.top), &Matrix3::identity(), t.top_density)?;
-    // Legs: grain (axis 1) vertical, axis 2 along x, axis 3 along y.
-    let upright = Matrix3::new(0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0);
+    // Legs: grain (axis 1) vertical, radial axis 2 along y, tangential axis 3 along x.
+    let upright = Matrix3::new(0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0);
     let legs = Material::orthotropic(&constants(&t.legs), &upright, t.leg_density)?;
     let contacts = contact_patterns(design, &mesh, "top")?;
     let model = Model {
