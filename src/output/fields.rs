@@ -11,8 +11,16 @@ use crate::pipeline::{Body, Run};
 
 /// Octave bands of the velocity fields: k of the mid-band frequencies 1000 G^k Hz, G = 10^0.3 (IEC 61260-1, base ten), and
 /// their nominal values \[Hz\].
-const OCTAVES: [(i32, u32); 8] =
-    [(-4, 63), (-3, 125), (-2, 250), (-1, 500), (0, 1000), (1, 2000), (2, 4000), (3, 8000)];
+const OCTAVES: [(i32, u32); 8] = [
+    (-4, 63),
+    (-3, 125),
+    (-2, 250),
+    (-1, 500),
+    (0, 1000),
+    (1, 2000),
+    (2, 4000),
+    (3, 8000),
+];
 
 /// Levels shown below the highest of a field \[dB\]; clamped points, which do not move, stand at this floor.
 const SHOWN: f64 = 60.0;
@@ -38,11 +46,20 @@ pub(super) fn write(folder: &Path, run: &Run) -> Result<(), Error> {
                 let energies = exposure(body, spectra, edges)?;
                 let floor = energies.iter().fold(0.0, |a: f64, &b| a.max(b)) * 10f64.powf(-0.1 * SHOWN);
                 let level = |e: &f64| 10.0 * (e.max(floor).max(f64::MIN_POSITIVE) / REFERENCE).log10();
-                Some((format!("velocity exposure level {nominal} Hz octave [dB]"), energies.iter().map(level).collect()))
+                Some((
+                    format!("velocity exposure level {nominal} Hz octave [dB]"),
+                    energies.iter().map(level).collect(),
+                ))
             })
             .collect();
-        let fields: Vec<Field<'_>> =
-            bands.iter().map(|(name, values)| Field { name, components: 1, values }).collect();
+        let fields: Vec<Field<'_>> = bands
+            .iter()
+            .map(|(name, values)| Field {
+                name,
+                components: 1,
+                values,
+            })
+            .collect();
         write_surface(&folder.join(format!("{}.vtu", body.name)), &body.surface, &fields, &[])?;
     }
     Ok(())
@@ -52,8 +69,9 @@ pub(super) fn write(folder: &Path, run: &Run) -> Result<(), Error> {
 ///
 /// With v = Phi a/(j omega) and C = sum over bins of Re(a a^H)/omega^2 this is phi^T C phi for each component.
 fn exposure(body: &Body, spectra: &ModalSpectra, [low, high]: [f64; 2]) -> Option<Vec<f64>> {
-    let bins: Vec<usize> =
-        (0..spectra.frequency.len()).filter(|&k| (low..high).contains(&spectra.frequency[k])).collect();
+    let bins: Vec<usize> = (0..spectra.frequency.len())
+        .filter(|&k| (low..high).contains(&spectra.frequency[k]))
+        .collect();
     if bins.len() < 2 || spectra.frequency[bins[0]] > low * 1.1 || spectra.range_hz[1] < high {
         return None;
     }
@@ -69,10 +87,19 @@ fn exposure(body: &Body, spectra: &ModalSpectra, [low, high]: [f64; 2]) -> Optio
         }
     }
     let covariance = &rows * rows.transpose();
-    let dofs: Vec<usize> = body.surface.volume_nodes.iter().flat_map(|n| [3 * n, 3 * n + 1, 3 * n + 2]).collect();
+    let dofs: Vec<usize> = body
+        .surface
+        .volume_nodes
+        .iter()
+        .flat_map(|n| [3 * n, 3 * n + 1, 3 * n + 2])
+        .collect();
     let shapes = body.shapes.select_rows(&dofs);
     let moved = &shapes * covariance;
-    let of_point = |point: usize| (0..3).map(|axis| shapes.row(3 * point + axis).dot(&moved.row(3 * point + axis))).sum();
+    let of_point = |point: usize| {
+        (0..3)
+            .map(|axis| shapes.row(3 * point + axis).dot(&moved.row(3 * point + axis)))
+            .sum()
+    };
     Some((0..body.surface.points.len()).map(of_point).collect())
 }
 
@@ -82,7 +109,11 @@ pub(super) fn write_modes(folder: &Path, body: &Body) -> Result<PathBuf, Error> 
     let mut series = Vec::with_capacity(body.basis.hz.len());
     for (index, (&hz, shape)) in body.basis.hz.iter().zip(body.basis.shapes.column_iter()).enumerate() {
         let file = format!("mode-{:04}.vtu", index + 1);
-        let field = Field { name: "mode shape [kg^-1/2]", components: 3, values: shape.as_slice() };
+        let field = Field {
+            name: "mode shape [kg^-1/2]",
+            components: 3,
+            values: shape.as_slice(),
+        };
         write_mesh(&folder.join(&file), &body.mesh, &[field], &[])?;
         series.push((hz, file));
     }
