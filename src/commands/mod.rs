@@ -63,7 +63,7 @@ impl Common {
     fn load(&self) -> Result<Design, Error> {
         let design = Design::load(&self.design)?;
         for warning in design.warnings() {
-            eprintln!("warning: {warning}");
+            eprint!("{:?}", miette::Report::new(warning.clone()));
         }
         Ok(design)
     }
