@@ -140,6 +140,8 @@ fn wood(d: &Design) -> dynamics::Wood {
             Law::Reduced6 => PenetrationLaw::Reduced6,
             Law::SolidWood => PenetrationLaw::SolidWood,
         },
+        speed_term: d.wood.speed_term,
+        slenderness_term: d.wood.slenderness_term,
         resistance_scale: d.wood.resistance_scale,
         head_stiffness_scale: d.wood.head_stiffness_scale,
         unloading_stiffness: d.wood.unloading_stiffness,

@@ -78,7 +78,7 @@ fn loads(
     record: &CycleRecord,
     force_scale: f64,
 ) -> Result<Loads, Error> {
-    let nail = shank::forces(parameters, design.wood.friction_share, record)?;
+    let nail = shank::forces(parameters, design.wood.friction_share, record);
     let mut history = DMatrix::zeros(LOADS, record.len());
     history.rows_mut(0, shank::STATIONS).copy_from(&nail);
     for sample in 0..record.len() {
