@@ -207,6 +207,11 @@ pub struct Wood {
     pub thickness: f64,
     /// Penetration resistance force law.
     pub law: PenetrationLaw,
+    /// C8 v_ref^2, speed term of the solid-wood law at [`REFERENCE_SPEED`](crate::prf::REFERENCE_SPEED) \[m2/s2\];
+    /// the other laws do not use it.
+    pub speed_term: f64,
+    /// C9, slenderness term of the solid-wood law \[-\]; the other laws do not use it.
+    pub slenderness_term: f64,
     /// Multiplier on the penetration law \[-\]; 1 is the law as published.
     pub resistance_scale: f64,
     /// Multiplier on the stiffness under the nail's head, k_w = scale H_M \[-\].
@@ -427,6 +432,8 @@ impl Parameters {
                 width: 0.1524,
                 thickness: 0.095_25,
                 law: PenetrationLaw::SolidWood,
+                speed_term: crate::prf::SPEED_TERM,
+                slenderness_term: crate::prf::SLENDERNESS_TERM,
                 resistance_scale: 1.0,
                 head_stiffness_scale: 1.0,
                 unloading_stiffness: 1e7,

@@ -186,6 +186,19 @@ fn check_numbers(p: &Parameters) -> Result<(), CycleError> {
             });
         }
     }
+    let finite = [
+        ("wood.speed_term", p.wood.speed_term),
+        ("wood.slenderness_term", p.wood.slenderness_term),
+    ];
+    for (name, value) in finite {
+        if !value.is_finite() {
+            return Err(CycleError::Value {
+                name,
+                value,
+                rule: "a finite number",
+            });
+        }
+    }
     let gamma = p.ambient.heat_capacity_ratio;
     if !(gamma > 1.0 && gamma.is_finite()) {
         return Err(CycleError::Value {

@@ -149,7 +149,7 @@ pub(crate) fn cross(system: &System, slot: usize, mode: &mut Mode, y: &mut State
                     let deepest = system.depth(y);
                     Penetration::Unloading {
                         deepest,
-                        force: system.envelope(deepest),
+                        force: system.envelope.force(deepest),
                     }
                 }
                 Penetration::Unloading { deepest, force } => Penetration::Free { deepest, force },

@@ -7,7 +7,7 @@ use super::history::{Past, Stream};
 use super::mode::{Channel, Contact, Mode, NailState, Penetration};
 use super::real::Real;
 use super::state::*;
-use crate::prf::{REFERENCE_SPEED, Specimen};
+use crate::prf::Envelope;
 use crate::{Form, Geometry, Parameters};
 
 /// Coefficients of the head valve's closing spring, F(y) in N, y in m (Eq. 4.60, as printed; C-24).
@@ -44,11 +44,7 @@ pub(crate) struct System {
     /// Areas by which the valve sweeps the volume above the piston and the supply side, zero in the published form
     /// (C-07).
     sweep: [f64; 2],
-    curve: crate::prf::Curve,
-    /// k_w under the nail's head \[N/m\].
-    head_stiffness: f64,
-    /// F_r(l_n) \[N\].
-    seated_force: f64,
+    pub(crate) envelope: Envelope,
     /// C_d A of check-ring holes, return holes, leak, hose and exhaust holes \[m2\].
     check_area: f64,
     return_area: f64,
@@ -140,36 +136,18 @@ impl System {
                 damping: geometry.support_damping,
             },
         ];
-        let specimen = Specimen {
-            length: p.nail.length,
-            diameter: p.nail.diameter,
-            hardness_modulus: p.wood.hardness_modulus,
-            density: p.wood.density,
-        };
-        let curve = p
-            .wood
-            .law
-            .curve(&specimen, REFERENCE_SPEED)
-            .scaled(p.wood.resistance_scale);
         let cd = p.chambers.discharge_coefficient;
         let underside = p.model.valve_underside == Form::Corrected;
         let refill = p.model.refill == Form::Corrected;
         Self {
             guard_stiffness: c.guard_stiffness * c.nose_stiffness / (c.guard_stiffness + c.nose_stiffness),
-            head_stiffness: p.wood.head_stiffness_scale * p.wood.hardness_modulus,
-            // The published law loses the friction on the shank where the head meets the wood (C-09).
-            seated_force: if p.model.nail == Form::Corrected {
-                curve.force(p.nail.length)
-            } else {
-                0.0
-            },
             underside_area: if underside { geometry.valve_cylinder_area } else { 0.0 },
             sweep: if underside {
                 [geometry.valve_cylinder_area, geometry.valve_supply_area]
             } else {
                 [0.0; 2]
             },
-            curve,
+            envelope: Envelope::new(p),
             check_area: cd * p.chambers.check_hole_area,
             return_area: cd * p.chambers.return_hole_area,
             leak_area: cd * p.chambers.leak_area,
@@ -183,15 +161,6 @@ impl System {
             air,
             geometry,
             p: p.clone(),
-        }
-    }
-
-    /// Envelope E(z) of the penetration resistance \[N\], z > 0.
-    pub(crate) fn envelope(&self, z: f64) -> f64 {
-        if z < self.p.nail.length {
-            self.curve.force(z)
-        } else {
-            self.seated_force + self.head_stiffness * (z - self.p.nail.length)
         }
     }
 
@@ -305,8 +274,10 @@ impl System {
         let z = self.depth(y);
         let penetration = match mode.penetration {
             Penetration::Free { .. } => zero,
-            Penetration::Loading { seated: false } => self.curve.evaluate(z),
-            Penetration::Loading { seated: true } => (z - p.nail.length) * self.head_stiffness + self.seated_force,
+            Penetration::Loading { seated: false } => self.envelope.curve().evaluate(z),
+            Penetration::Loading { seated: true } => {
+                (z - p.nail.length) * self.envelope.head_stiffness() + self.envelope.seated()
+            }
             Penetration::Unloading { deepest, force } => (z - deepest) * p.wood.unloading_stiffness + force,
         };
 
