@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use nailnoise_dynamics::{CycleRecord, Events, Outcome, Summary, Work};
 use serde::Serialize;
 
@@ -10,13 +10,34 @@ use super::table::table;
 use super::{Common, Progress, print, print_json, status_of};
 use crate::error::Error;
 use crate::output::{self, EVENT_NAMES};
-use crate::pipeline::{self, Observer as _};
+use crate::pipeline::{self, Observer as _, Preset};
 use crate::result::{Check, DesignId};
 
 #[derive(Args)]
 pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
+    /// Compute the model as the thesis prints it: every form, or the nail alone
+    #[arg(long, value_name = "WHAT", value_enum, num_args = 0..=1, require_equals = true)]
+    #[arg(default_missing_value = "all")]
+    as_published: Option<Published>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Published {
+    /// Every form as printed, and what the thesis does not have left out
+    All,
+    /// The nail alone: elastic penetration and no impact of the rod on it
+    Nail,
+}
+
+impl From<Published> for Preset {
+    fn from(published: Published) -> Self {
+        match published {
+            Published::All => Self::PublishedAll,
+            Published::Nail => Self::PublishedNailOnly,
+        }
+    }
 }
 
 /// Layout of `cycle --json`.
@@ -24,6 +45,8 @@ pub(super) struct Arguments {
 struct CycleResult<'a> {
     schema: &'static str,
     design: DesignId,
+    /// The published form computed in the place of the design's own; null for the design as it is.
+    preset: Option<Preset>,
     outcome: Outcome,
     events: &'a Events,
     summary: &'a Summary,
@@ -35,10 +58,18 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let common = &arguments.common;
     common.start_threads()?;
     let design = common.load()?;
-    let folder = common.out(&design);
+    let preset = arguments.as_published.map(Preset::from);
+    let folder = match preset {
+        // Beside the files of the design itself, not over them.
+        Some(preset) if common.out.is_none() => common.out(&design).join(preset.as_str()),
+        _ => common.out(&design),
+    };
     let mut progress = Progress::new();
     progress.stage("nailing cycle");
-    let record = pipeline::cycle(&design)?;
+    let record = match preset {
+        Some(preset) => pipeline::cycle_as_published(&design, preset)?,
+        None => pipeline::cycle(&design)?,
+    };
     progress.stage("writing files");
     output::write_cycle(&folder, &record)?;
     drop(progress);
@@ -50,6 +81,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             name: design.name().to_owned(),
             digest: design.digest(),
         },
+        preset,
         outcome: record.outcome,
         events: &record.events,
         summary: &record.summary,
@@ -66,7 +98,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
 }
 
 fn text(result: &CycleResult<'_>, record: &CycleRecord) -> String {
-    let mut text = format!("{}: {}\n\n", result.design.name, words(&result.outcome));
+    let form = match result.preset {
+        Some(Preset::PublishedAll) => ", every form as published",
+        Some(Preset::PublishedNailOnly) => ", nail as published",
+        None => "",
+    };
+    let mut text = format!("{}{form}: {}\n\n", result.design.name, words(&result.outcome));
     let events: Vec<Vec<String>> = result
         .events
         .to_array()

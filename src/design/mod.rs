@@ -22,6 +22,7 @@ mod quantity;
 mod reference;
 mod resolve;
 mod schema;
+mod set;
 mod settings;
 mod source;
 mod suggest;
@@ -41,6 +42,7 @@ pub use groups::*;
 pub use provenance::Provenance;
 pub use reference::reference;
 pub use schema::{GroupSpec, KeySpec, Kind, Sign, Value};
+pub use set::SetError;
 pub use source::Place;
 pub use units::UnitError;
 
@@ -53,7 +55,7 @@ use source::File;
 /// The groups stand on the design itself: `design.supply.pressure` is the supply pressure in Pa. A program may change
 /// them; [`digest`](Self::digest) and [`entries`](Self::entries) follow, and
 /// [`conflict`](Values::conflict) checks the result.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Design {
     name: String,
     path: PathBuf,

@@ -8,9 +8,11 @@ mod exhaust;
 mod missing;
 mod notes;
 mod pattern;
+mod preset;
 mod radiation;
 mod ranking;
 mod response;
+mod settings;
 mod shank;
 
 use nailnoise_acoustics::Air;
@@ -20,6 +22,8 @@ use nailnoise_fem::transient::ModalResponse;
 
 pub use bodies::{Body, Structure, table, workpiece};
 pub use cycle::{cycle, parameters};
+pub use preset::{Preset, cycle_as_published};
+pub use settings::cycle_settings;
 
 use crate::design::{Design, SupportKind};
 use crate::error::Error;
