@@ -3,7 +3,9 @@
 use nailnoise::{Design, pipeline};
 
 fn main() -> Result<(), nailnoise::Error> {
-    let path = std::env::args().nth(1).unwrap_or_else(|| "designs/n80cb.toml".to_owned());
+    let path = std::env::args()
+        .nth(1)
+        .unwrap_or_else(|| "designs/n80cb.toml".to_owned());
     let design = Design::load(path)?;
     let run = pipeline::run(&design, pipeline::Options::default(), &mut pipeline::Silent)?;
     for source in &run.result.ranking {

@@ -107,13 +107,23 @@ pub struct Check {
 impl Check {
     /// A check that holds when `|value| <= limit`.
     pub fn at_most(name: impl Into<String>, value: f64, limit: f64) -> Self {
-        Self { name: name.into(), value, limit, ok: value.abs() <= limit }
+        Self {
+            name: name.into(),
+            value,
+            limit,
+            ok: value.abs() <= limit,
+        }
     }
 }
 
 impl From<&nailnoise_dynamics::Check> for Check {
     fn from(check: &nailnoise_dynamics::Check) -> Self {
-        Self { name: check.name.to_owned(), value: check.value, limit: check.limit, ok: check.ok }
+        Self {
+            name: check.name.to_owned(),
+            value: check.value,
+            limit: check.limit,
+            ok: check.ok,
+        }
     }
 }
 

@@ -46,7 +46,10 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let status = status_of(&checks);
     let result = CycleResult {
         schema: "nailnoise-cycle/1",
-        design: DesignId { name: design.name().to_owned(), digest: design.digest() },
+        design: DesignId {
+            name: design.name().to_owned(),
+            digest: design.digest(),
+        },
         outcome: record.outcome,
         events: &record.events,
         summary: &record.summary,
@@ -83,7 +86,9 @@ fn text(result: &CycleResult<'_>, record: &CycleRecord) -> String {
         .into_iter()
         .flatten()
         .map(|(name, value)| {
-            let value = value.as_f64().map_or_else(|| "-".to_owned(), |value| format!("{value:.5}"));
+            let value = value
+                .as_f64()
+                .map_or_else(|| "-".to_owned(), |value| format!("{value:.5}"));
             vec![name.replace('_', " "), value]
         })
         .collect();
@@ -94,7 +99,12 @@ fn text(result: &CycleResult<'_>, record: &CycleRecord) -> String {
         .iter()
         .map(|check| {
             let verdict = if check.ok { "ok" } else { "FAILED" };
-            vec![check.name.clone(), format!("{:.2e}", check.value), format!("{:.0e}", check.limit), verdict.to_owned()]
+            vec![
+                check.name.clone(),
+                format!("{:.2e}", check.value),
+                format!("{:.0e}", check.limit),
+                verdict.to_owned(),
+            ]
         })
         .collect();
     text.push_str(&table(&["check", "value", "limit", ""], &checks));

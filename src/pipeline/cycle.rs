@@ -29,7 +29,10 @@ pub fn cycle(design: &Design) -> Result<dynamics::CycleRecord, Error> {
 pub fn parameters(design: &Design) -> Result<dynamics::Parameters, Error> {
     let d = design;
     Ok(dynamics::Parameters {
-        supply: dynamics::Supply { pressure: d.supply.pressure, hose_area: d.supply.hose_area },
+        supply: dynamics::Supply {
+            pressure: d.supply.pressure,
+            hose_area: d.supply.hose_area,
+        },
         piston: dynamics::Piston {
             mass: d.piston.mass,
             stroke: d.piston.stroke,
@@ -69,7 +72,10 @@ pub fn parameters(design: &Design) -> Result<dynamics::Parameters, Error> {
             wall_above_valve: d.chambers.wall_above_valve,
             wall_supply: d.chambers.wall_supply,
         },
-        exhaust: dynamics::Exhaust { holes: d.exhaust.holes, hole_diameter: d.exhaust.hole_diameter },
+        exhaust: dynamics::Exhaust {
+            holes: d.exhaust.holes,
+            hole_diameter: d.exhaust.hole_diameter,
+        },
         trigger: dynamics::Trigger {
             channel_length: d.trigger.channel_length,
             channel_diameter: d.trigger.channel_diameter,
@@ -115,7 +121,11 @@ pub fn parameters(design: &Design) -> Result<dynamics::Parameters, Error> {
 }
 
 fn friction(f: &design::Friction) -> dynamics::Friction {
-    dynamics::Friction { static_force: f.static_force, sliding_force: f.sliding_force, viscous: f.viscous }
+    dynamics::Friction {
+        static_force: f.static_force,
+        sliding_force: f.sliding_force,
+        viscous: f.viscous,
+    }
 }
 
 fn wood(d: &Design) -> dynamics::Wood {

@@ -1,7 +1,9 @@
 //! Sound energy of the air that leaves: exhaust holes and trigger vent.
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::exhaust::{ExhaustSettings, FlowHistory, Opening, ValveNoise, exhaust_noise, valve_noise_energy};
+use nailnoise_acoustics::exhaust::{
+    ExhaustSettings, FlowHistory, Opening, ValveNoise, exhaust_noise, valve_noise_energy,
+};
 use nailnoise_acoustics::fourier::TransformSettings;
 use nailnoise_acoustics::levels::{SourceSpectrum, energy_level};
 use nailnoise_dynamics::CycleRecord;

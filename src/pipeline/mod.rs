@@ -66,7 +66,9 @@ pub struct Options {
 impl Default for Options {
     /// The design as it is.
     fn default() -> Self {
-        Self { workpiece_force_scale: 1.0 }
+        Self {
+            workpiece_force_scale: 1.0,
+        }
     }
 }
 
@@ -88,15 +90,22 @@ pub fn run(design: &Design, options: Options, observer: &mut dyn Observer) -> Re
         }
         SupportKind::Sandbox => None,
     };
-    let structure = Structure { workpiece: block, worktable, grid: bodies::contact_grid(design) };
+    let structure = Structure {
+        workpiece: block,
+        worktable,
+        grid: bodies::contact_grid(design),
+    };
     observer.stage("response of workpiece and support");
     let parameters = parameters(design)?;
     let force_scale = options.workpiece_force_scale;
-    let response =
-        timing.time("response", || response::response(design, &structure, &parameters, &record, force_scale))?;
+    let response = timing.time("response", || {
+        response::response(design, &structure, &parameters, &record, force_scale)
+    })?;
     observer.stage("radiation");
     let air = Air::at(design.ambient.temperature, design.ambient.pressure)?;
-    let spectra = timing.time("modal spectra", || radiation::modal_spectra(design, &structure, &response))?;
+    let spectra = timing.time("modal spectra", || {
+        radiation::modal_spectra(design, &structure, &response)
+    })?;
     let workpiece = timing.time("radiation", || radiation::workpiece(design, &structure, &spectra, &air))?;
     let body = timing.time("body", || radiation::tool_body(design, &record, &air))?;
     observer.stage("exhaust");
@@ -114,7 +123,10 @@ pub fn run(design: &Design, options: Options, observer: &mut dyn Observer) -> Re
     checks.extend(ranking::checks(&ranking, &total));
     let result = RunResult {
         schema: SCHEMA,
-        design: DesignId { name: design.name().to_owned(), digest: design.digest() },
+        design: DesignId {
+            name: design.name().to_owned(),
+            digest: design.digest(),
+        },
         ranking,
         total,
         outcome: record.outcome,
@@ -123,5 +135,11 @@ pub fn run(design: &Design, options: Options, observer: &mut dyn Observer) -> Re
         notes,
         timing,
     };
-    Ok(Run { result, record, structure, response, spectra })
+    Ok(Run {
+        result,
+        record,
+        structure,
+        response,
+        spectra,
+    })
 }

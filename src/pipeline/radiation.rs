@@ -30,7 +30,11 @@ pub(super) fn modal_spectra(
     structure: &Structure,
     response: &ModalResponse,
 ) -> Result<Vec<ModalSpectra>, Error> {
-    structure.bodies().enumerate().map(|(index, body)| body_spectra(design, index, body, response)).collect()
+    structure
+        .bodies()
+        .enumerate()
+        .map(|(index, body)| body_spectra(design, index, body, response))
+        .collect()
 }
 
 fn body_spectra(design: &Design, index: usize, body: &Body, response: &ModalResponse) -> Result<ModalSpectra, Error> {
@@ -44,7 +48,13 @@ fn body_spectra(design: &Design, index: usize, body: &Body, response: &ModalResp
         motion.map_or_else(|_| Vec::new(), |motion| motion.as_slice().to_vec())
     };
     let modes = body.omega.len();
-    Ok(ModalSpectra::from_accelerations(modes, response.samples(), response.step, &settings, record)?)
+    Ok(ModalSpectra::from_accelerations(
+        modes,
+        response.samples(),
+        response.step,
+        &settings,
+        record,
+    )?)
 }
 
 /// The workpiece with its support as one source.
@@ -84,17 +94,15 @@ fn free_standing(
 }
 
 /// Rayleigh's integral over the block's top, flush with the sand.
-fn flush_top(
-    design: &Design,
-    body: &Body,
-    spectrum: &ModalSpectra,
-    air: &Air,
-) -> Result<SourceSpectrum, Error> {
+fn flush_top(design: &Design, body: &Body, spectrum: &ModalSpectra, air: &Air) -> Result<SourceSpectrum, Error> {
     let (block, sand) = (&design.workpiece, &design.support.sand);
     let surface = radiating(body, |patch, _| patch != "top")?;
     let mut rayleigh = Rayleigh::new(&surface, air)?;
     if sand.absorption_share > 0.0 {
-        let absorbing = AbsorbingSand { resistivity: sand.flow_resistivity, share: sand.absorption_share };
+        let absorbing = AbsorbingSand {
+            resistivity: sand.flow_resistivity,
+            share: sand.absorption_share,
+        };
         rayleigh = rayleigh.with_absorbing_sand(absorbing)?;
     }
     if sand.moving_surface {
@@ -109,7 +117,10 @@ fn flush_top(
         })?;
     }
     let top = spectrum.range_hz[1];
-    let sampled = rayleigh.sampled(&Sampling { range_hz: [LOWEST_SAMPLE.min(0.5 * top), top], ..Sampling::default() })?;
+    let sampled = rayleigh.sampled(&Sampling {
+        range_hz: [LOWEST_SAMPLE.min(0.5 * top), top],
+        ..Sampling::default()
+    })?;
     Ok(radiated_energy("workpiece", &sampled, spectrum)?)
 }
 
@@ -159,5 +170,12 @@ pub(super) fn tool_body(design: &Design, record: &CycleRecord, air: &Air) -> Res
         ..TransformSettings::default()
     };
     let acceleration = &record.tool.acceleration;
-    Ok(rigid_body_energy("body", acceleration, record.sample_interval, design.body.volume(), air, &settings)?)
+    Ok(rigid_body_energy(
+        "body",
+        acceleration,
+        record.sample_interval,
+        design.body.volume(),
+        air,
+        &settings,
+    )?)
 }

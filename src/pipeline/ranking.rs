@@ -1,6 +1,8 @@
 //! The ranked table: levels of every source over the common range.
 
-use nailnoise_acoustics::levels::{self, BandLevel as Band, Level, SourceSpectrum, Weighting, energy_level, level_energy};
+use nailnoise_acoustics::levels::{
+    self, BandLevel as Band, Level, SourceSpectrum, Weighting, energy_level, level_energy,
+};
 
 use crate::result::{BandLevel, Check, Component, RankedSource, Total};
 
@@ -21,19 +23,40 @@ pub(super) fn rank(spectra: &[SourceSpectrum], range_hz: [f64; 2]) -> (Vec<Ranke
             components: spectrum.map_or_else(Vec::new, |s| components(s, range_hz)),
         }
     };
-    (ranking.sources.iter().map(ranked).collect(), Total { lwa_db: ranking.total_lwa, lw_db: ranking.total_lw })
+    (
+        ranking.sources.iter().map(ranked).collect(),
+        Total {
+            lwa_db: ranking.total_lwa,
+            lw_db: ranking.total_lw,
+        },
+    )
 }
 
 /// The bands that reach into the range.
 fn bands(spectrum: &SourceSpectrum, range_hz: [f64; 2]) -> Vec<BandLevel> {
     let inside = |b: &&Band| b.band.high > range_hz[0] && b.band.low < range_hz[1];
-    let level = |b: &Band| BandLevel { hz: b.band.nominal_hz(), lw_db: b.lw, lwa_db: b.lwa };
-    spectrum.band_levels(range_hz).iter().filter(inside).map(level).collect()
+    let level = |b: &Band| BandLevel {
+        hz: b.band.nominal_hz(),
+        lw_db: b.lw,
+        lwa_db: b.lwa,
+    };
+    spectrum
+        .band_levels(range_hz)
+        .iter()
+        .filter(inside)
+        .map(level)
+        .collect()
 }
 
 fn components(spectrum: &SourceSpectrum, range_hz: [f64; 2]) -> Vec<Component> {
     let parts = spectrum.contribution_energies(range_hz, Weighting::A);
-    parts.into_iter().map(|(name, energy)| Component { name, lwa_db: energy_level(energy) }).collect()
+    parts
+        .into_iter()
+        .map(|(name, energy)| Component {
+            name,
+            lwa_db: energy_level(energy),
+        })
+        .collect()
 }
 
 /// Checks that bands sum to each source's level and sources to the total, as relative energy.

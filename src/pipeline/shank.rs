@@ -31,7 +31,11 @@ pub(super) fn depths(nail_length: f64) -> [f64; STATIONS] {
 ///
 /// # Errors
 /// Those of the penetration law.
-pub(super) fn forces(parameters: &Parameters, friction_share: f64, record: &CycleRecord) -> Result<DMatrix<f64>, Error> {
+pub(super) fn forces(
+    parameters: &Parameters,
+    friction_share: f64,
+    record: &CycleRecord,
+) -> Result<DMatrix<f64>, Error> {
     let length = parameters.nail.length;
     let specimen = Specimen {
         length,
@@ -40,7 +44,13 @@ pub(super) fn forces(parameters: &Parameters, friction_share: f64, record: &Cycl
         density: parameters.wood.density,
     };
     let scale = parameters.wood.resistance_scale;
-    let resistance = |depth: f64| parameters.wood.law.force(&specimen, depth, REFERENCE_SPEED).map(|f| scale * f);
+    let resistance = |depth: f64| {
+        parameters
+            .wood
+            .law
+            .force(&specimen, depth, REFERENCE_SPEED)
+            .map(|f| scale * f)
+    };
     let full_friction = friction_share * resistance(length)?;
     let head_stiffness = parameters.wood.head_stiffness_scale * parameters.wood.hardness_modulus;
     let mut forces = DMatrix::zeros(STATIONS, record.len());
@@ -75,10 +85,12 @@ fn uniform(position: f64) -> impl Iterator<Item = (usize, f64)> {
         let rising = |x: f64| 0.5 * x.clamp(0.0, 1.0).powi(2);
         let x = position - k as f64;
         let left = if k == 0 { 0.0 } else { rising(x + 1.0) };
-        let right = 0.5 - rising(1.0 - x.clamp(0.0, 1.0));
+        let right = x.clamp(0.0, 1.0) - rising(x);
         (left + right) / position
     };
-    (0..STATIONS).map(move |k| (k, share(k))).filter(|&(_, weight)| weight > 0.0)
+    (0..STATIONS)
+        .map(move |k| (k, share(k)))
+        .filter(|&(_, weight)| weight > 0.0)
 }
 
 #[cfg(test)]
