@@ -19,6 +19,10 @@ pub enum Error {
     /// The cycle could not be computed.
     #[error("the nailing cycle of this design cannot be computed")]
     Cycle(#[from] CycleError),
+    /// Penetration laws could not be compared.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Penetration(#[from] crate::penetration::PenetrationError),
     /// A mesh could not be built.
     #[error("the mesh of a body cannot be built")]
     Mesh(#[from] nailnoise_meshes::MeshError),

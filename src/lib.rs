@@ -1,13 +1,15 @@
 //! nailnoise predicts how much sound power each source of a pneumatic nailer radiates, from its design.
 //!
-//! [`design`] reads the design file, [`pipeline`] turns it into ranked sources, [`output`] writes them to files and
-//! [`commands`] is the command line over all of it.
+//! [`design`] reads the design file, [`pipeline`] turns it into ranked sources, [`output`] writes them to files,
+//! [`figures`] draws them and [`commands`] is the command line over all of it. [`penetration`] compares penetration laws.
 #![forbid(unsafe_code)]
 
 pub mod commands;
 pub mod design;
 mod error;
+pub mod figures;
 pub mod output;
+pub mod penetration;
 pub mod pipeline;
 pub mod result;
 

@@ -9,6 +9,7 @@ use serde::Serialize;
 use super::table::table;
 use super::{Common, Progress, print, print_json, status_of};
 use crate::error::Error;
+use crate::figures;
 use crate::output::{self, EVENT_NAMES};
 use crate::pipeline::{self, Observer as _, Preset};
 use crate::result::{Check, DesignId};
@@ -21,6 +22,9 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "WHAT", value_enum, num_args = 0..=1, require_equals = true)]
     #[arg(default_missing_value = "all")]
     as_published: Option<Published>,
+    /// Draw pressures, motion, pressure ratios and forces as SVG
+    #[arg(long)]
+    figures: bool,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -52,6 +56,8 @@ struct CycleResult<'a> {
     summary: &'a Summary,
     checks: Vec<Check>,
     work: &'a Work,
+    /// Files of the figures that were asked for.
+    figures: Vec<String>,
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
@@ -72,6 +78,13 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     };
     progress.stage("writing files");
     output::write_cycle(&folder, &record)?;
+    let figures = if arguments.figures {
+        let form = preset.map_or("", words_of);
+        let subject = format!("{}{form}: {}", design.name(), words(&record.outcome));
+        figures::write(&folder.join("figures"), &figures::cycle(&subject, &design, &record))?
+    } else {
+        Vec::new()
+    };
     drop(progress);
     let checks: Vec<Check> = record.checks.iter().map(Check::from).collect();
     let status = status_of(&checks);
@@ -87,22 +100,20 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         summary: &record.summary,
         checks,
         work: &record.work,
+        figures: figures.iter().map(|file| file.display().to_string()).collect(),
     };
     if common.json {
         print_json(&result)?;
     } else {
         print(&text(&result, &record));
         print(&format!("\n  files in {}\n", folder.display()));
+        figures.iter().for_each(|file| print(&format!("  {}\n", file.display())));
     }
     Ok(status)
 }
 
 fn text(result: &CycleResult<'_>, record: &CycleRecord) -> String {
-    let form = match result.preset {
-        Some(Preset::PublishedAll) => ", every form as published",
-        Some(Preset::PublishedNailOnly) => ", nail as published",
-        None => "",
-    };
+    let form = result.preset.map_or("", words_of);
     let mut text = format!("{}{form}: {}\n\n", result.design.name, words(&result.outcome));
     let events: Vec<Vec<String>> = result
         .events
@@ -155,6 +166,14 @@ fn text(result: &CycleResult<'_>, record: &CycleRecord) -> String {
         1e6 * record.sample_interval,
     ));
     text
+}
+
+/// A preset in words, behind the design's name.
+fn words_of(preset: Preset) -> &'static str {
+    match preset {
+        Preset::PublishedAll => ", every form as published",
+        Preset::PublishedNailOnly => ", nail as published",
+    }
 }
 
 /// A serde word (`strikes_bumper`) in words.
