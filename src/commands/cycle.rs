@@ -107,7 +107,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     } else {
         print(&text(&result, &record));
         print(&format!("\n  files in {}\n", folder.display()));
-        figures.iter().for_each(|file| print(&format!("  {}\n", file.display())));
+        figures
+            .iter()
+            .for_each(|file| print(&format!("  {}\n", file.display())));
     }
     Ok(status)
 }
