@@ -10,6 +10,7 @@
 #![warn(missing_docs)]
 
 mod cycle;
+mod energy;
 mod error;
 mod geometry;
 mod parameters;
@@ -19,6 +20,7 @@ mod record;
 mod settings;
 
 pub use cycle::simulate;
+pub use energy::{ContactEnergy, EnergyFlow};
 pub use error::CycleError;
 pub use geometry::Geometry;
 pub use parameters::{

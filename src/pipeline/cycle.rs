@@ -107,7 +107,7 @@ impl From<&design::Chambers> for dynamics::Chambers {
 
 impl From<&design::Exhaust> for dynamics::Exhaust {
     fn from(own: &design::Exhaust) -> Self {
-        Self { holes: own.holes, hole_diameter: own.hole_diameter }
+        Self { holes: own.holes, hole_diameter: own.hole_diameter, thrust_share: own.thrust_share }
     }
 }
 
@@ -132,6 +132,7 @@ impl From<&design::Nail> for dynamics::Nail {
             density: own.density,
             head_gap: own.head_gap,
             tip_gap: own.tip_gap,
+            magazine_friction: own.magazine_friction,
         }
     }
 }
@@ -162,7 +163,7 @@ impl From<&design::Tool> for dynamics::Tool {
 
 impl From<&design::Hand> for dynamics::Hand {
     fn from(own: &design::Hand) -> Self {
-        Self { force: own.force }
+        Self { force: own.force, mass: own.mass, stiffness: own.stiffness, damping: own.damping }
     }
 }
 

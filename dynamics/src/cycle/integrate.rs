@@ -32,6 +32,9 @@ const STEP_LIMIT: usize = 5_000_000;
 /// Part of V_02 left below the piston at which a dry fire is declared.
 const DRY_FIRE: f64 = 1e-3;
 
+/// Size of what has no error weight: the integrals, and the hand where it has no mass.
+const UNWEIGHTED: f64 = 1e30;
+
 type Problem<'s> = OdeSolverProblem<Equations<'s>>;
 
 /// All that a run leaves for the record.
@@ -122,7 +125,7 @@ pub(crate) fn integrate(system: &System, settings: &Settings) -> Result<Run, Cyc
 /// stands, and a gas energy of 1 kJ must not loosen that of 1 J.
 fn tolerances(system: &System, relative: f64) -> Vec<f64> {
     let p = &system.p;
-    let mut size = [1e30; SIZE];
+    let mut size = [UNWEIGHTED; SIZE];
     size[Y_P] = 1e-2;
     size[V_P] = 10.0;
     size[Y_H] = 1e-3;
@@ -131,6 +134,10 @@ fn tolerances(system: &System, relative: f64) -> Vec<f64> {
     size[V_G] = 0.5;
     size[Y_W] = 1e-4;
     size[V_W] = 0.5;
+    if system.sprung_hand {
+        size[Y_M] = 1e-3;
+        size[V_M] = 0.5;
+    }
     let c = &p.chambers;
     let volumes = [
         c.above_piston,
@@ -143,8 +150,9 @@ fn tolerances(system: &System, relative: f64) -> Vec<f64> {
         size[ENERGY + i] = p.supply.pressure * volume / (system.air.gamma - 1.0);
         size[MASS + i] = p.supply.pressure * volume / (system.air.gas_constant * p.ambient.temperature);
     }
-    // The solver's norm is a mean over all entries; the integrals have no error weight, so the mean is taken back.
-    let share = (STATES as f64 / SIZE as f64).sqrt();
+    // The solver's norm is a mean over all entries; those without an error weight are taken out of it.
+    let weighted = size.iter().filter(|size| **size < UNWEIGHTED).count();
+    let share = (weighted as f64 / SIZE as f64).sqrt();
     size.iter().map(|size| relative * size * share).collect()
 }
 
@@ -348,9 +356,7 @@ impl<'s> Cycle<'s> {
             self.y = y_end;
             margin = left.1;
             equations.remember(self.t, &self.y);
-            self.run
-                .recorder
-                .peak(&self.system.evaluate(&self.y, &self.mode, &equations.past(self.t)));
+            self.run.recorder.follow(self.system, &self.mode, &self.y);
             self.run.balance.follow(self.system, &self.mode, &self.y);
             self.guard()?;
             self.schedule();
@@ -398,7 +404,7 @@ impl<'s> Cycle<'s> {
         cross(self.system, slot, &mut self.mode, &mut self.y);
         self.run
             .balance
-            .cross(self.system, (&before.0, &before.1), (&self.mode, &self.y));
+            .cross(self.system, slot, (&before.0, &before.1), (&self.mode, &self.y));
         if impact {
             self.run.impact = Some((before.1[V_P], self.y[V_P]));
         }

@@ -14,6 +14,7 @@ pub(crate) fn record(system: &System, run: Run) -> CycleRecord {
     let summary = summarise(system, &run, &events);
     let outcome = outcome(system, &run, &events, &summary);
     let checks = run.balance.checks(system);
+    let energy = run.balance.energy(system, &run.last_mode, &run.last);
     let recorder = run.recorder;
     let [piston, head_valve, tool, workpiece] = recorder.bodies;
     let [above_piston, below_piston, return_volume, above_valve, supply] = recorder.volumes;
@@ -35,6 +36,7 @@ pub(crate) fn record(system: &System, run: Run) -> CycleRecord {
         events,
         outcome,
         summary,
+        energy,
         checks,
         work: run.work,
     }

@@ -89,6 +89,11 @@ pub(crate) fn margins(system: &System, mode: &Mode, y: &State) -> [f64; SLOTS] {
     margin
 }
 
+/// Whether `slot` watches the rod on the nail.
+pub(crate) fn is_nail(slot: usize) -> bool {
+    slot == NAIL
+}
+
 /// Whether the event of `slot` is the rod meeting the nail.
 pub(crate) fn is_impact(slot: usize, mode: &Mode) -> bool {
     slot == NAIL && mode.nail == NailState::Waiting
