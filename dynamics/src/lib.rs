@@ -13,6 +13,7 @@ mod cycle;
 mod energy;
 mod error;
 mod geometry;
+mod log;
 mod parameters;
 mod presets;
 pub mod prf;
@@ -23,6 +24,7 @@ pub use cycle::simulate;
 pub use energy::{ContactEnergy, EnergyFlow};
 pub use error::CycleError;
 pub use geometry::Geometry;
+pub use log::{Crossing, Direction, LogEntry, LogState};
 pub use parameters::{
     Ambient, Chambers, Contacts, Exhaust, Form, Friction, Hand, HeadValve, Model, Nail, Parameters, Piston, Supply,
     Support, SupportDamping, Tool, Trigger, Wood,

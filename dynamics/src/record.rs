@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::EnergyFlow;
+use crate::{EnergyFlow, LogEntry};
 
 /// One nailing cycle.
 ///
@@ -40,6 +40,8 @@ pub struct CycleRecord {
     pub vent: VentFlow,
     /// Event times.
     pub events: Events,
+    /// Every contact, opening, choking change, reversal and trigger action, and the levels that define the events.
+    pub log: Vec<LogEntry>,
     /// What the shot did.
     pub outcome: Outcome,
     /// Figures of the shot.

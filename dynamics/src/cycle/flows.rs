@@ -135,6 +135,21 @@ impl System {
         Outflow { mass, plenum, thrust }
     }
 
+    /// Above zero while the exhaust holes are choked: what the seat passes up to the critical P_m less what the holes
+    /// take there, (C A P)_seat N(P_m/P_1) - A_ma P_m with P_m = P_a/P_cr \[N\].
+    pub(crate) fn hole_choking(&self, now: &Instant<f64>) -> f64 {
+        let valve = &self.p.head_valve;
+        let opening = now.valve - (valve.lift - valve.exhaust_lap);
+        let critical = self.p.ambient.pressure / self.air.critical;
+        let holes = self.exhaust_area * critical;
+        let p1 = now.gas[ABOVE].pressure;
+        if opening <= 0.0 || p1 <= critical {
+            return -holes;
+        }
+        let seat = Self::seat_area(opening, self.exhaust_angle, valve.exhaust_seat_diameter, -1.0);
+        seat * p1 * self.air.flow_function(critical / p1).0 - holes
+    }
+
     /// Flow through the trigger's channel in the mode's state of it.
     #[inline]
     pub(crate) fn channel<S: Real>(&self, gas: &[Gas<S>; VOLUMES], mode: &Mode, past: &Past) -> ChannelFlow<S> {
