@@ -113,6 +113,7 @@ impl From<&design::Exhaust> for dynamics::Exhaust {
         Self {
             holes: own.holes,
             hole_diameter: own.hole_diameter,
+            thrust_share: own.thrust_share,
         }
     }
 }
@@ -138,6 +139,7 @@ impl From<&design::Nail> for dynamics::Nail {
             density: own.density,
             head_gap: own.head_gap,
             tip_gap: own.tip_gap,
+            magazine_friction: own.magazine_friction,
         }
     }
 }
@@ -168,7 +170,12 @@ impl From<&design::Tool> for dynamics::Tool {
 
 impl From<&design::Hand> for dynamics::Hand {
     fn from(own: &design::Hand) -> Self {
-        Self { force: own.force }
+        Self {
+            force: own.force,
+            mass: own.mass,
+            stiffness: own.stiffness,
+            damping: own.damping,
+        }
     }
 }
 
