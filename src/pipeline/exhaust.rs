@@ -37,6 +37,7 @@ pub(super) fn exhaust(design: &Design, record: &CycleRecord, air: &Air) -> Resul
             ..TransformSettings::default()
         },
         plenum: None,
+        muffler: None,
     };
     let flow = FlowHistory {
         sample_interval: record.sample_interval,
