@@ -6,6 +6,9 @@
 //! smooth in the parameters as long as the order of these is the same, so that differences through events are
 //! derivatives through events; where the order changes, the differences do not agree and the error says so.
 //!
+//! Parameters rank by what their ranges do to a figure: the derivative times half the range, unless the runs at the ends
+//! of the range, which are made too, show that the figure does not follow it so far.
+//!
 //! The integration is run a hundred times closer than the design asks for. What is left of it is measured, by running
 //! the design at two tolerances, and stands in the error of every derivative.
 
@@ -55,7 +58,7 @@ pub struct OutputSensitivity {
     pub value: Option<f64>,
     /// How far the integration leaves the value uncertain.
     pub noise: f64,
-    /// Derivatives, the one with the largest effect first; parameters without one are missing.
+    /// Derivatives, the one with the largest weight first; parameters without one are missing.
     pub ranking: Vec<Derivative>,
 }
 
@@ -70,6 +73,9 @@ pub struct Derivative {
     pub error: f64,
     /// Derivative times half the parameter's range: what the parameter's uncertainty does to the figure.
     pub effect: f64,
+    /// By how much the parameter's range moves the figure: the size of `effect`; where the figure does not follow its
+    /// derivative to the ends of the range, the larger of its moves to them.
+    pub weight: f64,
     /// Smallest step of the parameter the derivative is made of.
     pub step: f64,
     /// The figure with the parameter at the lower and upper end of its range; null where that is no design, or where
@@ -155,7 +161,7 @@ pub fn sensitivity(design: &Design, outputs: &[Output], keys: Option<&[&str]>) -
         let value = values[output];
         let derive = |(p, runs): (&Parameter, &&[Run])| derivative(p, runs, output, value?, noise[output]);
         let mut ranking: Vec<Derivative> = parameters.iter().zip(&per_parameter).filter_map(derive).collect();
-        ranking.sort_by(|a, b| b.effect.abs().total_cmp(&a.effect.abs()));
+        ranking.sort_by(|a, b| b.weight.total_cmp(&a.weight));
         ranking
     };
     let outputs = outputs
@@ -252,7 +258,11 @@ fn derivative(parameter: &Parameter, runs: &[Run], output: usize, value: f64, no
     let effect = estimate.value * parameter.half_range();
     let Estimate { value: derivative, error, step } = estimate;
     let at_ends = [figure(2 * STEPS), figure(2 * STEPS + 1)];
-    Some(Derivative { key: parameter.key.clone(), derivative, error, effect, step, at_ends })
+    let mut found = Derivative { key: parameter.key.clone(), derivative, error, effect, weight: effect.abs(), step, at_ends };
+    if found.is_linear() == Some(false) {
+        found.weight = at_ends.into_iter().flatten().map(|end| (end - value).abs()).fold(0.0, f64::max);
+    }
+    Some(found)
 }
 
 impl From<&Run> for End {
