@@ -3,12 +3,14 @@
 use nailnoise::{Design, pipeline};
 
 fn main() -> Result<(), nailnoise::Error> {
-    let path = std::env::args().nth(1).unwrap_or_else(|| "designs/n80cb.toml".to_owned());
+    let path = std::env::args()
+        .nth(1)
+        .unwrap_or_else(|| "designs/n80cb.toml".to_owned());
     let design = Design::load(path)?;
     let run = pipeline::run(&design, pipeline::Options::default(), &mut pipeline::Silent)?;
     for source in &run.result.ranking {
         match source.lwa_db {
-            Some(level) => println!("{:<10} {level:6.1} dB(A)", source.source),
+            Some(level) => println!("{:<10} {level:6.1} dB(A)  {}", source.source, source.method),
             None => println!("{:<10} silent", source.source),
         }
     }

@@ -108,9 +108,17 @@ fn find<T>(
     let plain = |text: &str| text.trim().to_lowercase().replace(['-', '_', ' '], "");
     all.iter().find(|item| plain(own(item)) == plain(name)).ok_or_else(|| {
         let distance = |item: &T| strsim::damerau_levenshtein(&plain(own(item)), &plain(name));
-        let nearest = all.iter().min_by_key(|item| distance(item)).filter(|item| distance(item) <= 2 + name.len() / 4);
+        let nearest = all
+            .iter()
+            .min_by_key(|item| distance(item))
+            .filter(|item| distance(item) <= 2 + name.len() / 4);
         let known = all.iter().map(own).collect::<Vec<_>>().join(", ");
-        PenetrationError::Unknown { what, name: name.to_owned(), nearest: nearest.map(own), known }
+        PenetrationError::Unknown {
+            what,
+            name: name.to_owned(),
+            nearest: nearest.map(own),
+            known,
+        }
     })
 }
 
@@ -147,13 +155,31 @@ impl Resistance {
             _ => Shank::Smooth,
         };
         let diameter = nail.shank_diameter(shank).ok_or_else(|| {
-            let tested: Vec<&str> =
-                NAILS.iter().filter(|nail| nail.shank_diameter(shank).is_some()).map(|nail| nail.name).collect();
-            PenetrationError::NoSuchShank { law: law_name(law), nail: nail.name, known: tested.join(", ") }
+            let tested: Vec<&str> = NAILS
+                .iter()
+                .filter(|nail| nail.shank_diameter(shank).is_some())
+                .map(|nail| nail.name)
+                .collect();
+            PenetrationError::NoSuchShank {
+                law: law_name(law),
+                nail: nail.name,
+                known: tested.join(", "),
+            }
         })?;
         let (hardness_modulus, density) = (wood.hardness_modulus, wood.density);
-        let specimen = Specimen { length: nail.length, diameter, hardness_modulus, density };
-        let resistance = Self { law, wood, nail, specimen, speed };
+        let specimen = Specimen {
+            length: nail.length,
+            diameter,
+            hardness_modulus,
+            density,
+        };
+        let resistance = Self {
+            law,
+            wood,
+            nail,
+            specimen,
+            speed,
+        };
         resistance.force(0.0).map(|_| resistance)
     }
 
@@ -162,13 +188,20 @@ impl Resistance {
     /// # Errors
     /// [`PenetrationError::Outside`] beyond the nail's length, or at a speed that is not quasi-static.
     pub fn force(&self, depth: f64) -> Result<f64, PenetrationError> {
-        let Self { law, wood, nail, specimen, speed } = self;
-        law.force(specimen, depth, *speed).map_err(|source| PenetrationError::Outside {
-            law: law_name(*law),
-            wood: wood.name,
-            nail: nail.name,
-            source,
-        })
+        let Self {
+            law,
+            wood,
+            nail,
+            specimen,
+            speed,
+        } = self;
+        law.force(specimen, depth, *speed)
+            .map_err(|source| PenetrationError::Outside {
+                law: law_name(*law),
+                wood: wood.name,
+                nail: nail.name,
+                source,
+            })
     }
 
     /// The force at `depth` \[m\] with the root one standard error lower and higher \[N\].
@@ -191,7 +224,11 @@ impl Resistance {
         let h = depth.max(0.0) / f64::from(INTERVALS);
         let mut sum = 0.0;
         for i in 0..=INTERVALS {
-            let weight = if i == 0 || i == INTERVALS { 1.0 } else { f64::from(2 + 2 * (i % 2)) };
+            let weight = if i == 0 || i == INTERVALS {
+                1.0
+            } else {
+                f64::from(2 + 2 * (i % 2))
+            };
             // The force begins with a step at the surface: the first point stands just below it.
             sum += weight * self.force((h * f64::from(i)).clamp(depth * 1e-12, depth))?;
         }
@@ -209,11 +246,20 @@ impl Resistance {
         let plywood = self.wood.name.contains("plywood");
         let mut notes = Vec::new();
         if (self.law == PenetrationLaw::SolidWood) == plywood {
-            let (fitted, wood) = if plywood { ("solid wood", "plywood") } else { ("plywood", "solid wood") };
-            notes.push(format!("the law {name} was fitted to {fitted}, and {} is {wood}", self.wood.name));
+            let (fitted, wood) = if plywood {
+                ("solid wood", "plywood")
+            } else {
+                ("plywood", "solid wood")
+            };
+            notes.push(format!(
+                "the law {name} was fitted to {fitted}, and {} is {wood}",
+                self.wood.name
+            ));
         }
         if matches!(self.law, PenetrationLaw::Reduced3 | PenetrationLaw::Reduced5) {
-            notes.push(format!("the force of {name} dips before full depth: an artefact of the fit"));
+            notes.push(format!(
+                "the force of {name} dips before full depth: an artefact of the fit"
+            ));
         }
         notes
     }

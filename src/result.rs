@@ -60,6 +60,55 @@ pub struct RankedSource {
     pub bands: Vec<BandLevel>,
     /// Parts of the source, summing to it.
     pub components: Vec<Component>,
+    /// How far the method may be off.
+    pub uncertainty_db: Uncertainty,
+    /// The same quantity by an independent method, where there is one.
+    pub cross_check: Option<CrossCheck>,
+    /// What the source radiates between neighbouring events; the energies sum to its own.
+    pub intervals: Vec<IntervalLevel>,
+}
+
+/// Band in which the true level is expected around the one predicted, from the method alone: no uncertainty of the
+/// design's values is in it.
+#[derive(Debug, Clone, Serialize)]
+pub struct Uncertainty {
+    /// How much lower the true level may be \[dB\]; null when the method gives no bound.
+    pub minus: Option<f64>,
+    /// How much higher it may be \[dB\]; null when the method gives no bound.
+    pub plus: Option<f64>,
+    /// Where the band comes from.
+    pub basis: String,
+}
+
+/// Two methods for one quantity.
+#[derive(Debug, Clone, Serialize)]
+pub struct CrossCheck {
+    /// The quantity.
+    pub quantity: &'static str,
+    /// Its unweighted level by the method of the result \[dB re 1 pW s\]; null when silent.
+    pub lw_db: Option<f64>,
+    /// The other method.
+    pub other: &'static str,
+    /// Its unweighted level by that \[dB re 1 pW s\]; null when silent.
+    pub other_lw_db: Option<f64>,
+}
+
+/// What a source radiates between two events, A-weighted, over the common range.
+#[derive(Debug, Clone, Serialize)]
+pub struct IntervalLevel {
+    /// Event at its start, `t0` to `t18`; `start` for the beginning of the record.
+    pub from: String,
+    /// Event at its end; `end` for all that follows the last event.
+    pub to: String,
+    /// Start \[s\].
+    pub from_s: f64,
+    /// End \[s\].
+    pub to_s: f64,
+    /// Single-event level of the energy radiated in it \[dB re 1 pW s\]; null when silent.
+    pub lwa_db: Option<f64>,
+    /// The level that a measurement finds, which cuts the signal at both events: cuts add energy
+    /// \[dB re 1 pW s\]; null when silent.
+    pub lwa_cut_db: Option<f64>,
 }
 
 /// Level of one band.
@@ -107,13 +156,23 @@ pub struct Check {
 impl Check {
     /// A check that holds when `|value| <= limit`.
     pub fn at_most(name: impl Into<String>, value: f64, limit: f64) -> Self {
-        Self { name: name.into(), value, limit, ok: value.abs() <= limit }
+        Self {
+            name: name.into(),
+            value,
+            limit,
+            ok: value.abs() <= limit,
+        }
     }
 }
 
 impl From<&nailnoise_dynamics::Check> for Check {
     fn from(check: &nailnoise_dynamics::Check) -> Self {
-        Self { name: check.name.to_owned(), value: check.value, limit: check.limit, ok: check.ok }
+        Self {
+            name: check.name.to_owned(),
+            value: check.value,
+            limit: check.limit,
+            ok: check.ok,
+        }
     }
 }
 

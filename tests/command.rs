@@ -1,4 +1,5 @@
 //! The command as a user meets it: tables, JSON, files, exit status, errors.
+#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -38,7 +39,10 @@ fn run_ranks_three_sources_and_leaves_every_file() {
     let ranking = result["ranking"].as_array().unwrap();
     let mut names: Vec<&str> = ranking.iter().map(|s| s["source"].as_str().unwrap()).collect();
     let levels: Vec<f64> = ranking.iter().map(|s| s["lwa_db"].as_f64().unwrap()).collect();
-    assert!(levels.windows(2).all(|pair| pair[0] >= pair[1]), "loudest first: {levels:?}");
+    assert!(
+        levels.windows(2).all(|pair| pair[0] >= pair[1]),
+        "loudest first: {levels:?}"
+    );
     names.sort_unstable();
     assert_eq!(names, ["body", "exhaust", "workpiece"]);
     let energy: f64 = levels.iter().map(|level| 10f64.powf(level / 10.0)).sum();
@@ -46,7 +50,14 @@ fn run_ranks_three_sources_and_leaves_every_file() {
     let checks = result["checks"].as_array().unwrap();
     assert!(checks.iter().all(|check| check["ok"] == true), "{checks:#?}");
     assert!((0..=18).all(|k| result["events"][format!("t{k}")].is_f64()));
-    for file in ["result.json", "levels.csv", "events.csv", "histories.csv", "fields/workpiece.vtu", "fields/worktable.vtu"] {
+    for file in [
+        "result.json",
+        "levels.csv",
+        "events.csv",
+        "histories.csv",
+        "fields/workpiece.vtu",
+        "fields/worktable.vtu",
+    ] {
         assert!(out.join(file).metadata().unwrap().len() > 100, "{file}");
     }
     let stored: Value = serde_json::from_slice(&std::fs::read(out.join("result.json")).unwrap()).unwrap();
@@ -59,7 +70,13 @@ fn results_do_not_depend_on_the_number_of_threads() {
     let run = |threads: &str| {
         let out = folder(&format!("threads-{threads}"));
         let mut result = json(&nailnoise(&[
-            "run", "tests/data/small.toml", "--json", "--threads", threads, "--out", out.to_str().unwrap(),
+            "run",
+            "tests/data/small.toml",
+            "--json",
+            "--threads",
+            threads,
+            "--out",
+            out.to_str().unwrap(),
         ]));
         result["timing"] = Value::Null;
         result
@@ -72,7 +89,15 @@ fn tables_are_printed_without_json() {
     let out = folder("table");
     let output = nailnoise(&["run", "tests/data/small.toml", "--out", out.to_str().unwrap()]);
     let text = String::from_utf8(output.stdout).unwrap();
-    for word in ["workpiece", "exhaust", "body", "total", "rigid motion only", "ERP", "checks ok"] {
+    for word in [
+        "workpiece",
+        "exhaust",
+        "body",
+        "total",
+        "rigid motion only",
+        "ERP",
+        "checks ok",
+    ] {
         assert!(text.contains(word), "{word} is missing in\n{text}");
     }
 }
@@ -80,7 +105,13 @@ fn tables_are_printed_without_json() {
 #[test]
 fn cycle_tells_outcome_events_and_work() {
     let out = folder("cycle");
-    let result = json(&nailnoise(&["cycle", "tests/data/small.toml", "--json", "--out", out.to_str().unwrap()]));
+    let result = json(&nailnoise(&[
+        "cycle",
+        "tests/data/small.toml",
+        "--json",
+        "--out",
+        out.to_str().unwrap(),
+    ]));
     assert_eq!(result["outcome"], "drives");
     assert!(result["work"]["steps"].as_u64().unwrap() > 100);
     assert!(result["summary"]["exhaust_mass"].as_f64().unwrap() > 1e-3);
@@ -92,8 +123,15 @@ fn cycle_tells_outcome_events_and_work() {
 fn modes_of_both_bodies_are_counted() {
     for (body, rigid) in [("workpiece", 6), ("worktable", 0)] {
         let out = folder(&format!("modes-{body}"));
-        let result =
-            json(&nailnoise(&["modes", "tests/data/small.toml", "--body", body, "--json", "--out", out.to_str().unwrap()]));
+        let result = json(&nailnoise(&[
+            "modes",
+            "tests/data/small.toml",
+            "--body",
+            body,
+            "--json",
+            "--out",
+            out.to_str().unwrap(),
+        ]));
         let modes = result["modes"].as_array().unwrap();
         assert_eq!(result["sturm"]["count"].as_u64().unwrap() as usize, modes.len());
         assert_eq!(modes.iter().filter(|mode| mode["rigid"] == true).count(), rigid);
@@ -104,14 +142,48 @@ fn modes_of_both_bodies_are_counted() {
 #[test]
 fn wrong_input_ends_with_status_2_and_a_remedy() {
     for (name, arguments, words) in [
-        ("missing file", vec!["run", "designs/none.toml"], vec!["designs/none.toml"]),
+        (
+            "missing file",
+            vec!["run", "designs/none.toml"],
+            vec!["designs/none.toml"],
+        ),
         ("no design", vec!["run"], vec!["<DESIGN>"]),
-        ("no such body", vec!["modes", "designs/n80cb-sandbox.toml", "--body", "worktable"], vec!["sandbox", "--body workpiece"]),
+        (
+            "no such body",
+            vec!["modes", "designs/n80cb-sandbox.toml", "--body", "worktable"],
+            vec!["sandbox", "--body workpiece"],
+        ),
     ] {
         let output = nailnoise(&arguments);
         let text = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{name}: {text}");
         assert!(words.iter().all(|word| text.contains(word)), "{name}: {text}");
-        assert!(text.lines().count() < 25 && !text.contains("panicked"), "{name}: {text}");
+        assert!(
+            text.lines().count() < 25 && !text.contains("panicked"),
+            "{name}: {text}"
+        );
     }
+}
+
+#[test]
+fn every_bad_design_ends_with_status_2_on_one_screen() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/bad");
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|extension| extension != "toml") {
+            continue;
+        }
+        let output = nailnoise(&["cycle", path.to_str().unwrap()]);
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{}: {text}", path.display());
+        assert!(
+            text.contains("help:") && text.lines().count() <= 24,
+            "{}: {text}",
+            path.display()
+        );
+        assert!(output.stdout.is_empty());
+        count += 1;
+    }
+    assert!(count >= 20);
 }

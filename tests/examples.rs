@@ -1,4 +1,5 @@
 //! Every example runs as a reader would run it, and shows the figure it is there for.
+#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -7,13 +8,20 @@ use std::process::Command;
 fn example(name: &str) -> PathBuf {
     let test = std::env::current_exe().unwrap();
     let profile = test.parent().and_then(Path::parent).unwrap();
-    profile.join("examples").join(name).with_extension(std::env::consts::EXE_EXTENSION)
+    profile
+        .join("examples")
+        .join(name)
+        .with_extension(std::env::consts::EXE_EXTENSION)
 }
 
 #[test]
 fn rank_prints_three_sources_in_under_thirty_lines() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let output = Command::new(example("rank")).arg("tests/data/small.toml").current_dir(root).output().unwrap();
+    let output = Command::new(example("rank"))
+        .arg("tests/data/small.toml")
+        .current_dir(root)
+        .output()
+        .unwrap();
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert_eq!(text.lines().count(), 3, "{text}");

@@ -1,4 +1,5 @@
 //! Laws of the whole chain: what any design must obey, whatever its levels.
+#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
 use nailnoise::Design;
 use nailnoise::design::SupportKind;
@@ -51,11 +52,25 @@ fn more_damping_raises_no_band_above_the_first_mode() {
     let mut damped = bonded();
     damped.wood.loss_factor *= 2.0;
     let (before, after) = (scaled(&design, 1.0), scaled(&damped, 1.0));
-    let first = before.structure.workpiece.basis.hz.iter().copied().find(|&hz| hz > 1.0).unwrap();
+    let first = before
+        .structure
+        .workpiece
+        .basis
+        .hz
+        .iter()
+        .copied()
+        .find(|&hz| hz > 1.0)
+        .unwrap();
     let (before, after) = (ranked(&before, "workpiece"), ranked(&after, "workpiece"));
     let mut compared = 0;
     for (a, b) in before.bands.iter().zip(&after.bands).filter(|(a, _)| a.hz > first) {
-        assert!(b.lw_db.unwrap() <= a.lw_db.unwrap() + 1e-9, "{} Hz: {:?} {:?}", a.hz, a.lw_db, b.lw_db);
+        assert!(
+            b.lw_db.unwrap() <= a.lw_db.unwrap() + 1e-9,
+            "{} Hz: {:?} {:?}",
+            a.hz,
+            a.lw_db,
+            b.lw_db
+        );
         compared += 1;
     }
     assert!(compared > 0);

@@ -11,10 +11,17 @@ fn design() -> Design {
 fn a_set_key_is_the_field_of_that_name() {
     let mut design = design();
     let before = design.digest();
-    design.set(&[("piston.mass", Value::Number(0.2)), ("exhaust.holes", Value::Count(7))]).unwrap();
+    design
+        .set(&[("piston.mass", Value::Number(0.2)), ("exhaust.holes", Value::Count(7))])
+        .unwrap();
     assert_eq!((design.piston.mass, design.exhaust.holes), (0.2, 7));
     assert_ne!(design.digest(), before);
-    design.set(&[("piston.mass", Value::Number(0.131)), ("exhaust.holes", Value::Count(5))]).unwrap();
+    design
+        .set(&[
+            ("piston.mass", Value::Number(0.131)),
+            ("exhaust.holes", Value::Count(5)),
+        ])
+        .unwrap();
     assert_eq!(design.digest(), before);
 }
 
@@ -33,12 +40,17 @@ fn what_cannot_be_set_is_named_and_changes_nothing() {
     let mut design = design();
     let before = design.digest();
     let set = |design: &mut Design, key, value| {
-        design.set(&[("tool.mass", Value::Number(5.0)), (key, value)]).unwrap_err()
+        design
+            .set(&[("tool.mass", Value::Number(5.0)), (key, value)])
+            .unwrap_err()
     };
     let nearest = Some("piston.mass".to_owned());
     assert_eq!(
         set(&mut design, "piston.mas", Value::Number(1.0)),
-        SetError::UnknownKey { key: "piston.mas".to_owned(), nearest }
+        SetError::UnknownKey {
+            key: "piston.mas".to_owned(),
+            nearest
+        }
     );
     let outside = |error| matches!(error, SetError::OutsideLimits { .. });
     assert!(outside(set(&mut design, "piston.mass", Value::Number(-1.0))));

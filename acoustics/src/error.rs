@@ -71,6 +71,14 @@ pub enum AcousticsError {
         /// The one after it \[Hz\].
         next: f64,
     },
+    /// A frequency is not a multiple of the bin width.
+    #[error("{hz} Hz is no multiple of {resolution} Hz; signals over time need the bins of one transform")]
+    NotABin {
+        /// The frequency \[Hz\].
+        hz: f64,
+        /// Mean distance of the frequencies \[Hz\].
+        resolution: f64,
+    },
     /// The Rayleigh integral was asked for a surface that is not one plane facing up.
     #[error(
         "surface point {point} lies {offset} m off the plane z = {plane} m or its normal is not +z (n_z = {normal}); \

@@ -132,7 +132,7 @@ impl Transform {
 }
 
 /// The smallest even length of at least `n` with no prime factor above 5.
-fn fast_length(n: usize) -> usize {
+pub(crate) fn fast_length(n: usize) -> usize {
     let mut best = n.next_power_of_two().max(2);
     let mut fives = 1;
     while fives < best {

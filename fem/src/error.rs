@@ -100,6 +100,12 @@ pub enum FemError {
         /// The edge \[Hz\].
         upper_hz: f64,
     },
+    /// No edge clear of modes was found.
+    #[error("modes lie too dense at {upper_hz} Hz for an edge between them; choose another upper frequency")]
+    NoGap {
+        /// The last edge tried \[Hz\].
+        upper_hz: f64,
+    },
     /// A mode does not satisfy its equation.
     #[error(
         "a mode has the residual {residual:e}, the limit is {limit:e}; repair badly shaped elements or relax the limit"

@@ -12,7 +12,11 @@ use nalgebra_sparse::CscMatrix;
 use crate::FemError;
 use crate::dense::{add_product, cholesky_qr, negative_pivots, symmetric_eigen, transpose_product};
 use crate::random::Random;
+use crate::solve::RIGID;
 use crate::sparse::product;
+
+/// Least relative distance in lambda between sigma and any eigenvalue.
+const GAP: f64 = 1e-5;
 
 /// Restarts before the iteration gives up.
 const RESTARTS: usize = 50;
@@ -21,7 +25,7 @@ const RESTARTS: usize = 50;
 pub(crate) struct Target {
     /// How many eigenvalues are negative.
     pub(crate) count: usize,
-    /// Largest |r| sigma / |lambda - sigma| relative to lambda, see [`Ritz::converged`].
+    /// Largest |r| sigma / |lambda - sigma| relative to lambda, see [`Ritz::errors`].
     pub(crate) tolerance: f64,
     /// Vectors in a block.
     pub(crate) block: usize,
@@ -70,12 +74,12 @@ struct Ritz {
 }
 
 /// Finds the `target.count` negative eigenpairs; `apply` maps Z to sigma (K - sigma M)^-1 Z. The order must exceed the
-/// count by five blocks at least.
+/// count by five blocks at least. None when an eigenvalue lies so near sigma that others would lose their digits.
 pub(crate) fn lanczos(
     mass: &CscMatrix<f64>,
     target: &Target,
     mut apply: impl FnMut(&Mat<f64>) -> Result<Mat<f64>, FemError>,
-) -> Result<Pairs, FemError> {
+) -> Result<Option<Pairs>, FemError> {
     let n = mass.nrows();
     let block = target.block.clamp(1, n);
     let limit = target.max_vectors.max(target.count + 4 * block).min(n - block);
@@ -93,15 +97,17 @@ pub(crate) fn lanczos(
             continue;
         }
         let ritz = basis.ritz()?;
-        let converged = (0..target.count)
-            .take_while(|&i| ritz.error(i) <= target.tolerance)
-            .count();
+        if ritz.norm() * GAP > 1.0 {
+            return Ok(None);
+        }
+        let errors = ritz.errors(target.count);
+        let converged = errors.iter().filter(|&&e| e <= target.tolerance).count();
         if converged == target.count {
-            return Ok(Pairs {
+            return Ok(Some(Pairs {
                 vectors: basis.improved(&ritz, target.count),
                 steps,
                 restarts,
-            });
+            }));
         }
         if full {
             if restarts == RESTARTS {
@@ -116,7 +122,7 @@ pub(crate) fn lanczos(
         }
         // Errors fall by a factor a step; the next check comes when the present pace, or three digits a step at best,
         // reaches the tolerance.
-        let worst = (0..target.count).map(|i| ritz.error(i)).fold(0.0, f64::max);
+        let worst = errors.iter().fold(0.0, |a: f64, &e| a.max(e));
         let pace = (last_worst / worst).log10().clamp(0.5, 3.0);
         let wait = ((worst / target.tolerance).log10() / pace).clamp(1.0, 4.0) as usize;
         last_worst = worst;
@@ -125,16 +131,31 @@ pub(crate) fn lanczos(
 }
 
 impl Ritz {
-    /// The relative residual |K phi - lambda M phi| / |lambda M phi| that the improved vector will have, up to the
-    /// difference of norms: with B phi = theta phi + r it is |M r| sigma / (theta^2 lambda |M phi|), and
-    /// theta = sigma / (lambda - sigma). For lambda near zero a thousandth of sigma takes its place.
-    fn error(&self, i: usize) -> f64 {
-        let theta = self.theta[i];
-        if theta >= 0.0 {
-            return f64::INFINITY;
-        }
-        let lambda = (1.0 + 1.0 / theta).max(1e-2);
-        self.residual[i] / (theta * theta * lambda)
+    /// Largest |theta|.
+    fn norm(&self) -> f64 {
+        self.theta.iter().fold(0.0, |a: f64, t| a.max(t.abs()))
+    }
+
+    /// For each of the `count` negative pairs the relative residual |K phi - lambda M phi| / |lambda M phi| that the
+    /// improved vector will have, up to the difference of norms: with B phi = theta phi + r it is
+    /// |M r| sigma / (theta^2 lambda |M phi|), and theta = sigma / (lambda - sigma). For rigid modes the lowest elastic
+    /// lambda takes the place of lambda. A residual at the level of rounding in B counts as none.
+    fn errors(&self, count: usize) -> Vec<f64> {
+        let norm = self.norm();
+        let lambda = |i: usize| {
+            if self.theta[i] < 0.0 {
+                1.0 + 1.0 / self.theta[i]
+            } else {
+                f64::NAN
+            }
+        };
+        let elastic = (0..count).map(lambda).filter(|&l| l > RIGID).fold(1.0, f64::min);
+        let error = |i: usize| match self.theta[i] {
+            theta if theta >= 0.0 => f64::INFINITY,
+            _ if self.residual[i] < 8.0 * f64::EPSILON * norm => 0.0,
+            theta => self.residual[i] / (theta * theta * lambda(i).max(elastic)),
+        };
+        (0..count).map(error).collect()
     }
 }
 

@@ -19,10 +19,7 @@ const ATTEMPTS: usize = 6;
 const SHIFT_FRACTION: f64 = 0.01;
 
 /// A mode is rigid when lambda is below this fraction of the edge: its frequency is then below 5e-5 of the top.
-const RIGID: f64 = 2.5e-9;
-
-/// Least relative distance in lambda between the Sturm edge and the mode below it.
-const GAP: f64 = 1e-6;
+pub(crate) const RIGID: f64 = 2.5e-9;
 
 /// Solves K phi = lambda M phi for all modes below `settings.top_hz`.
 ///
@@ -67,47 +64,43 @@ pub fn modes(system: &System, settings: &ModalSettings) -> Result<ModalBasis, Fe
             Err(error) => return Err(error),
         };
         let count = factor.negative_eigenvalues();
-        let mut modes = Modes::new(system, find(system, settings, &factor, edge, count, &mut work)?, edge);
-        work.solves += modes.refine(system, &factor, edge, settings)?;
-        storage = factor.into_storage();
-        if attempt < ATTEMPTS && modes.lambda.iter().any(|&l| l > edge * (1.0 - GAP)) {
+        let Some(vectors) = find(system, settings, &factor, edge, count, &mut work)? else {
             upper_hz *= 1.0 + 1e-4 * attempt as f64;
+            storage = factor.into_storage();
             continue;
-        }
+        };
+        let mut modes = Modes::new(system, vectors, edge);
+        let limit = settings.residual_limit;
+        work.solves += modes.refine(system, &factor, edge, limit / 2.0, settings.block)?;
+        storage = factor.into_storage();
         let found = modes.lambda.iter().filter(|&&l| l < edge).count();
         if found != count || modes.lambda.len() != count {
             return Err(FemError::Incomplete { found, count, upper_hz });
         }
-        let worst = modes.residuals.iter().fold(0.0, |a: f64, &b| a.max(b));
-        if worst.is_nan() || worst > settings.residual_limit {
-            return Err(FemError::Residual {
-                residual: worst,
-                limit: settings.residual_limit,
-            });
-        }
-        let corrections = match &loads {
-            Some(loads) => {
-                let shift = -(TAU * SHIFT_FRACTION * upper_hz).powi(2);
-                let factor = symbolic.cholesky(&shifted(k, m, shift), shift, storage)?;
-                work.factorisations += 1;
-                work.solves += loads.ncols();
-                modes.corrections(system, &factor, loads)?
-            }
-            None => Corrections {
-                hz: Vec::new(),
-                shapes: DMatrix::zeros(system.equations.dofs(), 0),
-            },
+        let mut corrections = Corrections {
+            hz: Vec::new(),
+            shapes: DMatrix::zeros(system.equations.dofs(), 0),
         };
+        if loads.is_some() || modes.worst() > limit {
+            let shift = -(TAU * SHIFT_FRACTION * upper_hz).powi(2);
+            let factor = symbolic.cholesky(&shifted(k, m, shift), shift, storage)?;
+            work.factorisations += 1;
+            work.solves += modes.refine(system, &factor, edge, limit / 2.0, settings.block)?;
+            if let Some(loads) = &loads {
+                work.solves += loads.ncols();
+                corrections = modes.corrections(system, &factor, loads)?;
+            }
+        }
+        let residual = modes.worst();
+        if residual.is_nan() || residual > limit {
+            return Err(FemError::Residual { residual, limit });
+        }
         return Ok(modes.basis(system, Sturm { upper_hz, count }, corrections, work));
     }
-    Err(FemError::NotConverged {
-        wanted: 0,
-        converged: 0,
-        vectors: 0,
-    })
+    Err(FemError::NoGap { upper_hz })
 }
 
-/// The eigenvectors of the `count` eigenvalues below the edge, ascending.
+/// The eigenvectors of the `count` eigenvalues below the edge, ascending; none when the edge falls on a mode.
 fn find(
     system: &System,
     settings: &ModalSettings,
@@ -115,14 +108,14 @@ fn find(
     edge: f64,
     count: usize,
     work: &mut ModalWork,
-) -> Result<Mat<f64>, FemError> {
+) -> Result<Option<Mat<f64>>, FemError> {
     let n = system.equations.len();
     let block = settings.block.clamp(1, n);
     if count == 0 {
-        return Ok(Mat::zeros(n, 0));
+        return Ok(Some(Mat::zeros(n, 0)));
     }
     if 2 * count + 8 * block > n {
-        return dense(system, count);
+        return dense(system, count).map(Some);
     }
     let (tolerance, max_vectors) = (settings.residual_limit / 10.0, settings.max_vectors);
     let target = Target {
@@ -131,16 +124,18 @@ fn find(
         block,
         max_vectors,
     };
-    let pairs = lanczos(&system.mass, &target, |z| {
+    let found = lanczos(&system.mass, &target, |z| {
         let mut x = z.clone();
         factor.solve(x.as_mut())?;
         x *= Scale(edge);
         Ok(x)
     })?;
-    work.block_steps += pairs.steps;
-    work.solves += pairs.steps * block;
-    work.restarts += pairs.restarts;
-    Ok(pairs.vectors)
+    Ok(found.map(|pairs| {
+        work.block_steps += pairs.steps;
+        work.solves += pairs.steps * block;
+        work.restarts += pairs.restarts;
+        pairs.vectors
+    }))
 }
 
 /// All of a model so small that the modes wanted are half of what there is: with M = U D U^T and S = U D^-1/2 the
@@ -206,23 +201,24 @@ impl Modes {
         modes
     }
 
-    /// Takes modes whose residual r = K phi - lambda M phi is above half the limit through one step of inverse
-    /// iteration, and says how many.
+    /// Takes modes whose residual r = K phi - lambda M phi is above `limit` through one step of inverse iteration with
+    /// the factor of K - sigma M, and says how many.
     ///
     /// Rounding leaves components of high modes in the Lanczos basis, which K multiplies by their frequency squared; a
     /// solve divides them by it again. In the form phi - (K - sigma M)^-1 r the solve's own rounding is relative to r,
-    /// not to phi. The low modes of large models need it.
+    /// not to phi. A component of mode j is multiplied by (lambda - sigma) / (lambda_j - sigma): with sigma at the edge
+    /// that serves modes far above, with a small negative sigma all that are not in the basis, which the lowest modes
+    /// of a basis of several decades need.
     fn refine(
         &mut self,
         system: &System,
         factor: &Factor<'_>,
         edge: f64,
-        settings: &ModalSettings,
+        limit: f64,
+        block: usize,
     ) -> Result<usize, FemError> {
-        let poor: Vec<usize> = (0..self.lambda.len())
-            .filter(|&i| self.residuals[i] > settings.residual_limit / 2.0)
-            .collect();
-        for chosen in poor.chunks(settings.block.max(1)) {
+        let poor: Vec<usize> = (0..self.lambda.len()).filter(|&i| self.residuals[i] > limit).collect();
+        for chosen in poor.chunks(block.max(1)) {
             let rows = self.phi.nrows();
             let phi = Mat::from_fn(rows, chosen.len(), |r, c| self.phi[(r, chosen[c])]);
             let mut x = product(&system.stiffness, phi.as_ref());
@@ -234,10 +230,7 @@ impl Modes {
             }
             factor.solve(x.as_mut())?;
             x = phi - x;
-            // Near the edge a solve magnifies; what it makes of the other modes is taken out again.
-            let mut c = transpose_product(self.m_phi.as_ref(), x.as_ref());
-            chosen.iter().enumerate().for_each(|(column, &i)| c[(i, column)] = 0.0);
-            add_product(x.as_mut(), -1.0, self.phi.as_ref(), c.as_ref());
+            self.purge(system, &mut x, chosen);
             let refined = Self::new(system, x, edge);
             for (c, &i) in chosen.iter().enumerate() {
                 // The residual of a rigid mode refers to the first elastic one, which may not be in this chunk.
@@ -252,6 +245,38 @@ impl Modes {
             }
         }
         Ok(poor.len())
+    }
+
+    /// Takes out of X, whose columns approximate the modes `chosen`, what it holds of other modes of the basis.
+    ///
+    /// Mode i holds phi_j^T (K - lambda_i M) x / (lambda_j - lambda_i) of mode j. Mere orthogonalisation would not do:
+    /// a high mode's own trace of a low one, invisible in its residual, would be pushed into the low mode and there
+    /// weigh lambda_j / lambda_i times as much. Near-degenerate modes, where the quotient says nothing, are made
+    /// orthogonal.
+    fn purge(&self, system: &System, x: &mut Mat<f64>, chosen: &[usize]) {
+        let by_k = transpose_product(self.phi.as_ref(), product(&system.stiffness, x.as_ref()).as_ref());
+        let by_m = transpose_product(self.m_phi.as_ref(), x.as_ref());
+        let c = Mat::from_fn(self.lambda.len(), chosen.len(), |j, column| {
+            let i = chosen[column];
+            let (distance, m_j) = (self.lambda[j] - self.lambda[i], by_m[(j, column)]);
+            let near = distance.abs() < 1e-3 * self.lambda[j].abs().max(self.lambda[i].abs());
+            if i == j {
+                0.0
+            } else if near || (self.rigid[i] && self.rigid[j]) {
+                m_j
+            } else {
+                (by_k[(j, column)] - self.lambda[i] * m_j) / distance
+            }
+        });
+        add_product(x.as_mut(), -1.0, self.phi.as_ref(), c.as_ref());
+    }
+
+    /// The largest residual, or NaN if one is.
+    fn worst(&self) -> f64 {
+        self.residuals.iter().fold(
+            0.0,
+            |a: f64, &b| if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) },
+        )
     }
 
     /// The lowest lambda of an elastic mode, or the edge when there is none.

@@ -109,7 +109,10 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let status = status_of(&checks);
     let result = CycleResult {
         schema: "nailnoise-cycle/1",
-        design: DesignId { name: design.name().to_owned(), digest: design.digest() },
+        design: DesignId {
+            name: design.name().to_owned(),
+            digest: design.digest(),
+        },
         preset,
         outcome: record.outcome,
         events: &record.events,
@@ -123,7 +126,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     } else {
         print(&text(&result, &record));
         print(&format!("\n  files in {}\n", folder.display()));
-        figures.iter().for_each(|file| print(&format!("  {}\n", file.display())));
+        figures
+            .iter()
+            .for_each(|file| print(&format!("  {}\n", file.display())));
     }
     Ok(status)
 }
@@ -150,7 +155,9 @@ fn text(result: &CycleResult<'_>, record: &CycleRecord) -> String {
         .into_iter()
         .flatten()
         .map(|(name, value)| {
-            let value = value.as_f64().map_or_else(|| "-".to_owned(), |value| format!("{value:.5}"));
+            let value = value
+                .as_f64()
+                .map_or_else(|| "-".to_owned(), |value| format!("{value:.5}"));
             vec![name.replace('_', " "), value]
         })
         .collect();
@@ -161,7 +168,12 @@ fn text(result: &CycleResult<'_>, record: &CycleRecord) -> String {
         .iter()
         .map(|check| {
             let verdict = if check.ok { "ok" } else { "FAILED" };
-            vec![check.name.clone(), format!("{:.2e}", check.value), format!("{:.0e}", check.limit), verdict.to_owned()]
+            vec![
+                check.name.clone(),
+                format!("{:.2e}", check.value),
+                format!("{:.0e}", check.limit),
+                verdict.to_owned(),
+            ]
         })
         .collect();
     text.push_str(&table(&["check", "value", "limit", ""], &checks));

@@ -43,18 +43,31 @@ pub(super) fn execute(common: &Common, design: &Design, count: usize, seed: u64)
     progress.stage("drawing designs");
     let study = study(design, count, seed)?;
     drop(progress);
-    std::fs::create_dir_all(&folder).map_err(|source| Error::Write { path: folder.clone(), source })?;
+    std::fs::create_dir_all(&folder).map_err(|source| Error::Write {
+        path: folder.clone(),
+        source,
+    })?;
     let path = folder.join("draws.csv");
-    write_atomic(&path, csv(&study).as_bytes()).map_err(|source| Error::Write { path: path.clone(), source })?;
+    write_atomic(&path, csv(&study).as_bytes()).map_err(|source| Error::Write {
+        path: path.clone(),
+        source,
+    })?;
     let failures = failures(&study);
-    let status = if failures.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(3) };
+    let status = if failures.is_empty() {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::from(3)
+    };
     for Failure { candidate, error } in &failures {
         eprintln!("candidate {candidate} cannot be computed: {error}");
     }
     if common.json {
         print_json(&DrawResult {
             schema: "nailnoise-draw/1",
-            design: DesignId { name: design.name().to_owned(), digest: design.digest() },
+            design: DesignId {
+                name: design.name().to_owned(),
+                digest: design.digest(),
+            },
             seed,
             drawn: study.draws.len(),
             parameters: study.parameters.len(),
@@ -77,7 +90,12 @@ fn failures(study: &Study) -> Vec<Failure> {
         Fate::SolverFailure(error) => Some((draw.candidate, error.clone())),
         _ => None,
     };
-    study.draws.iter().filter_map(failure).map(|(candidate, error)| Failure { candidate, error }).collect()
+    study
+        .draws
+        .iter()
+        .filter_map(failure)
+        .map(|(candidate, error)| Failure { candidate, error })
+        .collect()
 }
 
 fn text(name: &str, study: &Study) -> String {
@@ -98,16 +116,27 @@ fn text(name: &str, study: &Study) -> String {
         .collect();
     text.push_str(&table(&["the shot", "designs", "%"], &rows));
     // Writing to a string cannot fail, here and below.
-    let _ = writeln!(text, "\n  {} candidates, {} refused", study.candidates, study.candidates - drawn);
+    let _ = writeln!(
+        text,
+        "\n  {} candidates, {} refused",
+        study.candidates,
+        study.candidates - drawn
+    );
     let mut refused: Vec<(&String, &usize)> = study.refused.iter().collect();
     refused.sort_by(|a, b| b.1.cmp(a.1));
-    let rows: Vec<Vec<String>> =
-        refused.into_iter().map(|(reason, count)| vec![reason.clone(), count.to_string()]).collect();
+    let rows: Vec<Vec<String>> = refused
+        .into_iter()
+        .map(|(reason, count)| vec![reason.clone(), count.to_string()])
+        .collect();
     if !rows.is_empty() {
         text.push_str(&table(&["refused, not going together", "candidates"], &rows));
     }
     if study.repeated > 0 {
-        let _ = writeln!(text, "\n  {} integrated again at a tenth of the tolerance", study.repeated);
+        let _ = writeln!(
+            text,
+            "\n  {} integrated again at a tenth of the tolerance",
+            study.repeated
+        );
     }
     text
 }
@@ -116,18 +145,30 @@ fn text(name: &str, study: &Study) -> String {
 fn csv(study: &Study) -> String {
     let mut text = String::from("candidate,fate,repeated,mean_drive_speed [m/s],penetration [m],exhaust_mass [kg]");
     for parameter in &study.parameters {
-        let unit = if parameter.unit.is_empty() { "-" } else { parameter.unit.as_str() };
+        let unit = if parameter.unit.is_empty() {
+            "-"
+        } else {
+            parameter.unit.as_str()
+        };
         let _ = write!(text, ",{} [{unit}]", parameter.key);
     }
     text.push('\n');
     for draw in &study.draws {
         let (speed, depth, mass) = match &draw.fate {
-            Fate::Shot { summary, .. } => {
-                (summary.mean_drive_speed, Some(summary.penetration), Some(summary.exhaust_mass))
-            }
+            Fate::Shot { summary, .. } => (
+                summary.mean_drive_speed,
+                Some(summary.penetration),
+                Some(summary.exhaust_mass),
+            ),
             Fate::DryFire | Fate::SolverFailure(_) => (None, None, None),
         };
-        let _ = write!(text, "{},{},{}", draw.candidate, draw.fate.name(), u8::from(draw.repeated.is_some()));
+        let _ = write!(
+            text,
+            "{},{},{}",
+            draw.candidate,
+            draw.fate.name(),
+            u8::from(draw.repeated.is_some())
+        );
         for value in [speed, depth, mass] {
             text.push(',');
             if let Some(value) = value {

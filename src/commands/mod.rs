@@ -26,8 +26,10 @@ use progress::Progress;
 /// Predicts how much sound power each source of a pneumatic nailer radiates, from its design.
 #[derive(Parser)]
 #[command(name = "nailnoise", version, about, max_term_width = 120)]
-#[command(after_help = "Exit status: 0 done; 1 done, but a limit is not met; 2 wrong use or input; \
-                        3 a numerical check failed; 130 interrupted.")]
+#[command(
+    after_help = "Exit status: 0 done; 1 done, but a limit is not met; 2 wrong use or input; \
+                        3 a numerical check failed; 130 interrupted."
+)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -66,7 +68,7 @@ impl Common {
     fn load(&self) -> Result<Design, Error> {
         let design = Design::load(&self.design)?;
         for warning in design.warnings() {
-            eprintln!("warning: {warning}");
+            eprint!("{:?}", miette::Report::new(warning.clone()));
         }
         Ok(design)
     }
@@ -79,7 +81,10 @@ impl Common {
     /// Sets the size of the thread pool of the whole process.
     fn start_threads(&self) -> Result<(), Error> {
         let threads = self.threads.map_or(0, usize::from);
-        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().map_err(Error::Threads)
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build_global()
+            .map_err(Error::Threads)
     }
 }
 
@@ -126,7 +131,11 @@ fn status_of(checks: &[Check]) -> ExitCode {
             check.name, check.value, check.limit
         );
     }
-    if failed.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(3) }
+    if failed.is_empty() {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::from(3)
+    }
 }
 
 /// Writes text to standard output; a closed pipe (`| head`) is not an error.

@@ -64,10 +64,17 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let file = output::write_modes(&folder, &body)?;
     drop(progress);
     let basis = &body.basis;
-    let mode = |(index, &hz): (usize, &f64)| Mode { hz, residual: basis.residuals[index], rigid: basis.rigid[index] };
+    let mode = |(index, &hz): (usize, &f64)| Mode {
+        hz,
+        residual: basis.residuals[index],
+        rigid: basis.rigid[index],
+    };
     let result = ModesResult {
         schema: "nailnoise-modes/1",
-        design: DesignId { name: design.name().to_owned(), digest: design.digest() },
+        design: DesignId {
+            name: design.name().to_owned(),
+            digest: design.digest(),
+        },
         body: body.name,
         dofs: basis.dofs,
         modes: basis.hz.iter().enumerate().map(mode).collect(),
@@ -90,7 +97,12 @@ fn text(result: &ModesResult, body: &Body) -> String {
         .enumerate()
         .map(|(index, mode)| {
             let kind = if mode.rigid { "rigid" } else { "" };
-            vec![format!("{}", index + 1), format!("{:.2}", mode.hz), format!("{:.1e}", mode.residual), kind.to_owned()]
+            vec![
+                format!("{}", index + 1),
+                format!("{:.2}", mode.hz),
+                format!("{:.1e}", mode.residual),
+                kind.to_owned(),
+            ]
         })
         .collect();
     let mut text = format!("{}: modes of the {}\n\n", result.design.name, result.body);

@@ -85,7 +85,10 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let folder = arguments.out.clone().unwrap_or_else(|| Path::new("out").join("prf"));
     let mut files = figures::write(&folder, &[figures::penetration(&result.shared(), &laws, &labels)?])?;
     let path = folder.join("penetration.csv");
-    write_atomic(&path, csv(&laws)?.as_bytes()).map_err(|source| Error::Write { path: path.clone(), source })?;
+    write_atomic(&path, csv(&laws)?.as_bytes()).map_err(|source| Error::Write {
+        path: path.clone(),
+        source,
+    })?;
     files.push(path);
     result.notes.iter().for_each(|note| eprintln!("note: {note}"));
     if arguments.json {
@@ -107,7 +110,11 @@ fn resistances(arguments: &Arguments) -> Result<Vec<Resistance>, PenetrationErro
         for wood in &arguments.wood {
             for nail in &arguments.nail {
                 let [law, wood, nail] = [law, wood, nail];
-                let (law, wood, nail) = (penetration::law(law)?, penetration::wood(wood)?, penetration::nail(nail)?);
+                let (law, wood, nail) = (
+                    penetration::law(law)?,
+                    penetration::wood(wood)?,
+                    penetration::nail(nail)?,
+                );
                 all.push(Resistance::new(law, wood, nail, speed)?);
             }
         }
@@ -118,10 +125,19 @@ fn resistances(arguments: &Arguments) -> Result<Vec<Resistance>, PenetrationErro
 /// Names of the curves: what they do not all share.
 fn labels(laws: &[Resistance]) -> Vec<String> {
     let differ = |name: fn(&Resistance) -> &'static str| laws.iter().any(|law| name(law) != name(&laws[0]));
-    let parts: [fn(&Resistance) -> &'static str; 3] = [|law| law_name(law.law), |law| law.nail.name, |law| law.wood.name];
+    let parts: [fn(&Resistance) -> &'static str; 3] =
+        [|law| law_name(law.law), |law| law.nail.name, |law| law.wood.name];
     let label = |law: &Resistance| {
-        let own: Vec<&str> = parts.iter().filter(|name| differ(**name)).map(|name| name(law)).collect();
-        if own.is_empty() { law_name(law.law).to_owned() } else { own.join(", ") }
+        let own: Vec<&str> = parts
+            .iter()
+            .filter(|name| differ(**name))
+            .map(|name| name(law))
+            .collect();
+        if own.is_empty() {
+            law_name(law.law).to_owned()
+        } else {
+            own.join(", ")
+        }
     };
     laws.iter().map(label).collect()
 }
@@ -135,7 +151,13 @@ fn evaluate(arguments: &Arguments, laws: &[Resistance], labels: &[String]) -> Re
             [] => (1..=10).map(|tenth| length * f64::from(tenth) / 10.0).collect(),
             depths => depths.to_vec(),
         };
-        let row = |depth: f64| Ok(Row { depth, force: law.force(depth)?, work: law.work(depth)? });
+        let row = |depth: f64| {
+            Ok(Row {
+                depth,
+                force: law.force(depth)?,
+                work: law.work(depth)?,
+            })
+        };
         curves.push(CurveResult {
             label: label.clone(),
             law: law_name(law.law),
@@ -156,9 +178,18 @@ fn evaluate(arguments: &Arguments, laws: &[Resistance], labels: &[String]) -> Re
         }
     }
     if laws.len() > figures::MOST_LAWS {
-        notes.push(format!("the figure shows the first {} of {} curves", figures::MOST_LAWS, laws.len()));
+        notes.push(format!(
+            "the figure shows the first {} of {} curves",
+            figures::MOST_LAWS,
+            laws.len()
+        ));
     }
-    Ok(PrfResult { schema: "nailnoise-prf/1", speed: laws[0].speed, curves, notes })
+    Ok(PrfResult {
+        schema: "nailnoise-prf/1",
+        speed: laws[0].speed,
+        curves,
+        notes,
+    })
 }
 
 impl PrfResult {
@@ -166,7 +197,10 @@ impl PrfResult {
     fn shared(&self) -> String {
         let first = &self.curves[0];
         let one = |name: fn(&CurveResult) -> &'static str| {
-            self.curves.iter().all(|curve| name(curve) == name(first)).then(|| name(first).to_owned())
+            self.curves
+                .iter()
+                .all(|curve| name(curve) == name(first))
+                .then(|| name(first).to_owned())
         };
         let speed = Some(format!("{:.0} mm/min", 60e3 * self.speed));
         let shared = [one(|c| c.law), one(|c| c.nail), one(|c| c.wood), speed];
@@ -177,13 +211,24 @@ impl PrfResult {
 fn text(result: &PrfResult, tenths: bool) -> String {
     let first = &result.curves[0];
     let mut text = format!("penetration resistance, {}\n\n", result.shared());
-    let mut headings = vec![if tenths { "force N at x = y/NL" } else { "force N at depth mm" }];
+    let mut headings = vec![if tenths {
+        "force N at x = y/NL"
+    } else {
+        "force N at depth mm"
+    }];
     headings.extend(result.curves.iter().map(|curve| curve.label.as_str()));
     let rows: Vec<Vec<String>> = (0..first.rows.len())
         .map(|row| {
             let depth = first.rows[row].depth;
-            let left = if tenths { format!("{:.1}", depth / first.length) } else { format!("{:.2}", 1e3 * depth) };
-            let forces = result.curves.iter().map(|curve| format!("{:.2}", curve.rows[row].force));
+            let left = if tenths {
+                format!("{:.1}", depth / first.length)
+            } else {
+                format!("{:.2}", 1e3 * depth)
+            };
+            let forces = result
+                .curves
+                .iter()
+                .map(|curve| format!("{:.2}", curve.rows[row].force));
             std::iter::once(left).chain(forces).collect()
         })
         .collect();
@@ -205,7 +250,10 @@ fn text(result: &PrfResult, tenths: bool) -> String {
             ]
         })
         .collect();
-    text.push_str(&table(&["", "length mm", "diameter mm", "work J", "R2 %", "SEE", "MAE"], &rows));
+    text.push_str(&table(
+        &["", "length mm", "diameter mm", "work J", "R2 %", "SEE", "MAE"],
+        &rows,
+    ));
     text.push_str("\n  SEE and MAE are published in units of sqrt(F_r/(H_M NL))\n\n");
     text
 }
@@ -220,7 +268,10 @@ fn csv(laws: &[Resistance]) -> Result<String, PenetrationError> {
             let (force, work) = (law.force(depth)?, law.work(depth)?);
             let (name, wood, nail) = (law_name(law.law), law.wood.name, law.nail.name);
             // Writing to a string cannot fail.
-            let _ = writeln!(text, "{name},{wood},{nail},{depth:.7},{force:.4},{low:.4},{high:.4},{work:.6}");
+            let _ = writeln!(
+                text,
+                "{name},{wood},{nail},{depth:.7},{force:.4},{low:.4},{high:.4},{work:.6}"
+            );
         }
     }
     Ok(text)
@@ -231,8 +282,15 @@ fn list() -> ExitCode {
         .into_iter()
         .map(|law| {
             let fit = law.fit_quality();
-            let numbers = [format!("{:.2}", 100.0 * fit.r_squared), format!("{:.5}", fit.standard_error)];
-            [law_name(law).to_owned()].into_iter().chain(numbers).chain([format!("{:.5}", fit.mean_absolute_error)]).collect()
+            let numbers = [
+                format!("{:.2}", 100.0 * fit.r_squared),
+                format!("{:.5}", fit.standard_error),
+            ];
+            [law_name(law).to_owned()]
+                .into_iter()
+                .chain(numbers)
+                .chain([format!("{:.5}", fit.mean_absolute_error)])
+                .collect()
         })
         .collect();
     let mut text = table(&["law", "R2 %", "SEE", "MAE"], &laws);
@@ -242,7 +300,12 @@ fn list() -> ExitCode {
         .map(|wood| {
             let numbers = [wood.hardness_modulus * 1e-3, wood.density, 100.0 * wood.moisture];
             let [hardness, density, moisture] = numbers;
-            vec![wood.name.to_owned(), format!("{hardness:.2}"), format!("{density:.2}"), format!("{moisture:.1}")]
+            vec![
+                wood.name.to_owned(),
+                format!("{hardness:.2}"),
+                format!("{density:.2}"),
+                format!("{moisture:.1}"),
+            ]
         })
         .collect();
     text.push_str(&table(&["wood", "H_M N/mm", "density kg/m3", "moisture %"], &woods));
@@ -255,7 +318,10 @@ fn list() -> ExitCode {
             vec![nail.name.to_owned(), mm(nail.length), mm(nail.diameter), helical]
         })
         .collect();
-    text.push_str(&table(&["nail", "length mm", "smooth and annular mm", "helical mm"], &nails));
+    text.push_str(&table(
+        &["nail", "length mm", "smooth and annular mm", "helical mm"],
+        &nails,
+    ));
     print(&text);
     ExitCode::SUCCESS
 }
@@ -269,7 +335,11 @@ fn list_json() -> Result<ExitCode, Error> {
     }
     let laws: Vec<Law> = PenetrationLaw::ALL
         .into_iter()
-        .map(|law| Law { name: law_name(law), coefficients: law.coefficients(), fit: law.fit_quality() })
+        .map(|law| Law {
+            name: law_name(law),
+            coefficients: law.coefficients(),
+            fit: law.fit_quality(),
+        })
         .collect();
     print_json(&serde_json::json!({ "schema": "nailnoise-prf-list/1", "laws": laws, "woods": WOODS, "nails": NAILS }))?;
     Ok(ExitCode::SUCCESS)

@@ -57,10 +57,25 @@ fn text(result: &RunResult) -> String {
                 source.method.clone(),
             ]
         })
-        .chain([vec!["total".to_owned(), decibels(result.total.lwa_db), decibels(result.total.lw_db)]])
+        .chain([vec![
+            "total".to_owned(),
+            decibels(result.total.lwa_db),
+            decibels(result.total.lw_db),
+        ]])
         .collect();
-    let headings = ["source", "L_WA,1s dB", "L_W,1s dB", "share (A)", "loudest band (A)", "computed over", "method"];
-    let mut text = format!("{}: single-event sound power levels re 1 pW s, one shot", result.design.name);
+    let headings = [
+        "source",
+        "L_WA,1s dB",
+        "L_W,1s dB",
+        "share (A)",
+        "loudest band (A)",
+        "computed over",
+        "method",
+    ];
+    let mut text = format!(
+        "{}: single-event sound power levels re 1 pW s, one shot",
+        result.design.name
+    );
     if let Some(source) = result.ranking.first() {
         let (first, last) = (source.bands.first(), source.bands.last());
         if let (Some(first), Some(last)) = (first, last) {

@@ -28,19 +28,35 @@ struct Layout<'a> {
 }
 
 pub(super) fn execute(common: &Common, design: &Design, outputs: &[String]) -> Result<ExitCode, Error> {
-    let outputs = if outputs.is_empty() { sensitivity::choose(&USUAL)? } else { sensitivity::choose(outputs)? };
+    let outputs = if outputs.is_empty() {
+        sensitivity::choose(&USUAL)?
+    } else {
+        sensitivity::choose(outputs)?
+    };
     let folder = common.out(design);
     let mut progress = Progress::new();
     progress.stage("sensitivity of the nailing cycle");
     let sensitivity = sensitivity::sensitivity(design, &outputs, None)?;
     drop(progress);
-    std::fs::create_dir_all(&folder).map_err(|source| Error::Write { path: folder.clone(), source })?;
+    std::fs::create_dir_all(&folder).map_err(|source| Error::Write {
+        path: folder.clone(),
+        source,
+    })?;
     let path = folder.join("sensitivity.csv");
-    write_atomic(&path, csv(&sensitivity).as_bytes())
-        .map_err(|source| Error::Write { path: path.clone(), source })?;
+    write_atomic(&path, csv(&sensitivity).as_bytes()).map_err(|source| Error::Write {
+        path: path.clone(),
+        source,
+    })?;
     if common.json {
-        let design = DesignId { name: design.name().to_owned(), digest: design.digest() };
-        print_json(&Layout { schema: "nailnoise-sensitivity/1", design, sensitivity: &sensitivity })?;
+        let design = DesignId {
+            name: design.name().to_owned(),
+            digest: design.digest(),
+        };
+        print_json(&Layout {
+            schema: "nailnoise-sensitivity/1",
+            design,
+            sensitivity: &sensitivity,
+        })?;
     } else {
         print(&text(design.name(), &sensitivity));
         print(&format!("\n  all parameters in {}\n", path.display()));
@@ -54,10 +70,22 @@ fn text(name: &str, sensitivity: &Sensitivity) -> String {
     let mut text = format!("{name}: {outcome}; sensitivity to {count} parameters, all in SI units\n");
     for output in &sensitivity.outputs {
         let unit = output.unit;
-        let value = output.value.map_or_else(|| "does not occur".to_owned(), |value| format!("{} {unit}", short(value)));
+        let value = output.value.map_or_else(
+            || "does not occur".to_owned(),
+            |value| format!("{} {unit}", short(value)),
+        );
         // Writing to a string cannot fail, here and below.
         let _ = writeln!(text, "\n{} = {value}", output.name);
-        let headings = ["parameter", "value", "derivative", "error", "x half range", "at low end", "at high end", ""];
+        let headings = [
+            "parameter",
+            "value",
+            "derivative",
+            "error",
+            "x half range",
+            "at low end",
+            "at high end",
+            "",
+        ];
         let rows: Vec<Vec<String>> = output
             .ranking
             .iter()
@@ -83,7 +111,10 @@ fn text(name: &str, sensitivity: &Sensitivity) -> String {
 }
 
 fn parameter<'a>(sensitivity: &'a Sensitivity, key: &str) -> Option<&'a ParameterOutcome> {
-    sensitivity.parameters.iter().find(|parameter| parameter.parameter.key == key)
+    sensitivity
+        .parameters
+        .iter()
+        .find(|parameter| parameter.parameter.key == key)
 }
 
 fn row(derivative: &Derivative, parameter: &ParameterOutcome) -> Vec<String> {
@@ -100,7 +131,9 @@ fn row(derivative: &Derivative, parameter: &ParameterOutcome) -> Vec<String> {
     }
     vec![
         derivative.key.clone(),
-        format!("{} {}", short(value(parameter)), parameter.parameter.unit).trim_end().to_owned(),
+        format!("{} {}", short(value(parameter)), parameter.parameter.unit)
+            .trim_end()
+            .to_owned(),
         format!("{:+.4e}", derivative.derivative),
         format!("{:.0e}", derivative.error),
         format!("{:+.3e}", derivative.effect),
@@ -120,7 +153,11 @@ fn value(parameter: &ParameterOutcome) -> f64 {
 /// Five digits, with a power of ten where the number is far from one.
 fn short(value: f64) -> String {
     if value == 0.0 || (1e-2..1e5).contains(&value.abs()) {
-        let digits = if value == 0.0 { 0 } else { 4 - value.abs().log10().floor() as i32 };
+        let digits = if value == 0.0 {
+            0
+        } else {
+            4 - value.abs().log10().floor() as i32
+        };
         format!("{value:.*}", digits.clamp(0, 6) as usize)
     } else {
         format!("{value:.4e}")
@@ -142,11 +179,25 @@ fn csv(sensitivity: &Sensitivity) -> String {
          error,effect,at_low,at_high,outcome_low,outcome_high\n",
     );
     for output in &sensitivity.outputs {
-        let OutputSensitivity { name, unit, value: figure, .. } = output;
+        let OutputSensitivity {
+            name,
+            unit,
+            value: figure,
+            ..
+        } = output;
         let number = |value: &Option<f64>| value.map_or_else(String::new, |value| format!("{value:e}"));
         for derivative in &output.ranking {
-            let Some(parameter) = parameter(sensitivity, &derivative.key) else { continue };
-            let Derivative { key, derivative, error, effect, at_ends: [low, high], .. } = derivative;
+            let Some(parameter) = parameter(sensitivity, &derivative.key) else {
+                continue;
+            };
+            let Derivative {
+                key,
+                derivative,
+                error,
+                effect,
+                at_ends: [low, high],
+                ..
+            } = derivative;
             let [from, to] = parameter.parameter.range;
             let [left, right] = parameter.ends.each_ref().map(end);
             let _ = writeln!(

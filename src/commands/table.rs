@@ -46,7 +46,13 @@ mod tests {
 
     #[test]
     fn columns_line_up() {
-        let text = table(&["source", "dB"], &[vec!["exhaust".into(), "112.3".into()], vec!["body".into(), "9.0".into()]]);
+        let text = table(
+            &["source", "dB"],
+            &[
+                vec!["exhaust".into(), "112.3".into()],
+                vec!["body".into(), "9.0".into()],
+            ],
+        );
         assert_eq!(text, "  source      dB\n  exhaust  112.3\n  body       9.0\n");
     }
 }

@@ -381,11 +381,24 @@ fn seated(v: &Values) -> Option<Conflict> {
 fn nose(v: &Values) -> Option<Conflict> {
     let within = |offset: (&'static str, f64), nose: f64, block: (&'static str, f64)| {
         let reach = (offset.0, 2.0 * offset.1.abs() + nose);
-        at_most(reach, block, "the nose, which stands over the nail, must stand on the block")
+        at_most(
+            reach,
+            block,
+            "the nose, which stands over the nail, must stand on the block",
+        )
     };
     let (nail, block, body) = (&v.nail, &v.workpiece, &v.body);
-    within(("nail.offset_along", nail.offset_along), body.nose_width, ("workpiece.length", block.length)).or_else(|| {
-        within(("nail.offset_across", nail.offset_across), body.nose_depth, ("workpiece.width", block.width))
+    within(
+        ("nail.offset_along", nail.offset_along),
+        body.nose_width,
+        ("workpiece.length", block.length),
+    )
+    .or_else(|| {
+        within(
+            ("nail.offset_across", nail.offset_across),
+            body.nose_depth,
+            ("workpiece.width", block.width),
+        )
     })
 }
 

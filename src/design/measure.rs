@@ -14,12 +14,17 @@ pub(crate) fn measure(text: &str, dimension: Dimension) -> Result<f64, String> {
         return Ok(number);
     }
     let units = dimension.examples();
-    quantity(text, dimension, false).map(|measured| measured.si).map_err(|error| match error {
-        QuantityError::Unit(error) => format!("{error}; units of {dimension} are {units}"),
-        QuantityError::Dimension { unit, found } => format!("`{unit}` is {found}, expected {dimension} in {units}"),
-        QuantityError::NotFinite => "the number is not finite".to_owned(),
-        _ => format!("expected a number with a unit ({units}) or a number alone ({})", dimension.unit()),
-    })
+    quantity(text, dimension, false)
+        .map(|measured| measured.si)
+        .map_err(|error| match error {
+            QuantityError::Unit(error) => format!("{error}; units of {dimension} are {units}"),
+            QuantityError::Dimension { unit, found } => format!("`{unit}` is {found}, expected {dimension} in {units}"),
+            QuantityError::NotFinite => "the number is not finite".to_owned(),
+            _ => format!(
+                "expected a number with a unit ({units}) or a number alone ({})",
+                dimension.unit()
+            ),
+        })
 }
 
 #[cfg(test)]
@@ -36,7 +41,12 @@ mod tests {
 
     #[test]
     fn what_is_no_length_is_told_apart() {
-        for (text, word) in [("ten", "a number with a unit"), ("3 Pa", "a pressure"), ("3 parsec", "parsec"), ("inf", "")] {
+        for (text, word) in [
+            ("ten", "a number with a unit"),
+            ("3 Pa", "a pressure"),
+            ("3 parsec", "parsec"),
+            ("inf", ""),
+        ] {
             let error = measure(text, LENGTH).unwrap_err();
             assert!(error.contains(word), "{text}: {error}");
         }

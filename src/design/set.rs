@@ -55,7 +55,10 @@ impl Values {
         });
         for (key, value) in changes {
             let Some((kind, held)) = values.get_mut(*key) else {
-                return Err(SetError::UnknownKey { key: (*key).to_owned(), nearest: suggest::key(&Self::SPEC, key) });
+                return Err(SetError::UnknownKey {
+                    key: (*key).to_owned(),
+                    nearest: suggest::key(&Self::SPEC, key),
+                });
             };
             check(key, *kind, *value)?;
             *held = *value;
@@ -69,14 +72,24 @@ impl Values {
 }
 
 fn check(key: &str, kind: Kind, value: Value) -> Result<(), SetError> {
-    let wrong = |expected| Err(SetError::WrongKind { key: key.to_owned(), value, expected });
+    let wrong = |expected| {
+        Err(SetError::WrongKind {
+            key: key.to_owned(),
+            value,
+            expected,
+        })
+    };
     match (kind, value) {
-        (Kind::Quantity { sign, .. }, Value::Number(number)) if !sign.allows(number) => {
-            Err(SetError::OutsideLimits { key: key.to_owned(), value: number, allowed: sign.describe() })
-        }
-        (Kind::Count, Value::Count(0)) => {
-            Err(SetError::OutsideLimits { key: key.to_owned(), value: 0.0, allowed: "a whole number above zero" })
-        }
+        (Kind::Quantity { sign, .. }, Value::Number(number)) if !sign.allows(number) => Err(SetError::OutsideLimits {
+            key: key.to_owned(),
+            value: number,
+            allowed: sign.describe(),
+        }),
+        (Kind::Count, Value::Count(0)) => Err(SetError::OutsideLimits {
+            key: key.to_owned(),
+            value: 0.0,
+            allowed: "a whole number above zero",
+        }),
         (Kind::Quantity { .. }, Value::Number(_))
         | (Kind::Count, Value::Count(_))
         | (Kind::Switch, Value::Switch(_)) => Ok(()),

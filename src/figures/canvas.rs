@@ -23,7 +23,9 @@ pub(super) struct Canvas<'a> {
 pub(super) fn draw(height: i32, paint: impl FnOnce(&mut Canvas<'_>)) -> String {
     let mut svg = String::new();
     {
-        let mut canvas = Canvas { backend: SVGBackend::with_string(&mut svg, (WIDTH as u32, height as u32)) };
+        let mut canvas = Canvas {
+            backend: SVGBackend::with_string(&mut svg, (WIDTH as u32, height as u32)),
+        };
         canvas.rectangle([0, 0], [WIDTH, height], PAPER, 1.0);
         paint(&mut canvas);
         // Writing to a string cannot fail, here and below.
@@ -43,7 +45,11 @@ pub(super) fn draw(height: i32, paint: impl FnOnce(&mut Canvas<'_>)) -> String {
 impl Canvas<'_> {
     /// A line through points.
     pub(super) fn path(&mut self, points: impl IntoIterator<Item = [i32; 2]>, colour: RGBColor, width: u32) {
-        let style = ShapeStyle { color: colour.to_rgba(), filled: false, stroke_width: width };
+        let style = ShapeStyle {
+            color: colour.to_rgba(),
+            filled: false,
+            stroke_width: width,
+        };
         let _ = self.backend.draw_path(points.into_iter().map(|[x, y]| (x, y)), &style);
     }
 
@@ -59,12 +65,16 @@ impl Canvas<'_> {
 
     /// A filled rectangle.
     pub(super) fn rectangle(&mut self, from: [i32; 2], to: [i32; 2], colour: RGBColor, opacity: f64) {
-        let _ = self.backend.draw_rect((from[0], from[1]), (to[0], to[1]), &colour.mix(opacity), true);
+        let _ = self
+            .backend
+            .draw_rect((from[0], from[1]), (to[0], to[1]), &colour.mix(opacity), true);
     }
 
     /// A filled polygon.
     pub(super) fn polygon(&mut self, points: impl IntoIterator<Item = [i32; 2]>, colour: RGBColor, opacity: f64) {
-        let _ = self.backend.fill_polygon(points.into_iter().map(|[x, y]| (x, y)), &colour.mix(opacity));
+        let _ = self
+            .backend
+            .fill_polygon(points.into_iter().map(|[x, y]| (x, y)), &colour.mix(opacity));
     }
 
     /// Text of the one size.
@@ -79,7 +89,14 @@ impl Canvas<'_> {
 
     /// Text that reads upwards, centred on `at`.
     pub(super) fn upwards(&mut self, text: &str, at: [i32; 2], colour: RGBColor) {
-        self.write(text, at, Anchor::Middle, colour, FontStyle::Normal, FontTransform::Rotate270);
+        self.write(
+            text,
+            at,
+            Anchor::Middle,
+            colour,
+            FontStyle::Normal,
+            FontTransform::Rotate270,
+        );
     }
 
     fn write(

@@ -38,7 +38,14 @@ struct Column {
 impl Column {
     fn new(point: [i32; 2]) -> Self {
         let index = point[0].div_euclid(COLUMN);
-        Self { index, count: 0, first: point, lowest: (0, point), highest: (0, point), last: point }
+        Self {
+            index,
+            count: 0,
+            first: point,
+            lowest: (0, point),
+            highest: (0, point),
+            last: point,
+        }
     }
 
     fn push(&mut self, point: [i32; 2]) {
@@ -53,8 +60,11 @@ impl Column {
     }
 
     fn flush(self, kept: &mut Vec<[i32; 2]>) {
-        let [early, late] =
-            if self.lowest.0 <= self.highest.0 { [self.lowest, self.highest] } else { [self.highest, self.lowest] };
+        let [early, late] = if self.lowest.0 <= self.highest.0 {
+            [self.lowest, self.highest]
+        } else {
+            [self.highest, self.lowest]
+        };
         for point in [self.first, early.1, late.1, self.last] {
             extend(kept, point);
         }
@@ -67,7 +77,8 @@ fn extend(kept: &mut Vec<[i32; 2]>, point: [i32; 2]) {
         return;
     }
     if let [.., a, b] = kept[..] {
-        let [u, v] = [[b[0] - a[0], b[1] - a[1]], [point[0] - b[0], point[1] - b[1]]].map(|[x, y]| [x, y].map(i64::from));
+        let [u, v] =
+            [[b[0] - a[0], b[1] - a[1]], [point[0] - b[0], point[1] - b[1]]].map(|[x, y]| [x, y].map(i64::from));
         let straight = u[0] * v[1] == u[1] * v[0];
         if straight && u[0] * v[0] + u[1] * v[1] > 0 {
             kept.pop();
@@ -98,11 +109,17 @@ mod tests {
         let kept = decimate((0..40_000).map(wave));
         for column in 0..(40_000 / 8 / COLUMN) {
             let own = |points: &[[i32; 2]]| {
-                let ys = points.iter().filter(|p| p[0].div_euclid(COLUMN) == column).map(|p| p[1]);
+                let ys = points
+                    .iter()
+                    .filter(|p| p[0].div_euclid(COLUMN) == column)
+                    .map(|p| p[1]);
                 ys.fold((i32::MAX, i32::MIN), |(low, high), y| (low.min(y), high.max(y)))
             };
             let all: Vec<_> = (0..40_000).map(wave).collect();
-            assert_eq!(own(&kept), own(&all[(column * 32) as usize..((column + 1) * 32) as usize]));
+            assert_eq!(
+                own(&kept),
+                own(&all[(column * 32) as usize..((column + 1) * 32) as usize])
+            );
         }
     }
 }

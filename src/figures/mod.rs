@@ -38,7 +38,12 @@ pub struct Figure {
 /// The figures of a nailing cycle: pressures, motion, pressure ratios and forces. `subject` says what it is of.
 pub fn cycle(subject: &str, design: &Values, record: &CycleRecord) -> Vec<Figure> {
     let shot = Shot::new(subject, design, record);
-    vec![pressures::figure(&shot), motion::figure(&shot), ratios::figure(&shot), forces::figure(&shot)]
+    vec![
+        pressures::figure(&shot),
+        motion::figure(&shot),
+        ratios::figure(&shot),
+        forces::figure(&shot),
+    ]
 }
 
 /// Writes figures to `folder` and returns their files.
@@ -46,12 +51,18 @@ pub fn cycle(subject: &str, design: &Values, record: &CycleRecord) -> Vec<Figure
 /// # Errors
 /// [`Error::Write`] with the file that could not be written.
 pub fn write(folder: &Path, figures: &[Figure]) -> Result<Vec<PathBuf>, Error> {
-    std::fs::create_dir_all(folder).map_err(|source| Error::Write { path: folder.to_owned(), source })?;
+    std::fs::create_dir_all(folder).map_err(|source| Error::Write {
+        path: folder.to_owned(),
+        source,
+    })?;
     figures
         .iter()
         .map(|figure| {
             let path = folder.join(figure.name).with_extension("svg");
-            write_atomic(&path, figure.svg.as_bytes()).map_err(|source| Error::Write { path: path.clone(), source })?;
+            write_atomic(&path, figure.svg.as_bytes()).map_err(|source| Error::Write {
+                path: path.clone(),
+                source,
+            })?;
             Ok(path)
         })
         .collect()
@@ -69,13 +80,21 @@ struct Shot<'a> {
 impl<'a> Shot<'a> {
     fn new(subject: &'a str, design: &'a Values, record: &'a CycleRecord) -> Self {
         let time = (0..record.len()).map(|index| 1e3 * record.time(index)).collect();
-        Self { subject, design, record, time }
+        Self {
+            subject,
+            design,
+            record,
+            time,
+        }
     }
 
     /// A figure of the whole shot.
     fn sheet<'s>(&'s self, title: &'static str, panels: Vec<sheet::Panel<'s>>) -> sheet::Sheet<'s> {
         let events = self.record.events.to_array();
-        let marked = events.iter().enumerate().filter_map(|(index, time)| Some((1e3 * (*time)?, symbol(index))));
+        let marked = events
+            .iter()
+            .enumerate()
+            .filter_map(|(index, time)| Some((1e3 * (*time)?, symbol(index))));
         let mut events: Vec<(f64, String)> = marked.collect();
         // In a published form t2 may come before t1.
         events.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -92,12 +111,20 @@ impl<'a> Shot<'a> {
     /// A curve over time in colour `colour` of the palette.
     fn curve<'s>(&'s self, label: &str, colour: usize, y: impl Iterator<Item = f64>) -> sheet::Curve<'s> {
         let (label, colour) = (label.to_owned(), style::PALETTE[colour]);
-        sheet::Curve { label, colour, x: &self.time, y: y.collect(), band: Vec::new() }
+        sheet::Curve {
+            label,
+            colour,
+            x: &self.time,
+            y: y.collect(),
+            band: Vec::new(),
+        }
     }
 }
 
 /// t with its number as subscript.
 fn symbol(index: usize) -> String {
     let digit = |digit: char| char::from_u32(0x2080 + digit.to_digit(10).unwrap_or(0)).unwrap_or(digit);
-    std::iter::once('t').chain(index.to_string().chars().map(digit)).collect()
+    std::iter::once('t')
+        .chain(index.to_string().chars().map(digit))
+        .collect()
 }

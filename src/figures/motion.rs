@@ -6,16 +6,28 @@ use super::{Figure, Shot, scale};
 pub(super) fn figure(shot: &Shot<'_>) -> Figure {
     let (r, d) = (shot.record, shot.design);
     let mm = |values: &[f64]| values.iter().map(|y| 1e3 * y).collect::<Vec<_>>().into_iter();
-    let level = |label: &str, value: f64, above| Level { label: label.to_owned(), value, above };
+    let level = |label: &str, value: f64, above| Level {
+        label: label.to_owned(),
+        value,
+        above,
+    };
 
-    let rise = r.workpiece.position.iter().zip(&r.tool.position).map(|(w, g)| 1e3 * (w - g));
+    let rise = r
+        .workpiece
+        .position
+        .iter()
+        .zip(&r.tool.position)
+        .map(|(w, g)| 1e3 * (w - g));
     let travel = vec![
         shot.curve("piston, from the stopper", 0, mm(&r.motion.piston_travel)),
         shot.curve("nail, depth in the wood", 1, mm(&r.motion.nail_depth)),
         shot.curve("tool, above the wood", 2, rise),
     ];
     let stroke = 1e3 * d.piston.stroke;
-    let reach = travel.iter().flat_map(|curve| curve.y.iter().copied()).chain([1.06 * stroke]);
+    let reach = travel
+        .iter()
+        .flat_map(|curve| curve.y.iter().copied())
+        .chain([1.06 * stroke]);
     let positions = Panel {
         y_label: "Travel (mm)",
         y_range: scale::range(reach),
@@ -51,5 +63,8 @@ pub(super) fn figure(shot: &Shot<'_>) -> Figure {
         ],
         spans: Vec::new(),
     };
-    Figure { name: "motion", svg: shot.sheet("Motion", vec![positions, speed, lift]).svg() }
+    Figure {
+        name: "motion",
+        svg: shot.sheet("Motion", vec![positions, speed, lift]).svg(),
+    }
 }

@@ -21,9 +21,12 @@ pub fn penetration(subject: &str, laws: &[Resistance], labels: &[String]) -> Res
     for law in laws.iter().take(MOST) {
         // The force begins with a step at the surface; the first point stands just below it.
         let depth = |i: usize| law.specimen.length * (i as f64 / POINTS as f64).max(1e-9);
-        let forces: Result<Vec<f64>, _> = (0..=POINTS).map(|i| law.force(depth(i)).map(|force| 1e-3 * force)).collect();
-        let bands: Result<Vec<[f64; 2]>, _> =
-            (0..=POINTS).map(|i| law.band(depth(i)).map(|band| band.map(|force| 1e-3 * force))).collect();
+        let forces: Result<Vec<f64>, _> = (0..=POINTS)
+            .map(|i| law.force(depth(i)).map(|force| 1e-3 * force))
+            .collect();
+        let bands: Result<Vec<[f64; 2]>, _> = (0..=POINTS)
+            .map(|i| law.band(depth(i)).map(|band| band.map(|force| 1e-3 * force)))
+            .collect();
         axes.push((0..=POINTS).map(|i| 1e3 * depth(i)).collect());
         ordinates.push((forces?, bands?));
     }
@@ -31,10 +34,24 @@ pub fn penetration(subject: &str, laws: &[Resistance], labels: &[String]) -> Res
         .iter()
         .zip(ordinates)
         .zip(labels.iter().zip(PALETTE))
-        .map(|((x, (y, band)), (label, colour))| Curve { label: label.clone(), colour, x, y, band })
+        .map(|((x, (y, band)), (label, colour))| Curve {
+            label: label.clone(),
+            colour,
+            x,
+            y,
+            band,
+        })
         .collect();
-    let highest = curves.iter().flat_map(|curve| &curve.band).map(|band| band[1]).fold(0.0, f64::max);
-    let deepest = laws.iter().take(MOST).map(|law| 1e3 * law.specimen.length).fold(0.0, f64::max);
+    let highest = curves
+        .iter()
+        .flat_map(|curve| &curve.band)
+        .map(|band| band[1])
+        .fold(0.0, f64::max);
+    let deepest = laws
+        .iter()
+        .take(MOST)
+        .map(|law| 1e3 * law.specimen.length)
+        .fold(0.0, f64::max);
     let panel = Panel {
         y_label: "Penetration resistance (kN)",
         y_range: [0.0, 1.05 * highest],
@@ -51,5 +68,8 @@ pub fn penetration(subject: &str, laws: &[Resistance], labels: &[String]) -> Res
         events: Vec::new(),
         panels: vec![panel],
     };
-    Ok(Figure { name: "penetration", svg: sheet.svg() })
+    Ok(Figure {
+        name: "penetration",
+        svg: sheet.svg(),
+    })
 }

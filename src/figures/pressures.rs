@@ -21,8 +21,15 @@ pub(super) fn figure(shot: &Shot<'_>) -> Figure {
         y_range: scale::range(curves.iter().flat_map(|curve| curve.y.iter().copied())),
         height: 88,
         curves,
-        levels: vec![Level { label: "ambient".to_owned(), value: 1e-3 * shot.design.ambient.pressure, above: false }],
+        levels: vec![Level {
+            label: "ambient".to_owned(),
+            value: 1e-3 * shot.design.ambient.pressure,
+            above: false,
+        }],
         spans: Vec::new(),
     };
-    Figure { name: "pressures", svg: shot.sheet("Pressures", vec![panel]).svg() }
+    Figure {
+        name: "pressures",
+        svg: shot.sheet("Pressures", vec![panel]).svg(),
+    }
 }

@@ -26,17 +26,33 @@ pub(super) fn figure(shot: &Shot<'_>) -> Figure {
         shot.curve("exhaust, at the holes: P ambient / P before the holes", 1, holes),
     ];
     let panels = vec![panel(into, critical), panel(out, critical)];
-    Figure { name: "ratios", svg: shot.sheet("Pressure ratios", panels).svg() }
+    Figure {
+        name: "ratios",
+        svg: shot.sheet("Pressure ratios", panels).svg(),
+    }
 }
 
 fn panel(curves: Vec<Curve<'_>>, critical: f64) -> Panel<'_> {
-    let highest = curves.iter().flat_map(|curve| &curve.y).copied().filter(|y| y.is_finite()).fold(1.0, f64::max);
+    let highest = curves
+        .iter()
+        .flat_map(|curve| &curve.y)
+        .copied()
+        .filter(|y| y.is_finite())
+        .fold(1.0, f64::max);
     Panel {
         y_label: "Pressure ratio",
         y_range: [0.0, 1.08 * highest],
         height: 42,
-        levels: vec![Level { label: format!("critical {critical:.3}; bars: choked"), value: critical, above: true }],
-        spans: curves.iter().zip(0..).flat_map(|(curve, row)| choked(curve, critical, row)).collect(),
+        levels: vec![Level {
+            label: format!("critical {critical:.3}; bars: choked"),
+            value: critical,
+            above: true,
+        }],
+        spans: curves
+            .iter()
+            .zip(0..)
+            .flat_map(|(curve, row)| choked(curve, critical, row))
+            .collect(),
         curves,
     }
 }
@@ -49,14 +65,22 @@ fn choked(curve: &Curve<'_>, critical: f64, row: i32) -> Vec<Span> {
         match (since, *y < critical) {
             (None, true) => since = Some(*x),
             (Some(from), false) => {
-                spans.push(Span { x: [from, *x], colour: curve.colour, row });
+                spans.push(Span {
+                    x: [from, *x],
+                    colour: curve.colour,
+                    row,
+                });
                 since = None;
             }
             _ => {}
         }
     }
     if let (Some(from), Some(end)) = (since, curve.x.last()) {
-        spans.push(Span { x: [from, *end], colour: curve.colour, row });
+        spans.push(Span {
+            x: [from, *end],
+            colour: curve.colour,
+            row,
+        });
     }
     spans
 }

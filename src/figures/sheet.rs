@@ -105,7 +105,11 @@ impl Sheet<'_> {
         for (index, panel) in self.panels.iter().enumerate() {
             let legend = y + ABOVE_LEGEND;
             let rows = panel.legend().last().map_or(0, |(_, [_, row])| row + 1);
-            let mut top = if rows == 0 { y + ABOVE_LEGEND } else { legend + (rows - 1) * LEADING + BELOW_LEGEND };
+            let mut top = if rows == 0 {
+                y + ABOVE_LEGEND
+            } else {
+                legend + (rows - 1) * LEADING + BELOW_LEGEND
+            };
             if index == 0 && !self.events.is_empty() {
                 top += LABELS + LEADERS;
             }
@@ -117,10 +121,15 @@ impl Sheet<'_> {
     }
 
     fn paint(&self, canvas: &mut Canvas<'_>, places: &[Place]) {
-        let (Some(first), Some(last)) = (places.first(), places.last()) else { return };
+        let (Some(first), Some(last)) = (places.first(), places.last()) else {
+            return;
+        };
         canvas.bold(self.title, [LEFT, 4 * MM], Anchor::Start, INK);
         canvas.text(&self.subject, [RIGHT, 4 * MM], Anchor::End, GREY);
-        let x = Scale { values: self.x_range, units: [LEFT, RIGHT] };
+        let x = Scale {
+            values: self.x_range,
+            units: [LEFT, RIGHT],
+        };
         self.label_events(canvas, &x, first.top);
         let events: Vec<i32> = self.events.iter().map(|(time, _)| x.at(*time)).collect();
         let (round, decimals) = ticks(self.x_range, 9);
@@ -139,7 +148,12 @@ impl Sheet<'_> {
             let at = [x.at(*value), last.bottom + 3 * MM];
             canvas.text(&format!("{value:.decimals$}"), at, Anchor::Middle, INK);
         }
-        canvas.text(self.x_label, [(LEFT + RIGHT) / 2, last.bottom + 8 * MM], Anchor::Middle, INK);
+        canvas.text(
+            self.x_label,
+            [(LEFT + RIGHT) / 2, last.bottom + 8 * MM],
+            Anchor::Middle,
+            INK,
+        );
     }
 
     /// The row of labels over the first panel, with lines to where the events are.
@@ -149,14 +163,21 @@ impl Sheet<'_> {
         for ((at, label), (_, text)) in wanted.iter().zip(placed).zip(&self.events) {
             let middle = top - LEADERS - LABELS / 2;
             canvas.text(text, [label, middle], Anchor::Middle, GREY);
-            canvas.path([[label, top - LEADERS + MM / 4], [*at, top - MM], [*at, top]], PALE, HAIR);
+            canvas.path(
+                [[label, top - LEADERS + MM / 4], [*at, top - MM], [*at, top]],
+                PALE,
+                HAIR,
+            );
         }
     }
 }
 
 impl Panel<'_> {
     fn paint(&self, canvas: &mut Canvas<'_>, x: &Scale, place: &Place, events: &[i32]) {
-        let y = Scale { values: self.y_range, units: [place.bottom, place.top] };
+        let y = Scale {
+            values: self.y_range,
+            units: [place.bottom, place.top],
+        };
         let (round, decimals) = ticks(self.y_range, (self.height / 9).max(2) as usize);
         for value in &round {
             let at = y.at(*value);
@@ -182,9 +203,17 @@ impl Panel<'_> {
             curve.shade(canvas, x, &y);
         }
         for (curve, lines) in self.curves.iter().zip(lines).rev() {
-            lines.into_iter().for_each(|line| canvas.path(line, curve.colour, CURVE));
+            lines
+                .into_iter()
+                .for_each(|line| canvas.path(line, curve.colour, CURVE));
         }
-        let frame = [[LEFT, place.top], [RIGHT, place.top], [RIGHT, place.bottom], [LEFT, place.bottom], [LEFT, place.top]];
+        let frame = [
+            [LEFT, place.top],
+            [RIGHT, place.top],
+            [RIGHT, place.bottom],
+            [LEFT, place.bottom],
+            [LEFT, place.top],
+        ];
         canvas.path(frame, INK, FRAME);
         canvas.upwards(self.y_label, [5 * MM, (place.top + place.bottom) / 2], INK);
         for (curve, [left, row]) in self.curves.iter().zip(self.legend().into_iter().map(|(_, at)| at)) {
@@ -201,14 +230,24 @@ impl Panel<'_> {
             let (width, at) = (width(&level.label), y.at(level.value));
             let sides = if level.above { [-1, 1] } else { [1, -1] };
             // The estimate of the width may be short of the reader's font: text grows away from the frame.
-            let places =
-                [(RIGHT - MM - width, Anchor::End), (LEFT + MM, Anchor::Start), ((LEFT + RIGHT - width) / 2, Anchor::Middle)];
-            let boxes = sides.into_iter().flat_map(|side| {
-                places.map(|(left, anchor)| (Room::beside(at, side, [left, left + width]), anchor))
-            });
-            let others = || self.levels.iter().map(|other| y.at(other.value)).filter(|other| *other != at);
+            let places = [
+                (RIGHT - MM - width, Anchor::End),
+                (LEFT + MM, Anchor::Start),
+                ((LEFT + RIGHT - width) / 2, Anchor::Middle),
+            ];
+            let boxes = sides
+                .into_iter()
+                .flat_map(|side| places.map(|(left, anchor)| (Room::beside(at, side, [left, left + width]), anchor)));
+            let others = || {
+                self.levels
+                    .iter()
+                    .map(|other| y.at(other.value))
+                    .filter(|other| *other != at)
+            };
             let covered = |label: &Room| {
-                let crossed = others().filter(|other| label.y[0] < *other && *other < label.y[1]).count();
+                let crossed = others()
+                    .filter(|other| label.y[0] < *other && *other < label.y[1])
+                    .count();
                 let outside = !(y.units[1]..=y.units[0]).contains(&label.y[0]) || label.y[1] > y.units[0];
                 let clash = taken.iter().any(|other| other.meets(label)) || outside;
                 let curves: usize = lines.iter().flatten().map(|line| label.covers(line)).sum();
@@ -260,7 +299,12 @@ impl Curve<'_> {
         if self.band.is_empty() {
             return;
         }
-        let edge = |side: usize| self.x.iter().zip(&self.band).map(move |(a, band)| [x.at(*a), y.at(band[side])]);
+        let edge = |side: usize| {
+            self.x
+                .iter()
+                .zip(&self.band)
+                .map(move |(a, band)| [x.at(*a), y.at(band[side])])
+        };
         let lower: Vec<[i32; 2]> = edge(0).collect();
         canvas.polygon(lower.into_iter().rev().chain(edge(1)), self.colour, 0.13);
     }
@@ -281,7 +325,10 @@ impl Room {
     /// Room for a text below (1) or above (-1) the line at `y`.
     fn beside(y: i32, side: i32, x: [i32; 2]) -> Self {
         let middle = y + side * 2 * MM;
-        Self { x, y: [middle - TYPE / 2, middle + TYPE / 2] }
+        Self {
+            x,
+            y: [middle - TYPE / 2, middle + TYPE / 2],
+        }
     }
 
     fn meets(&self, other: &Self) -> bool {
@@ -292,7 +339,10 @@ impl Room {
     /// How many pieces of a line go through the room, judged by each piece's own bounds.
     fn covers(&self, line: &[[i32; 2]]) -> usize {
         let span = |a: i32, b: i32| [a.min(b) - 1, a.max(b) + 1];
-        let piece = |pair: &[[i32; 2]]| Self { x: span(pair[0][0], pair[1][0]), y: span(pair[0][1], pair[1][1]) };
+        let piece = |pair: &[[i32; 2]]| Self {
+            x: span(pair[0][0], pair[1][0]),
+            y: span(pair[0][1], pair[1][1]),
+        };
         line.windows(2).filter(|pair| self.meets(&piece(pair))).count()
     }
 }

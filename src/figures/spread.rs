@@ -23,8 +23,13 @@ pub(super) fn spread(wanted: &[i32], gap: i32, ends: [i32; 2]) -> Vec<i32> {
         }
     }
     let (low, high) = (f64::from(ends[0]), f64::from(ends[1]) - (n - 1) as f64 * gap);
-    let level = blocks.iter().flat_map(|&(sum, count)| std::iter::repeat_n(sum / count as f64, count));
-    level.enumerate().map(|(i, q)| (q.clamp(low, high.max(low)) + i as f64 * gap).round() as i32).collect()
+    let level = blocks
+        .iter()
+        .flat_map(|&(sum, count)| std::iter::repeat_n(sum / count as f64, count));
+    level
+        .enumerate()
+        .map(|(i, q)| (q.clamp(low, high.max(low)) + i as f64 * gap).round() as i32)
+        .collect()
 }
 
 #[cfg(test)]

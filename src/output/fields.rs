@@ -9,8 +9,21 @@ use nalgebra::DMatrix;
 use crate::error::Error;
 use crate::pipeline::{Body, Run};
 
-/// Octave bands of the velocity fields: mid-band frequencies \[Hz\] (IEC 61260-1, base ten: 1000 G^k, G = 10^0.3).
-const OCTAVES: std::ops::RangeInclusive<i32> = -4..=3;
+/// Octave bands of the velocity fields: k of the mid-band frequencies 1000 G^k Hz, G = 10^0.3 (IEC 61260-1, base ten), and
+/// their nominal values \[Hz\].
+const OCTAVES: [(i32, u32); 8] = [
+    (-4, 63),
+    (-3, 125),
+    (-2, 250),
+    (-1, 500),
+    (0, 1000),
+    (1, 2000),
+    (2, 4000),
+    (3, 8000),
+];
+
+/// Levels shown below the highest of a field \[dB\]; clamped points, which do not move, stand at this floor.
+const SHOWN: f64 = 60.0;
 
 /// Reference of velocity exposure levels: (50 nm/s)^2 over 1 s \[m2/s\] (ISO 1683).
 const REFERENCE: f64 = 50e-9 * 50e-9;
@@ -21,21 +34,32 @@ const REFERENCE: f64 = 50e-9 * 50e-9;
 /// L_vE = 10 lg( 2 int |v(f)|^2 df / ((50 nm/s)^2 x 1 s) )
 /// ```
 ///
-/// with v the velocity vector, from the coherent sum of all modes.
+/// with v the velocity vector, from the coherent sum of all modes; no lower than 60 dB below the highest point.
 pub(super) fn write(folder: &Path, run: &Run) -> Result<(), Error> {
     super::create(folder)?;
     for (body, spectra) in run.structure.bodies().zip(&run.spectra) {
         let bands: Vec<(String, Vec<f64>)> = OCTAVES
-            .filter_map(|k| {
+            .iter()
+            .filter_map(|&(k, nominal)| {
                 let centre = 1000.0 * 10f64.powf(0.3 * f64::from(k));
                 let edges = [centre * 10f64.powf(-0.15), centre * 10f64.powf(0.15)];
                 let energies = exposure(body, spectra, edges)?;
-                let levels = energies.iter().map(|e| 10.0 * (e.max(f64::MIN_POSITIVE) / REFERENCE).log10()).collect();
-                Some((format!("velocity exposure level {centre:.0} Hz octave [dB]"), levels))
+                let floor = energies.iter().fold(0.0, |a: f64, &b| a.max(b)) * 10f64.powf(-0.1 * SHOWN);
+                let level = |e: &f64| 10.0 * (e.max(floor).max(f64::MIN_POSITIVE) / REFERENCE).log10();
+                Some((
+                    format!("velocity exposure level {nominal} Hz octave [dB]"),
+                    energies.iter().map(level).collect(),
+                ))
             })
             .collect();
-        let fields: Vec<Field<'_>> =
-            bands.iter().map(|(name, values)| Field { name, components: 1, values }).collect();
+        let fields: Vec<Field<'_>> = bands
+            .iter()
+            .map(|(name, values)| Field {
+                name,
+                components: 1,
+                values,
+            })
+            .collect();
         write_surface(&folder.join(format!("{}.vtu", body.name)), &body.surface, &fields, &[])?;
     }
     Ok(())
@@ -45,8 +69,9 @@ pub(super) fn write(folder: &Path, run: &Run) -> Result<(), Error> {
 ///
 /// With v = Phi a/(j omega) and C = sum over bins of Re(a a^H)/omega^2 this is phi^T C phi for each component.
 fn exposure(body: &Body, spectra: &ModalSpectra, [low, high]: [f64; 2]) -> Option<Vec<f64>> {
-    let bins: Vec<usize> =
-        (0..spectra.frequency.len()).filter(|&k| (low..high).contains(&spectra.frequency[k])).collect();
+    let bins: Vec<usize> = (0..spectra.frequency.len())
+        .filter(|&k| (low..high).contains(&spectra.frequency[k]))
+        .collect();
     if bins.len() < 2 || spectra.frequency[bins[0]] > low * 1.1 || spectra.range_hz[1] < high {
         return None;
     }
@@ -62,10 +87,19 @@ fn exposure(body: &Body, spectra: &ModalSpectra, [low, high]: [f64; 2]) -> Optio
         }
     }
     let covariance = &rows * rows.transpose();
-    let dofs: Vec<usize> = body.surface.volume_nodes.iter().flat_map(|n| [3 * n, 3 * n + 1, 3 * n + 2]).collect();
+    let dofs: Vec<usize> = body
+        .surface
+        .volume_nodes
+        .iter()
+        .flat_map(|n| [3 * n, 3 * n + 1, 3 * n + 2])
+        .collect();
     let shapes = body.shapes.select_rows(&dofs);
     let moved = &shapes * covariance;
-    let of_point = |point: usize| (0..3).map(|axis| shapes.row(3 * point + axis).dot(&moved.row(3 * point + axis))).sum();
+    let of_point = |point: usize| {
+        (0..3)
+            .map(|axis| shapes.row(3 * point + axis).dot(&moved.row(3 * point + axis)))
+            .sum()
+    };
     Some((0..body.surface.points.len()).map(of_point).collect())
 }
 
@@ -75,7 +109,11 @@ pub(super) fn write_modes(folder: &Path, body: &Body) -> Result<PathBuf, Error> 
     let mut series = Vec::with_capacity(body.basis.hz.len());
     for (index, (&hz, shape)) in body.basis.hz.iter().zip(body.basis.shapes.column_iter()).enumerate() {
         let file = format!("mode-{:04}.vtu", index + 1);
-        let field = Field { name: "mode shape [kg^-1/2]", components: 3, values: shape.as_slice() };
+        let field = Field {
+            name: "mode shape [kg^-1/2]",
+            components: 3,
+            values: shape.as_slice(),
+        };
         write_mesh(&folder.join(&file), &body.mesh, &[field], &[])?;
         series.push((hz, file));
     }

@@ -71,9 +71,17 @@ pub(super) fn contact_grid(design: &Design) -> ContactGrid {
 /// # Errors
 /// Those of mesh, material and modal solution.
 pub fn workpiece(design: &Design) -> Result<Body, Error> {
-    let size = [design.workpiece.length, design.workpiece.width, design.workpiece.thickness];
+    let size = [
+        design.workpiece.length,
+        design.workpiece.width,
+        design.workpiece.thickness,
+    ];
     let origin = [-0.5 * size[0], -0.5 * size[1], 0.0];
-    let mesh = block(&Block::with_element_size(size, design.analysis.workpiece_element, origin)?)?;
+    let mesh = block(&Block::with_element_size(
+        size,
+        design.analysis.workpiece_element,
+        origin,
+    )?)?;
     let wood = &design.wood;
     let material = Material::orthotropic(&constants(&wood.block_axes()), &Matrix3::identity(), wood.density)?;
     let mut loads = Vec::with_capacity(WORKPIECE_LOADS);
@@ -82,7 +90,18 @@ pub fn workpiece(design: &Design) -> Result<Body, Error> {
         loads.push(Pattern::point(&mesh, Point3::new(nail[0], nail[1], size[2] - depth))?.reversed());
     }
     let nose = [design.body.nose_width, design.body.nose_depth];
-    loads.push(Pattern::patch(&mesh, "top", Rectangle { centre: nail, size: nose, height: size[2] })?.reversed());
+    loads.push(
+        Pattern::patch(
+            &mesh,
+            "top",
+            Rectangle {
+                centre: nail,
+                size: nose,
+                height: size[2],
+            },
+        )?
+        .reversed(),
+    );
     let contacts = contact_patterns(design, &mesh, "bottom")?;
     let contacts = contacts.iter().map(Pattern::reversed).collect(); // outward is down
     let model = Model {
@@ -106,7 +125,11 @@ pub fn table(design: &Design) -> Result<Body, Error> {
     let support = &design.support;
     if support.kind != SupportKind::Worktable {
         let design = design.name().to_owned();
-        return Err(Error::NoSuchBody { design, body: "worktable", support: support.kind.as_str() });
+        return Err(Error::NoSuchBody {
+            design,
+            body: "worktable",
+            support: support.kind.as_str(),
+        });
     }
     let t = &support.worktable;
     let spec = nailnoise_meshes::Worktable {
@@ -121,8 +144,8 @@ pub fn table(design: &Design) -> Result<Body, Error> {
     };
     let mesh = worktable(&spec)?;
     let top = Material::orthotropic(&constants(&t.top), &Matrix3::identity(), t.top_density)?;
-    // Legs: grain (axis 1) vertical, axis 2 along x, axis 3 along y.
-    let upright = Matrix3::new(0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0);
+    // Legs: grain (axis 1) vertical, radial axis 2 along y, tangential axis 3 along x.
+    let upright = Matrix3::new(0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0);
     let legs = Material::orthotropic(&constants(&t.legs), &upright, t.leg_density)?;
     let contacts = contact_patterns(design, &mesh, "top")?;
     let model = Model {
@@ -155,9 +178,22 @@ fn constants(c: &design::Orthotropic) -> nailnoise_fem::Orthotropic {
 /// Mean upward displacement of each contact cell on a face group in the plane z = 0.
 fn contact_patterns(design: &Design, mesh: &Mesh, group: &str) -> Result<Vec<Pattern>, Error> {
     let (block, contact) = (&design.workpiece, &design.support.contact);
-    let size = [block.length / f64::from(contact.points_along), block.width / f64::from(contact.points_across)];
+    let size = [
+        block.length / f64::from(contact.points_along),
+        block.width / f64::from(contact.points_across),
+    ];
     let cells = contact_grid(design);
-    let patch = |&centre: &[f64; 2]| Pattern::patch(mesh, group, Rectangle { centre, size, height: 0.0 });
+    let patch = |&centre: &[f64; 2]| {
+        Pattern::patch(
+            mesh,
+            group,
+            Rectangle {
+                centre,
+                size,
+                height: 0.0,
+            },
+        )
+    };
     Ok(cells.points.iter().map(patch).collect::<Result<_, _>>()?)
 }
 
@@ -177,7 +213,12 @@ impl Model {
     fn solve(self, design: &Design) -> Result<Body, Error> {
         let dofs = 3 * self.mesh.nodes.len();
         let system = assemble(&self.mesh, &self.materials, &self.constraints)?;
-        let patterns: Vec<_> = self.loads.iter().chain(&self.contacts).map(|pattern| pattern.dense(dofs)).collect();
+        let patterns: Vec<_> = self
+            .loads
+            .iter()
+            .chain(&self.contacts)
+            .map(|pattern| pattern.dense(dofs))
+            .collect();
         let settings = ModalSettings {
             residual_limit: design.analysis.mode_tolerance,
             ..ModalSettings::below(design.analysis.mode_margin * self.top_hz)
@@ -188,7 +229,11 @@ impl Model {
         let weight = shapes.tr_mul(&gravity(&system, design.ambient.gravity)?);
         let participation = |patterns: &[Pattern]| {
             let columns: Vec<_> = patterns.iter().map(|pattern| pattern.of_modes(&shapes)).collect();
-            if columns.is_empty() { DMatrix::zeros(shapes.ncols(), 0) } else { DMatrix::from_columns(&columns) }
+            if columns.is_empty() {
+                DMatrix::zeros(shapes.ncols(), 0)
+            } else {
+                DMatrix::from_columns(&columns)
+            }
         };
         let (loads, contacts) = (participation(&self.loads), participation(&self.contacts));
         let surface = Surface::of(&self.mesh);
@@ -232,7 +277,11 @@ impl Body {
         let missing = self.basis.sturm.count as f64 - self.basis.hz.len() as f64;
         vec![
             Check::at_most(format!("{}: eigen residual", self.name), worst, 1e-8),
-            Check::at_most(format!("{}: orthonormality", self.name), self.basis.orthonormality, 1e-8),
+            Check::at_most(
+                format!("{}: orthonormality", self.name),
+                self.basis.orthonormality,
+                1e-8,
+            ),
             Check::at_most(format!("{}: Sturm count less modes found", self.name), missing, 0.0),
         ]
     }

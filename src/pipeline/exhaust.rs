@@ -1,18 +1,26 @@
 //! Sound energy of the air that leaves: exhaust holes and trigger vent.
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::exhaust::{ExhaustSettings, FlowHistory, Opening, ValveNoise, exhaust_noise, valve_noise_energy};
+use nailnoise_acoustics::exhaust::{
+    ExhaustSettings, FlowHistory, Opening, ValveNoise, exhaust_noise, valve_noise_energy,
+};
 use nailnoise_acoustics::fourier::TransformSettings;
 use nailnoise_acoustics::levels::{SourceSpectrum, energy_level};
 use nailnoise_dynamics::CycleRecord;
 
+use super::sound::Sound;
 use crate::design::Design;
 use crate::error::Error;
+use crate::result::{CrossCheck, Uncertainty};
+
+/// Uncertainty of the exhaust's level \[dB\]: half the 8 dB by which jet correlations and valve noise efficiencies may
+/// differ for one blow-down.
+const MODEL_BAND: f64 = 4.0;
 
 /// The exhaust as one source.
 pub(super) struct Exhaust {
-    /// Energy spectrum; its contributions are the mechanisms and the trigger vent.
-    pub(super) spectrum: SourceSpectrum,
+    /// Its energy; the contributions are the mechanisms and the trigger vent.
+    pub(super) sound: Sound,
     /// Unweighted level of the holes' jets by the efficiencies of IEC 60534-8-3, an independent estimate \[dB\].
     pub(super) cross_check_lw: Option<f64>,
     /// Unweighted level of the holes' jets by the correlations used, over all frequencies \[dB\].
@@ -59,10 +67,27 @@ pub(super) fn exhaust(design: &Design, record: &CycleRecord, air: &Air) -> Resul
     let vent = exhaust_noise("trigger vent", &vent_flow, &vent, air, &settings)?;
     let mut parts = parts_of(&noise.spectrum);
     parts.push(vent.spectrum);
+    let cross_check_lw = energy_level(valve_noise_energy(&flow, air, &ValveNoise::default()));
+    let jets_lw = energy_level(noise.mixing_energy + noise.shock_energy);
     Ok(Exhaust {
-        spectrum: SourceSpectrum::sum("exhaust", noise.spectrum.method.clone(), &parts),
-        cross_check_lw: energy_level(valve_noise_energy(&flow, air, &ValveNoise::default())),
-        jets_lw: energy_level(noise.mixing_energy + noise.shock_energy),
+        sound: Sound {
+            spectrum: SourceSpectrum::sum("exhaust", noise.spectrum.method.clone(), &parts),
+            signals: Vec::new(),
+            openings: vec![noise.history, vent.history],
+            uncertainty: Uncertainty {
+                minus: Some(MODEL_BAND),
+                plus: Some(MODEL_BAND),
+                basis: "distance of the jet correlations from the efficiencies of IEC 60534-8-3".to_owned(),
+            },
+            cross_check: Some(CrossCheck {
+                quantity: "jets of the exhaust holes over all frequencies",
+                lw_db: jets_lw,
+                other: "IEC 60534-8-3",
+                other_lw_db: cross_check_lw,
+            }),
+        },
+        cross_check_lw,
+        jets_lw,
         outside_range: noise.mixing_outside_range,
     })
 }

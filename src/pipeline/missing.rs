@@ -28,7 +28,10 @@ pub(super) struct Missing {
 impl Missing {
     /// The check that the part is small.
     pub(super) fn check(&self) -> Check {
-        let name = format!("{} above {:.0} Hz, estimated from its last octave [dB]", self.part, self.top_hz);
+        let name = format!(
+            "{} above {:.0} Hz, estimated from its last octave [dB]",
+            self.part, self.top_hz
+        );
         Check::at_most(name, self.decibels, LIMIT_DB)
     }
 }
@@ -40,12 +43,28 @@ pub(super) fn above_top(design: &Design, structure: &Structure, workpiece: &Sour
     let of_body = |body: &super::Body| {
         let part = workpiece.contributions.iter().find(|part| part.name == body.name);
         let density = part.map_or(&workpiece.energy_density, |part| &part.energy_density);
-        let spectrum = SourceSpectrum { energy_density: density.clone(), contributions: Vec::new(), ..workpiece.clone() };
+        let spectrum = SourceSpectrum {
+            energy_density: density.clone(),
+            contributions: Vec::new(),
+            ..workpiece.clone()
+        };
         let left_out = extrapolated(&spectrum, body.top_hz, high);
-        let decibels = if total > 0.0 { 10.0 * (1.0 + left_out / total).log10() } else { 0.0 };
-        Missing { part: body.name, top_hz: body.top_hz, decibels }
+        let decibels = if total > 0.0 {
+            10.0 * (1.0 + left_out / total).log10()
+        } else {
+            0.0
+        };
+        Missing {
+            part: body.name,
+            top_hz: body.top_hz,
+            decibels,
+        }
     };
-    structure.bodies().filter(|body| body.top_hz < high).map(of_body).collect()
+    structure
+        .bodies()
+        .filter(|body| body.top_hz < high)
+        .map(of_body)
+        .collect()
 }
 
 /// A-weighted energy between `top` and `high` if the band energies went on as in the octave below `top` \[J\].
@@ -54,7 +73,9 @@ pub(super) fn above_top(design: &Design, structure: &Structure, workpiece: &Sour
 /// a rising end says nothing about where the rise ends.
 fn extrapolated(spectrum: &SourceSpectrum, top: f64, high: f64) -> f64 {
     let bands: Vec<BandLevel> = spectrum.band_levels([0.0, top]);
-    let whole = bands.iter().filter(|b| b.band.high <= top * (1.0 + 1e-9) && b.energy > 0.0);
+    let whole = bands
+        .iter()
+        .filter(|b| b.band.high <= top * (1.0 + 1e-9) && b.energy > 0.0);
     let last: Vec<&BandLevel> = whole.rev().take(OCTAVE).collect();
     if last.len() < OCTAVE {
         return 0.0;
@@ -78,7 +99,8 @@ fn extrapolated(spectrum: &SourceSpectrum, top: f64, high: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// A spectrum E(f) = f^-3 cut at `top`: bands fall by 2 dB each, and the energy above is known.
+    /// A spectrum E(f) = f^-3 cut at `top`: bands fall by 2 dB each, and the energy above is known. The weighting is taken
+    /// at mid-band, hence 5 %.
     #[test]
     fn a_power_law_is_continued() {
         let (top, high) = (5011.872, 10_000.0);
@@ -87,6 +109,6 @@ mod tests {
         let full = SourceSpectrum::new("s", "m", grid.clone(), density, [50.0, 12_000.0]).unwrap();
         let expected = full.energy([top, high], Weighting::A);
         let found = extrapolated(&full, top, high);
-        assert!((found / expected - 1.0).abs() < 0.01, "{found} {expected}");
+        assert!((found / expected - 1.0).abs() < 0.05, "{found} {expected}");
     }
 }

@@ -5,6 +5,7 @@
 mod bodies;
 mod cycle;
 mod exhaust;
+mod intervals;
 mod missing;
 mod notes;
 mod pattern;
@@ -14,6 +15,7 @@ mod ranking;
 mod response;
 mod settings;
 mod shank;
+mod sound;
 
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::radiation::ModalSpectra;
@@ -22,6 +24,7 @@ use nailnoise_fem::transient::ModalResponse;
 
 pub use bodies::{Body, Structure, table, workpiece};
 pub use cycle::{cycle, parameters};
+pub use intervals::SoundPower;
 pub use preset::{Preset, cycle_as_published};
 pub use settings::cycle_settings;
 
@@ -58,6 +61,8 @@ pub struct Run {
     pub response: ModalResponse,
     /// Fourier transforms of the modal accelerations, one set a body.
     pub spectra: Vec<ModalSpectra>,
+    /// A-weighted sound power of every source over time, loudest source first.
+    pub powers: Vec<SoundPower>,
 }
 
 /// What a run may change about the physics without being another design; for studies and tests of laws.
@@ -70,7 +75,9 @@ pub struct Options {
 impl Default for Options {
     /// The design as it is.
     fn default() -> Self {
-        Self { workpiece_force_scale: 1.0 }
+        Self {
+            workpiece_force_scale: 1.0,
+        }
     }
 }
 
@@ -92,33 +99,49 @@ pub fn run(design: &Design, options: Options, observer: &mut dyn Observer) -> Re
         }
         SupportKind::Sandbox => None,
     };
-    let structure = Structure { workpiece: block, worktable, grid: bodies::contact_grid(design) };
+    let structure = Structure {
+        workpiece: block,
+        worktable,
+        grid: bodies::contact_grid(design),
+    };
     observer.stage("response of workpiece and support");
     let parameters = parameters(design)?;
     let force_scale = options.workpiece_force_scale;
-    let response =
-        timing.time("response", || response::response(design, &structure, &parameters, &record, force_scale))?;
+    let response = timing.time("response", || {
+        response::response(design, &structure, &parameters, &record, force_scale)
+    })?;
     observer.stage("radiation");
     let air = Air::at(design.ambient.temperature, design.ambient.pressure)?;
-    let spectra = timing.time("modal spectra", || radiation::modal_spectra(design, &structure, &response))?;
+    let spectra = timing.time("modal spectra", || {
+        radiation::modal_spectra(design, &structure, &response)
+    })?;
     let workpiece = timing.time("radiation", || radiation::workpiece(design, &structure, &spectra, &air))?;
     let body = timing.time("body", || radiation::tool_body(design, &record, &air))?;
     observer.stage("exhaust");
     let exhaust = timing.time("exhaust", || exhaust::exhaust(design, &record, &air))?;
 
     let range = [design.analysis.range_low, design.analysis.range_high];
-    let missing = missing::above_top(design, &structure, &workpiece);
+    let missing = missing::above_top(design, &structure, &workpiece.spectrum);
     let notes = notes::notes(design, &record, &response, &exhaust, &missing);
     notes.iter().for_each(|note| observer.note(note));
-    let (ranking, total) = ranking::rank(&[workpiece, exhaust.spectrum, body], range);
+    let sounds = [&workpiece, &exhaust.sound, &body];
+    let (mut ranking, total) = ranking::rank(&sounds, range);
+    let end = response.duration().max(record.sample_interval * record.len() as f64);
+    let (powers, interval_checks) = timing.time("intervals", || {
+        intervals::intervals(&sounds, &mut ranking, &record.events, end, range)
+    });
     let mut checks: Vec<Check> = record.checks.iter().map(Check::from).collect();
     structure.bodies().for_each(|body| checks.extend(body.checks()));
     checks.extend(response::checks(&response));
     checks.extend(missing.iter().map(missing::Missing::check));
     checks.extend(ranking::checks(&ranking, &total));
+    checks.extend(interval_checks);
     let result = RunResult {
         schema: SCHEMA,
-        design: DesignId { name: design.name().to_owned(), digest: design.digest() },
+        design: DesignId {
+            name: design.name().to_owned(),
+            digest: design.digest(),
+        },
         ranking,
         total,
         outcome: record.outcome,
@@ -127,5 +150,12 @@ pub fn run(design: &Design, options: Options, observer: &mut dyn Observer) -> Re
         notes,
         timing,
     };
-    Ok(Run { result, record, structure, response, spectra })
+    Ok(Run {
+        result,
+        record,
+        structure,
+        response,
+        spectra,
+        powers,
+    })
 }

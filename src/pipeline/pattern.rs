@@ -41,7 +41,13 @@ impl Pattern {
                 let point = Point3::new(at(0, xi), at(1, eta), rectangle.height);
                 let place = mesh.locate_on(group, point, PLANE_TOLERANCE)?;
                 let share = 0.25 * w_xi * w_eta;
-                weights.extend(place.nodes.iter().zip(&place.weights).map(|(node, w)| (3 * node + 2, share * w)));
+                weights.extend(
+                    place
+                        .nodes
+                        .iter()
+                        .zip(&place.weights)
+                        .map(|(node, w)| (3 * node + 2, share * w)),
+                );
             }
         }
         Ok(Self::gathered(weights))
@@ -53,7 +59,14 @@ impl Pattern {
     /// [`MeshError::Outside`] when the point is not in the mesh.
     pub(super) fn point(mesh: &Mesh, point: Point3<f64>) -> Result<Self, MeshError> {
         let place = mesh.locate(point)?;
-        Ok(Self::gathered(place.nodes.iter().zip(&place.weights).map(|(node, &w)| (3 * node + 2, w)).collect()))
+        Ok(Self::gathered(
+            place
+                .nodes
+                .iter()
+                .zip(&place.weights)
+                .map(|(node, &w)| (3 * node + 2, w))
+                .collect(),
+        ))
     }
 
     /// The pattern in the opposite direction.
@@ -74,7 +87,9 @@ impl Pattern {
     pub(super) fn of_modes(&self, shapes: &DMatrix<f64>) -> DVector<f64> {
         DVector::from_iterator(
             shapes.ncols(),
-            shapes.column_iter().map(|shape| self.0.iter().map(|&(dof, weight)| weight * shape[dof]).sum()),
+            shapes
+                .column_iter()
+                .map(|shape| self.0.iter().map(|&(dof, weight)| weight * shape[dof]).sum()),
         )
     }
 
@@ -98,16 +113,27 @@ mod tests {
     use nailnoise_meshes::{Block, block};
 
     fn mesh() -> Mesh {
-        block(&Block { size: [0.4, 0.15, 0.1], divisions: [7, 3, 2], origin: [-0.2, -0.075, 0.0] }).unwrap()
+        block(&Block {
+            size: [0.4, 0.15, 0.1],
+            divisions: [7, 3, 2],
+            origin: [-0.2, -0.075, 0.0],
+        })
+        .unwrap()
     }
 
     #[test]
     fn a_patch_reads_a_linear_displacement_at_its_centre() {
         let mesh = mesh();
-        let rectangle = Rectangle { centre: [0.03, -0.01], size: [0.11, 0.05], height: 0.1 };
+        let rectangle = Rectangle {
+            centre: [0.03, -0.01],
+            size: [0.11, 0.05],
+            height: 0.1,
+        };
         let pattern = Pattern::patch(&mesh, "top", rectangle).unwrap();
         let field = |p: &Point3<f64>| 1.0 + 2.0 * p.x - 3.0 * p.y;
-        let u = DMatrix::from_fn(3 * mesh.nodes.len(), 1, |dof, _| if dof % 3 == 2 { field(&mesh.nodes[dof / 3]) } else { 9.0 });
+        let u = DMatrix::from_fn(3 * mesh.nodes.len(), 1, |dof, _| {
+            if dof % 3 == 2 { field(&mesh.nodes[dof / 3]) } else { 9.0 }
+        });
         let expected = field(&Point3::new(0.03, -0.01, 0.1));
         assert!((pattern.of_modes(&u)[0] - expected).abs() < 1e-12);
         assert!((pattern.reversed().of_modes(&u)[0] + expected).abs() < 1e-12);
@@ -116,6 +142,9 @@ mod tests {
 
     #[test]
     fn a_point_outside_is_refused() {
-        assert!(matches!(Pattern::point(&mesh(), Point3::new(0.0, 0.0, 0.2)), Err(MeshError::Outside { .. })));
+        assert!(matches!(
+            Pattern::point(&mesh(), Point3::new(0.0, 0.0, 0.2)),
+            Err(MeshError::Outside { .. })
+        ));
     }
 }

@@ -2,10 +2,10 @@
 
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::fourier::TransformSettings;
-use nailnoise_acoustics::levels::SourceSpectrum;
+use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
 use nailnoise_acoustics::radiation::{
     AbsorbingSand, Erp, ModalSpectra, MovingSand, RadiatingSurface, Rayleigh, Sampling, radiated_energy,
-    rigid_body_energy,
+    radiated_signals, rigid_body_energy, rigid_body_signals,
 };
 use nailnoise_dynamics::CycleRecord;
 use nailnoise_fem::supports::Sand;
@@ -14,12 +14,17 @@ use nailnoise_meshes::QuadraturePoint;
 use nalgebra::{DMatrix, Point3, Vector3};
 
 use super::bodies::{Body, Structure};
+use super::sound::Sound;
 use crate::design::{Design, SupportKind};
 use crate::error::Error;
+use crate::result::Uncertainty;
 
 /// Gauss points along each side of a face; the modes are quadratic on it, so their squares are integrated exactly on
 /// rectangular faces.
 const FACE_POINTS: usize = 3;
+
+/// Highest radiation efficiency of a plate, near coincidence.
+const HIGHEST_EFFICIENCY: f64 = 1.76;
 
 /// Lowest frequency at which a radiation resistance is sampled \[Hz\]; below it each entry follows its own power law.
 const LOWEST_SAMPLE: f64 = 40.0;
@@ -30,7 +35,11 @@ pub(super) fn modal_spectra(
     structure: &Structure,
     response: &ModalResponse,
 ) -> Result<Vec<ModalSpectra>, Error> {
-    structure.bodies().enumerate().map(|(index, body)| body_spectra(design, index, body, response)).collect()
+    structure
+        .bodies()
+        .enumerate()
+        .map(|(index, body)| body_spectra(design, index, body, response))
+        .collect()
 }
 
 fn body_spectra(design: &Design, index: usize, body: &Body, response: &ModalResponse) -> Result<ModalSpectra, Error> {
@@ -44,7 +53,13 @@ fn body_spectra(design: &Design, index: usize, body: &Body, response: &ModalResp
         motion.map_or_else(|_| Vec::new(), |motion| motion.as_slice().to_vec())
     };
     let modes = body.omega.len();
-    Ok(ModalSpectra::from_accelerations(modes, response.samples(), response.step, &settings, record)?)
+    Ok(ModalSpectra::from_accelerations(
+        modes,
+        response.samples(),
+        response.step,
+        &settings,
+        record,
+    )?)
 }
 
 /// The workpiece with its support as one source.
@@ -53,7 +68,7 @@ pub(super) fn workpiece(
     structure: &Structure,
     spectra: &[ModalSpectra],
     air: &Air,
-) -> Result<SourceSpectrum, Error> {
+) -> Result<Sound, Error> {
     match design.support.kind {
         SupportKind::Sandbox => flush_top(design, &structure.workpiece, &spectra[0], air),
         SupportKind::Worktable => free_standing(design, structure, spectra, air),
@@ -61,14 +76,9 @@ pub(super) fn workpiece(
 }
 
 /// ERP of block and table. Where they face each other, and under the table's feet, no sound gets out.
-fn free_standing(
-    design: &Design,
-    structure: &Structure,
-    spectra: &[ModalSpectra],
-    air: &Air,
-) -> Result<SourceSpectrum, Error> {
+fn free_standing(design: &Design, structure: &Structure, spectra: &[ModalSpectra], air: &Air) -> Result<Sound, Error> {
     let half = [0.5 * design.workpiece.length, 0.5 * design.workpiece.width];
-    let mut parts = Vec::new();
+    let (mut parts, mut signals) = (Vec::new(), Vec::new());
     for (body, spectrum) in structure.bodies().zip(spectra) {
         let hidden = |patch: &str, p: &Point3<f64>| match patch {
             "bottom" | "floor" => true,
@@ -76,25 +86,38 @@ fn free_standing(
             _ => false,
         };
         let surface = radiating(body, hidden)?;
-        parts.push(radiated_energy(body.name, &Erp::new(&surface, air), spectrum)?);
+        let erp = Erp::new(&surface, air);
+        let part = radiated_energy(body.name, &erp, spectrum)?;
+        signals.push((body.name, radiated_signals(&erp, spectrum, &part)?));
+        parts.push(part);
     }
     let mut source = SourceSpectrum::sum("workpiece", "ERP", &parts);
     source.range_hz = spectra[0].range_hz;
-    Ok(source)
+    let uncertainty = Uncertainty {
+        minus: None,
+        plus: Some(10.0 * HIGHEST_EFFICIENCY.log10()),
+        basis: "radiation efficiency taken as 1: near coincidence it is higher, at low frequencies far lower"
+            .to_owned(),
+    };
+    Ok(Sound {
+        spectrum: source,
+        signals,
+        openings: Vec::new(),
+        uncertainty,
+        cross_check: None,
+    })
 }
 
 /// Rayleigh's integral over the block's top, flush with the sand.
-fn flush_top(
-    design: &Design,
-    body: &Body,
-    spectrum: &ModalSpectra,
-    air: &Air,
-) -> Result<SourceSpectrum, Error> {
+fn flush_top(design: &Design, body: &Body, spectrum: &ModalSpectra, air: &Air) -> Result<Sound, Error> {
     let (block, sand) = (&design.workpiece, &design.support.sand);
     let surface = radiating(body, |patch, _| patch != "top")?;
     let mut rayleigh = Rayleigh::new(&surface, air)?;
+    let absorbing = AbsorbingSand {
+        resistivity: sand.flow_resistivity,
+        share: sand.absorption_share,
+    };
     if sand.absorption_share > 0.0 {
-        let absorbing = AbsorbingSand { resistivity: sand.flow_resistivity, share: sand.absorption_share };
         rayleigh = rayleigh.with_absorbing_sand(absorbing)?;
     }
     if sand.moving_surface {
@@ -109,8 +132,50 @@ fn flush_top(
         })?;
     }
     let top = spectrum.range_hz[1];
-    let sampled = rayleigh.sampled(&Sampling { range_hz: [LOWEST_SAMPLE.min(0.5 * top), top], ..Sampling::default() })?;
-    Ok(radiated_energy("workpiece", &sampled, spectrum)?)
+    let sampled = rayleigh.sampled(&Sampling {
+        range_hz: [LOWEST_SAMPLE.min(0.5 * top), top],
+        ..Sampling::default()
+    })?;
+    let source = radiated_energy("workpiece", &sampled, spectrum)?;
+    let signals = vec![("workpiece", radiated_signals(&sampled, spectrum, &source)?)];
+    let uncertainty = sand_band(&source, &absorbing, spectrum.range_hz);
+    Ok(Sound {
+        spectrum: source,
+        signals,
+        openings: Vec::new(),
+        uncertainty,
+        cross_check: None,
+    })
+}
+
+/// What the share of the sand's absorption decides: from that of an infinite plane of sand to none.
+fn sand_band(source: &SourceSpectrum, sand: &AbsorbingSand, range_hz: [f64; 2]) -> Uncertainty {
+    let plane: Vec<f64> = source
+        .frequency
+        .iter()
+        .map(|&hz| sand.infinite_plane_factor(hz))
+        .collect();
+    let with_share = |share: f64| {
+        let factor = |g: &f64| g.powf(share - sand.share);
+        let density = source
+            .energy_density
+            .iter()
+            .zip(&plane)
+            .map(|(e, g)| e * factor(g))
+            .collect();
+        let changed = SourceSpectrum {
+            energy_density: density,
+            contributions: Vec::new(),
+            ..source.clone()
+        };
+        changed.level(range_hz, Weighting::A)
+    };
+    let difference = |share: f64| Some((with_share(share)? - source.level(range_hz, Weighting::A)?).abs());
+    Uncertainty {
+        minus: difference(1.0),
+        plus: difference(0.0),
+        basis: "absorption by the sand, from that of an infinite plane to none".to_owned(),
+    }
 }
 
 /// The surface of a body with the normal displacements of its modes, less what is hidden.
@@ -153,11 +218,24 @@ fn radiating(body: &Body, hidden: impl Fn(&str, &Point3<f64>) -> bool) -> Result
 }
 
 /// The tool body as the sphere of its volume in the cycle's rigid motion.
-pub(super) fn tool_body(design: &Design, record: &CycleRecord, air: &Air) -> Result<SourceSpectrum, Error> {
+pub(super) fn tool_body(design: &Design, record: &CycleRecord, air: &Air) -> Result<Sound, Error> {
     let settings = TransformSettings {
         range_hz: [design.analysis.range_low, design.analysis.range_high],
         ..TransformSettings::default()
     };
-    let acceleration = &record.tool.acceleration;
-    Ok(rigid_body_energy("body", acceleration, record.sample_interval, design.body.volume(), air, &settings)?)
+    let (acceleration, interval, volume) = (&record.tool.acceleration, record.sample_interval, design.body.volume());
+    Ok(Sound {
+        spectrum: rigid_body_energy("body", acceleration, interval, volume, air, &settings)?,
+        signals: vec![(
+            "body",
+            rigid_body_signals(acceleration, interval, volume, air, &settings)?,
+        )],
+        openings: Vec::new(),
+        uncertainty: Uncertainty {
+            minus: Some(0.0),
+            plus: None,
+            basis: "rigid motion only: vibration of the housing adds to it".to_owned(),
+        },
+        cross_check: None,
+    })
 }

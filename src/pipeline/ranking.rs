@@ -1,15 +1,19 @@
 //! The ranked table: levels of every source over the common range.
 
-use nailnoise_acoustics::levels::{self, BandLevel as Band, Level, SourceSpectrum, Weighting, energy_level, level_energy};
+use nailnoise_acoustics::levels::{
+    self, BandLevel as Band, Level, SourceSpectrum, Weighting, energy_level, level_energy,
+};
 
+use super::sound::Sound;
 use crate::result::{BandLevel, Check, Component, RankedSource, Total};
 
 /// Ranks the sources by A-weighted energy over `range_hz`.
-pub(super) fn rank(spectra: &[SourceSpectrum], range_hz: [f64; 2]) -> (Vec<RankedSource>, Total) {
-    let ranking = levels::rank(spectra, range_hz);
+pub(super) fn rank(sounds: &[&Sound], range_hz: [f64; 2]) -> (Vec<RankedSource>, Total) {
+    let spectra: Vec<SourceSpectrum> = sounds.iter().map(|sound| sound.spectrum.clone()).collect();
+    let ranking = levels::rank(&spectra, range_hz);
     let ranked = |source: &levels::RankedSource| {
-        let spectrum = spectra.iter().find(|s| s.source == source.source);
-        RankedSource {
+        let sound = sounds.iter().find(|s| s.spectrum.source == source.source)?;
+        Some(RankedSource {
             source: source.source.clone(),
             lwa_db: source.lwa,
             lw_db: source.lw,
@@ -17,23 +21,47 @@ pub(super) fn rank(spectra: &[SourceSpectrum], range_hz: [f64; 2]) -> (Vec<Ranke
             method: source.method.clone(),
             range_hz: source.range_hz,
             lwa_own_range_db: source.own_lwa,
-            bands: spectrum.map_or_else(Vec::new, |s| bands(s, range_hz)),
-            components: spectrum.map_or_else(Vec::new, |s| components(s, range_hz)),
-        }
+            bands: bands(&sound.spectrum, range_hz),
+            components: components(&sound.spectrum, range_hz),
+            uncertainty_db: sound.uncertainty.clone(),
+            cross_check: sound.cross_check.clone(),
+            intervals: Vec::new(),
+        })
     };
-    (ranking.sources.iter().map(ranked).collect(), Total { lwa_db: ranking.total_lwa, lw_db: ranking.total_lw })
+    (
+        ranking.sources.iter().filter_map(ranked).collect(),
+        Total {
+            lwa_db: ranking.total_lwa,
+            lw_db: ranking.total_lw,
+        },
+    )
 }
 
 /// The bands that reach into the range.
 fn bands(spectrum: &SourceSpectrum, range_hz: [f64; 2]) -> Vec<BandLevel> {
     let inside = |b: &&Band| b.band.high > range_hz[0] && b.band.low < range_hz[1];
-    let level = |b: &Band| BandLevel { hz: b.band.nominal_hz(), lw_db: b.lw, lwa_db: b.lwa };
-    spectrum.band_levels(range_hz).iter().filter(inside).map(level).collect()
+    let level = |b: &Band| BandLevel {
+        hz: b.band.nominal_hz(),
+        lw_db: b.lw,
+        lwa_db: b.lwa,
+    };
+    spectrum
+        .band_levels(range_hz)
+        .iter()
+        .filter(inside)
+        .map(level)
+        .collect()
 }
 
 fn components(spectrum: &SourceSpectrum, range_hz: [f64; 2]) -> Vec<Component> {
     let parts = spectrum.contribution_energies(range_hz, Weighting::A);
-    parts.into_iter().map(|(name, energy)| Component { name, lwa_db: energy_level(energy) }).collect()
+    parts
+        .into_iter()
+        .map(|(name, energy)| Component {
+            name,
+            lwa_db: energy_level(energy),
+        })
+        .collect()
 }
 
 /// Checks that bands sum to each source's level and sources to the total, as relative energy.

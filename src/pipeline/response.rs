@@ -29,7 +29,11 @@ pub(super) fn response(
 ) -> Result<ModalResponse, Error> {
     let bodies: Vec<ModalBody> = structure.bodies().map(modal_body).collect();
     let analysis = &design.analysis;
-    let settings = Settings { step: analysis.time_step, duration: analysis.duration, ..Settings::default() };
+    let settings = Settings {
+        step: analysis.time_step,
+        duration: analysis.duration,
+        ..Settings::default()
+    };
     let loads = loads(design, parameters, record, force_scale)?;
     Ok(respond(&bodies, &supports(design, structure)?, &loads, &settings)?)
 }
@@ -64,21 +68,25 @@ fn supports(design: &Design, structure: &Structure) -> Result<Vec<Support>, Erro
             (base.normal_bedding(&sand), sand.normal_dashpot(), s.bonded)
         }
     };
-    let law = if bonded { SupportLaw::Bonded } else { SupportLaw::Unilateral };
-    let cell = |&area: &f64| Support { stiffness: stiffness * area, damping: dashpot * area, gap: 0.0, law };
+    let law = if bonded {
+        SupportLaw::Bonded
+    } else {
+        SupportLaw::Unilateral
+    };
+    let cell = |&area: &f64| Support {
+        stiffness: stiffness * area,
+        damping: dashpot * area,
+        gap: 0.0,
+        law,
+    };
     Ok(structure.grid.areas.iter().map(cell).collect())
 }
 
 /// Loads of the shot: the nail's stations, the nose with the guard spring, gravity.
 ///
 /// After the record the tool is off the wood and the nail at rest: the forces of the shot go to zero, gravity stays.
-fn loads(
-    design: &Design,
-    parameters: &Parameters,
-    record: &CycleRecord,
-    force_scale: f64,
-) -> Result<Loads, Error> {
-    let nail = shank::forces(parameters, design.wood.friction_share, record)?;
+fn loads(design: &Design, parameters: &Parameters, record: &CycleRecord, force_scale: f64) -> Result<Loads, Error> {
+    let nail = shank::forces(parameters, design.wood.friction_share, record);
     let mut history = DMatrix::zeros(LOADS, record.len());
     history.rows_mut(0, shank::STATIONS).copy_from(&nail);
     for sample in 0..record.len() {
@@ -88,7 +96,11 @@ fn loads(
     history.row_mut(LOADS - 1).fill(1.0);
     let mut final_values = DVector::zeros(LOADS);
     final_values[LOADS - 1] = 1.0;
-    Ok(Loads { interval: record.sample_interval, history, final_values: final_values.as_slice().to_vec() })
+    Ok(Loads {
+        interval: record.sample_interval,
+        history,
+        final_values: final_values.as_slice().to_vec(),
+    })
 }
 
 /// Checks of the response.

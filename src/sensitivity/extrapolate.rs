@@ -22,10 +22,19 @@ pub(super) struct Estimate {
 /// truncation makes the first large where steps are long, noise the second where they are short. A difference that is
 /// missing ends the tableau; fewer than two give nothing.
 pub(super) fn extrapolate(differences: &[Option<f64>], first: f64, order: i32, noise: f64) -> Option<Estimate> {
-    let known: Vec<(usize, f64)> = differences.iter().enumerate().filter_map(|(k, d)| Some((k, (*d)?))).collect();
+    let known: Vec<(usize, f64)> = differences
+        .iter()
+        .enumerate()
+        .filter_map(|(k, d)| Some((k, (*d)?)))
+        .collect();
     // Steps that are missing at the long end, where the design would be no design, leave a shorter tableau.
     let start = known.first()?.0;
-    let run: Vec<f64> = known.iter().enumerate().take_while(|(i, (k, _))| start + i == *k).map(|(_, (_, d))| *d).collect();
+    let run: Vec<f64> = known
+        .iter()
+        .enumerate()
+        .take_while(|(i, (k, _))| start + i == *k)
+        .map(|(_, (_, d))| *d)
+        .collect();
     let mut best: Option<Estimate> = None;
     let mut previous: Vec<f64> = Vec::new();
     for (k, difference) in run.iter().enumerate() {
@@ -51,16 +60,27 @@ mod tests {
 
     fn central(f: impl Fn(f64) -> f64, x: f64, h: f64) -> Vec<Option<f64>> {
         let step = |k: i32| h / 2f64.powi(k);
-        (0..4).map(|k| Some((f(x + step(k)) - f(x - step(k))) / (2.0 * step(k)))).collect()
+        (0..4)
+            .map(|k| Some((f(x + step(k)) - f(x - step(k))) / (2.0 * step(k))))
+            .collect()
     }
 
     #[test]
     fn smooth_functions_lose_their_truncation() {
         let d = extrapolate(&central(f64::exp, 1.0, 0.2), 0.2, 2, 0.0).unwrap();
-        assert!((d.value - 1f64.exp()).abs() < 1e-10 && (d.value - 1f64.exp()).abs() <= d.error, "{d:?}");
-        let forward: Vec<_> = (0..5).map(|k| 0.2 / 2f64.powi(k)).map(|h| Some((h.exp() - 1.0) / h)).collect();
+        assert!(
+            (d.value - 1f64.exp()).abs() < 1e-10 && (d.value - 1f64.exp()).abs() <= d.error,
+            "{d:?}"
+        );
+        let forward: Vec<_> = (0..5)
+            .map(|k| 0.2 / 2f64.powi(k))
+            .map(|h| Some((h.exp() - 1.0) / h))
+            .collect();
         let d = extrapolate(&forward, 0.2, 1, 0.0).unwrap();
-        assert!((d.value - 1.0).abs() < 1e-6 && (d.value - 1.0).abs() <= d.error, "{d:?}");
+        assert!(
+            (d.value - 1.0).abs() < 1e-6 && (d.value - 1.0).abs() <= d.error,
+            "{d:?}"
+        );
     }
 
     #[test]

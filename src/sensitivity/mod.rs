@@ -124,7 +124,10 @@ pub enum End {
 
 /// A run of the design with one parameter moved.
 enum Run {
-    Shot { outcome: Outcome, figures: Vec<Option<f64>> },
+    Shot {
+        outcome: Outcome,
+        figures: Vec<Option<f64>>,
+    },
     Refused(String),
     Failed(String),
 }
@@ -137,7 +140,8 @@ enum Run {
 pub fn sensitivity(design: &Design, outputs: &[Output], keys: Option<&[&str]>) -> Result<Sensitivity, Error> {
     let mut parameters = taking_part(design)?;
     // A derivative with respect to a whole number is none.
-    parameters.retain(|p| matches!(p.value, Value::Number(_)) && keys.is_none_or(|keys| keys.contains(&p.key.as_str())));
+    parameters
+        .retain(|p| matches!(p.value, Value::Number(_)) && keys.is_none_or(|keys| keys.contains(&p.key.as_str())));
     let close = pipeline::cycle_settings(design);
     let settings = |parts: f64| Settings {
         relative_tolerance: close.relative_tolerance * CLOSER * parts,
@@ -148,13 +152,21 @@ pub fn sensitivity(design: &Design, outputs: &[Output], keys: Option<&[&str]>) -
     let check = simulate(&pipeline::parameters(design)?, &settings(0.5))?;
     let read = |record: &CycleRecord| outputs.iter().map(|output| output.of(record)).collect::<Vec<_>>();
     let (values, checked) = (read(&base), read(&check));
-    let noise: Vec<f64> =
-        values.iter().zip(&checked).map(|(a, b)| a.zip(*b).map_or(0.0, |(a, b): (f64, f64)| (a - b).abs())).collect();
+    let noise: Vec<f64> = values
+        .iter()
+        .zip(&checked)
+        .map(|(a, b)| a.zip(*b).map_or(0.0, |(a, b): (f64, f64)| (a - b).abs()))
+        .collect();
 
-    let jobs: Vec<(usize, f64)> =
-        parameters.iter().enumerate().flat_map(|(index, p)| points(p).into_iter().map(move |x| (index, x))).collect();
-    let runs: Vec<Run> =
-        jobs.par_iter().map(|(index, x)| run(design, &parameters[*index], *x, &settings(1.0), outputs)).collect();
+    let jobs: Vec<(usize, f64)> = parameters
+        .iter()
+        .enumerate()
+        .flat_map(|(index, p)| points(p).into_iter().map(move |x| (index, x)))
+        .collect();
+    let runs: Vec<Run> = jobs
+        .par_iter()
+        .map(|(index, x)| run(design, &parameters[*index], *x, &settings(1.0), outputs))
+        .collect();
     let per_parameter: Vec<&[Run]> = runs.chunks(2 * STEPS + 2).collect();
 
     let ranking = |output: usize| {
@@ -183,16 +195,28 @@ pub fn sensitivity(design: &Design, outputs: &[Output], keys: Option<&[&str]>) -
             Run::Refused(_) => false,
             Run::Failed(_) => true,
         };
-        ParameterOutcome { parameter, ends, outcome_changes: runs.iter().any(other) }
+        ParameterOutcome {
+            parameter,
+            ends,
+            outcome_changes: runs.iter().any(other),
+        }
     };
     let parameters = parameters.clone().into_iter().zip(&per_parameter).map(ends).collect();
-    Ok(Sensitivity { outcome, outputs, parameters })
+    Ok(Sensitivity {
+        outcome,
+        outputs,
+        parameters,
+    })
 }
 
 /// The longest step of a parameter: a part of its value or of half its range, whichever is smaller and not zero.
 fn first_step(parameter: &Parameter) -> f64 {
     let value = number(parameter).abs();
-    let size = if value > 0.0 { value.min(parameter.half_range()) } else { parameter.half_range() };
+    let size = if value > 0.0 {
+        value.min(parameter.half_range())
+    } else {
+        parameter.half_range()
+    };
     FIRST_STEP * size
 }
 
@@ -256,11 +280,27 @@ fn derivative(parameter: &Parameter, runs: &[Run], output: usize, value: f64, no
         .or_else(|| side(0, 1.0))
         .or_else(|| side(1, -1.0))?;
     let effect = estimate.value * parameter.half_range();
-    let Estimate { value: derivative, error, step } = estimate;
+    let Estimate {
+        value: derivative,
+        error,
+        step,
+    } = estimate;
     let at_ends = [figure(2 * STEPS), figure(2 * STEPS + 1)];
-    let mut found = Derivative { key: parameter.key.clone(), derivative, error, effect, weight: effect.abs(), step, at_ends };
+    let mut found = Derivative {
+        key: parameter.key.clone(),
+        derivative,
+        error,
+        effect,
+        weight: effect.abs(),
+        step,
+        at_ends,
+    };
     if found.is_linear() == Some(false) {
-        found.weight = at_ends.into_iter().flatten().map(|end| (end - value).abs()).fold(0.0, f64::max);
+        found.weight = at_ends
+            .into_iter()
+            .flatten()
+            .map(|end| (end - value).abs())
+            .fold(0.0, f64::max);
     }
     Some(found)
 }

@@ -31,7 +31,12 @@ impl std::fmt::Debug for Output {
 
 macro_rules! event {
     ($name:ident) => {
-        Output { name: stringify!($name), group: "events", unit: "s", read: |r| r.events.$name }
+        Output {
+            name: stringify!($name),
+            group: "events",
+            unit: "s",
+            read: |r| r.events.$name,
+        }
     };
 }
 
@@ -41,7 +46,12 @@ const fn output(
     unit: &'static str,
     read: fn(&CycleRecord) -> Option<f64>,
 ) -> Output {
-    Output { name, group, unit, read }
+    Output {
+        name,
+        group,
+        unit,
+        read,
+    }
 }
 
 /// All figures, in the order of the reports.
@@ -69,13 +79,21 @@ pub const OUTPUTS: &[Output] = &[
     event!(t16),
     event!(t17),
     event!(t18),
-    output("peak_penetration_force", "forces", "N", |r| Some(peak(&r.forces.penetration, 1.0))),
-    output("peak_support_force", "forces", "N", |r| Some(peak(&r.forces.support, 1.0))),
+    output("peak_penetration_force", "forces", "N", |r| {
+        Some(peak(&r.forces.penetration, 1.0))
+    }),
+    output("peak_support_force", "forces", "N", |r| {
+        Some(peak(&r.forces.support, 1.0))
+    }),
     output("peak_nose_force", "forces", "N", |r| Some(peak(&r.forces.nose, 1.0))),
     output("peak_cap_force", "forces", "N", |r| Some(peak(&r.forces.cap, -1.0))),
     output("peak_seat_force", "forces", "N", |r| Some(peak(&r.forces.seat, 1.0))),
-    output("peak_bumper_force", "forces", "N", |r| Some(peak(&r.forces.bumper, 1.0))),
-    output("peak_stopper_force", "forces", "N", |r| Some(peak(&r.forces.stopper, -1.0))),
+    output("peak_bumper_force", "forces", "N", |r| {
+        Some(peak(&r.forces.bumper, 1.0))
+    }),
+    output("peak_stopper_force", "forces", "N", |r| {
+        Some(peak(&r.forces.stopper, -1.0))
+    }),
     output("exhaust_mass", "masses", "kg", |r| Some(r.summary.exhaust_mass)),
     output("vent_mass", "masses", "kg", |r| Some(r.summary.vent_mass)),
     output("leak_mass", "masses", "kg", |r| Some(r.summary.leak_mass)),
@@ -102,16 +120,29 @@ pub fn choose(names: &[impl AsRef<str>]) -> Result<Vec<Output>, Error> {
     let names: Vec<&str> = names.iter().map(|name| name.as_ref().trim()).collect();
     if let Some(name) = names.iter().find(|name| !OUTPUTS.iter().any(|output| is(output, name))) {
         let known = OUTPUTS.iter().map(|output| output.name).collect::<Vec<_>>().join(", ");
-        return Err(Error::NoSuchOutput { name: (*name).to_owned(), known });
+        return Err(Error::NoSuchOutput {
+            name: (*name).to_owned(),
+            known,
+        });
     }
-    Ok(OUTPUTS.iter().filter(|output| names.iter().any(|name| is(output, name))).copied().collect())
+    Ok(OUTPUTS
+        .iter()
+        .filter(|output| names.iter().any(|name| is(output, name)))
+        .copied()
+        .collect())
 }
 
 /// Work of the penetration resistance on the rod, W = integral of F_pen (v_p - v_w) dt (trapezoid) \[J\].
 fn penetration_work(record: &CycleRecord) -> f64 {
-    let (force, piston, wood) = (&record.forces.penetration, &record.piston.velocity, &record.workpiece.velocity);
+    let (force, piston, wood) = (
+        &record.forces.penetration,
+        &record.piston.velocity,
+        &record.workpiece.velocity,
+    );
     let power = |i: usize| force[i] * (piston[i] - wood[i]);
-    (1..record.len()).map(|i| 0.5 * (power(i - 1) + power(i)) * record.sample_interval).sum()
+    (1..record.len())
+        .map(|i| 0.5 * (power(i - 1) + power(i)) * record.sample_interval)
+        .sum()
 }
 
 /// Largest value of `sign` times a history, between the samples too.
@@ -120,7 +151,9 @@ fn penetration_work(record: &CycleRecord) -> f64 {
 /// parabola through the three highest ones leaves some 1e-5.
 fn peak(values: &[f64], sign: f64) -> f64 {
     let value = |index: usize| sign * values[index];
-    let Some(top) = (0..values.len()).max_by(|a, b| value(*a).total_cmp(&value(*b))) else { return 0.0 };
+    let Some(top) = (0..values.len()).max_by(|a, b| value(*a).total_cmp(&value(*b))) else {
+        return 0.0;
+    };
     if top == 0 || top + 1 == values.len() {
         return value(top);
     }
@@ -131,7 +164,11 @@ fn peak(values: &[f64], sign: f64) -> f64 {
     }
     let curvature = left - 2.0 * middle + right;
     let slope = 0.5 * (right - left);
-    if curvature < 0.0 { middle - 0.5 * slope * slope / curvature } else { middle }
+    if curvature < 0.0 {
+        middle - 0.5 * slope * slope / curvature
+    } else {
+        middle
+    }
 }
 
 #[cfg(test)]
@@ -141,7 +178,9 @@ mod tests {
     #[test]
     fn a_peak_between_samples_is_found() {
         for phase in [0.0, 0.2, 0.5, 0.9] {
-            let wave: Vec<f64> = (0..40).map(|i| (0.17 * (f64::from(i) + phase)).sin().max(0.0)).collect();
+            let wave: Vec<f64> = (0..40)
+                .map(|i| (0.17 * (f64::from(i) + phase)).sin().max(0.0))
+                .collect();
             assert!((peak(&wave, 1.0) - 1.0).abs() < 1e-5, "{}", peak(&wave, 1.0));
             let mirrored: Vec<f64> = wave.iter().map(|f| -f).collect();
             assert_eq!(peak(&mirrored, -1.0), peak(&wave, 1.0));

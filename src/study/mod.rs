@@ -107,7 +107,10 @@ pub fn outcome_name(outcome: Outcome) -> &'static str {
 /// As [`pipeline::parameters`].
 pub fn study(design: &Design, count: usize, seed: u64) -> Result<Study, Error> {
     let parameters = taking_part(design)?;
-    let settings = Settings { sample_interval: SAMPLES, ..pipeline::cycle_settings(design) };
+    let settings = Settings {
+        sample_interval: SAMPLES,
+        ..pipeline::cycle_settings(design)
+    };
     let mut study = Study {
         seed,
         parameters,
@@ -157,7 +160,11 @@ fn candidate(
         }
     };
     let values: Vec<Value> = parameters.iter().map(draw).collect();
-    let changes: Vec<(&str, Value)> = parameters.iter().map(|p| p.key.as_str()).zip(values.iter().copied()).collect();
+    let changes: Vec<(&str, Value)> = parameters
+        .iter()
+        .map(|p| p.key.as_str())
+        .zip(values.iter().copied())
+        .collect();
     let mut drawn = design.clone();
     drawn.set(&changes).map_err(|error| error.to_string())?;
     if let Some(conflict) = drawn.conflict() {
@@ -171,20 +178,37 @@ fn candidate(
     {
         repeated = Some(error.to_string());
         let relative_tolerance = settings.relative_tolerance * CLOSER;
-        result = simulate(&shot, &Settings { relative_tolerance, ..settings.clone() });
+        result = simulate(
+            &shot,
+            &Settings {
+                relative_tolerance,
+                ..settings.clone()
+            },
+        );
     }
     let fate = match result {
-        Ok(record) => Fate::Shot { outcome: record.outcome, summary: Box::new(record.summary) },
+        Ok(record) => Fate::Shot {
+            outcome: record.outcome,
+            summary: Box::new(record.summary),
+        },
         Err(CycleError::DryFire { .. }) => Fate::DryFire,
         Err(error) if is_failure(&error) => Fate::SolverFailure(error.to_string()),
         Err(error) => return Err(rule(&error).to_owned()),
     };
-    Ok(Draw { candidate, values, repeated, fate })
+    Ok(Draw {
+        candidate,
+        values,
+        repeated,
+        fate,
+    })
 }
 
 /// Whether the solver gave up, rather than the design being none.
 fn is_failure(error: &CycleError) -> bool {
-    matches!(error, CycleError::Integration { .. } | CycleError::Collapse { .. } | CycleError::Chatter { .. })
+    matches!(
+        error,
+        CycleError::Integration { .. } | CycleError::Collapse { .. } | CycleError::Chatter { .. }
+    )
 }
 
 fn keys(conflict: &Conflict) -> String {

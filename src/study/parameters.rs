@@ -48,14 +48,22 @@ pub fn taking_part(design: &Design) -> Result<Vec<Parameter>, Error> {
     let base = pipeline::parameters(design)?;
     let mut found = Vec::new();
     for entry in design.entries() {
-        let Some(range) = entry.range.filter(|range| range[0] < range[1]) else { continue };
+        let Some(range) = entry.range.filter(|range| range[0] < range[1]) else {
+            continue;
+        };
         let value = match entry.value {
             Value::Number(value) => value,
             Value::Count(count) => f64::from(count),
             Value::Switch(_) | Value::Choice(_) => continue,
         };
         let (key, symbol, unit, value_kept) = (entry.key, entry.symbol, entry.unit, entry.value);
-        let parameter = Parameter { key, symbol, unit, value: value_kept, range };
+        let parameter = Parameter {
+            key,
+            symbol,
+            unit,
+            value: value_kept,
+            range,
+        };
         let other = if range[0] == value { range[1] } else { range[0] };
         let mut changed = design.clone();
         let moved = changed.set(&[(parameter.key.as_str(), parameter.hold(other))]).is_ok()

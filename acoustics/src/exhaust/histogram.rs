@@ -13,6 +13,64 @@ pub(super) struct PeakHistogram {
     energy: Vec<f64>,
 }
 
+/// Lattice point below the frequency and the share of the one above it.
+fn place(peak_hz: f64) -> (usize, f64) {
+    let x = position(peak_hz).clamp(0.0, (POINTS - 1) as f64);
+    let i = (x as usize).min(POINTS - 2);
+    (i, x - i as f64)
+}
+
+fn position(hz: f64) -> f64 {
+    (hz.log10() - START) * PER_DECADE
+}
+
+/// Cubic interpolation between lattice points: linear in the lattice's values, so that it has an adjoint.
+struct Stencil {
+    /// First of the four points, from the first point of the lattice stretch.
+    first: usize,
+    weights: [f64; 4],
+}
+
+/// A stretch of the lattice that covers a range of frequencies, with one shape around every lattice point.
+struct Stretch {
+    from: i64,
+    to: i64,
+    least: i64,
+    table: Vec<f64>,
+}
+
+impl Stretch {
+    /// For peaks on the lattice points `first` to `last`.
+    fn new(shape: impl Fn(f64) -> f64, low: f64, high: f64, first: usize, last: usize) -> Self {
+        let (from, to) = (position(low).floor() as i64 - 1, position(high).floor() as i64 + 2);
+        let least = from - last as i64;
+        let table = (least..=to - first as i64)
+            .map(|d| shape(10f64.powf(d as f64 / PER_DECADE)))
+            .collect();
+        Self { from, to, least, table }
+    }
+
+    /// The shape of a peak on lattice point `peak` at every point of the stretch.
+    fn around(&self, peak: usize) -> &[f64] {
+        let start = (self.from - peak as i64 - self.least) as usize;
+        &self.table[start..=start + (self.to - self.from) as usize]
+    }
+
+    fn stencil(&self, hz: f64) -> Stencil {
+        let x = position(hz) - self.from as f64;
+        // Points i - 1 to i + 2 around x; the stretch has one to spare at either end.
+        let i = (x as usize).clamp(1, (self.to - self.from) as usize - 2);
+        let s = x - i as f64;
+        let weights = [
+            -s * (s - 1.0) * (s - 2.0) / 6.0,
+            (s + 1.0) * (s - 1.0) * (s - 2.0) / 2.0,
+            -(s + 1.0) * s * (s - 2.0) / 2.0,
+            (s + 1.0) * s * (s - 1.0) / 6.0,
+        ];
+        Stencil { first: i - 1, weights }
+    }
+}
+
 impl PeakHistogram {
     pub(super) fn new() -> Self {
         Self {
@@ -21,44 +79,79 @@ impl PeakHistogram {
     }
 
     pub(super) fn deposit(&mut self, peak_hz: f64, energy: f64) {
-        let x = ((peak_hz.log10() - START) * PER_DECADE).clamp(0.0, (POINTS - 1) as f64);
-        let i = (x as usize).min(POINTS - 2);
-        let share = x - i as f64;
+        let (i, share) = place(peak_hz);
         self.energy[i] += (1.0 - share) * energy;
         self.energy[i + 1] += share * energy;
     }
 
     /// Energy density \[J/Hz\] at rising frequencies of spectra with the given shape (per ln f, over f/f_peak).
     pub(super) fn spread(&self, shape: impl Fn(f64) -> f64, frequency: &[f64]) -> Vec<f64> {
-        let (Some(&low), Some(&high)) = (frequency.first(), frequency.last()) else {
-            return Vec::new();
-        };
         let used: Vec<usize> = (0..POINTS).filter(|&i| self.energy[i] > 0.0).collect();
-        let (Some(&first), Some(&last)) = (used.first(), used.last()) else {
+        let (Some(&low), Some(&high), Some(&first), Some(&last)) =
+            (frequency.first(), frequency.last(), used.first(), used.last())
+        else {
             return vec![0.0; frequency.len()];
         };
-        let place = |hz: f64| (hz.log10() - START) * PER_DECADE;
-        let (from, to) = (place(low).floor() as i64, place(high).ceil() as i64 + 1);
-        // Shape at every difference of lattice points that occurs.
-        let least = from - last as i64;
-        let table: Vec<f64> = (least..=to - first as i64)
-            .map(|d| shape(10f64.powf(d as f64 / PER_DECADE)))
-            .collect();
-        let lattice: Vec<f64> = (from..=to)
-            .map(|i| {
-                let sum: f64 = used
-                    .iter()
-                    .map(|&b| self.energy[b] * table[(i - b as i64 - least) as usize])
-                    .sum();
-                sum.ln()
-            })
-            .collect();
+        let stretch = Stretch::new(shape, low, high, first, last);
+        let mut lattice = vec![0.0; (stretch.to - stretch.from + 1) as usize];
+        for &peak in &used {
+            let energy = self.energy[peak];
+            let shape = stretch.around(peak);
+            lattice.iter_mut().zip(shape).for_each(|(sum, g)| *sum += energy * g);
+        }
         let value = |&hz: &f64| {
-            let x = place(hz) - from as f64;
-            let i = (x as usize).min(lattice.len() - 2);
-            let share = x - i as f64;
-            ((1.0 - share) * lattice[i] + share * lattice[i + 1]).exp() / hz
+            let Stencil { first, weights } = stretch.stencil(hz);
+            let points = &lattice[first..first + 4];
+            weights.iter().zip(points).map(|(w, g)| w * g).sum::<f64>() / hz
         };
         frequency.iter().map(value).collect()
+    }
+}
+
+/// How much of a spectrum counts in a weighted sum over frequencies, by the frequency of its peak.
+///
+/// The adjoint of [`PeakHistogram::spread`]: what deposits count one by one adds up to the weighted sum of the spread
+/// spectrum, to round-off.
+pub(super) struct PeakWeights {
+    weight: Vec<f64>,
+}
+
+impl PeakWeights {
+    /// For spectra of the given shape and sum_k w_k E(f_k).
+    pub(super) fn new(
+        shape: impl Fn(f64) -> f64,
+        frequency: &[f64],
+        weights: &[f64],
+        peaks: impl Iterator<Item = f64>,
+    ) -> Self {
+        let mut weight = vec![0.0; POINTS];
+        let mut wanted = vec![false; POINTS];
+        for (i, _) in peaks.map(place) {
+            (wanted[i], wanted[i + 1]) = (true, true);
+        }
+        let used: Vec<usize> = (0..POINTS).filter(|&i| wanted[i]).collect();
+        let (Some(&low), Some(&high), Some(&first), Some(&last)) =
+            (frequency.first(), frequency.last(), used.first(), used.last())
+        else {
+            return Self { weight };
+        };
+        let stretch = Stretch::new(shape, low, high, first, last);
+        let mut lattice = vec![0.0; (stretch.to - stretch.from + 1) as usize];
+        for (&hz, w) in frequency.iter().zip(weights) {
+            let Stencil { first, weights } = stretch.stencil(hz);
+            let points = &mut lattice[first..first + 4];
+            points.iter_mut().zip(weights).for_each(|(sum, s)| *sum += w / hz * s);
+        }
+        for peak in used {
+            let shape = stretch.around(peak);
+            weight[peak] = lattice.iter().zip(shape).map(|(c, g)| c * g).sum();
+        }
+        Self { weight }
+    }
+
+    /// The weighted sum of the spectrum of unit energy that peaks at `peak_hz`.
+    pub(super) fn of(&self, peak_hz: f64) -> f64 {
+        let (i, share) = place(peak_hz);
+        (1.0 - share) * self.weight[i] + share * self.weight[i + 1]
     }
 }

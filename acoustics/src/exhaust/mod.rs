@@ -6,6 +6,7 @@
 
 mod cross_check;
 mod histogram;
+mod history;
 mod jet;
 mod mixing;
 mod monopole;
@@ -16,6 +17,7 @@ mod shock;
 mod similarity;
 
 pub use cross_check::{ValveNoise, valve_noise_energy};
+pub use history::ExhaustHistory;
 pub use jet::Jet;
 pub use mixing::{MIXING_RANGE, mixing_power};
 pub use monopole::PlenumResonance;

@@ -2,13 +2,14 @@ use super::opening::{FlowHistory, Opening};
 use crate::air::{Air, GAS_CONSTANT, HEAT_RATIO};
 use crate::error::{AcousticsError, positive};
 use crate::fourier::{Transform, TransformSettings};
+use rustfft::num_complex::Complex;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// Resonance of the air in the openings on the plenum behind them.
 ///
 /// ```text
-/// f_0 = (c/2 pi) sqrt(A / (V L'))        |H|^2 = 1 / [(1 - (f/f_0)^2)^2 + (f/(f_0 Q))^2]
+/// f_0 = (c/2 pi) sqrt(A / (V L'))        H = 1 / [1 - (f/f_0)^2 + j f/(f_0 Q)]
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PlenumResonance {
@@ -29,8 +30,13 @@ impl PlenumResonance {
 
     /// |H|² at the frequency `hz` for the resonance frequency `resonance_hz`.
     pub fn gain(&self, hz: f64, resonance_hz: f64) -> f64 {
+        self.response(hz, resonance_hz).norm_sqr()
+    }
+
+    /// H at the frequency `hz`, causal.
+    fn response(&self, hz: f64, resonance_hz: f64) -> Complex<f64> {
         let x = hz / resonance_hz;
-        1.0 / ((1.0 - x * x).powi(2) + (x / self.quality).powi(2))
+        Complex::new(1.0 - x * x, x / self.quality).inv()
     }
 
     pub(super) fn check(&self) -> Result<(), AcousticsError> {
@@ -40,19 +46,21 @@ impl PlenumResonance {
     }
 }
 
-/// Frequencies \[Hz\] and energy density \[J/Hz\] of the unsteady outflow as a monopole in free space.
+/// Frequencies \[Hz\] and signal x(f) of the unsteady outflow as a monopole in free space, E = 2 |x|².
 ///
 /// ```text
-/// E(f) = 2 |F{d(m' T_0/T_a)/dt}|^2 / (4 pi rho0 c0)
+/// E(f) = 2 |H F{d(m' T_0/T_a)/dt}|^2 / (4 pi rho0 c0)
 /// ```
 ///
 /// The derivative is taken between samples and freed of the difference quotient's sinc(pi f dt), so that it is exact
-/// for a record without content above half the sampling frequency.
+/// for a record without content above half the sampling frequency. H is 1, or that of the plenum with its resonance
+/// frequency.
 pub(super) fn monopole(
     history: &FlowHistory,
     air: &Air,
     settings: &TransformSettings,
-) -> Result<(Vec<f64>, Vec<f64>), AcousticsError> {
+    plenum: Option<(&PlenumResonance, f64)>,
+) -> Result<(Vec<f64>, Vec<Complex<f64>>), AcousticsError> {
     let dt = history.sample_interval;
     let source: Vec<f64> = history
         .mass_flow
@@ -63,15 +71,17 @@ pub(super) fn monopole(
     let derivative: Vec<f64> = source.windows(2).map(|pair| (pair[1] - pair[0]) / dt).collect();
     let transform = Transform::new(derivative.len(), dt, settings)?;
     let frequency = transform.frequencies();
-    let energy = |(hz, x): (&f64, rustfft::num_complex::Complex<f64>)| {
+    let signal = |(hz, x): (&f64, Complex<f64>)| {
         let phase = PI * hz * dt;
-        let exact = phase / phase.sin();
-        2.0 * exact * exact * x.norm_sqr() / (4.0 * PI * air.impedance())
+        // The quotient between two samples belongs to the middle between them.
+        let middle = Complex::from_polar(phase / phase.sin() / (4.0 * PI * air.impedance()).sqrt(), -phase);
+        let filter = plenum.map_or(Complex::ONE, |(plenum, f0)| plenum.response(*hz, f0));
+        middle * filter * x
     };
-    let density = frequency
+    let signals = frequency
         .iter()
         .zip(transform.apply(&derivative)?)
-        .map(energy)
+        .map(signal)
         .collect();
-    Ok((frequency, density))
+    Ok((frequency, signals))
 }

@@ -1,4 +1,5 @@
 use super::histogram::PeakHistogram;
+use super::history::{Burst, ExhaustHistory};
 use super::jet::Jet;
 use super::mixing::{MIXING_RANGE, mixing_power};
 use super::monopole::{PlenumResonance, monopole};
@@ -7,7 +8,8 @@ use super::{shock, similarity};
 use crate::air::Air;
 use crate::error::AcousticsError;
 use crate::fourier::TransformSettings;
-use crate::levels::{Contribution, SourceSpectrum};
+use crate::levels::{Contribution, PowerSignals, SourceSpectrum};
+use nalgebra::DMatrix;
 use serde::Serialize;
 
 /// Strouhal number f D_j/U_j at which mixing noise peaks, per hertz.
@@ -37,7 +39,7 @@ impl Default for ExhaustSettings {
 }
 
 /// The noise of one opening over a cycle.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Serialize)]
 pub struct ExhaustNoise {
     /// Energy spectrum with the contributions `mixing`, `shock` and `unsteady flow`.
     pub spectrum: SourceSpectrum,
@@ -51,6 +53,9 @@ pub struct ExhaustNoise {
     pub mass: f64,
     /// Mass that the isentropic jets carry \[kg\]; near `mass` when areas and pressures agree with the cycle's.
     pub jet_mass: f64,
+    /// The same noise over time.
+    #[serde(skip)]
+    pub history: ExhaustHistory,
 }
 
 /// Exhaust noise of one opening: turbulent mixing, broadband shock noise and the monopole of the unsteady outflow.
@@ -73,11 +78,13 @@ pub fn exhaust_noise(
     let (mut mixing, mut shocks) = (PeakHistogram::new(), PeakHistogram::new());
     let (mut mixing_energy, mut shock_energy, mut outside) = (0.0, 0.0, 0.0);
     let (mut mass, mut jet_mass) = (0.0, 0.0);
-    for ((&flow, &pressure), &temperature) in history
+    let (mut mixing_bursts, mut shock_bursts) = (Vec::new(), Vec::new());
+    for (sample, ((&flow, &pressure), &temperature)) in history
         .mass_flow
         .iter()
         .zip(&history.pressure)
         .zip(&history.temperature)
+        .enumerate()
     {
         if flow <= 0.0 {
             continue;
@@ -89,29 +96,43 @@ pub fn exhaust_noise(
         jet_mass += jet.mass_flow(area) * dt;
         let jet_area = jet.area(area);
         let energy = mixing_power(&jet, jet_area, air) * dt;
-        mixing.deposit(
-            MIXING_STROUHAL * jet.velocity / (jet.diameter_ratio * opening.diameter),
+        let peak_hz = MIXING_STROUHAL * jet.velocity / (jet.diameter_ratio * opening.diameter);
+        mixing.deposit(peak_hz, energy);
+        mixing_bursts.push(Burst {
+            sample,
+            peak_hz,
             energy,
-        );
+        });
         mixing_energy += energy;
         if !MIXING_RANGE.contains(&(jet.velocity / air.sound_speed).log10()) {
             outside += energy;
         }
-        if let Some(peak) = shock::shock_peak_frequency(&jet, jet_area / opening.count as f64, air) {
+        if let Some(peak_hz) = shock::shock_peak_frequency(&jet, jet_area / opening.count as f64, air) {
             let energy = shock::factor(&jet, jet_area, air) * dt;
-            shocks.deposit(peak, energy);
+            shocks.deposit(peak_hz, energy);
+            shock_bursts.push(Burst {
+                sample,
+                peak_hz,
+                energy,
+            });
             shock_energy += energy;
         }
     }
-    let (frequency, mut unsteady) = monopole(history, air, &settings.transform)?;
-    if let Some(plenum) = &settings.plenum {
-        plenum.check()?;
-        let resonance = plenum.frequency(opening, outflow_temperature(history).unwrap_or(air.temperature));
-        unsteady
-            .iter_mut()
-            .zip(&frequency)
-            .for_each(|(e, &hz)| *e *= plenum.gain(hz, resonance));
-    }
+    let plenum = settings.plenum.as_ref();
+    plenum.map_or(Ok(()), PlenumResonance::check)?;
+    let temperature = outflow_temperature(history).unwrap_or(air.temperature);
+    let plenum = plenum.map(|plenum| (plenum, plenum.frequency(opening, temperature)));
+    let (frequency, signal) = monopole(history, air, &settings.transform, plenum)?;
+    let unsteady: Vec<f64> = signal.iter().map(|x| 2.0 * x.norm_sqr()).collect();
+    let outflow = SourceSpectrum::new("", "", frequency.clone(), unsteady.clone(), settings.transform.range_hz)?;
+    let over_time = ExhaustHistory {
+        sample_interval: dt,
+        samples: history.mass_flow.len(),
+        frequency: frequency.clone(),
+        mixing: mixing_bursts,
+        shocks: shock_bursts,
+        monopole: PowerSignals::new(&outflow, DMatrix::from_row_slice(1, signal.len(), &signal))?,
+    };
     let normal = similarity::total();
     let parts = [
         ("mixing", mixing.spread(|x| similarity::shape(x) / normal, &frequency)),
@@ -140,6 +161,7 @@ pub fn exhaust_noise(
         },
         mass,
         jet_mass,
+        history: over_time,
     })
 }
 

@@ -3,13 +3,17 @@
 //! A source is known by its energy spectral density E(f) \[J/Hz\], one-sided; all levels follow from integrals of E.
 
 mod bands;
+mod history;
 mod ranking;
+mod signals;
 mod spectrum;
 mod weighting;
 
 pub use bands::{Band, THIRD_OCTAVES, band_containing, third_octaves};
+pub use history::{IntervalLevels, PowerHistory};
 pub use ranking::{COMMON_RANGE_HZ, RankedSource, Ranking, rank};
-pub use spectrum::{BandLevel, Contribution, SourceSpectrum};
+pub use signals::{PowerSignals, SignalAnalysis};
+pub use spectrum::{BandLevel, Contribution, SourceSpectrum, energy_weights};
 pub use weighting::Weighting;
 
 /// Reference sound energy: 1 pW over 1 s \[J\].

@@ -127,9 +127,17 @@ impl SourceSpectrum {
     }
 
     /// The sum of spectra of parts that radiate independently, on the union of their frequencies, where the sum of
-    /// piecewise linear functions is exact. The parts become the contributions. The range is the one they share.
+    /// piecewise linear functions is exact. A part that ends before the others falls to zero within one rounding of
+    /// its last frequency, so that none of its energy is smeared beyond. The parts become the contributions. The range is
+    /// the one they share.
     pub fn sum(source: impl Into<String>, method: impl Into<String>, parts: &[Self]) -> Self {
+        let ends = |part: &Self| Some([part.frequency.first()?.next_down(), part.frequency.last()?.next_up()]);
+        let jumps: Vec<f64> = parts.iter().filter_map(ends).flatten().collect();
         let mut frequency: Vec<f64> = parts.iter().flat_map(|part| part.frequency.iter().copied()).collect();
+        let (low, high) = frequency
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &f| (a.min(f), b.max(f)));
+        frequency.extend(jumps.into_iter().filter(|f| (low..=high).contains(f)));
         frequency.sort_by(f64::total_cmp);
         frequency.dedup();
         let contributions: Vec<Contribution> = parts
@@ -156,16 +164,21 @@ impl SourceSpectrum {
 
     /// E(f) \[J/Hz\], linear between the frequencies and zero outside.
     pub fn density_at(&self, hz: f64) -> f64 {
-        let after = self.frequency.partition_point(|&f| f < hz);
-        match (self.frequency.get(after), after.checked_sub(1)) {
-            (Some(&f), _) if f == hz => self.energy_density[after],
-            (Some(&f1), Some(before)) => {
-                let f0 = self.frequency[before];
-                let share = (hz - f0) / (f1 - f0);
-                (1.0 - share) * self.energy_density[before] + share * self.energy_density[after]
-            }
-            _ => 0.0,
+        interpolate(&self.frequency, &self.energy_density, hz)
+    }
+}
+
+/// Value at `hz` of the function that is linear between the frequencies and zero outside.
+fn interpolate(frequency: &[f64], density: &[f64], hz: f64) -> f64 {
+    let after = frequency.partition_point(|&f| f < hz);
+    match (frequency.get(after), after.checked_sub(1)) {
+        (Some(&f), _) if f == hz => density[after],
+        (Some(&f1), Some(before)) => {
+            let f0 = frequency[before];
+            let share = (hz - f0) / (f1 - f0);
+            (1.0 - share) * density[before] + share * density[after]
         }
+        _ => 0.0,
     }
 }
 
@@ -173,22 +186,47 @@ impl SourceSpectrum {
 const GAUSS3: (f64, f64) = (0.774_596_669_241_483_4, 5.0 / 9.0);
 
 /// Integral of a piecewise linear density times the weighting over `range`.
-///
-/// Every interval of the frequency grid is cut at the edges of all one-third-octave bands, whatever the range, and each
-/// piece is integrated by the same Gauss rule: exact for Z, and additive over bands for every weighting.
 fn integrate(frequency: &[f64], density: &[f64], range: [f64; 2], weighting: Weighting) -> f64 {
+    let mut total = 0.0;
+    pieces(frequency, range, weighting, |i, lower, upper| {
+        total += lower * density[i] + upper * density[i + 1];
+    });
+    total
+}
+
+/// Weights w_k with which the energy of a spectrum is a sum over its frequencies.
+///
+/// ```text
+/// int E(f) 10^{A(f)/10} df = sum_k w_k E(f_k)
+/// ```
+///
+/// The integral is that of [`SourceSpectrum::energy`], E linear between the frequencies: w_k is the weighted integral of
+/// the hat function of f_k over `range`, whose ends may cut it.
+pub fn energy_weights(frequency: &[f64], range: [f64; 2], weighting: Weighting) -> Vec<f64> {
+    let mut weights = vec![0.0; frequency.len()];
+    pieces(frequency, range, weighting, |i, lower, upper| {
+        weights[i] += lower;
+        weights[i + 1] += upper;
+    });
+    weights
+}
+
+/// Calls `add(i, lower, upper)` with weighted integrals of the falling and the rising hat function on pieces of the
+/// interval i of the frequency grid.
+///
+/// Every interval is cut at the edges of all one-third-octave bands, whatever the range, and each piece is integrated
+/// by the same Gauss rule: exact for Z, and additive over bands for every weighting.
+fn pieces(frequency: &[f64], range: [f64; 2], weighting: Weighting, mut add: impl FnMut(usize, f64, f64)) {
     let [low, high] = range;
     if frequency.len() < 2 || low.is_nan() || high.is_nan() || high <= low {
-        return 0.0;
+        return;
     }
     let first = frequency.partition_point(|&f| f <= low).saturating_sub(1);
-    let mut total = 0.0;
     for i in first..frequency.len() - 1 {
         let (f0, f1) = (frequency[i], frequency[i + 1]);
         if f0 >= high {
             break;
         }
-        let slope = (density[i + 1] - density[i]) / (f1 - f0);
         let (mut a, end) = (f0.max(low), f1.min(high));
         let mut cut = if a > 0.0 {
             band_containing(a).index + 1
@@ -198,11 +236,16 @@ fn integrate(frequency: &[f64], density: &[f64], range: [f64; 2], weighting: Wei
         while a < end {
             let b = if cut > i32::MIN { edge(cut).min(end) } else { end };
             let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
-            let value = |f: f64| (density[i] + slope * (f - f0)) * weighting.energy_factor(f);
             let (x, w) = GAUSS3;
-            total += half * (8.0 / 9.0 * value(middle) + w * (value(middle - half * x) + value(middle + half * x)));
+            let (mut lower, mut upper) = (0.0, 0.0);
+            for (f, w) in [(middle, 8.0 / 9.0), (middle - half * x, w), (middle + half * x, w)] {
+                let value = half * w * weighting.energy_factor(f);
+                let share = (f - f0) / (f1 - f0);
+                lower += (1.0 - share) * value;
+                upper += share * value;
+            }
+            add(i, lower, upper);
             (a, cut) = (b, cut.saturating_add(1));
         }
     }
-    total
 }

@@ -1,3 +1,4 @@
+use rustfft::num_complex::Complex;
 use serde::{Deserialize, Serialize};
 
 /// Pole frequencies f_1 .. f_4 of the weightings \[Hz\] (IEC 61672-1:2013, 5.4 and annex E).
@@ -35,6 +36,22 @@ impl Weighting {
             Self::Z => return 1.0,
         };
         ratio * ratio
+    }
+
+    /// The factor on amplitude, with the phase of the causal filter of these poles (IEC 61672-1:2013, annex E).
+    ///
+    /// ```text
+    /// H_A(s) ~ s^4 / ((s + w1)^2 (s + w2) (s + w3) (s + w4)^2)        H_C(s) ~ s^2 / ((s + w1)^2 (s + w4)^2)
+    /// ```
+    pub fn response(self, hz: f64) -> Complex<f64> {
+        let pole = |corner: f64| Complex::new(corner, hz).inv();
+        let outer = (pole(F1) * pole(F4)).powi(2);
+        let shape = match self {
+            Self::A => outer * pole(F2) * pole(F3),
+            Self::C => -outer,
+            Self::Z => Complex::ONE,
+        };
+        shape / shape.norm() * self.energy_factor(hz).sqrt()
     }
 
     /// The weighting in decibels at the frequency `hz`; minus infinity for A and C at 0 Hz.

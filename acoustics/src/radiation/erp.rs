@@ -1,4 +1,5 @@
 use super::resistance::{ModalRadiation, Resistance};
+use super::roots::{apply, hermitian_root};
 use super::surface::RadiatingSurface;
 use crate::air::Air;
 use nalgebra::{Complex, DMatrix};
@@ -71,5 +72,15 @@ impl ModalRadiation for Erp {
             }
         }
         forms
+    }
+
+    fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+        // R does not depend on frequency: one root serves all.
+        let root = hermitian_root(&self.resistance(0.0));
+        let mut signals = apply(&root.real, accelerations);
+        for (mut bin, hz) in signals.column_iter_mut().zip(frequency) {
+            bin /= Complex::from(2.0 * PI * hz);
+        }
+        signals
     }
 }

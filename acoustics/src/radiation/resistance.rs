@@ -84,4 +84,11 @@ pub trait ModalRadiation: Sync {
     /// a^H (R_p / omega²) a for every patch p (rows) and frequency (columns), with the modal accelerations a in the
     /// columns of `accelerations` (modes x frequencies).
     fn energy_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64>;
+
+    /// Signals x (rows) at every frequency (columns) with |x|² = a^H (R / omega²) a for the whole surface: x = S^H a
+    /// with S the Hermitian root of R / omega², smooth over frequency. Where S is interpolated the energies hold to
+    /// the interpolation error.
+    fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+        super::roots::one_by_one(self, frequency, accelerations)
+    }
 }

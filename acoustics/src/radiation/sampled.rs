@@ -1,4 +1,5 @@
 use super::resistance::{ModalRadiation, Resistance};
+use super::roots::{apply, hermitian_root};
 use crate::error::{AcousticsError, positive};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
@@ -188,6 +189,31 @@ impl SampledRadiation {
         (hz / self.lowest()).powf(0.5 * self.slopes[mode] - 1.0)
     }
 
+    /// Runs of bins that share an interval, cut into chunks: the interval and the bins' half-open range. No interval
+    /// is below the lowest sample.
+    fn runs(&self, frequency: &[f64]) -> Vec<(Option<usize>, usize, usize)> {
+        const CHUNK: usize = 256;
+        let place = |&hz: &f64| (hz >= self.lowest()).then(|| self.interval(hz));
+        let mut runs: Vec<(Option<usize>, usize, usize)> = Vec::new();
+        for (bin, at) in frequency.iter().map(place).enumerate() {
+            match runs.last_mut() {
+                Some((last, start, end)) if *last == at && bin - *start < CHUNK => *end = bin + 1,
+                _ => runs.push((at, bin, bin + 1)),
+            }
+        }
+        runs
+    }
+
+    /// The Hermitian root of a sample's Q, all patches together.
+    fn root(&self, sample: usize) -> Resistance {
+        let mut whole = Resistance::zeros(self.modes);
+        self.samples[sample]
+            .patches
+            .iter()
+            .for_each(|q| whole.add_scaled(1.0, q));
+        hermitian_root(&whole)
+    }
+
     /// Index of the sample at the lowest frequency.
     fn lowest_sample(&self) -> usize {
         self.intervals[0].nodes[0]
@@ -243,17 +269,8 @@ impl ModalRadiation for SampledRadiation {
     }
 
     fn energy_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
-        const CHUNK: usize = 256;
         let (modes, patches) = (self.modes, self.patches.len());
-        // Runs of bins that share an interval, cut into chunks; `None` is below the lowest sample.
-        let place = |&hz: &f64| (hz >= self.lowest()).then(|| self.interval(hz));
-        let mut runs: Vec<(Option<usize>, usize, usize)> = Vec::new();
-        for (bin, at) in frequency.iter().map(place).enumerate() {
-            match runs.last_mut() {
-                Some((last, start, end)) if *last == at && bin - *start < CHUNK => *end = bin + 1,
-                _ => runs.push((at, bin, bin + 1)),
-            }
-        }
+        let runs = self.runs(frequency);
         let evaluate = |&(at, start, end): &(Option<usize>, usize, usize)| {
             let bins = end - start;
             let factor = |i: usize, bin: usize| {
@@ -306,6 +323,64 @@ impl ModalRadiation for SampledRadiation {
         }
         forms
     }
+
+    /// S is interpolated as Q is, entry by entry with the same polynomials; below the lowest sample it is D S(f_0) with
+    /// the power laws D on the diagonal, whose energy is exact.
+    fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+        let runs = self.runs(frequency);
+        let mut wanted: Vec<usize> = runs
+            .iter()
+            .flat_map(|&(at, _, _)| match at {
+                None => vec![self.lowest_sample()],
+                Some(i) => self.intervals[i].nodes.clone(),
+            })
+            .collect();
+        wanted.sort_unstable();
+        wanted.dedup();
+        let roots: Vec<Resistance> = wanted.par_iter().map(|&sample| self.root(sample)).collect();
+        let root_of = |sample: usize| &roots[wanted.partition_point(|&w| w < sample)];
+        let evaluate = |&(at, start, end): &(Option<usize>, usize, usize)| {
+            let mut motion = accelerations.columns(start, end - start).into_owned();
+            let Some(i) = at else {
+                for (mut bin, &hz) in motion.column_iter_mut().zip(&frequency[start..end]) {
+                    for (mode, a) in bin.iter_mut().enumerate() {
+                        *a *= self.low_factor(hz, mode);
+                    }
+                }
+                return image(root_of(self.lowest_sample()), &motion);
+            };
+            let interval = &self.intervals[i];
+            let order = interval.nodes.len() - 1;
+            let weights: Vec<Vec<f64>> = frequency[start..end]
+                .iter()
+                .map(|&hz| interval.weights(hz, order))
+                .collect();
+            let mut signals = DMatrix::zeros(self.modes, end - start);
+            for (n, &node) in interval.nodes.iter().enumerate() {
+                let part = image(root_of(node), &motion);
+                for (bin, (mut to, from)) in signals.column_iter_mut().zip(part.column_iter()).enumerate() {
+                    let weight = weights[bin][n];
+                    to.iter_mut().zip(from.iter()).for_each(|(x, y)| *x += y * weight);
+                }
+            }
+            signals
+        };
+        let blocks: Vec<DMatrix<Complex<f64>>> = runs.par_iter().map(evaluate).collect();
+        let mut signals = DMatrix::zeros(self.modes, frequency.len());
+        for (&(_, start, end), block) in runs.iter().zip(&blocks) {
+            signals.columns_mut(start, end - start).copy_from(block);
+        }
+        signals
+    }
+}
+
+/// S a = S^H a for a Hermitian S and all columns of `motion`.
+fn image(root: &Resistance, motion: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+    let mut image = apply(&root.real, motion);
+    if let Some(imaginary) = &root.imaginary {
+        image += apply(imaginary, motion) * Complex::<f64>::i();
+    }
+    image
 }
 
 impl Interval {

@@ -1,7 +1,9 @@
 use crate::air::Air;
 use crate::error::{AcousticsError, positive};
 use crate::fourier::{Transform, TransformSettings};
-use crate::levels::SourceSpectrum;
+use crate::levels::{PowerSignals, SourceSpectrum};
+use nalgebra::DMatrix;
+use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
 
 /// Acceleration noise of a body that moves rigidly along one axis, as that of the sphere of its volume.
@@ -25,20 +27,49 @@ pub fn rigid_body_energy(
     air: &Air,
     settings: &TransformSettings,
 ) -> Result<SourceSpectrum, AcousticsError> {
+    let (frequency, signal) = radiated(acceleration, sample_interval, volume, air, settings)?;
+    let density = signal.iter().map(|x| 2.0 * x.norm_sqr()).collect();
+    SourceSpectrum::new(source, "rigid motion only", frequency, density, settings.range_hz)
+}
+
+/// The signal of [`rigid_body_energy`], for its energy over time.
+///
+/// # Errors
+/// See [`rigid_body_energy`].
+pub fn rigid_body_signals(
+    acceleration: &[f64],
+    sample_interval: f64,
+    volume: f64,
+    air: &Air,
+    settings: &TransformSettings,
+) -> Result<PowerSignals, AcousticsError> {
+    let (_, signal) = radiated(acceleration, sample_interval, volume, air, settings)?;
+    let spectrum = rigid_body_energy("", acceleration, sample_interval, volume, air, settings)?;
+    PowerSignals::new(&spectrum, DMatrix::from_row_slice(1, signal.len(), &signal))
+}
+
+/// Bins and sqrt(R) A / (j omega) of the sphere.
+fn radiated(
+    acceleration: &[f64],
+    sample_interval: f64,
+    volume: f64,
+    air: &Air,
+    settings: &TransformSettings,
+) -> Result<(Vec<f64>, Vec<Complex<f64>>), AcousticsError> {
     positive("volume of the body [m3]", volume)?;
     let transform = Transform::new(acceleration.len(), sample_interval, settings)?;
     let frequency = transform.frequencies();
     let a = (3.0 * volume / (4.0 * PI)).cbrt();
-    let energy = |(hz, acceleration): (&f64, rustfft::num_complex::Complex<f64>)| {
+    let signal = |(hz, acceleration): (&f64, Complex<f64>)| {
         let omega = 2.0 * PI * hz;
         let ka4 = (omega * a / air.sound_speed).powi(4);
         let resistance = air.impedance() * 4.0 * PI * a * a / 3.0 * ka4 / (4.0 + ka4);
-        2.0 * acceleration.norm_sqr() / (omega * omega) * resistance
+        acceleration * Complex::new(0.0, -resistance.sqrt() / omega)
     };
-    let density = frequency
+    let signals = frequency
         .iter()
         .zip(transform.apply(acceleration)?)
-        .map(energy)
+        .map(signal)
         .collect();
-    SourceSpectrum::new(source, "rigid motion only", frequency, density, settings.range_hz)
+    Ok((frequency, signals))
 }

@@ -37,9 +37,9 @@ pub fn pine_block() -> Material {
     Material::orthotropic(&PINE, &axes, 429.46).unwrap()
 }
 
-/// Pine with the grain along z, x = R, y = T.
+/// Pine with the grain along z, x = T, y = R.
 pub fn pine_leg() -> Material {
-    let axes = Matrix3::from_columns(&[Vector3::z(), Vector3::x(), Vector3::y()]);
+    let axes = Matrix3::from_columns(&[Vector3::z(), Vector3::y(), Vector3::x()]);
     Material::orthotropic(&PINE, &axes, 429.46).unwrap()
 }
 

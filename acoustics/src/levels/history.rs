@@ -1,0 +1,119 @@
+use super::{Level, energy_level};
+use serde::{Deserialize, Serialize};
+
+/// A-weighted sound power over time on uniform cells.
+///
+/// Cell n holds the mean power between `start` + (n - 1/2) dt and `start` + (n + 1/2) dt, so that sums over the cells
+/// are energies and nothing is lost between them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PowerHistory {
+    /// Time of the middle of the first cell \[s\].
+    pub start: f64,
+    /// Length of a cell \[s\].
+    pub sample_interval: f64,
+    /// Mean A-weighted power of each cell \[W\].
+    pub power: Vec<f64>,
+}
+
+impl PowerHistory {
+    /// Energy of the whole history \[J\].
+    pub fn total(&self) -> f64 {
+        self.power.iter().sum::<f64>() * self.sample_interval
+    }
+
+    /// Energies \[J\] between neighbouring `edges` \[s\], which must not fall. They add up to [`Self::total`]: what
+    /// stands before the first edge belongs to the first interval, what stands after the last edge to the last.
+    ///
+    /// A cell that an edge cuts is divided by time.
+    pub fn energies_between(&self, edges: &[f64]) -> Vec<f64> {
+        let intervals = edges.len().saturating_sub(1);
+        if intervals == 0 {
+            return Vec::new();
+        }
+        let mut energies = vec![0.0; intervals];
+        let dt = self.sample_interval;
+        let mut at = 0;
+        for (n, power) in self.power.iter().enumerate() {
+            let end = self.start + (n as f64 + 0.5) * dt;
+            let mut left = 1.0;
+            while at + 1 < intervals && edges[at + 1] < end {
+                // The part of the cell still to be given away that lies before the edge.
+                let before = (left - (end - edges[at + 1]) / dt).clamp(0.0, left);
+                energies[at] += before * power * dt;
+                left -= before;
+                at += 1;
+            }
+            energies[at] += left * power * dt;
+        }
+        energies
+    }
+
+    /// The history of the sum of sources, in `cells` cells of `sample_interval` \[s\] from `start` \[s\] on; it keeps the
+    /// energy that the given histories have there.
+    pub fn sum(histories: &[Self], start: f64, sample_interval: f64, cells: usize) -> Self {
+        let edges: Vec<f64> = (0..=cells + 2)
+            .map(|n| start + (n as f64 - 1.5) * sample_interval)
+            .collect();
+        let mut power = vec![0.0; cells];
+        for history in histories {
+            // The two cells beside the ends take what lies outside.
+            let energies = history.energies_between(&edges);
+            let inside = energies.iter().skip(1).take(cells);
+            power
+                .iter_mut()
+                .zip(inside)
+                .for_each(|(p, e)| *p += e / sample_interval);
+        }
+        Self {
+            start,
+            sample_interval,
+            power,
+        }
+    }
+}
+
+/// What a source radiates between two events.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct IntervalLevels {
+    /// Start \[s\].
+    pub from: f64,
+    /// End \[s\].
+    pub to: f64,
+    /// A-weighted energy \[J\]; the energies of all intervals add up to that of the source.
+    pub energy: f64,
+    /// Level L_WA,1s of `energy` \[dB re 1 pW s\].
+    pub lwa: Level,
+    /// A-weighted energy of the signal cut at the ends of the interval \[J\].
+    pub cut_energy: f64,
+    /// Level L_WA,1s of `cut_energy` \[dB re 1 pW s\].
+    pub lwa_cut: Level,
+}
+
+impl IntervalLevels {
+    /// Levels from energies \[J\].
+    pub fn new(from: f64, to: f64, energy: f64, cut_energy: f64) -> Self {
+        Self {
+            from,
+            to,
+            energy,
+            lwa: energy_level(energy),
+            cut_energy,
+            lwa_cut: energy_level(cut_energy),
+        }
+    }
+
+    /// The intervals of sources that radiate independently: energies add. All must have the same edges.
+    pub fn sum(parts: &[Vec<Self>]) -> Vec<Self> {
+        let Some((first, others)) = parts.split_first() else {
+            return Vec::new();
+        };
+        let add = |(i, own): (usize, &Self)| {
+            let also = |value: fn(&Self) -> f64| {
+                let others: f64 = others.iter().filter_map(|part| part.get(i)).map(value).sum();
+                value(own) + others
+            };
+            Self::new(own.from, own.to, also(|p| p.energy), also(|p| p.cut_energy))
+        };
+        first.iter().enumerate().map(add).collect()
+    }
+}

@@ -1,0 +1,237 @@
+use super::history::{IntervalLevels, PowerHistory};
+use super::{SourceSpectrum, Weighting, energy_weights};
+use crate::error::{AcousticsError, same_length};
+use crate::fourier::fast_length;
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use rustfft::num_complex::Complex;
+use std::sync::Arc;
+
+/// Samples taken of the highest bin's period: 4 let |x|² be sampled without aliasing.
+const OVERSAMPLING: usize = 4;
+
+/// Length to which a measured cut is padded \[s\].
+const CUT_LENGTH: f64 = 1.0;
+
+/// Signals worked on by one thread at a time; their order of addition must not depend on the number of threads.
+const CHUNK: usize = 8;
+
+/// Signals whose squared sum is the power a source radiates.
+///
+/// ```text
+/// x(t) = F^-1[H_A L^H V]      W_A(t) = |x(t)|^2      R = L L^H
+/// ```
+///
+/// Every bin carries exactly the energy the source's spectrum has there, and the range and weighting enter as the
+/// [weights](energy_weights) that integrate this spectrum: by Parseval's theorem the power's integral over time is the
+/// spectrum's over frequency, to round-off. The weighting has the phase of its causal filter, so that a blow does not
+/// sound before it falls. L is real on the frequency axis (Hermitian in general) and spreads a signal evenly to both
+/// sides, by no more than its smoothness over frequency asks for; so do the ends of the range.
+///
+/// The bins are those of a record padded to at least twice its length ([`crate::fourier::TransformSettings`]). Time runs
+/// from minus a quarter of the transform's period to three quarters of it.
+#[derive(Debug, Clone)]
+pub struct PowerSignals {
+    frequency: Vec<f64>,
+    first: usize,
+    resolution: f64,
+    /// Signals x bins, with 2 |x|² = E.
+    spectra: DMatrix<Complex<f64>>,
+    mismatch: f64,
+}
+
+/// A source over time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SignalAnalysis {
+    /// A-weighted power.
+    pub history: PowerHistory,
+    /// Levels between the events.
+    pub intervals: Vec<IntervalLevels>,
+}
+
+impl PowerSignals {
+    /// Signals (rows of `spectra`) on the bins of a source's spectrum, with E = 2 |x|² up to a bin's own factor.
+    ///
+    /// The factor is taken out bin by bin: `spectra` tell when a bin's energy is radiated, the spectrum how much it is.
+    /// [`Self::mismatch`] is what it amounted to.
+    ///
+    /// # Errors
+    /// Another number of bins than the spectrum's; frequencies that are not multiples of one bin width.
+    pub fn new(spectrum: &SourceSpectrum, mut spectra: DMatrix<Complex<f64>>) -> Result<Self, AcousticsError> {
+        let frequency = spectrum.frequency.clone();
+        same_length("bins of the signals", spectra.ncols(), frequency.len())?;
+        let (first, resolution) = bins(&frequency)?;
+        let (mut mismatch, mut total) = (0.0, 0.0);
+        for (mut bin, &energy) in spectra.column_iter_mut().zip(&spectrum.energy_density) {
+            let found = 2.0 * bin.iter().map(|x| x.norm_sqr()).sum::<f64>();
+            if found > 0.0 {
+                let factor = (energy / found).sqrt();
+                bin.iter_mut().for_each(|x| *x *= factor);
+            }
+            mismatch += (energy - found).abs();
+            total += energy;
+        }
+        Ok(Self {
+            frequency,
+            first,
+            resolution,
+            spectra,
+            mismatch: if total > 0.0 { mismatch / total } else { 0.0 },
+        })
+    }
+
+    /// Sum of |E - 2 |x|²| over the bins before they were matched, relative to the sum of E.
+    pub fn mismatch(&self) -> f64 {
+        self.mismatch
+    }
+
+    /// Number of signals.
+    pub fn signals(&self) -> usize {
+        self.spectra.nrows()
+    }
+
+    /// A-weighted power over time and levels between neighbouring `edges` \[s\], within `range_hz`.
+    ///
+    /// Beside the energy that adds up stands what a measurement finds: the unweighted signal of the range cut at the
+    /// ends of the interval, padded with zeros to 1 s, transformed, weighted and summed over the range; the cuts add
+    /// energy of their own. The first interval reaches back to the history's start and the last one on to its end.
+    pub fn analyse(&self, edges: &[f64], range_hz: [f64; 2]) -> SignalAnalysis {
+        let work = Work::new(self, edges, range_hz);
+        let all: Vec<usize> = (0..self.signals()).collect();
+        let parts: Vec<(Vec<f64>, Vec<f64>)> = all.par_chunks(CHUNK).map(|rows| work.chunk(self, rows)).collect();
+        let mut power = vec![0.0; work.samples];
+        let mut cut = vec![0.0; work.cuts.len()];
+        for (p, c) in &parts {
+            power.iter_mut().zip(p).for_each(|(sum, p)| *sum += p);
+            cut.iter_mut().zip(c).for_each(|(sum, c)| *sum += c);
+        }
+        let history = PowerHistory {
+            start: -(work.before as f64) * work.dt,
+            sample_interval: work.dt,
+            power,
+        };
+        let energies = history.energies_between(edges);
+        let level = |((pair, energy), cut): ((&[f64], f64), f64)| IntervalLevels::new(pair[0], pair[1], energy, cut);
+        let intervals = edges.windows(2).zip(energies).zip(cut).map(level).collect();
+        SignalAnalysis { history, intervals }
+    }
+}
+
+/// Number of the first bin and bin width \[Hz\].
+fn bins(frequency: &[f64]) -> Result<(usize, f64), AcousticsError> {
+    let (Some(&low), Some(&high)) = (frequency.first(), frequency.last()) else {
+        return Ok((1, 1.0));
+    };
+    if frequency.len() < 2 {
+        return Ok((1, low));
+    }
+    let resolution = (high - low) / (frequency.len() - 1) as f64;
+    let first = (low / resolution).round() as usize;
+    for (i, &hz) in frequency.iter().enumerate() {
+        let expected = (first + i) as f64 * resolution;
+        if (hz - expected).abs() > 1e-6 * resolution {
+            return Err(AcousticsError::NotABin { hz, resolution });
+        }
+    }
+    Ok((first, resolution))
+}
+
+/// Plans and weights of one analysis.
+struct Work {
+    samples: usize,
+    dt: f64,
+    /// Samples before t = 0.
+    before: usize,
+    inverse: Arc<dyn ComplexToReal<f64>>,
+    forward: Arc<dyn RealToComplex<f64>>,
+    /// Amplitude factors of the bins, weighted and not.
+    weighted: Vec<Complex<f64>>,
+    plain: Vec<Complex<f64>>,
+    /// Half-open ranges of samples.
+    cuts: Vec<(usize, usize)>,
+    /// Energy weights of the padded cut's bins.
+    cut_weights: Vec<f64>,
+}
+
+impl Work {
+    fn new(signals: &PowerSignals, edges: &[f64], range: [f64; 2]) -> Self {
+        let df = signals.resolution;
+        let last = signals.first + signals.frequency.len();
+        let samples = fast_length((OVERSAMPLING * last).max(64));
+        let dt = 1.0 / (samples as f64 * df);
+        let before = samples / 4;
+        let amplitude = |weighting: Weighting| {
+            let weights = energy_weights(&signals.frequency, range, weighting);
+            let amplitude = weights.into_iter().zip(&signals.frequency).map(|(w, &hz)| {
+                let response = weighting.response(hz);
+                response / response.norm() * ((w / df).sqrt() * df)
+            });
+            amplitude.collect::<Vec<Complex<f64>>>()
+        };
+        let sample = |t: f64| ((t / dt).ceil() + before as f64).clamp(0.0, samples as f64) as usize;
+        let intervals = edges.len().saturating_sub(1);
+        let cut = |(i, pair): (usize, &[f64])| {
+            let from = if i == 0 { 0 } else { sample(pair[0]) };
+            let to = if i + 1 == intervals { samples } else { sample(pair[1]) };
+            (from, to.max(from))
+        };
+        let cuts: Vec<(usize, usize)> = edges.windows(2).enumerate().map(cut).collect();
+        let longest = cuts.iter().map(|(from, to)| to - from).max().unwrap_or(0);
+        let padded = fast_length(((CUT_LENGTH / dt).ceil() as usize).max(longest));
+        let grid: Vec<f64> = (0..=padded / 2).map(|k| k as f64 / (padded as f64 * dt)).collect();
+        let mut planner = RealFftPlanner::new();
+        Self {
+            samples,
+            dt,
+            before,
+            inverse: planner.plan_fft_inverse(samples),
+            forward: planner.plan_fft_forward(padded),
+            weighted: amplitude(Weighting::A),
+            plain: amplitude(Weighting::Z),
+            cuts,
+            cut_weights: energy_weights(&grid, range, Weighting::A),
+        }
+    }
+
+    /// Power and cut energies of some of the signals.
+    fn chunk(&self, signals: &PowerSignals, rows: &[usize]) -> (Vec<f64>, Vec<f64>) {
+        let (mut power, mut cut) = (vec![0.0; self.samples], vec![0.0; self.cuts.len()]);
+        let mut x = vec![0.0; self.samples];
+        let mut spectrum = self.inverse.make_input_vec();
+        let mut scratch = self.inverse.make_scratch_vec();
+        let mut padded = self.forward.make_input_vec();
+        let mut bins = self.forward.make_output_vec();
+        let mut forward_scratch = self.forward.make_scratch_vec();
+        for &row in rows {
+            let mut to_time = |factors: &[Complex<f64>], x: &mut [f64]| {
+                spectrum.fill(Complex::ZERO);
+                let values = signals.spectra.row(row);
+                for (i, (value, factor)) in values.iter().zip(factors).enumerate() {
+                    spectrum[signals.first + i] = value * *factor;
+                }
+                // The buffers are the plan's own and the ends are zero, so the plan has nothing to refuse.
+                let done = self.inverse.process_with_scratch(&mut spectrum, x, &mut scratch);
+                debug_assert!(done.is_ok());
+                x.rotate_right(self.before);
+            };
+            to_time(&self.weighted, &mut x);
+            power.iter_mut().zip(&x).for_each(|(p, x)| *p += x * x);
+            to_time(&self.plain, &mut x);
+            for (energy, &(from, to)) in cut.iter_mut().zip(&self.cuts) {
+                if from == to {
+                    continue;
+                }
+                padded.fill(0.0);
+                padded[..to - from].copy_from_slice(&x[from..to]);
+                let done = self
+                    .forward
+                    .process_with_scratch(&mut padded, &mut bins, &mut forward_scratch);
+                debug_assert!(done.is_ok());
+                let sum: f64 = bins.iter().zip(&self.cut_weights).map(|(x, w)| w * x.norm_sqr()).sum();
+                *energy += 2.0 * self.dt * self.dt * sum;
+            }
+        }
+        (power, cut)
+    }
+}

@@ -1,0 +1,38 @@
+//! A source as the ranking sees it: how much it radiates, when, and how sure that is.
+
+use nailnoise_acoustics::exhaust::ExhaustHistory;
+use nailnoise_acoustics::levels::{IntervalLevels, PowerHistory, PowerSignals, SourceSpectrum};
+
+use crate::result::{CrossCheck, Uncertainty};
+
+/// One source of the shot.
+pub(super) struct Sound {
+    /// Its energy over frequency.
+    pub(super) spectrum: SourceSpectrum,
+    /// The same energy over time: the parts that are signals, with their names.
+    pub(super) signals: Vec<(&'static str, PowerSignals)>,
+    /// The same energy over time: the parts that are flows.
+    pub(super) openings: Vec<ExhaustHistory>,
+    /// How far its method may be off.
+    pub(super) uncertainty: Uncertainty,
+    /// Another method's word on it.
+    pub(super) cross_check: Option<CrossCheck>,
+}
+
+impl Sound {
+    /// Energy over time within `range_hz`: histories whose sum is the source's, and the levels between the edges \[s\].
+    pub(super) fn over_time(&self, edges: &[f64], range_hz: [f64; 2]) -> (Vec<PowerHistory>, Vec<IntervalLevels>) {
+        let (mut histories, mut levels) = (Vec::new(), Vec::new());
+        for (_, signals) in &self.signals {
+            let analysis = signals.analyse(edges, range_hz);
+            histories.push(analysis.history);
+            levels.push(analysis.intervals);
+        }
+        for opening in &self.openings {
+            let (of_opening, intervals) = opening.analyse(edges, range_hz);
+            histories.extend(of_opening);
+            levels.push(intervals);
+        }
+        (histories, IntervalLevels::sum(&levels))
+    }
+}
