@@ -1,7 +1,8 @@
 //! nailnoise predicts how much sound power each source of a pneumatic nailer radiates, from its design.
 //!
 //! [`design`] reads the design file, [`pipeline`] turns it into ranked sources, [`output`] writes them to files,
-//! [`figures`] draws them and [`commands`] is the command line over all of it. [`penetration`] compares penetration laws.
+//! [`figures`] draws them and [`commands`] is the command line over all of it. [`penetration`] compares penetration laws,
+//! [`sensitivity`] and [`study`] tell what a design's ranges do to its shot.
 #![forbid(unsafe_code)]
 
 pub mod commands;
@@ -12,6 +13,8 @@ pub mod output;
 pub mod penetration;
 pub mod pipeline;
 pub mod result;
+pub mod sensitivity;
+pub mod study;
 
 pub use design::Design;
 pub use error::Error;

@@ -25,6 +25,19 @@ pub(super) struct Arguments {
     /// Draw pressures, motion, pressure ratios and forces as SVG
     #[arg(long)]
     figures: bool,
+    /// Rank the parameters by what their ranges do to the shot, instead of computing one
+    #[arg(long, conflicts_with_all = ["as_published", "figures"])]
+    sensitivity: bool,
+    /// Figures of the shot for --sensitivity, by name or group: speed, penetration, events, forces, masses, all
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "sensitivity")]
+    outputs: Vec<String>,
+    /// Draw N designs from the ranges and count what their shots do, instead of computing one
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(conflicts_with_all = ["as_published", "figures", "sensitivity"])]
+    draw: Option<u32>,
+    /// Seed of --draw; the same seed draws the same designs
+    #[arg(long, value_name = "SEED", default_value_t = 1, requires = "draw")]
+    seed: u64,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -64,6 +77,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let common = &arguments.common;
     common.start_threads()?;
     let design = common.load()?;
+    if arguments.sensitivity {
+        return super::sensitivity::execute(common, &design, &arguments.outputs);
+    }
+    if let Some(count) = arguments.draw {
+        return super::draw::execute(common, &design, count as usize, arguments.seed);
+    }
     let preset = arguments.as_published.map(Preset::from);
     let folder = match preset {
         // Beside the files of the design itself, not over them.

@@ -4,10 +4,12 @@
 //! not met; 2 wrong use or input; 3 a numerical check failed; 130 interrupted.
 
 mod cycle;
+mod draw;
 mod modes;
 mod prf;
 mod progress;
 mod run;
+mod sensitivity;
 mod table;
 
 use std::io::{IsTerminal, Write};

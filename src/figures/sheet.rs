@@ -229,10 +229,15 @@ impl Panel<'_> {
         for level in &self.levels {
             let (width, at) = (width(&level.label), y.at(level.value));
             let sides = if level.above { [-1, 1] } else { [1, -1] };
-            let places = [RIGHT - MM - width, LEFT + MM, (LEFT + RIGHT - width) / 2];
+            // The estimate of the width may be short of the reader's font: text grows away from the frame.
+            let places = [
+                (RIGHT - MM - width, Anchor::End),
+                (LEFT + MM, Anchor::Start),
+                ((LEFT + RIGHT - width) / 2, Anchor::Middle),
+            ];
             let boxes = sides
                 .into_iter()
-                .flat_map(|side| places.map(|left| Room::beside(at, side, [left, left + width])));
+                .flat_map(|side| places.map(|(left, anchor)| (Room::beside(at, side, [left, left + width]), anchor)));
             let others = || {
                 self.levels
                     .iter()
@@ -248,9 +253,13 @@ impl Panel<'_> {
                 let curves: usize = lines.iter().flatten().map(|line| label.covers(line)).sum();
                 curves + crossed + if clash { 1000 } else { 0 }
             };
-            if let Some(label) = boxes.min_by_key(covered) {
-                let middle = [(label.x[0] + label.x[1]) / 2, (label.y[0] + label.y[1]) / 2];
-                canvas.text(&level.label, middle, Anchor::Middle, GREY);
+            if let Some((label, anchor)) = boxes.min_by_key(|(label, _)| covered(label)) {
+                let x = match anchor {
+                    Anchor::Start => label.x[0],
+                    Anchor::Middle => (label.x[0] + label.x[1]) / 2,
+                    Anchor::End => label.x[1],
+                };
+                canvas.text(&level.label, [x, (label.y[0] + label.y[1]) / 2], anchor, GREY);
                 taken.push(label);
             }
         }
