@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
-use nailnoise_dynamics::{CycleRecord, Events, Outcome, Summary, Work};
+use nailnoise_dynamics::{CycleRecord, EnergyFlow, Events, LogEntry, Outcome, Summary, Work};
 use serde::Serialize;
 
 use super::table::table;
@@ -22,7 +22,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "WHAT", value_enum, num_args = 0..=1, require_equals = true)]
     #[arg(default_missing_value = "all")]
     as_published: Option<Published>,
-    /// Draw pressures, motion, pressure ratios and forces as SVG
+    /// Draw pressures, motion, pressure ratios, forces and energy flow as SVG
     #[arg(long)]
     figures: bool,
     /// Rank the parameters by what their ranges do to the shot, instead of computing one
@@ -67,6 +67,8 @@ struct CycleResult<'a> {
     outcome: Outcome,
     events: &'a Events,
     summary: &'a Summary,
+    energy: &'a EnergyFlow,
+    log: &'a [LogEntry],
     checks: Vec<Check>,
     work: &'a Work,
     /// Files of the figures that were asked for.
@@ -117,6 +119,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         outcome: record.outcome,
         events: &record.events,
         summary: &record.summary,
+        energy: &record.energy,
+        log: &record.log,
         checks,
         work: &record.work,
         figures: figures.iter().map(|file| file.display().to_string()).collect(),
@@ -163,6 +167,8 @@ fn text(result: &CycleResult<'_>, record: &CycleRecord) -> String {
         .collect();
     text.push_str(&table(&["summary", "SI"], &rows));
     text.push('\n');
+    text.push_str(&table(&["energy", "J"], &energy(result.energy)));
+    text.push('\n');
     let checks: Vec<Vec<String>> = result
         .checks
         .iter()
@@ -187,6 +193,27 @@ fn text(result: &CycleResult<'_>, record: &CycleRecord) -> String {
         1e6 * record.sample_interval,
     ));
     text
+}
+
+/// Every term of the energy flow by its name; a group of terms by both names.
+fn energy(flow: &EnergyFlow) -> Vec<Vec<String>> {
+    let row = |name: String, value: &serde_json::Value| {
+        vec![
+            name.replace('_', " "),
+            value
+                .as_f64()
+                .map_or_else(|| "-".to_owned(), |value| format!("{value:.4}")),
+        ]
+    };
+    let value = serde_json::to_value(flow).unwrap_or_default();
+    let mut rows = Vec::new();
+    for (name, value) in value.as_object().into_iter().flatten() {
+        match value.as_object() {
+            Some(group) => rows.extend(group.iter().map(|(own, value)| row(format!("{name}, {own}"), value))),
+            None => rows.push(row(name.clone(), value)),
+        }
+    }
+    rows
 }
 
 /// A preset in words, behind the design's name.

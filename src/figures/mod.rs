@@ -5,6 +5,7 @@
 
 mod canvas;
 mod decimate;
+mod energy;
 mod forces;
 mod motion;
 mod penetration;
@@ -35,7 +36,7 @@ pub struct Figure {
     pub svg: String,
 }
 
-/// The figures of a nailing cycle: pressures, motion, pressure ratios and forces. `subject` says what it is of.
+/// The figures of a nailing cycle: pressures, motion, pressure ratios, forces and energy flow. `subject` says what it is of.
 pub fn cycle(subject: &str, design: &Values, record: &CycleRecord) -> Vec<Figure> {
     let shot = Shot::new(subject, design, record);
     vec![
@@ -43,6 +44,7 @@ pub fn cycle(subject: &str, design: &Values, record: &CycleRecord) -> Vec<Figure
         motion::figure(&shot),
         ratios::figure(&shot),
         forces::figure(&shot),
+        energy::figure(&shot),
     ]
 }
 
