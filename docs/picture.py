@@ -20,23 +20,28 @@ def levels(name):
     with open(ROOT / "out" / name / "levels.csv", newline="") as file:
         rows = list(csv.DictReader(file))
     bands, total = rows[:-1], rows[-1]
-    hz = [float(row["band_hz"]) for row in bands]
-    sources = [key.removesuffix("_lw_db") for key in rows[0] if key != "band_hz"]
-    return hz, {s: ([float(row[f"{s}_lw_db"]) for row in bands], float(total[f"{s}_lw_db"])) for s in sources}
+    band, *sources = rows[0]
+    return [float(row[band]) for row in bands], {
+        source.replace(" L_W [dB] ", " "): ([float(row[source]) for row in bands], float(total[source]))
+        for source in sources
+    }
 
 
 def spectra(axes, name, title):
     hz, sources = levels(name)
     for source, (band_levels, total) in sorted(sources.items(), key=lambda item: -item[1][1]):
-        axes.step(hz, band_levels, where="mid", color=COLOURS[source], lw=1.8, label=f"{source}  {total:.1f} dB(A)")
+        name, method = source.split(" ", 1)
+        method = "(jets, unsteady flow)" if name == "exhaust" else method
+        label = f"{name} {method}  {total:.1f} dB(A)"
+        axes.step(hz, band_levels, where="mid", color=COLOURS[name], lw=1.8, label=label)
     axes.set_xscale("log")
     axes.set_xticks([63, 125, 250, 500, 1000, 2000, 4000, 8000], ["63", "125", "250", "500", "1k", "2k", "4k", "8k"])
     axes.minorticks_off()
-    axes.set_ylim(35, 118)
+    axes.set_ylim(35, 137)
     axes.grid(alpha=0.3)
     axes.set_title(title, loc="left", fontsize=10)
     axes.set_ylabel("$L_{W,1s}$ in dB re 1 pW s")
-    axes.legend(loc="upper left", fontsize=8, frameon=False, ncols=3)
+    axes.legend(loc="upper left", fontsize=8, frameon=False)
 
 
 def field(band):
@@ -56,8 +61,8 @@ def field(band):
 figure = plt.figure(figsize=(11, 5.6), dpi=110)
 grid = figure.add_gridspec(2, 2, width_ratios=(1.55, 1), hspace=0.32, wspace=0.06)
 top, bottom = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[1, 0])
-spectra(top, "n80cb", "on worktable A (workpiece: ERP)")
-spectra(bottom, "n80cb-sandbox", "in the sandbox (workpiece: Rayleigh)")
+spectra(top, "n80cb", "on worktable A")
+spectra(bottom, "n80cb-sandbox", "in the sandbox")
 bottom.set_xlabel("one-third-octave band in Hz")
 right = figure.add_subplot(grid[:, 1])
 right.imshow(field(500))

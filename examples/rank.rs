@@ -10,7 +10,7 @@ fn main() -> Result<(), nailnoise::Error> {
     let run = pipeline::run(&design, pipeline::Options::default(), &mut pipeline::Silent)?;
     for source in &run.result.ranking {
         match source.lwa_db {
-            Some(level) => println!("{:<10} {level:6.1} dB(A)", source.source),
+            Some(level) => println!("{:<10} {level:6.1} dB(A)  {}", source.source, source.method),
             None => println!("{:<10} silent", source.source),
         }
     }

@@ -19,6 +19,19 @@ pub enum Error {
     /// The cycle could not be computed.
     #[error("the nailing cycle of this design cannot be computed")]
     Cycle(#[from] CycleError),
+    /// A figure of the shot that does not exist.
+    #[error("there is no output \"{name}\"")]
+    #[diagnostic(help("choose from the groups speed, penetration, events, forces, masses, all, or from {known}"))]
+    NoSuchOutput {
+        /// The name given.
+        name: String,
+        /// All names.
+        known: String,
+    },
+    /// Penetration laws could not be compared.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Penetration(#[from] crate::penetration::PenetrationError),
     /// A mesh could not be built.
     #[error("the mesh of a body cannot be built")]
     Mesh(#[from] nailnoise_meshes::MeshError),

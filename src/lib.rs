@@ -1,15 +1,20 @@
 //! nailnoise predicts how much sound power each source of a pneumatic nailer radiates, from its design.
 //!
-//! [`design`] reads the design file, [`pipeline`] turns it into ranked sources, [`output`] writes them to files and
-//! [`commands`] is the command line over all of it.
+//! [`design`] reads the design file, [`pipeline`] turns it into ranked sources, [`output`] writes them to files,
+//! [`figures`] draws them and [`commands`] is the command line over all of it. [`penetration`] compares penetration laws,
+//! [`sensitivity`] and [`study`] tell what a design's ranges do to its shot.
 #![forbid(unsafe_code)]
 
 pub mod commands;
 pub mod design;
 mod error;
+pub mod figures;
 pub mod output;
+pub mod penetration;
 pub mod pipeline;
 pub mod result;
+pub mod sensitivity;
+pub mod study;
 
 pub use design::Design;
 pub use error::Error;

@@ -164,3 +164,26 @@ fn wrong_input_ends_with_status_2_and_a_remedy() {
         );
     }
 }
+
+#[test]
+fn every_bad_design_ends_with_status_2_on_one_screen() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/bad");
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|extension| extension != "toml") {
+            continue;
+        }
+        let output = nailnoise(&["cycle", path.to_str().unwrap()]);
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{}: {text}", path.display());
+        assert!(
+            text.contains("help:") && text.lines().count() <= 24,
+            "{}: {text}",
+            path.display()
+        );
+        assert!(output.stdout.is_empty());
+        count += 1;
+    }
+    assert!(count >= 20);
+}

@@ -220,3 +220,22 @@ proptest! {
         prop_assert!((parts / whole - 1.0).abs() < 1e-9);
     }
 }
+
+#[test]
+fn a_sum_keeps_the_energy_of_parts_that_end_before_the_others() {
+    let grid = |to: u32| (40..=to).map(|k| 10.0 * f64::from(k)).collect::<Vec<f64>>();
+    let flat = |name: &str, to: u32, level: f64| {
+        let frequency = grid(to);
+        let density = vec![level; frequency.len()];
+        SourceSpectrum::new(name, "test", frequency, density, [400.0, 10.0 * f64::from(to)]).unwrap()
+    };
+    let (long, short) = (flat("long", 1000, 1e-9), flat("short", 500, 3e-9));
+    let sum = SourceSpectrum::sum("both", "test", &[long.clone(), short.clone()]);
+    for weighting in [Weighting::Z, Weighting::A] {
+        let all = [0.0, 20_000.0];
+        let expected = long.energy(all, weighting) + short.energy(all, weighting);
+        assert!((sum.energy(all, weighting) / expected - 1.0).abs() < 1e-12);
+    }
+    let beyond = [5001.0, 5009.0];
+    assert_eq!(sum.energy(beyond, Weighting::Z), long.energy(beyond, Weighting::Z));
+}

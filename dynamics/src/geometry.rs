@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use serde::Serialize;
 
-use crate::{Parameters, SupportDamping};
+use crate::{Ambient, Exhaust, HeadValve, Nail, Parameters, Piston, SupportDamping, Trigger, Wood};
 
 /// Derived quantities of a design (SI).
 ///
@@ -50,43 +50,112 @@ pub struct Geometry {
 impl Geometry {
     /// Derives all quantities of `p`.
     pub fn new(p: &Parameters) -> Self {
-        let disc = |d: f64| 0.25 * PI * d * d;
-        let air = &p.ambient;
-        let piston_area = disc(p.piston.bore);
-        let rod_area = disc(p.piston.rod_diameter);
-        let valve = &p.head_valve;
-        let valve_control_area = disc(valve.outer_diameter) - disc(valve.inner_diameter);
-        let valve_supply_area = disc(valve.outer_diameter) - disc(valve.seat_diameter);
-        let nail = &p.nail;
-        let nail_volume =
-            disc(nail.diameter) * (nail.length - nail.head_thickness) + disc(nail.head_diameter) * nail.head_thickness;
-        let workpiece_mass = p.wood.density * p.wood.length * p.wood.width * p.wood.thickness;
-
-        let sound_speed = (air.heat_capacity_ratio * air.gas_constant * air.temperature).sqrt();
-        let channel = &p.trigger;
-        let resistance = 32.0 * air.viscosity / (channel.channel_diameter * channel.channel_diameter);
-        let attenuation = |pressure: f64| {
-            let rt = air.gas_constant * air.temperature;
-            (-resistance * channel.channel_length * rt / (2.0 * pressure * sound_speed)).exp()
-        };
+        let workpiece_mass = p.wood.block_mass();
         let support_damping = match p.support.damping {
             SupportDamping::Ratio(zeta) => 2.0 * zeta * (p.support.stiffness * workpiece_mass).sqrt(),
             SupportDamping::Coefficient(c) => c,
         };
         Self {
-            piston_area,
-            rod_area,
-            ring_area: piston_area - rod_area,
-            valve_control_area,
-            valve_supply_area,
-            valve_cylinder_area: valve_control_area - valve_supply_area,
-            exhaust_area: f64::from(p.exhaust.holes) * disc(p.exhaust.hole_diameter),
-            nail_mass: nail.density * nail_volume,
+            piston_area: p.piston.area(),
+            rod_area: p.piston.rod_area(),
+            ring_area: p.piston.lower_area(),
+            valve_control_area: p.head_valve.control_area(),
+            valve_supply_area: p.head_valve.supply_area(),
+            valve_cylinder_area: p.head_valve.cylinder_area(),
+            exhaust_area: p.exhaust.area(),
+            nail_mass: p.nail.mass(),
             workpiece_mass,
-            channel_delay: channel.channel_length / sound_speed,
-            attenuation_fill: attenuation(p.supply.pressure),
-            attenuation_vent: attenuation(air.pressure),
+            channel_delay: p.trigger.delay(&p.ambient),
+            attenuation_fill: p.trigger.attenuation(p.supply.pressure, &p.ambient),
+            attenuation_vent: p.trigger.attenuation(p.ambient.pressure, &p.ambient),
             support_damping,
         }
+    }
+}
+
+fn disc(diameter: f64) -> f64 {
+    0.25 * PI * diameter * diameter
+}
+
+impl Piston {
+    /// A_1 = pi/4 d_c^2, area of the upper side \[m2\].
+    pub fn area(&self) -> f64 {
+        disc(self.bore)
+    }
+
+    /// A_r = pi/4 d_r^2, area of the rod \[m2\].
+    pub fn rod_area(&self) -> f64 {
+        disc(self.rod_diameter)
+    }
+
+    /// A_2 = A_1 - A_r, area of the lower side \[m2\], so that uniform pressure gives no net force (C-27).
+    pub fn lower_area(&self) -> f64 {
+        self.area() - self.rod_area()
+    }
+}
+
+impl HeadValve {
+    /// A_h1 = pi/4 (outer^2 - inner^2), area of the upper side \[m2\].
+    pub fn control_area(&self) -> f64 {
+        disc(self.outer_diameter) - disc(self.inner_diameter)
+    }
+
+    /// A_h2 = pi/4 (outer^2 - seat^2), area of the underside outside the seat \[m2\].
+    pub fn supply_area(&self) -> f64 {
+        disc(self.outer_diameter) - disc(self.seat_diameter)
+    }
+
+    /// A_h3 = A_h1 - A_h2, area of the underside inside the seat \[m2\].
+    pub fn cylinder_area(&self) -> f64 {
+        self.control_area() - self.supply_area()
+    }
+}
+
+impl Exhaust {
+    /// A_ma = n pi/4 d^2, area of all holes \[m2\].
+    pub fn area(&self) -> f64 {
+        f64::from(self.holes) * disc(self.hole_diameter)
+    }
+}
+
+impl Trigger {
+    /// tau = L_ch/c, delay of the channel \[s\].
+    pub fn delay(&self, air: &Ambient) -> f64 {
+        self.channel_length / air.sound_speed()
+    }
+
+    /// phi = exp(-R_ch L_ch R T_a/(2 P c)), attenuation of the channel at the absolute pressure P \[Pa\], with the
+    /// laminar resistance R_ch = 32 mu/D_ch^2 (Eq. 4.50).
+    pub fn attenuation(&self, pressure: f64, air: &Ambient) -> f64 {
+        let resistance = 32.0 * air.viscosity / (self.channel_diameter * self.channel_diameter);
+        let rt = air.gas_constant * air.temperature;
+        (-resistance * self.channel_length * rt / (2.0 * pressure * air.sound_speed())).exp()
+    }
+}
+
+impl Nail {
+    /// M_n, mass of the shank, which the head's thickness shortens, and the head \[kg\].
+    pub fn mass(&self) -> f64 {
+        let shank = disc(self.diameter) * (self.length - self.head_thickness);
+        self.density * (shank + disc(self.head_diameter) * self.head_thickness)
+    }
+}
+
+impl Wood {
+    /// M_w, mass of the block \[kg\].
+    pub fn block_mass(&self) -> f64 {
+        self.density * self.length * self.width * self.thickness
+    }
+}
+
+impl Ambient {
+    /// rho_0 = P_a/(R T_a), density of the air \[kg/m3\].
+    pub fn density(&self) -> f64 {
+        self.pressure / (self.gas_constant * self.temperature)
+    }
+
+    /// c_0 = sqrt(gamma R T_a), speed of sound \[m/s\].
+    pub fn sound_speed(&self) -> f64 {
+        (self.heat_capacity_ratio * self.gas_constant * self.temperature).sqrt()
     }
 }

@@ -10,8 +10,10 @@
 #![warn(missing_docs)]
 
 mod cycle;
+mod energy;
 mod error;
 mod geometry;
+mod log;
 mod parameters;
 mod presets;
 pub mod prf;
@@ -19,8 +21,10 @@ mod record;
 mod settings;
 
 pub use cycle::simulate;
+pub use energy::{ContactEnergy, EnergyFlow};
 pub use error::CycleError;
 pub use geometry::Geometry;
+pub use log::{Crossing, Direction, LogEntry, LogState};
 pub use parameters::{
     Ambient, Chambers, Contacts, Exhaust, Form, Friction, Hand, HeadValve, Model, Nail, Parameters, Piston, Supply,
     Support, SupportDamping, Tool, Trigger, Wood,

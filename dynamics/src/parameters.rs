@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::prf::PenetrationLaw;
+use crate::prf::{PenetrationLaw, ResistanceLaw};
 
 /// One tool, one nail, one block of wood, one hand: all the inputs of a nailing cycle (SI units throughout).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -155,6 +155,9 @@ pub struct Exhaust {
     pub holes: u32,
     /// Diameter of one hole \[m\].
     pub hole_diameter: f64,
+    /// Part of the jets' thrust that acts on the tool along y, from -1 (up) to 1 (towards the wood) \[-\]; 0 as
+    /// published.
+    pub thrust_share: f64,
 }
 
 /// Trigger valve and its channel to the volume above the head valve.
@@ -189,6 +192,8 @@ pub struct Nail {
     pub head_gap: f64,
     /// y_pbp, piston travel at which the nail's tip touches the wood \[m\]; at least `head_gap`.
     pub tip_gap: f64,
+    /// Friction of magazine and guide on the nail while the rod drives it \[N\]; 0 as published.
+    pub magazine_friction: f64,
 }
 
 /// The wood block.
@@ -206,7 +211,12 @@ pub struct Wood {
     /// Thickness in the driving direction \[m\].
     pub thickness: f64,
     /// Penetration resistance force law.
-    pub law: PenetrationLaw,
+    pub law: ResistanceLaw,
+    /// C8 v_ref^2, speed term of the solid-wood law at [`REFERENCE_SPEED`](crate::prf::REFERENCE_SPEED) \[m2/s2\];
+    /// the other laws do not use it.
+    pub speed_term: f64,
+    /// C9, slenderness term of the solid-wood law \[-\]; the other laws do not use it.
+    pub slenderness_term: f64,
     /// Multiplier on the penetration law \[-\]; 1 is the law as published.
     pub resistance_scale: f64,
     /// Multiplier on the stiffness under the nail's head, k_w = scale H_M \[-\].
@@ -255,8 +265,15 @@ pub struct Tool {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Hand {
-    /// F_hm, push towards the wood \[N\].
+    /// F_hm, constant push towards the wood \[N\].
     pub force: f64,
+    /// m_m, mass of hand and arm that moves with the tool through spring and dashpot, pushed by the constant force
+    /// \[kg\]; 0 where the force acts on the tool itself, as published.
+    pub mass: f64,
+    /// k_m, stiffness between this mass and the tool \[N/m\]; unused without it.
+    pub stiffness: f64,
+    /// c_m, damping between this mass and the tool \[N s/m\]; unused without it.
+    pub damping: f64,
 }
 
 /// What the block stands on: compression only, F_sup = max(0, k y_w + c v_w) for y_w > 0.
@@ -404,6 +421,7 @@ impl Parameters {
             exhaust: Exhaust {
                 holes: 5,
                 hole_diameter: 0.005_97,
+                thrust_share: 0.0,
             },
             trigger: Trigger {
                 channel_length: 0.10,
@@ -419,6 +437,7 @@ impl Parameters {
                 density: 7850.0,
                 head_gap: 0.0225,
                 tip_gap: 0.0265,
+                magazine_friction: 0.0,
             },
             wood: Wood {
                 hardness_modulus: 383_640.0,
@@ -426,7 +445,9 @@ impl Parameters {
                 length: 0.4064,
                 width: 0.1524,
                 thickness: 0.095_25,
-                law: PenetrationLaw::SolidWood,
+                law: ResistanceLaw::Published(PenetrationLaw::SolidWood),
+                speed_term: crate::prf::SPEED_TERM,
+                slenderness_term: crate::prf::SLENDERNESS_TERM,
                 resistance_scale: 1.0,
                 head_stiffness_scale: 1.0,
                 unloading_stiffness: 1e7,
@@ -445,7 +466,12 @@ impl Parameters {
                 guard_travel: 0.015,
             },
             tool: Tool { mass: 4.1 },
-            hand: Hand { force: 110.0 },
+            hand: Hand {
+                force: 110.0,
+                mass: 0.0,
+                stiffness: 20e3,
+                damping: 150.0,
+            },
             support: Support {
                 stiffness: 5.1e8,
                 damping: SupportDamping::Ratio(0.05),

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::{EnergyFlow, LogEntry};
+
 /// One nailing cycle.
 ///
 /// Every history has [`len`](Self::len) samples at t = 0, dt, 2 dt, ...; at a discontinuity a sample takes the value
@@ -38,10 +40,14 @@ pub struct CycleRecord {
     pub vent: VentFlow,
     /// Event times.
     pub events: Events,
+    /// Every contact, opening, choking change, reversal and trigger action, and the levels that define the events.
+    pub log: Vec<LogEntry>,
     /// What the shot did.
     pub outcome: Outcome,
     /// Figures of the shot.
     pub summary: Summary,
+    /// Where the energy of the shot came from and went to.
+    pub energy: EnergyFlow,
     /// Checks of the run, each with its limit.
     pub checks: Vec<Check>,
     /// Work of the integrator.
@@ -111,10 +117,10 @@ pub struct Volume {
 ///
 /// The equations of motion, M the moving mass:
 /// ```text
-/// M_t v_p' = piston_gas - bumper - stopper - penetration - piston_friction + M_t g
+/// M_t v_p' = piston_gas - bumper - stopper - penetration - piston_friction - magazine + M_t g
 /// M_h v_h' = valve_gas + spring - cap - seat - valve_friction + M_h g
 /// M_g v_g' = hand - piston_gas - valve_gas - spring + bumper + stopper + cap + seat + piston_friction + valve_friction
-///            - nose - guard + M_g g
+///            + magazine + thrust - nose - guard + M_g g
 /// M_w v_w' = penetration + nose + guard - support + M_w g
 /// ```
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -145,8 +151,12 @@ pub struct Forces {
     pub guard: Vec<f64>,
     /// F_sup, support on the workpiece, up.
     pub support: Vec<f64>,
-    /// F_hm, hand on the tool, down.
+    /// Hand on the tool, down; F_hm itself where the hand has no mass.
     pub hand: Vec<f64>,
+    /// Friction of magazine and guide on the nail the rod drives, up on it when it moves down.
+    pub magazine: Vec<f64>,
+    /// Part of the exhaust jets' thrust along y, down on the tool.
+    pub thrust: Vec<f64>,
 }
 
 /// Flow through the exhaust holes.

@@ -132,7 +132,7 @@ fn b1_events_are_in_order() {
 
 #[test]
 fn b2_mass_gas_energy_momentum_and_shot_energy_are_conserved() {
-    assert_eq!(record().checks.len(), 4);
+    assert_eq!(record().checks.len(), 5);
     assert!(
         record().is_certified() && long_record().is_certified(),
         "{:?}",

@@ -2,10 +2,10 @@
 
 #![allow(clippy::unwrap_used)]
 
-use nailnoise_dynamics::CycleError;
 use nailnoise_dynamics::prf::{
     HIGHEST_SPEED, LOWEST_SPEED, NAILS, PenetrationLaw, REFERENCE_SPEED, Shank, Specimen, WOODS,
 };
+use nailnoise_dynamics::{CycleError, Form, Parameters};
 
 fn specimen(wood: &str, nail: &str, shank: Shank) -> Specimen {
     let wood = WOODS.iter().find(|w| w.name == wood).unwrap();
@@ -161,4 +161,46 @@ fn speeds_and_depths_outside_the_tests_are_refused() {
     assert_eq!(law.force(&s, -0.01, 1e-3).unwrap(), 0.0);
     assert_eq!(law.force(&s, 0.0, 1e-3).unwrap(), 0.0);
     assert!(law.force(&s, s.length, LOWEST_SPEED).is_ok() && law.force(&s, s.length, HIGHEST_SPEED).is_ok());
+}
+
+#[test]
+fn the_envelope_is_the_law_within_the_nail_and_a_spring_beyond() {
+    let s = specimen("pine", "12d", Shank::Smooth);
+    let mut p = Parameters::n80cb();
+    p.wood.resistance_scale = 0.7;
+    for law in PenetrationLaw::ALL {
+        p.wood.law = law.into();
+        for x in [1e-3, 0.2, 0.5, 1.0] {
+            let expected = 0.7 * law.force(&s, x * s.length, REFERENCE_SPEED).unwrap();
+            let force = p.penetration_resistance(x * s.length);
+            assert!((force - expected).abs() < 1e-9, "{law:?} {x}: {force} {expected}");
+        }
+    }
+    let seated = p.penetration_resistance(s.length);
+    let beyond = p.penetration_resistance(s.length + 1e-3);
+    assert!((beyond - seated - 1e-3 * p.wood.hardness_modulus).abs() < 1e-6);
+    p.model.nail = Form::Published;
+    let lost = p.penetration_resistance(s.length + 1e-3);
+    assert!((lost - 1e-3 * p.wood.hardness_modulus).abs() < 1e-9);
+    assert_eq!(p.penetration_resistance(0.0), 0.0);
+    assert_eq!(p.penetration_resistance(-1e-3), 0.0);
+}
+
+#[test]
+fn speed_and_slenderness_terms_take_part_in_the_solid_wood_law_only() {
+    let mut p = Parameters::n80cb();
+    let depth = 0.5 * p.nail.length;
+    let root = |p: &Parameters| (p.penetration_resistance(depth) / (p.wood.hardness_modulus * p.nail.length)).sqrt();
+    let published = root(&p);
+    p.wood.speed_term = -115.0;
+    p.wood.slenderness_term = -1.1;
+    // Eq. 4.59: both terms are linear in the root.
+    let pi3 = p.nail.length * p.wood.density / p.wood.hardness_modulus;
+    let expected = published + (122.91 - 115.0) * pi3 + (1.15 - 1.1) * p.nail.diameter / p.nail.length;
+    assert!((root(&p) - expected).abs() < 1e-12, "{} {expected}", root(&p));
+    let mut smooth = Parameters::n80cb();
+    smooth.wood.law = PenetrationLaw::Smooth.into();
+    let before = smooth.penetration_resistance(depth);
+    smooth.wood.speed_term = -115.0;
+    assert_eq!(smooth.penetration_resistance(depth), before);
 }

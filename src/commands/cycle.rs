@@ -2,21 +2,59 @@
 
 use std::process::ExitCode;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use nailnoise_dynamics::{CycleRecord, Events, Outcome, Summary, Work};
 use serde::Serialize;
 
 use super::table::table;
 use super::{Common, Progress, print, print_json, status_of};
 use crate::error::Error;
+use crate::figures;
 use crate::output::{self, EVENT_NAMES};
-use crate::pipeline::{self, Observer as _};
+use crate::pipeline::{self, Observer as _, Preset};
 use crate::result::{Check, DesignId};
 
 #[derive(Args)]
 pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
+    /// Compute the model as the thesis prints it: every form, or the nail alone
+    #[arg(long, value_name = "WHAT", value_enum, num_args = 0..=1, require_equals = true)]
+    #[arg(default_missing_value = "all")]
+    as_published: Option<Published>,
+    /// Draw pressures, motion, pressure ratios and forces as SVG
+    #[arg(long)]
+    figures: bool,
+    /// Rank the parameters by what their ranges do to the shot, instead of computing one
+    #[arg(long, conflicts_with_all = ["as_published", "figures"])]
+    sensitivity: bool,
+    /// Figures of the shot for --sensitivity, by name or group: speed, penetration, events, forces, masses, all
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "sensitivity")]
+    outputs: Vec<String>,
+    /// Draw N designs from the ranges and count what their shots do, instead of computing one
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(conflicts_with_all = ["as_published", "figures", "sensitivity"])]
+    draw: Option<u32>,
+    /// Seed of --draw; the same seed draws the same designs
+    #[arg(long, value_name = "SEED", default_value_t = 1, requires = "draw")]
+    seed: u64,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Published {
+    /// Every form as printed, and what the thesis does not have left out
+    All,
+    /// The nail alone: elastic penetration and no impact of the rod on it
+    Nail,
+}
+
+impl From<Published> for Preset {
+    fn from(published: Published) -> Self {
+        match published {
+            Published::All => Self::PublishedAll,
+            Published::Nail => Self::PublishedNailOnly,
+        }
+    }
 }
 
 /// Layout of `cycle --json`.
@@ -24,23 +62,48 @@ pub(super) struct Arguments {
 struct CycleResult<'a> {
     schema: &'static str,
     design: DesignId,
+    /// The published form computed in the place of the design's own; null for the design as it is.
+    preset: Option<Preset>,
     outcome: Outcome,
     events: &'a Events,
     summary: &'a Summary,
     checks: Vec<Check>,
     work: &'a Work,
+    /// Files of the figures that were asked for.
+    figures: Vec<String>,
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let common = &arguments.common;
     common.start_threads()?;
     let design = common.load()?;
-    let folder = common.out(&design);
+    if arguments.sensitivity {
+        return super::sensitivity::execute(common, &design, &arguments.outputs);
+    }
+    if let Some(count) = arguments.draw {
+        return super::draw::execute(common, &design, count as usize, arguments.seed);
+    }
+    let preset = arguments.as_published.map(Preset::from);
+    let folder = match preset {
+        // Beside the files of the design itself, not over them.
+        Some(preset) if common.out.is_none() => common.out(&design).join(preset.as_str()),
+        _ => common.out(&design),
+    };
     let mut progress = Progress::new();
     progress.stage("nailing cycle");
-    let record = pipeline::cycle(&design)?;
+    let record = match preset {
+        Some(preset) => pipeline::cycle_as_published(&design, preset)?,
+        None => pipeline::cycle(&design)?,
+    };
     progress.stage("writing files");
     output::write_cycle(&folder, &record)?;
+    let figures = if arguments.figures {
+        let form = preset.map_or("", words_of);
+        let subject = format!("{}{form}: {}", design.name(), words(&record.outcome));
+        figures::write(&folder.join("figures"), &figures::cycle(&subject, &design, &record))?
+    } else {
+        Vec::new()
+    };
     drop(progress);
     let checks: Vec<Check> = record.checks.iter().map(Check::from).collect();
     let status = status_of(&checks);
@@ -50,23 +113,29 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             name: design.name().to_owned(),
             digest: design.digest(),
         },
+        preset,
         outcome: record.outcome,
         events: &record.events,
         summary: &record.summary,
         checks,
         work: &record.work,
+        figures: figures.iter().map(|file| file.display().to_string()).collect(),
     };
     if common.json {
         print_json(&result)?;
     } else {
         print(&text(&result, &record));
         print(&format!("\n  files in {}\n", folder.display()));
+        figures
+            .iter()
+            .for_each(|file| print(&format!("  {}\n", file.display())));
     }
     Ok(status)
 }
 
 fn text(result: &CycleResult<'_>, record: &CycleRecord) -> String {
-    let mut text = format!("{}: {}\n\n", result.design.name, words(&result.outcome));
+    let form = result.preset.map_or("", words_of);
+    let mut text = format!("{}{form}: {}\n\n", result.design.name, words(&result.outcome));
     let events: Vec<Vec<String>> = result
         .events
         .to_array()
@@ -118,6 +187,14 @@ fn text(result: &CycleResult<'_>, record: &CycleRecord) -> String {
         1e6 * record.sample_interval,
     ));
     text
+}
+
+/// A preset in words, behind the design's name.
+fn words_of(preset: Preset) -> &'static str {
+    match preset {
+        Preset::PublishedAll => ", every form as published",
+        Preset::PublishedNailOnly => ", nail as published",
+    }
 }
 
 /// A serde word (`strikes_bumper`) in words.

@@ -4,9 +4,12 @@
 //! not met; 2 wrong use or input; 3 a numerical check failed; 130 interrupted.
 
 mod cycle;
+mod draw;
 mod modes;
+mod prf;
 mod progress;
 mod run;
+mod sensitivity;
 mod table;
 
 use std::io::{IsTerminal, Write};
@@ -40,6 +43,8 @@ enum Command {
     Cycle(cycle::Arguments),
     /// Compute the vibration modes of a body
     Modes(modes::Arguments),
+    /// Evaluate, compare and plot published laws of penetration resistance
+    Prf(prf::Arguments),
 }
 
 /// What every command takes.
@@ -91,6 +96,7 @@ pub fn main() -> ExitCode {
         Command::Run(arguments) => run::execute(arguments),
         Command::Cycle(arguments) => cycle::execute(arguments),
         Command::Modes(arguments) => modes::execute(arguments),
+        Command::Prf(arguments) => prf::execute(arguments),
     };
     outcome.unwrap_or_else(|error| {
         let status = error.exit_status();

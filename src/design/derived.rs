@@ -5,6 +5,8 @@
 
 use std::f64::consts::PI;
 
+use nailnoise_dynamics as dynamics;
+
 use super::dimension::*;
 use super::groups::*;
 
@@ -50,122 +52,67 @@ macro_rules! derived {
 }
 
 derived! {
-    "piston.area" "A_1" AREA "Area of the piston's upper side." ["piston.bore"] |v| v.piston.area();
-    "piston.rod_area" "A_r" AREA "Area of the rod." ["piston.rod_diameter"] |v| v.piston.rod_area();
+    "piston.area" "A_1" AREA "Area of the piston's upper side." ["piston.bore"] |v| piston(v).area();
+    "piston.rod_area" "A_r" AREA "Area of the rod." ["piston.rod_diameter"] |v| piston(v).rod_area();
     "piston.lower_area" "A_2" AREA "Area of the piston's lower side, A_1 - A_r."
-        ["piston.bore", "piston.rod_diameter"] |v| v.piston.lower_area();
+        ["piston.bore", "piston.rod_diameter"] |v| piston(v).lower_area();
     "head_valve.control_area" "A_h1" AREA "Area of the head valve's upper side."
-        ["head_valve.outer_diameter", "head_valve.inner_diameter"] |v| v.head_valve.control_area();
+        ["head_valve.outer_diameter", "head_valve.inner_diameter"] |v| head_valve(v).control_area();
     "head_valve.supply_area" "A_h2" AREA "Area of the head valve's underside outside the seat."
-        ["head_valve.outer_diameter", "head_valve.seat_diameter"] |v| v.head_valve.supply_area();
+        ["head_valve.outer_diameter", "head_valve.seat_diameter"] |v| head_valve(v).supply_area();
     "head_valve.cylinder_area" "A_h3" AREA "Area of the head valve's underside inside the seat, A_h1 - A_h2."
-        ["head_valve.seat_diameter", "head_valve.inner_diameter"] |v| v.head_valve.cylinder_area();
+        ["head_valve.seat_diameter", "head_valve.inner_diameter"] |v| head_valve(v).cylinder_area();
     "exhaust.area" "A_ma" AREA "Area of all exhaust holes." ["exhaust.holes", "exhaust.hole_diameter"]
-        |v| v.exhaust.area();
+        |v| exhaust(v).area();
     "trigger.delay" "tau" TIME "Delay of the trigger channel, L_ch/c."
-        ["trigger.channel_length", "ambient.temperature"] |v| v.trigger.delay(&v.ambient);
+        ["trigger.channel_length", "ambient.temperature"] |v| trigger(v).delay(&ambient(v));
     "trigger.fill_attenuation" "phi_in" NUMBER "Attenuation of the trigger channel at supply pressure (Eq. 4.50)."
         ["trigger.channel_length", "trigger.channel_diameter"]
-        |v| v.trigger.attenuation(v.supply.pressure, &v.ambient);
+        |v| trigger(v).attenuation(v.supply.pressure, &ambient(v));
     "trigger.vent_attenuation" "phi_out" NUMBER "Attenuation of the trigger channel at ambient pressure (Eq. 4.50)."
         ["trigger.channel_length", "trigger.channel_diameter"]
-        |v| v.trigger.attenuation(v.ambient.pressure, &v.ambient);
+        |v| trigger(v).attenuation(v.ambient.pressure, &ambient(v));
     "nail.mass" "M_n" MASS "Mass of the nail."
-        ["nail.length", "nail.diameter", "nail.head_diameter", "nail.head_thickness", "nail.density"] |v| v.nail.mass();
+        ["nail.length", "nail.diameter", "nail.head_diameter", "nail.head_thickness", "nail.density"]
+        |v| nail(v).mass();
     "workpiece.mass" "M_w" MASS "Mass of the workpiece."
         ["workpiece.length", "workpiece.width", "workpiece.thickness", "wood.density"]
-        |v| v.workpiece.volume() * v.wood.density;
+        |v| dynamics::Wood::from(v).block_mass();
     "support.sand.shear_speed" "V_s" VELOCITY "Shear wave speed of the sand, sqrt(G_0/rho)."
         ["support.sand.shear_modulus", "support.sand.density"] |v| v.support.sand.shear_speed();
     "body.volume" "V" VOLUME "Volume of air that the tool body displaces."
         ["body.barrel_radius", "body.cap_radius", "body.handle_radius", "body.magazine_radius", "body.nose_width"]
         |v| v.body.volume();
     "ambient.density" "rho_0" DENSITY "Density of the air, P_a/(R T_a)."
-        ["ambient.pressure", "ambient.gas_constant", "ambient.temperature"] |v| v.ambient.density();
+        ["ambient.pressure", "ambient.gas_constant", "ambient.temperature"] |v| ambient(v).density();
     "ambient.sound_speed" "c_0" VELOCITY "Speed of sound, sqrt(gamma R T_a)."
-        ["ambient.heat_capacity_ratio", "ambient.gas_constant", "ambient.temperature"] |v| v.ambient.sound_speed();
+        ["ambient.heat_capacity_ratio", "ambient.gas_constant", "ambient.temperature"] |v| ambient(v).sound_speed();
 }
 
-fn disc(diameter: f64) -> f64 {
-    0.25 * PI * diameter * diameter
+// The cycle holds the formulas of its own parameters.
+
+fn piston(v: &Values) -> dynamics::Piston {
+    (&v.piston).into()
 }
 
-impl Piston {
-    /// Area of the upper side \[m2\], A_1 = pi/4 d_c^2.
-    pub fn area(&self) -> f64 {
-        disc(self.bore)
-    }
-
-    /// Area of the rod \[m2\], A_r = pi/4 d_r^2.
-    pub fn rod_area(&self) -> f64 {
-        disc(self.rod_diameter)
-    }
-
-    /// Area of the lower side \[m2\], A_2 = A_1 - A_r, so that uniform pressure gives no net force.
-    pub fn lower_area(&self) -> f64 {
-        self.area() - self.rod_area()
-    }
+fn head_valve(v: &Values) -> dynamics::HeadValve {
+    (&v.head_valve).into()
 }
 
-impl HeadValve {
-    /// Area of the upper side \[m2\], A_h1 = pi/4 (D_o^2 - D_i^2).
-    pub fn control_area(&self) -> f64 {
-        disc(self.outer_diameter) - disc(self.inner_diameter)
-    }
-
-    /// Area of the underside outside the seat \[m2\], A_h2 = pi/4 (D_o^2 - D_s^2).
-    pub fn supply_area(&self) -> f64 {
-        disc(self.outer_diameter) - disc(self.seat_diameter)
-    }
-
-    /// Area of the underside inside the seat \[m2\], A_h3 = A_h1 - A_h2.
-    pub fn cylinder_area(&self) -> f64 {
-        self.control_area() - self.supply_area()
-    }
+fn exhaust(v: &Values) -> dynamics::Exhaust {
+    (&v.exhaust).into()
 }
 
-impl Exhaust {
-    /// Area of all holes \[m2\], A_ma = n pi/4 d^2.
-    pub fn area(&self) -> f64 {
-        f64::from(self.holes) * disc(self.hole_diameter)
-    }
+fn trigger(v: &Values) -> dynamics::Trigger {
+    (&v.trigger).into()
 }
 
-impl Trigger {
-    /// Delay of the channel \[s\], tau = L_ch/c.
-    pub fn delay(&self, air: &Ambient) -> f64 {
-        self.channel_length / air.sound_speed()
-    }
-
-    /// Attenuation of the channel \[-\] at the absolute pressure P \[Pa\]: phi = exp(-R_ch L_ch R T_a/(2 P c)) with the
-    /// laminar resistance R_ch = 32 mu/D_ch^2 (Eq. 4.50).
-    pub fn attenuation(&self, pressure: f64, air: &Ambient) -> f64 {
-        let resistance = 32.0 * air.viscosity / self.channel_diameter.powi(2);
-        let rt = air.gas_constant * air.temperature;
-        (-resistance * self.channel_length * rt / (2.0 * pressure * air.sound_speed())).exp()
-    }
+fn nail(v: &Values) -> dynamics::Nail {
+    (&v.nail).into()
 }
 
-impl Nail {
-    /// Mass \[kg\] of the shank, which the head's thickness shortens, and the head.
-    pub fn mass(&self) -> f64 {
-        let shank = disc(self.diameter) * (self.length - self.head_thickness);
-        self.density * (shank + disc(self.head_diameter) * self.head_thickness)
-    }
-}
-
-impl Workpiece {
-    /// Volume \[m3\].
-    pub fn volume(&self) -> f64 {
-        self.length * self.width * self.thickness
-    }
-}
-
-impl Values {
-    /// Mass of the workpiece \[kg\].
-    pub fn workpiece_mass(&self) -> f64 {
-        self.workpiece.volume() * self.wood.density
-    }
+fn ambient(v: &Values) -> dynamics::Ambient {
+    (&v.ambient).into()
 }
 
 impl Sand {
@@ -185,17 +132,5 @@ impl Body {
             + cylinder(self.handle_radius, self.handle_length)
             + cylinder(self.magazine_radius, self.magazine_height)
             + self.nose_width * self.nose_depth * self.nose_height
-    }
-}
-
-impl Ambient {
-    /// Density of the air \[kg/m3\], rho_0 = P_a/(R T_a).
-    pub fn density(&self) -> f64 {
-        self.pressure / (self.gas_constant * self.temperature)
-    }
-
-    /// Speed of sound \[m/s\], c_0 = sqrt(gamma R T_a).
-    pub fn sound_speed(&self) -> f64 {
-        (self.heat_capacity_ratio * self.gas_constant * self.temperature).sqrt()
     }
 }

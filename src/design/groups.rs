@@ -4,7 +4,7 @@
 //! device" (ETS Montreal, 2016), ch. 4, where it has one.
 
 use super::dimension::*;
-use super::schema::{Kind, any, choice, fraction, gas_pressure, group, nonnegative, positive};
+use super::schema::{Kind, any, choice, component, fraction, gas_pressure, group, nonnegative, positive};
 
 group! {
     /// All quantities of a design, in SI units.
@@ -145,6 +145,8 @@ group! {
         holes: u32 = Kind::Count, "n";
         /// Diameter of one hole.
         hole_diameter: f64 = positive(LENGTH), "d";
+        /// Part of the jets' thrust that acts on the tool along the driving direction, positive towards the wood.
+        thrust_share: f64 = component(), "";
     }
 }
 
@@ -179,6 +181,8 @@ group! {
         head_gap: f64 = positive(LENGTH), "y_pbin";
         /// Piston travel at which the nail's tip touches the wood.
         tip_gap: f64 = positive(LENGTH), "y_pbp";
+        /// Friction of magazine and guide on the nail while the rod drives it.
+        magazine_friction: f64 = nonnegative(FORCE), "";
         /// Where the nail is driven: distance from the block's centre along its length.
         offset_along: f64 = any(LENGTH), "";
         /// Where the nail is driven: distance from the block's centre across its width.
@@ -211,6 +215,8 @@ choice! {
         Reduced6 = "reduced6",
         /// Solid wood, Eq. 4.59.
         SolidWood = "solid_wood",
+        /// The same force at every depth.
+        Constant = "constant",
     }
 }
 
@@ -261,6 +267,8 @@ group! {
         speed_term: f64 = any(VELOCITY_SQUARED), "C8 v_ref^2";
         /// Coefficient of the slenderness term D/l_n of the solid-wood law.
         slenderness_term: f64 = any(NUMBER), "C9";
+        /// Force of the constant law; unused with the others.
+        penetration_force: f64 = nonnegative(FORCE), "";
         /// Multiplier on the penetration law.
         resistance_scale: f64 = nonnegative(NUMBER), "Fr_scale";
         /// Multiplier on the stiffness under the nail's head, k_w = scale H_M.
@@ -356,6 +364,12 @@ group! {
     Hand {
         /// Constant push towards the wood.
         force: f64 = nonnegative(FORCE), "F_hm";
+        /// Mass of hand and arm that the push acts on; 0 where it acts on the tool itself.
+        mass: f64 = nonnegative(MASS), "m_m";
+        /// Stiffness between the hand's mass and the tool; unused without the mass.
+        stiffness: f64 = positive(STIFFNESS), "k_m";
+        /// Damping between the hand's mass and the tool; unused without the mass.
+        damping: f64 = nonnegative(DAMPING), "c_m";
     }
 }
 

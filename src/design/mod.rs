@@ -17,11 +17,13 @@ mod derived;
 mod dimension;
 mod error;
 mod groups;
+mod measure;
 mod provenance;
 mod quantity;
 mod reference;
 mod resolve;
 mod schema;
+mod set;
 mod settings;
 mod source;
 mod suggest;
@@ -36,11 +38,14 @@ use sha2::{Digest as _, Sha256};
 pub use checks::Conflict;
 pub use derived::{AGREEMENT, DERIVED, Derived};
 pub use dimension::Dimension;
+pub(crate) use dimension::{LENGTH, VELOCITY};
 pub use error::{DesignError, Warning};
 pub use groups::*;
+pub(crate) use measure::measure;
 pub use provenance::Provenance;
 pub use reference::reference;
 pub use schema::{GroupSpec, KeySpec, Kind, Sign, Value};
+pub use set::SetError;
 pub use source::Place;
 pub use units::UnitError;
 
@@ -53,7 +58,7 @@ use source::File;
 /// The groups stand on the design itself: `design.supply.pressure` is the supply pressure in Pa. A program may change
 /// them; [`digest`](Self::digest) and [`entries`](Self::entries) follow, and
 /// [`conflict`](Values::conflict) checks the result.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Design {
     name: String,
     path: PathBuf,

@@ -16,6 +16,8 @@ pub enum Sign {
     Positive,
     /// From 0 to 1.
     Fraction,
+    /// From -1 to 1.
+    Component,
 }
 
 impl Sign {
@@ -26,6 +28,7 @@ impl Sign {
             Self::NonNegative => value.is_finite() && value >= 0.0,
             Self::Positive => value.is_finite() && value > 0.0,
             Self::Fraction => (0.0..=1.0).contains(&value),
+            Self::Component => (-1.0..=1.0).contains(&value),
         }
     }
 
@@ -36,6 +39,7 @@ impl Sign {
             Self::NonNegative => "zero or above",
             Self::Positive => "above zero",
             Self::Fraction => "from 0 to 1",
+            Self::Component => "from -1 to 1",
         }
     }
 }
@@ -101,6 +105,15 @@ pub(crate) const fn fraction() -> Kind {
     Kind::Quantity {
         dimension: NUMBER,
         sign: Sign::Fraction,
+        gauge: false,
+    }
+}
+
+/// A component of a direction, from -1 to 1.
+pub(crate) const fn component() -> Kind {
+    Kind::Quantity {
+        dimension: NUMBER,
+        sign: Sign::Component,
         gauge: false,
     }
 }

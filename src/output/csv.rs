@@ -30,11 +30,17 @@ pub const EVENT_NAMES: [&str; 19] = [
     "piston at rest on the stopper",
 ];
 
-/// `levels.csv`: one-third-octave bands by sources, unweighted; then the A-weighted total of each. Silence is empty.
+/// `levels.csv`: one-third-octave bands by sources, unweighted; then the A-weighted total of each. The header tells how
+/// each source was computed. Silence is empty.
 pub(super) fn levels(result: &RunResult) -> String {
-    let mut text = String::from("band_hz");
+    let mut text = String::from("band [Hz]");
     for source in &result.ranking {
-        let _ = write!(text, ",{}_lw_db", source.source);
+        let _ = write!(
+            text,
+            ",{} L_W [dB] ({})",
+            source.source,
+            source.method.replace(',', " with")
+        );
     }
     text.push('\n');
     let bands = result.ranking.first().map_or(0, |source| source.bands.len());
@@ -46,7 +52,7 @@ pub(super) fn levels(result: &RunResult) -> String {
         }
         text.push('\n');
     }
-    text.push_str("total_A");
+    text.push_str("A-weighted total");
     for source in &result.ranking {
         text.push(',');
         text.push_str(&optional(source.lwa_db, 3));

@@ -1,6 +1,7 @@
 //! From the design file to the cycle.
 
 use nailnoise_dynamics as dynamics;
+use nailnoise_dynamics::prf::{PenetrationLaw, ResistanceLaw};
 use nailnoise_fem::supports::{RectangularBase, Sand};
 
 use crate::design::{self, Design, SupportKind};
@@ -27,117 +28,203 @@ pub fn cycle(design: &Design) -> Result<dynamics::CycleRecord, Error> {
 /// # Errors
 /// [`Error::Sand`] when the sand's constants are outside the range of the foundation's formulas.
 pub fn parameters(design: &Design) -> Result<dynamics::Parameters, Error> {
-    let d = design;
     Ok(dynamics::Parameters {
-        supply: dynamics::Supply {
-            pressure: d.supply.pressure,
-            hose_area: d.supply.hose_area,
-        },
-        piston: dynamics::Piston {
-            mass: d.piston.mass,
-            stroke: d.piston.stroke,
-            bore: d.piston.bore,
-            rod_diameter: d.piston.rod_diameter,
-            friction: friction(&d.piston.friction),
-        },
-        head_valve: dynamics::HeadValve {
-            mass: d.head_valve.mass,
-            lift: d.head_valve.lift,
-            outer_diameter: d.head_valve.outer_diameter,
-            inner_diameter: d.head_valve.inner_diameter,
-            seat_diameter: d.head_valve.seat_diameter,
-            intake_lap: d.head_valve.intake_lap,
-            exhaust_lap: d.head_valve.exhaust_lap,
-            intake_angle: d.head_valve.intake_angle,
-            exhaust_angle: d.head_valve.exhaust_angle,
-            exhaust_seat_diameter: d.head_valve.exhaust_seat_diameter,
-            spring_preload: d.head_valve.spring_preload,
-            friction: friction(&d.head_valve.friction),
-        },
-        chambers: dynamics::Chambers {
-            above_piston: d.chambers.above_piston,
-            below_piston: d.chambers.below_piston,
-            return_volume: d.chambers.return_volume,
-            above_valve: d.chambers.above_valve,
-            supply_volume: d.chambers.supply_volume,
-            check_hole_area: d.chambers.check_hole_area,
-            check_hole_position: d.chambers.check_hole_position,
-            return_hole_area: d.chambers.return_hole_area,
-            leak_area: d.chambers.leak_area,
-            discharge_coefficient: d.chambers.discharge_coefficient,
-            wall_heat_transfer: d.chambers.wall_heat_transfer,
-            wall_above_piston: d.chambers.wall_above_piston,
-            wall_below_piston: d.chambers.wall_below_piston,
-            wall_return: d.chambers.wall_return,
-            wall_above_valve: d.chambers.wall_above_valve,
-            wall_supply: d.chambers.wall_supply,
-        },
-        exhaust: dynamics::Exhaust {
-            holes: d.exhaust.holes,
-            hole_diameter: d.exhaust.hole_diameter,
-        },
-        trigger: dynamics::Trigger {
-            channel_length: d.trigger.channel_length,
-            channel_diameter: d.trigger.channel_diameter,
-            vent_area: d.trigger.vent_area,
-            fill_area: d.trigger.fill_area,
-        },
-        nail: dynamics::Nail {
-            length: d.nail.length,
-            diameter: d.nail.diameter,
-            head_diameter: d.nail.head_diameter,
-            head_thickness: d.nail.head_thickness,
-            density: d.nail.density,
-            head_gap: d.nail.head_gap,
-            tip_gap: d.nail.tip_gap,
-        },
-        wood: wood(d),
-        contacts: dynamics::Contacts {
-            bumper_stiffness: d.contacts.bumper_stiffness,
-            bumper_damping: d.contacts.bumper_damping,
-            stopper_stiffness: d.contacts.stopper_stiffness,
-            stopper_damping: d.contacts.stopper_damping,
-            cap_stiffness: d.contacts.cap_stiffness,
-            seat_stiffness: d.contacts.seat_stiffness,
-            valve_damping_ratio: d.contacts.valve_damping_ratio,
-            nose_stiffness: d.contacts.nose_stiffness,
-            nose_damping_ratio: d.contacts.nose_damping_ratio,
-            guard_stiffness: d.contacts.guard_stiffness,
-            guard_travel: d.contacts.guard_travel,
-        },
-        tool: dynamics::Tool { mass: d.tool.mass },
-        hand: dynamics::Hand { force: d.hand.force },
-        support: support(d)?,
-        ambient: dynamics::Ambient {
-            pressure: d.ambient.pressure,
-            temperature: d.ambient.temperature,
-            gas_constant: d.ambient.gas_constant,
-            heat_capacity_ratio: d.ambient.heat_capacity_ratio,
-            viscosity: d.ambient.viscosity,
-            gravity: d.ambient.gravity,
-        },
-        model: model(&d.model),
+        supply: (&design.supply).into(),
+        piston: (&design.piston).into(),
+        head_valve: (&design.head_valve).into(),
+        chambers: (&design.chambers).into(),
+        exhaust: (&design.exhaust).into(),
+        trigger: (&design.trigger).into(),
+        nail: (&design.nail).into(),
+        wood: dynamics::Wood::from(&**design),
+        contacts: (&design.contacts).into(),
+        tool: (&design.tool).into(),
+        hand: (&design.hand).into(),
+        support: support(design)?,
+        ambient: (&design.ambient).into(),
+        model: (&design.model).into(),
     })
 }
 
-fn friction(f: &design::Friction) -> dynamics::Friction {
-    dynamics::Friction {
-        static_force: f.static_force,
-        sliding_force: f.sliding_force,
-        viscous: f.viscous,
+impl From<&design::Supply> for dynamics::Supply {
+    fn from(own: &design::Supply) -> Self {
+        Self {
+            pressure: own.pressure,
+            hose_area: own.hose_area,
+        }
     }
 }
 
-fn wood(d: &Design) -> dynamics::Wood {
-    use design::PenetrationLaw as Law;
-    use dynamics::prf::PenetrationLaw;
-    dynamics::Wood {
-        hardness_modulus: d.wood.hardness_modulus,
-        density: d.wood.density,
-        length: d.workpiece.length,
-        width: d.workpiece.width,
-        thickness: d.workpiece.thickness,
-        law: match d.wood.penetration_law {
+impl From<&design::Piston> for dynamics::Piston {
+    fn from(own: &design::Piston) -> Self {
+        Self {
+            mass: own.mass,
+            stroke: own.stroke,
+            bore: own.bore,
+            rod_diameter: own.rod_diameter,
+            friction: (&own.friction).into(),
+        }
+    }
+}
+
+impl From<&design::HeadValve> for dynamics::HeadValve {
+    fn from(own: &design::HeadValve) -> Self {
+        Self {
+            mass: own.mass,
+            lift: own.lift,
+            outer_diameter: own.outer_diameter,
+            inner_diameter: own.inner_diameter,
+            seat_diameter: own.seat_diameter,
+            intake_lap: own.intake_lap,
+            exhaust_lap: own.exhaust_lap,
+            intake_angle: own.intake_angle,
+            exhaust_angle: own.exhaust_angle,
+            exhaust_seat_diameter: own.exhaust_seat_diameter,
+            spring_preload: own.spring_preload,
+            friction: (&own.friction).into(),
+        }
+    }
+}
+
+impl From<&design::Chambers> for dynamics::Chambers {
+    fn from(own: &design::Chambers) -> Self {
+        Self {
+            above_piston: own.above_piston,
+            below_piston: own.below_piston,
+            return_volume: own.return_volume,
+            above_valve: own.above_valve,
+            supply_volume: own.supply_volume,
+            check_hole_area: own.check_hole_area,
+            check_hole_position: own.check_hole_position,
+            return_hole_area: own.return_hole_area,
+            leak_area: own.leak_area,
+            discharge_coefficient: own.discharge_coefficient,
+            wall_heat_transfer: own.wall_heat_transfer,
+            wall_above_piston: own.wall_above_piston,
+            wall_below_piston: own.wall_below_piston,
+            wall_return: own.wall_return,
+            wall_above_valve: own.wall_above_valve,
+            wall_supply: own.wall_supply,
+        }
+    }
+}
+
+impl From<&design::Exhaust> for dynamics::Exhaust {
+    fn from(own: &design::Exhaust) -> Self {
+        Self {
+            holes: own.holes,
+            hole_diameter: own.hole_diameter,
+            thrust_share: own.thrust_share,
+        }
+    }
+}
+
+impl From<&design::Trigger> for dynamics::Trigger {
+    fn from(own: &design::Trigger) -> Self {
+        Self {
+            channel_length: own.channel_length,
+            channel_diameter: own.channel_diameter,
+            vent_area: own.vent_area,
+            fill_area: own.fill_area,
+        }
+    }
+}
+
+impl From<&design::Nail> for dynamics::Nail {
+    fn from(own: &design::Nail) -> Self {
+        Self {
+            length: own.length,
+            diameter: own.diameter,
+            head_diameter: own.head_diameter,
+            head_thickness: own.head_thickness,
+            density: own.density,
+            head_gap: own.head_gap,
+            tip_gap: own.tip_gap,
+            magazine_friction: own.magazine_friction,
+        }
+    }
+}
+
+impl From<&design::Contacts> for dynamics::Contacts {
+    fn from(own: &design::Contacts) -> Self {
+        Self {
+            bumper_stiffness: own.bumper_stiffness,
+            bumper_damping: own.bumper_damping,
+            stopper_stiffness: own.stopper_stiffness,
+            stopper_damping: own.stopper_damping,
+            cap_stiffness: own.cap_stiffness,
+            seat_stiffness: own.seat_stiffness,
+            valve_damping_ratio: own.valve_damping_ratio,
+            nose_stiffness: own.nose_stiffness,
+            nose_damping_ratio: own.nose_damping_ratio,
+            guard_stiffness: own.guard_stiffness,
+            guard_travel: own.guard_travel,
+        }
+    }
+}
+
+impl From<&design::Tool> for dynamics::Tool {
+    fn from(own: &design::Tool) -> Self {
+        Self { mass: own.mass }
+    }
+}
+
+impl From<&design::Hand> for dynamics::Hand {
+    fn from(own: &design::Hand) -> Self {
+        Self {
+            force: own.force,
+            mass: own.mass,
+            stiffness: own.stiffness,
+            damping: own.damping,
+        }
+    }
+}
+
+impl From<&design::Ambient> for dynamics::Ambient {
+    fn from(own: &design::Ambient) -> Self {
+        Self {
+            pressure: own.pressure,
+            temperature: own.temperature,
+            gas_constant: own.gas_constant,
+            heat_capacity_ratio: own.heat_capacity_ratio,
+            viscosity: own.viscosity,
+            gravity: own.gravity,
+        }
+    }
+}
+
+impl From<&design::Friction> for dynamics::Friction {
+    fn from(own: &design::Friction) -> Self {
+        Self {
+            static_force: own.static_force,
+            sliding_force: own.sliding_force,
+            viscous: own.viscous,
+        }
+    }
+}
+
+impl From<&design::Values> for dynamics::Wood {
+    fn from(d: &design::Values) -> Self {
+        Self {
+            hardness_modulus: d.wood.hardness_modulus,
+            density: d.wood.density,
+            length: d.workpiece.length,
+            width: d.workpiece.width,
+            thickness: d.workpiece.thickness,
+            law: (&d.wood).into(),
+            speed_term: d.wood.speed_term,
+            slenderness_term: d.wood.slenderness_term,
+            resistance_scale: d.wood.resistance_scale,
+            head_stiffness_scale: d.wood.head_stiffness_scale,
+            unloading_stiffness: d.wood.unloading_stiffness,
+        }
+    }
+}
+
+impl From<&design::Wood> for ResistanceLaw {
+    fn from(wood: &design::Wood) -> Self {
+        use design::PenetrationLaw as Law;
+        Self::Published(match wood.penetration_law {
             Law::Smooth => PenetrationLaw::Smooth,
             Law::Annular => PenetrationLaw::Annular,
             Law::Helical => PenetrationLaw::Helical,
@@ -149,10 +236,8 @@ fn wood(d: &Design) -> dynamics::Wood {
             Law::Reduced5 => PenetrationLaw::Reduced5,
             Law::Reduced6 => PenetrationLaw::Reduced6,
             Law::SolidWood => PenetrationLaw::SolidWood,
-        },
-        resistance_scale: d.wood.resistance_scale,
-        head_stiffness_scale: d.wood.head_stiffness_scale,
-        unloading_stiffness: d.wood.unloading_stiffness,
+            Law::Constant => return Self::Constant(wood.penetration_force),
+        })
     }
 }
 
@@ -177,26 +262,28 @@ fn support(d: &Design) -> Result<dynamics::Support, Error> {
     })
 }
 
-fn model(m: &design::Model) -> dynamics::Model {
-    let form = |form: design::Form| match form {
-        design::Form::Corrected => dynamics::Form::Corrected,
-        design::Form::Published => dynamics::Form::Published,
-    };
-    dynamics::Model {
-        gas: form(m.gas),
-        valve_underside: form(m.valve_underside),
-        nail: form(m.nail),
-        impact: form(m.impact),
-        contacts: form(m.contacts),
-        intake: form(m.intake),
-        delay: form(m.delay),
-        channel: form(m.channel),
-        refill: form(m.refill),
-        polytropic: m.polytropic,
-        polytropic_inflow: m.polytropic_inflow,
-        polytropic_outflow: m.polytropic_outflow,
-        friction_velocity: m.friction_velocity,
-        stribeck_velocity: m.stribeck_velocity,
-        orifice_linear: m.orifice_linear,
+impl From<&design::Model> for dynamics::Model {
+    fn from(m: &design::Model) -> Self {
+        let form = |form: design::Form| match form {
+            design::Form::Corrected => dynamics::Form::Corrected,
+            design::Form::Published => dynamics::Form::Published,
+        };
+        Self {
+            gas: form(m.gas),
+            valve_underside: form(m.valve_underside),
+            nail: form(m.nail),
+            impact: form(m.impact),
+            contacts: form(m.contacts),
+            intake: form(m.intake),
+            delay: form(m.delay),
+            channel: form(m.channel),
+            refill: form(m.refill),
+            polytropic: m.polytropic,
+            polytropic_inflow: m.polytropic_inflow,
+            polytropic_outflow: m.polytropic_outflow,
+            friction_velocity: m.friction_velocity,
+            stribeck_velocity: m.stribeck_velocity,
+            orifice_linear: m.orifice_linear,
+        }
     }
 }

@@ -9,9 +9,11 @@ mod intervals;
 mod missing;
 mod notes;
 mod pattern;
+mod preset;
 mod radiation;
 mod ranking;
 mod response;
+mod settings;
 mod shank;
 mod sound;
 
@@ -23,6 +25,8 @@ use nailnoise_fem::transient::ModalResponse;
 pub use bodies::{Body, Structure, table, workpiece};
 pub use cycle::{cycle, parameters};
 pub use intervals::SoundPower;
+pub use preset::{Preset, cycle_as_published};
+pub use settings::cycle_settings;
 
 use crate::design::{Design, SupportKind};
 use crate::error::Error;

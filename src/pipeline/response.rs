@@ -86,7 +86,7 @@ fn supports(design: &Design, structure: &Structure) -> Result<Vec<Support>, Erro
 ///
 /// After the record the tool is off the wood and the nail at rest: the forces of the shot go to zero, gravity stays.
 fn loads(design: &Design, parameters: &Parameters, record: &CycleRecord, force_scale: f64) -> Result<Loads, Error> {
-    let nail = shank::forces(parameters, design.wood.friction_share, record)?;
+    let nail = shank::forces(parameters, design.wood.friction_share, record);
     let mut history = DMatrix::zeros(LOADS, record.len());
     history.rows_mut(0, shank::STATIONS).copy_from(&nail);
     for sample in 0..record.len() {

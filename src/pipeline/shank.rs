@@ -12,11 +12,8 @@
 //! (Nili Ahmadabadi 2016, sec. 2.4.3: 81 % for a smooth 6d nail in poplar plywood). While the nail is unloaded
 //! (F_pen < E) all parts shrink in proportion.
 
-use nailnoise_dynamics::prf::{REFERENCE_SPEED, Specimen};
 use nailnoise_dynamics::{CycleRecord, Parameters};
 use nalgebra::DMatrix;
-
-use crate::error::Error;
 
 /// Number of stations from the surface to the depth of a fully driven tip; 7.5 mm apart for a 12d nail, finer than the
 /// elements.
@@ -28,31 +25,10 @@ pub(super) fn depths(nail_length: f64) -> [f64; STATIONS] {
 }
 
 /// Downward force on the wood at each station: stations x samples \[N\]. Each column sums to F_pen.
-///
-/// # Errors
-/// Those of the penetration law.
-pub(super) fn forces(
-    parameters: &Parameters,
-    friction_share: f64,
-    record: &CycleRecord,
-) -> Result<DMatrix<f64>, Error> {
+pub(super) fn forces(parameters: &Parameters, friction_share: f64, record: &CycleRecord) -> DMatrix<f64> {
     let length = parameters.nail.length;
-    let specimen = Specimen {
-        length,
-        diameter: parameters.nail.diameter,
-        hardness_modulus: parameters.wood.hardness_modulus,
-        density: parameters.wood.density,
-    };
-    let scale = parameters.wood.resistance_scale;
-    let resistance = |depth: f64| {
-        parameters
-            .wood
-            .law
-            .force(&specimen, depth, REFERENCE_SPEED)
-            .map(|f| scale * f)
-    };
-    let full_friction = friction_share * resistance(length)?;
-    let head_stiffness = parameters.wood.head_stiffness_scale * parameters.wood.hardness_modulus;
+    let envelope = parameters.penetration_envelope();
+    let full_friction = friction_share * envelope.shank(length);
     let mut forces = DMatrix::zeros(STATIONS, record.len());
     for (sample, mut column) in forces.column_iter_mut().enumerate() {
         let force = record.forces.penetration[sample];
@@ -61,8 +37,7 @@ pub(super) fn forces(
             continue;
         }
         let embedded = depth.min(length);
-        let law = resistance(embedded)?;
-        let head = head_stiffness * (depth - length).max(0.0);
+        let (law, head) = (envelope.shank(depth), envelope.head(depth));
         let shank = (full_friction * embedded / length).min(law);
         let scale = force / (law + head);
         column[0] += scale * head;
@@ -75,7 +50,7 @@ pub(super) fn forces(
         column[below] += scale * (law - shank) * (1.0 - upper);
         column[below + 1] += scale * (law - shank) * upper;
     }
-    Ok(forces)
+    forces
 }
 
 /// A uniform load from station 0 to `position` (in stations) of total 1, lumped by linear interpolation.

@@ -127,9 +127,17 @@ impl SourceSpectrum {
     }
 
     /// The sum of spectra of parts that radiate independently, on the union of their frequencies, where the sum of
-    /// piecewise linear functions is exact. The parts become the contributions. The range is the one they share.
+    /// piecewise linear functions is exact. A part that ends before the others falls to zero within one rounding of
+    /// its last frequency, so that none of its energy is smeared beyond. The parts become the contributions. The range is
+    /// the one they share.
     pub fn sum(source: impl Into<String>, method: impl Into<String>, parts: &[Self]) -> Self {
+        let ends = |part: &Self| Some([part.frequency.first()?.next_down(), part.frequency.last()?.next_up()]);
+        let jumps: Vec<f64> = parts.iter().filter_map(ends).flatten().collect();
         let mut frequency: Vec<f64> = parts.iter().flat_map(|part| part.frequency.iter().copied()).collect();
+        let (low, high) = frequency
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &f| (a.min(f), b.max(f)));
+        frequency.extend(jumps.into_iter().filter(|f| (low..=high).contains(f)));
         frequency.sort_by(f64::total_cmp);
         frequency.dedup();
         let contributions: Vec<Contribution> = parts
@@ -156,16 +164,21 @@ impl SourceSpectrum {
 
     /// E(f) \[J/Hz\], linear between the frequencies and zero outside.
     pub fn density_at(&self, hz: f64) -> f64 {
-        let after = self.frequency.partition_point(|&f| f < hz);
-        match (self.frequency.get(after), after.checked_sub(1)) {
-            (Some(&f), _) if f == hz => self.energy_density[after],
-            (Some(&f1), Some(before)) => {
-                let f0 = self.frequency[before];
-                let share = (hz - f0) / (f1 - f0);
-                (1.0 - share) * self.energy_density[before] + share * self.energy_density[after]
-            }
-            _ => 0.0,
+        interpolate(&self.frequency, &self.energy_density, hz)
+    }
+}
+
+/// Value at `hz` of the function that is linear between the frequencies and zero outside.
+fn interpolate(frequency: &[f64], density: &[f64], hz: f64) -> f64 {
+    let after = frequency.partition_point(|&f| f < hz);
+    match (frequency.get(after), after.checked_sub(1)) {
+        (Some(&f), _) if f == hz => density[after],
+        (Some(&f1), Some(before)) => {
+            let f0 = frequency[before];
+            let share = (hz - f0) / (f1 - f0);
+            (1.0 - share) * density[before] + share * density[after]
         }
+        _ => 0.0,
     }
 }
 

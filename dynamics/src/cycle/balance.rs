@@ -1,51 +1,86 @@
 //! Conservation: mass, gas energy, momentum and the whole shot's energy.
 
+use super::forces::SPRING;
 use super::mode::{Contact, Mode, NailState};
 use super::state::*;
-use super::system::{SPRING, System};
-use crate::{Check, Form};
+use super::switching::is_nail;
+use super::system::System;
+use crate::{Check, ContactEnergy, EnergyFlow, Form};
+
+/// Largest residual of the whole shot's energy \[J\], and as a part of the gas energy at the start \[-\].
+const SHOT_LIMIT: f64 = 1e-3;
+const SHOT_PART: f64 = 1e-6;
 
 /// Residuals followed through the run.
 #[derive(Debug, Clone)]
 pub(crate) struct Balance {
     start_mass: f64,
-    start_gas: f64,
-    start_shot: f64,
+    start: Stock,
     momentum: f64,
-    /// Energy taken out of the balance at events: rod-nail impact, springs let go, the nail's weight.
-    released: f64,
+    /// Energy taken out of bodies and springs at events: per contact, at the rod-nail impact, with the nail left behind.
+    released: [f64; Contact::COUNT],
+    nail_impact: f64,
+    nail_left: f64,
+    /// What the nail's weight adds to the fall of the bodies when it joins and leaves the rod.
+    fall_jump: f64,
     worst_mass: f64,
     worst_gas: f64,
     worst_shot: f64,
     worst_momentum: f64,
 }
 
-fn total_mass(y: &State) -> f64 {
-    y[MASS..MASS + VOLUMES].iter().sum::<f64>() + y[EXHAUST_MASS] + y[VENT_MASS] + y[LEAK_MASS] - y[SUPPLY_MASS]
+/// Energies and the coordinates of conservative outer forces.
+#[derive(Debug, Clone, Copy)]
+struct Stock {
+    gas: f64,
+    kinetic: f64,
+    elastic: f64,
+    /// Work that gravity, the ambient pressure on the rod and the hand's force would do from the origin to here.
+    gravity: f64,
+    atmosphere: f64,
+    hand: f64,
 }
 
-fn outflow(y: &State) -> f64 {
-    y[EXHAUST_ENTHALPY] + y[VENT_ENTHALPY] + y[LEAK_ENTHALPY] - y[SUPPLY_ENTHALPY] - y[HEAT]
+impl Stock {
+    fn new(system: &System, mode: &Mode, y: &State) -> Self {
+        let (p, g) = (&system.p, &system.geometry);
+        let mut kinetic = 0.0;
+        let mut gravity = 0.0;
+        for (body, mass) in masses(system, mode).into_iter().enumerate() {
+            let velocity = y[2 * body + 1];
+            kinetic += 0.5 * mass * velocity * velocity;
+            // The push of the hand is what its arm holds besides its weight.
+            if body != Y_M / 2 {
+                gravity += mass * p.ambient.gravity * y[2 * body];
+            }
+        }
+        let pushed = if system.sprung_hand { y[Y_M] } else { y[Y_G] };
+        Self {
+            gas: y[ENERGY..ENERGY + VOLUMES].iter().sum(),
+            kinetic,
+            elastic: elastic(system, mode, y),
+            gravity,
+            atmosphere: -p.ambient.pressure * g.rod_area * (y[Y_P] - y[Y_G]),
+            hand: p.hand.force * pushed,
+        }
+    }
 }
 
-fn gas_energy(y: &State) -> f64 {
-    y[ENERGY..ENERGY + VOLUMES].iter().sum::<f64>() + outflow(y) + y[GAS_WORK]
-}
-
-/// Energy of the bodies, springs and closed contacts, in gravity, under hand and ambient pressure on the rod.
-fn stored(system: &System, mode: &Mode, y: &State) -> f64 {
-    let (p, g) = (&system.p, &system.geometry);
-    let masses = [
+fn masses(system: &System, mode: &Mode) -> [f64; BODIES] {
+    let p = &system.p;
+    [
         system.moving_mass(mode),
         p.head_valve.mass,
         p.tool.mass,
-        g.workpiece_mass,
-    ];
-    let mut energy = p.ambient.pressure * g.rod_area * (y[Y_P] - y[Y_G]) - p.hand.force * y[Y_G];
-    for (body, mass) in masses.iter().enumerate() {
-        let (position, velocity) = (y[2 * body], y[2 * body + 1]);
-        energy += mass * (0.5 * velocity * velocity - p.ambient.gravity * position);
-    }
+        system.geometry.workpiece_mass,
+        p.hand.mass,
+    ]
+}
+
+/// Energy of springs and closed contacts.
+fn elastic(system: &System, mode: &Mode, y: &State) -> f64 {
+    let p = &system.p;
+    let mut energy = 0.0;
     for contact in Contact::ALL {
         if mode.closed(contact) {
             let u = system.overlap(contact, y).0;
@@ -56,7 +91,11 @@ fn stored(system: &System, mode: &Mode, y: &State) -> f64 {
         let u = y[Y_G] - y[Y_W] + p.contacts.guard_travel;
         energy += 0.5 * system.guard_stiffness * u * u;
     }
-    // Integral of the spring's characteristic over its compression.
+    if system.sprung_hand {
+        let u = y[Y_M] - y[Y_G];
+        energy += 0.5 * p.hand.stiffness * u * u;
+    }
+    // Integral of the closing spring's characteristic over its compression.
     let x = p.head_valve.lift - (y[Y_H] - y[Y_G]) + p.head_valve.spring_preload;
     energy
         + SPRING
@@ -67,22 +106,17 @@ fn stored(system: &System, mode: &Mode, y: &State) -> f64 {
             * x
 }
 
-fn dissipated(y: &State) -> f64 {
-    y[PISTON_FRICTION] + y[VALVE_FRICTION] + y[PENETRATION] + y[DASHPOTS..DASHPOTS + Contact::COUNT].iter().sum::<f64>()
+fn total_mass(y: &State) -> f64 {
+    y[MASS..MASS + VOLUMES].iter().sum::<f64>() + y[EXHAUST_MASS] + y[VENT_MASS] + y[LEAK_MASS] - y[SUPPLY_MASS]
 }
 
-fn shot_energy(system: &System, mode: &Mode, y: &State) -> f64 {
-    let gas = y[ENERGY..ENERGY + VOLUMES].iter().sum::<f64>();
-    gas + outflow(y) + stored(system, mode, y) + dissipated(y)
-}
-
-/// Momentum of the four bodies less the impulse on them from outside.
+/// Momentum of the bodies less the impulse on them from outside.
 fn momentum(system: &System, mode: &Mode, y: &State) -> f64 {
-    let p = &system.p;
-    let bodies = system.moving_mass(mode) * y[V_P]
-        + p.head_valve.mass * y[V_H]
-        + p.tool.mass * y[V_G]
-        + system.geometry.workpiece_mass * y[V_W];
+    let bodies: f64 = masses(system, mode)
+        .iter()
+        .enumerate()
+        .map(|(body, mass)| mass * y[2 * body + 1])
+        .sum();
     bodies + y[SUPPORT_IMPULSE] - y[OUTER_IMPULSE]
 }
 
@@ -90,10 +124,12 @@ impl Balance {
     pub(crate) fn new(system: &System, mode: &Mode, y: &State) -> Self {
         Self {
             start_mass: total_mass(y),
-            start_gas: gas_energy(y),
-            start_shot: shot_energy(system, mode, y),
+            start: Stock::new(system, mode, y),
             momentum: momentum(system, mode, y),
-            released: 0.0,
+            released: [0.0; Contact::COUNT],
+            nail_impact: 0.0,
+            nail_left: 0.0,
+            fall_jump: 0.0,
             worst_mass: 0.0,
             worst_gas: 0.0,
             worst_shot: 0.0,
@@ -104,24 +140,74 @@ impl Balance {
     /// Follows the residuals at the end of a step.
     pub(crate) fn follow(&mut self, system: &System, mode: &Mode, y: &State) {
         let worst = |worst: &mut f64, residual: f64| *worst = worst.max(residual.abs());
+        let flow = self.energy(system, mode, y);
         worst(&mut self.worst_mass, total_mass(y) - self.start_mass);
-        worst(&mut self.worst_gas, gas_energy(y) - self.start_gas);
-        worst(
-            &mut self.worst_shot,
-            shot_energy(system, mode, y) + self.released - self.start_shot,
-        );
+        worst(&mut self.worst_gas, flow.gas_residual());
+        worst(&mut self.worst_shot, flow.residual());
         worst(&mut self.worst_momentum, momentum(system, mode, y) - self.momentum);
     }
 
-    /// Takes up an event that changed mode and state.
-    pub(crate) fn cross(&mut self, system: &System, before: (&Mode, &State), after: (&Mode, &State)) {
-        self.released += shot_energy(system, before.0, before.1) - shot_energy(system, after.0, after.1);
+    /// Takes up the event of `slot` that changed mode and state.
+    pub(crate) fn cross(&mut self, system: &System, slot: usize, before: (&Mode, &State), after: (&Mode, &State)) {
+        let (old, new) = (
+            Stock::new(system, before.0, before.1),
+            Stock::new(system, after.0, after.1),
+        );
+        let lost = old.kinetic + old.elastic - new.kinetic - new.elastic;
+        self.fall_jump += old.gravity - new.gravity;
+        if slot < Contact::COUNT {
+            self.released[slot] += lost;
+        } else if is_nail(slot) && after.0.nail == NailState::Attached {
+            self.nail_impact += lost;
+        } else if is_nail(slot) {
+            self.nail_left += lost;
+        }
         if before.0.nail != after.0.nail
             && (after.0.nail == NailState::Left || system.p.model.impact == Form::Published)
         {
             // The nail stays behind with the momentum it has, nothing to within the location of v_p = 0; in the
             // published form it has come from nowhere with 6 % of the piston's.
             self.momentum += momentum(system, after.0, after.1) - momentum(system, before.0, before.1);
+        }
+    }
+
+    /// The energy flow up to a state.
+    pub(crate) fn energy(&self, system: &System, mode: &Mode, y: &State) -> EnergyFlow {
+        let (start, now) = (&self.start, Stock::new(system, mode, y));
+        let contact = |contact: Contact| y[DASHPOTS + contact as usize] + self.released[contact as usize];
+        EnergyFlow {
+            gas_start: start.gas,
+            gas_end: now.gas,
+            supply: y[SUPPLY_ENTHALPY],
+            exhaust: y[EXHAUST_ENTHALPY],
+            vent: y[VENT_ENTHALPY],
+            leak: y[LEAK_ENTHALPY],
+            wall_heat: y[HEAT],
+            piston_work: y[PISTON_WORK],
+            valve_work: y[GAS_WORK] - y[PISTON_WORK],
+            atmosphere: now.atmosphere - start.atmosphere,
+            hand: now.hand - start.hand,
+            gravity: now.gravity - start.gravity + self.fall_jump,
+            thrust: y[THRUST_WORK],
+            piston_friction: y[PISTON_FRICTION],
+            valve_friction: y[VALVE_FRICTION],
+            magazine_friction: y[MAGAZINE_FRICTION],
+            penetration: y[PENETRATION],
+            nail_impact: self.nail_impact,
+            nail_left: self.nail_left,
+            contacts: ContactEnergy {
+                bumper: contact(Contact::Bumper),
+                stopper: contact(Contact::Stopper),
+                cap: contact(Contact::Cap),
+                seat: contact(Contact::Seat),
+                nose: contact(Contact::Nose),
+                support: contact(Contact::Support),
+            },
+            hand_damping: y[HAND_DASHPOT],
+            kinetic_start: start.kinetic,
+            kinetic_end: now.kinetic,
+            elastic_start: start.elastic,
+            elastic_end: now.elastic,
         }
     }
 
@@ -144,7 +230,12 @@ impl Balance {
             checks.push(check("gas energy balance [J]", self.worst_gas, 1e-6));
         }
         if holds(&[m.channel, m.gas, m.valve_underside]) {
-            checks.push(check("whole-shot energy balance [J]", self.worst_shot, 1e-3));
+            checks.push(check("whole-shot energy balance [J]", self.worst_shot, SHOT_LIMIT));
+            checks.push(check(
+                "whole-shot energy balance, part of the gas energy at the start [-]",
+                self.worst_shot / self.start.gas,
+                SHOT_PART,
+            ));
         }
         checks.push(check("momentum balance [N s]", self.worst_momentum, 1e-9));
         checks

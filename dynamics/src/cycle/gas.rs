@@ -78,6 +78,28 @@ impl Air {
         area * up.pressure * r.chain(n, dn) * up.temperature.recip_sqrt() * self.coefficient
     }
 
+    /// Thrust of a jet through a hole, divided by its effective area \[Pa\], P_m before the hole and P_a behind it.
+    ///
+    /// ```text
+    /// F/A = rho_e U^2 + P_e - P_a,   r = max(P_a/P_m, P_cr)
+    ///     = P_m [2 gamma/(gamma-1) (r^(1/gamma) - r) + r] - P_a
+    /// ```
+    /// the ideal convergent nozzle with the exit pressure P_e = r P_m (Shapiro 1953, ch. 4).
+    pub(crate) fn thrust<S: Real>(&self, before: S, behind: S) -> S {
+        let r = behind * before.recip();
+        let jet = |r: f64| {
+            let q = r.powf(self.inv_gamma);
+            let c = 2.0 * self.gamma / (self.gamma - 1.0);
+            (c * (q - r) + r, c * (q / r * self.inv_gamma - 1.0) + 1.0)
+        };
+        let (value, slope) = if r.value() > self.critical {
+            jet(r.value())
+        } else {
+            (jet(self.critical).0, 0.0)
+        };
+        before * r.chain(value, slope) - behind
+    }
+
     /// mdot from `a` to `b`, either way; positive from `a` to `b` \[kg/s\].
     #[inline]
     pub(crate) fn exchange<S: Real>(&self, area: f64, a: Gas<S>, b: Gas<S>) -> S {

@@ -13,14 +13,14 @@ use diffsol::{
 use super::balance::Balance;
 use super::block_lu::BlockLu;
 use super::equations::Equations;
-use super::marks::{Log, Mark, heights};
+use super::marks::{LEVELS, Log, heights};
 use super::mode::{Channel, Contact, Mode};
 use super::recorder::Recorder;
 use super::start::start;
 use super::state::*;
-use super::switching::{SLOTS, cross, is_impact, margins, slot_name};
+use super::switching::{SLOTS, cross, entry, is_impact, margins, slot_name};
 use super::system::System;
-use crate::{CycleError, Form, Method, Settings, Work};
+use crate::{Crossing, CycleError, Form, Method, Settings, Work};
 
 /// Points at which conditions are checked within a step, its end included.
 const POINTS: usize = 2;
@@ -31,6 +31,9 @@ const CHATTER_WINDOW: f64 = 1e-3;
 const STEP_LIMIT: usize = 5_000_000;
 /// Part of V_02 left below the piston at which a dry fire is declared.
 const DRY_FIRE: f64 = 1e-3;
+
+/// Size of what has no error weight: the integrals, and the hand where it has no mass.
+const UNWEIGHTED: f64 = 1e30;
 
 type Problem<'s> = OdeSolverProblem<Equations<'s>>;
 
@@ -62,7 +65,11 @@ struct Cycle<'s> {
     venting: f64,
     filling: Option<f64>,
     end: f64,
-    heights: [f64; Mark::COUNT],
+    /// t16, once it has passed.
+    home: Option<f64>,
+    /// Entries of the log already read.
+    read: usize,
+    heights: [f64; LEVELS],
     armed: [bool; SLOTS],
     chatter: [(f64, usize); SLOTS],
     run: Run,
@@ -80,6 +87,8 @@ pub(crate) fn integrate(system: &System, settings: &Settings) -> Result<Run, Cyc
         venting: system.geometry.channel_delay,
         filling: None,
         end: settings.end,
+        home: None,
+        read: 0,
         heights: heights(system, &y),
         armed: margins(system, &mode, &y).map(|m| m > 0.0),
         chatter: [(0.0, 0); SLOTS],
@@ -97,6 +106,7 @@ pub(crate) fn integrate(system: &System, settings: &Settings) -> Result<Run, Cyc
         },
     };
     cycle.run.recorder.reserve(settings.end);
+    cycle.run.log.push(system, Crossing::Trigger, 0.0, true, &y);
     let problem = cycle.problem()?;
     while cycle.t < cycle.end {
         cycle.segment(&problem)?;
@@ -122,7 +132,7 @@ pub(crate) fn integrate(system: &System, settings: &Settings) -> Result<Run, Cyc
 /// stands, and a gas energy of 1 kJ must not loosen that of 1 J.
 fn tolerances(system: &System, relative: f64) -> Vec<f64> {
     let p = &system.p;
-    let mut size = [1e30; SIZE];
+    let mut size = [UNWEIGHTED; SIZE];
     size[Y_P] = 1e-2;
     size[V_P] = 10.0;
     size[Y_H] = 1e-3;
@@ -131,6 +141,10 @@ fn tolerances(system: &System, relative: f64) -> Vec<f64> {
     size[V_G] = 0.5;
     size[Y_W] = 1e-4;
     size[V_W] = 0.5;
+    if system.sprung_hand {
+        size[Y_M] = 1e-3;
+        size[V_M] = 0.5;
+    }
     let c = &p.chambers;
     let volumes = [
         c.above_piston,
@@ -143,8 +157,9 @@ fn tolerances(system: &System, relative: f64) -> Vec<f64> {
         size[ENERGY + i] = p.supply.pressure * volume / (system.air.gamma - 1.0);
         size[MASS + i] = p.supply.pressure * volume / (system.air.gas_constant * p.ambient.temperature);
     }
-    // The solver's norm is a mean over all entries; the integrals have no error weight, so the mean is taken back.
-    let share = (STATES as f64 / SIZE as f64).sqrt();
+    // The solver's norm is a mean over all entries; those without an error weight are taken out of it.
+    let weighted = size.iter().filter(|size| **size < UNWEIGHTED).count();
+    let share = (weighted as f64 / SIZE as f64).sqrt();
     size.iter().map(|size| relative * size * share).collect()
 }
 
@@ -195,11 +210,24 @@ impl<'s> Cycle<'s> {
 
     /// Changes the channel where its time has come.
     fn switch_channel(&mut self) {
+        let before = self.mode.channel;
         let reached = |t: f64, due: f64| t >= due - 1e-13;
         if self.filling.is_some_and(|due| reached(self.t, due)) {
             self.mode.channel = Channel::Filling;
         } else if self.mode.channel == Channel::Closed && reached(self.t, self.venting) {
             self.mode.channel = Channel::Venting;
+        }
+        let open = |channel| match channel {
+            Channel::Closed => None,
+            Channel::Venting => Some(Crossing::Vent),
+            Channel::Filling => Some(Crossing::Fill),
+        };
+        if before != self.mode.channel {
+            for (crossing, rising) in [(open(before), false), (open(self.mode.channel), true)] {
+                if let Some(crossing) = crossing {
+                    self.run.log.push(self.system, crossing, self.t, rising, &self.y);
+                }
+            }
         }
     }
 
@@ -327,11 +355,10 @@ impl<'s> Cycle<'s> {
                     let (a, b) = (previous.1[index], *height);
                     if (a > 0.0) != (b > 0.0) {
                         let time = locate(previous.0, *t, a, b, |t| Ok(heights(self.system, &at(t)?)[index]))?;
-                        self.run
-                            .log
-                            .push(self.system, Mark::from_index(index), time, b > 0.0, &at(time)?);
+                        self.run.log.level(self.system, index, time, b > 0.0, &at(time)?);
                     }
                 }
+                self.run.log.follow(&now);
                 previous = (*t, now);
             }
             self.heights = previous.1;
@@ -348,9 +375,7 @@ impl<'s> Cycle<'s> {
             self.y = y_end;
             margin = left.1;
             equations.remember(self.t, &self.y);
-            self.run
-                .recorder
-                .peak(&self.system.evaluate(&self.y, &self.mode, &equations.past(self.t)));
+            self.run.recorder.follow(self.system, &self.mode, &self.y);
             self.run.balance.follow(self.system, &self.mode, &self.y);
             self.guard()?;
             self.schedule();
@@ -398,7 +423,15 @@ impl<'s> Cycle<'s> {
         cross(self.system, slot, &mut self.mode, &mut self.y);
         self.run
             .balance
-            .cross(self.system, (&before.0, &before.1), (&self.mode, &self.y));
+            .cross(self.system, slot, (&before.0, &before.1), (&self.mode, &self.y));
+        if let Some((crossing, rising)) = entry(slot, &before.0, &self.mode) {
+            self.run.log.push(self.system, crossing, self.t, rising, &self.y);
+        }
+        if self.mode.released && !before.0.released {
+            self.run
+                .log
+                .push(self.system, Crossing::Trigger, self.t, false, &self.y);
+        }
         if impact {
             self.run.impact = Some((before.1[V_P], self.y[V_P]));
         }
@@ -440,24 +473,23 @@ impl<'s> Cycle<'s> {
         Ok(())
     }
 
-    /// Sets what follows from the events so far: release of the trigger, end of the record, landing.
+    /// Sets what follows from the log so far: release of the trigger, landing, end of the record.
     fn schedule(&mut self) {
         let log = &self.run.log;
-        if self.filling.is_none()
-            && let Some(t12) = log.first(Mark::Guard, false, 0.0)
-        {
-            self.filling = Some(t12 + self.system.geometry.channel_delay);
+        if log.len() > self.read {
+            self.read = log.len();
+            let t12 = log.first(Crossing::Guard, false, 0.0);
+            if self.filling.is_none() {
+                self.filling = t12.map(|t12| t12 + self.system.geometry.channel_delay);
+            }
+            if let Some(landing) = t12.and_then(|t12| log.first(Crossing::Landing, true, t12)) {
+                self.end = self.end.min(landing);
+                self.run.landed = true;
+            }
+            self.home = log.back_home();
         }
-        if let Some(t16) = log.back_home()
-            && let Some(t18) = log.rest(t16, self.t)
-        {
+        if let Some(t18) = self.home.and_then(|t16| log.rest(t16, self.t)) {
             self.end = self.end.min((t18 + self.settings.tail).max(self.t));
-        }
-        if let Some(t12) = log.first(Mark::Guard, false, 0.0)
-            && let Some(landing) = log.first(Mark::Landing, true, t12)
-        {
-            self.end = self.end.min(landing);
-            self.run.landed = true;
         }
     }
 }

@@ -1,8 +1,8 @@
-//! Crossings of the trajectory through the levels that define the events t0..t18.
+//! The log of a run: passages of the levels that define the events, and what changed the mode.
 
 use super::state::*;
 use super::system::System;
-use crate::Events;
+use crate::{Crossing, Direction, Events, LogEntry, LogState};
 
 /// Piston travel of the position mark that t7 and t15 refer to, the thesis' sensor position \[m\].
 const POSITION_MARK: f64 = 50.51e-3;
@@ -23,64 +23,45 @@ const BLOWN_RATIO: f64 = 1.02;
 /// Earliest end of the exhaust after t13 \[s\].
 const BLOW_TIME: f64 = 1e-3;
 
-/// A level the trajectory may cross.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(usize)]
-pub(crate) enum Mark {
-    Lift,
-    Control,
-    IntakeLap,
-    Travel,
-    Nail,
-    Wood,
-    FullDepth,
-    Position,
-    CheckHoles,
-    Arrest,
-    Bumper,
-    Rest,
-    Still,
-    Guard,
-    Landing,
-    ExhaustLap,
-    Stopper,
-    Blown,
-    IntakeChoked,
-    SeatChoked,
-}
+/// Speed a body must have had for its reversal to be one; what is slower is the settling of a contact \[m/s\].
+const REVERSAL_SPEED: f64 = 10e-3;
 
-impl Mark {
-    pub(crate) const COUNT: usize = 20;
-    const ALL: [Self; Self::COUNT] = [
-        Self::Lift,
-        Self::Control,
-        Self::IntakeLap,
-        Self::Travel,
-        Self::Nail,
-        Self::Wood,
-        Self::FullDepth,
-        Self::Position,
-        Self::CheckHoles,
-        Self::Arrest,
-        Self::Bumper,
-        Self::Rest,
-        Self::Still,
-        Self::Guard,
-        Self::Landing,
-        Self::ExhaustLap,
-        Self::Stopper,
-        Self::Blown,
-        Self::IntakeChoked,
-        Self::SeatChoked,
-    ];
+/// Number of levels that are watched.
+pub(crate) const LEVELS: usize = 24;
 
-    pub(crate) fn from_index(index: usize) -> Self {
-        Self::ALL[index]
-    }
-}
+/// The levels, in the order of their heights.
+const ORDER: [Crossing; LEVELS] = [
+    Crossing::FirstLift,
+    Crossing::ControlPressure,
+    Crossing::Intake,
+    Crossing::FirstTravel,
+    Crossing::RodAtNail,
+    Crossing::TipInWood,
+    Crossing::FullDepth,
+    Crossing::PositionMark,
+    Crossing::CheckHoles,
+    Crossing::Advance,
+    Crossing::PistonAtBumper,
+    Crossing::RestSpeed,
+    Crossing::StillSpeed,
+    Crossing::Guard,
+    Crossing::Landing,
+    Crossing::ExhaustShut,
+    Crossing::PistonOffStopper,
+    Crossing::ChamberPressure,
+    Crossing::IntakeUnchoked,
+    Crossing::ChamberChoked,
+    Crossing::HolesChoked,
+    Crossing::PistonReversal,
+    Crossing::ValveReversal,
+    Crossing::ToolReversal,
+];
+/// The reversals are the last of them.
+const REVERSALS: usize = 3;
+const FIRST_REVERSAL: usize = LEVELS - REVERSALS;
 
 /// Height of the trajectory above every level.
-pub(crate) fn heights(system: &System, y: &State) -> [f64; Mark::COUNT] {
+pub(crate) fn heights(system: &System, y: &State) -> [f64; LEVELS] {
     let p = &system.p;
     let now = system.instant(y);
     let lift = p.head_valve.lift - now.valve;
@@ -109,85 +90,132 @@ pub(crate) fn heights(system: &System, y: &State) -> [f64; Mark::COUNT] {
         p1 - BLOWN_RATIO * ambient,
         p1 - system.air.critical * now.gas[SUPPLY].pressure,
         system.air.critical * p1 - ambient,
+        system.hole_choking(&now),
+        now.travel_rate,
+        now.valve_rate,
+        y[V_G],
     ]
 }
 
-/// One crossing.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Crossing {
-    pub(crate) mark: Mark,
-    pub(crate) time: f64,
-    pub(crate) rising: bool,
-    /// y_pr at the crossing.
-    travel: f64,
-    /// P_1 at the crossing.
-    pressure: f64,
-}
-
-/// All crossings in order of time.
+/// All entries in order of time.
 #[derive(Debug, Clone)]
 pub(crate) struct Log {
-    crossings: Vec<Crossing>,
+    entries: Vec<LogEntry>,
     stroke: f64,
     ambient: f64,
     t13_blown: Option<bool>,
+    /// Largest speed since its last reversal of each body whose reversals are watched.
+    swing: [f64; REVERSALS],
+    /// The last reversal of each after slow motion, which counts if fast motion follows.
+    slow: [Option<LogEntry>; REVERSALS],
 }
 
 impl Log {
     pub(crate) fn new(system: &System) -> Self {
         Self {
-            crossings: Vec::new(),
+            entries: Vec::with_capacity(512),
             stroke: system.p.piston.stroke,
             ambient: system.p.ambient.pressure,
             t13_blown: None,
+            swing: [0.0; REVERSALS],
+            slow: [None; REVERSALS],
         }
     }
 
-    pub(crate) fn push(&mut self, system: &System, mark: Mark, time: f64, rising: bool, y: &State) {
+    /// Notes the passage of a level; a reversal counts with fast motion before or after it.
+    pub(crate) fn level(&mut self, system: &System, level: usize, time: f64, rising: bool, y: &State) {
+        let entry = Self::entry(system, ORDER[level], time, rising, y);
+        let Some(body) = level.checked_sub(FIRST_REVERSAL) else {
+            self.add(entry);
+            return;
+        };
+        let slow = std::mem::replace(&mut self.swing[body], 0.0) < REVERSAL_SPEED;
+        match (slow, self.slow[body].take()) {
+            // Two slow turns are none.
+            (true, Some(_)) => {}
+            (true, None) => self.slow[body] = Some(entry),
+            (false, earlier) => {
+                if let Some(earlier) = earlier {
+                    let place = self.entries.partition_point(|e| e.time <= earlier.time);
+                    self.entries.insert(place, earlier);
+                }
+                self.add(entry);
+            }
+        }
+    }
+
+    /// Follows the speeds of the bodies whose reversals are watched.
+    pub(crate) fn follow(&mut self, heights: &[f64; LEVELS]) {
+        for (swing, speed) in self.swing.iter_mut().zip(&heights[FIRST_REVERSAL..]) {
+            *swing = swing.max(speed.abs());
+        }
+    }
+
+    /// Notes what is not the passage of a level.
+    pub(crate) fn push(&mut self, system: &System, crossing: Crossing, time: f64, rising: bool, y: &State) {
+        self.add(Self::entry(system, crossing, time, rising, y));
+    }
+
+    fn add(&mut self, entry: LogEntry) {
+        if entry.crossing == Crossing::ExhaustShut && !entry.is_rising() {
+            self.t13_blown = Some(entry.state.pressures[ABOVE] <= BLOWN_RATIO * self.ambient);
+        }
+        self.entries.push(entry);
+    }
+
+    fn entry(system: &System, crossing: Crossing, time: f64, rising: bool, y: &State) -> LogEntry {
         let now = system.instant(y);
-        let pressure = now.gas[ABOVE].pressure;
-        if mark == Mark::ExhaustLap && !rising {
-            self.t13_blown = Some(pressure <= BLOWN_RATIO * self.ambient);
-        }
-        self.crossings.push(Crossing {
-            mark,
+        LogEntry {
             time,
-            rising,
-            travel: now.travel,
-            pressure,
-        });
+            crossing,
+            direction: Direction::new(rising),
+            state: LogState {
+                piston_travel: now.travel,
+                piston_velocity: now.travel_rate,
+                valve_lift: system.p.head_valve.lift - now.valve,
+                valve_velocity: -now.valve_rate,
+                tool_rise: y[Y_W] - y[Y_G],
+                tool_velocity: y[V_G],
+                tip_depth: system.depth(y),
+                pressures: now.gas.map(|gas| gas.pressure),
+            },
+        }
     }
 
-    /// Keeps the crossings of one step in order of time.
+    pub(crate) fn into_entries(self) -> Vec<LogEntry> {
+        self.entries
+    }
+
+    /// Keeps the entries of one step in order of time.
     pub(crate) fn sort_from(&mut self, first: usize) {
-        self.crossings[first..].sort_by(|a, b| a.time.total_cmp(&b.time));
+        self.entries[first..].sort_by(|a, b| a.time.total_cmp(&b.time));
     }
 
     pub(crate) fn len(&self) -> usize {
-        self.crossings.len()
+        self.entries.len()
     }
 
     /// First crossing of a level at or after `after`.
-    pub(crate) fn first(&self, mark: Mark, rising: bool, after: f64) -> Option<f64> {
-        self.find(mark, rising, after).map(|c| c.time)
+    pub(crate) fn first(&self, crossing: Crossing, rising: bool, after: f64) -> Option<f64> {
+        self.find(crossing, rising, after).map(|c| c.time)
     }
 
-    fn find(&self, mark: Mark, rising: bool, after: f64) -> Option<&Crossing> {
-        self.crossings
+    fn find(&self, crossing: Crossing, rising: bool, after: f64) -> Option<&LogEntry> {
+        self.entries
             .iter()
-            .find(|c| c.mark == mark && c.rising == rising && c.time >= after)
+            .find(|c| c.crossing == crossing && c.is_rising() == rising && c.time >= after)
     }
 
     /// First time after `after` from which |v_pr| stays below the speed of rest for the time of rest, known at `now`.
     pub(crate) fn rest(&self, after: f64, now: f64) -> Option<f64> {
         let mut slow = None;
-        for c in self.crossings.iter().filter(|c| c.mark == Mark::Rest) {
+        for c in self.entries.iter().filter(|c| c.crossing == Crossing::RestSpeed) {
             if c.time <= after {
                 // Slow already at `after`: rest counts from there.
-                slow = (!c.rising).then_some(after);
+                slow = (!c.is_rising()).then_some(after);
                 continue;
             }
-            if c.rising {
+            if c.is_rising() {
                 if let Some(since) = slow
                     && c.time - since >= REST_TIME
                 {
@@ -203,37 +231,41 @@ impl Log {
 
     /// t16, the return of the piston to the stopper.
     pub(crate) fn back_home(&self) -> Option<f64> {
-        let t6 = self.first(Mark::Wood, true, 0.0)?;
-        let t15 = self.first(Mark::Position, false, t6)?;
-        self.first(Mark::Stopper, false, t15)
+        let t6 = self.first(Crossing::TipInWood, true, 0.0)?;
+        let t15 = self.first(Crossing::PositionMark, false, t6)?;
+        self.first(Crossing::PistonOffStopper, false, t15)
     }
 
     /// Reads t0..t18 from the crossings; `end` is the last time integrated.
     pub(crate) fn events(&self, end: f64) -> Events {
-        let up = |mark, after: Option<f64>| after.and_then(|t| self.first(mark, true, t));
-        let down = |mark, after: Option<f64>| after.and_then(|t| self.first(mark, false, t));
-        let t0 = Some(0.0);
-        let t6 = up(Mark::Wood, t0);
-        let t9_crossing = t6.and_then(|t| self.find(Mark::Arrest, false, t));
+        let up = |crossing, after: Option<f64>| after.and_then(|t| self.first(crossing, true, t));
+        let down = |crossing, after: Option<f64>| after.and_then(|t| self.first(crossing, false, t));
+        let t0 = self.first(Crossing::Trigger, true, 0.0);
+        let t6 = up(Crossing::TipInWood, t0);
+        let t9_crossing = t6.and_then(|t| self.find(Crossing::Advance, false, t));
         let t9 = t9_crossing.map(|c| c.time);
         let t10 = t9_crossing.and_then(|c| {
-            if c.travel >= self.stroke {
+            if c.state.piston_travel >= self.stroke {
                 Some(c.time)
             } else {
-                up(Mark::Bumper, t9)
+                up(Crossing::PistonAtBumper, t9)
             }
         });
-        let t12 = down(Mark::Guard, t0);
+        let t12 = down(Crossing::Guard, t0);
         let t13 = t12.and_then(|t| {
-            let opens =
-                |c: &&Crossing| c.mark == Mark::ExhaustLap && !c.rising && c.time >= t && c.pressure > self.ambient;
-            self.crossings.iter().find(opens).map(|c| c.time)
+            let opens = |c: &&LogEntry| {
+                c.crossing == Crossing::ExhaustShut
+                    && !c.is_rising()
+                    && c.time >= t
+                    && c.state.pressures[ABOVE] > self.ambient
+            };
+            self.entries.iter().find(opens).map(|c| c.time)
         });
-        let t15 = down(Mark::Position, t6);
-        let t16 = down(Mark::Stopper, t15);
+        let t15 = down(Crossing::PositionMark, t6);
+        let t16 = down(Crossing::PistonOffStopper, t15);
         let t14 = t15.and_then(|t15| {
-            let last = |c: &&Crossing| c.mark == Mark::Still && c.rising && c.time < t15;
-            self.crossings
+            let last = |c: &&LogEntry| c.crossing == Crossing::StillSpeed && c.is_rising() && c.time < t15;
+            self.entries
                 .iter()
                 .rev()
                 .find(last)
@@ -246,28 +278,32 @@ impl Log {
         let t17 = t13.and_then(|t| {
             let earliest = t + BLOW_TIME;
             let mut low = self.t13_blown.unwrap_or(false);
-            for c in self.crossings.iter().filter(|c| c.mark == Mark::Blown && c.time > t) {
+            for c in self
+                .entries
+                .iter()
+                .filter(|c| c.crossing == Crossing::ChamberPressure && c.time > t)
+            {
                 if c.time > earliest {
                     break;
                 }
-                low = !c.rising;
+                low = !c.is_rising();
             }
             if low && earliest <= end {
                 Some(earliest)
             } else {
-                self.first(Mark::Blown, false, earliest)
+                self.first(Crossing::ChamberPressure, false, earliest)
             }
         });
         Events {
             t0,
-            t1: up(Mark::Lift, t0),
-            t2: down(Mark::Control, t0),
-            t3: up(Mark::IntakeLap, t0),
-            t4: up(Mark::Travel, t0),
-            t5: up(Mark::Nail, t0),
+            t1: up(Crossing::FirstLift, t0),
+            t2: down(Crossing::ControlPressure, t0),
+            t3: up(Crossing::Intake, t0),
+            t4: up(Crossing::FirstTravel, t0),
+            t5: up(Crossing::RodAtNail, t0),
             t6,
-            t7: up(Mark::Position, t0),
-            t8: up(Mark::CheckHoles, t0),
+            t7: up(Crossing::PositionMark, t0),
+            t8: up(Crossing::CheckHoles, t0),
             t9,
             t10,
             t11,
@@ -282,17 +318,17 @@ impl Log {
     }
 
     /// Total time within `from..to` in which a level is exceeded, the height at t = 0 being `above` or not.
-    pub(crate) fn time_above(&self, mark: Mark, above: bool, from: f64, to: f64) -> f64 {
+    pub(crate) fn time_above(&self, crossing: Crossing, above: bool, from: f64, to: f64) -> f64 {
         let mut above = above;
         let mut last = from;
         let mut total = 0.0;
-        for c in self.crossings.iter().filter(|c| c.mark == mark) {
+        for c in self.entries.iter().filter(|c| c.crossing == crossing) {
             let time = c.time.clamp(from, to);
             if above {
                 total += time - last;
             }
             last = time;
-            above = c.rising;
+            above = c.is_rising();
         }
         if above { total + (to - last) } else { total }
     }

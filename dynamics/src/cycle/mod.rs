@@ -3,11 +3,14 @@
 mod balance;
 mod block_lu;
 mod equations;
+mod flows;
+mod forces;
 mod gas;
 mod history;
 mod integrate;
 mod marks;
 mod mode;
+mod rates;
 mod real;
 mod recorder;
 mod start;

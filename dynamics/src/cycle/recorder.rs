@@ -1,11 +1,12 @@
 //! Histories on the uniform grid, and peaks.
 
+use super::forces::Forces;
 use super::history::Past;
 use super::mode::{Contact, Mode};
 use super::state::*;
 use super::switching::deepest;
-use super::system::{Evaluation, Instant, System};
-use crate::{Body, ExhaustFlow, Forces, Motion, Summary, VentFlow, Volume};
+use super::system::{Instant, System};
+use crate::{Body, ExhaustFlow, Motion, Summary, VentFlow, Volume};
 
 /// Histories under construction.
 #[derive(Debug, Default)]
@@ -14,7 +15,7 @@ pub(crate) struct Recorder {
     pub(crate) bodies: [Body; 4],
     pub(crate) motion: Motion,
     pub(crate) volumes: [Volume; VOLUMES],
-    pub(crate) forces: Forces,
+    pub(crate) forces: crate::Forces,
     pub(crate) exhaust: ExhaustFlow,
     pub(crate) vent: VentFlow,
     peaks: Summary,
@@ -60,6 +61,8 @@ impl Recorder {
             &mut f.guard,
             &mut f.support,
             &mut f.hand,
+            &mut f.magazine,
+            &mut f.thrust,
             &mut x.mass_flow,
             &mut x.plenum_pressure,
             &mut x.stagnation_temperature,
@@ -88,13 +91,16 @@ impl Recorder {
 
     /// Appends a sample.
     pub(crate) fn push(&mut self, system: &System, mode: &Mode, past: &Past, y: &State) {
-        let e: Evaluation<f64> = system.evaluate(y, mode, past);
+        let now = system.instant(y);
+        let e = system.forces(y, &now, mode);
         self.peak(&e);
-        let Instant { travel, valve, gas, .. } = e.instant;
+        let exhaust = system.exhaust(&now, mode);
+        let acceleration = system.accelerations(&e, exhaust.thrust, mode);
+        let Instant { travel, valve, gas, .. } = now;
         for (body, history) in self.bodies.iter_mut().enumerate() {
             history.position.push(y[2 * body]);
             history.velocity.push(y[2 * body + 1]);
-            history.acceleration.push(e.acceleration[body]);
+            history.acceleration.push(acceleration[body]);
         }
         let m = &mut self.motion;
         m.piston_travel.push(travel);
@@ -122,28 +128,34 @@ impl Recorder {
         f.nose.push(push(Contact::Nose));
         f.guard.push(e.guard);
         f.support.push(push(Contact::Support));
-        f.hand.push(system.p.hand.force);
+        f.hand.push(e.hand);
+        f.magazine.push(e.magazine);
+        f.thrust.push(exhaust.thrust);
         let x = &mut self.exhaust;
-        x.mass_flow.push(e.exhaust);
-        x.plenum_pressure.push(e.plenum);
-        x.stagnation_temperature.push(if e.exhaust >= 0.0 {
+        x.mass_flow.push(exhaust.mass);
+        x.plenum_pressure.push(exhaust.plenum);
+        x.stagnation_temperature.push(if exhaust.mass >= 0.0 {
             gas[ABOVE].temperature
         } else {
             system.p.ambient.temperature
         });
         x.choked
-            .push(mode.exhaust && system.p.ambient.pressure < system.air.critical * e.plenum);
+            .push(mode.exhaust && system.p.ambient.pressure < system.air.critical * exhaust.plenum);
         x.intake_choked
             .push(mode.intake && gas[ABOVE].pressure < system.air.critical * gas[SUPPLY].pressure);
-        x.intake_mass_flow.push(e.intake);
+        x.intake_mass_flow.push(system.intake(&now, mode));
         let v = &mut self.vent;
-        v.mass_flow.push(e.channel.vent.mass);
+        v.mass_flow.push(system.channel(&gas, mode, past).vent.mass);
         v.pressure.push(gas[CONTROL].pressure);
         v.temperature.push(gas[CONTROL].temperature);
     }
 
     /// Follows peaks between the samples.
-    pub(crate) fn peak(&mut self, e: &Evaluation<f64>) {
+    pub(crate) fn follow(&mut self, system: &System, mode: &Mode, y: &State) {
+        self.peak(&system.forces(y, &system.instant(y), mode));
+    }
+
+    fn peak(&mut self, e: &Forces<f64>) {
         let push = |contact: Contact| e.push[contact as usize];
         let s = &mut self.peaks;
         let highest = |peak: &mut f64, value: f64| *peak = peak.max(value);

@@ -1,8 +1,10 @@
 //! The state before the shot: valve closed, tool pressed on the wood, everything at rest.
 
+use super::forces::{SPRING, SPRING_LIMIT};
 use super::mode::{Channel, Contact, Mode, NailState, Penetration};
 use super::state::*;
-use super::system::{SPRING, SPRING_LIMIT, System};
+use super::system::System;
+use crate::prf::ResistanceLaw;
 use crate::{CycleError, Parameters};
 
 /// Refuses designs the model does not hold for.
@@ -63,6 +65,14 @@ pub(crate) fn check(p: &Parameters) -> Result<(), CycleError> {
         return Err(CycleError::GapOrder {
             head_gap: p.nail.head_gap,
             tip_gap: p.nail.tip_gap,
+        });
+    }
+    if let ResistanceLaw::Tabulated(table) = &p.wood.law
+        && table.last_depth() < p.nail.length * (1.0 - 1e-9)
+    {
+        return Err(CycleError::TableTooShort {
+            last: table.last_depth(),
+            length: p.nail.length,
         });
     }
     if p.nail.length > p.wood.thickness {
@@ -164,7 +174,10 @@ fn check_numbers(p: &Parameters) -> Result<(), CycleError> {
         ("contacts.stopper_damping", p.contacts.stopper_damping),
         ("contacts.valve_damping_ratio", p.contacts.valve_damping_ratio),
         ("contacts.nose_damping_ratio", p.contacts.nose_damping_ratio),
+        ("nail.magazine_friction", p.nail.magazine_friction),
         ("hand.force", p.hand.force),
+        ("hand.mass", p.hand.mass),
+        ("hand.damping", p.hand.damping),
         ("support.damping", damping),
         ("ambient.gravity", p.ambient.gravity),
     ];
@@ -185,6 +198,42 @@ fn check_numbers(p: &Parameters) -> Result<(), CycleError> {
                 rule: "a finite number that is not negative",
             });
         }
+    }
+    let finite = [
+        ("wood.speed_term", p.wood.speed_term),
+        ("wood.slenderness_term", p.wood.slenderness_term),
+    ];
+    for (name, value) in finite {
+        if !value.is_finite() {
+            return Err(CycleError::Value {
+                name,
+                value,
+                rule: "a finite number",
+            });
+        }
+    }
+    if let ResistanceLaw::Constant(value) = p.wood.law
+        && !(value >= 0.0 && value.is_finite())
+    {
+        return Err(CycleError::Value {
+            name: "wood.law",
+            value,
+            rule: "a constant force that is finite and not negative",
+        });
+    }
+    if p.hand.mass > 0.0 && !(p.hand.stiffness > 0.0 && p.hand.stiffness.is_finite()) {
+        return Err(CycleError::Value {
+            name: "hand.stiffness",
+            value: p.hand.stiffness,
+            rule: "a positive finite number where hand.mass is given",
+        });
+    }
+    if !(-1.0..=1.0).contains(&p.exhaust.thrust_share) {
+        return Err(CycleError::Value {
+            name: "exhaust.thrust_share",
+            value: p.exhaust.thrust_share,
+            rule: "from -1 (all thrust up) to 1 (all thrust towards the wood)",
+        });
     }
     let gamma = p.ambient.heat_capacity_ratio;
     if !(gamma > 1.0 && gamma.is_finite()) {
@@ -210,6 +259,7 @@ fn check_numbers(p: &Parameters) -> Result<(), CycleError> {
 /// ```text
 /// y_w = [F_hm + (M_w + M_g + M_p + M_h) g]/k_ws
 /// y_g = y_w + [F_hm + (M_g + M_p + M_h) g - k_esg y_msg]/(k_wsn + k_esg)
+/// y_m = y_g + F_hm/k_m
 /// y_hr = L_h + F_close/k_hc2,  F_close = P_h A_h1 - P_ext A_h2 - P_1 A_h3 + F_s(y_sp) + M_h g
 /// ```
 pub(crate) fn start(system: &System) -> Result<(State, Mode), CycleError> {
@@ -239,6 +289,9 @@ pub(crate) fn start(system: &System) -> Result<(State, Mode), CycleError> {
     y[Y_G] = y_g;
     y[Y_H] = y_g + p.head_valve.lift + close / p.contacts.seat_stiffness;
     y[Y_W] = y_w;
+    if system.sprung_hand {
+        y[Y_M] = y_g + p.hand.force / p.hand.stiffness;
+    }
     let volume = system.instant(&y).volume;
     for (i, pressure) in [ambient, ambient, ambient, supply, supply].into_iter().enumerate() {
         y[ENERGY + i] = pressure * volume[i] / (system.air.gamma - 1.0);

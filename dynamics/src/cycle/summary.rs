@@ -1,12 +1,11 @@
 //! From a run to its record: events, outcome and figures.
 
 use super::integrate::Run;
-use super::marks::Mark;
 use super::mode::Contact;
 use super::state::*;
 use super::switching::deepest;
 use super::system::System;
-use crate::{CycleRecord, Events, Outcome, Summary};
+use crate::{Crossing, CycleRecord, Events, Outcome, Summary};
 
 /// Assembles the record.
 pub(crate) fn record(system: &System, run: Run) -> CycleRecord {
@@ -14,6 +13,8 @@ pub(crate) fn record(system: &System, run: Run) -> CycleRecord {
     let summary = summarise(system, &run, &events);
     let outcome = outcome(system, &run, &events, &summary);
     let checks = run.balance.checks(system);
+    let energy = run.balance.energy(system, &run.last_mode, &run.last);
+    let log = run.log.into_entries();
     let recorder = run.recorder;
     let [piston, head_valve, tool, workpiece] = recorder.bodies;
     let [above_piston, below_piston, return_volume, above_valve, supply] = recorder.volumes;
@@ -33,15 +34,17 @@ pub(crate) fn record(system: &System, run: Run) -> CycleRecord {
         exhaust: recorder.exhaust,
         vent: recorder.vent,
         events,
+        log,
         outcome,
         summary,
+        energy,
         checks,
         work: run.work,
     }
 }
 
 fn outcome(system: &System, run: &Run, events: &Events, summary: &Summary) -> Outcome {
-    let bumper = run.log.first(Mark::Bumper, true, 0.0);
+    let bumper = run.log.first(Crossing::PistonAtBumper, true, 0.0);
     if events.t3.is_none() {
         Outcome::DoesNotOpen
     } else if bumper.is_some_and(|bumper| events.t9.is_none_or(|t9| bumper < t9)) {
@@ -57,11 +60,11 @@ fn outcome(system: &System, run: &Run, events: &Events, summary: &Summary) -> Ou
 
 fn summarise(system: &System, run: &Run, events: &Events) -> Summary {
     let y = &run.last;
-    let full = run.log.first(Mark::FullDepth, true, 0.0);
+    let full = run.log.first(Crossing::FullDepth, true, 0.0);
     let drive = |(start, end): (f64, f64)| system.p.nail.length / (end - start);
     let opened = events.t3;
     // Intake open from t3 until it closes again or the record ends.
-    let intake = opened.map(|t3| (t3, run.log.first(Mark::IntakeLap, false, t3).unwrap_or(run.end)));
+    let intake = opened.map(|t3| (t3, run.log.first(Crossing::Intake, false, t3).unwrap_or(run.end)));
     let blow = events.t13.zip(events.t17);
     let share = |(from, to): (f64, f64), time: f64| time / (to - from);
     let holes = |(from, to): (f64, f64)| {
@@ -87,11 +90,11 @@ fn summarise(system: &System, run: &Run, events: &Events) -> Summary {
         intake_choked_fraction: intake.map(|(from, to)| {
             share(
                 (from, to),
-                (to - from) - run.log.time_above(Mark::IntakeChoked, false, from, to),
+                (to - from) - run.log.time_above(Crossing::IntakeUnchoked, false, from, to),
             )
         }),
         exhaust_chamber_choked_fraction: blow
-            .map(|(from, to)| share((from, to), run.log.time_above(Mark::SeatChoked, false, from, to))),
+            .map(|(from, to)| share((from, to), run.log.time_above(Crossing::ChamberChoked, false, from, to))),
         exhaust_choked_fraction: blow.map(holes),
         cap_contacts: run.closings[Contact::Cap as usize],
         seat_contacts: run.closings[Contact::Seat as usize],

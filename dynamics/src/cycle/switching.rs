@@ -6,7 +6,7 @@
 use super::mode::{Contact, Mode, NailState, Penetration};
 use super::state::*;
 use super::system::System;
-use crate::Form;
+use crate::{Crossing, Form};
 
 /// Number of watched conditions.
 pub(crate) const SLOTS: usize = 13;
@@ -31,6 +31,32 @@ pub(crate) fn slot_name(slot: usize) -> &'static str {
         contact => Contact::ALL[contact].name(),
     }
 }
+
+/// What the event of `slot` that led from one mode to another is in the log, where it is more than the passage of a
+/// level.
+pub(crate) fn entry(slot: usize, before: &Mode, after: &Mode) -> Option<(Crossing, bool)> {
+    let loading = |mode: &Mode| matches!(mode.penetration, Penetration::Loading { .. });
+    let pressing = |mode: &Mode| !matches!(mode.penetration, Penetration::Free { .. });
+    match slot {
+        GUARD | INTAKE | EXHAUST | CHECK_HOLES => None,
+        NAIL => Some((Crossing::NailDriven, after.nail == NailState::Attached)),
+        DEPTH_UP | DEPTH_DOWN if pressing(before) != pressing(after) && !loading(before) && !loading(after) => {
+            Some((Crossing::NailContact, pressing(after)))
+        }
+        DEPTH_UP | DEPTH_DOWN => (loading(before) != loading(after)).then(|| (Crossing::Penetration, loading(after))),
+        contact => Some((CONTACTS[contact], after.closed[contact])),
+    }
+}
+
+/// Contacts in the log, indexed by [`Contact`].
+const CONTACTS: [Crossing; Contact::COUNT] = [
+    Crossing::BumperContact,
+    Crossing::StopperContact,
+    Crossing::CapContact,
+    Crossing::SeatContact,
+    Crossing::NoseContact,
+    Crossing::SupportContact,
+];
 
 /// Margins of all conditions of `mode` at `y`; infinite where nothing is watched.
 pub(crate) fn margins(system: &System, mode: &Mode, y: &State) -> [f64; SLOTS] {
@@ -87,6 +113,11 @@ pub(crate) fn margins(system: &System, mode: &Mode, y: &State) -> [f64; SLOTS] {
         }
     }
     margin
+}
+
+/// Whether `slot` watches the rod on the nail.
+pub(crate) fn is_nail(slot: usize) -> bool {
+    slot == NAIL
 }
 
 /// Whether the event of `slot` is the rod meeting the nail.
@@ -149,7 +180,7 @@ pub(crate) fn cross(system: &System, slot: usize, mode: &mut Mode, y: &mut State
                     let deepest = system.depth(y);
                     Penetration::Unloading {
                         deepest,
-                        force: system.envelope(deepest),
+                        force: system.envelope.force(deepest),
                     }
                 }
                 Penetration::Unloading { deepest, force } => Penetration::Free { deepest, force },

@@ -101,17 +101,7 @@ impl PenetrationLaw {
 
     /// The law as a function of depth alone, at a fixed speed.
     pub(crate) fn curve(self, specimen: &Specimen, speed: f64) -> Curve {
-        let c = self.coefficients();
-        let pi3 = specimen.length * specimen.density * speed * speed / specimen.hardness_modulus;
-        let pi4 = specimen.diameter / specimen.length;
-        let mut root = [0.0; 8];
-        root.copy_from_slice(&c[..8]);
-        root[0] += c[8] * pi3 + c[9] * pi4;
-        Curve {
-            root,
-            length: specimen.length,
-            scale: specimen.hardness_modulus * specimen.length,
-        }
+        Curve::new(&self.coefficients(), specimen, speed)
     }
 }
 
@@ -124,10 +114,18 @@ pub(crate) struct Curve {
 }
 
 impl Curve {
-    /// The same curve times `factor`.
-    pub(crate) fn scaled(mut self, factor: f64) -> Self {
-        self.scale *= factor;
-        self
+    /// Eq. 2.2 with coefficients C0..C9 at a fixed speed.
+    pub(crate) fn new(c: &[f64; 10], specimen: &Specimen, speed: f64) -> Self {
+        let pi3 = specimen.length * specimen.density * speed * speed / specimen.hardness_modulus;
+        let pi4 = specimen.diameter / specimen.length;
+        let mut root = [0.0; 8];
+        root.copy_from_slice(&c[..8]);
+        root[0] += c[8] * pi3 + c[9] * pi4;
+        Self {
+            root,
+            length: specimen.length,
+            scale: specimen.hardness_modulus * specimen.length,
+        }
     }
 
     /// Force at `z` with its derivative, continued smoothly above the surface.

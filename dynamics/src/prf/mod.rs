@@ -7,12 +7,17 @@
 //! Nili Ahmadabadi (2016), Eq. 2.2, Tables 2-6 and 2-8 (plywood), Eq. 4.59 (solid wood). The laws are quasi-static:
 //! they hold for penetration speeds of 20 to 500 mm/min, and a dynamic run uses the upper end, [`REFERENCE_SPEED`].
 
+mod envelope;
 mod law;
+mod resistance;
+mod table;
 mod tables;
 
-pub(crate) use law::Curve;
+pub use envelope::Envelope;
 pub use law::{PenetrationLaw, Specimen};
-pub use tables::{FitQuality, NAILS, NailSize, Shank, WOODS, WoodKind};
+pub use resistance::ResistanceLaw;
+pub use table::{ForceTable, TableError};
+pub use tables::{FitQuality, NAILS, NailSize, SLENDERNESS_TERM, SPEED_TERM, Shank, WOODS, WoodKind};
 
 /// Slowest penetration speed of the tests behind the laws, 20 mm/min \[m/s\].
 pub const LOWEST_SPEED: f64 = 20e-3 / 60.0;

@@ -4,6 +4,13 @@ use serde::Serialize;
 
 use super::{PenetrationLaw, REFERENCE_SPEED};
 
+/// Published speed term C8 v_ref^2 of the solid-wood law (Eq. 4.59), which prints it with v_ref hidden in it (C-23)
+/// \[m2/s2\].
+pub const SPEED_TERM: f64 = -122.91;
+
+/// Published slenderness term C9 of the solid-wood law (Eq. 4.59) \[-\].
+pub const SLENDERNESS_TERM: f64 = -1.15;
+
 /// Coefficients C0..C9 of Eq. 2.2: Table 2-6, Table 2-8, Eq. 4.59.
 pub(super) fn coefficients(law: PenetrationLaw) -> [f64; 10] {
     use PenetrationLaw as P;
@@ -30,7 +37,6 @@ pub(super) fn coefficients(law: PenetrationLaw) -> [f64; 10] {
         P::Reduced4 => [0.030, 1.358, -5.516, 11.034, -10.237, 3.554, 0.0, 0.0, 0.0, 0.0],
         P::Reduced5 => [0.043, 0.939, -2.552, 3.112, -1.332, 0.0, 0.0, 0.0, 0.0, 0.0],
         P::Reduced6 => [0.062, 0.559, -0.834, 0.442, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-        // Eq. 4.59 prints C8 v_ref^2 = -122.91 m2/s2 with v_ref hidden in it (C-23).
         P::SolidWood => [
             0.085,
             2.038,
@@ -40,8 +46,8 @@ pub(super) fn coefficients(law: PenetrationLaw) -> [f64; 10] {
             110.18,
             -67.56,
             16.99,
-            -122.91 / (REFERENCE_SPEED * REFERENCE_SPEED),
-            -1.15,
+            SPEED_TERM / (REFERENCE_SPEED * REFERENCE_SPEED),
+            SLENDERNESS_TERM,
         ],
     }
 }

@@ -1,0 +1,94 @@
+//! What the wood answers to a nail driven ever deeper.
+
+use super::Specimen;
+use super::resistance::Resistance;
+use crate::{Form, Parameters};
+
+/// Envelope E(z) of the penetration resistance of one design, z the deepest depth of the nail's tip.
+///
+/// ```text
+/// E(z) = F_r(min(z, l_n)) + k_w max(0, z - l_n),   k_w = scale H_M
+/// ```
+/// with F_r the design's law times its scale, a published one at [`REFERENCE_SPEED`](super::REFERENCE_SPEED). In the published form of the nail F_r is lost
+/// where the head meets the wood: E(z) = k_w (z - l_n) for z > l_n (C-09).
+#[derive(Debug, Clone)]
+pub struct Envelope {
+    law: Resistance,
+    length: f64,
+    head_stiffness: f64,
+    /// Force along the shank beyond l_n \[N\].
+    seated: f64,
+}
+
+impl Envelope {
+    pub(crate) fn new(p: &Parameters) -> Self {
+        let specimen = Specimen {
+            length: p.nail.length,
+            diameter: p.nail.diameter,
+            hardness_modulus: p.wood.hardness_modulus,
+            density: p.wood.density,
+        };
+        let law = Resistance::new(&p.wood, &specimen);
+        Self {
+            seated: if p.model.nail == Form::Corrected {
+                law.force(p.nail.length)
+            } else {
+                0.0
+            },
+            law,
+            length: p.nail.length,
+            head_stiffness: p.wood.head_stiffness_scale * p.wood.hardness_modulus,
+        }
+    }
+
+    /// Part of E(z) along the shank and at the tip \[N\]; zero at or above the surface.
+    #[inline]
+    pub fn shank(&self, depth: f64) -> f64 {
+        if depth > self.length {
+            self.seated
+        } else {
+            self.law.force(depth)
+        }
+    }
+
+    /// Part of E(z) under the nail's head \[N\]; zero until the head meets the wood.
+    #[inline]
+    pub fn head(&self, depth: f64) -> f64 {
+        self.head_stiffness * (depth - self.length).max(0.0)
+    }
+
+    /// E(z) \[N\].
+    #[inline]
+    pub fn force(&self, depth: f64) -> f64 {
+        self.shank(depth) + self.head(depth)
+    }
+
+    /// The law F_r as it is evaluated within the nail's length.
+    pub(crate) fn law(&self) -> &Resistance {
+        &self.law
+    }
+
+    /// k_w \[N/m\].
+    pub(crate) fn head_stiffness(&self) -> f64 {
+        self.head_stiffness
+    }
+
+    /// Force along the shank beyond l_n \[N\].
+    pub(crate) fn seated(&self) -> f64 {
+        self.seated
+    }
+}
+
+impl Parameters {
+    /// The envelope of the penetration resistance.
+    pub fn penetration_envelope(&self) -> Envelope {
+        Envelope::new(self)
+    }
+
+    /// Envelope of the penetration resistance \[N\] for the nail's tip at its deepest `depth` \[m\].
+    ///
+    /// [`penetration_envelope`](Self::penetration_envelope) serves many depths of one design faster.
+    pub fn penetration_resistance(&self, depth: f64) -> f64 {
+        self.penetration_envelope().force(depth)
+    }
+}

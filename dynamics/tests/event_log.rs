@@ -1,0 +1,192 @@
+//! The event log: complete, in order, and the only source of t0..t18.
+
+#![allow(clippy::unwrap_used)]
+
+use std::collections::HashMap;
+use std::sync::OnceLock;
+
+use nailnoise_dynamics::{Crossing, CycleError, CycleRecord, Direction, LogEntry, Parameters, Settings, simulate};
+
+fn record() -> &'static CycleRecord {
+    static RECORD: OnceLock<CycleRecord> = OnceLock::new();
+    RECORD.get_or_init(|| simulate(&Parameters::n80cb(), &Settings::default()).unwrap())
+}
+
+fn of(crossing: Crossing) -> impl Iterator<Item = &'static LogEntry> {
+    record().log.iter().filter(move |e| e.crossing == crossing)
+}
+
+fn first(crossing: Crossing, direction: Direction, after: f64) -> Option<f64> {
+    of(crossing)
+        .find(|e| e.direction == direction && e.time >= after)
+        .map(|e| e.time)
+}
+
+#[test]
+fn entries_are_in_order_and_alternate() {
+    let log = &record().log;
+    assert!(log.windows(2).all(|pair| pair[0].time <= pair[1].time));
+    let mut last = HashMap::new();
+    for entry in log {
+        if let Some(before) = last.insert(entry.crossing, entry.direction) {
+            assert_ne!(before, entry.direction, "{entry:?}");
+        }
+    }
+}
+
+#[test]
+fn every_event_that_is_a_crossing_is_in_the_log() {
+    use Crossing as C;
+    use Direction::{Falling, Rising};
+    let e = &record().events;
+    let (t6, t9, t12) = (e.t6.unwrap(), e.t9.unwrap(), e.t12.unwrap());
+    let expected = [
+        (e.t0, first(C::Trigger, Rising, 0.0)),
+        (e.t1, first(C::FirstLift, Rising, 0.0)),
+        (e.t2, first(C::ControlPressure, Falling, 0.0)),
+        (e.t3, first(C::Intake, Rising, 0.0)),
+        (e.t4, first(C::FirstTravel, Rising, 0.0)),
+        (e.t5, first(C::NailDriven, Rising, 0.0)),
+        (e.t6, first(C::TipInWood, Rising, 0.0)),
+        (e.t7, first(C::PositionMark, Rising, 0.0)),
+        (e.t8, first(C::CheckHoles, Rising, 0.0)),
+        (e.t9, first(C::Advance, Falling, t6)),
+        (e.t10, first(C::BumperContact, Rising, t9)),
+        (e.t12, first(C::Trigger, Falling, 0.0)),
+        (e.t13, first(C::ExhaustShut, Falling, t12)),
+        (e.t15, first(C::PositionMark, Falling, t9)),
+        (e.t16, first(C::StopperContact, Rising, t12)),
+        (e.t17, first(C::ChamberPressure, Falling, e.t13.unwrap() + 1e-3)),
+    ];
+    for (event, logged) in expected {
+        let (event, logged) = (event.unwrap(), logged.unwrap());
+        assert!((event - logged).abs() < 1e-9, "{event} s, logged {logged} s");
+    }
+    // Rest, after which the piston stays slow: entries too.
+    for t in [e.t11, e.t18] {
+        assert!(
+            of(C::RestSpeed).any(|c| Some(c.time) == t && c.direction == Falling),
+            "{t:?}"
+        );
+    }
+    assert!(of(C::StillSpeed).any(|c| Some(c.time) == e.t14 && c.direction == Rising));
+}
+
+#[test]
+fn the_trigger_reaches_the_valve_one_delay_later() {
+    let delay = nailnoise_dynamics::Geometry::new(&Parameters::n80cb()).channel_delay;
+    let e = &record().events;
+    let close = |a: Option<f64>, b: f64| assert!((a.unwrap() - b).abs() < 1e-12, "{a:?} {b}");
+    close(first(Crossing::Vent, Direction::Rising, 0.0), delay);
+    close(first(Crossing::Vent, Direction::Falling, 0.0), e.t12.unwrap() + delay);
+    close(first(Crossing::Fill, Direction::Rising, 0.0), e.t12.unwrap() + delay);
+}
+
+#[test]
+fn states_are_those_of_the_record() {
+    let r = record();
+    for entry in &r.log {
+        let i = (entry.time / r.sample_interval).floor() as usize;
+        // Samples on either side bound smooth quantities to within their change over one interval.
+        let Some(j) = Some(i + 1).filter(|j| *j < r.len()) else {
+            continue;
+        };
+        let between = |name: &str, column: &[f64], value: f64, slack: f64| {
+            let (low, high) = (column[i].min(column[j]), column[i].max(column[j]));
+            assert!(
+                value > low - slack && value < high + slack,
+                "{entry:?} {name}: {low} {value} {high}"
+            );
+        };
+        between("travel", &r.motion.piston_travel, entry.state.piston_travel, 1e-7);
+        between("lift", &r.motion.valve_lift, entry.state.valve_lift, 1e-6);
+        between("P_1", &r.above_piston.pressure, entry.state.pressures[0], 5.0);
+        between("P_ext", &r.supply.pressure, entry.state.pressures[4], 5.0);
+    }
+}
+
+#[test]
+fn contacts_and_choking_are_those_of_the_record() {
+    let r = record();
+    let s = &r.summary;
+    let count = |crossing| of(crossing).filter(|e| e.is_rising()).count();
+    assert_eq!(count(Crossing::CapContact), s.cap_contacts);
+    assert_eq!(count(Crossing::SeatContact), s.seat_contacts);
+    assert_eq!((count(Crossing::NailDriven), count(Crossing::NoseContact)), (1, 0));
+    let at = |t: f64| (t / r.sample_interval) as usize;
+    let pushes = |crossing, force: &[f64]| {
+        for entry in of(crossing) {
+            let i = at(entry.time);
+            let (before, after) = (force[i - 1].abs() > 0.0, force[i + 2].abs() > 0.0);
+            assert_eq!((before, after), (!entry.is_rising(), entry.is_rising()), "{entry:?}");
+        }
+    };
+    pushes(Crossing::BumperContact, &r.forces.bumper);
+    pushes(Crossing::StopperContact, &r.forces.stopper);
+    pushes(Crossing::CapContact, &r.forces.cap);
+    pushes(Crossing::SeatContact, &r.forces.seat);
+    let (from, to) = (
+        first(Crossing::HolesChoked, Direction::Rising, 0.0).unwrap(),
+        first(Crossing::HolesChoked, Direction::Falling, 0.0).unwrap(),
+    );
+    for i in 0..r.len() {
+        assert_eq!(r.exhaust.choked[i], r.time(i) >= from && r.time(i) < to, "{i}");
+    }
+    let share = (to - from) / (r.events.t17.unwrap() - r.events.t13.unwrap());
+    assert!((share - s.exhaust_choked_fraction.unwrap()).abs() < 5e-4);
+}
+
+#[test]
+fn a_log_speaks_and_serialises() {
+    let e = record()
+        .log
+        .iter()
+        .find(|e| e.crossing == Crossing::BumperContact)
+        .unwrap();
+    assert_eq!(e.crossing.describe(e.direction), "the piston meets the bumper");
+    let json = serde_json::to_value(e).unwrap();
+    assert_eq!(
+        (&json["crossing"], &json["direction"]),
+        (&"bumper_contact".into(), &"rising".into())
+    );
+    assert!(json["state"]["piston_travel"].as_f64().unwrap() > 0.12);
+}
+
+#[test]
+fn chatter_ends_the_run_and_names_its_contact() {
+    let contact = |change: fn(&mut Parameters)| {
+        let mut p = Parameters::n80cb();
+        change(&mut p);
+        match simulate(&p, &Settings::default()) {
+            Err(CycleError::Chatter {
+                contact, count, window, ..
+            }) => {
+                assert!(count > 1000 && window <= 1e-3);
+                contact
+            }
+            other => panic!("{:?}", other.map(|r| r.outcome)),
+        }
+    };
+    // A cap and a seat as hard as no solid is: bounces follow each other within nanoseconds.
+    assert_eq!(contact(|p| p.contacts.cap_stiffness = 1e15), "the head valve's cap");
+    let seat = |p: &mut Parameters| {
+        p.contacts.seat_stiffness = 1e14;
+        p.contacts.valve_damping_ratio = 0.0;
+    };
+    assert_eq!(contact(seat), "the head valve's seat");
+    // The printed cap stiffness, 217 kHz, is no chatter. Its peak is that of a damped bounce,
+    // F = v sqrt(k m) exp(-zeta phi/sqrt(1 - zeta^2)) with tan phi = sqrt(1 - zeta^2) (1 - 4 zeta^2)/(zeta (3 - 4 zeta^2)).
+    let mut printed = Parameters::n80cb();
+    printed.contacts.cap_stiffness = 1.1e11;
+    let r = simulate(&printed, &Settings::default()).unwrap();
+    let hit = r.log.iter().find(|e| e.crossing == Crossing::CapContact).unwrap();
+    let zeta = printed.contacts.valve_damping_ratio;
+    let root = (1.0 - zeta * zeta).sqrt();
+    let phase = (root * (1.0 - 4.0 * zeta * zeta) / (zeta * (3.0 - 4.0 * zeta * zeta))).atan();
+    let peak = hit.state.valve_velocity * (1.1e11 * printed.head_valve.mass).sqrt() * (-zeta * phase / root).exp();
+    let found = r.summary.peak_cap_force;
+    assert!(
+        r.is_certified() && (found / peak - 1.0).abs() < 0.02,
+        "{found} N, {peak} N"
+    );
+}

@@ -1,0 +1,157 @@
+//! Options the source does not have: off by default, and lawful where they are on.
+
+#![allow(clippy::unwrap_used)]
+
+use nailnoise_dynamics::{CycleError, CycleRecord, Geometry, Parameters, Settings, simulate};
+
+fn run(p: &Parameters) -> CycleRecord {
+    simulate(p, &Settings::default()).unwrap()
+}
+
+fn base() -> CycleRecord {
+    run(&Parameters::n80cb())
+}
+
+fn with_hand(mass: f64) -> Parameters {
+    let mut p = Parameters::n80cb();
+    p.hand.mass = mass;
+    p
+}
+
+/// Momentum of the four bodies against the forces from outside, at every sample.
+fn forces_cancel(p: &Parameters, r: &CycleRecord) {
+    let masses = [p.head_valve.mass, p.tool.mass, Geometry::new(p).workpiece_mass];
+    for i in 0..r.len() {
+        let moving = r.motion.moving_mass[i];
+        let inertia = moving * r.piston.acceleration[i]
+            + masses[0] * r.head_valve.acceleration[i]
+            + masses[1] * r.tool.acceleration[i]
+            + masses[2] * r.workpiece.acceleration[i];
+        let weight = (moving + masses.iter().sum::<f64>()) * p.ambient.gravity;
+        let outer = r.forces.hand[i] + r.forces.thrust[i] - r.forces.support[i] + weight;
+        assert!((inertia - outer).abs() < 1e-6, "sample {i}: {inertia} N, {outer} N");
+    }
+}
+
+#[test]
+fn options_are_off_in_the_reference_set() {
+    let (p, r) = (Parameters::n80cb(), base());
+    assert_eq!(
+        (p.hand.mass, p.nail.magazine_friction, p.exhaust.thrust_share),
+        (0.0, 0.0, 0.0)
+    );
+    assert!(r.forces.hand.iter().all(|f| *f == p.hand.force));
+    assert!(r.forces.magazine.iter().chain(&r.forces.thrust).all(|f| *f == 0.0));
+}
+
+#[test]
+fn a_hand_with_mass_holds_the_tool_down() {
+    let p = with_hand(1.5);
+    let r = run(&p);
+    assert!(r.is_certified(), "{:?}", r.checks);
+    forces_cancel(&p, &r);
+    // In equilibrium before the shot the hand pushes with its constant force.
+    assert!((r.forces.hand[0] - p.hand.force).abs() < 1e-9);
+    let rise = |r: &CycleRecord| r.tool.position[0] - r.tool.position.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!(rise(&r) < 0.9 * rise(&base()), "{} {}", rise(&r), rise(&base()));
+    assert!(r.energy.hand_damping > 0.1);
+}
+
+#[test]
+fn a_hand_on_a_stiff_spring_is_part_of_the_tool() {
+    // A mass held rigidly is a heavier tool that gravity does not pull the more.
+    let mut held = with_hand(0.5);
+    held.hand.stiffness = 1e9;
+    held.hand.damping = 2e3;
+    let mut heavy = Parameters::n80cb();
+    heavy.tool.mass += 0.5;
+    heavy.hand.force -= 0.5 * heavy.ambient.gravity;
+    // The nose's damping is a ratio of the tool's mass.
+    heavy.contacts.nose_damping_ratio *= (4.1f64 / 4.6).sqrt();
+    let (a, b) = (run(&held).events.to_array(), run(&heavy).events.to_array());
+    for (i, (a, b)) in a.iter().zip(b).enumerate() {
+        let apart = (a.unwrap() - b.unwrap()).abs();
+        assert!(apart < if i == 11 || i == 18 { 1e-4 } else { 2e-5 }, "t{i}: {apart} s");
+    }
+}
+
+#[test]
+fn a_light_hand_is_a_force() {
+    let mut p = with_hand(1e-3);
+    p.hand.damping = 1.0;
+    let (a, b) = (run(&p).events.to_array(), base().events.to_array());
+    for (i, (a, b)) in a.iter().zip(b).enumerate() {
+        let apart = (a.unwrap() - b.unwrap()).abs();
+        assert!(apart < 1e-4, "t{i}: {apart} s");
+    }
+}
+
+#[test]
+fn friction_in_the_magazine_slows_the_nail() {
+    let mut p = Parameters::n80cb();
+    p.nail.magazine_friction = 20.0;
+    let r = run(&p);
+    assert!(r.is_certified(), "{:?}", r.checks);
+    forces_cancel(&p, &r);
+    assert!(r.summary.mean_drive_speed < base().summary.mean_drive_speed);
+    // The constant force over the travel with the nail.
+    let at = |t: f64| r.motion.piston_travel[(t / r.sample_interval).round() as usize];
+    let travel = at(r.events.t9.unwrap()) - at(r.events.t5.unwrap());
+    let friction = r.energy.magazine_friction;
+    assert!(
+        (friction / (20.0 * travel) - 1.0).abs() < 5e-3,
+        "{friction} J over {travel} m"
+    );
+    // It acts while the rod drives the nail and no longer.
+    let driven = |i: usize| r.motion.moving_mass[i] > p.piston.mass;
+    assert!((0..r.len()).all(|i| driven(i) || r.forces.magazine[i] == 0.0));
+}
+
+#[test]
+fn the_thrust_of_the_exhaust_is_that_of_an_ideal_nozzle() {
+    let mut p = Parameters::n80cb();
+    p.exhaust.thrust_share = -0.5;
+    let r = run(&p);
+    assert!(r.is_certified(), "{:?}", r.checks);
+    forces_cancel(&p, &r);
+    let g: f64 = p.ambient.heat_capacity_ratio;
+    let (rg, pa) = (p.ambient.gas_constant, p.ambient.pressure);
+    let area = p.chambers.discharge_coefficient * Geometry::new(&p).exhaust_area;
+    let critical = (2.0 / (g + 1.0)).powf(g / (g - 1.0));
+    let mut tried = [0; 2];
+    for i in (0..r.len()).filter(|i| r.exhaust.plenum_pressure[*i] > 1.01 * pa && r.exhaust.mass_flow[*i] > 0.0) {
+        // mdot U + (P_e - P_a) A, from the recorded flow.
+        let (pm, t) = (r.exhaust.plenum_pressure[i], r.exhaust.stagnation_temperature[i]);
+        let exit = pa.max(critical * pm);
+        let speed = (2.0 * g / (g - 1.0) * rg * t * (1.0 - (exit / pm).powf((g - 1.0) / g))).sqrt();
+        let thrust = r.exhaust.mass_flow[i] * speed + (exit - pa) * area;
+        let found = -2.0 * r.forces.thrust[i];
+        assert!((found / thrust - 1.0).abs() < 1e-9, "sample {i}: {found} N, {thrust} N");
+        tried[usize::from(exit > pa)] += 1;
+    }
+    assert!(tried.iter().all(|n| *n > 100), "{tried:?}");
+    let lifted = |r: &CycleRecord| r.tool.position[r.len() - 1];
+    assert!(lifted(&r) < lifted(&base()), "thrust up lifts the tool");
+}
+
+#[test]
+fn options_out_of_range_are_named() {
+    let refused = |change: fn(&mut Parameters)| {
+        let mut p = Parameters::n80cb();
+        change(&mut p);
+        match simulate(&p, &Settings::default()) {
+            Err(CycleError::Value { name, .. }) => name,
+            other => panic!("{other:?}"),
+        }
+    };
+    assert_eq!(refused(|p| p.exhaust.thrust_share = 1.2), "exhaust.thrust_share");
+    assert_eq!(refused(|p| p.hand.mass = f64::NAN), "hand.mass");
+    assert_eq!(
+        refused(|p| {
+            p.hand.mass = 1.0;
+            p.hand.stiffness = 0.0;
+        }),
+        "hand.stiffness"
+    );
+    assert_eq!(refused(|p| p.nail.magazine_friction = -1.0), "nail.magazine_friction");
+}

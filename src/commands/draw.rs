@@ -1,0 +1,189 @@
+//! `nailnoise cycle --draw`: designs drawn from the ranges of one, and what their shots do.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::process::ExitCode;
+
+use nailnoise_meshes::write_atomic;
+use serde::Serialize;
+
+use super::table::table;
+use super::{Common, Progress, print, print_json};
+use crate::design::{Design, Value};
+use crate::error::Error;
+use crate::pipeline::Observer as _;
+use crate::result::DesignId;
+use crate::study::{Draw, Fate, Study, study};
+
+/// Layout of `cycle --draw --json`; the draws themselves are in the file.
+#[derive(Serialize)]
+struct DrawResult<'a> {
+    schema: &'static str,
+    design: DesignId,
+    seed: u64,
+    drawn: usize,
+    parameters: usize,
+    candidates: usize,
+    counts: &'a BTreeMap<String, usize>,
+    refused: &'a BTreeMap<String, usize>,
+    repeated: usize,
+    failures: Vec<Failure>,
+    file: String,
+}
+
+#[derive(Serialize)]
+struct Failure {
+    candidate: usize,
+    error: String,
+}
+
+pub(super) fn execute(common: &Common, design: &Design, count: usize, seed: u64) -> Result<ExitCode, Error> {
+    let folder = common.out(design);
+    let mut progress = Progress::new();
+    progress.stage("drawing designs");
+    let study = study(design, count, seed)?;
+    drop(progress);
+    std::fs::create_dir_all(&folder).map_err(|source| Error::Write {
+        path: folder.clone(),
+        source,
+    })?;
+    let path = folder.join("draws.csv");
+    write_atomic(&path, csv(&study).as_bytes()).map_err(|source| Error::Write {
+        path: path.clone(),
+        source,
+    })?;
+    let failures = failures(&study);
+    let status = if failures.is_empty() {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::from(3)
+    };
+    for Failure { candidate, error } in &failures {
+        eprintln!("candidate {candidate} cannot be computed: {error}");
+    }
+    if common.json {
+        print_json(&DrawResult {
+            schema: "nailnoise-draw/1",
+            design: DesignId {
+                name: design.name().to_owned(),
+                digest: design.digest(),
+            },
+            seed,
+            drawn: study.draws.len(),
+            parameters: study.parameters.len(),
+            candidates: study.candidates,
+            counts: &study.counts,
+            refused: &study.refused,
+            repeated: study.repeated,
+            failures,
+            file: path.display().to_string(),
+        })?;
+    } else {
+        print(&text(design.name(), &study));
+        print(&format!("\n  every design in {}\n", path.display()));
+    }
+    Ok(status)
+}
+
+fn failures(study: &Study) -> Vec<Failure> {
+    let failure = |draw: &'_ Draw| match &draw.fate {
+        Fate::SolverFailure(error) => Some((draw.candidate, error.clone())),
+        _ => None,
+    };
+    study
+        .draws
+        .iter()
+        .filter_map(failure)
+        .map(|(candidate, error)| Failure { candidate, error })
+        .collect()
+}
+
+fn text(name: &str, study: &Study) -> String {
+    let drawn = study.draws.len();
+    let mut text = format!(
+        "{name}: {drawn} designs drawn from the ranges of {} parameters (seed {})\n\n",
+        study.parameters.len(),
+        study.seed
+    );
+    let mut counts: Vec<(&String, &usize)> = study.counts.iter().collect();
+    counts.sort_by(|a, b| b.1.cmp(a.1));
+    let rows: Vec<Vec<String>> = counts
+        .into_iter()
+        .map(|(fate, count)| {
+            let share = 100.0 * *count as f64 / drawn.max(1) as f64;
+            vec![fate.replace('_', " "), count.to_string(), format!("{share:.1}")]
+        })
+        .collect();
+    text.push_str(&table(&["the shot", "designs", "%"], &rows));
+    // Writing to a string cannot fail, here and below.
+    let _ = writeln!(
+        text,
+        "\n  {} candidates, {} refused",
+        study.candidates,
+        study.candidates - drawn
+    );
+    let mut refused: Vec<(&String, &usize)> = study.refused.iter().collect();
+    refused.sort_by(|a, b| b.1.cmp(a.1));
+    let rows: Vec<Vec<String>> = refused
+        .into_iter()
+        .map(|(reason, count)| vec![reason.clone(), count.to_string()])
+        .collect();
+    if !rows.is_empty() {
+        text.push_str(&table(&["refused, not going together", "candidates"], &rows));
+    }
+    if study.repeated > 0 {
+        let _ = writeln!(
+            text,
+            "\n  {} integrated again at a tenth of the tolerance",
+            study.repeated
+        );
+    }
+    text
+}
+
+/// `draws.csv`: a row for every design, its values in SI units.
+fn csv(study: &Study) -> String {
+    let mut text = String::from("candidate,fate,repeated,mean_drive_speed [m/s],penetration [m],exhaust_mass [kg]");
+    for parameter in &study.parameters {
+        let unit = if parameter.unit.is_empty() {
+            "-"
+        } else {
+            parameter.unit.as_str()
+        };
+        let _ = write!(text, ",{} [{unit}]", parameter.key);
+    }
+    text.push('\n');
+    for draw in &study.draws {
+        let (speed, depth, mass) = match &draw.fate {
+            Fate::Shot { summary, .. } => (
+                summary.mean_drive_speed,
+                Some(summary.penetration),
+                Some(summary.exhaust_mass),
+            ),
+            Fate::DryFire | Fate::SolverFailure(_) => (None, None, None),
+        };
+        let _ = write!(
+            text,
+            "{},{},{}",
+            draw.candidate,
+            draw.fate.name(),
+            u8::from(draw.repeated.is_some())
+        );
+        for value in [speed, depth, mass] {
+            text.push(',');
+            if let Some(value) = value {
+                let _ = write!(text, "{value:e}");
+            }
+        }
+        for value in &draw.values {
+            let _ = match value {
+                Value::Number(value) => write!(text, ",{value:e}"),
+                Value::Count(count) => write!(text, ",{count}"),
+                Value::Switch(on) => write!(text, ",{on}"),
+                Value::Choice(word) => write!(text, ",{word}"),
+            };
+        }
+        text.push('\n');
+    }
+    text
+}

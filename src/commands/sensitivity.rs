@@ -1,0 +1,215 @@
+//! `nailnoise cycle --sensitivity`: what the ranges of a design do to its shot, parameter by parameter.
+
+use std::fmt::Write as _;
+use std::process::ExitCode;
+
+use nailnoise_meshes::write_atomic;
+use serde::Serialize;
+
+use super::table::table;
+use super::{Common, Progress, print, print_json};
+use crate::design::Design;
+use crate::error::Error;
+use crate::pipeline::Observer as _;
+use crate::result::DesignId;
+use crate::sensitivity::{self, Derivative, End, OutputSensitivity, ParameterOutcome, Sensitivity, USUAL};
+use crate::study::outcome_name;
+
+/// Parameters shown for each figure; the file has them all.
+const SHOWN: usize = 10;
+
+/// Layout of `cycle --sensitivity --json`.
+#[derive(Serialize)]
+struct Layout<'a> {
+    schema: &'static str,
+    design: DesignId,
+    #[serde(flatten)]
+    sensitivity: &'a Sensitivity,
+}
+
+pub(super) fn execute(common: &Common, design: &Design, outputs: &[String]) -> Result<ExitCode, Error> {
+    let outputs = if outputs.is_empty() {
+        sensitivity::choose(&USUAL)?
+    } else {
+        sensitivity::choose(outputs)?
+    };
+    let folder = common.out(design);
+    let mut progress = Progress::new();
+    progress.stage("sensitivity of the nailing cycle");
+    let sensitivity = sensitivity::sensitivity(design, &outputs, None)?;
+    drop(progress);
+    std::fs::create_dir_all(&folder).map_err(|source| Error::Write {
+        path: folder.clone(),
+        source,
+    })?;
+    let path = folder.join("sensitivity.csv");
+    write_atomic(&path, csv(&sensitivity).as_bytes()).map_err(|source| Error::Write {
+        path: path.clone(),
+        source,
+    })?;
+    if common.json {
+        let design = DesignId {
+            name: design.name().to_owned(),
+            digest: design.digest(),
+        };
+        print_json(&Layout {
+            schema: "nailnoise-sensitivity/1",
+            design,
+            sensitivity: &sensitivity,
+        })?;
+    } else {
+        print(&text(design.name(), &sensitivity));
+        print(&format!("\n  all parameters in {}\n", path.display()));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn text(name: &str, sensitivity: &Sensitivity) -> String {
+    let outcome = outcome_name(sensitivity.outcome).replace('_', " ");
+    let count = sensitivity.parameters.len();
+    let mut text = format!("{name}: {outcome}; sensitivity to {count} parameters, all in SI units\n");
+    for output in &sensitivity.outputs {
+        let unit = output.unit;
+        let value = output.value.map_or_else(
+            || "does not occur".to_owned(),
+            |value| format!("{} {unit}", short(value)),
+        );
+        // Writing to a string cannot fail, here and below.
+        let _ = writeln!(text, "\n{} = {value}", output.name);
+        let headings = [
+            "parameter",
+            "value",
+            "derivative",
+            "error",
+            "x half range",
+            "at low end",
+            "at high end",
+            "",
+        ];
+        let rows: Vec<Vec<String>> = output
+            .ranking
+            .iter()
+            .take(SHOWN)
+            .filter_map(|derivative| Some(row(derivative, parameter(sensitivity, &derivative.key)?)))
+            .collect();
+        text.push_str(&table(&headings, &rows));
+    }
+    let changing: Vec<Vec<String>> = sensitivity
+        .parameters
+        .iter()
+        .filter(|parameter| parameter.outcome_changes)
+        .map(|parameter| {
+            let [low, high] = parameter.ends.each_ref().map(end);
+            vec![parameter.parameter.key.clone(), low, high]
+        })
+        .collect();
+    if !changing.is_empty() {
+        text.push_str("\noutcome changes within the range of\n");
+        text.push_str(&table(&["parameter", "at low end", "at high end"], &changing));
+    }
+    text
+}
+
+fn parameter<'a>(sensitivity: &'a Sensitivity, key: &str) -> Option<&'a ParameterOutcome> {
+    sensitivity
+        .parameters
+        .iter()
+        .find(|parameter| parameter.parameter.key == key)
+}
+
+fn row(derivative: &Derivative, parameter: &ParameterOutcome) -> Vec<String> {
+    let end = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), short);
+    let mut notes = Vec::new();
+    if !derivative.is_certain() {
+        notes.push("uncertain");
+    }
+    if derivative.is_linear() == Some(false) {
+        notes.push("not linear");
+    }
+    if parameter.outcome_changes {
+        notes.push("outcome changes");
+    }
+    vec![
+        derivative.key.clone(),
+        format!("{} {}", short(value(parameter)), parameter.parameter.unit)
+            .trim_end()
+            .to_owned(),
+        format!("{:+.4e}", derivative.derivative),
+        format!("{:.0e}", derivative.error),
+        format!("{:+.3e}", derivative.effect),
+        end(derivative.at_ends[0]),
+        end(derivative.at_ends[1]),
+        notes.join(", "),
+    ]
+}
+
+fn value(parameter: &ParameterOutcome) -> f64 {
+    match parameter.parameter.value {
+        crate::design::Value::Number(value) => value,
+        _ => f64::NAN,
+    }
+}
+
+/// Five digits, with a power of ten where the number is far from one.
+fn short(value: f64) -> String {
+    if value == 0.0 || (1e-2..1e5).contains(&value.abs()) {
+        let digits = if value == 0.0 {
+            0
+        } else {
+            4 - value.abs().log10().floor() as i32
+        };
+        format!("{value:.*}", digits.clamp(0, 6) as usize)
+    } else {
+        format!("{value:.4e}")
+    }
+}
+
+fn end(end: &End) -> String {
+    match end {
+        End::Outcome(outcome) => outcome_name(*outcome).replace('_', " "),
+        End::Refused(_) => "no design".to_owned(),
+        End::Failed(_) => "cannot be computed".to_owned(),
+    }
+}
+
+/// `sensitivity.csv`: a row for every figure and parameter.
+fn csv(sensitivity: &Sensitivity) -> String {
+    let mut text = String::from(
+        "output,output_unit,output_value,parameter,parameter_unit,parameter_value,range_low,range_high,derivative,\
+         error,effect,at_low,at_high,outcome_low,outcome_high\n",
+    );
+    for output in &sensitivity.outputs {
+        let OutputSensitivity {
+            name,
+            unit,
+            value: figure,
+            ..
+        } = output;
+        let number = |value: &Option<f64>| value.map_or_else(String::new, |value| format!("{value:e}"));
+        for derivative in &output.ranking {
+            let Some(parameter) = parameter(sensitivity, &derivative.key) else {
+                continue;
+            };
+            let Derivative {
+                key,
+                derivative,
+                error,
+                effect,
+                at_ends: [low, high],
+                ..
+            } = derivative;
+            let [from, to] = parameter.parameter.range;
+            let [left, right] = parameter.ends.each_ref().map(end);
+            let _ = writeln!(
+                text,
+                "{name},{unit},{},{key},{},{:e},{from:e},{to:e},{derivative:e},{error:e},{effect:e},{},{},{left},{right}",
+                number(figure),
+                parameter.parameter.unit,
+                value(parameter),
+                number(low),
+                number(high),
+            );
+        }
+    }
+    text
+}

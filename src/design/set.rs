@@ -1,0 +1,102 @@
+//! Setting keys by their full names, for programs that change a design: studies, sensitivities, sweeps.
+
+use std::collections::HashMap;
+
+use super::groups::Values;
+use super::schema::{Group, Kind, Value};
+use super::suggest;
+
+/// Why a key cannot be set. The values are then as they were.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SetError {
+    /// There is no such key.
+    #[error("there is no key `{key}`{}", nearest.as_ref().map_or_else(String::new, |near| format!("; is it `{near}`?")))]
+    UnknownKey {
+        /// The name given.
+        key: String,
+        /// The key most like it, if one is near.
+        nearest: Option<String>,
+    },
+    /// The key holds another kind of value.
+    #[error("`{key}` cannot be {value:?}: it holds {expected}")]
+    WrongKind {
+        /// Full name of the key.
+        key: String,
+        /// The value given.
+        value: Value,
+        /// What the key holds.
+        expected: &'static str,
+    },
+    /// The value is outside what the physics allows in every design.
+    #[error("`{key}` = {value} must be {allowed}")]
+    OutsideLimits {
+        /// Full name of the key.
+        key: String,
+        /// The value given, in SI units.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+}
+
+impl Values {
+    /// Sets keys by their full names (`piston.mass`), quantities in SI units. A key given twice takes its last value.
+    ///
+    /// Each value is held to the limits of its own key; whether the values go together is asked of
+    /// [`conflict`](Self::conflict).
+    ///
+    /// # Errors
+    /// [`SetError`] for the first key that cannot be set; nothing is changed then.
+    pub fn set(&mut self, changes: &[(&str, Value)]) -> Result<(), SetError> {
+        let mut values = HashMap::new();
+        self.visit("", &mut |key, spec, value| {
+            values.insert(key.to_owned(), (spec.kind, value));
+        });
+        for (key, value) in changes {
+            let Some((kind, held)) = values.get_mut(*key) else {
+                return Err(SetError::UnknownKey {
+                    key: (*key).to_owned(),
+                    nearest: suggest::key(&Self::SPEC, key),
+                });
+            };
+            check(key, *kind, *value)?;
+            *held = *value;
+        }
+        // Every key has been visited and every change is of its key's kind, so that nothing can be missing.
+        if let Ok(changed) = Self::build("", &|key| values.get(key).map(|(_, value)| *value)) {
+            *self = changed;
+        }
+        Ok(())
+    }
+}
+
+fn check(key: &str, kind: Kind, value: Value) -> Result<(), SetError> {
+    let wrong = |expected| {
+        Err(SetError::WrongKind {
+            key: key.to_owned(),
+            value,
+            expected,
+        })
+    };
+    match (kind, value) {
+        (Kind::Quantity { sign, .. }, Value::Number(number)) if !sign.allows(number) => Err(SetError::OutsideLimits {
+            key: key.to_owned(),
+            value: number,
+            allowed: sign.describe(),
+        }),
+        (Kind::Count, Value::Count(0)) => Err(SetError::OutsideLimits {
+            key: key.to_owned(),
+            value: 0.0,
+            allowed: "a whole number above zero",
+        }),
+        (Kind::Quantity { .. }, Value::Number(_))
+        | (Kind::Count, Value::Count(_))
+        | (Kind::Switch, Value::Switch(_)) => Ok(()),
+        (Kind::Choice(words), Value::Choice(word)) if words.contains(&word) => Ok(()),
+        (Kind::Quantity { .. }, _) => wrong("a quantity"),
+        (Kind::Count, _) => wrong("a whole number"),
+        (Kind::Switch, _) => wrong("true or false"),
+        (Kind::Choice(_), _) => wrong("one of its words"),
+    }
+}

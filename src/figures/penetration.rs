@@ -1,0 +1,75 @@
+//! Penetration laws over depth, each with a band of one standard error.
+
+use super::Figure;
+use super::sheet::{Curve, Panel, Sheet};
+use super::style::PALETTE;
+use crate::penetration::{PenetrationError, Resistance};
+
+/// Points of a curve.
+const POINTS: usize = 400;
+
+/// The most curves a figure shows: as many as there are colours.
+pub(crate) const MOST: usize = PALETTE.len();
+
+/// Compares laws over depth; `labels` name them, `subject` says what they share. Laws beyond the eighth are not drawn.
+///
+/// # Errors
+/// As [`Resistance::force`].
+pub fn penetration(subject: &str, laws: &[Resistance], labels: &[String]) -> Result<Figure, PenetrationError> {
+    let mut axes: Vec<Vec<f64>> = Vec::new();
+    let mut ordinates = Vec::new();
+    for law in laws.iter().take(MOST) {
+        // The force begins with a step at the surface; the first point stands just below it.
+        let depth = |i: usize| law.specimen.length * (i as f64 / POINTS as f64).max(1e-9);
+        let forces: Result<Vec<f64>, _> = (0..=POINTS)
+            .map(|i| law.force(depth(i)).map(|force| 1e-3 * force))
+            .collect();
+        let bands: Result<Vec<[f64; 2]>, _> = (0..=POINTS)
+            .map(|i| law.band(depth(i)).map(|band| band.map(|force| 1e-3 * force)))
+            .collect();
+        axes.push((0..=POINTS).map(|i| 1e3 * depth(i)).collect());
+        ordinates.push((forces?, bands?));
+    }
+    let curves: Vec<Curve<'_>> = axes
+        .iter()
+        .zip(ordinates)
+        .zip(labels.iter().zip(PALETTE))
+        .map(|((x, (y, band)), (label, colour))| Curve {
+            label: label.clone(),
+            colour,
+            x,
+            y,
+            band,
+        })
+        .collect();
+    let highest = curves
+        .iter()
+        .flat_map(|curve| &curve.band)
+        .map(|band| band[1])
+        .fold(0.0, f64::max);
+    let deepest = laws
+        .iter()
+        .take(MOST)
+        .map(|law| 1e3 * law.specimen.length)
+        .fold(0.0, f64::max);
+    let panel = Panel {
+        y_label: "Penetration resistance (kN)",
+        y_range: [0.0, 1.05 * highest],
+        height: 88,
+        curves,
+        levels: Vec::new(),
+        spans: Vec::new(),
+    };
+    let sheet = Sheet {
+        title: "Penetration resistance",
+        subject: format!("{subject}; bands: one standard error"),
+        x_label: "Depth of the nail's tip (mm)",
+        x_range: [0.0, deepest],
+        events: Vec::new(),
+        panels: vec![panel],
+    };
+    Ok(Figure {
+        name: "penetration",
+        svg: sheet.svg(),
+    })
+}

@@ -1,0 +1,316 @@
+//! How the figures of a shot answer to the parameters of its design.
+//!
+//! For each key that has a range and takes part in the cycle, the derivative of each figure is taken from central
+//! differences at steps of 8, 4, 2 and 1 % of the parameter's size, extrapolated to the step zero. Where a step leads out
+//! of what a design allows, the differences are one-sided. The cycle has contacts and switches, and its figures are
+//! smooth in the parameters as long as the order of these is the same, so that differences through events are
+//! derivatives through events; where the order changes, the differences do not agree and the error says so.
+//!
+//! Parameters rank by what their ranges do to a figure: the derivative times half the range, unless the runs at the ends
+//! of the range, which are made too, show that the figure does not follow it so far.
+//!
+//! The integration is run a hundred times closer than the design asks for. What is left of it is measured, by running
+//! the design at two tolerances, and stands in the error of every derivative.
+
+mod extrapolate;
+mod outputs;
+
+use nailnoise_dynamics::{CycleError, CycleRecord, Outcome, Settings, simulate};
+use rayon::prelude::*;
+use serde::Serialize;
+
+pub use outputs::{OUTPUTS, Output, USUAL, choose};
+
+use crate::design::{Design, Value};
+use crate::error::Error;
+use crate::pipeline;
+use crate::study::{Parameter, taking_part};
+use extrapolate::{Estimate, extrapolate};
+
+/// Longest step as a part of a parameter's size.
+const FIRST_STEP: f64 = 0.08;
+/// Number of steps, each half the one before.
+const STEPS: usize = 4;
+/// Tolerance of the integration in parts of the design's.
+const CLOSER: f64 = 1e-2;
+/// Longest interval of samples, for the peaks \[s\].
+const SAMPLES: f64 = 4e-6;
+
+/// Sensitivity of figures of a shot to the parameters of its design.
+#[derive(Debug, Clone, Serialize)]
+pub struct Sensitivity {
+    /// What the shot of the design itself does.
+    pub outcome: Outcome,
+    /// The figures, and how the parameters rank for each.
+    pub outputs: Vec<OutputSensitivity>,
+    /// The parameters.
+    pub parameters: Vec<ParameterOutcome>,
+}
+
+/// One figure of the shot.
+#[derive(Debug, Clone, Serialize)]
+pub struct OutputSensitivity {
+    /// Name.
+    pub name: &'static str,
+    /// SI unit.
+    pub unit: &'static str,
+    /// Value in the design; null where its phase does not occur.
+    pub value: Option<f64>,
+    /// How far the integration leaves the value uncertain.
+    pub noise: f64,
+    /// Derivatives, the one with the largest weight first; parameters without one are missing.
+    pub ranking: Vec<Derivative>,
+}
+
+/// Derivative of a figure with respect to a parameter.
+#[derive(Debug, Clone, Serialize)]
+pub struct Derivative {
+    /// The parameter.
+    pub key: String,
+    /// d(figure)/d(parameter), in SI units.
+    pub derivative: f64,
+    /// Estimated error of the derivative: truncation and noise.
+    pub error: f64,
+    /// Derivative times half the parameter's range: what the parameter's uncertainty does to the figure.
+    pub effect: f64,
+    /// By how much the parameter's range moves the figure: the size of `effect`; where the figure does not follow its
+    /// derivative to the ends of the range, the larger of its moves to them.
+    pub weight: f64,
+    /// Smallest step of the parameter the derivative is made of.
+    pub step: f64,
+    /// The figure with the parameter at the lower and upper end of its range; null where that is no design, or where
+    /// the figure's phase does not occur.
+    pub at_ends: [Option<f64>; 2],
+}
+
+impl Derivative {
+    /// Whether the estimated error is below a tenth of the derivative.
+    pub fn is_certain(&self) -> bool {
+        self.error <= 0.1 * self.derivative.abs()
+    }
+
+    /// Whether the figure moves over the whole range as its derivative says, within a factor of two; `None` where an
+    /// end is no design.
+    pub fn is_linear(&self) -> Option<bool> {
+        let [low, high] = self.at_ends;
+        let (moved, told) = (high? - low?, 2.0 * self.effect);
+        Some(moved * told >= 0.0 && moved.abs() <= 2.0 * told.abs() && told.abs() <= 2.0 * moved.abs())
+    }
+}
+
+/// A parameter, and whether the shot does something else within its range.
+#[derive(Debug, Clone, Serialize)]
+pub struct ParameterOutcome {
+    /// The parameter.
+    #[serde(flatten)]
+    pub parameter: Parameter,
+    /// What happens at the lower and upper end of the range, all else equal.
+    pub ends: [End; 2],
+    /// Whether an end of the range, or one of the steps, has another outcome than the design.
+    pub outcome_changes: bool,
+}
+
+/// What happens with a parameter at an end of its range.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum End {
+    /// The shot does this.
+    Outcome(Outcome),
+    /// The values do not go together.
+    Refused(String),
+    /// The cycle ends with this error.
+    Failed(String),
+}
+
+/// A run of the design with one parameter moved.
+enum Run {
+    Shot {
+        outcome: Outcome,
+        figures: Vec<Option<f64>>,
+    },
+    Refused(String),
+    Failed(String),
+}
+
+/// Sensitivity of `outputs` to every key of `design` that has a range and takes part in the cycle, or to those of them
+/// in `keys`.
+///
+/// # Errors
+/// [`Error::Cycle`] when the design itself cannot be computed.
+pub fn sensitivity(design: &Design, outputs: &[Output], keys: Option<&[&str]>) -> Result<Sensitivity, Error> {
+    let mut parameters = taking_part(design)?;
+    // A derivative with respect to a whole number is none.
+    parameters
+        .retain(|p| matches!(p.value, Value::Number(_)) && keys.is_none_or(|keys| keys.contains(&p.key.as_str())));
+    let close = pipeline::cycle_settings(design);
+    let settings = |parts: f64| Settings {
+        relative_tolerance: close.relative_tolerance * CLOSER * parts,
+        sample_interval: close.sample_interval.min(SAMPLES),
+        ..close.clone()
+    };
+    let base = simulate(&pipeline::parameters(design)?, &settings(1.0))?;
+    let check = simulate(&pipeline::parameters(design)?, &settings(0.5))?;
+    let read = |record: &CycleRecord| outputs.iter().map(|output| output.of(record)).collect::<Vec<_>>();
+    let (values, checked) = (read(&base), read(&check));
+    let noise: Vec<f64> = values
+        .iter()
+        .zip(&checked)
+        .map(|(a, b)| a.zip(*b).map_or(0.0, |(a, b): (f64, f64)| (a - b).abs()))
+        .collect();
+
+    let jobs: Vec<(usize, f64)> = parameters
+        .iter()
+        .enumerate()
+        .flat_map(|(index, p)| points(p).into_iter().map(move |x| (index, x)))
+        .collect();
+    let runs: Vec<Run> = jobs
+        .par_iter()
+        .map(|(index, x)| run(design, &parameters[*index], *x, &settings(1.0), outputs))
+        .collect();
+    let per_parameter: Vec<&[Run]> = runs.chunks(2 * STEPS + 2).collect();
+
+    let ranking = |output: usize| {
+        let value = values[output];
+        let derive = |(p, runs): (&Parameter, &&[Run])| derivative(p, runs, output, value?, noise[output]);
+        let mut ranking: Vec<Derivative> = parameters.iter().zip(&per_parameter).filter_map(derive).collect();
+        ranking.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        ranking
+    };
+    let outputs = outputs
+        .iter()
+        .enumerate()
+        .map(|(index, output)| OutputSensitivity {
+            name: output.name,
+            unit: output.unit,
+            value: values[index],
+            noise: noise[index],
+            ranking: ranking(index),
+        })
+        .collect();
+    let outcome = base.outcome;
+    let ends = |(parameter, runs): (Parameter, &&[Run])| {
+        let ends = [&runs[2 * STEPS], &runs[2 * STEPS + 1]].map(End::from);
+        let other = |run: &Run| match run {
+            Run::Shot { outcome: own, .. } => *own != outcome,
+            Run::Refused(_) => false,
+            Run::Failed(_) => true,
+        };
+        ParameterOutcome {
+            parameter,
+            ends,
+            outcome_changes: runs.iter().any(other),
+        }
+    };
+    let parameters = parameters.clone().into_iter().zip(&per_parameter).map(ends).collect();
+    Ok(Sensitivity {
+        outcome,
+        outputs,
+        parameters,
+    })
+}
+
+/// The longest step of a parameter: a part of its value or of half its range, whichever is smaller and not zero.
+fn first_step(parameter: &Parameter) -> f64 {
+    let value = number(parameter).abs();
+    let size = if value > 0.0 {
+        value.min(parameter.half_range())
+    } else {
+        parameter.half_range()
+    };
+    FIRST_STEP * size
+}
+
+fn number(parameter: &Parameter) -> f64 {
+    match parameter.value {
+        Value::Number(value) => value,
+        _ => f64::NAN,
+    }
+}
+
+/// Where a parameter is set: up and down by each step, then to the ends of its range.
+fn points(parameter: &Parameter) -> Vec<f64> {
+    let (value, first) = (number(parameter), first_step(parameter));
+    let step = |k: usize| first / f64::from(1_u32 << k);
+    let both = |k: usize| [value + step(k), value - step(k)];
+    (0..STEPS).flat_map(both).chain(parameter.range).collect()
+}
+
+fn run(design: &Design, parameter: &Parameter, x: f64, settings: &Settings, outputs: &[Output]) -> Run {
+    let mut moved = design.clone();
+    if let Err(error) = moved.set(&[(parameter.key.as_str(), Value::Number(x))]) {
+        return Run::Refused(error.to_string());
+    }
+    if let Some(conflict) = moved.conflict() {
+        return Run::Refused(conflict.to_string());
+    }
+    let shot = match pipeline::parameters(&moved) {
+        Ok(shot) => shot,
+        Err(error) => return Run::Refused(error.to_string()),
+    };
+    match simulate(&shot, settings) {
+        Ok(record) => Run::Shot {
+            outcome: record.outcome,
+            figures: outputs.iter().map(|output| output.of(&record)).collect(),
+        },
+        Err(
+            error @ (CycleError::Integration { .. }
+            | CycleError::Collapse { .. }
+            | CycleError::Chatter { .. }
+            | CycleError::DryFire { .. }),
+        ) => Run::Failed(error.to_string()),
+        Err(error) => Run::Refused(error.to_string()),
+    }
+}
+
+/// The derivative of figure `output`, whose value in the design is `value`.
+fn derivative(parameter: &Parameter, runs: &[Run], output: usize, value: f64, noise: f64) -> Option<Derivative> {
+    let first = first_step(parameter);
+    let figure = |index: usize| match &runs[index] {
+        Run::Shot { figures, .. } => figures[output],
+        _ => None,
+    };
+    let step = |k: usize| first / f64::from(1_u32 << k);
+    let central = (0..STEPS).map(|k| Some((figure(2 * k)? - figure(2 * k + 1)?) / (2.0 * step(k))));
+    let side = |side: usize, sign: f64| {
+        let difference = move |k: usize| Some((figure(2 * k + side)? - value) / (sign * step(k)));
+        extrapolate(&(0..STEPS).map(difference).collect::<Vec<_>>(), first, 1, 2.0 * noise)
+    };
+    // Central where both sides are designs; else the side that is one.
+    let estimate: Estimate = extrapolate(&central.collect::<Vec<_>>(), first, 2, noise)
+        .or_else(|| side(0, 1.0))
+        .or_else(|| side(1, -1.0))?;
+    let effect = estimate.value * parameter.half_range();
+    let Estimate {
+        value: derivative,
+        error,
+        step,
+    } = estimate;
+    let at_ends = [figure(2 * STEPS), figure(2 * STEPS + 1)];
+    let mut found = Derivative {
+        key: parameter.key.clone(),
+        derivative,
+        error,
+        effect,
+        weight: effect.abs(),
+        step,
+        at_ends,
+    };
+    if found.is_linear() == Some(false) {
+        found.weight = at_ends
+            .into_iter()
+            .flatten()
+            .map(|end| (end - value).abs())
+            .fold(0.0, f64::max);
+    }
+    Some(found)
+}
+
+impl From<&Run> for End {
+    fn from(run: &Run) -> Self {
+        match run {
+            Run::Shot { outcome, .. } => Self::Outcome(*outcome),
+            Run::Refused(reason) => Self::Refused(reason.clone()),
+            Run::Failed(reason) => Self::Failed(reason.clone()),
+        }
+    }
+}

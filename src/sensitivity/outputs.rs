@@ -1,0 +1,205 @@
+//! Figures of a shot whose sensitivity can be asked for.
+
+use nailnoise_dynamics::CycleRecord;
+
+use crate::error::Error;
+
+/// A figure of a shot.
+#[derive(Clone, Copy)]
+pub struct Output {
+    /// Its name, as in the output.
+    pub name: &'static str,
+    /// The group it can be chosen by: `speed`, `penetration`, `events`, `forces` or `masses`.
+    pub group: &'static str,
+    /// SI unit.
+    pub unit: &'static str,
+    read: fn(&CycleRecord) -> Option<f64>,
+}
+
+impl Output {
+    /// Its value in a record; `None` where the phase it belongs to does not occur.
+    pub fn of(&self, record: &CycleRecord) -> Option<f64> {
+        (self.read)(record)
+    }
+}
+
+impl std::fmt::Debug for Output {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} [{}]", self.name, self.unit)
+    }
+}
+
+macro_rules! event {
+    ($name:ident) => {
+        Output {
+            name: stringify!($name),
+            group: "events",
+            unit: "s",
+            read: |r| r.events.$name,
+        }
+    };
+}
+
+const fn output(
+    name: &'static str,
+    group: &'static str,
+    unit: &'static str,
+    read: fn(&CycleRecord) -> Option<f64>,
+) -> Output {
+    Output {
+        name,
+        group,
+        unit,
+        read,
+    }
+}
+
+/// All figures, in the order of the reports.
+pub const OUTPUTS: &[Output] = &[
+    output("speed_before_impact", "speed", "m/s", |r| r.summary.speed_before_impact),
+    output("speed_after_impact", "speed", "m/s", |r| r.summary.speed_after_impact),
+    output("mean_drive_speed", "speed", "m/s", |r| r.summary.mean_drive_speed),
+    output("penetration", "penetration", "m", |r| Some(r.summary.penetration)),
+    output("penetration_work", "penetration", "J", |r| Some(penetration_work(r))),
+    event!(t1),
+    event!(t2),
+    event!(t3),
+    event!(t4),
+    event!(t5),
+    event!(t6),
+    event!(t7),
+    event!(t8),
+    event!(t9),
+    event!(t10),
+    event!(t11),
+    event!(t12),
+    event!(t13),
+    event!(t14),
+    event!(t15),
+    event!(t16),
+    event!(t17),
+    event!(t18),
+    output("peak_penetration_force", "forces", "N", |r| {
+        Some(peak(&r.forces.penetration, 1.0))
+    }),
+    output("peak_support_force", "forces", "N", |r| {
+        Some(peak(&r.forces.support, 1.0))
+    }),
+    output("peak_nose_force", "forces", "N", |r| Some(peak(&r.forces.nose, 1.0))),
+    output("peak_cap_force", "forces", "N", |r| Some(peak(&r.forces.cap, -1.0))),
+    output("peak_seat_force", "forces", "N", |r| Some(peak(&r.forces.seat, 1.0))),
+    output("peak_bumper_force", "forces", "N", |r| {
+        Some(peak(&r.forces.bumper, 1.0))
+    }),
+    output("peak_stopper_force", "forces", "N", |r| {
+        Some(peak(&r.forces.stopper, -1.0))
+    }),
+    output("exhaust_mass", "masses", "kg", |r| Some(r.summary.exhaust_mass)),
+    output("vent_mass", "masses", "kg", |r| Some(r.summary.vent_mass)),
+    output("leak_mass", "masses", "kg", |r| Some(r.summary.leak_mass)),
+    output("supply_mass", "masses", "kg", |r| Some(r.summary.supply_mass)),
+];
+
+/// The figures that are asked for unless others are named.
+pub const USUAL: [&str; 7] = [
+    "speed_before_impact",
+    "mean_drive_speed",
+    "penetration",
+    "penetration_work",
+    "t13",
+    "peak_support_force",
+    "exhaust_mass",
+];
+
+/// The figures of these names or groups, in the order of [`OUTPUTS`]; `all` is every one.
+///
+/// # Errors
+/// [`Error::NoSuchOutput`] for the first name that is neither.
+pub fn choose(names: &[impl AsRef<str>]) -> Result<Vec<Output>, Error> {
+    let is = |output: &Output, name: &str| name == "all" || output.name == name || output.group == name;
+    let names: Vec<&str> = names.iter().map(|name| name.as_ref().trim()).collect();
+    if let Some(name) = names.iter().find(|name| !OUTPUTS.iter().any(|output| is(output, name))) {
+        let known = OUTPUTS.iter().map(|output| output.name).collect::<Vec<_>>().join(", ");
+        return Err(Error::NoSuchOutput {
+            name: (*name).to_owned(),
+            known,
+        });
+    }
+    Ok(OUTPUTS
+        .iter()
+        .filter(|output| names.iter().any(|name| is(output, name)))
+        .copied()
+        .collect())
+}
+
+/// Work of the penetration resistance on the rod, W = integral of F_pen (v_p - v_w) dt (trapezoid) \[J\].
+fn penetration_work(record: &CycleRecord) -> f64 {
+    let (force, piston, wood) = (
+        &record.forces.penetration,
+        &record.piston.velocity,
+        &record.workpiece.velocity,
+    );
+    let power = |i: usize| force[i] * (piston[i] - wood[i]);
+    (1..record.len())
+        .map(|i| 0.5 * (power(i - 1) + power(i)) * record.sample_interval)
+        .sum()
+}
+
+/// Largest value of `sign` times a history, between the samples too.
+///
+/// The samples of a contact of 70 us miss its peak by up to 0.4 %, by a part that changes with every parameter; the
+/// parabola through the three highest ones leaves some 1e-5.
+fn peak(values: &[f64], sign: f64) -> f64 {
+    let value = |index: usize| sign * values[index];
+    let Some(top) = (0..values.len()).max_by(|a, b| value(*a).total_cmp(&value(*b))) else {
+        return 0.0;
+    };
+    if top == 0 || top + 1 == values.len() {
+        return value(top);
+    }
+    let (left, middle, right) = (value(top - 1), value(top), value(top + 1));
+    // A peak at the beginning or end of a contact is a jump, and no parabola.
+    if left <= 0.0 || right <= 0.0 {
+        return middle;
+    }
+    let curvature = left - 2.0 * middle + right;
+    let slope = 0.5 * (right - left);
+    if curvature < 0.0 {
+        middle - 0.5 * slope * slope / curvature
+    } else {
+        middle
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_peak_between_samples_is_found() {
+        for phase in [0.0, 0.2, 0.5, 0.9] {
+            let wave: Vec<f64> = (0..40)
+                .map(|i| (0.17 * (f64::from(i) + phase)).sin().max(0.0))
+                .collect();
+            assert!((peak(&wave, 1.0) - 1.0).abs() < 1e-5, "{}", peak(&wave, 1.0));
+            let mirrored: Vec<f64> = wave.iter().map(|f| -f).collect();
+            assert_eq!(peak(&mirrored, -1.0), peak(&wave, 1.0));
+        }
+    }
+
+    #[test]
+    fn a_jump_and_a_plateau_keep_their_height() {
+        assert_eq!(peak(&[0.0, 0.0, 5.0, 4.0, 3.0], 1.0), 5.0);
+        assert_eq!(peak(&[1.0, 2.0, 2.0, 1.0], 1.0), 2.0 + 0.125);
+        assert_eq!(peak(&[0.0; 4], 1.0), 0.0);
+        assert_eq!(peak(&[], 1.0), 0.0);
+    }
+
+    #[test]
+    fn names_are_unique() {
+        let mut names: Vec<&str> = OUTPUTS.iter().map(|output| output.name).collect();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), OUTPUTS.len());
+    }
+}

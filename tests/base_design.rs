@@ -1,0 +1,78 @@
+//! The shipped designs against the references they were taken from.
+#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
+
+use nailnoise::{Design, pipeline};
+use nailnoise_dynamics::Parameters;
+use serde_json::Value;
+
+fn design(name: &str) -> Design {
+    Design::load(format!("{}/designs/{name}.toml", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+/// Every number below a JSON value with its path.
+fn numbers(path: &str, value: &Value, found: &mut Vec<(String, f64)>) {
+    match value {
+        Value::Object(map) => map
+            .iter()
+            .for_each(|(key, value)| numbers(&format!("{path}.{key}"), value, found)),
+        Value::Number(number) => found.push((path.to_owned(), number.as_f64().unwrap())),
+        _ => {}
+    }
+}
+
+#[test]
+fn the_design_file_gives_the_reference_parameters_of_the_cycle() {
+    let of = |parameters: &Parameters| {
+        let mut found = Vec::new();
+        numbers("", &serde_json::to_value(parameters).unwrap(), &mut found);
+        found
+    };
+    let (file, reference) = (
+        of(&pipeline::parameters(&design("n80cb")).unwrap()),
+        of(&Parameters::n80cb()),
+    );
+    assert_eq!(file.len(), reference.len());
+    for ((key, value), (same, expected)) in file.iter().zip(&reference) {
+        assert_eq!(key, same);
+        // The file's holes give the reference's 140 mm2 to seven digits, its own diameter is rounded.
+        let tolerance = if key == ".exhaust.hole_diameter" { 2e-4 } else { 1e-12 };
+        assert!(
+            (value - expected).abs() <= tolerance * expected.abs(),
+            "{key}: {value} {expected}"
+        );
+    }
+}
+
+/// Event times of two independent implementations of the model, in ms (t1 to t18).
+const EVENTS: [f64; 18] = [
+    11.526, 11.740, 14.369, 15.073, 17.188, 17.401, 18.308, 19.430, 21.831, 24.174, 26.033, 28.826, 42.972, 44.774,
+    65.067, 75.648, 76.495, 80.658,
+];
+
+#[test]
+fn events_of_the_base_design_are_those_of_the_reference() {
+    let record = pipeline::cycle(&design("n80cb")).unwrap();
+    assert!(record.is_certified());
+    for (k, (time, expected)) in record.events.to_array().iter().skip(1).zip(EVENTS).enumerate() {
+        let limit = if [2, 10, 11, 18].contains(&(k + 1)) {
+            60e-6
+        } else {
+            10e-6
+        };
+        let error = time.unwrap() - 1e-3 * expected;
+        assert!(error.abs() <= limit, "t{}: {error:e} s off", k + 1);
+    }
+}
+
+#[test]
+fn the_free_block_has_the_reference_modes() {
+    let block = pipeline::workpiece(&design("n80cb")).unwrap();
+    let basis = &block.basis;
+    assert_eq!(basis.rigid.iter().filter(|&&rigid| rigid).count(), 6);
+    assert_eq!(basis.sturm.count, basis.hz.len());
+    assert!(basis.residuals.iter().all(|&residual| residual < 1e-8));
+    let elastic = [1483.0, 2261.0, 2700.0, 2707.0, 2991.0, 3027.0, 3139.0, 3185.0, 4035.0];
+    for (hz, expected) in basis.hz[6..].iter().zip(elastic) {
+        assert!((hz / expected - 1.0).abs() < 0.005, "{hz} Hz instead of {expected}");
+    }
+}
