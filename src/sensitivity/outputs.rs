@@ -60,7 +60,7 @@ pub const OUTPUTS: &[Output] = &[
     output("speed_after_impact", "speed", "m/s", |r| r.summary.speed_after_impact),
     output("mean_drive_speed", "speed", "m/s", |r| r.summary.mean_drive_speed),
     output("penetration", "penetration", "m", |r| Some(r.summary.penetration)),
-    output("penetration_work", "penetration", "J", |r| Some(penetration_work(r))),
+    output("penetration_work", "penetration", "J", |r| Some(r.energy.penetration)),
     event!(t1),
     event!(t2),
     event!(t3),
@@ -130,19 +130,6 @@ pub fn choose(names: &[impl AsRef<str>]) -> Result<Vec<Output>, Error> {
         .filter(|output| names.iter().any(|name| is(output, name)))
         .copied()
         .collect())
-}
-
-/// Work of the penetration resistance on the rod, W = integral of F_pen (v_p - v_w) dt (trapezoid) \[J\].
-fn penetration_work(record: &CycleRecord) -> f64 {
-    let (force, piston, wood) = (
-        &record.forces.penetration,
-        &record.piston.velocity,
-        &record.workpiece.velocity,
-    );
-    let power = |i: usize| force[i] * (piston[i] - wood[i]);
-    (1..record.len())
-        .map(|i| 0.5 * (power(i - 1) + power(i)) * record.sample_interval)
-        .sum()
 }
 
 /// Largest value of `sign` times a history, between the samples too.

@@ -1,0 +1,211 @@
+//! Derivatives of a shot: against closed forms, against differences made by hand, and at the edges of what is allowed.
+
+use nailnoise::design::Value;
+use nailnoise::pipeline::{cycle_settings, parameters};
+use nailnoise::sensitivity::{Derivative, End, OUTPUTS, Sensitivity, choose, sensitivity};
+use nailnoise::{Design, Error};
+use nailnoise_dynamics::{CycleRecord, Outcome, Settings, simulate};
+
+/// The N80CB with a range for the density of the nail's steel.
+fn design() -> Design {
+    let text = "base = \"n80cb.toml\"\nnail.density = { value = \"7850 kg/m3\", range = \"7600 .. 8000 kg/m3\" }\n";
+    Design::parse(text, concat!(env!("CARGO_MANIFEST_DIR"), "/designs/dense.toml")).unwrap()
+}
+
+fn of<'a>(sensitivity: &'a Sensitivity, output: &str, key: &str) -> &'a Derivative {
+    let output = sensitivity.outputs.iter().find(|o| o.name == output).unwrap();
+    output
+        .ranking
+        .iter()
+        .find(|d| d.key == key)
+        .unwrap_or_else(|| panic!("{key} has no derivative of {}", output.name))
+}
+
+/// The design with one key moved, integrated closely.
+fn moved(design: &Design, key: &str, value: f64) -> CycleRecord {
+    let mut design = design.clone();
+    design.set(&[(key, Value::Number(value))]).unwrap();
+    let settings = Settings {
+        relative_tolerance: 1e-10,
+        ..cycle_settings(&design)
+    };
+    simulate(&parameters(&design).unwrap(), &settings).unwrap()
+}
+
+/// The rod loses speed to the nail alone, v' = v M_p/(M_p + M_n): dv'/d(rho) = -v M_p V_n/(M_p + M_n)^2 with M_n = rho V_n.
+#[test]
+fn the_impact_answers_to_the_nails_density_as_momentum_says() {
+    let design = design();
+    let outputs = choose(&["speed", "t4", "vent_mass"]).unwrap();
+    let s = sensitivity(&design, &outputs, Some(&["nail.density"])).unwrap();
+    let v = s
+        .outputs
+        .iter()
+        .find(|o| o.name == "speed_before_impact")
+        .unwrap()
+        .value
+        .unwrap();
+    let n = &design.nail;
+    let disc = |diameter: f64, length: f64| std::f64::consts::FRAC_PI_4 * diameter * diameter * length;
+    let volume = disc(n.diameter, n.length - n.head_thickness) + disc(n.head_diameter, n.head_thickness);
+    let (rod, nail) = (design.piston.mass, n.density * volume);
+    let exact = -v * rod * volume / (rod + nail).powi(2);
+    let after = of(&s, "speed_after_impact", "nail.density");
+    assert!(
+        (after.derivative / exact - 1.0).abs() < 1e-5,
+        "{after:?}, exactly {exact:e}"
+    );
+    assert!(
+        (after.derivative - exact).abs() <= after.error,
+        "{after:?}, exactly {exact:e}"
+    );
+    // Nothing before the impact knows of the nail.
+    for output in ["speed_before_impact", "t4", "vent_mass"] {
+        let before = of(&s, output, "nail.density");
+        assert_eq!((before.derivative, before.effect), (0.0, 0.0), "{output}");
+    }
+}
+
+/// A constant push on a tool at rest goes into the nose and the guard, whole: the stiff nose takes k_n/(k_n + k_g) of it.
+#[test]
+fn differences_made_by_hand_agree_within_the_error() {
+    let design = design();
+    let outputs = choose(&[
+        "mean_drive_speed",
+        "t13",
+        "exhaust_mass",
+        "peak_support_force",
+        "penetration_work",
+    ])
+    .unwrap();
+    let keys = ["supply.pressure", "wood.hardness_modulus"];
+    let s = sensitivity(&design, &outputs, Some(&keys)).unwrap();
+    for (key, value, step) in [
+        (keys[0], design.supply.pressure, 2e3),
+        (keys[1], design.wood.hardness_modulus, 1e3),
+    ] {
+        let near = [value - step, value + step].map(|x| moved(&design, key, x));
+        let far = [value - 2.0 * step, value + 2.0 * step].map(|x| moved(&design, key, x));
+        for output in &outputs {
+            let slope = |[low, high]: &[CycleRecord; 2], width: f64| {
+                (output.of(high).unwrap() - output.of(low).unwrap()) / width
+            };
+            let (near, far) = (slope(&near, 2.0 * step), slope(&far, 4.0 * step));
+            // Richardson's estimate by hand, with what it leaves open as its own error.
+            let (hand, open) = ((4.0 * near - far) / 3.0, (near - far).abs() / 3.0 + 1e-5 * near.abs());
+            let own = of(&s, output.name, key);
+            assert!(
+                (own.derivative - hand).abs() <= own.error + open,
+                "{output:?} to {key}: {own:?}, by hand {hand:e}"
+            );
+        }
+    }
+}
+
+#[test]
+fn signs_are_those_of_the_physics() {
+    let s = sensitivity(
+        &design(),
+        &choose(&[
+            "t1",
+            "mean_drive_speed",
+            "exhaust_mass",
+            "leak_mass",
+            "peak_stopper_force",
+        ])
+        .unwrap(),
+        Some(&[
+            "supply.pressure",
+            "trigger.vent_area",
+            "chambers.leak_area",
+            "wood.resistance_scale",
+            "contacts.stopper_stiffness",
+        ]),
+    )
+    .unwrap();
+    for (output, key, sign) in [
+        ("mean_drive_speed", "supply.pressure", 1.0),
+        ("exhaust_mass", "supply.pressure", 1.0),
+        ("t1", "trigger.vent_area", -1.0),
+        ("leak_mass", "chambers.leak_area", 1.0),
+        ("mean_drive_speed", "wood.resistance_scale", -1.0),
+        ("peak_stopper_force", "contacts.stopper_stiffness", 1.0),
+    ] {
+        let d = of(&s, output, key);
+        assert!(d.is_certain() && d.derivative * sign > 0.0, "{output} to {key}: {d:?}");
+    }
+    // A leak this small takes nothing from what it leaks from: its mass is the area times a flow.
+    let leak = of(&s, "leak_mass", "chambers.leak_area");
+    let mass = s.outputs.iter().find(|o| o.name == "leak_mass").unwrap().value.unwrap();
+    assert!(
+        (leak.derivative * design().chambers.leak_area / mass - 1.0).abs() < 0.02,
+        "{leak:?}"
+    );
+    for output in &s.outputs {
+        assert!(
+            output.ranking.windows(2).all(|pair| pair[0].weight >= pair[1].weight),
+            "{}",
+            output.name
+        );
+    }
+}
+
+#[test]
+fn at_the_edge_of_what_is_allowed_differences_are_one_sided() {
+    // Viscous friction is 0 and cannot be less; lift and preload are all that the closing spring's law allows.
+    let design = design();
+    let keys = ["piston.friction.viscous", "head_valve.lift"];
+    let s = sensitivity(&design, &choose(&["mean_drive_speed"]).unwrap(), Some(&keys)).unwrap();
+    let viscous = of(&s, "mean_drive_speed", keys[0]);
+    assert!(viscous.derivative < 0.0 && viscous.is_certain(), "{viscous:?}");
+    let step = 0.02;
+    let drive = |key: &str, x: f64| moved(&design, key, x).summary.mean_drive_speed.unwrap();
+    let [base, near, far] = [0.0, step, 2.0 * step].map(|x| drive(keys[0], x));
+    let hand = (4.0 * near - far - 3.0 * base) / (2.0 * step);
+    assert!(
+        (viscous.derivative / hand - 1.0).abs() < 1e-3,
+        "{viscous:?}, by hand {hand:e}"
+    );
+    let lift = s.parameters.iter().find(|p| p.parameter.key == keys[1]).unwrap();
+    assert!(
+        matches!(&lift.ends[1], End::Refused(why) if why.contains("spring")),
+        "{:?}",
+        lift.ends
+    );
+    assert!(of(&s, "mean_drive_speed", keys[1]).is_certain());
+}
+
+#[test]
+fn a_range_over_which_the_shot_changes_is_flagged() {
+    let keys = [
+        "wood.resistance_scale",
+        "contacts.seat_stiffness",
+        "contacts.cap_stiffness",
+    ];
+    let s = sensitivity(&design(), &choose(&["speed_before_impact"]).unwrap(), Some(&keys)).unwrap();
+    assert_eq!(s.outcome, Outcome::Drives);
+    let of_key = |key: &str| s.parameters.iter().find(|p| p.parameter.key == key).unwrap();
+    let wood = of_key(keys[0]);
+    assert!(wood.outcome_changes);
+    assert_eq!(
+        wood.ends,
+        [End::Outcome(Outcome::StrikesBumper), End::Outcome(Outcome::Underdriven)]
+    );
+    assert!(!of_key(keys[1]).outcome_changes);
+    // A range of three decades: the derivative here says nothing about its far end, the run there does.
+    let cap = of(&s, "speed_before_impact", keys[2]);
+    assert_eq!(cap.is_linear(), Some(false));
+    assert!(cap.weight < 0.1 && cap.effect.abs() > 1.0, "{cap:?}");
+}
+
+#[test]
+fn outputs_are_chosen_by_name_or_group() {
+    let names = |chosen: &[&str]| choose(chosen).unwrap().iter().map(|o| o.name).collect::<Vec<_>>();
+    assert_eq!(names(&["all"]).len(), OUTPUTS.len());
+    assert_eq!(names(&["events"]).len(), 18);
+    assert_eq!(
+        names(&["exhaust_mass", "penetration"]),
+        ["penetration", "penetration_work", "exhaust_mass"]
+    );
+    assert!(matches!(choose(&["loudness"]), Err(Error::NoSuchOutput { name, .. }) if name == "loudness"));
+}
