@@ -1,4 +1,5 @@
 //! A thousand designs drawn from the ranges of the N80CB: something becomes of every one.
+#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
 use nailnoise::Design;
 use nailnoise::design::Value;
