@@ -86,3 +86,59 @@ fn more_supply_pressure_drives_faster_and_blows_more_air() {
     assert!(drive(&after) < drive(&before));
     assert!(after.summary.exhaust_mass > before.summary.exhaust_mass);
 }
+
+#[test]
+fn every_source_is_told_apart_by_events_and_its_intervals_sum_to_it() {
+    let run = scaled(&small(), 1.0);
+    let power = |level: Option<f64>| level.map_or(0.0, |db| 10f64.powf(db / 10.0));
+    let occurring = run.result.events.to_array().iter().flatten().count();
+    for source in &run.result.ranking {
+        assert_eq!(
+            source.intervals.len(),
+            occurring,
+            "each event begins an interval, the last one ends the shot"
+        );
+        assert!(
+            source
+                .intervals
+                .windows(2)
+                .all(|pair| pair[0].to == pair[1].from && pair[0].to_s == pair[1].from_s)
+        );
+        assert_eq!(source.intervals[0].from, "t0");
+        assert_eq!(source.intervals[occurring - 1].to, "end");
+        let sum: f64 = source.intervals.iter().map(|interval| power(interval.lwa_db)).sum();
+        // Intervals below the threshold of silence have no level to add.
+        assert!((sum / power(source.lwa_db) - 1.0).abs() < 1e-9, "{}", source.source);
+        let history = &run
+            .powers
+            .iter()
+            .find(|power| power.source == source.source)
+            .unwrap()
+            .history;
+        let over_time = 10.0 * (history.total() / 1e-12).log10();
+        assert!(
+            (over_time - source.lwa_db.unwrap()).abs() < 0.01,
+            "{}: {over_time}",
+            source.source
+        );
+    }
+    // The exhaust sounds after it opens; the workpiece before.
+    let between = |source: &str, event: &str| {
+        let ranked = ranked(&run, source);
+        power(
+            ranked
+                .intervals
+                .iter()
+                .find(|interval| interval.from == event)
+                .unwrap()
+                .lwa_db,
+        ) / power(ranked.lwa_db)
+    };
+    assert!(between("exhaust", "t14") > 0.3 && between("workpiece", "t9") > 0.1);
+    let exhaust = ranked(&run, "exhaust");
+    assert_eq!(
+        (exhaust.uncertainty_db.minus, exhaust.uncertainty_db.plus),
+        (Some(4.0), Some(4.0))
+    );
+    assert!(exhaust.cross_check.unwrap().other_lw_db.is_some());
+}

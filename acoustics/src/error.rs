@@ -130,6 +130,57 @@ pub enum AcousticsError {
     /// The mesh has no such patch or quadrature.
     #[error(transparent)]
     Mesh(#[from] nailnoise_meshes::MeshError),
+    /// A muffler was asked for a frequency at which waves across it propagate.
+    #[error(
+        "a muffler element of {diameter} m carries plane waves alone up to {highest:.0} Hz only, not at {hz:.0} Hz; \
+         analyse a lower range, or give the muffler's insertion loss by bands"
+    )]
+    NotPlaneWaves {
+        /// The frequency \[Hz\].
+        hz: f64,
+        /// Inner diameter of the element \[m\].
+        diameter: f64,
+        /// Cut-on frequency of its first cross mode \[Hz\].
+        highest: f64,
+    },
+    /// A muffler's insertion loss is not given for a frequency.
+    #[error(
+        "the muffler's insertion loss has no value at {hz} Hz: give neighbouring one-third-octave bands in rising order \
+         that cover the analysed range"
+    )]
+    MufflerBands {
+        /// The frequency \[Hz\].
+        hz: f64,
+    },
+    /// The exhaust's area differs from that of its holes.
+    #[error(
+        "{count} exhaust holes of {diameter} m have {found:.4e} m2, not the {area:.4e} m2 given; correct one of the three"
+    )]
+    HoleArea {
+        /// Number of holes.
+        count: usize,
+        /// Diameter of one \[m\].
+        diameter: f64,
+        /// Their area \[m²\].
+        found: f64,
+        /// Area given \[m²\].
+        area: f64,
+    },
+    /// Air leaves against a higher pressure.
+    #[error(
+        "air leaves at sample {sample} ({flow:.3e} kg/s) from {pressure:.0} Pa into {ambient:.0} Pa; an outflow needs \
+         a pressure above ambient before the opening: check the pressures' origin (absolute, not gauge)"
+    )]
+    BelowAmbient {
+        /// The sample.
+        sample: usize,
+        /// Mass flow outward \[kg/s\].
+        flow: f64,
+        /// Pressure before the opening \[Pa\].
+        pressure: f64,
+        /// Ambient pressure \[Pa\].
+        ambient: f64,
+    },
     /// Exhaust holes so close that their jets merge.
     #[error(
         "{count} holes of {diameter} m stand {pitch} m apart; below three diameters their jets merge: give a larger \

@@ -9,6 +9,7 @@ mod error;
 pub mod exhaust;
 pub mod fourier;
 pub mod levels;
+pub mod muffler;
 pub mod radiation;
 
 pub use air::{Air, GAS_CONSTANT, HEAT_RATIO};

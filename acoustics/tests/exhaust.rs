@@ -188,6 +188,7 @@ fn the_spectrum_holds_the_power_of_the_jets() {
     let settings = ExhaustSettings {
         transform,
         plenum: None,
+        muffler: None,
     };
     let noise = exhaust_noise("exhaust", &history, &opening, &Air::default(), &settings).unwrap();
     let energies = noise.spectrum.contribution_energies([1.0, 100_000.0], Weighting::Z);
@@ -238,11 +239,16 @@ fn the_monopole_matches_its_closed_form() {
     let history = FlowHistory {
         sample_interval: dt,
         mass_flow: flow,
-        pressure: vec![air.pressure; n as usize],
+        // So little above ambient that the jets are silent beside the monopole.
+        pressure: vec![air.pressure * (1.0 + 1e-12); n as usize],
         temperature: vec![t; n as usize],
     };
     let noise = noise(&history, &HOLES);
-    assert_eq!((noise.mixing_energy, noise.shock_energy), (0.0, 0.0));
+    assert!(
+        noise.mixing_energy < 1e-30 && noise.shock_energy == 0.0,
+        "{}",
+        noise.mixing_energy
+    );
     let scale = m * t / air.temperature * s * (2.0 * PI).sqrt();
     for (f, e) in noise
         .spectrum

@@ -71,6 +71,16 @@ pub enum CycleError {
         /// Block thickness \[m\].
         thickness: f64,
     },
+    /// The tabulated penetration law ends before the nail does.
+    #[error(
+        "the table of the penetration law ends at {last} m, the nail is {length} m long; add points up to its length"
+    )]
+    TableTooShort {
+        /// Last depth of the table \[m\].
+        last: f64,
+        /// Nail length \[m\].
+        length: f64,
+    },
     /// The guard spring lifts the tool off the wood before the shot.
     #[error(
         "the tool is not seated: the guard spring carries {guard} N, hand and weight press with {press} N; push harder \

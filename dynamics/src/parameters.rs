@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::prf::PenetrationLaw;
+use crate::prf::{PenetrationLaw, ResistanceLaw};
 
 /// One tool, one nail, one block of wood, one hand: all the inputs of a nailing cycle (SI units throughout).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -211,7 +211,7 @@ pub struct Wood {
     /// Thickness in the driving direction \[m\].
     pub thickness: f64,
     /// Penetration resistance force law.
-    pub law: PenetrationLaw,
+    pub law: ResistanceLaw,
     /// C8 v_ref^2, speed term of the solid-wood law at [`REFERENCE_SPEED`](crate::prf::REFERENCE_SPEED) \[m2/s2\];
     /// the other laws do not use it.
     pub speed_term: f64,
@@ -445,7 +445,7 @@ impl Parameters {
                 length: 0.4064,
                 width: 0.1524,
                 thickness: 0.095_25,
-                law: PenetrationLaw::SolidWood,
+                law: ResistanceLaw::Published(PenetrationLaw::SolidWood),
                 speed_term: crate::prf::SPEED_TERM,
                 slenderness_term: crate::prf::SLENDERNESS_TERM,
                 resistance_scale: 1.0,

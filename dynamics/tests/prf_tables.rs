@@ -169,7 +169,7 @@ fn the_envelope_is_the_law_within_the_nail_and_a_spring_beyond() {
     let mut p = Parameters::n80cb();
     p.wood.resistance_scale = 0.7;
     for law in PenetrationLaw::ALL {
-        p.wood.law = law;
+        p.wood.law = law.into();
         for x in [1e-3, 0.2, 0.5, 1.0] {
             let expected = 0.7 * law.force(&s, x * s.length, REFERENCE_SPEED).unwrap();
             let force = p.penetration_resistance(x * s.length);
@@ -199,7 +199,7 @@ fn speed_and_slenderness_terms_take_part_in_the_solid_wood_law_only() {
     let expected = published + (122.91 - 115.0) * pi3 + (1.15 - 1.1) * p.nail.diameter / p.nail.length;
     assert!((root(&p) - expected).abs() < 1e-12, "{} {expected}", root(&p));
     let mut smooth = Parameters::n80cb();
-    smooth.wood.law = PenetrationLaw::Smooth;
+    smooth.wood.law = PenetrationLaw::Smooth.into();
     let before = smooth.penetration_resistance(depth);
     smooth.wood.speed_term = -115.0;
     assert_eq!(smooth.penetration_resistance(depth), before);

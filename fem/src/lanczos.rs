@@ -18,6 +18,12 @@ use crate::sparse::product;
 /// Least relative distance in lambda between sigma and any eigenvalue.
 const GAP: f64 = 1e-5;
 
+/// Errors at which a basis that no longer improves is handed to the refinement, whose own residuals decide.
+const REFINABLE: f64 = 1e-3;
+
+/// Checks without improvement after which a basis counts as stagnant.
+const STAGNANT_CHECKS: usize = 2;
+
 /// Restarts before the iteration gives up.
 const RESTARTS: usize = 50;
 
@@ -86,6 +92,7 @@ pub(crate) fn lanczos(
     let mut basis = Basis::new(mass, block, (3 * target.count + 4 * block).min(limit + block))?;
     let (mut steps, mut restarts, mut next_check) = (0, 0, target.count + block);
     let mut last_worst = f64::INFINITY;
+    let mut stagnant = 0;
     loop {
         let w = apply(&basis.m_q)?;
         steps += 1;
@@ -102,7 +109,15 @@ pub(crate) fn lanczos(
         }
         let errors = ritz.errors(target.count);
         let converged = errors.iter().filter(|&&e| e <= target.tolerance).count();
-        if converged == target.count {
+        let worst = errors.iter().fold(0.0, |a: f64, &e| a.max(e));
+        // The lowest modes of a basis of several decades meet the rounding of the solves before the tolerance: more
+        // vectors would not help them, a refinement with a shift near them does.
+        stagnant = if worst < REFINABLE && worst > 0.3 * last_worst {
+            stagnant + 1
+        } else {
+            0
+        };
+        if converged == target.count || stagnant == STAGNANT_CHECKS {
             return Ok(Some(Pairs {
                 vectors: basis.improved(&ritz, target.count),
                 steps,
@@ -122,7 +137,6 @@ pub(crate) fn lanczos(
         }
         // Errors fall by a factor a step; the next check comes when the present pace, or three digits a step at best,
         // reaches the tolerance.
-        let worst = errors.iter().fold(0.0, |a: f64, &e| a.max(e));
         let pace = (last_worst / worst).log10().clamp(0.5, 3.0);
         let wait = ((worst / target.tolerance).log10() / pace).clamp(1.0, 4.0) as usize;
         last_worst = worst;

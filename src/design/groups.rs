@@ -215,6 +215,8 @@ choice! {
         Reduced6 = "reduced6",
         /// Solid wood, Eq. 4.59.
         SolidWood = "solid_wood",
+        /// The same force at every depth.
+        Constant = "constant",
     }
 }
 
@@ -265,6 +267,8 @@ group! {
         speed_term: f64 = any(VELOCITY_SQUARED), "C8 v_ref^2";
         /// Coefficient of the slenderness term D/l_n of the solid-wood law.
         slenderness_term: f64 = any(NUMBER), "C9";
+        /// Force of the constant law; unused with the others.
+        penetration_force: f64 = nonnegative(FORCE), "";
         /// Multiplier on the penetration law.
         resistance_scale: f64 = nonnegative(NUMBER), "Fr_scale";
         /// Multiplier on the stiffness under the nail's head, k_w = scale H_M.

@@ -1,6 +1,7 @@
 //! From the design file to the cycle.
 
 use nailnoise_dynamics as dynamics;
+use nailnoise_dynamics::prf::{PenetrationLaw, ResistanceLaw};
 use nailnoise_fem::supports::{RectangularBase, Sand};
 
 use crate::design::{self, Design, SupportKind};
@@ -204,33 +205,39 @@ impl From<&design::Friction> for dynamics::Friction {
 
 impl From<&design::Values> for dynamics::Wood {
     fn from(d: &design::Values) -> Self {
-        use design::PenetrationLaw as Law;
-        use dynamics::prf::PenetrationLaw;
         Self {
             hardness_modulus: d.wood.hardness_modulus,
             density: d.wood.density,
             length: d.workpiece.length,
             width: d.workpiece.width,
             thickness: d.workpiece.thickness,
-            law: match d.wood.penetration_law {
-                Law::Smooth => PenetrationLaw::Smooth,
-                Law::Annular => PenetrationLaw::Annular,
-                Law::Helical => PenetrationLaw::Helical,
-                Law::General => PenetrationLaw::General,
-                Law::Reduced1 => PenetrationLaw::Reduced1,
-                Law::Reduced2 => PenetrationLaw::Reduced2,
-                Law::Reduced3 => PenetrationLaw::Reduced3,
-                Law::Reduced4 => PenetrationLaw::Reduced4,
-                Law::Reduced5 => PenetrationLaw::Reduced5,
-                Law::Reduced6 => PenetrationLaw::Reduced6,
-                Law::SolidWood => PenetrationLaw::SolidWood,
-            },
+            law: (&d.wood).into(),
             speed_term: d.wood.speed_term,
             slenderness_term: d.wood.slenderness_term,
             resistance_scale: d.wood.resistance_scale,
             head_stiffness_scale: d.wood.head_stiffness_scale,
             unloading_stiffness: d.wood.unloading_stiffness,
         }
+    }
+}
+
+impl From<&design::Wood> for ResistanceLaw {
+    fn from(wood: &design::Wood) -> Self {
+        use design::PenetrationLaw as Law;
+        Self::Published(match wood.penetration_law {
+            Law::Smooth => PenetrationLaw::Smooth,
+            Law::Annular => PenetrationLaw::Annular,
+            Law::Helical => PenetrationLaw::Helical,
+            Law::General => PenetrationLaw::General,
+            Law::Reduced1 => PenetrationLaw::Reduced1,
+            Law::Reduced2 => PenetrationLaw::Reduced2,
+            Law::Reduced3 => PenetrationLaw::Reduced3,
+            Law::Reduced4 => PenetrationLaw::Reduced4,
+            Law::Reduced5 => PenetrationLaw::Reduced5,
+            Law::Reduced6 => PenetrationLaw::Reduced6,
+            Law::SolidWood => PenetrationLaw::SolidWood,
+            Law::Constant => return Self::Constant(wood.penetration_force),
+        })
     }
 }
 

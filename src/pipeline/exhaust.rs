@@ -11,7 +11,7 @@ use nailnoise_dynamics::CycleRecord;
 use super::sound::Sound;
 use crate::design::Design;
 use crate::error::Error;
-use crate::result::{CrossCheck, Uncertainty};
+use crate::result::{Check, CrossCheck, Uncertainty};
 
 /// Uncertainty of the exhaust's level \[dB\]: half the 8 dB by which jet correlations and valve noise efficiencies may
 /// differ for one blow-down.
@@ -25,8 +25,24 @@ pub(super) struct Exhaust {
     pub(super) cross_check_lw: Option<f64>,
     /// Unweighted level of the holes' jets by the correlations used, over all frequencies \[dB\].
     pub(super) jets_lw: Option<f64>,
+    /// Mass that the jets carry over the mass of the cycle's flow, less one.
+    pub(super) mass_gap: f64,
     /// Share of the mixing energy from jet speeds outside the correlation's range \[-\].
     pub(super) outside_range: f64,
+}
+
+/// Largest difference between the mass that leaves in the cycle and that of the jets as the acoustics expand it.
+const MASS_GAP: f64 = 0.05;
+
+impl Exhaust {
+    /// Check that cycle and acoustics see the same flow.
+    pub(super) fn check(&self) -> Check {
+        Check::at_most(
+            "exhaust: mass of the jets over the cycle's, less 1",
+            self.mass_gap,
+            MASS_GAP,
+        )
+    }
 }
 
 /// Computes the noise of exhaust holes and trigger vent from the cycle's flow.
@@ -37,6 +53,7 @@ pub(super) fn exhaust(design: &Design, record: &CycleRecord, air: &Air) -> Resul
             ..TransformSettings::default()
         },
         plenum: None,
+        muffler: None,
     };
     let flow = FlowHistory {
         sample_interval: record.sample_interval,
@@ -88,6 +105,11 @@ pub(super) fn exhaust(design: &Design, record: &CycleRecord, air: &Air) -> Resul
         },
         cross_check_lw,
         jets_lw,
+        mass_gap: if noise.mass > 0.0 {
+            noise.jet_mass / noise.mass - 1.0
+        } else {
+            0.0
+        },
         outside_range: noise.mixing_outside_range,
     })
 }

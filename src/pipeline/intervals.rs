@@ -9,6 +9,9 @@ use crate::result::{Check, IntervalLevel, RankedSource};
 /// Cells of the power histories \[s\].
 const CELL: f64 = 1e-4;
 
+/// Time shown before and after the records \[s\]: the ends of the range spread a sudden sound a little to both sides.
+const MARGIN: f64 = 0.01;
+
 /// Largest mismatch of a signal's bins with the spectrum's before they are matched: 0.04 dB.
 const MISMATCH: f64 = 1e-2;
 
@@ -87,10 +90,10 @@ pub(super) fn intervals(
             lwa_cut_db: level.lwa_cut,
         };
         ranked.intervals = names.zip(&levels).map(interval).collect();
-        let cells = (end / CELL).ceil() as usize;
+        let cells = ((end + 2.0 * MARGIN) / CELL).ceil() as usize;
         powers.push(SoundPower {
             source: ranked.source.clone(),
-            history: PowerHistory::sum(&histories, 0.5 * CELL, CELL, cells),
+            history: PowerHistory::sum(&histories, 0.5 * CELL - MARGIN, CELL, cells),
         });
     }
     (powers, checks)

@@ -136,6 +136,7 @@ pub fn run(design: &Design, options: Options, observer: &mut dyn Observer) -> Re
     checks.extend(missing.iter().map(missing::Missing::check));
     checks.extend(ranking::checks(&ranking, &total));
     checks.extend(interval_checks);
+    checks.push(exhaust.check());
     let result = RunResult {
         schema: SCHEMA,
         design: DesignId {

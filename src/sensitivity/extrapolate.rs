@@ -18,7 +18,8 @@ pub(super) struct Estimate {
 /// ```text
 /// D_k0 = difference at h/2^k,  D_km = D_k,m-1 + (D_k,m-1 - D_k-1,m-1)/(2^(order m) - 1)
 /// ```
-/// the one is taken whose error is least, the larger of its distance to its two ancestors and the noise over its step:
+/// the one is taken whose error is least, the larger of its distance to its two ancestors and the noise it carries, which
+/// is noise over step in the first column and goes through the tableau with the sum of the weights' magnitudes:
 /// truncation makes the first large where steps are long, noise the second where they are short. A difference that is
 /// missing ends the tableau; fewer than two give nothing.
 pub(super) fn extrapolate(differences: &[Option<f64>], first: f64, order: i32, noise: f64) -> Option<Estimate> {
@@ -36,20 +37,22 @@ pub(super) fn extrapolate(differences: &[Option<f64>], first: f64, order: i32, n
         .map(|(_, (_, d))| *d)
         .collect();
     let mut best: Option<Estimate> = None;
-    let mut previous: Vec<f64> = Vec::new();
+    let (mut previous, mut carried): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
     for (k, difference) in run.iter().enumerate() {
         let step = first / f64::from(1_u32 << (start + k));
-        let mut row = vec![*difference];
+        let (mut row, mut noises) = (vec![*difference], vec![noise / step]);
         for m in 1..=k {
             let (same, before) = (row[m - 1], previous[m - 1]);
-            let value = same + (same - before) / (2f64.powi(order * m as i32) - 1.0);
+            let weight = 1.0 / (2f64.powi(order * m as i32) - 1.0);
+            let value = same + (same - before) * weight;
             row.push(value);
-            let error = (value - same).abs().max((value - before).abs()).max(noise / step);
+            noises.push(noises[m - 1] * (1.0 + weight) + carried[m - 1] * weight);
+            let error = (value - same).abs().max((value - before).abs()).max(noises[m]);
             if best.is_none_or(|best| error < best.error) {
                 best = Some(Estimate { value, error, step });
             }
         }
-        previous = row;
+        (previous, carried) = (row, noises);
     }
     best
 }

@@ -19,6 +19,8 @@ pub struct ExhaustHistory {
     pub(super) sample_interval: f64,
     pub(super) samples: usize,
     pub(super) frequency: Vec<f64>,
+    /// Part of the energy that a muffler lets pass.
+    pub(super) passed: Option<Vec<f64>>,
     pub(super) mixing: Vec<Burst>,
     pub(super) shocks: Vec<Burst>,
     pub(super) monopole: PowerSignals,
@@ -27,7 +29,10 @@ pub struct ExhaustHistory {
 impl ExhaustHistory {
     /// A-weighted power of the jets' mixing and shock noise within `range_hz`.
     pub fn jets(&self, range_hz: [f64; 2]) -> PowerHistory {
-        let weights = energy_weights(&self.frequency, range_hz, Weighting::A);
+        let mut weights = energy_weights(&self.frequency, range_hz, Weighting::A);
+        if let Some(passed) = &self.passed {
+            weights.iter_mut().zip(passed).for_each(|(w, factor)| *w *= factor);
+        }
         let normal = similarity::total();
         let mut power = vec![0.0; self.samples];
         let mut add = |bursts: &[Burst], shape: &dyn Fn(f64) -> f64| {

@@ -9,23 +9,29 @@ use crate::air::Air;
 use crate::error::AcousticsError;
 use crate::fourier::TransformSettings;
 use crate::levels::{Contribution, PowerSignals, SourceSpectrum};
+use crate::muffler::Muffler;
 use nalgebra::DMatrix;
 use serde::Serialize;
 
 /// Strouhal number f D_j/U_j at which mixing noise peaks, per hertz.
 const MIXING_STROUHAL: f64 = 0.2;
 
+/// Largest share of the mass that may leave against a higher pressure: what inertia or a filling flow's end leave over.
+const ADVERSE_MASS: f64 = 0.01;
+
 /// How the exhaust is analysed.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ExhaustSettings {
     /// Range, taper and padding of the transform.
     pub transform: TransformSettings,
     /// Resonance of the plenum, where it is to filter the unsteady outflow.
     pub plenum: Option<PlenumResonance>,
+    /// What the sound of jets and outflow passes before it is radiated.
+    pub muffler: Option<Muffler>,
 }
 
 impl Default for ExhaustSettings {
-    /// 20 Hz to 20 kHz, no plenum resonance.
+    /// 20 Hz to 20 kHz, no plenum resonance, no muffler.
     fn default() -> Self {
         let transform = TransformSettings {
             range_hz: [20.0, 20_000.0],
@@ -34,6 +40,7 @@ impl Default for ExhaustSettings {
         Self {
             transform,
             plenum: None,
+            muffler: None,
         }
     }
 }
@@ -43,9 +50,9 @@ impl Default for ExhaustSettings {
 pub struct ExhaustNoise {
     /// Energy spectrum with the contributions `mixing`, `shock` and `unsteady flow`.
     pub spectrum: SourceSpectrum,
-    /// Energy of mixing noise over all frequencies \[J\].
+    /// Energy of mixing noise over all frequencies, before a muffler \[J\].
     pub mixing_energy: f64,
-    /// Energy of shock noise over all frequencies \[J\].
+    /// Energy of shock noise over all frequencies, before a muffler \[J\].
     pub shock_energy: f64,
     /// Share of the mixing energy from jet speeds outside the correlation's range.
     pub mixing_outside_range: f64,
@@ -63,7 +70,8 @@ pub struct ExhaustNoise {
 /// Times when the flow is inward, or the pressure at or below ambient, are silent.
 ///
 /// # Errors
-/// Histories of different lengths or with values that are not finite, an impossible opening, jets that merge.
+/// Histories of different lengths or with values that are not finite, an impossible opening, jets that merge, air that
+/// leaves against a higher pressure, a muffler that is not known over the analysed range.
 pub fn exhaust_noise(
     source: impl Into<String>,
     history: &FlowHistory,
@@ -78,6 +86,7 @@ pub fn exhaust_noise(
     let (mut mixing, mut shocks) = (PeakHistogram::new(), PeakHistogram::new());
     let (mut mixing_energy, mut shock_energy, mut outside) = (0.0, 0.0, 0.0);
     let (mut mass, mut jet_mass) = (0.0, 0.0);
+    let (mut adverse_mass, mut worst) = (0.0, None);
     let (mut mixing_bursts, mut shock_bursts) = (Vec::new(), Vec::new());
     for (sample, ((&flow, &pressure), &temperature)) in history
         .mass_flow
@@ -91,6 +100,10 @@ pub fn exhaust_noise(
         }
         mass += flow * dt;
         let Some(jet) = Jet::expand(pressure, temperature, air) else {
+            adverse_mass += flow * dt;
+            if worst.is_none_or(|(_, largest, _)| flow > largest) {
+                worst = Some((sample, flow, pressure));
+            }
             continue;
         };
         jet_mass += jet.mass_flow(area) * dt;
@@ -118,25 +131,58 @@ pub fn exhaust_noise(
             shock_energy += energy;
         }
     }
+    if let Some((sample, flow, pressure)) = worst.filter(|_| adverse_mass > ADVERSE_MASS * mass) {
+        return Err(AcousticsError::BelowAmbient {
+            sample,
+            flow,
+            pressure,
+            ambient: air.pressure,
+        });
+    }
     let plenum = settings.plenum.as_ref();
     plenum.map_or(Ok(()), PlenumResonance::check)?;
     let temperature = outflow_temperature(history).unwrap_or(air.temperature);
     let plenum = plenum.map(|plenum| (plenum, plenum.frequency(opening, temperature)));
-    let (frequency, signal) = monopole(history, air, &settings.transform, plenum)?;
+    let (frequency, mut signal) = monopole(history, air, &settings.transform, plenum)?;
+    let passed: Option<Vec<f64>> = match &settings.muffler {
+        Some(muffler) => Some(
+            frequency
+                .iter()
+                .map(|&hz| muffler.energy_factor(hz, air))
+                .collect::<Result<_, _>>()?,
+        ),
+        None => None,
+    };
+    if let Some(passed) = &passed {
+        signal
+            .iter_mut()
+            .zip(passed)
+            .for_each(|(x, factor)| *x *= factor.sqrt());
+    }
     let unsteady: Vec<f64> = signal.iter().map(|x| 2.0 * x.norm_sqr()).collect();
     let outflow = SourceSpectrum::new("", "", frequency.clone(), unsteady.clone(), settings.transform.range_hz)?;
     let over_time = ExhaustHistory {
         sample_interval: dt,
         samples: history.mass_flow.len(),
         frequency: frequency.clone(),
+        passed: passed.clone(),
         mixing: mixing_bursts,
         shocks: shock_bursts,
         monopole: PowerSignals::new(&outflow, DMatrix::from_row_slice(1, signal.len(), &signal))?,
     };
     let normal = similarity::total();
+    let muffled = |mut density: Vec<f64>| {
+        if let Some(passed) = &passed {
+            density.iter_mut().zip(passed).for_each(|(e, factor)| *e *= factor);
+        }
+        density
+    };
     let parts = [
-        ("mixing", mixing.spread(|x| similarity::shape(x) / normal, &frequency)),
-        ("shock", shocks.spread(shock::shape, &frequency)),
+        (
+            "mixing",
+            muffled(mixing.spread(|x| similarity::shape(x) / normal, &frequency)),
+        ),
+        ("shock", muffled(shocks.spread(shock::shape, &frequency))),
         ("unsteady flow", unsteady),
     ];
     let density = (0..frequency.len())

@@ -55,6 +55,23 @@ impl Opening {
         self.discharge_coefficient * self.area()
     }
 
+    /// Fails with [`AcousticsError::HoleArea`] unless the holes add up to `area` \[m²\] within one percent.
+    ///
+    /// # Errors
+    /// [`AcousticsError::HoleArea`].
+    pub fn check_area(&self, area: f64) -> Result<(), AcousticsError> {
+        let found = self.area();
+        if (found - area).abs() <= 0.01 * area {
+            return Ok(());
+        }
+        Err(AcousticsError::HoleArea {
+            count: self.count,
+            diameter: self.diameter,
+            found,
+            area,
+        })
+    }
+
     pub(super) fn check(&self) -> Result<(), AcousticsError> {
         positive("number of exhaust holes", self.count as f64)?;
         positive("diameter of an exhaust hole [m]", self.diameter)?;

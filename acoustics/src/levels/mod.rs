@@ -3,6 +3,8 @@
 //! A source is known by its energy spectral density E(f) \[J/Hz\], one-sided; all levels follow from integrals of E.
 
 mod bands;
+mod event;
+mod filter;
 mod history;
 mod ranking;
 mod signals;
@@ -10,6 +12,8 @@ mod spectrum;
 mod weighting;
 
 pub use bands::{Band, THIRD_OCTAVES, band_containing, third_octaves};
+pub use event::{REFERENCE_PRESSURE, exposure_level, peak_level};
+pub use filter::BandFilter;
 pub use history::{IntervalLevels, PowerHistory};
 pub use ranking::{COMMON_RANGE_HZ, RankedSource, Ranking, rank};
 pub use signals::{PowerSignals, SignalAnalysis};

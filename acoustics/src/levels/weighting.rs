@@ -51,6 +51,7 @@ impl Weighting {
             Self::C => -outer,
             Self::Z => Complex::ONE,
         };
+        // The sign of s^4 and s^2 on the frequency axis is in `shape`; at 0 Hz both weightings vanish.
         shape / shape.norm() * self.energy_factor(hz).sqrt()
     }
 

@@ -75,7 +75,7 @@ impl System {
         let z = self.depth(y);
         let penetration = match mode.penetration {
             Penetration::Free { .. } => zero,
-            Penetration::Loading { seated: false } => self.envelope.curve().evaluate(z),
+            Penetration::Loading { seated: false } => self.envelope.law().evaluate(z),
             Penetration::Loading { seated: true } => {
                 (z - p.nail.length) * self.envelope.head_stiffness() + self.envelope.seated()
             }

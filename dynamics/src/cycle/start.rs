@@ -4,6 +4,7 @@ use super::forces::{SPRING, SPRING_LIMIT};
 use super::mode::{Channel, Contact, Mode, NailState, Penetration};
 use super::state::*;
 use super::system::System;
+use crate::prf::ResistanceLaw;
 use crate::{CycleError, Parameters};
 
 /// Refuses designs the model does not hold for.
@@ -64,6 +65,14 @@ pub(crate) fn check(p: &Parameters) -> Result<(), CycleError> {
         return Err(CycleError::GapOrder {
             head_gap: p.nail.head_gap,
             tip_gap: p.nail.tip_gap,
+        });
+    }
+    if let ResistanceLaw::Tabulated(table) = &p.wood.law
+        && table.last_depth() < p.nail.length * (1.0 - 1e-9)
+    {
+        return Err(CycleError::TableTooShort {
+            last: table.last_depth(),
+            length: p.nail.length,
         });
     }
     if p.nail.length > p.wood.thickness {
@@ -202,6 +211,15 @@ fn check_numbers(p: &Parameters) -> Result<(), CycleError> {
                 rule: "a finite number",
             });
         }
+    }
+    if let ResistanceLaw::Constant(value) = p.wood.law
+        && !(value >= 0.0 && value.is_finite())
+    {
+        return Err(CycleError::Value {
+            name: "wood.law",
+            value,
+            rule: "a constant force that is finite and not negative",
+        });
     }
     if p.hand.mass > 0.0 && !(p.hand.stiffness > 0.0 && p.hand.stiffness.is_finite()) {
         return Err(CycleError::Value {

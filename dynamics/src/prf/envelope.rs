@@ -1,7 +1,7 @@
 //! What the wood answers to a nail driven ever deeper.
 
-use super::law::Curve;
-use super::{PenetrationLaw, REFERENCE_SPEED, Specimen};
+use super::Specimen;
+use super::resistance::Resistance;
 use crate::{Form, Parameters};
 
 /// Envelope E(z) of the penetration resistance of one design, z the deepest depth of the nail's tip.
@@ -9,11 +9,11 @@ use crate::{Form, Parameters};
 /// ```text
 /// E(z) = F_r(min(z, l_n)) + k_w max(0, z - l_n),   k_w = scale H_M
 /// ```
-/// with F_r the design's law times its scale, at [`REFERENCE_SPEED`]. In the published form of the nail F_r is lost
+/// with F_r the design's law times its scale, a published one at [`REFERENCE_SPEED`](super::REFERENCE_SPEED). In the published form of the nail F_r is lost
 /// where the head meets the wood: E(z) = k_w (z - l_n) for z > l_n (C-09).
 #[derive(Debug, Clone)]
 pub struct Envelope {
-    curve: Curve,
+    law: Resistance,
     length: f64,
     head_stiffness: f64,
     /// Force along the shank beyond l_n \[N\].
@@ -28,19 +28,14 @@ impl Envelope {
             hardness_modulus: p.wood.hardness_modulus,
             density: p.wood.density,
         };
-        let mut coefficients = p.wood.law.coefficients();
-        if p.wood.law == PenetrationLaw::SolidWood {
-            coefficients[8] = p.wood.speed_term / (REFERENCE_SPEED * REFERENCE_SPEED);
-            coefficients[9] = p.wood.slenderness_term;
-        }
-        let curve = Curve::new(&coefficients, &specimen, REFERENCE_SPEED).scaled(p.wood.resistance_scale);
+        let law = Resistance::new(&p.wood, &specimen);
         Self {
             seated: if p.model.nail == Form::Corrected {
-                curve.force(p.nail.length)
+                law.force(p.nail.length)
             } else {
                 0.0
             },
-            curve,
+            law,
             length: p.nail.length,
             head_stiffness: p.wood.head_stiffness_scale * p.wood.hardness_modulus,
         }
@@ -52,7 +47,7 @@ impl Envelope {
         if depth > self.length {
             self.seated
         } else {
-            self.curve.force(depth)
+            self.law.force(depth)
         }
     }
 
@@ -69,8 +64,8 @@ impl Envelope {
     }
 
     /// The law F_r as it is evaluated within the nail's length.
-    pub(crate) fn curve(&self) -> &Curve {
-        &self.curve
+    pub(crate) fn law(&self) -> &Resistance {
+        &self.law
     }
 
     /// k_w \[N/m\].

@@ -128,12 +128,6 @@ impl Curve {
         }
     }
 
-    /// The same curve times `factor`.
-    pub(crate) fn scaled(mut self, factor: f64) -> Self {
-        self.scale *= factor;
-        self
-    }
-
     /// Force at `z` with its derivative, continued smoothly above the surface.
     #[inline]
     pub(crate) fn evaluate<S: Real>(&self, z: S) -> S {

@@ -9,10 +9,14 @@
 
 mod envelope;
 mod law;
+mod resistance;
+mod table;
 mod tables;
 
 pub use envelope::Envelope;
 pub use law::{PenetrationLaw, Specimen};
+pub use resistance::ResistanceLaw;
+pub use table::{ForceTable, TableError};
 pub use tables::{FitQuality, NAILS, NailSize, SLENDERNESS_TERM, SPEED_TERM, Shank, WOODS, WoodKind};
 
 /// Slowest penetration speed of the tests behind the laws, 20 mm/min \[m/s\].

@@ -1,0 +1,59 @@
+use super::bands::Band;
+use super::{BandLevel, SourceSpectrum, Weighting, energy_level, energy_weights, third_octaves};
+
+/// Order n of the low-pass prototype; the band-pass has 2 n poles. Three is the least that meets class 1.
+const ORDER: i32 = 3;
+
+/// The filter of a band as instruments have it: Butterworth, of class 1 (IEC 61260-1:2014).
+///
+/// ```text
+/// |H|^2 = 1 / (1 + x^{2n})      x = (f/f_m - f_m/f) / (f_2/f_m - f_m/f_2)      n = 3
+/// ```
+///
+/// Its skirts overlap the neighbours', so that its bands sum to a little more than the whole: use it to compare with an
+/// instrument, and [`SourceSpectrum::band_levels`] for everything else.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BandFilter {
+    /// The band.
+    pub band: Band,
+}
+
+impl BandFilter {
+    /// The factor |H|² on energy at the frequency `hz`.
+    pub fn energy_factor(&self, hz: f64) -> f64 {
+        let detuning = |ratio: f64| ratio - 1.0 / ratio;
+        let x = detuning(hz / self.band.hz) / detuning(self.band.high / self.band.hz);
+        1.0 / (1.0 + x.powi(2 * ORDER))
+    }
+
+    /// Attenuation -10 lg |H|² at the frequency `hz` \[dB\]; the standard's relative attenuation.
+    pub fn attenuation_db(&self, hz: f64) -> f64 {
+        -10.0 * self.energy_factor(hz).log10()
+    }
+}
+
+impl SourceSpectrum {
+    /// The levels that class 1 filters of 50 Hz to 20 kHz find, of what lies inside `range_hz`.
+    ///
+    /// The filter is taken at the spectrum's frequencies, which must be dense within the narrowest band.
+    pub fn filter_levels(&self, range_hz: [f64; 2]) -> Vec<BandLevel> {
+        let weights = |weighting| energy_weights(&self.frequency, range_hz, weighting);
+        let (z, a) = (weights(Weighting::Z), weights(Weighting::A));
+        let level_of = |band: Band| {
+            let filter = BandFilter { band };
+            let sum = |weights: &[f64]| -> f64 {
+                let bins = self.frequency.iter().zip(&self.energy_density).zip(weights);
+                bins.map(|((&hz, e), w)| filter.energy_factor(hz) * e * w).sum()
+            };
+            let (energy, a_energy) = (sum(&z), sum(&a));
+            BandLevel {
+                band,
+                energy,
+                lw: energy_level(energy),
+                a_energy,
+                lwa: energy_level(a_energy),
+            }
+        };
+        third_octaves().into_iter().map(level_of).collect()
+    }
+}

@@ -1,0 +1,143 @@
+//! Mufflers: insertion loss as measured, or computed from chambers and lined pipes by transfer matrices.
+//!
+//! Plane waves only. The muffler's resistance to the flow, which raises the pressure before it and slows the cycle, is not
+//! part of it: a muffler whose passages are narrow beside the exhaust holes needs a cycle that knows it.
+
+mod elements;
+mod four_pole;
+
+pub use elements::{Lining, MufflerElement, miki_fluid};
+pub use four_pole::FourPole;
+
+use crate::air::Air;
+use crate::error::AcousticsError;
+use crate::levels::{Band, band_containing};
+use nalgebra::Complex;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// What stands between the exhaust's jets and the air.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Muffler {
+    /// Insertion loss as measured.
+    InsertionLoss(BandLosses),
+    /// Chambers and pipes.
+    Chain(MufflerChain),
+}
+
+/// Insertion loss of neighbouring one-third-octave bands.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BandLosses {
+    first: i32,
+    decibels: Vec<f64>,
+}
+
+impl BandLosses {
+    /// From pairs of nominal mid-band frequency \[Hz\] and insertion loss \[dB\], in rising order without a gap.
+    ///
+    /// # Errors
+    /// [`AcousticsError::MufflerBands`] for no bands, a gap or a wrong order; values that are not finite.
+    pub fn new(bands: &[(f64, f64)]) -> Result<Self, AcousticsError> {
+        let decibels: Vec<f64> = bands.iter().map(|band| band.1).collect();
+        crate::error::finite("insertion loss", &decibels)?;
+        let index = |hz: f64| -> Result<i32, AcousticsError> {
+            crate::error::positive("mid-band frequency [Hz]", hz).map(|hz| band_containing(hz).index)
+        };
+        let Some(&(hz, _)) = bands.first() else {
+            return Err(AcousticsError::MufflerBands { hz: 0.0 });
+        };
+        let first = index(hz)?;
+        for (i, &(hz, _)) in bands.iter().enumerate() {
+            if index(hz)? != first + i as i32 {
+                return Err(AcousticsError::MufflerBands { hz });
+            }
+        }
+        Ok(Self { first, decibels })
+    }
+
+    /// Insertion loss of the band that holds the frequency `hz` \[dB\].
+    ///
+    /// # Errors
+    /// [`AcousticsError::MufflerBands`] outside the bands given.
+    pub fn decibels(&self, hz: f64) -> Result<f64, AcousticsError> {
+        let i = band_containing(hz).index - self.first;
+        let value = usize::try_from(i).ok().and_then(|i| self.decibels.get(i));
+        value.copied().ok_or(AcousticsError::MufflerBands { hz })
+    }
+
+    /// The frequencies covered \[Hz\].
+    pub fn range_hz(&self) -> [f64; 2] {
+        let last = self.first + self.decibels.len() as i32 - 1;
+        [Band::new(self.first).low, Band::new(last).high]
+    }
+}
+
+/// Elements in a row, from the exhaust holes to the outlet.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MufflerChain {
+    /// The elements.
+    pub elements: Vec<MufflerElement>,
+    /// Diameter of the outlet \[m\].
+    pub outlet_diameter: f64,
+}
+
+impl MufflerChain {
+    /// Product of the elements' four-poles.
+    ///
+    /// # Errors
+    /// [`AcousticsError::NotPlaneWaves`] above the first cross mode of the widest element; impossible dimensions.
+    pub fn four_pole(&self, hz: f64, air: &Air) -> Result<FourPole, AcousticsError> {
+        let mut product = FourPole::IDENTITY;
+        for element in &self.elements {
+            product = product * element.four_pole(hz, air)?;
+        }
+        Ok(product)
+    }
+
+    /// Transmission loss between anechoic pipes of the two diameters \[dB\]; positive when less gets through.
+    ///
+    /// # Errors
+    /// See [`Self::four_pole`].
+    pub fn transmission_loss(&self, hz: f64, inlet_diameter: f64, air: &Air) -> Result<f64, AcousticsError> {
+        let impedance = |diameter: f64| air.impedance() / (0.25 * PI * diameter * diameter);
+        let four_pole = self.four_pole(hz, air)?;
+        Ok(four_pole.transmission_loss(impedance(inlet_diameter), impedance(self.outlet_diameter)))
+    }
+
+    /// Insertion loss for a source whose volume flow the muffler does not change, as that of throttled holes, which
+    /// radiated into the open before \[dB\]: 20 lg |U_source / U_outlet|. Negative where the muffler resonates.
+    ///
+    /// # Errors
+    /// See [`Self::four_pole`].
+    pub fn insertion_loss(&self, hz: f64, air: &Air) -> Result<f64, AcousticsError> {
+        let load = open_end(hz, self.outlet_diameter, air);
+        Ok(self.four_pole(hz, air)?.flow_loss(load))
+    }
+}
+
+/// Radiation impedance of an unflanged pipe end \[Pa s/m³\] at low frequency.
+///
+/// ```text
+/// Z = rho0 c0 / S [(k a)^2 / 4 + j 0.6133 k a]
+/// ```
+///
+/// H. Levine & J. Schwinger, Phys. Rev. 73, 383 (1948).
+pub fn open_end(hz: f64, diameter: f64, air: &Air) -> Complex<f64> {
+    let a = 0.5 * diameter;
+    let ka = 2.0 * PI * hz / air.sound_speed * a;
+    Complex::new(0.25 * ka * ka, 0.6133 * ka) * (air.impedance() / (PI * a * a))
+}
+
+impl Muffler {
+    /// The factor 10^{-IL/10} on energy at the frequency `hz`.
+    ///
+    /// # Errors
+    /// A frequency for which the muffler is not known: outside its bands, or above its plane-wave range.
+    pub fn energy_factor(&self, hz: f64, air: &Air) -> Result<f64, AcousticsError> {
+        let loss = match self {
+            Self::InsertionLoss(losses) => losses.decibels(hz)?,
+            Self::Chain(chain) => chain.insertion_loss(hz, air)?,
+        };
+        Ok(10f64.powf(-0.1 * loss))
+    }
+}

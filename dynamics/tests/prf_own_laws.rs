@@ -1,0 +1,147 @@
+//! Penetration laws of one's own: a constant force and tables.
+
+#![allow(clippy::unwrap_used)]
+
+use nailnoise_dynamics::prf::{ForceTable, PenetrationLaw, REFERENCE_SPEED, ResistanceLaw, Specimen, TableError};
+use nailnoise_dynamics::{CycleError, CycleRecord, Parameters, Settings, simulate};
+
+fn run(law: impl Into<ResistanceLaw>) -> CycleRecord {
+    let mut p = Parameters::n80cb();
+    p.wood.law = law.into();
+    simulate(&p, &Settings::default()).unwrap()
+}
+
+/// The solid-wood law of the base design at `n` equal steps.
+fn sampled(n: usize) -> ForceTable {
+    let p = Parameters::n80cb();
+    let specimen = Specimen {
+        length: p.nail.length,
+        diameter: p.nail.diameter,
+        hardness_modulus: p.wood.hardness_modulus,
+        density: p.wood.density,
+    };
+    let depths: Vec<f64> = (0..=n).map(|i| p.nail.length * i as f64 / n as f64).collect();
+    let force = |depth: &f64| {
+        PenetrationLaw::SolidWood
+            .force(&specimen, depth.max(1e-15), REFERENCE_SPEED)
+            .unwrap()
+    };
+    let forces = depths.iter().map(force).collect();
+    ForceTable::new(depths, forces).unwrap()
+}
+
+#[test]
+fn a_constant_force_does_its_work_over_the_depth() {
+    let mut p = Parameters::n80cb();
+    p.wood.law = ResistanceLaw::Constant(1165.0);
+    let r = simulate(&p, &Settings::default()).unwrap();
+    assert!(r.is_certified(), "{:?}", r.checks);
+    let full = (r.summary.full_penetration.unwrap() / r.sample_interval) as usize;
+    let start = (r.events.t6.unwrap() / r.sample_interval) as usize + 2;
+    assert!(
+        r.forces.penetration[start..full]
+            .iter()
+            .all(|f| (f - 1165.0).abs() < 1e-9)
+    );
+    assert_eq!(p.penetration_resistance(1e-6), 1165.0);
+    assert_eq!(p.penetration_resistance(0.0), 0.0);
+    p.wood.law = ResistanceLaw::Constant(f64::NAN);
+    let error = simulate(&p, &Settings::default()).unwrap_err();
+    assert!(matches!(error, CycleError::Value { name: "wood.law", .. }), "{error}");
+}
+
+#[test]
+fn a_fine_table_of_a_law_gives_the_cycle_of_the_law() {
+    let law = run(PenetrationLaw::SolidWood);
+    let table = run(sampled(400));
+    assert!(table.is_certified(), "{:?}", table.checks);
+    for (i, (a, b)) in law.events.to_array().iter().zip(table.events.to_array()).enumerate() {
+        let apart = (a.unwrap() - b.unwrap()).abs();
+        assert!(apart < if i == 11 || i == 18 { 2e-5 } else { 1e-6 }, "t{i}: {apart} s");
+    }
+}
+
+#[test]
+fn a_table_passes_its_points_and_never_overshoots() {
+    let depths = vec![0.0, 0.01, 0.02, 0.025, 0.05, 0.09];
+    let forces = vec![0.0, 500.0, 500.0, 900.0, 700.0, 1800.0];
+    let table = ForceTable::new(depths.clone(), forces.clone()).unwrap();
+    for (depth, force) in depths.iter().zip(&forces) {
+        assert!((table.force(*depth) - force).abs() < 1e-12);
+    }
+    for (x, f) in depths.windows(2).zip(forces.windows(2)) {
+        let mut before = f[0];
+        for i in 1..=50 {
+            let force = table.force(x[0] + (x[1] - x[0]) * f64::from(i) / 50.0);
+            assert!((force - before) * (f[1] - f[0]) >= -1e-12, "{force} {before}");
+            before = force;
+        }
+    }
+    assert_eq!(
+        (table.force(-1.0), table.force(0.0), table.last_depth()),
+        (0.0, 0.0, 0.09)
+    );
+}
+
+#[test]
+fn the_interpolation_converges_with_the_fineness_of_the_table() {
+    let p = Parameters::n80cb();
+    // Away from the turns of the law, where the slope of a monotone cubic is of first order only.
+    let error = |n: usize| {
+        let table = sampled(n);
+        (0..1000)
+            .map(|i| p.nail.length * (0.55 + 0.35 * f64::from(i) / 1000.0))
+            .map(|depth| (table.force(depth) - p.penetration_resistance(depth)).abs())
+            .fold(0.0, f64::max)
+    };
+    let errors = [error(50), error(100), error(200)];
+    for pair in errors.windows(2) {
+        let order = (pair[0] / pair[1]).log2();
+        assert!(order > 2.7, "order {order} of {errors:?} N");
+    }
+}
+
+#[test]
+fn a_table_is_read_from_csv_and_keeps_through_json() {
+    let text = "\u{feff}# drive test 7\ndepth_m, force_N\n0, 0\n0.04, 1000\n\n0.09, 1.8e3\n";
+    let table = ForceTable::from_csv(text).unwrap();
+    assert_eq!(table.force(0.04), 1000.0);
+    let mut p = Parameters::n80cb();
+    p.wood.law = table.into();
+    let back: Parameters = serde_json::from_value(serde_json::to_value(&p).unwrap()).unwrap();
+    assert_eq!(back, p);
+}
+
+#[test]
+fn wrong_tables_are_named() {
+    use TableError as E;
+    let csv = |text: &str| ForceTable::from_csv(text).unwrap_err();
+    assert_eq!(
+        csv("0,0\n0.01;5\n"),
+        E::Line {
+            line: 2,
+            text: "0.01;5".to_owned()
+        }
+    );
+    assert!(matches!(csv("0,0\ndepth,force\n0.1,5\n"), E::Line { line: 2, .. }));
+    assert!(matches!(csv("0,0,0\n"), E::Line { line: 1, .. }));
+    assert_eq!(csv("0,0\n"), E::TooFew { count: 1 });
+    assert_eq!(csv("0.01,0\n0.02,5\n"), E::Start { depth: 0.01 });
+    let order = E::Order {
+        point: 3,
+        depth: 0.05,
+        before: 0.05,
+    };
+    assert_eq!(csv("0,0\n0.05,5\n0.05,6\n"), order);
+    assert!(matches!(csv("0,0\n0.05,-5\n"), E::Value { point: 2, .. }));
+    assert!(matches!(csv("0,0\n0.05,inf\n"), E::Value { point: 2, .. }));
+    assert_eq!(
+        ForceTable::new(vec![0.0], vec![]).unwrap_err(),
+        E::Lengths { depths: 1, forces: 0 }
+    );
+    assert!(serde_json::from_str::<ForceTable>(r#"{"depths": [0, 1, 1], "forces": [0, 1, 2]}"#).is_err());
+    let mut p = Parameters::n80cb();
+    p.wood.law = ForceTable::from_csv("0,0\n0.05,1000\n").unwrap().into();
+    let error = simulate(&p, &Settings::default()).unwrap_err();
+    assert!(matches!(error, CycleError::TableTooShort { .. }), "{error}");
+}
