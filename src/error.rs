@@ -28,6 +28,18 @@ pub enum Error {
         /// All names.
         known: String,
     },
+    /// A parameter for whose sensitivity there is nothing to go by.
+    #[error("`{key}` is no quantity with a range that takes part in the nailing cycle")]
+    #[diagnostic(help("{}", match nearest {
+        Some(near) => format!("is it `{near}`?"),
+        None => "give it a range in the design, or leave --parameters out for all that have one".to_owned(),
+    }))]
+    NoSuchParameter {
+        /// The key given.
+        key: String,
+        /// The parameter most like it, if one is near.
+        nearest: Option<String>,
+    },
     /// Penetration laws could not be compared.
     #[error(transparent)]
     #[diagnostic(transparent)]

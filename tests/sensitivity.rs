@@ -37,7 +37,7 @@ fn moved(design: &Design, key: &str, value: f64) -> CycleRecord {
 #[test]
 fn the_impact_answers_to_the_nails_density_as_momentum_says() {
     let design = design();
-    let outputs = choose(&["speed", "t4", "vent_mass"]).unwrap();
+    let outputs = choose(&["speed", "t3", "t4"]).unwrap();
     let s = sensitivity(&design, &outputs, Some(&["nail.density"])).unwrap();
     let v = s
         .outputs
@@ -61,13 +61,12 @@ fn the_impact_answers_to_the_nails_density_as_momentum_says() {
         "{after:?}, exactly {exact:e}"
     );
     // Nothing before the impact knows of the nail.
-    for output in ["speed_before_impact", "t4", "vent_mass"] {
+    for output in ["speed_before_impact", "t3", "t4"] {
         let before = of(&s, output, "nail.density");
         assert_eq!((before.derivative, before.effect), (0.0, 0.0), "{output}");
     }
 }
 
-/// A constant push on a tool at rest goes into the nose and the guard, whole: the stiff nose takes k_n/(k_n + k_g) of it.
 #[test]
 fn differences_made_by_hand_agree_within_the_error() {
     let design = design();
@@ -87,13 +86,13 @@ fn differences_made_by_hand_agree_within_the_error() {
     ] {
         let near = [value - step, value + step].map(|x| moved(&design, key, x));
         let far = [value - 2.0 * step, value + 2.0 * step].map(|x| moved(&design, key, x));
-        for output in &outputs {
+        for (output, found) in outputs.iter().zip(&s.outputs) {
             let slope = |[low, high]: &[CycleRecord; 2], width: f64| {
                 (output.of(high).unwrap() - output.of(low).unwrap()) / width
             };
             let (near, far) = (slope(&near, 2.0 * step), slope(&far, 4.0 * step));
-            // Richardson's estimate by hand, with what it leaves open as its own error.
-            let (hand, open) = ((4.0 * near - far) / 3.0, (near - far).abs() / 3.0 + 1e-5 * near.abs());
+            // Richardson's estimate by hand, with its own truncation and noise.
+            let (hand, open) = ((4.0 * near - far) / 3.0, (near - far).abs() / 3.0 + found.noise / step);
             let own = of(&s, output.name, key);
             assert!(
                 (own.derivative - hand).abs() <= own.error + open,

@@ -31,6 +31,9 @@ pub(super) struct Arguments {
     /// Figures of the shot for --sensitivity, by name or group: speed, penetration, events, forces, masses, all
     #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "sensitivity")]
     outputs: Vec<String>,
+    /// Parameters for --sensitivity, as supply.pressure,piston.bore [default: all with a range]
+    #[arg(long, value_name = "KEYS", value_delimiter = ',', requires = "sensitivity")]
+    parameters: Vec<String>,
     /// Draw N designs from the ranges and count what their shots do, instead of computing one
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     #[arg(conflicts_with_all = ["as_published", "figures", "sensitivity"])]
@@ -80,7 +83,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     common.start_threads()?;
     let design = common.load()?;
     if arguments.sensitivity {
-        return super::sensitivity::execute(common, &design, &arguments.outputs);
+        return super::sensitivity::execute(common, &design, &arguments.outputs, &arguments.parameters);
     }
     if let Some(count) = arguments.draw {
         return super::draw::execute(common, &design, count as usize, arguments.seed);

@@ -27,7 +27,14 @@ struct Layout<'a> {
     sensitivity: &'a Sensitivity,
 }
 
-pub(super) fn execute(common: &Common, design: &Design, outputs: &[String]) -> Result<ExitCode, Error> {
+pub(super) fn execute(
+    common: &Common,
+    design: &Design,
+    outputs: &[String],
+    parameters: &[String],
+) -> Result<ExitCode, Error> {
+    let keys: Vec<&str> = parameters.iter().map(|key| key.trim()).collect();
+    let keys = (!keys.is_empty()).then_some(keys.as_slice());
     let outputs = if outputs.is_empty() {
         sensitivity::choose(&USUAL)?
     } else {
@@ -36,7 +43,7 @@ pub(super) fn execute(common: &Common, design: &Design, outputs: &[String]) -> R
     let folder = common.out(design);
     let mut progress = Progress::new();
     progress.stage("sensitivity of the nailing cycle");
-    let sensitivity = sensitivity::sensitivity(design, &outputs, None)?;
+    let sensitivity = sensitivity::sensitivity(design, &outputs, keys)?;
     drop(progress);
     std::fs::create_dir_all(&folder).map_err(|source| Error::Write {
         path: folder.clone(),

@@ -9,8 +9,8 @@
 //! Parameters rank by what their ranges do to a figure: the derivative times half the range, unless the runs at the ends
 //! of the range, which are made too, show that the figure does not follow it so far.
 //!
-//! The integration is run a hundred times closer than the design asks for. What is left of it is measured, by running
-//! the design at two tolerances, and stands in the error of every derivative.
+//! The integration is run a hundred times closer than the design asks for. What is left of it and of the sampling of
+//! peaks is measured, by running the design at two tolerances and intervals, and stands in the error of every derivative.
 
 mod extrapolate;
 mod outputs;
@@ -56,7 +56,7 @@ pub struct OutputSensitivity {
     pub unit: &'static str,
     /// Value in the design; null where its phase does not occur.
     pub value: Option<f64>,
-    /// How far the integration leaves the value uncertain.
+    /// How far integration and sampling leave the value uncertain.
     pub noise: f64,
     /// Derivatives, the one with the largest weight first; parameters without one are missing.
     pub ranking: Vec<Derivative>,
@@ -136,20 +136,32 @@ enum Run {
 /// in `keys`.
 ///
 /// # Errors
-/// [`Error::Cycle`] when the design itself cannot be computed.
+/// [`Error::Cycle`] when the design itself cannot be computed, [`Error::NoSuchParameter`] for the first of `keys` that
+/// is none.
 pub fn sensitivity(design: &Design, outputs: &[Output], keys: Option<&[&str]>) -> Result<Sensitivity, Error> {
     let mut parameters = taking_part(design)?;
     // A derivative with respect to a whole number is none.
-    parameters
-        .retain(|p| matches!(p.value, Value::Number(_)) && keys.is_none_or(|keys| keys.contains(&p.key.as_str())));
+    parameters.retain(|parameter| matches!(parameter.value, Value::Number(_)));
+    if let Some(keys) = keys {
+        if let Some(key) = keys.iter().find(|key| !parameters.iter().any(|own| own.key == **key)) {
+            let near = |own: &&Parameter| strsim::damerau_levenshtein(&own.key, key);
+            let nearest = parameters.iter().min_by_key(near).filter(|own| near(own) <= 3);
+            let nearest = nearest.map(|own| own.key.clone());
+            return Err(Error::NoSuchParameter {
+                key: (*key).to_owned(),
+                nearest,
+            });
+        }
+        parameters.retain(|parameter| keys.contains(&parameter.key.as_str()));
+    }
     let close = pipeline::cycle_settings(design);
-    let settings = |parts: f64| Settings {
-        relative_tolerance: close.relative_tolerance * CLOSER * parts,
-        sample_interval: close.sample_interval.min(SAMPLES),
+    let settings = |tolerance: f64, interval: f64| Settings {
+        relative_tolerance: close.relative_tolerance * CLOSER * tolerance,
+        sample_interval: close.sample_interval.min(SAMPLES) * interval,
         ..close.clone()
     };
-    let base = simulate(&pipeline::parameters(design)?, &settings(1.0))?;
-    let check = simulate(&pipeline::parameters(design)?, &settings(0.5))?;
+    let base = simulate(&pipeline::parameters(design)?, &settings(1.0, 1.0))?;
+    let check = simulate(&pipeline::parameters(design)?, &settings(0.5, 0.62))?;
     let read = |record: &CycleRecord| outputs.iter().map(|output| output.of(record)).collect::<Vec<_>>();
     let (values, checked) = (read(&base), read(&check));
     let noise: Vec<f64> = values
@@ -165,7 +177,7 @@ pub fn sensitivity(design: &Design, outputs: &[Output], keys: Option<&[&str]>) -
         .collect();
     let runs: Vec<Run> = jobs
         .par_iter()
-        .map(|(index, x)| run(design, &parameters[*index], *x, &settings(1.0), outputs))
+        .map(|(index, x)| run(design, &parameters[*index], *x, &settings(1.0, 1.0), outputs))
         .collect();
     let per_parameter: Vec<&[Run]> = runs.chunks(2 * STEPS + 2).collect();
 

@@ -1,0 +1,162 @@
+//! `nailnoise cycle` in its variants: as published, with figures, sensitivities and draws.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+/// Runs the command in a folder of its own, where `out/` goes.
+fn nailnoise(name: &str, arguments: &[&str]) -> (Output, PathBuf) {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cycle").join(name);
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    let design = concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml");
+    let output = Command::new(env!("CARGO_BIN_EXE_nailnoise"))
+        .args(["cycle", design])
+        .args(arguments)
+        .current_dir(&folder)
+        .env("NO_COLOR", "1")
+        .output()
+        .unwrap();
+    (output, folder)
+}
+
+fn json(output: &Output) -> Value {
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+#[test]
+fn published_forms_strike_the_bumper_and_say_what_they_are() {
+    for (argument, preset, words) in [
+        ("--as-published", "published_all", "every form as published"),
+        ("--as-published=all", "published_all", "every form as published"),
+        ("--as-published=nail", "published_nail_only", "nail as published"),
+    ] {
+        let result = json(&nailnoise(preset, &[argument, "--json"]).0);
+        assert_eq!([&result["preset"], &result["outcome"]], [preset, "strikes_bumper"]);
+        let (output, folder) = nailnoise(preset, &[argument]);
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert!(text.starts_with(&format!("n80cb, {words}: strikes bumper")), "{text}");
+        // Beside the design's own files, not over them.
+        assert!(folder.join("out/n80cb").join(preset).join("events.csv").exists());
+        assert!(!folder.join("out/n80cb/events.csv").exists());
+    }
+    let own = json(&nailnoise("own", &["--json"]).0);
+    assert_eq!(
+        [&own["preset"], &own["outcome"]],
+        [&Value::Null, &Value::from("drives")]
+    );
+}
+
+#[test]
+fn figures_are_written_and_listed() {
+    let (output, folder) = nailnoise("figures", &["--figures", "--json"]);
+    let figures = json(&output)["figures"].as_array().unwrap().clone();
+    assert_eq!(figures.len(), 5);
+    for figure in figures {
+        let path = folder.join(figure.as_str().unwrap());
+        assert!(
+            std::fs::read_to_string(&path).unwrap().contains("n80cb: drives"),
+            "{}",
+            path.display()
+        );
+    }
+}
+
+#[test]
+fn energy_and_log_are_in_the_result() {
+    let result = json(&nailnoise("energy", &["--json"]).0);
+    let energy = |name: &str| result["energy"][name].as_f64().unwrap();
+    assert!(energy("penetration") > 50.0 && energy("penetration") < energy("piston_work"));
+    assert!(result["energy"]["contacts"]["bumper"].as_f64().unwrap() > 0.0);
+    assert!(result["log"].as_array().unwrap().len() > 20);
+}
+
+#[test]
+fn sensitivity_ranks_the_parameters_asked_for() {
+    let arguments = [
+        "--sensitivity",
+        "--outputs",
+        "mean_drive_speed,exhaust_mass",
+        "--parameters",
+        "supply.pressure,piston.bore",
+    ];
+    let (output, folder) = nailnoise("sensitivity", &[&arguments[..], &["--json"]].concat());
+    let result = json(&output);
+    assert_eq!(result["schema"], "nailnoise-sensitivity/1");
+    let outputs = result["outputs"].as_array().unwrap();
+    assert_eq!(
+        outputs.iter().map(|o| o["name"].as_str().unwrap()).collect::<Vec<_>>(),
+        ["mean_drive_speed", "exhaust_mass"]
+    );
+    for output in outputs {
+        let ranking = output["ranking"].as_array().unwrap();
+        assert_eq!(ranking[0]["key"], "supply.pressure", "{output}");
+        assert!(
+            ranking.iter().all(|d| d["derivative"].as_f64().unwrap() > 0.0),
+            "{output}"
+        );
+    }
+    let csv = std::fs::read_to_string(folder.join("out/n80cb/sensitivity.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 1 + 2 * 2);
+    let text = String::from_utf8(nailnoise("sensitivity-text", &arguments).0.stdout).unwrap();
+    for word in [
+        "n80cb: drives; sensitivity to 2 parameters",
+        "supply.pressure",
+        "underdriven",
+        "strikes bumper",
+    ] {
+        assert!(text.contains(word), "{word}\n{text}");
+    }
+}
+
+#[test]
+fn draws_are_counted_and_listed() {
+    let (output, folder) = nailnoise("draw", &["--draw", "20", "--seed", "5", "--json"]);
+    let result = json(&output);
+    let sum = |name: &str| -> u64 {
+        result[name]
+            .as_object()
+            .unwrap()
+            .values()
+            .map(|n| n.as_u64().unwrap())
+            .sum()
+    };
+    assert_eq!(sum("counts"), 20);
+    assert_eq!(sum("refused") + 20, result["candidates"].as_u64().unwrap());
+    let csv = std::fs::read_to_string(folder.join("out/n80cb/draws.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 21);
+    let columns = csv.lines().next().unwrap().split(',').count();
+    assert_eq!(columns as u64, 6 + result["parameters"].as_u64().unwrap());
+    assert!(csv.lines().all(|line| line.split(',').count() == columns));
+    let text = String::from_utf8(nailnoise("draw-text", &["--draw", "20", "--seed", "5"]).0.stdout).unwrap();
+    assert!(text.contains("20 designs drawn") && text.contains("refused"), "{text}");
+}
+
+#[test]
+fn what_does_not_exist_or_go_together_is_refused() {
+    for (arguments, words) in [
+        (
+            &["--sensitivity", "--outputs", "loudness"][..],
+            vec!["no output \"loudness\"", "mean_drive_speed"],
+        ),
+        (
+            &["--sensitivity", "--parameters", "supply.presure"],
+            vec!["`supply.presure`", "is it `supply.pressure`?"],
+        ),
+        (
+            &["--sensitivity", "--parameters", "body.cap_height"],
+            vec!["takes part in the nailing cycle", "--parameters"],
+        ),
+        (&["--outputs", "speed"], vec!["--sensitivity"]),
+        (&["--sensitivity", "--draw", "5"], vec!["cannot be used with"]),
+        (&["--draw", "0"], vec!["0 is not in"]),
+        (&["--as-published=some"], vec!["all, nail"]),
+    ] {
+        let (output, _) = nailnoise("refused", arguments);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
+        assert!(words.iter().all(|word| error.contains(word)), "{arguments:?}: {error}");
+    }
+}
