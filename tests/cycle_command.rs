@@ -1,4 +1,5 @@
 //! `nailnoise cycle` in its variants: as published, with figures, sensitivities and draws.
+#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
