@@ -15,7 +15,7 @@ pub struct Location {
     pub weights: Vec<f64>,
 }
 
-/// How far outside \[-1, 1\] natural coordinates may be: points on a common face belong to either element.
+/// How far outside the element natural coordinates may be: points on a common face belong to either element.
 const SLACK: f64 = 1e-9;
 
 impl Mesh {
@@ -33,7 +33,7 @@ impl Mesh {
             }
             let n = view.kind.nodes();
             let (mut shape, mut slope) = (vec![0.0; n], vec![[0.0; 3]; n]);
-            let mut xi = Vector3::zeros();
+            let mut xi = Vector3::from(view.kind.centre());
             for _ in 0..25 {
                 view.kind.shape(xi.into(), &mut shape, &mut slope);
                 let (mut x, mut j) = (-point.coords, Matrix3::zeros());
@@ -48,7 +48,7 @@ impl Mesh {
                     break;
                 }
             }
-            if xi.amax() <= 1.0 + SLACK {
+            if view.kind.outside(xi.into()) <= SLACK {
                 view.kind.shape(xi.into(), &mut shape, &mut slope);
                 return Ok(Location {
                     element,
@@ -73,15 +73,16 @@ impl Mesh {
             if distance > tolerance {
                 continue;
             }
-            let kind = self.kinds[face.element].face_kind();
-            let (xi, distance) = project(kind, &nodes.map(|i| self.nodes[i]), point);
-            if xi.amax() <= 1.0 + SLACK && distance <= tolerance {
-                let (mut shape, mut slope) = ([0.0; 8], [[0.0; 2]; 8]);
+            let kind = self.face_kind(face);
+            let corners: Vec<Point3<f64>> = nodes.iter().map(|&i| self.nodes[i]).collect();
+            let (xi, distance) = project(kind, &corners, point);
+            if kind.outside(xi.into()) <= SLACK && distance <= tolerance {
+                let (mut shape, mut slope) = ([0.0; 9], [[0.0; 2]; 9]);
                 kind.shape(xi.into(), &mut shape, &mut slope);
                 return Ok(Location {
                     element: face.element,
                     nodes: nodes.to_vec(),
-                    weights: shape.to_vec(),
+                    weights: shape[..kind.nodes()].to_vec(),
                 });
             }
         }
@@ -90,9 +91,9 @@ impl Mesh {
 }
 
 /// Natural coordinates of the foot of the perpendicular from `point` on a face, and its length, by Gauss-Newton.
-fn project(kind: FaceKind, corners: &[Point3<f64>; 8], point: Point3<f64>) -> (Vector2<f64>, f64) {
-    let (mut shape, mut slope) = ([0.0; 8], [[0.0; 2]; 8]);
-    let mut xi = Vector2::zeros();
+fn project(kind: FaceKind, corners: &[Point3<f64>], point: Point3<f64>) -> (Vector2<f64>, f64) {
+    let (mut shape, mut slope) = ([0.0; 9], [[0.0; 2]; 9]);
+    let mut xi = Vector2::from(kind.centre());
     let mut off = Vector3::zeros();
     for _ in 0..25 {
         kind.shape(xi.into(), &mut shape, &mut slope);
