@@ -22,6 +22,8 @@ pub struct RunResult {
     pub outcome: nailnoise_dynamics::Outcome,
     /// Event times t0..t18 \[s\]; null where one does not occur.
     pub events: nailnoise_dynamics::Events,
+    /// What the design's sensors measure, by name.
+    pub sensors: Vec<SensorLevel>,
     /// Checks of every stage.
     pub checks: Vec<Check>,
     /// What a reader must know beside the numbers.
@@ -129,6 +131,19 @@ pub struct Component {
     pub name: String,
     /// A-weighted level over the common range \[dB re 1 pW s\]; null when silent.
     pub lwa_db: Option<f64>,
+}
+
+/// What an accelerometer measures of the shot.
+#[derive(Debug, Clone, Serialize)]
+pub struct SensorLevel {
+    /// Its name in the design.
+    pub name: String,
+    /// What it is fixed to: `workpiece`, `worktable`, `sand` or `tool`.
+    pub body: &'static str,
+    /// Root mean square of the acceleration over 1 s that holds the shot alone, (int a^2 dt / 1 s)^1/2 \[g, 9.80665 m/s2\].
+    pub rms_g: f64,
+    /// Largest magnitude of the acceleration \[g\].
+    pub peak_g: f64,
 }
 
 /// All sources together.
