@@ -10,8 +10,8 @@ use nalgebra::DMatrix;
 use crate::error::Error;
 use crate::pipeline::{Body, Run};
 
-/// Instants shown around each event, relative to it \[s\]: just before, during, and while the waves run through the body.
-const AROUND: [f64; 6] = [-5e-5, 5e-5, 2e-4, 5e-4, 1e-3, 2e-3];
+/// Instants shown after each event \[s\]: at once, and while the waves run through the body.
+const AROUND: [f64; 3] = [5e-5, 3e-4, 1e-3];
 
 /// Modes replayed at once, which bounds the memory.
 const BLOCK: usize = 32;
