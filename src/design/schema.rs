@@ -203,7 +203,7 @@ impl GroupSpec {
     }
 
     /// Calls `f` with the full name and declaration of every key, groups after the keys beside them; the members of a
-    /// list stand under [`MEMBER`].
+    /// list stand under `*`.
     pub fn each_key(&self, path: &str, f: &mut dyn FnMut(&str, &'static KeySpec)) {
         self.each_key_of(path, &|_| vec![MEMBER.to_owned()], f);
     }
