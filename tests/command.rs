@@ -49,6 +49,13 @@ fn run_ranks_three_sources_and_leaves_every_file() {
     assert!((10.0 * energy.log10() - result["total"]["lwa_db"].as_f64().unwrap()).abs() < 1e-9);
     let checks = result["checks"].as_array().unwrap();
     assert!(checks.iter().all(|check| check["ok"] == true), "{checks:#?}");
+    let sensors = result["sensors"].as_array().unwrap();
+    let named: Vec<&str> = sensors.iter().map(|s| s["name"].as_str().unwrap()).collect();
+    assert_eq!(named, ["block_top", "handle", "table_centre", "table_edge"]);
+    for sensor in sensors {
+        let (rms, peak) = (sensor["rms_g"].as_f64().unwrap(), sensor["peak_g"].as_f64().unwrap());
+        assert!(0.0 < rms && rms < peak && peak.is_finite(), "{sensor}");
+    }
     assert!((0..=18).all(|k| result["events"][format!("t{k}")].is_f64()));
     for file in [
         "result.json",
@@ -57,6 +64,11 @@ fn run_ranks_three_sources_and_leaves_every_file() {
         "histories.csv",
         "fields/workpiece.vtu",
         "fields/worktable.vtu",
+        "fields/workpiece-shot.pvd",
+        "fields/worktable-shot/000.vtu",
+        "sensors.csv",
+        "sensors-spectrum.csv",
+        "sensors.uff",
     ] {
         assert!(out.join(file).metadata().unwrap().len() > 100, "{file}");
     }
@@ -186,4 +198,22 @@ fn every_bad_design_ends_with_status_2_on_one_screen() {
         count += 1;
     }
     assert!(count >= 20);
+}
+
+#[test]
+fn a_sensor_off_its_body_is_refused_with_its_place() {
+    let folder = folder("sensor");
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = folder.join("off.toml");
+    let base = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/small.toml");
+    std::fs::write(&file, format!("base = {base:?}\nsensors.block_top.x = \"250 mm\"\n")).unwrap();
+    let output = nailnoise(&["run", file.to_str().unwrap(), "--out", folder.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(2));
+    let text = String::from_utf8_lossy(&output.stderr)
+        .split_whitespace()
+        .collect::<Vec<_>>()
+        .join(" ");
+    for part in ["`block_top`", "46.8 mm outside the workpiece", "off.toml:2:", "origin"] {
+        assert!(text.contains(part), "no {part} in: {text}");
+    }
 }
