@@ -63,6 +63,8 @@ pub struct Run {
     pub spectra: Vec<ModalSpectra>,
     /// A-weighted sound power of every source over time, loudest source first.
     pub powers: Vec<SoundPower>,
+    /// Screech frequency of the exhaust's jets at every sample of the cycle \[Hz\]; none while they are subsonic.
+    pub screech: Vec<Option<f64>>,
 }
 
 /// What a run may change about the physics without being another design; for studies and tests of laws.
@@ -158,5 +160,6 @@ pub fn run(design: &Design, options: Options, observer: &mut dyn Observer) -> Re
         response,
         spectra,
         powers,
+        screech: exhaust.screech,
     })
 }
