@@ -80,6 +80,24 @@ pub enum Error {
         /// What the system said.
         source: std::io::Error,
     },
+    /// A finished result could not be read.
+    #[error("cannot read {}: {source}", path.display())]
+    #[diagnostic(help("give a design file, or the folder that `nailnoise run` left: out/NAME"))]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A file is no result of a run.
+    #[error("{} is no result that can be compared: {reason}", path.display())]
+    #[diagnostic(help("give the `result.json` of this version's `nailnoise run`, or the design, which is then run"))]
+    NotAResult {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// The thread pool could not be started.
     #[error("the thread pool cannot be started")]
     #[diagnostic(help("choose a smaller --threads N"))]

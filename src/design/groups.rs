@@ -5,6 +5,7 @@
 
 use super::dimension::*;
 use super::schema::{Kind, any, choice, component, fraction, gas_pressure, group, nonnegative, positive};
+use super::sensors::Sensor;
 
 group! {
     /// All quantities of a design, in SI units.
@@ -27,6 +28,9 @@ group! {
         ambient: Ambient,
         analysis: Analysis,
         model: Model,
+    }
+    lists {
+        sensors: Sensor,
     }
 }
 

@@ -3,6 +3,8 @@
 mod columns;
 mod csv;
 mod fields;
+mod sensors;
+mod shot;
 
 use std::path::{Path, PathBuf};
 
@@ -16,7 +18,8 @@ pub use columns::{Column, columns};
 pub use csv::EVENT_NAMES;
 
 /// Writes everything a run leaves behind to `folder`: `result.json`, `levels.csv`, `intervals.csv`, `power.csv`,
-/// `events.csv`, `histories.csv` and `fields/*.vtu`.
+/// `events.csv`, `histories.csv`, `sensors.csv`, `sensors-spectrum.csv` and `sensors.uff` where the design has sensors,
+/// and `fields/*`.
 ///
 /// # Errors
 /// [`Error::Write`] with the file that could not be written.
@@ -27,7 +30,9 @@ pub fn write_run(folder: &Path, run: &Run) -> Result<(), Error> {
     write(&folder.join("levels.csv"), csv::levels(&run.result).as_bytes())?;
     write(&folder.join("intervals.csv"), csv::intervals(&run.result).as_bytes())?;
     write(&folder.join("power.csv"), csv::power(run).as_bytes())?;
+    sensors::write(folder, run)?;
     fields::write(&folder.join("fields"), run)?;
+    shot::write(&folder.join("fields"), run)?;
     // Last, so that a folder with a result has all the rest of it.
     write(&folder.join("result.json"), &json)
 }

@@ -63,6 +63,10 @@ pub(super) fn notes(
         Ending::Decayed { level, .. } => format!("response ended at {end:.3} s, its energy {level:.0} dB down"),
         Ending::Duration { level, .. } => format!("response cut at {end:.3} s, its energy {level:.0} dB down"),
     });
+    let idle = super::sensors::idle(design);
+    if !idle.is_empty() {
+        notes.push(format!("sensors on bodies that this design lacks: {}", idle.join(", ")));
+    }
     notes.push("the tool's later landing is not part of the shot".to_owned());
     notes
 }

@@ -331,9 +331,9 @@ mod tests {
                 let flows =
                     [(areas[0], pu, pm), (areas[1], pm, ps), (areas[2], ps, pd)].map(|(a, u, d)| air.passed(a, u, d));
                 assert!(pd <= ps && ps <= pm && pm <= pu, "{pu} {pm} {ps}");
-                for flow in flows {
-                    assert!((flow / flows[0] - 1.0).abs() < 1e-7, "{ratio} {areas:?}: {flows:?}");
-                }
+                assert!((flows[1] / flows[0] - 1.0).abs() < 1e-9, "{ratio} {areas:?}: {flows:?}");
+                // The inner solution is that of two restrictions, with its own tolerance where the drop is small.
+                assert!((flows[2] / flows[0] - 1.0).abs() < 1e-5, "{ratio} {areas:?}: {flows:?}");
             }
         }
         // A wide muffler is none.
