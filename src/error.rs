@@ -111,6 +111,7 @@ impl Error {
     /// Exit status of the command: 2 for wrong use or input, 3 for a numerical failure.
     pub fn exit_status(&self) -> u8 {
         match self {
+            Self::Acoustics(cause) if cause.is_of_the_design() => 2,
             Self::Fem(_) | Self::Transient(_) | Self::Acoustics(_) | Self::Json(_) => 3,
             Self::Cycle(CycleError::Integration { .. } | CycleError::Collapse { .. } | CycleError::Chatter { .. }) => 3,
             _ => 2,

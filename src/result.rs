@@ -162,6 +162,10 @@ pub struct Component {
     pub name: String,
     /// A-weighted level over the common range \[dB re 1 pW s\]; null when silent.
     pub lwa_db: Option<f64>,
+    /// The same without weighting.
+    pub lw_db: Option<f64>,
+    /// One-third-octave bands of the common range.
+    pub bands: Vec<BandLevel>,
 }
 
 /// What an accelerometer measures of the shot.

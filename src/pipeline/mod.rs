@@ -65,6 +65,8 @@ pub struct Run {
     pub spectra: Vec<ModalSpectra>,
     /// A-weighted sound power of every source over time, loudest source first.
     pub powers: Vec<SoundPower>,
+    /// Screech frequency of the exhaust's jets at every sample of the cycle \[Hz\]; none while they are subsonic.
+    pub screech: Vec<Option<f64>>,
     /// What the design's sensors record, by name.
     pub sensors: Vec<SensorRecord>,
 }
@@ -166,6 +168,7 @@ pub fn run(design: &Design, options: Options, observer: &mut dyn Observer) -> Re
         response,
         spectra,
         powers,
+        screech: exhaust.screech,
         sensors,
     })
 }
