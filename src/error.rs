@@ -71,6 +71,44 @@ pub enum Error {
         /// What its workpiece stands on.
         support: &'static str,
     },
+    /// A part of the user's mesh for which the design has no material.
+    #[error("the mesh has the part \"{part}\", for which the design has no material")]
+    #[diagnostic(help("name its volumes {known}"))]
+    UnknownPart {
+        /// Name of the part.
+        part: String,
+        /// The names there may be.
+        known: &'static str,
+    },
+    /// The meshed tool is heavier than the tool.
+    #[error("the meshed tool body weighs {meshed:.3} kg, more than `tool.mass` = {tool:.3} kg")]
+    #[diagnostic(help("thin its walls, raise `tool.mass`, or set `body.lumped = false` to leave its mass as it is"))]
+    TooHeavy {
+        /// Mass of the mesh \[kg\].
+        meshed: f64,
+        /// Mass of the cycle's tool \[kg\].
+        tool: f64,
+    },
+    /// A design has several bodies.
+    #[error("a design has several bodies")]
+    #[diagnostic(help("choose one: --body workpiece, --body worktable or --body tool"))]
+    NoBody,
+    /// A geometry without a design has no frequency.
+    #[error("a geometry alone does not tell how fine its mesh must be")]
+    #[diagnostic(help(
+        "give the largest element side, as --size \"10 mm\", or name the file in a design (`body.mesh`)"
+    ))]
+    NoSize,
+    /// A universal file cannot be used.
+    #[error("the measured modes cannot be used")]
+    Uff(#[from] nailnoise_meshes::uff::UffError),
+    /// No measured point lies on the body.
+    #[error("none of the measured points of {} lies on the body", path.display())]
+    #[diagnostic(help("give coordinates in m in the axes of the body, or a larger --mac-reach"))]
+    NoPoint {
+        /// The universal file.
+        path: PathBuf,
+    },
     /// A file could not be written.
     #[error("cannot write {}: {source}", path.display())]
     #[diagnostic(help("choose a folder that can be written with --out DIR"))]

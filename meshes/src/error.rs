@@ -113,6 +113,38 @@ pub enum MeshError {
         /// How many there are.
         of: usize,
     },
+    /// gmsh is not to be found.
+    #[error(
+        "new geometry needs gmsh, and {program} cannot be started ({reason}); install it with \
+         `apt-get install --no-install-recommends gmsh` (Debian, Ubuntu), `brew install gmsh` or `pip install gmsh`, \
+         or name the program in NAILNOISE_GMSH"
+    )]
+    NoGmsh {
+        /// What was to be started.
+        program: String,
+        /// The system's reason.
+        reason: String,
+    },
+    /// gmsh could not mesh a geometry.
+    #[error("gmsh could not mesh {what}: {reason}; repair the geometry or change the element size")]
+    Gmsh {
+        /// The geometry.
+        what: String,
+        /// Its own words.
+        reason: String,
+    },
+    /// A geometry is of a kind that gmsh does not open.
+    #[error("{}: known are .msh, .msh.gz, .step, .stp, .brep, .igs and .iges", path.display())]
+    UnknownKind {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A mesh cannot be written as a file of this kind.
+    #[error("{}: meshes are written as .vtu, .msh or .msh.gz", path.display())]
+    UnknownOutput {
+        /// The file.
+        path: PathBuf,
+    },
     /// The VTK library refused the data.
     #[error("cannot encode {path} as VTK XML: {reason}")]
     Encode {

@@ -81,7 +81,7 @@ fn what_is_written_is_read_back_exactly() {
     for name in ["tet4", "hex8", "hex20", "hex27", "wedge15", "tet10-41-binary"] {
         let mesh = read(&format!("{name}.msh")).mesh;
         for format in [Format::Text22, Format::Binary22, Format::Text41, Format::Binary41] {
-            let again = parse(&msh::to_bytes(&mesh, format)).unwrap().mesh;
+            let again = parse(&msh::to_bytes(&mesh, format, "")).unwrap().mesh;
             assert!(again == mesh, "{name} as {format:?}");
         }
     }
@@ -93,8 +93,10 @@ fn a_compressed_file_is_read_as_well() {
     let folder = std::env::temp_dir().join(format!("nailnoise-msh-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let path = folder.join("cube.msh.gz");
-    msh::write(&path, &mesh, Format::Binary22).unwrap();
-    assert_eq!(msh::read(&path, 1.0).unwrap().mesh, mesh);
+    msh::write(&path, &mesh, Format::Binary22, "made by hand").unwrap();
+    let again = msh::read(&path, 1.0).unwrap();
+    assert!(again.mesh == mesh);
+    assert_eq!(again.comment, "made by hand");
     std::fs::remove_dir_all(&folder).unwrap();
 }
 

@@ -41,11 +41,17 @@ pub struct Imported {
     pub node_numbers: Vec<u64>,
     /// Nodes in the file that no volume element uses; they are left out.
     pub unused_nodes: usize,
+    /// First line of the file's comments, without what it says of the unit; empty if it has none.
+    pub comment: String,
 }
 
 impl Raw {
-    /// Makes a mesh; lengths are multiplied by `scale`.
+    /// Makes a mesh; lengths are multiplied by `scale` unless the file says that they are in metres.
     pub(super) fn build(self, scale: f64) -> Result<Imported, MshError> {
+        let (scale, comment) = match self.comment.strip_suffix(super::IN_METRES) {
+            Some(rest) => (1.0, rest.trim_end_matches([';', ' ']).to_owned()),
+            None => (scale, self.comment.clone()),
+        };
         let place = self.places()?;
         let volumes: Vec<usize> = (0..self.len()).filter(|&e| self.kinds[e].dimension == 3).collect();
         if volumes.is_empty() {
@@ -73,6 +79,7 @@ impl Raw {
             element_numbers: Vec::with_capacity(volumes.len()),
             node_numbers: used.iter().map(|&old| self.nodes[old].0).collect(),
             unused_nodes: self.nodes.len() - used.len(),
+            comment,
         };
         self.volumes(&volumes, &place, &index, &mut built)?;
         self.faces(&place, &index, &mut built.mesh)?;

@@ -189,6 +189,13 @@ impl<'a> Cursor<'a> {
         }
     }
 
+    /// The rest of this line, without its end.
+    pub(super) fn line(&mut self) -> String {
+        let rest = &self.bytes[self.at..];
+        let length = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
+        String::from_utf8_lossy(&rest[..length]).trim().to_owned()
+    }
+
     /// Four bytes as they stand.
     pub(super) fn raw_four(&mut self) -> Result<[u8; 4], MshError> {
         self.take::<4>(false)

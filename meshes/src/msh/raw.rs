@@ -9,6 +9,8 @@ use super::{v2, v4};
 pub(super) struct Raw {
     /// Dimension, number and name of each named group.
     pub(super) names: Vec<(i64, i64, String)>,
+    /// First line of the comments.
+    pub(super) comment: String,
     /// Number and position of each node.
     pub(super) nodes: Vec<(u64, [f64; 3])>,
     /// Number of each element.
@@ -126,6 +128,10 @@ impl Raw {
                         Version::V4 => v4::elements(&mut cursor, &entities, &mut raw)?,
                     }
                     cursor.close()?;
+                }
+                ("Comments", _) => {
+                    raw.comment = cursor.line();
+                    cursor.skip_section()?;
                 }
                 _ => cursor.skip_section()?,
             }

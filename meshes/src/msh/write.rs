@@ -22,12 +22,13 @@ pub enum Format {
 /// Writes a mesh with its parts as named volumes and its face groups as named surfaces; lengths in metres.
 ///
 /// Nodes and elements are numbered from 1 in the order of the mesh, the faces of groups after the elements. A path
-/// that ends in `.gz` is compressed.
+/// that ends in `.gz` is compressed. The comments hold `comment`, on one line, and that the lengths are in
+/// metres.
 ///
 /// # Errors
 /// [`MeshError::Write`].
-pub fn write(path: &Path, mesh: &Mesh, format: Format) -> Result<(), MeshError> {
-    let bytes = to_bytes(mesh, format);
+pub fn write(path: &Path, mesh: &Mesh, format: Format, comment: &str) -> Result<(), MeshError> {
+    let bytes = to_bytes(mesh, format, comment);
     let bytes = if path.extension().is_some_and(|end| end == "gz") {
         super::compressed(&bytes)
     } else {
@@ -40,7 +41,7 @@ pub fn write(path: &Path, mesh: &Mesh, format: Format) -> Result<(), MeshError> 
 }
 
 /// The content of the file that [`write`] writes, uncompressed.
-pub fn to_bytes(mesh: &Mesh, format: Format) -> Vec<u8> {
+pub fn to_bytes(mesh: &Mesh, format: Format, comment: &str) -> Vec<u8> {
     let mut out = Out {
         bytes: Vec::new(),
         binary: matches!(format, Format::Binary22 | Format::Binary41),
@@ -56,7 +57,13 @@ pub fn to_bytes(mesh: &Mesh, format: Format) -> Vec<u8> {
         out.int(1);
         out.line();
     }
-    out.text("$EndMeshFormat\n$PhysicalNames\n");
+    out.text("$EndMeshFormat\n");
+    let (comment, between) = (comment.replace('\n', " "), if comment.is_empty() { "" } else { "; " });
+    out.text(&format!(
+        "$Comments\n{comment}{between}{}\n$EndComments\n",
+        super::IN_METRES
+    ));
+    out.text("$PhysicalNames\n");
     out.text(&format!("{}\n", mesh.part_names.len() + mesh.groups.len()));
     for (k, group) in mesh.groups.iter().enumerate() {
         out.text(&format!("2 {} \"{}\"\n", k + 1, group.name));
