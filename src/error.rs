@@ -89,6 +89,31 @@ pub enum Error {
         /// Mass of the cycle's tool \[kg\].
         tool: f64,
     },
+    /// The user's mesh of the tool has no surface for a lumped mass.
+    #[error(
+        "{mass:.3} kg of the tool's mass belong on the surface \"{group}\", which the mesh has not; it has: {known}"
+    )]
+    #[diagnostic(help(
+        "name that surface (gmsh: Physical Surface(\"{group}\") = ...), set its share in `body.lumped_nose` and \
+         `body.lumped_magazine`, or set `body.lumped = false`"
+    ))]
+    NoSeat {
+        /// Name of the surface.
+        group: &'static str,
+        /// Mass that it would carry \[kg\].
+        mass: f64,
+        /// The names there are.
+        known: String,
+    },
+    /// There is no such mode.
+    #[error("mode {mode} cannot be shown: the body has {modes} modes")]
+    #[diagnostic(help("choose a number from the table of modes, or raise the body's top frequency in [analysis]"))]
+    NoMode {
+        /// Its number, from 1.
+        mode: usize,
+        /// How many there are.
+        modes: usize,
+    },
     /// A design has several bodies.
     #[error("a design has several bodies")]
     #[diagnostic(help("choose one: --body workpiece, --body worktable or --body tool"))]

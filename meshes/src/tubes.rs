@@ -1,13 +1,14 @@
 //! The worktable of steel: a plate on hollow legs, meshed apart and to be tied.
 
-use crate::worktable::{checked, legs};
-use crate::{Block, Grid, Mesh, MeshError, Worktable, block, subdivide};
+use crate::worktable::{checked, legs, lines};
+use crate::{Grid, Mesh, MeshError, Worktable, subdivide};
 
-/// Meshes a worktable on square tubes of this `wall` \[m\], one element through the wall, open below and at the plate.
+/// Meshes a worktable on square tubes of this `wall` \[m\], one element through the wall and no longer than `leg_element_size`
+/// along and across it, open below and at the plate.
 ///
 /// Plate and legs share no nodes: the legs' upper ends, the group `weld_slave`, are to be tied to the plate's underside,
-/// `weld_master`. Apart, neither mesh carries the lines of the other, which a wall of 2 mm would draw across the whole
-/// plate. Parts `top` and `leg`; the other groups are `top`, `sides`, `leg_sides` (inside too) and `floor`.
+/// `weld_master`, so that no wall draws its lines across the plate. The plate's own lines run along the legs' outlines:
+/// without them the first plate mode comes out 2 % higher. Parts `top` and `leg`; the other groups are `top`, `sides`, `leg_sides` (inside too) and `floor`.
 ///
 /// # Errors
 /// As [`worktable`](crate::worktable()), and [`MeshError::DoesNotFit`] when two walls fill a leg.
@@ -29,32 +30,22 @@ pub fn tube_worktable(spec: &Worktable, wall: f64) -> Result<Mesh, MeshError> {
         }
     }
     let [floor, underside] = legs(spec);
-    let mut divisions = [0, 0, spec.top_layers];
-    for k in 0..2 {
-        divisions[k] = subdivide(0.0, spec.top[k], spec.element_size)?.len();
-    }
-    let mut mesh = block(&Block {
-        size: [spec.top[0], spec.top[1], spec.thickness],
-        divisions,
-        origin: [spec.origin[0], spec.origin[1], underside],
-    })?;
-    mesh.part_names = vec!["top".to_owned()];
-    let mut sides = Vec::new();
-    mesh.groups.retain_mut(|group| match group.name.as_str() {
-        "top" => true,
-        "bottom" => {
-            "weld_master".clone_into(&mut group.name);
-            true
-        }
-        _ => {
-            sides.append(&mut group.faces);
-            false
-        }
-    });
-    mesh.groups.push(crate::FaceGroup {
-        name: "sides".to_owned(),
-        faces: sides,
-    });
+    let mut through = vec![underside];
+    through.extend(subdivide(
+        underside,
+        underside + spec.thickness,
+        spec.thickness / spec.top_layers as f64,
+    )?);
+    let plate = Grid::new(lines(spec, 0)?, lines(spec, 1)?, through)?;
+    let mut mesh = plate.mesh(
+        &["top"],
+        |_| Some(0),
+        |_, axis, upper, _| match (axis, upper) {
+            (2, true) => "top",
+            (2, false) => "weld_master",
+            _ => "sides",
+        },
+    );
     let mut z = vec![floor];
     z.extend(subdivide(floor, underside, spec.leg_element_size)?);
     let corners = |k: usize| [spec.origin[k], spec.origin[k] + spec.top[k] - spec.leg[k]];
@@ -62,7 +53,7 @@ pub fn tube_worktable(spec: &Worktable, wall: f64) -> Result<Mesh, MeshError> {
         for x in corners(0) {
             let across = |from: f64, width: f64| -> Result<Vec<f64>, MeshError> {
                 let mut line = vec![from, from + wall];
-                line.extend(subdivide(from + wall, from + width - wall, spec.element_size)?);
+                line.extend(subdivide(from + wall, from + width - wall, spec.leg_element_size)?);
                 line.push(from + width);
                 Ok(line)
             };

@@ -35,20 +35,12 @@ pub struct Worktable {
 /// than nothing.
 pub fn worktable(spec: &Worktable) -> Result<Mesh, MeshError> {
     checked(spec)?;
-    let across = |k: usize| -> Result<Vec<f64>, MeshError> {
-        let (o, a, l) = (spec.origin[k], spec.leg[k], spec.top[k]);
-        let mut line = vec![o];
-        for (from, to) in [(o, o + a), (o + a, o + l - a), (o + l - a, o + l)] {
-            line.extend(subdivide(from, to, spec.element_size)?);
-        }
-        Ok(line)
-    };
     let ([floor, underside], top) = (legs(spec), spec.origin[2] + spec.height);
     let mut z = vec![floor];
     z.extend(subdivide(floor, underside, spec.leg_element_size)?);
     let leg_layers = z.len() - 1;
     z.extend(subdivide(underside, top, spec.thickness / spec.top_layers as f64)?);
-    let grid = Grid::new(across(0)?, across(1)?, z)?;
+    let grid = Grid::new(lines(spec, 0)?, lines(spec, 1)?, z)?;
     let over_leg = |cell: [usize; 3]| {
         let centre = grid.centre(cell);
         (0..2).all(|k| {
@@ -69,6 +61,16 @@ pub fn worktable(spec: &Worktable) -> Result<Mesh, MeshError> {
             _ => "leg_sides",
         }
     }))
+}
+
+/// Grid lines through the top along an axis, with the legs' outlines among them \[m\].
+pub(crate) fn lines(spec: &Worktable, axis: usize) -> Result<Vec<f64>, MeshError> {
+    let (o, a, l) = (spec.origin[axis], spec.leg[axis], spec.top[axis]);
+    let mut line = vec![o];
+    for (from, to) in [(o, o + a), (o + a, o + l - a), (o + l - a, o + l)] {
+        line.extend(subdivide(from, to, spec.element_size)?);
+    }
+    Ok(line)
 }
 
 /// Heights of the legs' lower and upper ends \[m\].

@@ -5,7 +5,8 @@ use std::process::ExitCode;
 
 use clap::Args;
 use nailnoise_fem::Material;
-use nailnoise_meshes::{Mesh, Quality};
+use nailnoise_meshes::{Mesh, MeshError, Quality, Surface};
+use nalgebra::{Matrix6x3, Vector3};
 use serde::Serialize;
 
 use super::bodies::Input;
@@ -33,6 +34,8 @@ struct CheckResult {
     /// Number of the worst element in its file.
     worst_element: u64,
     unused_nodes: usize,
+    /// Tied interfaces between pieces.
+    ties: usize,
     parts: Vec<Part>,
     groups: Vec<Group>,
     /// Faults that make the mesh unusable.
@@ -58,11 +61,13 @@ struct Part {
 struct Waves {
     /// Frequency to which modes are computed \[Hz\].
     hz: f64,
-    /// Shortest shear wave \[m\].
-    shear: f64,
-    /// Shortest bending wave of a wall of the mean thickness \[m\].
-    bending: f64,
-    /// Elements in the shorter of the two, at the longest side.
+    /// Mean thickness, twice the volume over the skin \[m\].
+    thickness: f64,
+    /// Shortest wave along the element side that is longest against it \[m\].
+    shortest: f64,
+    /// That side \[m\].
+    side: f64,
+    /// Such sides in that wave.
     elements: f64,
 }
 
@@ -87,7 +92,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let loaded = arguments.input.load()?;
     let mesh = &loaded.imported.mesh;
     let quality = mesh.quality()?;
-    let skin = nailnoise_meshes::Surface::of(mesh);
+    let skin = Surface::of(mesh);
     let number = |element: usize| {
         loaded
             .imported
@@ -103,7 +108,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         .as_ref()
         .map_or(1.0, |(design, _)| design.analysis.mode_margin);
     let volumes = mesh.part_volumes()?;
-    let thickness = 2.0 * quality.volume / quality.skin_area;
+    let thickness = thicknesses(mesh, &skin, &volumes)?;
     let longest = mesh.longest_edges();
     let parts = (0..volumes.len())
         .map(|part| Part {
@@ -111,7 +116,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             volume: volumes[part],
             mass: geometry.map(|geometry| volumes[part] * geometry.materials[part].density()),
             longest_edge: longest[part],
-            waves: geometry.map(|g| waves(&g.materials[part], margin * g.top_hz, thickness, longest[part])),
+            waves: geometry.map(|g| waves(mesh, part, &g.materials[part], margin * g.top_hz, thickness[part])),
         })
         .collect::<Vec<_>>();
     let groups = mesh
@@ -126,19 +131,28 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             }
         })
         .collect();
-    let (faults, warnings) = findings(mesh, &quality, worst_element, &parts, loaded.imported.unused_nodes);
+    let ties = geometry.map_or(0, |geometry| geometry.attachments.ties.len());
+    let (faults, warnings) = findings(
+        mesh,
+        &quality,
+        worst_element,
+        &parts,
+        loaded.imported.unused_nodes,
+        ties > 0,
+    );
     let result = CheckResult {
         schema: "nailnoise-check/1",
         nodes: mesh.nodes.len(),
         elements: mesh.element_count(),
         worst_element,
         unused_nodes: loaded.imported.unused_nodes,
+        ties,
         parts,
         groups,
         faults,
         warnings,
         mass: geometry.map(Geometry::mass).transpose()?,
-        cost: geometry.map(|g| cost(g, &quality, &volumes, margin * g.top_hz, thickness)),
+        cost: geometry.map(|g| cost(g, &quality, &volumes, margin * g.top_hz, &thickness)),
         quality,
     };
     if arguments.json {
@@ -149,24 +163,73 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     Ok(ExitCode::from(if result.faults.is_empty() { 0 } else { 2 }))
 }
 
-/// Shear wave c_S / f with the slowest shear speed, and bending wave (Cremer, Heckl and Petersson, *Structure-Borne
-/// Sound*, section 3.3)
-///
-/// ```text
-/// lambda_B = sqrt(1.8 c_P t / f),   c_P = sqrt(2/(1 - nu)) c_S with nu = 0.3
-/// ```
-fn waves(material: &Material, hz: f64, thickness: f64, longest: f64) -> Waves {
-    let c_s = material.slowest_speed();
-    let shear = c_s / hz;
-    let bending = (1.8 * plate_speed(c_s) * thickness / hz).sqrt();
-    Waves {
-        hz,
-        shear,
-        bending,
-        elements: shear.min(bending) / longest,
+/// Mean thickness of the walls of each part, twice its volume over its share of the skin \[m\].
+fn thicknesses(mesh: &Mesh, skin: &Surface, volumes: &[f64]) -> Result<Vec<f64>, MeshError> {
+    let mut area = vec![0.0; volumes.len()];
+    for point in skin.quadrature(3)? {
+        area[mesh.parts[skin.faces[point.face].of.element]] += point.weight;
     }
+    Ok(volumes
+        .iter()
+        .zip(area)
+        .map(|(volume, area)| 2.0 * volume / area)
+        .collect())
 }
 
+/// The shortest waves along every element side, in a solid and in a wall (Cremer, Heckl and Petersson, *Structure-Borne
+/// Sound*, section 3.3),
+///
+/// ```text
+/// lambda_S = c_S / f,   lambda_B = sqrt(1.8 c_L t / f),
+/// ```
+///
+/// with c_S and c_L of [`speeds`] in the direction of the side, so that long elements along a grain are not taken for
+/// coarse ones.
+fn waves(mesh: &Mesh, part: usize, material: &Material, hz: f64, thickness: f64) -> Waves {
+    let mut worst = Waves {
+        hz,
+        thickness,
+        shortest: f64::INFINITY,
+        side: 0.0,
+        elements: f64::INFINITY,
+    };
+    for view in mesh.elements().filter(|view| view.part == part) {
+        for &[a, b] in view.kind.edges() {
+            let edge = mesh.nodes[view.nodes[b]] - mesh.nodes[view.nodes[a]];
+            let side = edge.norm();
+            let [slow, fast] = speeds(material, &(edge / side));
+            let shortest = (slow / hz).min((1.8 * fast * thickness / hz).sqrt());
+            if shortest / side < worst.elements {
+                worst = Waves {
+                    shortest,
+                    side,
+                    elements: shortest / side,
+                    ..worst
+                };
+            }
+        }
+    }
+    worst
+}
+
+/// Slowest and fastest plane wave in the direction n \[m/s\]: rho c^2 are the eigenvalues of Christoffel's matrix
+/// Gamma_ik = C_ijkl n_j n_l (Auld, *Acoustic Fields and Waves in Solids*, section 7.C).
+fn speeds(material: &Material, n: &Vector3<f64>) -> [f64; 2] {
+    // Strain of the displacement e_k e^(j n.x), in the order xx, yy, zz, yz, xz, xy.
+    let strain = Matrix6x3::new(
+        n.x, 0.0, 0.0, //
+        0.0, n.y, 0.0, //
+        0.0, 0.0, n.z, //
+        0.0, n.z, n.y, //
+        n.z, 0.0, n.x, //
+        n.y, n.x, 0.0,
+    );
+    let christoffel = strain.transpose() * material.stiffness() * strain / material.density();
+    let squares = christoffel.symmetric_eigenvalues();
+    [squares.min().sqrt(), squares.max().sqrt()]
+}
+
+/// Longitudinal speed of a plate for a shear speed, c_P = sqrt(2/(1 - nu)) c_S with nu = 0.3.
 fn plate_speed(c_s: f64) -> f64 {
     (2.0_f64 / 0.7).sqrt() * c_s
 }
@@ -174,7 +237,14 @@ fn plate_speed(c_s: f64) -> f64 {
 /// Fewest quadratic elements in a wave before a frequency is off by more than a percent or so.
 const FEWEST: f64 = 2.0;
 
-fn findings(mesh: &Mesh, quality: &Quality, worst: u64, parts: &[Part], unused: usize) -> (Vec<String>, Vec<String>) {
+fn findings(
+    mesh: &Mesh,
+    quality: &Quality,
+    worst: u64,
+    parts: &[Part],
+    unused: usize,
+    tied: bool,
+) -> (Vec<String>, Vec<String>) {
     let (mut faults, mut warnings) = (Vec::new(), Vec::new());
     if quality.inverted > 0 {
         faults.push(format!(
@@ -198,13 +268,14 @@ fn findings(mesh: &Mesh, quality: &Quality, worst: u64, parts: &[Part], unused: 
             nailnoise_meshes::POOR
         ));
     }
-    if quality.pieces > 1 {
+    if quality.pieces > 1 && !tied {
         warnings.push(format!(
-            "{} pieces share no node; each moves by itself, with 6 rigid modes of its own",
+            "{} pieces share no node; each moves by itself, with 6 rigid modes of its own, unless surfaces NAME_slave \
+             and NAME_master tie them",
             quality.pieces
         ));
     }
-    if quality.coincident_nodes > 0 {
+    if quality.coincident_nodes > 0 && !tied {
         warnings.push(format!(
             "{} nodes lie on another node: a crack, unless it is meant (gmsh: Coherence Mesh)",
             quality.coincident_nodes
@@ -221,12 +292,14 @@ fn findings(mesh: &Mesh, quality: &Quality, worst: u64, parts: &[Part], unused: 
     for part in parts {
         if let Some(waves) = part.waves.as_ref().filter(|waves| waves.elements < FEWEST) {
             warnings.push(format!(
-                "{}: {:.1} elements in the shortest wave ({:.0} mm at {:.0} Hz), fewer than {FEWEST}: refine to {:.0} mm",
+                "{}: {:.1} elements in the shortest wave ({:.0} mm at {:.0} Hz, along a side of {:.0} mm), fewer than \
+                 {FEWEST}: refine to {:.0} mm",
                 part.name,
                 waves.elements,
-                waves.shear.min(waves.bending) * 1e3,
+                waves.shortest * 1e3,
                 waves.hz,
-                waves.shear.min(waves.bending) / FEWEST * 1e3
+                waves.side * 1e3,
+                waves.shortest / FEWEST * 1e3
             ));
         }
     }
@@ -238,10 +311,10 @@ fn findings(mesh: &Mesh, quality: &Quality, worst: u64, parts: &[Part], unused: 
 /// Modes by the larger of the leading terms for solids (Dupuis, Mazo and Onsager 1960) and for plates (Courant and
 /// Hilbert), N = V w^3 / (6 pi^2) sum 1/c^3 and N = A w sqrt(12)/(4 pi c_P t). The factor of a nested dissection holds
 /// 28 n^(4/3) values for a compact body (measured at 61 000 degrees of freedom), and takes about 3 L^2/n operations.
-fn cost(geometry: &Geometry, quality: &Quality, volumes: &[f64], hz: f64, thickness: f64) -> Cost {
+fn cost(geometry: &Geometry, quality: &Quality, volumes: &[f64], hz: f64, thickness: &[f64]) -> Cost {
     let omega = TAU * hz;
     let n = 3.0 * geometry.mesh.nodes.len() as f64;
-    let of_part = |(volume, material): (&f64, &Material)| {
+    let of_part = |((volume, thickness), material): ((&f64, &f64), &Material)| {
         let c = |k: usize| (material.stiffness()[(k, k)] / material.density()).sqrt();
         let sum: f64 = (0..3)
             .map(|k| c(k).powi(-3) / 3.0 + 2.0 * c(k + 3).powi(-3) / 3.0)
@@ -250,7 +323,13 @@ fn cost(geometry: &Geometry, quality: &Quality, volumes: &[f64], hz: f64, thickn
         let plate = volume / thickness * omega * 12f64.sqrt() / (2.0 * TAU * plate_speed(c(5)) * thickness);
         solid.max(plate)
     };
-    let modes = 6.0 + volumes.iter().zip(&geometry.materials).map(of_part).sum::<f64>();
+    let modes = 6.0
+        + volumes
+            .iter()
+            .zip(thickness)
+            .zip(&geometry.materials)
+            .map(of_part)
+            .sum::<f64>();
     // Thin walls separate at fewer nodes: their factor grows as n log n.
     let thin = quality.skin_area * quality.longest_edge > 3.0 * quality.volume;
     let factor = if thin {
@@ -293,7 +372,10 @@ fn text(name: &str, result: &CheckResult) -> String {
             format!("{} open edges", q.open_edges)
         },
     );
-    line("pieces", q.pieces.to_string());
+    line(
+        "pieces",
+        format!("{}{}", q.pieces, if result.ties > 0 { ", tied" } else { "" }),
+    );
     line(
         "element sides",
         format!("{:.2} to {:.1} mm", q.shortest_edge * 1e3, q.longest_edge * 1e3),
@@ -321,7 +403,7 @@ fn text(name: &str, result: &CheckResult) -> String {
                 format!("{:.1}", part.volume * 1e6),
                 cell(part.mass, 3),
                 format!("{:.1}", part.longest_edge * 1e3),
-                cell(waves.map(|w| w.shear.min(w.bending) * 1e3), 0),
+                cell(waves.map(|w| w.shortest * 1e3), 0),
                 cell(waves.map(|w| w.elements), 1),
             ]
         })

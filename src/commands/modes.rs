@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use nailnoise_fem::Sturm;
+use nailnoise_fem::{ModalWork, Sturm};
 use nailnoise_meshes::uff;
 use serde::Serialize;
 
@@ -29,6 +29,9 @@ pub(super) struct Arguments {
     /// Also write the modes as a universal file (datasets 2411, 15, 2412, 55) for modal-test software
     #[arg(long)]
     uff: bool,
+    /// Also write a period of this mode as a film for ParaView; may be given again
+    #[arg(long, value_name = "MODE", value_parser = clap::value_parser!(u32).range(1..))]
+    animate: Vec<u32>,
     /// Universal file of measured modes to compare with (MAC)
     #[arg(long, value_name = "FILE")]
     mac: Option<PathBuf>,
@@ -46,6 +49,7 @@ struct ModesResult {
     dofs: usize,
     modes: Vec<Mode>,
     sturm: Sturm,
+    work: ModalWork,
     checks: Vec<Check>,
     #[serde(skip_serializing_if = "Option::is_none")]
     correlation: Option<Correlation>,
@@ -78,6 +82,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     };
     progress.stage("writing files");
     let mut files = vec![output::write_modes(&folder, &body)?];
+    for &mode in &arguments.animate {
+        files.push(output::write_motion(&folder, &body, mode as usize - 1)?);
+    }
     if arguments.uff {
         files.push(output::write_universal(&folder, design.name(), &body)?);
     }
@@ -98,6 +105,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         dofs: basis.dofs,
         modes: basis.hz.iter().enumerate().map(mode).collect(),
         sturm: basis.sturm,
+        work: basis.work,
         checks: body.checks(),
         correlation,
     };
@@ -106,7 +114,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     } else {
         print(&text(&result, &body));
         for file in files {
-            print(&format!("  mode shapes in {}\n", file.display()));
+            print(&format!("  written to {}\n", file.display()));
         }
     }
     Ok(status_of(&result.checks))

@@ -737,7 +737,7 @@ group! {
         worktable_element: f64 = positive(LENGTH), "";
         /// Largest length of a quadratic element along the worktable's legs.
         worktable_leg_element: f64 = positive(LENGTH), "";
-        /// Largest length of a quadratic element along the steel tubes of worktables B and C.
+        /// Largest side of a quadratic element in the walls of the steel tubes of worktables B and C.
         worktable_tube_element: f64 = positive(LENGTH), "";
         /// Largest side of a quadratic tetrahedron of the tool body.
         body_element: f64 = positive(LENGTH), "";

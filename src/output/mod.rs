@@ -3,6 +3,7 @@
 mod columns;
 mod csv;
 mod fields;
+mod motion;
 mod sensors;
 mod shot;
 
@@ -54,6 +55,19 @@ pub fn write_cycle(folder: &Path, record: &CycleRecord) -> Result<(), Error> {
 /// [`Error::Write`] or [`Error::Mesh`] with the file that could not be written.
 pub fn write_modes(folder: &Path, body: &Body) -> Result<PathBuf, Error> {
     fields::write_modes(&folder.join("modes").join(body.name), body)
+}
+
+/// Writes one period of mode `mode` (from 0) of a body to `folder/modes/BODY/`; returns the `.pvd` that plays it.
+///
+/// # Errors
+/// [`Error::NoMode`] when there are not so many; [`Error::Write`] or [`Error::Mesh`] with the file that could not be
+/// written.
+pub fn write_motion(folder: &Path, body: &Body, mode: usize) -> Result<PathBuf, Error> {
+    let modes = body.basis.hz.len();
+    if mode >= modes {
+        return Err(Error::NoMode { mode: mode + 1, modes });
+    }
+    motion::write(&folder.join("modes").join(body.name), body, mode)
 }
 
 /// Writes the skin and the modes of a body to `folder/modes/BODY/modes.uff` for modal-test software.

@@ -383,6 +383,9 @@ fn lumped(design: &Design, geometry: &Geometry) -> Result<Vec<LumpedMass>, Error
     .filter(|(_, share, _)| share * rest > 0.0)
     .map(|(group, share, gyration)| {
         let mass = share * rest;
+        if let Err(MeshError::UnknownGroup { known, .. }) = geometry.mesh.group(group) {
+            return Err(Error::NoSeat { group, mass, known });
+        }
         Ok(LumpedMass {
             group: group.to_owned(),
             mass,

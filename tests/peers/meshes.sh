@@ -3,6 +3,10 @@
 # .msh by gmsh. A STEP file written by gmsh becomes modes in one command, and a damaged mesh ends with status 2.
 # Needs gmsh and Python with vtk, pyuff and numpy; `NAILNOISE` names the program, `PYTHON` the interpreter.
 set -euo pipefail
+for tool in gmsh "${PYTHON:-python3}"; do
+    command -v "$tool" > /dev/null || { echo "tests/peers/meshes.sh needs $tool, which is missing" >&2; exit 1; }
+done
+"${PYTHON:-python3}" -c "import numpy, pyuff, vtkmodules" || { echo "pip install vtk pyuff numpy" >&2; exit 1; }
 cd "$(dirname "$0")/../.."
 nailnoise=$(realpath "${NAILNOISE:-target/release/nailnoise}")
 python=${PYTHON:-python3}
@@ -28,7 +32,12 @@ density = { value = "7850 kg/m3", range = "7750 .. 7900 kg/m3" }
 body_top = "3 kHz"
 body_element = { value = "20 mm", range = "10 .. 30 mm" }
 TOML
-"$nailnoise" modes "$work/plate.toml" --body tool --uff --out "$work/plate" --json > "$work/plate.json"
+"$nailnoise" modes "$work/plate.toml" --body tool --uff --animate 7 --out "$work/plate" --json > "$work/plate.json"
+# The same from the command line alone, in place of the block.
+"$nailnoise" modes tests/data/small.toml --body workpiece --mesh "$work/plate.step" --out "$work/line" --json \
+    > "$work/line.json"
+# The whole chain: fields, films and sensors.
+"$nailnoise" run tests/data/small.toml --out "$work/run" --json > "$work/run.json"
 # The program's own file as the measured one: every mode is its own best match.
 "$nailnoise" modes "$work/plate.toml" --body tool --mac "$work/plate/modes/tool/modes.uff" --out "$work/again" --json \
     > "$work/mac.json"
