@@ -21,11 +21,12 @@ pub(crate) struct BlockLu {
     factors: Box<Factors>,
 }
 
-/// All by columns, so that every inner loop is a sum of scaled columns.
+/// The state block by columns, so that every inner loop is a sum of scaled columns.
 struct Factors {
     lu: [[f64; STATES]; STATES],
     pivot: [usize; STATES],
-    below: [[f64; INTEGRALS]; STATES],
+    /// Entries of B that are not zero: row, column, value.
+    below: Vec<(u32, u32, f64)>,
     singular: bool,
 }
 
@@ -34,7 +35,7 @@ impl Default for Factors {
         Self {
             lu: [[0.0; STATES]; STATES],
             pivot: [0; STATES],
-            below: [[0.0; INTEGRALS]; STATES],
+            below: Vec::with_capacity(INTEGRALS * STATES),
             singular: true,
         }
     }
@@ -51,9 +52,12 @@ fn subtract(y: &mut [f64], a: f64, x: &[f64]) {
 impl Factors {
     /// Gaussian elimination with partial pivoting of a column-major matrix's leading block.
     fn factorise(&mut self, matrix: &[f64]) {
+        self.below.clear();
         for (j, column) in matrix.chunks_exact(SIZE).take(STATES).enumerate() {
             self.lu[j].copy_from_slice(&column[..STATES]);
-            self.below[j].copy_from_slice(&column[STATES..]);
+            let entries = column[STATES..].iter().enumerate().filter(|(_, value)| **value != 0.0);
+            self.below
+                .extend(entries.map(|(i, value)| (i as u32, j as u32, *value)));
         }
         self.singular = false;
         for k in 0..STATES {
@@ -100,16 +104,16 @@ impl Factors {
             let (head, tail) = x.split_at_mut(j);
             subtract(head, tail[0], &self.lu[j][..j]);
         }
-        for (x, column) in x.iter().zip(&self.below) {
-            subtract(q, *x, column);
+        for (i, j, value) in &self.below {
+            q[*i as usize] -= value * x[*j as usize];
         }
     }
 
     fn solve_transpose(&self, b: &mut [f64]) {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let (x, q) = b.split_at_mut(STATES);
-        for (x, column) in x.iter_mut().zip(&self.below) {
-            *x -= dot(column, q);
+        for (i, j, value) in &self.below {
+            x[*j as usize] -= value * q[*i as usize];
         }
         for j in 0..STATES {
             x[j] = (x[j] - dot(&self.lu[j][..j], &x[..j])) / self.lu[j][j];

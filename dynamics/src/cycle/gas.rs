@@ -115,8 +115,8 @@ impl Air {
     ///
     /// Solves first P_u N(P_m/P_u) = second P_m N(P_d/P_m) for P_d <= P_m <= P_u, the temperature being the same in
     /// both (C-15). The residual falls strictly in P_m, so safeguarded Newton cannot fail; derivatives follow from the
-    /// implicit function theorem.
-    pub(crate) fn intermediate_pressure<S: Real>(&self, first: S, second: S, up: S, down: S) -> S {
+    /// implicit function theorem. `near` is where to look first, if something is known.
+    pub(crate) fn intermediate_pressure<S: Real>(&self, first: S, second: S, up: S, down: S, near: Option<f64>) -> S {
         let (pu, pd, a1, a2) = (up.value(), down.value(), first.value(), second.value());
         let (mut low, mut high) = (pd, pu);
         // Where both restrictions are in the linear range the balance is linear in P_m.
@@ -127,6 +127,9 @@ impl Air {
             let choked = a1 * pu / a2;
             if choked <= self.critical * pu && pd <= self.critical * choked {
                 pm = choked;
+            }
+            if let Some(near) = near.filter(|near| *near > pd && *near < pu) {
+                pm = near;
             }
             for _ in 0..80 {
                 let (n1, dn1) = self.flow_function((pm / pu).min(1.0));
@@ -219,7 +222,7 @@ mod tests {
                     let mid = 0.5 * (low + high);
                     if g(mid) > 0.0 { low = mid } else { high = mid }
                 }
-                let pm = air.intermediate_pressure(a1, a2, pu, pd);
+                let pm = air.intermediate_pressure(a1, a2, pu, pd, None);
                 assert!((pm - low).abs() < 1e-7 * low, "{ratio} {a1}: {pm} {low}");
             }
         }
@@ -228,7 +231,7 @@ mod tests {
     #[test]
     fn series_restriction_has_exact_derivatives() {
         let air = air();
-        let solve = |a1: f64, pu: f64| air.intermediate_pressure(a1, 1.4e-4, pu, 101_325.0);
+        let solve = |a1: f64, pu: f64| air.intermediate_pressure(a1, 1.4e-4, pu, 101_325.0, None);
         for (a1, pu) in [(1e-4, 3e5), (4e-4, 1.3e5), (2e-5, 6e5)] {
             let dual = air.intermediate_pressure(
                 Dual {
@@ -241,6 +244,7 @@ mod tests {
                     slope: [0.0, 1.0],
                 },
                 Dual::constant(101_325.0),
+                None,
             );
             let (ha, hp) = (1e-5 * a1, 1e-5 * pu);
             let da = (solve(a1 + ha, pu) - solve(a1 - ha, pu)) / (2.0 * ha);

@@ -292,13 +292,15 @@ impl<'s> Cycle<'s> {
                 });
             }
             let (from, to) = (self.t, solver.state().t);
+            let interpolate = |t: f64, y: &mut NalgebraVec<f64>| {
+                let failure = |cause: diffsol::DiffsolError| CycleError::Integration {
+                    time: t,
+                    cause: cause.to_string(),
+                };
+                solver.interpolate_inplace(t, y).map_err(failure)
+            };
             let mut at = |t: f64| -> Result<State, CycleError> {
-                solver
-                    .interpolate_inplace(t, &mut scratch)
-                    .map_err(|cause| CycleError::Integration {
-                        time: t,
-                        cause: cause.to_string(),
-                    })?;
+                interpolate(t, &mut scratch)?;
                 let mut y = [0.0; SIZE];
                 y.copy_from_slice(scratch.batch_as_slice(0));
                 Ok(y)
@@ -367,10 +369,11 @@ impl<'s> Cycle<'s> {
             self.run.log.sort_from(logged);
             while self.run.recorder.next_time() < t_end {
                 let time = self.run.recorder.next_time();
-                let y = at(time)?;
+                interpolate(time, &mut scratch)?;
+                let y = scratch.batch_as_slice(0);
                 self.run
                     .recorder
-                    .push(self.system, &self.mode, &equations.past(time), &y);
+                    .push(self.system, &self.mode, &equations.past(time), y);
             }
 
             self.t = t_end;
