@@ -108,6 +108,7 @@ impl From<&design::Exhaust> for dynamics::Exhaust {
             holes: own.holes,
             hole_diameter: own.hole_diameter,
             thrust_share: own.thrust_share,
+            muffler_area: (own.muffler.kind != design::MufflerKind::None).then_some(own.muffler.flow_area),
         }
     }
 }
