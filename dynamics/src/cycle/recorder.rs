@@ -97,7 +97,11 @@ impl Recorder {
         let now = system.instant(y);
         let e = system.forces(y, &now, mode);
         self.peak(&e);
-        let near = self.exhaust.plenum_pressure.last().copied();
+        // The trend of the last two samples.
+        let near = match self.exhaust.plenum_pressure[..] {
+            [.., before, last] => Some(2.0 * last - before),
+            _ => None,
+        };
         let exhaust = system.exhaust(&now, mode, near);
         let acceleration = system.accelerations(&e, exhaust.thrust, mode);
         let Instant { travel, valve, gas, .. } = now;
