@@ -241,10 +241,10 @@ mod tests {
             factors.solve_transpose(&mut xt);
             for (transpose, x) in [(false, &x), (true, &xt)] {
                 let entry = |i: usize, j: usize| if transpose { a[i * SIZE + j] } else { a[j * SIZE + i] };
-                for i in 0..SIZE {
+                for (i, right) in right.iter().enumerate() {
                     let terms: Vec<f64> = (0..SIZE).map(|j| entry(i, j) * x[j]).collect();
                     let size = terms.iter().map(|term| term.abs()).sum::<f64>();
-                    let residual = (terms.iter().sum::<f64>() - right[i]).abs();
+                    let residual = (terms.iter().sum::<f64>() - right).abs();
                     assert!(residual <= 1e-13 * size, "{i} {transpose}: {residual} of {size}");
                 }
             }
