@@ -352,19 +352,12 @@ mod tests {
             let dual =
                 air.two_intermediate_pressures([along(a1, [1.0, 0.0]), holes, muffler], along(pu, [0.0, 1.0]), ambient);
             let (ha, hp) = (1e-5 * a1, 1e-5 * pu);
-            for i in 0..2 {
+            for (i, pressure) in dual.iter().enumerate() {
                 let da = (solve(a1 + ha, pu)[i] - solve(a1 - ha, pu)[i]) / (2.0 * ha);
                 let dp = (solve(a1, pu + hp)[i] - solve(a1, pu - hp)[i]) / (2.0 * hp);
-                assert!(
-                    (dual[i].slope[0] / da - 1.0).abs() < 1e-4,
-                    "{i} {} {da}",
-                    dual[i].slope[0]
-                );
-                assert!(
-                    (dual[i].slope[1] / dp - 1.0).abs() < 1e-4,
-                    "{i} {} {dp}",
-                    dual[i].slope[1]
-                );
+                for (slope, difference) in pressure.slope.iter().zip([da, dp]) {
+                    assert!((slope / difference - 1.0).abs() < 1e-4, "{i} {slope} {difference}");
+                }
             }
         }
     }
