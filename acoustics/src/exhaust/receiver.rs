@@ -60,6 +60,9 @@ const FIRST: f64 = -0.4;
 const STEP: f64 = 0.01;
 const SPEEDS: usize = 81;
 
+/// Name of the contribution that is a point source.
+const OUTFLOW: &str = "unsteady flow";
+
 /// The way of sound from the outlet to the receiver, directly or by the floor.
 struct Path {
     length: f64,
@@ -117,69 +120,44 @@ impl ExhaustNoise {
         positive("number of directions of the exhaust", outlet.directions.len() as f64)?;
         let direct = Path::new(outlet, point)?;
         let reflected = floor.map(|floor| floor.path(outlet, point)).transpose()?;
-        let coherence = floor.map_or(0.0, |floor| floor.coherence);
-        let frequency = &self.spectrum.frequency;
-        let intensity = air.impedance() / (4.0 * PI);
-        let interference = |hz: f64| {
-            let way = reflected.as_ref().map_or(0.0, |path| path.length - direct.length);
-            (2.0 * PI * hz / air.sound_speed * way).cos()
+        let paths = Paths {
+            coherence: floor.map_or(0.0, |floor| floor.coherence),
+            wavenumber: 2.0 * PI / air.sound_speed,
+            direct,
+            reflected,
         };
+        let (frequency, history) = (&self.spectrum.frequency, &self.history);
         let normal = similarity::total();
-        let mixing_shape = |x: f64| similarity::shape(x) / normal;
-        let history = &self.history;
-        let mut parts = Vec::with_capacity(3);
-        let kinds: [(&str, &[Burst], &dyn Fn(f64) -> f64, bool); 2] = [
-            ("mixing", &history.mixing, &mixing_shape, true),
-            ("shock", &history.shocks, &shock::shape, false),
-        ];
-        for (name, bursts, shape, directed) in kinds {
-            let table = |path: &Path| {
-                if directed {
-                    path.directivities()
-                } else {
-                    vec![1.0; SPEEDS]
-                }
-            };
-            let near = table(&direct);
-            let sum = |gain: &dyn Fn(usize) -> f64| spread(bursts, gain, shape, frequency);
-            let mut density = sum(&|i| near[i] / direct.length.powi(2));
-            if let Some(path) = &reflected {
-                let far = table(path);
-                let energies = sum(&|i| far[i] / path.length.powi(2));
-                let cross = sum(&|i| 2.0 * coherence * (near[i] * far[i]).sqrt() / (direct.length * path.length));
-                for (k, &hz) in frequency.iter().enumerate() {
-                    density[k] += energies[k] + cross[k] * interference(hz);
-                }
-            }
+        let muffled = |mut density: Vec<f64>| {
             if let Some(passed) = &history.passed {
                 density.iter_mut().zip(passed).for_each(|(e, factor)| *e *= factor);
             }
-            parts.push((name, density));
-        }
-        let (r, image) = (direct.length, reflected.as_ref().map(|path| path.length));
-        let point_source = |hz: f64| match image {
-            Some(far) => 1.0 / (r * r) + 1.0 / (far * far) + 2.0 / (r * far) * interference(hz),
-            None => 1.0 / (r * r),
+            density
         };
-        let power = self
-            .spectrum
-            .contributions
-            .iter()
-            .find(|part| part.name == "unsteady flow");
-        let outflow = power.map_or(vec![0.0; frequency.len()], |part| part.energy_density.clone());
-        let outflow = frequency
-            .iter()
-            .zip(outflow)
-            .map(|(&hz, e)| e * point_source(hz))
-            .collect();
-        parts.push(("unsteady flow", outflow));
-        let parts: Vec<Contribution> = parts
-            .into_iter()
-            .map(|(name, density)| Contribution {
-                name: name.to_owned(),
-                energy_density: density.into_iter().map(|e: f64| intensity * e).collect(),
-            })
-            .collect();
+        let mixing = paths.jets(
+            &history.mixing,
+            Path::directivities,
+            |x| similarity::shape(x) / normal,
+            frequency,
+        );
+        let shock = paths.jets(&history.shocks, |_| vec![1.0; SPEEDS], shock::shape, frequency);
+        let outflow = self.spectrum.contributions.iter().find(|part| part.name == OUTFLOW);
+        let outflow = outflow.map_or(vec![0.0; frequency.len()], |part| {
+            let energy = frequency.iter().zip(&part.energy_density);
+            energy.map(|(&hz, e)| e * paths.point_source(hz)).collect()
+        });
+        let intensity = air.impedance() / (4.0 * PI);
+        let parts: Vec<Contribution> = [
+            ("mixing", muffled(mixing)),
+            ("shock", muffled(shock)),
+            (OUTFLOW, outflow),
+        ]
+        .into_iter()
+        .map(|(name, density)| Contribution {
+            name: name.to_owned(),
+            energy_density: density.into_iter().map(|e| intensity * e).collect(),
+        })
+        .collect();
         let exposure_density = (0..frequency.len())
             .map(|k| parts.iter().map(|part| part.energy_density[k]).sum())
             .collect();
@@ -188,6 +166,53 @@ impl ExhaustNoise {
             exposure_density,
             parts,
         })
+    }
+}
+
+/// The ways of sound from an outlet to a receiver.
+struct Paths {
+    direct: Path,
+    reflected: Option<Path>,
+    coherence: f64,
+    /// k/f \[s/m\].
+    wavenumber: f64,
+}
+
+impl Paths {
+    /// cos k(r' - r).
+    fn interference(&self, hz: f64, reflected: &Path) -> f64 {
+        (self.wavenumber * hz * (reflected.length - self.direct.length)).cos()
+    }
+
+    /// |e^{-jkr}/r + e^{-jkr'}/r'|^2 \[1/m²\].
+    fn point_source(&self, hz: f64) -> f64 {
+        let r = self.direct.length;
+        self.reflected.as_ref().map_or(1.0 / (r * r), |path| {
+            let image = path.length;
+            1.0 / (r * r) + 1.0 / (image * image) + 2.0 / (r * image) * self.interference(hz, path)
+        })
+    }
+
+    /// Energy density of the bursts over r² at a receiver, by the directivity of a path at [`SPEEDS`] jet speeds.
+    fn jets(
+        &self,
+        bursts: &[Burst],
+        directivity: impl Fn(&Path) -> Vec<f64>,
+        shape: impl Fn(f64) -> f64,
+        frequency: &[f64],
+    ) -> Vec<f64> {
+        let sum = |gain: &dyn Fn(usize) -> f64| spread(bursts, gain, &shape, frequency);
+        let (near, r) = (directivity(&self.direct), self.direct.length);
+        let mut density = sum(&|i| near[i] / (r * r));
+        if let Some(path) = &self.reflected {
+            let (far, image) = (directivity(path), path.length);
+            let energies = sum(&|i| far[i] / (image * image));
+            let cross = sum(&|i| 2.0 * self.coherence * (near[i] * far[i]).sqrt() / (r * image));
+            for (k, &hz) in frequency.iter().enumerate() {
+                density[k] += energies[k] + cross[k] * self.interference(hz, path);
+            }
+        }
+        density
     }
 }
 

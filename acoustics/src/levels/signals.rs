@@ -183,7 +183,7 @@ impl MeasuredSum {
         let last = spectrum.len() - 1;
         for (k, (v, weight)) in spectrum.iter_mut().zip(weights).enumerate() {
             // A bin between the ends stands for two of the two-sided sum.
-            let alone = k == 0 || (k == last && points % 2 == 0);
+            let alone = k == 0 || (k == last && points.is_multiple_of(2));
             *v = Complex::from(if alone { *weight } else { 0.5 * weight });
         }
         let mut lags = transform.make_output_vec();
@@ -208,7 +208,7 @@ impl MeasuredSum {
         debug_assert!(done.is_ok());
         let last = bins.len() - 1;
         let one_sided = |(m, q): (usize, &Complex<f64>)| {
-            let alone = m == 0 || (m == last && points % 2 == 0);
+            let alone = m == 0 || (m == last && points.is_multiple_of(2));
             q.re * if alone { 1.0 } else { 2.0 } / points as f64
         };
         let weights = bins.iter().enumerate().map(one_sided).collect();
