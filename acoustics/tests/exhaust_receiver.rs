@@ -89,7 +89,7 @@ fn the_field_carries_the_energy_of_the_source() {
         .map(|e| e.1)
         .collect();
     for r in [0.7, 3.0] {
-        let mut found = vec![0.0; 3];
+        let mut found = [0.0; 3];
         for (unit, weight) in directions(300) {
             let at = noise.at(&outlet, unit.map(|x| r * x), None, &air).unwrap();
             let weights = nailnoise_acoustics::levels::energy_weights(&at.frequency, range, Weighting::Z);
