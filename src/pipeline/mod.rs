@@ -25,6 +25,7 @@ use nailnoise_fem::transient::ModalResponse;
 
 pub use bodies::{Body, Structure, table, workpiece};
 pub use cycle::{cycle, parameters};
+pub use exhaust::exhaust_openings;
 pub use intervals::SoundPower;
 pub use preset::{Preset, cycle_as_published};
 pub use sensors::SensorRecord;
