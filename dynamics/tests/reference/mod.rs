@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use nailnoise_dynamics::{Parameters, SupportDamping};
 
-const N: usize = 19;
+const N: usize = 21;
 type Y = [f64; N];
 
 /// Events that are the first passage of a level, and the passage of the full depth.
@@ -120,13 +120,16 @@ impl Model {
     fn nozzle(&self, r: f64) -> f64 {
         let g = self.p.ambient.heat_capacity_ratio;
         let lin = self.p.model.orifice_linear;
+        let subsonic = |r: f64| {
+            let q = r.powf(1.0 / g);
+            ((q * q - q * r) / self.n2).sqrt()
+        };
         if r <= self.pcr {
             1.0
         } else if 1.0 - r < lin {
-            self.nozzle(1.0 - lin) * (1.0 - r) / lin
+            subsonic(1.0 - lin) * (1.0 - r) / lin
         } else {
-            let q = r.powf(1.0 / g);
-            ((q * q - q * r) / self.n2).sqrt()
+            subsonic(r)
         }
     }
 
@@ -193,8 +196,8 @@ impl Model {
         let root = 0.085 + 2.038 * x - 12.95 * x.powi(2) + 46.49 * x.powi(3) - 94.97 * x.powi(4) + 110.18 * x.powi(5)
             - 67.56 * x.powi(6)
             + 16.99 * x.powi(7)
-            - 122.91 * ln * w.density / hm
-            - 1.15 * n.diameter / ln;
+            + w.speed_term * ln * w.density / hm
+            + w.slenderness_term * n.diameter / ln;
         w.resistance_scale * hm * ln * root.max(0.0).powi(2) + w.head_stiffness_scale * hm * (z - ln).max(0.0)
     }
 
@@ -364,7 +367,17 @@ impl Model {
         d[3] = (fgh + fs - fhc - ffh) / v.mass + g;
         d[4] = vg;
         let inner = fb + fst + fhc + ffp + ffh + fmag - fgp - fgh - fs;
-        d[5] = (p.hand.force + thrust + inner - fnose - fe) / p.tool.mass + g;
+        // The hand's mass, pushed by the force, or the force itself.
+        let hand = if p.hand.mass > 0.0 {
+            p.hand.stiffness * (y[19] - yg) + p.hand.damping * (y[20] - vg)
+        } else {
+            p.hand.force
+        };
+        if p.hand.mass > 0.0 {
+            d[19] = y[20];
+            d[20] = (p.hand.force - hand) / p.hand.mass;
+        }
+        d[5] = (hand + thrust + inner - fnose - fe) / p.tool.mass + g;
         d[6] = vw;
         d[7] = (fpen + fnose + fe - fsup) / self.mw + g;
         for i in 0..5 {
@@ -386,6 +399,7 @@ impl Model {
         y[6] = (tool + self.mw * g) / p.support.stiffness;
         y[4] = y[6] + (tool - kesg * k.guard_travel) / (k.nose_stiffness + kesg);
         y[0] = y[4];
+        y[19] = y[4] + p.hand.force / p.hand.stiffness;
         let (ps, pa) = (p.supply.pressure, p.ambient.pressure);
         let close = ps * self.ah1 - ps * self.ah2 - pa * self.ah3
             + self.spring(p.head_valve.spring_preload)
