@@ -4,7 +4,7 @@
 // nailnoise from the design (gmsh -setnumber NAME VALUE); those below are the N80CB's.
 //
 // Barrel, cap and magazine are closed all round, the handle at its outer end; the nose is open at its tip. The sleeve
-// stands on the barrel's floor. The can's wall meets the barrel's lower edge, and an arm joins it to the nose.
+// stands on the barrel's floor, and a fit at its upper end, to be tied, holds it in the barrel. The can's wall meets the barrel's lower edge, and an arm joins it to the nose.
 
 SetFactory("OpenCASCADE");
 
@@ -15,7 +15,7 @@ DefineConstant[
   magazine_radius = 55, magazine_wall = 3, magazine_height = 70, magazine_offset = 75, magazine_level = 75,
   nose_width = 20, nose_depth = 30, nose_wall = 6, nose_height = 110, nose_overlap = 2,
   arm_depth = 12, arm_height = 30, arm_reach = 39,
-  sleeve_radius = 30, sleeve_wall = 2, sleeve_height = 150,
+  sleeve_radius = 30, sleeve_wall = 2, sleeve_height = 150, sleeve_fit = 10,
   size = 12
 ];
 
@@ -54,9 +54,15 @@ Box(102) = {-w, -d, 0, 2*w, 2*d, nose_height + nose_overlap};
 whole() = BooleanDifference{ Volume{housing()}; Delete; }{ Volume{102}; Delete; };
 nose() = BooleanDifference{ Volume{100}; Delete; }{ Volume{101}; Delete; };
 
-Cylinder(110) = {0, 0, floor + b, 0, 0, sleeve_height, sleeve_radius + sleeve_wall};
-Cylinder(111) = {0, 0, floor + b, 0, 0, sleeve_height, sleeve_radius};
+seated = sleeve_height - sleeve_fit;
+Cylinder(110) = {0, 0, floor + b, 0, 0, seated, sleeve_radius + sleeve_wall};
+Cylinder(111) = {0, 0, floor + b, 0, 0, seated, sleeve_radius};
 sleeve() = BooleanDifference{ Volume{110}; Delete; }{ Volume{111}; Delete; };
+If (sleeve_fit > 0)
+  Cylinder(112) = {0, 0, floor + b + seated, 0, 0, sleeve_fit, sleeve_radius + sleeve_wall};
+  Cylinder(113) = {0, 0, floor + b + seated, 0, 0, sleeve_fit, sleeve_radius};
+  sleeve() += BooleanDifference{ Volume{112}; Delete; }{ Volume{113}; Delete; };
+EndIf
 
 BooleanFragments{ Volume{whole()}; Delete; }{ Volume{nose(), sleeve()}; Delete; }
 
@@ -82,8 +88,29 @@ Physical Surface("gas_bore") = {bore()};
 Physical Surface("bumper_seat") = {bumper()};
 seat() = Surface In BoundingBox {-r - e, -r - e, floor + b + sleeve_height - e, r + e, r + e, floor + b + sleeve_height + e};
 Physical Surface("seat") = {seat()};
-// Under the roof of the barrel the head valve strikes the cap.
 q = barrel_radius - b;
+// The fit: the outer side of the sleeve's upper end, and the barrel's inner side.
+If (sleeve_fit > 0)
+  fits() = Surface In BoundingBox {-r - e, -r - e, floor + b + seated - e, r + e, r + e, floor + b + sleeve_height + e};
+  slave() = {};
+  For k In {0 : #fits() - 1}
+    box() = BoundingBox Surface{fits(k)};
+    If (box(5) - box(2) > 0.1 && box(3) - box(0) > 2*r - sleeve_wall)
+      slave() += fits(k);
+    EndIf
+  EndFor
+  Physical Surface("fit_slave") = {slave()};
+  inside() = Surface In BoundingBox {-q - e, -q - e, floor + b - e, q + e, q + e, roof - b + e};
+  master() = {};
+  For k In {0 : #inside() - 1}
+    box() = BoundingBox Surface{inside(k)};
+    If (box(5) - box(2) > 0.1 && box(3) - box(0) > q + r)
+      master() += inside(k);
+    EndIf
+  EndFor
+  Physical Surface("fit_master") = {master()};
+EndIf
+// Under the roof of the barrel the head valve strikes the cap.
 under() = Surface In BoundingBox {-q - e, -q - e, roof - b - e, q + e, q + e, roof - b + e};
 Physical Surface("cap") = {under()};
 hr = handle_radius;

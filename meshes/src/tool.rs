@@ -84,6 +84,8 @@ tool! {
     sleeve_wall,
     /// Height of the sleeve.
     sleeve_height,
+    /// Length of the sleeve's upper end that a fit holds in the barrel; 0 when it stands free.
+    sleeve_fit,
     /// Largest side of an element.
     size,
 }
@@ -102,7 +104,8 @@ impl Tool {
 }
 
 /// The mesh of a tool body: quadratic tetrahedra, parts `housing`, `nose` and `sleeve`, face groups `nose_tip`,
-/// `gas_bore`, `bumper_seat`, `seat`, `cap`, `handle` and `magazine`.
+/// `gas_bore`, `bumper_seat`, `seat`, `cap`, `handle` and `magazine`, and `fit_slave` (the sleeve's upper end), which is to
+/// be tied to `fit_master` (the barrel's inner side).
 ///
 /// A mesh that ships is taken where it was made for these dimensions and `anew` is not asked for; gmsh makes any other.
 ///

@@ -36,6 +36,7 @@ fn n80cb() -> Tool {
         sleeve_radius: 30.0 * MM,
         sleeve_wall: 2.0 * MM,
         sleeve_height: 150.0 * MM,
+        sleeve_fit: 10.0 * MM,
         size: 12.0 * MM,
     }
 }
@@ -76,6 +77,8 @@ fn the_mesh_that_ships_has_the_dimensions_it_was_made_for() {
     close(area(mesh, "gas_bore"), 2.0 * PI * 30.0 * 150.0 * MM * MM, 5e-3);
     close(area(mesh, "bumper_seat"), PI * (30.0 * MM).powi(2), 5e-3);
     close(area(mesh, "magazine"), 2.0 * PI * (55.0 * MM).powi(2), 5e-3);
+    close(area(mesh, "fit_slave"), 2.0 * PI * 32.0 * 10.0 * MM * MM, 5e-3);
+    close(area(mesh, "fit_master"), 2.0 * PI * 32.5 * 181.0 * MM * MM, 5e-3);
     for group in ["seat", "cap", "handle"] {
         assert!(area(mesh, group) > 0.0, "{group}");
     }

@@ -562,6 +562,13 @@ fn body(v: &Values) -> Option<Conflict> {
         )
     })
     .or_else(|| {
+        below(
+            ("body.sleeve_fit", b.sleeve_fit),
+            ("body.sleeve_height", b.sleeve_height),
+            "the fit holds the sleeve's upper end",
+        )
+    })
+    .or_else(|| {
         at_most(
             ("body.lumped_nose", b.lumped_nose),
             ("body.lumped_magazine", 1.0 - b.lumped_magazine),

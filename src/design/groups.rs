@@ -674,6 +674,8 @@ group! {
         sleeve_wall: f64 = positive(LENGTH), "";
         /// Height of the sleeve, which stands on the barrel's floor.
         sleeve_height: f64 = positive(LENGTH), "";
+        /// Length of the sleeve's upper end that a fit holds in the barrel; 0 when the sleeve stands free.
+        sleeve_fit: f64 = nonnegative(LENGTH), "";
         /// Whether what the geometry lacks of the tool's mass (head valve, nails, fittings) is lumped on it.
         lumped: bool = Kind::Switch, "";
         /// Share of the lumped mass on the nose's tip; what nose and magazine leave rests on the sleeve's seat.

@@ -331,6 +331,7 @@ pub fn tool_dimensions(design: &Design) -> Tool {
         sleeve_radius: design.piston.bore / 2.0,
         sleeve_wall: b.sleeve_wall,
         sleeve_height: b.sleeve_height,
+        sleeve_fit: b.sleeve_fit,
         size: design.analysis.body_element,
     }
 }
@@ -352,6 +353,15 @@ fn tool_body(design: &Design, anew: bool) -> Result<Geometry, Error> {
         _ => None,
     };
     geometry.materials = materials(&geometry.mesh, "housing, nose, sleeve", &housing, of_part)?;
+    if geometry.origin == Origin::Parametric {
+        // The fit bridges the room between sleeve and barrel, however wide.
+        let room = b.barrel_radius - b.barrel_wall - b.sleeve_wall - design.piston.bore / 2.0;
+        geometry
+            .attachments
+            .ties
+            .iter_mut()
+            .for_each(|tie| tie.tolerance += room);
+    }
     if b.lumped {
         geometry.attachments.masses = lumped(design, &geometry)?;
     }

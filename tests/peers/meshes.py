@@ -62,7 +62,7 @@ for name in ("22", "41"):
     own = load(f"gmsh-{name}.json")
     assert [part["name"] for part in own["parts"]] == ["housing", "nose", "sleeve"], own["parts"]
     assert {group["name"] for group in own["groups"]} == {
-        "nose_tip", "gas_bore", "bumper_seat", "seat", "cap", "handle", "magazine"
+        "nose_tip", "gas_bore", "bumper_seat", "seat", "cap", "handle", "magazine", "fit_slave", "fit_master"
     }
 print("gmsh read .msh 2.2 and 4.1 and wrote them again")
 
