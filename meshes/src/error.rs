@@ -153,8 +153,8 @@ pub enum MeshError {
         /// The library's reason.
         reason: String,
     },
-    /// A quadrature rule with an unsupported number of points was asked for.
-    #[error("a Gauss rule with {points} points is not available; use 1 to 10")]
+    /// A quadrature rule without points was asked for.
+    #[error("a Gauss rule with {points} points is not available; use at least 1")]
     GaussPoints {
         /// Points asked for.
         points: usize,

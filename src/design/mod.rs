@@ -39,7 +39,7 @@ use sha2::{Digest as _, Sha256};
 pub use checks::Conflict;
 pub use derived::{AGREEMENT, DERIVED, Derived};
 pub use dimension::Dimension;
-pub(crate) use dimension::{LENGTH, VELOCITY};
+pub(crate) use dimension::{FORCE, LENGTH, VELOCITY};
 pub use error::{DesignError, Warning};
 pub use groups::*;
 pub(crate) use measure::measure;

@@ -39,13 +39,14 @@ pub fn write_run(folder: &Path, run: &Run) -> Result<(), Error> {
     write(&folder.join("result.json"), &json)
 }
 
-/// Writes `events.csv` and `histories.csv` of a cycle to `folder`.
+/// Writes `events.csv`, `log.csv` and `histories.csv` of a cycle to `folder`.
 ///
 /// # Errors
 /// [`Error::Write`] with the file that could not be written.
 pub fn write_cycle(folder: &Path, record: &CycleRecord) -> Result<(), Error> {
     create(folder)?;
     write(&folder.join("events.csv"), csv::events(&record.events).as_bytes())?;
+    write(&folder.join("log.csv"), csv::log(&record.log).as_bytes())?;
     write(&folder.join("histories.csv"), csv::histories(record).as_bytes())
 }
 
