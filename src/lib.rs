@@ -7,6 +7,7 @@
 
 pub mod commands;
 pub mod comparison;
+pub mod correlation;
 pub mod design;
 mod error;
 pub mod figures;

@@ -19,10 +19,8 @@ const HEIGHT: usize = 4;
 /// Right-hand sides solved at once.
 const SIDES: usize = 16;
 
-/// Half of them, as many as the registers hold sums for.
-const HALF: usize = 8;
-
-type Row = [[f64; HALF]; 2];
+/// The right-hand sides' values of one unknown.
+type Row = [f64; SIDES];
 
 /// Lays the columns of every supernode out in place as described above and returns the diagonal; `unit` says whether the
 /// triangle's diagonal is that of L D L^T, else the columns of L L^T are divided by theirs and its square is returned.
@@ -72,12 +70,12 @@ pub(crate) fn solve(
     mut x: MatMut<'_, f64>,
 ) {
     let n = x.nrows();
-    let mut rows: Vec<Row> = vec![[[0.0; HALF]; 2]; n];
+    let mut rows: Vec<Row> = vec![[0.0; SIDES]; n];
     for start in (0..x.ncols()).step_by(SIDES) {
         let width = SIDES.min(x.ncols() - start);
         for c in 0..width {
             for (row, value) in rows.iter_mut().zip(x.rb().col(start + c).iter()) {
-                row[c / HALF][c % HALF] = *value;
+                row[c] = *value;
             }
         }
         Arch::new().dispatch(Sweeps {
@@ -88,7 +86,7 @@ pub(crate) fn solve(
         });
         for c in 0..width {
             for (value, row) in x.rb_mut().col_mut(start + c).iter_mut().zip(&rows) {
-                *value = row[c / HALF][c % HALF];
+                *value = row[c];
             }
         }
     }
@@ -106,30 +104,32 @@ impl WithSimd for Sweeps<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let Self {
             symbolic,
             values,
             diagonal,
             x,
         } = self;
+        let mut x = Lanes {
+            simd,
+            vectors: S::as_mut_simd_f64s(x.as_flattened_mut()).0,
+        };
         let count = symbolic.n_supernodes();
         for s in 0..count {
             let supernode = Supernode::new(symbolic, values, s);
             let mut place = 0;
             for first in (0..supernode.columns).step_by(WIDTH) {
                 let block = supernode.block(first, &mut place);
-                block.forward(x);
+                block.forward(&mut x);
             }
         }
-        for (row, d) in x.iter_mut().zip(diagonal) {
-            for half in row {
-                for v in half {
-                    *v /= d;
-                }
-            }
+        for (i, d) in diagonal.iter().enumerate() {
+            let inverse = simd.splat_f64s(1.0 / d);
+            x.row(i).iter_mut().for_each(|v| *v = simd.mul_f64s(*v, inverse));
         }
         let mut places = Vec::new();
+        let mut sums = [[0.0; SIDES]; WIDTH];
         for s in (0..count).rev() {
             let supernode = Supernode::new(symbolic, values, s);
             places.clear();
@@ -139,9 +139,53 @@ impl WithSimd for Sweeps<'_> {
                 supernode.block(first, &mut place);
             }
             for &(first, mut place) in places.iter().rev() {
-                supernode.block(first, &mut place).backward(x);
+                supernode.block(first, &mut place).backward(&mut x, &mut sums);
             }
         }
+    }
+}
+
+/// The rows of X as vectors of the machine. They are taken in pairs: those of [`HEIGHT`] rows and a pair of operands fill
+/// the registers.
+struct Lanes<'a, S: Simd> {
+    simd: S,
+    vectors: &'a mut [S::f64s],
+}
+
+impl<S: Simd> Lanes<'_, S> {
+    /// Vectors in a row.
+    const ROW: usize = SIDES / S::F64_LANES;
+
+    #[inline(always)]
+    fn row(&mut self, i: usize) -> &mut [S::f64s] {
+        &mut self.vectors[i * Self::ROW..(i + 1) * Self::ROW]
+    }
+
+    /// x_to -= l x_from.
+    #[inline(always)]
+    fn subtract(&mut self, to: usize, l: f64, from: usize) {
+        let l = self.simd.splat_f64s(-l);
+        let (to, from) = (to * Self::ROW, from * Self::ROW);
+        for c in 0..Self::ROW {
+            self.vectors[to + c] = self
+                .simd
+                .mul_add_e_f64s(l, self.vectors[from + c], self.vectors[to + c]);
+        }
+    }
+
+    /// Pair `h` of row `i`.
+    #[inline(always)]
+    fn pair(&self, i: usize, h: usize) -> [S::f64s; 2] {
+        let at = i * Self::ROW + 2 * h;
+        [self.vectors[at], self.vectors[at + 1]]
+    }
+
+    /// sum + l x for a pair.
+    #[inline(always)]
+    fn add(simd: S, sum: &mut [S::f64s], l: f64, x: [S::f64s; 2]) {
+        let l = simd.splat_f64s(l);
+        sum[0] = simd.mul_add_e_f64s(l, x[0], sum[0]);
+        sum[1] = simd.mul_add_e_f64s(l, x[1], sum[1]);
     }
 }
 
@@ -207,106 +251,88 @@ impl Block<'_> {
         }
     }
 
+    /// Whole panels and the rows left over.
+    #[inline(always)]
+    fn split(&self) -> (usize, usize) {
+        let below = self.own + self.pattern.len();
+        (below / HEIGHT, below % HEIGHT)
+    }
+
     /// x_k = b_k - sum of L_ki x_i within the triangle, then x -= L x_k below it.
     #[inline(always)]
-    fn forward(&self, x: &mut [Row]) {
+    fn forward<S: Simd>(&self, x: &mut Lanes<'_, S>) {
+        let simd = x.simd;
         let mut entries = self.triangle.iter();
         for i in 1..self.columns {
-            let (done, rest) = x[self.start..self.start + self.columns].split_at_mut(i);
-            for (x_k, &l) in done.iter().zip(&mut entries) {
-                for h in 0..2 {
-                    for c in 0..HALF {
-                        rest[0][h][c] -= l * x_k[h][c];
-                    }
-                }
+            for (k, &l) in (0..i).zip(&mut entries) {
+                x.subtract(self.start + i, l, self.start + k);
             }
         }
-        let below = self.own + self.pattern.len();
-        let whole = below / HEIGHT;
+        let (whole, height) = self.split();
         let (panels, rest) = self.panels.split_at(whole * HEIGHT * self.columns);
         for (p, panel) in panels.chunks_exact(HEIGHT * self.columns).enumerate() {
-            for h in 0..2 {
-                let mut sum = [[0.0; HALF]; HEIGHT];
-                let block = &x[self.start..self.start + self.columns];
-                for (l, x_k) in panel.chunks_exact(HEIGHT).zip(block) {
+            for h in 0..Lanes::<S>::ROW / 2 {
+                let mut sums = [[simd.splat_f64s(0.0); 2]; HEIGHT];
+                for (k, l) in panel.chunks_exact(HEIGHT).enumerate() {
+                    let x_k = x.pair(self.start + k, h);
                     for r in 0..HEIGHT {
-                        for c in 0..HALF {
-                            sum[r][c] += l[r] * x_k[h][c];
-                        }
+                        Lanes::add(simd, &mut sums[r], l[r], x_k);
                     }
                 }
-                for r in 0..HEIGHT {
-                    let to = &mut x[self.target(HEIGHT * p + r)][h];
-                    for c in 0..HALF {
-                        to[c] -= sum[r][c];
+                for (r, sum) in sums.iter().enumerate() {
+                    let row = x.row(self.target(HEIGHT * p + r));
+                    for c in 0..2 {
+                        row[2 * h + c] = simd.sub_f64s(row[2 * h + c], sum[c]);
                     }
                 }
             }
         }
-        let height = below - whole * HEIGHT;
         for (k, column) in rest.chunks_exact(height.max(1)).enumerate() {
-            let x_k = x[self.start + k];
             for (r, &l) in column.iter().enumerate() {
-                let to = &mut x[self.target(HEIGHT * whole + r)];
-                for h in 0..2 {
-                    for c in 0..HALF {
-                        to[h][c] -= l * x_k[h][c];
-                    }
-                }
+                x.subtract(self.target(HEIGHT * whole + r), l, self.start + k);
             }
         }
     }
 
-    /// x_k -= sum of L_ik x_i over the rows below, then within the triangle from its last row up.
+    /// x_k -= sum of L_ik x_i over the rows below, then within the triangle from its last row up; `sums` is room to work.
     #[inline(always)]
-    fn backward(&self, x: &mut [Row]) {
-        let below = self.own + self.pattern.len();
-        let whole = below / HEIGHT;
-        let (panels, rest) = self.panels.split_at(whole * HEIGHT * self.columns);
-        let mut sums: [Row; WIDTH] = [[[0.0; HALF]; 2]; WIDTH];
+    fn backward<S: Simd>(&self, x: &mut Lanes<'_, S>, sums: &mut [Row; WIDTH]) {
+        let simd = x.simd;
         let sums = &mut sums[..self.columns];
+        sums.fill([0.0; SIDES]);
+        let sums = S::as_mut_simd_f64s(sums.as_flattened_mut()).0;
+        let (whole, height) = self.split();
+        let (panels, rest) = self.panels.split_at(whole * HEIGHT * self.columns);
         for (p, panel) in panels.chunks_exact(HEIGHT * self.columns).enumerate() {
-            let from: [Row; HEIGHT] = std::array::from_fn(|r| x[self.target(HEIGHT * p + r)]);
-            for h in 0..2 {
-                for (l, sum) in panel.chunks_exact(HEIGHT).zip(sums.iter_mut()) {
-                    let mut s = sum[h];
+            for h in 0..Lanes::<S>::ROW / 2 {
+                let from: [_; HEIGHT] = std::array::from_fn(|r| x.pair(self.target(HEIGHT * p + r), h));
+                for (l, sum) in panel.chunks_exact(HEIGHT).zip(sums.chunks_exact_mut(Lanes::<S>::ROW)) {
+                    let sum = &mut sum[2 * h..2 * h + 2];
                     for r in 0..HEIGHT {
-                        for c in 0..HALF {
-                            s[c] += l[r] * from[r][h][c];
-                        }
+                        Lanes::add(simd, sum, l[r], from[r]);
                     }
-                    sum[h] = s;
                 }
             }
         }
-        let height = below - whole * HEIGHT;
-        for (column, sum) in rest.chunks_exact(height.max(1)).zip(sums.iter_mut()) {
+        for (column, sum) in rest
+            .chunks_exact(height.max(1))
+            .zip(sums.chunks_exact_mut(Lanes::<S>::ROW))
+        {
             for (r, &l) in column.iter().enumerate() {
-                let from = &x[self.target(HEIGHT * whole + r)];
-                for h in 0..2 {
-                    for c in 0..HALF {
-                        sum[h][c] += l * from[h][c];
-                    }
+                for (h, sum) in sum.chunks_exact_mut(2).enumerate() {
+                    Lanes::add(simd, sum, l, x.pair(self.target(HEIGHT * whole + r), h));
                 }
             }
         }
-        let block = &mut x[self.start..self.start + self.columns];
-        for (x_k, sum) in block.iter_mut().zip(sums.iter()) {
-            for h in 0..2 {
-                for c in 0..HALF {
-                    x_k[h][c] -= sum[h][c];
-                }
+        for (k, sum) in sums.chunks_exact(Lanes::<S>::ROW).enumerate() {
+            for (v, sum) in x.row(self.start + k).iter_mut().zip(sum) {
+                *v = simd.sub_f64s(*v, *sum);
             }
         }
         for i in (1..self.columns).rev() {
-            let (done, rest) = block.split_at_mut(i);
             let row = &self.triangle[i * (i - 1) / 2..i * (i + 1) / 2];
-            for (x_k, &l) in done.iter_mut().zip(row) {
-                for h in 0..2 {
-                    for c in 0..HALF {
-                        x_k[h][c] -= l * rest[0][h][c];
-                    }
-                }
+            for (k, &l) in row.iter().enumerate() {
+                x.subtract(self.start + k, l, self.start + i);
             }
         }
     }

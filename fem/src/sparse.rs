@@ -47,27 +47,31 @@ impl WithSimd for RowsProduct<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let Self { a, x, y } = self;
         let (offsets, rows, values) = (a.col_offsets(), a.row_indices(), a.values());
+        let row = WIDTH / S::F64_LANES;
+        let x = S::as_simd_f64s(x.as_flattened()).0;
+        let y = S::as_mut_simd_f64s(y.as_flattened_mut()).0;
         for (j, range) in offsets.windows(2).enumerate() {
-            let x_j = x[j];
-            let mut y_j = y[j];
             let (rows, values) = (&rows[range[0]..range[1]], &values[range[0]..range[1]]);
-            for (&i, &value) in rows.iter().zip(values) {
-                if i == j {
-                    for c in 0..WIDTH {
-                        y_j[c] += value * x_j[c];
-                    }
-                } else {
-                    let (x_i, y_i) = (&x[i], &mut y[i]);
-                    for c in 0..WIDTH {
-                        y_j[c] += value * x_i[c];
-                        y_i[c] += value * x_j[c];
+            // A pair of vectors at a time: sums and operands stay in registers, and the column of A in the cache.
+            for pair in (0..row).step_by(2) {
+                let at = |i: usize| i * row + pair;
+                let x_j = [x[at(j)], x[at(j) + 1]];
+                let mut y_j = [y[at(j)], y[at(j) + 1]];
+                for (&i, &value) in rows.iter().zip(values) {
+                    let value = simd.splat_f64s(value);
+                    for c in 0..2 {
+                        y_j[c] = simd.mul_add_e_f64s(value, x[at(i) + c], y_j[c]);
+                        if i != j {
+                            y[at(i) + c] = simd.mul_add_e_f64s(value, x_j[c], y[at(i) + c]);
+                        }
                     }
                 }
+                y[at(j)] = y_j[0];
+                y[at(j) + 1] = y_j[1];
             }
-            y[j] = y_j;
         }
     }
 }

@@ -94,7 +94,7 @@ fn outward(shapes: &nalgebra::DMatrix<f64>, mesh: &Mesh, mode: usize) -> f64 {
 /// held, against the roots of the exact radial equation.
 #[test]
 fn a_thick_hollow_sphere_meets_nafems_fv42() {
-    let exact = [369.943_416_9, 838.033_458_0, 1451.191_527_7];
+    let exact = [369.943_416_9, 838.033_458_0, 1_451.191_527_7];
     let blocks: Vec<Mesh> = (0..3)
         .map(|times| {
             structured(ElementKind::Hex20, [2, 2, 8], |[a, b, r]| {

@@ -3,9 +3,12 @@
 //! Results go to standard output, progress and warnings to standard error. Exit status: 0 done; 1 done, but a limit is
 //! not met; 2 wrong use or input; 3 a numerical check failed; 130 interrupted.
 
+mod bodies;
+mod check;
 mod compare;
 mod cycle;
 mod draw;
+mod mesh;
 mod modes;
 mod prf;
 mod progress;
@@ -46,6 +49,10 @@ enum Command {
     Cycle(cycle::Arguments),
     /// Compute the vibration modes of a body
     Modes(modes::Arguments),
+    /// Build, read, convert and size the mesh of a body
+    Mesh(mesh::Arguments),
+    /// Tell whether a mesh can be trusted, and what its modes will cost, before time is spent
+    Check(check::Arguments),
     /// Evaluate, compare and plot published laws of penetration resistance
     Prf(prf::Arguments),
 }
@@ -109,6 +116,8 @@ pub fn main() -> ExitCode {
         Command::Compare(arguments) => compare::execute(arguments),
         Command::Cycle(arguments) => cycle::execute(arguments),
         Command::Modes(arguments) => modes::execute(arguments),
+        Command::Mesh(arguments) => mesh::execute(arguments),
+        Command::Check(arguments) => check::execute(arguments),
         Command::Prf(arguments) => prf::execute(arguments),
     };
     outcome.unwrap_or_else(|error| {

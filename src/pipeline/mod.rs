@@ -5,6 +5,7 @@
 mod bodies;
 mod cycle;
 mod exhaust;
+mod geometry;
 mod intervals;
 mod missing;
 mod notes;
@@ -23,8 +24,10 @@ use nailnoise_acoustics::radiation::ModalSpectra;
 use nailnoise_dynamics::CycleRecord;
 use nailnoise_fem::transient::ModalResponse;
 
-pub use bodies::{Body, Structure, table, workpiece};
+pub use bodies::{Body, Structure, modes_of, table, workpiece};
 pub use cycle::{cycle, parameters};
+pub use exhaust::exhaust_openings;
+pub use geometry::{BodyKind, Geometry, Origin, import, tool_dimensions};
 pub use intervals::SoundPower;
 pub use preset::{Preset, cycle_as_published};
 pub use sensors::SensorRecord;
