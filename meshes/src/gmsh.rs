@@ -20,7 +20,7 @@ pub(crate) struct Job<'a> {
     pub(crate) script: &'a str,
     /// Constants of the script.
     pub(crate) constants: Vec<(&'static str, f64)>,
-    /// A geometry that the script merges, copied beside it under this name.
+    /// A geometry that the script opens, copied beside it under this name.
     pub(crate) beside: Option<(&'a Path, String)>,
 }
 
@@ -28,8 +28,11 @@ pub(crate) struct Job<'a> {
 const SOLID: &str = r#"
 SetFactory("OpenCASCADE");
 DefineConstant[ size = 10 ];
-Merge "GEOMETRY";
-Coherence;
+solids() = ShapeFromFile("GEOMETRY");
+solids() = Volume{:};
+If (#solids() > 1)
+  Coherence;
+EndIf
 Physical Volume("body") = Volume{:};
 Mesh.CharacteristicLengthMax = size;
 Mesh.ElementOrder = 2;

@@ -18,7 +18,7 @@ cat > "$work/plate.geo" <<'GEO'
 SetFactory("OpenCASCADE");
 Box(1) = {0, 0, 0, 300, 200, 20};
 GEO
-gmsh "$work/plate.geo" -0 -v 1 -o "$work/plate.step"
+gmsh "$work/plate.geo" -0 -v 1 -o "$work/plate.step" > /dev/null
 cat > "$work/plate.toml" <<TOML
 base = "$PWD/designs/n80cb.toml"
 [body]
@@ -50,7 +50,7 @@ for end in .vtu -22.msh -41.msh; do
 done
 for version in 22 41; do
     gmsh "$work/tool-$version.msh" -0 -v 2 -save -format msh41 -o "$work/gmsh-$version.msh"
-    "$nailnoise" check "$work/gmsh-$version.msh" --json > "$work/gmsh-$version.json"
+    "$nailnoise" check "$work/gmsh-$version.msh" --unit "1 m" --json > "$work/gmsh-$version.json"
 done
 # New dimensions are meshed anew.
 cat > "$work/other.toml" <<TOML
