@@ -3,13 +3,16 @@
 //! Results go to standard output, progress and warnings to standard error. Exit status: 0 done; 1 done, but a limit is
 //! not met; 2 wrong use or input; 3 a numerical check failed; 130 interrupted.
 
+mod cache;
 mod compare;
+mod completions;
 mod cycle;
 mod draw;
 mod modes;
 mod prf;
 mod progress;
 mod run;
+mod schema;
 mod sensitivity;
 mod table;
 
@@ -48,6 +51,12 @@ enum Command {
     Modes(modes::Arguments),
     /// Evaluate, compare and plot published laws of penetration resistance
     Prf(prf::Arguments),
+    /// List, verify or clear what is kept between runs
+    Cache(cache::Arguments),
+    /// Print the JSON Schema of the design file, for editors
+    Schema,
+    /// Print what a shell completes
+    Completions(completions::Arguments),
 }
 
 /// What every command takes.
@@ -110,6 +119,9 @@ pub fn main() -> ExitCode {
         Command::Cycle(arguments) => cycle::execute(arguments),
         Command::Modes(arguments) => modes::execute(arguments),
         Command::Prf(arguments) => prf::execute(arguments),
+        Command::Cache(arguments) => cache::execute(arguments),
+        Command::Schema => schema::execute(),
+        Command::Completions(arguments) => Ok(completions::execute(arguments)),
     };
     outcome.unwrap_or_else(|error| {
         let status = error.exit_status();
