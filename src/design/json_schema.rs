@@ -53,6 +53,7 @@ fn key(spec: &KeySpec) -> Value {
         Kind::Count => json!({"type": "integer", "minimum": 1}),
         Kind::Switch => json!({"type": "boolean"}),
         Kind::Choice(words) => json!({"enum": words}),
+        Kind::File => json!({"type": "string"}),
     };
     let mut fields = json!({
         "value": plain,

@@ -75,13 +75,14 @@ pub(super) fn workpiece(
     }
 }
 
-/// ERP of block and table. Where they face each other, and under the table's feet, no sound gets out.
+/// ERP of block and table. Where they face each other, under the table's feet and at welds, no sound gets out.
 fn free_standing(design: &Design, structure: &Structure, spectra: &[ModalSpectra], air: &Air) -> Result<Sound, Error> {
     let half = [0.5 * design.workpiece.length, 0.5 * design.workpiece.width];
     let (mut parts, mut signals) = (Vec::new(), Vec::new());
     for (body, spectrum) in structure.bodies().zip(spectra) {
         let hidden = |patch: &str, p: &Point3<f64>| match patch {
             "bottom" | "floor" => true,
+            _ if patch.ends_with("_slave") => true, // tied to another face
             "top" => body.name == "worktable" && p.x.abs() < half[0] && p.y.abs() < half[1],
             _ => false,
         };
