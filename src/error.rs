@@ -143,6 +143,19 @@ pub enum Error {
         /// What the system said.
         source: std::io::Error,
     },
+    /// There is no folder for the cache, or no sense in its limit.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    NoCache(#[from] crate::cache::CacheError),
+    /// The cache's folder could not be read or changed.
+    #[error("the cache in {} cannot be used: {source}", path.display())]
+    #[diagnostic(help("set NAILNOISE_CACHE to another folder"))]
+    Cache {
+        /// The folder.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
     /// A finished result could not be read.
     #[error("cannot read {}: {source}", path.display())]
     #[diagnostic(help("give a design file, or the folder that `nailnoise run` left: out/NAME"))]

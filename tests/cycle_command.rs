@@ -17,6 +17,7 @@ fn nailnoise(name: &str, arguments: &[&str]) -> (Output, PathBuf) {
         .args(arguments)
         .current_dir(&folder)
         .env("NO_COLOR", "1")
+        .env("NAILNOISE_CACHE", concat!(env!("CARGO_TARGET_TMPDIR"), "/modes"))
         .output()
         .unwrap();
     (output, folder)

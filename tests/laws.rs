@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
 use nailnoise::Design;
+use nailnoise::cache::{Cache, LIMIT};
 use nailnoise::design::SupportKind;
 use nailnoise::pipeline::{Options, Run, Silent, run};
 use nailnoise::result::RankedSource;
@@ -26,7 +27,8 @@ fn ranked(run: &Run, source: &str) -> RankedSource {
 }
 
 fn scaled(design: &Design, workpiece_force_scale: f64) -> Run {
-    run(design, Options { workpiece_force_scale }, &mut Silent).unwrap()
+    let cache = Cache::at(concat!(env!("CARGO_TARGET_TMPDIR"), "/modes").into(), LIMIT);
+    run(design, Options { workpiece_force_scale }, &cache, &mut Silent).unwrap()
 }
 
 #[test]

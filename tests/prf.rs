@@ -14,6 +14,7 @@ fn prf(name: &str, arguments: &[&str]) -> (Output, PathBuf) {
         .args(arguments)
         .args(["--out", out.to_str().unwrap()])
         .env("NO_COLOR", "1")
+        .env("NAILNOISE_CACHE", concat!(env!("CARGO_TARGET_TMPDIR"), "/modes"))
         .output()
         .unwrap();
     (output, out)

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use super::bodies::{BodyName, Own, length};
 use super::table::table;
-use super::{Common, Progress, print, print_json, status_of};
+use super::{Common, Keeping, Progress, print, print_json, status_of};
 use crate::correlation::{Correlation, correlate};
 use crate::error::Error;
 use crate::output;
@@ -21,6 +21,8 @@ use crate::result::{Check, DesignId};
 pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
+    #[command(flatten)]
+    keeping: Keeping,
     /// Body whose modes are computed
     #[arg(long, value_enum)]
     body: BodyName,
@@ -72,7 +74,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let measurement = arguments.mac.as_deref().map(uff::read).transpose()?;
     let mut progress = Progress::new();
     progress.stage("modes");
-    let body = pipeline::modes_of(&design, arguments.body.into())?;
+    let cache = arguments.keeping.cache()?;
+    let body = pipeline::modes_of(&design, arguments.body.into(), &cache)?;
+    cache.take_notes().iter().for_each(|note| progress.note(note));
     let correlation = match (&measurement, &arguments.mac) {
         (Some(measurement), Some(path)) => {
             let found = correlate(&body, measurement, arguments.mac_reach);

@@ -20,8 +20,8 @@ pub use columns::{Column, columns};
 pub use csv::EVENT_NAMES;
 
 /// Writes everything a run leaves behind to `folder`: `result.json`, `levels.csv`, `intervals.csv`, `power.csv`,
-/// `events.csv`, `histories.csv`, `sensors.csv`, `sensors-spectrum.csv` and `sensors.uff` where the design has sensors,
-/// and `fields/*`.
+/// `events.csv`, `log.csv`, `histories.csv`, `fields/*`, and where the design has sensors `sensors.csv`,
+/// `sensors-spectrum.csv` and `sensors.uff`.
 ///
 /// # Errors
 /// [`Error::Write`] with the file that could not be written.

@@ -10,6 +10,7 @@ use nalgebra::{DMatrix, DVector, Point3};
 use super::geometry::{BodyKind, Geometry};
 use super::pattern::{Pattern, Rectangle};
 use super::shank;
+use crate::cache::{Cache, Key};
 use crate::design::Design;
 use crate::error::Error;
 use crate::result::Check;
@@ -71,7 +72,7 @@ pub(super) fn contact_grid(design: &Design) -> ContactGrid {
 ///
 /// # Errors
 /// Those of mesh, material and modal solution.
-pub fn workpiece(design: &Design) -> Result<Body, Error> {
+pub fn workpiece(design: &Design, cache: &Cache) -> Result<Body, Error> {
     let geometry = Geometry::of(design, BodyKind::Workpiece, false)?;
     let (mesh, thickness) = (&geometry.mesh, design.workpiece.thickness);
     let mut loads = Vec::with_capacity(WORKPIECE_LOADS);
@@ -92,14 +93,14 @@ pub fn workpiece(design: &Design) -> Result<Body, Error> {
         loads,
         contacts,
     }
-    .solve(design)
+    .solve(design, cache)
 }
 
 /// The worktable, clamped at the floor.
 ///
 /// # Errors
 /// [`Error::NoSuchBody`] when the support is a sandbox; those of mesh, material and modal solution.
-pub fn table(design: &Design) -> Result<Body, Error> {
+pub fn table(design: &Design, cache: &Cache) -> Result<Body, Error> {
     let geometry = Geometry::of(design, BodyKind::Worktable, false)?;
     let contacts = contact_patterns(design, &geometry.mesh, "top")?;
     Model {
@@ -107,20 +108,20 @@ pub fn table(design: &Design) -> Result<Body, Error> {
         loads: Vec::new(),
         contacts,
     }
-    .solve(design)
+    .solve(design, cache)
 }
 
 /// The modes of any body alone, without what drives it.
 ///
 /// # Errors
 /// As [`Geometry::of`], and those of the modal solution.
-pub fn modes_of(design: &Design, kind: BodyKind) -> Result<Body, Error> {
+pub fn modes_of(design: &Design, kind: BodyKind, cache: &Cache) -> Result<Body, Error> {
     Model {
         geometry: Geometry::of(design, kind, false)?,
         loads: Vec::new(),
         contacts: Vec::new(),
     }
-    .solve(design)
+    .solve(design, cache)
 }
 
 /// Mean upward displacement of each contact cell on a face group in the plane z = 0.
@@ -153,7 +154,7 @@ struct Model {
 }
 
 impl Model {
-    fn solve(self, design: &Design) -> Result<Body, Error> {
+    fn solve(self, design: &Design, cache: &Cache) -> Result<Body, Error> {
         let Geometry {
             kind,
             mesh,
@@ -165,7 +166,6 @@ impl Model {
             ..
         } = self.geometry;
         let dofs = 3 * mesh.nodes.len();
-        let system = assemble_with(&mesh, &materials, &constraints, &attachments)?;
         let patterns: Vec<_> = self
             .loads
             .iter()
@@ -181,10 +181,17 @@ impl Model {
         } else {
             settings.with_loads(DMatrix::from_columns(&patterns))
         };
-        let basis = modes(&system, &settings)?;
+        // The debug form names every field, its numbers with all their digits: no input can be forgotten.
+        let key = Key::new().with(&format!(
+            "{mesh:?} {materials:?} {constraints:?} {attachments:?} {settings:?}"
+        ));
+        let (basis, lift) = cache.get_or(&format!("modes of the {}", kind.name()), key, || {
+            let system = assemble_with(&mesh, &materials, &constraints, &attachments)?;
+            Ok::<_, Error>((modes(&system, &settings)?, upward_momentum(&system)?))
+        })?;
         let shapes = basis.all_shapes();
         let omega = basis.all_hz().iter().map(|hz| std::f64::consts::TAU * hz).collect();
-        let weight = shapes.tr_mul(&gravity(&system, design.ambient.gravity)?);
+        let weight = shapes.tr_mul(&DVector::from_vec(lift)) * -design.ambient.gravity;
         let participation = |patterns: &[Pattern]| {
             let columns: Vec<_> = patterns.iter().map(|pattern| pattern.of_modes(&shapes)).collect();
             if columns.is_empty() {
@@ -211,21 +218,21 @@ impl Model {
     }
 }
 
-/// Nodal forces of gravity, M (0, 0, -g), over all degrees of freedom \[N\].
-fn gravity(system: &System, g: f64) -> Result<DVector<f64>, Error> {
+/// M (0, 0, 1), the momentum of all degrees of freedom when every node moves upwards at unit speed \[kg\].
+fn upward_momentum(system: &System) -> Result<Vec<f64>, Error> {
     let mut field = DMatrix::zeros(system.equations.dofs(), 1);
     for dof in (2..field.nrows()).step_by(3) {
-        field[dof] = -g;
+        field[dof] = 1.0;
     }
-    let acceleration = system.equations.restrict(&field)?;
-    let mut force = DMatrix::zeros(acceleration.nrows(), 1);
+    let velocity = system.equations.restrict(&field)?;
+    let mut momentum = DMatrix::zeros(velocity.nrows(), 1);
     for (row, column, &value) in system.mass.triplet_iter() {
-        force[row] += value * acceleration[column];
+        momentum[row] += value * velocity[column];
         if row != column {
-            force[column] += value * acceleration[row]; // only the lower triangle is stored
+            momentum[column] += value * velocity[row]; // only the lower triangle is stored
         }
     }
-    Ok(system.equations.expand(&force).column(0).into_owned())
+    Ok(system.equations.expand(&momentum).column(0).iter().copied().collect())
 }
 
 impl Body {

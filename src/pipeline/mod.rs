@@ -33,6 +33,7 @@ pub use preset::{Preset, cycle_as_published};
 pub use sensors::SensorRecord;
 pub use settings::cycle_settings;
 
+use crate::cache::Cache;
 use crate::design::{Design, SupportKind};
 use crate::error::Error;
 use crate::result::{Check, DesignId, RunResult, SCHEMA, Timing};
@@ -92,22 +93,25 @@ impl Default for Options {
 
 /// Predicts and ranks the sound power of a design's sources.
 ///
+/// Modes that `cache` holds are not computed again; the result is the same.
+///
 /// # Errors
 /// [`Error`] of the stage that could not be computed.
-pub fn run(design: &Design, options: Options, observer: &mut dyn Observer) -> Result<Run, Error> {
+pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn Observer) -> Result<Run, Error> {
     // Dense products inside a stage stay on one thread: a result must not depend on how many there are.
     let mut timing = Timing::default();
     observer.stage("nailing cycle");
     let record = timing.time("cycle", || cycle(design))?;
     observer.stage("modes of the workpiece");
-    let block = timing.time("workpiece modes", || workpiece(design))?;
+    let block = timing.time("workpiece modes", || workpiece(design, cache))?;
     let worktable = match design.support.kind {
         SupportKind::Worktable => {
             observer.stage("modes of the worktable");
-            Some(timing.time("worktable modes", || table(design))?)
+            Some(timing.time("worktable modes", || table(design, cache))?)
         }
         SupportKind::Sandbox => None,
     };
+    cache.take_notes().iter().for_each(|note| observer.note(note));
     let structure = Structure {
         workpiece: block,
         worktable,

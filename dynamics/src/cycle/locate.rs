@@ -66,7 +66,8 @@ mod tests {
 
     #[test]
     fn sign_changes_are_found_to_the_last_digits_from_their_far_side() {
-        let functions: [(fn(f64) -> f64, f64); 5] = [
+        type Function = (fn(f64) -> f64, f64);
+        let functions: [Function; 5] = [
             (|x| x - 0.3, 0.3),
             (|x| 0.3 - x, 0.3),
             (|x| x * x * x - 0.001, 0.1),

@@ -121,7 +121,7 @@ impl Model {
         let g = self.p.ambient.heat_capacity_ratio;
         let lin = self.p.model.orifice_linear;
         let subsonic = |r: f64| {
-            let q = r.powf(1.0 / g);
+            let q = (r.ln() / g).exp();
             ((q * q - q * r) / self.n2).sqrt()
         };
         if r <= self.pcr {
@@ -186,7 +186,7 @@ impl Model {
         let c = [
             4.17, 79135.7, -7.55e7, 3.56e10, -8.57e12, 1.13e15, -8.28e16, 3.14e18, -4.79e19,
         ];
-        c.iter().enumerate().map(|(i, c)| c * y.powi(i as i32)).sum()
+        c.iter().rev().fold(0.0, |sum, c| sum * y + c)
     }
 
     fn envelope(&self, z: f64) -> f64 {
