@@ -31,7 +31,7 @@ const LARGEST: u64 = 4 << 30;
 const IN_METRES: &str = "lengths in m";
 
 /// Reads a `.msh` file, also one compressed by gzip; `unit` is the length of one unit of the file \[m\], unless the file's
-/// comments say that its lengths are in metres, as those do that [`write`] has written.
+/// comments say that its lengths are in metres, as those do that [`write()`] has written.
 ///
 /// # Errors
 /// [`MeshError::Read`] or [`MeshError::Msh`].

@@ -40,7 +40,7 @@ pub fn write(path: &Path, mesh: &Mesh, format: Format, comment: &str) -> Result<
     })
 }
 
-/// The content of the file that [`write`] writes, uncompressed.
+/// The content of the file that [`write()`] writes, uncompressed.
 pub fn to_bytes(mesh: &Mesh, format: Format, comment: &str) -> Vec<u8> {
     let mut out = Out {
         bytes: Vec::new(),
