@@ -28,6 +28,7 @@ const STRUCTURES: &[&str] = &[
     "exhaust.plenum.",
     // A muffler acts where there is one; tests/command.rs has that.
     "exhaust.muffler.",
+    "workpiece.mesh_unit",
     "nail.offset_along",
     "nail.offset_across",
     "wood.friction_share",

@@ -68,6 +68,9 @@ pub(super) fn notes(
     }
     let end = response.duration();
     notes.push(match response.ending {
+        Ending::Decayed { level, .. } if level == f64::NEG_INFINITY => {
+            format!("response ended at {end:.3} s, all of its energy gone")
+        }
         Ending::Decayed { level, .. } => format!("response ended at {end:.3} s, its energy {level:.0} dB down"),
         Ending::Duration { level, .. } => format!("response cut at {end:.3} s, its energy {level:.0} dB down"),
     });
