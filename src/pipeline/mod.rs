@@ -27,7 +27,7 @@ use nailnoise_fem::transient::ModalResponse;
 pub use bodies::{Body, Structure, modes_of, table, workpiece};
 pub use cycle::{cycle, parameters};
 pub use exhaust::exhaust_openings;
-pub use geometry::{BodyKind, Geometry, Origin, import, tool_dimensions};
+pub use geometry::{BodyKind, Geometry, Origin, import, needs_gmsh, tool_dimensions};
 pub use intervals::SoundPower;
 pub use preset::{Preset, cycle_as_published};
 pub use sensors::SensorRecord;
