@@ -12,6 +12,9 @@ use crate::design::{Design, Entry, Provenance, SupportKind};
 use crate::error::Error;
 use crate::pipeline::{self, BodyKind, Geometry, Origin};
 
+/// Estimates in the table.
+const LISTED: usize = 20;
+
 /// Layout of `check DESIGN --json`.
 #[derive(Serialize)]
 struct Explanation {
@@ -167,6 +170,16 @@ fn unknowns(entries: &[Entry]) -> Vec<String> {
     entries.iter().filter(open).map(|entry| entry.key.clone()).collect()
 }
 
+/// Four digits, with an exponent where zeros would fill the cell.
+fn number(value: f64) -> String {
+    let rounded = format!("{value:.3e}").parse::<f64>().unwrap_or(value);
+    if rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs()) {
+        format!("{rounded}")
+    } else {
+        format!("{rounded:e}")
+    }
+}
+
 fn text(e: &Explanation) -> String {
     let mut text = format!("{}\n\n", e.design);
     let standing: Vec<String> = e
@@ -206,10 +219,10 @@ fn text(e: &Explanation) -> String {
     text.push_str("  the costs are those of modes that are not kept from an earlier run\n");
     if !e.estimates.is_empty() {
         text.push_str("\n  estimates, the least known first (SI)\n\n");
-        let number = |value: f64| format!("{}", format!("{value:.3e}").parse::<f64>().unwrap_or(value));
         let rows: Vec<Vec<String>> = e
             .estimates
             .iter()
+            .take(LISTED)
             .map(|estimate| {
                 vec![
                     estimate.key.clone(),
@@ -220,6 +233,12 @@ fn text(e: &Explanation) -> String {
             })
             .collect();
         text.push_str(&table(&["key", "value", "range", "source"], &rows));
+        if e.estimates.len() > LISTED {
+            text.push_str(&format!(
+                "  and {} more; --json tells all\n",
+                e.estimates.len() - LISTED
+            ));
+        }
     }
     if !e.unknowns.is_empty() {
         text.push_str(&format!(

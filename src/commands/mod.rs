@@ -43,6 +43,9 @@ use progress::Progress;
 struct Cli {
     #[command(subcommand)]
     command: Command,
+    /// Show no progress and no notes; warnings and errors only
+    #[arg(long, global = true)]
+    quiet: bool,
 }
 
 #[derive(Subcommand)]
@@ -144,6 +147,9 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse(); // wrong use ends here with status 2
     install_error_style();
     crate::interrupt::install();
+    if cli.quiet {
+        progress::silence();
+    }
     let outcome = match &cli.command {
         Command::Init(arguments) => init::execute(arguments),
         Command::Run(arguments) => run::execute(arguments),

@@ -44,6 +44,8 @@ pub trait Observer {
     fn stage(&mut self, name: &str);
     /// Something the user should know beside the result.
     fn note(&mut self, text: &str);
+    /// So many items of the stage are done, of so many in all.
+    fn done(&mut self, _items: u64, _of: u64) {}
 }
 
 /// Listens to nothing.
