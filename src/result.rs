@@ -2,7 +2,7 @@
 //!
 //! These types are the schema of `run --json` and of `result.json`.
 
-use serde::{Serialize, Serializer, ser::SerializeMap};
+use serde::{Deserialize, Serialize, Serializer, ser::SerializeMap};
 
 /// Version of the layout of [`RunResult`]; it changes when a reader of the old layout would misread the new one.
 pub const SCHEMA: &str = "nailnoise-run/1";
@@ -191,7 +191,7 @@ pub struct Total {
 }
 
 /// A check of a run: a number that must stay within its limit.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Check {
     /// What is checked, with unit.
     pub name: String,

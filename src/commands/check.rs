@@ -1,4 +1,5 @@
-//! `nailnoise check`: whether a mesh can be trusted, and what its modes will cost.
+//! `nailnoise check`: whether a mesh can be trusted, and what its modes will cost; a design without a body is explained as
+//! a whole.
 
 use std::f64::consts::{PI, TAU};
 use std::process::ExitCode;
@@ -81,16 +82,19 @@ struct Group {
 
 /// Estimates before the modes are computed; within a factor of two or so.
 #[derive(Serialize)]
-struct Cost {
-    dofs: usize,
-    modes: f64,
+pub(super) struct Cost {
+    pub(super) dofs: usize,
+    pub(super) modes: f64,
     /// Independent problems that mirror planes divide the body into.
     sectors: usize,
-    gigabytes: f64,
-    cpu_seconds: f64,
+    pub(super) gigabytes: f64,
+    pub(super) cpu_seconds: f64,
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+    if let Some(design) = arguments.input.whole_design()? {
+        return super::explain::execute(&design, arguments.json);
+    }
     let loaded = arguments.input.load()?;
     let mesh = &loaded.imported.mesh;
     let quality = mesh.quality()?;
@@ -306,6 +310,14 @@ fn findings(
         }
     }
     (faults, warnings)
+}
+
+/// What the modes of a body will cost, up to `margin` times its top frequency.
+pub(super) fn cost_of(geometry: &Geometry, margin: f64) -> Result<Cost, Error> {
+    let mesh = &geometry.mesh;
+    let (quality, volumes) = (mesh.quality()?, mesh.part_volumes()?);
+    let thickness = thicknesses(mesh, &Surface::of(mesh), &volumes)?;
+    Ok(cost(geometry, &quality, &volumes, margin * geometry.top_hz, &thickness))
 }
 
 /// What the modes will cost.

@@ -5,11 +5,10 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::table::{decibels, table};
-use super::{Common, Keeping, Progress, print, print_json, status_of};
+use super::{Common, Keeping, Progress, print, status_of};
+use crate::bundle::deliver;
 use crate::error::Error;
-use crate::figures;
-use crate::output;
-use crate::pipeline::{self, Observer as _, Options};
+use crate::pipeline::Run;
 use crate::result::{Component, RunResult, Uncertainty};
 
 #[derive(Args)]
@@ -31,34 +30,32 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     common.start_threads()?;
     let design = common.load()?;
     let folder = common.out(&design);
-    let mut progress = Progress::new();
     let cache = arguments.keeping.cache()?;
-    let run = pipeline::run(&design, Options::default(), &cache, &mut progress)?;
-    progress.stage("writing files");
-    output::write_run(&folder, &run)?;
-    if arguments.figures {
-        let subject = format!("{}: one shot, {}", design.name(), level_word(&run.result));
-        figures::write(&folder.join("figures"), &figures::sound(&subject, &design, &run))?;
-    }
+    let mut progress = Progress::new();
+    let (bundle, unchanged) = deliver(&design, &folder, arguments.figures, words, &cache, &mut progress)?;
     drop(progress);
     if common.json {
-        print_json(&run.result)?;
+        print(&bundle.json);
     } else {
-        print(&text(&run.result));
+        let [table, parts] = &bundle.text;
+        print(table);
         if arguments.components {
-            print(&components(&run.result));
+            print(parts);
         }
-        print(&format!("\n  files in {}\n", folder.display()));
+        if unchanged {
+            print("  the design has not changed since: taken from the cache\n");
+        }
+        print(&format!(
+            "\n  files in {}, the report is report.html\n",
+            folder.display()
+        ));
     }
-    Ok(status_of(&run.result.checks))
+    Ok(status_of(&bundle.checks))
 }
 
-/// The total as the subject of a figure.
-fn level_word(result: &RunResult) -> String {
-    result
-        .total
-        .lwa_db
-        .map_or_else(|| "silent".to_owned(), |level| format!("L_WA,1s {level:.1} dB"))
+/// A run in words: the table, and the parts of its sources.
+pub(super) fn words(run: &Run) -> [String; 2] {
+    [text(&run.result), components(&run.result)]
 }
 
 /// How far a method may be off, below and above the level: `-4.0 +4.0`; a question mark where it gives no bound.

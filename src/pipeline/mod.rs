@@ -27,7 +27,7 @@ use nailnoise_fem::transient::ModalResponse;
 pub use bodies::{Body, Structure, modes_of, table, workpiece};
 pub use cycle::{cycle, parameters};
 pub use exhaust::exhaust_openings;
-pub use geometry::{BodyKind, Geometry, Origin, import, tool_dimensions};
+pub use geometry::{BodyKind, Geometry, Origin, import, needs_gmsh, tool_dimensions};
 pub use intervals::SoundPower;
 pub use preset::{Preset, cycle_as_published};
 pub use sensors::SensorRecord;
@@ -44,6 +44,8 @@ pub trait Observer {
     fn stage(&mut self, name: &str);
     /// Something the user should know beside the result.
     fn note(&mut self, text: &str);
+    /// So many items of the stage are done, of so many in all.
+    fn done(&mut self, _items: u64, _of: u64) {}
 }
 
 /// Listens to nothing.
