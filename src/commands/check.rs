@@ -342,7 +342,7 @@ fn cost(geometry: &Geometry, quality: &Quality, volumes: &[f64], hz: f64, thickn
     let parts = volumes.iter().zip(thickness).zip(&geometry.materials);
     let modes = 6.0 + parts.map(of_part).sum::<f64>();
     let thin = quality.skin_area * quality.longest_edge > 3.0 * quality.volume;
-    let planes = nailnoise_fem::mirror_planes(geometry.mesh, &geometry.materials);
+    let planes = nailnoise_fem::mirror_planes(&geometry.mesh, &geometry.materials);
     let sectors = f64::from(1 << planes);
     let m = n / sectors;
     let factor = 28.0 * if thin { m * m.log2() } else { m.powf(4.0 / 3.0) };
