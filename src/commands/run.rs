@@ -9,7 +9,7 @@ use super::{Common, Keeping, Progress, print, status_of};
 use crate::bundle::deliver;
 use crate::error::Error;
 use crate::pipeline::Run;
-use crate::result::{Component, RunResult, Uncertainty};
+use crate::result::{Component, Coupling, RunResult, Uncertainty};
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -100,6 +100,38 @@ fn components(result: &RunResult) -> String {
     format!("\n{}", table(&headings, &rows))
 }
 
+/// What the two-way coupling changed.
+fn coupled(coupling: &Coupling) -> String {
+    let mut rows = Vec::new();
+    let mut row = |name: &str, unit: &str, digits: usize, one: Option<f64>, two: Option<f64>| {
+        let value = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), |x| format!("{x:.digits$}"));
+        let change = one
+            .zip(two)
+            .map_or_else(|| "-".to_owned(), |(one, two)| format!("{:+.digits$}", two - one));
+        rows.push(vec![format!("{name} {unit}"), value(one), value(two), change]);
+    };
+    for level in &coupling.levels {
+        row(&level.source, "dB", 1, level.one_way_lwa_db, level.two_way_lwa_db);
+    }
+    let milli = |x: Option<f64>| x.map(|x| 1e3 * x);
+    for event in &coupling.events {
+        row(&event.event, "ms", 3, milli(event.one_way_s), milli(event.two_way_s));
+    }
+    for figure in &coupling.figures {
+        let (unit, digits, scale) = match figure.unit {
+            "m" => ("mm", 2, 1e3),
+            "kg" => ("g", 3, 1e3),
+            "N" => ("N", 0, 1.0),
+            unit => (unit, 3, 1.0),
+        };
+        let scaled = |x: Option<f64>| x.map(|x| scale * x);
+        let name = figure.figure.replace('_', " ");
+        row(&name, unit, digits, scaled(figure.one_way), scaled(figure.two_way));
+    }
+    let headings = ["coupling", "one way", "two ways", "change"];
+    format!("\n{}", table(&headings, &rows))
+}
+
 /// The result as a person reads it.
 fn text(result: &RunResult) -> String {
     let rows: Vec<Vec<String>> = result
@@ -153,6 +185,9 @@ fn text(result: &RunResult) -> String {
     }
     text.push_str("\n\n");
     text.push_str(&table(&headings, &rows));
+    if let Some(coupling) = &result.coupling {
+        text.push_str(&coupled(coupling));
+    }
     text.push('\n');
     for note in &result.notes {
         text.push_str(&format!("  - {note}\n"));
