@@ -19,8 +19,11 @@ use crate::pipeline::{Body, Run};
 pub use columns::{Column, columns};
 pub use csv::EVENT_NAMES;
 
+/// Opens the fields of a run in ParaView.
+const PARAVIEW: &str = include_str!("paraview.py");
+
 /// Writes everything a run leaves behind to `folder`: `result.json`, `levels.csv`, `intervals.csv`, `power.csv`,
-/// `events.csv`, `log.csv`, `histories.csv`, `fields/*`, and where the design has sensors `sensors.csv`,
+/// `events.csv`, `log.csv`, `histories.csv`, `fields/*`, `paraview.py`, and where the design has sensors `sensors.csv`,
 /// `sensors-spectrum.csv` and `sensors.uff`.
 ///
 /// # Errors
@@ -35,6 +38,7 @@ pub fn write_run(folder: &Path, run: &Run) -> Result<(), Error> {
     sensors::write(folder, run)?;
     fields::write(&folder.join("fields"), run)?;
     shot::write(&folder.join("fields"), run)?;
+    write(&folder.join("paraview.py"), PARAVIEW.as_bytes())?;
     // Last, so that a folder with a result has all the rest of it.
     write(&folder.join("result.json"), &json)
 }
