@@ -23,6 +23,7 @@ mod surface;
 
 pub use energy::{ModalSpectra, radiated_energy};
 pub use erp::Erp;
+pub(crate) use quadrature::gauss_legendre;
 pub use rayleigh::{Rayleigh, SecondEvaluation};
 pub use resistance::{ModalRadiation, Resistance};
 pub use roots::radiated_signals;

@@ -1,0 +1,602 @@
+//! Pairs of panels that touch or lie close, with rules chosen pair by pair.
+
+use super::blocks::Block;
+use super::boundary::Boundary;
+use super::panel::{BoundaryMesh, MOST_NODES, PanelKind};
+use super::rules::{self, Contact, Node, PairNode};
+use super::trig::green;
+use nalgebra::Vector3;
+use pulp::{Arch, Simd, WithSimd};
+use rustfft::num_complex::Complex;
+use std::collections::HashMap;
+use std::f64::consts::PI;
+
+/// Gauss points a direction for pairs that touch.
+const SINGULAR_ORDER: usize = 4;
+/// Distance of two panels' centres, as a multiple of the sum of their radii, above which the rules of 3, 7, 12 and 25
+/// points (2 x 2, 3 x 3, 4 x 4 and 5 x 5 on quadrilaterals) are taken; closer panels are divided.
+const RATIOS: [f64; 4] = [2.6, 1.7, 1.2, 0.8];
+/// Most divisions of panels that lie close without touching.
+const DEPTH: usize = 8;
+
+/// Shape functions at the points of a pair rule, on one side: array by array, padded to whole vectors.
+#[derive(Debug)]
+struct Sampled {
+    padded: usize,
+    nodes: usize,
+    corners: usize,
+    /// N_a, dN_a/dxi, dN_a/deta of the geometry, then phi_i, dphi_i/dxi, dphi_i/deta of the corner functions.
+    values: Vec<f64>,
+}
+
+impl Sampled {
+    fn new(kind: PanelKind, points: &[[f64; 2]]) -> Self {
+        let padded = points.len().next_multiple_of(8);
+        let (nodes, corners) = (kind.nodes(), kind.corners());
+        let mut values = vec![0.0; 3 * (nodes + corners) * padded];
+        for q in 0..padded {
+            let xi = points[q.min(points.len() - 1)];
+            let (shape, linear) = (kind.shape(xi), kind.linear().shape(xi));
+            for (count, s, start) in [(nodes, shape, 0), (corners, linear, 3 * nodes)] {
+                for a in 0..count {
+                    values[(start + a) * padded + q] = s.n[a];
+                    values[(start + count + a) * padded + q] = s.dn[a][0];
+                    values[(start + 2 * count + a) * padded + q] = s.dn[a][1];
+                }
+            }
+        }
+        Self {
+            padded,
+            nodes,
+            corners,
+            values,
+        }
+    }
+}
+
+/// How a pair of panels is integrated.
+#[derive(Clone, Copy, Debug)]
+enum Integration {
+    /// Tables of either side and the weights, by number.
+    Tables { x: u32, y: u32, weights: u32 },
+    /// By dividing the panels, triangle `s` of the first and `t` of the second.
+    Divided { s: u8, t: u8 },
+}
+
+/// A pair (or, for quadrilaterals, a pair of halves) that the far rule must leave out.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NearPair {
+    /// Position of the first panel in its block.
+    pub(super) e: usize,
+    /// Position of the second panel in its block.
+    pub(super) f: usize,
+    /// The second panel is an image in the floor.
+    pub(super) image: bool,
+    integration: Integration,
+}
+
+/// Matrices of one pair: rows are corner functions of the first panel, columns those of the second.
+#[derive(Clone, Debug, Default)]
+pub(super) struct PairMatrices {
+    /// Integral of phi_i G phi_j.
+    pub(super) s: [[Complex<f64>; 4]; 4],
+    /// Integral of phi_i dG/dn_y phi_j.
+    pub(super) k: [[Complex<f64>; 4]; 4],
+    /// Integral of phi_i dG/dn_x phi_j.
+    pub(super) kp: [[Complex<f64>; 4]; 4],
+    /// Integral of G (curl phi_i . curl phi_j - k² n_x . n_y phi_i phi_j).
+    pub(super) w: [[Complex<f64>; 4]; 4],
+}
+
+/// All close pairs of a surface and the tables they share.
+#[derive(Debug)]
+pub(super) struct NearField {
+    tables: Vec<Sampled>,
+    weights: Vec<Vec<f64>>,
+    /// Pairs of each pair of blocks, at `e_block * blocks + f_block`.
+    pairs: Vec<Vec<NearPair>>,
+    blocks: usize,
+}
+
+/// What identifies a table: kind, rule, side, order of the vertices.
+type TableKey = (PanelKind, u8, bool, [u8; 3]);
+
+/// Collects tables as pairs ask for them.
+struct Builder {
+    field: NearField,
+    table_of: HashMap<TableKey, u32>,
+    rules: Vec<Vec<PairNode>>,
+    singular_weights: [u32; 3],
+    product_weights: HashMap<(usize, usize, usize), u32>,
+}
+
+/// Halves of a quadrilateral, by corners; the first is also the triangle itself.
+const HALVES: [[u8; 3]; 2] = [[0, 1, 2], [0, 2, 3]];
+
+impl NearField {
+    /// Finds all close pairs. Blocks come in pairs e <= f; within a block, panels too.
+    pub(super) fn new(boundary: &Boundary, blocks: &[Block]) -> Self {
+        let mesh = boundary.mesh();
+        let spheres: Vec<(Vector3<f64>, f64)> = (0..mesh.panels.len()).map(|p| sphere(mesh, p)).collect();
+        let mut builder = Builder::new(blocks.len());
+        let around = |b: &Block| {
+            let middle = b.panels.iter().map(|&p| spheres[p].0).sum::<Vector3<f64>>() / b.panels.len() as f64;
+            let reach = b
+                .panels
+                .iter()
+                .map(|&p| (spheres[p].0 - middle).norm() + RATIOS[0] * spheres[p].1);
+            (middle, reach.fold(0.0, f64::max))
+        };
+        let reach: Vec<(Vector3<f64>, f64)> = blocks.iter().map(around).collect();
+        let mirror = |v: Vector3<f64>, z: f64| Vector3::new(v.x, v.y, 2.0 * z - v.z);
+        for (i, eb) in blocks.iter().enumerate() {
+            for (j, fb) in blocks.iter().enumerate().skip(i) {
+                for image in [false, true] {
+                    let seen = |v: Vector3<f64>| match (image, boundary.floor()) {
+                        (true, Some(z)) => mirror(v, z),
+                        _ => v,
+                    };
+                    if image && boundary.floor().is_none()
+                        || (reach[i].0 - seen(reach[j].0)).norm() > reach[i].1 + reach[j].1
+                    {
+                        continue;
+                    }
+                    let mut pairs = std::mem::take(&mut builder.field.pairs[i * blocks.len() + j]);
+                    for (e, &p) in eb.panels.iter().enumerate() {
+                        for (f, &q) in fb.panels.iter().enumerate().skip(if i == j { e } else { 0 }) {
+                            let ((c, r), (d, s)) = (spheres[p], spheres[q]);
+                            let ratio = (c - seen(d)).norm() / (r + s);
+                            if ratio <= RATIOS[0] {
+                                let mut add = |integration| {
+                                    pairs.push(NearPair {
+                                        e,
+                                        f,
+                                        image,
+                                        integration,
+                                    });
+                                };
+                                builder.add(boundary, [p, q], image, ratio, &mut add);
+                            }
+                        }
+                    }
+                    builder.field.pairs[i * blocks.len() + j] = pairs;
+                }
+            }
+        }
+        builder.field
+    }
+
+    /// Close pairs of two blocks, the first not after the second.
+    pub(super) fn pairs(&self, e_block: usize, f_block: usize) -> &[NearPair] {
+        &self.pairs[e_block * self.blocks + f_block]
+    }
+
+    /// Number of pairs integrated one by one.
+    pub(super) fn len(&self) -> usize {
+        self.pairs.iter().map(Vec::len).sum()
+    }
+
+    /// The matrices of one pair at the wave number `k`.
+    pub(super) fn integrate(
+        &self,
+        boundary: &Boundary,
+        k: f64,
+        [p, q]: [usize; 2],
+        pair: &NearPair,
+        out: &mut PairMatrices,
+    ) {
+        let mesh = boundary.mesh();
+        let x_nodes = positions(mesh, p, None);
+        let y_nodes = positions(mesh, q, boundary.floor().filter(|_| pair.image));
+        let mut run = |x: &Sampled, y: &Sampled, weights: &[f64]| {
+            let task = Integrate {
+                k,
+                x,
+                y,
+                weights,
+                x_nodes: &x_nodes,
+                y_nodes: &y_nodes,
+                sign: if pair.image { -1.0 } else { 1.0 },
+                out,
+            };
+            Arch::new().dispatch(task);
+        };
+        match pair.integration {
+            Integration::Tables { x, y, weights } => run(
+                &self.tables[x as usize],
+                &self.tables[y as usize],
+                &self.weights[weights as usize],
+            ),
+            Integration::Divided { s, t } => {
+                let kinds = [mesh.panels[p].kind(), mesh.panels[q].kind()];
+                let start = [
+                    (
+                        kinds[0],
+                        HALVES[s as usize].map(|c| kinds[0].natural_nodes()[c as usize]),
+                    ),
+                    (
+                        kinds[1],
+                        HALVES[t as usize].map(|c| kinds[1].natural_nodes()[c as usize]),
+                    ),
+                ];
+                divide(start, [&x_nodes, &y_nodes], DEPTH, &mut run);
+            }
+        }
+    }
+}
+
+impl Builder {
+    fn new(blocks: usize) -> Self {
+        let contacts = [Contact::Identical, Contact::Edge, Contact::Vertex];
+        let rules: Vec<Vec<PairNode>> = contacts.map(|c| rules::sauter_schwab(c, SINGULAR_ORDER)).into();
+        let weights = rules.iter().map(|r| padded(r.iter().map(|&(_, _, w)| w))).collect();
+        Self {
+            field: NearField {
+                tables: Vec::new(),
+                weights,
+                pairs: vec![Vec::new(); blocks * blocks],
+                blocks,
+            },
+            table_of: HashMap::new(),
+            rules,
+            singular_weights: [0, 1, 2],
+            product_weights: HashMap::new(),
+        }
+    }
+
+    fn add(
+        &mut self,
+        boundary: &Boundary,
+        [p, q]: [usize; 2],
+        image: bool,
+        ratio: f64,
+        add: &mut impl FnMut(Integration),
+    ) {
+        let mesh = boundary.mesh();
+        let kinds = [mesh.panels[p].kind(), mesh.panels[q].kind()];
+        let node = |panel: usize, corner: u8| {
+            let n = boundary
+                .node_of(mesh.panels[panel].corners()[corner as usize])
+                .unwrap_or(usize::MAX);
+            // An image's node coincides with a real one on the floor only.
+            (!image || boundary.is_on_floor(n)).then_some(n)
+        };
+        let touching = (0..kinds[0].corners() as u8).any(|a| {
+            let a = node(p, a);
+            a.is_some() && (0..kinds[1].corners() as u8).any(|b| node(q, b) == a)
+        });
+        if !touching && let Some(level) = RATIOS.iter().position(|&r| ratio > r) {
+            return add(self.product(kinds, level));
+        }
+        for (s, first) in HALVES.iter().enumerate().take(kinds[0].corners() - 2) {
+            for (t, second) in HALVES.iter().enumerate().take(kinds[1].corners() - 2) {
+                let shared: Vec<(u8, u8)> = first
+                    .iter()
+                    .flat_map(|&a| second.iter().map(move |&b| (a, b)))
+                    .filter(|&(a, b)| node(p, a).is_some() && node(p, a) == node(q, b))
+                    .collect();
+                let contact = match shared.len() {
+                    0 => {
+                        add(Integration::Divided { s: s as u8, t: t as u8 });
+                        continue;
+                    }
+                    1 => Contact::Vertex,
+                    2 => Contact::Edge,
+                    _ => Contact::Identical,
+                };
+                let order = |triangle: &[u8; 3], common: Vec<u8>| {
+                    let rest = triangle.iter().copied().filter(|c| !common.contains(c));
+                    let all: Vec<u8> = common.iter().copied().chain(rest).collect();
+                    [all[0], all[1], all[2]]
+                };
+                let x = order(first, shared.iter().map(|s| s.0).collect());
+                let y = order(second, shared.iter().map(|s| s.1).collect());
+                add(self.singular(kinds, contact, [x, y]));
+            }
+        }
+    }
+
+    /// A rule for triangles that touch, with their vertices in the given order.
+    fn singular(&mut self, kinds: [PanelKind; 2], contact: Contact, [x, y]: [[u8; 3]; 2]) -> Integration {
+        let c = contact as usize;
+        let mut table = |kind: PanelKind, side: bool, vertices: [u8; 3]| {
+            let corner = vertices.map(|v| kind.natural_nodes()[v as usize]);
+            let points = |r: &[PairNode]| -> Vec<[f64; 2]> {
+                r.iter()
+                    .map(|&(x, y, _)| {
+                        let l = if side { y } else { x };
+                        [0, 1].map(|d| l[0] * corner[0][d] + l[1] * corner[1][d] + l[2] * corner[2][d])
+                    })
+                    .collect()
+            };
+            *self.table_of.entry((kind, c as u8, side, vertices)).or_insert_with(|| {
+                self.field.tables.push(Sampled::new(kind, &points(&self.rules[c])));
+                self.field.tables.len() as u32 - 1
+            })
+        };
+        let (x, y) = (table(kinds[0], false, x), table(kinds[1], true, y));
+        // Weights refer to the unit triangle's double area; a half of the square measures four times as much.
+        let quads = kinds.iter().filter(|k| k.corners() == 4).count();
+        let weights = if quads == 0 {
+            self.singular_weights[c]
+        } else {
+            let base = self.singular_weights[c] as usize;
+            *self.product_weights.entry((usize::MAX, c, quads)).or_insert_with(|| {
+                let factor = 4f64.powi(quads as i32);
+                let scaled = self.field.weights[base].iter().map(|w| w * factor).collect();
+                self.field.weights.push(scaled);
+                self.field.weights.len() as u32 - 1
+            })
+        };
+        Integration::Tables { x, y, weights }
+    }
+
+    /// A product rule for panels that do not touch.
+    fn product(&mut self, kinds: [PanelKind; 2], level: usize) -> Integration {
+        let rules = kinds.map(|k| whole(k, level));
+        let (x, y) = product(&rules);
+        // Both sides' points depend on how many the other has.
+        let key = |side: usize| {
+            let other = kinds[1 - side].corners() as u8;
+            (kinds[side], 100 + level as u8, side == 1, [other, 0, 0])
+        };
+        let mut table = |side: usize, points: &[[f64; 2]]| {
+            *self.table_of.entry(key(side)).or_insert_with(|| {
+                self.field.tables.push(Sampled::new(kinds[side], points));
+                self.field.tables.len() as u32 - 1
+            })
+        };
+        let (x, y) = (table(0, &x), table(1, &y));
+        let weights = *self
+            .product_weights
+            .entry((level, kinds[0].corners(), kinds[1].corners()))
+            .or_insert_with(|| {
+                self.field.weights.push(product_weights(&rules));
+                self.field.weights.len() as u32 - 1
+            });
+        Integration::Tables { x, y, weights }
+    }
+}
+
+/// The rule of a level on a whole panel; the first level is the far rule.
+fn whole(kind: PanelKind, level: usize) -> Vec<Node> {
+    match (kind.corners(), level) {
+        (3, 0) => rules::triangle(3),
+        (3, 1) => rules::triangle(7),
+        (3, 2) => rules::triangle(12),
+        (3, _) => rules::collapsed(5),
+        (_, level) => rules::square(level + 2),
+    }
+}
+
+fn product(rules: &[Vec<Node>; 2]) -> (Vec<[f64; 2]>, Vec<[f64; 2]>) {
+    rules[0]
+        .iter()
+        .flat_map(|&(x, _)| rules[1].iter().map(move |&(y, _)| (x, y)))
+        .unzip()
+}
+
+fn product_weights(rules: &[Vec<Node>; 2]) -> Vec<f64> {
+    padded(
+        rules[0]
+            .iter()
+            .flat_map(|&(_, w)| rules[1].iter().map(move |&(_, v)| w * v)),
+    )
+}
+
+fn padded(weights: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut all: Vec<f64> = weights.collect();
+    all.resize(all.len().next_multiple_of(8), 0.0);
+    all
+}
+
+/// Centre of a panel's nodes, and the radius around it that holds them.
+fn sphere(mesh: &BoundaryMesh, p: usize) -> (Vector3<f64>, f64) {
+    let nodes = mesh.panels[p].nodes();
+    let corners = mesh.panels[p].corners();
+    let middle = corners.iter().map(|&n| mesh.points[n].coords).sum::<Vector3<f64>>() / corners.len() as f64;
+    let radius = nodes.iter().map(|&n| (mesh.points[n].coords - middle).norm());
+    (middle, radius.fold(0.0, f64::max))
+}
+
+/// Node positions of a panel, or of its image in a floor.
+fn positions(mesh: &BoundaryMesh, p: usize, image: Option<f64>) -> [[f64; 3]; MOST_NODES] {
+    let mut all = [[0.0; 3]; MOST_NODES];
+    for (slot, &n) in all.iter_mut().zip(mesh.panels[p].nodes()) {
+        let x = mesh.points[n];
+        *slot = [x.x, x.y, image.map_or(x.z, |z| 2.0 * z - x.z)];
+    }
+    all
+}
+
+/// A triangle in the natural coordinates of a panel.
+type Part = (PanelKind, [[f64; 2]; 3]);
+
+/// Halves the sides of the larger triangle until the two are far enough apart for the 12-point rule.
+fn divide(
+    parts: [Part; 2],
+    nodes: [&[[f64; 3]; MOST_NODES]; 2],
+    depth: usize,
+    run: &mut impl FnMut(&Sampled, &Sampled, &[f64]),
+) {
+    let place = |(kind, _): Part, nodes: &[[f64; 3]; MOST_NODES], xi: [f64; 2]| {
+        let shape = kind.shape(xi);
+        let mut x = Vector3::zeros();
+        for (n, p) in shape.n.iter().zip(nodes).take(kind.nodes()) {
+            x += Vector3::from(*p) * *n;
+        }
+        x
+    };
+    let sphere = |side: usize| {
+        let v = parts[side].1;
+        let middle = [0, 1].map(|d| (v[0][d] + v[1][d] + v[2][d]) / 3.0);
+        let centre = place(parts[side], nodes[side], middle);
+        let reach = v.map(|xi| (place(parts[side], nodes[side], xi) - centre).norm());
+        (centre, reach.into_iter().fold(0.0, f64::max))
+    };
+    let ((c, r), (d, s)) = (sphere(0), sphere(1));
+    if depth == 0 || (c - d).norm() > RATIOS[2] * (r + s) {
+        let rule = |(_, v): Part| -> Vec<Node> {
+            let area = (v[1][0] - v[0][0]) * (v[2][1] - v[0][1]) - (v[2][0] - v[0][0]) * (v[1][1] - v[0][1]);
+            let map = |(l, w): Node| {
+                let at = |d: usize| v[0][d] + l[0] * (v[1][d] - v[0][d]) + l[1] * (v[2][d] - v[0][d]);
+                ([at(0), at(1)], w * area.abs())
+            };
+            rules::triangle(12).into_iter().map(map).collect()
+        };
+        let rules = parts.map(rule);
+        let (x, y) = product(&rules);
+        let tables = [Sampled::new(parts[0].0, &x), Sampled::new(parts[1].0, &y)];
+        run(&tables[0], &tables[1], &product_weights(&rules));
+        return;
+    }
+    let side = usize::from(s > r);
+    let v = parts[side].1;
+    let middle = |a: [f64; 2], b: [f64; 2]| [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+    let m = [middle(v[0], v[1]), middle(v[1], v[2]), middle(v[2], v[0])];
+    for piece in [[v[0], m[0], m[2]], [m[0], v[1], m[1]], [m[2], m[1], v[2]], m] {
+        let mut next = parts;
+        next[side].1 = piece;
+        divide(next, nodes, depth - 1, run);
+    }
+}
+
+struct Integrate<'a> {
+    k: f64,
+    x: &'a Sampled,
+    y: &'a Sampled,
+    weights: &'a [f64],
+    x_nodes: &'a [[f64; 3]; MOST_NODES],
+    y_nodes: &'a [[f64; 3]; MOST_NODES],
+    /// -1 if the second panel is an image: mirrored tangents turn its normal inward.
+    sign: f64,
+    out: &'a mut PairMatrices,
+}
+
+/// One side of a pair at a vector of points.
+struct Side<V, const E: usize> {
+    x: [V; 3],
+    normal: [V; 3],
+    area: V,
+    phi: [V; E],
+    curl: [[V; 3]; E],
+}
+
+#[inline(always)]
+fn side<S: Simd, const E: usize>(
+    simd: S,
+    table: &Sampled,
+    at: usize,
+    nodes: &[[f64; 3]; MOST_NODES],
+    sign: f64,
+) -> Side<S::f64s, E> {
+    let zero = simd.splat_f64s(0.0);
+    let lanes = S::F64_LANES;
+    let get = |row: usize| {
+        let start = row * table.padded + at * lanes;
+        S::as_simd_f64s(&table.values[start..start + lanes]).0[0]
+    };
+    let mut sums = [[zero; 3]; 3];
+    for (a, node) in nodes.iter().enumerate().take(table.nodes) {
+        let p = node.map(|c| simd.splat_f64s(c));
+        for (m, sum) in sums.iter_mut().enumerate() {
+            let n = get(m * table.nodes + a);
+            for c in 0..3 {
+                sum[c] = simd.mul_add_e_f64s(n, p[c], sum[c]);
+            }
+        }
+    }
+    let [x, t1, t2] = sums;
+    let sign = simd.splat_f64s(sign);
+    let cross = |i: usize, j: usize| {
+        simd.mul_f64s(
+            sign,
+            simd.negate_mul_add_e_f64s(t1[j], t2[i], simd.mul_f64s(t1[i], t2[j])),
+        )
+    };
+    let normal = [cross(1, 2), cross(2, 0), cross(0, 1)];
+    let start = 3 * table.nodes;
+    let corner = |m: usize, i: usize| get(start + m * table.corners + i);
+    Side {
+        x,
+        normal,
+        area: simd.sqrt_f64s(dot(simd, normal, normal)),
+        phi: std::array::from_fn(|i| corner(0, i)),
+        curl: std::array::from_fn(|i| {
+            let (d1, d2) = (corner(1, i), corner(2, i));
+            std::array::from_fn(|c| {
+                simd.mul_f64s(sign, simd.negate_mul_add_e_f64s(d2, t1[c], simd.mul_f64s(d1, t2[c])))
+            })
+        }),
+    }
+}
+
+#[inline(always)]
+pub(super) fn dot<S: Simd>(simd: S, a: [S::f64s; 3], b: [S::f64s; 3]) -> S::f64s {
+    simd.mul_add_e_f64s(a[2], b[2], simd.mul_add_e_f64s(a[1], b[1], simd.mul_f64s(a[0], b[0])))
+}
+
+impl WithSimd for Integrate<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        match (self.x.corners, self.y.corners) {
+            (3, 3) => self.run::<S, 3, 3>(simd),
+            (3, _) => self.run::<S, 3, 4>(simd),
+            (_, 3) => self.run::<S, 4, 3>(simd),
+            _ => self.run::<S, 4, 4>(simd),
+        }
+    }
+}
+
+impl Integrate<'_> {
+    #[inline(always)]
+    fn run<S: Simd, const E: usize, const F: usize>(self, simd: S) {
+        let zero = simd.splat_f64s(0.0);
+        let k = simd.splat_f64s(self.k);
+        let k2 = simd.splat_f64s(self.k * self.k);
+        // s, k, kp, w; real and imaginary.
+        let mut sums = [[[[zero; F]; E]; 2]; 4];
+        for (at, &w) in S::as_simd_f64s(self.weights).0.iter().enumerate() {
+            let x = side::<S, E>(simd, self.x, at, self.x_nodes, 1.0);
+            let y = side::<S, F>(simd, self.y, at, self.y_nodes, self.sign);
+            let d = [0, 1, 2].map(|c| simd.sub_f64s(x.x[c], y.x[c]));
+            let scale = simd.mul_f64s(w, simd.splat_f64s(0.25 / PI));
+            let [g_re, g_im, h_re, h_im] = green(simd, dot(simd, d, d), k, scale);
+            let areas = simd.mul_f64s(x.area, y.area);
+            let dn_y = simd.mul_f64s(dot(simd, d, y.normal), x.area);
+            let dn_x = simd.neg_f64s(simd.mul_f64s(dot(simd, d, x.normal), y.area));
+            let nn = simd.mul_f64s(k2, dot(simd, x.normal, y.normal));
+            let parts = [(g_re, h_re), (g_im, h_im)];
+            for (part, (g, h)) in parts.into_iter().enumerate() {
+                let kernels = [simd.mul_f64s(g, areas), simd.mul_f64s(h, dn_y), simd.mul_f64s(h, dn_x)];
+                for i in 0..E {
+                    let rows = kernels.map(|kernel| simd.mul_f64s(kernel, x.phi[i]));
+                    for j in 0..F {
+                        for (m, row) in rows.iter().enumerate() {
+                            let sum = &mut sums[m][part][i][j];
+                            *sum = simd.mul_add_e_f64s(*row, y.phi[j], *sum);
+                        }
+                        let mass = simd.mul_f64s(x.phi[i], y.phi[j]);
+                        let curls = simd.negate_mul_add_e_f64s(nn, mass, dot(simd, x.curl[i], y.curl[j]));
+                        let sum = &mut sums[3][part][i][j];
+                        *sum = simd.mul_add_e_f64s(g, curls, *sum);
+                    }
+                }
+            }
+        }
+        let out = self.out;
+        for (m, matrix) in [&mut out.s, &mut out.k, &mut out.kp, &mut out.w]
+            .into_iter()
+            .enumerate()
+        {
+            for i in 0..E {
+                for j in 0..F {
+                    let [re, im] = [0, 1].map(|part| simd.reduce_sum_f64s(sums[m][part][i][j]));
+                    matrix[i][j] += Complex::new(re, im);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,331 @@
+use super::blocks::{Block, blocks};
+use super::boundary::Boundary;
+use super::near::NearField;
+use super::rules;
+use super::tile::{Sums, Tile, Wave};
+use crate::air::Air;
+use crate::error::{AcousticsError, positive, same_length};
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::lu::partial_pivoting::{factor, solve};
+use faer::perm::PermRef;
+use faer::{Conj, Mat, MatMut, MatRef, Par};
+use nalgebra::{Complex, DMatrix};
+use std::f64::consts::PI;
+
+/// The exterior problem of a surface, set up once for all frequencies.
+///
+/// With G = e^{-jkr} / (4 pi r), plus that of the image in a rigid floor, and n into the air, the pressure p and its
+/// normal derivative dp/dn = -j omega rho v_n satisfy (Burton & Miller 1971)
+///
+/// ```text
+/// (1/2 - K - alpha H) p = -(S + alpha (1/2 + K')) dp/dn        alpha = -j min(1/k, L_c)
+/// ```
+///
+/// which has one solution at every frequency, while each half fails at resonances of the inside. Galerkin's method with
+/// continuous linear (bilinear) pressure; the normal velocity is linear on each panel and jumps between panels. The
+/// hypersingular operator by parts (Maue 1949, Nedelec 2001 section 3.3.4),
+///
+/// ```text
+/// <phi, H psi> = -int int G (curl phi . curl psi - k² n_x . n_y phi psi)        curl phi = n x grad phi
+/// ```
+///
+/// On a body that stands on the floor the surface and its image close each other: tested with functions even in the
+/// height above the floor, the contour terms of the two cancel where they meet.
+#[derive(Debug)]
+pub struct Exterior {
+    boundary: Boundary,
+    air: Air,
+    blocks: Vec<Block>,
+    near: NearField,
+    coupling: f64,
+    per_wavelength: f64,
+    /// Integrals of phi_i phi_j over every panel.
+    masses: Vec<[[f64; 4]; 4]>,
+}
+
+/// The pressure on a surface for a set of velocity patterns.
+#[derive(Clone, Debug)]
+pub struct SurfacePressure {
+    /// Frequency \[Hz\].
+    pub hz: f64,
+    /// Pressure per unit of each pattern, pressure unknowns x patterns \[Pa s/m for velocities in m/s\].
+    pub pressure: DMatrix<Complex<f64>>,
+}
+
+impl Exterior {
+    /// Sets the problem up: blocks, close pairs and the tables of their rules.
+    pub fn new(boundary: Boundary, air: &Air) -> Self {
+        let blocks = blocks(&boundary);
+        let near = NearField::new(&boundary, &blocks);
+        let mesh = boundary.mesh();
+        let masses = (0..mesh.panels.len())
+            .map(|p| {
+                let kind = mesh.panels[p].kind();
+                let mut mass = [[0.0; 4]; 4];
+                for (xi, w) in rules::fine(kind) {
+                    let dw = w * mesh.point_at(p, xi).area_vector().norm();
+                    let n = kind.linear().shape(xi).n;
+                    for i in 0..4 {
+                        for j in 0..4 {
+                            mass[i][j] += dw * n[i] * n[j];
+                        }
+                    }
+                }
+                mass
+            })
+            .collect();
+        Self {
+            coupling: boundary.half_width(),
+            per_wavelength: 6.0,
+            boundary,
+            air: *air,
+            blocks,
+            near,
+            masses,
+        }
+    }
+
+    /// Another cap L_c \[m\] of the coupling parameter than half the body's width.
+    ///
+    /// # Errors
+    /// A length that is not positive.
+    pub fn with_coupling(mut self, length: f64) -> Result<Self, AcousticsError> {
+        self.coupling = positive("cap of the coupling parameter [m]", length)?;
+        Ok(self)
+    }
+
+    /// Another resolution than six panels per wavelength below which frequencies are refused.
+    ///
+    /// # Errors
+    /// A number that is not positive.
+    pub fn with_panels_per_wavelength(mut self, number: f64) -> Result<Self, AcousticsError> {
+        self.per_wavelength = positive("panels per wavelength", number)?;
+        Ok(self)
+    }
+
+    /// Panels per wavelength below which frequencies are refused.
+    pub fn panels_per_wavelength(&self) -> f64 {
+        self.per_wavelength
+    }
+
+    pub(super) fn check_resolution(&self, hz: f64) -> Result<(), AcousticsError> {
+        let highest = self.boundary.highest_hz(self.air.sound_speed, self.per_wavelength);
+        // The upper end of a range may be this very frequency.
+        if hz <= highest * (1.0 + 1e-9) {
+            return Ok(());
+        }
+        let edge = self.boundary.mesh().longest_edge();
+        Err(AcousticsError::TooCoarse {
+            hz,
+            edge,
+            per_wavelength: self.air.sound_speed / (hz * edge),
+            needed: self.per_wavelength,
+            highest,
+        })
+    }
+
+    pub(super) fn blocks(&self) -> &[Block] {
+        &self.blocks
+    }
+
+    /// The surface.
+    pub fn boundary(&self) -> &Boundary {
+        &self.boundary
+    }
+
+    /// The air.
+    pub fn air(&self) -> &Air {
+        &self.air
+    }
+
+    /// Pairs of panels too close for the far rule.
+    pub fn close_pairs(&self) -> usize {
+        self.near.len()
+    }
+
+    /// Pressure on the surface at the frequency `hz` for normal velocities (corner values of every panel x patterns,
+    /// see [`Boundary::project`]): one matrix, one factorisation for all patterns, on one thread.
+    ///
+    /// # Errors
+    /// A frequency that is not positive or above what the mesh resolves, patterns of another length.
+    pub fn solve(&self, hz: f64, velocities: &DMatrix<f64>) -> Result<SurfacePressure, AcousticsError> {
+        positive("frequency [Hz]", hz)?;
+        self.check_resolution(hz)?;
+        same_length(
+            "rows of the normal velocities",
+            velocities.nrows(),
+            self.boundary.velocity_values(),
+        )?;
+        let omega = 2.0 * PI * hz;
+        let k = omega / self.air.sound_speed;
+        let wave = Wave {
+            k,
+            alpha: Complex::new(0.0, -self.coupling.min(1.0 / k)),
+        };
+        let Sums { mut matrix, right } = self.assemble(wave, velocities);
+        // dp/dn = -j omega rho v turns -(S + alpha K' + alpha/2) dp/dn into j omega rho (...) v.
+        let factor = Complex::new(0.0, omega * self.air.density);
+        let (n, modes) = (matrix.nrows(), velocities.ncols());
+        let mut pressure = DMatrix::from_fn(n, modes, |i, m| {
+            factor * Complex::new(right[0][(i, m)], right[1][(i, m)])
+        });
+        let (mut order, mut inverse) = (vec![0usize; n], vec![0usize; n]);
+        let scratch = factor::lu_in_place_scratch::<usize, Complex<f64>>(n, n, Par::Seq, Default::default())
+            .or(solve::solve_in_place_scratch::<usize, Complex<f64>>(n, modes, Par::Seq));
+        let mut memory = MemBuffer::new(scratch);
+        let stack = MemStack::new(&mut memory);
+        factor::lu_in_place(
+            matrix.as_mut(),
+            &mut order,
+            &mut inverse,
+            Par::Seq,
+            stack,
+            Default::default(),
+        );
+        let permutation = PermRef::new_checked(&order, &inverse, n);
+        solve::solve_in_place_with_conj(
+            matrix.as_ref(),
+            matrix.as_ref(),
+            permutation,
+            Conj::No,
+            MatMut::from_column_major_slice_mut(pressure.as_mut_slice(), n, modes),
+            Par::Seq,
+            stack,
+        );
+        Ok(SurfacePressure { hz, pressure })
+    }
+
+    /// 1/2 - K + alpha W, and (S + alpha (1/2 + K')) v.
+    pub(super) fn assemble(&self, wave: Wave, velocities: &DMatrix<f64>) -> Sums {
+        let (n, modes) = (self.boundary.nodes(), velocities.ncols());
+        let patterns: Vec<Mat<f64>> = self
+            .blocks
+            .iter()
+            .map(|b| {
+                let mut m = Mat::zeros(b.corners * b.width, modes);
+                for mode in 0..modes {
+                    for (f, first) in b.first_value.iter().enumerate() {
+                        for j in 0..b.corners {
+                            m[(j * b.width + f, mode)] = velocities[(first + j, mode)];
+                        }
+                    }
+                }
+                m
+            })
+            .collect();
+        let mut sums = Sums {
+            matrix: Mat::zeros(n, n),
+            right: [Mat::zeros(n, modes), Mat::zeros(n, modes)],
+        };
+        let mut tile = Tile::default();
+        for (i, e) in self.blocks.iter().enumerate() {
+            for (j, f) in self.blocks.iter().enumerate().skip(i) {
+                tile.add(
+                    &self.boundary,
+                    wave,
+                    [e, f],
+                    [&patterns[i], &patterns[j]],
+                    self.near.pairs(i, j),
+                    |panels, pair, out| self.near.integrate(&self.boundary, wave.k, panels, pair, out),
+                    &mut sums,
+                );
+            }
+        }
+        let mesh = self.boundary.mesh();
+        let mut first = 0;
+        for (panel, mass) in mesh.panels.iter().zip(&self.masses) {
+            let nodes: Vec<usize> = panel
+                .corners()
+                .iter()
+                .filter_map(|&c| self.boundary.node_of(c))
+                .collect();
+            for (i, &row) in nodes.iter().enumerate() {
+                for (j, &column) in nodes.iter().enumerate() {
+                    sums.matrix[(row, column)] += 0.5 * mass[i][j];
+                    let half = 0.5 * mass[i][j] * wave.alpha;
+                    for m in 0..modes {
+                        let v = velocities[(first + j, m)];
+                        sums.right[0][(row, m)] += half.re * v;
+                        sums.right[1][(row, m)] += half.im * v;
+                    }
+                }
+            }
+            first += nodes.len();
+        }
+        sums
+    }
+
+    /// Modal radiation impedance Z_ij = int v_i p_j dS of every patch: its real part is R, its imaginary part omega
+    /// times the mass of air that moves along.
+    ///
+    /// # Errors
+    /// Patterns or pressures of another length.
+    pub fn impedance(
+        &self,
+        velocities: &DMatrix<f64>,
+        solution: &SurfacePressure,
+    ) -> Result<Vec<DMatrix<Complex<f64>>>, AcousticsError> {
+        same_length(
+            "rows of the normal velocities",
+            velocities.nrows(),
+            self.boundary.velocity_values(),
+        )?;
+        same_length("rows of the pressure", solution.pressure.nrows(), self.boundary.nodes())?;
+        let mesh = self.boundary.mesh();
+        let patches = mesh
+            .panels
+            .iter()
+            .map(|p| p.patch + 1)
+            .max()
+            .unwrap_or(0)
+            .max(mesh.patches.len());
+        let (modes, columns) = (velocities.ncols(), solution.pressure.ncols());
+        let mut result = Vec::with_capacity(patches);
+        for patch in 0..patches {
+            let (mut first, mut rows, mut forces) = (0, Vec::new(), Vec::<Complex<f64>>::new());
+            for (panel, mass) in mesh.panels.iter().zip(&self.masses) {
+                let nodes: Vec<usize> = panel
+                    .corners()
+                    .iter()
+                    .filter_map(|&c| self.boundary.node_of(c))
+                    .collect();
+                if panel.patch == patch {
+                    for (i, row) in mass.iter().enumerate().take(nodes.len()) {
+                        rows.push(first + i);
+                        for m in 0..columns {
+                            forces.push(
+                                nodes
+                                    .iter()
+                                    .zip(row)
+                                    .map(|(&n, w)| solution.pressure[(n, m)] * *w)
+                                    .sum(),
+                            );
+                        }
+                    }
+                }
+                first += nodes.len();
+            }
+            let v = velocities.select_rows(&rows);
+            let forces = MatRef::from_row_major_slice(&forces, rows.len(), columns);
+            let v = MatRef::from_column_major_slice(v.as_slice(), rows.len(), modes);
+            let part = |part: fn(&Complex<f64>) -> f64| {
+                let f = Mat::from_fn(rows.len(), columns, |i, j| part(&forces[(i, j)]));
+                let mut z = Mat::<f64>::zeros(modes, columns);
+                faer::linalg::matmul::matmul(
+                    z.as_mut(),
+                    faer::Accum::Replace,
+                    v.transpose(),
+                    f.as_ref(),
+                    1.0,
+                    Par::Seq,
+                );
+                z
+            };
+            let (re, im) = (part(|z| z.re), part(|z| z.im));
+            result.push(DMatrix::from_fn(modes, columns, |i, j| {
+                Complex::new(re[(i, j)], im[(i, j)])
+            }));
+        }
+        Ok(result)
+    }
+}
