@@ -3,9 +3,9 @@
 
 mod bem_common;
 
-use bem_common::sphere;
+use bem_common::{octants, sphere};
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::bem::{Boundary, Exterior};
+use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior};
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::PI;
 
@@ -18,8 +18,9 @@ fn exact(x: f64) -> [Complex<f64>; 2] {
     [z0, z1]
 }
 
-fn spheres(n: usize, quadratic: bool) -> (Exterior, DMatrix<f64>) {
-    let boundary = Boundary::new(sphere(1.0, n, quadratic), None).unwrap();
+/// The exterior of a unit sphere with a pulsating and a vertically oscillating pattern.
+fn problem(mesh: BoundaryMesh, floor: Option<f64>) -> (Exterior, DMatrix<f64>) {
+    let boundary = Boundary::new(mesh, floor).unwrap();
     let v = boundary.project(2, |_, _, point, v| {
         v[0] = 1.0;
         v[1] = point.area_vector().normalize().z;
@@ -28,43 +29,94 @@ fn spheres(n: usize, quadratic: bool) -> (Exterior, DMatrix<f64>) {
     (problem.with_panels_per_wavelength(1.0).unwrap(), v)
 }
 
-/// Relative errors of the power of the pulsating and the oscillating sphere, by the far field and by the surface.
-fn errors(n: usize, quadratic: bool, ka: f64) -> [[f64; 2]; 2] {
-    let air = Air::default();
-    let (problem, v) = spheres(n, quadratic);
-    let two = problem.resistance(ka * air.sound_speed / (2.0 * PI), &v).unwrap();
+/// Errors of the two powers relative to the exact ones, by the far field and by the surface.
+fn errors((problem, v): &(Exterior, DMatrix<f64>), ka: f64) -> [[f64; 2]; 2] {
+    let air = problem.air();
+    let two = problem.resistance(ka * air.sound_speed / (2.0 * PI), v).unwrap();
     let z = exact(ka);
     let error = |r: &DMatrix<f64>| {
         let areas = [4.0 * PI, 4.0 * PI / 3.0];
         [0, 1].map(|i| r[(i, i)] / (air.impedance() * areas[i] * z[i].re) - 1.0)
     };
-    let result = [error(&two.far_field), error(&two.patches[0])];
-    println!(
-        "n {n} {quadratic} ka {ka}: {result:?} asymmetry {:.1e}",
-        two.asymmetry
-    );
-    result
+    assert!(two.asymmetry < 1e-6, "asymmetry {:e}", two.asymmetry);
+    [error(&two.far_field), error(&two.patches[0])]
 }
 
 #[test]
-fn quick() {
-    for n in [2, 4] {
-        for ka in [0.1, 1.0, 3.0] {
-            errors(n, true, ka);
+fn pulsating_and_oscillating_sphere_from_ka_0_1_to_20() {
+    let sphere = problem(sphere(1.0, 9, true), None);
+    assert_eq!(sphere.0.boundary().mesh().panels.len(), 1620);
+    // pi and 4.4934 are resonances of the inside.
+    for (ka, limit) in [
+        (0.1, 3e-5),
+        (1.0, 3e-5),
+        (PI, 3e-5),
+        (4.493_409_457_909_064, 3e-5),
+        (10.0, 1e-4),
+        (20.0, 1e-3),
+    ] {
+        let [far, surface] = errors(&sphere, ka);
+        println!("ka {ka:6.3}: far field {far:?}, surface {surface:?}");
+        assert!(far[0].abs() < limit && far[1].abs() < limit, "ka {ka}: {far:?}");
+        if ka == 1.0 {
+            assert!(surface[0].abs() < 5e-4 && surface[1].abs() < 5e-4, "{surface:?}");
         }
     }
-    errors(4, false, 1.0);
-    for ka in [
-        0.1,
-        0.5,
-        1.0,
-        3.141592653589793,
-        4.493409457909064,
-        5.0,
-        10.0,
-        15.0,
-        20.0,
-    ] {
-        errors(9, true, ka);
+}
+
+#[test]
+fn reactance_is_the_mass_of_air_that_moves_along() {
+    let (problem, v) = problem(sphere(1.0, 4, true), None);
+    let air = *problem.air();
+    for ka in [0.05, 1.0, 4.0] {
+        let solution = problem.solve(ka * air.sound_speed / (2.0 * PI), &v).unwrap();
+        let z = &problem.impedance(&v, &solution).unwrap()[0];
+        for (i, area) in [4.0 * PI, 4.0 * PI / 3.0].into_iter().enumerate() {
+            let exact = exact(ka)[i] * area * air.impedance();
+            let error = (z[(i, i)] - exact).norm() / exact.norm();
+            assert!(error < 1e-3, "ka {ka}, order {i}: {error:e}");
+        }
+    }
+}
+
+/// Least-squares slope of ln |error| over ln n.
+fn order(errors: &[(usize, f64)]) -> f64 {
+    let points: Vec<(f64, f64)> = errors.iter().map(|&(n, e)| ((n as f64).ln(), e.abs().ln())).collect();
+    let count = points.len() as f64;
+    let (mx, my) = points
+        .iter()
+        .fold((0.0, 0.0), |(a, b), p| (a + p.0 / count, b + p.1 / count));
+    let (up, down) = points.iter().fold((0.0, 0.0), |(a, b), p| {
+        (a + (p.0 - mx) * (p.1 - my), b + (p.0 - mx).powi(2))
+    });
+    -up / down
+}
+
+#[test]
+fn power_converges_with_the_second_order_on_facets_and_the_fourth_on_curved_panels() {
+    for (quadratic, expected, slack) in [(false, 2.0, 0.1), (true, 4.0, 0.5)] {
+        let found: Vec<(usize, [f64; 2])> = [3, 4, 6, 8]
+            .map(|n| (n, errors(&problem(sphere(1.0, n, quadratic), None), 1.0)[0]))
+            .to_vec();
+        for i in 0..2 {
+            let series: Vec<(usize, f64)> = found.iter().map(|(n, e)| (*n, e[i])).collect();
+            let order = order(&series);
+            println!("quadratic {quadratic}, order {i}: {series:?} -> {order:.2}");
+            assert!((order - expected).abs() < slack, "{order}");
+        }
+    }
+}
+
+#[test]
+fn hemisphere_on_the_floor_is_half_a_sphere() {
+    let half = octants(&[[1, 1, 1], [-1, 1, 1], [1, -1, 1], [-1, -1, 1]], 6, false);
+    let (problem, v) = problem(half, Some(0.0));
+    let air = *problem.air();
+    for ka in [0.2, 1.0, PI] {
+        let two = problem.resistance(ka * air.sound_speed / (2.0 * PI), &v).unwrap();
+        let exact = air.impedance() * 2.0 * PI * exact(ka)[0].re;
+        for r in [two.far_field[(0, 0)], two.patches[0][(0, 0)]] {
+            assert!((r / exact - 1.0).abs() < 3e-4, "ka {ka}: {}", r / exact - 1.0);
+        }
     }
 }

@@ -4,7 +4,7 @@ use super::blocks::Block;
 use super::boundary::Boundary;
 use super::panel::{BoundaryMesh, MOST_NODES, PanelKind};
 use super::rules::{self, Contact, Node, PairNode};
-use super::trig::green;
+use super::trig::{combine, cross, dot, green, load, minus};
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 use rustfft::num_complex::Complex;
@@ -491,49 +491,41 @@ fn side<S: Simd, const E: usize>(
     sign: f64,
 ) -> Side<S::f64s, E> {
     let zero = simd.splat_f64s(0.0);
-    let lanes = S::F64_LANES;
-    let get = |row: usize| {
-        let start = row * table.padded + at * lanes;
-        S::as_simd_f64s(&table.values[start..start + lanes]).0[0]
-    };
+    let offset = at * S::F64_LANES;
+    let (nodes_count, step) = (table.nodes, table.padded);
     let mut sums = [[zero; 3]; 3];
-    for (a, node) in nodes.iter().enumerate().take(table.nodes) {
-        let p = node.map(|c| simd.splat_f64s(c));
-        for (m, sum) in sums.iter_mut().enumerate() {
-            let n = get(m * table.nodes + a);
+    for a in 0..nodes_count {
+        let node = nodes[a];
+        let p = [
+            simd.splat_f64s(node[0]),
+            simd.splat_f64s(node[1]),
+            simd.splat_f64s(node[2]),
+        ];
+        for m in 0..3 {
+            let n = load::<S>(&table.values, (m * nodes_count + a) * step + offset);
             for c in 0..3 {
-                sum[c] = simd.mul_add_e_f64s(n, p[c], sum[c]);
+                sums[m][c] = simd.mul_add_e_f64s(n, p[c], sums[m][c]);
             }
         }
     }
     let [x, t1, t2] = sums;
     let sign = simd.splat_f64s(sign);
-    let cross = |i: usize, j: usize| {
-        simd.mul_f64s(
-            sign,
-            simd.negate_mul_add_e_f64s(t1[j], t2[i], simd.mul_f64s(t1[i], t2[j])),
-        )
-    };
-    let normal = [cross(1, 2), cross(2, 0), cross(0, 1)];
-    let start = 3 * table.nodes;
-    let corner = |m: usize, i: usize| get(start + m * table.corners + i);
-    Side {
+    let normal = cross(simd, sign, t1, t2);
+    let mut side = Side {
         x,
         normal,
         area: simd.sqrt_f64s(dot(simd, normal, normal)),
-        phi: std::array::from_fn(|i| corner(0, i)),
-        curl: std::array::from_fn(|i| {
-            let (d1, d2) = (corner(1, i), corner(2, i));
-            std::array::from_fn(|c| {
-                simd.mul_f64s(sign, simd.negate_mul_add_e_f64s(d2, t1[c], simd.mul_f64s(d1, t2[c])))
-            })
-        }),
+        phi: [zero; E],
+        curl: [[zero; 3]; E],
+    };
+    for i in 0..E {
+        let start = (3 * nodes_count + i) * step + offset;
+        side.phi[i] = load::<S>(&table.values, start);
+        let d1 = load::<S>(&table.values, start + E * step);
+        let d2 = load::<S>(&table.values, start + 2 * E * step);
+        side.curl[i] = combine(simd, sign, [d1, d2], t2, t1);
     }
-}
-
-#[inline(always)]
-pub(super) fn dot<S: Simd>(simd: S, a: [S::f64s; 3], b: [S::f64s; 3]) -> S::f64s {
-    simd.mul_add_e_f64s(a[2], b[2], simd.mul_add_e_f64s(a[1], b[1], simd.mul_f64s(a[0], b[0])))
+    side
 }
 
 impl WithSimd for Integrate<'_> {
@@ -558,30 +550,32 @@ impl Integrate<'_> {
         let k2 = simd.splat_f64s(self.k * self.k);
         // s, k, kp, w; real and imaginary.
         let mut sums = [[[[zero; F]; E]; 2]; 4];
-        for (at, &w) in S::as_simd_f64s(self.weights).0.iter().enumerate() {
+        for at in 0..self.weights.len() / S::F64_LANES {
+            let w = load::<S>(self.weights, at * S::F64_LANES);
             let x = side::<S, E>(simd, self.x, at, self.x_nodes, 1.0);
             let y = side::<S, F>(simd, self.y, at, self.y_nodes, self.sign);
-            let d = [0, 1, 2].map(|c| simd.sub_f64s(x.x[c], y.x[c]));
+            let d = minus(simd, x.x, y.x);
             let scale = simd.mul_f64s(w, simd.splat_f64s(0.25 / PI));
             let [g_re, g_im, h_re, h_im] = green(simd, dot(simd, d, d), k, scale);
             let areas = simd.mul_f64s(x.area, y.area);
             let dn_y = simd.mul_f64s(dot(simd, d, y.normal), x.area);
             let dn_x = simd.neg_f64s(simd.mul_f64s(dot(simd, d, x.normal), y.area));
             let nn = simd.mul_f64s(k2, dot(simd, x.normal, y.normal));
-            let parts = [(g_re, h_re), (g_im, h_im)];
-            for (part, (g, h)) in parts.into_iter().enumerate() {
-                let kernels = [simd.mul_f64s(g, areas), simd.mul_f64s(h, dn_y), simd.mul_f64s(h, dn_x)];
-                for i in 0..E {
-                    let rows = kernels.map(|kernel| simd.mul_f64s(kernel, x.phi[i]));
-                    for j in 0..F {
-                        for (m, row) in rows.iter().enumerate() {
-                            let sum = &mut sums[m][part][i][j];
-                            *sum = simd.mul_add_e_f64s(*row, y.phi[j], *sum);
+            let (g, h) = ([g_re, g_im], [h_re, h_im]);
+            for i in 0..E {
+                let mut rows = [[zero; 3]; 2];
+                for part in 0..2 {
+                    let (g, h) = (simd.mul_f64s(g[part], x.phi[i]), simd.mul_f64s(h[part], x.phi[i]));
+                    rows[part] = [simd.mul_f64s(g, areas), simd.mul_f64s(h, dn_y), simd.mul_f64s(h, dn_x)];
+                }
+                for j in 0..F {
+                    let mass = simd.mul_f64s(x.phi[i], y.phi[j]);
+                    let curls = simd.negate_mul_add_e_f64s(nn, mass, dot(simd, x.curl[i], y.curl[j]));
+                    for part in 0..2 {
+                        for m in 0..3 {
+                            sums[m][part][i][j] = simd.mul_add_e_f64s(rows[part][m], y.phi[j], sums[m][part][i][j]);
                         }
-                        let mass = simd.mul_f64s(x.phi[i], y.phi[j]);
-                        let curls = simd.negate_mul_add_e_f64s(nn, mass, dot(simd, x.curl[i], y.curl[j]));
-                        let sum = &mut sums[3][part][i][j];
-                        *sum = simd.mul_add_e_f64s(g, curls, *sum);
+                        sums[3][part][i][j] = simd.mul_add_e_f64s(g[part], curls, sums[3][part][i][j]);
                     }
                 }
             }
@@ -593,7 +587,8 @@ impl Integrate<'_> {
         {
             for i in 0..E {
                 for j in 0..F {
-                    let [re, im] = [0, 1].map(|part| simd.reduce_sum_f64s(sums[m][part][i][j]));
+                    let re = simd.reduce_sum_f64s(sums[m][0][i][j]);
+                    let im = simd.reduce_sum_f64s(sums[m][1][i][j]);
                     matrix[i][j] += Complex::new(re, im);
                 }
             }

@@ -2,9 +2,9 @@
 
 use super::blocks::{Block, C, N, W, X, fields};
 use super::boundary::Boundary;
-use super::near::{NearPair, PairMatrices, dot};
+use super::near::{NearPair, PairMatrices};
 use super::rules;
-use super::trig::green;
+use super::trig::{dot, green, load, load3, minus};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 use pulp::{Arch, Simd, WithSimd};
@@ -273,40 +273,31 @@ impl Far<'_> {
         let (phi_e, phi_f) = (corner_values::<E>(), corner_values::<F>());
         let (we, wf) = (self.e.width, self.f.width);
         let lanes = S::F64_LANES;
-        // a + alpha b of complex numbers.
-        let axpy = |a: [S::f64s; 2], b: [S::f64s; 2]| {
-            let re = simd.mul_add_e_f64s(alpha[0], b[0], a[0]);
-            let im = simd.mul_add_e_f64s(alpha[0], b[1], a[1]);
-            [
-                simd.negate_mul_add_e_f64s(alpha[1], b[1], re),
-                simd.mul_add_e_f64s(alpha[1], b[0], im),
-            ]
-        };
         for e in 0..self.e.panels.len() {
-            let mask = &self.tile.mask[e * wf..(e + 1) * wf];
-            if mask.iter().all(|&m| m == 0.0) {
-                continue;
+            // Position, vector area, area and curls of this panel's points.
+            let mut own = [[0.0; 16]; E];
+            for (a, own) in own.iter_mut().enumerate() {
+                for (field, value) in own.iter_mut().enumerate().take(fields(E)) {
+                    *value = self.e.points[(a * fields(E) + field) * we + e];
+                }
             }
-            let own = |a: usize, field: usize| simd.splat_f64s(self.e.points[(a * fields(E) + field) * we + e]);
-            let own3 = |a: usize, field: usize| [0, 1, 2].map(|c| own(a, field + c));
             for chunk in 0..wf / lanes {
-                let m = S::as_simd_f64s(&self.tile.mask[e * wf..(e + 1) * wf]).0[chunk];
+                let m = load::<S>(&self.tile.mask, e * wf + chunk * lanes);
                 let scale = simd.mul_f64s(m, simd.splat_f64s(0.25 / PI));
                 let away = simd.sub_f64s(one, m);
-                let other = |b: usize, field: usize| {
-                    let start = (b * fields(F) + field) * wf + chunk * lanes;
-                    S::as_simd_f64s(&self.points[start..start + lanes]).0[0]
-                };
-                let other3 = |b: usize, field: usize| [0, 1, 2].map(|c| other(b, field + c));
                 // S, K, K', -k² n . n mass; then the curls without the last function.
                 let mut blocks = [[[[zero; F]; E]; 2]; 4];
                 let mut curls = [[[zero; F]; E]; 2];
                 for a in 0..E {
-                    let (x, n, w) = (own3(a, X), own3(a, N), own(a, W));
+                    let (x, n) = (splat3(simd, &own[a], X), splat3(simd, &own[a], N));
+                    let w = simd.splat_f64s(own[a][W]);
                     let mut rows = [[[zero; F]; 2]; 4];
                     for b in 0..F {
-                        let (y, v, u) = (other3(b, X), other3(b, N), other(b, W));
-                        let d = [0, 1, 2].map(|c| simd.sub_f64s(x[c], y[c]));
+                        let start = b * fields(F) * wf + chunk * lanes;
+                        let y = load3::<S>(self.points, start + X * wf, wf);
+                        let v = load3::<S>(self.points, start + N * wf, wf);
+                        let u = load::<S>(self.points, start + W * wf);
+                        let d = minus(simd, x, y);
                         // Masked pairs are put at a distance of a metre and more: they may coincide.
                         let r2 = simd.add_f64s(dot(simd, d, d), away);
                         let [g_re, g_im, h_re, h_im] = green(simd, r2, k, scale);
@@ -314,74 +305,110 @@ impl Far<'_> {
                         let dn_y = simd.mul_f64s(dot(simd, d, v), w);
                         let dn_x = simd.neg_f64s(simd.mul_f64s(dot(simd, d, n), u));
                         let nn = simd.mul_f64s(minus_k2, dot(simd, n, v));
-                        for (part, (g, h)) in [(g_re, h_re), (g_im, h_im)].into_iter().enumerate() {
-                            let kernels = [
-                                simd.mul_f64s(g, areas),
-                                simd.mul_f64s(h, dn_y),
-                                simd.mul_f64s(h, dn_x),
-                                simd.mul_f64s(g, nn),
-                            ];
-                            for (row, kernel) in rows.iter_mut().zip(kernels) {
-                                for (j, sum) in row[part].iter_mut().enumerate() {
-                                    *sum = simd.mul_add_e_f64s(kernel, simd.splat_f64s(phi_f[b][j]), *sum);
+                        let kernels = [
+                            [simd.mul_f64s(g_re, areas), simd.mul_f64s(g_im, areas)],
+                            [simd.mul_f64s(h_re, dn_y), simd.mul_f64s(h_im, dn_y)],
+                            [simd.mul_f64s(h_re, dn_x), simd.mul_f64s(h_im, dn_x)],
+                            [simd.mul_f64s(g_re, nn), simd.mul_f64s(g_im, nn)],
+                        ];
+                        for j in 0..F {
+                            let phi = simd.splat_f64s(phi_f[b][j]);
+                            for m in 0..4 {
+                                for part in 0..2 {
+                                    rows[m][part][j] = simd.mul_add_e_f64s(kernels[m][part], phi, rows[m][part][j]);
                                 }
                             }
                         }
-                        for i in 0..E - 1 {
-                            let c = own3(a, C + 3 * i);
-                            for j in 0..F - 1 {
-                                let cc = dot(simd, c, other3(b, C + 3 * j));
+                        for j in 0..F - 1 {
+                            let other = load3::<S>(self.points, start + (C + 3 * j) * wf, wf);
+                            for i in 0..E - 1 {
+                                let cc = dot(simd, splat3(simd, &own[a], C + 3 * i), other);
                                 curls[0][i][j] = simd.mul_add_e_f64s(g_re, cc, curls[0][i][j]);
                                 curls[1][i][j] = simd.mul_add_e_f64s(g_im, cc, curls[1][i][j]);
                             }
                         }
                     }
-                    for (block, row) in blocks.iter_mut().zip(&rows) {
-                        for part in 0..2 {
-                            for i in 0..E {
-                                let phi = simd.splat_f64s(phi_e[a][i]);
+                    for i in 0..E {
+                        let phi = simd.splat_f64s(phi_e[a][i]);
+                        for m in 0..4 {
+                            for part in 0..2 {
                                 for j in 0..F {
-                                    let sum = &mut block[part][i][j];
-                                    *sum = simd.mul_add_e_f64s(phi, row[part][j], *sum);
+                                    blocks[m][part][i][j] =
+                                        simd.mul_add_e_f64s(phi, rows[m][part][j], blocks[m][part][i][j]);
                                 }
                             }
                         }
                     }
                 }
                 // The curls of all corner functions add up to zero.
-                for part in &mut curls {
+                for part in 0..2 {
                     for i in 0..E - 1 {
                         for j in 0..F - 1 {
-                            let value = part[i][j];
-                            part[i][F - 1] = simd.sub_f64s(part[i][F - 1], value);
-                            part[E - 1][j] = simd.sub_f64s(part[E - 1][j], value);
-                            part[E - 1][F - 1] = simd.add_f64s(part[E - 1][F - 1], value);
+                            let value = curls[part][i][j];
+                            curls[part][i][F - 1] = simd.sub_f64s(curls[part][i][F - 1], value);
+                            curls[part][E - 1][j] = simd.sub_f64s(curls[part][E - 1][j], value);
+                            curls[part][E - 1][F - 1] = simd.add_f64s(curls[part][E - 1][F - 1], value);
                         }
                     }
                 }
                 for i in 0..E {
+                    let row = self.e.local[e][i];
                     for j in 0..F {
-                        let [s, k, kp, nn] = [0, 1, 2, 3].map(|m| [blocks[m][0][i][j], blocks[m][1][i][j]]);
-                        let hyper = [0, 1].map(|part| simd.add_f64s(curls[part][i][j], nn[part]));
-                        let minus = |v: [S::f64s; 2]| v.map(|v| simd.neg_f64s(v));
+                        let s = [blocks[0][0][i][j], blocks[0][1][i][j]];
+                        let k = [blocks[1][0][i][j], blocks[1][1][i][j]];
+                        let kp = [blocks[2][0][i][j], blocks[2][1][i][j]];
+                        let hyper = [
+                            simd.add_f64s(curls[0][i][j], blocks[3][0][i][j]),
+                            simd.add_f64s(curls[1][i][j], blocks[3][1][i][j]),
+                        ];
                         let column = j * wf + chunk * lanes;
-                        let add = |buffer: &mut Buffer, row: usize, value: [S::f64s; 2]| {
-                            for (part, value) in value.into_iter().enumerate() {
-                                let start = buffer.start(part, row) + column;
-                                let to = &mut S::as_mut_simd_f64s(&mut buffer.data[start..start + lanes]).0[0];
-                                *to = simd.add_f64s(*to, value);
-                            }
-                        };
-                        let row = self.e.local[e][i];
-                        add(&mut self.tile.a, row, axpy(minus(k), hyper));
-                        add(&mut self.tile.b, row, axpy(s, kp));
+                        let less_k = [simd.neg_f64s(k[0]), simd.neg_f64s(k[1])];
+                        put(simd, &mut self.tile.a, row, column, axpy(simd, alpha, hyper, less_k));
+                        put(simd, &mut self.tile.b, row, column, axpy(simd, alpha, kp, s));
                         if !self.diagonal {
-                            add(&mut self.tile.a_back, row, axpy(minus(kp), hyper));
-                            add(&mut self.tile.b_back, i * we + e, axpy(s, k));
+                            let less_kp = [simd.neg_f64s(kp[0]), simd.neg_f64s(kp[1])];
+                            put(
+                                simd,
+                                &mut self.tile.a_back,
+                                row,
+                                column,
+                                axpy(simd, alpha, hyper, less_kp),
+                            );
+                            put(simd, &mut self.tile.b_back, i * we + e, column, axpy(simd, alpha, k, s));
                         }
                     }
                 }
             }
         }
+    }
+}
+
+#[inline(always)]
+fn splat3<S: Simd>(simd: S, own: &[f64; 16], field: usize) -> [S::f64s; 3] {
+    [
+        simd.splat_f64s(own[field]),
+        simd.splat_f64s(own[field + 1]),
+        simd.splat_f64s(own[field + 2]),
+    ]
+}
+
+/// alpha x + y of complex numbers.
+#[inline(always)]
+fn axpy<S: Simd>(simd: S, alpha: [S::f64s; 2], x: [S::f64s; 2], y: [S::f64s; 2]) -> [S::f64s; 2] {
+    let re = simd.mul_add_e_f64s(alpha[0], x[0], y[0]);
+    let im = simd.mul_add_e_f64s(alpha[0], x[1], y[1]);
+    [
+        simd.negate_mul_add_e_f64s(alpha[1], x[1], re),
+        simd.mul_add_e_f64s(alpha[1], x[0], im),
+    ]
+}
+
+/// Adds a vector of complex values to a buffer.
+#[inline(always)]
+fn put<S: Simd>(simd: S, buffer: &mut Buffer, row: usize, column: usize, value: [S::f64s; 2]) {
+    for part in 0..2 {
+        let start = buffer.start(part, row) + column;
+        let to = &mut S::as_mut_simd_f64s(&mut buffer.data[start..start + S::F64_LANES]).0[0];
+        *to = simd.add_f64s(*to, value[part]);
     }
 }

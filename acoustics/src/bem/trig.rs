@@ -27,41 +27,112 @@ const COSINE: [f64; 6] = [
     4.166_666_666_666_66e-2,
 ];
 
-/// (sin x, cos x) of 0 <= x < 10^6 with an error below 3e-16.
+// Small functions instead of closures: only a function that is always inlined takes on its caller's vector features.
+
+#[inline(always)]
+fn rounded<S: Simd>(simd: S, y: S::f64s) -> S::f64s {
+    let shift = simd.splat_f64s(ROUND);
+    simd.sub_f64s(simd.add_f64s(y, shift), shift)
+}
+
+#[inline(always)]
+fn horner<S: Simd>(simd: S, c: &[f64; 6], x: S::f64s) -> S::f64s {
+    let mut sum = simd.splat_f64s(c[0]);
+    for k in 1..6 {
+        sum = simd.mul_add_e_f64s(sum, x, simd.splat_f64s(c[k]));
+    }
+    sum
+}
+
+/// v, or -v where `keep` is negative.
+#[inline(always)]
+fn signed<S: Simd>(simd: S, keep: S::f64s, v: S::f64s) -> S::f64s {
+    simd.select_f64s(simd.less_than_f64s(keep, simd.splat_f64s(0.0)), simd.neg_f64s(v), v)
+}
+
+/// (sin x, cos x) of |x| < 10^6 with an error below 3e-16.
 #[inline(always)]
 pub(super) fn sin_cos<S: Simd>(simd: S, x: S::f64s) -> (S::f64s, S::f64s) {
-    let constant = |c: f64| simd.splat_f64s(c);
-    let rounded = |y: S::f64s| simd.sub_f64s(simd.add_f64s(y, constant(ROUND)), constant(ROUND));
-    let n = rounded(simd.mul_f64s(x, constant(FRAC_2_PI)));
-    let mut r = x;
-    for part in HALF_PI {
-        r = simd.negate_mul_add_e_f64s(n, constant(part), r);
-    }
+    let n = rounded(simd, simd.mul_f64s(x, simd.splat_f64s(FRAC_2_PI)));
+    let mut r = simd.negate_mul_add_e_f64s(n, simd.splat_f64s(HALF_PI[0]), x);
+    r = simd.negate_mul_add_e_f64s(n, simd.splat_f64s(HALF_PI[1]), r);
+    r = simd.negate_mul_add_e_f64s(n, simd.splat_f64s(HALF_PI[2]), r);
     let r2 = simd.mul_f64s(r, r);
-    let horner = |c: [f64; 6]| {
-        let mut sum = constant(c[0]);
-        for c in &c[1..] {
-            sum = simd.mul_add_e_f64s(sum, r2, constant(*c));
-        }
-        sum
-    };
-    let sine = simd.mul_add_e_f64s(simd.mul_f64s(r, r2), horner(SINE), r);
-    let half = simd.negate_mul_add_e_f64s(r2, constant(0.5), constant(1.0));
-    let cosine = simd.mul_add_e_f64s(simd.mul_f64s(r2, r2), horner(COSINE), half);
+    let sine = simd.mul_add_e_f64s(simd.mul_f64s(r, r2), horner(simd, &SINE, r2), r);
+    let (one, half) = (simd.splat_f64s(1.0), simd.splat_f64s(0.5));
+    let start = simd.negate_mul_add_e_f64s(r2, half, one);
+    let cosine = simd.mul_add_e_f64s(simd.mul_f64s(r2, r2), horner(simd, &COSINE, r2), start);
     // Quadrant n mod 4 as -2 .. 2: odd ones swap sine and cosine.
-    let m = simd.negate_mul_add_e_f64s(rounded(simd.mul_f64s(n, constant(0.25))), constant(4.0), n);
-    let odd = simd.less_than_f64s(
-        simd.abs_f64s(simd.sub_f64s(simd.abs_f64s(m), constant(1.0))),
-        constant(0.5),
-    );
+    let quarter = rounded(simd, simd.mul_f64s(n, simd.splat_f64s(0.25)));
+    let m = simd.negate_mul_add_e_f64s(quarter, simd.splat_f64s(4.0), n);
+    let size = simd.abs_f64s(m);
+    let odd = simd.less_than_f64s(simd.abs_f64s(simd.sub_f64s(size, one)), half);
     let (s, c) = (simd.select_f64s(odd, cosine, sine), simd.select_f64s(odd, sine, cosine));
     // sin changes sign for m = -2, -1, 2 and cos for m = -2, 1, 2.
-    let two = simd.less_than_f64s(constant(1.5), simd.abs_f64s(m));
-    let keep_s = simd.select_f64s(two, constant(-1.0), simd.add_f64s(m, constant(0.5)));
-    let keep_c = simd.select_f64s(two, constant(-1.0), simd.sub_f64s(constant(0.5), m));
-    let zero = constant(0.0);
-    let signed = |keep: S::f64s, v: S::f64s| simd.select_f64s(simd.less_than_f64s(keep, zero), simd.neg_f64s(v), v);
-    (signed(keep_s, s), signed(keep_c, c))
+    let two = simd.less_than_f64s(simd.splat_f64s(1.5), size);
+    let minus = simd.splat_f64s(-1.0);
+    let keep_s = simd.select_f64s(two, minus, simd.add_f64s(m, half));
+    let keep_c = simd.select_f64s(two, minus, simd.sub_f64s(half, m));
+    (signed(simd, keep_s, s), signed(simd, keep_c, c))
+}
+
+/// a . b of vectors.
+#[inline(always)]
+pub(super) fn dot<S: Simd>(simd: S, a: [S::f64s; 3], b: [S::f64s; 3]) -> S::f64s {
+    simd.mul_add_e_f64s(a[2], b[2], simd.mul_add_e_f64s(a[1], b[1], simd.mul_f64s(a[0], b[0])))
+}
+
+/// a - b of vectors.
+#[inline(always)]
+pub(super) fn minus<S: Simd>(simd: S, a: [S::f64s; 3], b: [S::f64s; 3]) -> [S::f64s; 3] {
+    [
+        simd.sub_f64s(a[0], b[0]),
+        simd.sub_f64s(a[1], b[1]),
+        simd.sub_f64s(a[2], b[2]),
+    ]
+}
+
+/// s (a u - b v) of vectors.
+#[inline(always)]
+pub(super) fn combine<S: Simd>(
+    simd: S,
+    s: S::f64s,
+    [a, b]: [S::f64s; 2],
+    u: [S::f64s; 3],
+    v: [S::f64s; 3],
+) -> [S::f64s; 3] {
+    let mut w = u;
+    for c in 0..3 {
+        w[c] = simd.mul_f64s(s, simd.negate_mul_add_e_f64s(b, v[c], simd.mul_f64s(a, u[c])));
+    }
+    w
+}
+
+/// s a x b of vectors.
+#[inline(always)]
+pub(super) fn cross<S: Simd>(simd: S, s: S::f64s, a: [S::f64s; 3], b: [S::f64s; 3]) -> [S::f64s; 3] {
+    let mut w = a;
+    for c in 0..3 {
+        let (i, j) = ((c + 1) % 3, (c + 2) % 3);
+        w[c] = simd.mul_f64s(s, simd.negate_mul_add_e_f64s(a[j], b[i], simd.mul_f64s(a[i], b[j])));
+    }
+    w
+}
+
+/// The vector of values that starts at `start`.
+#[inline(always)]
+pub(super) fn load<S: Simd>(values: &[f64], start: usize) -> S::f64s {
+    S::as_simd_f64s(&values[start..start + S::F64_LANES]).0[0]
+}
+
+/// Three vectors of values, `step` apart.
+#[inline(always)]
+pub(super) fn load3<S: Simd>(values: &[f64], start: usize, step: usize) -> [S::f64s; 3] {
+    [
+        load::<S>(values, start),
+        load::<S>(values, start + step),
+        load::<S>(values, start + 2 * step),
+    ]
 }
 
 /// Green's function G = e^{-jkr} / (4 pi r), times `scale`, and h = (1 + jkr) G / r² for which

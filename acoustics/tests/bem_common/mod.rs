@@ -136,3 +136,65 @@ pub fn monopole_slope(k: f64, source: Point3<f64>, x: Point3<f64>, normal: Vecto
     let g = Complex::from_polar(1.0 / (4.0 * PI * r), -k * r);
     -g * Complex::new(1.0, k * r) * (d.dot(&normal) / (r * r))
 }
+
+/// Octants of the unit sphere by the signs of their axes, n² curved triangles each; with `quarters` also the three
+/// quarter disks that close the sphere where the octant (+, +, +) is missing.
+pub fn octants(signs: &[[i32; 3]], n: usize, quarters: bool) -> BoundaryMesh {
+    let mut points = Points::default();
+    let mut panels = Vec::new();
+    let mut patch = |points: &mut Points, place: &dyn Fn(usize, usize) -> Vector3<f64>, number: usize| {
+        let mut push = |p: [[usize; 2]; 3]| {
+            let mut nodes: Vec<usize> = p
+                .iter()
+                .map(|q| points.index(Point3::from(place(2 * q[0], 2 * q[1]))))
+                .collect();
+            for m in 0..3 {
+                let (q, r) = (p[m], p[(m + 1) % 3]);
+                nodes.push(points.index(Point3::from(place(q[0] + r[0], q[1] + r[1]))));
+            }
+            panels.push(Panel::new(PanelKind::Tri6, &nodes, number).unwrap());
+        };
+        for u in 0..n {
+            for v in 0..n - u {
+                push([[u, v], [u + 1, v], [u, v + 1]]);
+                if u + v + 1 < n {
+                    push([[u + 1, v], [u + 1, v + 1], [u, v + 1]]);
+                }
+            }
+        }
+    };
+    let full = 2 * n;
+    for sign in signs {
+        let axes = [0, 1, 2].map(|c| {
+            let mut e = Vector3::zeros();
+            e[c] = f64::from(sign[c]);
+            e
+        });
+        let place = |u: usize, v: usize| {
+            let w = full - u - v;
+            (axes[0] * w as f64 + axes[1] * u as f64 + axes[2] * v as f64).normalize()
+        };
+        patch(&mut points, &place, 0);
+    }
+    if quarters {
+        for c in 0..3 {
+            let (mut a, mut b) = (Vector3::<f64>::zeros(), Vector3::<f64>::zeros());
+            a[c] = 1.0;
+            b[(c + 1) % 3] = 1.0;
+            let place = |u: usize, v: usize| {
+                let r = (u + v) as f64;
+                if u + v == 0 {
+                    Vector3::zeros()
+                } else {
+                    (a * u as f64 + b * v as f64).normalize() * (r / full as f64)
+                }
+            };
+            patch(&mut points, &place, 1);
+        }
+    }
+    BoundaryMesh {
+        points: points.points,
+        panels,
+        patches: vec!["sphere".to_owned(), "cut".to_owned()],
+    }
+}

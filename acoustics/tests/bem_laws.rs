@@ -1,0 +1,163 @@
+//! Laws of the radiation matrix, and surfaces that are refused or mended.
+#![allow(clippy::unwrap_used)]
+
+mod bem_common;
+
+use bem_common::{cuboid, sphere};
+use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior, Mended};
+use nailnoise_acoustics::radiation::{ModalRadiation, Sampling};
+use nailnoise_acoustics::{AcousticsError, Air};
+use nalgebra::{DMatrix, SymmetricEigen};
+
+fn block(edge: f64) -> BoundaryMesh {
+    cuboid([0.0, 0.0, 0.1], [0.4, 0.15, 0.2], edge, true)
+}
+
+/// Six rigid motions and two bending ones, as displacements of the points.
+fn motions(mesh: &BoundaryMesh) -> DMatrix<f64> {
+    DMatrix::from_fn(3 * mesh.points.len(), 8, |row, mode| {
+        let (x, c) = (mesh.points[row / 3], row % 3);
+        let turn = |axis: usize| {
+            let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+            if c == u {
+                -x[v]
+            } else if c == v {
+                x[u]
+            } else {
+                0.0
+            }
+        };
+        match mode {
+            0..=2 => f64::from(u8::from(mode == c)),
+            3..=5 => turn(mode - 3),
+            _ if c == 2 => (f64::from(mode as u8 - 4) * std::f64::consts::PI * x.x / 0.4).cos(),
+            _ => 0.0,
+        }
+    })
+}
+
+#[test]
+fn reciprocal_symmetric_and_positive() {
+    for floor in [None, Some(0.0), Some(0.1)] {
+        let boundary = Boundary::new(block(0.03), floor).unwrap();
+        let v = boundary.project_displacements(&motions(boundary.mesh())).unwrap();
+        let problem = Exterior::new(boundary, &Air::default());
+        for hz in [200.0, 800.0, 1800.0] {
+            let two = problem.resistance(hz, &v).unwrap();
+            let r = &two.far_field;
+            assert_eq!(*r, r.transpose());
+            let least = SymmetricEigen::new(r.clone()).eigenvalues.min();
+            println!(
+                "{floor:?} {hz}: asymmetry {:.1e}, {:.3} dB, least {:.1e}",
+                two.asymmetry,
+                two.difference_db,
+                least / r.amax()
+            );
+            assert!(least > -1e-12 * r.amax(), "{least:e}");
+            assert!(two.asymmetry < 2e-3 && two.difference_db < 0.1);
+            let surface = two.patches.iter().fold(DMatrix::zeros(8, 8), |sum, p| sum + p);
+            let scaled = |i: usize, j: usize| (surface[(i, j)] - r[(i, j)]) / (r[(i, i)] * r[(j, j)]).sqrt();
+            // The loudest motion, whatever its frequency, to 1 %.
+            let loudest = r.diagonal().imax();
+            assert!(scaled(loudest, loudest).abs() < 0.01);
+            let shared: DMatrix<f64> = two
+                .shared(&[1.0; 6])
+                .into_iter()
+                .fold(DMatrix::zeros(8, 8), |s, p| s + p.real);
+            assert!((shared - r).amax() < 1e-12 * r.amax());
+        }
+    }
+}
+
+#[test]
+fn the_sampled_matrix_interpolates_and_meets_its_limit() {
+    let boundary = Boundary::new(block(0.05), Some(0.0)).unwrap();
+    let v = boundary.project_displacements(&motions(boundary.mesh())).unwrap();
+    let problem = Exterior::new(boundary, &Air::default());
+    let highest = problem.estimate().highest_hz;
+    let sampling = Sampling {
+        range_hz: [80.0, highest],
+        tolerance: 1e-2,
+        most_samples: 100,
+    };
+    let radiation = problem.modal_radiation(&v, &sampling).unwrap();
+    println!(
+        "{} samples to {highest:.0} Hz, error {:.1e}, surface against far field {:.2} dB, step {:.2?} dB",
+        radiation.sampled().sampled_hz().len(),
+        radiation.sampled().interpolation_error(),
+        radiation.difference_db,
+        radiation.step_db
+    );
+    for hz in [97.0, 313.0, 0.7 * highest] {
+        let (found, exact) = (
+            radiation.resistance(hz).real,
+            problem.resistance(hz, &v).unwrap().far_field,
+        );
+        for i in 0..8 {
+            for j in 0..8 {
+                let error = (found[(i, j)] - exact[(i, j)]) / (exact[(i, i)] * exact[(j, j)]).sqrt();
+                assert!(error.abs() < 2e-2, "{hz} Hz, {i} {j}: {error:e}");
+            }
+        }
+    }
+    // Above the range rho c int v_i v_j dS: heave moves the top and the bottom.
+    let heave = radiation.resistance(2.0 * highest).real[(2, 2)];
+    assert!((heave / (Air::default().impedance() * 2.0 * 0.06) - 1.0).abs() < 1e-9);
+    assert!(radiation.step_db[0] <= radiation.step_db[1]);
+}
+
+#[test]
+fn flipped_normals_are_mended_and_counted() {
+    let mut mesh = sphere(1.0, 2, true);
+    let straight = Boundary::new(mesh.clone(), None).unwrap();
+    assert_eq!(
+        straight.mended(),
+        Mended {
+            flipped: 0,
+            on_floor: 0,
+            panels: 80
+        }
+    );
+    // Turning by hand: corners and mid-sides in the other direction.
+    for panel in mesh.panels.iter_mut().step_by(3) {
+        let n = panel.nodes().to_vec();
+        let turned = [n[0], n[2], n[1], n[5], n[4], n[3]];
+        *panel = nailnoise_acoustics::bem::Panel::new(panel.kind(), &turned, panel.patch).unwrap();
+    }
+    let mended = Boundary::new(mesh, None).unwrap();
+    assert_eq!(mended.mended().flipped, 27);
+    let out = (0..80).all(|p| {
+        let point = mended.mesh().point_at(p, [0.3, 0.3]);
+        point.area_vector().dot(&point.position.coords) > 0.0
+    });
+    assert!(out);
+}
+
+#[test]
+fn unfit_surfaces_are_refused_with_numbers() {
+    let mut open = block(0.05);
+    open.panels.pop();
+    let error = Boundary::new(open, None).unwrap_err();
+    assert!(matches!(error, AcousticsError::OpenSurface { edges: 4, .. }), "{error}");
+    let error = Boundary::new(block(0.05), Some(0.15)).unwrap_err();
+    assert!(
+        matches!(error, AcousticsError::FloorThroughBody { lowest: 0.1, .. }),
+        "{error}"
+    );
+    let mut double = block(0.05);
+    double.panels.push(double.panels[0]);
+    assert!(matches!(
+        Boundary::new(double, None),
+        Err(AcousticsError::TangledSurface { panels: 3, .. })
+    ));
+    let standing = Boundary::new(block(0.05), Some(0.1)).unwrap();
+    assert_eq!(standing.mended().on_floor, 8 * 3);
+    let problem = Exterior::new(standing, &Air::default());
+    let v = DMatrix::zeros(problem.boundary().velocity_values(), 1);
+    let error = problem.solve(3000.0, &v).unwrap_err();
+    println!("{error}");
+    assert!(
+        matches!(error, AcousticsError::TooCoarse { needed: 6.0, .. }),
+        "{error}"
+    );
+}
