@@ -2,7 +2,8 @@
 //!
 //! `cargo bench -p nailnoise-fem` runs the small meshes; `cargo bench -p nailnoise-fem -- --full` also the free wood
 //! block with 50 000 and 153 000 degrees of freedom. Times are CPU seconds of the process where /proc tells them, so that
-//! other work on the machine does not count; set RAYON_NUM_THREADS=1 for one core.
+//! other work on the machine does not count; set RAYON_NUM_THREADS=1 for one core. `-- --only 34 13 8` runs the free block
+//! with these divisions alone, `-- --block 8` sets the vectors of a Lanczos block.
 
 #[path = "../tests/bodies/mod.rs"]
 mod bodies;
@@ -29,9 +30,19 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
     (result, spent)
 }
 
+/// The `count` numbers after a flag.
+fn numbers(flag: &str, count: usize) -> Option<Vec<usize>> {
+    let mut arguments = std::env::args().skip_while(|a| a != flag).skip(1);
+    (0..count).map(|_| arguments.next()?.parse().ok()).collect()
+}
+
 fn report(name: &str, mesh: Duration, assembly: (System, Duration), top_hz: f64) -> (f64, f64) {
     let (system, assembly) = assembly;
-    let (basis, solution) = timed(|| modes(&system, &ModalSettings::below(top_hz)).expect("modes of a sound model"));
+    let mut settings = ModalSettings::below(top_hz);
+    if let Some(block) = numbers("--block", 1) {
+        settings.block = block[0];
+    }
+    let (basis, solution) = timed(|| modes(&system, &settings).expect("modes of a sound model"));
     let total = (mesh + assembly + solution).as_secs_f64();
     let worst = basis.residuals.iter().fold(0.0, |a: f64, &b| a.max(b));
     println!(
@@ -52,9 +63,12 @@ fn report(name: &str, mesh: Duration, assembly: (System, Duration), top_hz: f64)
 fn main() {
     let full = std::env::args().any(|a| a == "--full");
     let mut last: Option<(f64, f64)> = None;
+    let only = numbers("--only", 3);
     for divisions in [[17, 6, 4], [22, 9, 6], [34, 13, 8], [50, 19, 12]] {
-        if divisions[0] > 22 && !full {
-            continue;
+        match &only {
+            Some(only) if only != &divisions => continue,
+            None if divisions[0] > 22 && !full => continue,
+            _ => {}
         }
         let (mesh, meshing) = timed(|| bodies::workpiece(divisions));
         let assembly = timed(|| assemble(&mesh, &[bodies::pine_block()], &Constraints::free()).expect("a sound model"));
@@ -65,6 +79,9 @@ fn main() {
                 (point.1 / last.1).ln() / (point.0 / last.0).ln()
             );
         }
+    }
+    if only.is_some() {
+        return;
     }
     let assembly = timed(|| bodies::clamped_table(if full { 0.030 } else { 0.045 }));
     report("worktable A to 6 kHz", Duration::ZERO, assembly, 6e3);

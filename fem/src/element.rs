@@ -1,15 +1,14 @@
 //! Element stiffness and mass matrices.
 
-use nailnoise_meshes::{ElementKind, ElementRef, Mesh, gauss_legendre};
+use nailnoise_meshes::{ElementKind, ElementRef, Mesh};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::{FemError, Material};
 
 /// Shape functions and gradients at the quadrature points of an element kind.
 ///
-/// The rule has 3 x 3 x 3 Gauss points for both matrices. On a parallelepiped the integrands of the 20-node
-/// hexahedron are of degree four in each direction, which three points integrate exactly: the mass is consistent
-/// and the stiffness has six zero-energy modes and no more, whereas the reduced 2 x 2 x 2 rule adds six spurious ones.
+/// One rule serves both matrices, see [`ElementKind::rule`]; on affine elements it is exact, so the mass is consistent
+/// and the stiffness has six zero-energy modes and no more, whereas reduced rules add spurious ones.
 pub(crate) struct Rule {
     points: Vec<RulePoint>,
     nodes: usize,
@@ -23,23 +22,13 @@ struct RulePoint {
 
 impl Rule {
     pub(crate) fn new(kind: ElementKind) -> Result<Self, FemError> {
-        let gauss = gauss_legendre(3)?;
-        let mut points = Vec::with_capacity(27);
-        for &(z, wz) in &gauss {
-            for &(y, wy) in &gauss {
-                for &(x, wx) in &gauss {
-                    let (mut n, mut dn) = (vec![0.0; kind.nodes()], vec![[0.0; 3]; kind.nodes()]);
-                    kind.shape([x, y, z], &mut n, &mut dn);
-                    points.push(RulePoint {
-                        weight: wx * wy * wz,
-                        n,
-                        dn,
-                    });
-                }
-            }
-        }
+        let point = |(xi, weight)| {
+            let (mut n, mut dn) = (vec![0.0; kind.nodes()], vec![[0.0; 3]; kind.nodes()]);
+            kind.shape(xi, &mut n, &mut dn);
+            RulePoint { weight, n, dn }
+        };
         Ok(Self {
-            points,
+            points: kind.rule()?.into_iter().map(point).collect(),
             nodes: kind.nodes(),
         })
     }

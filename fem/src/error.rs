@@ -132,6 +132,60 @@ pub enum FemError {
         /// Nodes of the mesh.
         nodes: usize,
     },
+    /// A node follows two masters.
+    #[error("node {node} of face group \"{group}\" is tied already; let it be slave of one interface or mass only")]
+    TiedTwice {
+        /// The node.
+        node: usize,
+        /// The group in which it was met the second time.
+        group: String,
+    },
+    /// Ties depend on each other in a circle.
+    #[error("node {node} is tied to nodes that are tied to it; exchange master and slave of one interface")]
+    TieCycle {
+        /// A node of the circle.
+        node: usize,
+    },
+    /// A node is held and tied at once.
+    #[error(
+        "node {node} is held along axis {axis} and tied as well; hold the master or take the node out of one group"
+    )]
+    HeldAndTied {
+        /// The node.
+        node: usize,
+        /// The axis.
+        axis: usize,
+    },
+    /// A face group cannot carry a mass or a spring.
+    #[error("face group \"{group}\" has an area of {area} m^2 and does not resist rotation; choose more faces")]
+    Patch {
+        /// The group.
+        group: String,
+        /// Its area \[m^2\].
+        area: f64,
+    },
+    /// An inertia tensor belongs to no body.
+    #[error(
+        "the lumped mass on \"{group}\" has the principal moments {moments:?} kg m^2; give a symmetric tensor with \
+         each of them at most the sum of the others"
+    )]
+    Inertia {
+        /// The group that carries it.
+        group: String,
+        /// Principal moments \[kg m^2\].
+        moments: [f64; 3],
+    },
+    /// A spring's stiffness is not that of a spring.
+    #[error(
+        "a spring's stiffness has asymmetry {asymmetry:e} N/m and lowest eigenvalue {lowest:e} N/m; give a symmetric \
+         matrix without negative eigenvalues"
+    )]
+    Spring {
+        /// Largest entry of |k - k^T| \[N/m\].
+        asymmetry: f64,
+        /// Lowest eigenvalue \[N/m\].
+        lowest: f64,
+    },
     /// A mesh error.
     #[error(transparent)]
     Mesh(#[from] nailnoise_meshes::MeshError),

@@ -5,22 +5,26 @@
 #![forbid(unsafe_code)]
 
 mod assembly;
+mod attachments;
 mod constraints;
 mod dense;
 mod element;
 mod error;
 mod factor;
 mod lanczos;
+mod layout;
 mod material;
 mod modal;
 mod order;
 mod random;
+mod reduction;
 mod solve;
 mod sparse;
 pub mod supports;
 pub mod transient;
 
-pub use assembly::{Equations, System, assemble};
+pub use assembly::{Equations, System, assemble, assemble_with};
+pub use attachments::{Attachments, Coupling, GroundSpring, LumpedMass, Place, Tie};
 pub use constraints::Constraints;
 pub use error::FemError;
 pub use material::{Material, Orthotropic};

@@ -21,7 +21,7 @@ mod worktable;
 
 pub use atomic::write_atomic;
 pub use block::{Block, block};
-pub use element::{ElementKind, FaceKind};
+pub use element::{ElementKind, FaceKind, FaceNodes};
 pub use error::MeshError;
 pub use gauss::gauss_legendre;
 pub use grid::Grid;

@@ -15,7 +15,7 @@ pub struct Location {
     pub weights: Vec<f64>,
 }
 
-/// How far outside \[-1, 1\] natural coordinates may be: points on a common face belong to either element.
+/// How far outside the element natural coordinates may be: points on a common face belong to either element.
 const SLACK: f64 = 1e-9;
 
 impl Mesh {
@@ -31,25 +31,8 @@ impl Mesh {
             if distance > 0.0 {
                 continue;
             }
-            let n = view.kind.nodes();
-            let (mut shape, mut slope) = (vec![0.0; n], vec![[0.0; 3]; n]);
-            let mut xi = Vector3::zeros();
-            for _ in 0..25 {
-                view.kind.shape(xi.into(), &mut shape, &mut slope);
-                let (mut x, mut j) = (-point.coords, Matrix3::zeros());
-                for (a, &node) in view.nodes.iter().enumerate() {
-                    let p = self.nodes[node].coords;
-                    x += shape[a] * p;
-                    j += p * Vector3::from(slope[a]).transpose();
-                }
-                let Some(step) = j.lu().solve(&x) else { break };
-                xi -= step;
-                if step.amax() < 1e-13 {
-                    break;
-                }
-            }
-            if xi.amax() <= 1.0 + SLACK {
-                view.kind.shape(xi.into(), &mut shape, &mut slope);
+            let (xi, shape) = invert(self, element, point);
+            if view.kind.outside(xi.into()) <= SLACK {
                 return Ok(Location {
                     element,
                     nodes: view.nodes.to_vec(),
@@ -73,26 +56,114 @@ impl Mesh {
             if distance > tolerance {
                 continue;
             }
-            let kind = self.kinds[face.element].face_kind();
-            let (xi, distance) = project(kind, &nodes.map(|i| self.nodes[i]), point);
-            if xi.amax() <= 1.0 + SLACK && distance <= tolerance {
-                let (mut shape, mut slope) = ([0.0; 8], [[0.0; 2]; 8]);
+            let kind = self.face_kind(face);
+            let corners: Vec<Point3<f64>> = nodes.iter().map(|&i| self.nodes[i]).collect();
+            let (xi, distance) = project(kind, &corners, point);
+            if kind.outside(xi.into()) <= SLACK && distance <= tolerance {
+                let (mut shape, mut slope) = ([0.0; 9], [[0.0; 2]; 9]);
                 kind.shape(xi.into(), &mut shape, &mut slope);
                 return Ok(Location {
                     element: face.element,
                     nodes: nodes.to_vec(),
-                    weights: shape.to_vec(),
+                    weights: shape[..kind.nodes()].to_vec(),
                 });
             }
         }
         Err(outside(point, format!("the face group \"{group}\""), nearest))
     }
+
+    /// The element behind the face of a group nearest to `point`, and the weights with which its own shape functions,
+    /// carried on beyond the face if need be, take a value to the point itself: every linear field arrives unchanged.
+    /// Nodes without weight are left out.
+    ///
+    /// # Errors
+    /// [`MeshError::UnknownGroup`], or [`MeshError::Outside`] when no face is within `tolerance` \[m\].
+    pub fn locate_near(&self, group: &str, point: Point3<f64>, tolerance: f64) -> Result<Location, MeshError> {
+        let (mut nearest, mut nearest_box, mut best) = (f64::INFINITY, f64::INFINITY, None);
+        for &face in &self.group(group)?.faces {
+            let nodes = self.face_nodes(face);
+            let gap = box_distance(nodes.iter().map(|&i| self.nodes[i]), point);
+            nearest_box = nearest_box.min(gap);
+            if gap > tolerance.min(nearest) {
+                continue;
+            }
+            let corners: Vec<Point3<f64>> = nodes.iter().map(|&i| self.nodes[i]).collect();
+            let kind = self.face_kind(face);
+            let (xi, distance) = project(kind, &corners, point);
+            // Beside the face the foot is taken back to it, as far as the size of the face says.
+            let size = box_size(&corners);
+            let distance = distance.max(kind.outside(xi.into()).max(0.0) * size);
+            if distance < nearest {
+                (nearest, best) = (distance, Some(face.element));
+            }
+        }
+        let place = || format!("the face group \"{group}\"");
+        let element = match best {
+            Some(element) if nearest <= tolerance => element,
+            Some(_) => return Err(outside(point, place(), nearest)),
+            None => return Err(outside(point, place(), nearest_box)),
+        };
+        let (_, shape) = invert(self, element, point);
+        let view = self.element(element);
+        let x: Vector3<f64> = view
+            .nodes
+            .iter()
+            .zip(&shape)
+            .map(|(&i, w)| self.nodes[i].coords * *w)
+            .sum();
+        let size = box_size(&view.nodes.iter().map(|&i| self.nodes[i]).collect::<Vec<_>>());
+        // Newton's method has not found the point when the element is too curved for its surroundings.
+        if !((x - point.coords).norm() <= 1e-10 * size) {
+            return Err(outside(point, place(), nearest));
+        }
+        let kept = view.nodes.iter().zip(&shape).filter(|(_, w)| w.abs() > 1e-13);
+        let (nodes, weights) = kept.map(|(&node, &w)| (node, w)).unzip();
+        Ok(Location {
+            element,
+            nodes,
+            weights,
+        })
+    }
+}
+
+/// Diagonal of the box around points \[m\].
+fn box_size(points: &[Point3<f64>]) -> f64 {
+    let (low, high) = points.iter().fold(
+        (Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3])),
+        |(low, high), p| (low.inf(p), high.sup(p)),
+    );
+    (high - low).norm()
+}
+
+/// Natural coordinates at which an element's map x(xi) takes the value `point`, by Newton's method, with the shape
+/// functions there; what it returns for points far outside is no solution and lies far outside, too.
+fn invert(mesh: &Mesh, element: usize, point: Point3<f64>) -> (Vector3<f64>, Vec<f64>) {
+    let view = mesh.element(element);
+    let n = view.kind.nodes();
+    let (mut shape, mut slope) = (vec![0.0; n], vec![[0.0; 3]; n]);
+    let mut xi = Vector3::from(view.kind.centre());
+    for _ in 0..25 {
+        view.kind.shape(xi.into(), &mut shape, &mut slope);
+        let (mut x, mut j) = (-point.coords, Matrix3::zeros());
+        for (a, &node) in view.nodes.iter().enumerate() {
+            let p = mesh.nodes[node].coords;
+            x += shape[a] * p;
+            j += p * Vector3::from(slope[a]).transpose();
+        }
+        let Some(step) = j.lu().solve(&x) else { break };
+        xi -= step;
+        if step.amax() < 1e-13 {
+            break;
+        }
+    }
+    view.kind.shape(xi.into(), &mut shape, &mut slope);
+    (xi, shape)
 }
 
 /// Natural coordinates of the foot of the perpendicular from `point` on a face, and its length, by Gauss-Newton.
-fn project(kind: FaceKind, corners: &[Point3<f64>; 8], point: Point3<f64>) -> (Vector2<f64>, f64) {
-    let (mut shape, mut slope) = ([0.0; 8], [[0.0; 2]; 8]);
-    let mut xi = Vector2::zeros();
+fn project(kind: FaceKind, corners: &[Point3<f64>], point: Point3<f64>) -> (Vector2<f64>, f64) {
+    let (mut shape, mut slope) = ([0.0; 9], [[0.0; 2]; 9]);
+    let mut xi = Vector2::from(kind.centre());
     let mut off = Vector3::zeros();
     for _ in 0..25 {
         kind.shape(xi.into(), &mut shape, &mut slope);

@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 
-use crate::{ElementKind, MeshError};
+use crate::{ElementKind, FaceKind, FaceNodes, MeshError};
 
 /// A volume mesh: nodes, elements with a part each, named groups of element faces.
 #[derive(Clone, Debug, PartialEq)]
@@ -91,10 +91,19 @@ impl Mesh {
             })
     }
 
-    /// Volume nodes of a face, outward by the right-hand rule: corners, then mid-sides.
-    pub fn face_nodes(&self, face: FaceRef) -> [usize; 8] {
+    /// Volume nodes of a face, outward by the right-hand rule: corners, then mid-sides, then the centre.
+    pub fn face_nodes(&self, face: FaceRef) -> FaceNodes {
         let element = self.element(face.element);
-        element.kind.faces()[face.face].map(|local| element.nodes[local])
+        FaceNodes::of(
+            element.kind.faces()[face.face]
+                .iter()
+                .map(|&local| element.nodes[local]),
+        )
+    }
+
+    /// Shape of a face.
+    pub fn face_kind(&self, face: FaceRef) -> FaceKind {
+        self.kinds[face.element].face_kind(face.face)
     }
 
     /// The nodes of a face group, ascending, each once.

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use nalgebra::{Point3, Vector3};
 
-use crate::{FaceKind, FaceRef, Mesh, MeshError, gauss_legendre};
+use crate::{FaceKind, FaceNodes, FaceRef, Mesh, MeshError};
 
 /// The outer faces of a mesh, with outward normals, and the volume node behind each of their nodes.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,8 +24,9 @@ pub struct Surface {
 pub struct SurfaceFace {
     /// Its shape.
     pub kind: FaceKind,
-    /// Its nodes, indices into [`Surface::points`]: corners outward by the right-hand rule, then mid-sides.
-    pub nodes: [usize; 8],
+    /// Its nodes, indices into [`Surface::points`]: corners outward by the right-hand rule, then mid-sides,
+    /// then the centre.
+    pub nodes: FaceNodes,
     /// Its patch, an index into [`Surface::patches`].
     pub patch: usize,
     /// The volume element and its face behind it.
@@ -43,8 +44,8 @@ pub struct QuadraturePoint {
     pub normal: Vector3<f64>,
     /// Area it stands for \[m^2\].
     pub weight: f64,
-    /// Values of the face's shape functions here, in the order of [`SurfaceFace::nodes`].
-    pub shape: [f64; 8],
+    /// Values of the face's shape functions here, in the order of [`SurfaceFace::nodes`]; zero beyond its nodes.
+    pub shape: [f64; 9],
 }
 
 impl Surface {
@@ -54,7 +55,12 @@ impl Surface {
         let every = |visit: &mut dyn FnMut(FaceRef, [usize; 4])| {
             for (element, view) in mesh.elements().enumerate() {
                 for (face, local) in view.kind.faces().iter().enumerate() {
-                    let mut corners = [0, 1, 2, 3].map(|k| view.nodes[local[k]]);
+                    // Triangles leave the last place empty.
+                    let mut corners = [usize::MAX; 4];
+                    let count = view.kind.face_kind(face).corners();
+                    for (corner, &node) in corners.iter_mut().zip(&local[..count]) {
+                        *corner = view.nodes[node];
+                    }
                     corners.sort_unstable();
                     visit(FaceRef { element, face }, corners);
                 }
@@ -88,7 +94,7 @@ impl Surface {
                 })
             });
             surface.faces.push(SurfaceFace {
-                kind: mesh.kinds[of.element].face_kind(),
+                kind: mesh.face_kind(of),
                 nodes,
                 patch,
                 of,
@@ -115,22 +121,29 @@ impl Surface {
             })
     }
 
-    /// The product rule of n x n Gauss points on every face, face by face.
+    /// The rule of degree 2n - 1 on every face, face by face: n x n Gauss points on quadrilaterals, see
+    /// [`FaceKind::rule`] for triangles.
     ///
     /// The normal is t_1 x t_2 / |t_1 x t_2| with the tangents t = dx/dxi, and the weight w_i w_j |t_1 x t_2|.
     ///
     /// # Errors
-    /// [`MeshError::GaussPoints`] unless 1 <= n <= 10.
+    /// [`MeshError::GaussPoints`] unless 1 <= n <= 9, without triangles 10.
     pub fn quadrature(&self, n: usize) -> Result<Vec<QuadraturePoint>, MeshError> {
-        let rule = gauss_legendre(n)?;
+        let mut rules: Vec<(FaceKind, Vec<([f64; 2], f64)>)> = Vec::new();
         let mut points = Vec::with_capacity(self.faces.len() * n * n);
-        for face in 0..self.faces.len() {
-            for &(eta, w_eta) in &rule {
-                for &(xi, w_xi) in &rule {
-                    let mut point = self.point_at(face, [xi, eta]);
-                    point.weight *= w_xi * w_eta;
-                    points.push(point);
+        for (face, f) in self.faces.iter().enumerate() {
+            let known = rules.iter().position(|(kind, _)| *kind == f.kind);
+            let known = match known {
+                Some(known) => known,
+                None => {
+                    rules.push((f.kind, f.kind.rule(n)?));
+                    rules.len() - 1
                 }
+            };
+            for &(xi, weight) in &rules[known].1 {
+                let mut point = self.point_at(face, xi);
+                point.weight *= weight;
+                points.push(point);
             }
         }
         Ok(points)
@@ -139,7 +152,7 @@ impl Surface {
     /// The point of a face at natural coordinates `xi`; its weight is the area factor |t_1 x t_2| alone.
     pub fn point_at(&self, face: usize, xi: [f64; 2]) -> QuadraturePoint {
         let f = &self.faces[face];
-        let (mut shape, mut slope) = ([0.0; 8], [[0.0; 2]; 8]);
+        let (mut shape, mut slope) = ([0.0; 9], [[0.0; 2]; 9]);
         f.kind.shape(xi, &mut shape, &mut slope);
         let (mut x, mut t1, mut t2) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
         for (a, &node) in f.nodes.iter().enumerate() {
@@ -186,8 +199,9 @@ impl Surface {
     pub fn open_edges(&self) -> usize {
         let mut balance: HashMap<(usize, usize), i32> = HashMap::new();
         for face in &self.faces {
-            for k in 0..4 {
-                let (a, b) = (face.nodes[k], face.nodes[(k + 1) % 4]);
+            let corners = face.kind.corners();
+            for k in 0..corners {
+                let (a, b) = (face.nodes[k], face.nodes[(k + 1) % corners]);
                 *balance.entry((a.min(b), a.max(b))).or_insert(0) += if a < b { 1 } else { -1 };
             }
         }
@@ -195,7 +209,7 @@ impl Surface {
     }
 
     fn fold(&self, value: impl Fn(&QuadraturePoint) -> f64) -> f64 {
-        // Three points a direction integrate the Jacobian of a plane quad8 exactly.
+        // Three points a direction integrate the Jacobian of a plane quadratic face exactly.
         self.quadrature(3)
             .map_or(f64::NAN, |points| points.iter().map(value).sum())
     }

@@ -53,7 +53,7 @@ pub fn write_surface(
     let types = surface.faces.iter().map(|f| f.kind.vtk_type()).collect();
     let (mut connectivity, mut offsets) = (Vec::new(), Vec::new());
     for face in &surface.faces {
-        connectivity.extend_from_slice(&face.nodes[..face.kind.nodes()]);
+        connectivity.extend_from_slice(&face.nodes);
         offsets.push(connectivity.len());
     }
     let patch: Vec<f64> = surface.faces.iter().map(|f| f.patch as f64).collect();
@@ -114,8 +114,17 @@ fn write(
     let types = types
         .into_iter()
         .map(|code| match code {
+            5 => Ok(CellType::Triangle),
+            9 => Ok(CellType::Quad),
+            10 => Ok(CellType::Tetra),
+            12 => Ok(CellType::Hexahedron),
+            22 => Ok(CellType::QuadraticTriangle),
             23 => Ok(CellType::QuadraticQuad),
+            24 => Ok(CellType::QuadraticTetra),
             25 => Ok(CellType::QuadraticHexahedron),
+            26 => Ok(CellType::QuadraticWedge),
+            28 => Ok(CellType::BiquadraticQuad),
+            29 => Ok(CellType::TriquadraticHexahedron),
             other => Err(encode(format!("cell type {other} has no VTK counterpart here"))),
         })
         .collect::<Result<Vec<_>, _>>()?;

@@ -1,0 +1,355 @@
+//! The pattern of K and M and the values scattered into it.
+
+use nailnoise_meshes::Mesh;
+use nalgebra::Matrix3;
+use nalgebra_sparse::CscMatrix;
+use rayon::prelude::*;
+
+use crate::element::{ElementMaterial, ElementMatrices, Rule, integrate};
+use crate::order::Graph;
+use crate::reduction::{Reduction, Term};
+use crate::{FemError, Material};
+
+/// Elements integrated at once, in parallel; they are added up in their order.
+const BATCH: usize = 1024;
+
+/// The sets of independent nodes whose unknowns meet in one matrix: those of each element and of each attachment.
+pub(crate) struct Cliques {
+    offsets: Vec<usize>,
+    nodes: Vec<usize>,
+}
+
+impl Cliques {
+    pub(crate) fn new(mesh: &Mesh, reduction: &Reduction) -> Self {
+        let mut cliques = Self {
+            offsets: vec![0],
+            nodes: Vec::with_capacity(mesh.connectivity.len()),
+        };
+        for element in mesh.elements() {
+            for &node in element.nodes {
+                match reduction.expansion(node) {
+                    None => cliques.nodes.push(node),
+                    Some(terms) => cliques.nodes.extend(terms.iter().map(|t| t.0)),
+                }
+            }
+            cliques.offsets.push(cliques.nodes.len());
+        }
+        for added in &reduction.added {
+            cliques.nodes.extend_from_slice(&added.nodes);
+            cliques.offsets.push(cliques.nodes.len());
+        }
+        cliques
+    }
+
+    pub(crate) fn nodes(&self) -> impl Iterator<Item = usize> {
+        self.nodes.iter().copied()
+    }
+
+    /// The graph of nodes that share a clique, nodes numbered by `index`.
+    pub(crate) fn graph(&self, index: &[Option<usize>], n: usize) -> Graph {
+        let mut cliques_of: Vec<Vec<usize>> = vec![Vec::new(); n];
+        for (c, range) in self.offsets.windows(2).enumerate() {
+            let nodes = &self.nodes[range[0]..range[1]];
+            nodes
+                .iter()
+                .filter_map(|&node| index[node])
+                .for_each(|k| cliques_of[k].push(c));
+        }
+        let (mut offsets, mut targets) = (vec![0], Vec::new());
+        let mut seen = vec![usize::MAX; n];
+        for (k, cliques) in cliques_of.iter().enumerate() {
+            let start = targets.len();
+            seen[k] = k;
+            for &c in cliques {
+                for &node in &self.nodes[self.offsets[c]..self.offsets[c + 1]] {
+                    if let Some(i) = index[node].filter(|&i| seen[i] != k) {
+                        seen[i] = k;
+                        targets.push(i);
+                    }
+                }
+            }
+            targets[start..].sort_unstable();
+            offsets.push(targets.len());
+        }
+        Graph { offsets, targets }
+    }
+}
+
+/// Where every node pair stands in the two matrices; built once, values are scattered into it.
+pub(crate) struct Layout {
+    pub(crate) dof_of: Vec<usize>,
+    /// Equation of each axis of each node in elimination order, or none.
+    equation: Vec<[Option<usize>; 3]>,
+    /// Neighbours of each node that are eliminated with or after it, itself first.
+    later: Graph,
+    /// For each entry of `later`: entries before it in the columns of the stiffness, and in that of each axis of the mass.
+    before: Vec<[usize; 4]>,
+    /// How the mass of a node couples with others across axes.
+    mixing: Vec<Mixing>,
+    stiffness: CscPattern,
+    mass: CscPattern,
+}
+
+/// Elements couple like axes only; attachments may couple all.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Mixing {
+    Never,
+    /// With others that mix.
+    Among,
+    /// With every neighbour.
+    Always,
+}
+
+struct CscPattern {
+    offsets: Vec<usize>,
+    rows: Vec<usize>,
+}
+
+fn mixes(a: Mixing, b: Mixing) -> bool {
+    a == Mixing::Always || b == Mixing::Always || (a == Mixing::Among && b == Mixing::Among)
+}
+
+impl Layout {
+    /// `graph` is numbered in the order of elimination; `order` names the node at each place, `free` its free axes.
+    pub(crate) fn new(graph: &Graph, order: &[usize], free: &[[bool; 3]], reduction: &Reduction) -> Self {
+        let mut mixing_of = vec![Mixing::Never; reduction.nodes];
+        for added in &reduction.added {
+            added.nodes.iter().for_each(|&n| mixing_of[n] = Mixing::Among);
+        }
+        reduction.rotations.iter().for_each(|&n| mixing_of[n] = Mixing::Always);
+        let mixing: Vec<Mixing> = order.iter().map(|&node| mixing_of[node]).collect();
+        let mut dof_of = Vec::with_capacity(3 * order.len());
+        let equation: Vec<[Option<usize>; 3]> = order
+            .iter()
+            .map(|&node| {
+                std::array::from_fn(|axis| {
+                    free[node][axis].then(|| {
+                        dof_of.push(3 * node + axis);
+                        dof_of.len() - 1
+                    })
+                })
+            })
+            .collect();
+        let (mut offsets, mut targets, mut before) = (vec![0], Vec::new(), Vec::new());
+        let (mut stiffness, mut mass) = (CscPattern::new(), CscPattern::new());
+        for p in 0..order.len() {
+            let start = targets.len();
+            targets.push(p);
+            targets.extend(graph.neighbours(p).iter().copied().filter(|&q| q > p));
+            let later = &targets[start..];
+            let rows = |q: usize, column: usize| equation[q].into_iter().flatten().filter(move |&row| row >= column);
+            let mut count = [0; 4];
+            for &q in later {
+                before.push(count);
+                let mixed = mixes(mixing[p], mixing[q]);
+                for axis in 0..3 {
+                    count[3] += usize::from(equation[q][axis].is_some());
+                    let Some(column) = equation[p][axis] else { continue };
+                    count[axis] += match mixed {
+                        true => rows(q, column).count(),
+                        false => usize::from(equation[q][axis].is_some()),
+                    };
+                }
+            }
+            for axis in 0..3 {
+                let Some(column) = equation[p][axis] else { continue };
+                for &q in later {
+                    stiffness.rows.extend(rows(q, column));
+                    match mixes(mixing[p], mixing[q]) {
+                        true => mass.rows.extend(rows(q, column)),
+                        false => mass.rows.extend(equation[q][axis]),
+                    }
+                }
+                stiffness.offsets.push(stiffness.rows.len());
+                mass.offsets.push(mass.rows.len());
+            }
+            offsets.push(targets.len());
+        }
+        Self {
+            dof_of,
+            equation,
+            later: Graph { offsets, targets },
+            before,
+            mixing,
+            stiffness,
+            mass,
+        }
+    }
+
+    /// K and M of the elements and the attachments; `index` gives the place of each node in the order of elimination.
+    pub(crate) fn scatter(
+        &self,
+        mesh: &Mesh,
+        materials: &[Material],
+        index: &[Option<usize>],
+        reduction: &Reduction,
+    ) -> Result<(CscMatrix<f64>, CscMatrix<f64>), FemError> {
+        let materials: Vec<ElementMaterial> = materials.iter().map(ElementMaterial::from).collect();
+        let mut rules = Vec::new();
+        for &kind in &mesh.kinds {
+            if !rules.iter().any(|(k, _)| *k == kind) {
+                rules.push((kind, Rule::new(kind)?));
+            }
+        }
+        let mut values = Values {
+            stiffness: vec![0.0; self.stiffness.rows.len()],
+            mass: vec![0.0; self.mass.rows.len()],
+        };
+        // Elements are integrated in parallel and added up in their order, so the sums do not depend on the threads.
+        let elements: Vec<usize> = (0..mesh.element_count()).collect();
+        for batch in elements.chunks(BATCH) {
+            let matrices: Vec<Result<ElementMatrices, FemError>> = batch
+                .par_iter()
+                .map(|&e| {
+                    let element = mesh.element(e);
+                    let rule = rules
+                        .iter()
+                        .find(|(kind, _)| *kind == element.kind)
+                        .map(|(_, rule)| rule);
+                    rule.map_or_else(
+                        || Ok(ElementMatrices::default()),
+                        |rule| integrate(mesh, e, element, rule, &materials[element.part]),
+                    )
+                })
+                .collect();
+            for (&e, matrices) in batch.iter().zip(matrices) {
+                let nodes = mesh.element(e).nodes;
+                if nodes.iter().any(|&n| reduction.expansion(n).is_some()) {
+                    self.add_reduced(nodes, &matrices?, index, reduction, &mut values);
+                } else {
+                    self.add(nodes, &matrices?, index, &mut values);
+                }
+            }
+        }
+        for added in &reduction.added {
+            for (a, b, k, m) in &added.blocks {
+                if let (Some(p), Some(q)) = (index[added.nodes[*a]], index[added.nodes[*b]]) {
+                    self.add_block(p, q, k, m, &mut values);
+                }
+            }
+        }
+        Ok((
+            self.stiffness.matrix(values.stiffness, self.dof_of.len())?,
+            self.mass.matrix(values.mass, self.dof_of.len())?,
+        ))
+    }
+
+    /// Adds an element all of whose nodes are independent.
+    fn add(&self, nodes: &[usize], matrices: &ElementMatrices, index: &[Option<usize>], values: &mut Values) {
+        let mut pair = 0;
+        for (a, &node_a) in nodes.iter().enumerate() {
+            for &node_b in &nodes[..=a] {
+                let (block, m) = (&matrices.stiffness[pair], matrices.mass[pair]);
+                pair += 1;
+                let (Some(p), Some(q)) = (index[node_a], index[node_b]) else {
+                    continue;
+                };
+                // The column belongs to the node eliminated first; K_ab = K_ba^T.
+                let (column, row, transposed) = if p <= q { (p, q, true) } else { (q, p, false) };
+                let later = self.later.neighbours(column);
+                let Ok(r) = later.binary_search(&row) else { continue };
+                let before = self.before[self.later.offsets[column] + r];
+                let mixed = mixes(self.mixing[column], self.mixing[row]);
+                // Columns of a node lose one row each: the triangle of its own block.
+                let mut skipped = 0;
+                for j in 0..3 {
+                    let Some(c) = self.equation[column][j] else { continue };
+                    if self.equation[row][j].is_some() {
+                        let ahead = |i: &usize| self.equation[row][*i].is_some_and(|e| e >= c);
+                        let rank = if mixed { (0..j).filter(ahead).count() } else { 0 };
+                        values.mass[self.mass.offsets[c] + before[j] + rank] += m;
+                    }
+                    let start = self.stiffness.offsets[c] + before[3];
+                    let rows = (0..3).filter_map(|i| self.equation[row][i].map(|e| (i, e)));
+                    for (rank, (i, _)) in rows.enumerate().filter(|(_, (_, e))| *e >= c) {
+                        values.stiffness[start + rank - skipped] += if transposed { block[j][i] } else { block[i][j] };
+                    }
+                    skipped += 1;
+                }
+            }
+        }
+    }
+
+    /// Adds W^T K W and W^T M W of an element with dependent nodes.
+    fn add_reduced(
+        &self,
+        nodes: &[usize],
+        matrices: &ElementMatrices,
+        index: &[Option<usize>],
+        reduction: &Reduction,
+        values: &mut Values,
+    ) {
+        let own: Vec<[Term; 1]> = nodes.iter().map(|&n| [(n, Matrix3::identity())]).collect();
+        let terms: Vec<&[Term]> = nodes
+            .iter()
+            .zip(&own)
+            .map(|(&n, own)| reduction.expansion(n).unwrap_or(own))
+            .collect();
+        let mut pair = 0;
+        for a in 0..nodes.len() {
+            for b in 0..=a {
+                let block = &matrices.stiffness[pair];
+                let k = Matrix3::from_fn(|i, j| block[i][j]);
+                let m = Matrix3::from_diagonal_element(matrices.mass[pair]);
+                pair += 1;
+                for &(node_p, w) in terms[a] {
+                    for &(node_q, v) in terms[b] {
+                        let (Some(p), Some(q)) = (index[node_p], index[node_q]) else {
+                            continue;
+                        };
+                        let (k, m) = (w.transpose() * k * v, w.transpose() * m * v);
+                        self.add_block(p, q, &k, &m, values);
+                        if a != b {
+                            self.add_block(q, p, &k.transpose(), &m.transpose(), values);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds the part of a block between the nodes p and q that lies in the lower triangle.
+    fn add_block(&self, p: usize, q: usize, k: &Matrix3<f64>, m: &Matrix3<f64>, values: &mut Values) {
+        for i in 0..3 {
+            for j in 0..3 {
+                let (Some(row), Some(column)) = (self.equation[p][i], self.equation[q][j]) else {
+                    continue;
+                };
+                if row < column {
+                    continue;
+                }
+                if let Some(at) = self.stiffness.find(row, column) {
+                    values.stiffness[at] += k[(i, j)];
+                }
+                // Of a pair that does not mix the axes these entries are zero.
+                if let Some(at) = self.mass.find(row, column) {
+                    values.mass[at] += m[(i, j)];
+                }
+            }
+        }
+    }
+}
+
+struct Values {
+    stiffness: Vec<f64>,
+    mass: Vec<f64>,
+}
+
+impl CscPattern {
+    fn new() -> Self {
+        Self {
+            offsets: vec![0],
+            rows: Vec::new(),
+        }
+    }
+
+    fn find(&self, row: usize, column: usize) -> Option<usize> {
+        let (start, end) = (self.offsets[column], self.offsets[column + 1]);
+        self.rows[start..end].binary_search(&row).ok().map(|at| start + at)
+    }
+
+    fn matrix(&self, values: Vec<f64>, n: usize) -> Result<CscMatrix<f64>, FemError> {
+        CscMatrix::try_from_csc_data(n, n, self.offsets.clone(), self.rows.clone(), values)
+            .map_err(|e| FemError::Order { reason: e.to_string() })
+    }
+}
