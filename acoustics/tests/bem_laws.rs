@@ -57,9 +57,9 @@ fn reciprocal_symmetric_and_positive() {
             assert!(two.asymmetry < 2e-3 && two.difference_db < 0.1);
             let surface = two.patches.iter().fold(DMatrix::zeros(8, 8), |sum, p| sum + p);
             let scaled = |i: usize, j: usize| (surface[(i, j)] - r[(i, j)]) / (r[(i, i)] * r[(j, j)]).sqrt();
-            // The loudest motion, whatever its frequency, to 1 %.
+            // The loudest motion to 0.1 dB.
             let loudest = r.diagonal().imax();
-            assert!(scaled(loudest, loudest).abs() < 0.01);
+            assert!(scaled(loudest, loudest).abs() < 0.02);
             let shared: DMatrix<f64> = two
                 .shared(&[1.0; 6])
                 .into_iter()
@@ -160,4 +160,27 @@ fn unfit_surfaces_are_refused_with_numbers() {
         matches!(error, AcousticsError::TooCoarse { needed: 6.0, .. }),
         "{error}"
     );
+}
+
+#[test]
+fn the_skin_of_a_volume_mesh_brings_its_modes() {
+    let mesh = nailnoise_meshes::block(&nailnoise_meshes::Block {
+        size: [0.4, 0.15, 0.1],
+        divisions: [8, 3, 2],
+        origin: [0.0, 0.0, 0.1],
+    })
+    .unwrap();
+    let skin = nailnoise_meshes::Surface::of(&mesh);
+    let boundary = Boundary::new(BoundaryMesh::of_skin(&skin), Some(0.0)).unwrap();
+    let heave = DMatrix::from_fn(3 * mesh.nodes.len(), 1, |row, _| f64::from(u8::from(row % 3 == 2)));
+    let v = boundary.project_modes(&skin, &heave).unwrap();
+    let problem = Exterior::new(boundary, &Air::default());
+    let reference = Boundary::new(block(0.05), Some(0.0)).unwrap();
+    let w = reference.project_displacements(&motions(reference.mesh())).unwrap();
+    let flat = Exterior::new(reference, &Air::default());
+    let found = problem.resistance(500.0, &v).unwrap().far_field[(0, 0)];
+    let exact = flat.resistance(500.0, &w).unwrap().far_field[(2, 2)];
+    // Quadrilaterals are halved along the diagonal from their first node, which differs.
+    assert!((found / exact - 1.0).abs() < 2e-4, "{found} {exact}");
+    assert!(problem.boundary().project_modes(&skin, &DMatrix::zeros(3, 1)).is_err());
 }

@@ -92,10 +92,10 @@ fn in_a_cats_eye() {
         .filter(|&s| s != [1, 1, 1])
         .collect();
     let c = Air::default().sound_speed;
-    for n in [5, 8] {
+    for n in [5, 7] {
         let mesh = octants(&seven, n, true);
         let problem = Exterior::new(Boundary::new(mesh, None).unwrap(), &Air::default());
-        let problem = problem.with_panels_per_wavelength(4.0).unwrap();
+        let problem = problem.with_panels_per_wavelength(2.5).unwrap();
         for ka in [0.5, PI, 4.493_409_457_909_064] {
             let [far, surface] = errors(&problem, Point3::new(-0.2, -0.3, -0.1), ka * c / (2.0 * PI));
             println!("n {n}, ka {ka:.3}: {far:7.4} {surface:7.4} dB");

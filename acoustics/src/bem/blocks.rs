@@ -1,4 +1,5 @@
 use super::boundary::Boundary;
+use super::panel::PanelShape;
 use super::rules;
 use nalgebra::Vector3;
 
@@ -109,7 +110,7 @@ impl Block {
             for (b, &(xi, w)) in rule.iter().enumerate() {
                 let point = mesh.point_at(p, xi);
                 let area = point.area_vector() * w;
-                let shape = panel.kind().linear().shape(xi);
+                let shape = panel.kind().linear().at(xi);
                 let mut set = |field: usize, v: &[f64]| {
                     for (k, v) in v.iter().enumerate() {
                         points[(b * fields + field + k) * width + f] = *v;

@@ -1,6 +1,7 @@
-use super::panel::{BoundaryMesh, PanelPoint};
+use super::panel::{BoundaryMesh, PanelPoint, PanelShape};
 use super::rules;
 use crate::error::AcousticsError;
+use nailnoise_meshes::Surface;
 use nalgebra::{DMatrix, Matrix4, Point3, Vector3, Vector4};
 use std::collections::HashMap;
 
@@ -141,6 +142,11 @@ impl Boundary {
         (self.node[point] != usize::MAX).then(|| self.node[point])
     }
 
+    /// Whether the surface ends on the floor.
+    pub fn stands_on_floor(&self) -> bool {
+        self.on_floor.contains(&true)
+    }
+
     pub(super) fn is_on_floor(&self, node: usize) -> bool {
         self.on_floor[node]
     }
@@ -188,7 +194,7 @@ impl Boundary {
                 let point = self.mesh.point_at(p, xi);
                 let dw = w * point.area_vector().norm();
                 velocity(p, xi, &point, &mut values);
-                let n = panel.kind().linear().shape(xi).n;
+                let n = panel.kind().linear().at(xi).n;
                 for i in 0..corners {
                     for j in 0..corners {
                         mass[(i, j)] += dw * n[i] * n[j];
@@ -223,7 +229,7 @@ impl Boundary {
         )?;
         Ok(self.project(fields.ncols(), |p, xi, point, values| {
             let panel = &self.mesh.panels[p];
-            let shape = panel.kind().shape(xi);
+            let shape = panel.kind().at(xi);
             let normal = point.area_vector().normalize();
             for (m, value) in values.iter_mut().enumerate() {
                 *value = panel
@@ -234,6 +240,30 @@ impl Boundary {
                     .sum();
             }
         }))
+    }
+}
+
+impl Boundary {
+    /// Normal components of a volume mesh's modes on its skin, as corner values; `nodal_modes` is (3 x nodes) x modes.
+    ///
+    /// # Errors
+    /// [`AcousticsError::Length`] for a skin that is not this surface's, or too few rows.
+    pub fn project_modes(&self, skin: &Surface, nodal_modes: &DMatrix<f64>) -> Result<DMatrix<f64>, AcousticsError> {
+        crate::error::same_length("points of the skin", skin.points.len(), self.mesh.points.len())?;
+        let needed = skin.volume_nodes.iter().max().map_or(0, |n| 3 * (n + 1));
+        if nodal_modes.nrows() < needed {
+            return Err(AcousticsError::Length {
+                what: "rows of the nodal modes",
+                found: nodal_modes.nrows(),
+                expected: needed,
+            });
+        }
+        let rows: Vec<usize> = skin
+            .volume_nodes
+            .iter()
+            .flat_map(|&n| [3 * n, 3 * n + 1, 3 * n + 2])
+            .collect();
+        self.project_displacements(&nodal_modes.select_rows(&rows))
     }
 }
 

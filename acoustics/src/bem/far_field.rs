@@ -1,4 +1,5 @@
 use super::blocks::{N, W, X, fields};
+use super::panel::PanelShape;
 use super::problem::{Exterior, SurfacePressure};
 use super::rules;
 use super::trig::sin_cos;
@@ -6,6 +7,7 @@ use crate::error::{AcousticsError, same_length};
 use crate::radiation::gauss_legendre;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
+use nailnoise_meshes::FaceKind;
 use nalgebra::{DMatrix, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 use rustfft::num_complex::Complex;
@@ -174,14 +176,14 @@ impl Exterior {
         for block in self.blocks() {
             let rule = rules::far(block.corners);
             let kind = if block.corners == 3 {
-                super::PanelKind::Tri3
+                FaceKind::Tri3
             } else {
-                super::PanelKind::Quad4
+                FaceKind::Quad4
             };
             for f in 0..block.panels.len() {
                 for (b, (xi, _)) in rule.iter().enumerate() {
                     let get = |field: usize| block.points[(b * fields(block.corners) + field) * block.width + f];
-                    let shape = kind.shape(*xi);
+                    let shape = kind.at(*xi);
                     sources.push(Source {
                         position: Vector3::new(get(X), get(X + 1), get(X + 2)),
                         area: Vector3::new(get(N), get(N + 1), get(N + 2)),

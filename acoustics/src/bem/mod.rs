@@ -1,4 +1,14 @@
-//! Exterior boundary elements.
+//! Boundary elements for the sound around a closed surface, in free space or above a rigid floor.
+//!
+//! ```text
+//! mesh -> Boundary   closed, normals into the air, above the floor; what was mended is counted
+//!      -> Exterior   blocks of panels, close pairs and their rules; what it will cost
+//!      -> solve      one frequency: operators, one factorisation, pressure of all velocity patterns
+//!      -> R(f)       from the far field (symmetric, positive), and from the surface beside it
+//! ```
+//!
+//! One frequency runs on one thread; frequencies run beside each other.
+
 mod blocks;
 mod boundary;
 mod far_field;
@@ -9,7 +19,8 @@ mod resistance;
 mod rules;
 mod tile;
 mod trig;
+
 pub use boundary::{Boundary, Mended};
-pub use panel::{BoundaryMesh, Panel, PanelKind, PanelPoint};
+pub use panel::{BoundaryMesh, Panel, PanelPoint};
 pub use problem::{Exterior, SurfacePressure};
 pub use resistance::{BlendedRadiation, Estimate, TwoEvaluations};

@@ -2,9 +2,10 @@
 
 use super::blocks::Block;
 use super::boundary::Boundary;
-use super::panel::{BoundaryMesh, MOST_NODES, PanelKind};
+use super::panel::{BoundaryMesh, MOST_NODES, PanelShape};
 use super::rules::{self, Contact, Node, PairNode};
 use super::trig::{combine, cross, dot, green, load, minus};
+use nailnoise_meshes::FaceKind;
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 use rustfft::num_complex::Complex;
@@ -15,7 +16,7 @@ use std::f64::consts::PI;
 const SINGULAR_ORDER: usize = 4;
 /// Distance of two panels' centres, as a multiple of the sum of their radii, above which the rules of 3, 7, 12 and 25
 /// points (2 x 2, 3 x 3, 4 x 4 and 5 x 5 on quadrilaterals) are taken; closer panels are divided.
-const RATIOS: [f64; 4] = [2.6, 1.7, 1.2, 0.8];
+const RATIOS: [f64; 4] = [2.1, 1.6, 1.2, 0.8];
 /// Most divisions of panels that lie close without touching.
 const DEPTH: usize = 8;
 
@@ -30,13 +31,13 @@ struct Sampled {
 }
 
 impl Sampled {
-    fn new(kind: PanelKind, points: &[[f64; 2]]) -> Self {
+    fn new(kind: FaceKind, points: &[[f64; 2]]) -> Self {
         let padded = points.len().next_multiple_of(8);
         let (nodes, corners) = (kind.nodes(), kind.corners());
         let mut values = vec![0.0; 3 * (nodes + corners) * padded];
         for q in 0..padded {
             let xi = points[q.min(points.len() - 1)];
-            let (shape, linear) = (kind.shape(xi), kind.linear().shape(xi));
+            let (shape, linear) = (kind.at(xi), kind.linear().at(xi));
             for (count, s, start) in [(nodes, shape, 0), (corners, linear, 3 * nodes)] {
                 for a in 0..count {
                     values[(start + a) * padded + q] = s.n[a];
@@ -99,7 +100,7 @@ pub(super) struct NearField {
 }
 
 /// What identifies a table: kind, rule, side, order of the vertices.
-type TableKey = (PanelKind, u8, bool, [u8; 3]);
+type TableKey = (FaceKind, u8, bool, [u8; 3]);
 
 /// Collects tables as pairs ask for them.
 struct Builder {
@@ -297,9 +298,9 @@ impl Builder {
     }
 
     /// A rule for triangles that touch, with their vertices in the given order.
-    fn singular(&mut self, kinds: [PanelKind; 2], contact: Contact, [x, y]: [[u8; 3]; 2]) -> Integration {
+    fn singular(&mut self, kinds: [FaceKind; 2], contact: Contact, [x, y]: [[u8; 3]; 2]) -> Integration {
         let c = contact as usize;
-        let mut table = |kind: PanelKind, side: bool, vertices: [u8; 3]| {
+        let mut table = |kind: FaceKind, side: bool, vertices: [u8; 3]| {
             let corner = vertices.map(|v| kind.natural_nodes()[v as usize]);
             let points = |r: &[PairNode]| -> Vec<[f64; 2]> {
                 r.iter()
@@ -332,7 +333,7 @@ impl Builder {
     }
 
     /// A product rule for panels that do not touch.
-    fn product(&mut self, kinds: [PanelKind; 2], level: usize) -> Integration {
+    fn product(&mut self, kinds: [FaceKind; 2], level: usize) -> Integration {
         let rules = kinds.map(|k| whole(k, level));
         let (x, y) = product(&rules);
         // Both sides' points depend on how many the other has.
@@ -359,7 +360,7 @@ impl Builder {
 }
 
 /// The rule of a level on a whole panel; the first level is the far rule.
-fn whole(kind: PanelKind, level: usize) -> Vec<Node> {
+fn whole(kind: FaceKind, level: usize) -> Vec<Node> {
     match (kind.corners(), level) {
         (3, 0) => rules::triangle(3),
         (3, 1) => rules::triangle(7),
@@ -410,7 +411,7 @@ fn positions(mesh: &BoundaryMesh, p: usize, image: Option<f64>) -> [[f64; 3]; MO
 }
 
 /// A triangle in the natural coordinates of a panel.
-type Part = (PanelKind, [[f64; 2]; 3]);
+type Part = (FaceKind, [[f64; 2]; 3]);
 
 /// Halves the sides of the larger triangle until the two are far enough apart for the 12-point rule.
 fn divide(
@@ -420,7 +421,7 @@ fn divide(
     run: &mut impl FnMut(&Sampled, &Sampled, &[f64]),
 ) {
     let place = |(kind, _): Part, nodes: &[[f64; 3]; MOST_NODES], xi: [f64; 2]| {
-        let shape = kind.shape(xi);
+        let shape = kind.at(xi);
         let mut x = Vector3::zeros();
         for (n, p) in shape.n.iter().zip(nodes).take(kind.nodes()) {
             x += Vector3::from(*p) * *n;

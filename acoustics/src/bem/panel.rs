@@ -1,39 +1,8 @@
+use nailnoise_meshes::{FaceKind, Surface};
 use nalgebra::{Point3, Vector3};
-
-/// The shape of a boundary element; its nodes are the corners, outward by the right-hand rule, then the mid-sides
-/// following each corner, then the centre.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum PanelKind {
-    /// Flat triangle.
-    Tri3,
-    /// Triangle with quadratic sides.
-    Tri6,
-    /// Bilinear quadrilateral.
-    Quad4,
-    /// Serendipity quadrilateral.
-    Quad8,
-    /// Biquadratic quadrilateral.
-    Quad9,
-}
 
 /// Most nodes of a panel.
 pub(super) const MOST_NODES: usize = 9;
-
-/// Natural coordinates of the triangle's nodes.
-const TRIANGLE: [[f64; 2]; 6] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]];
-
-/// Natural coordinates of the quadrilateral's nodes.
-const SQUARE: [[f64; 2]; 9] = [
-    [-1.0, -1.0],
-    [1.0, -1.0],
-    [1.0, 1.0],
-    [-1.0, 1.0],
-    [0.0, -1.0],
-    [1.0, 0.0],
-    [0.0, 1.0],
-    [-1.0, 0.0],
-    [0.0, 0.0],
-];
 
 /// Values and gradients (with respect to natural coordinates) of a panel's shape functions.
 #[derive(Clone, Copy, Debug)]
@@ -42,108 +11,38 @@ pub(super) struct Shape {
     pub(super) dn: [[f64; 2]; MOST_NODES],
 }
 
-impl PanelKind {
-    /// Number of nodes.
-    pub const fn nodes(self) -> usize {
-        match self {
-            Self::Tri3 => 3,
-            Self::Tri6 => 6,
-            Self::Quad4 => 4,
-            Self::Quad8 => 8,
-            Self::Quad9 => 9,
+/// What boundary elements ask of a face's shape.
+pub(super) trait PanelShape {
+    /// The face with straight sides and the same corners, whose shape functions carry pressure and normal velocity.
+    fn linear(self) -> FaceKind;
+
+    /// The shape functions at natural coordinates; zero beyond the face's nodes.
+    fn at(self, xi: [f64; 2]) -> Shape;
+}
+
+impl PanelShape for FaceKind {
+    fn linear(self) -> FaceKind {
+        if self.corners() == 3 {
+            FaceKind::Tri3
+        } else {
+            FaceKind::Quad4
         }
     }
 
-    /// Number of corners: 3 or 4.
-    pub const fn corners(self) -> usize {
-        match self {
-            Self::Tri3 | Self::Tri6 => 3,
-            _ => 4,
-        }
-    }
-
-    /// The panel of the same shape with straight sides, whose shape functions carry pressure and normal velocity.
-    pub(super) const fn linear(self) -> Self {
-        match self {
-            Self::Tri3 | Self::Tri6 => Self::Tri3,
-            _ => Self::Quad4,
-        }
-    }
-
-    /// Natural coordinates of the nodes: the unit triangle, or the square from -1 to 1.
-    pub fn natural_nodes(self) -> &'static [[f64; 2]] {
-        match self.corners() {
-            3 => &TRIANGLE[..self.nodes()],
-            _ => &SQUARE[..self.nodes()],
-        }
-    }
-
-    pub(super) fn shape(self, [x, y]: [f64; 2]) -> Shape {
-        let mut s = Shape {
+    fn at(self, xi: [f64; 2]) -> Shape {
+        let mut shape = Shape {
             n: [0.0; MOST_NODES],
             dn: [[0.0; 2]; MOST_NODES],
         };
-        let mut set = |a: usize, n: f64, dx: f64, dy: f64| {
-            s.n[a] = n;
-            s.dn[a] = [dx, dy];
-        };
-        match self {
-            Self::Tri3 => {
-                set(0, 1.0 - x - y, -1.0, -1.0);
-                set(1, x, 1.0, 0.0);
-                set(2, y, 0.0, 1.0);
-            }
-            Self::Tri6 => {
-                let z = 1.0 - x - y;
-                set(0, z * (2.0 * z - 1.0), 1.0 - 4.0 * z, 1.0 - 4.0 * z);
-                set(1, x * (2.0 * x - 1.0), 4.0 * x - 1.0, 0.0);
-                set(2, y * (2.0 * y - 1.0), 0.0, 4.0 * y - 1.0);
-                set(3, 4.0 * x * z, 4.0 * (z - x), -4.0 * x);
-                set(4, 4.0 * x * y, 4.0 * y, 4.0 * x);
-                set(5, 4.0 * y * z, -4.0 * y, 4.0 * (z - y));
-            }
-            Self::Quad4 => {
-                for (a, [u, v]) in SQUARE[..4].iter().enumerate() {
-                    let (f, g) = (1.0 + u * x, 1.0 + v * y);
-                    set(a, 0.25 * f * g, 0.25 * u * g, 0.25 * v * f);
-                }
-            }
-            Self::Quad8 => {
-                for (a, [u, v]) in SQUARE[..4].iter().enumerate() {
-                    let (f, g, e) = (1.0 + u * x, 1.0 + v * y, u * x + v * y - 1.0);
-                    let (dx, dy) = (u * g * (e + f), v * f * (e + g));
-                    set(a, 0.25 * f * g * e, 0.25 * dx, 0.25 * dy);
-                }
-                for (a, [u, v]) in SQUARE[..8].iter().enumerate().skip(4) {
-                    if *u == 0.0 {
-                        let (f, g) = (1.0 - x * x, 1.0 + v * y);
-                        set(a, 0.5 * f * g, -x * g, 0.5 * v * f);
-                    } else {
-                        let (f, g) = (1.0 + u * x, 1.0 - y * y);
-                        set(a, 0.5 * f * g, 0.5 * u * g, -y * f);
-                    }
-                }
-            }
-            Self::Quad9 => {
-                // One-dimensional quadratic Lagrange functions at -1, 0, 1.
-                let line = |t: f64, at: f64| match at {
-                    0.0 => (1.0 - t * t, -2.0 * t),
-                    at => (0.5 * t * (t + at), t + 0.5 * at),
-                };
-                for (a, [u, v]) in SQUARE.iter().enumerate() {
-                    let ((f, df), (g, dg)) = (line(x, *u), line(y, *v));
-                    set(a, f * g, df * g, f * dg);
-                }
-            }
-        }
-        s
+        self.shape(xi, &mut shape.n, &mut shape.dn);
+        shape
     }
 }
 
 /// A boundary element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Panel {
-    kind: PanelKind,
+    kind: FaceKind,
     nodes: [usize; MOST_NODES],
     /// Its patch, an index into [`BoundaryMesh::patches`].
     pub patch: usize,
@@ -151,7 +50,7 @@ pub struct Panel {
 
 impl Panel {
     /// A panel of the given kind; `nodes` index [`BoundaryMesh::points`] and there must be as many as the kind has.
-    pub fn new(kind: PanelKind, nodes: &[usize], patch: usize) -> Option<Self> {
+    pub fn new(kind: FaceKind, nodes: &[usize], patch: usize) -> Option<Self> {
         let mut all = [0; MOST_NODES];
         if nodes.len() != kind.nodes() {
             return None;
@@ -165,7 +64,7 @@ impl Panel {
     }
 
     /// Its shape.
-    pub fn kind(&self) -> PanelKind {
+    pub fn kind(&self) -> FaceKind {
         self.kind
     }
 
@@ -217,10 +116,28 @@ impl PanelPoint {
 }
 
 impl BoundaryMesh {
+    /// The skin of a volume mesh; points and patches keep their numbers.
+    pub fn of_skin(skin: &Surface) -> Self {
+        let panel = |f: &nailnoise_meshes::SurfaceFace| {
+            let mut nodes = [0; MOST_NODES];
+            nodes[..f.nodes.len()].copy_from_slice(&f.nodes);
+            Panel {
+                kind: f.kind,
+                nodes,
+                patch: f.patch,
+            }
+        };
+        Self {
+            points: skin.points.clone(),
+            panels: skin.faces.iter().map(panel).collect(),
+            patches: skin.patches.clone(),
+        }
+    }
+
     /// The point of a panel at natural coordinates.
     pub fn point_at(&self, panel: usize, xi: [f64; 2]) -> PanelPoint {
         let p = &self.panels[panel];
-        let shape = p.kind.shape(xi);
+        let shape = p.kind.at(xi);
         let (mut x, mut t) = (Vector3::zeros(), [Vector3::zeros(); 2]);
         for (a, &node) in p.nodes().iter().enumerate() {
             let c = self.points[node].coords;

@@ -1,3 +1,4 @@
+use super::panel::PanelShape;
 use super::problem::Exterior;
 use crate::error::AcousticsError;
 use crate::radiation::{Erp, ModalRadiation, RadiatingSurface, Resistance, SampledRadiation, Sampling};
@@ -53,8 +54,8 @@ pub struct Estimate {
     pub seconds: f64,
     /// Highest frequency the mesh resolves \[Hz\].
     pub highest_hz: f64,
-    /// Lowest resonance of the box around the body \[Hz\], above which a method without the coupled derivative equation
-    /// can fail.
+    /// Lowest frequency at which a method without the coupled derivative equation can fail \[Hz\], see
+    /// [`Exterior::lowest_resonance`].
     pub irregular_hz: f64,
 }
 
@@ -114,15 +115,13 @@ impl Exterior {
         let images = if boundary.floor().is_some() { 2.0 } else { 1.0 };
         let far = 0.5 * values * values * images;
         let factorisation = 8.0 / 3.0 * n.powi(3);
-        let extents = boundary.extents();
-        let resonance: f64 = extents.iter().map(|l| l.powi(-2)).sum();
         Estimate {
             unknowns: boundary.nodes(),
             panels: mesh.panels.len(),
             bytes: 16.0 * n * n,
             seconds: 7e-9 * far + 10e-6 * self.close_pairs() as f64 + factorisation / 20e9,
             highest_hz: boundary.highest_hz(self.air().sound_speed, self.panels_per_wavelength()),
-            irregular_hz: 0.5 * self.air().sound_speed * resonance.sqrt(),
+            irregular_hz: self.lowest_resonance(),
         }
     }
 
@@ -194,7 +193,7 @@ impl Exterior {
                 normals.push(area.normalize());
                 weights.push(w * area.norm());
                 patch.push(panel.patch);
-                rows.push((first, corners, panel.kind().linear().shape(xi).n));
+                rows.push((first, corners, panel.kind().linear().at(xi).n));
             }
             first += corners;
         }

@@ -1,7 +1,7 @@
 //! Quadrature on panels and on pairs of panels.
 
-use super::panel::PanelKind;
 use crate::radiation::gauss_legendre;
+use nailnoise_meshes::FaceKind;
 
 /// A point in natural coordinates and its weight.
 pub(super) type Node = ([f64; 2], f64);
@@ -85,7 +85,7 @@ pub(super) fn far(corners: usize) -> Vec<Node> {
 }
 
 /// A rule that integrates areas and masses of curved panels to many digits.
-pub(super) fn fine(kind: PanelKind) -> Vec<Node> {
+pub(super) fn fine(kind: FaceKind) -> Vec<Node> {
     match kind.corners() {
         3 => triangle(12),
         _ => square(4),

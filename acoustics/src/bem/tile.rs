@@ -3,10 +3,12 @@
 use super::blocks::{Block, C, N, W, X, fields};
 use super::boundary::Boundary;
 use super::near::{NearPair, PairMatrices};
+use super::panel::PanelShape;
 use super::rules;
 use super::trig::{dot, green, load, load3, minus};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
+use nailnoise_meshes::FaceKind;
 use pulp::{Arch, Simd, WithSimd};
 use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
@@ -102,8 +104,10 @@ impl Tile {
                 (true, None) => continue,
             };
             self.mask.clear();
-            self.mask
-                .extend((0..e.panels.len() * f.width).map(|i| f64::from(u8::from(i % f.width < f.panels.len()))));
+            for _ in &e.panels {
+                self.mask.resize(self.mask.len() + f.panels.len(), 1.0);
+                self.mask.resize(self.mask.len() + f.width - f.panels.len(), 0.0);
+            }
             for pair in near.iter().filter(|p| p.image == image) {
                 self.mask[pair.e * f.width + pair.f] = 0.0;
                 if diagonal {
@@ -250,14 +254,10 @@ impl WithSimd for Far<'_> {
 
 /// Corner functions at the points of the far rule.
 fn corner_values<const E: usize>() -> [[f64; E]; E] {
-    let kind = if E == 3 {
-        super::PanelKind::Tri3
-    } else {
-        super::PanelKind::Quad4
-    };
+    let kind = if E == 3 { FaceKind::Tri3 } else { FaceKind::Quad4 };
     let rule = rules::far(E);
     std::array::from_fn(|b| {
-        let shape = kind.shape(rule[b].0);
+        let shape = kind.at(rule[b].0);
         std::array::from_fn(|j| shape.n[j])
     })
 }

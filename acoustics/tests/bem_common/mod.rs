@@ -1,7 +1,8 @@
 //! Surfaces with known exterior fields.
 #![allow(dead_code, unreachable_pub, clippy::unwrap_used)]
 
-use nailnoise_acoustics::bem::{BoundaryMesh, Panel, PanelKind};
+use nailnoise_acoustics::bem::{BoundaryMesh, Panel};
+use nailnoise_meshes::FaceKind;
 use nalgebra::{Complex, Point3, Vector3};
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -64,7 +65,7 @@ pub fn sphere(radius: f64, n: usize, quadratic: bool) -> BoundaryMesh {
                             nodes.push(at(q[0] + r[0], q[1] + r[1]));
                         }
                     }
-                    let kind = if quadratic { PanelKind::Tri6 } else { PanelKind::Tri3 };
+                    let kind = if quadratic { FaceKind::Tri6 } else { FaceKind::Tri3 };
                     panels.push(Panel::new(kind, &nodes, 0).unwrap());
                 };
                 for u in 0..n {
@@ -108,15 +109,15 @@ pub fn cuboid(low: [f64; 3], high: [f64; 3], edge: f64, quads: bool) -> Boundary
                     let patch = 2 * axis + side;
                     let mut push = |kind, nodes: &[usize]| panels.push(Panel::new(kind, nodes, patch).unwrap());
                     if quads {
-                        push(PanelKind::Quad4, &c);
+                        push(FaceKind::Quad4, &c);
                     } else {
                         let (a, b) = if (i + j) % 2 == 0 {
                             ([0, 1, 2], [0, 2, 3])
                         } else {
                             ([0, 1, 3], [1, 2, 3])
                         };
-                        push(PanelKind::Tri3, &a.map(|k| c[k]));
-                        push(PanelKind::Tri3, &b.map(|k| c[k]));
+                        push(FaceKind::Tri3, &a.map(|k| c[k]));
+                        push(FaceKind::Tri3, &b.map(|k| c[k]));
                     }
                 }
             }
@@ -152,7 +153,7 @@ pub fn octants(signs: &[[i32; 3]], n: usize, quarters: bool) -> BoundaryMesh {
                 let (q, r) = (p[m], p[(m + 1) % 3]);
                 nodes.push(points.index(Point3::from(place(q[0] + r[0], q[1] + r[1]))));
             }
-            panels.push(Panel::new(PanelKind::Tri6, &nodes, number).unwrap());
+            panels.push(Panel::new(FaceKind::Tri6, &nodes, number).unwrap());
         };
         for u in 0..n {
             for v in 0..n - u {
