@@ -80,6 +80,24 @@ pub enum Error {
         /// What the system said.
         source: std::io::Error,
     },
+    /// A finished result could not be read.
+    #[error("cannot read {}: {source}", path.display())]
+    #[diagnostic(help("give a design file, or the folder that `nailnoise run` left: out/NAME"))]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A file is no result of a run.
+    #[error("{} is no result that can be compared: {reason}", path.display())]
+    #[diagnostic(help("give the `result.json` of this version's `nailnoise run`, or the design, which is then run"))]
+    NotAResult {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// The thread pool could not be started.
     #[error("the thread pool cannot be started")]
     #[diagnostic(help("choose a smaller --threads N"))]
@@ -93,6 +111,7 @@ impl Error {
     /// Exit status of the command: 2 for wrong use or input, 3 for a numerical failure.
     pub fn exit_status(&self) -> u8 {
         match self {
+            Self::Acoustics(cause) if cause.is_of_the_design() => 2,
             Self::Fem(_) | Self::Transient(_) | Self::Acoustics(_) | Self::Json(_) => 3,
             Self::Cycle(CycleError::Integration { .. } | CycleError::Collapse { .. } | CycleError::Chatter { .. }) => 3,
             _ => 2,

@@ -1,11 +1,12 @@
 //! nailnoise predicts how much sound power each source of a pneumatic nailer radiates, from its design.
 //!
 //! [`design`] reads the design file, [`pipeline`] turns it into ranked sources, [`output`] writes them to files,
-//! [`figures`] draws them and [`commands`] is the command line over all of it. [`penetration`] compares penetration laws,
+//! [`figures`] draws them, [`comparison`] lays results side by side and [`commands`] is the command line over all of it. [`penetration`] compares penetration laws,
 //! [`sensitivity`] and [`study`] tell what a design's ranges do to its shot.
 #![forbid(unsafe_code)]
 
 pub mod commands;
+pub mod comparison;
 pub mod design;
 mod error;
 pub mod figures;

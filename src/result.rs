@@ -14,14 +14,20 @@ pub struct RunResult {
     pub schema: &'static str,
     /// Which design this is of.
     pub design: DesignId,
+    /// Every value of the design and where it comes from.
+    pub inputs: Vec<Input>,
     /// The sources, loudest first.
     pub ranking: Vec<RankedSource>,
     /// All sources together.
     pub total: Total,
     /// What the shot did: `drives`, `strikes_bumper`, `underdriven`, `does_not_open` or `does_not_release`.
     pub outcome: nailnoise_dynamics::Outcome,
+    /// Figures of the shot.
+    pub cycle: nailnoise_dynamics::Summary,
     /// Event times t0..t18 \[s\]; null where one does not occur.
     pub events: nailnoise_dynamics::Events,
+    /// What the design's sensors measure, by name.
+    pub sensors: Vec<SensorLevel>,
     /// Checks of every stage.
     pub checks: Vec<Check>,
     /// What a reader must know beside the numbers.
@@ -37,6 +43,33 @@ pub struct DesignId {
     pub name: String,
     /// Digest of every value the result depends on.
     pub digest: String,
+}
+
+/// A value of the design.
+#[derive(Debug, Clone, Serialize)]
+pub struct Input {
+    /// Full name of the key.
+    pub key: String,
+    /// Its value, quantities in SI units.
+    pub value: crate::design::Value,
+    /// SI unit; empty for plain numbers, counts, switches and choices.
+    pub unit: String,
+    /// Range of plausible values, in SI units; null where there is none.
+    pub range: Option<[f64; 2]>,
+    /// Where the value comes from.
+    pub provenance: crate::design::Provenance,
+}
+
+impl From<crate::design::Entry> for Input {
+    fn from(entry: crate::design::Entry) -> Self {
+        Self {
+            key: entry.key,
+            value: entry.value,
+            unit: entry.unit,
+            range: entry.range,
+            provenance: entry.provenance,
+        }
+    }
 }
 
 /// One source in the ranking.
@@ -129,6 +162,23 @@ pub struct Component {
     pub name: String,
     /// A-weighted level over the common range \[dB re 1 pW s\]; null when silent.
     pub lwa_db: Option<f64>,
+    /// The same without weighting.
+    pub lw_db: Option<f64>,
+    /// One-third-octave bands of the common range.
+    pub bands: Vec<BandLevel>,
+}
+
+/// What an accelerometer measures of the shot.
+#[derive(Debug, Clone, Serialize)]
+pub struct SensorLevel {
+    /// Its name in the design.
+    pub name: String,
+    /// What it is fixed to: `workpiece`, `worktable`, `sand` or `tool`.
+    pub body: &'static str,
+    /// Root mean square of the acceleration over 1 s that holds the shot alone, (int a^2 dt / 1 s)^1/2 \[g, 9.80665 m/s2\].
+    pub rms_g: f64,
+    /// Largest magnitude of the acceleration \[g\].
+    pub peak_g: f64,
 }
 
 /// All sources together.

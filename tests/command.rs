@@ -49,14 +49,28 @@ fn run_ranks_three_sources_and_leaves_every_file() {
     assert!((10.0 * energy.log10() - result["total"]["lwa_db"].as_f64().unwrap()).abs() < 1e-9);
     let checks = result["checks"].as_array().unwrap();
     assert!(checks.iter().all(|check| check["ok"] == true), "{checks:#?}");
+    let sensors = result["sensors"].as_array().unwrap();
+    let named: Vec<&str> = sensors.iter().map(|s| s["name"].as_str().unwrap()).collect();
+    assert_eq!(named, ["block_top", "handle", "table_centre", "table_edge"]);
+    for sensor in sensors {
+        let (rms, peak) = (sensor["rms_g"].as_f64().unwrap(), sensor["peak_g"].as_f64().unwrap());
+        assert!(0.0 < rms && rms < peak && peak.is_finite(), "{sensor}");
+    }
     assert!((0..=18).all(|k| result["events"][format!("t{k}")].is_f64()));
     for file in [
         "result.json",
         "levels.csv",
+        "intervals.csv",
+        "power.csv",
         "events.csv",
         "histories.csv",
         "fields/workpiece.vtu",
         "fields/worktable.vtu",
+        "fields/workpiece-shot.pvd",
+        "fields/worktable-shot/000.vtu",
+        "sensors.csv",
+        "sensors-spectrum.csv",
+        "sensors.uff",
     ] {
         assert!(out.join(file).metadata().unwrap().len() > 100, "{file}");
     }
@@ -100,6 +114,67 @@ fn tables_are_printed_without_json() {
     ] {
         assert!(text.contains(word), "{word} is missing in\n{text}");
     }
+}
+
+#[test]
+fn a_muffler_lowers_the_exhaust_slows_the_blow_down_and_is_drawn() {
+    let folder = folder("muffler");
+    std::fs::create_dir_all(&folder).unwrap();
+    let run = |name: &str, keys: &str| {
+        let design = folder.join(format!("{name}.toml"));
+        let base = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/small.toml");
+        let text = format!(
+            "base = \"{}\"\nanalysis.exhaust_top = \"6.5 kHz\"\n{keys}",
+            base.display()
+        );
+        std::fs::write(&design, text).unwrap();
+        let out = folder.join(name);
+        let arguments = [
+            design.to_str().unwrap(),
+            "--json",
+            "--figures",
+            "--out",
+            out.to_str().unwrap(),
+        ];
+        let result = json(&nailnoise(&[&["run"], &arguments[..]].concat()));
+        for figure in ["bands", "exhaust", "intervals", "power"] {
+            let svg = std::fs::read_to_string(out.join(format!("figures/{figure}.svg"))).unwrap();
+            assert!(svg.starts_with("<svg") && !svg.contains("NaN"), "{figure}");
+        }
+        let sources = result["ranking"].as_array().unwrap();
+        let exhaust = sources
+            .iter()
+            .find(|source| source["source"] == "exhaust")
+            .unwrap()
+            .clone();
+        let event = |name: &str| result["events"][name].as_f64().unwrap();
+        (exhaust, event("t17") - event("t13"))
+    };
+    let (open, quick) = run("open", "");
+    let (chamber, slow) = run("chamber", "exhaust.muffler.kind = \"chamber\"\n");
+    // Nothing lost but by back pressure, then 20 dB more.
+    let measured = "exhaust.muffler.kind = \"insertion_loss\"\nexhaust.muffler.octaves.hz_1000 = 20\n";
+    let (loss, _) = run("loss", measured);
+    assert!(slow > 1.05 * quick, "blow-down of {quick} s free and {slow} s muffled");
+    let part = |source: &Value, name: &str| {
+        let parts = source["components"].as_array().unwrap();
+        parts.iter().find(|part| part["name"] == name).cloned()
+    };
+    let level = |value: &Value| value["lwa_db"].as_f64().unwrap();
+    assert!(level(&part(&chamber, "mixing").unwrap()) < level(&part(&open, "mixing").unwrap()) - 10.0);
+    assert!(part(&chamber, "muffler outlet").is_some() && part(&open, "muffler outlet").is_none());
+    let band = |source: &Value, hz: f64| {
+        let mixing = part(source, "mixing").unwrap();
+        let bands = mixing["bands"].as_array().unwrap();
+        level(bands.iter().find(|band| band["hz"].as_f64() == Some(hz)).unwrap())
+    };
+    let drop = |hz: f64| band(&open, hz) - band(&loss, hz);
+    assert!(
+        (drop(1000.0) - drop(400.0) - 20.0).abs() < 1.0,
+        "{} {}",
+        drop(1000.0),
+        drop(400.0)
+    );
 }
 
 #[test]
@@ -186,4 +261,22 @@ fn every_bad_design_ends_with_status_2_on_one_screen() {
         count += 1;
     }
     assert!(count >= 20);
+}
+
+#[test]
+fn a_sensor_off_its_body_is_refused_with_its_place() {
+    let folder = folder("sensor");
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = folder.join("off.toml");
+    let base = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/small.toml");
+    std::fs::write(&file, format!("base = {base:?}\nsensors.block_top.x = \"250 mm\"\n")).unwrap();
+    let output = nailnoise(&["run", file.to_str().unwrap(), "--out", folder.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(2));
+    let text = String::from_utf8_lossy(&output.stderr)
+        .split_whitespace()
+        .collect::<Vec<_>>()
+        .join(" ");
+    for part in ["`block_top`", "46.8 mm outside the workpiece", "off.toml:2:", "origin"] {
+        assert!(text.contains(part), "no {part} in: {text}");
+    }
 }

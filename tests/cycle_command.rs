@@ -129,7 +129,7 @@ fn draws_are_counted_and_listed() {
     let csv = std::fs::read_to_string(folder.join("out/n80cb/draws.csv")).unwrap();
     assert_eq!(csv.lines().count(), 21);
     let columns = csv.lines().next().unwrap().split(',').count();
-    assert_eq!(columns as u64, 6 + result["parameters"].as_u64().unwrap());
+    assert_eq!(columns as u64, 5 + result["parameters"].as_u64().unwrap());
     assert!(csv.lines().all(|line| line.split(',').count() == columns));
     let text = String::from_utf8(nailnoise("draw-text", &["--draw", "20", "--seed", "5"]).0.stdout).unwrap();
     assert!(text.contains("20 designs drawn") && text.contains("refused"), "{text}");

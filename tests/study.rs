@@ -31,7 +31,6 @@ fn a_thousand_designs_have_an_outcome_and_none_fails_in_the_solver() {
         "candidates": study.candidates,
         "refused": study.refused,
         "counts": study.counts,
-        "repeated": study.draws.iter().filter(|d| d.repeated.is_some()).map(|d| d.candidate).collect::<Vec<_>>(),
         "dry_fire": rare("dry_fire"),
         "does_not_release": rare("does_not_release"),
         "strikes_bumper": rare("strikes_bumper"),

@@ -42,7 +42,7 @@ impl Air {
         self.density * self.sound_speed
     }
 
-    fn perfect_gas(temperature: f64, pressure: f64) -> Self {
+    pub(crate) fn perfect_gas(temperature: f64, pressure: f64) -> Self {
         Self {
             temperature,
             pressure,

@@ -257,6 +257,22 @@ pub enum AcousticsError {
     },
 }
 
+impl AcousticsError {
+    /// Whether the design must change for it, rather than the program.
+    pub fn is_of_the_design(&self) -> bool {
+        matches!(
+            self,
+            Self::NotPlaneWaves { .. }
+                | Self::MufflerBands { .. }
+                | Self::HoleArea { .. }
+                | Self::MergingJets { .. }
+                | Self::BelowAmbient { .. }
+                | Self::OutsideRange { .. }
+                | Self::SandBox { .. }
+        )
+    }
+}
+
 /// Fails with [`AcousticsError::NotPositive`] unless `value` is finite and above zero.
 pub(crate) fn positive(what: &'static str, value: f64) -> Result<f64, AcousticsError> {
     if value.is_finite() && value > 0.0 {

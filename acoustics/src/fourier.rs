@@ -131,6 +131,54 @@ impl Transform {
     }
 }
 
+/// A uniform record after a linear filter, y = IFFT\[H(f) X(f)\], at the instants of the record.
+///
+/// `response` is H at a frequency f >= 0 \[Hz\]. The record is padded with zeros to `padding` times its length, so that
+/// what the filter rings on after its end does not come back at its beginning.
+///
+/// # Errors
+/// A record of fewer than 8 samples, values that are not finite, an interval or padding that is not positive.
+pub fn filtered(
+    record: &[f64],
+    sample_interval: f64,
+    padding: f64,
+    response: impl Fn(f64) -> Complex<f64>,
+) -> Result<Vec<f64>, AcousticsError> {
+    positive("sample interval [s]", sample_interval)?;
+    positive("padding", padding)?;
+    finite("record", record)?;
+    if record.len() < 8 {
+        return Err(AcousticsError::ShortRecord {
+            what: "to filter",
+            found: record.len(),
+            needed: 8,
+        });
+    }
+    let length = fast_length((record.len() as f64 * padding.max(1.0)).ceil() as usize);
+    let mut planner = RealFftPlanner::new();
+    let (forward, inverse) = (planner.plan_fft_forward(length), planner.plan_fft_inverse(length));
+    let mut padded = forward.make_input_vec();
+    padded[..record.len()].copy_from_slice(record);
+    let mut spectrum = forward.make_output_vec();
+    let buffer = |_| AcousticsError::Length {
+        what: "transform buffer",
+        found: record.len(),
+        expected: length,
+    };
+    forward.process(&mut padded, &mut spectrum).map_err(buffer)?;
+    let df = 1.0 / (length as f64 * sample_interval);
+    for (k, x) in spectrum.iter_mut().enumerate() {
+        *x *= response(k as f64 * df) / length as f64;
+    }
+    // Mean and Nyquist term of a real record are real; what a response says of their phase means nothing.
+    let last = spectrum.len() - 1;
+    spectrum[0].im = 0.0;
+    spectrum[last].im = 0.0;
+    inverse.process(&mut spectrum, &mut padded).map_err(buffer)?;
+    padded.truncate(record.len());
+    Ok(padded)
+}
+
 /// The smallest even length of at least `n` with no prime factor above 5.
 pub(crate) fn fast_length(n: usize) -> usize {
     let mut best = n.next_power_of_two().max(2);

@@ -32,6 +32,7 @@ fn blow_down(volume: f64, opening: &Opening, pressure: f64, dt: f64, seconds: f6
         p += dt * k2;
     }
     FlowHistory {
+        back_pressure: None,
         sample_interval: dt,
         temperature: vec![t; flow.len()],
         mass_flow: flow,
@@ -176,6 +177,7 @@ fn the_spectrum_holds_the_power_of_the_jets() {
         pitch: None,
     };
     let history = FlowHistory {
+        back_pressure: None,
         sample_interval: 4e-6,
         mass_flow: vec![1.0; 10_000],
         pressure: (0..10_000).map(|i| 2.5e5 + 30.0 * f64::from(i)).collect(),
@@ -189,6 +191,7 @@ fn the_spectrum_holds_the_power_of_the_jets() {
         transform,
         plenum: None,
         muffler: None,
+        unsteady_flow: true,
     };
     let noise = exhaust_noise("exhaust", &history, &opening, &Air::default(), &settings).unwrap();
     let energies = noise.spectrum.contribution_energies([1.0, 100_000.0], Weighting::Z);
@@ -211,6 +214,7 @@ fn the_histogram_keeps_the_spectrum_of_a_steady_jet() {
     let air = Air::default();
     let (p, t) = (5e5, 270.0);
     let history = FlowHistory {
+        back_pressure: None,
         sample_interval: 4e-6,
         mass_flow: vec![0.05; 20_000],
         pressure: vec![p; 20_000],
@@ -237,6 +241,7 @@ fn the_monopole_matches_its_closed_form() {
         .map(|i| m * (-0.5 * ((f64::from(i) * dt - t0) / s).powi(2)).exp())
         .collect();
     let history = FlowHistory {
+        back_pressure: None,
         sample_interval: dt,
         mass_flow: flow,
         // So little above ambient that the jets are silent beside the monopole.
@@ -299,6 +304,7 @@ fn the_plenum_filters_the_unsteady_flow_only() {
 #[test]
 fn no_outflow_is_silence() {
     let still = |flow: f64| FlowHistory {
+        back_pressure: None,
         sample_interval: 4e-6,
         mass_flow: vec![flow; 5000],
         pressure: vec![3e5; 5000],

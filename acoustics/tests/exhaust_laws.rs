@@ -2,7 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use nailnoise_acoustics::exhaust::{
-    ExhaustNoise, ExhaustSettings, FlowHistory, Jet, Opening, exhaust_noise, mixing_power, shock_power,
+    ExhaustNoise, ExhaustSettings, FlowHistory, Jet, Opening, exhaust_noise, floor_image, mixing_directivity,
+    mixing_power, shock_power,
 };
 use nailnoise_acoustics::levels::Weighting;
 use nailnoise_acoustics::{AcousticsError, Air, HEAT_RATIO};
@@ -23,6 +24,7 @@ fn holes(count: usize, diameter: f64) -> Opening {
 fn steady(opening: &Opening, p: f64) -> FlowHistory {
     let jet = Jet::expand(p, 290.0, &Air::default());
     FlowHistory {
+        back_pressure: None,
         sample_interval: DT,
         mass_flow: vec![jet.map_or(0.0, |jet| jet.mass_flow(opening.effective_area())); SAMPLES],
         pressure: vec![p; SAMPLES],
@@ -177,4 +179,66 @@ fn impossible_flows_are_named() {
         matches!(error, AcousticsError::HoleArea { .. }) && error.to_string().contains("7 exhaust holes"),
         "{error}"
     );
+}
+
+/// The table of a cited source against what every directivity must have: a mean of 1 over all directions.
+#[test]
+fn directivity_keeps_the_power() {
+    for i in 0..=16 {
+        let lg = -0.4 + 0.05 * f64::from(i);
+        let n = 1800;
+        let mean: f64 = (0..n)
+            .map(|k| {
+                let theta = std::f64::consts::PI * (f64::from(k) + 0.5) / f64::from(n);
+                mixing_directivity(theta, lg) * 0.5 * theta.sin() * std::f64::consts::PI / f64::from(n)
+            })
+            .sum();
+        assert!((10.0 * mean.log10()).abs() < 0.25, "lg V* = {lg}: {mean}");
+        // Loudest within 50 degrees of the jet, the more so the faster; least behind it.
+        let loudest = (0..=18).max_by(|a, b| {
+            let of = |k: &i32| mixing_directivity(f64::from(10 * k).to_radians(), lg);
+            of(a).total_cmp(&of(b))
+        });
+        assert!(loudest.is_some_and(|k| k <= 5), "{loudest:?}");
+        assert!(mixing_directivity(std::f64::consts::PI, lg) < 0.4);
+    }
+    assert_eq!(floor_image([1.0, -2.0, 0.8]), [1.0, -2.0, -0.8]);
+}
+
+#[test]
+fn holes_that_stand_close_sound_as_one_jet_of_their_area() {
+    let near = Opening {
+        pitch: Some(12e-3),
+        ..holes(5, 5e-3)
+    };
+    let merged = near.merged();
+    assert_eq!(merged.count, 1);
+    assert!((merged.area() / near.area() - 1.0).abs() < 1e-12);
+    let apart = Opening {
+        pitch: Some(15.1e-3),
+        ..near
+    };
+    assert_eq!(apart.merged(), apart);
+    // The same energy, lower in frequency.
+    let (one, five) = (noise(&merged, 3e5), noise(&apart, 3e5));
+    assert!((one.mixing_energy / five.mixing_energy - 1.0).abs() < 1e-12);
+    assert!(audible(&one) > audible(&five));
+}
+
+#[test]
+fn back_pressure_quietens_the_jets() {
+    let opening = holes(7, 5e-3);
+    let free = steady(&opening, 3e5);
+    let mut held = free.clone();
+    held.back_pressure = Some(vec![2e5; SAMPLES]);
+    let (air, settings) = (Air::default(), ExhaustSettings::default());
+    let noise = |history: &FlowHistory| exhaust_noise("exhaust", history, &opening, &air, &settings).unwrap();
+    let (free, held) = (noise(&free), noise(&held));
+    assert!(
+        held.mixing_energy < 0.2 * free.mixing_energy,
+        "{} {}",
+        held.mixing_energy,
+        free.mixing_energy
+    );
+    assert!(free.shock_energy > 0.0 && held.shock_energy == 0.0);
 }

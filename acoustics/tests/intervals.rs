@@ -251,6 +251,7 @@ fn outflow() -> FlowHistory {
         }
     };
     FlowHistory {
+        back_pressure: None,
         sample_interval: dt,
         mass_flow: (0..8000).map(flow).collect(),
         pressure: (0..8000).map(pressure).collect(),

@@ -29,6 +29,7 @@ fn chamber(length: f64, diameter: f64, outlet_diameter: f64) -> MufflerChain {
     MufflerChain {
         elements: vec![pipe(length, diameter, None)],
         outlet_diameter,
+        outlet_mach: 0.0,
     }
 }
 
@@ -57,6 +58,7 @@ fn a_change_of_area_transmits_what_impedances_allow() {
     let chain = MufflerChain {
         elements: Vec::new(),
         outlet_diameter: 0.01,
+        outlet_mach: 0.0,
     };
     // TL = 10 lg((1 + m)² / 4 m).
     let m: f64 = 9.0;
@@ -73,6 +75,7 @@ fn chain() -> MufflerChain {
             pipe(0.02, 0.008, None),
         ],
         outlet_diameter: 0.008,
+        outlet_mach: 0.0,
     }
 }
 
@@ -113,6 +116,7 @@ fn a_lined_pipe_attenuates_by_its_length() {
         let chain = MufflerChain {
             elements: vec![pipe(length, 0.02, Some(FELT))],
             outlet_diameter: 0.02,
+            outlet_mach: 0.0,
         };
         chain.transmission_loss(hz, 0.02, &air).unwrap()
     };
@@ -131,6 +135,7 @@ fn a_lined_pipe_attenuates_by_its_length() {
     let bare = MufflerChain {
         elements: vec![pipe(1.0, 0.02, None)],
         outlet_diameter: 0.02,
+        outlet_mach: 0.0,
     };
     assert!(bare.transmission_loss(hz, 0.02, &air).unwrap().abs() < 1e-10);
 }
@@ -157,6 +162,7 @@ fn insertion_loss_follows_the_volume_flow() {
     let chain = MufflerChain {
         elements: vec![pipe(0.05, 0.03, None), pipe(0.05, 0.01, None)],
         outlet_diameter: 0.01,
+        outlet_mach: 0.0,
     };
     // At low frequency the chamber is a compliance before the pipe's mass: a low-pass with a resonance.
     let losses = (5..800).map(|i| (f64::from(i), chain.insertion_loss(f64::from(i), &air).unwrap()));
@@ -169,6 +175,32 @@ fn insertion_loss_follows_the_volume_flow() {
     assert!(chain.insertion_loss(1.0, &air).unwrap().abs() < 1e-3);
     let load = open_end(100.0, 0.01, &air);
     assert!((FourPole::IDENTITY.flow_loss(load)).abs() < 1e-12);
+}
+
+#[test]
+fn the_outlets_jet_damps_the_resonance() {
+    let air = Air::default();
+    let chain = |outlet_mach: f64| MufflerChain {
+        elements: vec![pipe(0.06, 0.03, None), pipe(0.02, 0.0146, None)],
+        outlet_diameter: 0.0146,
+        outlet_mach,
+    };
+    let least = |mach: f64| {
+        let losses = (50..2000).map(|hz| chain(mach).insertion_loss(f64::from(hz), &air).unwrap());
+        losses.fold(f64::INFINITY, f64::min)
+    };
+    let machs = [0.0, 0.05, 0.2, 0.8];
+    let losses = machs.map(least);
+    assert!(losses.windows(2).all(|pair| pair[1] > pair[0]), "{losses:?}");
+    // A Helmholtz resonator: peak |U_outlet/U_source| = 1/(omega_0 V/(S c) M) once the jet's resistance rules.
+    let (area, volume) = (0.25 * PI * 0.0146 * 0.0146, 0.06 * 0.25 * PI * 0.03 * 0.03);
+    let length = 0.02 + 0.6133 * 0.0073;
+    let quality = area / (0.2 * (area * volume / length).sqrt());
+    let found = -least(0.2) / 20.0;
+    assert!(
+        (found - 0.5 * (quality * quality).log10()).abs() < 0.2,
+        "{found} {quality}"
+    );
 }
 
 #[test]
@@ -220,6 +252,7 @@ fn a_muffler_lowers_every_component_and_every_interval() {
     let air = Air::default();
     let samples = 4000;
     let flow = FlowHistory {
+        back_pressure: None,
         sample_interval: 2e-5,
         mass_flow: (0..samples)
             .map(|i| {

@@ -130,8 +130,8 @@ pub enum CycleError {
     },
     /// A contact opens and closes without end.
     #[error(
-        "chatter: {contact} changed {count} times within {window} s at {time} s; add damping to this contact or lower \
-         its stiffness"
+        "chatter: {contact} changed {count} times within {window} s at {time} s, more often than any contact of a nailer \
+         vibrates; check its stiffness and damping and the mass behind it"
     )]
     Chatter {
         /// Which contact or switch.
@@ -167,7 +167,8 @@ pub enum CycleError {
     /// The integration could not go on.
     #[error(
         "the integration stopped at {time} s: {cause}; \
-         loosen settings.relative_tolerance or check the design's ranges"
+         a tolerance ten times smaller or larger (settings.relative_tolerance, in a design analysis.cycle_tolerance) \
+         often passes the place; otherwise check the design's ranges"
     )]
     Integration {
         /// Time \[s\].

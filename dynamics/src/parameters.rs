@@ -158,6 +158,9 @@ pub struct Exhaust {
     /// Part of the jets' thrust that acts on the tool along y, from -1 (up) to 1 (towards the wood) \[-\]; 0 as
     /// published.
     pub thrust_share: f64,
+    /// C A_s, effective area of a muffler behind the holes \[m2\]; none where they open into the atmosphere.
+    #[serde(default)]
+    pub muffler_area: Option<f64>,
 }
 
 /// Trigger valve and its channel to the volume above the head valve.
@@ -422,6 +425,7 @@ impl Parameters {
                 holes: 5,
                 hole_diameter: 0.005_97,
                 thrust_share: 0.0,
+                muffler_area: None,
             },
             trigger: Trigger {
                 channel_length: 0.10,

@@ -166,9 +166,11 @@ pub struct ExhaustFlow {
     pub mass_flow: Vec<f64>,
     /// P_m before the holes \[Pa\]; ambient when the exhaust is closed.
     pub plenum_pressure: Vec<f64>,
+    /// P_s behind the holes \[Pa\]: that in the muffler, ambient without one.
+    pub back_pressure: Vec<f64>,
     /// Stagnation temperature of the outflow, T_1 \[K\].
     pub stagnation_temperature: Vec<f64>,
-    /// Whether the holes are choked, P_a/P_m below the critical ratio.
+    /// Whether the holes are choked, P_s/P_m below the critical ratio.
     pub choked: Vec<bool>,
     /// Whether the intake is choked.
     pub intake_choked: Vec<bool>,

@@ -167,8 +167,12 @@ fn chatter_ends_the_run_and_names_its_contact() {
             other => panic!("{:?}", other.map(|r| r.outcome)),
         }
     };
-    // A cap and a seat as hard as no solid is: bounces follow each other within nanoseconds.
-    assert_eq!(contact(|p| p.contacts.cap_stiffness = 1e15), "the head valve's cap");
+    // A cap and a seat as hard as no solid is and without damping: bounces follow each other within nanoseconds.
+    let cap = |p: &mut Parameters| {
+        p.contacts.cap_stiffness = 1e15;
+        p.contacts.valve_damping_ratio = 0.0;
+    };
+    assert_eq!(contact(cap), "the head valve's cap");
     let seat = |p: &mut Parameters| {
         p.contacts.seat_stiffness = 1e14;
         p.contacts.valve_damping_ratio = 0.0;
@@ -189,4 +193,23 @@ fn chatter_ends_the_run_and_names_its_contact() {
         r.is_certified() && (found / peak - 1.0).abs() < 0.02,
         "{found} N, {peak} N"
     );
+}
+
+#[test]
+fn a_contact_that_grazes_opens_once() {
+    // The damped cap lets the valve go just as the pressure presses it shut: the push touches zero and turns. Seven of
+    // a thousand designs drawn from the ranges ended here in chatter of the last digits.
+    let mut p = Parameters::n80cb();
+    p.contacts.cap_stiffness = 1.1e11 * 23.0 / 24.0;
+    p.contacts.valve_damping_ratio = 0.28;
+    let closings = |tolerance: f64| {
+        let settings = Settings {
+            relative_tolerance: tolerance,
+            end: 0.02,
+            ..Settings::default()
+        };
+        simulate(&p, &settings).unwrap().summary.cap_contacts
+    };
+    let counts = [1e-7, 1e-8, 1e-9].map(closings);
+    assert!(counts.iter().all(|count| *count == counts[0]), "{counts:?}");
 }

@@ -2,6 +2,7 @@
 
 use nailnoise_meshes::{ElementKind, ElementRef, Mesh};
 use nalgebra::{Matrix3, Vector3};
+use pulp::{Arch, Simd, WithSimd};
 
 use crate::{FemError, Material};
 
@@ -73,7 +74,7 @@ pub(crate) fn integrate(
 ) -> Result<ElementMatrices, FemError> {
     let n = rule.nodes;
     let pairs = n * (n + 1) / 2;
-    let mut products = vec![0.0; pairs * 9];
+    let mut products = vec![[0.0; 9]; pairs];
     let mut mass = vec![0.0; pairs];
     let mut gradients = vec![[0.0; 3]; n];
     for point in &rule.points {
@@ -94,12 +95,40 @@ pub(crate) fn integrate(
         for (gradient, dn) in gradients.iter_mut().zip(&point.dn) {
             *gradient = (inverse.transpose() * Vector3::from(*dn)).into();
         }
-        let dv = point.weight * determinant;
-        let mut pairs = products.chunks_exact_mut(9).zip(&mut mass);
-        for a in 0..n {
-            let scaled = gradients[a].map(|g| g * dv);
-            let m = material.density * dv * point.n[a];
-            let up_to_a = gradients[..=a].iter().zip(&point.n);
+        Arch::new().dispatch(Products {
+            dv: point.weight * determinant,
+            density: material.density,
+            n: &point.n,
+            gradients: &gradients,
+            products: &mut products,
+            mass: &mut mass,
+        });
+    }
+    let stiffness = products.iter().map(|g| contract(&material.c, g)).collect();
+    Ok(ElementMatrices { stiffness, mass })
+}
+
+/// Adds one quadrature point's products of gradients and shape functions, compiled for the vector instructions found at
+/// run time.
+struct Products<'a> {
+    dv: f64,
+    density: f64,
+    n: &'a [f64],
+    gradients: &'a [[f64; 3]],
+    products: &'a mut [[f64; 9]],
+    mass: &'a mut [f64],
+}
+
+impl WithSimd for Products<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let mut pairs = self.products.iter_mut().zip(self.mass);
+        for (a, gradient) in self.gradients.iter().enumerate() {
+            let scaled = gradient.map(|g| g * self.dv);
+            let m = self.density * self.dv * self.n[a];
+            let up_to_a = self.gradients[..=a].iter().zip(self.n);
             for ((g, n_b), (product, mass)) in up_to_a.zip(&mut pairs) {
                 for k in 0..3 {
                     for l in 0..3 {
@@ -110,11 +139,9 @@ pub(crate) fn integrate(
             }
         }
     }
-    let stiffness = products.chunks_exact(9).map(|g| contract(&material.c, g)).collect();
-    Ok(ElementMatrices { stiffness, mass })
 }
 
-fn contract(c: &[[[[f64; 3]; 3]; 3]; 3], g: &[f64]) -> [[f64; 3]; 3] {
+fn contract(c: &[[[[f64; 3]; 3]; 3]; 3], g: &[f64; 9]) -> [[f64; 3]; 3] {
     let mut block = [[0.0; 3]; 3];
     for (i, row) in block.iter_mut().enumerate() {
         for (j, entry) in row.iter_mut().enumerate() {

@@ -3,20 +3,21 @@
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::ldlt::factor::LdltError;
 use faer::linalg::cholesky::llt::factor::LltError;
+use faer::prelude::Solve;
 use faer::sparse::linalg::cholesky::simplicial::prefactorize_symbolic_cholesky;
 use faer::sparse::linalg::cholesky::supernodal::{
-    SupernodalLdltRef, SupernodalLltRef, SymbolicSupernodalCholesky, factorize_supernodal_numeric_ldlt,
-    factorize_supernodal_numeric_ldlt_scratch, factorize_supernodal_numeric_llt,
-    factorize_supernodal_numeric_llt_scratch, factorize_supernodal_symbolic_cholesky,
+    SymbolicSupernodalCholesky, factorize_supernodal_numeric_ldlt, factorize_supernodal_numeric_ldlt_scratch,
+    factorize_supernodal_numeric_llt, factorize_supernodal_numeric_llt_scratch, factorize_supernodal_symbolic_cholesky,
     factorize_supernodal_symbolic_cholesky_scratch,
 };
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, Mat, MatMut, Par};
+use faer::sparse::linalg::solvers::Lu;
+use faer::sparse::{SparseColMat, SparseColMatRef, SymbolicSparseColMatRef, Triplet};
+use faer::{Mat, MatMut, Par};
 use nalgebra_sparse::CscMatrix;
 
-use crate::FemError;
 use crate::random::Random;
 use crate::sparse::product;
+use crate::{FemError, panels};
 
 /// Sequential inside, so that no bit depends on the number of threads.
 const PAR: Par = Par::Seq;
@@ -52,18 +53,43 @@ impl Symbolic {
         self.supernodal.len_val()
     }
 
+    /// A factor of A that serves for solves: L L^T if A is positive definite, else L D L^T, else L U with pivoting, each
+    /// tried when a pivot or the probe of the one before it fails.
+    pub(crate) fn best(&self, a: &CscMatrix<f64>, shift: f64, values: Vec<f64>) -> Result<Factor<'_>, FemError> {
+        self.cholesky(a, shift, values)
+            .or_else(|_| self.indefinite(a, shift, Vec::new()))
+            .or_else(|_| self.pivoted(a, shift))
+    }
+
+    /// P A Q = L U, with a fill-reducing order of its own.
+    fn pivoted(&self, a: &CscMatrix<f64>, shift: f64) -> Result<Factor<'_>, FemError> {
+        let n = a.nrows();
+        let mut triplets = Vec::with_capacity(2 * a.nnz());
+        for (i, j, &value) in a.triplet_iter() {
+            triplets.push(Triplet::new(i, j, value));
+            if i != j {
+                triplets.push(Triplet::new(j, i, value));
+            }
+        }
+        let pivot = |_| FemError::Pivot { shift, pivot: n };
+        let full = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &triplets)
+            .map_err(|_| FemError::TooLarge { dofs: n })?;
+        let factor = Factor {
+            symbolic: self,
+            kind: Kind::Pivoted(Box::new(full.sp_lu().map_err(pivot)?)),
+        };
+        factor.probe(a, shift)?;
+        Ok(factor)
+    }
+
     /// L L^T = A for a positive definite A; `values` is the storage of an earlier factor, or empty.
     pub(crate) fn cholesky(&self, a: &CscMatrix<f64>, shift: f64, values: Vec<f64>) -> Result<Factor<'_>, FemError> {
         let request = factorize_supernodal_numeric_llt_scratch::<usize, f64>(&self.supernodal, PAR, Default::default());
         let mut memory = buffer(request, a.nrows())?;
-        let mut factor = Factor {
-            symbolic: self,
-            values,
-            kind: Kind::Cholesky,
-        };
-        factor.values.resize(self.values(), 0.0);
+        let mut values = values;
+        values.resize(self.values(), 0.0);
         factorize_supernodal_numeric_llt(
-            &mut factor.values,
+            &mut values,
             view(a),
             Default::default(),
             &self.supernodal,
@@ -72,8 +98,7 @@ impl Symbolic {
             Default::default(),
         )
         .map_err(|LltError::NonPositivePivot { index }| FemError::Pivot { shift, pivot: index })?;
-        factor.probe(a, shift)?;
-        Ok(factor)
+        self.finish(a, shift, values, false)
     }
 
     /// L D L^T = A for an indefinite A. There is no pivoting, so the probe stands guard over its stability.
@@ -81,14 +106,10 @@ impl Symbolic {
         let request =
             factorize_supernodal_numeric_ldlt_scratch::<usize, f64>(&self.supernodal, PAR, Default::default());
         let mut memory = buffer(request, a.nrows())?;
-        let mut factor = Factor {
-            symbolic: self,
-            values,
-            kind: Kind::Indefinite,
-        };
-        factor.values.resize(self.values(), 0.0);
+        let mut values = values;
+        values.resize(self.values(), 0.0);
         factorize_supernodal_numeric_ldlt(
-            &mut factor.values,
+            &mut values,
             view(a),
             Default::default(),
             &self.supernodal,
@@ -97,66 +118,60 @@ impl Symbolic {
             Default::default(),
         )
         .map_err(|LdltError::ZeroPivot { index }| FemError::Pivot { shift, pivot: index })?;
+        self.finish(a, shift, values, true)
+    }
+
+    /// Lays the factor out for the solves and probes it.
+    fn finish(&self, a: &CscMatrix<f64>, shift: f64, mut values: Vec<f64>, unit: bool) -> Result<Factor<'_>, FemError> {
+        let diagonal = panels::pack(&self.supernodal, &mut values, unit);
+        let factor = Factor {
+            symbolic: self,
+            kind: Kind::Symmetric { values, diagonal },
+        };
         factor.probe(a, shift)?;
         Ok(factor)
     }
 }
 
-/// L L^T or L D L^T of a matrix.
+/// A factor of a matrix.
 pub(crate) struct Factor<'a> {
     symbolic: &'a Symbolic,
-    values: Vec<f64>,
     kind: Kind,
 }
 
-#[derive(Clone, Copy)]
 enum Kind {
-    Cholesky,
-    Indefinite,
+    /// L D L^T as [`panels`] stores it.
+    Symmetric {
+        values: Vec<f64>,
+        diagonal: Vec<f64>,
+    },
+    Pivoted(Box<Lu<usize, f64>>),
 }
 
 impl Factor<'_> {
     /// Overwrites x by A^-1 x.
-    pub(crate) fn solve(&self, x: MatMut<'_, f64>) -> Result<(), FemError> {
-        let supernodal = &self.symbolic.supernodal;
-        let mut memory = buffer(
-            supernodal.solve_in_place_scratch::<f64>(x.ncols(), PAR),
-            supernodal.nrows(),
-        )?;
-        let stack = MemStack::new(&mut memory);
-        match self.kind {
-            Kind::Cholesky => SupernodalLltRef::<'_, usize, f64>::new(supernodal, &self.values)
-                .solve_in_place_with_conj(Conj::No, x, PAR, stack),
-            Kind::Indefinite => SupernodalLdltRef::<'_, usize, f64>::new(supernodal, &self.values)
-                .solve_in_place_with_conj(Conj::No, x, PAR, stack),
+    pub(crate) fn solve(&self, x: MatMut<'_, f64>) {
+        match &self.kind {
+            Kind::Symmetric { values, diagonal } => panels::solve(&self.symbolic.supernodal, values, diagonal, x),
+            Kind::Pivoted(lu) => lu.solve_in_place(x),
         }
-        Ok(())
     }
 
-    /// The number of negative eigenvalues of A, by Sylvester's law of inertia that of the negative pivots.
-    pub(crate) fn negative_eigenvalues(&self) -> usize {
-        let supernodal = &self.symbolic.supernodal;
-        let factor = SupernodalLdltRef::<'_, usize, f64>::new(supernodal, &self.values);
-        match self.kind {
-            Kind::Cholesky => 0,
-            Kind::Indefinite => (0..supernodal.n_supernodes())
-                .map(|s| {
-                    factor
-                        .supernode(s)
-                        .val()
-                        .diagonal()
-                        .column_vector()
-                        .iter()
-                        .filter(|&&d| d < 0.0)
-                        .count()
-                })
-                .sum(),
+    /// The number of negative eigenvalues of A, by Sylvester's law of inertia that of the negative pivots; none where
+    /// pivoting has broken the symmetry.
+    pub(crate) fn negative_eigenvalues(&self) -> Option<usize> {
+        match &self.kind {
+            Kind::Symmetric { diagonal, .. } => Some(diagonal.iter().filter(|&&d| d < 0.0).count()),
+            Kind::Pivoted(_) => None,
         }
     }
 
     /// The storage, for another factor.
     pub(crate) fn into_storage(self) -> Vec<f64> {
-        self.values
+        match self.kind {
+            Kind::Symmetric { values, .. } => values,
+            Kind::Pivoted(_) => Vec::new(),
+        }
     }
 
     /// Solves for b = A z with a random z and refuses the factor when |A x - b| / |b| is large.
@@ -165,7 +180,7 @@ impl Factor<'_> {
         let z = Mat::from_fn(a.nrows(), 1, |_, _| random.next());
         let b = product(a, z.as_ref());
         let mut x = b.clone();
-        self.solve(x.as_mut())?;
+        self.solve(x.as_mut());
         let residual = (product(a, x.as_ref()) - &b).norm_l2() / b.norm_l2();
         if residual.is_nan() || residual > PROBE_LIMIT {
             return Err(FemError::Probe {
@@ -188,4 +203,53 @@ fn view(a: &CscMatrix<f64>) -> SparseColMatRef<'_, usize, f64> {
 
 fn buffer(request: StackReq, dofs: usize) -> Result<MemBuffer, FemError> {
     MemBuffer::try_new(request).map_err(|_| FemError::TooLarge { dofs })
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DMatrix;
+
+    use super::*;
+
+    fn lower(rows: &[&[f64]]) -> CscMatrix<f64> {
+        let dense = DMatrix::from_fn(rows.len(), rows.len(), |i, j| if i >= j { rows[i][j] } else { 0.0 });
+        // Zeros of the pattern are kept, so that all matrices share one.
+        let n = rows.len();
+        let offsets = (0..=n).map(|j| j * n - j * j.saturating_sub(1) / 2).collect();
+        let indices = (0..n).flat_map(|j| j..n).collect();
+        let values = (0..n)
+            .flat_map(|j| (j..n).map(move |i| (i, j)))
+            .map(|at| dense[at])
+            .collect();
+        CscMatrix::try_from_csc_data(n, n, offsets, indices, values).unwrap()
+    }
+
+    fn solves(factor: &Factor<'_>, a: &CscMatrix<f64>) {
+        let x = Mat::from_fn(a.nrows(), 19, |i, j| ((3 * i + 5 * j) as f64).sin());
+        let mut b = product(a, x.as_ref());
+        factor.solve(b.as_mut());
+        assert!((b - x).norm_max() < 1e-12);
+    }
+
+    #[test]
+    fn each_matrix_gets_the_factor_it_admits() {
+        let definite = lower(&[&[4.0, 0.0, 0.0], &[1.0, 3.0, 0.0], &[0.5, -1.0, 5.0]]);
+        let symbolic = Symbolic::new(&definite).unwrap();
+        let factor = symbolic.best(&definite, 0.0, Vec::new()).unwrap();
+        assert_eq!(factor.negative_eigenvalues(), Some(0));
+        solves(&factor, &definite);
+        let indefinite = lower(&[&[4.0, 0.0, 0.0], &[1.0, -3.0, 0.0], &[0.5, -1.0, 5.0]]);
+        assert!(symbolic.cholesky(&indefinite, 0.0, Vec::new()).is_err());
+        let factor = symbolic.best(&indefinite, 0.0, Vec::new()).unwrap();
+        assert_eq!(factor.negative_eigenvalues(), Some(1));
+        solves(&factor, &indefinite);
+        // Its first pivot is zero: without pivoting there is no factor.
+        let saddle = lower(&[&[0.0, 0.0, 0.0], &[1.0, 0.0, 0.0], &[2.0, -1.0, 0.0]]);
+        assert!(symbolic.indefinite(&saddle, 0.0, Vec::new()).is_err());
+        let factor = symbolic.best(&saddle, 0.0, Vec::new()).unwrap();
+        assert_eq!(factor.negative_eigenvalues(), None);
+        solves(&factor, &saddle);
+        let singular = lower(&[&[0.0, 0.0, 0.0], &[0.0, 0.0, 0.0], &[0.0, 0.0, 0.0]]);
+        assert!(symbolic.best(&singular, 0.0, Vec::new()).is_err());
+    }
 }

@@ -151,8 +151,8 @@ impl Layout {
                     };
                 }
             }
-            for axis in 0..3 {
-                let Some(column) = equation[p][axis] else { continue };
+            for (axis, column) in equation[p].iter().enumerate() {
+                let Some(column) = *column else { continue };
                 for &q in later {
                     stiffness.rows.extend(rows(q, column));
                     match mixes(mixing[p], mixing[q]) {

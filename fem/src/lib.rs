@@ -16,6 +16,7 @@ mod layout;
 mod material;
 mod modal;
 mod order;
+mod panels;
 mod random;
 mod reduction;
 mod solve;

@@ -5,8 +5,9 @@
 //! own: the translation u_0 of its centre and l times its rotation theta, with u_a = u_0 + theta x r_a.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
-use nailnoise_meshes::{FaceKind, Mesh};
+use nailnoise_meshes::Mesh;
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::{Attachments, Constraints, Coupling, FemError, LumpedMass, Place};
@@ -247,14 +248,14 @@ impl Patch {
             centroid: Point3::origin(),
             moment: Matrix3::zeros(),
         };
-        let mut rules: Vec<(FaceKind, Vec<([f64; 2], f64)>)> = Vec::new();
+        let mut rules = BTreeMap::new();
         for &face in &mesh.group(group)?.faces {
             let (kind, nodes) = (mesh.face_kind(face), mesh.face_nodes(face));
-            if !rules.iter().any(|(k, _)| *k == kind) {
-                rules.push((kind, kind.rule(3)?));
-            }
-            let rule = rules.iter().find(|(k, _)| *k == kind).map_or(&[][..], |(_, r)| r);
-            for &(xi, weight) in rule {
+            let rule = match rules.entry(kind) {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(new) => new.insert(kind.rule(3)?),
+            };
+            for &(xi, weight) in rule.iter() {
                 let (mut n, mut dn) = ([0.0; 9], [[0.0; 2]; 9]);
                 kind.shape(xi, &mut n, &mut dn);
                 let mut t = [Vector3::zeros(); 2];
@@ -281,8 +282,8 @@ impl Patch {
             patch.moment += *w * (Matrix3::from_diagonal_element(r.norm_squared()) - r * r.transpose());
         }
         let smallest = patch.moment.symmetric_eigenvalues().min();
-        // Written so that an empty group, whose moments are NaN, is refused as well.
-        if !(smallest > FLAT * patch.moment.trace()) {
+        // The moments of an empty group are NaN.
+        if smallest.is_nan() || smallest <= FLAT * patch.moment.trace() {
             return Err(FemError::Patch {
                 group: group.to_owned(),
                 area: patch.area,

@@ -63,7 +63,9 @@ pub fn modes(system: &System, settings: &ModalSettings) -> Result<ModalBasis, Fe
             }
             Err(error) => return Err(error),
         };
-        let count = factor.negative_eigenvalues();
+        let Some(count) = factor.negative_eigenvalues() else {
+            return Err(FemError::NoGap { upper_hz });
+        };
         let Some(vectors) = find(system, settings, &factor, edge, count, &mut work)? else {
             upper_hz *= 1.0 + 1e-4 * attempt as f64;
             storage = factor.into_storage();
@@ -83,7 +85,7 @@ pub fn modes(system: &System, settings: &ModalSettings) -> Result<ModalBasis, Fe
         };
         if loads.is_some() || modes.worst() > limit {
             let shift = -(TAU * SHIFT_FRACTION * upper_hz).powi(2);
-            let factor = symbolic.cholesky(&shifted(k, m, shift), shift, storage)?;
+            let factor = symbolic.best(&shifted(k, m, shift), shift, storage)?;
             work.factorisations += 1;
             work.solves += modes.refine(system, &factor, edge, limit / 2.0, settings.block)?;
             if let Some(loads) = &loads {
@@ -126,7 +128,7 @@ fn find(
     };
     let found = lanczos(&system.mass, &target, |z| {
         let mut x = z.clone();
-        factor.solve(x.as_mut())?;
+        factor.solve(x.as_mut());
         x *= Scale(edge);
         Ok(x)
     })?;
@@ -228,7 +230,7 @@ impl Modes {
                     *x -= lambda * m_phi;
                 }
             }
-            factor.solve(x.as_mut())?;
+            factor.solve(x.as_mut());
             x = phi - x;
             self.purge(system, &mut x, chosen);
             let refined = Self::new(system, x, edge);
@@ -305,7 +307,7 @@ impl Modes {
     /// bodies too. The Rayleigh-Ritz problem in the span of all x makes the set orthogonal and gives its frequencies.
     fn corrections(&self, system: &System, factor: &Factor<'_>, loads: &DMatrix<f64>) -> Result<Corrections, FemError> {
         let mut x = Mat::from_fn(loads.nrows(), loads.ncols(), |i, j| loads[(i, j)]);
-        factor.solve(x.as_mut())?;
+        factor.solve(x.as_mut());
         let before: Vec<f64> = {
             let m_x = product(&system.mass, x.as_ref());
             (0..x.ncols()).map(|i| dot(x.as_ref(), m_x.as_ref(), i)).collect()

@@ -113,7 +113,8 @@ impl Mesh {
             .sum();
         let size = box_size(&view.nodes.iter().map(|&i| self.nodes[i]).collect::<Vec<_>>());
         // Newton's method has not found the point when the element is too curved for its surroundings.
-        if !((x - point.coords).norm() <= 1e-10 * size) {
+        let miss = (x - point.coords).norm();
+        if miss.is_nan() || miss > 1e-10 * size {
             return Err(outside(point, place(), nearest));
         }
         let kept = view.nodes.iter().zip(&shape).filter(|(_, w)| w.abs() > 1e-13);

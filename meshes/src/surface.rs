@@ -1,6 +1,7 @@
 //! The skin of a mesh: the faces through which a body touches and radiates.
 
-use std::collections::HashMap;
+use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, HashMap};
 
 use nalgebra::{Point3, Vector3};
 
@@ -129,18 +130,14 @@ impl Surface {
     /// # Errors
     /// [`MeshError::GaussPoints`] unless 1 <= n <= 9, without triangles 10.
     pub fn quadrature(&self, n: usize) -> Result<Vec<QuadraturePoint>, MeshError> {
-        let mut rules: Vec<(FaceKind, Vec<([f64; 2], f64)>)> = Vec::new();
+        let mut rules = BTreeMap::new();
         let mut points = Vec::with_capacity(self.faces.len() * n * n);
         for (face, f) in self.faces.iter().enumerate() {
-            let known = rules.iter().position(|(kind, _)| *kind == f.kind);
-            let known = match known {
-                Some(known) => known,
-                None => {
-                    rules.push((f.kind, f.kind.rule(n)?));
-                    rules.len() - 1
-                }
+            let rule = match rules.entry(f.kind) {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(new) => new.insert(f.kind.rule(n)?),
             };
-            for &(xi, weight) in &rules[known].1 {
+            for &(xi, weight) in rule.iter() {
                 let mut point = self.point_at(face, xi);
                 point.weight *= weight;
                 points.push(point);

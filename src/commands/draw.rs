@@ -26,7 +26,6 @@ struct DrawResult<'a> {
     candidates: usize,
     counts: &'a BTreeMap<String, usize>,
     refused: &'a BTreeMap<String, usize>,
-    repeated: usize,
     failures: Vec<Failure>,
     file: String,
 }
@@ -74,7 +73,6 @@ pub(super) fn execute(common: &Common, design: &Design, count: usize, seed: u64)
             candidates: study.candidates,
             counts: &study.counts,
             refused: &study.refused,
-            repeated: study.repeated,
             failures,
             file: path.display().to_string(),
         })?;
@@ -131,19 +129,12 @@ fn text(name: &str, study: &Study) -> String {
     if !rows.is_empty() {
         text.push_str(&table(&["refused, not going together", "candidates"], &rows));
     }
-    if study.repeated > 0 {
-        let _ = writeln!(
-            text,
-            "\n  {} integrated again at a tenth of the tolerance",
-            study.repeated
-        );
-    }
     text
 }
 
 /// `draws.csv`: a row for every design, its values in SI units.
 fn csv(study: &Study) -> String {
-    let mut text = String::from("candidate,fate,repeated,mean_drive_speed [m/s],penetration [m],exhaust_mass [kg]");
+    let mut text = String::from("candidate,fate,mean_drive_speed [m/s],penetration [m],exhaust_mass [kg]");
     for parameter in &study.parameters {
         let unit = if parameter.unit.is_empty() {
             "-"
@@ -162,13 +153,7 @@ fn csv(study: &Study) -> String {
             ),
             Fate::DryFire | Fate::SolverFailure(_) => (None, None, None),
         };
-        let _ = write!(
-            text,
-            "{},{},{}",
-            draw.candidate,
-            draw.fate.name(),
-            u8::from(draw.repeated.is_some())
-        );
+        let _ = write!(text, "{},{}", draw.candidate, draw.fate.name());
         for value in [speed, depth, mass] {
             text.push(',');
             if let Some(value) = value {

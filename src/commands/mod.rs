@@ -3,6 +3,7 @@
 //! Results go to standard output, progress and warnings to standard error. Exit status: 0 done; 1 done, but a limit is
 //! not met; 2 wrong use or input; 3 a numerical check failed; 130 interrupted.
 
+mod compare;
 mod cycle;
 mod draw;
 mod modes;
@@ -39,6 +40,8 @@ struct Cli {
 enum Command {
     /// Rank the sources of a design by their sound power
     Run(run::Arguments),
+    /// Compare designs or finished results: what differs, and what it does to the sources
+    Compare(compare::Arguments),
     /// Compute one nailing cycle: pressures, motions, forces and events
     Cycle(cycle::Arguments),
     /// Compute the vibration modes of a body
@@ -66,11 +69,7 @@ struct Common {
 impl Common {
     /// Reads the design and prints its warnings.
     fn load(&self) -> Result<Design, Error> {
-        let design = Design::load(&self.design)?;
-        for warning in design.warnings() {
-            eprint!("{:?}", miette::Report::new(warning.clone()));
-        }
-        Ok(design)
+        load(&self.design)
     }
 
     /// The folder for the output files of this design.
@@ -80,12 +79,25 @@ impl Common {
 
     /// Sets the size of the thread pool of the whole process.
     fn start_threads(&self) -> Result<(), Error> {
-        let threads = self.threads.map_or(0, usize::from);
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build_global()
-            .map_err(Error::Threads)
+        start_threads(self.threads)
     }
+}
+
+/// Reads a design and prints its warnings.
+fn load(path: &Path) -> Result<Design, Error> {
+    let design = Design::load(path)?;
+    for warning in design.warnings() {
+        eprint!("{:?}", miette::Report::new(warning.clone()));
+    }
+    Ok(design)
+}
+
+/// Sets the size of the thread pool of the whole process; all cores without a number.
+fn start_threads(threads: Option<u16>) -> Result<(), Error> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.map_or(0, usize::from))
+        .build_global()
+        .map_err(Error::Threads)
 }
 
 /// Runs the command line of this process.
@@ -94,6 +106,7 @@ pub fn main() -> ExitCode {
     install_error_style();
     let outcome = match &cli.command {
         Command::Run(arguments) => run::execute(arguments),
+        Command::Compare(arguments) => compare::execute(arguments),
         Command::Cycle(arguments) => cycle::execute(arguments),
         Command::Modes(arguments) => modes::execute(arguments),
         Command::Prf(arguments) => prf::execute(arguments),

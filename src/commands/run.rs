@@ -7,14 +7,21 @@ use clap::Args;
 use super::table::{decibels, table};
 use super::{Common, Progress, print, print_json, status_of};
 use crate::error::Error;
+use crate::figures;
 use crate::output;
 use crate::pipeline::{self, Observer as _, Options};
-use crate::result::RunResult;
+use crate::result::{Component, RunResult, Uncertainty};
 
 #[derive(Args)]
 pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
+    /// Draw third-octave levels, levels between events and sound power over time as SVG
+    #[arg(long)]
+    figures: bool,
+    /// Show the parts of each source too
+    #[arg(long)]
+    components: bool,
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
@@ -26,14 +33,71 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let run = pipeline::run(&design, Options::default(), &mut progress)?;
     progress.stage("writing files");
     output::write_run(&folder, &run)?;
+    if arguments.figures {
+        let subject = format!("{}: one shot, {}", design.name(), level_word(&run.result));
+        figures::write(&folder.join("figures"), &figures::sound(&subject, &design, &run))?;
+    }
     drop(progress);
     if common.json {
         print_json(&run.result)?;
     } else {
         print(&text(&run.result));
+        if arguments.components {
+            print(&components(&run.result));
+        }
         print(&format!("\n  files in {}\n", folder.display()));
     }
     Ok(status_of(&run.result.checks))
+}
+
+/// The total as the subject of a figure.
+fn level_word(result: &RunResult) -> String {
+    result
+        .total
+        .lwa_db
+        .map_or_else(|| "silent".to_owned(), |level| format!("L_WA,1s {level:.1} dB"))
+}
+
+/// How far a method may be off, below and above the level: `-4.0 +4.0`; a question mark where it gives no bound.
+fn band(uncertainty: &Uncertainty) -> String {
+    let side = |sign: char, bound: Option<f64>| {
+        bound.map_or_else(|| format!("{sign}?"), |bound| format!("{sign}{:.1}", bound.abs()))
+    };
+    match (uncertainty.minus, uncertainty.plus) {
+        (None, None) => "not stated".to_owned(),
+        (minus, plus) => format!("{} {}", side('-', minus), side('+', plus)),
+    }
+}
+
+/// The largest by a level; none where all are silent.
+fn loudest<T>(items: &[T], level: impl Fn(&T) -> Option<f64>) -> Option<&T> {
+    items
+        .iter()
+        .filter_map(|item| Some((item, level(item)?)))
+        .max_by(|a, b| a.1.total_cmp(&b.1))
+        .map(|(item, _)| item)
+}
+
+/// The parts of every source, loudest first.
+fn components(result: &RunResult) -> String {
+    let mut rows = Vec::new();
+    for source in &result.ranking {
+        let mut parts: Vec<&Component> = source.components.iter().collect();
+        let energy = |part: &Component| part.lwa_db.unwrap_or(f64::NEG_INFINITY);
+        parts.sort_by(|a, b| energy(b).total_cmp(&energy(a)));
+        rows.extend(parts.into_iter().map(|part| {
+            vec![
+                source.source.clone(),
+                part.name.clone(),
+                decibels(part.lwa_db),
+                decibels(part.lw_db),
+                loudest(&part.bands, |band| band.lwa_db)
+                    .map_or_else(|| "-".to_owned(), |band| format!("{} Hz", band.hz)),
+            ]
+        }));
+    }
+    let headings = ["source", "part", "L_WA,1s dB", "L_W,1s dB", "loudest band (A)"];
+    format!("\n{}", table(&headings, &rows))
 }
 
 /// The result as a person reads it.
@@ -42,17 +106,19 @@ fn text(result: &RunResult) -> String {
         .ranking
         .iter()
         .map(|source| {
-            let loudest = source
-                .bands
-                .iter()
-                .filter(|band| band.lwa_db.is_some())
-                .max_by(|a, b| a.lwa_db.partial_cmp(&b.lwa_db).unwrap_or(std::cmp::Ordering::Equal));
+            let band_of = loudest(&source.bands, |band| band.lwa_db);
+            let interval = loudest(&source.intervals, |interval| interval.lwa_db);
             vec![
                 source.source.clone(),
                 decibels(source.lwa_db),
+                band(&source.uncertainty_db),
                 decibels(source.lw_db),
                 format!("{:.1} %", 100.0 * source.share),
-                loudest.map_or_else(|| "-".to_owned(), |band| format!("{} Hz", band.hz)),
+                band_of.map_or_else(|| "-".to_owned(), |band| format!("{} Hz", band.hz)),
+                interval.map_or_else(
+                    || "-".to_owned(),
+                    |interval| format!("{} - {}", interval.from, interval.to),
+                ),
                 format!("{:.0} - {:.0} Hz", source.range_hz[0], source.range_hz[1]),
                 source.method.clone(),
             ]
@@ -60,15 +126,18 @@ fn text(result: &RunResult) -> String {
         .chain([vec![
             "total".to_owned(),
             decibels(result.total.lwa_db),
+            String::new(),
             decibels(result.total.lw_db),
         ]])
         .collect();
     let headings = [
         "source",
         "L_WA,1s dB",
+        "model dB",
         "L_W,1s dB",
         "share (A)",
         "loudest band (A)",
+        "loudest interval",
         "computed over",
         "method",
     ];

@@ -5,6 +5,7 @@
 use super::dimension::*;
 use super::error::{Short, show};
 use super::groups::*;
+use nailnoise_acoustics::muffler::plane_wave_limit;
 
 /// Compression up to which the printed polynomial of the closing spring (Eq. 4.60) holds \[m\].
 const SPRING_LIMIT: f64 = 5e-3;
@@ -84,6 +85,39 @@ pub enum Conflict {
         /// Its value.
         value: f64,
     },
+    /// A supply that cannot drive anything.
+    #[error("`supply.pressure` ({} kPa absolute) is not above `ambient.pressure` ({} kPa)",
+        Short(1e-3 * supply), Short(1e-3 * ambient))]
+    SupplyBelowAmbient {
+        /// Supply pressure \[Pa\].
+        supply: f64,
+        /// Ambient pressure \[Pa\].
+        ambient: f64,
+    },
+    /// A muffler is asked for frequencies at which waves run across it.
+    #[error("`{key}` ({}) carries plane waves alone up to {:.0} Hz, the exhaust is analysed to {:.0} Hz",
+        mm(*diameter), highest, top)]
+    NotPlaneWaves {
+        /// Key of the diameter.
+        key: &'static str,
+        /// Its value \[m\].
+        diameter: f64,
+        /// Frequency at which the first wave across it propagates \[Hz\].
+        highest: f64,
+        /// Top of the analysis \[Hz\].
+        top: f64,
+    },
+    /// The muffler's tail pipe cannot have the flow area given.
+    #[error("`exhaust.muffler.flow_area` ({}) is more than the tail pipe of {} has ({})",
+        show(*area, AREA), mm(*diameter), show(*bore, AREA))]
+    MufflerArea {
+        /// Flow area given \[m2\].
+        area: f64,
+        /// Diameter of the tail pipe \[m\].
+        diameter: f64,
+        /// Its bore \[m2\].
+        bore: f64,
+    },
     /// Ratio of specific heats of 1 or less.
     #[error("`ambient.heat_capacity_ratio` is {}, a gas has more than 1", Short(*value))]
     HeatCapacityRatio {
@@ -156,6 +190,9 @@ impl Conflict {
             }
             Self::NotElastic { group, .. } => elastic_keys(group),
             Self::Incompressible { key, .. } => vec![key],
+            Self::SupplyBelowAmbient { .. } => vec!["supply.pressure", "ambient.pressure"],
+            Self::NotPlaneWaves { key, .. } => vec![key, "exhaust.muffler.kind", "analysis.exhaust_top"],
+            Self::MufflerArea { .. } => vec!["exhaust.muffler.flow_area", "exhaust.muffler.tail_diameter"],
             Self::HeatCapacityRatio { .. } => vec!["ambient.heat_capacity_ratio"],
             Self::EmptyRange { .. } => vec!["analysis.range_low", "analysis.range_high"],
             Self::TimeStep { .. } => vec!["analysis.time_step", "analysis.range_high", "analysis.exhaust_top"],
@@ -186,6 +223,17 @@ impl Conflict {
                 )
             }
             Self::Incompressible { key, .. } => format!("give `{key}` a value below 0.5"),
+            Self::SupplyBelowAmbient { .. } => {
+                "give `supply.pressure` as absolute pressure, or with a gauge unit such as psig or barg".to_owned()
+            }
+            Self::NotPlaneWaves { key, highest, .. } => format!(
+                "narrow `{key}`, lower `analysis.exhaust_top` to {:.0} Hz and `analysis.range_high` with it, or give \
+                 the measured insertion loss: `exhaust.muffler.kind = \"insertion_loss\"`",
+                highest.floor()
+            ),
+            Self::MufflerArea { .. } => {
+                "lower `exhaust.muffler.flow_area` or widen `exhaust.muffler.tail_diameter`".to_owned()
+            }
             Self::HeatCapacityRatio { .. } => "give `ambient.heat_capacity_ratio` as 1.4 for air".to_owned(),
             Self::EmptyRange { .. } => "give `analysis.range_low` below `analysis.range_high`".to_owned(),
             Self::TimeStep { top, .. } => {
@@ -224,6 +272,7 @@ impl Values {
     pub fn conflict(&self) -> Option<Conflict> {
         nail(self)
             .or_else(|| tool(self))
+            .or_else(|| exhaust(self))
             .or_else(|| friction("piston.friction", &self.piston.friction))
             .or_else(|| friction("head_valve.friction", &self.head_valve.friction))
             .or_else(|| seated(self))
@@ -354,6 +403,56 @@ fn tool(v: &Values) -> Option<Conflict> {
             "the piston passes the check-ring holes",
         )
     })
+}
+
+/// Air flows out, through holes that stand apart and a muffler that is known over the range of the analysis.
+fn exhaust(v: &Values) -> Option<Conflict> {
+    let (supply, ambient) = (v.supply.pressure, v.ambient.pressure);
+    if supply <= ambient {
+        return Some(Conflict::SupplyBelowAmbient { supply, ambient });
+    }
+    let holes = ("exhaust.hole_diameter", v.exhaust.hole_diameter);
+    if v.exhaust.holes > 1 {
+        let apart = below(
+            holes,
+            ("exhaust.pitch", v.exhaust.pitch),
+            "neighbouring holes do not overlap",
+        );
+        if apart.is_some() {
+            return apart;
+        }
+    }
+    let muffler = &v.exhaust.muffler;
+    if muffler.kind != MufflerKind::Chamber {
+        return None;
+    }
+    let tail = muffler.tail_diameter;
+    let bore = 0.25 * std::f64::consts::PI * tail * tail;
+    if muffler.flow_area > bore {
+        return Some(Conflict::MufflerArea {
+            area: muffler.flow_area,
+            diameter: tail,
+            bore,
+        });
+    }
+    let (top, sound_speed) = (v.analysis.exhaust_top, sound_speed(v));
+    [
+        ("exhaust.muffler.chamber_diameter", muffler.chamber_diameter),
+        ("exhaust.muffler.tail_diameter", tail),
+    ]
+    .into_iter()
+    .map(|(key, diameter)| (key, diameter, plane_wave_limit(diameter, sound_speed)))
+    .find(|(_, _, highest)| *highest < top)
+    .map(|(key, diameter, highest)| Conflict::NotPlaneWaves {
+        key,
+        diameter,
+        highest,
+        top,
+    })
+}
+
+fn sound_speed(v: &Values) -> f64 {
+    (v.ambient.heat_capacity_ratio * v.ambient.gas_constant * v.ambient.temperature).sqrt()
 }
 
 fn friction(group: &'static str, friction: &Friction) -> Option<Conflict> {

@@ -8,6 +8,7 @@ use miette::{Diagnostic, LabeledSpan, Severity, SourceCode};
 
 use super::checks::Conflict;
 use super::dimension::Dimension;
+use super::sensors::SensorProblem;
 use super::source::Place;
 use super::units::UnitError;
 
@@ -80,6 +81,14 @@ pub enum DesignError {
         nearest: Option<String>,
         /// The groups that may stand in its place.
         known: Vec<String>,
+        /// Where.
+        at: Box<Place>,
+    },
+    /// A member of a list whose name could not be one in results and files.
+    #[error("\"{name}\" cannot be a name")]
+    BadName {
+        /// The name.
+        name: String,
         /// Where.
         at: Box<Place>,
     },
@@ -223,6 +232,16 @@ pub enum DesignError {
         /// The other keys and their places.
         others: Vec<(&'static str, String)>,
     },
+    /// A sensor that cannot measure what it is asked for.
+    #[error("the sensor `{name}` {problem}")]
+    Sensor {
+        /// Its name.
+        name: String,
+        /// What is wrong with it.
+        problem: SensorProblem,
+        /// The key to look at; none for a sensor that no file gives.
+        at: Option<Box<Place>>,
+    },
 }
 
 fn found_unit(unit: &str, found: &Dimension) -> String {
@@ -264,11 +283,12 @@ impl DesignError {
     pub fn place(&self) -> Option<&Place> {
         match self {
             Self::NotText { .. } => None,
-            Self::NotFound { at, .. } | Self::Unreadable { at, .. } => at.as_deref(),
+            Self::NotFound { at, .. } | Self::Unreadable { at, .. } | Self::Sensor { at, .. } => at.as_deref(),
             Self::Syntax { at, .. }
             | Self::InheritanceLoop { at, .. }
             | Self::UnknownKey { at, .. }
             | Self::UnknownGroup { at, .. }
+            | Self::BadName { at, .. }
             | Self::WrongKind { at, .. }
             | Self::BadNumber { at, .. }
             | Self::BadUnit { at, .. }
@@ -312,6 +332,8 @@ impl DesignError {
             Self::InheritanceLoop { .. } => "remove `base` from one of these files".to_owned(),
             Self::UnknownKey { nearest, known, .. } => meant(nearest.as_deref(), known, "the keys here are"),
             Self::UnknownGroup { nearest, known, .. } => meant(nearest.as_deref(), known, "the groups here are"),
+            Self::BadName { .. } => "use letters, digits, `_` and `-` alone: [sensors.block_top]".to_owned(),
+            Self::Sensor { problem, .. } => problem.remedy(),
             Self::WrongKind { key, expected, .. } => format!("give `{key}` {expected}"),
             Self::BadNumber { key, expected, .. } => {
                 format!(
@@ -366,6 +388,8 @@ impl DesignError {
             Self::InheritanceLoop { .. } => "closes the loop",
             Self::UnknownKey { .. } => "unknown key",
             Self::UnknownGroup { .. } => "unknown group",
+            Self::BadName { .. } => "no name",
+            Self::Sensor { .. } => "of this sensor",
             Self::WrongKind { .. } => "wrong type",
             Self::BadNumber { .. } => "not a number with a unit",
             Self::BadUnit { .. } => "unit not understood",
@@ -390,6 +414,8 @@ impl DesignError {
             Self::InheritanceLoop { .. } => "inheritance_loop",
             Self::UnknownKey { .. } => "unknown_key",
             Self::UnknownGroup { .. } => "unknown_group",
+            Self::BadName { .. } => "bad_name",
+            Self::Sensor { .. } => "sensor",
             Self::WrongKind { .. } => "wrong_kind",
             Self::BadNumber { .. } => "bad_number",
             Self::BadUnit { .. } => "bad_unit",

@@ -5,6 +5,7 @@
 
 use super::dimension::*;
 use super::schema::{Kind, any, choice, component, fraction, gas_pressure, group, nonnegative, positive};
+use super::sensors::Sensor;
 
 group! {
     /// All quantities of a design, in SI units.
@@ -27,6 +28,9 @@ group! {
         ambient: Ambient,
         analysis: Analysis,
         model: Model,
+    }
+    lists {
+        sensors: Sensor,
     }
 }
 
@@ -145,8 +149,91 @@ group! {
         holes: u32 = Kind::Count, "n";
         /// Diameter of one hole.
         hole_diameter: f64 = positive(LENGTH), "d";
+        /// Distance of neighbouring holes, centre to centre. More than 3 d, each hole's jet sounds for itself; nearer,
+        /// the jets merge and sound as one of the same area. Without effect for one hole.
+        pitch: f64 = positive(LENGTH), "";
         /// Part of the jets' thrust that acts on the tool along the driving direction, positive towards the wood.
         thrust_share: f64 = component(), "";
+    }
+    groups {
+        plenum: Plenum,
+        muffler: Muffler,
+    }
+}
+
+group! {
+    /// The space between head valve and exhaust holes, whose air the holes' air bounces on:
+    /// f_0 = (c/2 pi) sqrt(A_ma/(V L')).
+    Plenum {
+        /// Whether this resonance filters the sound of the unsteady outflow.
+        resonance: bool = Kind::Switch, "";
+        /// Volume.
+        volume: f64 = positive(VOLUME), "V";
+        /// Length of the holes with their end corrections.
+        neck_length: f64 = positive(LENGTH), "L'";
+        /// Quality factor of the resonance.
+        quality: f64 = positive(NUMBER), "Q";
+    }
+}
+
+choice! {
+    /// What stands behind the exhaust holes.
+    MufflerKind {
+        /// Nothing: the holes open into the air.
+        None = "none",
+        /// A muffler whose insertion loss was measured.
+        InsertionLoss = "insertion_loss",
+        /// An expansion chamber with a tail pipe, computed from its dimensions.
+        Chamber = "chamber",
+    }
+}
+
+group! {
+    /// Muffler behind the exhaust holes; only the keys of the chosen kind take part.
+    Muffler {
+        /// The kind of muffler.
+        kind: MufflerKind = MufflerKind::KIND, "";
+        /// Effective flow area C A of its narrowest passage, in series with the holes: its back pressure in the cycle.
+        flow_area: f64 = positive(AREA), "C A_s";
+        /// Length of the chamber.
+        chamber_length: f64 = positive(LENGTH), "L_c";
+        /// Inner diameter of the chamber.
+        chamber_diameter: f64 = positive(LENGTH), "D_c";
+        /// Length of the tail pipe.
+        tail_length: f64 = positive(LENGTH), "L_t";
+        /// Inner diameter of the tail pipe.
+        tail_diameter: f64 = positive(LENGTH), "D_t";
+        /// Thickness of the porous lining around the tail pipe; 0 for a bare pipe.
+        lining_thickness: f64 = nonnegative(LENGTH), "t";
+        /// Flow resistivity of the lining.
+        lining_resistivity: f64 = positive(FLOW_RESISTIVITY), "sigma";
+    }
+    groups {
+        octaves: Octaves,
+    }
+}
+
+group! {
+    /// Measured insertion loss in dB by octave bands, the muffler's own flow noise included (ISO 11820, ISO 7235).
+    Octaves {
+        /// 63 Hz octave.
+        hz_63: f64 = any(NUMBER), "D_i";
+        /// 125 Hz octave.
+        hz_125: f64 = any(NUMBER), "D_i";
+        /// 250 Hz octave.
+        hz_250: f64 = any(NUMBER), "D_i";
+        /// 500 Hz octave.
+        hz_500: f64 = any(NUMBER), "D_i";
+        /// 1 kHz octave.
+        hz_1000: f64 = any(NUMBER), "D_i";
+        /// 2 kHz octave.
+        hz_2000: f64 = any(NUMBER), "D_i";
+        /// 4 kHz octave.
+        hz_4000: f64 = any(NUMBER), "D_i";
+        /// 8 kHz octave.
+        hz_8000: f64 = any(NUMBER), "D_i";
+        /// 16 kHz octave.
+        hz_16000: f64 = any(NUMBER), "D_i";
     }
 }
 

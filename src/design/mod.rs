@@ -23,6 +23,7 @@ mod quantity;
 mod reference;
 mod resolve;
 mod schema;
+mod sensors;
 mod set;
 mod settings;
 mod source;
@@ -45,6 +46,7 @@ pub(crate) use measure::measure;
 pub use provenance::Provenance;
 pub use reference::reference;
 pub use schema::{GroupSpec, KeySpec, Kind, Sign, Value};
+pub use sensors::{Carrier, Sensor, SensorProblem};
 pub use set::SetError;
 pub use source::Place;
 pub use units::UnitError;
@@ -161,6 +163,11 @@ impl Design {
             };
         });
         Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+
+    /// The error that a sensor of this design cannot measure what it is asked for.
+    pub(crate) fn refuse_sensor(&self, name: &str, problem: SensorProblem) -> DesignError {
+        resolve::sensor(name, problem, &self.records)
     }
 
     /// Every key with its value and where it comes from, in the order of the reference.

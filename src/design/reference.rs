@@ -4,13 +4,16 @@ use std::fmt::Write as _;
 
 use super::derived::DERIVED;
 use super::groups::Values;
-use super::schema::{Group, GroupSpec, Kind, dotted};
+use super::schema::{Group, GroupSpec, Kind, MEMBER, dotted};
 
 /// All groups and keys of the design file as Markdown: key, what may stand there, symbol, description.
 pub fn reference() -> String {
     let mut text = String::from(INTRODUCTION);
     for (name, group) in Values::SPEC.groups {
         section(&mut text, name, group);
+    }
+    for (name, member) in Values::SPEC.lists {
+        section(&mut text, &dotted(name, MEMBER), member);
     }
     text.push_str(DERIVED_INTRODUCTION);
     for derived in DERIVED {
@@ -44,6 +47,9 @@ fn section(text: &mut String, path: &str, group: &GroupSpec) {
     }
     for (name, inner) in group.groups {
         section(text, &dotted(path, name), inner);
+    }
+    for (name, member) in group.lists {
+        section(text, &dotted(&dotted(path, name), MEMBER), member);
     }
 }
 

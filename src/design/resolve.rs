@@ -1,6 +1,6 @@
 //! From a chain of files to one value per key.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 use super::derived::AGREEMENT;
 use super::dimension::{Dimension, NUMBER};
@@ -8,7 +8,8 @@ use super::error::{DesignError, Warning, show};
 use super::groups::Values;
 use super::provenance::Provenance;
 use super::quantity::Measured;
-use super::schema::{Group, KeySpec, Kind, Sign, Value};
+use super::schema::{Group, KeySpec, Kind, Sign, Value, dotted, members};
+use super::sensors::SensorProblem;
 use super::settings::{Given, GivenDerived, Layer, Setting};
 use super::source::{File, Place};
 
@@ -71,10 +72,16 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
             records.insert(key, record);
         }
     }
-    let values = Values::build("", &|key| records.get(key).map(|record| record.value))
-        .map_err(|key| missing(key, 1, "a value".to_owned(), chain))?;
+    let found = records
+        .iter()
+        .map(|(key, record)| (key.clone(), record.value))
+        .collect();
+    let values = Values::build("", &found).map_err(|key| missing(key, 1, "a value".to_owned(), chain))?;
     if let Some(conflict) = values.conflict() {
         return Err(conflicting(conflict, &records));
+    }
+    if let Some((name, problem)) = values.sensor_problem() {
+        return Err(sensor(name, problem, &records));
     }
     let mut warnings = outside_range(&values, &records);
     for given in derived {
@@ -126,16 +133,34 @@ fn merge(merged: &mut HashMap<String, Merged>, setting: Setting, depth: usize) {
 fn complete(merged: &HashMap<String, Merged>, chain: &[File]) -> Result<(), DesignError> {
     let mut first: Option<(String, String)> = None;
     let mut count = 0;
-    Values::SPEC.each_key("", &mut |key, spec| {
+    let keys: BTreeSet<&String> = merged.keys().collect();
+    Values::SPEC.each_key_of("", &|list| members(keys.iter().copied(), list), &mut |key, spec| {
         if merged.get(key).is_none_or(|merged| merged.value.is_none()) {
             count += 1;
             first.get_or_insert_with(|| (key.to_owned(), example(spec.kind)));
         }
     });
-    match first {
-        Some((key, example)) => Err(missing(key, count, example, chain)),
-        None => Ok(()),
+    let Some((key, example)) = first else { return Ok(()) };
+    let mut error = missing(key, count, example, chain);
+    if let DesignError::Missing { key, at, .. } = &mut error {
+        // Beside what the member of a list does give, if it is one.
+        let group = key.rsplit_once('.').map_or("", |(group, _)| group);
+        let beside = merged
+            .iter()
+            .filter(|(other, _)| other.rsplit_once('.').is_some_and(|(own, _)| own == group));
+        let places = beside.filter_map(|(_, merged)| merged.value.as_ref().map(|(.., place)| (merged.depth, place)));
+        let list = Values::SPEC
+            .lists
+            .iter()
+            .any(|(list, _)| group.starts_with(&dotted(list, "")));
+        if let Some((_, place)) = places
+            .min_by_key(|(depth, place)| (*depth, place.span.start))
+            .filter(|_| list)
+        {
+            *at = place.clone();
+        }
     }
+    Err(error)
 }
 
 fn missing(key: String, count: usize, example: String, chain: &[File]) -> DesignError {
@@ -239,6 +264,19 @@ fn conflicting(conflict: super::Conflict, records: &Records) -> DesignError {
         .collect();
     let at = places[0].1.place.clone();
     DesignError::Conflict { conflict, at, others }
+}
+
+/// What is wrong with a sensor, at the key that was set last: in the file nearest to the design, and there furthest down.
+pub(crate) fn sensor(name: &str, problem: SensorProblem, records: &Records) -> DesignError {
+    let sensor = dotted("sensors", name);
+    let set = problem
+        .keys()
+        .iter()
+        .filter_map(|key| records.get(&dotted(&sensor, key)));
+    let last = set.min_by_key(|record| (record.depth, usize::MAX - record.place.span.start));
+    let at = last.map(|record| record.place.clone());
+    let name = name.to_owned();
+    DesignError::Sensor { name, problem, at }
 }
 
 fn outside_range(values: &Values, records: &Records) -> Vec<Warning> {

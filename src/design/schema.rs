@@ -3,6 +3,8 @@
 //! [`group!`] turns a declaration into the struct the rest of the program reads, and into the [`GroupSpec`] by which
 //! the design file is read, checked and documented. Nothing about a key stands anywhere else.
 
+use std::collections::BTreeMap;
+
 use super::dimension::{Dimension, NUMBER, PRESSURE};
 
 /// The limits that hold for a key in every design, apart from the range that a design gives it.
@@ -169,6 +171,8 @@ pub struct GroupSpec {
     pub keys: &'static [KeySpec],
     /// The groups within it, by name.
     pub groups: &'static [(&'static str, &'static GroupSpec)],
+    /// Lists within it: groups of one declaration, as many as a design names, each under a name of its own.
+    pub lists: &'static [(&'static str, &'static GroupSpec)],
 }
 
 impl GroupSpec {
@@ -190,15 +194,56 @@ impl GroupSpec {
             .map(|(_, group)| *group)
     }
 
-    /// Calls `f` with the full name and declaration of every key, groups after the keys beside them.
+    /// The declaration of the members of the list of this name in the group itself.
+    pub fn list(&self, name: &str) -> Option<&'static GroupSpec> {
+        self.lists
+            .iter()
+            .find(|(own, _)| *own == name)
+            .map(|(_, member)| *member)
+    }
+
+    /// Calls `f` with the full name and declaration of every key, groups after the keys beside them; the members of a
+    /// list stand under `*`.
     pub fn each_key(&self, path: &str, f: &mut dyn FnMut(&str, &'static KeySpec)) {
+        self.each_key_of(path, &|_| vec![MEMBER.to_owned()], f);
+    }
+
+    /// The same for the members that `names` tells of each list.
+    pub fn each_key_of(
+        &self,
+        path: &str,
+        names: &dyn Fn(&str) -> Vec<String>,
+        f: &mut dyn FnMut(&str, &'static KeySpec),
+    ) {
         for key in self.keys {
             f(&dotted(path, key.name), key);
         }
         for (name, group) in self.groups {
-            group.each_key(&dotted(path, name), f);
+            group.each_key_of(&dotted(path, name), names, f);
+        }
+        for (list, member) in self.lists {
+            let list = dotted(path, list);
+            for name in names(&list) {
+                member.each_key_of(&dotted(&list, &name), names, f);
+            }
         }
     }
+}
+
+/// Stands for the name that a design gives a member of a list.
+pub(crate) const MEMBER: &str = "NAME";
+
+/// The values of a design by the full names of their keys.
+pub(crate) type Found = BTreeMap<String, Value>;
+
+/// The names of a list's members among keys in alphabetical order, alphabetically.
+pub(crate) fn members<'a>(keys: impl Iterator<Item = &'a String>, list: &str) -> Vec<String> {
+    let mut names: Vec<String> = keys
+        .filter_map(|key| key.strip_prefix(list)?.strip_prefix('.')?.split('.').next())
+        .map(str::to_owned)
+        .collect();
+    names.dedup();
+    names
 }
 
 /// A type that a key of the design may have.
@@ -227,8 +272,8 @@ held!(f64 => Number, u32 => Count, bool => Switch);
 pub(crate) trait Group: Sized {
     /// Declaration of the group.
     const SPEC: GroupSpec;
-    /// The group with the values that `find` has for each key's full name; the name of the first one it lacks as error.
-    fn build(path: &str, find: &dyn Fn(&str) -> Option<Value>) -> Result<Self, String>;
+    /// The group with the values found for each key's full name; the name of the first one that lacks as error.
+    fn build(path: &str, found: &Found) -> Result<Self, String>;
     /// Calls `f` with the full name, declaration and value of every key.
     fn visit(&self, path: &str, f: &mut dyn FnMut(&str, &'static KeySpec, Value));
 }
@@ -257,7 +302,8 @@ macro_rules! symbol {
 }
 pub(crate) use symbol;
 
-/// Declares a group: documentation, then `name: type = kind, "symbol";` for each key, then the groups within it.
+/// Declares a group: documentation, then `name: type = kind, "symbol";` for each key, then the groups and the lists
+/// within it.
 macro_rules! group {
     (
         $(#[doc = $doc:literal])+
@@ -265,12 +311,17 @@ macro_rules! group {
             $($(#[doc = $key_doc:literal])+ $key:ident: $ty:ty = $kind:expr, $symbol:tt;)*
         }
         $(groups { $($sub:ident: $Sub:ident,)+ })?
+        $(lists { $($list:ident: $Item:ident,)+ })?
     ) => {
         $(#[doc = $doc])+
         #[derive(Debug, Clone, PartialEq, serde::Serialize)]
         pub struct $Group {
             $($(#[doc = $key_doc])+ #[doc = $crate::design::schema::symbol!($symbol)] pub $key: $ty,)*
             $($(#[doc = concat!("See [`", stringify!($Sub), "`].")] pub $sub: $Sub,)+)?
+            $($(
+                #[doc = concat!("By name; see [`", stringify!($Item), "`].")]
+                pub $list: std::collections::BTreeMap<String, $Item>,
+            )+)?
         }
 
         impl $crate::design::schema::Group for $Group {
@@ -283,21 +334,29 @@ macro_rules! group {
                     kind: $kind,
                 }),*],
                 groups: &[$($((stringify!($sub), &<$Sub as $crate::design::schema::Group>::SPEC)),+)?],
+                lists: &[$($((stringify!($list), &<$Item as $crate::design::schema::Group>::SPEC)),+)?],
             };
 
-            fn build(
-                path: &str,
-                find: &dyn Fn(&str) -> Option<$crate::design::schema::Value>,
-            ) -> Result<Self, String> {
+            fn build(path: &str, found: &$crate::design::schema::Found) -> Result<Self, String> {
                 Ok(Self {
                     $($key: {
                         let name = $crate::design::schema::dotted(path, stringify!($key));
-                        find(&name).and_then($crate::design::schema::Held::from_value).ok_or(name)?
+                        found.get(&name).copied().and_then($crate::design::schema::Held::from_value).ok_or(name)?
                     },)*
                     $($($sub: $crate::design::schema::Group::build(
                         &$crate::design::schema::dotted(path, stringify!($sub)),
-                        find,
+                        found,
                     )?,)+)?
+                    $($($list: {
+                        let list = $crate::design::schema::dotted(path, stringify!($list));
+                        $crate::design::schema::members(found.keys(), &list)
+                            .into_iter()
+                            .map(|name| {
+                                let path = $crate::design::schema::dotted(&list, &name);
+                                Ok((name, $crate::design::schema::Group::build(&path, found)?))
+                            })
+                            .collect::<Result<_, String>>()?
+                    },)+)?
                 })
             }
 
@@ -315,6 +374,10 @@ macro_rules! group {
                     &$crate::design::schema::dotted(path, stringify!($sub)),
                     f,
                 );)+)?
+                $($(for (name, member) in &self.$list {
+                    let list = $crate::design::schema::dotted(path, stringify!($list));
+                    $crate::design::schema::Group::visit(member, &$crate::design::schema::dotted(&list, name), f);
+                })+)?
             }
         }
     };

@@ -64,7 +64,8 @@ impl Values {
             *held = *value;
         }
         // Every key has been visited and every change is of its key's kind, so that nothing can be missing.
-        if let Ok(changed) = Self::build("", &|key| values.get(key).map(|(_, value)| *value)) {
+        let found = values.into_iter().map(|(key, (_, value))| (key, value)).collect();
+        if let Ok(changed) = Self::build("", &found) {
             *self = changed;
         }
         Ok(())

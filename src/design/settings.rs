@@ -79,17 +79,17 @@ impl Reader<'_> {
             if let Some(spec) = spec.key(name) {
                 layer.settings.push(self.setting(full, spec, value)?);
             } else if let Some(inner) = spec.group(name) {
-                let DeValue::Table(table) = value.get_ref() else {
-                    let at = self.file.place(key.span());
-                    let expected = format!("as a group of keys: [{full}]");
-                    return Err(DesignError::WrongKind {
-                        key: full,
-                        found: found(value.get_ref()),
-                        expected,
-                        at,
-                    });
-                };
-                self.group(table, inner, &full, layer)?;
+                self.group(self.table(&full, key.span(), value)?, inner, &full, layer)?;
+            } else if let Some(member) = spec.list(name) {
+                for (key, value) in self.table(&full, key.span(), value)? {
+                    let name = key.get_ref().as_ref();
+                    let full = dotted(&full, name);
+                    if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-') {
+                        let (name, at) = (name.to_owned(), self.file.place(key.span()));
+                        return Err(DesignError::BadName { name, at });
+                    }
+                    self.group(self.table(&full, key.span(), value)?, member, &full, layer)?;
+                }
             } else if let Some(derived) = Derived::find(&full) {
                 layer.derived.push(self.derived(derived, value)?);
             } else {
@@ -97,6 +97,23 @@ impl Reader<'_> {
             }
         }
         Ok(())
+    }
+
+    fn table<'t, 'i>(
+        &self,
+        full: &str,
+        span: Range<usize>,
+        value: &'t Spanned<DeValue<'i>>,
+    ) -> Result<&'t DeTable<'i>, DesignError> {
+        match value.get_ref() {
+            DeValue::Table(table) => Ok(table),
+            other => Err(DesignError::WrongKind {
+                key: full.to_owned(),
+                found: found(other),
+                expected: format!("as a group of keys: [{full}]"),
+                at: self.file.place(span),
+            }),
+        }
     }
 
     fn unknown(&self, full: String, spec: &GroupSpec, span: Range<usize>, value: &Spanned<DeValue<'_>>) -> DesignError {

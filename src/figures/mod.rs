@@ -1,14 +1,18 @@
 //! Figures as SVG, for print: 180 mm wide, 8 pt type, colours that colour-blind readers can tell apart.
 //!
-//! [`cycle`] draws a nailing cycle, [`penetration`] compares penetration laws. Time runs in ms from the trigger on; the
+//! [`cycle`] draws a nailing cycle, [`sound`] the levels of a run, [`penetration`] compares penetration laws. Time runs in ms from the trigger on; the
 //! events t0..t18 stand over each figure of a cycle. A line is thinned to what can be seen of it and keeps every peak.
 
+mod bands;
 mod canvas;
+mod decibels;
 mod decimate;
 mod energy;
 mod forces;
+mod intervals;
 mod motion;
 mod penetration;
+mod power;
 mod pressures;
 mod ratios;
 mod scale;
@@ -26,6 +30,7 @@ pub use penetration::penetration;
 
 use crate::design::Values;
 use crate::error::Error;
+use crate::pipeline::Run;
 
 /// A figure.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,6 +51,17 @@ pub fn cycle(subject: &str, design: &Values, record: &CycleRecord) -> Vec<Figure
         forces::figure(&shot),
         energy::figure(&shot),
     ]
+}
+
+/// The figures of a run: third-octave levels of each source and of the exhaust's parts, levels between events, and sound
+/// power over time. `subject` says what it is of.
+pub fn sound(subject: &str, design: &Values, run: &Run) -> Vec<Figure> {
+    let shot = Shot::new(subject, design, &run.record);
+    let mut figures = vec![bands::sources(subject, &run.result)];
+    figures.extend(bands::exhaust(subject, &run.result));
+    figures.push(intervals::figure(subject, &run.result));
+    figures.push(power::figure(&shot, &run.powers));
+    figures
 }
 
 /// Writes figures to `folder` and returns their files.

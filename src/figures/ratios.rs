@@ -18,12 +18,12 @@ pub(super) fn figure(shot: &Shot<'_>) -> Figure {
     let intake = (0..r.len()).map(|i| gap(lift[i] > d.head_valve.intake_lap, above[i] / r.supply.pressure[i]));
     let open = |i: usize| lift[i] < d.head_valve.exhaust_lap;
     let chamber = (0..r.len()).map(|i| gap(open(i), ambient / above[i]));
-    let holes = (0..r.len()).map(|i| gap(open(i), ambient / r.exhaust.plenum_pressure[i]));
+    let holes = (0..r.len()).map(|i| gap(open(i), r.exhaust.back_pressure[i] / r.exhaust.plenum_pressure[i]));
 
     let into = vec![shot.curve("intake: P above the piston / P supply side", 0, intake)];
     let out = vec![
         shot.curve("exhaust, at the chamber: P ambient / P above the piston", 0, chamber),
-        shot.curve("exhaust, at the holes: P ambient / P before the holes", 1, holes),
+        shot.curve("exhaust, at the holes: P behind / P before the holes", 1, holes),
     ];
     let panels = vec![panel(into, critical), panel(out, critical)];
     Figure {

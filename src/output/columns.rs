@@ -67,6 +67,7 @@ pub fn columns(record: &CycleRecord) -> Vec<Column<'_>> {
         column("hand_force", "N", &f.hand),
         column("exhaust_mass_flow", "kg/s", &r.exhaust.mass_flow),
         column("exhaust_plenum_pressure", "Pa", &r.exhaust.plenum_pressure),
+        column("exhaust_back_pressure", "Pa", &r.exhaust.back_pressure),
         column("exhaust_stagnation_temperature", "K", &r.exhaust.stagnation_temperature),
         column("intake_mass_flow", "kg/s", &r.exhaust.intake_mass_flow),
         column("vent_mass_flow", "kg/s", &r.vent.mass_flow),

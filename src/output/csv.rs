@@ -1,10 +1,11 @@
-//! Comma-separated files: `levels.csv`, `events.csv`, `histories.csv`. Units stand in the header.
+//! Comma-separated files: `levels.csv`, `intervals.csv`, `power.csv`, `events.csv`, `histories.csv`. Units stand in the header.
 
 use std::fmt::Write;
 
 use nailnoise_dynamics::{CycleRecord, Events};
 
 use super::columns::columns;
+use crate::pipeline::Run;
 use crate::result::RunResult;
 
 /// What each event is, in the order t0..t18.
@@ -58,6 +59,55 @@ pub(super) fn levels(result: &RunResult) -> String {
         text.push_str(&optional(source.lwa_db, 3));
     }
     text.push('\n');
+    text
+}
+
+/// `intervals.csv`: interval by source, the energy-additive level and that of the signal cut at the events. Silence is
+/// empty.
+pub(super) fn intervals(result: &RunResult) -> String {
+    let mut text = String::from("from,to,from [s],to [s]");
+    for source in &result.ranking {
+        let _ = write!(text, ",{0} L_WA [dB],{0} L_WA cut [dB]", source.source);
+    }
+    text.push('\n');
+    let count = result.ranking.first().map_or(0, |source| source.intervals.len());
+    for index in 0..count {
+        let interval = &result.ranking[0].intervals[index];
+        let _ = write!(
+            text,
+            "{},{},{:.7},{:.7}",
+            interval.from, interval.to, interval.from_s, interval.to_s
+        );
+        for source in &result.ranking {
+            let own = &source.intervals[index];
+            let _ = write!(text, ",{},{}", optional(own.lwa_db, 3), optional(own.lwa_cut_db, 3));
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// `power.csv`: A-weighted sound power of every source over time, mean of each cell around the time given, and the
+/// screech frequency of the exhaust's jets there; empty while they are subsonic.
+pub(super) fn power(run: &Run) -> String {
+    let mut text = String::from("time [s]");
+    for power in &run.powers {
+        let _ = write!(text, ",{} W_A [W]", power.source);
+    }
+    text.push_str(",screech of the exhaust [Hz]\n");
+    let Some(first) = run.powers.first().map(|power| &power.history) else {
+        return text;
+    };
+    for cell in 0..first.power.len() {
+        let time = first.start + cell as f64 * first.sample_interval;
+        let _ = write!(text, "{time:.7}");
+        for power in &run.powers {
+            let _ = write!(text, ",{:.9e}", power.history.power[cell]);
+        }
+        let sample = (time >= 0.0).then(|| (time / run.record.sample_interval).round() as usize);
+        let screech = sample.and_then(|sample| run.screech.get(sample).copied().flatten());
+        let _ = writeln!(text, ",{}", optional(screech, 1));
+    }
     text
 }
 

@@ -3,6 +3,8 @@
 mod columns;
 mod csv;
 mod fields;
+mod sensors;
+mod shot;
 
 use std::path::{Path, PathBuf};
 
@@ -15,8 +17,9 @@ use crate::pipeline::{Body, Run};
 pub use columns::{Column, columns};
 pub use csv::EVENT_NAMES;
 
-/// Writes everything a run leaves behind to `folder`: `result.json`, `levels.csv`, `events.csv`, `histories.csv` and
-/// `fields/*.vtu`.
+/// Writes everything a run leaves behind to `folder`: `result.json`, `levels.csv`, `intervals.csv`, `power.csv`,
+/// `events.csv`, `histories.csv`, `sensors.csv`, `sensors-spectrum.csv` and `sensors.uff` where the design has sensors,
+/// and `fields/*`.
 ///
 /// # Errors
 /// [`Error::Write`] with the file that could not be written.
@@ -25,7 +28,11 @@ pub fn write_run(folder: &Path, run: &Run) -> Result<(), Error> {
     let mut json = serde_json::to_vec_pretty(&run.result).map_err(Error::Json)?;
     json.push(b'\n');
     write(&folder.join("levels.csv"), csv::levels(&run.result).as_bytes())?;
+    write(&folder.join("intervals.csv"), csv::intervals(&run.result).as_bytes())?;
+    write(&folder.join("power.csv"), csv::power(run).as_bytes())?;
+    sensors::write(folder, run)?;
     fields::write(&folder.join("fields"), run)?;
+    shot::write(&folder.join("fields"), run)?;
     // Last, so that a folder with a result has all the rest of it.
     write(&folder.join("result.json"), &json)
 }

@@ -4,6 +4,7 @@ use nailnoise_dynamics as dynamics;
 use nailnoise_dynamics::prf::{PenetrationLaw, ResistanceLaw};
 use nailnoise_fem::supports::{RectangularBase, Sand};
 
+use super::cycle_settings;
 use crate::design::{self, Design, SupportKind};
 use crate::error::Error;
 
@@ -12,15 +13,7 @@ use crate::error::Error;
 /// # Errors
 /// [`Error::Cycle`] when the design cannot be computed.
 pub fn cycle(design: &Design) -> Result<dynamics::CycleRecord, Error> {
-    let analysis = &design.analysis;
-    let settings = dynamics::Settings {
-        relative_tolerance: analysis.cycle_tolerance,
-        sample_interval: analysis.time_step,
-        end: analysis.cycle_end,
-        tail: analysis.cycle_tail,
-        ..dynamics::Settings::default()
-    };
-    Ok(dynamics::simulate(&parameters(design)?, &settings)?)
+    Ok(dynamics::simulate(&parameters(design)?, &cycle_settings(design))?)
 }
 
 /// The cycle's parameters of a design.
@@ -115,6 +108,7 @@ impl From<&design::Exhaust> for dynamics::Exhaust {
             holes: own.holes,
             hole_diameter: own.hole_diameter,
             thrust_share: own.thrust_share,
+            muffler_area: (own.muffler.kind != design::MufflerKind::None).then_some(own.muffler.flow_area),
         }
     }
 }

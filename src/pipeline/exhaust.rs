@@ -1,15 +1,20 @@
-//! Sound energy of the air that leaves: exhaust holes and trigger vent.
+//! Sound energy of the air that leaves: exhaust holes, muffler and trigger vent.
 
-use nailnoise_acoustics::Air;
+use std::f64::consts::PI;
+
 use nailnoise_acoustics::exhaust::{
-    ExhaustSettings, FlowHistory, Opening, ValveNoise, exhaust_noise, valve_noise_energy,
+    ExhaustSettings, FlowHistory, Jet, Opening, PlenumResonance, ValveNoise, exhaust_noise, screech_track,
+    valve_noise_energy,
 };
 use nailnoise_acoustics::fourier::TransformSettings;
 use nailnoise_acoustics::levels::{SourceSpectrum, energy_level};
+use nailnoise_acoustics::muffler::{BandLosses, Lining, Muffler, MufflerChain, MufflerElement};
+use nailnoise_acoustics::{AcousticsError, Air};
 use nailnoise_dynamics::CycleRecord;
 
+use super::ranking::parts_of;
 use super::sound::Sound;
-use crate::design::Design;
+use crate::design::{self, Design, MufflerKind};
 use crate::error::Error;
 use crate::result::{Check, CrossCheck, Uncertainty};
 
@@ -19,7 +24,7 @@ const MODEL_BAND: f64 = 4.0;
 
 /// The exhaust as one source.
 pub(super) struct Exhaust {
-    /// Its energy; the contributions are the mechanisms and the trigger vent.
+    /// Its energy; the contributions are the mechanisms, the muffler's outlet and the trigger vent.
     pub(super) sound: Sound,
     /// Unweighted level of the holes' jets by the efficiencies of IEC 60534-8-3, an independent estimate \[dB\].
     pub(super) cross_check_lw: Option<f64>,
@@ -29,6 +34,10 @@ pub(super) struct Exhaust {
     pub(super) mass_gap: f64,
     /// Share of the mixing energy from jet speeds outside the correlation's range \[-\].
     pub(super) outside_range: f64,
+    /// The jets that merge: what sounds in the place of the holes.
+    pub(super) merged: Option<Opening>,
+    /// Screech frequency of the holes' jets at every sample of the cycle \[Hz\]; none while they are subsonic.
+    pub(super) screech: Vec<Option<f64>>,
 }
 
 /// Largest difference between the mass that leaves in the cycle and that of the jets as the acoustics expand it.
@@ -45,59 +54,89 @@ impl Exhaust {
     }
 }
 
-/// Computes the noise of exhaust holes and trigger vent from the cycle's flow.
+/// Computes the noise of exhaust holes, muffler and trigger vent from the cycle's flow.
 pub(super) fn exhaust(design: &Design, record: &CycleRecord, air: &Air) -> Result<Exhaust, Error> {
-    let settings = ExhaustSettings {
+    let bare = ExhaustSettings {
         transform: TransformSettings {
             range_hz: [design.analysis.range_low, design.analysis.exhaust_top],
             ..TransformSettings::default()
         },
-        plenum: None,
-        muffler: None,
+        ..ExhaustSettings::default()
     };
-    let flow = FlowHistory {
+    let own = &design.exhaust;
+    let muffled = own.muffler.kind != MufflerKind::None;
+    let mass = &record.exhaust.mass_flow;
+    let temperature = &record.exhaust.stagnation_temperature;
+    let through = |pressure: &[f64], behind: Option<&[f64]>, mass: &[f64], temperature: &[f64]| FlowHistory {
         sample_interval: record.sample_interval,
-        mass_flow: record.exhaust.mass_flow.clone(),
-        pressure: record.exhaust.plenum_pressure.clone(),
-        temperature: record.exhaust.stagnation_temperature.clone(),
+        mass_flow: mass.to_vec(),
+        pressure: pressure.to_vec(),
+        temperature: temperature.to_vec(),
+        back_pressure: behind.map(<[f64]>::to_vec),
     };
+    let behind = &record.exhaust.back_pressure;
+    let flow = through(
+        &record.exhaust.plenum_pressure,
+        muffled.then_some(behind),
+        mass,
+        temperature,
+    );
     let holes = Opening {
-        count: design.exhaust.holes as usize,
-        diameter: design.exhaust.hole_diameter,
+        count: own.holes as usize,
+        diameter: own.hole_diameter,
         discharge_coefficient: design.chambers.discharge_coefficient,
-        pitch: None,
+        pitch: Some(own.pitch),
     };
-    let noise = exhaust_noise("exhaust holes", &flow, &holes, air, &settings)?;
-    let vent_flow = FlowHistory {
-        sample_interval: record.sample_interval,
-        mass_flow: record.vent.mass_flow.clone(),
-        pressure: record.vent.pressure.clone(),
-        temperature: record.vent.temperature.clone(),
+    holes.check_area(nailnoise_dynamics::Exhaust::from(own).area())?;
+    let jets = holes.merged();
+    let settings = ExhaustSettings {
+        plenum: own.plenum.resonance.then_some(PlenumResonance {
+            volume: own.plenum.volume,
+            neck_length: own.plenum.neck_length,
+            quality: own.plenum.quality,
+        }),
+        muffler: muffler(&own.muffler, outlet_mach(record, air))?,
+        ..bare.clone()
     };
-    // The design gives the vent's effective area, C_d included: a round hole of that area without contraction.
-    let vent = Opening {
-        count: 1,
-        diameter: (4.0 * design.trigger.vent_area / std::f64::consts::PI).sqrt(),
-        discharge_coefficient: 1.0,
-        pitch: None,
-    };
-    let vent = exhaust_noise("trigger vent", &vent_flow, &vent, air, &settings)?;
+    let noise = exhaust_noise("exhaust holes", &flow, &jets, air, &settings)?;
     let mut parts = parts_of(&noise.spectrum);
+    let mut openings = vec![noise.history];
+    let (mut jets_energy, mut other_energy) = (
+        noise.mixing_energy + noise.shock_energy,
+        valve_noise_energy(&flow, air, &ValveNoise::default()),
+    );
+    if own.muffler.kind == MufflerKind::Chamber {
+        // The sound of the holes' outflow has passed the muffler already; what the tail pipe adds is its own jet.
+        let tail = through(behind, None, mass, temperature);
+        let outlet = ExhaustSettings {
+            unsteady_flow: false,
+            ..bare.clone()
+        };
+        let noise = exhaust_noise("muffler outlet", &tail, &round(own.muffler.flow_area), air, &outlet)?;
+        jets_energy += noise.mixing_energy + noise.shock_energy;
+        other_energy += valve_noise_energy(&tail, air, &ValveNoise::default());
+        parts.push(noise.spectrum);
+        openings.push(noise.history);
+    }
+    let vent = &record.vent;
+    let vent = through(&vent.pressure, None, &vent.mass_flow, &vent.temperature);
+    // The design gives the vent's effective area, C_d included.
+    let vent = exhaust_noise("trigger vent", &vent, &round(design.trigger.vent_area), air, &bare)?;
     parts.push(vent.spectrum);
-    let cross_check_lw = energy_level(valve_noise_energy(&flow, air, &ValveNoise::default()));
-    let jets_lw = energy_level(noise.mixing_energy + noise.shock_energy);
+    openings.push(vent.history);
+    let (cross_check_lw, jets_lw) = (energy_level(other_energy), energy_level(jets_energy));
     Ok(Exhaust {
         sound: Sound {
             spectrum: SourceSpectrum::sum("exhaust", noise.spectrum.method.clone(), &parts),
             signals: Vec::new(),
-            openings: vec![noise.history, vent.history],
+            openings,
             uncertainty: Uncertainty {
                 minus: Some(MODEL_BAND),
                 plus: Some(MODEL_BAND),
                 basis: "distance of the jet correlations from the efficiencies of IEC 60534-8-3".to_owned(),
             },
             cross_check: Some(CrossCheck {
-                quantity: "jets of the exhaust holes over all frequencies",
+                quantity: "jets of the exhaust over all frequencies, before a muffler",
                 lw_db: jets_lw,
                 other: "IEC 60534-8-3",
                 other_lw_db: cross_check_lw,
@@ -111,16 +150,82 @@ pub(super) fn exhaust(design: &Design, record: &CycleRecord, air: &Air) -> Resul
             0.0
         },
         outside_range: noise.mixing_outside_range,
+        merged: (jets != holes).then_some(jets),
+        screech: screech_track(&flow, &jets, air),
     })
 }
 
-/// The contributions of a spectrum as spectra of their own.
-fn parts_of(spectrum: &SourceSpectrum) -> Vec<SourceSpectrum> {
-    let part = |contribution: &nailnoise_acoustics::levels::Contribution| SourceSpectrum {
-        source: contribution.name.clone(),
-        energy_density: contribution.energy_density.clone(),
-        contributions: Vec::new(),
-        ..spectrum.clone()
+/// A round hole without contraction of this effective area \[m2\].
+fn round(effective_area: f64) -> Opening {
+    Opening {
+        count: 1,
+        diameter: (4.0 * effective_area / PI).sqrt(),
+        discharge_coefficient: 1.0,
+        pitch: None,
+    }
+}
+
+/// Mach number of the flow out of a muffler, at most 1, averaged over the mass that leaves.
+fn outlet_mach(record: &CycleRecord, air: &Air) -> f64 {
+    let flow = &record.exhaust;
+    let (mut mass, mut sum) = (0.0, 0.0);
+    for ((flow, behind), temperature) in flow
+        .mass_flow
+        .iter()
+        .zip(&flow.back_pressure)
+        .zip(&flow.stagnation_temperature)
+    {
+        if let Some(jet) = Jet::expand(*behind, *temperature, air).filter(|_| *flow > 0.0) {
+            sum += flow * jet.mach.min(1.0);
+            mass += flow;
+        }
+    }
+    if mass > 0.0 { sum / mass } else { 0.0 }
+}
+
+/// The design's muffler as the acoustics knows it; `outlet_mach` is the Mach number of the flow that leaves it.
+fn muffler(own: &design::Muffler, outlet_mach: f64) -> Result<Option<Muffler>, AcousticsError> {
+    Ok(match own.kind {
+        MufflerKind::None => None,
+        MufflerKind::InsertionLoss => Some(Muffler::InsertionLoss(BandLosses::new(&thirds(&own.octaves))?)),
+        MufflerKind::Chamber => {
+            let lining = (own.lining_thickness > 0.0).then_some(Lining {
+                thickness: own.lining_thickness,
+                resistivity: own.lining_resistivity,
+            });
+            let element = |length, diameter, lining| MufflerElement {
+                length,
+                diameter,
+                lining,
+            };
+            Some(Muffler::Chain(MufflerChain {
+                elements: vec![
+                    element(own.chamber_length, own.chamber_diameter, None),
+                    element(own.tail_length, own.tail_diameter, lining),
+                ],
+                outlet_diameter: own.tail_diameter,
+                outlet_mach,
+            }))
+        }
+    })
+}
+
+/// Octaves as third octaves: mid-band frequency \[Hz\] and insertion loss \[dB\], that of an octave in each of its three.
+fn thirds(octaves: &design::Octaves) -> Vec<(f64, f64)> {
+    let losses = [
+        octaves.hz_63,
+        octaves.hz_125,
+        octaves.hz_250,
+        octaves.hz_500,
+        octaves.hz_1000,
+        octaves.hz_2000,
+        octaves.hz_4000,
+        octaves.hz_8000,
+        octaves.hz_16000,
+    ];
+    let of_octave = |(octave, loss): (usize, &f64)| {
+        let first = 3 * octave as i32 - 13;
+        [0, 1, 2].map(|third| (1000.0 * 10f64.powf(0.1 * f64::from(first + third)), *loss))
     };
-    spectrum.contributions.iter().map(part).collect()
+    losses.iter().enumerate().flat_map(of_octave).collect()
 }

@@ -13,6 +13,7 @@ mod preset;
 mod radiation;
 mod ranking;
 mod response;
+mod sensors;
 mod settings;
 mod shank;
 mod sound;
@@ -26,6 +27,7 @@ pub use bodies::{Body, Structure, table, workpiece};
 pub use cycle::{cycle, parameters};
 pub use intervals::SoundPower;
 pub use preset::{Preset, cycle_as_published};
+pub use sensors::SensorRecord;
 pub use settings::cycle_settings;
 
 use crate::design::{Design, SupportKind};
@@ -63,6 +65,10 @@ pub struct Run {
     pub spectra: Vec<ModalSpectra>,
     /// A-weighted sound power of every source over time, loudest source first.
     pub powers: Vec<SoundPower>,
+    /// Screech frequency of the exhaust's jets at every sample of the cycle \[Hz\]; none while they are subsonic.
+    pub screech: Vec<Option<f64>>,
+    /// What the design's sensors record, by name.
+    pub sensors: Vec<SensorRecord>,
 }
 
 /// What a run may change about the physics without being another design; for studies and tests of laws.
@@ -110,6 +116,7 @@ pub fn run(design: &Design, options: Options, observer: &mut dyn Observer) -> Re
     let response = timing.time("response", || {
         response::response(design, &structure, &parameters, &record, force_scale)
     })?;
+    let sensors = timing.time("sensors", || sensors::sensors(design, &structure, &response, &record))?;
     observer.stage("radiation");
     let air = Air::at(design.ambient.temperature, design.ambient.pressure)?;
     let spectra = timing.time("modal spectra", || {
@@ -143,10 +150,13 @@ pub fn run(design: &Design, options: Options, observer: &mut dyn Observer) -> Re
             name: design.name().to_owned(),
             digest: design.digest(),
         },
+        inputs: design.entries().into_iter().map(Into::into).collect(),
         ranking,
         total,
         outcome: record.outcome,
+        cycle: record.summary.clone(),
         events: record.events,
+        sensors: sensors.iter().map(SensorRecord::level).collect(),
         checks,
         notes,
         timing,
@@ -158,5 +168,7 @@ pub fn run(design: &Design, options: Options, observer: &mut dyn Observer) -> Re
         response,
         spectra,
         powers,
+        screech: exhaust.screech,
+        sensors,
     })
 }

@@ -5,7 +5,7 @@ use nailnoise_fem::transient::{Ending, ModalResponse};
 
 use super::exhaust::Exhaust;
 use super::missing::Missing;
-use crate::design::{Design, SupportKind};
+use crate::design::{Design, MufflerKind, SupportKind};
 
 /// Notes on one run, most important first.
 pub(super) fn notes(
@@ -43,11 +43,30 @@ pub(super) fn notes(
             100.0 * exhaust.outside_range
         ));
     }
+    if let Some(jet) = exhaust.merged {
+        notes.push(format!(
+            "exhaust: {} holes {:.1} mm apart, at most 3 diameters: their jets merge and sound as one of {:.1} mm",
+            design.exhaust.holes,
+            1e3 * design.exhaust.pitch,
+            1e3 * jet.diameter
+        ));
+    }
+    if design.exhaust.muffler.kind == MufflerKind::Chamber {
+        notes.push(
+            "muffler: plane waves between a source of given volume flow and free space, damped by the jet at its outlet; \
+             that jet's own noise is counted, unmuffled"
+                .to_owned(),
+        );
+    }
     let end = response.duration();
     notes.push(match response.ending {
         Ending::Decayed { level, .. } => format!("response ended at {end:.3} s, its energy {level:.0} dB down"),
         Ending::Duration { level, .. } => format!("response cut at {end:.3} s, its energy {level:.0} dB down"),
     });
+    let idle = super::sensors::idle(design);
+    if !idle.is_empty() {
+        notes.push(format!("sensors on bodies that this design lacks: {}", idle.join(", ")));
+    }
     notes.push("the tool's later landing is not part of the shot".to_owned());
     notes
 }

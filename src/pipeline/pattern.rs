@@ -4,7 +4,7 @@
 //! what one body does to another through the same pair of patterns neither makes nor loses energy.
 
 use nailnoise_meshes::{Mesh, MeshError, gauss_legendre};
-use nalgebra::{DMatrix, DVector, Point3};
+use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
 /// Sparse weights on the degrees of freedom 3 node + axis of a mesh.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,14 +58,18 @@ impl Pattern {
     /// # Errors
     /// [`MeshError::Outside`] when the point is not in the mesh.
     pub(super) fn point(mesh: &Mesh, point: Point3<f64>) -> Result<Self, MeshError> {
+        Self::along(mesh, point, Vector3::z())
+    }
+
+    /// Displacement of a point inside the body along a unit vector.
+    ///
+    /// # Errors
+    /// [`MeshError::Outside`] when the point is not in the mesh.
+    pub(super) fn along(mesh: &Mesh, point: Point3<f64>, direction: Vector3<f64>) -> Result<Self, MeshError> {
         let place = mesh.locate(point)?;
+        let of_node = |(&node, &w): (&usize, &f64)| [0, 1, 2].map(|axis| (3 * node + axis, w * direction[axis]));
         Ok(Self::gathered(
-            place
-                .nodes
-                .iter()
-                .zip(&place.weights)
-                .map(|(node, &w)| (3 * node + 2, w))
-                .collect(),
+            place.nodes.iter().zip(&place.weights).flat_map(of_node).collect(),
         ))
     }
 

@@ -110,7 +110,7 @@ fn free_standing(design: &Design, structure: &Structure, spectra: &[ModalSpectra
 
 /// Rayleigh's integral over the block's top, flush with the sand.
 fn flush_top(design: &Design, body: &Body, spectrum: &ModalSpectra, air: &Air) -> Result<Sound, Error> {
-    let (block, sand) = (&design.workpiece, &design.support.sand);
+    let sand = &design.support.sand;
     let surface = radiating(body, |patch, _| patch != "top")?;
     let mut rayleigh = Rayleigh::new(&surface, air)?;
     let absorbing = AbsorbingSand {
@@ -121,15 +121,7 @@ fn flush_top(design: &Design, body: &Body, spectrum: &ModalSpectra, air: &Air) -
         rayleigh = rayleigh.with_absorbing_sand(absorbing)?;
     }
     if sand.moving_surface {
-        let around = |length: f64| [-0.5 * length, 0.5 * length];
-        let ground = Sand::new(sand.shear_modulus, sand.density, sand.poisson_ratio)?;
-        rayleigh = rayleigh.with_moving_sand(MovingSand {
-            footprint: [around(block.length), around(block.width)],
-            sand: [around(sand.box_length), around(sand.box_width)],
-            shear_speed: ground.shear_speed(),
-            loss_factor: sand.loss_factor,
-            to_hz: sand.moving_surface_top,
-        })?;
+        rayleigh = rayleigh.with_moving_sand(moving_sand(design)?)?;
     }
     let top = spectrum.range_hz[1];
     let sampled = rayleigh.sampled(&Sampling {
@@ -145,6 +137,20 @@ fn flush_top(design: &Design, body: &Body, spectrum: &ModalSpectra, air: &Air) -
         openings: Vec::new(),
         uncertainty,
         cross_check: None,
+    })
+}
+
+/// The sand's surface as it moves with the block.
+pub(super) fn moving_sand(design: &Design) -> Result<MovingSand, Error> {
+    let (block, sand) = (&design.workpiece, &design.support.sand);
+    let around = |length: f64| [-0.5 * length, 0.5 * length];
+    let ground = Sand::new(sand.shear_modulus, sand.density, sand.poisson_ratio)?;
+    Ok(MovingSand {
+        footprint: [around(block.length), around(block.width)],
+        sand: [around(sand.box_length), around(sand.box_width)],
+        shear_speed: ground.shear_speed(),
+        loss_factor: sand.loss_factor,
+        to_hz: sand.moving_surface_top,
     })
 }
 

@@ -1,8 +1,6 @@
 //! The ranked table: levels of every source over the common range.
 
-use nailnoise_acoustics::levels::{
-    self, BandLevel as Band, Level, SourceSpectrum, Weighting, energy_level, level_energy,
-};
+use nailnoise_acoustics::levels::{self, BandLevel as Band, Level, SourceSpectrum, Weighting, level_energy};
 
 use super::sound::Sound;
 use crate::result::{BandLevel, Check, Component, RankedSource, Total};
@@ -54,14 +52,28 @@ fn bands(spectrum: &SourceSpectrum, range_hz: [f64; 2]) -> Vec<BandLevel> {
 }
 
 fn components(spectrum: &SourceSpectrum, range_hz: [f64; 2]) -> Vec<Component> {
-    let parts = spectrum.contribution_energies(range_hz, Weighting::A);
-    parts
+    parts_of(spectrum)
         .into_iter()
-        .map(|(name, energy)| Component {
-            name,
-            lwa_db: energy_level(energy),
+        .map(|part| Component {
+            lwa_db: part.level(range_hz, Weighting::A),
+            lw_db: part.level(range_hz, Weighting::Z),
+            bands: bands(&part, range_hz),
+            name: part.source,
         })
         .collect()
+}
+
+/// The contributions of a spectrum as spectra of their own.
+pub(super) fn parts_of(spectrum: &SourceSpectrum) -> Vec<SourceSpectrum> {
+    let part = |contribution: &levels::Contribution| SourceSpectrum {
+        source: contribution.name.clone(),
+        method: spectrum.method.clone(),
+        frequency: spectrum.frequency.clone(),
+        energy_density: contribution.energy_density.clone(),
+        range_hz: spectrum.range_hz,
+        contributions: Vec::new(),
+    };
+    spectrum.contributions.iter().map(part).collect()
 }
 
 /// Checks that bands sum to each source's level and sources to the total, as relative energy.

@@ -24,8 +24,6 @@ const MOST_CANDIDATES: usize = 1000;
 const BATCH: usize = 256;
 /// Interval of the samples, which no outcome needs \[s\].
 const SAMPLES: f64 = 1e-3;
-/// Tolerance of the second attempt after the solver gave up, in parts of the design's.
-const CLOSER: f64 = 0.1;
 
 /// Designs drawn from the ranges of one.
 #[derive(Debug, Clone, Serialize)]
@@ -40,8 +38,6 @@ pub struct Study {
     pub refused: BTreeMap<String, usize>,
     /// How many designs came to each end: an outcome, `dry_fire` or `solver_failure`.
     pub counts: BTreeMap<String, usize>,
-    /// How many designs were integrated again at a tenth of the tolerance, the solver having given up.
-    pub repeated: usize,
     /// The designs, in the order they were drawn.
     pub draws: Vec<Draw>,
 }
@@ -53,8 +49,6 @@ pub struct Draw {
     pub candidate: usize,
     /// Values of the parameters, in their order.
     pub values: Vec<Value>,
-    /// Why the solver gave up at the design's tolerance; the fate is that of a second attempt at a tenth of it.
-    pub repeated: Option<String>,
     /// What became of it.
     pub fate: Fate,
 }
@@ -117,7 +111,6 @@ pub fn study(design: &Design, count: usize, seed: u64) -> Result<Study, Error> {
         candidates: 0,
         refused: BTreeMap::new(),
         counts: BTreeMap::new(),
-        repeated: 0,
         draws: Vec::new(),
     };
     while study.draws.len() < count && study.candidates < MOST_CANDIDATES.saturating_mul(count) {
@@ -131,7 +124,6 @@ pub fn study(design: &Design, count: usize, seed: u64) -> Result<Study, Error> {
             study.candidates += 1;
             match result {
                 Ok(draw) => {
-                    study.repeated += usize::from(draw.repeated.is_some());
                     *study.counts.entry(draw.fate.name().to_owned()).or_default() += 1;
                     study.draws.push(draw);
                 }
@@ -171,22 +163,7 @@ fn candidate(
         return Err(keys(&conflict));
     }
     let shot = pipeline::parameters(&drawn).map_err(|error| error.to_string())?;
-    let mut repeated = None;
-    let mut result = simulate(&shot, settings);
-    if let Err(error) = &result
-        && is_failure(error)
-    {
-        repeated = Some(error.to_string());
-        let relative_tolerance = settings.relative_tolerance * CLOSER;
-        result = simulate(
-            &shot,
-            &Settings {
-                relative_tolerance,
-                ..settings.clone()
-            },
-        );
-    }
-    let fate = match result {
+    let fate = match simulate(&shot, settings) {
         Ok(record) => Fate::Shot {
             outcome: record.outcome,
             summary: Box::new(record.summary),
@@ -198,7 +175,6 @@ fn candidate(
     Ok(Draw {
         candidate,
         values,
-        repeated,
         fate,
     })
 }

@@ -32,8 +32,9 @@ impl Default for ValveNoise {
 /// ```
 pub fn valve_noise_energy(history: &FlowHistory, air: &Air, valve: &ValveNoise) -> f64 {
     let fl2 = valve.recovery * valve.recovery;
-    let power = |((&flow, &pressure), &temperature): ((&f64, &f64), &f64)| {
-        let Some(jet) = Jet::expand(pressure, temperature, air).filter(|_| flow > 0.0) else {
+    let power = |(sample, ((&flow, &pressure), &temperature)): (usize, ((&f64, &f64), &f64))| {
+        let Some(jet) = Jet::expand(pressure, temperature, &history.surroundings(sample, air)).filter(|_| flow > 0.0)
+        else {
             return 0.0;
         };
         let sonic2 = 2.0 * HEAT_RATIO / (HEAT_RATIO + 1.0) * GAS_CONSTANT * temperature;
@@ -48,6 +49,7 @@ pub fn valve_noise_energy(history: &FlowHistory, air: &Air, valve: &ValveNoise) 
         .mass_flow
         .iter()
         .zip(&history.pressure)
-        .zip(&history.temperature);
+        .zip(&history.temperature)
+        .enumerate();
     samples.map(power).sum::<f64>() * history.sample_interval
 }

@@ -5,6 +5,7 @@
 //! Flow inward radiates nothing here.
 
 mod cross_check;
+mod directivity;
 mod histogram;
 mod history;
 mod jet;
@@ -17,6 +18,7 @@ mod shock;
 mod similarity;
 
 pub use cross_check::{ValveNoise, valve_noise_energy};
+pub use directivity::{floor_image, mixing_directivity};
 pub use history::ExhaustHistory;
 pub use jet::Jet;
 pub use mixing::{MIXING_RANGE, mixing_power};

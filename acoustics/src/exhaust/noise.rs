@@ -10,7 +10,7 @@ use crate::error::AcousticsError;
 use crate::fourier::TransformSettings;
 use crate::levels::{Contribution, PowerSignals, SourceSpectrum};
 use crate::muffler::Muffler;
-use nalgebra::DMatrix;
+use nalgebra::{Complex, DMatrix};
 use serde::Serialize;
 
 /// Strouhal number f D_j/U_j at which mixing noise peaks, per hertz.
@@ -28,6 +28,8 @@ pub struct ExhaustSettings {
     pub plenum: Option<PlenumResonance>,
     /// What the sound of jets and outflow passes before it is radiated.
     pub muffler: Option<Muffler>,
+    /// Whether the unsteady outflow counts; not for the end of a muffler, where it is that of the holes before it.
+    pub unsteady_flow: bool,
 }
 
 impl Default for ExhaustSettings {
@@ -41,6 +43,7 @@ impl Default for ExhaustSettings {
             transform,
             plenum: None,
             muffler: None,
+            unsteady_flow: true,
         }
     }
 }
@@ -99,6 +102,7 @@ pub fn exhaust_noise(
             continue;
         }
         mass += flow * dt;
+        let air = &history.surroundings(sample, air);
         let Some(jet) = Jet::expand(pressure, temperature, air) else {
             adverse_mass += flow * dt;
             if worst.is_none_or(|(_, largest, _)| flow > largest) {
@@ -144,6 +148,9 @@ pub fn exhaust_noise(
     let temperature = outflow_temperature(history).unwrap_or(air.temperature);
     let plenum = plenum.map(|plenum| (plenum, plenum.frequency(opening, temperature)));
     let (frequency, mut signal) = monopole(history, air, &settings.transform, plenum)?;
+    if !settings.unsteady_flow {
+        signal.fill(Complex::ZERO);
+    }
     let passed: Option<Vec<f64>> = match &settings.muffler {
         Some(muffler) => Some(
             frequency

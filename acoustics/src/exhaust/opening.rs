@@ -1,3 +1,4 @@
+use crate::air::Air;
 use crate::error::{AcousticsError, finite, positive, same_length};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -13,9 +14,19 @@ pub struct FlowHistory {
     pub pressure: Vec<f64>,
     /// Stagnation temperature before the opening \[K\].
     pub temperature: Vec<f64>,
+    /// Absolute pressure behind the opening \[Pa\], that inside a muffler; none where it is the ambient one.
+    pub back_pressure: Option<Vec<f64>>,
 }
 
 impl FlowHistory {
+    /// The gas into which the jets of a sample blow: the air, or the outflow that fills a muffler.
+    pub(super) fn surroundings(&self, sample: usize, air: &Air) -> Air {
+        match &self.back_pressure {
+            Some(behind) => Air::perfect_gas(self.temperature[sample], behind[sample]),
+            None => *air,
+        }
+    }
+
     pub(super) fn check(&self) -> Result<(), AcousticsError> {
         let n = self.mass_flow.len();
         positive("sample interval [s]", self.sample_interval)?;
@@ -24,6 +35,13 @@ impl FlowHistory {
         finite("exhaust mass flow", &self.mass_flow)?;
         finite("pressure before the opening", &self.pressure)?;
         finite("temperature before the opening", &self.temperature)?;
+        if let Some(behind) = &self.back_pressure {
+            same_length("pressure behind the opening", behind.len(), n)?;
+            finite("pressure behind the opening", behind)?;
+            for &p in behind {
+                positive("pressure behind the opening [Pa]", p)?;
+            }
+        }
         for &t in &self.temperature {
             positive("temperature before the opening [K]", t)?;
         }
@@ -45,6 +63,20 @@ pub struct Opening {
 }
 
 impl Opening {
+    /// The jets as they sound: n of them where the holes stand more than 3 d apart, one of the same area where they stand
+    /// nearer and merge. Holes of unknown pitch stand apart.
+    pub fn merged(&self) -> Self {
+        match self.pitch {
+            Some(pitch) if self.count > 1 && pitch <= 3.0 * self.diameter => Self {
+                count: 1,
+                diameter: self.diameter * (self.count as f64).sqrt(),
+                discharge_coefficient: self.discharge_coefficient,
+                pitch: None,
+            },
+            _ => *self,
+        }
+    }
+
     /// Geometric area of all holes \[m²\].
     pub fn area(&self) -> f64 {
         self.count as f64 * PI / 4.0 * self.diameter * self.diameter

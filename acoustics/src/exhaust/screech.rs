@@ -21,15 +21,17 @@ pub fn screech_frequency(jet: &Jet, diameter: f64, temperature: f64, air: &Air) 
 
 /// Screech frequency \[Hz\] at every sample; `None` where the flow is subsonic or inward.
 pub fn screech_track(history: &FlowHistory, opening: &Opening, air: &Air) -> Vec<Option<f64>> {
-    let at = |((&flow, &pressure), &temperature): ((&f64, &f64), &f64)| {
-        let jet = Jet::expand(pressure, temperature, air).filter(|_| flow > 0.0)?;
-        screech_frequency(&jet, opening.diameter, temperature, air)
+    let at = |(sample, ((&flow, &pressure), &temperature)): (usize, ((&f64, &f64), &f64))| {
+        let air = history.surroundings(sample, air);
+        let jet = Jet::expand(pressure, temperature, &air).filter(|_| flow > 0.0)?;
+        screech_frequency(&jet, opening.diameter, temperature, &air)
     };
     history
         .mass_flow
         .iter()
         .zip(&history.pressure)
         .zip(&history.temperature)
+        .enumerate()
         .map(at)
         .collect()
 }

@@ -68,10 +68,16 @@ impl Lining {
     }
 }
 
+/// Frequency \[Hz\] up to which plane waves are alone in a round pipe of the given diameter \[m\]: there the first mode
+/// across it cuts on, k d/2 = 1.8412. `sound_speed` in m/s.
+pub fn plane_wave_limit(diameter: f64, sound_speed: f64) -> f64 {
+    CROSS_MODE * sound_speed / (PI * diameter)
+}
+
 impl MufflerElement {
-    /// Frequency at which the first mode across the element cuts on \[Hz\]; plane waves are not alone above.
+    /// [`plane_wave_limit`] of the element \[Hz\].
     pub fn highest_hz(&self, air: &Air) -> f64 {
-        CROSS_MODE * air.sound_speed / (PI * self.diameter)
+        plane_wave_limit(self.diameter, air.sound_speed)
     }
 
     /// The element's four-pole.

@@ -1,12 +1,13 @@
 //! Mufflers: insertion loss as measured, or computed from chambers and lined pipes by transfer matrices.
 //!
-//! Plane waves only. The muffler's resistance to the flow, which raises the pressure before it and slows the cycle, is not
-//! part of it: a muffler whose passages are narrow beside the exhaust holes needs a cycle that knows it.
+//! Plane waves only, in air at rest and of the ambient state; the flow through the muffler carries no sound. Its resistance
+//! to the flow raises the pressure before it and slows the cycle, which has it as a restriction behind the holes; that
+//! pressure is [`FlowHistory::back_pressure`](crate::exhaust::FlowHistory::back_pressure).
 
 mod elements;
 mod four_pole;
 
-pub use elements::{Lining, MufflerElement, miki_fluid};
+pub use elements::{Lining, MufflerElement, miki_fluid, plane_wave_limit};
 pub use four_pole::FourPole;
 
 use crate::air::Air;
@@ -79,6 +80,8 @@ pub struct MufflerChain {
     pub elements: Vec<MufflerElement>,
     /// Diameter of the outlet \[m\].
     pub outlet_diameter: f64,
+    /// Mach number M of the flow that leaves it; its jet damps the muffler's resonances.
+    pub outlet_mach: f64,
 }
 
 impl MufflerChain {
@@ -107,10 +110,19 @@ impl MufflerChain {
     /// Insertion loss for a source whose volume flow the muffler does not change, as that of throttled holes, which
     /// radiated into the open before \[dB\]: 20 lg |U_source / U_outlet|. Negative where the muffler resonates.
     ///
+    /// The outlet radiates into free space, and its jet takes energy from the sound:
+    ///
+    /// ```text
+    /// Z = Z_open end + M rho0 c0 / S
+    /// ```
+    ///
+    /// by Bernoulli's law p = rho U^2/2 for small changes of a quasi-steady jet, dp/dU = rho U.
+    ///
     /// # Errors
     /// See [`Self::four_pole`].
     pub fn insertion_loss(&self, hz: f64, air: &Air) -> Result<f64, AcousticsError> {
-        let load = open_end(hz, self.outlet_diameter, air);
+        let area = 0.25 * PI * self.outlet_diameter * self.outlet_diameter;
+        let load = open_end(hz, self.outlet_diameter, air) + self.outlet_mach * air.impedance() / area;
         Ok(self.four_pole(hz, air)?.flow_loss(load))
     }
 }

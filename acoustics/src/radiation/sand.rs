@@ -165,7 +165,7 @@ impl MovingSand {
                 }
             }
         }
-        let edge = |p: &[f64; 2]| [0, 1].map(|i| p[i].clamp(self.footprint[i][0], self.footprint[i][1]));
+        let edge = |p: &[f64; 2]| self.edge(*p);
         let distance = points
             .iter()
             .map(|p| {
@@ -184,13 +184,11 @@ impl MovingSand {
             carried.set_row(row, &(&value * *w));
             last = Some((e, value));
         }
-        let [[x0, x1], [y0, y1]] = self.footprint;
-        let radius = ((x1 - x0) * (y1 - y0) / PI).sqrt();
         SandPatch {
             planar: PlanarPoints::new(&points),
             distance,
             carried,
-            radius,
+            radius: self.radius(),
             law: *self,
         }
     }
@@ -223,22 +221,45 @@ impl SandPatch {
     /// Modal velocity of the sand times area at one frequency, real and imaginary part (points x modes); `None` where
     /// the sand no longer moves.
     pub(super) fn sources(&self, hz: f64) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
-        let fade = self.law.fade(hz)?;
-        let k = 2.0 * PI * hz / (RAYLEIGH_SPEED * self.law.shear_speed);
+        self.law.fade(hz)?;
         let mut real = self.carried.clone();
         let mut imaginary = self.carried.clone();
         for (row, &s) in self.distance.iter().enumerate() {
-            let amplitude =
-                2.0 / PI * (self.radius / (self.radius + s)).asin() * (-0.5 * self.law.loss_factor * k * s).exp();
-            let (sine, cosine) = (k * s).sin_cos();
-            real.row_mut(row).scale_mut(fade * amplitude * cosine);
-            imaginary.row_mut(row).scale_mut(-fade * amplitude * sine);
+            let ratio = self.law.carried(s, self.radius, hz);
+            real.row_mut(row).scale_mut(ratio.re);
+            imaginary.row_mut(row).scale_mut(ratio.im);
         }
         Some((real, imaginary))
     }
 }
 
 impl MovingSand {
+    /// The nearest point of the block's edge to a point (x, y) of the sand's surface \[m\].
+    pub fn edge(&self, point: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|i| point[i].clamp(self.footprint[i][0], self.footprint[i][1]))
+    }
+
+    /// v(s)/v_edge at a point (x, y) of the sand's surface: its velocity over that of the block at [`Self::edge`]; 0 above
+    /// the range in which the sand moves.
+    pub fn ratio(&self, point: [f64; 2], hz: f64) -> Complex<f64> {
+        let edge = self.edge(point);
+        let distance = (point[0] - edge[0]).hypot(point[1] - edge[1]);
+        self.carried(distance, self.radius(), hz)
+    }
+
+    fn carried(&self, s: f64, radius: f64, hz: f64) -> Complex<f64> {
+        let fade = self.fade(hz).unwrap_or(0.0);
+        let k = 2.0 * PI * hz / (RAYLEIGH_SPEED * self.shear_speed);
+        let amplitude = 2.0 / PI * (radius / (radius + s)).asin() * (-0.5 * self.loss_factor * k * s).exp();
+        Complex::from_polar(fade * amplitude, -k * s)
+    }
+
+    /// a = sqrt(A/pi) of the block's top.
+    fn radius(&self) -> f64 {
+        let [[x0, x1], [y0, y1]] = self.footprint;
+        ((x1 - x0) * (y1 - y0) / PI).sqrt()
+    }
+
     /// 1 up to a third octave below `to_hz`, then a smooth fall to 0 there.
     fn fade(&self, hz: f64) -> Option<f64> {
         let start = self.to_hz * 10f64.powf(-0.1);

@@ -29,6 +29,8 @@ pub(crate) struct Outflow<S> {
     pub(crate) mass: S,
     /// P_m before the holes \[Pa\].
     pub(crate) plenum: S,
+    /// P_s behind the holes, in the muffler where there is one \[Pa\].
+    pub(crate) behind: S,
     /// Part of the jets' thrust on the tool, down \[N\].
     pub(crate) thrust: S,
 }
@@ -118,29 +120,47 @@ impl System {
             return Outflow {
                 mass: zero,
                 plenum: ambient.pressure,
+                behind: ambient.pressure,
                 thrust: zero,
             };
         }
         let valve = &self.p.head_valve;
         let opening = now.valve - (valve.lift - valve.exhaust_lap);
-        let (mass, plenum) = self.exhaust_flow(opening, now.gas[ABOVE], ambient);
+        let (mass, [plenum, behind]) = self.exhaust_flow(opening, now.gas[ABOVE], ambient);
         let mass = self.outward(mass);
         let share = self.p.exhaust.thrust_share;
         let thrust = if share != 0.0 && mass.value() > 0.0 {
-            let area = share * self.p.chambers.discharge_coefficient * self.exhaust_area;
-            self.air.thrust(plenum, ambient.pressure) * area
+            let holes = self.p.chambers.discharge_coefficient * self.exhaust_area;
+            match self.p.exhaust.muffler_area {
+                // The air leaves the tool at the muffler's end.
+                Some(area) => self.air.thrust(behind, ambient.pressure) * (share * area),
+                None => self.air.thrust(plenum, ambient.pressure) * (share * holes),
+            }
         } else {
             zero
         };
-        Outflow { mass, plenum, thrust }
+        Outflow {
+            mass,
+            plenum,
+            behind,
+            thrust,
+        }
     }
 
     /// Above zero while the exhaust holes are choked: what the seat passes up to the critical P_m less what the holes
-    /// take there, (C A P)_seat N(P_m/P_1) - A_ma P_m with P_m = P_a/P_cr \[N\].
+    /// take there, (C A P)_seat N(P_m/P_1) - A_ma P_m with P_m = P_a/P_cr \[N\], or the P_m that a muffler asks for.
     pub(crate) fn hole_choking(&self, now: &Instant<f64>) -> f64 {
         let valve = &self.p.head_valve;
         let opening = now.valve - (valve.lift - valve.exhaust_lap);
-        let critical = self.p.ambient.pressure / self.air.critical;
+        let ambient = self.p.ambient.pressure;
+        let critical = match self.muffler() {
+            None => ambient / self.air.critical,
+            Some(muffler) => match self.air.choking_pressure(self.exhaust_area, muffler, ambient) {
+                Some(pressure) => pressure,
+                // The muffler chokes first, and the holes never do.
+                None => return -self.exhaust_area * ambient,
+            },
+        };
         let holes = self.exhaust_area * critical;
         let p1 = now.gas[ABOVE].pressure;
         if opening <= 0.0 || p1 <= critical {
@@ -217,8 +237,15 @@ impl System {
         if inward { flow } else { -flow }
     }
 
-    /// Flow 1 -> atmosphere through valve seat and holes in series, and P_m between them (C-15, C-16).
-    fn exhaust_flow<S: Real>(&self, opening: S, from: Gas<S>, ambient: Gas<S>) -> (S, S) {
+    /// Area of the muffler with the coefficient of the holes, A_s = (C A_s)/C_d \[m2\].
+    fn muffler(&self) -> Option<f64> {
+        let area = self.p.exhaust.muffler_area?;
+        Some(area / self.p.chambers.discharge_coefficient)
+    }
+
+    /// Flow 1 -> atmosphere through valve seat, holes and muffler in series, P_m before and P_s behind the holes (C-15,
+    /// C-16).
+    fn exhaust_flow<S: Real>(&self, opening: S, from: Gas<S>, ambient: Gas<S>) -> (S, [S; 2]) {
         let valve = &self.p.head_valve;
         let cd = self.p.chambers.discharge_coefficient;
         let seat = Self::seat_area(opening, self.exhaust_angle, valve.exhaust_seat_diameter, -1.0);
@@ -227,7 +254,25 @@ impl System {
         if seat.value() <= 0.0 {
             // Continues the flow smoothly past the closing of the seat, to where a step may run before it is cut back.
             let flow = self.air.flow(seat * cd, up, down.pressure);
-            return (if outward { flow } else { -flow }, ambient.pressure);
+            return (if outward { flow } else { -flow }, [ambient.pressure; 2]);
+        }
+        if let Some(muffler) = self.muffler() {
+            let [holes, muffler] = [self.exhaust_area, muffler].map(S::constant);
+            return if outward {
+                let [plenum, behind] =
+                    self.air
+                        .two_intermediate_pressures([seat, holes, muffler], up.pressure, down.pressure);
+                let at_holes = Gas {
+                    pressure: plenum,
+                    temperature: up.temperature,
+                };
+                (self.air.flow(holes * cd, at_holes, behind), [plenum, behind])
+            } else {
+                let [behind, plenum] =
+                    self.air
+                        .two_intermediate_pressures([muffler, holes, seat], up.pressure, down.pressure);
+                (-self.air.flow(muffler * cd, up, behind), [plenum, behind])
+            };
         }
         if outward {
             let plenum =
@@ -240,13 +285,13 @@ impl System {
             (
                 self.air
                     .flow(S::constant(cd * self.exhaust_area), at_holes, down.pressure),
-                plenum,
+                [plenum, ambient.pressure],
             )
         } else {
             // The same law inward: first the holes, then the seat.
             let holes = S::constant(self.exhaust_area);
             let plenum = self.air.intermediate_pressure(holes, seat, up.pressure, down.pressure);
-            (-self.air.flow(holes * cd, up, plenum), plenum)
+            (-self.air.flow(holes * cd, up, plenum), [plenum, ambient.pressure])
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Flow of air through restrictions.
 
-use super::real::Real;
+use super::real::{Dual, Real};
 
 /// Air and the compressible orifice law.
 ///
@@ -166,6 +166,96 @@ impl Air {
     }
 }
 
+impl Air {
+    /// Pressures between three restrictions in series, areas C A in the direction of the flow.
+    ///
+    /// ```text
+    /// A_1 P_u N(P_m/P_u) = A_2 P_m N(P_s/P_m) = A_3 P_s N(P_d/P_s)        P_d <= P_s <= P_m <= P_u
+    /// ```
+    ///
+    /// The temperature is the same in all three: each restriction throttles. P_s follows from P_m as in
+    /// [`Self::intermediate_pressure`], and what the last two pass grows with P_m, so that safeguarded Newton in P_m cannot
+    /// fail.
+    pub(crate) fn two_intermediate_pressures<S: Real>(&self, areas: [S; 3], up: S, down: S) -> [S; 2] {
+        let [first, second, third] = areas;
+        let (pu, pd, a1) = (up.value(), down.value(), first.value());
+        let residual = |pm: f64| {
+            let pm = Dual {
+                value: pm,
+                slope: [1.0],
+            };
+            let [a2, a3, pd] = [second.value(), third.value(), pd].map(Dual::constant);
+            let before = (pm * (1.0 / pu)).value.min(1.0);
+            let (n, dn) = self.flow_function(before);
+            (pm * (1.0 / pu)).chain(n, dn) * (a1 * pu) - self.passed(a2, pm, self.intermediate_pressure(a2, a3, pm, pd))
+        };
+        let (mut low, mut high) = (pd, pu);
+        // Incompressible flow: the pressure falls by 1/A^2 on each.
+        let drop = |a: S| (a.value() * a.value()).recip();
+        let all = drop(first) + drop(second) + drop(third);
+        let mut pm = pu - (pu - pd) * drop(first) / all;
+        let mut slope = residual(pm).slope[0];
+        for _ in 0..80 {
+            let found = residual(pm);
+            slope = found.slope[0];
+            if found.value > 0.0 {
+                low = pm;
+            } else {
+                high = pm;
+            }
+            let newton = pm - found.value / slope;
+            let next = if (low..=high).contains(&newton) {
+                newton
+            } else {
+                0.5 * (low + high)
+            };
+            let change = (next - pm).abs();
+            pm = next;
+            if change <= 1e-12 * pm {
+                break;
+            }
+        }
+        if slope == 0.0 {
+            let pm = S::constant(pm);
+            return [pm, self.intermediate_pressure(second, third, pm, down)];
+        }
+        // The implicit function theorem, as for one pressure.
+        let fixed = S::constant(pm);
+        let before = up.recip() * pm;
+        let (n, dn) = self.flow_function(before.value().min(1.0));
+        let behind = self.intermediate_pressure(second, third, fixed, down);
+        let found = first * up * before.chain(n, dn) - self.passed(second, fixed, behind);
+        let plenum = (found - found.value()) * (-1.0 / slope) + pm;
+        [plenum, self.intermediate_pressure(second, third, plenum, down)]
+    }
+
+    /// A P_u N(P_d/P_u).
+    fn passed<S: Real>(&self, area: S, up: S, down: S) -> S {
+        let r = down * up.recip();
+        let (n, dn) = self.flow_function(r.value().min(1.0));
+        area * up * r.chain(n, dn)
+    }
+
+    /// P_m above which holes before a muffler are choked: P_s = P_cr P_m and A_2 P_m = A_3 P_s N(P_a/P_s); none where the
+    /// muffler chokes before them.
+    pub(crate) fn choking_pressure(&self, holes: f64, muffler: f64, ambient: f64) -> Option<f64> {
+        let needed = holes / (muffler * self.critical);
+        if needed > 1.0 {
+            return None;
+        }
+        let (mut low, mut high) = (self.critical, 1.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if self.flow_function(middle).0 > needed {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Some(ambient / (low * self.critical))
+    }
+}
+
 /// State of a gas that flows.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Gas<S> {
@@ -176,8 +266,8 @@ pub(crate) struct Gas<S> {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)] // a test may panic
 mod tests {
-    use super::super::real::Dual;
     use super::*;
 
     fn air() -> Air {
@@ -223,6 +313,66 @@ mod tests {
                 assert!((pm - low).abs() < 1e-7 * low, "{ratio} {a1}: {pm} {low}");
             }
         }
+    }
+
+    #[test]
+    fn three_restrictions_pass_one_flow() {
+        let air = air();
+        let pd = 101_325.0;
+        for ratio in [1.0002, 1.01, 1.5, 2.5, 7.5] {
+            for areas in [
+                [1e-4, 1.4e-4, 1.5e-4],
+                [5e-4, 1.4e-4, 3e-5],
+                [2e-6, 1.4e-4, 6e-4],
+                [4e-4, 1e-5, 1e-3],
+            ] {
+                let pu = ratio * pd;
+                let [pm, ps] = air.two_intermediate_pressures(areas, pu, pd);
+                let flows =
+                    [(areas[0], pu, pm), (areas[1], pm, ps), (areas[2], ps, pd)].map(|(a, u, d)| air.passed(a, u, d));
+                assert!(pd <= ps && ps <= pm && pm <= pu, "{pu} {pm} {ps}");
+                assert!((flows[1] / flows[0] - 1.0).abs() < 1e-9, "{ratio} {areas:?}: {flows:?}");
+                // The inner solution is that of two restrictions, with its own tolerance where the drop is small.
+                assert!((flows[2] / flows[0] - 1.0).abs() < 1e-5, "{ratio} {areas:?}: {flows:?}");
+            }
+        }
+        // A wide muffler is none.
+        let [pm, ps] = air.two_intermediate_pressures([1e-4, 1.4e-4, 1.0], 3e5, pd);
+        assert!((pm / air.intermediate_pressure(1e-4, 1.4e-4, 3e5, pd) - 1.0).abs() < 1e-6);
+        assert!((ps / pd - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn three_restrictions_have_exact_derivatives() {
+        let air = air();
+        let solve = |a1: f64, pu: f64| air.two_intermediate_pressures([a1, 1.4e-4, 1.6e-4], pu, 101_325.0);
+        for (a1, pu) in [(1e-4, 3e5), (4e-4, 1.3e5), (2e-5, 6e5)] {
+            let along = |value: f64, slope: [f64; 2]| Dual { value, slope };
+            let [holes, muffler, ambient] = [1.4e-4, 1.6e-4, 101_325.0].map(Dual::constant);
+            let dual =
+                air.two_intermediate_pressures([along(a1, [1.0, 0.0]), holes, muffler], along(pu, [0.0, 1.0]), ambient);
+            let (ha, hp) = (1e-5 * a1, 1e-5 * pu);
+            for (i, pressure) in dual.iter().enumerate() {
+                let da = (solve(a1 + ha, pu)[i] - solve(a1 - ha, pu)[i]) / (2.0 * ha);
+                let dp = (solve(a1, pu + hp)[i] - solve(a1, pu - hp)[i]) / (2.0 * hp);
+                for (slope, difference) in pressure.slope.iter().zip([da, dp]) {
+                    assert!((slope / difference - 1.0).abs() < 1e-4, "{i} {slope} {difference}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn holes_before_a_muffler_choke_at_the_pressure_told() {
+        let (air, pa) = (air(), 101_325.0);
+        for (holes, muffler) in [(1.4e-4, 3e-4), (1.4e-4, 1e-3)] {
+            let pm = air.choking_pressure(holes, muffler, pa).unwrap();
+            for (factor, choked) in [(0.999, false), (1.001, true)] {
+                let ps = air.intermediate_pressure(holes, muffler, factor * pm, pa);
+                assert_eq!(ps < air.critical * factor * pm, choked, "{muffler}");
+            }
+        }
+        assert_eq!(air.choking_pressure(1.4e-4, 2e-4, pa), None);
     }
 
     #[test]

@@ -18,7 +18,7 @@ use super::mode::{Channel, Contact, Mode};
 use super::recorder::Recorder;
 use super::start::start;
 use super::state::*;
-use super::switching::{SLOTS, cross, entry, is_impact, margins, slot_name};
+use super::switching::{SLOTS, cross, entry, is_impact, margins, noise, slot_name};
 use super::system::System;
 use crate::{Crossing, CycleError, Form, Method, Settings, Work};
 
@@ -71,6 +71,7 @@ struct Cycle<'s> {
     read: usize,
     heights: [f64; LEVELS],
     armed: [bool; SLOTS],
+    noise: [f64; SLOTS],
     chatter: [(f64, usize); SLOTS],
     run: Run,
 }
@@ -91,6 +92,7 @@ pub(crate) fn integrate(system: &System, settings: &Settings) -> Result<Run, Cyc
         read: 0,
         heights: heights(system, &y),
         armed: margins(system, &mode, &y).map(|m| m > 0.0),
+        noise: noise(system),
         chatter: [(0.0, 0); SLOTS],
         run: Run {
             recorder: Recorder::new(settings.sample_interval),
@@ -318,9 +320,9 @@ impl<'s> Cycle<'s> {
             for (k, (t, y)) in points.iter().enumerate() {
                 let right = margins(self.system, &self.mode, y);
                 for (slot, margin) in right.iter().enumerate() {
-                    if *margin > 0.0 {
+                    if *margin > self.noise[slot] {
                         self.armed[slot] = true;
-                    } else if self.armed[slot] || left.1[slot] <= 0.0 {
+                    } else if *margin <= 0.0 && (self.armed[slot] || left.1[slot] <= 0.0) {
                         let time = if left.1[slot] > 0.0 {
                             let f = |t: f64| Ok(margins(self.system, &self.mode, &at(t)?)[slot]);
                             locate(left.0, *t, left.1[slot], *margin, f)?
@@ -441,7 +443,7 @@ impl<'s> Cycle<'s> {
         self.run.work.events += 1;
         let margin = margins(self.system, &self.mode, &self.y);
         for (other, armed) in self.armed.iter_mut().enumerate() {
-            *armed = margin[other] > 0.0 || (other != slot && *armed);
+            *armed = margin[other] > self.noise[other] || (other != slot && *armed);
         }
         Ok(())
     }

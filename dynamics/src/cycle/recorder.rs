@@ -134,13 +134,14 @@ impl Recorder {
         let x = &mut self.exhaust;
         x.mass_flow.push(exhaust.mass);
         x.plenum_pressure.push(exhaust.plenum);
+        x.back_pressure.push(exhaust.behind);
         x.stagnation_temperature.push(if exhaust.mass >= 0.0 {
             gas[ABOVE].temperature
         } else {
             system.p.ambient.temperature
         });
         x.choked
-            .push(mode.exhaust && system.p.ambient.pressure < system.air.critical * exhaust.plenum);
+            .push(mode.exhaust && exhaust.behind < system.air.critical * exhaust.plenum);
         x.intake_choked
             .push(mode.intake && gas[ABOVE].pressure < system.air.critical * gas[SUPPLY].pressure);
         x.intake_mass_flow.push(system.intake(&now, mode));

@@ -235,6 +235,15 @@ fn check_numbers(p: &Parameters) -> Result<(), CycleError> {
             rule: "from -1 (all thrust up) to 1 (all thrust towards the wood)",
         });
     }
+    if let Some(area) = p.exhaust.muffler_area
+        && !(area > 0.0 && area.is_finite())
+    {
+        return Err(CycleError::Value {
+            name: "exhaust.muffler_area",
+            value: area,
+            rule: "a positive finite number, or absent where there is no muffler",
+        });
+    }
     let gamma = p.ambient.heat_capacity_ratio;
     if !(gamma > 1.0 && gamma.is_finite()) {
         return Err(CycleError::Value {

@@ -11,7 +11,7 @@ const MOST: usize = 9;
 ///
 /// Triangles lie on r, s >= 0, r + s <= 1, quadrilaterals on \[-1, 1\]^2. Corners come first, then the mid-side that
 /// follows each corner, then the centre.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 #[non_exhaustive]
 pub enum FaceKind {
     /// 3-node triangle, VTK cell type 5.

@@ -146,13 +146,8 @@ fn mid_sides_and_centres_stand_where_vtk_has_them() {
     for kind in ElementKind::ALL.into_iter().filter(|k| k.order() == 2) {
         let nodes = kind.natural_nodes();
         for (i, &[a, b]) in kind.edges().iter().enumerate() {
-            for k in 0..3 {
-                assert_eq!(
-                    (nodes[a][k] + nodes[b][k]) / 2.0,
-                    nodes[kind.corners() + i][k],
-                    "{kind:?}"
-                );
-            }
+            let middle: [f64; 3] = std::array::from_fn(|k| (nodes[a][k] + nodes[b][k]) / 2.0);
+            assert_eq!(middle, nodes[kind.corners() + i], "{kind:?}");
         }
     }
     let centres = &ElementKind::Hex27.natural_nodes()[20..];

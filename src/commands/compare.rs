@@ -1,0 +1,263 @@
+//! `nailnoise compare`: designs side by side.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+
+use super::table::{decibels, table};
+use super::{Progress, load, print, print_json, start_threads, status_of};
+use crate::comparison::{Comparison, Finished, Labelled, Levels, Limit};
+use crate::error::Error;
+use crate::output;
+use crate::pipeline::{self, Observer as _, Options};
+use crate::result::Check;
+
+#[derive(Args)]
+pub(super) struct Arguments {
+    /// Design files, or finished results (a folder with result.json, or the file); the first is the reference
+    #[arg(required = true, num_args = 2.., value_name = "DESIGN")]
+    designs: Vec<PathBuf>,
+    /// Print exactly one JSON value instead of tables
+    #[arg(long)]
+    json: bool,
+    /// Folder for the results of the designs that are run, each in its own [default: out]
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+    /// Number of threads; results do not depend on it [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Show the levels of every one-third-octave band
+    #[arg(long)]
+    bands: bool,
+    /// Show the levels between neighbouring events
+    #[arg(long)]
+    intervals: bool,
+    /// End with status 1 if a design other than the reference is louder: total=100, exhaust=95.5
+    #[arg(long, value_name = "SOURCE=DB")]
+    fail_above: Vec<Limit>,
+}
+
+pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+    start_threads(arguments.threads)?;
+    let mut progress = Progress::new();
+    let (mut results, mut checks): (Vec<Finished>, Vec<Check>) = (Vec::new(), Vec::new());
+    for path in &arguments.designs {
+        let mut result = match Finished::is_at(path) {
+            Some(file) => Finished::read(&file)?,
+            None => finish(path, &results, &arguments.out, &mut progress, &mut checks)?,
+        };
+        let name = free_name(result.name(), &results);
+        result.rename(name);
+        results.push(result);
+    }
+    drop(progress);
+    let comparison = Comparison::new(&results);
+    if arguments.json {
+        print_json(&comparison)?;
+    } else {
+        print(&text(&comparison, arguments.bands, arguments.intervals));
+    }
+    let exceeded = comparison.exceeded(&arguments.fail_above);
+    exceeded.iter().for_each(|line| eprintln!("limit exceeded: {line}"));
+    let status = status_of(&checks);
+    if status == ExitCode::SUCCESS && !exceeded.is_empty() {
+        return Ok(ExitCode::from(1));
+    }
+    Ok(status)
+}
+
+/// Runs a design and leaves its files in a folder of its own, as `nailnoise run` does.
+fn finish(
+    path: &Path,
+    before: &[Finished],
+    out: &Path,
+    progress: &mut Progress,
+    checks: &mut Vec<Check>,
+) -> Result<Finished, Error> {
+    let design = load(path)?;
+    progress.note(&format!("design {}", design.name()));
+    let mut run = pipeline::run(&design, Options::default(), progress)?;
+    let name = free_name(design.name(), before);
+    progress.stage("writing files");
+    output::write_run(&out.join(&name), &run)?;
+    for check in &mut run.result.checks {
+        check.name = format!("{name}: {}", check.name);
+    }
+    checks.append(&mut run.result.checks);
+    Finished::of(&run.result)
+}
+
+/// The name, with a number behind it if another result of the comparison has it.
+fn free_name(name: &str, others: &[Finished]) -> String {
+    let taken = |name: &str| others.iter().any(|other| other.name() == name);
+    if !taken(name) {
+        return name.to_owned();
+    }
+    (2..)
+        .map(|n| format!("{name}-{n}"))
+        .find(|name| !taken(name))
+        .unwrap_or_default()
+}
+
+fn text(comparison: &Comparison, bands: bool, intervals: bool) -> String {
+    let designs = &comparison.designs;
+    let mut text = String::from("what differs\n\n");
+    let headings = |first| {
+        std::iter::once(first)
+            .chain(designs.iter().map(String::as_str))
+            .collect::<Vec<_>>()
+    };
+    let rows: Vec<Vec<String>> = comparison
+        .inputs
+        .iter()
+        .map(|row| {
+            let key = match row.unit.as_str() {
+                "" => row.key.clone(),
+                unit => format!("{} [{unit}]", row.key),
+            };
+            std::iter::once(key).chain(row.values.iter().map(plain)).collect()
+        })
+        .collect();
+    if rows.is_empty() {
+        text.push_str("  nothing: the designs have the same values\n");
+    } else {
+        text.push_str(&table(&headings("key"), &rows));
+    }
+
+    text.push_str("\nA-weighted single-event sound power levels, dB re 1 pW s; changes from the first\n\n");
+    let with_changes = |first: &'static str| {
+        let mut headings = headings(first);
+        headings.extend(designs.iter().skip(1).map(|_| "change"));
+        headings
+    };
+    let sources = comparison
+        .sources
+        .iter()
+        .map(|row| level_row(&row.source, &row.levels))
+        .chain([level_row("total", &comparison.total)]);
+    text.push_str(&table(&with_changes("source"), &sources.collect::<Vec<_>>()));
+    for row in &comparison.sources {
+        let methods: Vec<&str> = row.methods.iter().flatten().map(String::as_str).collect();
+        if methods.windows(2).any(|pair| pair[0] != pair[1]) {
+            text.push_str(&format!(
+                "  {}: computed by different methods ({}), whose errors do not cancel in the change\n",
+                row.source,
+                methods.join("; ")
+            ));
+        }
+    }
+    text.push_str("\nhow far each method may be off, dB (open where it gives no bound)\n\n");
+    let bands_of = |row: &crate::comparison::SourceRow| {
+        let bound =
+            |sign: char, bound: &Option<f64>| bound.map_or_else(|| "open".to_owned(), |db| format!("{sign}{db:.1}"));
+        let of_each = row
+            .uncertainty_db
+            .iter()
+            .map(|[minus, plus]| format!("{} .. {}", bound('-', minus), bound('+', plus)));
+        std::iter::once(row.source.clone()).chain(of_each).collect::<Vec<_>>()
+    };
+    text.push_str(&table(
+        &headings("source"),
+        &comparison.sources.iter().map(bands_of).collect::<Vec<_>>(),
+    ));
+
+    text.push_str("\nranking\n\n");
+    let places = comparison.rankings.iter().map(Vec::len).max().unwrap_or(0);
+    let rows: Vec<Vec<String>> = (0..places)
+        .map(|place| {
+            let of_each = comparison
+                .rankings
+                .iter()
+                .map(|ranking| ranking.get(place).cloned().unwrap_or_default());
+            std::iter::once(format!("{}", place + 1)).chain(of_each).collect()
+        })
+        .collect();
+    text.push_str(&table(&headings("place"), &rows));
+
+    text.push_str("\nthe shot\n\n");
+    let outcome = std::iter::once("outcome".to_owned()).chain(comparison.outcomes.iter().cloned());
+    let figures = comparison.cycle.iter().filter(|row| differs(&row.values)).map(|row| {
+        let values = row
+            .values
+            .iter()
+            .map(|value| value.map_or_else(|| "-".to_owned(), significant));
+        std::iter::once(row.name.replace('_', " ")).chain(values).collect()
+    });
+    let events = comparison.events.iter().filter(|row| differs(&row.values)).map(|row| {
+        let values = row
+            .values
+            .iter()
+            .map(|value| value.map_or_else(|| "-".to_owned(), |t| format!("{:.3}", 1e3 * t)));
+        std::iter::once(format!("{} [ms]", row.name)).chain(values).collect()
+    });
+    let rows: Vec<Vec<String>> = std::iter::once(outcome.collect())
+        .chain(figures)
+        .chain(events)
+        .collect();
+    text.push_str(&table(&headings("SI"), &rows));
+    if rows.len() == 1 {
+        text.push_str("  all its figures and events are the same\n");
+    }
+
+    for row in &comparison.sources {
+        let mut part = |title: &str, first: &'static str, labelled: &[Labelled]| {
+            let rows: Vec<Vec<String>> = labelled.iter().map(|l| level_row(&l.label, &l.levels)).collect();
+            text.push_str(&format!("\n{}, {title}, dB(A)\n\n", row.source));
+            text.push_str(&table(&with_changes(first), &rows));
+        };
+        if bands {
+            part("one-third-octave bands", "Hz", &row.bands);
+        }
+        if intervals {
+            part("between events", "interval", &row.intervals);
+        }
+    }
+    text
+}
+
+fn level_row(label: &str, levels: &Levels) -> Vec<String> {
+    // Adding zero turns a rounded -0 into 0.
+    let rounded = |db: f64| (10.0 * db).round() / 10.0 + 0.0;
+    let change = |change: &Option<f64>| change.map_or_else(|| "-".to_owned(), |db| format!("{:+.1}", rounded(db)));
+    std::iter::once(label.to_owned())
+        .chain(levels.level_db.iter().map(|level| decibels(*level)))
+        .chain(levels.change_db.iter().skip(1).map(change))
+        .collect()
+}
+
+/// Whether values differ by more than the rounding of a table.
+fn differs(values: &[Option<f64>]) -> bool {
+    values.iter().any(|value| match (value, values[0]) {
+        (Some(a), Some(b)) => (a - b).abs() > 1e-6 * a.abs().max(b.abs()),
+        (a, b) => a.is_some() != b.is_some(),
+    })
+}
+
+fn significant(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e6).contains(&value.abs()) {
+        let digits = (3 - value.abs().max(1e-3).log10().floor() as i32).clamp(0, 6) as usize;
+        format!("{value:.digits$}")
+    } else {
+        format!("{value:.3e}")
+    }
+}
+
+fn plain(value: &serde_json::Value) -> String {
+    match value {
+        serde_json::Value::Null => "-".to_owned(),
+        serde_json::Value::String(word) => word.clone(),
+        serde_json::Value::Number(number) => number.as_f64().map_or_else(|| number.to_string(), short),
+        other => other.to_string(),
+    }
+}
+
+/// A design value with the digits it needs, without the last ones of a conversion of units.
+fn short(value: f64) -> String {
+    let rounded: f64 = format!("{value:.11e}").parse().unwrap_or(value);
+    if rounded == 0.0 || (1e-3..1e7).contains(&rounded.abs()) {
+        format!("{rounded}")
+    } else {
+        format!("{rounded:e}")
+    }
+}

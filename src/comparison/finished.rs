@@ -1,0 +1,144 @@
+//! A finished result as far as a comparison needs it, from a run or from the `result.json` it left.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use crate::error::Error;
+use crate::result::{RunResult, SCHEMA};
+
+/// A finished result.
+#[derive(Debug, Clone, Deserialize)]
+pub struct Finished {
+    schema: String,
+    pub(super) design: Design,
+    pub(super) inputs: Vec<Input>,
+    pub(super) ranking: Vec<Source>,
+    pub(super) total: Total,
+    pub(super) outcome: String,
+    pub(super) events: BTreeMap<String, Option<f64>>,
+    pub(super) cycle: serde_json::Map<String, serde_json::Value>,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+pub(super) struct Design {
+    pub(super) name: String,
+}
+
+/// A value of the design.
+#[derive(Debug, Clone, Deserialize)]
+pub struct Input {
+    /// Full name of the key.
+    pub key: String,
+    /// Its value, quantities in SI units.
+    pub value: serde_json::Value,
+    /// Unit of the value; empty where it has none.
+    pub unit: String,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+pub(super) struct Source {
+    pub(super) source: String,
+    pub(super) lwa_db: Option<f64>,
+    pub(super) method: String,
+    pub(super) bands: Vec<Band>,
+    pub(super) uncertainty_db: Uncertainty,
+    pub(super) intervals: Vec<Interval>,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+pub(super) struct Uncertainty {
+    pub(super) minus: Option<f64>,
+    pub(super) plus: Option<f64>,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+pub(super) struct Band {
+    hz: f64,
+    pub(super) lwa_db: Option<f64>,
+}
+
+impl Band {
+    pub(super) fn label(&self) -> String {
+        format!("{}", self.hz)
+    }
+}
+
+#[derive(Debug, Clone, Deserialize)]
+pub(super) struct Interval {
+    from: String,
+    to: String,
+    pub(super) lwa_db: Option<f64>,
+}
+
+impl Interval {
+    pub(super) fn label(&self) -> String {
+        format!("{}-{}", self.from, self.to)
+    }
+}
+
+#[derive(Debug, Clone, Deserialize)]
+pub(super) struct Total {
+    pub(super) lwa_db: Option<f64>,
+}
+
+impl Finished {
+    /// The result of a run just done.
+    ///
+    /// # Errors
+    /// [`Error::Json`], which no result of a run gives.
+    pub fn of(result: &RunResult) -> Result<Self, Error> {
+        let value = serde_json::to_value(result).map_err(Error::Json)?;
+        serde_json::from_value(value).map_err(Error::Json)
+    }
+
+    /// Whether `path` names a finished result and not a design: a `.json` file, or a folder that holds `result.json`.
+    pub fn is_at(path: &Path) -> Option<PathBuf> {
+        if path.is_dir() {
+            Some(path.join("result.json"))
+        } else if path.extension().is_some_and(|extension| extension == "json") {
+            Some(path.to_owned())
+        } else {
+            None
+        }
+    }
+
+    /// Reads a `result.json`.
+    ///
+    /// # Errors
+    /// [`Error::Unreadable`] or [`Error::NotAResult`].
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let text = std::fs::read_to_string(path).map_err(|source| Error::Unreadable {
+            path: path.to_owned(),
+            source,
+        })?;
+        let wrong = |reason: String| Error::NotAResult {
+            path: path.to_owned(),
+            reason,
+        };
+        let value: serde_json::Value = serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
+        match value["schema"].as_str() {
+            Some(SCHEMA) => serde_json::from_value(value).map_err(|error| wrong(error.to_string())),
+            Some(other) => Err(wrong(format!(
+                "its schema is \"{other}\", this version reads \"{SCHEMA}\""
+            ))),
+            None => Err(wrong("it has no schema".to_owned())),
+        }
+    }
+
+    /// Name of the design.
+    pub fn name(&self) -> &str {
+        &self.design.name
+    }
+
+    /// Gives the design another name, where two of a comparison have the same.
+    pub fn rename(&mut self, name: String) {
+        self.design.name = name;
+    }
+
+    /// Version of the layout it was written in.
+    pub fn schema(&self) -> &str {
+        &self.schema
+    }
+}

@@ -1,0 +1,276 @@
+//! Designs side by side: what differs in them, and what that does to sources, bands, intervals and cycle.
+//!
+//! A comparison needs finished results only, so that designs of different days compare as well as those just run. The
+//! first result is the reference: changes are those of the others from it.
+
+mod finished;
+
+use serde::Serialize;
+
+pub use finished::{Finished, Input};
+
+/// Version of the layout of [`Comparison`].
+pub const SCHEMA: &str = "nailnoise-compare/1";
+
+/// Results side by side; every list of values has one entry a result, in the order they were given.
+#[derive(Debug, Clone, Serialize)]
+pub struct Comparison {
+    /// [`SCHEMA`].
+    pub schema: &'static str,
+    /// Names of the designs, the reference first.
+    pub designs: Vec<String>,
+    /// Keys whose values differ.
+    pub inputs: Vec<InputRow>,
+    /// What the shots did.
+    pub outcomes: Vec<String>,
+    /// Sources in the order of the reference's ranking; sources that it lacks follow.
+    pub sources: Vec<SourceRow>,
+    /// A-weighted level of all sources together \[dB re 1 pW s\].
+    pub total: Levels,
+    /// Sources of each design, loudest first.
+    pub rankings: Vec<Vec<String>>,
+    /// Figures of the cycle, SI units.
+    pub cycle: Vec<ValueRow>,
+    /// Event times \[s\].
+    pub events: Vec<ValueRow>,
+}
+
+/// A key whose values differ.
+#[derive(Debug, Clone, Serialize)]
+pub struct InputRow {
+    /// Its full name.
+    pub key: String,
+    /// Unit of its values; empty where they have none.
+    pub unit: String,
+    /// Its values; null where a design lacks the key.
+    pub values: Vec<serde_json::Value>,
+}
+
+/// A number of each result.
+#[derive(Debug, Clone, Serialize)]
+pub struct ValueRow {
+    /// What it is.
+    pub name: String,
+    /// Its values; null where there is none.
+    pub values: Vec<Option<f64>>,
+}
+
+/// A level of each result.
+#[derive(Debug, Clone, Serialize)]
+pub struct Levels {
+    /// Levels \[dB\]; null when silent.
+    pub level_db: Vec<Option<f64>>,
+    /// Their changes from the reference \[dB\]; null where one of the two is silent.
+    pub change_db: Vec<Option<f64>>,
+}
+
+impl Levels {
+    fn new(level_db: Vec<Option<f64>>) -> Self {
+        let reference = level_db.first().copied().flatten();
+        let change_db = level_db.iter().map(|level| Some((*level)? - reference?)).collect();
+        Self { level_db, change_db }
+    }
+}
+
+/// A source of each result.
+#[derive(Debug, Clone, Serialize)]
+pub struct SourceRow {
+    /// `workpiece`, `exhaust` or `body`.
+    pub source: String,
+    /// A-weighted level over the common range \[dB re 1 pW s\].
+    #[serde(flatten)]
+    pub levels: Levels,
+    /// How each was computed; where the methods differ, their errors do not cancel in the change.
+    pub methods: Vec<Option<String>>,
+    /// Band of each method, \[dB\] below and above the level; null where the method gives no bound.
+    pub uncertainty_db: Vec<[Option<f64>; 2]>,
+    /// A-weighted one-third-octave levels, by nominal mid-band frequency \[Hz\].
+    pub bands: Vec<Labelled>,
+    /// A-weighted levels of the intervals between events.
+    pub intervals: Vec<Labelled>,
+}
+
+/// A level of each result under a label.
+#[derive(Debug, Clone, Serialize)]
+pub struct Labelled {
+    /// Band or interval.
+    pub label: String,
+    /// The levels.
+    #[serde(flatten)]
+    pub levels: Levels,
+}
+
+/// A level that must not be exceeded.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Limit {
+    /// A source, or `total`.
+    pub of: String,
+    /// The limit \[dB re 1 pW s\], A-weighted.
+    pub level_db: f64,
+}
+
+impl std::str::FromStr for Limit {
+    type Err = String;
+
+    /// Reads `SOURCE=DB`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (of, level) = text
+            .split_once('=')
+            .ok_or_else(|| "expected SOURCE=DB, as in total=100 or exhaust=95.5".to_owned())?;
+        if !["total", "workpiece", "exhaust", "body"].contains(&of) {
+            return Err(format!("`{of}` is no source: choose total, workpiece, exhaust or body"));
+        }
+        match level.parse::<f64>() {
+            Ok(level_db) if level_db.is_finite() => Ok(Self {
+                of: of.to_owned(),
+                level_db,
+            }),
+            _ => Err(format!("`{level}` is no level in dB")),
+        }
+    }
+}
+
+impl Comparison {
+    /// Lays results side by side.
+    pub fn new(results: &[Finished]) -> Self {
+        let each = |f: &dyn Fn(&Finished) -> Option<f64>| results.iter().map(f).collect::<Vec<_>>();
+        let sources = in_order(results, |r| r.ranking.iter().map(|s| s.source.clone()).collect());
+        let cycle = in_order(results, |r| r.cycle.iter().map(|(name, _)| name.clone()).collect());
+        let mut events = in_order(results, |r| r.events.keys().cloned().collect());
+        events.sort_by_key(|name| name.trim_start_matches('t').parse::<u32>().unwrap_or(u32::MAX));
+        Self {
+            schema: SCHEMA,
+            designs: results.iter().map(|r| r.design.name.clone()).collect(),
+            inputs: inputs(results),
+            outcomes: results.iter().map(|r| r.outcome.clone()).collect(),
+            sources: sources.iter().map(|source| source_row(source, results)).collect(),
+            total: Levels::new(each(&|r| r.total.lwa_db)),
+            rankings: results
+                .iter()
+                .map(|r| r.ranking.iter().map(|s| s.source.clone()).collect())
+                .collect(),
+            cycle: cycle
+                .into_iter()
+                .map(|name| ValueRow {
+                    values: each(&|r| r.cycle.get(&name).and_then(serde_json::Value::as_f64)),
+                    name,
+                })
+                .collect(),
+            events: events
+                .into_iter()
+                .map(|name| ValueRow {
+                    values: each(&|r| r.events.get(&name).copied().flatten()),
+                    name,
+                })
+                .collect(),
+        }
+    }
+
+    /// What exceeds a limit, each in words. The reference is not held to it: it is what the others are proposals to better.
+    pub fn exceeded(&self, limits: &[Limit]) -> Vec<String> {
+        let mut found = Vec::new();
+        for limit in limits {
+            let levels = if limit.of == "total" {
+                Some(&self.total)
+            } else {
+                self.sources
+                    .iter()
+                    .find(|row| row.source == limit.of)
+                    .map(|row| &row.levels)
+            };
+            let levels = levels.map_or(&[][..], |levels| &levels.level_db);
+            for (design, level) in self.designs.iter().zip(levels).skip(1) {
+                if let Some(level) = level.filter(|level| *level > limit.level_db) {
+                    let (of, allowed) = (&limit.of, limit.level_db);
+                    found.push(format!(
+                        "{design}: {of} at {level:.1} dB is above the limit of {allowed:.1} dB"
+                    ));
+                }
+            }
+        }
+        found
+    }
+}
+
+/// All names that the results have, in the order in which they first appear.
+fn in_order(results: &[Finished], names: impl Fn(&Finished) -> Vec<String>) -> Vec<String> {
+    let mut all: Vec<String> = Vec::new();
+    for name in results.iter().flat_map(names) {
+        if !all.contains(&name) {
+            all.push(name);
+        }
+    }
+    all
+}
+
+fn inputs(results: &[Finished]) -> Vec<InputRow> {
+    let row = |key: String| {
+        let found: Vec<Option<&Input>> = results
+            .iter()
+            .map(|result| result.inputs.iter().find(|input| input.key == key))
+            .collect();
+        let unit = found
+            .iter()
+            .flatten()
+            .next()
+            .map_or_else(String::new, |input| input.unit.clone());
+        let values = found
+            .iter()
+            .map(|input| input.map_or(serde_json::Value::Null, |input| input.value.clone()))
+            .collect();
+        InputRow { key, unit, values }
+    };
+    in_order(results, |r| r.inputs.iter().map(|input| input.key.clone()).collect())
+        .into_iter()
+        .map(row)
+        .filter(|row| row.values.iter().any(|value| *value != row.values[0]))
+        .collect()
+}
+
+fn source_row(source: &str, results: &[Finished]) -> SourceRow {
+    let found: Vec<_> = results
+        .iter()
+        .map(|result| result.ranking.iter().find(|ranked| ranked.source == source))
+        .collect();
+    let labelled = |labels: Vec<String>, level: &dyn Fn(&finished::Source, &str) -> Option<f64>| {
+        labels
+            .into_iter()
+            .map(|label| {
+                let of_each = found
+                    .iter()
+                    .map(|ranked| ranked.and_then(|ranked| level(ranked, &label)));
+                Labelled {
+                    levels: Levels::new(of_each.collect()),
+                    label,
+                }
+            })
+            .collect()
+    };
+    let names = |labels: &dyn Fn(&finished::Source) -> Vec<String>| {
+        in_order(results, |result| {
+            let ranked = result.ranking.iter().find(|ranked| ranked.source == source);
+            ranked.map_or_else(Vec::new, labels)
+        })
+    };
+    let bands = names(&|ranked| ranked.bands.iter().map(|band| band.label()).collect());
+    let intervals = names(&|ranked| ranked.intervals.iter().map(|interval| interval.label()).collect());
+    SourceRow {
+        source: source.to_owned(),
+        levels: Levels::new(found.iter().map(|ranked| ranked.and_then(|r| r.lwa_db)).collect()),
+        methods: found.iter().map(|ranked| ranked.map(|r| r.method.clone())).collect(),
+        uncertainty_db: found
+            .iter()
+            .map(|ranked| ranked.map_or([None; 2], |r| [r.uncertainty_db.minus, r.uncertainty_db.plus]))
+            .collect(),
+        bands: labelled(bands, &|ranked, label| {
+            ranked.bands.iter().find(|band| band.label() == label)?.lwa_db
+        }),
+        intervals: labelled(intervals, &|ranked, label| {
+            ranked
+                .intervals
+                .iter()
+                .find(|interval| interval.label() == label)?
+                .lwa_db
+        }),
+    }
+}

@@ -1,0 +1,129 @@
+//! Virtual sensors: accelerometers at any point of a body, in any direction, with the band limit of a real one.
+
+use super::dimension::{FREQUENCY, LENGTH};
+use super::error::Short;
+use super::groups::Values;
+use super::schema::{any, choice, component, group, positive};
+
+choice! {
+    /// What a sensor is fixed to.
+    Carrier {
+        /// The block of wood.
+        Workpiece = "workpiece",
+        /// The worktable.
+        Worktable = "worktable",
+        /// The surface of the sand around the block.
+        Sand = "sand",
+        /// The tool, which moves as a rigid body along z.
+        Tool = "tool",
+    }
+}
+
+group! {
+    /// An accelerometer. It has no effect on what it is fixed to, and none while the design lacks its body. The origin
+    /// is the centre of the workpiece's underside, x along its length, y along its width, z up.
+    Sensor {
+        /// What it is fixed to.
+        body: Carrier = Carrier::KIND, "";
+        /// Position along the workpiece's length; unused on the tool.
+        x: f64 = any(LENGTH), "x";
+        /// Position along the workpiece's width; unused on the tool.
+        y: f64 = any(LENGTH), "y";
+        /// Height above the workpiece's underside; unused on the tool and on sand.
+        z: f64 = any(LENGTH), "z";
+        /// Component along x of its axis, whose length does not matter.
+        along_x: f64 = component(), "";
+        /// Component along y of its axis.
+        along_y: f64 = component(), "";
+        /// Component along z of its axis; tool and sand move along z alone.
+        along_z: f64 = component(), "";
+        /// Lower limit of its band, -3 dB: the discharge time of its amplifier, a filter of first order.
+        band_low: f64 = positive(FREQUENCY), "";
+        /// Upper limit of its band, -3 dB: its mounted resonance and the anti-aliasing filter, a Butterworth low-pass of
+        /// fourth order.
+        band_high: f64 = positive(FREQUENCY), "";
+    }
+}
+
+/// What is wrong with a sensor, with the numbers.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SensorProblem {
+    /// All components of its axis are zero.
+    #[error("has no direction: along_x, along_y and along_z are all 0")]
+    NoDirection,
+    /// Its band is empty or ends above half the sampling frequency of the response.
+    #[error("has a band from {} Hz to {} Hz; it must rise and end below {} Hz", Short(*low), Short(*high), Short(*nyquist))]
+    Band {
+        /// Lower limit \[Hz\].
+        low: f64,
+        /// Upper limit \[Hz\].
+        high: f64,
+        /// Half the sampling frequency of the response \[Hz\].
+        nyquist: f64,
+    },
+    /// It is not on its body.
+    #[error("at ({}, {}, {}) is {} outside the {body}", mm(point[0]), mm(point[1]), mm(point[2]), mm(*distance))]
+    Outside {
+        /// Its body.
+        body: &'static str,
+        /// Where it is \[m\].
+        point: [f64; 3],
+        /// How far from the body \[m\].
+        distance: f64,
+    },
+}
+
+fn mm(length: f64) -> String {
+    super::error::show(length, LENGTH)
+}
+
+impl SensorProblem {
+    /// The sensor's keys that are at fault.
+    pub(crate) fn keys(&self) -> &'static [&'static str] {
+        match self {
+            Self::NoDirection => &["along_x", "along_y", "along_z"],
+            Self::Band { .. } => &["band_low", "band_high"],
+            Self::Outside { .. } => &["x", "y", "z", "body"],
+        }
+    }
+
+    /// What to do about it.
+    pub(crate) fn remedy(&self) -> String {
+        match self {
+            Self::NoDirection => "give its axis: along_z = 1 for up".to_owned(),
+            Self::Band { nyquist, .. } => {
+                format!(
+                    "give band_low below band_high and band_high below {} Hz, or lower `analysis.time_step`",
+                    Short(*nyquist)
+                )
+            }
+            Self::Outside { .. } => {
+                "move x, y and z onto the body; the origin is the centre of the workpiece's underside, \
+                                     z up"
+                    .to_owned()
+            }
+        }
+    }
+}
+
+impl Values {
+    /// The first sensor whose own values do not go together, with its name.
+    pub(crate) fn sensor_problem(&self) -> Option<(&str, SensorProblem)> {
+        let nyquist = 0.5 / self.analysis.time_step;
+        self.sensors.iter().find_map(|(name, sensor)| {
+            let (low, high) = (sensor.band_low, sensor.band_high);
+            let still = [sensor.along_x, sensor.along_y, sensor.along_z]
+                .iter()
+                .all(|c| *c == 0.0);
+            let problem = if still {
+                SensorProblem::NoDirection
+            } else if low >= high || high >= nyquist {
+                SensorProblem::Band { low, high, nyquist }
+            } else {
+                return None;
+            };
+            Some((name.as_str(), problem))
+        })
+    }
+}

@@ -1,0 +1,244 @@
+//! What accelerometers of a design would record of the shot.
+
+use std::f64::consts::FRAC_PI_8;
+
+use nailnoise_acoustics::fourier::filtered;
+use nailnoise_acoustics::radiation::MovingSand;
+use nailnoise_dynamics::CycleRecord;
+use nailnoise_fem::transient::{ModalResponse, Motion};
+use nailnoise_meshes::MeshError;
+use nalgebra::{Complex, DMatrix, Point3, Vector3};
+
+use super::bodies::{Body, Structure};
+use super::pattern::Pattern;
+use super::radiation::moving_sand;
+use crate::design::{Carrier, Design, Sensor, SensorProblem, SupportKind};
+use crate::error::Error;
+use crate::result::SensorLevel;
+
+/// Standard acceleration of gravity, in which accelerometers are read (ISO 80000-3) \[m/s2\].
+const STANDARD_GRAVITY: f64 = 9.80665;
+
+/// Length of the transforms over that of the record; the slowest filter has died out in the rest.
+const PADDING: f64 = 4.0;
+
+/// What one sensor records.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SensorRecord {
+    /// Its name in the design.
+    pub name: String,
+    /// What it is fixed to.
+    pub body: Carrier,
+    /// Interval of the samples, the first at t = 0 \[s\].
+    pub interval: f64,
+    /// Acceleration along its axis within its band \[m/s2\].
+    pub acceleration: Vec<f64>,
+}
+
+/// The records of all sensors whose body the design has, by name.
+///
+/// # Errors
+/// [`DesignError::Sensor`](crate::design::DesignError::Sensor) for a sensor that is not on its body.
+pub(super) fn sensors(
+    design: &Design,
+    structure: &Structure,
+    response: &ModalResponse,
+    record: &CycleRecord,
+) -> Result<Vec<SensorRecord>, Error> {
+    let present = design.sensors.iter().filter(|(_, sensor)| carries(design, sensor.body));
+    present
+        .map(|(name, sensor)| {
+            let place = Site::of(design, structure, name, sensor)?;
+            let raw = place.acceleration(response, record, sensor)?;
+            let sand = place.sand;
+            let at = [sensor.x, sensor.y];
+            let acceleration = filtered(&raw, response.step, PADDING, |hz| {
+                band(sensor, hz) * sand.map_or(Complex::from(1.0), |sand| sand.ratio(at, hz))
+            })?;
+            Ok(SensorRecord {
+                name: name.clone(),
+                body: sensor.body,
+                interval: response.step,
+                acceleration,
+            })
+        })
+        .collect()
+}
+
+/// Names of the sensors whose body the design lacks.
+pub(super) fn idle(design: &Design) -> Vec<&str> {
+    let absent = design
+        .sensors
+        .iter()
+        .filter(|(_, sensor)| !carries(design, sensor.body));
+    absent.map(|(name, _)| name.as_str()).collect()
+}
+
+fn carries(design: &Design, body: Carrier) -> bool {
+    match body {
+        Carrier::Workpiece | Carrier::Tool => true,
+        Carrier::Worktable => design.support.kind == SupportKind::Worktable,
+        Carrier::Sand => design.support.kind == SupportKind::Sandbox,
+    }
+}
+
+/// Where a sensor reads the response.
+struct Site {
+    /// Index of the body and displacement along the sensor's axis for each of its modes; none on the tool.
+    modes: Option<(usize, DMatrix<f64>)>,
+    /// The law by which sand carries the block's motion to the sensor.
+    sand: Option<MovingSand>,
+}
+
+impl Site {
+    fn of(design: &Design, structure: &Structure, name: &str, sensor: &Sensor) -> Result<Self, Error> {
+        let axis = axis(sensor);
+        let at = Point3::new(sensor.x, sensor.y, sensor.z);
+        let on = |index: usize, body: &Body, at: Point3<f64>, axis: Vector3<f64>| {
+            let pattern = Pattern::along(&body.mesh, at, axis).map_err(|error| match error {
+                MeshError::Outside { distance, .. } => outside(design, name, sensor, body.name, distance),
+                other => other.into(),
+            })?;
+            let shape = pattern.of_modes(&body.shapes);
+            Ok::<_, Error>(Some((
+                index,
+                DMatrix::from_column_slice(shape.len(), 1, shape.as_slice()),
+            )))
+        };
+        let (modes, sand) = match (sensor.body, &structure.worktable) {
+            (Carrier::Workpiece, _) => (on(0, &structure.workpiece, at, axis)?, None),
+            (Carrier::Worktable, Some(table)) => (on(1, table, at, axis)?, None),
+            (Carrier::Worktable, None) | (Carrier::Tool, _) => (None, None),
+            (Carrier::Sand, _) => {
+                let law = moving_sand(design)?;
+                let distance = off_the_sand(&law, [sensor.x, sensor.y]);
+                if distance > 0.0 {
+                    return Err(outside(design, name, sensor, "sand's surface", distance));
+                }
+                let [x, y] = law.edge([sensor.x, sensor.y]);
+                let edge = Point3::new(x, y, design.workpiece.thickness);
+                (on(0, &structure.workpiece, edge, Vector3::z() * axis.z)?, Some(law))
+            }
+        };
+        Ok(Self { modes, sand })
+    }
+
+    /// Acceleration along the sensor's axis on the grid of the response \[m/s2\].
+    fn acceleration(&self, response: &ModalResponse, record: &CycleRecord, sensor: &Sensor) -> Result<Vec<f64>, Error> {
+        if let Some((body, shapes)) = &self.modes {
+            let motion = response.points(*body, shapes, Motion::Acceleration)?;
+            return Ok(motion.as_slice().to_vec());
+        }
+        // The cycle counts downwards, the sensor upwards; after the record the tool is at rest in the hand.
+        let (history, up) = (&record.tool.acceleration, axis(sensor).z);
+        let value = |sample: usize| {
+            let position = sample as f64 * response.step / record.sample_interval;
+            let (left, share) = (position.floor() as usize, position.fract());
+            let at = |index: usize| history.get(index).copied().unwrap_or(0.0);
+            -up * ((1.0 - share) * at(left) + share * at(left + 1))
+        };
+        Ok((0..response.samples()).map(value).collect())
+    }
+}
+
+fn axis(sensor: &Sensor) -> Vector3<f64> {
+    Vector3::new(sensor.along_x, sensor.along_y, sensor.along_z).normalize()
+}
+
+fn outside(design: &Design, name: &str, sensor: &Sensor, body: &'static str, distance: f64) -> Error {
+    let point = [sensor.x, sensor.y, sensor.z];
+    let problem = SensorProblem::Outside { body, point, distance };
+    design.refuse_sensor(name, problem).into()
+}
+
+/// How far a point lies from the sand around the block, 0 on it \[m\].
+fn off_the_sand(law: &MovingSand, point: [f64; 2]) -> f64 {
+    let beyond = |i: usize| (law.sand[i][0] - point[i]).max(point[i] - law.sand[i][1]).max(0.0);
+    let box_gap = beyond(0).hypot(beyond(1));
+    let depth = |i: usize| (point[i] - law.footprint[i][0]).min(law.footprint[i][1] - point[i]);
+    box_gap.max(depth(0).min(depth(1)))
+}
+
+/// Response of the measuring chain: a high-pass of first order and a Butterworth low-pass of fourth order,
+///
+/// ```text
+/// H = s_l/(1 + s_l) / prod_k (1 + 2 s_h sin((2k - 1) pi/8) + s_h^2),  k = 1, 2;  s = j f/f_limit
+/// ```
+fn band(sensor: &Sensor, hz: f64) -> Complex<f64> {
+    let low = Complex::new(0.0, hz / sensor.band_low);
+    let high = Complex::new(0.0, hz / sensor.band_high);
+    let section = |k: f64| 1.0 + high * (2.0 * (k * FRAC_PI_8).sin()) + high * high;
+    low / (1.0 + low) / (section(1.0) * section(3.0))
+}
+
+impl SensorRecord {
+    /// RMS over 1 s and peak, as they are reported.
+    pub fn level(&self) -> SensorLevel {
+        let energy: f64 = self.acceleration.iter().map(|a| a * a).sum::<f64>() * self.interval;
+        let peak = self.acceleration.iter().fold(0.0, |peak: f64, a| peak.max(a.abs()));
+        SensorLevel {
+            name: self.name.clone(),
+            body: self.body.as_str(),
+            rms_g: energy.sqrt() / STANDARD_GRAVITY,
+            peak_g: peak / STANDARD_GRAVITY,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    fn sensor() -> Sensor {
+        Sensor {
+            body: Carrier::Workpiece,
+            x: 0.0,
+            y: 0.0,
+            z: 0.0,
+            along_x: 0.0,
+            along_y: 0.6,
+            along_z: -0.8,
+            band_low: 2.0,
+            band_high: 5e3,
+        }
+    }
+
+    #[test]
+    fn the_band_ends_three_decibels_down_and_falls_with_its_order() {
+        let level = |hz: f64| 20.0 * band(&sensor(), hz).norm().log10();
+        assert!(level(100.0).abs() < 0.01);
+        assert!((level(2.0) + 3.0103).abs() < 1e-3 && (level(5e3) + 3.0103).abs() < 1e-3);
+        assert!((level(0.02) - level(0.2) + 20.0).abs() < 0.1);
+        assert!((level(5e5) - level(5e4) + 80.0).abs() < 0.1);
+    }
+
+    #[test]
+    fn a_burst_of_one_second_has_the_rms_of_its_sine() {
+        let interval = 1e-4;
+        let record = SensorRecord {
+            name: "a".to_owned(),
+            body: Carrier::Tool,
+            interval,
+            acceleration: (0..10_000)
+                .map(|n| (TAU * 50.0 * n as f64 * interval).sin() * STANDARD_GRAVITY)
+                .collect(),
+        };
+        let level = record.level();
+        assert!((level.rms_g - 0.5_f64.sqrt()).abs() < 1e-9 && (level.peak_g - 1.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn distance_off_the_sand_is_measured_from_box_and_block() {
+        let law = MovingSand {
+            footprint: [[-0.2, 0.2], [-0.1, 0.1]],
+            sand: [[-0.3, 0.3], [-0.3, 0.3]],
+            shear_speed: 112.0,
+            loss_factor: 0.1,
+            to_hz: 800.0,
+        };
+        assert_eq!(off_the_sand(&law, [0.25, 0.0]), 0.0);
+        assert!((off_the_sand(&law, [0.15, 0.0]) - 0.05).abs() < 1e-12);
+        assert!((off_the_sand(&law, [0.33, 0.34]) - 0.05).abs() < 1e-12);
+    }
+}
