@@ -230,6 +230,40 @@ pub enum AcousticsError {
         /// Highest point of the body \[m\].
         highest: f64,
     },
+    /// A mirror plane cuts the part of the surface that should lie above it.
+    #[error(
+        "the mirror plane {axis} = {plane} m lies above the lowest {axis} = {lowest} m of the part given; give the part \
+         above the plane alone, or the whole surface without the mirror"
+    )]
+    MirrorThroughPart {
+        /// Axis across the plane.
+        axis: &'static str,
+        /// Position of the plane \[m\].
+        plane: f64,
+        /// Lowest coordinate along the axis \[m\].
+        lowest: f64,
+    },
+    /// Bytes that should hold radiation matrices do not.
+    #[error("the bytes are not those of radiation matrices (at byte {at} of {length}); compute them again")]
+    Damaged {
+        /// Where reading stopped.
+        at: usize,
+        /// Number of bytes.
+        length: usize,
+    },
+    /// A panel lies on no face of the mesh that moves it.
+    #[error(
+        "the faces of the volume mesh cover {share:.6} of panel {panel} near {at:?} m; body and boundary mesh must have \
+         the same flat sides"
+    )]
+    Uncovered {
+        /// Number of the panel.
+        panel: usize,
+        /// Its centre \[m\].
+        at: [f64; 3],
+        /// Area covered over its area.
+        share: f64,
+    },
     /// A panel has no area.
     #[error("panel {panel} has an area of {area:.1e} m2; remove it or repair the mesh")]
     DegeneratePanel {

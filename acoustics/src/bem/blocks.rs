@@ -1,6 +1,7 @@
 use super::boundary::Boundary;
 use super::panel::PanelShape;
 use super::rules;
+use super::symmetry::Image;
 use nalgebra::Vector3;
 
 /// Most panels of a block.
@@ -35,8 +36,8 @@ pub(super) struct Block {
     pub(super) first_value: Vec<usize>,
     /// `points[(b * fields + field) * width + panel]`.
     pub(super) points: Vec<f64>,
-    /// The same of the image in the floor.
-    pub(super) image: Option<Vec<f64>>,
+    /// The same of the images in floor and mirror planes, in the order of [`Boundary::images`] after the first.
+    images: Vec<Vec<f64>>,
 }
 
 /// Cuts the surface into blocks, triangles first.
@@ -125,7 +126,10 @@ impl Block {
                 }
             }
         }
-        let image = boundary.floor().map(|floor| mirrored(&points, fields, width, floor));
+        let images = boundary.images().into_iter().skip(1);
+        let images = images
+            .map(|image| mirrored(&points, fields, width, boundary, image))
+            .collect();
         Self {
             corners,
             width,
@@ -134,23 +138,31 @@ impl Block {
             first_value: panels.iter().map(|&p| first_value[p]).collect(),
             panels,
             points,
-            image,
+            images,
+        }
+    }
+
+    /// The points of an image, by its place in [`Boundary::images`].
+    pub(super) fn points_of(&self, image: usize) -> &[f64] {
+        if image == 0 {
+            &self.points
+        } else {
+            &self.images[image - 1]
         }
     }
 }
 
-/// The points' image in the floor. With the mirror M, n' = M n, and the curl n' x grad' = -M (n x grad), because a
-/// reflection turns a right-handed triple into a left-handed one.
-fn mirrored(points: &[f64], fields: usize, width: usize, floor: f64) -> Vec<f64> {
-    let field_of = |i: usize| (i / width) % fields;
-    points
-        .iter()
-        .enumerate()
-        .map(|(i, &v)| match field_of(i) {
-            2 => 2.0 * floor - v,
-            5 => -v,
-            field if field >= C && (field - C) % 3 != 2 => -v,
-            _ => v,
-        })
-        .collect()
+/// The points' image in floor and mirror planes. With the mirror M, n' = M n, and the curl n' x grad' =
+/// det M  M (n x grad), because a reflection turns a right-handed triple into a left-handed one.
+fn mirrored(points: &[f64], fields: usize, width: usize, boundary: &Boundary, image: Image) -> Vec<f64> {
+    let value = |(i, &v): (usize, &f64)| {
+        let field = (i / width) % fields;
+        match field {
+            X..N => boundary.mirrored(image, field - X, v),
+            N..W => image.sign_along(field - N) * v,
+            W => v,
+            _ => image.handedness() * image.sign_along((field - C) % 3) * v,
+        }
+    };
+    points.iter().enumerate().map(value).collect()
 }

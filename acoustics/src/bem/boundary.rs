@@ -1,5 +1,6 @@
 use super::panel::{BoundaryMesh, PanelPoint, PanelShape};
 use super::rules;
+use super::symmetry::Image;
 use crate::error::AcousticsError;
 use nailnoise_meshes::Surface;
 use nalgebra::{DMatrix, Matrix4, Point3, Vector3, Vector4};
@@ -7,13 +8,17 @@ use std::collections::HashMap;
 
 /// A surface that has been found fit for the exterior problem: closed (or open only on the floor, on which it then
 /// stands), with normals into the air, above the floor.
+///
+/// Where body and air are symmetric about planes of constant x or y, the part on the upper side of those planes is all
+/// that is needed; it is open in them.
 #[derive(Clone, Debug)]
 pub struct Boundary {
     mesh: BoundaryMesh,
-    floor: Option<f64>,
+    planes: [Option<f64>; 3],
     original: Vec<usize>,
     node: Vec<usize>,
-    on_floor: Vec<bool>,
+    /// Planes in which each unknown lies, a bit an axis.
+    in_planes: Vec<u8>,
     nodes: usize,
     mended: Mended,
 }
@@ -23,7 +28,7 @@ pub struct Boundary {
 pub struct Mended {
     /// Panels whose normal was turned round.
     pub flipped: usize,
-    /// Panels left out because they lie on the floor.
+    /// Panels left out because they lie on the floor or in a mirror plane.
     pub on_floor: usize,
     /// Panels of all.
     pub panels: usize,
@@ -49,26 +54,50 @@ impl Boundary {
     /// [`AcousticsError::OpenSurface`], [`AcousticsError::TangledSurface`], [`AcousticsError::FloorThroughBody`],
     /// [`AcousticsError::DegeneratePanel`].
     pub fn new(mesh: BoundaryMesh, floor: Option<f64>) -> Result<Self, AcousticsError> {
+        Self::symmetric(mesh, [None; 2], floor)
+    }
+
+    /// As [`Boundary::new`], for a body that is symmetric about the planes x = `mirrors[0]` and y = `mirrors[1]` \[m\]:
+    /// `mesh` is the part above them.
+    ///
+    /// # Errors
+    /// Those of [`Boundary::new`], and [`AcousticsError::MirrorThroughPart`].
+    pub fn symmetric(
+        mesh: BoundaryMesh,
+        mirrors: [Option<f64>; 2],
+        floor: Option<f64>,
+    ) -> Result<Self, AcousticsError> {
         let mut mesh = mesh;
+        let planes = [mirrors[0], mirrors[1], floor];
         let panels = mesh.panels.len();
         let size = extent(&mesh);
         let tolerance = 1e-6 * size;
         let mut original: Vec<usize> = (0..panels).collect();
-        if let Some(z) = floor {
-            let used = || mesh.panels.iter().flat_map(|p| p.nodes()).map(|&n| mesh.points[n].z);
-            let (lowest, highest) = used().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), z| (a.min(z), b.max(z)));
-            if lowest < z - tolerance {
-                return Err(AcousticsError::FloorThroughBody {
-                    floor: z,
-                    lowest,
-                    highest,
+        for (axis, plane) in planes.iter().enumerate() {
+            let &Some(plane) = plane else { continue };
+            let used = mesh
+                .panels
+                .iter()
+                .flat_map(|p| p.nodes())
+                .map(|&n| mesh.points[n][axis]);
+            let (lowest, highest) = used.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), z| (a.min(z), b.max(z)));
+            if lowest < plane - tolerance {
+                return Err(if axis == 2 {
+                    AcousticsError::FloorThroughBody {
+                        floor: plane,
+                        lowest,
+                        highest,
+                    }
+                } else {
+                    let axis = ["x", "y"][axis];
+                    AcousticsError::MirrorThroughPart { axis, plane, lowest }
                 });
             }
             let flat = |p: usize| {
                 mesh.panels[p]
                     .nodes()
                     .iter()
-                    .all(|&n| (mesh.points[n].z - z).abs() <= tolerance)
+                    .all(|&n| (mesh.points[n][axis] - plane).abs() <= tolerance)
             };
             original.retain(|&p| !flat(p));
         }
@@ -79,31 +108,35 @@ impl Boundary {
                 return Err(AcousticsError::DegeneratePanel { panel, area });
             }
         }
-        let on_plane = |n: usize| floor.is_some_and(|z| (mesh.points[n].z - z).abs() <= tolerance);
-        let neighbours = neighbours(&mesh, &on_plane)?;
+        let in_planes = |n: usize| -> u8 {
+            let inside = |axis: &usize| planes[*axis].is_some_and(|z| (mesh.points[n][*axis] - z).abs() <= tolerance);
+            (0..3).filter(inside).map(|axis| 1 << axis).sum()
+        };
+        let masks: Vec<u8> = (0..mesh.points.len()).map(in_planes).collect();
+        let neighbours = neighbours(&mesh, &masks)?;
         let flipped = orient(&mut mesh, &neighbours, floor.unwrap_or(0.0));
         let mut node = vec![usize::MAX; mesh.points.len()];
-        let mut on_floor = Vec::new();
+        let mut in_planes = Vec::new();
         for panel in &mesh.panels {
             for &n in panel.corners() {
                 if node[n] == usize::MAX {
-                    node[n] = on_floor.len();
-                    on_floor.push(floor.is_some_and(|z| (mesh.points[n].z - z).abs() <= tolerance));
+                    node[n] = in_planes.len();
+                    in_planes.push(masks[n]);
                 }
             }
         }
         Ok(Self {
-            nodes: on_floor.len(),
+            nodes: in_planes.len(),
             mended: Mended {
                 flipped,
                 on_floor: panels - original.len(),
                 panels,
             },
             mesh,
-            floor,
+            planes,
             original,
             node,
-            on_floor,
+            in_planes,
         })
     }
 
@@ -114,7 +147,34 @@ impl Boundary {
 
     /// Height of the rigid floor \[m\].
     pub fn floor(&self) -> Option<f64> {
-        self.floor
+        self.planes[2]
+    }
+
+    /// Position of the planes of constant x and y about which the body is symmetric \[m\].
+    pub fn mirrors(&self) -> [Option<f64>; 2] {
+        [self.planes[0], self.planes[1]]
+    }
+
+    /// How many parts like this one the whole body has.
+    pub fn copies(&self) -> usize {
+        1 << self.mirrors().iter().flatten().count()
+    }
+
+    pub(super) fn planes(&self) -> &[Option<f64>; 3] {
+        &self.planes
+    }
+
+    /// All images in floor and mirror planes, the surface itself first.
+    pub(super) fn images(&self) -> Vec<Image> {
+        Image::all(&self.planes)
+    }
+
+    /// A coordinate of an image's point.
+    pub(super) fn mirrored(&self, image: Image, axis: usize, x: f64) -> f64 {
+        match self.planes[axis] {
+            Some(plane) if image.sign_along(axis) < 0.0 => 2.0 * plane - x,
+            _ => x,
+        }
     }
 
     /// Number of each panel in the mesh that was given.
@@ -144,11 +204,12 @@ impl Boundary {
 
     /// Whether the surface ends on the floor.
     pub fn stands_on_floor(&self) -> bool {
-        self.on_floor.contains(&true)
+        self.in_planes.iter().any(|mask| mask & 4 != 0)
     }
 
-    pub(super) fn is_on_floor(&self, node: usize) -> bool {
-        self.on_floor[node]
+    /// Planes in which an unknown lies, a bit an axis.
+    pub(super) fn in_planes(&self, node: usize) -> u8 {
+        self.in_planes[node]
     }
 
     /// Highest frequency at which every panel's edges measure at most 1/`per_wavelength` of a wave \[Hz\].
@@ -156,13 +217,16 @@ impl Boundary {
         sound_speed / (per_wavelength * self.mesh.longest_edge())
     }
 
-    /// Extents of the box around the surface, x, y, z \[m\].
+    /// Extents of the box around the whole body, x, y, z \[m\].
     pub fn extents(&self) -> Vector3<f64> {
         let mut low = Vector3::repeat(f64::INFINITY);
         let mut high = -low;
         for &n in self.mesh.panels.iter().flat_map(|p| p.corners()) {
             low = low.inf(&self.mesh.points[n].coords);
             high = high.sup(&self.mesh.points[n].coords);
+        }
+        for (axis, mirror) in self.mirrors().into_iter().enumerate() {
+            low[axis] = mirror.map_or(low[axis], |plane| 2.0 * plane - high[axis]);
         }
         high - low
     }
@@ -279,7 +343,7 @@ fn extent(mesh: &BoundaryMesh) -> f64 {
 type Beyond = (usize, bool);
 
 /// The panel beyond every edge of every panel.
-fn neighbours(mesh: &BoundaryMesh, on_plane: &impl Fn(usize) -> bool) -> Result<Vec<Vec<Beyond>>, AcousticsError> {
+fn neighbours(mesh: &BoundaryMesh, in_planes: &[u8]) -> Result<Vec<Vec<Beyond>>, AcousticsError> {
     let mut edges: HashMap<(usize, usize), Vec<(usize, bool)>> = HashMap::new();
     for (p, panel) in mesh.panels.iter().enumerate() {
         let c = panel.corners();
@@ -296,7 +360,7 @@ fn neighbours(mesh: &BoundaryMesh, on_plane: &impl Fn(usize) -> bool) -> Result<
                 result[p].push((q, forward == other));
                 result[q].push((p, forward == other));
             }
-            [_] if on_plane(a) && on_plane(b) => {}
+            [_] if in_planes[a] & in_planes[b] != 0 => {}
             [_] => open.push((a, b)),
             _ => {
                 let middle = nalgebra::center(&mesh.points[a], &mesh.points[b]);

@@ -55,7 +55,7 @@ impl Exterior {
     /// R = 1/(16 pi² rho c) Re int F^H F dOmega
     /// ```
     ///
-    /// with the image in the floor and the half space above it. Symmetric and positive semidefinite by construction, and
+    /// with the images in floor and mirror planes and the half space above the floor. Symmetric and positive semidefinite by construction, and
     /// independent of [`Exterior::impedance`], which integrates the intensity on the surface.
     ///
     /// # Errors
@@ -76,52 +76,41 @@ impl Exterior {
         let k = omega / self.air().sound_speed;
         let (sources, radius) = self.sources();
         let padded = sources.len().next_multiple_of(8);
-        let directions = directions(k * radius, boundary.floor().is_some());
+        let planes = boundary.planes().map(|plane| plane.is_some());
+        let directions = directions(k * radius, planes);
         let n = boundary.nodes();
         let pressure = MatRef::from_column_major_slice(solution.pressure.as_slice(), n, modes);
         let velocity = MatRef::from_column_major_slice(velocities.as_slice(), velocities.nrows(), modes);
         let mut total = Mat::<f64>::zeros(modes, modes);
-        let (mut phase, mut height) = (vec![0.0; padded], vec![0.0; padded]);
-        let (mut s, mut c) = (vec![0.0; padded], vec![0.0; padded]);
-        let (mut sz, mut cz) = (vec![0.0; padded], vec![1.0; padded]);
+        let mut phase = vec![0.0; padded];
+        let (mut sine, mut cosine) = ([0; 3].map(|_| vec![0.0; padded]), [0; 3].map(|_| vec![0.0; padded]));
         let impedance = self.air().impedance();
         for chunk in directions.chunks(CHUNK) {
             let rows = chunk.len();
             let mut on_p = Mat::<Complex<f64>>::zeros(n, rows);
             let mut on_v = Mat::<f64>::zeros(velocities.nrows(), 2 * rows);
             for (row, (d, _)) in chunk.iter().enumerate() {
-                // With a floor e^{jk d.y} and that of the image share the horizontal factor; heights count from it.
-                let flat = if boundary.floor().is_some() {
-                    Vector3::new(d.x, d.y, 0.0)
-                } else {
-                    *d
-                };
-                for (i, source) in sources.iter().enumerate() {
-                    phase[i] = k * flat.dot(&source.position);
-                    height[i] = k * d.z * source.position.z;
-                }
-                let arch = Arch::new();
-                arch.dispatch(SineCosine {
-                    phase: &phase,
-                    sine: &mut s,
-                    cosine: &mut c,
-                });
-                if boundary.floor().is_some() {
-                    arch.dispatch(SineCosine {
-                        phase: &height,
-                        sine: &mut sz,
-                        cosine: &mut cz,
+                for axis in 0..3 {
+                    for (phase, source) in phase.iter_mut().zip(&sources) {
+                        *phase = k * d[axis] * source.position[axis];
+                    }
+                    Arch::new().dispatch(SineCosine {
+                        phase: &phase,
+                        sine: &mut sine[axis],
+                        cosine: &mut cosine[axis],
                     });
                 }
                 for (i, source) in sources.iter().enumerate() {
-                    let wave = Complex::new(c[i], s[i]);
-                    let (even, odd) = match boundary.floor() {
-                        Some(_) => (2.0 * cz[i], Complex::new(0.0, 2.0 * sz[i])),
-                        None => (1.0, Complex::default()),
-                    };
-                    let dn = flat.dot(&source.area) * even + odd * (d.z * source.area.z);
-                    let on_pressure = wave * dn * Complex::new(0.0, k);
-                    let on_velocity = wave * Complex::new(0.0, k * impedance * even * source.weight);
+                    let wave: [Standing; 3] = std::array::from_fn(|axis| {
+                        let odd = solution.parity.is_odd(axis);
+                        Standing::new(cosine[axis][i], sine[axis][i], planes[axis], odd)
+                    });
+                    let even = wave[0].value * wave[1].value * wave[2].value;
+                    let slope = wave[0].slope * (d.x * source.area.x) * wave[1].value * wave[2].value
+                        + wave[0].value * wave[1].slope * (d.y * source.area.y) * wave[2].value
+                        + wave[0].value * wave[1].value * wave[2].slope * (d.z * source.area.z);
+                    let on_pressure = slope * k;
+                    let on_velocity = even * Complex::new(0.0, k * impedance * source.weight);
                     for j in 0..source.corners {
                         on_p[(source.nodes[j], row)] += on_pressure * source.phi[j];
                         let value = on_velocity * source.phi[j];
@@ -203,8 +192,8 @@ impl Exterior {
             high = high.sup(&source.position);
         }
         let mut origin = 0.5 * (low + high);
-        if let Some(z) = self.boundary().floor() {
-            origin.z = z;
+        for (axis, plane) in self.boundary().planes().iter().enumerate() {
+            origin[axis] = plane.unwrap_or(origin[axis]);
         }
         let mut radius: f64 = 0.0;
         for source in &mut sources {
@@ -215,20 +204,50 @@ impl Exterior {
     }
 }
 
-/// Directions and weights on the unit sphere, or on its upper half, that integrate the squared far field of a body of
-/// size k a: spherical harmonics up to k a + 6 (k a)^{1/3} + 6 (Wiscombe 1980, rounded up).
-fn directions(ka: f64, half: bool) -> Vec<(Vector3<f64>, f64)> {
+/// A factor of e^{jk d.y}, with its image along one axis: f(t) and its derivative, t = k d_a y_a.
+///
+/// e^{jt} alone, 2 cos t with the image of a field that continues evenly across the plane t = 0, 2j sin t with that of
+/// one that changes its sign.
+struct Standing {
+    value: Complex<f64>,
+    slope: Complex<f64>,
+}
+
+impl Standing {
+    fn new(cosine: f64, sine: f64, plane: bool, odd: bool) -> Self {
+        let (value, slope) = match (plane, odd) {
+            (false, _) => (Complex::new(cosine, sine), Complex::new(-sine, cosine)),
+            (true, false) => (Complex::new(2.0 * cosine, 0.0), Complex::new(-2.0 * sine, 0.0)),
+            (true, true) => (Complex::new(0.0, 2.0 * sine), Complex::new(0.0, 2.0 * cosine)),
+        };
+        Self { value, slope }
+    }
+}
+
+/// Directions and weights that integrate the squared far field of a body of size k a over the unit sphere, or over its
+/// half above the floor: spherical harmonics up to k a + 6 (k a)^{1/3} + 6 (Wiscombe 1980, rounded up). With mirror
+/// planes only the directions above them are listed, the others contribute as much.
+fn directions(ka: f64, planes: [bool; 3]) -> Vec<(Vector3<f64>, f64)> {
     let order = (ka + 6.0 * ka.cbrt() + 6.0).ceil() as usize;
-    let around = 2 * order + 1;
+    let around = (2 * order + 1).next_multiple_of(4);
+    let copies: f64 = planes[..2]
+        .iter()
+        .map(|mirror| if *mirror { 2.0 } else { 1.0 })
+        .product();
     let mut result = Vec::new();
     for (z, w) in gauss_legendre((order + 1).next_multiple_of(2)) {
-        if half && z < 0.0 {
+        if planes[2] && z < 0.0 {
             continue;
         }
         let r = (1.0 - z * z).sqrt();
         for i in 0..around {
-            let (sine, cosine) = (2.0 * PI * i as f64 / around as f64).sin_cos();
-            result.push((Vector3::new(r * cosine, r * sine, z), w * 2.0 * PI / around as f64));
+            // Half a step off the planes, so that every direction has its images.
+            let (sine, cosine) = (2.0 * PI * (i as f64 + 0.5) / around as f64).sin_cos();
+            if planes[0] && cosine < 0.0 || planes[1] && sine < 0.0 {
+                continue;
+            }
+            let weight = copies * w * 2.0 * PI / around as f64;
+            result.push((Vector3::new(r * cosine, r * sine, z), weight));
         }
     }
     result

@@ -9,18 +9,28 @@
 //!
 //! One frequency runs on one thread; frequencies run beside each other.
 
+mod blend;
 mod blocks;
 mod boundary;
+mod boxes;
 mod far_field;
+mod modal;
 mod near;
 mod panel;
 mod problem;
 mod resistance;
 mod rules;
+mod symmetry;
 mod tile;
+mod transfer;
 mod trig;
 
+pub use blend::BlendedRadiation;
 pub use boundary::{Boundary, Mended};
+pub use boxes::{Side, SolidBox};
+pub use modal::{Level, ModalBem, ModalErp, Summary};
 pub use panel::{BoundaryMesh, Panel, PanelPoint};
-pub use problem::{Exterior, SurfacePressure};
-pub use resistance::{BlendedRadiation, Estimate, TwoEvaluations};
+pub use problem::{Exterior, Patterns, SurfacePressure};
+pub use resistance::{Estimate, TwoEvaluations};
+pub use symmetry::Parity;
+pub use transfer::MovingPart;

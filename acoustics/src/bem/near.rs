@@ -2,8 +2,9 @@
 
 use super::blocks::Block;
 use super::boundary::Boundary;
-use super::panel::{BoundaryMesh, MOST_NODES, PanelShape};
+use super::panel::{MOST_NODES, PanelShape};
 use super::rules::{self, Contact, Node, PairNode};
+use super::symmetry::Image;
 use super::trig::{combine, cross, dot, green, load, minus};
 use nailnoise_meshes::FaceKind;
 use nalgebra::Vector3;
@@ -71,8 +72,8 @@ pub(super) struct NearPair {
     pub(super) e: usize,
     /// Position of the second panel in its block.
     pub(super) f: usize,
-    /// The second panel is an image in the floor.
-    pub(super) image: bool,
+    /// The second panel's image, by its place in [`Boundary::images`].
+    pub(super) image: usize,
     integration: Integration,
 }
 
@@ -97,6 +98,7 @@ pub(super) struct NearField {
     /// Pairs of each pair of blocks, at `e_block * blocks + f_block`.
     pairs: Vec<Vec<NearPair>>,
     blocks: usize,
+    images: Vec<Image>,
 }
 
 /// What identifies a table: kind, rule, side, order of the vertices.
@@ -119,7 +121,7 @@ impl NearField {
     pub(super) fn new(boundary: &Boundary, blocks: &[Block]) -> Self {
         let mesh = boundary.mesh();
         let spheres: Vec<(Vector3<f64>, f64)> = (0..mesh.panels.len()).map(|p| sphere(mesh, p)).collect();
-        let mut builder = Builder::new(blocks.len());
+        let mut builder = Builder::new(blocks.len(), boundary.images());
         let around = |b: &Block| {
             let middle = b.panels.iter().map(|&p| spheres[p].0).sum::<Vector3<f64>>() / b.panels.len() as f64;
             let reach = b
@@ -129,17 +131,12 @@ impl NearField {
             (middle, reach.fold(0.0, f64::max))
         };
         let reach: Vec<(Vector3<f64>, f64)> = blocks.iter().map(around).collect();
-        let mirror = |v: Vector3<f64>, z: f64| Vector3::new(v.x, v.y, 2.0 * z - v.z);
         for (i, eb) in blocks.iter().enumerate() {
             for (j, fb) in blocks.iter().enumerate().skip(i) {
-                for image in [false, true] {
-                    let seen = |v: Vector3<f64>| match (image, boundary.floor()) {
-                        (true, Some(z)) => mirror(v, z),
-                        _ => v,
-                    };
-                    if image && boundary.floor().is_none()
-                        || (reach[i].0 - seen(reach[j].0)).norm() > reach[i].1 + reach[j].1
-                    {
+                for number in 0..builder.field.images.len() {
+                    let image = builder.field.images[number];
+                    let seen = |v: Vector3<f64>| Vector3::from_fn(|axis, _| boundary.mirrored(image, axis, v[axis]));
+                    if (reach[i].0 - seen(reach[j].0)).norm() > reach[i].1 + reach[j].1 {
                         continue;
                     }
                     let mut pairs = std::mem::take(&mut builder.field.pairs[i * blocks.len() + j]);
@@ -152,7 +149,7 @@ impl NearField {
                                     pairs.push(NearPair {
                                         e,
                                         f,
-                                        image,
+                                        image: number,
                                         integration,
                                     });
                                 };
@@ -187,8 +184,9 @@ impl NearField {
         out: &mut PairMatrices,
     ) {
         let mesh = boundary.mesh();
-        let x_nodes = positions(mesh, p, None);
-        let y_nodes = positions(mesh, q, boundary.floor().filter(|_| pair.image));
+        let image = self.images[pair.image];
+        let x_nodes = positions(boundary, p, self.images[0]);
+        let y_nodes = positions(boundary, q, image);
         let mut run = |x: &Sampled, y: &Sampled, weights: &[f64]| {
             let task = Integrate {
                 k,
@@ -197,7 +195,7 @@ impl NearField {
                 weights,
                 x_nodes: &x_nodes,
                 y_nodes: &y_nodes,
-                sign: if pair.image { -1.0 } else { 1.0 },
+                sign: image.handedness(),
                 out,
             };
             Arch::new().dispatch(task);
@@ -227,7 +225,7 @@ impl NearField {
 }
 
 impl Builder {
-    fn new(blocks: usize) -> Self {
+    fn new(blocks: usize, images: Vec<Image>) -> Self {
         let contacts = [Contact::Identical, Contact::Edge, Contact::Vertex];
         let rules: Vec<Vec<PairNode>> = contacts.map(|c| rules::sauter_schwab(c, SINGULAR_ORDER)).into();
         let weights = rules.iter().map(|r| padded(r.iter().map(|&(_, _, w)| w))).collect();
@@ -237,6 +235,7 @@ impl Builder {
                 weights,
                 pairs: vec![Vec::new(); blocks * blocks],
                 blocks,
+                images,
             },
             table_of: HashMap::new(),
             rules,
@@ -249,7 +248,7 @@ impl Builder {
         &mut self,
         boundary: &Boundary,
         [p, q]: [usize; 2],
-        image: bool,
+        image: Image,
         ratio: f64,
         add: &mut impl FnMut(Integration),
     ) {
@@ -259,8 +258,8 @@ impl Builder {
             let n = boundary
                 .node_of(mesh.panels[panel].corners()[corner as usize])
                 .unwrap_or(usize::MAX);
-            // An image's node coincides with a real one on the floor only.
-            (!image || boundary.is_on_floor(n)).then_some(n)
+            // An image's node coincides with a real one in the planes of reflection only.
+            image.fixes(boundary.in_planes(n)).then_some(n)
         };
         let touching = (0..kinds[0].corners() as u8).any(|a| {
             let a = node(p, a);
@@ -392,7 +391,7 @@ fn padded(weights: impl Iterator<Item = f64>) -> Vec<f64> {
 }
 
 /// Centre of a panel's nodes, and the radius around it that holds them.
-fn sphere(mesh: &BoundaryMesh, p: usize) -> (Vector3<f64>, f64) {
+fn sphere(mesh: &super::BoundaryMesh, p: usize) -> (Vector3<f64>, f64) {
     let nodes = mesh.panels[p].nodes();
     let corners = mesh.panels[p].corners();
     let middle = corners.iter().map(|&n| mesh.points[n].coords).sum::<Vector3<f64>>() / corners.len() as f64;
@@ -400,12 +399,13 @@ fn sphere(mesh: &BoundaryMesh, p: usize) -> (Vector3<f64>, f64) {
     (middle, radius.fold(0.0, f64::max))
 }
 
-/// Node positions of a panel, or of its image in a floor.
-fn positions(mesh: &BoundaryMesh, p: usize, image: Option<f64>) -> [[f64; 3]; MOST_NODES] {
+/// Node positions of a panel's image.
+fn positions(boundary: &Boundary, p: usize, image: Image) -> [[f64; 3]; MOST_NODES] {
+    let mesh = boundary.mesh();
     let mut all = [[0.0; 3]; MOST_NODES];
     for (slot, &n) in all.iter_mut().zip(mesh.panels[p].nodes()) {
         let x = mesh.points[n];
-        *slot = [x.x, x.y, image.map_or(x.z, |z| 2.0 * z - x.z)];
+        *slot = [0, 1, 2].map(|axis| boundary.mirrored(image, axis, x[axis]));
     }
     all
 }
@@ -469,7 +469,7 @@ struct Integrate<'a> {
     weights: &'a [f64],
     x_nodes: &'a [[f64; 3]; MOST_NODES],
     y_nodes: &'a [[f64; 3]; MOST_NODES],
-    /// -1 if the second panel is an image: mirrored tangents turn its normal inward.
+    /// -1 for a second panel that is reflected once or thrice: mirrored tangents turn its normal inward.
     sign: f64,
     out: &'a mut PairMatrices,
 }

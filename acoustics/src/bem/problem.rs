@@ -3,6 +3,7 @@ use super::boundary::Boundary;
 use super::near::NearField;
 use super::panel::PanelShape;
 use super::rules;
+use super::symmetry::{Image, Parity};
 use super::tile::{Sums, Tile, Wave};
 use crate::air::Air;
 use crate::error::{AcousticsError, positive, same_length};
@@ -35,7 +36,8 @@ use std::f64::consts::PI;
 /// ```
 ///
 /// On a body that stands on the floor the surface and its image close each other: tested with functions even in the
-/// height above the floor, the contour terms of the two cancel where they meet.
+/// height above the floor, the contour terms of the two cancel where they meet. Mirror planes work likewise; where a
+/// field is odd in the distance from one, its functions vanish there.
 #[derive(Debug)]
 pub struct Exterior {
     boundary: Boundary,
@@ -44,8 +46,18 @@ pub struct Exterior {
     near: NearField,
     coupling: f64,
     per_wavelength: f64,
+    images: Vec<Image>,
     /// Integrals of phi_i phi_j over every panel.
     masses: Vec<[[f64; 4]; 4]>,
+}
+
+/// Normal velocities that continue in one way across the mirror planes.
+#[derive(Clone, Debug)]
+pub struct Patterns {
+    /// How they continue; without mirror planes only the default has a meaning.
+    pub parity: Parity,
+    /// Corner values of every panel x patterns, see [`Boundary::project`].
+    pub velocities: DMatrix<f64>,
 }
 
 /// The pressure on a surface for a set of velocity patterns.
@@ -53,6 +65,8 @@ pub struct Exterior {
 pub struct SurfacePressure {
     /// Frequency \[Hz\].
     pub hz: f64,
+    /// How the patterns continue across the mirror planes.
+    pub parity: Parity,
     /// Pressure per unit of each pattern, pressure unknowns x patterns \[Pa s/m for velocities in m/s\].
     pub pressure: DMatrix<Complex<f64>>,
 }
@@ -82,6 +96,7 @@ impl Exterior {
         Self {
             coupling: boundary.half_width(),
             per_wavelength: 6.0,
+            images: boundary.images(),
             boundary,
             air: *air,
             blocks,
@@ -165,93 +180,115 @@ impl Exterior {
     }
 
     /// Pressure on the surface at the frequency `hz` for normal velocities (corner values of every panel x patterns,
-    /// see [`Boundary::project`]): one matrix, one factorisation for all patterns, on one thread.
+    /// see [`Boundary::project`]) that continue evenly across the mirror planes, if there are any.
     ///
     /// # Errors
     /// A frequency that is not positive or above what the mesh resolves, patterns of another length.
     pub fn solve(&self, hz: f64, velocities: &DMatrix<f64>) -> Result<SurfacePressure, AcousticsError> {
+        let even = Patterns {
+            parity: Parity::default(),
+            velocities: velocities.clone(),
+        };
+        let [pressure] =
+            self.solve_parities(hz, &[even])?
+                .try_into()
+                .map_err(|all: Vec<_>| AcousticsError::Length {
+                    what: "solutions of one parity",
+                    found: all.len(),
+                    expected: 1,
+                })?;
+        Ok(pressure)
+    }
+
+    /// Pressure on the surface for patterns of several parities: the kernels are evaluated once, every parity has one
+    /// matrix and one factorisation for all its patterns; on one thread.
+    ///
+    /// # Errors
+    /// As [`Exterior::solve`].
+    pub fn solve_parities(&self, hz: f64, patterns: &[Patterns]) -> Result<Vec<SurfacePressure>, AcousticsError> {
         positive("frequency [Hz]", hz)?;
         self.check_resolution(hz)?;
-        same_length(
-            "rows of the normal velocities",
-            velocities.nrows(),
-            self.boundary.velocity_values(),
-        )?;
+        for p in patterns {
+            let rows = p.velocities.nrows();
+            same_length("rows of the normal velocities", rows, self.boundary.velocity_values())?;
+        }
         let omega = 2.0 * PI * hz;
         let k = omega / self.air.sound_speed;
         let wave = Wave {
             k,
             alpha: Complex::new(0.0, -self.coupling_share(hz) * self.coupling.min(1.0 / k)),
         };
-        let Sums { mut matrix, right } = self.assemble(wave, velocities);
         // dp/dn = -j omega rho v turns -(S + alpha K' + alpha/2) dp/dn into j omega rho (...) v.
         let factor = Complex::new(0.0, omega * self.air.density);
-        let (n, modes) = (matrix.nrows(), velocities.ncols());
-        let mut pressure = DMatrix::from_fn(n, modes, |i, m| {
-            factor * Complex::new(right[0][(i, m)], right[1][(i, m)])
+        let sums = self.assemble(wave, patterns);
+        let solved = sums.into_iter().zip(patterns).map(|(mut sums, patterns)| {
+            self.hold_odd(patterns.parity, &mut sums);
+            SurfacePressure {
+                hz,
+                parity: patterns.parity,
+                pressure: factorise_and_solve(sums, factor),
+            }
         });
-        let (mut order, mut inverse) = (vec![0usize; n], vec![0usize; n]);
-        let scratch = factor::lu_in_place_scratch::<usize, Complex<f64>>(n, n, Par::Seq, Default::default())
-            .or(solve::solve_in_place_scratch::<usize, Complex<f64>>(n, modes, Par::Seq));
-        let mut memory = MemBuffer::new(scratch);
-        let stack = MemStack::new(&mut memory);
-        factor::lu_in_place(
-            matrix.as_mut(),
-            &mut order,
-            &mut inverse,
-            Par::Seq,
-            stack,
-            Default::default(),
-        );
-        let permutation = PermRef::new_checked(&order, &inverse, n);
-        solve::solve_in_place_with_conj(
-            matrix.as_ref(),
-            matrix.as_ref(),
-            permutation,
-            Conj::No,
-            MatMut::from_column_major_slice_mut(pressure.as_mut_slice(), n, modes),
-            Par::Seq,
-            stack,
-        );
-        Ok(SurfacePressure { hz, pressure })
+        Ok(solved.collect())
     }
 
-    /// 1/2 - K + alpha W, and (S + alpha (1/2 + K')) v.
-    pub(super) fn assemble(&self, wave: Wave, velocities: &DMatrix<f64>) -> Sums {
-        let (n, modes) = (self.boundary.nodes(), velocities.ncols());
-        let patterns: Vec<Mat<f64>> = self
-            .blocks
-            .iter()
-            .map(|b| {
-                let mut m = Mat::zeros(b.corners * b.width, modes);
-                for mode in 0..modes {
-                    for (f, first) in b.first_value.iter().enumerate() {
-                        for j in 0..b.corners {
-                            m[(j * b.width + f, mode)] = velocities[(first + j, mode)];
-                        }
-                    }
+    /// A field that changes its sign across a plane is zero in it.
+    fn hold_odd(&self, parity: Parity, sums: &mut Sums) {
+        let n = sums.matrix.nrows();
+        let held = (0..n).filter(|&node| parity.vanishes(self.boundary.in_planes(node)));
+        for node in held {
+            for i in 0..n {
+                sums.matrix[(node, i)] = Complex::default();
+                sums.matrix[(i, node)] = Complex::default();
+            }
+            sums.matrix[(node, node)] = Complex::new(1.0, 0.0);
+            for right in &mut sums.right {
+                for m in 0..right.ncols() {
+                    right[(node, m)] = 0.0;
                 }
-                m
-            })
+            }
+        }
+    }
+
+    /// 1/2 - K + alpha W, and (S + alpha (1/2 + K')) v, for every parity.
+    fn assemble(&self, wave: Wave, all: &[Patterns]) -> Vec<Sums> {
+        let n = self.boundary.nodes();
+        let by_block: Vec<Vec<Mat<f64>>> = all
+            .iter()
+            .map(|p| self.blocks.iter().map(|b| of_block(b, &p.velocities)).collect())
             .collect();
-        let mut sums = Sums {
+        let empty = |p: &Patterns| Sums {
             matrix: Mat::zeros(n, n),
-            right: [Mat::zeros(n, modes), Mat::zeros(n, modes)],
+            right: [0, 1].map(|_| Mat::zeros(n, p.velocities.ncols())),
         };
+        let mut sums: Vec<Sums> = all.iter().map(empty).collect();
         let mut tile = Tile::default();
         for (i, e) in self.blocks.iter().enumerate() {
             for (j, f) in self.blocks.iter().enumerate().skip(i) {
+                let patterns: Vec<(Parity, [&Mat<f64>; 2])> = all
+                    .iter()
+                    .zip(&by_block)
+                    .map(|(p, blocks)| (p.parity, [&blocks[i], &blocks[j]]))
+                    .collect();
                 tile.add(
-                    &self.boundary,
+                    &self.images,
                     wave,
                     [e, f],
-                    [&patterns[i], &patterns[j]],
+                    &patterns,
                     self.near.pairs(i, j),
                     |panels, pair, out| self.near.integrate(&self.boundary, wave.k, panels, pair, out),
                     &mut sums,
                 );
             }
         }
+        for (sums, patterns) in sums.iter_mut().zip(all) {
+            self.add_jump(wave, &patterns.velocities, sums);
+        }
+        sums
+    }
+
+    /// 1/2 on both sides.
+    fn add_jump(&self, wave: Wave, velocities: &DMatrix<f64>, sums: &mut Sums) {
         let mesh = self.boundary.mesh();
         let mut first = 0;
         for (panel, mass) in mesh.panels.iter().zip(&self.masses) {
@@ -264,7 +301,7 @@ impl Exterior {
                 for (j, &column) in nodes.iter().enumerate() {
                     sums.matrix[(row, column)] += 0.5 * mass[i][j];
                     let half = 0.5 * mass[i][j] * wave.alpha;
-                    for m in 0..modes {
+                    for m in 0..velocities.ncols() {
                         let v = velocities[(first + j, m)];
                         sums.right[0][(row, m)] += half.re * v;
                         sums.right[1][(row, m)] += half.im * v;
@@ -273,11 +310,10 @@ impl Exterior {
             }
             first += nodes.len();
         }
-        sums
     }
 
     /// Modal radiation impedance Z_ij = int v_i p_j dS of every patch: its real part is R, its imaginary part omega
-    /// times the mass of air that moves along.
+    /// times the mass of air that moves along. With mirror planes, of the whole body.
     ///
     /// # Errors
     /// Patterns or pressures of another length.
@@ -343,10 +379,57 @@ impl Exterior {
                 z
             };
             let (re, im) = (part(|z| z.re), part(|z| z.im));
+            let copies = self.boundary.copies() as f64;
             result.push(DMatrix::from_fn(modes, columns, |i, j| {
-                Complex::new(re[(i, j)], im[(i, j)])
+                Complex::new(re[(i, j)], im[(i, j)]) * copies
             }));
         }
         Ok(result)
     }
+}
+
+/// The patterns at the corners of a block's panels, panel fastest.
+fn of_block(b: &Block, velocities: &DMatrix<f64>) -> Mat<f64> {
+    let mut m = Mat::zeros(b.corners * b.width, velocities.ncols());
+    for mode in 0..velocities.ncols() {
+        for (f, first) in b.first_value.iter().enumerate() {
+            for j in 0..b.corners {
+                m[(j * b.width + f, mode)] = velocities[(first + j, mode)];
+            }
+        }
+    }
+    m
+}
+
+/// Pressure for all patterns: `factor` times the inverse of the matrix times the right-hand sides.
+fn factorise_and_solve(sums: Sums, factor: Complex<f64>) -> DMatrix<Complex<f64>> {
+    let Sums { mut matrix, right } = sums;
+    let (n, modes) = (matrix.nrows(), right[0].ncols());
+    let mut pressure = DMatrix::from_fn(n, modes, |i, m| {
+        factor * Complex::new(right[0][(i, m)], right[1][(i, m)])
+    });
+    let (mut order, mut inverse) = (vec![0usize; n], vec![0usize; n]);
+    let scratch = factor::lu_in_place_scratch::<usize, Complex<f64>>(n, n, Par::Seq, Default::default())
+        .or(solve::solve_in_place_scratch::<usize, Complex<f64>>(n, modes, Par::Seq));
+    let mut memory = MemBuffer::new(scratch);
+    let stack = MemStack::new(&mut memory);
+    factor::lu_in_place(
+        matrix.as_mut(),
+        &mut order,
+        &mut inverse,
+        Par::Seq,
+        stack,
+        Default::default(),
+    );
+    let permutation = PermRef::new_checked(&order, &inverse, n);
+    solve::solve_in_place_with_conj(
+        matrix.as_ref(),
+        matrix.as_ref(),
+        permutation,
+        Conj::No,
+        MatMut::from_column_major_slice_mut(pressure.as_mut_slice(), n, modes),
+        Par::Seq,
+        stack,
+    );
+    pressure
 }

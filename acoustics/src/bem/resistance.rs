@@ -1,9 +1,8 @@
 use super::panel::PanelShape;
-use super::problem::Exterior;
+use super::problem::{Exterior, Patterns, SurfacePressure};
 use crate::error::AcousticsError;
-use crate::radiation::{Erp, ModalRadiation, RadiatingSurface, Resistance, SampledRadiation, Sampling};
-use nalgebra::{Complex, DMatrix, Point3};
-use std::f64::consts::PI;
+use crate::radiation::{RadiatingSurface, Resistance};
+use nalgebra::{DMatrix, Point3};
 
 /// Radiation resistance at one frequency, evaluated twice.
 #[derive(Clone, Debug)]
@@ -22,22 +21,26 @@ pub struct TwoEvaluations {
 }
 
 impl TwoEvaluations {
-    /// R of every patch, such that the patches add up to the far field's R: the difference of the two evaluations is
-    /// shared out by area.
-    pub fn shared(&self, areas: &[f64]) -> Vec<Resistance> {
-        let surface = self.patches.iter().fold(
-            DMatrix::zeros(0, 0),
-            |sum: DMatrix<f64>, p| {
-                if sum.is_empty() { p.clone() } else { sum + p }
-            },
-        );
-        let total: f64 = areas.iter().sum();
-        let rest = &self.far_field - surface;
-        let part = |(p, area): (&DMatrix<f64>, &f64)| Resistance {
-            real: p + &rest * (area / total),
+    /// Largest difference between the two evaluations \[dB\] among patterns whose resistance is above `floor`.
+    pub(super) fn difference_within(&self, floor: f64) -> f64 {
+        let surface = |i: usize| self.patches.iter().map(|p| p[(i, i)]).sum::<f64>();
+        let far = self.far_field.diagonal();
+        let difference = |i: usize| (10.0 * (surface(i) / far[i]).log10()).abs();
+        (0..far.len())
+            .filter(|&i| far[i] > floor)
+            .map(difference)
+            .fold(0.0, f64::max)
+    }
+
+    /// R of every patch from the surface, and last what the far field has beyond their sum: together the far field's R.
+    pub fn split(&self) -> Vec<Resistance> {
+        let mut rest = self.far_field.clone();
+        self.patches.iter().for_each(|p| rest -= p);
+        let part = |real: &DMatrix<f64>| Resistance {
+            real: real.clone(),
             imaginary: None,
         };
-        self.patches.iter().zip(areas).map(part).collect()
+        self.patches.iter().chain([&rest]).map(part).collect()
     }
 }
 
@@ -81,10 +84,28 @@ impl Exterior {
     /// # Errors
     /// See [`Exterior::solve`].
     pub fn resistance(&self, hz: f64, velocities: &DMatrix<f64>) -> Result<TwoEvaluations, AcousticsError> {
-        let solution = self.solve(hz, velocities)?;
-        let far_field = self.far_field_resistance(velocities, &solution)?;
+        self.two_evaluations(velocities, &self.solve(hz, velocities)?)
+    }
+
+    /// The same for patterns of several parities, which radiate independently.
+    ///
+    /// # Errors
+    /// See [`Exterior::solve`].
+    pub fn resistance_parities(&self, hz: f64, patterns: &[Patterns]) -> Result<Vec<TwoEvaluations>, AcousticsError> {
+        let solutions = self.solve_parities(hz, patterns)?;
+        let of_parity = |(p, s): (&Patterns, &SurfacePressure)| self.two_evaluations(&p.velocities, s);
+        patterns.iter().zip(&solutions).map(of_parity).collect()
+    }
+
+    fn two_evaluations(
+        &self,
+        velocities: &DMatrix<f64>,
+        solution: &SurfacePressure,
+    ) -> Result<TwoEvaluations, AcousticsError> {
+        let hz = solution.hz;
+        let far_field = self.far_field_resistance(velocities, solution)?;
         let raw: Vec<DMatrix<f64>> = self
-            .impedance(velocities, &solution)?
+            .impedance(velocities, solution)?
             .into_iter()
             .map(|z| z.map(|z| z.re))
             .collect();
@@ -92,18 +113,15 @@ impl Exterior {
             .iter()
             .fold(DMatrix::zeros(velocities.ncols(), velocities.ncols()), |sum, r| sum + r);
         let largest = far_field.amax().max(f64::MIN_POSITIVE);
-        let loudest = far_field.diagonal().max();
-        let difference_db = (0..velocities.ncols())
-            .filter(|&i| far_field[(i, i)] > 1e-3 * loudest)
-            .map(|i| (10.0 * (whole[(i, i)] / far_field[(i, i)]).log10()).abs())
-            .fold(0.0, f64::max);
-        Ok(TwoEvaluations {
+        let mut two = TwoEvaluations {
             hz,
             asymmetry: (&whole - whole.transpose()).amax() / largest,
-            difference_db,
+            difference_db: 0.0,
             patches: raw.iter().map(|r| (r + r.transpose()) * 0.5).collect(),
             far_field,
-        })
+        };
+        two.difference_db = two.difference_within(1e-3 * two.far_field.amax());
+        Ok(two)
     }
 
     /// Memory, time and limits, before any is spent. Times are those of one core at about 3 GHz with AVX2: 7 ns a
@@ -112,75 +130,22 @@ impl Exterior {
         let boundary = self.boundary();
         let mesh = boundary.mesh();
         let (n, values) = (boundary.nodes() as f64, boundary.velocity_values() as f64);
-        let images = if boundary.floor().is_some() { 2.0 } else { 1.0 };
-        let far = 0.5 * values * values * images;
-        let factorisation = 8.0 / 3.0 * n.powi(3);
+        let parities = boundary.copies() as f64;
+        let far = 0.5 * values * values * boundary.images().len() as f64;
+        let factorisation = parities * 8.0 / 3.0 * n.powi(3);
         Estimate {
             unknowns: boundary.nodes(),
             panels: mesh.panels.len(),
-            bytes: 16.0 * n * n,
+            bytes: parities * 16.0 * n * n,
             seconds: 7e-9 * far + 10e-6 * self.close_pairs() as f64 + factorisation / 20e9,
             highest_hz: boundary.highest_hz(self.air().sound_speed, self.panels_per_wavelength()),
             irregular_hz: self.lowest_resonance(),
         }
     }
 
-    /// The modes' radiation resistance over a range of frequencies, sampled where an error estimate asks for it and
-    /// interpolated, with the equivalent radiated power above; frequencies in parallel.
-    ///
-    /// * `velocities`: corner values of every panel x modes, see [`Boundary::project_displacements`](super::Boundary)
-    /// * `sampling.range_hz`: its upper end lies within what the mesh resolves
-    /// * the two laws are blended over the range's uppermost third of an octave
-    ///
-    /// # Errors
-    /// [`AcousticsError::TooCoarse`], [`AcousticsError::Unresolved`], a number of rows that does not fit.
-    pub fn modal_radiation(
-        &self,
-        velocities: &DMatrix<f64>,
-        sampling: &Sampling,
-    ) -> Result<BlendedRadiation, AcousticsError> {
-        let [_, high] = sampling.range_hz;
-        self.check_resolution(high)?;
-        crate::error::same_length(
-            "rows of the normal velocities",
-            velocities.nrows(),
-            self.boundary().velocity_values(),
-        )?;
-        let mesh = self.boundary().mesh();
-        let mut areas = vec![0.0; mesh.patches.len()];
-        for (p, panel) in mesh.panels.iter().enumerate() {
-            areas[panel.patch] += mesh.panel_area(p);
-        }
-        let worst = std::sync::Mutex::new((0.0f64, 0.0f64));
-        let modes = velocities.ncols();
-        let at = |hz: f64| match self.resistance(hz, velocities) {
-            Ok(two) => {
-                // A poisoned lock still holds the largest values seen.
-                let mut worst = worst.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-                *worst = (worst.0.max(two.difference_db), worst.1.max(two.asymmetry));
-                two.shared(&areas)
-            }
-            // Lengths and frequencies were checked above.
-            Err(_) => vec![Resistance::zeros(modes); areas.len()],
-        };
-        let sampled = SampledRadiation::new("BEM", modes, mesh.patches.clone(), sampling, at)?;
-        let (difference_db, asymmetry) = worst.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-        let erp = Erp::new(&self.radiating_surface(velocities)?, self.air());
-        let mut blended = BlendedRadiation {
-            from_hz: high * 2f64.powf(-1.0 / 3.0),
-            to_hz: high,
-            sampled,
-            erp,
-            difference_db,
-            asymmetry,
-            step_db: [0.0; 2],
-        };
-        blended.step_db = blended.steps();
-        Ok(blended)
-    }
-
-    /// The surface with its modes at the points of the far rule, for the operators that need no equation solved.
-    fn radiating_surface(&self, velocities: &DMatrix<f64>) -> Result<RadiatingSurface, AcousticsError> {
+    /// The surface with its modes at quadrature points, for the operators that need no equation solved. With mirror
+    /// planes every point stands for its images too.
+    pub(super) fn radiating_surface(&self, velocities: &DMatrix<f64>) -> Result<RadiatingSurface, AcousticsError> {
         let mesh = self.boundary().mesh();
         let (mut points, mut normals, mut weights, mut patch) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let (mut rows, mut first) = (Vec::new(), 0);
@@ -191,7 +156,7 @@ impl Exterior {
                 let area = point.area_vector();
                 points.push(Point3::from(point.position));
                 normals.push(area.normalize());
-                weights.push(w * area.norm());
+                weights.push(w * area.norm() * self.boundary().copies() as f64);
                 patch.push(panel.patch);
                 rows.push((first, corners, panel.kind().linear().at(xi).n));
             }
@@ -202,93 +167,5 @@ impl Exterior {
             (0..corners).map(|j| n[j] * velocities[(first + j, m)]).sum()
         });
         RadiatingSurface::new(points, normals, weights, patch, mesh.patches.clone(), modes)
-    }
-}
-
-/// Radiation resistance from boundary elements, with the equivalent radiated power above their range.
-#[derive(Debug, Clone)]
-pub struct BlendedRadiation {
-    sampled: SampledRadiation,
-    erp: Erp,
-    from_hz: f64,
-    to_hz: f64,
-    /// Largest difference between the power from the surface and from the far field \[dB\].
-    pub difference_db: f64,
-    /// Largest asymmetry of R, relative to its largest entry.
-    pub asymmetry: f64,
-    /// Where the laws meet, 10 lg of the equivalent radiated power over the boundary elements' \[dB\], lowest and highest
-    /// among the modes: the error that the blend leaves above the range.
-    pub step_db: [f64; 2],
-}
-
-impl BlendedRadiation {
-    /// The sampled part.
-    pub fn sampled(&self) -> &SampledRadiation {
-        &self.sampled
-    }
-
-    fn steps(&self) -> [f64; 2] {
-        let (bem, erp) = (
-            self.sampled.resistance(self.to_hz).real,
-            self.erp.resistance(self.to_hz).real,
-        );
-        (0..bem.nrows())
-            .map(|i| 10.0 * (erp[(i, i)] / bem[(i, i)].max(f64::MIN_POSITIVE)).log10())
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], step| {
-                [a.min(step), b.max(step)]
-            })
-    }
-
-    /// Share of the equivalent radiated power: 0 below the blend, 1 above it, sin² of the logarithmic frequency between.
-    fn share(&self, hz: f64) -> f64 {
-        let t = ((hz / self.from_hz).ln() / (self.to_hz / self.from_hz).ln()).clamp(0.0, 1.0);
-        (0.5 * PI * t).sin().powi(2)
-    }
-}
-
-impl ModalRadiation for BlendedRadiation {
-    fn method(&self) -> &str {
-        "BEM, ERP above its range"
-    }
-
-    fn modes(&self) -> usize {
-        self.sampled.modes()
-    }
-
-    fn patches(&self) -> &[String] {
-        self.sampled.patches()
-    }
-
-    fn highest_hz(&self) -> f64 {
-        f64::INFINITY
-    }
-
-    fn resistance(&self, hz: f64) -> Resistance {
-        let share = self.share(hz);
-        let mut whole = Resistance::zeros(self.modes());
-        if share < 1.0 {
-            whole.add_scaled(1.0 - share, &self.sampled.resistance(hz));
-        }
-        if share > 0.0 {
-            whole.add_scaled(share, &self.erp.resistance(hz));
-        }
-        whole
-    }
-
-    fn energy_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
-        let capped: Vec<f64> = frequency.iter().map(|hz| hz.min(self.to_hz)).collect();
-        let mut forms = self.sampled.energy_forms(&capped, accelerations);
-        let high = self.erp.energy_forms(frequency, accelerations);
-        for (bin, &hz) in frequency.iter().enumerate() {
-            let share = self.share(hz);
-            for p in 0..forms.nrows() {
-                forms[(p, bin)] = if share < 1.0 {
-                    (1.0 - share) * forms[(p, bin)] + share * high[(p, bin)]
-                } else {
-                    high[(p, bin)]
-                };
-            }
-        }
-        forms
     }
 }

@@ -1,10 +1,10 @@
 //! The operators between two blocks of panels.
 
 use super::blocks::{Block, C, N, W, X, fields};
-use super::boundary::Boundary;
 use super::near::{NearPair, PairMatrices};
 use super::panel::PanelShape;
 use super::rules;
+use super::symmetry::{Image, Parity};
 use super::trig::{dot, green, load, load3, minus};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
@@ -36,6 +36,12 @@ impl Buffer {
         self.data.resize(2 * rows * columns, 0.0);
     }
 
+    fn add_scaled(&mut self, factor: f64, other: &Self) {
+        for (to, from) in self.data.iter_mut().zip(&other.data) {
+            *to += factor * from;
+        }
+    }
+
     fn start(&self, part: usize, row: usize) -> usize {
         (part * self.rows + row) * self.columns
     }
@@ -52,10 +58,10 @@ impl Buffer {
     }
 }
 
-/// Work space of one pair of blocks. A = -K + alpha W acts on pressure, B = S + alpha K' on normal derivatives; by the
+/// The operators of one pair of blocks. A = -K + alpha W acts on pressure, B = S + alpha K' on normal derivatives; by the
 /// symmetry of S and W, and as K' is the transpose of K, one pass gives both directions.
 #[derive(Debug, Default)]
-pub(super) struct Tile {
+struct Operators {
     /// A from f to the nodes of e.
     a: Buffer,
     /// Transpose of A from e to f: -K' + alpha W, at the nodes of e.
@@ -64,6 +70,31 @@ pub(super) struct Tile {
     b: Buffer,
     /// Transpose of B from e to f: S + alpha K, at the corners of the panels e.
     b_back: Buffer,
+}
+
+impl Operators {
+    fn reset(&mut self, [e, f]: [&Block; 2], diagonal: bool) {
+        let columns = f.corners * f.width;
+        self.a.reset(e.nodes.len(), columns);
+        self.b.reset(e.nodes.len(), columns);
+        self.a_back.reset(if diagonal { 0 } else { e.nodes.len() }, columns);
+        self.b_back
+            .reset(if diagonal { 0 } else { e.corners * e.width }, columns);
+    }
+
+    fn add_scaled(&mut self, factor: f64, other: &Self) {
+        self.a.add_scaled(factor, &other.a);
+        self.a_back.add_scaled(factor, &other.a_back);
+        self.b.add_scaled(factor, &other.b);
+        self.b_back.add_scaled(factor, &other.b_back);
+    }
+}
+
+/// Work space: the operators with one image, and their sum over the images for every parity.
+#[derive(Debug, Default)]
+pub(super) struct Tile {
+    one: Operators,
+    parities: Vec<Operators>,
     mask: Vec<f64>,
 }
 
@@ -77,38 +108,35 @@ pub(super) struct Sums {
 }
 
 impl Tile {
-    /// Adds the operators between the blocks e and f (both directions if they differ) to the sums.
+    /// Adds the operators between the blocks e and f (both directions if they differ) to the sums of every parity.
     ///
-    /// `patterns` holds the normal velocities at the corners of each block's panels, panel fastest.
+    /// `patterns` holds the normal velocities of a parity at the corners of each block's panels, panel fastest.
     pub(super) fn add(
         &mut self,
-        boundary: &Boundary,
+        images: &[Image],
         wave: Wave,
         [e, f]: [&Block; 2],
-        patterns: [&Mat<f64>; 2],
+        patterns: &[(Parity, [&Mat<f64>; 2])],
         near: &[NearPair],
         integrate: impl Fn([usize; 2], &NearPair, &mut PairMatrices),
-        sums: &mut Sums,
+        sums: &mut [Sums],
     ) {
         let diagonal = std::ptr::eq(e, f);
-        let columns = f.corners * f.width;
-        self.a.reset(e.nodes.len(), columns);
-        self.b.reset(e.nodes.len(), columns);
-        self.a_back.reset(if diagonal { 0 } else { e.nodes.len() }, columns);
-        self.b_back
-            .reset(if diagonal { 0 } else { e.corners * e.width }, columns);
-        for image in [false, true] {
-            let points = match (image, &f.image) {
-                (false, _) => &f.points,
-                (true, Some(points)) => points,
-                (true, None) => continue,
-            };
+        // With the even parity alone the images add up as they are.
+        let even = matches!(patterns, [(parity, _)] if *parity == Parity::default());
+        self.parities.resize_with(patterns.len(), Operators::default);
+        self.parities.iter_mut().for_each(|p| p.reset([e, f], diagonal));
+        self.one.reset([e, f], diagonal);
+        for (number, &image) in images.iter().enumerate() {
+            if !even && number > 0 {
+                self.one.reset([e, f], diagonal);
+            }
             self.mask.clear();
             for _ in &e.panels {
                 self.mask.resize(self.mask.len() + f.panels.len(), 1.0);
                 self.mask.resize(self.mask.len() + f.width - f.panels.len(), 0.0);
             }
-            for pair in near.iter().filter(|p| p.image == image) {
+            for pair in near.iter().filter(|p| p.image == number) {
                 self.mask[pair.e * f.width + pair.f] = 0.0;
                 if diagonal {
                     self.mask[pair.f * f.width + pair.e] = 0.0;
@@ -118,24 +146,39 @@ impl Tile {
                 wave,
                 e,
                 f,
-                points,
+                points: f.points_of(number),
                 diagonal,
-                tile: &mut *self,
+                mask: &self.mask,
+                to: &mut self.one,
             };
             Arch::new().dispatch(far);
+            let close = near.iter().filter(|p| p.image == number);
+            self.one.add_near(wave, [e, f], diagonal, close, &integrate);
+            if !even {
+                for (to, (parity, _)) in self.parities.iter_mut().zip(patterns) {
+                    to.add_scaled(parity.sign(image), &self.one);
+                }
+            }
         }
-        self.add_near(wave, [e, f], diagonal, near, integrate);
-        debug_assert!(boundary.nodes() == sums.matrix.nrows());
-        self.gather([e, f], diagonal, patterns, sums);
+        let whole = if even {
+            std::slice::from_ref(&self.one)
+        } else {
+            &self.parities
+        };
+        for ((operators, (_, patterns)), sums) in whole.iter().zip(patterns).zip(sums) {
+            operators.gather([e, f], diagonal, *patterns, sums);
+        }
     }
+}
 
-    fn add_near(
+impl Operators {
+    fn add_near<'a>(
         &mut self,
         wave: Wave,
         [e, f]: [&Block; 2],
         diagonal: bool,
-        near: &[NearPair],
-        integrate: impl Fn([usize; 2], &NearPair, &mut PairMatrices),
+        near: impl Iterator<Item = &'a NearPair>,
+        integrate: &impl Fn([usize; 2], &NearPair, &mut PairMatrices),
     ) {
         for pair in near {
             let mut m = PairMatrices::default();
@@ -236,7 +279,8 @@ struct Far<'a> {
     f: &'a Block,
     points: &'a [f64],
     diagonal: bool,
-    tile: &'a mut Tile,
+    mask: &'a [f64],
+    to: &'a mut Operators,
 }
 
 impl WithSimd for Far<'_> {
@@ -282,7 +326,7 @@ impl Far<'_> {
                 }
             }
             for chunk in 0..wf / lanes {
-                let m = load::<S>(&self.tile.mask, e * wf + chunk * lanes);
+                let m = load::<S>(self.mask, e * wf + chunk * lanes);
                 let scale = simd.mul_f64s(m, simd.splat_f64s(0.25 / PI));
                 let away = simd.sub_f64s(one, m);
                 // S, K, K', -k² n . n mass; then the curls without the last function.
@@ -363,18 +407,18 @@ impl Far<'_> {
                         ];
                         let column = j * wf + chunk * lanes;
                         let less_k = [simd.neg_f64s(k[0]), simd.neg_f64s(k[1])];
-                        put(simd, &mut self.tile.a, row, column, axpy(simd, alpha, hyper, less_k));
-                        put(simd, &mut self.tile.b, row, column, axpy(simd, alpha, kp, s));
+                        put(simd, &mut self.to.a, row, column, axpy(simd, alpha, hyper, less_k));
+                        put(simd, &mut self.to.b, row, column, axpy(simd, alpha, kp, s));
                         if !self.diagonal {
                             let less_kp = [simd.neg_f64s(kp[0]), simd.neg_f64s(kp[1])];
                             put(
                                 simd,
-                                &mut self.tile.a_back,
+                                &mut self.to.a_back,
                                 row,
                                 column,
                                 axpy(simd, alpha, hyper, less_kp),
                             );
-                            put(simd, &mut self.tile.b_back, i * we + e, column, axpy(simd, alpha, k, s));
+                            put(simd, &mut self.to.b_back, i * we + e, column, axpy(simd, alpha, k, s));
                         }
                     }
                 }

@@ -8,6 +8,7 @@
 //!
 //! R / omega² is what is sampled and interpolated: it stays finite at f = 0.
 
+mod archive;
 mod energy;
 mod erp;
 mod kernel;
@@ -21,6 +22,7 @@ mod sand;
 mod sphere;
 mod surface;
 
+pub use archive::{Archive, ArchiveReader, ArchiveWriter};
 pub use energy::{ModalSpectra, radiated_energy};
 pub use erp::Erp;
 pub(crate) use quadrature::gauss_legendre;

@@ -1,3 +1,4 @@
+use super::archive::{Archive, ArchiveReader, ArchiveWriter};
 use super::resistance::{ModalRadiation, Resistance};
 use super::roots::{apply, hermitian_root};
 use crate::error::{AcousticsError, positive};
@@ -464,4 +465,79 @@ fn low_slopes(interval: &Interval, samples: &[Sample], modes: usize) -> Vec<f64>
         }
     };
     (0..modes).map(slope).collect()
+}
+
+/// Real symmetric samples, kept in single precision.
+impl Archive for SampledRadiation {
+    fn write(&self, to: &mut ArchiveWriter) {
+        to.texts(std::slice::from_ref(&self.method));
+        to.count(self.modes);
+        to.texts(&self.patches);
+        to.count(self.samples.len());
+        for sample in &self.samples {
+            to.numbers(&[sample.hz]);
+            // R fits single precision; Q = R / omega² at high frequencies may not.
+            let omega2 = (2.0 * PI * sample.hz).powi(2);
+            sample.patches.iter().for_each(|q| to.symmetric(&(&q.real * omega2)));
+        }
+        to.count(self.intervals.len());
+        for interval in &self.intervals {
+            to.numbers(&[interval.low, interval.high]);
+            to.count(interval.nodes.len());
+            interval.nodes.iter().for_each(|node| to.count(*node));
+        }
+        to.numbers(&self.slopes);
+        to.numbers(&[self.error]);
+    }
+
+    fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
+        let method = from.texts()?.pop().ok_or_else(|| from.damaged())?;
+        let modes = from.count()?;
+        let patches = from.texts()?;
+        let mut samples = Vec::new();
+        for _ in 0..from.count()? {
+            let [hz] = from.numbers()?;
+            let inverse = (2.0 * PI * hz).powi(-2);
+            let mut of_patches = Vec::new();
+            for _ in &patches {
+                let real = from.symmetric()?;
+                if real.nrows() != modes {
+                    return Err(from.damaged());
+                }
+                of_patches.push(Resistance { real, imaginary: None }.scaled(inverse));
+            }
+            samples.push(Sample {
+                hz,
+                patches: of_patches,
+            });
+        }
+        let mut intervals = Vec::new();
+        for _ in 0..from.count()? {
+            let [low, high] = from.numbers()?;
+            let count = from.count()?;
+            let nodes = (0..count).map(|_| from.count()).collect::<Result<Vec<_>, _>>()?;
+            if !ORDERS.contains(&count.wrapping_sub(1)) || nodes.iter().any(|n| *n >= samples.len()) {
+                return Err(from.damaged());
+            }
+            intervals.push(Interval { low, high, nodes });
+        }
+        let mut slopes = Vec::new();
+        for _ in 0..modes {
+            let [slope] = from.numbers()?;
+            slopes.push(slope);
+        }
+        let [error] = from.numbers()?;
+        if intervals.is_empty() {
+            return Err(from.damaged());
+        }
+        Ok(Self {
+            method,
+            modes,
+            patches,
+            intervals,
+            samples,
+            slopes,
+            error,
+        })
+    }
 }
