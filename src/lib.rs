@@ -5,6 +5,7 @@
 //! [`sensitivity`] and [`study`] tell what a design's ranges do to its shot.
 #![forbid(unsafe_code)]
 
+pub mod cache;
 pub mod commands;
 pub mod comparison;
 pub mod design;

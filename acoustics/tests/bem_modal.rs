@@ -4,7 +4,7 @@
 use nailnoise_acoustics::bem::{
     Boundary, BoundaryMesh, Exterior, Level, ModalBem, MovingPart, Parity, Patterns, SolidBox,
 };
-use nailnoise_acoustics::radiation::{Archive, ModalRadiation, Sampling};
+use nailnoise_acoustics::radiation::{Archive, ModalRadiation, ModalSpectra, Sampling, mode_energies};
 use nailnoise_acoustics::{AcousticsError, Air};
 use nailnoise_meshes::{Block, Mesh, Surface, block};
 use nalgebra::{Complex, DMatrix, Point3, Vector3};
@@ -194,6 +194,7 @@ fn the_sampled_matrix_is_that_of_the_whole_body() {
     let sampling = Sampling {
         range_hz: [40.0, top],
         tolerance: 1e-2,
+        floor: 1e-4,
         most_samples: 200,
     };
     let bem = ModalBem::new(levels, &sampling).unwrap();
@@ -243,6 +244,21 @@ fn the_sampled_matrix_is_that_of_the_whole_body() {
         let root: f64 = signals.column(bin).iter().map(Complex::norm_sqr).sum();
         assert!((root / direct - 1.0).abs() < 3e-2, "{hz} Hz: {root:e} {direct:e}");
     }
+
+    // Modes sum to the whole.
+    let spectra = ModalSpectra {
+        range_hz: [frequency[0], frequency[frequency.len() - 1]],
+        accelerations: a.clone(),
+        frequency: frequency.clone(),
+    };
+    let weights: Vec<f64> = (0..frequency.len()).map(|bin| 1.0 + bin as f64).collect();
+    let modes = mode_energies(&bem, &spectra, &weights).unwrap();
+    let whole: f64 = weights
+        .iter()
+        .zip(forms.column_iter())
+        .map(|(w, form)| 2.0 * w * form.sum())
+        .sum();
+    assert!((modes.iter().sum::<f64>() / whole - 1.0).abs() < 1e-10);
 
     // Kept and read back it is the same to the bit; anything else is refused.
     let bytes = bem.to_bytes();

@@ -17,7 +17,9 @@ use crate::pipeline::{Body, Run};
 pub use columns::{Column, columns};
 pub use csv::EVENT_NAMES;
 
-/// Writes everything a run leaves behind to `folder`: `result.json`, `levels.csv`, `intervals.csv`, `power.csv`,
+/// Writes everything a run leaves behind to `folder`: `result.json`, `levels.csv`, `radiation.csv`
+/// and `radiation-modes.csv`
+/// where boundary elements were used, `intervals.csv`, `power.csv`,
 /// `events.csv`, `histories.csv`, `sensors.csv`, `sensors-spectrum.csv` and `sensors.uff` where the design has sensors,
 /// and `fields/*`.
 ///
@@ -28,6 +30,12 @@ pub fn write_run(folder: &Path, run: &Run) -> Result<(), Error> {
     let mut json = serde_json::to_vec_pretty(&run.result).map_err(Error::Json)?;
     json.push(b'\n');
     write(&folder.join("levels.csv"), csv::levels(&run.result).as_bytes())?;
+    if let Some(text) = csv::radiation(&run.result) {
+        write(&folder.join("radiation.csv"), text.as_bytes())?;
+    }
+    if let Some(text) = csv::radiation_modes(&run.result) {
+        write(&folder.join("radiation-modes.csv"), text.as_bytes())?;
+    }
     write(&folder.join("intervals.csv"), csv::intervals(&run.result).as_bytes())?;
     write(&folder.join("power.csv"), csv::power(run).as_bytes())?;
     sensors::write(folder, run)?;

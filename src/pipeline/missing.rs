@@ -41,10 +41,20 @@ pub(super) fn above_top(design: &Design, structure: &Structure, workpiece: &Sour
     let high = design.analysis.range_high;
     let total = workpiece.energy([design.analysis.range_low, high], Weighting::A);
     let of_body = |body: &super::Body| {
-        let part = workpiece.contributions.iter().find(|part| part.name == body.name);
-        let density = part.map_or(&workpiece.energy_density, |part| &part.energy_density);
+        // Parts are bodies, or patches named after their body.
+        let belongs = |name: &str| name.split(' ').next() == Some(body.name);
+        let mut density = vec![0.0; workpiece.energy_density.len()];
+        for part in workpiece.contributions.iter().filter(|part| belongs(&part.name)) {
+            density
+                .iter_mut()
+                .zip(&part.energy_density)
+                .for_each(|(sum, e)| *sum += e);
+        }
+        if !workpiece.contributions.iter().any(|part| belongs(&part.name)) {
+            density.clone_from(&workpiece.energy_density);
+        }
         let spectrum = SourceSpectrum {
-            energy_density: density.clone(),
+            energy_density: density,
             contributions: Vec::new(),
             ..workpiece.clone()
         };

@@ -11,7 +11,9 @@ mod notes;
 mod pattern;
 mod preset;
 mod radiation;
+mod radiator;
 mod ranking;
+mod report;
 mod response;
 mod sensors;
 mod settings;
@@ -29,6 +31,8 @@ pub use intervals::SoundPower;
 pub use preset::{Preset, cycle_as_published};
 pub use sensors::SensorRecord;
 pub use settings::cycle_settings;
+
+use radiator::Radiator;
 
 use crate::design::{Design, SupportKind};
 use crate::error::Error;
@@ -110,26 +114,43 @@ pub fn run(design: &Design, options: Options, observer: &mut dyn Observer) -> Re
         worktable,
         grid: bodies::contact_grid(design),
     };
+    observer.stage("radiation matrices");
+    let air = Air::at(design.ambient.temperature, design.ambient.pressure)?;
+    let radiator = timing.time("radiation matrices", || {
+        Radiator::new(design, &structure, &air, observer)
+    })?;
+    let damping = design
+        .acoustics
+        .radiation_damping
+        .then(|| timing.time("radiation damping", || radiator.damping(&structure)));
     observer.stage("response of workpiece and support");
     let parameters = parameters(design)?;
     let force_scale = options.workpiece_force_scale;
     let response = timing.time("response", || {
-        response::response(design, &structure, &parameters, &record, force_scale)
+        response::response(
+            design,
+            &structure,
+            damping.as_deref(),
+            &parameters,
+            &record,
+            force_scale,
+        )
     })?;
     let sensors = timing.time("sensors", || sensors::sensors(design, &structure, &response, &record))?;
     observer.stage("radiation");
-    let air = Air::at(design.ambient.temperature, design.ambient.pressure)?;
     let spectra = timing.time("modal spectra", || {
         radiation::modal_spectra(design, &structure, &response)
     })?;
-    let workpiece = timing.time("radiation", || radiation::workpiece(design, &structure, &spectra, &air))?;
+    let workpiece = timing.time("radiation", || {
+        radiation::workpiece(design, &structure, &radiator, damping.as_deref(), &spectra)
+    })?;
     let body = timing.time("body", || radiation::tool_body(design, &record, &air))?;
     observer.stage("exhaust");
     let exhaust = timing.time("exhaust", || exhaust::exhaust(design, &record, &air))?;
 
     let range = [design.analysis.range_low, design.analysis.range_high];
     let missing = missing::above_top(design, &structure, &workpiece.spectrum);
-    let notes = notes::notes(design, &record, &response, &exhaust, &missing);
+    let notes = notes::notes(design, &record, &response, &workpiece, &exhaust, &missing);
     notes.iter().for_each(|note| observer.note(note));
     let sounds = [&workpiece, &exhaust.sound, &body];
     let (mut ranking, total) = ranking::rank(&sounds, range);
@@ -141,6 +162,7 @@ pub fn run(design: &Design, options: Options, observer: &mut dyn Observer) -> Re
     structure.bodies().for_each(|body| checks.extend(body.checks()));
     checks.extend(response::checks(&response));
     checks.extend(missing.iter().map(missing::Missing::check));
+    checks.extend(workpiece.radiation.as_ref().and_then(report::check));
     checks.extend(ranking::checks(&ranking, &total));
     checks.extend(interval_checks);
     checks.push(exhaust.check());

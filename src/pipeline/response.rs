@@ -16,18 +16,23 @@ use crate::result::Check;
 /// Forces of the shot on the workpiece, and gravity as the last load.
 const LOADS: usize = WORKPIECE_LOADS + 1;
 
-/// Computes the response of workpiece and support to the forces of a cycle.
+/// Computes the response of workpiece and support to the forces of a cycle. `radiation_damping` is added to the damping
+/// ratios, mode by mode and body by body.
 ///
 /// # Errors
 /// Those of the penetration law and of the transient solver.
 pub(super) fn response(
     design: &Design,
     structure: &Structure,
+    radiation_damping: Option<&[Vec<f64>]>,
     parameters: &Parameters,
     record: &CycleRecord,
     force_scale: f64,
 ) -> Result<ModalResponse, Error> {
-    let bodies: Vec<ModalBody> = structure.bodies().map(modal_body).collect();
+    let mut bodies: Vec<ModalBody> = structure.bodies().map(modal_body).collect();
+    for (body, added) in bodies.iter_mut().zip(radiation_damping.unwrap_or_default()) {
+        body.zeta.iter_mut().zip(added).for_each(|(zeta, added)| *zeta += added);
+    }
     let analysis = &design.analysis;
     let settings = Settings {
         step: analysis.time_step,

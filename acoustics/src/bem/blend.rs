@@ -113,6 +113,22 @@ impl ModalRadiation for BlendedRadiation {
         forms
     }
 
+    fn images(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+        let mut images = self.erp.images(frequency, accelerations);
+        for (mut bin, &hz) in images.column_iter_mut().zip(frequency) {
+            bin *= Complex::from(self.share(hz));
+        }
+        for (level, start, end) in self.runs(frequency) {
+            let part = accelerations.columns(start, end - start).into_owned();
+            let low = self.levels[level].images(&frequency[start..end], &part);
+            for (bin, from) in (start..end).zip(low.column_iter()) {
+                let share = Complex::from(1.0 - self.share(frequency[bin]));
+                images.column_mut(bin).axpy(share, &from, Complex::from(1.0));
+            }
+        }
+        images
+    }
+
     /// The signals of both laws, one below the other, with the roots of their shares: energies add up exactly.
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let modes = self.modes();

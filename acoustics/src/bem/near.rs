@@ -2,7 +2,7 @@
 
 use super::blocks::Block;
 use super::boundary::Boundary;
-use super::panel::{MOST_NODES, PanelShape};
+use super::panel::{MOST_NODES, PanelShape, Shape};
 use super::rules::{self, Contact, Node, PairNode};
 use super::symmetry::Image;
 use super::trig::{combine, cross, dot, green, load, minus};
@@ -19,7 +19,7 @@ const SINGULAR_ORDER: usize = 4;
 /// points (2 x 2, 3 x 3, 4 x 4 and 5 x 5 on quadrilaterals) are taken; closer panels are divided.
 const RATIOS: [f64; 4] = [2.1, 1.6, 1.2, 0.8];
 /// Most divisions of panels that lie close without touching.
-const DEPTH: usize = 8;
+const DEPTH: usize = 16;
 
 /// Shape functions at the points of a pair rule, on one side: array by array, padded to whole vectors.
 #[derive(Debug)]
@@ -33,12 +33,17 @@ struct Sampled {
 
 impl Sampled {
     fn new(kind: FaceKind, points: &[[f64; 2]]) -> Self {
-        let padded = points.len().next_multiple_of(8);
+        Self::repeated(kind, points, 1, points.len())
+    }
+
+    /// Each point `each` times, over and over up to `total`: one side of a product rule.
+    fn repeated(kind: FaceKind, points: &[[f64; 2]], each: usize, total: usize) -> Self {
+        let padded = total.next_multiple_of(8);
         let (nodes, corners) = (kind.nodes(), kind.corners());
         let mut values = vec![0.0; 3 * (nodes + corners) * padded];
+        let shapes: Vec<(Shape, Shape)> = points.iter().map(|&xi| (kind.at(xi), kind.linear().at(xi))).collect();
         for q in 0..padded {
-            let xi = points[q.min(points.len() - 1)];
-            let (shape, linear) = (kind.at(xi), kind.linear().at(xi));
+            let (shape, linear) = &shapes[(q.min(total - 1) / each) % points.len()];
             for (count, s, start) in [(nodes, shape, 0), (corners, linear, 3 * nodes)] {
                 for a in 0..count {
                     values[(start + a) * padded + q] = s.n[a];
@@ -413,7 +418,8 @@ fn positions(boundary: &Boundary, p: usize, image: Image) -> [[f64; 3]; MOST_NOD
 /// A triangle in the natural coordinates of a panel.
 type Part = (FaceKind, [[f64; 2]; 3]);
 
-/// Halves the sides of the larger triangle until the two are far enough apart for the 12-point rule.
+/// Halves the longest side of the larger triangle until the two are far enough apart for the 12-point rule: slender
+/// triangles lose their length first.
 fn divide(
     parts: [Part; 2],
     nodes: [&[[f64; 3]; MOST_NODES]; 2],
@@ -446,16 +452,23 @@ fn divide(
             rules::triangle(12).into_iter().map(map).collect()
         };
         let rules = parts.map(rule);
-        let (x, y) = product(&rules);
-        let tables = [Sampled::new(parts[0].0, &x), Sampled::new(parts[1].0, &y)];
+        let points = |side: usize| -> Vec<[f64; 2]> { rules[side].iter().map(|&(xi, _)| xi).collect() };
+        let [m, n] = [0, 1].map(|side| rules[side].len());
+        let tables = [
+            Sampled::repeated(parts[0].0, &points(0), n, m * n),
+            Sampled::repeated(parts[1].0, &points(1), 1, m * n),
+        ];
         run(&tables[0], &tables[1], &product_weights(&rules));
         return;
     }
     let side = usize::from(s > r);
     let v = parts[side].1;
-    let middle = |a: [f64; 2], b: [f64; 2]| [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
-    let m = [middle(v[0], v[1]), middle(v[1], v[2]), middle(v[2], v[0])];
-    for piece in [[v[0], m[0], m[2]], [m[0], v[1], m[1]], [m[2], m[1], v[2]], m] {
+    let corners = v.map(|xi| place(parts[side], nodes[side], xi));
+    let length = |k: usize| (corners[(k + 1) % 3] - corners[k]).norm();
+    let longest = (1..3).fold(0, |best, k| if length(k) > length(best) { k } else { best });
+    let (a, b, opposite) = (v[longest], v[(longest + 1) % 3], v[(longest + 2) % 3]);
+    let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+    for piece in [[a, middle, opposite], [middle, b, opposite]] {
         let mut next = parts;
         next[side].1 = piece;
         divide(next, nodes, depth - 1, run);

@@ -101,6 +101,14 @@ impl ModalRadiation for Erp {
         forms
     }
 
+    fn images(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+        let mut images = apply(&self.resistance(0.0).real, accelerations);
+        for (mut bin, hz) in images.column_iter_mut().zip(frequency) {
+            bin /= Complex::from((2.0 * PI * hz).powi(2));
+        }
+        images
+    }
+
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         // R does not depend on frequency: one root serves all.
         let root = hermitian_root(&self.resistance(0.0));

@@ -23,7 +23,7 @@ mod sphere;
 mod surface;
 
 pub use archive::{Archive, ArchiveReader, ArchiveWriter};
-pub use energy::{ModalSpectra, radiated_energy};
+pub use energy::{ModalSpectra, mode_energies, radiated_energy};
 pub use erp::Erp;
 pub(crate) use quadrature::gauss_legendre;
 pub use rayleigh::{Rayleigh, SecondEvaluation};

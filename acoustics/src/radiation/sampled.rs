@@ -1,6 +1,6 @@
 use super::archive::{Archive, ArchiveReader, ArchiveWriter};
 use super::resistance::{ModalRadiation, Resistance};
-use super::roots::{apply, hermitian_root};
+use super::roots::{hermitian_root, image};
 use crate::error::{AcousticsError, positive};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
@@ -14,16 +14,20 @@ pub struct Sampling {
     pub range_hz: [f64; 2],
     /// Largest interpolation error of an entry R_ij, relative to sqrt(R_ii R_jj).
     pub tolerance: f64,
+    /// A mode that radiates less than this share of the best radiator at a frequency is judged against that share: its
+    /// resistance is a small difference of large numbers, and the motion hardly sounds.
+    pub floor: f64,
     /// Most samples taken.
     pub most_samples: usize,
 }
 
 impl Default for Sampling {
-    /// 40 Hz to 10 kHz, 1e-3, 400 samples.
+    /// 40 Hz to 10 kHz, 1e-4, judged down to 1e-6 of the best radiator, 400 samples.
     fn default() -> Self {
         Self {
             range_hz: [40.0, 10_000.0],
             tolerance: 1e-4,
+            floor: 1e-6,
             most_samples: 400,
         }
     }
@@ -31,10 +35,6 @@ impl Default for Sampling {
 
 /// Orders of the nested Chebyshev-Lobatto rules tried on an interval before it is halved.
 const ORDERS: [usize; 4] = [4, 8, 16, 32];
-
-/// A mode that radiates less than this share of the best radiator at a frequency is judged against that share: its
-/// resistance is a small difference of large numbers, and the motion hardly sounds.
-const FLOOR: f64 = 1e-6;
 
 /// A radiation resistance sampled at a few frequencies and interpolated between them.
 ///
@@ -124,7 +124,7 @@ impl SampledRadiation {
                 .map(|&(low, high, order)| {
                     let nodes = nodes(low, high, ORDERS[order]).map(|hz| index[&hz.to_bits()]).collect();
                     let interval = Interval { low, high, nodes };
-                    let error = interval.error(&samples, modes);
+                    let error = interval.error(&samples, modes, sampling.floor);
                     (interval, error)
                 })
                 .collect();
@@ -205,14 +205,19 @@ impl SampledRadiation {
         runs
     }
 
-    /// The Hermitian root of a sample's Q, all patches together.
-    fn root(&self, sample: usize) -> Resistance {
+    /// Q of a sample, all patches together.
+    fn whole(&self, sample: usize) -> Resistance {
         let mut whole = Resistance::zeros(self.modes);
         self.samples[sample]
             .patches
             .iter()
             .for_each(|q| whole.add_scaled(1.0, q));
-        hermitian_root(&whole)
+        whole
+    }
+
+    /// Its Hermitian root.
+    fn root(&self, sample: usize) -> Resistance {
+        hermitian_root(&self.whole(sample))
     }
 
     /// Index of the sample at the lowest frequency.
@@ -325,6 +330,49 @@ impl ModalRadiation for SampledRadiation {
         forms
     }
 
+    fn images(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+        let runs = self.runs(frequency);
+        let evaluate = |&(at, start, end): &(Option<usize>, usize, usize)| {
+            let mut motion = accelerations.columns(start, end - start).into_owned();
+            let Some(i) = at else {
+                let scale = |motion: &mut DMatrix<Complex<f64>>| {
+                    for (mut bin, &hz) in motion.column_iter_mut().zip(&frequency[start..end]) {
+                        for (mode, a) in bin.iter_mut().enumerate() {
+                            *a *= self.low_factor(hz, mode);
+                        }
+                    }
+                };
+                scale(&mut motion);
+                let mut result = image(&self.whole(self.lowest_sample()), &motion);
+                scale(&mut result);
+                return result;
+            };
+            let interval = &self.intervals[i];
+            let order = interval.nodes.len() - 1;
+            let mut result = DMatrix::zeros(self.modes, end - start);
+            let parts: Vec<DMatrix<Complex<f64>>> = interval
+                .nodes
+                .iter()
+                .map(|&node| image(&self.whole(node), &motion))
+                .collect();
+            for (bin, &hz) in frequency[start..end].iter().enumerate() {
+                for (weight, part) in interval.weights(hz, order).into_iter().zip(&parts) {
+                    let to = result.column_mut(bin);
+                    to.into_iter()
+                        .zip(part.column(bin).iter())
+                        .for_each(|(x, y)| *x += y * weight);
+                }
+            }
+            result
+        };
+        let blocks: Vec<DMatrix<Complex<f64>>> = runs.par_iter().map(evaluate).collect();
+        let mut images = DMatrix::zeros(self.modes, frequency.len());
+        for (&(_, start, end), block) in runs.iter().zip(&blocks) {
+            images.columns_mut(start, end - start).copy_from(block);
+        }
+        images
+    }
+
     /// S is interpolated as Q is, entry by entry with the same polynomials; below the lowest sample it is D S(f_0) with
     /// the power laws D on the diagonal, whose energy is exact.
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
@@ -375,15 +423,6 @@ impl ModalRadiation for SampledRadiation {
     }
 }
 
-/// S a = S^H a for a Hermitian S and all columns of `motion`.
-fn image(root: &Resistance, motion: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
-    let mut image = apply(&root.real, motion);
-    if let Some(imaginary) = &root.imaginary {
-        image += apply(imaginary, motion) * Complex::<f64>::i();
-    }
-    image
-}
-
 impl Interval {
     /// Barycentric weights of the Lobatto rule of the given order at the frequency `hz` (they sum to one). An order
     /// below the interval's own uses every second, fourth ... node.
@@ -404,13 +443,13 @@ impl Interval {
 
     /// Estimated interpolation error, relative to the interval's least sqrt(Q_ii Q_jj): the magnitude of the last two
     /// Chebyshev coefficients of every entry, beyond which those of an analytic function fall geometrically or faster.
-    fn error(&self, samples: &[Sample], modes: usize) -> f64 {
+    fn error(&self, samples: &[Sample], modes: usize, floor: f64) -> f64 {
         let order = self.nodes.len() - 1;
         let mut scale = vec![f64::INFINITY; modes];
         for &node in &self.nodes {
             let whole = |i: usize| samples[node].patches.iter().map(|p| p.real[(i, i)]).sum::<f64>();
             let diagonal: Vec<f64> = (0..modes).map(whole).collect();
-            let floor = FLOOR * diagonal.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+            let floor = floor * diagonal.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
             scale
                 .iter_mut()
                 .zip(diagonal)
