@@ -1,5 +1,6 @@
 //! Ranks the sources of a design: `cargo run --release --example rank designs/n80cb.toml`.
 
+use nailnoise::cache::Cache;
 use nailnoise::{Design, pipeline};
 
 fn main() -> Result<(), nailnoise::Error> {
@@ -7,7 +8,12 @@ fn main() -> Result<(), nailnoise::Error> {
         .nth(1)
         .unwrap_or_else(|| "designs/n80cb.toml".to_owned());
     let design = Design::load(path)?;
-    let run = pipeline::run(&design, pipeline::Options::default(), &mut pipeline::Silent)?;
+    let run = pipeline::run(
+        &design,
+        pipeline::Options::default(),
+        &Cache::none(),
+        &mut pipeline::Silent,
+    )?;
     for source in &run.result.ranking {
         match source.lwa_db {
             Some(level) => println!("{:<10} {level:6.1} dB(A)  {}", source.source, source.method),

@@ -71,11 +71,87 @@ pub enum Error {
         /// What its workpiece stands on.
         support: &'static str,
     },
+    /// A part of the user's mesh for which the design has no material.
+    #[error("the mesh has the part \"{part}\", for which the design has no material")]
+    #[diagnostic(help("name its volumes {known}"))]
+    UnknownPart {
+        /// Name of the part.
+        part: String,
+        /// The names there may be.
+        known: &'static str,
+    },
+    /// The meshed tool is heavier than the tool.
+    #[error("the meshed tool body weighs {meshed:.3} kg, more than `tool.mass` = {tool:.3} kg")]
+    #[diagnostic(help("thin its walls, raise `tool.mass`, or set `body.lumped = false` to leave its mass as it is"))]
+    TooHeavy {
+        /// Mass of the mesh \[kg\].
+        meshed: f64,
+        /// Mass of the cycle's tool \[kg\].
+        tool: f64,
+    },
+    /// The user's mesh of the tool has no surface for a lumped mass.
+    #[error(
+        "{mass:.3} kg of the tool's mass belong on the surface \"{group}\", which the mesh has not; it has: {known}"
+    )]
+    #[diagnostic(help(
+        "name that surface (gmsh: Physical Surface(\"{group}\") = ...), set its share in `body.lumped_nose` and \
+         `body.lumped_magazine`, or set `body.lumped = false`"
+    ))]
+    NoSeat {
+        /// Name of the surface.
+        group: &'static str,
+        /// Mass that it would carry \[kg\].
+        mass: f64,
+        /// The names there are.
+        known: String,
+    },
+    /// There is no such mode.
+    #[error("mode {mode} cannot be shown: the body has {modes} modes")]
+    #[diagnostic(help("choose a number from the table of modes, or raise the body's top frequency in [analysis]"))]
+    NoMode {
+        /// Its number, from 1.
+        mode: usize,
+        /// How many there are.
+        modes: usize,
+    },
+    /// A design has several bodies.
+    #[error("a design has several bodies")]
+    #[diagnostic(help("choose one: --body workpiece, --body worktable or --body tool"))]
+    NoBody,
+    /// A geometry without a design has no frequency.
+    #[error("a geometry alone does not tell how fine its mesh must be")]
+    #[diagnostic(help(
+        "give the largest element side, as --size \"10 mm\", or name the file in a design (`body.mesh`)"
+    ))]
+    NoSize,
+    /// A universal file cannot be used.
+    #[error("the measured modes cannot be used")]
+    Uff(#[from] nailnoise_meshes::uff::UffError),
+    /// No measured point lies on the body.
+    #[error("none of the measured points of {} lies on the body", path.display())]
+    #[diagnostic(help("give coordinates in m in the axes of the body, or a larger --mac-reach"))]
+    NoPoint {
+        /// The universal file.
+        path: PathBuf,
+    },
     /// A file could not be written.
     #[error("cannot write {}: {source}", path.display())]
     #[diagnostic(help("choose a folder that can be written with --out DIR"))]
     Write {
         /// The file or folder.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// There is no folder for the cache, or no sense in its limit.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    NoCache(#[from] crate::cache::CacheError),
+    /// The cache's folder could not be read or changed.
+    #[error("the cache in {} cannot be used: {source}", path.display())]
+    #[diagnostic(help("set NAILNOISE_CACHE to another folder"))]
+    Cache {
+        /// The folder.
         path: PathBuf,
         /// What the system said.
         source: std::io::Error,

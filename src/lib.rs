@@ -8,6 +8,7 @@
 pub mod cache;
 pub mod commands;
 pub mod comparison;
+pub mod correlation;
 pub mod design;
 mod error;
 pub mod figures;

@@ -1,4 +1,4 @@
-//! Published penetration laws side by side: force and work of a nail in a wood, with what the fit is worth.
+//! Penetration laws side by side, published and own: force and work of a nail in a wood, with what the fit is worth.
 //!
 //! ```text
 //! F_r = H_M NL max(0, root(x))^2,  x = y/NL        W(y) = integral of F_r from 0 to y
@@ -6,9 +6,13 @@
 //! Nili Ahmadabadi (2016), Eq. 2.2 and 4.59; see [`nailnoise_dynamics::prf`] for the coefficients. The standard error of
 //! the estimate belongs to the root, so that F_r lies between H_M NL (root - SEE)^2 and H_M NL (root + SEE)^2.
 
+use std::path::{Path, PathBuf};
+
 use miette::Diagnostic;
 use nailnoise_dynamics::CycleError;
-use nailnoise_dynamics::prf::{FitQuality, NAILS, NailSize, PenetrationLaw, Shank, Specimen, WOODS, WoodKind};
+use nailnoise_dynamics::prf::{
+    FitQuality, ForceTable, NAILS, NailSize, PenetrationLaw, Shank, Specimen, TableError, WOODS, WoodKind,
+};
 use thiserror::Error;
 
 /// Intervals of Simpson's rule over a nail's length: its error is below 1e-9 of the work.
@@ -55,6 +59,59 @@ pub enum PenetrationError {
         /// What is outside.
         source: CycleError,
     },
+    /// A constant force that is none.
+    #[error("a constant resistance of {force} N is no force of the wood")]
+    #[diagnostic(help("give a finite force, 0 or more"))]
+    Force {
+        /// The force \[N\].
+        force: f64,
+    },
+    /// A table that cannot be read.
+    #[error("cannot read {}: {cause}", path.display())]
+    #[diagnostic(help("name a CSV file of depths in m and forces in N"))]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        cause: String,
+    },
+    /// A file that holds no law.
+    #[error("{} holds no penetration law", path.display())]
+    #[diagnostic(help("a line holds a depth in m and a force in N with a comma between; depths increase from 0"))]
+    Table {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: TableError,
+    },
+    /// A depth beyond the nail, or beyond the points of a table.
+    #[error("depth {depth} m is beyond the range of \"{law}\" with a {nail} nail, 0 to {most} m")]
+    #[diagnostic(help("ask for smaller depths, or for a table add points up to the nail's length"))]
+    TooDeep {
+        /// The law.
+        law: String,
+        /// The nail.
+        nail: &'static str,
+        /// The depth \[m\].
+        depth: f64,
+        /// The last valid one \[m\].
+        most: f64,
+    },
+}
+
+/// Reads a law from a CSV file of depths \[m\] and forces \[N\].
+///
+/// # Errors
+/// [`PenetrationError::Unreadable`] or [`PenetrationError::Table`] with the file.
+pub fn table(path: &Path) -> Result<ForceTable, PenetrationError> {
+    let text = std::fs::read_to_string(path).map_err(|cause| PenetrationError::Unreadable {
+        path: path.to_owned(),
+        cause: cause.to_string(),
+    })?;
+    ForceTable::from_csv(&text).map_err(|source| PenetrationError::Table {
+        path: path.to_owned(),
+        source,
+    })
 }
 
 /// The name of a law, as in the design file.
@@ -122,19 +179,35 @@ fn find<T>(
     })
 }
 
-/// A law for one nail in one wood at one speed.
-#[derive(Debug, Clone, Copy)]
+/// A law to compare.
+#[derive(Debug, Clone)]
+pub enum Law {
+    /// A published law, with the wood it is evaluated for and what it depends on.
+    Published {
+        /// The law.
+        law: PenetrationLaw,
+        /// The wood.
+        wood: &'static WoodKind,
+        /// Nail and wood.
+        specimen: Specimen,
+        /// v, penetration speed \[m/s\].
+        speed: f64,
+    },
+    /// The same force at every depth \[N\].
+    Constant(f64),
+    /// A force over depth by points.
+    Tabulated(ForceTable),
+}
+
+/// A law for one nail.
+#[derive(Debug, Clone)]
 pub struct Resistance {
+    /// Name of the law.
+    pub name: String,
     /// The law.
-    pub law: PenetrationLaw,
-    /// The wood.
-    pub wood: &'static WoodKind,
+    pub law: Law,
     /// The nail.
     pub nail: &'static NailSize,
-    /// What of them the law depends on.
-    pub specimen: Specimen,
-    /// v, penetration speed \[m/s\].
-    pub speed: f64,
 }
 
 impl Resistance {
@@ -166,53 +239,116 @@ impl Resistance {
                 known: tested.join(", "),
             }
         })?;
-        let (hardness_modulus, density) = (wood.hardness_modulus, wood.density);
         let specimen = Specimen {
             length: nail.length,
             diameter,
-            hardness_modulus,
-            density,
+            hardness_modulus: wood.hardness_modulus,
+            density: wood.density,
         };
         let resistance = Self {
-            law,
-            wood,
+            name: law_name(law).to_owned(),
+            law: Law::Published {
+                law,
+                wood,
+                specimen,
+                speed,
+            },
             nail,
-            specimen,
-            speed,
         };
         resistance.force(0.0).map(|_| resistance)
     }
 
-    /// F_r, force \[N\] at `depth` \[m\].
+    /// The same `force` \[N\] at every depth of `nail`.
     ///
     /// # Errors
-    /// [`PenetrationError::Outside`] beyond the nail's length, or at a speed that is not quasi-static.
-    pub fn force(&self, depth: f64) -> Result<f64, PenetrationError> {
-        let Self {
-            law,
-            wood,
+    /// [`PenetrationError::Force`] for a force that is not finite or below zero.
+    pub fn constant(force: f64, nail: &'static NailSize) -> Result<Self, PenetrationError> {
+        if !(force.is_finite() && force >= 0.0) {
+            return Err(PenetrationError::Force { force });
+        }
+        Ok(Self {
+            name: format!("constant {force} N"),
+            law: Law::Constant(force),
             nail,
-            specimen,
-            speed,
-        } = self;
-        law.force(specimen, depth, *speed)
-            .map_err(|source| PenetrationError::Outside {
-                law: law_name(*law),
-                wood: wood.name,
-                nail: nail.name,
-                source,
-            })
+        })
     }
 
-    /// The force at `depth` \[m\] with the root one standard error lower and higher \[N\].
+    /// The law `table` called `name` for `nail`.
+    ///
+    /// # Errors
+    /// [`PenetrationError::TooDeep`] where the table ends before the nail does.
+    pub fn tabulated(name: &str, table: ForceTable, nail: &'static NailSize) -> Result<Self, PenetrationError> {
+        let resistance = Self {
+            name: name.to_owned(),
+            law: Law::Tabulated(table),
+            nail,
+        };
+        resistance.force(nail.length).map(|_| resistance)
+    }
+
+    /// The wood of a published law; the others are of no wood.
+    pub fn wood(&self) -> Option<&'static WoodKind> {
+        match &self.law {
+            Law::Published { wood, .. } => Some(wood),
+            Law::Constant(_) | Law::Tabulated(_) => None,
+        }
+    }
+
+    /// F_r, force \[N\] at `depth` \[m\]; zero at or above the surface.
+    ///
+    /// # Errors
+    /// [`PenetrationError::Outside`] beyond the nail's length, or at a speed that is not quasi-static;
+    /// [`PenetrationError::TooDeep`] for laws that are not published.
+    pub fn force(&self, depth: f64) -> Result<f64, PenetrationError> {
+        let most = match &self.law {
+            Law::Published {
+                law,
+                wood,
+                specimen,
+                speed,
+            } => {
+                return law
+                    .force(specimen, depth, *speed)
+                    .map_err(|source| PenetrationError::Outside {
+                        law: law_name(*law),
+                        wood: wood.name,
+                        nail: self.nail.name,
+                        source,
+                    });
+            }
+            Law::Constant(_) => self.nail.length,
+            Law::Tabulated(table) => self.nail.length.min(table.last_depth()),
+        };
+        if depth.is_nan() || depth > most * (1.0 + 1e-9) {
+            return Err(PenetrationError::TooDeep {
+                law: self.name.clone(),
+                nail: self.nail.name,
+                depth,
+                most,
+            });
+        }
+        Ok(match &self.law {
+            Law::Tabulated(table) => table.force(depth),
+            Law::Constant(force) if depth > 0.0 => *force,
+            Law::Constant(_) | Law::Published { .. } => 0.0,
+        })
+    }
+
+    /// The force at `depth` \[m\] with the root one standard error lower and higher \[N\]; nothing where no fit is
+    /// published.
     ///
     /// # Errors
     /// As [`force`](Self::force).
-    pub fn band(&self, depth: f64) -> Result<[f64; 2], PenetrationError> {
-        let scale = self.specimen.hardness_modulus * self.specimen.length;
-        let root = (self.force(depth)? / scale).sqrt();
-        let error = self.quality().standard_error;
-        Ok([root - error, root + error].map(|root| scale * root.max(0.0).powi(2)))
+    pub fn band(&self, depth: f64) -> Result<Option<[f64; 2]>, PenetrationError> {
+        let force = self.force(depth)?;
+        let Law::Published { law, specimen, .. } = &self.law else {
+            return Ok(None);
+        };
+        let scale = specimen.hardness_modulus * specimen.length;
+        let (root, error) = ((force / scale).sqrt(), law.fit_quality().standard_error);
+        Ok(Some(
+            [root - error, root + error].map(|root| scale * root.max(0.0).powi(2)),
+        ))
     }
 
     /// W, work from the surface to `depth` \[J\].
@@ -236,27 +372,33 @@ impl Resistance {
     }
 
     /// Published quality of the fit, in units of the root where not a ratio.
-    pub fn quality(&self) -> FitQuality {
-        self.law.fit_quality()
+    pub fn quality(&self) -> Option<FitQuality> {
+        match &self.law {
+            Law::Published { law, .. } => Some(law.fit_quality()),
+            Law::Constant(_) | Law::Tabulated(_) => None,
+        }
     }
 
     /// What a reader must know beside the numbers.
     pub fn notes(&self) -> Vec<String> {
-        let name = law_name(self.law);
-        let plywood = self.wood.name.contains("plywood");
+        let Law::Published { law, wood, .. } = &self.law else {
+            return Vec::new();
+        };
+        let name = law_name(*law);
+        let plywood = wood.name.contains("plywood");
         let mut notes = Vec::new();
-        if (self.law == PenetrationLaw::SolidWood) == plywood {
-            let (fitted, wood) = if plywood {
+        if (*law == PenetrationLaw::SolidWood) == plywood {
+            let (fitted, kind) = if plywood {
                 ("solid wood", "plywood")
             } else {
                 ("plywood", "solid wood")
             };
             notes.push(format!(
-                "the law {name} was fitted to {fitted}, and {} is {wood}",
-                self.wood.name
+                "the law {name} was fitted to {fitted}, and {} is {kind}",
+                wood.name
             ));
         }
-        if matches!(self.law, PenetrationLaw::Reduced3 | PenetrationLaw::Reduced5) {
+        if matches!(law, PenetrationLaw::Reduced3 | PenetrationLaw::Reduced5) {
             notes.push(format!(
                 "the force of {name} dips before full depth: an artefact of the fit"
             ));

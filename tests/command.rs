@@ -12,6 +12,7 @@ fn nailnoise(arguments: &[&str]) -> Output {
         .args(arguments)
         .current_dir(root)
         .env("NO_COLOR", "1")
+        .env("NAILNOISE_CACHE", concat!(env!("CARGO_TARGET_TMPDIR"), "/modes"))
         .output()
         .unwrap()
 }
@@ -89,6 +90,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
             "--json",
             "--threads",
             threads,
+            "--no-cache",
             "--out",
             out.to_str().unwrap(),
         ]));
@@ -96,6 +98,52 @@ fn results_do_not_depend_on_the_number_of_threads() {
         result
     };
     assert_eq!(run("1"), run("2"));
+}
+
+/// The second run takes the modes from the first; nothing but the time it took may differ.
+#[test]
+fn results_do_not_depend_on_the_cache() {
+    let cache = folder("own-cache");
+    let run = |extra: &[&str]| {
+        let out = folder("cached");
+        let arguments = ["run", "tests/data/small.toml", "--json", "--out", out.to_str().unwrap()];
+        let output = Command::new(env!("CARGO_BIN_EXE_nailnoise"))
+            .args(arguments.iter().chain(extra))
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .env("NO_COLOR", "1")
+            .env("NAILNOISE_CACHE", &cache)
+            .output()
+            .unwrap();
+        let mut result = json(&output);
+        result["timing"] = Value::Null;
+        (result, String::from_utf8(output.stderr).unwrap())
+    };
+    let entries = || std::fs::read_dir(&cache).map_or(0, Iterator::count);
+    let (anew, _) = run(&["--no-cache"]);
+    assert_eq!(entries(), 0);
+    assert_eq!(run(&[]).0, anew);
+    assert_eq!(entries(), 2, "modes of workpiece and worktable");
+    assert_eq!(run(&[]).0, anew);
+    for entry in std::fs::read_dir(&cache).unwrap() {
+        let path = entry.unwrap().path();
+        let mut bytes = std::fs::read(&path).unwrap();
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 1;
+        std::fs::write(&path, bytes).unwrap();
+    }
+    let (mended, told) = run(&[]);
+    assert_eq!(mended, anew);
+    assert_eq!(told.matches("computed anew").count(), 2, "{told}");
+    assert_eq!(run(&[]).1.matches("computed anew").count(), 0);
+}
+
+#[test]
+fn the_schema_knows_the_keys_and_shells_are_completed() {
+    let schema = json(&nailnoise(&["schema"]));
+    let mass = &schema["properties"]["piston"]["properties"]["mass"];
+    assert!(mass["description"].as_str().unwrap().contains("kg"), "{mass}");
+    let bash = nailnoise(&["completions", "bash"]);
+    assert!(String::from_utf8(bash.stdout).unwrap().contains("_nailnoise"));
 }
 
 #[test]

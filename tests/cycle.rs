@@ -22,8 +22,13 @@ const GROUPS: &[&str] = &[
     "model",
 ];
 
-/// Keys of these groups that belong to the structures and their sound.
+/// Keys of these groups that belong to the structures and to the sound.
 const STRUCTURES: &[&str] = &[
+    "exhaust.pitch",
+    "exhaust.plenum.",
+    // A muffler acts where there is one; tests/command.rs has that.
+    "exhaust.muffler.",
+    "workpiece.mesh_unit",
     "nail.offset_along",
     "nail.offset_across",
     "wood.friction_share",

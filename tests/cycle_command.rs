@@ -17,6 +17,7 @@ fn nailnoise(name: &str, arguments: &[&str]) -> (Output, PathBuf) {
         .args(arguments)
         .current_dir(&folder)
         .env("NO_COLOR", "1")
+        .env("NAILNOISE_CACHE", concat!(env!("CARGO_TARGET_TMPDIR"), "/modes"))
         .output()
         .unwrap();
     (output, folder)
@@ -71,7 +72,38 @@ fn energy_and_log_are_in_the_result() {
     let energy = |name: &str| result["energy"][name].as_f64().unwrap();
     assert!(energy("penetration") > 50.0 && energy("penetration") < energy("piston_work"));
     assert!(result["energy"]["contacts"]["bumper"].as_f64().unwrap() > 0.0);
-    assert!(result["log"].as_array().unwrap().len() > 20);
+    let log = result["log"].as_array().unwrap();
+    assert!(log.len() > 20);
+    let (_, folder) = nailnoise("log", &[]);
+    let csv = std::fs::read_to_string(folder.join("out/n80cb/log.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 1 + log.len());
+    assert!(csv.lines().all(|line| line.split(',').count() == 15));
+    for words in ["the piston meets the bumper", "hole", "trigger", "turns"] {
+        assert!(csv.contains(words), "{words}");
+    }
+}
+
+#[test]
+fn a_table_takes_the_place_of_the_designs_law() {
+    let table = Path::new(env!("CARGO_TARGET_TMPDIR")).join("weak.csv");
+    std::fs::write(&table, "# weak wood\n0,100\n0.0889,900\n").unwrap();
+    let table = table.to_str().unwrap();
+    let weak = json(&nailnoise("table", &["--penetration-table", table, "--json"]).0);
+    let own = json(&nailnoise("own-law", &["--json"]).0);
+    let speed = |result: &Value| result["summary"]["mean_drive_speed"].as_f64().unwrap();
+    assert!(speed(&weak) > speed(&own));
+    assert_eq!(weak["penetration_table"], table);
+    assert!(
+        weak["checks"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .all(|check| check["ok"] == true)
+    );
+    let text = String::from_utf8(nailnoise("table-text", &["--penetration-table", table]).0.stdout).unwrap();
+    assert!(text.contains("penetration law of"), "{text}");
+    let (output, _) = nailnoise("table-missing", &["--penetration-table", "none.csv"]);
+    assert_eq!(output.status.code(), Some(2));
 }
 
 #[test]

@@ -28,3 +28,27 @@ fn rank_prints_three_sources_in_under_thirty_lines() {
     assert!(text.contains("exhaust") && text.contains("dB(A)"), "{text}");
     assert!(include_str!("../examples/rank.rs").lines().count() < 30);
 }
+
+#[test]
+fn around_the_exhaust_is_loudest_beside_its_jets_and_louder_above_a_floor() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let output = Command::new(example("around_the_exhaust"))
+        .arg("tests/data/small.toml")
+        .current_dir(root)
+        .output()
+        .unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let rows: Vec<Vec<f64>> = text
+        .lines()
+        .skip(1)
+        .map(|line| line.split_whitespace().map(|word| word.parse().unwrap()).collect())
+        .collect();
+    assert_eq!(rows.len(), 7, "{text}");
+    for row in &rows {
+        // At most the 3 dB of an image as near as the source.
+        assert!((0.0..=3.0).contains(&(row[2] - row[1])), "{text}");
+    }
+    let loudest = rows.iter().max_by(|a, b| a[1].total_cmp(&b[1])).unwrap();
+    assert!(loudest[0] <= 60.0 && rows[6][1] < loudest[1] - 3.0, "{text}");
+}

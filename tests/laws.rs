@@ -2,9 +2,13 @@
 #![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
 use nailnoise::Design;
+use nailnoise::cache::{Cache, LIMIT};
 use nailnoise::design::SupportKind;
 use nailnoise::pipeline::{Options, Run, Silent, run};
 use nailnoise::result::RankedSource;
+use nailnoise_acoustics::Air;
+use nailnoise_acoustics::exhaust::Jet;
+use std::f64::consts::PI;
 
 fn small() -> Design {
     Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/small.toml")).unwrap()
@@ -23,7 +27,8 @@ fn ranked(run: &Run, source: &str) -> RankedSource {
 }
 
 fn scaled(design: &Design, workpiece_force_scale: f64) -> Run {
-    run(design, Options { workpiece_force_scale }, &mut Silent).unwrap()
+    let cache = Cache::at(concat!(env!("CARGO_TARGET_TMPDIR"), "/modes").into(), LIMIT);
+    run(design, Options { workpiece_force_scale }, &cache, &mut Silent).unwrap()
 }
 
 #[test]
@@ -141,4 +146,31 @@ fn every_source_is_told_apart_by_events_and_its_intervals_sum_to_it() {
         (Some(4.0), Some(4.0))
     );
     assert!(exhaust.cross_check.unwrap().other_lw_db.is_some());
+}
+
+/// The cycle's thrust is that of the convergent holes; the jets expand on behind them, to a little more where choked.
+#[test]
+fn mass_and_thrust_of_the_jets_are_those_of_the_cycle() {
+    let mut design = small();
+    design.exhaust.thrust_share = 1.0;
+    let record = nailnoise::pipeline::cycle(&design).unwrap();
+    let air = Air::at(design.ambient.temperature, design.ambient.pressure).unwrap();
+    let d = design.exhaust.hole_diameter;
+    let area = design.chambers.discharge_coefficient * f64::from(design.exhaust.holes) * 0.25 * PI * d * d;
+    let flow = &record.exhaust;
+    let (mut jets, mut cycle) = ([0.0; 2], [0.0; 2]);
+    for i in 0..flow.mass_flow.len() {
+        if flow.mass_flow[i] <= 0.0 {
+            continue;
+        }
+        cycle[0] += flow.mass_flow[i];
+        cycle[1] += record.forces.thrust[i];
+        if let Some(jet) = Jet::expand(flow.plenum_pressure[i], flow.stagnation_temperature[i], &air) {
+            jets[0] += jet.mass_flow(area);
+            jets[1] += jet.mass_flow(area) * jet.velocity;
+        }
+    }
+    let [mass, thrust] = [0, 1].map(|i| jets[i] / cycle[i]);
+    assert!((mass - 1.0).abs() < 0.01, "{mass}");
+    assert!((0.99..1.06).contains(&thrust), "{thrust}");
 }

@@ -14,6 +14,7 @@ fn prf(name: &str, arguments: &[&str]) -> (Output, PathBuf) {
         .args(arguments)
         .args(["--out", out.to_str().unwrap()])
         .env("NO_COLOR", "1")
+        .env("NAILNOISE_CACHE", concat!(env!("CARGO_TARGET_TMPDIR"), "/modes"))
         .output()
         .unwrap();
     (output, out)
@@ -182,6 +183,51 @@ fn chosen_depths_and_speeds_are_used() {
 }
 
 #[test]
+fn own_laws_stand_beside_published_ones() {
+    let table = Path::new(env!("CARGO_TARGET_TMPDIR")).join("measured.csv");
+    // A straight line from 200 N to 1700 N, and a point more than a nail of 6d needs.
+    std::fs::write(&table, "depth_m,force_n\n0,200\n0.025,950\n0.05,1700\n0.06,1700\n").unwrap();
+    let table = table.to_str().unwrap();
+    let arguments = ["--law", "smooth", "--wood", "pine", "--nail", "6d"];
+    let own = ["--constant", "1.2 kN", "--table", table, "--depth", "10 mm,20 mm"];
+    let (output, out) = prf("own", &[&arguments[..], &own[..], &["--json"]].concat());
+    let result: Value = serde_json::from_str(&text(&output)).unwrap();
+    let curves = result["curves"].as_array().unwrap();
+    let labels: Vec<&str> = curves.iter().map(|curve| curve["label"].as_str().unwrap()).collect();
+    assert_eq!(labels, ["smooth", "constant 1200 N", "measured.csv"]);
+    let row = |curve: usize, row: usize, name: &str| curves[curve]["rows"][row][name].as_f64().unwrap();
+    assert!((row(1, 0, "force") - 1200.0).abs() < 1e-9 && (row(1, 1, "work") - 24.0).abs() < 1e-6);
+    assert!((row(2, 0, "force") - 500.0).abs() < 1e-9 && (row(2, 0, "work") - 3.5).abs() < 1e-6);
+    assert_eq!([&curves[1]["wood"], &curves[2]["fit"]], [&Value::Null; 2]);
+    let svg = std::fs::read_to_string(out.join("penetration.svg")).unwrap();
+    assert!(labels.iter().all(|label| svg.contains(label)));
+    let csv = std::fs::read_to_string(out.join("penetration.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 1 + 3 * 201);
+    assert!(csv.lines().all(|line| line.split(',').count() == 8), "{csv}");
+    // Alone they need no wood, and have no speed and no fit.
+    let text = text(&prf("alone", &["--nail", "6d", "--constant", "900 N", "--table", table]).0);
+    assert!(
+        text.contains("900.00") && !text.contains("mm/min") && !text.contains("SEE and MAE"),
+        "{text}"
+    );
+}
+
+/// A table shorter than a nail of 6d.
+fn short() -> &'static str {
+    file("short.csv", "0,100\n0.03,400\n")
+}
+
+fn unsorted() -> &'static str {
+    file("unsorted.csv", "0,100\n0.06,400\n0.05,300\n")
+}
+
+fn file(name: &str, text: &str) -> &'static str {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::write(&path, text).unwrap();
+    path.to_str().unwrap().to_owned().leak()
+}
+
+#[test]
 fn what_is_not_published_or_valid_is_refused_by_name() {
     let base = |law: &'static str, nail: &'static str| vec!["--law", law, "--wood", "pine", "--nail", nail];
     let with = |mut arguments: Vec<&'static str>, more: [&'static str; 2]| {
@@ -215,6 +261,20 @@ fn what_is_not_published_or_valid_is_refused_by_name() {
             vec!["a pressure", "a velocity"],
         ),
         (vec!["--law", "smooth"], vec!["--wood", "--nail"]),
+        (vec!["--nail", "6d"], vec!["--law"]),
+        (vec!["--nail", "6d", "--constant=-1 N"], vec!["-1 N", "0 or more"]),
+        (
+            vec!["--nail", "6d", "--table", "none.csv"],
+            vec!["cannot read none.csv"],
+        ),
+        (
+            vec!["--nail", "6d", "--table", short()],
+            vec!["beyond the range", "0.0508 m", "0 to 0.03 m"],
+        ),
+        (
+            vec!["--nail", "6d", "--table", unsorted()],
+            vec!["no penetration law", "sort the points by depth"],
+        ),
     ] {
         let (output, out) = prf("refused", &arguments);
         let error = String::from_utf8(output.stderr).unwrap();

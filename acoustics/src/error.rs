@@ -181,6 +181,14 @@ pub enum AcousticsError {
         /// Ambient pressure \[Pa\].
         ambient: f64,
     },
+    /// An outlet or a receiver below the floor.
+    #[error("a point at z = {z} m lies below the floor at {floor} m; outlet and receiver must stand on or above it")]
+    BelowFloor {
+        /// Height of the point \[m\].
+        z: f64,
+        /// Height of the floor \[m\].
+        floor: f64,
+    },
     /// Exhaust holes so close that their jets merge.
     #[error(
         "{count} holes of {diameter} m stand {pitch} m apart; below three diameters their jets merge: give a larger \
@@ -301,6 +309,7 @@ impl AcousticsError {
                 | Self::HoleArea { .. }
                 | Self::MergingJets { .. }
                 | Self::BelowAmbient { .. }
+                | Self::BelowFloor { .. }
                 | Self::OutsideRange { .. }
                 | Self::SandBox { .. }
         )

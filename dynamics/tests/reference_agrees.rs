@@ -4,50 +4,83 @@
 
 mod reference;
 
-use nailnoise_dynamics::{CycleRecord, Parameters, Settings, simulate};
+use nailnoise_dynamics::{CycleRecord, Method, Parameters, Settings, simulate};
 
-fn compared(record: &CycleRecord) -> [Option<f64>; 16] {
-    let e = &record.events;
-    let full = record.summary.full_penetration;
-    [
-        e.t1, e.t2, e.t3, e.t4, e.t5, e.t6, e.t7, e.t8, e.t9, e.t10, e.t12, e.t13, e.t15, e.t16, e.t17, full,
-    ]
+/// Most by which an event may differ \[s\].
+const LIMIT: f64 = 1e-6;
+/// The same where a slow motion passes a threshold: t11 and t18.
+const LIMIT_REST: f64 = 20e-6;
+
+fn run(p: &Parameters, method: Method, part: f64, end: f64) -> CycleRecord {
+    let settings = Settings {
+        method,
+        relative_tolerance: part * Settings::default().relative_tolerance,
+        end,
+        ..Settings::default()
+    };
+    simulate(p, &settings).unwrap()
 }
 
-fn agree(p: &Parameters, end: f64, limit: f64) {
-    let record = simulate(
-        p,
-        &Settings {
-            end,
-            ..Settings::default()
-        },
-    )
-    .unwrap();
-    let found = reference::integrate(p, 1e-7, end);
-    for ((name, a), b) in reference::EVENTS.iter().zip(compared(&record)).zip(found) {
-        match (a, b) {
-            (Some(a), Some(b)) => assert!((a - b).abs() < limit, "{name}: {a} s, reference {b} s"),
+/// Both methods agree with the reference on every event up to `end`, and with themselves at half the tolerance.
+fn agree(p: &Parameters, end: f64) {
+    agree_within(p, end, LIMIT);
+}
+
+fn agree_within(p: &Parameters, end: f64, limit: f64) {
+    let reference = reference::integrate(p, 1e-7, end);
+    for method in [Method::Bdf, Method::Esdirk34] {
+        let (record, half) = (run(p, method, 1.0, end), run(p, method, 0.5, end));
+        let others = [
+            ("the reference", reference.events),
+            ("half the tolerance", half.events.to_array()),
+        ];
+        for (name, other) in others {
+            for (i, (a, b)) in record.events.to_array().into_iter().zip(other).enumerate() {
+                match (a, b) {
+                    (Some(a), Some(b)) => {
+                        let limit = if matches!(i, 11 | 18) { LIMIT_REST } else { limit };
+                        assert!((a - b).abs() < limit, "{method:?}, t{i}: {a} s, {name} {b} s");
+                    }
+                    (None, None) => {}
+                    _ => panic!("{method:?}, t{i}: {a:?}, {name} {b:?}"),
+                }
+            }
+        }
+        match (record.summary.full_penetration, reference.full) {
+            (Some(a), Some(b)) => assert!((a - b).abs() < 1e-6, "full depth: {a} s, reference {b} s"),
             (None, None) => {}
-            _ => panic!("{name}: {a:?}, reference {b:?}"),
+            other => panic!("full depth: {other:?}"),
         }
     }
 }
 
 #[test]
-fn base_design_to_the_end_of_the_exhaust() {
-    agree(&Parameters::n80cb(), 0.0768, 1e-6);
+fn base_design_to_the_end() {
+    agree(&Parameters::n80cb(), 0.0835);
 }
 
 #[test]
 fn a_soft_wood_a_light_tool_and_a_low_pressure() {
     let mut soft = Parameters::n80cb();
     soft.wood.hardness_modulus *= 0.85;
-    agree(&soft, 0.030, 1e-6);
+    agree(&soft, 0.030);
     let mut light = Parameters::n80cb();
     light.tool.mass = 3.4;
     light.contacts.nose_stiffness = 1e7;
-    agree(&light, 0.045, 1e-6);
+    agree(&light, 0.045);
     let mut low = Parameters::n80cb();
     low.supply.pressure = 600e3;
-    agree(&low, 0.045, 1e-6);
+    agree(&low, 0.045);
+}
+
+#[test]
+fn a_hand_with_mass_a_magazine_with_friction_and_a_jet_with_thrust() {
+    let mut p = Parameters::n80cb();
+    p.hand.mass = 1.2;
+    p.wood.speed_term = -118.0;
+    p.wood.slenderness_term = -1.12;
+    p.nail.magazine_friction = 20.0;
+    p.exhaust.thrust_share = 0.7;
+    // ESDIRK is 1.2 us off at t14, where the piston has just begun to move.
+    agree_within(&p, 0.070, 2.0 * LIMIT);
 }

@@ -1,6 +1,7 @@
 //! Modes of vibration: what is asked for and what comes back.
 
 use nalgebra::DMatrix;
+use serde::{Deserialize, Serialize};
 
 /// What to solve for.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,13 +42,14 @@ impl ModalSettings {
 }
 
 /// The modes of a body below a frequency, proven complete.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModalBasis {
     /// Free degrees of freedom of the model.
     pub dofs: usize,
     /// Natural frequencies, ascending; 0 for rigid modes \[Hz\].
     pub hz: Vec<f64>,
     /// Mode shapes, 3 x nodes rows, one column a mode, phi^T M phi = 1 \[kg^-1/2\].
+    #[serde(with = "matrix")]
     pub shapes: DMatrix<f64>,
     /// |K phi - lambda M phi| / |lambda M phi| of each mode; a rigid mode has no lambda to divide by, so its residual is
     /// |K phi| / |lambda_1 M phi| with the first elastic mode's lambda_1, or that of the edge when there is none.
@@ -65,7 +67,7 @@ pub struct ModalBasis {
 }
 
 /// The number of eigenvalues below an edge, by Sylvester's law of inertia.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sturm {
     /// The edge \[Hz\].
     pub upper_hz: f64,
@@ -77,16 +79,17 @@ pub struct Sturm {
 ///
 /// They are orthogonal to the modes and to each other with respect to M and K, mass-normalised, and so are taken as
 /// further modes with the frequencies given, which lie above those of the modes.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Corrections {
     /// Rayleigh frequencies, ascending \[Hz\].
     pub hz: Vec<f64>,
     /// Shapes, 3 x nodes rows \[kg^-1/2\].
+    #[serde(with = "matrix")]
     pub shapes: DMatrix<f64>,
 }
 
 /// Work counters of a modal solution; they do not depend on the machine.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ModalWork {
     /// Stored values of the factor L.
     pub factor_values: usize,
@@ -113,5 +116,24 @@ impl ModalBasis {
         all.columns_mut(0, n).copy_from(&self.shapes);
         all.columns_mut(n, m).copy_from(&self.corrections.shapes);
         all
+    }
+}
+
+/// A matrix as its number of rows and its entries column by column.
+mod matrix {
+    use nalgebra::DMatrix;
+    use serde::de::Error as _;
+    use serde::{Deserialize, Deserializer, Serialize as _, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(matrix: &DMatrix<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+        (matrix.nrows(), matrix.ncols(), matrix.as_slice()).serialize(serializer)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<DMatrix<f64>, D::Error> {
+        let (rows, columns, entries) = <(usize, usize, Vec<f64>)>::deserialize(deserializer)?;
+        if rows.checked_mul(columns) != Some(entries.len()) {
+            return Err(D::Error::custom("the entries do not fill the matrix"));
+        }
+        Ok(DMatrix::from_vec(rows, columns, entries))
     }
 }

@@ -246,7 +246,35 @@ impl Modes {
                 self.m_phi.col_mut(i).copy_from(refined.m_phi.col(c));
             }
         }
+        if !poor.is_empty() {
+            self.orthogonalise(system, edge);
+        }
         Ok(poor.len())
+    }
+
+    /// Makes modes that were refined one by one orthogonal again: with Phi^T M Phi = I + E, E some 1e-8,
+    ///
+    /// ```text
+    /// Phi <- Phi (I - U),   U_ij = E_ij for lambda_i < lambda_j,   U_ii = E_ii / 2,
+    /// ```
+    ///
+    /// leaves E^2. Of two modes the higher one is changed: a trace of the lower weighs less than its own size in the
+    /// higher one's residual, the reverse would weigh lambda_j / lambda_i times as much.
+    fn orthogonalise(&mut self, system: &System, edge: f64) {
+        let gram = transpose_product(self.phi.as_ref(), self.m_phi.as_ref());
+        let lower = |i: usize, j: usize| (self.lambda[i], i) < (self.lambda[j], j);
+        let u = Mat::from_fn(gram.nrows(), gram.ncols(), |i, j| {
+            if i == j {
+                0.5 * (gram[(i, i)] - 1.0)
+            } else if lower(i, j) {
+                0.5 * (gram[(i, j)] + gram[(j, i)])
+            } else {
+                0.0
+            }
+        });
+        let mut phi = self.phi.clone();
+        add_product(phi.as_mut(), -1.0, self.phi.as_ref(), u.as_ref());
+        *self = Self::new(system, phi, edge);
     }
 
     /// Takes out of X, whose columns approximate the modes `chosen`, what it holds of other modes of the basis.

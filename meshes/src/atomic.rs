@@ -2,6 +2,10 @@
 
 use std::io::Write;
 use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Files written by this process so far.
+static WRITTEN: AtomicU64 = AtomicU64::new(0);
 
 /// Writes a file whole: a temporary file beside it, sync, rename. A killed process leaves the old file or none.
 ///
@@ -13,8 +17,9 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
         .ok_or_else(|| std::io::Error::from(std::io::ErrorKind::InvalidFilename))?;
     let mut temporary = std::ffi::OsString::from(".");
     temporary.push(name);
-    // Two processes may write the same file at once; each has its own temporary.
-    temporary.push(format!(".{}.tmp", std::process::id()));
+    // Processes and threads may write the same file at once; each has its own temporary.
+    let count = WRITTEN.fetch_add(1, Ordering::Relaxed);
+    temporary.push(format!(".{}-{count}.tmp", std::process::id()));
     let temporary = path.with_file_name(temporary);
     let written = std::fs::File::create(&temporary)
         .and_then(|mut file| {

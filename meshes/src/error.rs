@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::MshError;
+
 /// An error of this crate; every variant carries the numbers and names the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum MeshError {
@@ -79,6 +81,70 @@ pub enum MeshError {
         /// The system's reason.
         source: std::io::Error,
     },
+    /// Reading a file failed.
+    #[error("cannot read {}: {source}; check its name and that it may be read", path.display())]
+    Read {
+        /// The file that was to be read.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// A `.msh` file is damaged or not of a kind that can be used.
+    #[error("{}: {problem}", path.display())]
+    Msh {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        problem: MshError,
+    },
+    /// Elements of a mesh are inverted or flat.
+    #[error(
+        "element {element} has the Jacobian determinant {determinant:.3e} m3 at its worst node, as the worst of {inverted} \
+         inverted or flat elements of {of}; repair the mesh (gmsh: Mesh.HighOrderOptimize = 2, or \
+         Mesh.SecondOrderLinear = 1), or turn the elements round if all are inverted"
+    )]
+    Inverted {
+        /// Number of the element: that of its file if it has one, else its index.
+        element: u64,
+        /// Its determinant \[m3\].
+        determinant: f64,
+        /// How many elements are inverted or flat.
+        inverted: usize,
+        /// How many there are.
+        of: usize,
+    },
+    /// gmsh is not to be found.
+    #[error(
+        "new geometry needs gmsh, and {program} cannot be started ({reason}); install it with \
+         `apt-get install --no-install-recommends gmsh` (Debian, Ubuntu), `brew install gmsh` or `pip install gmsh`, \
+         or name the program in NAILNOISE_GMSH"
+    )]
+    NoGmsh {
+        /// What was to be started.
+        program: String,
+        /// The system's reason.
+        reason: String,
+    },
+    /// gmsh could not mesh a geometry.
+    #[error("gmsh could not mesh {what}: {reason}; repair the geometry or change the element size")]
+    Gmsh {
+        /// The geometry.
+        what: String,
+        /// Its own words.
+        reason: String,
+    },
+    /// A geometry is of a kind that gmsh does not open.
+    #[error("{}: known are .msh, .msh.gz, .step, .stp, .brep, .igs and .iges", path.display())]
+    UnknownKind {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A mesh cannot be written as a file of this kind.
+    #[error("{}: meshes are written as .vtu, .msh or .msh.gz", path.display())]
+    UnknownOutput {
+        /// The file.
+        path: PathBuf,
+    },
     /// The VTK library refused the data.
     #[error("cannot encode {path} as VTK XML: {reason}")]
     Encode {
@@ -87,8 +153,8 @@ pub enum MeshError {
         /// The library's reason.
         reason: String,
     },
-    /// A quadrature rule with an unsupported number of points was asked for.
-    #[error("a Gauss rule with {points} points is not available; use 1 to 10")]
+    /// A quadrature rule without points was asked for.
+    #[error("a Gauss rule with {points} points is not available; use at least 1")]
     GaussPoints {
         /// Points asked for.
         points: usize,

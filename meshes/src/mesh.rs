@@ -122,6 +122,40 @@ impl Mesh {
         Ok(nodes)
     }
 
+    /// Takes in the nodes and elements of another mesh; parts and groups of the same name become one, no node is shared.
+    pub fn join(&mut self, other: &Self) {
+        let (nodes, elements, corners) = (self.nodes.len(), self.element_count(), self.connectivity.len());
+        self.nodes.extend(&other.nodes);
+        self.kinds.extend(&other.kinds);
+        self.connectivity
+            .extend(other.connectivity.iter().map(|node| nodes + node));
+        self.offsets
+            .extend(other.offsets.iter().skip(1).map(|offset| corners + offset));
+        let part_of: Vec<usize> = other.part_names.iter().map(|name| self.part_named(name)).collect();
+        self.parts.extend(other.parts.iter().map(|&part| part_of[part]));
+        for group in &other.groups {
+            let moved = group.faces.iter().map(|face| FaceRef {
+                element: elements + face.element,
+                face: face.face,
+            });
+            match self.groups.iter_mut().find(|own| own.name == group.name) {
+                Some(own) => own.faces.extend(moved),
+                None => self.groups.push(FaceGroup {
+                    name: group.name.clone(),
+                    faces: moved.collect(),
+                }),
+            }
+        }
+    }
+
+    /// Index of the part of this name, which is added if there is none.
+    fn part_named(&mut self, name: &str) -> usize {
+        self.part_names.iter().position(|own| own == name).unwrap_or_else(|| {
+            self.part_names.push(name.to_owned());
+            self.part_names.len() - 1
+        })
+    }
+
     /// The smallest and the largest corner of the box around all nodes \[m\].
     pub fn bounds(&self) -> (Point3<f64>, Point3<f64>) {
         self.nodes.iter().fold(

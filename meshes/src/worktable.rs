@@ -34,6 +34,52 @@ pub struct Worktable {
 /// [`MeshError::Dimension`], [`MeshError::NoElements`], or [`MeshError::DoesNotFit`] when legs overlap or are no longer
 /// than nothing.
 pub fn worktable(spec: &Worktable) -> Result<Mesh, MeshError> {
+    checked(spec)?;
+    let ([floor, underside], top) = (legs(spec), spec.origin[2] + spec.height);
+    let mut z = vec![floor];
+    z.extend(subdivide(floor, underside, spec.leg_element_size)?);
+    let leg_layers = z.len() - 1;
+    z.extend(subdivide(underside, top, spec.thickness / spec.top_layers as f64)?);
+    let grid = Grid::new(lines(spec, 0)?, lines(spec, 1)?, z)?;
+    let over_leg = |cell: [usize; 3]| {
+        let centre = grid.centre(cell);
+        (0..2).all(|k| {
+            let at = centre[k] - spec.origin[k];
+            at < spec.leg[k] || at > spec.top[k] - spec.leg[k]
+        })
+    };
+    let part = |cell: [usize; 3]| match cell[2] >= leg_layers {
+        true => Some(0),
+        false => over_leg(cell).then_some(1),
+    };
+    Ok(grid.mesh(&["top", "leg"], part, |part, axis, upper, _| {
+        match (part, axis, upper) {
+            (0, 2, true) => "top",
+            (0, 2, false) => "underside",
+            (0, _, _) => "sides",
+            (_, 2, _) => "floor",
+            _ => "leg_sides",
+        }
+    }))
+}
+
+/// Grid lines through the top along an axis, with the legs' outlines among them \[m\].
+pub(crate) fn lines(spec: &Worktable, axis: usize) -> Result<Vec<f64>, MeshError> {
+    let (o, a, l) = (spec.origin[axis], spec.leg[axis], spec.top[axis]);
+    let mut line = vec![o];
+    for (from, to) in [(o, o + a), (o + a, o + l - a), (o + l - a, o + l)] {
+        line.extend(subdivide(from, to, spec.element_size)?);
+    }
+    Ok(line)
+}
+
+/// Heights of the legs' lower and upper ends \[m\].
+pub(crate) fn legs(spec: &Worktable) -> [f64; 2] {
+    [spec.origin[2], spec.origin[2] + spec.height - spec.thickness]
+}
+
+/// Refuses dimensions that make no table.
+pub(crate) fn checked(spec: &Worktable) -> Result<(), MeshError> {
     let lengths = [
         ("the top's length along x", spec.top[0]),
         ("the top's length along y", spec.top[1]),
@@ -72,42 +118,5 @@ pub fn worktable(spec: &Worktable) -> Result<Mesh, MeshError> {
             what: "the thickness of the top",
         });
     }
-    let across = |k: usize| -> Result<Vec<f64>, MeshError> {
-        let (o, a, l) = (spec.origin[k], spec.leg[k], spec.top[k]);
-        let mut line = vec![o];
-        for (from, to) in [(o, o + a), (o + a, o + l - a), (o + l - a, o + l)] {
-            line.extend(subdivide(from, to, spec.element_size)?);
-        }
-        Ok(line)
-    };
-    let (floor, underside, top) = (
-        spec.origin[2],
-        spec.origin[2] + spec.height - spec.thickness,
-        spec.origin[2] + spec.height,
-    );
-    let mut z = vec![floor];
-    z.extend(subdivide(floor, underside, spec.leg_element_size)?);
-    let leg_layers = z.len() - 1;
-    z.extend(subdivide(underside, top, spec.thickness / spec.top_layers as f64)?);
-    let grid = Grid::new(across(0)?, across(1)?, z)?;
-    let over_leg = |cell: [usize; 3]| {
-        let centre = grid.centre(cell);
-        (0..2).all(|k| {
-            let at = centre[k] - spec.origin[k];
-            at < spec.leg[k] || at > spec.top[k] - spec.leg[k]
-        })
-    };
-    let part = |cell: [usize; 3]| match cell[2] >= leg_layers {
-        true => Some(0),
-        false => over_leg(cell).then_some(1),
-    };
-    Ok(grid.mesh(&["top", "leg"], part, |part, axis, upper, _| {
-        match (part, axis, upper) {
-            (0, 2, true) => "top",
-            (0, 2, false) => "underside",
-            (0, _, _) => "sides",
-            (_, 2, _) => "floor",
-            _ => "leg_sides",
-        }
-    }))
+    Ok(())
 }

@@ -6,7 +6,8 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::table::{decibels, table};
-use super::{Progress, load, print, print_json, start_threads, status_of};
+use super::{Keeping, Progress, load, print, print_json, start_threads, status_of};
+use crate::cache::Cache;
 use crate::comparison::{Comparison, Finished, Labelled, Levels, Limit};
 use crate::error::Error;
 use crate::output;
@@ -27,6 +28,8 @@ pub(super) struct Arguments {
     /// Number of threads; results do not depend on it [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    #[command(flatten)]
+    keeping: Keeping,
     /// Show the levels of every one-third-octave band
     #[arg(long)]
     bands: bool,
@@ -41,11 +44,12 @@ pub(super) struct Arguments {
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     start_threads(arguments.threads)?;
     let mut progress = Progress::new();
+    let cache = arguments.keeping.cache()?;
     let (mut results, mut checks): (Vec<Finished>, Vec<Check>) = (Vec::new(), Vec::new());
     for path in &arguments.designs {
         let mut result = match Finished::is_at(path) {
             Some(file) => Finished::read(&file)?,
-            None => finish(path, &results, &arguments.out, &mut progress, &mut checks)?,
+            None => finish(path, &results, &arguments.out, &cache, &mut progress, &mut checks)?,
         };
         let name = free_name(result.name(), &results);
         result.rename(name);
@@ -72,12 +76,13 @@ fn finish(
     path: &Path,
     before: &[Finished],
     out: &Path,
+    cache: &Cache,
     progress: &mut Progress,
     checks: &mut Vec<Check>,
 ) -> Result<Finished, Error> {
     let design = load(path)?;
     progress.note(&format!("design {}", design.name()));
-    let mut run = pipeline::run(&design, Options::default(), progress)?;
+    let mut run = pipeline::run(&design, Options::default(), cache, progress)?;
     let name = free_name(design.name(), before);
     progress.stage("writing files");
     output::write_run(&out.join(&name), &run)?;

@@ -1,9 +1,10 @@
 //! `nailnoise cycle`: one nailing cycle without its sound.
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
-use nailnoise_dynamics::{CycleRecord, EnergyFlow, Events, LogEntry, Outcome, Summary, Work};
+use nailnoise_dynamics::{CycleRecord, EnergyFlow, Events, LogEntry, Outcome, Summary, Work, simulate};
 use serde::Serialize;
 
 use super::table::table;
@@ -11,6 +12,7 @@ use super::{Common, Progress, print, print_json, status_of};
 use crate::error::Error;
 use crate::figures;
 use crate::output::{self, EVENT_NAMES};
+use crate::penetration;
 use crate::pipeline::{self, Observer as _, Preset};
 use crate::result::{Check, DesignId};
 
@@ -22,6 +24,9 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "WHAT", value_enum, num_args = 0..=1, require_equals = true)]
     #[arg(default_missing_value = "all")]
     as_published: Option<Published>,
+    /// Drive against the law in a CSV file, depth in m and force in N a line, in place of the design's
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["as_published", "sensitivity", "draw"])]
+    penetration_table: Option<PathBuf>,
     /// Draw pressures, motion, pressure ratios, forces and energy flow as SVG
     #[arg(long)]
     figures: bool,
@@ -67,6 +72,8 @@ struct CycleResult<'a> {
     design: DesignId,
     /// The published form computed in the place of the design's own; null for the design as it is.
     preset: Option<Preset>,
+    /// The file of the penetration law driven against in the place of the design's own; null for the latter.
+    penetration_table: Option<String>,
     outcome: Outcome,
     events: &'a Events,
     summary: &'a Summary,
@@ -96,14 +103,27 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     };
     let mut progress = Progress::new();
     progress.stage("nailing cycle");
-    let record = match preset {
-        Some(preset) => pipeline::cycle_as_published(&design, preset)?,
-        None => pipeline::cycle(&design)?,
+    let record = match (preset, &arguments.penetration_table) {
+        (Some(preset), _) => pipeline::cycle_as_published(&design, preset)?,
+        (None, Some(path)) => {
+            let mut parameters = pipeline::parameters(&design)?;
+            parameters.wood.law = penetration::table(path)?.into();
+            simulate(&parameters, &pipeline::cycle_settings(&design))?
+        }
+        (None, None) => pipeline::cycle(&design)?,
+    };
+    let penetration_table = arguments
+        .penetration_table
+        .as_ref()
+        .map(|path| path.display().to_string());
+    let form = match (preset, &penetration_table) {
+        (Some(preset), _) => words_of(preset).to_owned(),
+        (None, Some(path)) => format!(", penetration law of {path}"),
+        (None, None) => String::new(),
     };
     progress.stage("writing files");
     output::write_cycle(&folder, &record)?;
     let figures = if arguments.figures {
-        let form = preset.map_or("", words_of);
         let subject = format!("{}{form}: {}", design.name(), words(&record.outcome));
         figures::write(&folder.join("figures"), &figures::cycle(&subject, &design, &record))?
     } else {
@@ -119,6 +139,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             digest: design.digest(),
         },
         preset,
+        penetration_table,
         outcome: record.outcome,
         events: &record.events,
         summary: &record.summary,
@@ -131,7 +152,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     if common.json {
         print_json(&result)?;
     } else {
-        print(&text(&result, &record));
+        print(&text(&form, &result, &record));
         print(&format!("\n  files in {}\n", folder.display()));
         figures
             .iter()
@@ -140,8 +161,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     Ok(status)
 }
 
-fn text(result: &CycleResult<'_>, record: &CycleRecord) -> String {
-    let form = result.preset.map_or("", words_of);
+fn text(form: &str, result: &CycleResult<'_>, record: &CycleRecord) -> String {
     let mut text = format!("{}{form}: {}\n\n", result.design.name, words(&result.outcome));
     let events: Vec<Vec<String>> = result
         .events

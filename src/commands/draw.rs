@@ -165,7 +165,7 @@ fn csv(study: &Study) -> String {
                 Value::Number(value) => write!(text, ",{value:e}"),
                 Value::Count(count) => write!(text, ",{count}"),
                 Value::Switch(on) => write!(text, ",{on}"),
-                Value::Choice(word) => write!(text, ",{word}"),
+                Value::Choice(word) | Value::File(word) => write!(text, ",{word}"),
             };
         }
         text.push('\n');

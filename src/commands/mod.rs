@@ -3,13 +3,19 @@
 //! Results go to standard output, progress and warnings to standard error. Exit status: 0 done; 1 done, but a limit is
 //! not met; 2 wrong use or input; 3 a numerical check failed; 130 interrupted.
 
+mod bodies;
+mod cache;
+mod check;
 mod compare;
+mod completions;
 mod cycle;
 mod draw;
+mod mesh;
 mod modes;
 mod prf;
 mod progress;
 mod run;
+mod schema;
 mod sensitivity;
 mod table;
 
@@ -19,6 +25,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::cache::Cache;
 use crate::design::Design;
 use crate::error::Error;
 use crate::result::Check;
@@ -46,8 +53,18 @@ enum Command {
     Cycle(cycle::Arguments),
     /// Compute the vibration modes of a body
     Modes(modes::Arguments),
+    /// Build, read, convert and size the mesh of a body
+    Mesh(mesh::Arguments),
+    /// Tell whether a mesh can be trusted, and what its modes will cost, before time is spent
+    Check(check::Arguments),
     /// Evaluate, compare and plot published laws of penetration resistance
     Prf(prf::Arguments),
+    /// List, verify or clear what is kept between runs
+    Cache(cache::Arguments),
+    /// Print the JSON Schema of the design file, for editors
+    Schema,
+    /// Print what a shell completes
+    Completions(completions::Arguments),
 }
 
 /// What every command takes.
@@ -83,6 +100,24 @@ impl Common {
     }
 }
 
+/// Whether what is kept between runs is used.
+#[derive(Args)]
+struct Keeping {
+    /// Compute everything anew, and keep nothing for later runs
+    #[arg(long)]
+    no_cache: bool,
+}
+
+impl Keeping {
+    fn cache(&self) -> Result<Cache, Error> {
+        Ok(if self.no_cache {
+            Cache::none()
+        } else {
+            Cache::of_user()?
+        })
+    }
+}
+
 /// Reads a design and prints its warnings.
 fn load(path: &Path) -> Result<Design, Error> {
     let design = Design::load(path)?;
@@ -109,7 +144,12 @@ pub fn main() -> ExitCode {
         Command::Compare(arguments) => compare::execute(arguments),
         Command::Cycle(arguments) => cycle::execute(arguments),
         Command::Modes(arguments) => modes::execute(arguments),
+        Command::Mesh(arguments) => mesh::execute(arguments),
+        Command::Check(arguments) => check::execute(arguments),
         Command::Prf(arguments) => prf::execute(arguments),
+        Command::Cache(arguments) => cache::execute(arguments),
+        Command::Schema => schema::execute(),
+        Command::Completions(arguments) => Ok(completions::execute(arguments)),
     };
     outcome.unwrap_or_else(|error| {
         let status = error.exit_status();

@@ -1,13 +1,17 @@
 //! `nailnoise modes`: the vibration modes of a body.
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Args, ValueEnum};
-use nailnoise_fem::Sturm;
+use clap::Args;
+use nailnoise_fem::{ModalWork, Sturm};
+use nailnoise_meshes::uff;
 use serde::Serialize;
 
+use super::bodies::{BodyName, Own, length};
 use super::table::table;
-use super::{Common, Progress, print, print_json, status_of};
+use super::{Common, Keeping, Progress, print, print_json, status_of};
+use crate::correlation::{Correlation, correlate};
 use crate::error::Error;
 use crate::output;
 use crate::pipeline::{self, Body, Observer as _};
@@ -17,17 +21,25 @@ use crate::result::{Check, DesignId};
 pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
+    #[command(flatten)]
+    keeping: Keeping,
     /// Body whose modes are computed
     #[arg(long, value_enum)]
     body: BodyName,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum BodyName {
-    /// The wood block, free
-    Workpiece,
-    /// The worktable, clamped at the floor
-    Worktable,
+    #[command(flatten)]
+    own: Own,
+    /// Also write the modes as a universal file (datasets 2411, 15, 2412, 55) for modal-test software
+    #[arg(long)]
+    uff: bool,
+    /// Also write a period of this mode as a film for ParaView; may be given again
+    #[arg(long, value_name = "MODE", value_parser = clap::value_parser!(u32).range(1..))]
+    animate: Vec<u32>,
+    /// Universal file of measured modes to compare with (MAC)
+    #[arg(long, value_name = "FILE")]
+    mac: Option<PathBuf>,
+    /// Largest distance between a measured point and the node that stands for it
+    #[arg(long, value_name = "LENGTH", default_value = "10 mm", value_parser = length)]
+    mac_reach: f64,
 }
 
 /// Layout of `modes --json`.
@@ -39,7 +51,10 @@ struct ModesResult {
     dofs: usize,
     modes: Vec<Mode>,
     sturm: Sturm,
+    work: ModalWork,
     checks: Vec<Check>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    correlation: Option<Correlation>,
 }
 
 #[derive(Serialize)]
@@ -52,16 +67,31 @@ struct Mode {
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let common = &arguments.common;
     common.start_threads()?;
-    let design = common.load()?;
+    let mut design = common.load()?;
+    arguments.own.replace(&mut design, arguments.body.into());
     let folder = common.out(&design);
+    // A file that cannot be used is found before time is spent.
+    let measurement = arguments.mac.as_deref().map(uff::read).transpose()?;
     let mut progress = Progress::new();
     progress.stage("modes");
-    let body = match arguments.body {
-        BodyName::Workpiece => pipeline::workpiece(&design)?,
-        BodyName::Worktable => pipeline::table(&design)?,
+    let cache = arguments.keeping.cache()?;
+    let body = pipeline::modes_of(&design, arguments.body.into(), &cache)?;
+    cache.take_notes().iter().for_each(|note| progress.note(note));
+    let correlation = match (&measurement, &arguments.mac) {
+        (Some(measurement), Some(path)) => {
+            let found = correlate(&body, measurement, arguments.mac_reach);
+            Some(found.ok_or_else(|| Error::NoPoint { path: path.clone() })?)
+        }
+        _ => None,
     };
     progress.stage("writing files");
-    let file = output::write_modes(&folder, &body)?;
+    let mut files = vec![output::write_modes(&folder, &body)?];
+    for &mode in &arguments.animate {
+        files.push(output::write_motion(&folder, &body, mode as usize - 1)?);
+    }
+    if arguments.uff {
+        files.push(output::write_universal(&folder, design.name(), &body)?);
+    }
     drop(progress);
     let basis = &body.basis;
     let mode = |(index, &hz): (usize, &f64)| Mode {
@@ -79,13 +109,17 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         dofs: basis.dofs,
         modes: basis.hz.iter().enumerate().map(mode).collect(),
         sturm: basis.sturm,
+        work: basis.work,
         checks: body.checks(),
+        correlation,
     };
     if common.json {
         print_json(&result)?;
     } else {
         print(&text(&result, &body));
-        print(&format!("  mode shapes in {}\n", file.display()));
+        for file in files {
+            print(&format!("  written to {}\n", file.display()));
+        }
     }
     Ok(status_of(&result.checks))
 }
@@ -114,6 +148,38 @@ fn text(result: &ModesResult, body: &Body) -> String {
         result.modes.len(),
         result.dofs,
         body.mesh.element_count(),
+    ));
+    if let Some(correlation) = &result.correlation {
+        text.push_str(&compared(correlation));
+    }
+    text
+}
+
+/// Measured modes beside those computed.
+fn compared(correlation: &Correlation) -> String {
+    let rows: Vec<Vec<String>> = correlation
+        .pairs
+        .iter()
+        .enumerate()
+        .map(|(index, pair)| {
+            vec![
+                format!("{}", index + 1),
+                format!("{:.1}", pair.measured_hz),
+                format!("{}", pair.mode),
+                format!("{:.1}", pair.computed_hz),
+                format!("{:+.1}", 100.0 * (pair.computed_hz / pair.measured_hz - 1.0)),
+                format!("{:.3}", pair.mac),
+            ]
+        })
+        .collect();
+    let headings = ["measured", "Hz", "computed mode", "Hz", "%", "MAC"];
+    let mut text = format!("\n{}", table(&headings, &rows));
+    text.push_str(&format!(
+        "\n  {} measured points matched by {}, at most {:.1} mm off; {} not on the body\n",
+        correlation.matched,
+        if correlation.by_position { "position" } else { "number" },
+        correlation.farthest * 1e3,
+        correlation.unmatched
     ));
     text
 }

@@ -1,4 +1,4 @@
-//! `nailnoise prf`: published penetration laws, evaluated and compared.
+//! `nailnoise prf`: penetration laws, published and own, evaluated and compared.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -11,21 +11,28 @@ use serde::Serialize;
 
 use super::table::table;
 use super::{print, print_json};
-use crate::design::{LENGTH, VELOCITY, measure};
+use crate::design::{FORCE, LENGTH, VELOCITY, measure};
 use crate::error::Error;
 use crate::figures;
-use crate::penetration::{self, PenetrationError, Resistance, law_name};
+use crate::penetration::{self, Law, PenetrationError, Resistance, law_name};
 
 #[derive(Args)]
 pub(super) struct Arguments {
     /// List the published laws, woods and nails, and do nothing else
     #[arg(long)]
     list: bool,
-    /// Laws, as smooth,annular
-    #[arg(long, value_name = "LAWS", value_delimiter = ',', required_unless_present = "list")]
+    /// Published laws, as smooth,annular
+    #[arg(long, value_name = "LAWS", value_delimiter = ',', requires = "wood")]
+    #[arg(required_unless_present_any = ["list", "constant", "table"])]
     law: Vec<String>,
-    /// Woods, as "pine" or "poplar plywood"
-    #[arg(long, value_name = "WOODS", value_delimiter = ',', required_unless_present = "list")]
+    /// Constant forces, as "1.2 kN,900 N"
+    #[arg(long, value_name = "FORCES", value_delimiter = ',', value_parser = |text: &str| measure(text, FORCE))]
+    constant: Vec<f64>,
+    /// CSV files of laws: depth in m and force in N a line
+    #[arg(long, value_name = "FILES", value_delimiter = ',')]
+    table: Vec<PathBuf>,
+    /// Woods of the published laws, as "pine" or "poplar plywood"
+    #[arg(long, value_name = "WOODS", value_delimiter = ',', requires = "law")]
     wood: Vec<String>,
     /// Nail sizes, as 6d,12d
     #[arg(long, value_name = "SIZES", value_delimiter = ',', required_unless_present = "list")]
@@ -56,16 +63,17 @@ struct PrfResult {
 #[derive(Serialize)]
 struct CurveResult {
     label: String,
-    law: &'static str,
-    wood: &'static str,
-    hardness_modulus: f64,
-    density: f64,
+    law: String,
     nail: &'static str,
     length: f64,
-    diameter: f64,
+    /// Of a published law alone, as all that follows.
+    wood: Option<&'static str>,
+    hardness_modulus: Option<f64>,
+    density: Option<f64>,
+    diameter: Option<f64>,
+    fit: Option<FitQuality>,
     rows: Vec<Row>,
     work: f64,
-    fit: FitQuality,
 }
 
 #[derive(Serialize)]
@@ -102,39 +110,60 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Every law for every nail in every wood.
+/// Every law for every nail, the published ones in every wood.
 fn resistances(arguments: &Arguments) -> Result<Vec<Resistance>, PenetrationError> {
     let speed = arguments.speed.unwrap_or(REFERENCE_SPEED);
+    let nails: Vec<_> = arguments
+        .nail
+        .iter()
+        .map(|nail| penetration::nail(nail))
+        .collect::<Result<_, _>>()?;
     let mut all = Vec::new();
     for law in &arguments.law {
         for wood in &arguments.wood {
-            for nail in &arguments.nail {
-                let [law, wood, nail] = [law, wood, nail];
-                let (law, wood, nail) = (
-                    penetration::law(law)?,
-                    penetration::wood(wood)?,
-                    penetration::nail(nail)?,
-                );
+            for nail in &nails {
+                let (law, wood) = (penetration::law(law)?, penetration::wood(wood)?);
                 all.push(Resistance::new(law, wood, nail, speed)?);
             }
+        }
+    }
+    for force in &arguments.constant {
+        for nail in &nails {
+            all.push(Resistance::constant(*force, nail)?);
+        }
+    }
+    for path in &arguments.table {
+        let table = penetration::table(path)?;
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        for nail in &nails {
+            all.push(Resistance::tabulated(&name, table.clone(), nail)?);
         }
     }
     Ok(all)
 }
 
+fn wood_name(law: &Resistance) -> &str {
+    law.wood().map_or("", |wood| wood.name)
+}
+
 /// Names of the curves: what they do not all share.
 fn labels(laws: &[Resistance]) -> Vec<String> {
-    let differ = |name: fn(&Resistance) -> &'static str| laws.iter().any(|law| name(law) != name(&laws[0]));
-    let parts: [fn(&Resistance) -> &'static str; 3] =
-        [|law| law_name(law.law), |law| law.nail.name, |law| law.wood.name];
+    let parts: [fn(&Resistance) -> &str; 3] = [|law| &law.name, |law| law.nail.name, wood_name];
+    // A law that is of no wood does not make the woods differ.
+    let differ = |name: fn(&Resistance) -> &str| {
+        let mut own = laws.iter().map(name).filter(|name| !name.is_empty());
+        let first = own.next();
+        own.any(|name| Some(name) != first)
+    };
     let label = |law: &Resistance| {
         let own: Vec<&str> = parts
             .iter()
             .filter(|name| differ(**name))
             .map(|name| name(law))
+            .filter(|name| !name.is_empty())
             .collect();
         if own.is_empty() {
-            law_name(law.law).to_owned()
+            law.name.clone()
         } else {
             own.join(", ")
         }
@@ -146,7 +175,11 @@ fn evaluate(arguments: &Arguments, laws: &[Resistance], labels: &[String]) -> Re
     let mut curves = Vec::new();
     let mut notes: Vec<String> = Vec::new();
     for (law, label) in laws.iter().zip(labels) {
-        let length = law.specimen.length;
+        let length = law.nail.length;
+        let specimen = match &law.law {
+            Law::Published { specimen, .. } => Some(specimen),
+            Law::Constant(_) | Law::Tabulated(_) => None,
+        };
         let depths = match arguments.depth.as_slice() {
             [] => (1..=10).map(|tenth| length * f64::from(tenth) / 10.0).collect(),
             depths => depths.to_vec(),
@@ -160,16 +193,16 @@ fn evaluate(arguments: &Arguments, laws: &[Resistance], labels: &[String]) -> Re
         };
         curves.push(CurveResult {
             label: label.clone(),
-            law: law_name(law.law),
-            wood: law.wood.name,
-            hardness_modulus: law.specimen.hardness_modulus,
-            density: law.specimen.density,
+            law: law.name.clone(),
             nail: law.nail.name,
             length,
-            diameter: law.specimen.diameter,
+            wood: law.wood().map(|wood| wood.name),
+            hardness_modulus: specimen.map(|s| s.hardness_modulus),
+            density: specimen.map(|s| s.density),
+            diameter: specimen.map(|s| s.diameter),
+            fit: law.quality(),
             rows: depths.into_iter().map(row).collect::<Result<_, PenetrationError>>()?,
             work: law.work(length)?,
-            fit: law.quality(),
         });
         for note in law.notes() {
             if !notes.contains(&note) {
@@ -186,7 +219,7 @@ fn evaluate(arguments: &Arguments, laws: &[Resistance], labels: &[String]) -> Re
     }
     Ok(PrfResult {
         schema: "nailnoise-prf/1",
-        speed: laws[0].speed,
+        speed: arguments.speed.unwrap_or(REFERENCE_SPEED),
         curves,
         notes,
     })
@@ -195,15 +228,15 @@ fn evaluate(arguments: &Arguments, laws: &[Resistance], labels: &[String]) -> Re
 impl PrfResult {
     /// What all curves share, in words.
     fn shared(&self) -> String {
-        let first = &self.curves[0];
-        let one = |name: fn(&CurveResult) -> &'static str| {
-            self.curves
-                .iter()
-                .all(|curve| name(curve) == name(first))
-                .then(|| name(first).to_owned())
+        let one = |name: fn(&CurveResult) -> Option<&str>| {
+            let mut own = self.curves.iter().filter_map(name);
+            let first = own.next()?;
+            own.all(|name| name == first).then(|| first.to_owned())
         };
-        let speed = Some(format!("{:.0} mm/min", 60e3 * self.speed));
-        let shared = [one(|c| c.law), one(|c| c.nail), one(|c| c.wood), speed];
+        // A speed is part of the published laws alone.
+        let published = self.curves.iter().any(|curve| curve.fit.is_some());
+        let speed = published.then(|| format!("{:.0} mm/min", 60e3 * self.speed));
+        let shared = [one(|c| Some(&c.law)), one(|c| Some(c.nail)), one(|c| c.wood), speed];
         shared.into_iter().flatten().collect::<Vec<_>>().join(", ")
     }
 }
@@ -238,15 +271,19 @@ fn text(result: &PrfResult, tenths: bool) -> String {
         .curves
         .iter()
         .map(|curve| {
-            let fit = &curve.fit;
+            let fit = |digits: usize, value: fn(&FitQuality) -> f64| {
+                let value = curve.fit.as_ref().map(value);
+                value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
+            };
+            let diameter = curve.diameter.map(|diameter| format!("{:.3}", 1e3 * diameter));
             vec![
                 curve.label.clone(),
                 format!("{:.2}", 1e3 * curve.length),
-                format!("{:.3}", 1e3 * curve.diameter),
+                diameter.unwrap_or_else(|| "-".to_owned()),
                 format!("{:.3}", curve.work),
-                format!("{:.2}", 100.0 * fit.r_squared),
-                format!("{:.5}", fit.standard_error),
-                format!("{:.5}", fit.mean_absolute_error),
+                fit(2, |fit| 100.0 * fit.r_squared),
+                fit(5, |fit| fit.standard_error),
+                fit(5, |fit| fit.mean_absolute_error),
             ]
         })
         .collect();
@@ -254,24 +291,28 @@ fn text(result: &PrfResult, tenths: bool) -> String {
         &["", "length mm", "diameter mm", "work J", "R2 %", "SEE", "MAE"],
         &rows,
     ));
-    text.push_str("\n  SEE and MAE are published in units of sqrt(F_r/(H_M NL))\n\n");
+    let note = if result.curves.iter().any(|curve| curve.fit.is_some()) {
+        "\n  SEE and MAE are published in units of sqrt(F_r/(H_M NL))\n\n"
+    } else {
+        "\n"
+    };
+    text.push_str(note);
     text
 }
 
-/// `penetration.csv`: force, its band of one standard error and work, every 0.5 % of the nail's length.
+/// `penetration.csv`: force, its band of one standard error where a fit is published, and work, every 0.5 % of the
+/// nail's length.
 fn csv(laws: &[Resistance]) -> Result<String, PenetrationError> {
     let mut text = String::from("law,wood,nail,depth_m,force_n,force_low_n,force_high_n,work_j\n");
     for law in laws {
         for step in 0..=200 {
-            let depth = law.specimen.length * f64::from(step) / 200.0;
-            let [low, high] = law.band(depth)?;
+            let depth = law.nail.length * f64::from(step) / 200.0;
+            let band = law.band(depth)?;
+            let band = band.map_or_else(|| ",".to_owned(), |[low, high]| format!("{low:.4},{high:.4}"));
             let (force, work) = (law.force(depth)?, law.work(depth)?);
-            let (name, wood, nail) = (law_name(law.law), law.wood.name, law.nail.name);
+            let (name, wood, nail) = (&law.name, wood_name(law), law.nail.name);
             // Writing to a string cannot fail.
-            let _ = writeln!(
-                text,
-                "{name},{wood},{nail},{depth:.7},{force:.4},{low:.4},{high:.4},{work:.6}"
-            );
+            let _ = writeln!(text, "{name},{wood},{nail},{depth:.7},{force:.4},{band},{work:.6}");
         }
     }
     Ok(text)

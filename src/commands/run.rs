@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::table::{decibels, table};
-use super::{Common, Progress, print, print_json, status_of};
+use super::{Common, Keeping, Progress, print, print_json, status_of};
 use crate::error::Error;
 use crate::figures;
 use crate::output;
@@ -16,6 +16,8 @@ use crate::result::{Component, RunResult, Uncertainty};
 pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
+    #[command(flatten)]
+    keeping: Keeping,
     /// Draw third-octave levels, levels between events and sound power over time as SVG
     #[arg(long)]
     figures: bool,
@@ -30,7 +32,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let design = common.load()?;
     let folder = common.out(&design);
     let mut progress = Progress::new();
-    let run = pipeline::run(&design, Options::default(), &mut progress)?;
+    let cache = arguments.keeping.cache()?;
+    let run = pipeline::run(&design, Options::default(), &cache, &mut progress)?;
     progress.stage("writing files");
     output::write_run(&folder, &run)?;
     if arguments.figures {

@@ -277,6 +277,7 @@ impl Values {
             .or_else(|| friction("head_valve.friction", &self.head_valve.friction))
             .or_else(|| seated(self))
             .or_else(|| nose(self))
+            .or_else(|| body(self))
             .or_else(|| support(self))
             .or_else(|| elastic("wood.elastic", &self.wood.elastic.axes()))
             .or_else(|| analysis(self))
@@ -501,6 +502,84 @@ fn nose(v: &Values) -> Option<Conflict> {
     })
 }
 
+/// The walls of the tool body leave room for what they enclose.
+fn body(v: &Values) -> Option<Conflict> {
+    let b = &v.body;
+    let room = b.barrel_radius - b.barrel_wall - v.piston.bore / 2.0;
+    let hollow = "the part is hollow";
+    below(
+        ("body.barrel_wall", b.barrel_wall),
+        ("body.barrel_radius", b.barrel_radius),
+        hollow,
+    )
+    .or_else(|| {
+        below(
+            ("body.cap_wall", b.cap_wall),
+            ("body.cap_height", b.cap_height / 2.0),
+            hollow,
+        )
+    })
+    .or_else(|| {
+        below(
+            ("body.handle_wall", b.handle_wall),
+            ("body.handle_radius", b.handle_radius),
+            hollow,
+        )
+    })
+    .or_else(|| {
+        below(
+            ("body.magazine_wall", b.magazine_wall),
+            ("body.magazine_height", b.magazine_height / 2.0),
+            hollow,
+        )
+    })
+    .or_else(|| {
+        below(
+            ("body.nose_wall", b.nose_wall),
+            ("body.nose_width", b.nose_width.min(b.nose_depth) / 2.0),
+            hollow,
+        )
+    })
+    .or_else(|| {
+        at_most(
+            ("body.nose_overlap", b.nose_overlap),
+            ("body.barrel_wall", b.barrel_wall),
+            "the nose ends in the barrel's floor",
+        )
+    })
+    .or_else(|| {
+        below(
+            ("body.sleeve_wall", b.sleeve_wall),
+            ("body.barrel_radius", room),
+            "the sleeve stands between the piston's bore and the barrel's wall",
+        )
+    })
+    .or_else(|| {
+        below(
+            ("body.sleeve_height", b.sleeve_height),
+            ("body.barrel_height", b.barrel_height - 2.0 * b.barrel_wall),
+            "the sleeve stands between the barrel's floor and roof",
+        )
+    })
+    .or_else(|| {
+        below(
+            ("body.sleeve_fit", b.sleeve_fit),
+            ("body.sleeve_height", b.sleeve_height),
+            "the fit holds the sleeve's upper end",
+        )
+    })
+    .or_else(|| {
+        at_most(
+            ("body.lumped_nose", b.lumped_nose),
+            ("body.lumped_magazine", 1.0 - b.lumped_magazine),
+            "the shares of nose and magazine add up to 1 at most",
+        )
+    })
+    .or_else(|| incompressible("body.housing.poisson_ratio", b.housing.poisson_ratio))
+    .or_else(|| incompressible("body.nose.poisson_ratio", b.nose.poisson_ratio))
+    .or_else(|| incompressible("body.sleeve.poisson_ratio", b.sleeve.poisson_ratio))
+}
+
 fn support(v: &Values) -> Option<Conflict> {
     let block = &v.workpiece;
     let length = ("workpiece.length", block.length);
@@ -532,6 +611,20 @@ fn support(v: &Values) -> Option<Conflict> {
                         top,
                         ("support.worktable.height", table.height),
                         "the top stands on legs",
+                    )
+                })
+                .or_else(|| {
+                    let wall = ("support.worktable.steel.tube_wall", table.steel.tube_wall);
+                    below(
+                        wall,
+                        ("support.worktable.steel.tube_width", table.steel.tube_width / 2.0),
+                        "a tube is hollow",
+                    )
+                })
+                .or_else(|| {
+                    incompressible(
+                        "support.worktable.steel.material.poisson_ratio",
+                        table.steel.material.poisson_ratio,
                     )
                 })
                 .or_else(|| elastic("support.worktable.top", &table.top))

@@ -196,6 +196,18 @@ pub enum DesignError {
         /// Where.
         at: Box<Place>,
     },
+    /// A file that a key names cannot be found.
+    #[error("`{key}` names {}, which cannot be read: {reason}", path.display())]
+    NoFile {
+        /// Full name of the key.
+        key: String,
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        reason: String,
+        /// Where.
+        at: Box<Place>,
+    },
     /// Keys that neither the file nor its bases give.
     #[error("`{key}` is missing{}", others(*count))]
     Missing {
@@ -298,6 +310,7 @@ impl DesignError {
             | Self::OutsideLimits { at, .. }
             | Self::BadRange { at, .. }
             | Self::BadProvenance { at, .. }
+            | Self::NoFile { at, .. }
             | Self::Missing { at, .. }
             | Self::Derived { at, .. }
             | Self::Conflict { at, .. } => Some(at),
@@ -357,6 +370,11 @@ impl DesignError {
             Self::BadProvenance { .. } => "begin with published, computed, estimated, decided, numerical, constant or \
                 design; the source may follow a colon: \"published: thesis Table 4-3\""
                 .to_owned(),
+            Self::NoFile { key, .. } => {
+                format!(
+                    "name it relative to the folder of this design, or write `{key} = \"\"` for the built-in geometry"
+                )
+            }
             Self::Missing { key, example, .. } => format!(
                 "begin the file with `base = \"n80cb.toml\"` (relative to its folder) and give only what differs, \
                  or add `{key} = {example}`"
@@ -399,6 +417,7 @@ impl DesignError {
             Self::OutsideLimits { .. } => "outside its limits",
             Self::BadRange { .. } => "wrong way round",
             Self::BadProvenance { .. } => "unknown provenance",
+            Self::NoFile { .. } => "no such file",
             Self::Missing { .. } => "no base here",
             Self::Derived { .. } => "disagrees",
             Self::Conflict { .. } => "in conflict",
@@ -425,6 +444,7 @@ impl DesignError {
             Self::OutsideLimits { .. } => "outside_limits",
             Self::BadRange { .. } => "bad_range",
             Self::BadProvenance { .. } => "bad_provenance",
+            Self::NoFile { .. } => "no_file",
             Self::Missing { .. } => "missing",
             Self::Derived { .. } => "derived",
             Self::Conflict { .. } => "conflict",

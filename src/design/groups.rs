@@ -408,6 +408,11 @@ group! {
         width: f64 = positive(LENGTH), "W";
         /// Thickness, in the direction of driving.
         thickness: f64 = positive(LENGTH), "H";
+        /// Mesh (.msh) or geometry (.step) in place of the block, for the modes and the response: the length centred on
+        /// x = 0, the width on y = 0, z up from the underside; with the surfaces `top` and `bottom`.
+        mesh: &'static str = Kind::File, "";
+        /// Length of one unit of that file.
+        mesh_unit: f64 = positive(LENGTH), "";
     }
 }
 
@@ -476,6 +481,10 @@ choice! {
     WorktablePreset {
         /// A: a plywood top on four legs of solid wood.
         A = "A",
+        /// B: a thin steel top on four steel tubes.
+        B = "B",
+        /// C: a thick steel top on the same tubes.
+        C = "C",
     }
 }
 
@@ -493,7 +502,8 @@ group! {
 }
 
 group! {
-    /// Worktable: a plate on four square legs, clamped at the floor.
+    /// Worktable: a plate on four square legs, clamped at the floor. Preset A takes the plywood top and the solid legs
+    /// given here, B and C the steel of the group below; all take length, width and height.
     Worktable {
         /// Build of the table; results are stated with it.
         preset: WorktablePreset = WorktablePreset::KIND, "";
@@ -517,10 +527,48 @@ group! {
         stiffness: f64 = positive(STIFFNESS), "k_ws";
         /// Damping ratio of that spring, on the workpiece's mass.
         damping_ratio: f64 = nonnegative(NUMBER), "zeta_ws";
+        /// Mesh (.msh) or geometry (.step) in place of the table, z = 0 at its upper face; with the parts `top` and `leg`
+        /// and the surfaces `top` and `floor`. Bodies meshed apart are tied: the nodes of a surface `NAME_slave` follow
+        /// those of `NAME_master`.
+        mesh: &'static str = Kind::File, "";
+        /// Length of one unit of that file.
+        mesh_unit: f64 = positive(LENGTH), "";
     }
     groups {
         top: Orthotropic,
         legs: Orthotropic,
+        steel: SteelTable,
+    }
+}
+
+group! {
+    /// Worktables B and C: a steel plate, welded on square steel tubes at its corners.
+    SteelTable {
+        /// Thickness of the top of worktable B.
+        top_thickness_b: f64 = positive(LENGTH), "";
+        /// Thickness of the top of worktable C.
+        top_thickness_c: f64 = positive(LENGTH), "";
+        /// Outer side of a leg's square tube.
+        tube_width: f64 = positive(LENGTH), "";
+        /// Wall of the tube.
+        tube_wall: f64 = positive(LENGTH), "";
+        /// Loss factor of the assembled table's modes.
+        loss_factor: f64 = fraction(), "eta";
+    }
+    groups {
+        material: Isotropic,
+    }
+}
+
+group! {
+    /// An isotropic solid.
+    Isotropic {
+        /// Young's modulus.
+        young_modulus: f64 = positive(PRESSURE), "E";
+        /// Poisson's ratio.
+        poisson_ratio: f64 = nonnegative(NUMBER), "nu";
+        /// Density.
+        density: f64 = positive(DENSITY), "rho";
     }
 }
 
@@ -573,30 +621,81 @@ group! {
 }
 
 group! {
-    /// Tool body: the outer geometry of the housing, heights up from the nose's tip.
+    /// Tool body: barrel with cap on a hollow nose, hollow handle, coil-magazine can, cylinder sleeve; z up from the nose's
+    /// tip, the handle along +x. `run` takes the outer dimensions (the air it displaces); `modes`, `mesh` and `check` with
+    /// `--body tool` take all.
     Body {
         /// Outer radius of the barrel.
         barrel_radius: f64 = positive(LENGTH), "";
+        /// Wall of the barrel, its floor and its roof.
+        barrel_wall: f64 = positive(LENGTH), "";
         /// Height of the barrel.
         barrel_height: f64 = positive(LENGTH), "";
         /// Outer radius of the cap on the barrel.
         cap_radius: f64 = positive(LENGTH), "";
+        /// Wall of the cap, closed on both sides.
+        cap_wall: f64 = positive(LENGTH), "";
         /// Height of the cap.
         cap_height: f64 = positive(LENGTH), "";
         /// Length of the handle.
         handle_length: f64 = positive(LENGTH), "";
         /// Outer radius of the handle.
         handle_radius: f64 = positive(LENGTH), "";
+        /// Wall of the handle's tube and its outer end.
+        handle_wall: f64 = positive(LENGTH), "";
+        /// Height of the handle's axis over the nose's tip.
+        handle_level: f64 = positive(LENGTH), "";
         /// Outer radius of the magazine.
         magazine_radius: f64 = positive(LENGTH), "";
+        /// Wall of the magazine, closed on both sides.
+        magazine_wall: f64 = positive(LENGTH), "";
         /// Height (axial length) of the magazine.
         magazine_height: f64 = positive(LENGTH), "";
+        /// Distance of the magazine's axis, which lies along y, from that of the barrel.
+        magazine_offset: f64 = positive(LENGTH), "";
+        /// Height of the magazine's axis, and of the arm that joins it to the nose, over the nose's tip.
+        magazine_level: f64 = positive(LENGTH), "";
+        /// Depth of the arm, along y.
+        arm_depth: f64 = positive(LENGTH), "";
+        /// Height of the arm.
+        arm_height: f64 = positive(LENGTH), "";
+        /// Distance to which the arm reaches into the magazine, from the barrel's axis.
+        arm_reach: f64 = positive(LENGTH), "";
         /// Width of the steel nose.
         nose_width: f64 = positive(LENGTH), "";
         /// Depth of the steel nose.
         nose_depth: f64 = positive(LENGTH), "";
         /// Height of the steel nose.
         nose_height: f64 = positive(LENGTH), "";
+        /// Wall of the nose, which is open below.
+        nose_wall: f64 = positive(LENGTH), "";
+        /// Length of the nose that sits in the barrel's floor, above its height.
+        nose_overlap: f64 = positive(LENGTH), "";
+        /// Wall of the cylinder sleeve, whose inner radius is half the piston's bore.
+        sleeve_wall: f64 = positive(LENGTH), "";
+        /// Height of the sleeve, which stands on the barrel's floor.
+        sleeve_height: f64 = positive(LENGTH), "";
+        /// Length of the sleeve's upper end that a fit holds in the barrel; 0 when the sleeve stands free.
+        sleeve_fit: f64 = nonnegative(LENGTH), "";
+        /// Whether what the geometry lacks of the tool's mass (head valve, nails, fittings) is lumped on it.
+        lumped: bool = Kind::Switch, "";
+        /// Share of the lumped mass on the nose's tip; what nose and magazine leave rests on the sleeve's seat.
+        lumped_nose: f64 = fraction(), "";
+        /// Share of the lumped mass on the magazine, as a solid cylinder that fills it.
+        lumped_magazine: f64 = fraction(), "";
+        /// Loss factor of the assembled tool's modes.
+        loss_factor: f64 = fraction(), "eta";
+        /// Mesh (.msh) or geometry (.step) in place of all of this, in the same axes; parts named `housing`, `nose` and
+        /// `sleeve` take their materials, a mesh with one part alone takes that of the housing; masses are lumped on the
+        /// surfaces `nose_tip`, `magazine` and `seat`; the nodes of a surface `NAME_slave` follow those of `NAME_master`.
+        mesh: &'static str = Kind::File, "";
+        /// Length of one unit of that file.
+        mesh_unit: f64 = positive(LENGTH), "";
+    }
+    groups {
+        housing: Isotropic,
+        nose: Isotropic,
+        sleeve: Isotropic,
     }
 }
 
@@ -656,6 +755,8 @@ group! {
         workpiece_top: f64 = positive(FREQUENCY), "";
         /// Top frequency of the worktable's modes that take part.
         worktable_top: f64 = positive(FREQUENCY), "";
+        /// Top frequency of the tool body's modes (`modes`, `mesh` and `check` with `--body tool`).
+        body_top: f64 = positive(FREQUENCY), "";
         /// Top frequency of the exhaust.
         exhaust_top: f64 = positive(FREQUENCY), "";
         /// Modes are computed up to this many times the top frequency.
@@ -666,6 +767,12 @@ group! {
         worktable_element: f64 = positive(LENGTH), "";
         /// Largest length of a quadratic element along the worktable's legs.
         worktable_leg_element: f64 = positive(LENGTH), "";
+        /// Largest side of a quadratic element in the walls of the steel tubes of worktables B and C.
+        worktable_tube_element: f64 = positive(LENGTH), "";
+        /// Largest side of a quadratic tetrahedron of the tool body.
+        body_element: f64 = positive(LENGTH), "";
+        /// Fewest elements in the shortest bending wave or shear wave at the top frequency, for geometry meshed by gmsh.
+        elements_per_wave: f64 = positive(NUMBER), "";
         /// Layers of quadratic elements through the worktable's top.
         worktable_top_layers: u32 = Kind::Count, "";
         /// Step of the structural response and of the sampled cycle.

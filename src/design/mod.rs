@@ -17,6 +17,7 @@ mod derived;
 mod dimension;
 mod error;
 mod groups;
+mod json_schema;
 mod measure;
 mod provenance;
 mod quantity;
@@ -39,9 +40,10 @@ use sha2::{Digest as _, Sha256};
 pub use checks::Conflict;
 pub use derived::{AGREEMENT, DERIVED, Derived};
 pub use dimension::Dimension;
-pub(crate) use dimension::{LENGTH, VELOCITY};
+pub(crate) use dimension::{FORCE, LENGTH, VELOCITY};
 pub use error::{DesignError, Warning};
 pub use groups::*;
+pub use json_schema::json_schema;
 pub(crate) use measure::measure;
 pub use provenance::Provenance;
 pub use reference::reference;
@@ -52,6 +54,8 @@ pub use source::Place;
 pub use units::UnitError;
 
 use resolve::{Record, Records, Resolved};
+pub(crate) use schema::kept;
+
 use schema::Group;
 use source::File;
 
@@ -160,9 +164,11 @@ impl Design {
                 Value::Count(count) => writeln!(text, "{key}={count}"),
                 Value::Switch(on) => writeln!(text, "{key}={on}"),
                 Value::Choice(word) => writeln!(text, "{key}={word}"),
+                Value::File("") => writeln!(text, "{key}="),
+                Value::File(path) => writeln!(text, "{key}={}", content(path)),
             };
         });
-        Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect()
+        hexadecimal(&Sha256::digest(text))
     }
 
     /// The error that a sensor of this design cannot measure what it is asked for.
@@ -194,6 +200,15 @@ impl Design {
         });
         entries
     }
+}
+
+/// SHA-256 of what a file holds, so that a digest follows the content and not the place; its name if it cannot be read.
+fn content(path: &str) -> String {
+    std::fs::read(path).map_or_else(|_| path.to_owned(), |bytes| hexadecimal(&Sha256::digest(bytes)))
+}
+
+fn hexadecimal(digest: &[u8]) -> String {
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 impl Deref for Design {

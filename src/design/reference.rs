@@ -65,6 +65,7 @@ fn holds(kind: Kind) -> String {
         }
         Kind::Count => "whole number above zero".to_owned(),
         Kind::Switch => "`true` or `false`".to_owned(),
+        Kind::File => "name of a file, or `\"\"`".to_owned(),
         Kind::Choice(words) => words
             .iter()
             .map(|word| format!("`\"{word}\"`"))

@@ -181,6 +181,7 @@ fn example(kind: Kind) -> String {
         Kind::Count => "COUNT".to_owned(),
         Kind::Switch => "true".to_owned(),
         Kind::Choice(words) => format!("\"{}\"", words.first().unwrap_or(&"")),
+        Kind::File => "\"\"".to_owned(),
     }
 }
 
@@ -293,7 +294,7 @@ fn outside_range(values: &Values, records: &Records) -> Vec<Warning> {
         let value = match value {
             Value::Number(value) => value,
             Value::Count(count) => f64::from(count),
-            Value::Switch(_) | Value::Choice(_) => return,
+            Value::Switch(_) | Value::Choice(_) | Value::File(_) => return,
         };
         // "96 psig" as a value and its like in a range may differ by a rounding.
         let slack = 1e-9 * low.abs().max(high.abs());
@@ -342,7 +343,7 @@ fn shown(value: Value, spec: &KeySpec) -> String {
         Value::Number(value) => show(value, limits(spec.kind).0),
         Value::Count(count) => count.to_string(),
         Value::Switch(on) => on.to_string(),
-        Value::Choice(word) => word.to_owned(),
+        Value::Choice(word) | Value::File(word) => word.to_owned(),
     }
 }
 

@@ -3,7 +3,8 @@
 //! [`group!`] turns a declaration into the struct the rest of the program reads, and into the [`GroupSpec`] by which
 //! the design file is read, checked and documented. Nothing about a key stands anywhere else.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Mutex, PoisonError};
 
 use super::dimension::{Dimension, NUMBER, PRESSURE};
 
@@ -64,6 +65,8 @@ pub enum Kind {
     Switch,
     /// One of these words.
     Choice(&'static [&'static str]),
+    /// The name of a file, relative to the design file that gives it, or "" for none.
+    File,
 }
 
 /// A quantity of any sign.
@@ -132,6 +135,20 @@ pub enum Value {
     Switch(bool),
     /// The chosen word.
     Choice(&'static str),
+    /// A file, relative to the working folder; empty for none.
+    File(&'static str),
+}
+
+/// A text that is kept as long as the process, once each, so that a value stays a plain copy.
+pub(crate) fn kept(text: &str) -> &'static str {
+    static KEPT: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
+    let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(own) = kept.get(text) {
+        return own;
+    }
+    let own: &'static str = Box::leak(text.to_owned().into_boxed_str());
+    kept.insert(own);
+    own
 }
 
 /// A key of the design file.
@@ -266,7 +283,7 @@ macro_rules! held {
         }
     )+};
 }
-held!(f64 => Number, u32 => Count, bool => Switch);
+held!(f64 => Number, u32 => Count, bool => Switch, &'static str => File);
 
 /// A group of the design as the rest of the program reads it.
 pub(crate) trait Group: Sized {

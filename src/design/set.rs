@@ -93,11 +93,13 @@ fn check(key: &str, kind: Kind, value: Value) -> Result<(), SetError> {
         }),
         (Kind::Quantity { .. }, Value::Number(_))
         | (Kind::Count, Value::Count(_))
-        | (Kind::Switch, Value::Switch(_)) => Ok(()),
+        | (Kind::Switch, Value::Switch(_))
+        | (Kind::File, Value::File(_)) => Ok(()),
         (Kind::Choice(words), Value::Choice(word)) if words.contains(&word) => Ok(()),
         (Kind::Quantity { .. }, _) => wrong("a quantity"),
         (Kind::Count, _) => wrong("a whole number"),
         (Kind::Switch, _) => wrong("true or false"),
         (Kind::Choice(_), _) => wrong("one of its words"),
+        (Kind::File, _) => wrong("the name of a file"),
     }
 }

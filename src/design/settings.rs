@@ -10,7 +10,7 @@ use super::dimension::{Dimension, NUMBER};
 use super::error::DesignError;
 use super::provenance::Provenance;
 use super::quantity::{self, Measured, QuantityError};
-use super::schema::{GroupSpec, KeySpec, Kind, Value, dotted};
+use super::schema::{GroupSpec, KeySpec, Kind, Value, dotted, kept};
 use super::source::{File, Place};
 use super::suggest;
 
@@ -249,6 +249,20 @@ impl Field<'_> {
                 Some(word) => Given::Other(Value::Choice(word)),
                 None => return Err(self.wrong_kind(value, one_of(words))),
             },
+            (Kind::File, DeValue::String(name)) if name.is_empty() => Given::Other(Value::File("")),
+            (Kind::File, DeValue::String(name)) => {
+                let path = self.file.beside(name);
+                if let Err(source) = std::fs::metadata(&path) {
+                    return Err(DesignError::NoFile {
+                        key: self.key.to_owned(),
+                        path,
+                        reason: source.to_string(),
+                        at,
+                    });
+                }
+                Given::Other(Value::File(kept(&path.to_string_lossy())))
+            }
+            (Kind::File, _) => return Err(self.wrong_kind(value, "as the name of a file in quotes".to_owned())),
             (Kind::Count, _) => return Err(self.wrong_kind(value, "as a whole number".to_owned())),
             (Kind::Switch, _) => return Err(self.wrong_kind(value, "as true or false, without quotes".to_owned())),
             (Kind::Choice(words), _) => return Err(self.wrong_kind(value, one_of(words))),
@@ -293,7 +307,7 @@ impl Field<'_> {
         let (dimension, gauge) = match spec.kind {
             Kind::Quantity { dimension, gauge, .. } => (dimension, gauge),
             Kind::Count => (NUMBER, false),
-            Kind::Switch | Kind::Choice(_) => {
+            Kind::Switch | Kind::Choice(_) | Kind::File => {
                 return Err(self.wrong_kind(value, "without a range: it is no quantity".to_owned()));
             }
         };

@@ -104,6 +104,11 @@ impl File {
             })
     }
 
+    /// A file relative to the folder of this one.
+    pub(crate) fn beside(&self, name: &str) -> PathBuf {
+        self.path.with_file_name("").join(name)
+    }
+
     /// The file named by `base`, relative to the folder of this file.
     fn base(&self) -> Result<Option<(PathBuf, Box<Place>)>, DesignError> {
         let table = self.table()?;

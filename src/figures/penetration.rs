@@ -1,4 +1,4 @@
-//! Penetration laws over depth, each with a band of one standard error.
+//! Penetration laws over depth, published ones with a band of one standard error.
 
 use super::Figure;
 use super::sheet::{Curve, Panel, Sheet};
@@ -20,15 +20,18 @@ pub fn penetration(subject: &str, laws: &[Resistance], labels: &[String]) -> Res
     let mut ordinates = Vec::new();
     for law in laws.iter().take(MOST) {
         // The force begins with a step at the surface; the first point stands just below it.
-        let depth = |i: usize| law.specimen.length * (i as f64 / POINTS as f64).max(1e-9);
+        let depth = |i: usize| law.nail.length * (i as f64 / POINTS as f64).max(1e-9);
         let forces: Result<Vec<f64>, _> = (0..=POINTS)
             .map(|i| law.force(depth(i)).map(|force| 1e-3 * force))
             .collect();
-        let bands: Result<Vec<[f64; 2]>, _> = (0..=POINTS)
-            .map(|i| law.band(depth(i)).map(|band| band.map(|force| 1e-3 * force)))
+        let bands: Result<Vec<_>, _> = (0..=POINTS).map(|i| law.band(depth(i))).collect();
+        let bands: Vec<[f64; 2]> = bands?
+            .into_iter()
+            .flatten()
+            .map(|band| band.map(|force| 1e-3 * force))
             .collect();
         axes.push((0..=POINTS).map(|i| 1e3 * depth(i)).collect());
-        ordinates.push((forces?, bands?));
+        ordinates.push((forces?, bands));
     }
     let curves: Vec<Curve<'_>> = axes
         .iter()
@@ -44,13 +47,12 @@ pub fn penetration(subject: &str, laws: &[Resistance], labels: &[String]) -> Res
         .collect();
     let highest = curves
         .iter()
-        .flat_map(|curve| &curve.band)
-        .map(|band| band[1])
+        .flat_map(|curve| curve.band.iter().map(|band| band[1]).chain(curve.y.iter().copied()))
         .fold(0.0, f64::max);
     let deepest = laws
         .iter()
         .take(MOST)
-        .map(|law| 1e3 * law.specimen.length)
+        .map(|law| 1e3 * law.nail.length)
         .fold(0.0, f64::max);
     let panel = Panel {
         y_label: "Penetration resistance (kN)",
@@ -62,7 +64,11 @@ pub fn penetration(subject: &str, laws: &[Resistance], labels: &[String]) -> Res
     };
     let sheet = Sheet {
         title: "Penetration resistance",
-        subject: format!("{subject}; bands: one standard error"),
+        subject: if laws.iter().any(|law| law.quality().is_some()) {
+            format!("{subject}; bands: one standard error")
+        } else {
+            subject.to_owned()
+        },
         x_label: "Depth of the nail's tip (mm)",
         x_range: [0.0, deepest],
         events: Vec::new(),

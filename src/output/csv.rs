@@ -1,8 +1,9 @@
-//! Comma-separated files: `levels.csv`, `intervals.csv`, `power.csv`, `events.csv`, `histories.csv`. Units stand in the header.
+//! Comma-separated files: `levels.csv`, `intervals.csv`, `power.csv`, `events.csv`, `log.csv`, `histories.csv`. Units stand in
+//! the header.
 
 use std::fmt::Write;
 
-use nailnoise_dynamics::{CycleRecord, Events};
+use nailnoise_dynamics::{CycleRecord, Events, LogEntry};
 
 use super::columns::columns;
 use crate::pipeline::Run;
@@ -151,6 +152,39 @@ pub(super) fn events(events: &Events) -> String {
     let mut text = String::from("event,description,time_s\n");
     for (index, (time, name)) in events.to_array().iter().zip(EVENT_NAMES).enumerate() {
         let _ = writeln!(text, "t{index},{name},{}", optional(*time, 9));
+    }
+    text
+}
+
+/// `log.csv`: everything that happened, with the state at that instant.
+pub(super) fn log(log: &[LogEntry]) -> String {
+    let mut text = String::from(
+        "time_s,entry,description,piston_travel_m,piston_velocity_m_s,valve_lift_m,valve_velocity_m_s,tool_rise_m,\
+         tool_velocity_m_s,tip_depth_m,p_above_piston_pa,p_below_piston_pa,p_return_pa,p_above_valve_pa,p_supply_pa\n",
+    );
+    for entry in log {
+        let word = |value: serde_json::Result<serde_json::Value>| {
+            let value = value.unwrap_or_default();
+            value.as_str().unwrap_or_default().to_owned()
+        };
+        let crossing = word(serde_json::to_value(entry.crossing));
+        let direction = word(serde_json::to_value(entry.direction));
+        let description = entry.crossing.describe(entry.direction);
+        let _ = write!(text, "{:.9},{crossing} {direction},{description}", entry.time);
+        let s = &entry.state;
+        let motion = [
+            s.piston_travel,
+            s.piston_velocity,
+            s.valve_lift,
+            s.valve_velocity,
+            s.tool_rise,
+            s.tool_velocity,
+            s.tip_depth,
+        ];
+        for value in motion.into_iter().chain(s.pressures) {
+            let _ = write!(text, ",{value:.6e}");
+        }
+        text.push('\n');
     }
     text
 }

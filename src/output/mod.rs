@@ -3,12 +3,14 @@
 mod columns;
 mod csv;
 mod fields;
+mod motion;
 mod sensors;
 mod shot;
 
 use std::path::{Path, PathBuf};
 
 use nailnoise_dynamics::CycleRecord;
+use nailnoise_meshes::uff::{self, Mode};
 use nailnoise_meshes::write_atomic;
 
 use crate::error::Error;
@@ -17,11 +19,9 @@ use crate::pipeline::{Body, Run};
 pub use columns::{Column, columns};
 pub use csv::EVENT_NAMES;
 
-/// Writes everything a run leaves behind to `folder`: `result.json`, `levels.csv`, `radiation.csv`
-/// and `radiation-modes.csv`
-/// where boundary elements were used, `intervals.csv`, `power.csv`,
-/// `events.csv`, `histories.csv`, `sensors.csv`, `sensors-spectrum.csv` and `sensors.uff` where the design has sensors,
-/// and `fields/*`.
+/// Writes everything a run leaves behind to `folder`: `result.json`, `levels.csv`, `intervals.csv`, `power.csv`,
+/// `events.csv`, `log.csv`, `histories.csv`, `fields/*`, where boundary elements were used `radiation.csv` and
+/// `radiation-modes.csv`, and where the design has sensors `sensors.csv`, `sensors-spectrum.csv` and `sensors.uff`.
 ///
 /// # Errors
 /// [`Error::Write`] with the file that could not be written.
@@ -45,13 +45,14 @@ pub fn write_run(folder: &Path, run: &Run) -> Result<(), Error> {
     write(&folder.join("result.json"), &json)
 }
 
-/// Writes `events.csv` and `histories.csv` of a cycle to `folder`.
+/// Writes `events.csv`, `log.csv` and `histories.csv` of a cycle to `folder`.
 ///
 /// # Errors
 /// [`Error::Write`] with the file that could not be written.
 pub fn write_cycle(folder: &Path, record: &CycleRecord) -> Result<(), Error> {
     create(folder)?;
     write(&folder.join("events.csv"), csv::events(&record.events).as_bytes())?;
+    write(&folder.join("log.csv"), csv::log(&record.log).as_bytes())?;
     write(&folder.join("histories.csv"), csv::histories(record).as_bytes())
 }
 
@@ -61,6 +62,43 @@ pub fn write_cycle(folder: &Path, record: &CycleRecord) -> Result<(), Error> {
 /// [`Error::Write`] or [`Error::Mesh`] with the file that could not be written.
 pub fn write_modes(folder: &Path, body: &Body) -> Result<PathBuf, Error> {
     fields::write_modes(&folder.join("modes").join(body.name), body)
+}
+
+/// Writes one period of mode `mode` (from 0) of a body to `folder/modes/BODY/`; returns the `.pvd` that plays it.
+///
+/// # Errors
+/// [`Error::NoMode`] when there are not so many; [`Error::Write`] or [`Error::Mesh`] with the file that could not be
+/// written.
+pub fn write_motion(folder: &Path, body: &Body, mode: usize) -> Result<PathBuf, Error> {
+    let modes = body.basis.hz.len();
+    if mode >= modes {
+        return Err(Error::NoMode { mode: mode + 1, modes });
+    }
+    motion::write(&folder.join("modes").join(body.name), body, mode)
+}
+
+/// Writes the skin and the modes of a body to `folder/modes/BODY/modes.uff` for modal-test software.
+///
+/// # Errors
+/// [`Error::Write`] or [`Error::Mesh`] with the file that could not be written.
+pub fn write_universal(folder: &Path, name: &str, body: &Body) -> Result<PathBuf, Error> {
+    let folder = folder.join("modes").join(body.name);
+    create(&folder)?;
+    let path = folder.join("modes.uff");
+    let modes: Vec<Mode<'_>> = body
+        .basis
+        .hz
+        .iter()
+        .zip(body.basis.shapes.column_iter())
+        .map(|(&hz, shape)| Mode {
+            hz,
+            loss_factor: body.loss_factor,
+            // Columns of a matrix that owns its values are contiguous.
+            shape: shape.data.into_slice(),
+        })
+        .collect();
+    uff::write(&path, &format!("{name} {}", body.name), &body.surface, &modes)?;
+    Ok(path)
 }
 
 fn create(folder: &Path) -> Result<(), Error> {

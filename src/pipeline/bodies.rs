@@ -3,19 +3,21 @@
 //! Workpiece and worktable meet in the plane z = 0, z up; the workpiece's centre is at x = y = 0, x along the grain.
 
 use nailnoise_fem::supports::{ContactGrid, GridRule};
-use nailnoise_fem::{Constraints, Material, ModalBasis, ModalSettings, System, assemble, modes};
-use nailnoise_meshes::{Block, Mesh, Surface, block, worktable};
-use nalgebra::{DMatrix, DVector, Matrix3, Point3};
+use nailnoise_fem::{ModalBasis, ModalSettings, System, assemble_with, modes};
+use nailnoise_meshes::{Mesh, Surface};
+use nalgebra::{DMatrix, DVector, Point3};
 
+use super::geometry::{BodyKind, Geometry};
 use super::pattern::{Pattern, Rectangle};
 use super::shank;
-use crate::design::{self, Design, SupportKind};
+use crate::cache::{Cache, Key};
+use crate::design::Design;
 use crate::error::Error;
 use crate::result::Check;
 
 /// A body in modal coordinates, with its geometry.
 pub struct Body {
-    /// `workpiece` or `worktable`.
+    /// `workpiece`, `worktable` or `tool`.
     pub name: &'static str,
     /// Its mesh.
     pub mesh: Mesh,
@@ -66,113 +68,60 @@ pub(super) fn contact_grid(design: &Design) -> ContactGrid {
     ContactGrid::new(block.length, block.width, along, across, GridRule::CellCentred)
 }
 
-/// The wood block, free.
+/// What is nailed, free.
 ///
 /// # Errors
 /// Those of mesh, material and modal solution.
-pub fn workpiece(design: &Design) -> Result<Body, Error> {
-    let size = [
-        design.workpiece.length,
-        design.workpiece.width,
-        design.workpiece.thickness,
-    ];
-    let origin = [-0.5 * size[0], -0.5 * size[1], 0.0];
-    let mesh = block(&Block::with_element_size(
-        size,
-        design.analysis.workpiece_element,
-        origin,
-    )?)?;
-    let wood = &design.wood;
-    let material = Material::orthotropic(&constants(&wood.block_axes()), &Matrix3::identity(), wood.density)?;
+pub fn workpiece(design: &Design, cache: &Cache) -> Result<Body, Error> {
+    let geometry = Geometry::of(design, BodyKind::Workpiece, false)?;
+    let (mesh, thickness) = (&geometry.mesh, design.workpiece.thickness);
     let mut loads = Vec::with_capacity(WORKPIECE_LOADS);
     let nail = [design.nail.offset_along, design.nail.offset_across];
     for depth in shank::depths(design.nail.length) {
-        loads.push(Pattern::point(&mesh, Point3::new(nail[0], nail[1], size[2] - depth))?.reversed());
+        loads.push(Pattern::point(mesh, Point3::new(nail[0], nail[1], thickness - depth))?.reversed());
     }
-    let nose = [design.body.nose_width, design.body.nose_depth];
-    loads.push(
-        Pattern::patch(
-            &mesh,
-            "top",
-            Rectangle {
-                centre: nail,
-                size: nose,
-                height: size[2],
-            },
-        )?
-        .reversed(),
-    );
-    let contacts = contact_patterns(design, &mesh, "bottom")?;
+    let nose = Rectangle {
+        centre: nail,
+        size: [design.body.nose_width, design.body.nose_depth],
+        height: thickness,
+    };
+    loads.push(Pattern::patch(mesh, "top", nose)?.reversed());
+    let contacts = contact_patterns(design, mesh, "bottom")?;
     let contacts = contacts.iter().map(Pattern::reversed).collect(); // outward is down
-    let model = Model {
-        name: "workpiece",
-        top_hz: design.analysis.workpiece_top,
-        loss_factor: wood.loss_factor,
-        materials: vec![material],
-        constraints: Constraints::free(),
+    Model {
+        geometry,
         loads,
         contacts,
-        mesh,
-    };
-    model.solve(design)
+    }
+    .solve(design, cache)
 }
 
 /// The worktable, clamped at the floor.
 ///
 /// # Errors
 /// [`Error::NoSuchBody`] when the support is a sandbox; those of mesh, material and modal solution.
-pub fn table(design: &Design) -> Result<Body, Error> {
-    let support = &design.support;
-    if support.kind != SupportKind::Worktable {
-        let design = design.name().to_owned();
-        return Err(Error::NoSuchBody {
-            design,
-            body: "worktable",
-            support: support.kind.as_str(),
-        });
-    }
-    let t = &support.worktable;
-    let spec = nailnoise_meshes::Worktable {
-        top: [t.length, t.width],
-        thickness: t.top_thickness,
-        leg: [t.leg_width; 2],
-        height: t.height,
-        element_size: design.analysis.worktable_element,
-        leg_element_size: design.analysis.worktable_leg_element,
-        top_layers: design.analysis.worktable_top_layers as usize,
-        origin: [-0.5 * t.length, -0.5 * t.width, -t.height],
-    };
-    let mesh = worktable(&spec)?;
-    let top = Material::orthotropic(&constants(&t.top), &Matrix3::identity(), t.top_density)?;
-    // Legs: grain (axis 1) vertical, radial axis 2 along y, tangential axis 3 along x.
-    let upright = Matrix3::new(0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0);
-    let legs = Material::orthotropic(&constants(&t.legs), &upright, t.leg_density)?;
-    let contacts = contact_patterns(design, &mesh, "top")?;
-    let model = Model {
-        name: "worktable",
-        top_hz: design.analysis.worktable_top,
-        loss_factor: t.loss_factor,
-        materials: vec![top, legs],
-        constraints: Constraints::clamped(&mesh, "floor")?,
+pub fn table(design: &Design, cache: &Cache) -> Result<Body, Error> {
+    let geometry = Geometry::of(design, BodyKind::Worktable, false)?;
+    let contacts = contact_patterns(design, &geometry.mesh, "top")?;
+    Model {
+        geometry,
         loads: Vec::new(),
         contacts,
-        mesh,
-    };
-    model.solve(design)
+    }
+    .solve(design, cache)
 }
 
-fn constants(c: &design::Orthotropic) -> nailnoise_fem::Orthotropic {
-    nailnoise_fem::Orthotropic {
-        e_1: c.e1,
-        e_2: c.e2,
-        e_3: c.e3,
-        g_12: c.g12,
-        g_13: c.g13,
-        g_23: c.g23,
-        nu_12: c.nu12,
-        nu_13: c.nu13,
-        nu_23: c.nu23,
+/// The modes of any body alone, without what drives it.
+///
+/// # Errors
+/// As [`Geometry::of`], and those of the modal solution.
+pub fn modes_of(design: &Design, kind: BodyKind, cache: &Cache) -> Result<Body, Error> {
+    Model {
+        geometry: Geometry::of(design, kind, false)?,
+        loads: Vec::new(),
+        contacts: Vec::new(),
     }
+    .solve(design, cache)
 }
 
 /// Mean upward displacement of each contact cell on a face group in the plane z = 0.
@@ -199,20 +148,24 @@ fn contact_patterns(design: &Design, mesh: &Mesh, group: &str) -> Result<Vec<Pat
 
 /// A finite-element model before its modes are known.
 struct Model {
-    name: &'static str,
-    mesh: Mesh,
-    materials: Vec<Material>,
-    constraints: Constraints,
-    top_hz: f64,
-    loss_factor: f64,
+    geometry: Geometry,
     loads: Vec<Pattern>,
     contacts: Vec<Pattern>,
 }
 
 impl Model {
-    fn solve(self, design: &Design) -> Result<Body, Error> {
-        let dofs = 3 * self.mesh.nodes.len();
-        let system = assemble(&self.mesh, &self.materials, &self.constraints)?;
+    fn solve(self, design: &Design, cache: &Cache) -> Result<Body, Error> {
+        let Geometry {
+            kind,
+            mesh,
+            materials,
+            constraints,
+            attachments,
+            top_hz,
+            loss_factor,
+            ..
+        } = self.geometry;
+        let dofs = 3 * mesh.nodes.len();
         let patterns: Vec<_> = self
             .loads
             .iter()
@@ -221,12 +174,24 @@ impl Model {
             .collect();
         let settings = ModalSettings {
             residual_limit: design.analysis.mode_tolerance,
-            ..ModalSettings::below(design.analysis.mode_margin * self.top_hz)
+            ..ModalSettings::below(design.analysis.mode_margin * top_hz)
         };
-        let basis = modes(&system, &settings.with_loads(DMatrix::from_columns(&patterns)))?;
+        let settings = if patterns.is_empty() {
+            settings
+        } else {
+            settings.with_loads(DMatrix::from_columns(&patterns))
+        };
+        // The debug form names every field, its numbers with all their digits: no input can be forgotten.
+        let key = Key::new().with(&format!(
+            "{mesh:?} {materials:?} {constraints:?} {attachments:?} {settings:?}"
+        ));
+        let (basis, lift) = cache.get_or(&format!("modes of the {}", kind.name()), key, || {
+            let system = assemble_with(&mesh, &materials, &constraints, &attachments)?;
+            Ok::<_, Error>((modes(&system, &settings)?, upward_momentum(&system)?))
+        })?;
         let shapes = basis.all_shapes();
         let omega = basis.all_hz().iter().map(|hz| std::f64::consts::TAU * hz).collect();
-        let weight = shapes.tr_mul(&gravity(&system, design.ambient.gravity)?);
+        let weight = shapes.tr_mul(&DVector::from_vec(lift)) * -design.ambient.gravity;
         let participation = |patterns: &[Pattern]| {
             let columns: Vec<_> = patterns.iter().map(|pattern| pattern.of_modes(&shapes)).collect();
             if columns.is_empty() {
@@ -236,38 +201,38 @@ impl Model {
             }
         };
         let (loads, contacts) = (participation(&self.loads), participation(&self.contacts));
-        let surface = Surface::of(&self.mesh);
+        let surface = Surface::of(&mesh);
         Ok(Body {
-            name: self.name,
+            name: kind.name(),
             surface,
             basis,
             omega,
-            loss_factor: self.loss_factor,
-            top_hz: self.top_hz,
+            loss_factor,
+            top_hz,
             weight,
             loads,
             contacts,
-            mesh: self.mesh,
+            mesh,
             shapes,
         })
     }
 }
 
-/// Nodal forces of gravity, M (0, 0, -g), over all degrees of freedom \[N\].
-fn gravity(system: &System, g: f64) -> Result<DVector<f64>, Error> {
+/// M (0, 0, 1), the momentum of all degrees of freedom when every node moves upwards at unit speed \[kg\].
+fn upward_momentum(system: &System) -> Result<Vec<f64>, Error> {
     let mut field = DMatrix::zeros(system.equations.dofs(), 1);
     for dof in (2..field.nrows()).step_by(3) {
-        field[dof] = -g;
+        field[dof] = 1.0;
     }
-    let acceleration = system.equations.restrict(&field)?;
-    let mut force = DMatrix::zeros(acceleration.nrows(), 1);
+    let velocity = system.equations.restrict(&field)?;
+    let mut momentum = DMatrix::zeros(velocity.nrows(), 1);
     for (row, column, &value) in system.mass.triplet_iter() {
-        force[row] += value * acceleration[column];
+        momentum[row] += value * velocity[column];
         if row != column {
-            force[column] += value * acceleration[row]; // only the lower triangle is stored
+            momentum[column] += value * velocity[row]; // only the lower triangle is stored
         }
     }
-    Ok(system.equations.expand(&force).column(0).into_owned())
+    Ok(system.equations.expand(&momentum).column(0).iter().copied().collect())
 }
 
 impl Body {

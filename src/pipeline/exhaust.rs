@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use nailnoise_acoustics::exhaust::{
-    ExhaustSettings, FlowHistory, Jet, Opening, PlenumResonance, ValveNoise, exhaust_noise, screech_track,
-    valve_noise_energy,
+    ExhaustNoise, ExhaustSettings, FlowHistory, Jet, Opening, PlenumResonance, ValveNoise, exhaust_noise,
+    screech_track, valve_noise_energy,
 };
 use nailnoise_acoustics::fourier::TransformSettings;
 use nailnoise_acoustics::levels::{SourceSpectrum, energy_level};
@@ -36,6 +36,8 @@ pub(super) struct Exhaust {
     pub(super) outside_range: f64,
     /// The jets that merge: what sounds in the place of the holes.
     pub(super) merged: Option<Opening>,
+    /// The openings one by one: holes, muffler's outlet where there is one, trigger vent.
+    pub(super) openings: Vec<ExhaustNoise>,
     /// Screech frequency of the holes' jets at every sample of the cycle \[Hz\]; none while they are subsonic.
     pub(super) screech: Vec<Option<f64>>,
 }
@@ -52,6 +54,23 @@ impl Exhaust {
             MASS_GAP,
         )
     }
+
+    /// How long the holes' jets are choked \[s\], and the lowest screech frequency meanwhile \[Hz\].
+    pub(super) fn choked(&self, sample_interval: f64) -> Option<(f64, f64)> {
+        let choked = || self.screech.iter().flatten();
+        let lowest = choked().copied().reduce(f64::min)?;
+        Some((choked().count() as f64 * sample_interval, lowest))
+    }
+}
+
+/// The noise of a cycle's openings one by one, for what hears them at a place
+/// ([`ExhaustNoise::at`]): exhaust holes, a muffler's outlet where there is one, trigger vent.
+///
+/// # Errors
+/// Openings, plenum or muffler that cannot be, air that leaves against a higher pressure.
+pub fn exhaust_openings(design: &Design, record: &CycleRecord) -> Result<Vec<ExhaustNoise>, Error> {
+    let air = Air::at(design.ambient.temperature, design.ambient.pressure)?;
+    Ok(exhaust(design, record, &air)?.openings)
 }
 
 /// Computes the noise of exhaust holes, muffler and trigger vent from the cycle's flow.
@@ -100,11 +119,20 @@ pub(super) fn exhaust(design: &Design, record: &CycleRecord, air: &Air) -> Resul
     };
     let noise = exhaust_noise("exhaust holes", &flow, &jets, air, &settings)?;
     let mut parts = parts_of(&noise.spectrum);
-    let mut openings = vec![noise.history];
+    let (mass_gap, outside_range) = (
+        if noise.mass > 0.0 {
+            noise.jet_mass / noise.mass - 1.0
+        } else {
+            0.0
+        },
+        noise.mixing_outside_range,
+    );
+    let method = noise.spectrum.method.clone();
     let (mut jets_energy, mut other_energy) = (
         noise.mixing_energy + noise.shock_energy,
         valve_noise_energy(&flow, air, &ValveNoise::default()),
     );
+    let mut openings = vec![noise];
     if own.muffler.kind == MufflerKind::Chamber {
         // The sound of the holes' outflow has passed the muffler already; what the tail pipe adds is its own jet.
         let tail = through(behind, None, mass, temperature);
@@ -115,21 +143,21 @@ pub(super) fn exhaust(design: &Design, record: &CycleRecord, air: &Air) -> Resul
         let noise = exhaust_noise("muffler outlet", &tail, &round(own.muffler.flow_area), air, &outlet)?;
         jets_energy += noise.mixing_energy + noise.shock_energy;
         other_energy += valve_noise_energy(&tail, air, &ValveNoise::default());
-        parts.push(noise.spectrum);
-        openings.push(noise.history);
+        parts.push(noise.spectrum.clone());
+        openings.push(noise);
     }
     let vent = &record.vent;
     let vent = through(&vent.pressure, None, &vent.mass_flow, &vent.temperature);
     // The design gives the vent's effective area, C_d included.
     let vent = exhaust_noise("trigger vent", &vent, &round(design.trigger.vent_area), air, &bare)?;
-    parts.push(vent.spectrum);
-    openings.push(vent.history);
+    parts.push(vent.spectrum.clone());
+    openings.push(vent);
     let (cross_check_lw, jets_lw) = (energy_level(other_energy), energy_level(jets_energy));
     Ok(Exhaust {
         sound: Sound {
-            spectrum: SourceSpectrum::sum("exhaust", noise.spectrum.method.clone(), &parts),
+            spectrum: SourceSpectrum::sum("exhaust", method, &parts),
             signals: Vec::new(),
-            openings,
+            openings: openings.iter().map(|opening| opening.history.clone()).collect(),
             uncertainty: Uncertainty {
                 minus: Some(MODEL_BAND),
                 plus: Some(MODEL_BAND),
@@ -145,13 +173,10 @@ pub(super) fn exhaust(design: &Design, record: &CycleRecord, air: &Air) -> Resul
         },
         cross_check_lw,
         jets_lw,
-        mass_gap: if noise.mass > 0.0 {
-            noise.jet_mass / noise.mass - 1.0
-        } else {
-            0.0
-        },
-        outside_range: noise.mixing_outside_range,
+        mass_gap,
+        outside_range,
         merged: (jets != holes).then_some(jets),
+        openings,
         screech: screech_track(&flow, &jets, air),
     })
 }

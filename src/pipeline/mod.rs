@@ -5,6 +5,7 @@
 mod bodies;
 mod cycle;
 mod exhaust;
+mod geometry;
 mod intervals;
 mod missing;
 mod notes;
@@ -25,8 +26,10 @@ use nailnoise_acoustics::radiation::ModalSpectra;
 use nailnoise_dynamics::CycleRecord;
 use nailnoise_fem::transient::ModalResponse;
 
-pub use bodies::{Body, Structure, table, workpiece};
+pub use bodies::{Body, Structure, modes_of, table, workpiece};
 pub use cycle::{cycle, parameters};
+pub use exhaust::exhaust_openings;
+pub use geometry::{BodyKind, Geometry, Origin, import, tool_dimensions};
 pub use intervals::SoundPower;
 pub use preset::{Preset, cycle_as_published};
 pub use sensors::SensorRecord;
@@ -34,6 +37,7 @@ pub use settings::cycle_settings;
 
 use radiator::Radiator;
 
+use crate::cache::Cache;
 use crate::design::{Design, SupportKind};
 use crate::error::Error;
 use crate::result::{Check, DesignId, RunResult, SCHEMA, Timing};
@@ -93,19 +97,21 @@ impl Default for Options {
 
 /// Predicts and ranks the sound power of a design's sources.
 ///
+/// Modes and radiation matrices that `cache` holds are not computed again; the result is the same.
+///
 /// # Errors
 /// [`Error`] of the stage that could not be computed.
-pub fn run(design: &Design, options: Options, observer: &mut dyn Observer) -> Result<Run, Error> {
+pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn Observer) -> Result<Run, Error> {
     // Dense products inside a stage stay on one thread: a result must not depend on how many there are.
     let mut timing = Timing::default();
     observer.stage("nailing cycle");
     let record = timing.time("cycle", || cycle(design))?;
     observer.stage("modes of the workpiece");
-    let block = timing.time("workpiece modes", || workpiece(design))?;
+    let block = timing.time("workpiece modes", || workpiece(design, cache))?;
     let worktable = match design.support.kind {
         SupportKind::Worktable => {
             observer.stage("modes of the worktable");
-            Some(timing.time("worktable modes", || table(design))?)
+            Some(timing.time("worktable modes", || table(design, cache))?)
         }
         SupportKind::Sandbox => None,
     };
@@ -117,8 +123,9 @@ pub fn run(design: &Design, options: Options, observer: &mut dyn Observer) -> Re
     observer.stage("radiation matrices");
     let air = Air::at(design.ambient.temperature, design.ambient.pressure)?;
     let radiator = timing.time("radiation matrices", || {
-        Radiator::new(design, &structure, &air, observer)
+        Radiator::new(design, &structure, &air, cache, observer)
     })?;
+    cache.take_notes().iter().for_each(|note| observer.note(note));
     let damping = design
         .acoustics
         .radiation_damping

@@ -64,6 +64,14 @@ pub(super) fn notes(
             100.0 * exhaust.outside_range
         ));
     }
+    if let Some((duration, hz)) = exhaust.choked(record.sample_interval) {
+        notes.push(format!(
+            "exhaust: the holes are choked for {:.1} ms; a screech tone, should there be one, lies above {:.1} kHz, its \
+             level is not predicted",
+            1e3 * duration,
+            1e-3 * hz
+        ));
+    }
     if let Some(jet) = exhaust.merged {
         notes.push(format!(
             "exhaust: {} holes {:.1} mm apart, at most 3 diameters: their jets merge and sound as one of {:.1} mm",
@@ -81,6 +89,9 @@ pub(super) fn notes(
     }
     let end = response.duration();
     notes.push(match response.ending {
+        Ending::Decayed { level, .. } if level == f64::NEG_INFINITY => {
+            format!("response ended at {end:.3} s, all of its energy gone")
+        }
         Ending::Decayed { level, .. } => format!("response ended at {end:.3} s, its energy {level:.0} dB down"),
         Ending::Duration { level, .. } => format!("response cut at {end:.3} s, its energy {level:.0} dB down"),
     });

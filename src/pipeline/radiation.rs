@@ -126,7 +126,7 @@ fn standing(
 
 /// What each mode adds to the energy of block and table; the static corrections of a body count as one.
 fn modes_of(structure: &Structure, damping: Option<&[Vec<f64>]>, energies: &[f64]) -> Vec<ModeShare> {
-    let total: f64 = energies.iter().sum();
+    let total: f64 = energies.iter().sum::<f64>().max(f64::MIN_POSITIVE);
     let mut energies = energies.iter();
     let mut shares = Vec::new();
     for (index, body) in structure.bodies().enumerate() {

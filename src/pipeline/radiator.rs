@@ -10,8 +10,8 @@ use nalgebra::{Complex, DMatrix, Point3};
 use super::Observer;
 use super::bodies::{Body, Structure};
 use super::radiation::{moving_sand, radiating};
-use crate::cache::{Cache, Kept, Key};
-use crate::design::{Design, RadiationMethod, SupportKind};
+use crate::cache::{Cache, Key};
+use crate::design::{Design, RadiationMethod, SupportKind, WorktablePreset};
 use crate::error::Error;
 
 /// Lowest frequency at which a radiation resistance is sampled \[Hz\]; below it each entry follows its own power law.
@@ -41,7 +41,7 @@ const PATCHES: [&str; 6] = [
 const OF_WORKPIECE: usize = 2;
 
 /// Name of the stage in the cache.
-const STAGE: &str = "radiation";
+const STAGE: &str = "radiation of workpiece and worktable";
 
 /// How the workpiece with its support radiates.
 pub(super) enum Radiator {
@@ -62,12 +62,13 @@ impl Radiator {
         design: &Design,
         structure: &Structure,
         air: &Air,
+        cache: &Cache,
         observer: &mut dyn Observer,
     ) -> Result<Self, Error> {
         match (design.support.kind, design.acoustics.method) {
             (SupportKind::Sandbox, _) => Ok(Self::Rayleigh(Box::new(flush_top(design, &structure.workpiece, air)?))),
             (SupportKind::Worktable, RadiationMethod::Erp) => standing_erp(design, structure, air),
-            (SupportKind::Worktable, RadiationMethod::Bem) => standing_bem(design, structure, air, observer),
+            (SupportKind::Worktable, RadiationMethod::Bem) => standing_bem(design, structure, air, cache, observer),
         }
     }
 
@@ -132,12 +133,13 @@ pub(super) fn absorbing_sand(design: &Design) -> AbsorbingSand {
     }
 }
 
-/// ERP of block and table. Where they face each other, and under the table's feet, no sound gets out.
+/// ERP of block and table. Where they face each other, under the table's feet and at welds, no sound gets out.
 fn standing_erp(design: &Design, structure: &Structure, air: &Air) -> Result<Radiator, Error> {
     let half = [0.5 * design.workpiece.length, 0.5 * design.workpiece.width];
     let of_body = |body: &Body| {
         let hidden = |patch: &str, p: &Point3<f64>| match patch {
             "bottom" | "floor" => true,
+            _ if patch.ends_with("_slave") => true, // tied to another face
             "top" => body.name == "worktable" && p.x.abs() < half[0] && p.y.abs() < half[1],
             _ => false,
         };
@@ -152,73 +154,46 @@ fn standing_bem(
     design: &Design,
     structure: &Structure,
     air: &Air,
+    cache: &Cache,
     observer: &mut dyn Observer,
 ) -> Result<Radiator, Error> {
-    let (cache, key) = (Cache::of_user(), key(design, structure, air));
-    match cache.get(STAGE, &key) {
-        Kept::Found(bytes) => match ModalBem::from_bytes(&bytes) {
-            Ok(kept) => return Ok(Radiator::Bem(Box::new(kept))),
-            Err(error) => observer.note(&format!("radiation matrices in the cache: {error}")),
-        },
-        Kept::Damaged(path) => {
+    let kept: Vec<u8> = cache.get_or(STAGE, key(design, structure, air), || {
+        let levels = levels(design, structure, air)?;
+        if let Some(finest) = levels.last() {
+            let estimate = finest.problem.estimate();
             observer.note(&format!(
-                "{} is damaged: its radiation matrices are computed again",
-                path.display()
+                "boundary elements, computed once for this structure: {estimate}"
             ));
         }
-        Kept::Absent => {}
-    }
-    let levels = levels(design, structure, air)?;
-    if let Some(finest) = levels.last() {
-        let estimate = finest.problem.estimate();
-        observer.note(&format!(
-            "boundary elements, computed once for this structure: {estimate}"
-        ));
-    }
-    let low = LOWEST_SAMPLE.min(0.5 * RANGES[0] * design.acoustics.bem_top);
-    let bem = ModalBem::new(
-        levels,
-        &Sampling {
+        let low = LOWEST_SAMPLE.min(0.5 * RANGES[0] * design.acoustics.bem_top);
+        let sampling = Sampling {
             range_hz: [low, design.acoustics.bem_top],
             tolerance: design.acoustics.bem_tolerance,
             floor: FLOOR,
             most_samples: MOST_SAMPLES,
-        },
-    )?;
-    if let Err(error) = cache.put(STAGE, &key, &bem.to_bytes()) {
-        observer.note(&format!(
-            "radiation matrices could not be kept for the next run: {error}"
-        ));
-    }
-    Ok(Radiator::Bem(Box::new(bem)))
+        };
+        Ok::<_, Error>(ModalBem::new(levels, &sampling)?.to_bytes())
+    })?;
+    Ok(Radiator::Bem(Box::new(ModalBem::from_bytes(&kept)?)))
 }
 
 /// All that the radiation matrices depend on: boxes, air, how finely they are computed, and the skins' modes.
 fn key(design: &Design, structure: &Structure, air: &Air) -> Key {
     let a = &design.acoustics;
-    let mut key = Key::new(STAGE);
-    for b in boxes(design) {
-        key.numbers(b.low.into_iter().chain(b.high).chain([b.part as f64]));
-    }
-    key.numbers([floor(design), air.density, air.sound_speed]);
-    key.numbers([a.bem_top, a.bem_panels, a.bem_tolerance, LOWEST_SAMPLE, COARSEST, FLOOR]);
-    key.numbers(RANGES);
+    let mut key =
+        Key::new()
+            .with(&format!("{:?} {air:?}", boxes(design)))
+            .with(&[a.bem_top, a.bem_panels, a.bem_tolerance]);
     for body in structure.bodies() {
         let surface = &body.surface;
-        key.text(body.name);
-        key.numbers(
-            surface
-                .points
-                .iter()
-                .flat_map(|p| p.coords.iter().copied().collect::<Vec<_>>()),
-        );
+        let points: Vec<f64> = surface.points.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
+        key = key.with(body.name).with(&points);
         for mode in body.shapes.column_iter() {
-            key.numbers(
-                surface
-                    .volume_nodes
-                    .iter()
-                    .flat_map(|&n| [mode[3 * n], mode[3 * n + 1], mode[3 * n + 2]]),
-            );
+            let on_skin = surface
+                .volume_nodes
+                .iter()
+                .flat_map(|&n| [mode[3 * n], mode[3 * n + 1], mode[3 * n + 2]]);
+            key = key.with(&on_skin.collect::<Vec<f64>>());
         }
     }
     key
@@ -236,9 +211,14 @@ fn largest_extent(design: &Design) -> f64 {
         .fold(height, f64::max)
 }
 
-/// Block, table top and legs. Their grid is that of the bodies: the origin is the centre of the block's underside.
+/// Block, table top and legs (tubes are closed by top and floor). Their grid is that of the bodies: the origin is the centre of the block's underside.
 fn boxes(design: &Design) -> Vec<SolidBox> {
     let (block, table) = (&design.workpiece, &design.support.worktable);
+    let (thickness, leg) = match table.preset {
+        WorktablePreset::A => (table.top_thickness, table.leg_width),
+        WorktablePreset::B => (table.steel.top_thickness_b, table.steel.tube_width),
+        WorktablePreset::C => (table.steel.top_thickness_c, table.steel.tube_width),
+    };
     let centred = |[x, y]: [f64; 2], [low, high]: [f64; 2], part| SolidBox {
         low: [-0.5 * x, -0.5 * y, low],
         high: [0.5 * x, 0.5 * y, high],
@@ -246,13 +226,13 @@ fn boxes(design: &Design) -> Vec<SolidBox> {
     };
     let mut boxes = vec![
         centred([block.length, block.width], [0.0, block.thickness], 0),
-        centred([table.length, table.width], [-table.top_thickness, 0.0], 1),
+        centred([table.length, table.width], [-thickness, 0.0], 1),
     ];
-    let (x, y, leg) = (0.5 * table.length, 0.5 * table.width, table.leg_width);
+    let (x, y) = (0.5 * table.length, 0.5 * table.width);
     for from in [[-x, -y], [x - leg, -y], [-x, y - leg], [x - leg, y - leg]] {
         boxes.push(SolidBox {
             low: [from[0], from[1], floor(design)],
-            high: [from[0] + leg, from[1] + leg, -table.top_thickness],
+            high: [from[0] + leg, from[1] + leg, -thickness],
             part: 2,
         });
     }

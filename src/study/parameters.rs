@@ -54,7 +54,7 @@ pub fn taking_part(design: &Design) -> Result<Vec<Parameter>, Error> {
         let value = match entry.value {
             Value::Number(value) => value,
             Value::Count(count) => f64::from(count),
-            Value::Switch(_) | Value::Choice(_) => continue,
+            Value::Switch(_) | Value::Choice(_) | Value::File(_) => continue,
         };
         let (key, symbol, unit, value_kept) = (entry.key, entry.symbol, entry.unit, entry.value);
         let parameter = Parameter {

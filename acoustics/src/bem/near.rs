@@ -121,6 +121,11 @@ struct Builder {
 /// Halves of a quadrilateral, by corners; the first is also the triangle itself.
 const HALVES: [[u8; 3]; 2] = [[0, 1, 2], [0, 2, 3]];
 
+/// Triangles of a panel with so many corners, all with the given corner.
+fn fan(corners: u8, from: u8) -> impl Iterator<Item = [u8; 3]> {
+    (1..corners - 1).map(move |k| [from, (from + k) % corners, (from + k + 1) % corners])
+}
+
 impl NearField {
     /// Finds all close pairs. Blocks come in pairs e <= f; within a block, panels too.
     pub(super) fn new(boundary: &Boundary, blocks: &[Block]) -> Self {
@@ -266,26 +271,32 @@ impl Builder {
             // An image's node coincides with a real one in the planes of reflection only.
             image.fixes(boundary.in_planes(n)).then_some(n)
         };
-        let touching = (0..kinds[0].corners() as u8).any(|a| {
-            let a = node(p, a);
-            a.is_some() && (0..kinds[1].corners() as u8).any(|b| node(q, b) == a)
-        });
-        if !touching && let Some(level) = RATIOS.iter().position(|&r| ratio > r) {
-            return add(self.product(kinds, level));
-        }
-        for (s, first) in HALVES.iter().enumerate().take(kinds[0].corners() - 2) {
-            for (t, second) in HALVES.iter().enumerate().take(kinds[1].corners() - 2) {
+        let common = |a: u8, b: u8| node(p, a).is_some() && node(p, a) == node(q, b);
+        let [m, n] = kinds.map(|k| k.corners() as u8);
+        let meeting = (0..m)
+            .flat_map(|a| (0..n).map(move |b| (a, b)))
+            .find(|&(a, b)| common(a, b));
+        let Some((at_p, at_q)) = meeting else {
+            if let Some(level) = RATIOS.iter().position(|&r| ratio > r) {
+                return add(self.product(kinds, level));
+            }
+            for s in 0..m - 2 {
+                for t in 0..n - 2 {
+                    add(Integration::Divided { s, t });
+                }
+            }
+            return;
+        };
+        // Halves along the diagonals from a common corner all touch: none is left that is close and does not.
+        for first in fan(m, at_p) {
+            for second in fan(n, at_q) {
                 let shared: Vec<(u8, u8)> = first
                     .iter()
                     .flat_map(|&a| second.iter().map(move |&b| (a, b)))
-                    .filter(|&(a, b)| node(p, a).is_some() && node(p, a) == node(q, b))
+                    .filter(|&(a, b)| common(a, b))
                     .collect();
                 let contact = match shared.len() {
-                    0 => {
-                        add(Integration::Divided { s: s as u8, t: t as u8 });
-                        continue;
-                    }
-                    1 => Contact::Vertex,
+                    0 | 1 => Contact::Vertex,
                     2 => Contact::Edge,
                     _ => Contact::Identical,
                 };
@@ -294,8 +305,8 @@ impl Builder {
                     let all: Vec<u8> = common.iter().copied().chain(rest).collect();
                     [all[0], all[1], all[2]]
                 };
-                let x = order(first, shared.iter().map(|s| s.0).collect());
-                let y = order(second, shared.iter().map(|s| s.1).collect());
+                let x = order(&first, shared.iter().map(|s| s.0).collect());
+                let y = order(&second, shared.iter().map(|s| s.1).collect());
                 add(self.singular(kinds, contact, [x, y]));
             }
         }

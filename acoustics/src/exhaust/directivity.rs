@@ -1,12 +1,17 @@
 use super::mixing::interpolate;
+use std::f64::consts::PI;
 
 /// First lg(U_j/c0) of the table, and its step.
 const START: f64 = -0.4;
 const STEP: f64 = 0.05;
 
+/// Rows of the table, and the angle between two \[rad\].
+const ROWS: usize = 19;
+const ROW: f64 = PI / 18.0;
+
 /// lg D at lg(U_j/c0) = -0.4 (0.05) 0.4; a row every 10 degrees of the angle from the nozzle's back, 0 to 180.
 #[rustfmt::skip]
-const LG_D: [[f64; 17]; 19] = [
+const LG_D: [[f64; 17]; ROWS] = [
     [-0.48, -0.52, -0.55, -0.6, -0.63, -0.67, -0.72, -0.8, -0.86, -0.97, -1.09, -1.23, -1.34, -1.41, -1.46, -1.44, -1.37],
     [-0.46, -0.5, -0.53, -0.58, -0.61, -0.65, -0.7, -0.78, -0.84, -0.95, -1.07, -1.21, -1.32, -1.39, -1.44, -1.42, -1.35],
     [-0.43, -0.47, -0.5, -0.55, -0.58, -0.62, -0.67, -0.75, -0.81, -0.92, -1.04, -1.18, -1.29, -1.36, -1.41, -1.39, -1.32],
@@ -28,27 +33,51 @@ const LG_D: [[f64; 17]; 19] = [
     [0.45, 0.49, 0.52, 0.54, 0.56, 0.59, 0.61, 0.54, 0.46, 0.38, 0.27, 0.25, 0.23, 0.09, -0.01, -0.16, -0.25],
 ];
 
-/// Directivity of a jet's mixing noise: intensity at the angle theta over that of the same power radiated evenly.
+/// Directivity of a jet's mixing noise: mean square pressure at an angle over that of the same power radiated evenly.
 ///
 /// ```text
-/// <p^2> = rho0 c0 W D(theta) / (4 pi r^2)        mean of D over all directions = 1
+/// <p^2> = rho0 c0 W D(theta) / (4 pi r^2)        1/2 int_0^pi D(theta) sin theta d theta = 1
 /// ```
 ///
-/// NASA TM-83199, sec. 8.4, after SAE ARP876; values as transcribed in MIT-LAE/pyNA. `from_axis` is the angle between
-/// the jet's direction and the observer \[rad\], 0 downstream; `lg_velocity` is lg(U_j/c0), held at -0.4 and 0.4 beyond
-/// them. The table's mean over all directions departs from 1 by what its two decimals leave, some percent.
-pub fn mixing_directivity(from_axis: f64, lg_velocity: f64) -> f64 {
-    let column: Vec<f64> = LG_D
-        .iter()
-        .map(|row| interpolate(row, (lg_velocity - START) / STEP))
-        .collect();
-    let from_back = 180.0 - from_axis.to_degrees();
-    10f64.powf(interpolate(&column, from_back / 10.0))
+/// NASA TM-83199, sec. 8.4, after SAE ARP876; values as transcribed in MIT-LAE/pyNA, lg D linear between them. The two
+/// decimals of the table leave its mean over all directions up to 0.25 dB from 1; divided by that mean, which the
+/// interpolation has in closed form, it redistributes power and neither adds nor takes any.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MixingDirectivity {
+    /// ln D every 10 degrees from the nozzle's back.
+    ln_d: [f64; ROWS],
+    /// Mean of the table over all directions, before it was divided by it.
+    table_mean: f64,
 }
 
-/// Image of a source in a rigid floor z = 0: the point below it from which the reflected sound seems to come \[m\].
-///
-/// For jet noise, which is random over short times, energies of source and image add at a receiver.
-pub fn floor_image([x, y, z]: [f64; 3]) -> [f64; 3] {
-    [x, y, -z]
+impl MixingDirectivity {
+    /// At the jet speed lg(U_j/c0), held at -0.4 and 0.4 beyond them.
+    pub fn new(lg_velocity: f64) -> Self {
+        let mut ln_d = LG_D.map(|row| interpolate(&row, (lg_velocity - START) / STEP) * std::f64::consts::LN_10);
+        let table_mean = mean(&ln_d);
+        ln_d.iter_mut().for_each(|ln| *ln -= table_mean.ln());
+        Self { ln_d, table_mean }
+    }
+
+    /// D at the angle `from_axis` between the jet's direction and the observer's \[rad\], 0 downstream.
+    pub fn at(&self, from_axis: f64) -> f64 {
+        interpolate(&self.ln_d, (PI - from_axis) / ROW).exp()
+    }
+
+    /// The mean over all directions that the table has as it is published.
+    pub fn table_mean(&self) -> f64 {
+        self.table_mean
+    }
+}
+
+/// 1/2 int e^{ln D} sin phi d phi with ln D linear between the rows, a its slope:
+/// int e^{a phi} sin phi d phi = e^{a phi} (a sin phi - cos phi) / (1 + a^2).
+fn mean(ln_d: &[f64; ROWS]) -> f64 {
+    let piece = |(i, pair): (usize, &[f64])| {
+        let a = (pair[1] - pair[0]) / ROW;
+        let end = |ln: f64, phi: f64| ln.exp() * (a * phi.sin() - phi.cos());
+        let from = i as f64 * ROW;
+        (end(pair[1], from + ROW) - end(pair[0], from)) / (1.0 + a * a)
+    };
+    0.5 * ln_d.windows(2).enumerate().map(piece).sum::<f64>()
 }

@@ -8,6 +8,8 @@ pub(super) struct Burst {
     pub(super) sample: usize,
     pub(super) peak_hz: f64,
     pub(super) energy: f64,
+    /// lg(U_j/c0).
+    pub(super) lg_velocity: f64,
 }
 
 /// An opening's noise over time.

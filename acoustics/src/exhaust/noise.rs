@@ -114,14 +114,16 @@ pub fn exhaust_noise(
         let jet_area = jet.area(area);
         let energy = mixing_power(&jet, jet_area, air) * dt;
         let peak_hz = MIXING_STROUHAL * jet.velocity / (jet.diameter_ratio * opening.diameter);
+        let lg_velocity = (jet.velocity / air.sound_speed).log10();
         mixing.deposit(peak_hz, energy);
         mixing_bursts.push(Burst {
             sample,
             peak_hz,
             energy,
+            lg_velocity,
         });
         mixing_energy += energy;
-        if !MIXING_RANGE.contains(&(jet.velocity / air.sound_speed).log10()) {
+        if !MIXING_RANGE.contains(&lg_velocity) {
             outside += energy;
         }
         if let Some(peak_hz) = shock::shock_peak_frequency(&jet, jet_area / opening.count as f64, air) {
@@ -131,6 +133,7 @@ pub fn exhaust_noise(
                 sample,
                 peak_hz,
                 energy,
+                lg_velocity,
             });
             shock_energy += energy;
         }

@@ -144,14 +144,76 @@ struct Work {
     /// Samples before t = 0.
     before: usize,
     inverse: Arc<dyn ComplexToReal<f64>>,
-    forward: Arc<dyn RealToComplex<f64>>,
     /// Amplitude factors of the bins, weighted and not.
     weighted: Vec<Complex<f64>>,
     plain: Vec<Complex<f64>>,
-    /// Half-open ranges of samples.
-    cuts: Vec<(usize, usize)>,
-    /// Energy weights of the padded cut's bins.
-    cut_weights: Vec<f64>,
+    cuts: Vec<Cut>,
+}
+
+/// A piece of the signal between two events, measured.
+struct Cut {
+    /// Half-open range of samples.
+    from: usize,
+    to: usize,
+    /// The energy over the range as a sum over the bins of a transform of at least twice the piece's length; the weights
+    /// are those of the piece padded to 1 s ([`MeasuredSum`]).
+    transform: Arc<dyn RealToComplex<f64>>,
+    weights: Vec<f64>,
+}
+
+/// The weighted sum over the bins of a padded transform, for pieces that are much shorter than the padding.
+///
+/// ```text
+/// sum_k v_k |X_k|^2 = sum_tau r(tau) w(tau)        w = DFT of v, N long;  r the piece's autocorrelation
+///                   = sum_m q_m |Y_m|^2            q = DFT of w over |tau| < L, over M;  Y the piece's transform, M >= 2 L
+/// ```
+///
+/// r vanishes from the piece's length L on, so that both sums are the same number and the second takes a transform
+/// of M = 2 L points where the first takes one of N = 1 s.
+struct MeasuredSum {
+    /// w(tau) for 0 <= tau < N, periodic.
+    lags: Vec<f64>,
+}
+
+impl MeasuredSum {
+    /// `weights` are those of the bins 0 to N/2 of N points.
+    fn new(points: usize, weights: &[f64], planner: &mut RealFftPlanner<f64>) -> Self {
+        let transform = planner.plan_fft_inverse(points);
+        let mut spectrum = transform.make_input_vec();
+        let last = spectrum.len() - 1;
+        for (k, (v, weight)) in spectrum.iter_mut().zip(weights).enumerate() {
+            // A bin between the ends stands for two of the two-sided sum.
+            let alone = k == 0 || (k == last && points.is_multiple_of(2));
+            *v = Complex::from(if alone { *weight } else { 0.5 * weight });
+        }
+        let mut lags = transform.make_output_vec();
+        let done = transform.process(&mut spectrum, &mut lags);
+        debug_assert!(done.is_ok());
+        Self { lags }
+    }
+
+    /// Transform and weights of its bins for a piece of `length` samples.
+    fn of(&self, length: usize, planner: &mut RealFftPlanner<f64>) -> (Arc<dyn RealToComplex<f64>>, Vec<f64>) {
+        let points = fast_length(2 * length.max(1));
+        let transform = planner.plan_fft_forward(points);
+        let mut even = transform.make_input_vec();
+        for tau in 0..length {
+            even[tau] = self.lags[tau % self.lags.len()];
+            if tau > 0 {
+                even[points - tau] = even[tau];
+            }
+        }
+        let mut bins = transform.make_output_vec();
+        let done = transform.process(&mut even, &mut bins);
+        debug_assert!(done.is_ok());
+        let last = bins.len() - 1;
+        let one_sided = |(m, q): (usize, &Complex<f64>)| {
+            let alone = m == 0 || (m == last && points.is_multiple_of(2));
+            q.re * if alone { 1.0 } else { 2.0 } / points as f64
+        };
+        let weights = bins.iter().enumerate().map(one_sided).collect();
+        (transform, weights)
+    }
 }
 
 impl Work {
@@ -181,16 +243,25 @@ impl Work {
         let padded = fast_length(((CUT_LENGTH / dt).ceil() as usize).max(longest));
         let grid: Vec<f64> = (0..=padded / 2).map(|k| k as f64 / (padded as f64 * dt)).collect();
         let mut planner = RealFftPlanner::new();
+        let sum = MeasuredSum::new(padded, &energy_weights(&grid, range, Weighting::A), &mut planner);
+        let cuts = cuts.into_iter().map(|(from, to)| {
+            let (transform, weights) = sum.of(to - from, &mut planner);
+            Cut {
+                from,
+                to,
+                transform,
+                weights,
+            }
+        });
+        let cuts = cuts.collect();
         Self {
             samples,
             dt,
             before,
             inverse: planner.plan_fft_inverse(samples),
-            forward: planner.plan_fft_forward(padded),
             weighted: amplitude(Weighting::A),
             plain: amplitude(Weighting::Z),
             cuts,
-            cut_weights: energy_weights(&grid, range, Weighting::A),
         }
     }
 
@@ -200,9 +271,10 @@ impl Work {
         let mut x = vec![0.0; self.samples];
         let mut spectrum = self.inverse.make_input_vec();
         let mut scratch = self.inverse.make_scratch_vec();
-        let mut padded = self.forward.make_input_vec();
-        let mut bins = self.forward.make_output_vec();
-        let mut forward_scratch = self.forward.make_scratch_vec();
+        let length = |of: fn(&Cut) -> usize| self.cuts.iter().map(of).max().unwrap_or(0);
+        let mut padded = vec![0.0; length(|cut| cut.transform.len())];
+        let mut bins = vec![Complex::ZERO; length(|cut| cut.transform.complex_len())];
+        let mut forward_scratch = vec![Complex::ZERO; length(|cut| cut.transform.get_scratch_len())];
         for &row in rows {
             let mut to_time = |factors: &[Complex<f64>], x: &mut [f64]| {
                 spectrum.fill(Complex::ZERO);
@@ -218,20 +290,57 @@ impl Work {
             to_time(&self.weighted, &mut x);
             power.iter_mut().zip(&x).for_each(|(p, x)| *p += x * x);
             to_time(&self.plain, &mut x);
-            for (energy, &(from, to)) in cut.iter_mut().zip(&self.cuts) {
-                if from == to {
+            for (energy, cut) in cut.iter_mut().zip(&self.cuts) {
+                let (piece, transform) = (&x[cut.from..cut.to], &cut.transform);
+                if piece.is_empty() {
                     continue;
                 }
-                padded.fill(0.0);
-                padded[..to - from].copy_from_slice(&x[from..to]);
-                let done = self
-                    .forward
-                    .process_with_scratch(&mut padded, &mut bins, &mut forward_scratch);
+                let (padded, bins) = (&mut padded[..transform.len()], &mut bins[..transform.complex_len()]);
+                padded[..piece.len()].copy_from_slice(piece);
+                padded[piece.len()..].fill(0.0);
+                let scratch = &mut forward_scratch[..transform.get_scratch_len()];
+                let done = transform.process_with_scratch(padded, bins, scratch);
                 debug_assert!(done.is_ok());
-                let sum: f64 = bins.iter().zip(&self.cut_weights).map(|(x, w)| w * x.norm_sqr()).sum();
+                let sum: f64 = bins.iter().zip(&cut.weights).map(|(x, w)| w * x.norm_sqr()).sum();
                 *energy += 2.0 * self.dt * self.dt * sum;
             }
         }
         (power, cut)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The definition: the piece padded to all points, transformed, weighted and summed.
+    fn padded_sum(piece: &[f64], points: usize, weights: &[f64], planner: &mut RealFftPlanner<f64>) -> f64 {
+        let transform = planner.plan_fft_forward(points);
+        let mut padded = transform.make_input_vec();
+        padded[..piece.len()].copy_from_slice(piece);
+        let mut bins = transform.make_output_vec();
+        assert!(transform.process(&mut padded, &mut bins).is_ok());
+        bins.iter().zip(weights).map(|(x, w)| w * x.norm_sqr()).sum()
+    }
+
+    #[test]
+    fn the_short_sum_is_the_padded_one() {
+        let mut planner = RealFftPlanner::new();
+        for points in [1000, 999] {
+            let weights: Vec<f64> = (0..=points / 2).map(|k| 1.0 + (0.37 * k as f64).sin()).collect();
+            let sum = MeasuredSum::new(points, &weights, &mut planner);
+            for length in [1, 2, 37, 400, 500, 700, points] {
+                let piece: Vec<f64> = (0..length)
+                    .map(|i| (i as f64 * 1.7).cos() + 0.2 * (i % 7) as f64)
+                    .collect();
+                let (transform, short) = sum.of(length, &mut planner);
+                let found = padded_sum(&piece, transform.len(), &short, &mut planner);
+                let expected = padded_sum(&piece, points, &weights, &mut planner);
+                assert!(
+                    (found / expected - 1.0).abs() < 1e-11,
+                    "{points}, {length}: {found} {expected}"
+                );
+            }
+        }
     }
 }

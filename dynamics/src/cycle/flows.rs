@@ -74,7 +74,7 @@ impl System {
             zero
         };
         Flows {
-            exhaust: self.exhaust(now, mode),
+            exhaust: self.exhaust(now, mode, None),
             intake: self.intake(now, mode),
             check,
             foot: air.exchange(self.return_area, gas[BELOW], gas[RETURN]),
@@ -111,9 +111,9 @@ impl System {
         self.outward(self.intake_flow(opening, now.gas[SUPPLY], now.gas[ABOVE]))
     }
 
-    /// Flow 1 -> atmosphere through the exhaust.
+    /// Flow 1 -> atmosphere through the exhaust; `near` is P_m a moment ago, if known.
     #[inline]
-    pub(crate) fn exhaust<S: Real>(&self, now: &Instant<S>, mode: &Mode) -> Outflow<S> {
+    pub(crate) fn exhaust<S: Real>(&self, now: &Instant<S>, mode: &Mode, near: Option<f64>) -> Outflow<S> {
         let zero = S::constant(0.0);
         let ambient = self.ambient();
         if !mode.exhaust {
@@ -126,7 +126,7 @@ impl System {
         }
         let valve = &self.p.head_valve;
         let opening = now.valve - (valve.lift - valve.exhaust_lap);
-        let (mass, [plenum, behind]) = self.exhaust_flow(opening, now.gas[ABOVE], ambient);
+        let (mass, [plenum, behind]) = self.exhaust_flow(opening, now.gas[ABOVE], ambient, near);
         let mass = self.outward(mass);
         let share = self.p.exhaust.thrust_share;
         let thrust = if share != 0.0 && mass.value() > 0.0 {
@@ -245,7 +245,7 @@ impl System {
 
     /// Flow 1 -> atmosphere through valve seat, holes and muffler in series, P_m before and P_s behind the holes (C-15,
     /// C-16).
-    fn exhaust_flow<S: Real>(&self, opening: S, from: Gas<S>, ambient: Gas<S>) -> (S, [S; 2]) {
+    fn exhaust_flow<S: Real>(&self, opening: S, from: Gas<S>, ambient: Gas<S>, near: Option<f64>) -> (S, [S; 2]) {
         let valve = &self.p.head_valve;
         let cd = self.p.chambers.discharge_coefficient;
         let seat = Self::seat_area(opening, self.exhaust_angle, valve.exhaust_seat_diameter, -1.0);
@@ -277,7 +277,7 @@ impl System {
         if outward {
             let plenum =
                 self.air
-                    .intermediate_pressure(seat, S::constant(self.exhaust_area), up.pressure, down.pressure);
+                    .intermediate_pressure(seat, S::constant(self.exhaust_area), up.pressure, down.pressure, near);
             let at_holes = Gas {
                 pressure: plenum,
                 temperature: up.temperature,
@@ -290,7 +290,9 @@ impl System {
         } else {
             // The same law inward: first the holes, then the seat.
             let holes = S::constant(self.exhaust_area);
-            let plenum = self.air.intermediate_pressure(holes, seat, up.pressure, down.pressure);
+            let plenum = self
+                .air
+                .intermediate_pressure(holes, seat, up.pressure, down.pressure, near);
             (-self.air.flow(holes * cd, up, plenum), [plenum, ambient.pressure])
         }
     }

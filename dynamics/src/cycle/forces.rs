@@ -126,9 +126,11 @@ impl System {
         let m = &self.p.model;
         let x = v.value();
         let w = x / m.stribeck_velocity;
-        let fall = (law.static_force - law.sliding_force) * (-w * w).exp();
+        // Both functions have reached their limits, to the last digit, where they are not evaluated.
+        let stribeck = if w.abs() < 30.0 { (-w * w).exp() } else { 0.0 };
+        let fall = (law.static_force - law.sliding_force) * stribeck;
         let level = law.sliding_force + fall;
-        let turn = (x / m.friction_velocity).tanh();
+        let turn = saturating_tanh(x / m.friction_velocity);
         let force = level * turn + law.viscous * x;
         let slope = level * (1.0 - turn * turn) / m.friction_velocity - 2.0 * w / m.stribeck_velocity * fall * turn
             + law.viscous;
@@ -139,7 +141,13 @@ impl System {
     #[inline]
     fn coulomb<S: Real>(&self, force: f64, v: S) -> S {
         let width = self.p.model.friction_velocity;
-        let turn = (v.value() / width).tanh();
+        let turn = saturating_tanh(v.value() / width);
         v.chain(force * turn, force * (1.0 - turn * turn) / width)
     }
+}
+
+/// tanh x, which is +-1 to the last digit beyond 20.
+#[inline]
+fn saturating_tanh(x: f64) -> f64 {
+    if x.abs() > 20.0 { x.signum() } else { x.tanh() }
 }

@@ -13,6 +13,7 @@ use diffsol::{
 use super::balance::Balance;
 use super::block_lu::BlockLu;
 use super::equations::Equations;
+use super::locate::locate;
 use super::marks::{LEVELS, Log, heights};
 use super::mode::{Channel, Contact, Mode};
 use super::recorder::Recorder;
@@ -20,6 +21,7 @@ use super::start::start;
 use super::state::*;
 use super::switching::{SLOTS, cross, entry, is_impact, margins, noise, slot_name};
 use super::system::System;
+use super::tolerances::tolerances;
 use crate::{Crossing, CycleError, Form, Method, Settings, Work};
 
 /// Points at which conditions are checked within a step, its end included.
@@ -31,9 +33,6 @@ const CHATTER_WINDOW: f64 = 1e-3;
 const STEP_LIMIT: usize = 5_000_000;
 /// Part of V_02 left below the piston at which a dry fire is declared.
 const DRY_FIRE: f64 = 1e-3;
-
-/// Size of what has no error weight: the integrals, and the hand where it has no mass.
-const UNWEIGHTED: f64 = 1e30;
 
 type Problem<'s> = OdeSolverProblem<Equations<'s>>;
 
@@ -74,6 +73,17 @@ struct Cycle<'s> {
     noise: [f64; SLOTS],
     chatter: [(f64, usize); SLOTS],
     run: Run,
+}
+
+/// A step as far as the first condition to fall.
+struct Stretch {
+    /// Times and states at which it is looked at; the last one used is its end.
+    points: [(f64, State); POINTS],
+    used: usize,
+    /// Time of the event that ends it, and the slot.
+    event: Option<(f64, usize)>,
+    /// Margins at its end, those of the step where an event cut it back.
+    margin: [f64; SLOTS],
 }
 
 /// Integrates a cycle.
@@ -126,43 +136,6 @@ pub(crate) fn integrate(system: &System, settings: &Settings) -> Result<Run, Cyc
     cycle.run.last = y;
     cycle.run.last_mode = mode;
     Ok(cycle.run)
-}
-
-/// Absolute tolerances: every state has a characteristic size, its error is kept to the tolerance times that size.
-///
-/// Relative weights would not do: a nose contact of 5e8 N/m needs the position of the body to 1e-10 m wherever it
-/// stands, and a gas energy of 1 kJ must not loosen that of 1 J.
-fn tolerances(system: &System, relative: f64) -> Vec<f64> {
-    let p = &system.p;
-    let mut size = [UNWEIGHTED; SIZE];
-    size[Y_P] = 1e-2;
-    size[V_P] = 10.0;
-    size[Y_H] = 1e-3;
-    size[V_H] = 5.0;
-    size[Y_G] = 1e-4;
-    size[V_G] = 0.5;
-    size[Y_W] = 1e-4;
-    size[V_W] = 0.5;
-    if system.sprung_hand {
-        size[Y_M] = 1e-3;
-        size[V_M] = 0.5;
-    }
-    let c = &p.chambers;
-    let volumes = [
-        c.above_piston,
-        c.below_piston,
-        c.return_volume,
-        c.above_valve,
-        c.supply_volume,
-    ];
-    for (i, volume) in volumes.into_iter().enumerate() {
-        size[ENERGY + i] = p.supply.pressure * volume / (system.air.gamma - 1.0);
-        size[MASS + i] = p.supply.pressure * volume / (system.air.gas_constant * p.ambient.temperature);
-    }
-    // The solver's norm is a mean over all entries; those without an error weight are taken out of it.
-    let weighted = size.iter().filter(|size| **size < UNWEIGHTED).count();
-    let share = (weighted as f64 / SIZE as f64).sqrt();
-    size.iter().map(|size| relative * size * share).collect()
 }
 
 impl<'s> Cycle<'s> {
@@ -292,90 +265,35 @@ impl<'s> Cycle<'s> {
                 });
             }
             let (from, to) = (self.t, solver.state().t);
+            let interpolate = |t: f64, y: &mut NalgebraVec<f64>| {
+                let failure = |cause: diffsol::DiffsolError| CycleError::Integration {
+                    time: t,
+                    cause: cause.to_string(),
+                };
+                solver.interpolate_inplace(t, y).map_err(failure)
+            };
             let mut at = |t: f64| -> Result<State, CycleError> {
-                solver
-                    .interpolate_inplace(t, &mut scratch)
-                    .map_err(|cause| CycleError::Integration {
-                        time: t,
-                        cause: cause.to_string(),
-                    })?;
+                interpolate(t, &mut scratch)?;
                 let mut y = [0.0; SIZE];
                 y.copy_from_slice(scratch.batch_as_slice(0));
                 Ok(y)
             };
 
-            // The first condition to fall.
-            let mut points: [(f64, State); POINTS] = [(to, self.y); POINTS];
-            for (k, point) in points.iter_mut().enumerate() {
-                let t = if k + 1 == POINTS {
-                    to
-                } else {
-                    from + (to - from) * (k + 1) as f64 / POINTS as f64
-                };
-                *point = (t, at(t)?);
-            }
-            let mut event: Option<(f64, usize)> = None;
-            let mut used = POINTS;
-            let mut left = (from, margin);
-            for (k, (t, y)) in points.iter().enumerate() {
-                let right = margins(self.system, &self.mode, y);
-                for (slot, margin) in right.iter().enumerate() {
-                    if *margin > self.noise[slot] {
-                        self.armed[slot] = true;
-                    } else if *margin <= 0.0 && (self.armed[slot] || left.1[slot] <= 0.0) {
-                        let time = if left.1[slot] > 0.0 {
-                            let f = |t: f64| Ok(margins(self.system, &self.mode, &at(t)?)[slot]);
-                            locate(left.0, *t, left.1[slot], *margin, f)?
-                        } else {
-                            left.0
-                        };
-                        if event.is_none_or(|(earliest, _)| time < earliest) {
-                            event = Some((time, slot));
-                        }
-                    }
-                }
-                left = (*t, right);
-                if event.is_some() {
-                    used = k + 1;
-                    break;
-                }
-            }
-            let (t_end, y_end) = match event {
-                Some((time, _)) => {
-                    points[used - 1] = (time, at(time)?);
-                    points[used - 1]
-                }
-                None => points[POINTS - 1],
-            };
-
-            // Crossings of the levels that define t0..t18, and samples.
-            let logged = self.run.log.len();
-            let mut previous = (from, self.heights);
-            for (t, y) in &points[..used] {
-                let now = heights(self.system, y);
-                for (index, height) in now.iter().enumerate() {
-                    let (a, b) = (previous.1[index], *height);
-                    if (a > 0.0) != (b > 0.0) {
-                        let time = locate(previous.0, *t, a, b, |t| Ok(heights(self.system, &at(t)?)[index]))?;
-                        self.run.log.level(self.system, index, time, b > 0.0, &at(time)?);
-                    }
-                }
-                self.run.log.follow(&now);
-                previous = (*t, now);
-            }
-            self.heights = previous.1;
-            self.run.log.sort_from(logged);
+            let stretch = self.stretch(from, to, &margin, &mut at)?;
+            let (t_end, y_end) = stretch.points[stretch.used - 1];
+            self.note_levels(from, &stretch.points[..stretch.used], &mut at)?;
             while self.run.recorder.next_time() < t_end {
                 let time = self.run.recorder.next_time();
-                let y = at(time)?;
+                interpolate(time, &mut scratch)?;
+                let y = scratch.batch_as_slice(0);
                 self.run
                     .recorder
-                    .push(self.system, &self.mode, &equations.past(time), &y);
+                    .push(self.system, &self.mode, &equations.past(time), y);
             }
 
             self.t = t_end;
             self.y = y_end;
-            margin = left.1;
+            margin = stretch.margin;
             equations.remember(self.t, &self.y);
             self.run.recorder.follow(self.system, &self.mode, &self.y);
             self.run.balance.follow(self.system, &self.mode, &self.y);
@@ -383,8 +301,8 @@ impl<'s> Cycle<'s> {
             self.schedule();
 
             let stopped = reason == OdeSolverStopReason::TstopReached;
-            let done = event.is_some() || (stopped && self.is_due()) || self.t >= self.end;
-            if let Some((_, slot)) = event {
+            let done = stretch.event.is_some() || (stopped && self.is_due()) || self.t >= self.end;
+            if let Some((_, slot)) = stretch.event {
                 self.cross(slot)?;
             }
             if done {
@@ -402,6 +320,82 @@ impl<'s> Cycle<'s> {
                 solver.set_stop_time(stop).map_err(|cause| self.failure(&cause))?;
             }
         }
+    }
+
+    /// The step from `from` to `to` as far as the first condition to fall; `margin` are the margins at its start.
+    fn stretch(
+        &mut self,
+        from: f64,
+        to: f64,
+        margin: &[f64; SLOTS],
+        at: &mut impl FnMut(f64) -> Result<State, CycleError>,
+    ) -> Result<Stretch, CycleError> {
+        let mut stretch = Stretch {
+            points: [(to, self.y); POINTS],
+            used: POINTS,
+            event: None,
+            margin: *margin,
+        };
+        for (k, point) in stretch.points.iter_mut().enumerate() {
+            let t = if k + 1 == POINTS {
+                to
+            } else {
+                from + (to - from) * (k + 1) as f64 / POINTS as f64
+            };
+            *point = (t, at(t)?);
+        }
+        let mut left = from;
+        for k in 0..POINTS {
+            let (t, y) = &stretch.points[k];
+            let right = margins(self.system, &self.mode, y);
+            for (slot, (before, after)) in stretch.margin.into_iter().zip(right).enumerate() {
+                if after > self.noise[slot] {
+                    self.armed[slot] = true;
+                } else if after <= 0.0 && (self.armed[slot] || before <= 0.0) {
+                    let time = if before > 0.0 {
+                        let f = |t: f64| Ok(margins(self.system, &self.mode, &at(t)?)[slot]);
+                        locate(left, *t, before, after, f)?
+                    } else {
+                        left
+                    };
+                    if stretch.event.is_none_or(|(earliest, _)| time < earliest) {
+                        stretch.event = Some((time, slot));
+                    }
+                }
+            }
+            (left, stretch.margin) = (*t, right);
+            if let Some((time, _)) = stretch.event {
+                stretch.points[k] = (time, at(time)?);
+                stretch.used = k + 1;
+                break;
+            }
+        }
+        Ok(stretch)
+    }
+
+    /// Notes the levels that define t0..t18 where the trajectory from `from` through `points` passes them.
+    fn note_levels(
+        &mut self,
+        from: f64,
+        points: &[(f64, State)],
+        at: &mut impl FnMut(f64) -> Result<State, CycleError>,
+    ) -> Result<(), CycleError> {
+        let logged = self.run.log.len();
+        let mut left = from;
+        for (t, y) in points {
+            let now = heights(self.system, y);
+            for (index, (before, after)) in self.heights.into_iter().zip(now).enumerate() {
+                if (before > 0.0) != (after > 0.0) {
+                    let f = |t: f64| Ok(heights(self.system, &at(t)?)[index]);
+                    let time = locate(left, *t, before, after, f)?;
+                    self.run.log.level(self.system, index, time, after > 0.0, &at(time)?);
+                }
+            }
+            self.run.log.follow(&now);
+            (left, self.heights) = (*t, now);
+        }
+        self.run.log.sort_from(logged);
+        Ok(())
     }
 
     /// Applies the event of `slot` at the present time.
@@ -494,49 +488,4 @@ impl<'s> Cycle<'s> {
             self.end = self.end.min((t18 + self.settings.tail).max(self.t));
         }
     }
-}
-
-/// Last point of the narrowest bracket of a sign change of `f` between `a` and `b` (Illinois variant of regula falsi,
-/// Dowell and Jarratt 1971), safeguarded by bisection; the point returned has the sign of `fb`.
-fn locate(
-    mut a: f64,
-    mut b: f64,
-    mut fa: f64,
-    mut fb: f64,
-    mut f: impl FnMut(f64) -> Result<f64, CycleError>,
-) -> Result<f64, CycleError> {
-    let positive = fb > 0.0;
-    let mut side = 0;
-    for iteration in 0..60 {
-        let width = b - a;
-        if width <= 4.0 * f64::EPSILON * b.abs() {
-            break;
-        }
-        let mut c = b - fb * width / (fb - fa);
-        // Jumps and flat stretches make the secant creep.
-        if iteration % 8 == 7 || !(c > a && c < b) {
-            c = a + 0.5 * width;
-        }
-        if !(c > a && c < b) {
-            break;
-        }
-        let fc = f(c)?;
-        if (fc > 0.0) == positive {
-            (b, fb) = (c, fc);
-            if side == -1 {
-                fa *= 0.5;
-            }
-            side = -1;
-            if fc == 0.0 {
-                break;
-            }
-        } else {
-            (a, fa) = (c, fc);
-            if side == 1 {
-                fb *= 0.5;
-            }
-            side = 1;
-        }
-    }
-    Ok(b)
 }

@@ -8,6 +8,7 @@ mod forces;
 mod gas;
 mod history;
 mod integrate;
+mod locate;
 mod marks;
 mod mode;
 mod rates;
@@ -18,6 +19,7 @@ mod state;
 mod summary;
 mod switching;
 mod system;
+mod tolerances;
 
 pub(crate) use real::Real;
 

@@ -18,6 +18,9 @@ pub(crate) trait Real:
     + Sub<f64, Output = Self>
     + Mul<f64, Output = Self>
 {
+    /// Whether the number carries derivatives.
+    const DIFFERENTIATED: bool;
+
     /// A number that does not depend on the state.
     fn constant(value: f64) -> Self;
 
@@ -56,6 +59,8 @@ pub(crate) trait Real:
 }
 
 impl Real for f64 {
+    const DIFFERENTIATED: bool = false;
+
     #[inline]
     fn constant(value: f64) -> Self {
         value
@@ -102,6 +107,8 @@ impl<const N: usize> Dual<N> {
 }
 
 impl<const N: usize> Real for Dual<N> {
+    const DIFFERENTIATED: bool = true;
+
     #[inline]
     fn constant(value: f64) -> Self {
         Self { value, slope: [0.0; N] }

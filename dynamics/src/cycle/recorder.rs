@@ -71,10 +71,13 @@ impl Recorder {
             &mut v.pressure,
             &mut v.temperature,
         ];
+        // Columns of one length stand a whole number of pages apart, so that a sample would fill one set of the cache;
+        // another cache line's room for each column sets them apart.
         bodies
             .chain(volumes)
             .chain(others)
-            .for_each(|column| column.reserve_exact(n));
+            .enumerate()
+            .for_each(|(i, column)| column.reserve_exact(n + 8 * i));
         x.choked.reserve_exact(n);
         x.intake_choked.reserve_exact(n);
     }
@@ -90,11 +93,16 @@ impl Recorder {
     }
 
     /// Appends a sample.
-    pub(crate) fn push(&mut self, system: &System, mode: &Mode, past: &Past, y: &State) {
+    pub(crate) fn push(&mut self, system: &System, mode: &Mode, past: &Past, y: &[f64]) {
         let now = system.instant(y);
         let e = system.forces(y, &now, mode);
         self.peak(&e);
-        let exhaust = system.exhaust(&now, mode);
+        // The trend of the last two samples.
+        let near = match self.exhaust.plenum_pressure[..] {
+            [.., before, last] => Some(2.0 * last - before),
+            _ => None,
+        };
+        let exhaust = system.exhaust(&now, mode, near);
         let acceleration = system.accelerations(&e, exhaust.thrust, mode);
         let Instant { travel, valve, gas, .. } = now;
         for (body, history) in self.bodies.iter_mut().enumerate() {

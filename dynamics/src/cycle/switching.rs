@@ -204,7 +204,7 @@ pub(crate) fn cross(system: &System, slot: usize, mode: &mut Mode, y: &mut State
 }
 
 /// z_max, deepest nail tip depth so far, at least 0.
-pub(crate) fn deepest(system: &System, mode: &Mode, y: &State) -> f64 {
+pub(crate) fn deepest(system: &System, mode: &Mode, y: &[f64]) -> f64 {
     match mode.penetration {
         Penetration::Free { deepest, .. } | Penetration::Unloading { deepest, .. } => deepest,
         Penetration::Loading { .. } => system.depth(y).max(0.0),

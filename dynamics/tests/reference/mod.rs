@@ -6,28 +6,49 @@ use std::f64::consts::PI;
 
 use nailnoise_dynamics::{Parameters, SupportDamping};
 
-const N: usize = 19;
+const N: usize = 21;
 type Y = [f64; N];
 
-/// Which event times the reference delivers.
-pub(crate) const EVENTS: [&str; 16] = [
-    "t1",
-    "t2",
-    "t3",
-    "t4",
-    "t5",
-    "t6",
-    "t7",
-    "t8",
-    "t9",
-    "t10",
-    "t12",
-    "t13",
-    "t15",
-    "t16",
-    "t17",
-    "full depth",
-];
+/// Events that are the first passage of a level, and the passage of the full depth.
+const LEVELS: usize = 16;
+
+/// What the reference found of a shot up to `end`.
+#[derive(Debug, Default)]
+#[allow(dead_code)] // each test that includes this reads what it needs
+pub(crate) struct Shot {
+    /// t0..t18 \[s\].
+    pub(crate) events: [Option<f64>; 19],
+    /// Time at which the nail's full length is in the wood \[s\].
+    pub(crate) full: Option<f64>,
+    /// Deepest depth of the nail's tip \[m\].
+    pub(crate) depth: f64,
+    /// First contact with the bumper \[s\].
+    pub(crate) bumper: Option<f64>,
+    /// Whether the piston used up the volume below it.
+    pub(crate) dry: bool,
+}
+
+/// Passages of |v_pr| through a level: times, and whether it rose.
+#[derive(Default)]
+struct Speed(Vec<(f64, bool)>);
+
+impl Speed {
+    fn follow(&mut self, level: f64, t: f64, h: f64, before: f64, after: f64) {
+        let (a, b) = (before.abs() - level, after.abs() - level);
+        if (a > 0.0) != (b > 0.0) {
+            self.0.push((t + h * a / (a - b), b > 0.0));
+        }
+    }
+
+    /// First instant from `after` on since which the speed has stayed below its level for 2 ms, before `end`.
+    fn rest(&self, after: f64, end: f64) -> Option<f64> {
+        let slow_at = |t: f64| self.0.iter().rev().find(|c| c.0 <= t).is_none_or(|c| !c.1);
+        let falls = self.0.iter().filter(|c| c.0 > after && !c.1).map(|c| c.0);
+        let rise = |since: f64| self.0.iter().find(|c| c.0 > since && c.1).map_or(end, |c| c.0.min(end));
+        let now = slow_at(after).then_some(after);
+        now.into_iter().chain(falls).find(|since| rise(*since) - since >= 2e-3)
+    }
+}
 
 /// Constants of one design, named as in the thesis.
 struct Model {
@@ -99,12 +120,16 @@ impl Model {
     fn nozzle(&self, r: f64) -> f64 {
         let g = self.p.ambient.heat_capacity_ratio;
         let lin = self.p.model.orifice_linear;
+        let subsonic = |r: f64| {
+            let q = (r.ln() / g).exp();
+            ((q * q - q * r) / self.n2).sqrt()
+        };
         if r <= self.pcr {
             1.0
         } else if 1.0 - r < lin {
-            self.nozzle(1.0 - lin) * (1.0 - r) / lin
+            subsonic(1.0 - lin) * (1.0 - r) / lin
         } else {
-            ((r.powf(2.0 / g) - r.powf((g + 1.0) / g)) / self.n2).sqrt()
+            subsonic(r)
         }
     }
 
@@ -125,8 +150,8 @@ impl Model {
         }
     }
 
-    /// Series restriction: flow per C_d K/sqrt(T).
-    fn series(&self, first: f64, second: f64, pu: f64, pd: f64) -> f64 {
+    /// Series restriction: flow per C_d K/sqrt(T), and the pressure between.
+    fn series(&self, first: f64, second: f64, pu: f64, pd: f64) -> (f64, f64) {
         let f = |pm: f64| first * pu * self.nozzle(pm / pu) - second * pm * self.nozzle(pd / pm);
         let (mut a, mut b) = (pd, pu);
         let (mut fa, mut fb) = (f(a), f(b));
@@ -148,7 +173,7 @@ impl Model {
             }
             (b, fb) = (pm, fm);
         }
-        second * pm * self.nozzle(pd / pm)
+        (second * pm * self.nozzle(pd / pm), pm)
     }
 
     fn friction(&self, law: &nailnoise_dynamics::Friction, v: f64) -> f64 {
@@ -161,7 +186,7 @@ impl Model {
         let c = [
             4.17, 79135.7, -7.55e7, 3.56e10, -8.57e12, 1.13e15, -8.28e16, 3.14e18, -4.79e19,
         ];
-        c.iter().enumerate().map(|(i, c)| c * y.powi(i as i32)).sum()
+        c.iter().rev().fold(0.0, |sum, c| sum * y + c)
     }
 
     fn envelope(&self, z: f64) -> f64 {
@@ -171,8 +196,8 @@ impl Model {
         let root = 0.085 + 2.038 * x - 12.95 * x.powi(2) + 46.49 * x.powi(3) - 94.97 * x.powi(4) + 110.18 * x.powi(5)
             - 67.56 * x.powi(6)
             + 16.99 * x.powi(7)
-            - 122.91 * ln * w.density / hm
-            - 1.15 * n.diameter / ln;
+            + w.speed_term * ln * w.density / hm
+            + w.slenderness_term * n.diameter / ln;
         w.resistance_scale * hm * ln * root.max(0.0).powi(2) + w.head_stiffness_scale * hm * (z - ln).max(0.0)
     }
 
@@ -254,7 +279,12 @@ impl Model {
         let fs = self.spring(s + v.spring_preload);
         let ffp = self.friction(&p.piston.friction, rate);
         let ffh = self.friction(&v.friction, valve_rate);
-        let mt = p.piston.mass + if self.attached { self.mn } else { 0.0 };
+        let (mt, fmag) = if self.attached {
+            let turn = (rate / p.model.friction_velocity).tanh();
+            (p.piston.mass + self.mn, p.nail.magazine_friction * turn)
+        } else {
+            (p.piston.mass, 0.0)
+        };
         let g = air.gravity;
 
         // Flows.
@@ -271,17 +301,23 @@ impl Model {
         let cd = c.discharge_coefficient;
         let cp = air.heat_capacity_ratio * air.gas_constant / (air.heat_capacity_ratio - 1.0);
         let opening = v.exhaust_lap - s;
-        let (mx, hx) = if opening > 0.0 && pr[0] != pa {
+        let (mx, hx, thrust) = if opening > 0.0 && pr[0] != pa {
             let a = seat(opening, v.exhaust_angle, v.exhaust_seat_diameter, -1.0);
             if pr[0] > pa {
-                let m = cd * self.k * self.series(a, self.ama, pr[0], pa) / temp[0].sqrt();
-                (m, m * cp * temp[0])
+                let (flow, pm) = self.series(a, self.ama, pr[0], pa);
+                let m = cd * self.k * flow / temp[0].sqrt();
+                let gamma = air.heat_capacity_ratio;
+                let r = (pa / pm).max(self.pcr);
+                let jet = 2.0 * gamma / (gamma - 1.0) * (r.powf(1.0 / gamma) - r) + r;
+                let thrust = p.exhaust.thrust_share * cd * self.ama * (pm * jet - pa);
+                (m, m * cp * temp[0], thrust)
             } else {
-                let m = cd * self.k * self.series(self.ama, a, pa, pr[0]) / ta.sqrt();
-                (-m, -m * cp * ta)
+                let (flow, _) = self.series(self.ama, a, pa, pr[0]);
+                let m = cd * self.k * flow / ta.sqrt();
+                (-m, -m * cp * ta, 0.0)
             }
         } else {
-            (0.0, 0.0)
+            (0.0, 0.0, 0.0)
         };
         let (mc, hc) = if travel > c.check_hole_position && pr[0] > pr[2] {
             self.both(gas(0), gas(2), cd * c.check_hole_area)
@@ -326,11 +362,22 @@ impl Model {
         let gamma = air.heat_capacity_ratio;
         let mut d = [0.0; N];
         d[0] = vp;
-        d[1] = (fgp - fb - fst - fpen - ffp) / mt + g;
+        d[1] = (fgp - fb - fst - fpen - ffp - fmag) / mt + g;
         d[2] = vh;
         d[3] = (fgh + fs - fhc - ffh) / v.mass + g;
         d[4] = vg;
-        d[5] = (p.hand.force - fgp - fgh - fs + fb + fst + fhc + ffp + ffh - fnose - fe) / p.tool.mass + g;
+        let inner = fb + fst + fhc + ffp + ffh + fmag - fgp - fgh - fs;
+        // The hand's mass, pushed by the force, or the force itself.
+        let hand = if p.hand.mass > 0.0 {
+            p.hand.stiffness * (y[19] - yg) + p.hand.damping * (y[20] - vg)
+        } else {
+            p.hand.force
+        };
+        if p.hand.mass > 0.0 {
+            d[19] = y[20];
+            d[20] = (p.hand.force - hand) / p.hand.mass;
+        }
+        d[5] = (hand + thrust + inner - fnose - fe) / p.tool.mass + g;
         d[6] = vw;
         d[7] = (fpen + fnose + fe - fsup) / self.mw + g;
         for i in 0..5 {
@@ -352,6 +399,7 @@ impl Model {
         y[6] = (tool + self.mw * g) / p.support.stiffness;
         y[4] = y[6] + (tool - kesg * k.guard_travel) / (k.nose_stiffness + kesg);
         y[0] = y[4];
+        y[19] = y[4] + p.hand.force / p.hand.stiffness;
         let (ps, pa) = (p.supply.pressure, p.ambient.pressure);
         let close = ps * self.ah1 - ps * self.ah2 - pa * self.ah3
             + self.spring(p.head_valve.spring_preload)
@@ -366,15 +414,17 @@ impl Model {
     }
 }
 
-/// Event times \[s\] in the order of [`EVENTS`], from RK4 with step `h` up to `end`.
-pub(crate) fn integrate(p: &Parameters, h: f64, end: f64) -> [Option<f64>; 16] {
+/// A shot from RK4 with step `h` up to `end`.
+pub(crate) fn integrate(p: &Parameters, h: f64, end: f64) -> Shot {
     let mut m = Model::new(p);
     let mut y = m.start();
     let mut t = 0.0;
-    let mut found: [Option<f64>; 16] = [None; 16];
+    let mut found: [Option<f64>; LEVELS] = [None; LEVELS];
+    let (mut rest, mut still) = (Speed::default(), Speed::default());
+    let mut bumper = None;
     let level = p.ambient.pressure + 0.1 * (p.supply.pressure - p.ambient.pressure);
     // (rises, value, may it be looked for yet)
-    let watch = |m: &Model, y: &Y, found: &[Option<f64>; 16], t: f64| -> [(bool, f64, bool); 16] {
+    let watch = |m: &Model, y: &Y, found: &[Option<f64>; LEVELS], t: f64| -> [(bool, f64, bool); LEVELS] {
         let p = &m.p;
         let (travel, s) = (y[0] - y[4], p.head_valve.lift - (y[2] - y[4]));
         let z = y[0] - y[6] - p.nail.tip_gap;
@@ -416,7 +466,7 @@ pub(crate) fn integrate(p: &Parameters, h: f64, end: f64) -> [Option<f64>; 16] {
         next[18] = next[18].max(next[0] - next[6] - p.nail.tip_gap).max(0.0);
         let before = watch(&m, &y, &found, t);
         let after = watch(&m, &next, &found, t + h);
-        for i in 0..16 {
+        for i in 0..LEVELS {
             let (rises, a, _) = before[i];
             let (_, b, open) = after[i];
             if found[i].is_none()
@@ -434,6 +484,18 @@ pub(crate) fn integrate(p: &Parameters, h: f64, end: f64) -> [Option<f64>; 16] {
         if found[8].is_some() && found[9].is_none() && before[9].1 > 0.0 {
             found[9] = found[8];
         }
+        let (slow, fast) = (y[1] - y[5], next[1] - next[5]);
+        rest.follow(0.1, t, h, slow, fast);
+        still.follow(0.05, t, h, slow, fast);
+        if bumper.is_none() && before[9].1 <= 0.0 && after[9].1 > 0.0 {
+            bumper = Some(t + h * before[9].1 / (before[9].1 - after[9].1));
+        }
+        if m.volumes(&next)[1] < 1e-3 * p.chambers.below_piston {
+            return Shot {
+                dry: true,
+                ..Shot::default()
+            };
+        }
         if !m.attached && !m.left && next[0] - next[4] >= p.nail.head_gap {
             next[1] *= p.piston.mass / (p.piston.mass + m.mn);
             m.attached = true;
@@ -447,5 +509,38 @@ pub(crate) fn integrate(p: &Parameters, h: f64, end: f64) -> [Option<f64>; 16] {
         t += h;
         y = next;
     }
-    found
+    let [t1, t2, t3, t4, t5, t6, t7, t8, t9, t10, t12, t13, t15, t16, t17, full] = found;
+    let t14 = t15.and_then(|t15| {
+        let rise = still.0.iter().rev().find(|c| c.1 && c.0 < t15);
+        rise.map(|c| c.0).filter(|t| t6.is_some_and(|t6| *t > t6))
+    });
+    let t11 = t10.and_then(|t10| rest.rest(t10, t14.unwrap_or(end)));
+    let t18 = t16.and_then(|t16| rest.rest(t16, end));
+    Shot {
+        events: [
+            Some(0.0),
+            t1,
+            t2,
+            t3,
+            t4,
+            t5,
+            t6,
+            t7,
+            t8,
+            t9,
+            t10,
+            t11,
+            t12,
+            t13,
+            t14,
+            t15,
+            t16,
+            t17,
+            t18,
+        ],
+        full,
+        depth: y[18],
+        bumper,
+        dry: false,
+    }
 }

@@ -52,30 +52,8 @@ fn line(n: usize, rule: GridRule) -> (Vec<f64>, Vec<f64>) {
     }
 }
 
-/// Points and weights of the n-point Gauss-Legendre rule on [-1, 1], ascending, by Newton's method on P_n.
+/// Points and weights of the n-point Gauss-Legendre rule on [-1, 1], ascending; none for n = 0.
 pub(crate) fn gauss_legendre(n: usize) -> (Vec<f64>, Vec<f64>) {
-    let (mut points, mut weights) = (vec![0.0; n], vec![0.0; n]);
-    for i in 0..n.div_ceil(2) {
-        let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (n as f64 + 0.5)).cos();
-        let mut slope = 1.0;
-        for _ in 0..20 {
-            let (mut p, mut before) = (x, 1.0);
-            for k in 2..=n {
-                (p, before) = (((2 * k - 1) as f64 * x * p - (k - 1) as f64 * before) / k as f64, p);
-            }
-            slope = n as f64 * (x * p - before) / (x * x - 1.0);
-            let change = p / slope;
-            x -= change;
-            if change.abs() < 1e-15 {
-                break;
-            }
-        }
-        if 2 * i + 1 == n {
-            x = 0.0;
-        }
-        let weight = 2.0 / ((1.0 - x * x) * slope * slope);
-        (points[i], points[n - 1 - i]) = (-x, x);
-        (weights[i], weights[n - 1 - i]) = (weight, weight);
-    }
-    (points, weights)
+    let rule = nailnoise_meshes::gauss_legendre(n).unwrap_or_default();
+    rule.into_iter().unzip()
 }

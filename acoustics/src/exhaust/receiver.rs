@@ -1,0 +1,248 @@
+use super::directivity::MixingDirectivity;
+use super::histogram::PeakHistogram;
+use super::history::Burst;
+use super::noise::ExhaustNoise;
+use super::{shock, similarity};
+use crate::air::Air;
+use crate::error::{AcousticsError, positive};
+use crate::levels::{Contribution, Level, REFERENCE_PRESSURE, Weighting, energy_weights};
+use std::f64::consts::PI;
+
+/// Where an opening lets its air out, and which way.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outlet {
+    /// Position \[m\].
+    pub position: [f64; 3],
+    /// Directions of the jets, of any length, one for each jet or group of jets; all carry the same share of the energy.
+    pub directions: Vec<[f64; 3]>,
+}
+
+/// A rigid horizontal floor below outlet and receiver.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Floor {
+    /// Its z \[m\].
+    pub height: f64,
+    /// How much jet noise that leaves for the floor resembles what leaves straight for the receiver, 0 to 1.
+    ///
+    /// 1 is a point source that sends one signal all around: direct and reflected sound interfere. 0 is the sum of their
+    /// energies, what remains of jet noise at high frequency, where it is not alike in directions tens of degrees
+    /// apart. The unsteady outflow is a point source always.
+    pub coherence: f64,
+}
+
+/// What a receiver hears of one opening.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Received {
+    /// Frequencies \[Hz\], those of the opening's spectrum.
+    pub frequency: Vec<f64>,
+    /// One-sided spectral density of the sound exposure int p^2 dt \[Pa² s/Hz\].
+    pub exposure_density: Vec<f64>,
+    /// Its parts `mixing`, `shock` and `unsteady flow`, in the same unit.
+    pub parts: Vec<Contribution>,
+}
+
+impl Received {
+    /// Sound exposure between the two frequencies \[Pa² s\], weighted under the integral.
+    pub fn exposure(&self, range_hz: [f64; 2], weighting: Weighting) -> f64 {
+        let weights = energy_weights(&self.frequency, range_hz, weighting);
+        weights.iter().zip(&self.exposure_density).map(|(w, e)| w * e).sum()
+    }
+
+    /// Sound exposure level L_E between the two frequencies \[dB re (20 uPa)² s\].
+    pub fn level(&self, range_hz: [f64; 2], weighting: Weighting) -> Level {
+        let exposure = self.exposure(range_hz, weighting);
+        (exposure > 0.0).then(|| 10.0 * (exposure / REFERENCE_PRESSURE.powi(2)).log10())
+    }
+}
+
+/// lg(U_j/c0) of the first directivity kept, the step to the next, and their number: the range of the table.
+const FIRST: f64 = -0.4;
+const STEP: f64 = 0.01;
+const SPEEDS: usize = 81;
+
+/// Name of the contribution that is a point source.
+const OUTFLOW: &str = "unsteady flow";
+
+/// The way of sound from the outlet to the receiver, directly or by the floor.
+struct Path {
+    length: f64,
+    /// Angles between the jets' directions and the way the sound leaves \[rad\].
+    angles: Vec<f64>,
+}
+
+impl Path {
+    fn new(outlet: &Outlet, point: [f64; 3]) -> Result<Self, AcousticsError> {
+        let way: [f64; 3] = std::array::from_fn(|i| point[i] - outlet.position[i]);
+        let norm = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let length = positive("distance of a receiver from the exhaust [m]", norm(way))?;
+        let angle = |direction: &[f64; 3]| {
+            let jet = positive("length of a jet's direction", norm(*direction))?;
+            let along: f64 = way.iter().zip(direction).map(|(a, b)| a * b).sum();
+            Ok::<f64, AcousticsError>((along / (length * jet)).clamp(-1.0, 1.0).acos())
+        };
+        let angles = outlet.directions.iter().map(angle).collect::<Result<_, _>>()?;
+        Ok(Self { length, angles })
+    }
+
+    /// D at [`SPEEDS`] jet speeds, the mean over the jets.
+    fn directivities(&self) -> Vec<f64> {
+        let at = |i: usize| {
+            let directivity = MixingDirectivity::new(FIRST + STEP * i as f64);
+            let sum: f64 = self.angles.iter().map(|&angle| directivity.at(angle)).sum();
+            sum / self.angles.len() as f64
+        };
+        (0..SPEEDS).map(at).collect()
+    }
+}
+
+impl ExhaustNoise {
+    /// The noise at a point in free space, or above a floor.
+    ///
+    /// ```text
+    /// E_p = rho0 c0/(4 pi) sum_bursts E_W [ D/r^2 + D'/r'^2 + 2 gamma sqrt(D D')/(r r') cos k(r' - r) ]      jets
+    /// E_p = rho0 c0/(4 pi) E_W | e^{-jkr}/r + e^{-jkr'}/r' |^2                                       unsteady flow
+    /// ```
+    ///
+    /// The primed path is that to the receiver's image in the floor, which leaves the outlet in another direction; gamma is
+    /// [`Floor::coherence`]. D is [`MixingDirectivity`] at each burst's jet speed for mixing noise, 1 for shock
+    /// noise, which NASA TM-83199 has even. The spectrum of a burst is the same in all directions. Bodies
+    /// that shade or reflect are not there.
+    ///
+    /// # Errors
+    /// A receiver at the outlet, an outlet without direction, a floor that is not below both, a coherence outside 0 to 1.
+    pub fn at(
+        &self,
+        outlet: &Outlet,
+        point: [f64; 3],
+        floor: Option<&Floor>,
+        air: &Air,
+    ) -> Result<Received, AcousticsError> {
+        positive("number of directions of the exhaust", outlet.directions.len() as f64)?;
+        let direct = Path::new(outlet, point)?;
+        let reflected = floor.map(|floor| floor.path(outlet, point)).transpose()?;
+        let paths = Paths {
+            coherence: floor.map_or(0.0, |floor| floor.coherence),
+            wavenumber: 2.0 * PI / air.sound_speed,
+            direct,
+            reflected,
+        };
+        let (frequency, history) = (&self.spectrum.frequency, &self.history);
+        let normal = similarity::total();
+        let muffled = |mut density: Vec<f64>| {
+            if let Some(passed) = &history.passed {
+                density.iter_mut().zip(passed).for_each(|(e, factor)| *e *= factor);
+            }
+            density
+        };
+        let mixing = paths.jets(
+            &history.mixing,
+            Path::directivities,
+            |x| similarity::shape(x) / normal,
+            frequency,
+        );
+        let shock = paths.jets(&history.shocks, |_| vec![1.0; SPEEDS], shock::shape, frequency);
+        let outflow = self.spectrum.contributions.iter().find(|part| part.name == OUTFLOW);
+        let outflow = outflow.map_or(vec![0.0; frequency.len()], |part| {
+            let energy = frequency.iter().zip(&part.energy_density);
+            energy.map(|(&hz, e)| e * paths.point_source(hz)).collect()
+        });
+        let intensity = air.impedance() / (4.0 * PI);
+        let parts: Vec<Contribution> = [
+            ("mixing", muffled(mixing)),
+            ("shock", muffled(shock)),
+            (OUTFLOW, outflow),
+        ]
+        .into_iter()
+        .map(|(name, density)| Contribution {
+            name: name.to_owned(),
+            energy_density: density.into_iter().map(|e| intensity * e).collect(),
+        })
+        .collect();
+        let exposure_density = (0..frequency.len())
+            .map(|k| parts.iter().map(|part| part.energy_density[k]).sum())
+            .collect();
+        Ok(Received {
+            frequency: frequency.clone(),
+            exposure_density,
+            parts,
+        })
+    }
+}
+
+/// The ways of sound from an outlet to a receiver.
+struct Paths {
+    direct: Path,
+    reflected: Option<Path>,
+    coherence: f64,
+    /// k/f \[s/m\].
+    wavenumber: f64,
+}
+
+impl Paths {
+    /// cos k(r' - r).
+    fn interference(&self, hz: f64, reflected: &Path) -> f64 {
+        (self.wavenumber * hz * (reflected.length - self.direct.length)).cos()
+    }
+
+    /// |e^{-jkr}/r + e^{-jkr'}/r'|^2 \[1/m²\].
+    fn point_source(&self, hz: f64) -> f64 {
+        let r = self.direct.length;
+        self.reflected.as_ref().map_or(1.0 / (r * r), |path| {
+            let image = path.length;
+            1.0 / (r * r) + 1.0 / (image * image) + 2.0 / (r * image) * self.interference(hz, path)
+        })
+    }
+
+    /// Energy density of the bursts over r² at a receiver, by the directivity of a path at [`SPEEDS`] jet speeds.
+    fn jets(
+        &self,
+        bursts: &[Burst],
+        directivity: impl Fn(&Path) -> Vec<f64>,
+        shape: impl Fn(f64) -> f64,
+        frequency: &[f64],
+    ) -> Vec<f64> {
+        let sum = |gain: &dyn Fn(usize) -> f64| spread(bursts, gain, &shape, frequency);
+        let (near, r) = (directivity(&self.direct), self.direct.length);
+        let mut density = sum(&|i| near[i] / (r * r));
+        if let Some(path) = &self.reflected {
+            let (far, image) = (directivity(path), path.length);
+            let energies = sum(&|i| far[i] / (image * image));
+            let cross = sum(&|i| 2.0 * self.coherence * (near[i] * far[i]).sqrt() / (r * image));
+            for (k, &hz) in frequency.iter().enumerate() {
+                density[k] += energies[k] + cross[k] * self.interference(hz, path);
+            }
+        }
+        density
+    }
+}
+
+impl Floor {
+    /// The way to the receiver's image in the floor.
+    fn path(&self, outlet: &Outlet, point: [f64; 3]) -> Result<Path, AcousticsError> {
+        for z in [outlet.position[2], point[2]] {
+            if z.is_nan() || z < self.height {
+                return Err(AcousticsError::BelowFloor { z, floor: self.height });
+            }
+        }
+        if !(0.0..=1.0).contains(&self.coherence) {
+            return Err(AcousticsError::OutsideRange {
+                what: "coherence of direct and reflected jet noise",
+                value: self.coherence,
+                low: 0.0,
+                high: 1.0,
+            });
+        }
+        Path::new(outlet, [point[0], point[1], 2.0 * self.height - point[2]])
+    }
+}
+
+/// Spectrum of the bursts, each with the gain of its jet speed, between the gains of [`SPEEDS`].
+fn spread(bursts: &[Burst], gain: &dyn Fn(usize) -> f64, shape: impl Fn(f64) -> f64, frequency: &[f64]) -> Vec<f64> {
+    let gains: Vec<f64> = (0..SPEEDS).map(gain).collect();
+    let mut histogram = PeakHistogram::new();
+    for burst in bursts {
+        let gain = super::mixing::interpolate(&gains, (burst.lg_velocity - FIRST) / STEP);
+        histogram.deposit(burst.peak_hz, gain * burst.energy);
+    }
+    histogram.spread(shape, frequency)
+}

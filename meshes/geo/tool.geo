@@ -1,0 +1,148 @@
+// The tool body: barrel with cap, hollow handle, coil-magazine can, hollow steel nose, cylinder sleeve.
+//
+// Lengths in mm, z up from the nose's tip, handle along +x; the mesh is saved in metres. Each DefineConstant is set by
+// nailnoise from the design (gmsh -setnumber NAME VALUE); those below are the N80CB's.
+//
+// Barrel, cap and magazine are closed all round, the handle at its outer end; the nose is open at its tip. The sleeve
+// stands on the barrel's floor, and a fit at its upper end, to be tied, holds it in the barrel. The can's wall meets the barrel's lower edge, and an arm joins it to the nose.
+
+SetFactory("OpenCASCADE");
+
+DefineConstant[
+  barrel_radius = 37, barrel_wall = 4.5, barrel_height = 190,
+  cap_radius = 46, cap_wall = 5, cap_height = 45,
+  handle_radius = 20, handle_wall = 3.5, handle_length = 170, handle_level = 270,
+  magazine_radius = 55, magazine_wall = 3, magazine_height = 70, magazine_offset = 75, magazine_level = 75,
+  nose_width = 20, nose_depth = 30, nose_wall = 6, nose_height = 110, nose_overlap = 2,
+  arm_depth = 12, arm_height = 30, arm_reach = 39,
+  sleeve_radius = 30, sleeve_wall = 2, sleeve_height = 150, sleeve_fit = 10,
+  size = 12
+];
+
+floor = nose_height;
+roof = floor + barrel_height;
+b = barrel_wall;
+c = cap_wall;
+m = magazine_wall;
+e = 0.01; // slack of the boxes that pick surfaces
+
+// Solids and their cavities, each hollowed by itself so that the wall between two of them stays.
+Cylinder(1) = {0, 0, floor, 0, 0, barrel_height, barrel_radius};
+Cylinder(2) = {0, 0, floor + b, 0, 0, barrel_height - 2*b, barrel_radius - b};
+barrel() = BooleanDifference{ Volume{1}; Delete; }{ Volume{2}; Delete; };
+Cylinder(3) = {0, 0, roof, 0, 0, cap_height, cap_radius};
+Cylinder(4) = {0, 0, roof + c, 0, 0, cap_height - 2*c, cap_radius - c};
+cap() = BooleanDifference{ Volume{3}; Delete; }{ Volume{4}; Delete; };
+grip = barrel_radius - 4; // where the handle's tube begins, within the barrel's wall
+Cylinder(5) = {grip, 0, handle_level, handle_length, 0, 0, handle_radius};
+Cylinder(6) = {grip, 0, handle_level, handle_length - handle_wall, 0, 0, handle_radius - handle_wall};
+handle() = BooleanDifference{ Volume{5}; Delete; }{ Volume{6}; Delete; };
+h = magazine_height/2;
+Cylinder(7) = {magazine_offset, -h, magazine_level, 0, 2*h, 0, magazine_radius};
+Cylinder(8) = {magazine_offset, -(h - m), magazine_level, 0, 2*(h - m), 0, magazine_radius - m};
+can() = BooleanDifference{ Volume{7}; Delete; }{ Volume{8}; Delete; };
+Box(9) = {nose_width/2 - 1, -arm_depth/2, magazine_level - arm_height/2, arm_reach - nose_width/2 + 1, arm_depth, arm_height};
+housing() = BooleanUnion{ Volume{barrel()}; Delete; }{ Volume{cap(), handle(), can(), 9}; Delete; };
+
+w = nose_width/2;
+d = nose_depth/2;
+t = nose_wall;
+Box(100) = {-w, -d, 0, 2*w, 2*d, nose_height + nose_overlap};
+Box(101) = {-w + t, -d + t, 0, 2*(w - t), 2*(d - t), nose_height + nose_overlap};
+Box(102) = {-w, -d, 0, 2*w, 2*d, nose_height + nose_overlap};
+// Where nose and housing overlap there is steel.
+whole() = BooleanDifference{ Volume{housing()}; Delete; }{ Volume{102}; Delete; };
+nose() = BooleanDifference{ Volume{100}; Delete; }{ Volume{101}; Delete; };
+
+seated = sleeve_height - sleeve_fit;
+Cylinder(110) = {0, 0, floor + b, 0, 0, seated, sleeve_radius + sleeve_wall};
+Cylinder(111) = {0, 0, floor + b, 0, 0, seated, sleeve_radius};
+sleeve() = BooleanDifference{ Volume{110}; Delete; }{ Volume{111}; Delete; };
+If (sleeve_fit > 0)
+  Cylinder(112) = {0, 0, floor + b + seated, 0, 0, sleeve_fit, sleeve_radius + sleeve_wall};
+  Cylinder(113) = {0, 0, floor + b + seated, 0, 0, sleeve_fit, sleeve_radius};
+  sleeve() += BooleanDifference{ Volume{112}; Delete; }{ Volume{113}; Delete; };
+EndIf
+
+BooleanFragments{ Volume{whole()}; Delete; }{ Volume{nose(), sleeve()}; Delete; }
+
+// Parts, found again by where they lie.
+steel() = Volume In BoundingBox {-w - e, -d - e, -e, w + e, d + e, nose_height + nose_overlap + e};
+r = sleeve_radius + sleeve_wall;
+tube() = Volume In BoundingBox {-r - e, -r - e, floor + b - e, r + e, r + e, floor + b + sleeve_height + e};
+rest() = Volume{:};
+rest() -= steel();
+rest() -= tube();
+Physical Volume("housing") = {rest()};
+Physical Volume("nose") = {steel()};
+Physical Volume("sleeve") = {tube()};
+
+// Surfaces on which forces and lumped masses act. Each of them exists once in this geometry.
+tip() = Surface In BoundingBox {-w - e, -d - e, -e, w + e, d + e, e};
+Physical Surface("nose_tip") = {tip()};
+// The bore: the sleeve's inner side, below the seat of the head valve.
+bore() = Surface In BoundingBox {-sleeve_radius - e, -sleeve_radius - e, floor + b - e, sleeve_radius + e, sleeve_radius + e, floor + b + sleeve_height + e};
+bumper() = Surface In BoundingBox {-sleeve_radius - e, -sleeve_radius - e, floor + b - e, sleeve_radius + e, sleeve_radius + e, floor + b + e};
+bore() -= bumper();
+Physical Surface("gas_bore") = {bore()};
+Physical Surface("bumper_seat") = {bumper()};
+seat() = Surface In BoundingBox {-r - e, -r - e, floor + b + sleeve_height - e, r + e, r + e, floor + b + sleeve_height + e};
+Physical Surface("seat") = {seat()};
+q = barrel_radius - b;
+// The fit: the outer side of the sleeve's upper end, and the barrel's inner side.
+If (sleeve_fit > 0)
+  fits() = Surface In BoundingBox {-r - e, -r - e, floor + b + seated - e, r + e, r + e, floor + b + sleeve_height + e};
+  slave() = {};
+  For k In {0 : #fits() - 1}
+    box() = BoundingBox Surface{fits(k)};
+    If (box(5) - box(2) > 0.1 && box(3) - box(0) > 2*r - sleeve_wall)
+      slave() += fits(k);
+    EndIf
+  EndFor
+  Physical Surface("fit_slave") = {slave()};
+  inside() = Surface In BoundingBox {-q - e, -q - e, floor + b - e, q + e, q + e, roof - b + e};
+  master() = {};
+  For k In {0 : #inside() - 1}
+    box() = BoundingBox Surface{inside(k)};
+    If (box(5) - box(2) > 0.1 && box(3) - box(0) > q + r)
+      master() += inside(k);
+    EndIf
+  EndFor
+  Physical Surface("fit_master") = {master()};
+EndIf
+// Under the roof of the barrel the head valve strikes the cap.
+under() = Surface In BoundingBox {-q - e, -q - e, roof - b - e, q + e, q + e, roof - b + e};
+Physical Surface("cap") = {under()};
+hr = handle_radius;
+grips() = Surface In BoundingBox {0, -hr - e, handle_level - hr - e, grip + handle_length + e, hr + e, handle_level + hr + e};
+outer() = {};
+For k In {0 : #grips() - 1}
+  box() = BoundingBox Surface{grips(k)};
+  // The outer side alone; that of the cavity is smaller.
+  If (box(4) - box(1) > 2*hr - 0.1)
+    outer() += grips(k);
+  EndIf
+EndFor
+Physical Surface("handle") = {outer()};
+mr = magazine_radius;
+cans() = Surface In BoundingBox {magazine_offset - mr - e, -h - e, magazine_level - mr - e, magazine_offset + mr + e, h + e, magazine_level + mr + e};
+ends() = {};
+For k In {0 : #cans() - 1}
+  box() = BoundingBox Surface{cans(k)};
+  If (box(4) - box(1) < 0.1 && Fabs(Fabs(box(1)) - h) < 0.1)
+    ends() += cans(k);
+  EndIf
+EndFor
+Physical Surface("magazine") = {ends()};
+
+// Chords of the sleeve and of the barrel around it must not cross: a chord of length l lies l^2/(8 r) inside its arc.
+near = 0.7*Sqrt(8*r*(q - r));
+walls() = Surface In BoundingBox {-q - e, -q - e, floor + b - e, q + e, q + e, roof - b + e};
+If (near < size)
+  Characteristic Length{ PointsOf{ Surface{walls()}; } } = near;
+EndIf
+Mesh.CharacteristicLengthMax = size;
+Mesh.CharacteristicLengthMin = size/3;
+Mesh.ElementOrder = 2;
+Mesh.HighOrderOptimize = 2;
+Mesh.ScalingFactor = 0.001;

@@ -1,0 +1,211 @@
+//! New geometry is meshed by the gmsh command (C. Geuzaine and J.-F. Remacle, 2009), which need not be installed for
+//! anything else.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::msh::{self, Imported};
+use crate::{FaceGroup, FaceRef, Mesh, MeshError, Surface};
+
+/// Name of the environment variable that names the program.
+pub const PROGRAM: &str = "NAILNOISE_GMSH";
+
+/// What gmsh can be asked to mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Job<'a> {
+    /// Name for messages.
+    pub(crate) what: String,
+    /// The script.
+    pub(crate) script: &'a str,
+    /// Constants of the script.
+    pub(crate) constants: Vec<(&'static str, f64)>,
+    /// A geometry that the script opens, copied beside it under this name.
+    pub(crate) beside: Option<(&'a Path, String)>,
+}
+
+/// Opens a solid geometry with the script below; lengths come in millimetres, whatever the file's own unit.
+const SOLID: &str = r#"
+SetFactory("OpenCASCADE");
+DefineConstant[ size = 10 ];
+solids() = ShapeFromFile("GEOMETRY");
+solids() = Volume{:};
+If (#solids() > 1)
+  Coherence;
+EndIf
+Physical Volume("body") = Volume{:};
+Mesh.CharacteristicLengthMax = size;
+Mesh.ElementOrder = 2;
+Mesh.HighOrderOptimize = 2;
+Mesh.ScalingFactor = 0.001;
+"#;
+
+/// Meshes a solid geometry (STEP, BREP or IGES) with quadratic tetrahedra no longer than `size` \[m\].
+///
+/// All solids become the part `body`, touching ones joined. The faces in the lowest and in the highest plane become the
+/// groups `bottom` and `top`, the rest `sides`.
+///
+/// # Errors
+/// [`MeshError::NoGmsh`], [`MeshError::Gmsh`], or those of [`msh::read`].
+pub fn solid(path: &Path, size: f64) -> Result<Imported, MeshError> {
+    let end = path
+        .extension()
+        .map_or_else(String::new, |end| end.to_string_lossy().to_lowercase());
+    let name = format!("geometry.{end}");
+    let script = SOLID.replace("GEOMETRY", &name);
+    let mut built = run(&Job {
+        what: path.display().to_string(),
+        script: &script,
+        constants: vec![("size", size * 1e3)],
+        beside: Some((path, name)),
+    })?;
+    built.mesh.straighten();
+    name_by_height(&mut built.mesh);
+    Ok(built)
+}
+
+/// The version of the gmsh that would be used.
+///
+/// # Errors
+/// [`MeshError::NoGmsh`].
+pub fn version() -> Result<String, MeshError> {
+    let output = start(Command::new(program()).arg("--version"))?;
+    // gmsh prints its version to standard error.
+    let text = [output.stdout, output.stderr].concat();
+    Ok(String::from_utf8_lossy(&text).trim().to_owned())
+}
+
+fn program() -> String {
+    std::env::var(PROGRAM)
+        .ok()
+        .filter(|name| !name.is_empty())
+        .unwrap_or_else(|| "gmsh".to_owned())
+}
+
+fn start(command: &mut Command) -> Result<std::process::Output, MeshError> {
+    command
+        .stdin(Stdio::null())
+        .output()
+        .map_err(|error| MeshError::NoGmsh {
+            program: command.get_program().to_string_lossy().into_owned(),
+            reason: error.to_string(),
+        })
+}
+
+/// Runs a script in a folder of its own and reads the mesh.
+pub(crate) fn run(job: &Job<'_>) -> Result<Imported, MeshError> {
+    let folder = Folder::new()?;
+    let at = |name: &str| folder.0.join(name);
+    let write =
+        |path: PathBuf, bytes: &[u8]| std::fs::write(&path, bytes).map_err(|source| MeshError::Write { path, source });
+    write(at("script.geo"), job.script.as_bytes())?;
+    if let Some((path, name)) = &job.beside {
+        let bytes = std::fs::read(path).map_err(|source| MeshError::Read {
+            path: path.to_path_buf(),
+            source,
+        })?;
+        write(at(name), &bytes)?;
+    }
+    let mut command = Command::new(program());
+    command.current_dir(&folder.0);
+    // One thread: the mesh must be the same on every machine.
+    command.args([
+        "script.geo",
+        "-3",
+        "-format",
+        "msh41",
+        "-bin",
+        "-nt",
+        "1",
+        "-v",
+        "2",
+        "-o",
+        "mesh.msh",
+    ]);
+    for (name, value) in &job.constants {
+        command.args(["-setnumber", name, &value.to_string()]);
+    }
+    let output = start(&mut command)?;
+    let said = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
+    let errors: Vec<&str> = said
+        .lines()
+        .filter_map(|line| line.trim().strip_prefix("Error"))
+        .map(|line| line.trim_start_matches([' ', ':']))
+        .filter(|line| !line.starts_with(['-', 'M']) && !line.is_empty())
+        .collect();
+    let failed = |reason: String| MeshError::Gmsh {
+        what: job.what.clone(),
+        reason,
+    };
+    let result = at("mesh.msh");
+    // A folded element that stays folded after its optimisation is an error to gmsh; straightening mends it.
+    let fatal: Vec<&str> = errors
+        .into_iter()
+        .filter(|line| !line.contains("ptimization failed") && !line.contains("critical value"))
+        .collect();
+    if !fatal.is_empty() || !result.exists() {
+        let reason = match fatal.first() {
+            Some(first) => (*first).to_owned(),
+            None => format!("it ended with {} and wrote no mesh", output.status),
+        };
+        return Err(failed(reason));
+    }
+    let mut built = msh::read(&result, 1.0).map_err(|error| failed(error.to_string()))?;
+    built.mesh.nodes.iter_mut().for_each(|p| *p = p.map(rounded));
+    Ok(built)
+}
+
+/// A length to the nearest 2^-26 m (15 nm), so that a mesh that ships compressed is the one that is made.
+fn rounded(length: f64) -> f64 {
+    const GRAIN: f64 = (1 << 26) as f64;
+    (length * GRAIN).round() / GRAIN
+}
+
+/// Groups of the outer faces of a body by the planes they lie in.
+fn name_by_height(mesh: &mut Mesh) {
+    let (low, high) = mesh.bounds();
+    let tolerance = 1e-6 * (high - low).norm();
+    let mut groups: [(&str, Vec<FaceRef>); 3] = [("bottom", vec![]), ("top", vec![]), ("sides", vec![])];
+    for face in Surface::of(mesh).faces.iter().map(|face| face.of) {
+        let nodes = mesh.face_nodes(face);
+        let all = |height: f64| nodes.iter().all(|&n| (mesh.nodes[n].z - height).abs() <= tolerance);
+        if all(low.z) {
+            groups[0].1.push(face);
+        } else if all(high.z) {
+            groups[1].1.push(face);
+        } else {
+            groups[2].1.push(face);
+        }
+    }
+    mesh.groups = groups
+        .into_iter()
+        .filter(|(_, faces)| !faces.is_empty())
+        .map(|(name, faces)| FaceGroup {
+            name: name.to_owned(),
+            faces,
+        })
+        .collect();
+}
+
+/// A folder that goes when it is dropped.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new() -> Result<Self, MeshError> {
+        static NEXT: AtomicUsize = AtomicUsize::new(0);
+        let number = NEXT.fetch_add(1, Ordering::Relaxed);
+        let path = std::env::temp_dir().join(format!("nailnoise-gmsh-{}-{number}", std::process::id()));
+        std::fs::create_dir_all(&path).map_err(|source| MeshError::Write {
+            path: path.clone(),
+            source,
+        })?;
+        Ok(Self(path))
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        // What is left behind lies in the folder for temporary files.
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}

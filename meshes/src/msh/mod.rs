@@ -1,0 +1,81 @@
+//! `.msh` files of gmsh, versions 2.2 and 4.1, text and binary.
+//!
+//! Named volumes (`Physical Volume("housing")`) become the parts of the mesh, named surfaces its face groups; other
+//! groups are left out. Numbers in messages are those of the file. The formats are described in the gmsh reference
+//! manual (C. Geuzaine and J.-F. Remacle, version 4.8, chapter 9).
+
+mod build;
+mod cursor;
+mod error;
+mod raw;
+mod v2;
+mod v4;
+mod write;
+
+use std::io::{Read, Write};
+use std::path::Path;
+
+pub use build::Imported;
+pub use error::MshError;
+pub use write::{Format, to_bytes, write};
+
+use crate::MeshError;
+
+/// First bytes of a compressed file (RFC 1952).
+const GZIP: [u8; 2] = [0x1f, 0x8b];
+
+/// The largest file that is read, compressed or not \[byte\].
+const LARGEST: u64 = 4 << 30;
+
+/// How a file that is written here says what its unit is; the format has no place for it but the comments.
+const IN_METRES: &str = "lengths in m";
+
+/// Reads a `.msh` file, also one compressed by gzip; `unit` is the length of one unit of the file \[m\], unless the file's
+/// comments say that its lengths are in metres, as those do that [`write()`] has written.
+///
+/// # Errors
+/// [`MeshError::Read`] or [`MeshError::Msh`].
+pub fn read(path: &Path, unit: f64) -> Result<Imported, MeshError> {
+    let bytes = std::fs::read(path).map_err(|source| MeshError::Read {
+        path: path.to_owned(),
+        source,
+    })?;
+    parse(&bytes, unit, path)
+}
+
+/// Reads the content of a `.msh` file; `name` is for messages.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(bytes: &[u8], unit: f64, name: &Path) -> Result<Imported, MeshError> {
+    let inflated;
+    let bytes = if bytes.starts_with(&GZIP) {
+        let mut text = Vec::new();
+        flate2::read::GzDecoder::new(bytes)
+            .take(LARGEST)
+            .read_to_end(&mut text)
+            .map_err(|source| MeshError::Read {
+                path: name.to_owned(),
+                source,
+            })?;
+        inflated = text;
+        &inflated
+    } else {
+        bytes
+    };
+    raw::Raw::read(bytes)
+        .and_then(|raw| raw.build(unit))
+        .map_err(|problem| MeshError::Msh {
+            path: name.to_owned(),
+            problem,
+        })
+}
+
+fn compressed(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = flate2::GzBuilder::new()
+        .mtime(0)
+        .write(Vec::new(), flate2::Compression::best());
+    // Writing to memory cannot fail.
+    let _ = encoder.write_all(bytes);
+    encoder.finish().unwrap_or_default()
+}

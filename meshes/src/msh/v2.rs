@@ -1,0 +1,85 @@
+//! Nodes and elements of version 2.
+
+use super::MshError;
+use super::cursor::{Cursor, Encoding};
+use super::raw::{Kind, Raw};
+
+/// Largest number of tags an element may have; gmsh writes 2, and a few more for partitions.
+const MOST_TAGS: i64 = 64;
+
+pub(super) fn nodes(cursor: &mut Cursor<'_>, raw: &mut Raw) -> Result<(), MshError> {
+    let count = announced(cursor)?;
+    let count = cursor.count("nodes", count, 4 * cursor.least(7))?;
+    raw.nodes.reserve(count);
+    for _ in 0..count {
+        let number = number(cursor)?;
+        let position = [cursor.double()?, cursor.double()?, cursor.double()?];
+        raw.node(number, position)?;
+    }
+    Ok(())
+}
+
+pub(super) fn elements(cursor: &mut Cursor<'_>, raw: &mut Raw) -> Result<(), MshError> {
+    let count = announced(cursor)?;
+    let count = cursor.count("elements", count, 2 * cursor.least(4))?;
+    match cursor.encoding {
+        Encoding::Text => {
+            for _ in 0..count {
+                let (element, code, tags) = (number(cursor)?, cursor.int()?, cursor.int()?);
+                let kind = Kind::of(code, element)?;
+                one(cursor, raw, element, kind, tags)?;
+            }
+        }
+        Encoding::Binary { .. } => {
+            let mut read = 0;
+            while read < count {
+                let (code, block, tags) = (cursor.int()?, cursor.int()?, cursor.int()?);
+                let kind = Kind::of(code, 0)?;
+                let block = cursor.count("elements", u64::try_from(block).unwrap_or(u64::MAX), 8)?;
+                // An empty block would let a damaged file go round for ever.
+                for _ in 0..block.max(1).min(count - read) {
+                    let element = number(cursor)?;
+                    one(cursor, raw, element, kind, tags)?;
+                }
+                read += block.max(1);
+            }
+        }
+    }
+    Ok(())
+}
+
+fn one(cursor: &mut Cursor<'_>, raw: &mut Raw, element: u64, kind: &'static Kind, tags: i64) -> Result<(), MshError> {
+    if !(0..=MOST_TAGS).contains(&tags) {
+        return Err(MshError::Header {
+            what: "of an element that the number of its tags is",
+            found: tags.to_string(),
+            expected: "gmsh writes two",
+        });
+    }
+    let mut physical = 0;
+    for tag in 0..tags {
+        let value = cursor.int()?;
+        if tag == 0 {
+            physical = value;
+        }
+    }
+    let set: &[i64] = if physical == 0 { &[] } else { &[physical] };
+    let group = raw.group_set(set);
+    for _ in 0..kind.nodes {
+        let node = number(cursor)?;
+        raw.nodes_of.push(node);
+    }
+    raw.element(element, kind, group);
+    Ok(())
+}
+
+fn announced(cursor: &mut Cursor<'_>) -> Result<u64, MshError> {
+    let count = cursor.text_integer()?;
+    cursor.end_of_line();
+    Ok(u64::try_from(count).unwrap_or(u64::MAX))
+}
+
+/// A number of a node or element. A negative one becomes a number that nothing has.
+fn number(cursor: &mut Cursor<'_>) -> Result<u64, MshError> {
+    Ok(u64::try_from(cursor.int()?).unwrap_or(u64::MAX))
+}

@@ -1,0 +1,11 @@
+//! Universal files (SDRC-UFF) for modal-test software: nodes (datasets 15 and 2411), elements (2412), mode shapes (55).
+//!
+//! Formats: Structural Dynamics Research Laboratory, University of Cincinnati, *Universal File Formats for Modal Analysis
+//! Testing*. Lengths are in m, shapes in the unit of the caller. The skin is written, not the volume: it is what test
+//! software draws and what can be measured.
+
+mod read;
+mod write;
+
+pub use read::{MeasuredMode, Measurement, UffError, read};
+pub use write::{Mode, write};

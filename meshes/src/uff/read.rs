@@ -1,0 +1,237 @@
+//! Reading universal files: nodes and measured modes.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use nalgebra::{Complex, Point3};
+
+/// What a universal file holds of a modal test.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Measurement {
+    /// Position of each node by its label \[m\]; empty when the file has neither dataset 15 nor 2411.
+    pub nodes: HashMap<u64, Point3<f64>>,
+    /// The modes, in the order of the file.
+    pub modes: Vec<MeasuredMode>,
+}
+
+/// A mode of a universal file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredMode {
+    /// Natural frequency \[Hz\].
+    pub hz: f64,
+    /// Complex displacement of each node along x, y and z, in any unit.
+    pub shape: Vec<(u64, [Complex<f64>; 3])>,
+}
+
+/// What is wrong with a universal file.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum UffError {
+    /// The file cannot be read.
+    #[error("cannot read {}: {source}; check its name and that it may be read", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// A line is not what its dataset needs.
+    #[error("{}, line {line}, dataset {dataset}: expected {expected}, found \"{found}\"", path.display())]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// The dataset.
+        dataset: u64,
+        /// What is expected.
+        expected: &'static str,
+        /// What stands there.
+        found: String,
+    },
+    /// A dataset has no end.
+    #[error("{}: dataset {dataset} of line {line} has no end (-1); the file is cut off", path.display())]
+    Truncated {
+        /// The file.
+        path: PathBuf,
+        /// Where it begins, from 1.
+        line: usize,
+        /// Its number.
+        dataset: u64,
+    },
+    /// There is no mode in it.
+    #[error("{} has no mode shapes: no dataset 55 with normal modes (2) or complex ones (3, 7)", path.display())]
+    NoModes {
+        /// The file.
+        path: PathBuf,
+    },
+}
+
+/// Lines of one dataset.
+struct Block<'a> {
+    path: &'a Path,
+    dataset: u64,
+    /// Number of its first line in the file, from 1.
+    first: usize,
+    lines: &'a [&'a str],
+}
+
+/// Reads datasets 15, 2411 and 55; others are left out.
+///
+/// # Errors
+/// [`UffError`].
+pub fn read(path: &Path) -> Result<Measurement, UffError> {
+    let bytes = std::fs::read(path).map_err(|source| UffError::Read {
+        path: path.to_owned(),
+        source,
+    })?;
+    let text = String::from_utf8_lossy(&bytes);
+    let lines: Vec<&str> = text.lines().collect();
+    let is_end = |line: &str| line.trim() == "-1";
+    let mut measurement = Measurement::default();
+    let mut at = 0;
+    while at < lines.len() {
+        if !is_end(lines[at]) {
+            at += 1;
+            continue;
+        }
+        let Some(header) = lines.get(at + 1) else { break };
+        // A binary dataset has more words in its header.
+        let dataset = header
+            .split_whitespace()
+            .next()
+            .and_then(|word| word.parse().ok())
+            .unwrap_or(0);
+        let Some(length) = lines[at + 2..].iter().position(|line| is_end(line)) else {
+            return Err(UffError::Truncated {
+                path: path.to_owned(),
+                line: at + 1,
+                dataset,
+            });
+        };
+        let block = Block {
+            path,
+            dataset,
+            first: at + 3,
+            lines: &lines[at + 2..at + 2 + length],
+        };
+        match dataset {
+            15 => block.nodes(1, &mut measurement)?,
+            2411 => block.nodes(2, &mut measurement)?,
+            55 => block.mode(&mut measurement)?,
+            _ => {}
+        }
+        at += length + 3;
+    }
+    if measurement.modes.is_empty() {
+        return Err(UffError::NoModes { path: path.to_owned() });
+    }
+    Ok(measurement)
+}
+
+impl Block<'_> {
+    fn error(&self, line: usize, expected: &'static str) -> UffError {
+        UffError::Line {
+            path: self.path.to_owned(),
+            line: self.first + line,
+            dataset: self.dataset,
+            expected,
+            found: self
+                .lines
+                .get(line)
+                .map_or_else(String::new, |text| text.trim().chars().take(60).collect()),
+        }
+    }
+
+    /// Numbers of one line, with `D` as an exponent; fields of 13 that have run together are taken apart.
+    fn numbers(&self, line: usize, expected: &'static str) -> Result<Vec<f64>, UffError> {
+        let text = self.lines.get(line).ok_or_else(|| self.error(line, expected))?;
+        let number = |word: &str| {
+            word.trim()
+                .replace(['D', 'd'], "E")
+                .parse::<f64>()
+                .ok()
+                .filter(|x| x.is_finite())
+        };
+        let words: Option<Vec<f64>> = text.split_whitespace().map(number).collect();
+        words
+            .or_else(|| {
+                let fields: Vec<char> = text.trim_end().chars().collect();
+                fields
+                    .chunks(13)
+                    .map(|field| number(&field.iter().collect::<String>()))
+                    .collect()
+            })
+            .ok_or_else(|| self.error(line, expected))
+    }
+
+    fn nodes(&self, lines_each: usize, measurement: &mut Measurement) -> Result<(), UffError> {
+        let expected = "a node: label, three numbers, three coordinates";
+        for line in (0..self.lines.len()).step_by(lines_each) {
+            let mut numbers = self.numbers(line, expected)?;
+            if lines_each == 2 {
+                numbers.extend(self.numbers(line + 1, expected)?);
+            }
+            let &[label, _, _, _, x, y, z] = numbers.as_slice() else {
+                return Err(self.error(line, expected));
+            };
+            // 2411 has more digits than 15 and stands.
+            let position = Point3::new(x, y, z);
+            if lines_each == 2 {
+                measurement.nodes.insert(label as u64, position);
+            } else {
+                measurement.nodes.entry(label as u64).or_insert(position);
+            }
+        }
+        Ok(())
+    }
+
+    fn mode(&self, measurement: &mut Measurement) -> Result<(), UffError> {
+        let header = self.numbers(5, "six numbers that tell the kind of data")?;
+        let &[_, analysis, _, _, data, per_node] = header.as_slice() else {
+            return Err(self.error(5, "six numbers that tell the kind of data"));
+        };
+        let record = self.numbers(7, "a frequency")?;
+        let hz = match (analysis as i64, record.as_slice()) {
+            (2, [hz, ..]) => *hz,
+            // An eigenvalue in rad/s.
+            (3 | 7, [re, im, ..]) => re.hypot(*im) / std::f64::consts::TAU,
+            (2 | 3 | 7, _) => return Err(self.error(7, "a frequency")),
+            _ => return Ok(()),
+        };
+        let complex = matches!(data as i64, 5 | 6);
+        let per_node = per_node as usize;
+        if !matches!(per_node, 3 | 6) {
+            return Err(self.error(5, "3 or 6 values a node"));
+        }
+        let values_each = per_node * if complex { 2 } else { 1 };
+        let mut shape = Vec::new();
+        let mut line = 8;
+        while line < self.lines.len() {
+            let label = self.numbers(line, "the label of a node")?;
+            let &[label, ..] = label.as_slice() else {
+                return Err(self.error(line, "the label of a node"));
+            };
+            let mut values = Vec::with_capacity(values_each);
+            line += 1;
+            while values.len() < values_each {
+                let more = self.numbers(line, "values at a node")?;
+                if more.is_empty() {
+                    return Err(self.error(line, "values at a node"));
+                }
+                values.extend(more);
+                line += 1;
+            }
+            let component = |k: usize| {
+                if complex {
+                    Complex::new(values[2 * k], values[2 * k + 1])
+                } else {
+                    Complex::new(values[k], 0.0)
+                }
+            };
+            shape.push((label as u64, [component(0), component(1), component(2)]));
+        }
+        measurement.modes.push(MeasuredMode { hz, shape });
+        Ok(())
+    }
+}

@@ -1,0 +1,164 @@
+//! Universal files: what is written is read back, and what is damaged is named.
+#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
+
+use std::path::PathBuf;
+
+use nailnoise_meshes::uff::{self, Mode, UffError};
+use nailnoise_meshes::{Block, Surface, block};
+use nalgebra::Complex;
+
+/// A file of this test's own.
+struct Scratch(PathBuf);
+
+impl Scratch {
+    fn new(name: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("nailnoise-uff-{}-{name}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        Self(folder.join("modes.uff"))
+    }
+
+    fn holding(name: &str, text: &str) -> Self {
+        let own = Self::new(name);
+        std::fs::write(&own.0, text).unwrap();
+        own
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(self.0.parent().unwrap());
+    }
+}
+
+fn written(name: &str) -> (Scratch, Surface, Vec<Vec<f64>>) {
+    let mesh = block(&Block {
+        size: [0.4, 0.15, 0.1],
+        divisions: [3, 2, 1],
+        origin: [-0.2, 0.0, 1e-3],
+    })
+    .unwrap();
+    let surface = Surface::of(&mesh);
+    let shapes: Vec<Vec<f64>> = (1..=3)
+        .map(|mode| {
+            (0..3 * mesh.nodes.len())
+                .map(|dof| (dof as f64 * 0.37 + f64::from(mode)).sin() * 10f64.powi(mode - 3))
+                .collect()
+        })
+        .collect();
+    let file = Scratch::new(name);
+    let modes: Vec<Mode<'_>> = shapes
+        .iter()
+        .zip([0.0, 1483.25, 9876.5])
+        .map(|(shape, hz)| Mode {
+            hz,
+            loss_factor: 0.02,
+            shape,
+        })
+        .collect();
+    uff::write(&file.0, "block", &surface, &modes).unwrap();
+    (file, surface, shapes)
+}
+
+#[test]
+fn nodes_and_modes_are_read_back() {
+    let (file, surface, shapes) = written("back");
+    let read = uff::read(&file.0).unwrap();
+    assert_eq!(read.nodes.len(), surface.points.len());
+    for (point, &node) in surface.points.iter().zip(&surface.volume_nodes) {
+        // Sixteen digits after the point.
+        assert!((read.nodes[&(node as u64 + 1)] - point).norm() < 1e-15);
+    }
+    assert_eq!(read.modes.len(), 3);
+    for ((mode, shape), hz) in read.modes.iter().zip(&shapes).zip([0.0, 1483.25, 9876.5]) {
+        assert!((mode.hz - hz).abs() <= 1e-5 * hz);
+        assert_eq!(mode.shape.len(), surface.points.len());
+        for (label, u) in &mode.shape {
+            for axis in 0..3 {
+                let expected = shape[3 * (*label as usize - 1) + axis];
+                assert!((u[axis].re - expected).abs() <= 1e-5 * expected.abs());
+                assert_eq!(u[axis].im, 0.0);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_shape_that_is_too_short_is_refused() {
+    let (file, surface, shapes) = written("short");
+    let mode = Mode {
+        hz: 1.0,
+        loss_factor: 0.0,
+        shape: &shapes[0][..30],
+    };
+    assert!(uff::write(&file.0, "block", &surface, &[mode]).is_err());
+}
+
+#[test]
+fn complex_modes_of_a_test_are_read_in_hertz() {
+    let text = "    -1\n    55\na\nNONE\nNONE\nNONE\nNONE\n         1         3         2         8         5         3\n         \
+                2         6         1         1\n -6.28319E+00  6.28319D+02  0.0 0.0 0.0 0.0\n        17\n  1.0 0.5 0.0 0.0 \
+                -1.0 0.25\n    -1\n";
+    let read = uff::read(&Scratch::holding("complex", text).0).unwrap();
+    assert!(read.nodes.is_empty());
+    assert!((read.modes[0].hz - 100.005).abs() < 1e-3, "{}", read.modes[0].hz);
+    let expected = [Complex::new(1.0, 0.5), Complex::new(0.0, 0.0), Complex::new(-1.0, 0.25)];
+    assert_eq!(read.modes[0].shape, [(17, expected)]);
+}
+
+#[test]
+fn what_is_wrong_is_named() {
+    let (file, ..) = written("wrong");
+    let good = std::fs::read_to_string(&file.0).unwrap();
+    let read = |text: &str| uff::read(&Scratch::holding("case", text).0);
+    let cut = &good[..good.len() / 2];
+    assert!(matches!(read(cut), Err(UffError::Truncated { .. })));
+    let geometry = good.split("    -1\n    55\n").next().unwrap();
+    assert!(matches!(read(geometry), Err(UffError::NoModes { .. })));
+    assert!(matches!(read("no universal file"), Err(UffError::NoModes { .. })));
+    let line = good.lines().position(|line| line.contains("mode 1 at")).unwrap();
+    let mut lines: Vec<&str> = good.lines().collect();
+    lines[line + 3] = "  one hertz";
+    let error = read(&lines.join("\n")).unwrap_err();
+    assert!(
+        matches!(error, UffError::Line { line: at, dataset: 55, .. } if at == line + 4),
+        "{error}"
+    );
+    assert!(error.to_string().contains("one hertz"), "{error}");
+    assert!(matches!(
+        uff::read(&file.0.with_file_name("absent.uff")),
+        Err(UffError::Read { .. })
+    ));
+}
+
+#[test]
+fn damaged_files_cause_no_panic() {
+    let (file, ..) = written("damaged");
+    let good = std::fs::read(&file.0).unwrap();
+    let mut state = 1u64;
+    // The generator of Knuth, The Art of Computer Programming 2, section 3.3.4.
+    let mut next = |below: usize| {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        ((state >> 33) % below as u64) as usize
+    };
+    let mut refused = 0;
+    for _ in 0..100 {
+        let mut bytes = good.clone();
+        for _ in 0..=next(6) {
+            let at = next(bytes.len());
+            match next(4) {
+                0 => bytes[at] = b"-1 eE.\n\0"[next(8)],
+                1 => bytes.truncate(at.max(1)),
+                2 => {
+                    let end = (at + next(90)).min(bytes.len());
+                    bytes.drain(at..end);
+                }
+                _ => bytes[at] = next(256) as u8,
+            }
+        }
+        std::fs::write(&file.0, &bytes).unwrap();
+        refused += usize::from(uff::read(&file.0).is_err());
+    }
+    assert!(refused > 30, "{refused}");
+}

@@ -1,0 +1,117 @@
+//! One entry: a header of 82 bytes, then the value in the postcard format.
+//!
+//! ```text
+//! 18 bytes  "nailnoise cache 1\n"
+//! 32 bytes  SHA-256 of the inputs
+//! 32 bytes  SHA-256 of the value's bytes
+//! ```
+//! The name is the stage, a hyphen, and the digest of the inputs in hexadecimal digits.
+
+use std::fs::File;
+use std::io::{self, Read as _};
+use std::path::Path;
+use std::time::SystemTime;
+
+use nailnoise_meshes::write_atomic;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use sha2::{Digest as _, Sha256};
+use thiserror::Error;
+
+const MAGIC: &[u8; 18] = b"nailnoise cache 1\n";
+
+/// Extension of the files.
+pub(super) const EXTENSION: &str = "entry";
+
+/// What is wrong with an entry.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum Damage {
+    /// The file cannot be read.
+    #[error("cannot be read ({0})")]
+    Unreadable(#[from] io::Error),
+    /// It is no entry of this format.
+    #[error("is of another format")]
+    Foreign,
+    /// Its header names other inputs than its file name.
+    #[error("belongs to other inputs")]
+    Misplaced,
+    /// Its bytes are not those that were written.
+    #[error("is damaged: its content does not match its digest")]
+    Altered,
+    /// The bytes are those written, but no value of the type expected.
+    #[error("holds something else ({0})")]
+    Undecodable(#[from] postcard::Error),
+}
+
+/// The file's name.
+pub(super) fn name(stage: &str, digest: &[u8; 32]) -> String {
+    let stage: String = stage
+        .chars()
+        .map(|c| if c.is_alphanumeric() { c } else { '-' })
+        .collect();
+    format!("{stage}-{}.{EXTENSION}", hexadecimal(digest))
+}
+
+fn hexadecimal(digest: &[u8; 32]) -> String {
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// The value, if there is one.
+pub(super) fn read<T: DeserializeOwned>(path: &Path, inputs: &[u8; 32]) -> Result<Option<T>, Damage> {
+    let mut file = match File::open(path) {
+        Ok(file) => file,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(error.into()),
+    };
+    let mut bytes = Vec::new();
+    file.read_to_end(&mut bytes)?;
+    let value = postcard::from_bytes(content(&bytes, Some(inputs))?)?;
+    // The time tells the order in which entries go; where it cannot be set they go in the order they came.
+    let _ = file.set_modified(SystemTime::now());
+    Ok(Some(value))
+}
+
+/// Writes a value.
+pub(super) fn write<T: Serialize>(path: &Path, inputs: &[u8; 32], value: &T) -> io::Result<()> {
+    let content = postcard::to_stdvec(value).map_err(io::Error::other)?;
+    let mut bytes = Vec::with_capacity(MAGIC.len() + 64 + content.len());
+    bytes.extend_from_slice(MAGIC);
+    bytes.extend_from_slice(inputs);
+    bytes.extend_from_slice(&Sha256::digest(&content));
+    bytes.extend_from_slice(&content);
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder)?;
+    }
+    write_atomic(path, &bytes)
+}
+
+/// Whether the file is whole and stands under its own name.
+pub(super) fn verify(path: &Path) -> Result<(), Damage> {
+    let bytes = std::fs::read(path)?;
+    content(&bytes, None)?;
+    let inputs = bytes[MAGIC.len()..]
+        .first_chunk::<32>()
+        .map(hexadecimal)
+        .unwrap_or_default();
+    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    if name.ends_with(&inputs) {
+        Ok(())
+    } else {
+        Err(Damage::Misplaced)
+    }
+}
+
+/// The value's bytes, after the header has been found true.
+fn content<'a>(bytes: &'a [u8], inputs: Option<&[u8; 32]>) -> Result<&'a [u8], Damage> {
+    let rest = bytes.strip_prefix(MAGIC).ok_or(Damage::Foreign)?;
+    let (of_inputs, rest) = rest.split_first_chunk::<32>().ok_or(Damage::Altered)?;
+    let (of_content, content) = rest.split_first_chunk::<32>().ok_or(Damage::Altered)?;
+    if inputs.is_some_and(|inputs| inputs != of_inputs) {
+        return Err(Damage::Misplaced);
+    }
+    if Sha256::digest(content)[..] != of_content[..] {
+        return Err(Damage::Altered);
+    }
+    Ok(content)
+}

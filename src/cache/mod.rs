@@ -1,0 +1,159 @@
+//! Results of expensive stages, kept from run to run under the digest of everything they depend on.
+//!
+//! An entry is one file, named by its stage and by the SHA-256 of its inputs and of the sources of this program; it
+//! carries the digest of its own content. What is truncated, altered or foreign is noticed, reported and computed anew.
+//! Files are written whole, so that several processes may share a folder and a killed one leaves nothing half-written.
+//! The least recently used entries go first when the folder outgrows its limit.
+
+mod entry;
+mod folder;
+mod key;
+
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::time::SystemTime;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+pub use entry::Damage;
+pub use folder::{CacheError, LIMIT};
+pub use key::Key;
+
+/// Where results of expensive stages are kept, if anywhere.
+#[derive(Debug, Default)]
+pub struct Cache {
+    store: Option<Store>,
+    /// What the user should know: damaged entries, a folder that cannot be written.
+    notes: Mutex<Vec<String>>,
+}
+
+#[derive(Debug)]
+struct Store {
+    folder: PathBuf,
+    /// Bytes that all entries may take together.
+    limit: u64,
+}
+
+/// An entry as it lies in the folder.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Listed {
+    /// The file.
+    pub path: PathBuf,
+    /// The stage that computed it.
+    pub stage: String,
+    /// Its size \[bytes\].
+    pub bytes: u64,
+    /// When it was last written or read.
+    pub used: SystemTime,
+}
+
+impl Cache {
+    /// Keeps nothing.
+    pub fn none() -> Self {
+        Self::default()
+    }
+
+    /// The user's own: `$NAILNOISE_CACHE`, else `$XDG_CACHE_HOME/nailnoise`, else `~/.cache/nailnoise`; at most
+    /// `$NAILNOISE_CACHE_LIMIT` GiB, else [`LIMIT`].
+    ///
+    /// # Errors
+    /// [`CacheError`] where the environment names no folder or no size.
+    pub fn of_user() -> Result<Self, CacheError> {
+        Ok(Self::at(folder::of_user()?, folder::limit()?))
+    }
+
+    /// In this folder, with this many bytes at most.
+    pub fn at(folder: PathBuf, limit: u64) -> Self {
+        Self {
+            store: Some(Store { folder, limit }),
+            notes: Mutex::default(),
+        }
+    }
+
+    /// The folder; none when nothing is kept.
+    pub fn folder(&self) -> Option<&Path> {
+        self.store.as_ref().map(|store| store.folder.as_path())
+    }
+
+    /// Bytes that all entries may take together; 0 when nothing is kept.
+    pub fn limit(&self) -> u64 {
+        self.store.as_ref().map_or(0, |store| store.limit)
+    }
+
+    /// What `stage` computes from the inputs in `key`, from the cache or else by `compute`, and kept then.
+    ///
+    /// # Errors
+    /// Those of `compute`; trouble with the cache itself becomes a note.
+    pub fn get_or<T: Serialize + DeserializeOwned, E>(
+        &self,
+        stage: &str,
+        key: Key,
+        compute: impl FnOnce() -> Result<T, E>,
+    ) -> Result<T, E> {
+        let Some(store) = &self.store else { return compute() };
+        let digest = key.digest();
+        let path = store.folder.join(entry::name(stage, &digest));
+        match entry::read(&path, &digest) {
+            Ok(Some(value)) => return Ok(value),
+            Ok(None) => {}
+            Err(damage) => self.note(format!(
+                "the cache entry {} {damage}; it is computed anew",
+                path.display()
+            )),
+        }
+        let value = compute()?;
+        if let Err(source) =
+            entry::write(&path, &digest, &value).and_then(|()| folder::bound(&store.folder, store.limit))
+        {
+            self.note(format!(
+                "{stage} cannot be kept in {}: {source}; choose another folder with NAILNOISE_CACHE",
+                store.folder.display()
+            ));
+        }
+        Ok(value)
+    }
+
+    /// Takes what there is to tell the user.
+    pub fn take_notes(&self) -> Vec<String> {
+        self.notes
+            .lock()
+            .map(|mut notes| std::mem::take(&mut *notes))
+            .unwrap_or_default()
+    }
+
+    /// All entries, last used first.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn entries(&self) -> std::io::Result<Vec<Listed>> {
+        self.folder().map_or_else(|| Ok(Vec::new()), folder::entries)
+    }
+
+    /// Reads every entry whole; those that are damaged, with what is wrong.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn verify(&self) -> std::io::Result<Vec<(Listed, Damage)>> {
+        let damaged = |listed: Listed| entry::verify(&listed.path).err().map(|damage| (listed, damage));
+        Ok(self.entries()?.into_iter().filter_map(damaged).collect())
+    }
+
+    /// Removes all entries; returns how many there were.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn clear(&self) -> std::io::Result<usize> {
+        let entries = self.entries()?;
+        for entry in &entries {
+            folder::remove(&entry.path)?;
+        }
+        Ok(entries.len())
+    }
+
+    fn note(&self, text: String) {
+        if let Ok(mut notes) = self.notes.lock() {
+            notes.push(text);
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! What `mesh`, `check` and `modes` share: the choice of a body, and input that may be a design or a mesh.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use nailnoise_meshes::msh::Imported;
+
+use crate::design::{Design, LENGTH, Values, kept, measure};
+use crate::error::Error;
+use crate::pipeline::{self, BodyKind, Geometry};
+
+/// A body by its name on the command line.
+#[derive(Clone, Copy, ValueEnum)]
+pub(super) enum BodyName {
+    /// The wood block, free
+    Workpiece,
+    /// The worktable, clamped at the floor
+    Worktable,
+    /// The tool's body, free
+    Tool,
+}
+
+impl From<BodyName> for BodyKind {
+    fn from(name: BodyName) -> Self {
+        match name {
+            BodyName::Workpiece => Self::Workpiece,
+            BodyName::Worktable => Self::Worktable,
+            BodyName::Tool => Self::Tool,
+        }
+    }
+}
+
+/// A length with or without a unit.
+pub(super) fn length(text: &str) -> Result<f64, String> {
+    let value = measure(text, LENGTH)?;
+    if value > 0.0 {
+        Ok(value)
+    } else {
+        Err("must be above zero".to_owned())
+    }
+}
+
+/// The user's own file in place of a body of the design.
+#[derive(Args)]
+pub(super) struct Own {
+    /// Mesh (.msh) or geometry (.step) in place of the body, as if the design named it
+    #[arg(long, value_name = "FILE")]
+    mesh: Option<PathBuf>,
+    /// Length of one unit of a mesh file that does not tell it [default: the design's, 1 mm without]
+    #[arg(long, value_name = "LENGTH", value_parser = length)]
+    unit: Option<f64>,
+}
+
+impl Own {
+    /// Puts the file into the design.
+    pub(super) fn replace(&self, design: &mut Design, kind: BodyKind) {
+        let values: &mut Values = design;
+        let (mesh, unit) = match kind {
+            BodyKind::Workpiece => (&mut values.workpiece.mesh, &mut values.workpiece.mesh_unit),
+            BodyKind::Worktable => {
+                let table = &mut values.support.worktable;
+                (&mut table.mesh, &mut table.mesh_unit)
+            }
+            BodyKind::Tool => (&mut values.body.mesh, &mut values.body.mesh_unit),
+        };
+        if let Some(path) = &self.mesh {
+            *mesh = kept(&path.to_string_lossy());
+        }
+        *unit = self.unit.unwrap_or(*unit);
+    }
+}
+
+/// A design with the choice of a body, or a mesh or geometry of any origin.
+#[derive(Args)]
+pub(super) struct Input {
+    /// Design file (.toml), mesh (.msh, .msh.gz) or geometry (.step, .stp, .brep, .igs)
+    #[arg(value_name = "DESIGN|FILE")]
+    path: PathBuf,
+    /// Body of the design
+    #[arg(long, value_enum)]
+    body: Option<BodyName>,
+    #[command(flatten)]
+    own: Own,
+    /// Largest element side for a geometry that gmsh meshes
+    #[arg(long, value_name = "LENGTH", value_parser = length)]
+    size: Option<f64>,
+    /// Have gmsh mesh the tool body anew, even if a mesh of its dimensions ships
+    #[arg(long)]
+    remesh: bool,
+}
+
+/// A mesh, with the body of a design that it is, if it is one.
+pub(super) struct Loaded {
+    /// Name for headings and files.
+    pub(super) name: String,
+    /// The mesh.
+    pub(super) imported: Imported,
+    /// What the design says of it.
+    pub(super) body: Option<(Box<Design>, Geometry)>,
+}
+
+impl Input {
+    /// Reads or builds the mesh.
+    pub(super) fn load(&self) -> Result<Loaded, Error> {
+        let is_design = self.path.extension().is_some_and(|end| end == "toml");
+        if !is_design {
+            let imported = pipeline::import(&self.path, self.own.unit.unwrap_or(1e-3), self.size)?;
+            let name = self
+                .path
+                .file_stem()
+                .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+            return Ok(Loaded {
+                name,
+                imported,
+                body: None,
+            });
+        }
+        let mut design = super::load(&self.path)?;
+        let kind = BodyKind::from(self.body.ok_or(Error::NoBody)?);
+        self.own.replace(&mut design, kind);
+        if let Some(size) = self.size {
+            set_size(&mut design, kind, size);
+        }
+        let geometry = Geometry::of(&design, kind, self.remesh)?;
+        let imported = Imported {
+            mesh: geometry.mesh.clone(),
+            element_numbers: geometry.element_numbers.clone(),
+            node_numbers: Vec::new(),
+            unused_nodes: geometry.unused_nodes,
+            comment: match geometry.origin {
+                pipeline::Origin::Parametric => pipeline::tool_dimensions(&design).signature(),
+                _ => String::new(),
+            },
+        };
+        Ok(Loaded {
+            name: format!("{}: {}", design.name(), kind.name()),
+            imported,
+            body: Some((Box::new(design), geometry)),
+        })
+    }
+
+    /// The file given.
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+fn set_size(design: &mut Design, kind: BodyKind, size: f64) {
+    let analysis = &mut design.analysis;
+    match kind {
+        BodyKind::Workpiece => analysis.workpiece_element = size,
+        BodyKind::Worktable => analysis.worktable_element = size,
+        BodyKind::Tool => analysis.body_element = size,
+    }
+}

@@ -1,0 +1,138 @@
+//! `nailnoise cache`: what is kept between runs.
+
+use std::process::ExitCode;
+use std::time::SystemTime;
+
+use clap::{Args, Subcommand};
+use serde::Serialize;
+
+use super::table::table;
+use super::{print, print_json};
+use crate::cache::{Cache, Listed};
+use crate::error::Error;
+
+#[derive(Args)]
+pub(super) struct Arguments {
+    #[command(subcommand)]
+    action: Option<Action>,
+    /// Print exactly one JSON value instead of tables
+    #[arg(long, global = true)]
+    json: bool,
+}
+
+#[derive(Subcommand, Clone, Copy)]
+enum Action {
+    /// List what is kept, last used first (what happens when nothing is said)
+    List,
+    /// Read every entry, remove the damaged ones; status 1 if there were any
+    Verify,
+    /// Remove all entries
+    Clear,
+}
+
+#[derive(Serialize)]
+struct Row {
+    stage: String,
+    file: String,
+    bytes: u64,
+    /// Since it was last used.
+    age_s: f64,
+}
+
+impl From<Listed> for Row {
+    fn from(entry: Listed) -> Self {
+        let age = SystemTime::now().duration_since(entry.used).unwrap_or_default();
+        Self {
+            stage: entry.stage,
+            file: entry
+                .path
+                .file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned(),
+            bytes: entry.bytes,
+            age_s: age.as_secs_f64(),
+        }
+    }
+}
+
+pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+    let cache = Cache::of_user()?;
+    let folder = cache.folder().unwrap_or_else(|| "".as_ref()).to_owned();
+    let failed = |source| Error::Cache {
+        path: folder.clone(),
+        source,
+    };
+    match arguments.action.unwrap_or(Action::List) {
+        Action::List => {
+            let rows: Vec<Row> = cache.entries().map_err(failed)?.into_iter().map(Row::from).collect();
+            let bytes: u64 = rows.iter().map(|row| row.bytes).sum();
+            if arguments.json {
+                print_json(&serde_json::json!({
+                    "folder": folder, "bytes": bytes, "limit_bytes": cache.limit(), "entries": rows,
+                }))?;
+            } else {
+                print(&listing(&rows));
+                print(&format!(
+                    "\n  {} MiB of {} MiB in {}\n",
+                    mebibytes(bytes),
+                    mebibytes(cache.limit()),
+                    folder.display()
+                ));
+            }
+        }
+        Action::Verify => {
+            let damaged = cache.verify().map_err(failed)?;
+            let sound = cache.entries().map_err(failed)?.len() - damaged.len();
+            for (entry, damage) in &damaged {
+                std::fs::remove_file(&entry.path).map_err(failed)?;
+                eprintln!("removed: {} {damage}", entry.path.display());
+            }
+            if arguments.json {
+                print_json(&serde_json::json!({"folder": folder, "sound": sound, "removed": damaged.len()}))?;
+            } else {
+                print(&format!("  {sound} entries are sound, {} removed\n", damaged.len()));
+            }
+            return Ok(ExitCode::from(u8::from(!damaged.is_empty())));
+        }
+        Action::Clear => {
+            let count = cache.clear().map_err(failed)?;
+            if arguments.json {
+                print_json(&serde_json::json!({"folder": folder, "removed": count}))?;
+            } else {
+                print(&format!("  {count} entries removed from {}\n", folder.display()));
+            }
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn listing(rows: &[Row]) -> String {
+    let rows: Vec<Vec<String>> = rows
+        .iter()
+        .map(|row| {
+            vec![
+                row.stage.clone(),
+                mebibytes(row.bytes),
+                age(row.age_s),
+                row.file.clone(),
+            ]
+        })
+        .collect();
+    table(&["stage", "MiB", "last used", "file"], &rows)
+}
+
+fn mebibytes(bytes: u64) -> String {
+    format!("{:.1}", bytes as f64 / f64::from(1u32 << 20))
+}
+
+/// `3 min ago`.
+fn age(seconds: f64) -> String {
+    let (value, unit) = match seconds {
+        s if s < 60.0 => (s, "s"),
+        s if s < 3600.0 => (s / 60.0, "min"),
+        s if s < 86_400.0 => (s / 3600.0, "h"),
+        s => (s / 86_400.0, "d"),
+    };
+    format!("{value:.0} {unit} ago")
+}

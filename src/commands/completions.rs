@@ -1,0 +1,21 @@
+//! `nailnoise completions`: what a shell completes.
+
+use std::process::ExitCode;
+
+use clap::{Args, CommandFactory as _};
+use clap_complete::Shell;
+
+use super::{Cli, print};
+
+#[derive(Args)]
+pub(super) struct Arguments {
+    /// The shell: the text goes where that shell looks for completions
+    shell: Shell,
+}
+
+pub(super) fn execute(arguments: &Arguments) -> ExitCode {
+    let mut text = Vec::new();
+    clap_complete::generate(arguments.shell, &mut Cli::command(), "nailnoise", &mut text);
+    print(&String::from_utf8_lossy(&text));
+    ExitCode::SUCCESS
+}

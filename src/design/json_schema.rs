@@ -1,0 +1,103 @@
+//! The design file's schema for editors, from the same declarations that read it.
+
+use serde_json::{Map, Value, json};
+
+use super::groups::Values;
+use super::provenance::Provenance;
+use super::schema::{Group, GroupSpec, KeySpec, Kind};
+
+/// A JSON Schema (draft 2020-12) of the design file: completion, descriptions and first checks in an editor that knows
+/// TOML schemas. Units and limits are checked by this program alone.
+pub fn json_schema() -> Value {
+    let mut root = group(&Values::SPEC);
+    let mut properties = Map::from_iter([(
+        "base".to_owned(),
+        json!({"type": "string", "description": "The design to inherit from, relative to this file."}),
+    )]);
+    if let Some(Value::Object(own)) = root.get_mut("properties").map(Value::take) {
+        properties.extend(own);
+    }
+    let provenances = Provenance::ALL.map(Provenance::as_str).join("|");
+    root["properties"] = properties.into();
+    root["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
+    root["title"] = json!("nailnoise design");
+    root["$defs"] = json!({
+        "provenance": {"type": "string", "pattern": format!("^({provenances})(:.*)?$"),
+                       "description": "published, computed, estimated, decided, numerical, constant or design; the source may follow a colon"},
+        "range": {"description": "\"low .. high unit\", or a list of two quantities", "anyOf": [
+            {"type": "string", "pattern": "\\.\\."},
+            {"type": "array", "items": {"type": ["number", "string"]}, "minItems": 2, "maxItems": 2},
+        ]},
+    });
+    root
+}
+
+fn group(spec: &GroupSpec) -> Value {
+    let keys = spec.keys.iter().map(|spec| (spec.name.to_owned(), key(spec)));
+    let groups = spec.groups.iter().map(|(name, spec)| ((*name).to_owned(), group(spec)));
+    let lists = spec.lists.iter().map(|(name, spec)| {
+        let members = json!({"type": "object", "description": spec.description(), "additionalProperties": group(spec)});
+        ((*name).to_owned(), members)
+    });
+    json!({
+        "type": "object",
+        "description": spec.description(),
+        "properties": keys.chain(groups).chain(lists).collect::<Map<_, _>>(),
+        "additionalProperties": false,
+    })
+}
+
+fn key(spec: &KeySpec) -> Value {
+    let plain = match spec.kind {
+        Kind::Quantity { .. } => json!({"type": ["number", "string"]}),
+        Kind::Count => json!({"type": "integer", "minimum": 1}),
+        Kind::Switch => json!({"type": "boolean"}),
+        Kind::Choice(words) => json!({"enum": words}),
+        Kind::File => json!({"type": "string"}),
+    };
+    let mut fields = json!({
+        "value": plain,
+        "provenance": {"$ref": "#/$defs/provenance"},
+        "note": {"type": "string"},
+    });
+    if let Kind::Quantity { .. } | Kind::Count = spec.kind {
+        fields["range"] = json!({"$ref": "#/$defs/range"});
+    }
+    let unit = match spec.kind {
+        Kind::Quantity { dimension, sign, .. } => match dimension.unit() {
+            unit if unit.is_empty() => format!(" (number, {})", sign.describe()),
+            unit => format!(" ({unit}, {})", sign.describe()),
+        },
+        _ => String::new(),
+    };
+    json!({
+        "description": format!("{}{unit}", spec.description()),
+        "anyOf": [
+            plain,
+            {"type": "object", "properties": fields, "additionalProperties": false},
+        ],
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_key_stands_in_the_schema() {
+        let schema = json_schema();
+        Values::SPEC.each_key("", &mut |path, spec| {
+            let mut node = &schema;
+            for name in path.split('.') {
+                let inner = &node["properties"][name];
+                node = if inner.is_null() {
+                    &node["additionalProperties"]
+                } else {
+                    inner
+                };
+            }
+            let text = node["description"].as_str().unwrap_or_default();
+            assert!(text.starts_with(&spec.description()), "{path}");
+        });
+    }
+}

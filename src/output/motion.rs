@@ -1,0 +1,62 @@
+//! One mode in motion, for ParaView.
+
+use std::f64::consts::TAU;
+use std::path::{Path, PathBuf};
+
+use nailnoise_meshes::vtu::{Field, write_series, write_surface};
+
+use crate::error::Error;
+use crate::pipeline::Body;
+
+/// Instants of a period.
+const FRAMES: usize = 24;
+
+/// Largest displacement as a share of the body's diagonal: seen, and not yet folded.
+const AMPLITUDE: f64 = 0.05;
+
+/// Writes one period of a mode, `mode-N.pvd` and a `.vtu` an instant: the surface displaced by a cos(omega t) phi, with a
+/// such that the largest displacement is a twentieth of the body, and that displacement as a vector \[m\].
+pub(super) fn write(folder: &Path, body: &Body, mode: usize) -> Result<PathBuf, Error> {
+    let name = format!("mode-{:04}", mode + 1);
+    super::create(&folder.join(&name))?;
+    let shape = body.basis.shapes.column(mode);
+    let nodes = &body.surface.volume_nodes;
+    let largest = nodes.iter().map(|n| shape.rows(3 * n, 3).norm()).fold(0.0, f64::max);
+    let (low, high) = body.mesh.bounds();
+    let scale = AMPLITUDE * (high - low).norm() / largest;
+    // A rigid mode has no period.
+    let hz = if body.basis.rigid[mode] {
+        1.0
+    } else {
+        body.basis.hz[mode]
+    };
+    let mut moved = body.surface.clone();
+    let mut series = Vec::with_capacity(FRAMES);
+    for frame in 0..FRAMES {
+        let phase = frame as f64 / FRAMES as f64;
+        let factor = scale * (TAU * phase).cos();
+        let displacement: Vec<f64> = nodes
+            .iter()
+            .flat_map(|n| (0..3).map(move |axis| factor * shape[3 * n + axis]))
+            .collect();
+        for ((p, still), u) in moved
+            .points
+            .iter_mut()
+            .zip(&body.surface.points)
+            .zip(displacement.chunks(3))
+        {
+            *p = still + nalgebra::Vector3::new(u[0], u[1], u[2]);
+        }
+        let file = format!("{name}/{frame:02}.vtu");
+        let field = Field {
+            name: "displacement [m]",
+            components: 3,
+            values: &displacement,
+        };
+        write_surface(&folder.join(&file), &moved, &[field], &[])?;
+        series.push((phase / hz, file));
+    }
+    let list = folder.join(format!("{name}.pvd"));
+    write_series(&list, &series)?;
+    Ok(list)
+}

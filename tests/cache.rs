@@ -1,0 +1,160 @@
+//! What is kept between runs: found again, never trusted when damaged, bounded in size.
+#![allow(clippy::unwrap_used)]
+
+use std::cell::Cell;
+use std::convert::Infallible;
+use std::fs;
+use std::path::PathBuf;
+use std::time::{Duration, SystemTime};
+
+use nailnoise::cache::{Cache, Key, LIMIT};
+
+fn folder(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("cache").join(name);
+    let _ = fs::remove_dir_all(&folder);
+    folder
+}
+
+/// A stage that counts how often it is computed.
+fn squares(cache: &Cache, n: usize, computed: &Cell<usize>) -> Vec<f64> {
+    let value: Result<_, Infallible> = cache.get_or("squares", Key::new().with(&n), || {
+        computed.set(computed.get() + 1);
+        Ok((0..n).map(|i| (i * i) as f64).collect())
+    });
+    value.unwrap()
+}
+
+#[test]
+fn a_value_is_computed_once_and_comes_back_to_the_bit() {
+    let (cache, computed) = (Cache::at(folder("once"), LIMIT), Cell::new(0));
+    let first = squares(&cache, 1000, &computed);
+    assert_eq!(squares(&cache, 1000, &computed), first);
+    assert_eq!(computed.get(), 1);
+    squares(&cache, 1001, &computed);
+    assert_eq!(computed.get(), 2, "other inputs are computed");
+    assert_eq!(cache.entries().unwrap().len(), 2);
+    assert_eq!(cache.entries().unwrap()[0].stage, "squares");
+    assert!(cache.take_notes().is_empty());
+    assert_eq!(cache.clear().unwrap(), 2);
+    squares(&cache, 1000, &computed);
+    assert_eq!(computed.get(), 3);
+}
+
+#[test]
+fn without_a_folder_everything_is_computed() {
+    let (cache, computed) = (Cache::none(), Cell::new(0));
+    squares(&cache, 10, &computed);
+    squares(&cache, 10, &computed);
+    assert_eq!(computed.get(), 2);
+}
+
+#[test]
+fn an_error_is_handed_on_and_nothing_kept() {
+    let cache = Cache::at(folder("error"), LIMIT);
+    let value: Result<f64, &str> = cache.get_or("stage", Key::new(), || Err("no"));
+    assert_eq!(value, Err("no"));
+    assert!(cache.entries().unwrap().is_empty());
+}
+
+/// Every way of damage at every place: cut short, one bit turned, of another format, under another name.
+#[test]
+fn damage_is_noticed_told_and_repaired() {
+    let (cache, computed) = (Cache::at(folder("damage"), LIMIT), Cell::new(0));
+    let expected = squares(&cache, 20, &computed);
+    let path = cache.entries().unwrap().remove(0).path;
+    let sound = fs::read(&path).unwrap();
+    let cut = (0..sound.len()).map(|length| sound[..length].to_vec());
+    let turned = (0..sound.len()).map(|place| {
+        let mut bytes = sound.clone();
+        bytes[place] ^= 1 << (place % 8);
+        bytes
+    });
+    let other = [b"not of this program".to_vec(), [&sound[..], b"more"].concat()];
+    let mut cases = 0;
+    for bytes in cut.chain(turned).chain(other) {
+        fs::write(&path, &bytes).unwrap();
+        assert_eq!(cache.verify().unwrap().len(), 1);
+        assert_eq!(squares(&cache, 20, &computed), expected);
+        cases += 1;
+        assert_eq!(computed.get(), 1 + cases, "a damaged entry was believed");
+        let notes = cache.take_notes();
+        assert!(notes.len() == 1 && notes[0].contains("computed anew"), "{notes:?}");
+        assert_eq!(fs::read(&path).unwrap(), sound, "the entry is repaired");
+    }
+    // A sound entry under the name of another.
+    squares(&cache, 21, &computed);
+    let latest = cache
+        .entries()
+        .unwrap()
+        .into_iter()
+        .find(|entry| entry.path != path)
+        .unwrap();
+    fs::copy(&latest.path, &path).unwrap();
+    assert_eq!(squares(&cache, 20, &computed), expected);
+    assert!(cache.verify().unwrap().is_empty());
+}
+
+#[test]
+fn another_type_under_the_same_name_is_computed_anew() {
+    let cache = Cache::at(folder("type"), LIMIT);
+    let text: Result<String, Infallible> = cache.get_or("stage", Key::new(), || Ok("words, many words".to_owned()));
+    assert_eq!(text.unwrap(), "words, many words");
+    let numbers: Result<Vec<f64>, Infallible> = cache.get_or("stage", Key::new(), || Ok(vec![1.0]));
+    assert_eq!(numbers.unwrap(), [1.0]);
+    assert_eq!(cache.take_notes().len(), 1);
+}
+
+#[test]
+fn the_least_recently_used_go_when_the_folder_is_full() {
+    let folder = folder("bound");
+    let computed = Cell::new(0);
+    // An entry of 100 numbers takes 883 bytes: three fit.
+    let cache = Cache::at(folder, 3000);
+    for n in [100, 101, 102] {
+        squares(&cache, n, &computed);
+        // File times of the system may be coarse.
+        for entry in cache.entries().unwrap() {
+            let file = fs::File::options().append(true).open(entry.path).unwrap();
+            file.set_modified(entry.used - Duration::from_secs(10)).unwrap();
+        }
+    }
+    squares(&cache, 100, &computed);
+    assert_eq!(computed.get(), 3);
+    squares(&cache, 103, &computed);
+    assert_eq!(cache.entries().unwrap().len(), 3);
+    squares(&cache, 100, &computed);
+    assert_eq!(computed.get(), 4, "what was used last has stayed");
+    squares(&cache, 101, &computed);
+    assert_eq!(computed.get(), 5, "what was used longest ago has gone");
+    let now = SystemTime::now() + Duration::from_secs(1);
+    assert!(cache.entries().unwrap().iter().all(|entry| entry.used <= now));
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_a_note() {
+    let folder = folder("file");
+    fs::create_dir_all(folder.parent().unwrap()).unwrap();
+    fs::write(&folder, "a file where the folder should be").unwrap();
+    let (cache, computed) = (Cache::at(folder, LIMIT), Cell::new(0));
+    assert_eq!(squares(&cache, 3, &computed), [0.0, 1.0, 4.0]);
+    assert!(!cache.take_notes().is_empty());
+}
+
+#[test]
+fn threads_share_a_folder() {
+    let folder = folder("threads");
+    let values: Vec<Vec<f64>> = std::thread::scope(|scope| {
+        let work = |_| {
+            let folder = folder.clone();
+            scope.spawn(move || {
+                let (cache, computed) = (Cache::at(folder, 20_000), Cell::new(0));
+                (0..40).for_each(|n| drop(squares(&cache, 100 + n % 10, &computed)));
+                assert!(cache.take_notes().is_empty());
+                squares(&cache, 100, &computed)
+            })
+        };
+        let threads: Vec<_> = (0..4).map(work).collect();
+        threads.into_iter().map(|thread| thread.join().unwrap()).collect()
+    });
+    assert!(values.iter().all(|value| *value == values[0]));
+}

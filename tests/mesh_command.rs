@@ -1,0 +1,287 @@
+//! `mesh`, `check` and `modes` as a user meets them: the user's own meshes, those that ship, and damaged ones.
+#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+/// Runs the command without gmsh: what ships must not need it.
+fn nailnoise(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_nailnoise"))
+        .args(arguments)
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .env("NO_COLOR", "1")
+        .env("NAILNOISE_CACHE", concat!(env!("CARGO_TARGET_TMPDIR"), "/modes"))
+        .env("NAILNOISE_GMSH", "no-such-gmsh")
+        .output()
+        .unwrap()
+}
+
+/// A folder of this test's own, emptied.
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn json(output: &Output) -> Value {
+    assert!(output.status.success(), "{}", said(output));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// Both streams on one line, since messages are wrapped.
+fn said(output: &Output) -> String {
+    let text = [output.stdout.as_slice(), output.stderr.as_slice()].concat();
+    let text = String::from_utf8(text).unwrap();
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// The command ends with status 2 and names what is wrong.
+#[track_caller]
+fn refused(output: &Output, expected: &str) {
+    assert_eq!(output.status.code(), Some(2), "{}", said(output));
+    assert!(said(output).contains(expected), "{}", said(output));
+}
+
+#[test]
+fn every_body_of_the_ready_designs_is_fit_and_needs_no_gmsh() {
+    for (design, body, pieces, mass) in [
+        ("designs/n80cb.toml", "workpiece", 1, 2.534),
+        ("designs/n80cb.toml", "worktable", 1, 12.704),
+        ("designs/n80cb.toml", "tool", 1, 4.1),
+        ("designs/n80cb-sandbox.toml", "tool", 1, 4.1),
+    ] {
+        let result = json(&nailnoise(&["check", design, "--body", body, "--json"]));
+        assert_eq!(result["schema"], "nailnoise-check/1");
+        assert_eq!(result["faults"], Value::Array(Vec::new()), "{body}: {result:#}");
+        assert_eq!(result["warnings"], Value::Array(Vec::new()), "{body}: {result:#}");
+        assert_eq!(result["quality"]["pieces"], pieces, "{body}");
+        assert!((result["mass"].as_f64().unwrap() / mass - 1.0).abs() < 1e-3, "{body}");
+        for part in result["parts"].as_array().unwrap() {
+            assert!(part["waves"]["elements"].as_f64().unwrap() >= 2.0, "{body}: {part}");
+        }
+    }
+    let text = said(&nailnoise(&["check", "designs/n80cb.toml", "--body", "tool"]));
+    for word in [
+        "worst element",
+        "closed and outward",
+        "modes will cost",
+        "housing",
+        "gas_bore",
+    ] {
+        assert!(text.contains(word), "{word}: {text}");
+    }
+}
+
+#[test]
+fn new_geometry_without_gmsh_names_the_way_to_install_it() {
+    let folder = folder("no-gmsh");
+    let base = Path::new(env!("CARGO_MANIFEST_DIR")).join("designs/n80cb.toml");
+    let design = folder.join("longer.toml");
+    std::fs::write(
+        &design,
+        format!("base = \"{}\"\nbody.handle_length = \"171 mm\"\n", base.display()),
+    )
+    .unwrap();
+    let output = nailnoise(&["check", design.to_str().unwrap(), "--body", "tool"]);
+    refused(&output, "apt-get install --no-install-recommends gmsh");
+    let step = folder.join("part.step");
+    std::fs::write(&step, "ISO-10303-21;\n").unwrap();
+    refused(&nailnoise(&["check", step.to_str().unwrap()]), "--size");
+    let output = nailnoise(&["check", step.to_str().unwrap(), "--size", "5 mm"]);
+    refused(&output, "no-such-gmsh cannot be started");
+    let step = step.to_str().unwrap();
+    let output = nailnoise(&["modes", "designs/n80cb.toml", "--body", "workpiece", "--mesh", step]);
+    refused(&output, "no-such-gmsh cannot be started");
+}
+
+/// A tetrahedron with one line changed.
+fn tetrahedron(from: &str, to: &str) -> String {
+    let good = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 9 \"base\"\n3 7 \"block\"\n$EndPhysicalNames\n\
+                $Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n$EndNodes\n\
+                $Elements\n3\n17 4 2 7 1 1 2 3 4\n18 4 2 7 1 2 3 4 5\n19 2 2 9 1 1 3 2\n$EndElements\n";
+    assert!(good.contains(from), "{from}");
+    good.replacen(from, to, 1)
+}
+
+#[test]
+fn a_damaged_mesh_ends_with_status_2_and_the_element_the_groups_or_the_version() {
+    let folder = folder("damaged");
+    let path = folder.join("own.msh");
+    let file = path.to_str().unwrap();
+    for (from, to, expected) in [
+        ("17 4 2 7 1 1 2 3 4", "17 4 2 7 1 1 3 2 4", "element 17"),
+        (
+            "18 4 2 7 1 2 3 4 5",
+            "18 4 2 7 1 4 3 2 1",
+            "element 18 has the same nodes as element 17",
+        ),
+        ("18 4 2 7 1 2 3 4 5", "18 4 2 7 1 2 3 4 6", "element 18 hangs on node 6"),
+        ("2.2 0 8", "3.0 0 8", "format version 3.0"),
+        (
+            "3 7 \"block\"",
+            "3 8 \"block\"",
+            "surface \"base\", volume \"block\", volume 7 without a name",
+        ),
+        ("$MeshFormat", "solid", "no .msh file"),
+    ] {
+        std::fs::write(&path, tetrahedron(from, to)).unwrap();
+        let own = nailnoise(&["modes", "designs/n80cb.toml", "--body", "workpiece", "--mesh", file]);
+        refused(&own, expected);
+        let output = nailnoise(&["check", file]);
+        assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+    }
+    std::fs::write(folder.join("part.obj"), "o\n").unwrap();
+    refused(
+        &nailnoise(&["check", folder.join("part.obj").to_str().unwrap()]),
+        "known are .msh",
+    );
+    std::fs::write(&path, tetrahedron("17", "17")).unwrap();
+    let output = nailnoise(&["modes", "designs/n80cb.toml", "--body", "worktable", "--mesh", file]);
+    refused(&output, "floor");
+    refused(&nailnoise(&["check", "designs/n80cb.toml"]), "--body");
+    refused(
+        &nailnoise(&["mesh", file, "--write", folder.join("own.stl").to_str().unwrap()]),
+        "written as .vtu, .msh",
+    );
+}
+
+#[test]
+fn a_hundred_damaged_meshes_end_with_a_message_and_never_a_panic() {
+    let folder = folder("hundred");
+    let path = folder.join("damaged.msh");
+    let file = path.to_str().unwrap();
+    let format = ["text22", "binary22", "text41", "binary41"];
+    let good: Vec<Vec<u8>> = format
+        .iter()
+        .map(|format| {
+            let output = nailnoise(&[
+                "mesh",
+                "tests/data/small.toml",
+                "--body",
+                "worktable",
+                "--format",
+                format,
+                "--write",
+                file,
+            ]);
+            assert!(output.status.success(), "{}", said(&output));
+            std::fs::read(&path).unwrap()
+        })
+        .collect();
+    // The generator of Knuth, The Art of Computer Programming 2, section 3.3.4, so that a failure can be made again.
+    let mut state = 4u64;
+    let mut next = move |below: usize| {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        ((state >> 33) % below as u64) as usize
+    };
+    let mut refused = 0;
+    for trial in 0..100 {
+        let mut bytes = good[trial % good.len()].clone();
+        for _ in 0..=next(5) {
+            let at = next(bytes.len());
+            let end = (at + next(200)).min(bytes.len());
+            match next(5) {
+                0 => bytes[at] ^= 1 << next(8),
+                1 => drop(bytes.drain(at..end)),
+                2 => bytes[at..end].fill(next(256) as u8),
+                3 => bytes.truncate(at.max(1)),
+                _ => bytes.rotate_left(at.min(64)),
+            }
+        }
+        std::fs::write(&path, &bytes).unwrap();
+        let output = nailnoise(&["check", file]);
+        assert!(
+            matches!(output.status.code(), Some(0 | 2)),
+            "{trial}: {}",
+            said(&output)
+        );
+        assert!(!said(&output).contains("panicked"), "{trial}");
+        refused += usize::from(output.status.code() == Some(2));
+    }
+    assert!(refused > 60, "{refused} of 100 were refused");
+}
+
+#[test]
+fn a_mesh_goes_out_and_comes_back_in_its_own_unit() {
+    let folder = folder("round-trip");
+    for (format, end) in [("text22", "msh"), ("binary41", "msh.gz")] {
+        let path = folder.join(format!("table.{end}"));
+        let file = path.to_str().unwrap();
+        let write = ["mesh", "tests/data/small.toml", "--body", "worktable", "--json"];
+        let made = json(&nailnoise(
+            &[&write[..], &["--format", format, "--write", file]].concat(),
+        ));
+        let read = json(&nailnoise(&["mesh", file, "--json"]));
+        for key in ["nodes", "elements", "kinds", "longest_edge"] {
+            assert_eq!(made[key], read[key], "{key}");
+        }
+        // The file lists parts and groups in the order of their first elements.
+        for key in ["parts", "groups"] {
+            let sorted = |of: &Value| {
+                let mut names: Vec<String> = of[key].as_array().unwrap().iter().map(Value::to_string).collect();
+                names.sort();
+                names
+            };
+            assert_eq!(sorted(&made), sorted(&read), "{key}");
+        }
+        let built = [
+            "modes",
+            "tests/data/small.toml",
+            "--body",
+            "worktable",
+            "--json",
+            "--out",
+        ];
+        let out = folder.join("out");
+        let built = [&built[..], &[out.to_str().unwrap()]].concat();
+        let own = json(&nailnoise(&[&built[..], &["--mesh", file]].concat()));
+        let built = json(&nailnoise(&built));
+        assert_eq!(own["modes"], built["modes"]);
+    }
+}
+
+#[test]
+fn modes_match_themselves_in_a_universal_file() {
+    let out = folder("own-modes");
+    let out = out.to_str().unwrap();
+    let base = [
+        "modes",
+        "tests/data/small.toml",
+        "--body",
+        "workpiece",
+        "--json",
+        "--out",
+        out,
+    ];
+    let modes = json(&nailnoise(&[&base[..], &["--uff", "--animate", "7"]].concat()));
+    let folder = Path::new(out).join("modes/workpiece");
+    let count = modes["modes"].as_array().unwrap().len();
+    assert!(count > 6);
+    let list = std::fs::read_to_string(folder.join("modes.pvd")).unwrap();
+    assert_eq!(list.matches("<DataSet").count(), count);
+    let film = std::fs::read_to_string(folder.join("mode-0007.pvd")).unwrap();
+    assert_eq!(film.matches("<DataSet").count(), 24);
+    refused(&nailnoise(&[&base[..], &["--animate", "9999"]].concat()), "mode 9999");
+    let file = folder.join("modes.uff");
+    let compared = json(&nailnoise(&[&base[..], &["--mac", file.to_str().unwrap()]].concat()));
+    let correlation = &compared["correlation"];
+    assert_eq!(
+        (&correlation["unmatched"], &correlation["by_position"]),
+        (&Value::from(0), &Value::from(true))
+    );
+    let mac = correlation["mac"].as_array().unwrap();
+    // Rigid modes are any basis of their space, so that only the elastic ones must be the same twice.
+    for (row, values) in mac.iter().enumerate().skip(6) {
+        assert!(values[row].as_f64().unwrap() > 0.9999, "{row}");
+        let pair = &correlation["pairs"][row];
+        assert_eq!(pair["mode"], row + 1);
+        assert!((pair["measured_hz"].as_f64().unwrap() / pair["computed_hz"].as_f64().unwrap() - 1.0).abs() < 1e-5);
+    }
+    let absent = nailnoise(&[&base[..], &["--mac", "no-such.uff"]].concat());
+    refused(&absent, "no-such.uff");
+}

@@ -1,0 +1,117 @@
+"""Reads back what tests/peers/meshes.sh has the command write."""
+
+import json
+import pathlib
+import sys
+
+import numpy
+import pyuff
+
+# Modules that need no display.
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkFiltersGeneral import vtkDataSetTriangleFilter
+from vtkmodules.vtkFiltersVerdict import vtkCellSizeFilter
+from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
+
+work = pathlib.Path(sys.argv[1])
+
+
+def load(name):
+    return json.loads((work / name).read_text())
+
+
+def grid(path):
+    reader = vtkXMLUnstructuredGridReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    assert reader.GetErrorCode() == 0, path
+    found = reader.GetOutput()
+    assert found.GetNumberOfCells() > 0, path
+    return found
+
+
+def volume(found):
+    """Volume by VTK's own split of each cell into tetrahedra, which makes curved sides straight."""
+    cells = vtkDataSetTriangleFilter()
+    cells.SetInputData(found)
+    size = vtkCellSizeFilter()
+    size.SetInputConnection(cells.GetOutputPort())
+    size.Update()
+    return vtk_to_numpy(size.GetOutput().GetCellData().GetArray("Volume")).sum()
+
+
+files = 0
+for path in sorted(work.rglob("*.vtu")):
+    found = grid(path)
+    data = found.GetPointData()
+    for index in range(data.GetNumberOfArrays()):
+        values = vtk_to_numpy(data.GetArray(index))
+        assert numpy.isfinite(values).all(), path
+        # The film begins before anything moves; a mode moves.
+        assert "modes" not in path.parts or numpy.abs(values).max() > 0, path
+    files += 1
+tool = grid(work / "tool.vtu")
+checked = load("gmsh-41.json")
+assert tool.GetNumberOfCells() == checked["elements"] and tool.GetNumberOfPoints() == checked["nodes"]
+assert abs(volume(tool) / checked["quality"]["volume"] - 1) < 0.02, (volume(tool), checked["quality"]["volume"])
+plate = grid(next((work / "plate/modes/tool").glob("mode-*.vtu")))
+assert abs(volume(plate) / (0.3 * 0.2 * 0.02) - 1) < 1e-6
+print(f"VTK read {files} .vtu files")
+
+for name in ("22", "41"):
+    own = load(f"gmsh-{name}.json")
+    assert [part["name"] for part in own["parts"]] == ["housing", "nose", "sleeve"], own["parts"]
+    assert {group["name"] for group in own["groups"]} == {
+        "nose_tip", "gas_bore", "bumper_seat", "seat", "cap", "handle", "magazine", "fit_slave", "fit_master"
+    }
+print("gmsh read .msh 2.2 and 4.1 and wrote them again")
+
+sets = 0
+for folder, result in (("plate/modes/tool", "plate.json"), ("small/modes/worktable", "small.json")):
+    universal = pyuff.UFF(str(work / folder / "modes.uff"))
+    read = universal.read_sets()
+    modes = [one for one in read if one["type"] == 55]
+    expected = load(result)["modes"]
+    assert len(modes) == len(expected), (len(modes), len(expected))
+    assert sorted({one["type"] for one in read}) == [15, 55, 2411, 2412]
+    nodes = next(one for one in read if one["type"] == 2411)
+    coarse = next(one for one in read if one["type"] == 15)
+    assert numpy.allclose(nodes["x"], coarse["x"], rtol=1e-5, atol=1e-9)
+    shells = next(one for one in read if one["type"] == 2412)
+    labels = set(nodes["node_nums"].astype(int))
+    for key, elements in shells.items():
+        if isinstance(key, int):
+            assert all(set(element["nodes_nums"]) <= labels for element in elements)
+    for one, mode in zip(modes, expected):
+        assert abs(one["freq"] - mode["hz"]) <= 1e-5 * max(1.0, mode["hz"]), (one["freq"], mode["hz"])
+        shape = numpy.stack([one["r1"], one["r2"], one["r3"]])
+        assert set(one["node_nums"]) == labels and numpy.abs(shape).max() > 0
+    sets += len(read)
+sensors = pyuff.UFF(str(work / "run/sensors.uff")).read_sets()
+recorded = load("run.json")["sensors"]
+assert len(sensors) == len(recorded) and all(one["type"] == 58 for one in sensors)
+for one, sensor in zip(sensors, recorded):
+    assert abs(numpy.abs(one["data"]).max() / 9.80665 / sensor["peak_g"] - 1) < 1e-3, sensor
+sets += len(sensors)
+known = {work / "run/sensors.uff", *(work / folder / "modes.uff" for folder in ("plate/modes/tool", "small/modes/worktable"))}
+assert set(work.rglob("*.uff")) == known, "a universal file that nobody read"
+print(f"pyuff read {sets} datasets")
+
+# The plate's first bending mode, f = 22.37/(2 pi L^2) sqrt(E h^2/(12 rho)) for a beam, within the effect of its width,
+# shear and rotary inertia; free: six rigid modes.
+modes = load("plate.json")["modes"]
+assert [mode["rigid"] for mode in modes[:7]] == [True] * 6 + [False]
+beam = 22.37 / (2 * numpy.pi * 0.3**2) * numpy.sqrt(207e9 * 0.02**2 / (12 * 7850))
+elastic = [mode["hz"] for mode in modes[6:]]
+assert min(abs(hz / beam - 1) for hz in elastic) < 0.05, (beam, elastic)
+pairs = load("mac.json")["correlation"]["pairs"]
+for index, pair in enumerate(pairs[6:]):
+    assert pair["mode"] == index + 7 and pair["mac"] > 0.999, pair
+assert load("check.json")["faults"] == []
+# In wood and from the command line the same plate has modes, six of them rigid.
+line = load("line.json")["modes"]
+assert [mode["rigid"] for mode in line[:7]] == [True] * 6 + [False]
+other = load("other.json")
+assert [name for name, _ in other["parts"]] == ["housing", "nose", "sleeve"]
+print("STEP to modes, MAC, check and re-meshing: as expected; first bending at",
+      round(min(elastic, key=lambda hz: abs(hz / beam - 1)), 1), "Hz, beam", round(beam, 1), "Hz")
