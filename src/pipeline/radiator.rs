@@ -24,7 +24,7 @@ const RANGES: [f64; 3] = [0.16, 0.4, 1.0];
 const COARSEST: f64 = 1.0 / 16.0;
 
 /// A mode that radiates less than this share of the best radiator is interpolated as well as that share asks for.
-const FLOOR: f64 = 1e-4;
+const FLOOR: f64 = 1e-3;
 
 /// Most frequencies of one range and parity.
 const MOST_SAMPLES: usize = 100;

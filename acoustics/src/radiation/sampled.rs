@@ -441,8 +441,9 @@ impl Interval {
         terms.into_iter().map(|t| t / sum).collect()
     }
 
-    /// Estimated interpolation error, relative to the interval's least sqrt(Q_ii Q_jj): the magnitude of the last two
-    /// Chebyshev coefficients of every entry, beyond which those of an analytic function fall geometrically or faster.
+    /// Estimated interpolation error of all patches together, relative to the interval's least sqrt(Q_ii Q_jj): the
+    /// magnitude of the last two Chebyshev coefficients of every entry, beyond which those of an analytic function fall
+    /// geometrically or faster. What patches exchange among themselves does not reach the level.
     fn error(&self, samples: &[Sample], modes: usize, floor: f64) -> f64 {
         let order = self.nodes.len() - 1;
         let mut scale = vec![f64::INFINITY; modes];
@@ -455,23 +456,23 @@ impl Interval {
                 .zip(diagonal)
                 .for_each(|(s, q)| *s = s.min(q.max(floor).sqrt()));
         }
-        let mut worst: f64 = 0.0;
-        for p in 0..samples[self.nodes[0]].patches.len() {
-            let [last, before] = [order, order - 1].map(|k| {
-                let mut coefficient = Resistance::zeros(modes);
-                for (j, &node) in self.nodes.iter().enumerate() {
-                    let end = if j == 0 || j == order { 0.5 } else { 1.0 };
-                    let cosine = (PI * ((j * k) % (2 * order)) as f64 / order as f64).cos();
-                    coefficient.add_scaled(2.0 / order as f64 * end * cosine, &samples[node].patches[p]);
+        let [last, before] = [order, order - 1].map(|k| {
+            let mut coefficient = Resistance::zeros(modes);
+            for (j, &node) in self.nodes.iter().enumerate() {
+                let end = if j == 0 || j == order { 0.5 } else { 1.0 };
+                let cosine = (PI * ((j * k) % (2 * order)) as f64 / order as f64).cos();
+                for patch in &samples[node].patches {
+                    coefficient.add_scaled(2.0 / order as f64 * end * cosine, patch);
                 }
-                coefficient
-            });
-            let parts = |r: Resistance| std::iter::once(r.real).chain(r.imaginary);
-            for (a, b) in parts(last).zip(parts(before)) {
-                for j in 0..modes {
-                    for i in 0..modes {
-                        worst = worst.max((a[(i, j)].abs() + b[(i, j)].abs()) / (scale[i] * scale[j]));
-                    }
+            }
+            coefficient
+        });
+        let mut worst: f64 = 0.0;
+        let parts = |r: Resistance| std::iter::once(r.real).chain(r.imaginary);
+        for (a, b) in parts(last).zip(parts(before)) {
+            for j in 0..modes {
+                for i in 0..modes {
+                    worst = worst.max((a[(i, j)].abs() + b[(i, j)].abs()) / (scale[i] * scale[j]));
                 }
             }
         }
