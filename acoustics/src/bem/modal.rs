@@ -104,6 +104,10 @@ impl ModalBem {
                 ..*sampling
             };
             low = level.top_hz;
+            let level = Level {
+                problem: level.problem.with_near_field_kept(level.top_hz),
+                ..level
+            };
             let solver = Solver::new(&level, &chosen);
             for (c, pick) in chosen.iter().enumerate() {
                 if pick.modes.is_empty() {

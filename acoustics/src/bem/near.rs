@@ -9,6 +9,7 @@ use super::trig::{combine, cross, dot, green, load, minus};
 use nailnoise_meshes::FaceKind;
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
+use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -61,16 +62,28 @@ impl Sampled {
     }
 }
 
+/// Nodes of the interpolation of costly pairs over wave number.
+const KEPT: usize = 6;
+
 /// How a pair of panels is integrated.
 #[derive(Clone, Copy, Debug)]
 enum Integration {
+    /// By one product rule.
+    Whole(Rule),
+    /// Pairs that touch, or lie so close that they are divided: by several rules, see `NearField::costly`.
+    Costly(u32),
+}
+
+/// A rule for two panels or their halves.
+#[derive(Clone, Copy, Debug)]
+enum Rule {
     /// Tables of either side and the weights, by number.
     Tables { x: u32, y: u32, weights: u32 },
     /// By dividing the panels, triangle `s` of the first and `t` of the second.
     Divided { s: u8, t: u8 },
 }
 
-/// A pair (or, for quadrilaterals, a pair of halves) that the far rule must leave out.
+/// A pair of panels that the far rule must leave out.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NearPair {
     /// Position of the first panel in its block.
@@ -83,7 +96,7 @@ pub(super) struct NearPair {
 }
 
 /// Matrices of one pair: rows are corner functions of the first panel, columns those of the second.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PairMatrices {
     /// Integral of phi_i G phi_j.
     pub(super) s: [[Complex<f64>; 4]; 4],
@@ -95,6 +108,21 @@ pub(super) struct PairMatrices {
     pub(super) w: [[Complex<f64>; 4]; 4],
 }
 
+impl PairMatrices {
+    fn add_scaled(&mut self, factor: Complex<f64>, other: &Self) {
+        let all = [
+            (&mut self.s, &other.s),
+            (&mut self.k, &other.k),
+            (&mut self.kp, &other.kp),
+            (&mut self.w, &other.w),
+        ];
+        for (to, from) in all {
+            let entries = to.as_flattened_mut().iter_mut().zip(from.as_flattened());
+            entries.for_each(|(to, from)| *to += factor * from);
+        }
+    }
+}
+
 /// All close pairs of a surface and the tables they share.
 #[derive(Debug)]
 pub(super) struct NearField {
@@ -102,8 +130,53 @@ pub(super) struct NearField {
     weights: Vec<Vec<f64>>,
     /// Pairs of each pair of blocks, at `e_block * blocks + f_block`.
     pairs: Vec<Vec<NearPair>>,
+    /// Rules of the pairs that need several.
+    costly: Vec<Costly>,
+    kept: Option<Kept>,
     blocks: usize,
     images: Vec<Image>,
+}
+
+/// A pair that touches or is divided.
+#[derive(Debug)]
+struct Costly {
+    panels: [usize; 2],
+    image: usize,
+    /// Distance of the panels' centres \[m\].
+    apart: f64,
+    rules: Vec<Rule>,
+}
+
+/// Costly pairs at [`KEPT`] wave numbers.
+///
+/// ```text
+/// M(k) = e^{-jkr_0} sum_n l_n(k) e^{jk_n r_0} M(k_n)        r_0: distance of the panels' centres
+/// ```
+///
+/// Less the phase of r_0 the kernels vary as e^{-jk(r - r_0)} with |r - r_0| below the sum s of the panels' radii, so that
+/// the error is about 2 (k_max s / 4)^N / N!: 1e-5 at six panels a wavelength.
+#[derive(Debug)]
+struct Kept {
+    highest: f64,
+    nodes: [f64; KEPT],
+    matrices: Vec<[PairMatrices; KEPT]>,
+}
+
+impl Kept {
+    /// Barycentric weights at k of the Chebyshev nodes (they sum to one).
+    fn weights(&self, k: f64) -> [f64; KEPT] {
+        if let Some(hit) = self.nodes.iter().position(|node| *node == k) {
+            return std::array::from_fn(|n| f64::from(u8::from(n == hit)));
+        }
+        let term = |n: usize| {
+            let sine = (PI * (n as f64 + 0.5) / KEPT as f64).sin();
+            let sign = if n.is_multiple_of(2) { 1.0 } else { -1.0 };
+            sign * sine / (k - self.nodes[n])
+        };
+        let terms: [f64; KEPT] = std::array::from_fn(term);
+        let sum: f64 = terms.iter().sum();
+        terms.map(|t| t / sum)
+    }
 }
 
 /// What identifies a table: kind, rule, side, order of the vertices.
@@ -154,17 +227,29 @@ impl NearField {
                         for (f, &q) in fb.panels.iter().enumerate().skip(if i == j { e } else { 0 }) {
                             let ((c, r), (d, s)) = (spheres[p], spheres[q]);
                             let ratio = (c - seen(d)).norm() / (r + s);
-                            if ratio <= RATIOS[0] {
-                                let mut add = |integration| {
-                                    pairs.push(NearPair {
-                                        e,
-                                        f,
-                                        image: number,
-                                        integration,
-                                    });
-                                };
-                                builder.add(boundary, [p, q], image, ratio, &mut add);
+                            if ratio > RATIOS[0] {
+                                continue;
                             }
+                            let rules = builder.rules_of(boundary, [p, q], image, ratio);
+                            let integration = match rules[..] {
+                                [one @ Rule::Tables { .. }] if ratio > RATIOS[3] => Integration::Whole(one),
+                                _ => {
+                                    let apart = (c - seen(d)).norm();
+                                    builder.field.costly.push(Costly {
+                                        panels: [p, q],
+                                        image: number,
+                                        apart,
+                                        rules,
+                                    });
+                                    Integration::Costly(builder.field.costly.len() as u32 - 1)
+                                }
+                            };
+                            pairs.push(NearPair {
+                                e,
+                                f,
+                                image: number,
+                                integration,
+                            });
                         }
                     }
                     builder.field.pairs[i * blocks.len() + j] = pairs;
@@ -184,17 +269,65 @@ impl NearField {
         self.pairs.iter().map(Vec::len).sum()
     }
 
+    /// Memory of [`NearField::keep`] \[bytes\].
+    pub(super) fn bytes_kept(&self) -> f64 {
+        (self.costly.len() * size_of::<[PairMatrices; KEPT]>()) as f64
+    }
+
+    /// Integrates the costly pairs once for all wave numbers up to `highest`.
+    pub(super) fn keep(&mut self, boundary: &Boundary, highest: f64) {
+        let node = |n: usize| 0.5 * highest * (1.0 - (PI * (n as f64 + 0.5) / KEPT as f64).cos());
+        let nodes: [f64; KEPT] = std::array::from_fn(node);
+        let at_nodes = |pair: &Costly| {
+            nodes.map(|k| {
+                let (mut raw, mut turned) = (PairMatrices::default(), PairMatrices::default());
+                self.by_rules(boundary, k, pair.panels, pair.image, &pair.rules, &mut raw);
+                turned.add_scaled(Complex::from_polar(1.0, k * pair.apart), &raw);
+                turned
+            })
+        };
+        self.kept = Some(Kept {
+            highest,
+            nodes,
+            matrices: self.costly.par_iter().map(at_nodes).collect(),
+        });
+    }
+
     /// The matrices of one pair at the wave number `k`.
     pub(super) fn integrate(
         &self,
         boundary: &Boundary,
         k: f64,
-        [p, q]: [usize; 2],
+        panels: [usize; 2],
         pair: &NearPair,
         out: &mut PairMatrices,
     ) {
+        match (pair.integration, &self.kept) {
+            (Integration::Costly(number), Some(kept)) if k <= kept.highest * (1.0 + 1e-9) => {
+                let turn = Complex::from_polar(1.0, -k * self.costly[number as usize].apart);
+                for (weight, matrices) in kept.weights(k).iter().zip(&kept.matrices[number as usize]) {
+                    out.add_scaled(turn * weight, matrices);
+                }
+            }
+            (Integration::Costly(number), _) => {
+                let rules = &self.costly[number as usize].rules;
+                self.by_rules(boundary, k, panels, pair.image, rules, out);
+            }
+            (Integration::Whole(rule), _) => self.by_rules(boundary, k, panels, pair.image, &[rule], out),
+        }
+    }
+
+    fn by_rules(
+        &self,
+        boundary: &Boundary,
+        k: f64,
+        [p, q]: [usize; 2],
+        image: usize,
+        rules: &[Rule],
+        out: &mut PairMatrices,
+    ) {
         let mesh = boundary.mesh();
-        let image = self.images[pair.image];
+        let image = self.images[image];
         let x_nodes = positions(boundary, p, self.images[0]);
         let y_nodes = positions(boundary, q, image);
         let mut run = |x: &Sampled, y: &Sampled, weights: &[f64]| {
@@ -210,25 +343,20 @@ impl NearField {
             };
             Arch::new().dispatch(task);
         };
-        match pair.integration {
-            Integration::Tables { x, y, weights } => run(
-                &self.tables[x as usize],
-                &self.tables[y as usize],
-                &self.weights[weights as usize],
-            ),
-            Integration::Divided { s, t } => {
-                let kinds = [mesh.panels[p].kind(), mesh.panels[q].kind()];
-                let start = [
-                    (
-                        kinds[0],
-                        HALVES[s as usize].map(|c| kinds[0].natural_nodes()[c as usize]),
-                    ),
-                    (
-                        kinds[1],
-                        HALVES[t as usize].map(|c| kinds[1].natural_nodes()[c as usize]),
-                    ),
-                ];
-                divide(start, [&x_nodes, &y_nodes], DEPTH, &mut run);
+        for rule in rules {
+            match *rule {
+                Rule::Tables { x, y, weights } => run(
+                    &self.tables[x as usize],
+                    &self.tables[y as usize],
+                    &self.weights[weights as usize],
+                ),
+                Rule::Divided { s, t } => {
+                    let start = [(p, s), (q, t)].map(|(panel, half)| {
+                        let kind = mesh.panels[panel].kind();
+                        (kind, HALVES[half as usize].map(|c| kind.natural_nodes()[c as usize]))
+                    });
+                    divide(start, [&x_nodes, &y_nodes], DEPTH, &mut run);
+                }
             }
         }
     }
@@ -244,6 +372,8 @@ impl Builder {
                 tables: Vec::new(),
                 weights,
                 pairs: vec![Vec::new(); blocks * blocks],
+                costly: Vec::new(),
+                kept: None,
                 blocks,
                 images,
             },
@@ -254,14 +384,8 @@ impl Builder {
         }
     }
 
-    fn add(
-        &mut self,
-        boundary: &Boundary,
-        [p, q]: [usize; 2],
-        image: Image,
-        ratio: f64,
-        add: &mut impl FnMut(Integration),
-    ) {
+    /// The rules of two panels at a distance of `ratio` times the sum of their radii.
+    fn rules_of(&mut self, boundary: &Boundary, [p, q]: [usize; 2], image: Image, ratio: f64) -> Vec<Rule> {
         let mesh = boundary.mesh();
         let kinds = [mesh.panels[p].kind(), mesh.panels[q].kind()];
         let node = |panel: usize, corner: u8| {
@@ -278,15 +402,12 @@ impl Builder {
             .find(|&(a, b)| common(a, b));
         let Some((at_p, at_q)) = meeting else {
             if let Some(level) = RATIOS.iter().position(|&r| ratio > r) {
-                return add(self.product(kinds, level));
+                return vec![self.product(kinds, level)];
             }
-            for s in 0..m - 2 {
-                for t in 0..n - 2 {
-                    add(Integration::Divided { s, t });
-                }
-            }
-            return;
+            let halves = (0..m - 2).flat_map(|s| (0..n - 2).map(move |t| Rule::Divided { s, t }));
+            return halves.collect();
         };
+        let mut rules = Vec::new();
         // Halves along the diagonals from a common corner all touch: none is left that is close and does not.
         for first in fan(m, at_p) {
             for second in fan(n, at_q) {
@@ -307,13 +428,14 @@ impl Builder {
                 };
                 let x = order(&first, shared.iter().map(|s| s.0).collect());
                 let y = order(&second, shared.iter().map(|s| s.1).collect());
-                add(self.singular(kinds, contact, [x, y]));
+                rules.push(self.singular(kinds, contact, [x, y]));
             }
         }
+        rules
     }
 
     /// A rule for triangles that touch, with their vertices in the given order.
-    fn singular(&mut self, kinds: [FaceKind; 2], contact: Contact, [x, y]: [[u8; 3]; 2]) -> Integration {
+    fn singular(&mut self, kinds: [FaceKind; 2], contact: Contact, [x, y]: [[u8; 3]; 2]) -> Rule {
         let c = contact as usize;
         let mut table = |kind: FaceKind, side: bool, vertices: [u8; 3]| {
             let corner = vertices.map(|v| kind.natural_nodes()[v as usize]);
@@ -344,11 +466,11 @@ impl Builder {
                 self.field.weights.len() as u32 - 1
             })
         };
-        Integration::Tables { x, y, weights }
+        Rule::Tables { x, y, weights }
     }
 
     /// A product rule for panels that do not touch.
-    fn product(&mut self, kinds: [FaceKind; 2], level: usize) -> Integration {
+    fn product(&mut self, kinds: [FaceKind; 2], level: usize) -> Rule {
         let rules = kinds.map(|k| whole(k, level));
         let (x, y) = product(&rules);
         // Both sides' points depend on how many the other has.
@@ -370,7 +492,7 @@ impl Builder {
                 self.field.weights.push(product_weights(&rules));
                 self.field.weights.len() as u32 - 1
             });
-        Integration::Tables { x, y, weights }
+        Rule::Tables { x, y, weights }
     }
 }
 

@@ -123,6 +123,18 @@ impl Exterior {
         Ok(self)
     }
 
+    /// Integrates pairs of panels that touch or nearly do once for all frequencies up to `highest_hz`, interpolated over
+    /// frequency with an error of about 1e-5: memory for time where many frequencies are solved.
+    pub fn with_near_field_kept(mut self, highest_hz: f64) -> Self {
+        self.near
+            .keep(&self.boundary, 2.0 * PI * highest_hz / self.air.sound_speed);
+        self
+    }
+
+    pub(super) fn near(&self) -> &NearField {
+        &self.near
+    }
+
     /// Panels per wavelength below which frequencies are refused.
     pub fn panels_per_wavelength(&self) -> f64 {
         self.per_wavelength

@@ -53,7 +53,9 @@ pub struct Estimate {
     pub panels: usize,
     /// Memory of one frequency \[bytes\], times the number of threads.
     pub bytes: f64,
-    /// Time of one frequency on one core \[s\].
+    /// Memory that all frequencies share, with [`Exterior::with_near_field_kept`] \[bytes\].
+    pub bytes_kept: f64,
+    /// Time of one frequency on one core \[s\], the same.
     pub seconds: f64,
     /// Highest frequency the mesh resolves \[Hz\].
     pub highest_hz: f64,
@@ -66,12 +68,13 @@ impl std::fmt::Display for Estimate {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
             f,
-            "{} panels, {} unknowns: about {:.1} s and {:.0} MB a frequency; resolved up to {:.0} Hz; irregular \
-             frequencies of the inside from about {:.0} Hz (coupled formulation)",
+            "{} panels, {} unknowns: about {:.1} s and {:.0} MB a frequency, {:.0} MB for all; resolved up to {:.0} Hz; \
+             irregular frequencies of the inside from about {:.0} Hz (coupled formulation)",
             self.panels,
             self.unknowns,
             self.seconds,
             self.bytes / 1e6,
+            self.bytes_kept / 1e6,
             self.highest_hz,
             self.irregular_hz
         )
@@ -125,7 +128,7 @@ impl Exterior {
     }
 
     /// Memory, time and limits, before any is spent. Times are those of one core at about 3 GHz with AVX2: 7 ns a
-    /// kernel pair, 20 GFlop/s.
+    /// kernel pair, 3 us a close pair, 20 GFlop/s.
     pub fn estimate(&self) -> Estimate {
         let boundary = self.boundary();
         let mesh = boundary.mesh();
@@ -137,7 +140,8 @@ impl Exterior {
             unknowns: boundary.nodes(),
             panels: mesh.panels.len(),
             bytes: parities * 16.0 * n * n,
-            seconds: 7e-9 * far + 10e-6 * self.close_pairs() as f64 + factorisation / 20e9,
+            bytes_kept: self.near().bytes_kept(),
+            seconds: 7e-9 * far + 3e-6 * self.close_pairs() as f64 + factorisation / 20e9,
             highest_hz: boundary.highest_hz(self.air().sound_speed, self.panels_per_wavelength()),
             irregular_hz: self.lowest_resonance(),
         }
