@@ -189,6 +189,19 @@ pub enum AcousticsError {
         /// Height of the floor \[m\].
         floor: f64,
     },
+    /// A receiver too close to a radiating surface.
+    #[error(
+        "the point {point:?} m lies {distance} m from the radiating surface; at least {needed} m, the longest edge of a \
+         panel, are needed: move it away or refine the mesh"
+    )]
+    NearSurface {
+        /// The point \[m\].
+        point: [f64; 3],
+        /// Its distance from the nearest point of a panel \[m\].
+        distance: f64,
+        /// Distance needed \[m\].
+        needed: f64,
+    },
     /// Exhaust holes so close that their jets merge.
     #[error(
         "{count} holes of {diameter} m stand {pitch} m apart; below three diameters their jets merge: give a larger \

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use nailnoise_acoustics::bem::{
-    Boundary, BoundaryMesh, Exterior, Level, ModalBem, MovingPart, Parity, Patterns, SolidBox,
+    Boundary, BoundaryMesh, Exterior, Level, ModalBem, MovingPart, Parity, Patterns, Receivers, SolidBox,
 };
 use nailnoise_acoustics::radiation::{Archive, ModalRadiation, ModalSpectra, Sampling, mode_energies};
 use nailnoise_acoustics::{AcousticsError, Air};
@@ -197,7 +197,11 @@ fn the_sampled_matrix_is_that_of_the_whole_body() {
         floor: 1e-4,
         most_samples: 200,
     };
-    let bem = ModalBem::new(levels, &sampling).unwrap();
+    let receivers = Receivers {
+        points: vec![Point3::new(0.7, 0.2, 0.5), Point3::new(-0.5, -0.6, 0.1)],
+        origin: Point3::origin(),
+    };
+    let bem = ModalBem::with_receivers(levels, &sampling, &receivers).unwrap();
     println!("{:?}, to {top:.0} Hz", bem.summary);
     // Of single modes, at six panels a wavelength of the coarser mesh.
     assert!(bem.summary.difference_db < 0.7 && bem.summary.asymmetry < 1e-2);
@@ -216,6 +220,25 @@ fn the_sampled_matrix_is_that_of_the_whole_body() {
             }
         }
         println!("{hz:.0} Hz: {worst:.1e}");
+        // One mode at a time: what receivers hear of it, beside the field of the whole body.
+        let solution = exterior.solve(hz, &v).unwrap();
+        let [direct, by_floor] = exterior.pressure_at(&receivers.points, &v, &solution).unwrap();
+        let exact = (direct + by_floor) / Complex::new(0.0, std::f64::consts::TAU * hz);
+        let scale = exact.iter().map(|z| z.norm()).fold(0.0, f64::max);
+        let mut off: f64 = 0.0;
+        for mode in 0..2 * MODES {
+            let a = DMatrix::from_fn(2 * MODES, 1, |i, _| Complex::from(f64::from(u8::from(i == mode))));
+            let found = bem.pressures(&[hz], &a).unwrap();
+            off = off.max(
+                (found - exact.columns(mode, 1))
+                    .iter()
+                    .map(|z| z.norm())
+                    .fold(0.0, f64::max)
+                    / scale,
+            );
+        }
+        println!("{hz:.0} Hz, at receivers: {off:.1e}");
+        assert!(off < 3e-2, "{hz} Hz: {off:e}");
         // The coarser mesh at its top frequency, 1144 Hz, has six panels a wavelength.
         assert!(worst < 5e-2, "{hz} Hz: {worst:e}");
     }
@@ -266,6 +289,10 @@ fn the_sampled_matrix_is_that_of_the_whole_body() {
     assert_eq!(back.energy_forms(&frequency, &a), forms);
     assert_eq!(back.root_signals(&frequency, &a), signals);
     assert_eq!(back.summary, bem.summary);
+    assert_eq!(
+        back.pressures(&frequency, &a).unwrap(),
+        bem.pressures(&frequency, &a).unwrap()
+    );
     for end in [0, 7, bytes.len() / 2, bytes.len() - 1] {
         assert!(matches!(
             ModalBem::from_bytes(&bytes[..end]),

@@ -35,6 +35,48 @@ fn errors(problem: &Exterior, source: Point3<f64>, hz: f64) -> [f64; 2] {
     [power(&two.far_field), power(&surface)]
 }
 
+/// The field around the body is that of the point source and its image, in magnitude and phase.
+#[test]
+fn the_pressure_at_points_is_that_of_the_source() {
+    let lift = 0.3;
+    let mesh = cuboid([-0.2, -0.15, lift], [0.2, 0.15, lift + 0.26], 0.04, true);
+    let problem = Exterior::new(Boundary::new(mesh, Some(0.0)).unwrap(), &Air::default());
+    let (air, source) = (*problem.air(), Point3::new(0.03, -0.02, lift + 0.11));
+    let image = Point3::new(source.x, source.y, -source.z);
+    let points = [
+        Point3::new(1.0, 0.0, 0.8),
+        Point3::new(-1.0, -1.0, 1.6),
+        Point3::new(0.0, 0.0, 1.6),
+        Point3::new(0.3, 0.1, 0.0),
+    ];
+    for hz in [150.0, 572.0, 1400.0] {
+        let omega = 2.0 * PI * hz;
+        let k = omega / air.sound_speed;
+        let v = problem.boundary().project(2, |_, _, point, v| {
+            let normal = point.area_vector().normalize();
+            let slope =
+                monopole_slope(k, source, point.position, normal) + monopole_slope(k, image, point.position, normal);
+            let velocity = -slope / Complex::new(0.0, omega * air.density);
+            (v[0], v[1]) = (velocity.re, velocity.im);
+        });
+        let solution = problem.solve(hz, &v).unwrap();
+        let parts = problem.pressure_at(&points, &v, &solution).unwrap();
+        let wave = |r: f64| Complex::from_polar(1.0 / (4.0 * PI * r), -k * r);
+        for (i, point) in points.iter().enumerate() {
+            let exact = [source, image].map(|from| wave((point - from).norm()));
+            let found = [0, 1].map(|path| parts[path][(i, 0)] + Complex::<f64>::i() * parts[path][(i, 1)]);
+            let error = (found[0] + found[1] - exact[0] - exact[1]).norm() / exact[0].norm();
+            println!("{hz} Hz, point {i}: {error:.1e}");
+            assert!(error < 1e-2, "{hz} Hz, point {i}: {error:e}");
+        }
+    }
+    let v = DMatrix::zeros(problem.boundary().velocity_values(), 1);
+    let solution = problem.solve(200.0, &v).unwrap();
+    let refused = |point| problem.pressure_at(&[point], &v, &solution).unwrap_err().to_string();
+    assert!(refused(Point3::new(1.0, 0.0, -0.1)).contains("below the floor"));
+    assert!(refused(Point3::new(0.21, 0.0, 0.4)).contains("the longest edge of a panel"));
+}
+
 /// Frequencies from 100 Hz to the mesh's highest, with the inner resonances of a box among them.
 fn sweep(sides: [f64; 3], highest: f64) -> Vec<f64> {
     let mut sweep: Vec<f64> = (0..6)

@@ -88,6 +88,29 @@ fn the_quarters_radiate_what_the_whole_does() {
 }
 
 #[test]
+fn what_is_kept_of_close_pairs_is_what_they_are() {
+    let v = |boundary: &Boundary| {
+        boundary.project(3, |_, _, point, values| {
+            velocity(point.position, point.area_vector().normalize(), values);
+        })
+    };
+    // A slab of two thin layers: across it panels are closer than they are wide.
+    let slab = |triangles: bool| cuboid([-0.2, -0.15, 0.0], [0.2, 0.15, 0.02], 0.05, !triangles);
+    for triangles in [false, true] {
+        let direct = cut(slab(triangles), [false; 2], Some(0.0));
+        let top = direct.estimate().highest_hz;
+        let kept = cut(slab(triangles), [false; 2], Some(0.0)).with_near_field_kept(top);
+        for hz in [50.0, 0.4 * top, top] {
+            let [a, b] = [&direct, &kept].map(|p| p.solve(hz, &v(p.boundary())).unwrap().pressure);
+            let largest = a.iter().map(|z| z.norm()).fold(0.0, f64::max);
+            let off = (&a - b).iter().map(|z| z.norm()).fold(0.0, f64::max) / largest;
+            println!("triangles {triangles}, {hz:.0} Hz: {off:.1e}");
+            assert!(off < 3e-5, "{hz} Hz: {off:e}");
+        }
+    }
+}
+
+#[test]
 fn a_part_below_its_mirror_is_refused() {
     let mesh = cuboid([-0.1, 0.0, 0.0], [0.2, 0.1, 0.1], 0.05, true);
     let error = Boundary::symmetric(mesh, [Some(0.0), None], None)

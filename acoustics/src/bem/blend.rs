@@ -50,6 +50,11 @@ impl BlendedRadiation {
         (0.5 * PI * t).sin().powi(2)
     }
 
+    /// The range of boundary elements that holds a frequency; none where the limit alone does.
+    pub(super) fn solved_level(&self, hz: f64) -> Option<usize> {
+        (hz < self.to_hz).then(|| self.level_at(hz))
+    }
+
     fn level_at(&self, hz: f64) -> usize {
         let last = self.levels.len() - 1;
         self.levels.iter().position(|l| hz <= l.highest_hz()).unwrap_or(last)

@@ -37,14 +37,14 @@ impl WithSimd for SineCosine<'_> {
 }
 
 /// A quadrature point: position, vector area, area, unknowns and velocity values with their corner functions.
-struct Source {
-    position: Vector3<f64>,
-    area: Vector3<f64>,
-    weight: f64,
-    corners: usize,
-    nodes: [usize; 4],
-    first_value: usize,
-    phi: [f64; 4],
+pub(super) struct Source {
+    pub(super) position: Vector3<f64>,
+    pub(super) area: Vector3<f64>,
+    pub(super) weight: f64,
+    pub(super) corners: usize,
+    pub(super) nodes: [usize; 4],
+    pub(super) first_value: usize,
+    pub(super) phi: [f64; 4],
 }
 
 impl Exterior {
@@ -74,7 +74,7 @@ impl Exterior {
         same_length("rows of the pressure", solution.pressure.nrows(), boundary.nodes())?;
         let (omega, modes) = (2.0 * PI * solution.hz, velocities.ncols());
         let k = omega / self.air().sound_speed;
-        let (sources, radius) = self.sources();
+        let (sources, _, radius) = self.quadrature();
         let padded = sources.len().next_multiple_of(8);
         let planes = boundary.planes().map(|plane| plane.is_some());
         let directions = directions(k * radius, planes);
@@ -158,9 +158,9 @@ impl Exterior {
         Ok(DMatrix::from_fn(modes, modes, |i, j| total[(i.min(j), i.max(j))]))
     }
 
-    /// All quadrature points, and the radius around the origin (the body's centre, or its foot on the floor) that holds
-    /// them.
-    fn sources(&self) -> (Vec<Source>, f64) {
+    /// All quadrature points relative to an origin (the body's centre, or its foot on the floor), the origin, and the
+    /// radius around it that holds them.
+    pub(super) fn quadrature(&self) -> (Vec<Source>, Vector3<f64>, f64) {
         let mut sources = Vec::new();
         for block in self.blocks() {
             let rule = rules::far(block.corners);
@@ -200,7 +200,7 @@ impl Exterior {
             source.position -= origin;
             radius = radius.max(source.position.norm());
         }
-        (sources, radius)
+        (sources, origin, radius)
     }
 }
 

@@ -1,5 +1,6 @@
 use super::blend::BlendedRadiation;
 use super::problem::{Exterior, Patterns};
+use super::receivers::{Heard, HeardModes, Receivers, heard};
 use crate::error::{AcousticsError, same_length};
 use crate::radiation::{
     Archive, ArchiveReader, ArchiveWriter, Erp, ModalRadiation, Resistance, SampledRadiation, Sampling,
@@ -36,6 +37,8 @@ pub struct Summary {
     pub difference_db: f64,
     /// Largest asymmetry of R, relative to its largest entry.
     pub asymmetry: f64,
+    /// Interpolation error of the pressure at the receivers, relative to the loudest mode there.
+    pub heard: f64,
 }
 
 /// Modal radiation of a body by boundary elements: R(f) of every parity with respect to the mirror planes.
@@ -53,6 +56,7 @@ pub struct ModalBem {
     /// T_c: independent modes x modes.
     combinations: Vec<DMatrix<f64>>,
     parities: Vec<BlendedRadiation>,
+    heard: HeardModes,
     /// What the sampling found.
     pub summary: Summary,
 }
@@ -64,6 +68,18 @@ impl ModalBem {
     /// # Errors
     /// [`AcousticsError::TooCoarse`], [`AcousticsError::Unresolved`], lengths that do not fit, no level.
     pub fn new(levels: Vec<Level>, sampling: &Sampling) -> Result<Self, AcousticsError> {
+        Self::with_receivers(levels, sampling, &Receivers::default())
+    }
+
+    /// The same, with the pressure of every mode at receivers.
+    ///
+    /// # Errors
+    /// Those of [`ModalBem::new`]; receivers below the floor or too close to the surface.
+    pub fn with_receivers(
+        levels: Vec<Level>,
+        sampling: &Sampling,
+        receivers: &Receivers,
+    ) -> Result<Self, AcousticsError> {
         let Some(finest) = levels.last() else {
             return Err(AcousticsError::Length {
                 what: "meshes of the boundary",
@@ -84,6 +100,8 @@ impl ModalBem {
         let modes = finest.patterns.first().map_or(0, |p| p.velocities.ncols());
         let chosen = independent(finest);
         let mut ranges: Vec<Vec<SampledRadiation>> = vec![Vec::new(); chosen.len()];
+        let mut samples: Vec<Vec<Vec<Heard>>> = vec![Vec::new(); chosen.len()];
+        let mut hearing = HeardModes::new(receivers, &finest.problem);
         let mut erps = Vec::new();
         for (pick, patterns) in chosen.iter().zip(&finest.patterns) {
             let own = patterns.velocities.select_columns(&pick.modes);
@@ -96,6 +114,7 @@ impl ModalBem {
             interpolation: 0.0,
             difference_db: 0.0,
             asymmetry: 0.0,
+            heard: 0.0,
         };
         let mut low = sampling.range_hz[0];
         for level in levels {
@@ -108,31 +127,55 @@ impl ModalBem {
                 problem: level.problem.with_near_field_kept(level.top_hz),
                 ..level
             };
-            let solver = Solver::new(&level, &chosen);
+            let solver = Solver::new(&level, &chosen, receivers);
             for (c, pick) in chosen.iter().enumerate() {
                 if pick.modes.is_empty() {
                     continue;
                 }
                 let found = solver.sample(c, pick.modes.len(), patches.clone(), &range)?;
                 summary.interpolation = summary.interpolation.max(found.interpolation_error());
+                samples[c].push(solver.heard(c, &found)?);
                 ranges[c].push(found);
             }
             solver.report(&mut summary);
         }
         let (mut combinations, mut parities) = (Vec::new(), Vec::new());
-        for ((pick, ranges), erp) in chosen.into_iter().zip(ranges).zip(erps) {
+        for (((pick, ranges), samples), erp) in chosen.into_iter().zip(ranges).zip(samples).zip(erps) {
             if !pick.modes.is_empty() {
+                hearing.push(&ranges, samples);
                 combinations.push(pick.combination);
                 parities.push(BlendedRadiation::new(ranges, erp));
             }
         }
+        summary.heard = hearing.error();
         Ok(Self {
             patches,
             modes,
             combinations,
             parities,
+            heard: hearing,
             summary,
         })
+    }
+
+    /// Fourier transform of the pressure at the receivers, receivers x bins \[Pa s\], for transforms of the modal
+    /// accelerations, modes x bins \[m/s\]. It ends where boundary elements do, at the end of [`ModalBem::blend_hz`].
+    ///
+    /// # Errors
+    /// A number of modes that differs from the body's.
+    pub fn pressures(
+        &self,
+        frequency: &[f64],
+        accelerations: &DMatrix<Complex<f64>>,
+    ) -> Result<DMatrix<Complex<f64>>, AcousticsError> {
+        same_length("modal spectra", accelerations.nrows(), self.modes)?;
+        let mut pressures = DMatrix::zeros(self.heard.receivers(), frequency.len());
+        let mut parity = 0;
+        self.over_parities(accelerations, |radiation, a| {
+            self.heard.add(parity, radiation, frequency, &a, &mut pressures);
+            parity += 1;
+        });
+        Ok(pressures)
     }
 
     /// The equivalent radiated power of the same surface.
@@ -346,16 +389,23 @@ fn pivoted(gram: &DMatrix<f64>, scale: &[f64]) -> Independent {
     }
 }
 
+/// R of every parity and patch, and what is heard of every parity.
+struct Solved {
+    resistances: Vec<Vec<Resistance>>,
+    heard: Vec<Heard>,
+}
+
 /// One level's solutions, shared by its parities: the kernels of a frequency serve all of them.
 struct Solver<'a> {
     problem: &'a Exterior,
     patterns: Vec<Patterns>,
-    solved: Mutex<HashMap<u64, Arc<Vec<Vec<Resistance>>>>>,
+    receivers: &'a Receivers,
+    solved: Mutex<HashMap<u64, Arc<Solved>>>,
     worst: Mutex<(f64, f64)>,
 }
 
 impl<'a> Solver<'a> {
-    fn new(level: &'a Level, chosen: &[Independent]) -> Self {
+    fn new(level: &'a Level, chosen: &[Independent], receivers: &'a Receivers) -> Self {
         let own = |(p, pick): (&Patterns, &Independent)| Patterns {
             parity: p.parity,
             velocities: p.velocities.select_columns(&pick.modes),
@@ -363,6 +413,7 @@ impl<'a> Solver<'a> {
         Self {
             problem: &level.problem,
             patterns: level.patterns.iter().zip(chosen).map(own).collect(),
+            receivers,
             solved: Mutex::default(),
             worst: Mutex::default(),
         }
@@ -377,12 +428,20 @@ impl<'a> Solver<'a> {
     ) -> Result<SampledRadiation, AcousticsError> {
         let empty = || vec![Resistance::zeros(modes); patches.len()];
         // Lengths and frequencies have been checked, so that nothing is left to fail.
-        let at = |hz: f64| self.at(hz).map_or_else(|_| empty(), |all| all[parity].clone());
+        let at = |hz: f64| {
+            self.at(hz)
+                .map_or_else(|_| empty(), |all| all.resistances[parity].clone())
+        };
         SampledRadiation::new("BEM", modes, patches.clone(), range, at)
     }
 
-    /// R of every parity and patch.
-    fn at(&self, hz: f64) -> Result<Arc<Vec<Vec<Resistance>>>, AcousticsError> {
+    /// What is heard of a parity at the samples of its radiation matrix.
+    fn heard(&self, parity: usize, found: &SampledRadiation) -> Result<Vec<Heard>, AcousticsError> {
+        let at = |hz: f64| Ok(self.at(hz)?.heard[parity].clone());
+        found.samples_hz().into_iter().map(at).collect()
+    }
+
+    fn at(&self, hz: f64) -> Result<Arc<Solved>, AcousticsError> {
         let known = self
             .solved
             .lock()
@@ -392,7 +451,12 @@ impl<'a> Solver<'a> {
         if let Some(known) = known {
             return Ok(known);
         }
-        let two = self.problem.resistance_parities(hz, &self.patterns)?;
+        let solutions = self.problem.solve_parities(hz, &self.patterns)?;
+        let (mut two, mut all) = (Vec::new(), Vec::new());
+        for (patterns, solution) in self.patterns.iter().zip(&solutions) {
+            two.push(self.problem.two_evaluations(&patterns.velocities, solution)?);
+            all.push(heard(self.problem, self.receivers, patterns, solution)?);
+        }
         {
             let mut worst = self.worst.lock().unwrap_or_else(PoisonError::into_inner);
             let loudest = two.iter().map(|t| t.far_field.amax()).fold(0.0, f64::max);
@@ -401,13 +465,15 @@ impl<'a> Solver<'a> {
                 worst.1 = worst.1.max(t.asymmetry * t.far_field.amax() / loudest);
             }
         }
-        let split = Arc::new(
-            two.iter()
+        let solution = Arc::new(Solved {
+            resistances: two
+                .iter()
                 .map(|t| t.split().into_iter().map(single).collect())
                 .collect(),
-        );
+            heard: all,
+        });
         let mut solved = self.solved.lock().unwrap_or_else(PoisonError::into_inner);
-        Ok(solved.entry(hz.to_bits()).or_insert(split).clone())
+        Ok(solved.entry(hz.to_bits()).or_insert(solution).clone())
     }
 
     fn report(self, summary: &mut Summary) {
@@ -432,7 +498,8 @@ impl Archive for ModalBem {
         to.list(&self.parities);
         to.count(self.summary.samples);
         let s = &self.summary;
-        to.numbers(&[s.interpolation, s.difference_db, s.asymmetry]);
+        to.numbers(&[s.interpolation, s.difference_db, s.asymmetry, s.heard]);
+        self.heard.write(to);
     }
 
     fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
@@ -441,17 +508,20 @@ impl Archive for ModalBem {
         let combinations = from.list()?;
         let parities = from.list()?;
         let samples = from.count()?;
-        let [interpolation, difference_db, asymmetry] = from.numbers()?;
+        let [interpolation, difference_db, asymmetry, heard] = from.numbers()?;
+        let hearing = HeardModes::read(from)?;
         Ok(Self {
             patches,
             modes,
             combinations,
             parities,
+            heard: hearing,
             summary: Summary {
                 samples,
                 interpolation,
                 difference_db,
                 asymmetry,
+                heard,
             },
         })
     }

@@ -100,7 +100,7 @@ impl Exterior {
         patterns.iter().zip(&solutions).map(of_parity).collect()
     }
 
-    fn two_evaluations(
+    pub(super) fn two_evaluations(
         &self,
         velocities: &DMatrix<f64>,
         solution: &SurfacePressure,

@@ -175,6 +175,67 @@ impl SampledRadiation {
         self.error
     }
 
+    /// Frequencies in the order of the samples \[Hz\].
+    pub(crate) fn samples_hz(&self) -> Vec<f64> {
+        self.samples.iter().map(|s| s.hz).collect()
+    }
+
+    /// A quantity linear in the modes' accelerations, sampled beside R at all frequencies (rows x modes each), between
+    /// them; below the lowest sample every mode's amplitude follows the power law of its resistance.
+    pub(crate) fn interpolated(
+        &self,
+        hz: f64,
+        samples: &[DMatrix<Complex<f64>>],
+        accelerations: &[Complex<f64>],
+    ) -> Vec<Complex<f64>> {
+        let (nodes, weights) = if hz < self.lowest() {
+            (vec![self.lowest_sample()], vec![1.0])
+        } else {
+            let interval = &self.intervals[self.interval(hz)];
+            (interval.nodes.clone(), interval.weights(hz, interval.nodes.len() - 1))
+        };
+        let scaled = |(mode, a): (usize, &Complex<f64>)| {
+            if hz < self.lowest() {
+                a * self.low_factor(hz, mode)
+            } else {
+                *a
+            }
+        };
+        let a: Vec<Complex<f64>> = accelerations.iter().enumerate().map(scaled).collect();
+        let mut sum = vec![Complex::default(); samples[nodes[0]].nrows()];
+        for (node, weight) in nodes.iter().zip(weights) {
+            for (column, a) in samples[*node].column_iter().zip(&a) {
+                let a = a * weight;
+                sum.iter_mut().zip(column.iter()).for_each(|(sum, x)| *sum += x * a);
+            }
+        }
+        sum
+    }
+
+    /// Its interpolation error: the magnitude of the last two Chebyshev coefficients of every entry, relative to the
+    /// largest entry of a row in the interval.
+    pub(crate) fn error_of(&self, samples: &[DMatrix<Complex<f64>>]) -> f64 {
+        let mut worst: f64 = 0.0;
+        for interval in &self.intervals {
+            let order = interval.nodes.len() - 1;
+            let [last, before] = [order, order - 1].map(|k| {
+                let mut sum = samples[interval.nodes[0]].scale(0.0);
+                for (j, &node) in interval.nodes.iter().enumerate() {
+                    sum += samples[node].scale(interval.coefficient(j, k));
+                }
+                sum
+            });
+            for row in 0..last.nrows() {
+                let size = |m: &DMatrix<Complex<f64>>| m.row(row).iter().map(|z| z.norm()).fold(0.0, f64::max);
+                let largest = interval.nodes.iter().map(|&n| size(&samples[n])).fold(0.0, f64::max);
+                if largest > 0.0 {
+                    worst = worst.max((size(&last) + size(&before)) / largest);
+                }
+            }
+        }
+        worst
+    }
+
     fn lowest(&self) -> f64 {
         self.intervals[0].low
     }
@@ -441,6 +502,14 @@ impl Interval {
         terms.into_iter().map(|t| t / sum).collect()
     }
 
+    /// What the sample at node j adds to the Chebyshev coefficient of order k.
+    fn coefficient(&self, j: usize, k: usize) -> f64 {
+        let order = self.nodes.len() - 1;
+        let end = if j == 0 || j == order { 0.5 } else { 1.0 };
+        let cosine = (PI * ((j * k) % (2 * order)) as f64 / order as f64).cos();
+        2.0 / order as f64 * end * cosine
+    }
+
     /// Estimated interpolation error of all patches together, relative to the interval's least sqrt(Q_ii Q_jj): the
     /// magnitude of the last two Chebyshev coefficients of every entry, beyond which those of an analytic function fall
     /// geometrically or faster. What patches exchange among themselves does not reach the level.
@@ -459,10 +528,8 @@ impl Interval {
         let [last, before] = [order, order - 1].map(|k| {
             let mut coefficient = Resistance::zeros(modes);
             for (j, &node) in self.nodes.iter().enumerate() {
-                let end = if j == 0 || j == order { 0.5 } else { 1.0 };
-                let cosine = (PI * ((j * k) % (2 * order)) as f64 / order as f64).cos();
                 for patch in &samples[node].patches {
-                    coefficient.add_scaled(2.0 / order as f64 * end * cosine, patch);
+                    coefficient.add_scaled(self.coefficient(j, k), patch);
                 }
             }
             coefficient
