@@ -477,6 +477,16 @@ choice! {
 }
 
 choice! {
+    /// How the nailing cycle and the structures it drives are joined.
+    Coupling {
+        /// The cycle has a lumped workpiece of its own; its forces drive the structures.
+        OneWay = "one-way",
+        /// The structures' modes take the place of the lumped workpiece: the support acts back on the shot.
+        TwoWay = "two-way",
+    }
+}
+
+choice! {
     /// Build of the worktable.
     WorktablePreset {
         /// A: a plywood top on four legs of solid wood.
@@ -493,6 +503,8 @@ group! {
     Support {
         /// The support.
         kind: SupportKind = SupportKind::KIND, "";
+        /// Whether the structures act back on the nailing cycle.
+        coupling: Coupling = Coupling::KIND, "";
     }
     groups {
         worktable: Worktable,

@@ -207,6 +207,6 @@ pub(super) fn histories(record: &CycleRecord) -> String {
     text
 }
 
-fn optional(value: Option<f64>, decimals: usize) -> String {
+pub(super) fn optional(value: Option<f64>, decimals: usize) -> String {
     value.map_or_else(String::new, |value| format!("{value:.decimals$}"))
 }

@@ -3,6 +3,7 @@
 mod columns;
 mod csv;
 mod fields;
+mod microphones;
 mod motion;
 mod sensors;
 mod shot;
@@ -21,7 +22,7 @@ pub use csv::EVENT_NAMES;
 
 /// Writes everything a run leaves behind to `folder`: `result.json`, `levels.csv`, `intervals.csv`, `power.csv`,
 /// `events.csv`, `log.csv`, `histories.csv`, `fields/*`, where boundary elements were used `radiation.csv` and
-/// `radiation-modes.csv`, and where the design has sensors `sensors.csv`, `sensors-spectrum.csv` and `sensors.uff`.
+/// `radiation-modes.csv`, `microphones.csv` and `microphones/*.wav`, and where the design has sensors `sensors.csv`, `sensors-spectrum.csv` and `sensors.uff`.
 ///
 /// # Errors
 /// [`Error::Write`] with the file that could not be written.
@@ -39,6 +40,7 @@ pub fn write_run(folder: &Path, run: &Run) -> Result<(), Error> {
     write(&folder.join("intervals.csv"), csv::intervals(&run.result).as_bytes())?;
     write(&folder.join("power.csv"), csv::power(run).as_bytes())?;
     sensors::write(folder, run)?;
+    microphones::write(folder, run)?;
     fields::write(&folder.join("fields"), run)?;
     shot::write(&folder.join("fields"), run)?;
     // Last, so that a folder with a result has all the rest of it.
@@ -101,14 +103,14 @@ pub fn write_universal(folder: &Path, name: &str, body: &Body) -> Result<PathBuf
     Ok(path)
 }
 
-fn create(folder: &Path) -> Result<(), Error> {
+pub(crate) fn create(folder: &Path) -> Result<(), Error> {
     std::fs::create_dir_all(folder).map_err(|source| Error::Write {
         path: folder.to_owned(),
         source,
     })
 }
 
-fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     write_atomic(path, bytes).map_err(|source| Error::Write {
         path: path.to_owned(),
         source,

@@ -3,10 +3,13 @@
 //! Each stage is a function of the design and of what stands before it; none keeps state.
 
 mod bodies;
+mod changes;
+mod coupling;
 mod cycle;
 mod exhaust;
 mod geometry;
 mod intervals;
+mod microphones;
 mod missing;
 mod notes;
 mod pattern;
@@ -27,10 +30,13 @@ use nailnoise_dynamics::CycleRecord;
 use nailnoise_fem::transient::ModalResponse;
 
 pub use bodies::{Body, Structure, modes_of, table, workpiece};
+pub use coupling::{COUPLED_LOADS, Coupled, couple};
 pub use cycle::{cycle, parameters};
 pub use exhaust::exhaust_openings;
-pub use geometry::{BodyKind, Geometry, Origin, import, tool_dimensions};
+pub use geometry::{BodyKind, Geometry, Origin, import, needs_gmsh, tool_dimensions};
 pub use intervals::SoundPower;
+pub use microphones::Microphones;
+pub(crate) use microphones::SAMPLE_RATE;
 pub use preset::{Preset, cycle_as_published};
 pub use sensors::SensorRecord;
 pub use settings::cycle_settings;
@@ -38,7 +44,7 @@ pub use settings::cycle_settings;
 use radiator::Radiator;
 
 use crate::cache::Cache;
-use crate::design::{Design, SupportKind};
+use crate::design::{Coupling, Design, SupportKind};
 use crate::error::Error;
 use crate::result::{Check, DesignId, RunResult, SCHEMA, Timing};
 
@@ -48,6 +54,8 @@ pub trait Observer {
     fn stage(&mut self, name: &str);
     /// Something the user should know beside the result.
     fn note(&mut self, text: &str);
+    /// So many items of the stage are done, of so many in all.
+    fn done(&mut self, _items: u64, _of: u64) {}
 }
 
 /// Listens to nothing.
@@ -77,6 +85,8 @@ pub struct Run {
     pub screech: Vec<Option<f64>>,
     /// What the design's sensors record, by name.
     pub sensors: Vec<SensorRecord>,
+    /// What microphones around the device hear of workpiece and support; none where no boundary elements were used.
+    pub microphones: Option<Microphones>,
 }
 
 /// What a run may change about the physics without being another design; for studies and tests of laws.
@@ -104,8 +114,13 @@ impl Default for Options {
 pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn Observer) -> Result<Run, Error> {
     // Dense products inside a stage stay on one thread: a result must not depend on how many there are.
     let mut timing = Timing::default();
-    observer.stage("nailing cycle");
-    let record = timing.time("cycle", || cycle(design))?;
+    let two_way = design.support.coupling == Coupling::TwoWay;
+    let lumped = if two_way {
+        None
+    } else {
+        observer.stage("nailing cycle");
+        Some(timing.time("cycle", || cycle(design))?)
+    };
     observer.stage("modes of the workpiece");
     let block = timing.time("workpiece modes", || workpiece(design, cache))?;
     let worktable = match design.support.kind {
@@ -130,27 +145,39 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
         .acoustics
         .radiation_damping
         .then(|| timing.time("radiation damping", || radiator.damping(&structure)));
-    observer.stage("response of workpiece and support");
+    let added = damping.as_deref();
     let parameters = parameters(design)?;
-    let force_scale = options.workpiece_force_scale;
-    let response = timing.time("response", || {
-        response::response(
-            design,
-            &structure,
-            damping.as_deref(),
-            &parameters,
-            &record,
-            force_scale,
-        )
-    })?;
+    let (record, response, coupling) = match lumped {
+        Some(record) => {
+            observer.stage("response of workpiece and support");
+            let force_scale = options.workpiece_force_scale;
+            let response = timing.time("response", || {
+                response::response(design, &structure, added, &parameters, &record, force_scale)
+            })?;
+            (record, response, None)
+        }
+        None => {
+            observer.stage("nailing cycle with workpiece and support");
+            let both = timing.time("cycle and response", || {
+                response::coupled(design, &structure, added, &parameters)
+            })?;
+            (both.record, both.response, Some((both.work, both.checks)))
+        }
+    };
     let sensors = timing.time("sensors", || sensors::sensors(design, &structure, &response, &record))?;
     observer.stage("radiation");
     let spectra = timing.time("modal spectra", || {
         radiation::modal_spectra(design, &structure, &response)
     })?;
-    let workpiece = timing.time("radiation", || {
-        radiation::workpiece(design, &structure, &radiator, damping.as_deref(), &spectra)
+    let mut workpiece = timing.time("radiation", || {
+        radiation::workpiece(design, &structure, &radiator, added, &spectra)
     })?;
+    let microphones = timing.time("microphones", || {
+        microphones::microphones(design, &radiator, &spectra, &workpiece.spectrum, response.duration())
+    })?;
+    if let Some(report) = &mut workpiece.radiation {
+        report.microphones = microphones.as_ref().map(|m| m.report.clone());
+    }
     let body = timing.time("body", || radiation::tool_body(design, &record, &air))?;
     observer.stage("exhaust");
     let exhaust = timing.time("exhaust", || exhaust::exhaust(design, &record, &air))?;
@@ -168,11 +195,26 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
     let mut checks: Vec<Check> = record.checks.iter().map(Check::from).collect();
     structure.bodies().for_each(|body| checks.extend(body.checks()));
     checks.extend(response::checks(&response));
+    checks.extend(coupling.iter().flat_map(|(_, checks)| checks.clone()));
     checks.extend(missing.iter().map(missing::Missing::check));
     checks.extend(workpiece.radiation.as_ref().and_then(report::check));
     checks.extend(ranking::checks(&ranking, &total));
     checks.extend(interval_checks);
     checks.push(exhaust.check());
+    let coupling = match coupling {
+        Some((work, _)) => {
+            observer.stage("the same one way, to compare");
+            let mut one_way = design.clone();
+            one_way.support.coupling = Coupling::OneWay;
+            let other = timing.time("one way", || run(&one_way, options, cache, &mut Silent))?;
+            Some(changes::changes(
+                work,
+                (&other.record, &other.result),
+                (&record, &ranking, &total),
+            ))
+        }
+        None => None,
+    };
     let result = RunResult {
         schema: SCHEMA,
         design: DesignId {
@@ -185,6 +227,7 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
         outcome: record.outcome,
         cycle: record.summary.clone(),
         events: record.events,
+        coupling,
         sensors: sensors.iter().map(SensorRecord::level).collect(),
         checks,
         notes,
@@ -199,5 +242,6 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
         powers,
         screech: exhaust.screech,
         sensors,
+        microphones,
     })
 }

@@ -157,7 +157,7 @@ fn modes_of(structure: &Structure, damping: Option<&[Vec<f64>]>, energies: &[f64
 }
 
 /// Modes of all bodies as those of one; a body with a lower top is at rest above it.
-fn side_by_side(spectra: &[ModalSpectra]) -> ModalSpectra {
+pub(super) fn side_by_side(spectra: &[ModalSpectra]) -> ModalSpectra {
     let modes = spectra.iter().map(|s| s.accelerations.nrows()).sum();
     let widest = spectra.iter().max_by_key(|s| s.frequency.len());
     let (frequency, range_hz) = widest.map_or_else(Default::default, |s| (s.frequency.clone(), s.range_hz));

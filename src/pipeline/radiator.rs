@@ -1,7 +1,9 @@
 //! Radiation of the workpiece with its support per unit of modal motion, before the motion is known.
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior, Level, ModalBem, MovingPart, Side, SolidBox};
+use nailnoise_acoustics::bem::{
+    Boundary, BoundaryMesh, Exterior, Level, ModalBem, MovingPart, Receivers, Side, SolidBox,
+};
 use nailnoise_acoustics::radiation::{
     AbsorbingSand, Archive, Erp, ModalRadiation, Rayleigh, SampledRadiation, Sampling,
 };
@@ -9,6 +11,7 @@ use nalgebra::{Complex, DMatrix, Point3};
 
 use super::Observer;
 use super::bodies::{Body, Structure};
+use super::microphones;
 use super::radiation::{moving_sand, radiating};
 use crate::cache::{Cache, Key};
 use crate::design::{Design, RadiationMethod, SupportKind, WorktablePreset};
@@ -172,7 +175,11 @@ fn standing_bem(
             floor: FLOOR,
             most_samples: MOST_SAMPLES,
         };
-        Ok::<_, Error>(ModalBem::new(levels, &sampling)?.to_bytes())
+        let receivers = Receivers {
+            points: microphones::positions(design),
+            origin: Point3::origin(),
+        };
+        Ok::<_, Error>(ModalBem::with_receivers(levels, &sampling, &receivers)?.to_bytes())
     })?;
     Ok(Radiator::Bem(Box::new(ModalBem::from_bytes(&kept)?)))
 }
@@ -180,10 +187,10 @@ fn standing_bem(
 /// All that the radiation matrices depend on: boxes, air, how finely they are computed, and the skins' modes.
 fn key(design: &Design, structure: &Structure, air: &Air) -> Key {
     let a = &design.acoustics;
-    let mut key =
-        Key::new()
-            .with(&format!("{:?} {air:?}", boxes(design)))
-            .with(&[a.bem_top, a.bem_panels, a.bem_tolerance]);
+    let mut key = Key::new()
+        .with(&format!("{:?} {air:?}", boxes(design)))
+        .with(&[a.bem_top, a.bem_panels, a.bem_tolerance])
+        .with(&format!("{:?}", microphones::positions(design)));
     for body in structure.bodies() {
         let surface = &body.surface;
         let points: Vec<f64> = surface.points.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
@@ -199,7 +206,8 @@ fn key(design: &Design, structure: &Structure, air: &Air) -> Key {
     key
 }
 
-fn floor(design: &Design) -> f64 {
+/// Height of the floor under the worktable; the block's underside is at 0 \[m\].
+pub(super) fn floor(design: &Design) -> f64 {
     -design.support.worktable.height
 }
 

@@ -1,6 +1,7 @@
 //! The blow in wood and support: the cycle's forces drive the bodies, the block may lift off what it stands on.
 //!
-//! One-way coupling: the cycle has its own lumped workpiece, and its forces on the wood are applied to the block.
+//! One way, the cycle has its own lumped workpiece, and its forces on the wood are applied to the block; both ways,
+//! they run together (see [`super::coupling`]).
 
 use nailnoise_dynamics::{CycleRecord, Parameters};
 use nailnoise_fem::supports::{RectangularBase, Sand, contact_dashpot};
@@ -8,6 +9,8 @@ use nailnoise_fem::transient::{Loads, ModalBody, ModalResponse, Settings, Suppor
 use nalgebra::{DMatrix, DVector};
 
 use super::bodies::{Body, Structure, WORKPIECE_LOADS};
+use super::coupling::{Coupled, couple};
+use super::cycle_settings;
 use super::shank;
 use crate::design::{Design, SupportKind};
 use crate::error::Error;
@@ -15,6 +18,27 @@ use crate::result::Check;
 
 /// Forces of the shot on the workpiece, and gravity as the last load.
 const LOADS: usize = WORKPIECE_LOADS + 1;
+
+/// Computes cycle and response together, each acting on the other; damping by radiation as in [`response`].
+///
+/// # Errors
+/// Those of the cycle, of the transient solver, and that they do not agree.
+pub(super) fn coupled(
+    design: &Design,
+    structure: &Structure,
+    radiation_damping: Option<&[Vec<f64>]>,
+    parameters: &Parameters,
+) -> Result<Coupled, Error> {
+    let bodies = modal_bodies(structure, radiation_damping);
+    couple(
+        parameters,
+        design.wood.friction_share,
+        &cycle_settings(design),
+        &bodies,
+        &supports(design, structure)?,
+        &settings(design),
+    )
+}
 
 /// Computes the response of workpiece and support to the forces of a cycle. `radiation_damping` is added to the damping
 /// ratios, mode by mode and body by body.
@@ -29,18 +53,31 @@ pub(super) fn response(
     record: &CycleRecord,
     force_scale: f64,
 ) -> Result<ModalResponse, Error> {
+    let bodies = modal_bodies(structure, radiation_damping);
+    let loads = loads(design, parameters, record, force_scale)?;
+    Ok(respond(
+        &bodies,
+        &supports(design, structure)?,
+        &loads,
+        &settings(design),
+    )?)
+}
+
+fn settings(design: &Design) -> Settings {
+    Settings {
+        step: design.analysis.time_step,
+        duration: design.analysis.duration,
+        ..Settings::default()
+    }
+}
+
+/// All bodies, with the damping ratios that radiation adds.
+fn modal_bodies(structure: &Structure, radiation_damping: Option<&[Vec<f64>]>) -> Vec<ModalBody> {
     let mut bodies: Vec<ModalBody> = structure.bodies().map(modal_body).collect();
     for (body, added) in bodies.iter_mut().zip(radiation_damping.unwrap_or_default()) {
         body.zeta.iter_mut().zip(added).for_each(|(zeta, added)| *zeta += added);
     }
-    let analysis = &design.analysis;
-    let settings = Settings {
-        step: analysis.time_step,
-        duration: analysis.duration,
-        ..Settings::default()
-    };
-    let loads = loads(design, parameters, record, force_scale)?;
-    Ok(respond(&bodies, &supports(design, structure)?, &loads, &settings)?)
+    bodies
 }
 
 /// A body as the transient solver takes it. Loads of the shot act on the workpiece alone, gravity on every body.
