@@ -172,6 +172,13 @@ pub enum Error {
         /// What the system said.
         source: std::io::Error,
     },
+    /// A file to be written is there already.
+    #[error("{} is there already, and nothing has been written", path.display())]
+    #[diagnostic(help("choose another name, or move it away"))]
+    Exists {
+        /// The file.
+        path: PathBuf,
+    },
     /// There is no folder for the cache, or no sense in its limit.
     #[error(transparent)]
     #[diagnostic(transparent)]

@@ -1,10 +1,12 @@
 //! nailnoise predicts how much sound power each source of a pneumatic nailer radiates, from its design.
 //!
 //! [`design`] reads the design file, [`pipeline`] turns it into ranked sources, [`output`] writes them to files,
-//! [`figures`] draws them, [`comparison`] lays results side by side and [`commands`] is the command line over all of it. [`penetration`] compares penetration laws,
+//! [`figures`] draws them, [`report`] makes a page of them, [`bundle`] keeps all of it for the next run, [`comparison`] lays
+//! results side by side and [`commands`] is the command line over all of it. [`penetration`] compares penetration laws,
 //! [`sensitivity`] and [`study`] tell what a design's ranges do to its shot.
 #![forbid(unsafe_code)]
 
+pub mod bundle;
 pub mod cache;
 pub mod commands;
 pub mod comparison;
@@ -12,9 +14,11 @@ pub mod correlation;
 pub mod design;
 mod error;
 pub mod figures;
+mod interrupt;
 pub mod output;
 pub mod penetration;
 pub mod pipeline;
+pub mod report;
 pub mod result;
 pub mod sensitivity;
 pub mod study;

@@ -2,7 +2,7 @@
 //!
 //! These types are the schema of `run --json` and of `result.json`.
 
-use serde::{Serialize, Serializer, ser::SerializeMap};
+use serde::{Deserialize, Serialize, Serializer, ser::SerializeMap};
 
 /// Version of the layout of [`RunResult`]; it changes when a reader of the old layout would misread the new one.
 pub const SCHEMA: &str = "nailnoise-run/1";
@@ -26,6 +26,9 @@ pub struct RunResult {
     pub cycle: nailnoise_dynamics::Summary,
     /// Event times t0..t18 \[s\]; null where one does not occur.
     pub events: nailnoise_dynamics::Events,
+    /// What the structures do to the shot and its sound, against a lumped workpiece; absent from a one-way run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coupling: Option<Coupling>,
     /// What the design's sensors measure, by name.
     pub sensors: Vec<SensorLevel>,
     /// Checks of every stage.
@@ -181,6 +184,54 @@ pub struct SensorLevel {
     pub peak_g: f64,
 }
 
+/// What coupling the structures two ways changes against driving them one way.
+#[derive(Debug, Clone, Serialize)]
+pub struct Coupling {
+    /// Event times.
+    pub events: Vec<EventChange>,
+    /// Figures of the shot, those of [`nailnoise_dynamics::Summary`], SI.
+    pub figures: Vec<FigureChange>,
+    /// Levels of the sources and of all together.
+    pub levels: Vec<LevelChange>,
+    /// How cycle and structure found each other.
+    pub work: nailnoise_dynamics::CouplingWork,
+}
+
+/// One event in both runs.
+#[derive(Debug, Clone, Serialize)]
+pub struct EventChange {
+    /// `t1` to `t18`.
+    pub event: String,
+    /// Time one way \[s\]; null where it does not occur.
+    pub one_way_s: Option<f64>,
+    /// Time two ways \[s\]; null where it does not occur.
+    pub two_way_s: Option<f64>,
+}
+
+/// One figure of the shot in both runs.
+#[derive(Debug, Clone, Serialize)]
+pub struct FigureChange {
+    /// Its name in the shot's figures.
+    pub figure: &'static str,
+    /// Its SI unit.
+    pub unit: &'static str,
+    /// One way; null where there is none.
+    pub one_way: Option<f64>,
+    /// Two ways; null where there is none.
+    pub two_way: Option<f64>,
+}
+
+/// One source's level in both runs.
+#[derive(Debug, Clone, Serialize)]
+pub struct LevelChange {
+    /// The source, or `total`.
+    pub source: String,
+    /// A-weighted single-event level one way \[dB re 1 pW s\]; null when silent.
+    pub one_way_lwa_db: Option<f64>,
+    /// The same two ways.
+    pub two_way_lwa_db: Option<f64>,
+}
+
 /// All sources together.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct Total {
@@ -191,7 +242,7 @@ pub struct Total {
 }
 
 /// A check of a run: a number that must stay within its limit.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Check {
     /// What is checked, with unit.
     pub name: String,

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
 use nailnoise::design::Value;
-use nailnoise::pipeline::{cycle_settings, parameters};
+use nailnoise::pipeline::{Silent, cycle_settings, parameters};
 use nailnoise::sensitivity::{Derivative, End, OUTPUTS, Sensitivity, choose, sensitivity};
 use nailnoise::{Design, Error};
 use nailnoise_dynamics::{CycleRecord, Outcome, Settings, simulate};
@@ -38,7 +38,7 @@ fn moved(design: &Design, key: &str, value: f64) -> CycleRecord {
 fn the_impact_answers_to_the_nails_density_as_momentum_says() {
     let design = design();
     let outputs = choose(&["speed", "t3", "t4"]).unwrap();
-    let s = sensitivity(&design, &outputs, Some(&["nail.density"])).unwrap();
+    let s = sensitivity(&design, &outputs, Some(&["nail.density"]), &mut Silent).unwrap();
     let v = s
         .outputs
         .iter()
@@ -79,7 +79,7 @@ fn differences_made_by_hand_agree_within_the_error() {
     ])
     .unwrap();
     let keys = ["supply.pressure", "wood.hardness_modulus"];
-    let s = sensitivity(&design, &outputs, Some(&keys)).unwrap();
+    let s = sensitivity(&design, &outputs, Some(&keys), &mut Silent).unwrap();
     for (key, value, step) in [
         (keys[0], design.supply.pressure, 2e3),
         (keys[1], design.wood.hardness_modulus, 1e3),
@@ -121,6 +121,7 @@ fn signs_are_those_of_the_physics() {
             "wood.resistance_scale",
             "contacts.stopper_stiffness",
         ]),
+        &mut Silent,
     )
     .unwrap();
     for (output, key, sign) in [
@@ -155,7 +156,13 @@ fn at_the_edge_of_what_is_allowed_differences_are_one_sided() {
     // Viscous friction is 0 and cannot be less; lift and preload are all that the closing spring's law allows.
     let design = design();
     let keys = ["piston.friction.viscous", "head_valve.lift"];
-    let s = sensitivity(&design, &choose(&["mean_drive_speed"]).unwrap(), Some(&keys)).unwrap();
+    let s = sensitivity(
+        &design,
+        &choose(&["mean_drive_speed"]).unwrap(),
+        Some(&keys),
+        &mut Silent,
+    )
+    .unwrap();
     let viscous = of(&s, "mean_drive_speed", keys[0]);
     assert!(viscous.derivative < 0.0 && viscous.is_certain(), "{viscous:?}");
     let step = 0.02;
@@ -182,7 +189,13 @@ fn a_range_over_which_the_shot_changes_is_flagged() {
         "contacts.seat_stiffness",
         "contacts.cap_stiffness",
     ];
-    let s = sensitivity(&design(), &choose(&["speed_before_impact"]).unwrap(), Some(&keys)).unwrap();
+    let s = sensitivity(
+        &design(),
+        &choose(&["speed_before_impact"]).unwrap(),
+        Some(&keys),
+        &mut Silent,
+    )
+    .unwrap();
     assert_eq!(s.outcome, Outcome::Drives);
     let of_key = |key: &str| s.parameters.iter().find(|p| p.parameter.key == key).unwrap();
     let wood = of_key(keys[0]);

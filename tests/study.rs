@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 
 use nailnoise::Design;
 use nailnoise::design::Value;
-use nailnoise::pipeline;
+use nailnoise::pipeline::{self, Silent};
 use nailnoise::study::{Draw, Fate, Study, study, taking_part};
 use nailnoise_dynamics::{Parameters, simulate};
 use rayon::prelude::*;
@@ -20,7 +20,7 @@ fn design() -> Design {
 /// The thousand designs, drawn once.
 fn thousand() -> &'static Study {
     static STUDY: OnceLock<Study> = OnceLock::new();
-    STUDY.get_or_init(|| study(&design(), 1000, 1).unwrap())
+    STUDY.get_or_init(|| study(&design(), 1000, 1, &mut Silent).unwrap())
 }
 
 #[test]
@@ -137,7 +137,7 @@ fn ten_of_each_outcome_agree_with_the_reference() {
 fn draws_depend_on_the_seed_and_not_on_threads() {
     let draws = |seed: u64, threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let study = pool.install(|| study(&design(), 12, seed).unwrap());
+        let study = pool.install(|| study(&design(), 12, seed, &mut Silent).unwrap());
         study
             .draws
             .iter()
@@ -165,7 +165,7 @@ fn what_is_drawn_takes_part_in_the_cycle_and_stays_in_its_range() {
     for group in ["body.", "support.sand.", "analysis.", "wood.elastic."] {
         assert!(!keys.iter().any(|key| key.starts_with(group)), "{group}");
     }
-    let study = study(&design, 30, 3).unwrap();
+    let study = study(&design, 30, 3, &mut Silent).unwrap();
     for draw in &study.draws {
         for (parameter, value) in study.parameters.iter().zip(&draw.values) {
             let value = match value {

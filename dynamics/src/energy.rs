@@ -8,7 +8,7 @@ use serde::Serialize;
 /// gas:         U(0) + supply + wall_heat = U(end) + exhaust + vent + leak + piston_work + valve_work
 /// mechanics:   E(0) + piston_work + valve_work + atmosphere + hand + gravity + thrust
 ///                   = E(end) + piston_friction + valve_friction + magazine_friction + penetration
-///                     + nail_impact + nail_left + contacts + hand_damping
+///                     + nail_impact + nail_left + contacts + wood + hand_damping
 /// ```
 /// U is the internal energy of the gas, E the kinetic and elastic energy of bodies, springs and contacts. The energies
 /// of flows are enthalpies c_p T m of where the flow comes from, counted from 0 K, so that a kilogram of air at ambient
@@ -58,6 +58,8 @@ pub struct EnergyFlow {
     pub nail_left: f64,
     /// Dissipated in the contacts.
     pub contacts: ContactEnergy,
+    /// Work on a wood that is driven from outside the cycle; 0 where the wood is a lumped mass of its own.
+    pub wood: f64,
     /// Dissipated between hand and tool.
     pub hand_damping: f64,
     /// Kinetic energy of all bodies at the trigger pull.
@@ -123,7 +125,7 @@ impl EnergyFlow {
     pub fn mechanical_residual(&self) -> f64 {
         let work = self.piston_work + self.valve_work + self.atmosphere + self.hand + self.gravity + self.thrust;
         let stored = self.kinetic_end - self.kinetic_start + self.elastic_end - self.elastic_start;
-        work - self.dissipated() - stored
+        work - self.dissipated() - self.wood - stored
     }
 
     /// What the balance of the whole shot lacks.

@@ -164,6 +164,19 @@ pub enum CycleError {
         /// Nail length \[m\].
         length: f64,
     },
+    /// Cycle and wood do not find forces on which both agree.
+    #[error(
+        "the cycle and the wood do not agree on their forces at {time} s: {mismatch} N apart, {limit} N allowed; use a \
+         smaller settings.sample_interval (in a design analysis.time_step), or couple one way"
+    )]
+    Coupling {
+        /// Time \[s\].
+        time: f64,
+        /// Difference of the forces \[N\].
+        mismatch: f64,
+        /// Largest difference allowed \[N\].
+        limit: f64,
+    },
     /// The integration could not go on.
     #[error(
         "the integration stopped at {time} s: {cause}; \

@@ -19,8 +19,9 @@ mod presets;
 pub mod prf;
 mod record;
 mod settings;
+mod workpiece;
 
-pub use cycle::simulate;
+pub use cycle::{simulate, simulate_on};
 pub use energy::{ContactEnergy, EnergyFlow};
 pub use error::CycleError;
 pub use geometry::Geometry;
@@ -33,3 +34,4 @@ pub use record::{
     Body, Check, CycleRecord, Events, ExhaustFlow, Forces, Motion, Outcome, Summary, VentFlow, Volume, Work,
 };
 pub use settings::{Method, Settings};
+pub use workpiece::{Compliance, CouplingWork, WoodForces, WoodMotion, Workpiece};

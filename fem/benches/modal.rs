@@ -3,7 +3,7 @@
 //! `cargo bench -p nailnoise-fem` runs the small meshes; `cargo bench -p nailnoise-fem -- --full` also the free wood
 //! block with 50 000 and 153 000 degrees of freedom. Times are CPU seconds of the process where /proc tells them, so that
 //! other work on the machine does not count; set RAYON_NUM_THREADS=1 for one core. `-- --only 34 13 8` runs the free block
-//! with these divisions alone, `-- --block 8` sets the vectors of a Lanczos block.
+//! with these divisions alone, `-- --block 8` sets the vectors of a Lanczos block, `-- --whole` leaves mirror planes unused.
 
 #[path = "../tests/bodies/mod.rs"]
 mod bodies;
@@ -42,17 +42,19 @@ fn report(name: &str, mesh: Duration, assembly: (System, Duration), top_hz: f64)
     if let Some(block) = numbers("--block", 1) {
         settings.block = block[0];
     }
+    settings.mirrors = !std::env::args().any(|a| a == "--whole");
     let (basis, solution) = timed(|| modes(&system, &settings).expect("modes of a sound model"));
     let total = (mesh + assembly + solution).as_secs_f64();
     let worst = basis.residuals.iter().fold(0.0, |a: f64, &b| a.max(b));
     println!(
         "{name:22} {:7} dofs {:4} modes  mesh {:4.1} %  assembly {:4.1} %  modes {:4.1} %  total {total:7.2} s  \
-         residual {worst:.1e}  L {:.1} M  steps {}  solves {}",
+         residual {worst:.1e}  sectors {}  L {:.1} M  steps {}  solves {}",
         basis.dofs,
         basis.hz.len(),
         100.0 * mesh.as_secs_f64() / total,
         100.0 * assembly.as_secs_f64() / total,
         100.0 * solution.as_secs_f64() / total,
+        basis.work.sectors,
         basis.work.factor_values as f64 / 1e6,
         basis.work.block_steps,
         basis.work.solves,

@@ -7,11 +7,11 @@ use nalgebra::{DMatrix, Vector3};
 use nalgebra_sparse::CscMatrix;
 
 use crate::layout::{Cliques, Layout};
-use crate::order::elimination_order;
 use crate::reduction::Reduction;
+use crate::symmetry::Mirror;
 use crate::{Attachments, Constraints, FemError, Material};
 
-/// The free degrees of freedom of a model, numbered in the order of elimination.
+/// The free degrees of freedom of a model, numbered node by node as the mesh has them.
 ///
 /// The degrees of freedom u of the mesh follow from the unknowns q of the equations as u = T q: a free one is an unknown
 /// itself, a held one is zero, and one of a tied node is a combination of unknowns.
@@ -27,9 +27,11 @@ pub struct Equations {
     tied: BTreeMap<usize, Vec<(usize, f64)>>,
     /// The degrees of freedom that are rotations; a translation of the whole leaves them at rest.
     rotations: Vec<usize>,
+    /// Planes that map the places of the unknowns onto each other.
+    mirrors: Vec<Mirror>,
 }
 
-/// Stiffness and mass of a body in the order of elimination, held degrees of freedom removed.
+/// Stiffness and mass of a body, held degrees of freedom removed.
 ///
 /// Both matrices are symmetric; only their lower triangles are stored, by columns, rows ascending.
 #[derive(Clone, Debug)]
@@ -56,6 +58,21 @@ impl Equations {
     /// Degrees of freedom of the mesh, 3 x nodes.
     pub fn dofs(&self) -> usize {
         self.dofs
+    }
+
+    /// The node of an equation; those of rigid masses follow those of the mesh.
+    pub(crate) fn node(&self, equation: usize) -> usize {
+        self.dof_of[equation] / 3
+    }
+
+    /// Number of nodes, with those of rigid masses.
+    pub(crate) fn nodes(&self) -> usize {
+        self.equation_of.len() / 3
+    }
+
+    /// Planes that map the places of the unknowns onto each other.
+    pub(crate) fn mirrors(&self) -> &[Mirror] {
+        &self.mirrors
     }
 
     /// The equation of a displacement component, or none where it is held or tied.
@@ -173,10 +190,7 @@ pub fn assemble_with(
     }
     let mut index = vec![None; reduction.nodes];
     active.iter().enumerate().for_each(|(k, &node)| index[node] = Some(k));
-    let graph = cliques.graph(&index, active.len());
-    let order: Vec<usize> = elimination_order(&graph)?.into_iter().map(|k| active[k]).collect();
-    order.iter().enumerate().for_each(|(k, &node)| index[node] = Some(k));
-    let layout = Layout::new(&cliques.graph(&index, order.len()), &order, &free, &reduction);
+    let layout = Layout::new(&cliques.graph(&index, active.len()), &active, &free, &reduction);
     let (stiffness, mass) = layout.scatter(mesh, materials, &index, &reduction)?;
     let mut equation_of = vec![None; 3 * reduction.nodes];
     layout
@@ -194,6 +208,7 @@ pub fn assemble_with(
             tied.insert(3 * node + axis, row.collect());
         }
     }
+    let mirrors = Mirror::candidates(mesh, &equation_of, &layout.dof_of);
     Ok(System {
         equations: Equations {
             dofs: 3 * mesh.nodes.len(),
@@ -201,6 +216,7 @@ pub fn assemble_with(
             dof_of: layout.dof_of,
             tied,
             rotations: reduction.rotations.iter().flat_map(|&r| 3 * r..3 * r + 3).collect(),
+            mirrors,
         },
         stiffness,
         mass,

@@ -11,8 +11,8 @@ use nalgebra_sparse::CscMatrix;
 
 use crate::FemError;
 use crate::dense::{add_product, cholesky_qr, negative_pivots, symmetric_eigen, transpose_product};
+use crate::eigenpairs::RIGID;
 use crate::random::Random;
-use crate::solve::RIGID;
 use crate::sparse::product;
 
 /// Least relative distance in lambda between sigma and any eigenvalue.

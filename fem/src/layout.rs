@@ -78,9 +78,9 @@ impl Cliques {
 /// Where every node pair stands in the two matrices; built once, values are scattered into it.
 pub(crate) struct Layout {
     pub(crate) dof_of: Vec<usize>,
-    /// Equation of each axis of each node in elimination order, or none.
+    /// Equation of each axis of each node, or none.
     equation: Vec<[Option<usize>; 3]>,
-    /// Neighbours of each node that are eliminated with or after it, itself first.
+    /// Neighbours of each node that come after it, itself first.
     later: Graph,
     /// For each entry of `later`: entries before it in the columns of the stiffness, and in that of each axis of the mass.
     before: Vec<[usize; 4]>,
@@ -110,7 +110,7 @@ fn mixes(a: Mixing, b: Mixing) -> bool {
 }
 
 impl Layout {
-    /// `graph` is numbered in the order of elimination; `order` names the node at each place, `free` its free axes.
+    /// `order` names the node at each place of `graph`, `free` its free axes.
     pub(crate) fn new(graph: &Graph, order: &[usize], free: &[[bool; 3]], reduction: &Reduction) -> Self {
         let mut mixing_of = vec![Mixing::Never; reduction.nodes];
         for added in &reduction.added {
@@ -176,7 +176,7 @@ impl Layout {
         }
     }
 
-    /// K and M of the elements and the attachments; `index` gives the place of each node in the order of elimination.
+    /// K and M of the elements and the attachments; `index` gives the place of each node.
     pub(crate) fn scatter(
         &self,
         mesh: &Mesh,
@@ -244,7 +244,7 @@ impl Layout {
                 let (Some(p), Some(q)) = (index[node_a], index[node_b]) else {
                     continue;
                 };
-                // The column belongs to the node eliminated first; K_ab = K_ba^T.
+                // The column belongs to the node that comes first; K_ab = K_ba^T.
                 let (column, row, transposed) = if p <= q { (p, q, true) } else { (q, p, false) };
                 let later = self.later.neighbours(column);
                 let Ok(r) = later.binary_search(&row) else { continue };

@@ -13,8 +13,10 @@ pub struct ModalSettings {
     pub loads: Option<DMatrix<f64>>,
     /// Largest residual accepted for any mode.
     pub residual_limit: f64,
-    /// Vectors a Lanczos block holds; multiplicities up to this number are found in one pass.
+    /// Vectors a Lanczos block holds at most; multiplicities up to the block are found in one pass.
     pub block: usize,
+    /// Whether mirror planes of the body are used to divide the problem.
+    pub mirrors: bool,
     /// The largest number of Lanczos vectors kept before the iteration restarts on the best of them.
     pub max_vectors: usize,
 }
@@ -27,6 +29,7 @@ impl ModalSettings {
             loads: None,
             residual_limit: 1e-8,
             block: 16,
+            mirrors: true,
             max_vectors: 3000,
         }
     }
@@ -52,7 +55,9 @@ pub struct ModalBasis {
     #[serde(with = "matrix")]
     pub shapes: DMatrix<f64>,
     /// |K phi - lambda M phi| / |lambda M phi| of each mode; a rigid mode has no lambda to divide by, so its residual is
-    /// |K phi| / |lambda_1 M phi| with the first elastic mode's lambda_1, or that of the edge when there is none.
+    /// |K phi| / |lambda_1 M phi| with the first elastic mode's lambda_1, or that of the edge when there is none. On a
+    /// soft support the terms of K phi cancel, and rounding is all that is left of a residual: where 1e-6 diag(K) phi is
+    /// larger than lambda M phi, it takes that one's place.
     pub residuals: Vec<f64>,
     /// Whether a mode moves the body without straining it.
     pub rigid: Vec<bool>,
@@ -91,7 +96,9 @@ pub struct Corrections {
 /// Work counters of a modal solution; they do not depend on the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ModalWork {
-    /// Stored values of the factor L.
+    /// Independent problems that mirror planes divide the body into; 1 without symmetry.
+    pub sectors: usize,
+    /// Stored values of the factor L, of all sectors together.
     pub factor_values: usize,
     /// Factorisations, of the shifted matrix and for the Sturm counts.
     pub factorisations: usize,
@@ -101,6 +108,16 @@ pub struct ModalWork {
     pub solves: usize,
     /// Restarts of the iteration.
     pub restarts: usize,
+}
+
+impl ModalWork {
+    /// Adds what a part of the solution cost.
+    pub(crate) fn add(&mut self, part: &Self) {
+        self.factorisations += part.factorisations;
+        self.block_steps += part.block_steps;
+        self.solves += part.solves;
+        self.restarts += part.restarts;
+    }
 }
 
 impl ModalBasis {

@@ -38,6 +38,6 @@ pub use msh::MshError;
 pub use quality::{Jacobian, POOR, Quality};
 pub use size::{element_size, subdivide};
 pub use surface::{QuadraturePoint, Surface, SurfaceFace};
-pub use tool::{Tool, tool};
+pub use tool::{Tool, tool, tool_ships};
 pub use tubes::tube_worktable;
 pub use worktable::{Worktable, worktable};

@@ -103,6 +103,14 @@ impl Tool {
     }
 }
 
+/// Whether the mesh of a tool body ships, so that no gmsh is needed.
+pub fn tool_ships(spec: &Tool) -> bool {
+    let signature = spec.signature();
+    SHIPPED.iter().any(|bytes| {
+        msh::parse(bytes, 1.0, Path::new("shipped tool body")).is_ok_and(|shipped| shipped.comment == signature)
+    })
+}
+
 /// The mesh of a tool body: quadratic tetrahedra, parts `housing`, `nose` and `sleeve`, face groups `nose_tip`,
 /// `gas_bore`, `bumper_seat`, `seat`, `cap`, `handle`, `magazine`, `supply` (within the handle), `plenum` (within the cap)
 /// and `sleeve_outside`, and `fit_slave` (the sleeve's upper end), which is to be tied to `fit_master` (the barrel's inner

@@ -139,6 +139,14 @@ impl Input {
         })
     }
 
+    /// The design, where no body of it is chosen.
+    pub(super) fn whole_design(&self) -> Result<Option<Design>, Error> {
+        let is_design = self.path.extension().is_some_and(|end| end == "toml");
+        (is_design && self.body.is_none())
+            .then(|| super::load(&self.path))
+            .transpose()
+    }
+
     /// The file given.
     pub(super) fn path(&self) -> &Path {
         &self.path

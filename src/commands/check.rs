@@ -1,4 +1,5 @@
-//! `nailnoise check`: whether a mesh can be trusted, and what its modes will cost.
+//! `nailnoise check`: whether a mesh can be trusted, and what its modes will cost; a design without a body is explained as
+//! a whole.
 
 use std::f64::consts::{PI, TAU};
 use std::process::ExitCode;
@@ -81,14 +82,19 @@ struct Group {
 
 /// Estimates before the modes are computed; within a factor of two or so.
 #[derive(Serialize)]
-struct Cost {
-    dofs: usize,
-    modes: f64,
-    gigabytes: f64,
-    cpu_seconds: f64,
+pub(super) struct Cost {
+    pub(super) dofs: usize,
+    pub(super) modes: f64,
+    /// Independent problems that mirror planes divide the body into.
+    sectors: usize,
+    pub(super) gigabytes: f64,
+    pub(super) cpu_seconds: f64,
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+    if let Some(design) = arguments.input.whole_design()? {
+        return super::explain::execute(&design, arguments.json);
+    }
     let loaded = arguments.input.load()?;
     let mesh = &loaded.imported.mesh;
     let quality = mesh.quality()?;
@@ -306,13 +312,21 @@ fn findings(
     (faults, warnings)
 }
 
+/// What the modes of a body will cost, up to `margin` times its top frequency.
+pub(super) fn cost_of(geometry: &Geometry, margin: f64) -> Result<Cost, Error> {
+    let mesh = &geometry.mesh;
+    let (quality, volumes) = (mesh.quality()?, mesh.part_volumes()?);
+    let thickness = thicknesses(mesh, &Surface::of(mesh), &volumes)?;
+    Ok(cost(geometry, &quality, &volumes, margin * geometry.top_hz, &thickness))
+}
+
 /// What the modes will cost.
 ///
 /// Modes by the larger of the leading terms for solids (Dupuis, Mazo and Onsager 1960) and for plates (Courant and
 /// Hilbert), N = V w^3 / (6 pi^2) sum 1/c^3 and N = A w sqrt(12)/(4 pi c_P t). With n degrees of freedom the factor L of
 /// a nested dissection holds 28 n^(4/3) values for a compact body and 28 n lg2 n for thin walls; Lanczos takes s = 4 N
 /// solves and keeps as many vectors. The work is 6 L^2/n operations for two factors, 4 L s to solve, 4 n s^2 to keep the
-/// vectors orthogonal.
+/// vectors orthogonal. Mirror planes divide n and N by the number of sectors, which is how often the work is then done.
 fn cost(geometry: &Geometry, quality: &Quality, volumes: &[f64], hz: f64, thickness: &[f64]) -> Cost {
     let omega = TAU * hz;
     let n = 3.0 * geometry.mesh.nodes.len() as f64;
@@ -328,14 +342,18 @@ fn cost(geometry: &Geometry, quality: &Quality, volumes: &[f64], hz: f64, thickn
     let parts = volumes.iter().zip(thickness).zip(&geometry.materials);
     let modes = 6.0 + parts.map(of_part).sum::<f64>();
     let thin = quality.skin_area * quality.longest_edge > 3.0 * quality.volume;
-    let factor = 28.0 * if thin { n * n.log2() } else { n.powf(4.0 / 3.0) };
-    let vectors = 4.0 * modes + 64.0;
-    let operations = 6.0 * factor * factor / n + 4.0 * factor * vectors + 4.0 * n * vectors * vectors;
+    let planes = nailnoise_fem::mirror_planes(&geometry.mesh, &geometry.materials);
+    let sectors = f64::from(1 << planes);
+    let m = n / sectors;
+    let factor = 28.0 * if thin { m * m.log2() } else { m.powf(4.0 / 3.0) };
+    let vectors = 4.0 * modes / sectors + 64.0;
+    let operations = 6.0 * factor * factor / m + 4.0 * factor * vectors + 4.0 * m * vectors * vectors;
     Cost {
         dofs: n as usize,
         modes,
-        gigabytes: (8.0 * (2.0 * factor + n * vectors) + SPARSE * n) / 1e9,
-        cpu_seconds: operations / RATE,
+        sectors: 1 << planes,
+        gigabytes: (8.0 * sectors * (factor + m * vectors) + 8.0 * factor + SPARSE * n) / 1e9,
+        cpu_seconds: sectors * operations / RATE,
     }
 }
 
@@ -388,8 +406,15 @@ fn text(name: &str, result: &CheckResult) -> String {
         line(
             "modes will cost",
             format!(
-                "about {:.1} GB and {:.0} CPU s: {} degrees of freedom, some {:.0} modes",
-                cost.gigabytes, cost.cpu_seconds, cost.dofs, cost.modes
+                "about {:.1} GB and {:.0} CPU s: {} degrees of freedom, some {:.0} modes, {}",
+                cost.gigabytes,
+                cost.cpu_seconds,
+                cost.dofs,
+                cost.modes,
+                match cost.sectors {
+                    1 => "no mirror plane".to_owned(),
+                    sectors => format!("in {sectors} sectors by mirror planes"),
+                }
             ),
         );
     }

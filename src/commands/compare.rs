@@ -7,11 +7,13 @@ use clap::Args;
 
 use super::table::{decibels, table};
 use super::{Keeping, Progress, load, print, print_json, start_threads, status_of};
+use crate::bundle::deliver;
 use crate::cache::Cache;
 use crate::comparison::{Comparison, Finished, Labelled, Levels, Limit};
 use crate::error::Error;
 use crate::output;
-use crate::pipeline::{self, Observer as _, Options};
+use crate::pipeline::Observer as _;
+use crate::report;
 use crate::result::Check;
 
 #[derive(Args)]
@@ -57,10 +59,14 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     }
     drop(progress);
     let comparison = Comparison::new(&results);
+    output::create(&arguments.out)?;
+    let page = arguments.out.join("comparison.html");
+    output::write(&page, report::comparison(&comparison).as_bytes())?;
     if arguments.json {
         print_json(&comparison)?;
     } else {
         print(&text(&comparison, arguments.bands, arguments.intervals));
+        print(&format!("\n  as a page: {}\n", page.display()));
     }
     let exceeded = comparison.exceeded(&arguments.fail_above);
     exceeded.iter().for_each(|line| eprintln!("limit exceeded: {line}"));
@@ -82,15 +88,13 @@ fn finish(
 ) -> Result<Finished, Error> {
     let design = load(path)?;
     progress.note(&format!("design {}", design.name()));
-    let mut run = pipeline::run(&design, Options::default(), cache, progress)?;
     let name = free_name(design.name(), before);
-    progress.stage("writing files");
-    output::write_run(&out.join(&name), &run)?;
-    for check in &mut run.result.checks {
-        check.name = format!("{name}: {}", check.name);
-    }
-    checks.append(&mut run.result.checks);
-    Finished::of(&run.result)
+    let (bundle, _) = deliver(&design, &out.join(&name), false, super::run::words, cache, progress)?;
+    checks.extend(bundle.checks.into_iter().map(|check| Check {
+        name: format!("{name}: {}", check.name),
+        ..check
+    }));
+    Finished::parse(&out.join(&name), &bundle.json)
 }
 
 /// The name, with a number behind it if another result of the comparison has it.

@@ -40,7 +40,7 @@ pub(super) fn execute(common: &Common, design: &Design, count: usize, seed: u64)
     let folder = common.out(design);
     let mut progress = Progress::new();
     progress.stage("drawing designs");
-    let study = study(design, count, seed)?;
+    let study = study(design, count, seed, &mut progress)?;
     drop(progress);
     std::fs::create_dir_all(&folder).map_err(|source| Error::Write {
         path: folder.clone(),

@@ -10,6 +10,8 @@ mod compare;
 mod completions;
 mod cycle;
 mod draw;
+mod explain;
+mod init;
 mod mesh;
 mod modes;
 mod prf;
@@ -41,10 +43,15 @@ use progress::Progress;
 struct Cli {
     #[command(subcommand)]
     command: Command,
+    /// Show no progress and no notes; warnings and errors only
+    #[arg(long, global = true)]
+    quiet: bool,
 }
 
 #[derive(Subcommand)]
 enum Command {
+    /// Write a commented design to begin with
+    Init(init::Arguments),
     /// Rank the sources of a design by their sound power
     Run(run::Arguments),
     /// Compare designs or finished results: what differs, and what it does to the sources
@@ -55,7 +62,7 @@ enum Command {
     Modes(modes::Arguments),
     /// Build, read, convert and size the mesh of a body
     Mesh(mesh::Arguments),
-    /// Tell whether a mesh can be trusted, and what its modes will cost, before time is spent
+    /// Explain a design, or tell whether a mesh can be trusted and what its modes will cost, before time is spent
     Check(check::Arguments),
     /// Evaluate, compare and plot published laws of penetration resistance
     Prf(prf::Arguments),
@@ -139,7 +146,12 @@ fn start_threads(threads: Option<u16>) -> Result<(), Error> {
 pub fn main() -> ExitCode {
     let cli = Cli::parse(); // wrong use ends here with status 2
     install_error_style();
+    crate::interrupt::install();
+    if cli.quiet {
+        progress::silence();
+    }
     let outcome = match &cli.command {
+        Command::Init(arguments) => init::execute(arguments),
         Command::Run(arguments) => run::execute(arguments),
         Command::Compare(arguments) => compare::execute(arguments),
         Command::Cycle(arguments) => cycle::execute(arguments),

@@ -5,12 +5,11 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::table::{decibels, table};
-use super::{Common, Keeping, Progress, print, print_json, status_of};
+use super::{Common, Keeping, Progress, print, status_of};
+use crate::bundle::deliver;
 use crate::error::Error;
-use crate::figures;
-use crate::output;
-use crate::pipeline::{self, Observer as _, Options};
-use crate::result::{Component, RunResult, Uncertainty};
+use crate::pipeline::Run;
+use crate::result::{Component, Coupling, RunResult, Uncertainty};
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -31,34 +30,32 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     common.start_threads()?;
     let design = common.load()?;
     let folder = common.out(&design);
-    let mut progress = Progress::new();
     let cache = arguments.keeping.cache()?;
-    let run = pipeline::run(&design, Options::default(), &cache, &mut progress)?;
-    progress.stage("writing files");
-    output::write_run(&folder, &run)?;
-    if arguments.figures {
-        let subject = format!("{}: one shot, {}", design.name(), level_word(&run.result));
-        figures::write(&folder.join("figures"), &figures::sound(&subject, &design, &run))?;
-    }
+    let mut progress = Progress::new();
+    let (bundle, unchanged) = deliver(&design, &folder, arguments.figures, words, &cache, &mut progress)?;
     drop(progress);
     if common.json {
-        print_json(&run.result)?;
+        print(&bundle.json);
     } else {
-        print(&text(&run.result));
+        let [table, parts] = &bundle.text;
+        print(table);
         if arguments.components {
-            print(&components(&run.result));
+            print(parts);
         }
-        print(&format!("\n  files in {}\n", folder.display()));
+        if unchanged {
+            print("  the design has not changed since: taken from the cache\n");
+        }
+        print(&format!(
+            "\n  files in {}, the report is report.html\n",
+            folder.display()
+        ));
     }
-    Ok(status_of(&run.result.checks))
+    Ok(status_of(&bundle.checks))
 }
 
-/// The total as the subject of a figure.
-fn level_word(result: &RunResult) -> String {
-    result
-        .total
-        .lwa_db
-        .map_or_else(|| "silent".to_owned(), |level| format!("L_WA,1s {level:.1} dB"))
+/// A run in words: the table, and the parts of its sources.
+pub(super) fn words(run: &Run) -> [String; 2] {
+    [text(&run.result), components(&run.result)]
 }
 
 /// How far a method may be off, below and above the level: `-4.0 +4.0`; a question mark where it gives no bound.
@@ -100,6 +97,38 @@ fn components(result: &RunResult) -> String {
         }));
     }
     let headings = ["source", "part", "L_WA,1s dB", "L_W,1s dB", "loudest band (A)"];
+    format!("\n{}", table(&headings, &rows))
+}
+
+/// What the two-way coupling changed.
+fn coupled(coupling: &Coupling) -> String {
+    let mut rows = Vec::new();
+    let mut row = |name: &str, unit: &str, digits: usize, one: Option<f64>, two: Option<f64>| {
+        let value = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), |x| format!("{x:.digits$}"));
+        let change = one
+            .zip(two)
+            .map_or_else(|| "-".to_owned(), |(one, two)| format!("{:+.digits$}", two - one));
+        rows.push(vec![format!("{name} {unit}"), value(one), value(two), change]);
+    };
+    for level in &coupling.levels {
+        row(&level.source, "dB", 1, level.one_way_lwa_db, level.two_way_lwa_db);
+    }
+    let milli = |x: Option<f64>| x.map(|x| 1e3 * x);
+    for event in &coupling.events {
+        row(&event.event, "ms", 3, milli(event.one_way_s), milli(event.two_way_s));
+    }
+    for figure in &coupling.figures {
+        let (unit, digits, scale) = match figure.unit {
+            "m" => ("mm", 2, 1e3),
+            "kg" => ("g", 3, 1e3),
+            "N" => ("N", 0, 1.0),
+            unit => (unit, 3, 1.0),
+        };
+        let scaled = |x: Option<f64>| x.map(|x| scale * x);
+        let name = figure.figure.replace('_', " ");
+        row(&name, unit, digits, scaled(figure.one_way), scaled(figure.two_way));
+    }
+    let headings = ["coupling", "one way", "two ways", "change"];
     format!("\n{}", table(&headings, &rows))
 }
 
@@ -156,6 +185,9 @@ fn text(result: &RunResult) -> String {
     }
     text.push_str("\n\n");
     text.push_str(&table(&headings, &rows));
+    if let Some(coupling) = &result.coupling {
+        text.push_str(&coupled(coupling));
+    }
     text.push('\n');
     for note in &result.notes {
         text.push_str(&format!("  - {note}\n"));

@@ -43,7 +43,7 @@ pub(super) fn execute(
     let folder = common.out(design);
     let mut progress = Progress::new();
     progress.stage("sensitivity of the nailing cycle");
-    let sensitivity = sensitivity::sensitivity(design, &outputs, keys)?;
+    let sensitivity = sensitivity::sensitivity(design, &outputs, keys, &mut progress)?;
     drop(progress);
     std::fs::create_dir_all(&folder).map_err(|source| Error::Write {
         path: folder.clone(),

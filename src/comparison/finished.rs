@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use crate::error::Error;
-use crate::result::{RunResult, SCHEMA};
+use crate::result::SCHEMA;
 
 /// A finished result.
 #[derive(Debug, Clone, Deserialize)]
@@ -84,15 +84,6 @@ pub(super) struct Total {
 }
 
 impl Finished {
-    /// The result of a run just done.
-    ///
-    /// # Errors
-    /// [`Error::Json`], which no result of a run gives.
-    pub fn of(result: &RunResult) -> Result<Self, Error> {
-        let value = serde_json::to_value(result).map_err(Error::Json)?;
-        serde_json::from_value(value).map_err(Error::Json)
-    }
-
     /// Whether `path` names a finished result and not a design: a `.json` file, or a folder that holds `result.json`.
     pub fn is_at(path: &Path) -> Option<PathBuf> {
         if path.is_dir() {
@@ -113,11 +104,19 @@ impl Finished {
             path: path.to_owned(),
             source,
         })?;
+        Self::parse(path, &text)
+    }
+
+    /// Reads what a `result.json` holds; `path` is named in errors.
+    ///
+    /// # Errors
+    /// [`Error::NotAResult`].
+    pub fn parse(path: &Path, text: &str) -> Result<Self, Error> {
         let wrong = |reason: String| Error::NotAResult {
             path: path.to_owned(),
             reason,
         };
-        let value: serde_json::Value = serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
+        let value: serde_json::Value = serde_json::from_str(text).map_err(|error| wrong(error.to_string()))?;
         match value["schema"].as_str() {
             Some(SCHEMA) => serde_json::from_value(value).map_err(|error| wrong(error.to_string())),
             Some(other) => Err(wrong(format!(

@@ -476,6 +476,16 @@ choice! {
 }
 
 choice! {
+    /// How the nailing cycle and the structures it drives are joined.
+    Coupling {
+        /// The cycle has a lumped workpiece of its own; its forces drive the structures.
+        OneWay = "one-way",
+        /// The structures' modes take the place of the lumped workpiece: the support acts back on the shot.
+        TwoWay = "two-way",
+    }
+}
+
+choice! {
     /// Build of the worktable.
     WorktablePreset {
         /// A: a plywood top on four legs of solid wood.
@@ -492,6 +502,8 @@ group! {
     Support {
         /// The support.
         kind: SupportKind = SupportKind::KIND, "";
+        /// Whether the structures act back on the nailing cycle.
+        coupling: Coupling = Coupling::KIND, "";
     }
     groups {
         worktable: Worktable,
@@ -754,7 +766,8 @@ group! {
         worktable_leg_element: f64 = positive(LENGTH), "";
         /// Largest side of a quadratic element in the walls of the steel tubes of worktables B and C.
         worktable_tube_element: f64 = positive(LENGTH), "";
-        /// Largest side of a quadratic tetrahedron of the tool body.
+        /// Largest side of a quadratic tetrahedron of the tool body; in the parametric one a third of it where nose, arm and
+        /// handle join.
         body_element: f64 = positive(LENGTH), "";
         /// Fewest elements in the shortest bending wave or shear wave at the top frequency, for geometry meshed by gmsh.
         elements_per_wave: f64 = positive(NUMBER), "";

@@ -53,6 +53,11 @@ pub fn cycle(subject: &str, design: &Values, record: &CycleRecord) -> Vec<Figure
     ]
 }
 
+/// The energy flow of a nailing cycle alone.
+pub fn energy(subject: &str, design: &Values, record: &CycleRecord) -> Figure {
+    energy::figure(&Shot::new(subject, design, record))
+}
+
 /// The figures of a run: third-octave levels of each source and of the exhaust's parts, levels between events, and sound
 /// power over time. `subject` says what it is of.
 pub fn sound(subject: &str, design: &Values, run: &Run) -> Vec<Figure> {

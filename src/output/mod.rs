@@ -95,14 +95,14 @@ pub fn write_universal(folder: &Path, name: &str, body: &Body) -> Result<PathBuf
     Ok(path)
 }
 
-fn create(folder: &Path) -> Result<(), Error> {
+pub(crate) fn create(folder: &Path) -> Result<(), Error> {
     std::fs::create_dir_all(folder).map_err(|source| Error::Write {
         path: folder.to_owned(),
         source,
     })
 }
 
-fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     write_atomic(path, bytes).map_err(|source| Error::Write {
         path: path.to_owned(),
         source,

@@ -192,6 +192,20 @@ pub fn import(path: &Path, unit: f64, size: Option<f64>) -> Result<Imported, Err
     }
 }
 
+/// Whether gmsh is needed for the mesh of a body.
+pub fn needs_gmsh(design: &Design, kind: BodyKind) -> bool {
+    let file = match kind {
+        BodyKind::Workpiece => design.workpiece.mesh,
+        BodyKind::Worktable => design.support.worktable.mesh,
+        BodyKind::Tool => design.body.mesh,
+    };
+    if file.is_empty() {
+        kind == BodyKind::Tool && !nailnoise_meshes::tool_ships(&tool_dimensions(design))
+    } else {
+        matches!(kind_of(Path::new(file)), Ok(FileKind::Solid))
+    }
+}
+
 /// The user's own file in place of a body: its mesh with the file as origin, or none.
 fn own(
     design: &Design,

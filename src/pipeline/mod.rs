@@ -3,6 +3,8 @@
 //! Each stage is a function of the design and of what stands before it; none keeps state.
 
 mod bodies;
+mod changes;
+mod coupling;
 mod cycle;
 mod exhaust;
 mod geometry;
@@ -28,9 +30,10 @@ use nailnoise_dynamics::CycleRecord;
 use nailnoise_fem::transient::ModalResponse;
 
 pub use bodies::{Body, Structure, modes_of, table, tool_body, workpiece};
+pub use coupling::{COUPLED_LOADS, Coupled, couple};
 pub use cycle::{cycle, parameters};
 pub use exhaust::exhaust_openings;
-pub use geometry::{BodyKind, Geometry, Origin, import, tool_dimensions};
+pub use geometry::{BodyKind, Geometry, Origin, import, needs_gmsh, tool_dimensions};
 pub use intervals::SoundPower;
 pub use preset::{Preset, cycle_as_published};
 pub use sensors::SensorRecord;
@@ -38,7 +41,7 @@ pub use settings::cycle_settings;
 pub use tool::{Stiffness, Tool};
 
 use crate::cache::Cache;
-use crate::design::{BodyModel, Design, SupportKind};
+use crate::design::{BodyModel, Coupling, Design, SupportKind};
 use crate::error::Error;
 use crate::result::{Check, DesignId, RunResult, SCHEMA, Timing};
 
@@ -48,6 +51,8 @@ pub trait Observer {
     fn stage(&mut self, name: &str);
     /// Something the user should know beside the result.
     fn note(&mut self, text: &str);
+    /// So many items of the stage are done, of so many in all.
+    fn done(&mut self, _items: u64, _of: u64) {}
 }
 
 /// Listens to nothing.
@@ -137,8 +142,13 @@ impl Default for Options {
 pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn Observer) -> Result<Run, Error> {
     // Dense products inside a stage stay on one thread: a result must not depend on how many there are.
     let mut timing = Timing::default();
-    observer.stage("nailing cycle");
-    let record = timing.time("cycle", || cycle(design))?;
+    let two_way = design.support.coupling == Coupling::TwoWay;
+    let lumped = if two_way {
+        None
+    } else {
+        observer.stage("nailing cycle");
+        Some(timing.time("cycle", || cycle(design))?)
+    };
     observer.stage("modes of the workpiece");
     let block = timing.time("workpiece modes", || workpiece(design, cache))?;
     let worktable = match design.support.kind {
@@ -161,12 +171,24 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
         worktable,
         grid: bodies::contact_grid(design),
     };
-    observer.stage("response of workpiece and support");
     let parameters = parameters(design)?;
-    let force_scale = options.workpiece_force_scale;
-    let response = timing.time("response", || {
-        response::response(design, &structure, &parameters, &record, force_scale)
-    })?;
+    let (record, response, coupling) = match lumped {
+        Some(record) => {
+            observer.stage("response of workpiece and support");
+            let force_scale = options.workpiece_force_scale;
+            let response = timing.time("response", || {
+                response::response(design, &structure, &parameters, &record, force_scale)
+            })?;
+            (record, response, None)
+        }
+        None => {
+            observer.stage("nailing cycle with workpiece and support");
+            let both = timing.time("cycle and response", || {
+                response::coupled(design, &structure, &parameters)
+            })?;
+            (both.record, both.response, Some((both.work, both.checks)))
+        }
+    };
     let tool = tool
         .map(|body| timing.time("tool response", || Tool::new(design, body, &parameters, &record)))
         .transpose()?;
@@ -209,10 +231,25 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
         checks.extend(tool.body.checks());
         checks.extend(tool.checks.iter().cloned());
     }
+    checks.extend(coupling.iter().flat_map(|(_, checks)| checks.clone()));
     checks.extend(missing.iter().map(missing::Missing::check));
     checks.extend(ranking::checks(&ranking, &total));
     checks.extend(interval_checks);
     checks.push(exhaust.check());
+    let coupling = match coupling {
+        Some((work, _)) => {
+            observer.stage("the same one way, to compare");
+            let mut one_way = design.clone();
+            one_way.support.coupling = Coupling::OneWay;
+            let other = timing.time("one way", || run(&one_way, options, cache, &mut Silent))?;
+            Some(changes::changes(
+                work,
+                (&other.record, &other.result),
+                (&record, &ranking, &total),
+            ))
+        }
+        None => None,
+    };
     let result = RunResult {
         schema: SCHEMA,
         design: DesignId {
@@ -225,6 +262,7 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
         outcome: record.outcome,
         cycle: record.summary.clone(),
         events: record.events,
+        coupling,
         sensors: sensors.iter().map(SensorRecord::level).collect(),
         checks,
         notes,

@@ -24,7 +24,7 @@ use crate::result::Uncertainty;
 const FACE_POINTS: usize = 3;
 
 /// Highest radiation efficiency of a plate, near coincidence.
-pub(super) const HIGHEST_EFFICIENCY: f64 = 1.76;
+const HIGHEST_EFFICIENCY: f64 = 1.76;
 
 /// Lowest frequency at which a radiation resistance is sampled \[Hz\]; below it each entry follows its own power law.
 const LOWEST_SAMPLE: f64 = 40.0;

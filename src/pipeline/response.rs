@@ -1,6 +1,7 @@
 //! The blow in wood and support: the cycle's forces drive the bodies, the block may lift off what it stands on.
 //!
-//! One-way coupling: the cycle has its own lumped workpiece, and its forces on the wood are applied to the block.
+//! One way, the cycle has its own lumped workpiece, and its forces on the wood are applied to the block; both ways,
+//! they run together (see [`super::coupling`]).
 
 use nailnoise_dynamics::{CycleRecord, Parameters};
 use nailnoise_fem::supports::{RectangularBase, Sand, contact_dashpot};
@@ -8,6 +9,8 @@ use nailnoise_fem::transient::{Loads, ModalBody, ModalResponse, Settings, Suppor
 use nalgebra::{DMatrix, DVector};
 
 use super::bodies::{Body, Structure, WORKPIECE_LOADS};
+use super::coupling::{Coupled, couple};
+use super::cycle_settings;
 use super::shank;
 use crate::design::{Design, SupportKind};
 use crate::error::Error;
@@ -15,6 +18,22 @@ use crate::result::Check;
 
 /// Forces of the shot on the workpiece, and gravity as the last load.
 const LOADS: usize = WORKPIECE_LOADS + 1;
+
+/// Computes cycle and response together, each acting on the other.
+///
+/// # Errors
+/// Those of the cycle, of the transient solver, and that they do not agree.
+pub(super) fn coupled(design: &Design, structure: &Structure, parameters: &Parameters) -> Result<Coupled, Error> {
+    let bodies: Vec<ModalBody> = structure.bodies().map(modal_body).collect();
+    couple(
+        parameters,
+        design.wood.friction_share,
+        &cycle_settings(design),
+        &bodies,
+        &supports(design, structure)?,
+        &settings(design),
+    )
+}
 
 /// Computes the response of workpiece and support to the forces of a cycle.
 ///
@@ -28,14 +47,21 @@ pub(super) fn response(
     force_scale: f64,
 ) -> Result<ModalResponse, Error> {
     let bodies: Vec<ModalBody> = structure.bodies().map(modal_body).collect();
-    let analysis = &design.analysis;
-    let settings = Settings {
-        step: analysis.time_step,
-        duration: analysis.duration,
-        ..Settings::default()
-    };
     let loads = loads(design, parameters, record, force_scale)?;
-    Ok(respond(&bodies, &supports(design, structure)?, &loads, &settings)?)
+    Ok(respond(
+        &bodies,
+        &supports(design, structure)?,
+        &loads,
+        &settings(design),
+    )?)
+}
+
+fn settings(design: &Design) -> Settings {
+    Settings {
+        step: design.analysis.time_step,
+        duration: design.analysis.duration,
+        ..Settings::default()
+    }
 }
 
 /// A body as the transient solver takes it. Loads of the shot act on the workpiece alone, gravity on every body.

@@ -12,6 +12,7 @@
 //! (Nili Ahmadabadi 2016, sec. 2.4.3: 81 % for a smooth 6d nail in poplar plywood). While the nail is unloaded
 //! (F_pen < E) all parts shrink in proportion.
 
+use nailnoise_dynamics::prf::Envelope;
 use nailnoise_dynamics::{CycleRecord, Parameters};
 use nalgebra::DMatrix;
 
@@ -33,24 +34,40 @@ pub(super) fn forces(parameters: &Parameters, friction_share: f64, record: &Cycl
     for (sample, mut column) in forces.column_iter_mut().enumerate() {
         let force = record.forces.penetration[sample];
         let depth = record.motion.nail_depth[sample];
-        if force <= 0.0 || depth <= 0.0 {
-            continue;
+        if force > 0.0 && depth > 0.0 {
+            spread(&envelope, length, full_friction, (force, depth), column.as_mut_slice());
         }
-        let embedded = depth.min(length);
-        let (law, head) = (envelope.shank(depth), envelope.head(depth));
-        let shank = (full_friction * embedded / length).min(law);
-        let scale = force / (law + head);
-        column[0] += scale * head;
-        let position = embedded / length * (STATIONS - 1) as f64;
-        for (k, weight) in uniform(position) {
-            column[k] += scale * shank * weight;
-        }
-        let below = (position.floor() as usize).min(STATIONS - 2);
-        let upper = position - below as f64;
-        column[below] += scale * (law - shank) * (1.0 - upper);
-        column[below + 1] += scale * (law - shank) * upper;
     }
     forces
+}
+
+/// Shares of the stations in F_pen with the tip at a depth; all of it acts at the surface before it is in.
+pub(super) fn shares(envelope: &Envelope, length: f64, friction_share: f64, depth: f64) -> [f64; STATIONS] {
+    let mut shares = [0.0; STATIONS];
+    if depth > 0.0 && envelope.shank(depth) + envelope.head(depth) > 0.0 {
+        let full_friction = friction_share * envelope.shank(length);
+        spread(envelope, length, full_friction, (1.0, depth), &mut shares);
+    } else {
+        shares[0] = 1.0;
+    }
+    shares
+}
+
+/// Adds a force with the tip at a depth to the stations.
+fn spread(envelope: &Envelope, length: f64, full_friction: f64, (force, depth): (f64, f64), stations: &mut [f64]) {
+    let embedded = depth.min(length);
+    let (law, head) = (envelope.shank(depth), envelope.head(depth));
+    let shank = (full_friction * embedded / length).min(law);
+    let scale = force / (law + head);
+    stations[0] += scale * head;
+    let position = embedded / length * (STATIONS - 1) as f64;
+    for (k, weight) in uniform(position) {
+        stations[k] += scale * shank * weight;
+    }
+    let below = (position.floor() as usize).min(STATIONS - 2);
+    let upper = position - below as f64;
+    stations[below] += scale * (law - shank) * (1.0 - upper);
+    stations[below + 1] += scale * (law - shank) * upper;
 }
 
 /// A uniform load from station 0 to `position` (in stations) of total 1, lumped by linear interpolation.

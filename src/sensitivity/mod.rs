@@ -23,7 +23,7 @@ pub use outputs::{OUTPUTS, Output, USUAL, choose};
 
 use crate::design::{Design, Value};
 use crate::error::Error;
-use crate::pipeline;
+use crate::pipeline::{self, Observer};
 use crate::study::{Parameter, taking_part};
 use extrapolate::{Estimate, extrapolate};
 
@@ -31,6 +31,8 @@ use extrapolate::{Estimate, extrapolate};
 const FIRST_STEP: f64 = 0.08;
 /// Number of steps, each half the one before.
 const STEPS: usize = 4;
+/// Runs between two words on how far it has got.
+const BATCH: usize = 64;
 /// Tolerance of the integration in parts of the design's.
 const CLOSER: f64 = 1e-2;
 /// Longest interval of samples, for the peaks \[s\].
@@ -138,7 +140,12 @@ enum Run {
 /// # Errors
 /// [`Error::Cycle`] when the design itself cannot be computed, [`Error::NoSuchParameter`] for the first of `keys` that
 /// is none.
-pub fn sensitivity(design: &Design, outputs: &[Output], keys: Option<&[&str]>) -> Result<Sensitivity, Error> {
+pub fn sensitivity(
+    design: &Design,
+    outputs: &[Output],
+    keys: Option<&[&str]>,
+    observer: &mut dyn Observer,
+) -> Result<Sensitivity, Error> {
     let mut parameters = taking_part(design)?;
     // A derivative with respect to a whole number is none.
     parameters.retain(|parameter| matches!(parameter.value, Value::Number(_)));
@@ -175,10 +182,12 @@ pub fn sensitivity(design: &Design, outputs: &[Output], keys: Option<&[&str]>) -
         .enumerate()
         .flat_map(|(index, p)| points(p).into_iter().map(move |x| (index, x)))
         .collect();
-    let runs: Vec<Run> = jobs
-        .par_iter()
-        .map(|(index, x)| run(design, &parameters[*index], *x, &settings(1.0, 1.0), outputs))
-        .collect();
+    let mut runs: Vec<Run> = Vec::with_capacity(jobs.len());
+    for batch in jobs.chunks(BATCH) {
+        let of_job = |(index, x): &(usize, f64)| run(design, &parameters[*index], *x, &settings(1.0, 1.0), outputs);
+        runs.par_extend(batch.par_iter().map(of_job));
+        observer.done(runs.len() as u64, jobs.len() as u64);
+    }
     let per_parameter: Vec<&[Run]> = runs.chunks(2 * STEPS + 2).collect();
 
     let ranking = |output: usize| {

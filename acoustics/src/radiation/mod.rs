@@ -8,6 +8,7 @@
 //!
 //! R / omega² is what is sampled and interpolated: it stays finite at f = 0.
 
+mod compact;
 mod energy;
 mod erp;
 mod kernel;
@@ -21,6 +22,7 @@ mod sand;
 mod sphere;
 mod surface;
 
+pub use compact::CompactErp;
 pub use energy::{ModalSpectra, radiated_energy};
 pub use erp::Erp;
 pub use rayleigh::{Rayleigh, SecondEvaluation};

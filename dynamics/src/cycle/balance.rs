@@ -72,7 +72,11 @@ fn masses(system: &System, mode: &Mode) -> [f64; BODIES] {
         system.moving_mass(mode),
         p.head_valve.mass,
         p.tool.mass,
-        system.geometry.workpiece_mass,
+        if mode.wood.is_some() {
+            0.0
+        } else {
+            system.geometry.workpiece_mass
+        },
         p.hand.mass,
     ]
 }
@@ -83,12 +87,12 @@ fn elastic(system: &System, mode: &Mode, y: &State) -> f64 {
     let mut energy = 0.0;
     for contact in Contact::ALL {
         if mode.closed(contact) {
-            let u = system.overlap(contact, y).0;
+            let u = system.overlap(contact, mode, y).0;
             energy += 0.5 * system.pads[contact as usize].stiffness * u * u;
         }
     }
     if mode.guard {
-        let u = y[Y_G] - y[Y_W] + p.contacts.guard_travel;
+        let u = y[Y_G] - mode.seat_motion(y).0 + p.contacts.guard_travel;
         energy += 0.5 * system.guard_stiffness * u * u;
     }
     if system.sprung_hand {
@@ -201,8 +205,13 @@ impl Balance {
                 cap: contact(Contact::Cap),
                 seat: contact(Contact::Seat),
                 nose: contact(Contact::Nose),
-                support: contact(Contact::Support),
+                support: if mode.wood.is_some() {
+                    0.0
+                } else {
+                    contact(Contact::Support)
+                },
             },
+            wood: if mode.wood.is_some() { y[WOOD_WORK] } else { 0.0 },
             hand_damping: y[HAND_DASHPOT],
             kinetic_start: start.kinetic,
             kinetic_end: now.kinetic,

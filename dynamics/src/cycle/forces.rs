@@ -51,13 +51,13 @@ impl System {
         for contact in Contact::ALL {
             if mode.closed(contact) {
                 let pad = self.pads[contact as usize];
-                let (u, rate) = self.overlap(contact, y);
+                let (u, rate) = self.overlap(contact, mode, y);
                 dashpot[contact as usize] = rate * pad.damping;
                 push[contact as usize] = u * pad.stiffness + dashpot[contact as usize];
             }
         }
         let guard = if mode.guard {
-            (y[Y_G] - y[Y_W] + p.contacts.guard_travel) * self.guard_stiffness
+            (y[Y_G] - mode.seat_motion(y).0 + p.contacts.guard_travel) * self.guard_stiffness
         } else {
             zero
         };
@@ -72,7 +72,7 @@ impl System {
         } else {
             zero
         };
-        let z = self.depth(y);
+        let z = self.depth(mode, y);
         let penetration = match mode.penetration {
             Penetration::Free { .. } => zero,
             Penetration::Loading { seated: false } => self.envelope.law().evaluate(z),
@@ -112,7 +112,10 @@ impl System {
             (on_piston - f.penetration) * (1.0 / self.moving_mass(mode)) + gravity,
             on_valve * (1.0 / p.head_valve.mass) + gravity,
             (-on_piston - on_valve - nose - f.guard + f.hand + thrust) * (1.0 / p.tool.mass) + gravity,
-            (f.penetration + nose + f.guard - support) * (1.0 / g.workpiece_mass) + gravity,
+            match mode.wood {
+                None => (f.penetration + nose + f.guard - support) * (1.0 / g.workpiece_mass) + gravity,
+                Some(_) => S::constant(0.0),
+            },
             if self.sprung_hand {
                 (-f.hand + p.hand.force) * (1.0 / p.hand.mass)
             } else {

@@ -22,19 +22,21 @@ use super::state::*;
 use super::switching::{SLOTS, cross, entry, is_impact, margins, noise, slot_name};
 use super::system::System;
 use super::tolerances::tolerances;
-use crate::{Crossing, CycleError, Form, Method, Settings, Work};
+use crate::{Crossing, CycleError, Form, Method, Settings, WoodMotion, Work};
 
 /// Points at which conditions are checked within a step, its end included.
 const POINTS: usize = 2;
 /// Changes of one condition within [`CHATTER_WINDOW`] that count as chatter; a contact of 200 kHz makes 400.
 const CHATTER_CHANGES: usize = 2000;
 const CHATTER_WINDOW: f64 = 1e-3;
+/// Part of a window that need not be followed: what an event leaves of it may be too short for a step \[s\].
+const SHORTEST: f64 = 1e-12;
 /// Steps beyond which a run is given up.
 const STEP_LIMIT: usize = 5_000_000;
 /// Part of V_02 left below the piston at which a dry fire is declared.
 const DRY_FIRE: f64 = 1e-3;
 
-type Problem<'s> = OdeSolverProblem<Equations<'s>>;
+pub(crate) type Problem<'s> = OdeSolverProblem<Equations<'s>>;
 
 /// All that a run leaves for the record.
 pub(crate) struct Run {
@@ -54,25 +56,29 @@ pub(crate) struct Run {
 }
 
 /// A cycle in progress.
-struct Cycle<'s> {
-    system: &'s System,
+pub(crate) struct Cycle<'s> {
+    pub(crate) system: &'s System,
     settings: &'s Settings,
-    mode: Mode,
-    t: f64,
-    y: State,
+    pub(crate) mode: Mode,
+    pub(crate) t: f64,
+    pub(crate) y: State,
+    /// Where the present window of a coupled run ends.
+    pub(crate) window: Option<f64>,
+    /// Whether what happens is kept, or only tried.
+    pub(crate) recording: bool,
     /// Times at which the channel switches.
     venting: f64,
     filling: Option<f64>,
-    end: f64,
+    pub(crate) end: f64,
     /// t16, once it has passed.
     home: Option<f64>,
     /// Entries of the log already read.
     read: usize,
     heights: [f64; LEVELS],
-    armed: [bool; SLOTS],
+    pub(crate) armed: [bool; SLOTS],
     noise: [f64; SLOTS],
-    chatter: [(f64, usize); SLOTS],
-    run: Run,
+    pub(crate) chatter: [(f64, usize); SLOTS],
+    pub(crate) run: Run,
 }
 
 /// A step as far as the first condition to fall.
@@ -88,61 +94,78 @@ struct Stretch {
 
 /// Integrates a cycle.
 pub(crate) fn integrate(system: &System, settings: &Settings) -> Result<Run, CycleError> {
-    let (y, mode) = start(system)?;
-    let mut cycle = Cycle {
-        system,
-        settings,
-        mode,
-        t: 0.0,
-        y,
-        venting: system.geometry.channel_delay,
-        filling: None,
-        end: settings.end,
-        home: None,
-        read: 0,
-        heights: heights(system, &y),
-        armed: margins(system, &mode, &y).map(|m| m > 0.0),
-        noise: noise(system),
-        chatter: [(0.0, 0); SLOTS],
-        run: Run {
-            recorder: Recorder::new(settings.sample_interval),
-            log: Log::new(system),
-            balance: Balance::new(system, &mode, &y),
-            work: Work::default(),
-            end: 0.0,
-            last: y,
-            last_mode: mode,
-            impact: None,
-            closings: [0; Contact::COUNT],
-            landed: false,
-        },
-    };
-    cycle.run.recorder.reserve(settings.end);
-    cycle.run.log.push(system, Crossing::Trigger, 0.0, true, &y);
+    let mut cycle = Cycle::new(system, settings, None)?;
     let problem = cycle.problem()?;
     while cycle.t < cycle.end {
         cycle.segment(&problem)?;
     }
-    // The last sample stands at the end itself where the grid meets it.
-    let (t, y, mode) = (cycle.t, cycle.y, cycle.mode);
-    let recorder = &mut cycle.run.recorder;
-    if !cycle.run.landed && recorder.next_time() <= t * (1.0 + 4.0 * f64::EPSILON) {
-        recorder.push(system, &mode, &problem.eqn.past(t), &y);
-    }
-    let calls = problem.eqn.calls();
-    cycle.run.work.evaluations = calls.rates;
-    cycle.run.work.jacobians = calls.jacobians;
-    cycle.run.end = t;
-    cycle.run.last = y;
-    cycle.run.last_mode = mode;
-    Ok(cycle.run)
+    Ok(cycle.finish(&problem))
 }
 
 impl<'s> Cycle<'s> {
-    fn problem(&self) -> Result<Problem<'s>, CycleError> {
+    /// A cycle before the trigger pull, on a wood of its own or on one at rest outside it.
+    pub(crate) fn new(
+        system: &'s System,
+        settings: &'s Settings,
+        rest: Option<&WoodMotion>,
+    ) -> Result<Self, CycleError> {
+        let (y, mode) = start(system, rest)?;
+        let mut cycle = Self {
+            system,
+            settings,
+            mode,
+            t: 0.0,
+            y,
+            window: None,
+            recording: true,
+            venting: system.geometry.channel_delay,
+            filling: None,
+            end: settings.end,
+            home: None,
+            read: 0,
+            heights: heights(system, &mode, &y),
+            armed: margins(system, &mode, &y).map(|m| m > 0.0),
+            noise: noise(system),
+            chatter: [(0.0, 0); SLOTS],
+            run: Run {
+                recorder: Recorder::new(settings.sample_interval),
+                log: Log::new(system),
+                balance: Balance::new(system, &mode, &y),
+                work: Work::default(),
+                end: 0.0,
+                last: y,
+                last_mode: mode,
+                impact: None,
+                closings: [0; Contact::COUNT],
+                landed: false,
+            },
+        };
+        cycle.run.recorder.reserve(settings.end);
+        cycle.run.log.push((system, &mode), Crossing::Trigger, 0.0, true, &y);
+        Ok(cycle)
+    }
+
+    /// Ends the record.
+    pub(crate) fn finish(mut self, problem: &Problem<'s>) -> Run {
+        // The last sample stands at the end itself where the grid meets it.
+        let (t, y, mode) = (self.t, self.y, self.mode);
+        let recorder = &mut self.run.recorder;
+        if !self.run.landed && recorder.next_time() <= t * (1.0 + 4.0 * f64::EPSILON) {
+            recorder.push(self.system, &mode, &problem.eqn.past(t), &y);
+        }
+        let calls = problem.eqn.calls();
+        self.run.work.evaluations = calls.rates;
+        self.run.work.jacobians = calls.jacobians;
+        self.run.end = t;
+        self.run.last = y;
+        self.run.last_mode = mode;
+        self.run
+    }
+
+    pub(crate) fn problem(&self) -> Result<Problem<'s>, CycleError> {
         let mut problem = OdeBuilder::<NalgebraMat<f64>>::new()
             .rtol(0.0)
-            .atol(tolerances(self.system, self.settings.relative_tolerance))
+            .atol(tolerances(self.system, &self.mode, self.settings.relative_tolerance))
             .build_from_eqn(Equations::new(self.system, self.mode))
             .map_err(|cause| self.failure(&cause))?;
         // Counted over a whole segment, not in a row, so no limit: STEP_LIMIT and the least step end a hopeless run.
@@ -160,7 +183,7 @@ impl<'s> Cycle<'s> {
 
     /// Next time at which the smooth problem ends whatever happens.
     fn stop_time(&self) -> f64 {
-        let mut stop = self.end;
+        let mut stop = self.window.unwrap_or(self.end);
         if self.mode.channel == Channel::Closed {
             stop = stop.min(self.venting);
         }
@@ -174,6 +197,14 @@ impl<'s> Cycle<'s> {
             stop = stop.min(self.t + self.system.geometry.channel_delay);
         }
         stop
+    }
+
+    /// Whether the run, or its present window, is through.
+    pub(crate) fn is_through(&self) -> bool {
+        match self.window {
+            Some(end) => end - self.t <= SHORTEST,
+            None => self.t >= self.end,
+        }
     }
 
     /// Whether the channel switches now.
@@ -197,10 +228,12 @@ impl<'s> Cycle<'s> {
             Channel::Venting => Some(Crossing::Vent),
             Channel::Filling => Some(Crossing::Fill),
         };
-        if before != self.mode.channel {
+        if before != self.mode.channel && self.recording {
             for (crossing, rising) in [(open(before), false), (open(self.mode.channel), true)] {
                 if let Some(crossing) = crossing {
-                    self.run.log.push(self.system, crossing, self.t, rising, &self.y);
+                    self.run
+                        .log
+                        .push((self.system, &self.mode), crossing, self.t, rising, &self.y);
                 }
             }
         }
@@ -208,16 +241,22 @@ impl<'s> Cycle<'s> {
 
     /// Step size for a first-order start, from the error h^2 |y''|/3 it makes.
     fn first_step(&self, problem: &Problem<'s>, second: &State) -> f64 {
+        if let Some(end) = self.window {
+            // A window is short enough to be tried in one step of a method that needs no start.
+            return end - self.t;
+        }
         let atol = problem.atol.batch_as_slice(0);
         let sum: f64 = second.iter().zip(atol).map(|(d, atol)| (d / atol) * (d / atol)).sum();
         let norm = (sum / SIZE as f64).sqrt();
         (1.5 / norm).sqrt().clamp(1e-12, 1e-5)
     }
 
-    fn segment(&mut self, problem: &Problem<'s>) -> Result<(), CycleError> {
+    pub(crate) fn segment(&mut self, problem: &Problem<'s>) -> Result<(), CycleError> {
         self.switch_channel();
         problem.eqn.set_mode(self.mode);
-        problem.eqn.remember(self.t, &self.y);
+        if self.recording {
+            problem.eqn.remember(self.t, &self.y);
+        }
         let (first, second) = problem.eqn.derivatives(self.t, &self.y);
         let empty = || NalgebraVec::<f64>::zeros(0, Default::default());
         let common = StateCommon {
@@ -232,7 +271,12 @@ impl<'s> Cycle<'s> {
             t: self.t,
             h: self.first_step(problem, &second),
         };
-        match self.settings.method {
+        let method = if self.window.is_some() {
+            Method::Esdirk34
+        } else {
+            self.settings.method
+        };
+        match method {
             Method::Bdf => {
                 let solver = problem.bdf_solver::<BlockLu>(OdeSolverState::new_from_common(common));
                 self.follow(solver.map_err(|cause| self.failure(&cause))?)
@@ -281,27 +325,31 @@ impl<'s> Cycle<'s> {
 
             let stretch = self.stretch(from, to, &margin, &mut at)?;
             let (t_end, y_end) = stretch.points[stretch.used - 1];
-            self.note_levels(from, &stretch.points[..stretch.used], &mut at)?;
-            while self.run.recorder.next_time() < t_end {
-                let time = self.run.recorder.next_time();
-                interpolate(time, &mut scratch)?;
-                let y = scratch.batch_as_slice(0);
-                self.run
-                    .recorder
-                    .push(self.system, &self.mode, &equations.past(time), y);
+            if self.recording {
+                self.note_levels(from, &stretch.points[..stretch.used], &mut at)?;
+                while self.run.recorder.next_time() < t_end {
+                    let time = self.run.recorder.next_time();
+                    interpolate(time, &mut scratch)?;
+                    let y = scratch.batch_as_slice(0);
+                    self.run
+                        .recorder
+                        .push(self.system, &self.mode, &equations.past(time), y);
+                }
             }
 
             self.t = t_end;
             self.y = y_end;
             margin = stretch.margin;
-            equations.remember(self.t, &self.y);
-            self.run.recorder.follow(self.system, &self.mode, &self.y);
-            self.run.balance.follow(self.system, &self.mode, &self.y);
-            self.guard()?;
-            self.schedule();
+            if self.recording {
+                equations.remember(self.t, &self.y);
+                self.run.recorder.follow(self.system, &self.mode, &self.y);
+                self.run.balance.follow(self.system, &self.mode, &self.y);
+                self.guard()?;
+                self.schedule();
+            }
 
             let stopped = reason == OdeSolverStopReason::TstopReached;
-            let done = stretch.event.is_some() || (stopped && self.is_due()) || self.t >= self.end;
+            let done = stretch.event.is_some() || (stopped && self.is_due()) || self.is_through();
             if let Some((_, slot)) = stretch.event {
                 self.cross(slot)?;
             }
@@ -383,12 +431,14 @@ impl<'s> Cycle<'s> {
         let logged = self.run.log.len();
         let mut left = from;
         for (t, y) in points {
-            let now = heights(self.system, y);
+            let now = heights(self.system, &self.mode, y);
             for (index, (before, after)) in self.heights.into_iter().zip(now).enumerate() {
                 if (before > 0.0) != (after > 0.0) {
-                    let f = |t: f64| Ok(heights(self.system, &at(t)?)[index]);
+                    let f = |t: f64| Ok(heights(self.system, &self.mode, &at(t)?)[index]);
                     let time = locate(left, *t, before, after, f)?;
-                    self.run.log.level(self.system, index, time, after > 0.0, &at(time)?);
+                    self.run
+                        .log
+                        .level((self.system, &self.mode), index, time, after > 0.0, &at(time)?);
                 }
             }
             self.run.log.follow(&now);
@@ -417,16 +467,30 @@ impl<'s> Cycle<'s> {
         let before = (self.mode, self.y);
         let impact = is_impact(slot, &self.mode);
         cross(self.system, slot, &mut self.mode, &mut self.y);
+        if self.recording {
+            self.note_crossing(slot, impact, &before);
+        }
+        let margin = margins(self.system, &self.mode, &self.y);
+        for (other, armed) in self.armed.iter_mut().enumerate() {
+            *armed = margin[other] > self.noise[other] || (other != slot && *armed);
+        }
+        Ok(())
+    }
+
+    /// Keeps what the event of `slot` did to the state `before`.
+    fn note_crossing(&mut self, slot: usize, impact: bool, before: &(Mode, State)) {
         self.run
             .balance
             .cross(self.system, slot, (&before.0, &before.1), (&self.mode, &self.y));
         if let Some((crossing, rising)) = entry(slot, &before.0, &self.mode) {
-            self.run.log.push(self.system, crossing, self.t, rising, &self.y);
+            self.run
+                .log
+                .push((self.system, &self.mode), crossing, self.t, rising, &self.y);
         }
         if self.mode.released && !before.0.released {
             self.run
                 .log
-                .push(self.system, Crossing::Trigger, self.t, false, &self.y);
+                .push((self.system, &self.mode), Crossing::Trigger, self.t, false, &self.y);
         }
         if impact {
             self.run.impact = Some((before.1[V_P], self.y[V_P]));
@@ -435,11 +499,6 @@ impl<'s> Cycle<'s> {
             self.run.closings[slot] += 1;
         }
         self.run.work.events += 1;
-        let margin = margins(self.system, &self.mode, &self.y);
-        for (other, armed) in self.armed.iter_mut().enumerate() {
-            *armed = margin[other] > self.noise[other] || (other != slot && *armed);
-        }
-        Ok(())
     }
 
     /// Ends the run where the model does.

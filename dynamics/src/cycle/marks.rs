@@ -1,5 +1,6 @@
 //! The log of a run: passages of the levels that define the events, and what changed the mode.
 
+use super::mode::Mode;
 use super::state::*;
 use super::system::System;
 use crate::{Crossing, Direction, Events, LogEntry, LogState};
@@ -61,13 +62,13 @@ const REVERSALS: usize = 3;
 const FIRST_REVERSAL: usize = LEVELS - REVERSALS;
 
 /// Height of the trajectory above every level.
-pub(crate) fn heights(system: &System, y: &State) -> [f64; LEVELS] {
+pub(crate) fn heights(system: &System, mode: &Mode, y: &State) -> [f64; LEVELS] {
     let p = &system.p;
     let now = system.instant(y);
     let lift = p.head_valve.lift - now.valve;
     let (supply, ambient) = (p.supply.pressure, p.ambient.pressure);
-    let z = system.depth(y);
-    let gap = y[Y_G] - y[Y_W];
+    let z = system.depth(mode, y);
+    let gap = y[Y_G] - mode.seat_motion(y).0;
     let p1 = now.gas[ABOVE].pressure;
     [
         lift - FIRST_LIFT,
@@ -79,7 +80,7 @@ pub(crate) fn heights(system: &System, y: &State) -> [f64; LEVELS] {
         z - p.nail.length,
         now.travel - POSITION_MARK,
         now.travel - p.chambers.check_hole_position,
-        y[V_P] - y[V_W],
+        y[V_P] - mode.nail_motion(y).1,
         now.travel - p.piston.stroke,
         now.travel_rate.abs() - REST_SPEED,
         now.travel_rate.abs() - STILL_SPEED,
@@ -123,8 +124,8 @@ impl Log {
     }
 
     /// Notes the passage of a level; a reversal counts with fast motion before or after it.
-    pub(crate) fn level(&mut self, system: &System, level: usize, time: f64, rising: bool, y: &State) {
-        let entry = Self::entry(system, ORDER[level], time, rising, y);
+    pub(crate) fn level(&mut self, (system, mode): (&System, &Mode), level: usize, time: f64, rising: bool, y: &State) {
+        let entry = Self::entry((system, mode), ORDER[level], time, rising, y);
         let Some(body) = level.checked_sub(FIRST_REVERSAL) else {
             self.add(entry);
             return;
@@ -152,8 +153,8 @@ impl Log {
     }
 
     /// Notes what is not the passage of a level.
-    pub(crate) fn push(&mut self, system: &System, crossing: Crossing, time: f64, rising: bool, y: &State) {
-        self.add(Self::entry(system, crossing, time, rising, y));
+    pub(crate) fn push(&mut self, place: (&System, &Mode), crossing: Crossing, time: f64, rising: bool, y: &State) {
+        self.add(Self::entry(place, crossing, time, rising, y));
     }
 
     fn add(&mut self, entry: LogEntry) {
@@ -163,7 +164,7 @@ impl Log {
         self.entries.push(entry);
     }
 
-    fn entry(system: &System, crossing: Crossing, time: f64, rising: bool, y: &State) -> LogEntry {
+    fn entry((system, mode): (&System, &Mode), crossing: Crossing, time: f64, rising: bool, y: &State) -> LogEntry {
         let now = system.instant(y);
         LogEntry {
             time,
@@ -174,9 +175,9 @@ impl Log {
                 piston_velocity: now.travel_rate,
                 valve_lift: system.p.head_valve.lift - now.valve,
                 valve_velocity: -now.valve_rate,
-                tool_rise: y[Y_W] - y[Y_G],
+                tool_rise: mode.seat_motion(y).0 - y[Y_G],
                 tool_velocity: y[V_G],
-                tip_depth: system.depth(y),
+                tip_depth: system.depth(mode, y),
                 pressures: now.gas.map(|gas| gas.pressure),
             },
         }

@@ -2,6 +2,7 @@
 
 mod balance;
 mod block_lu;
+mod coupled;
 mod equations;
 mod flows;
 mod forces;
@@ -20,10 +21,11 @@ mod summary;
 mod switching;
 mod system;
 mod tolerances;
+mod wood;
 
 pub(crate) use real::Real;
 
-use crate::{CycleError, CycleRecord, Parameters, Settings};
+use crate::{CouplingWork, CycleError, CycleRecord, Parameters, Settings, Workpiece};
 
 /// Computes one nailing cycle, from the trigger pull to 5 ms after the piston has come to rest at the top, at most to
 /// `settings.end`, and never past the tool's landing.
@@ -37,4 +39,23 @@ pub fn simulate(parameters: &Parameters, settings: &Settings) -> Result<CycleRec
     let system = system::System::new(parameters);
     let run = integrate::integrate(&system, settings)?;
     Ok(summary::record(&system, run))
+}
+
+/// Computes one nailing cycle like [`simulate`] on a wood that a structure outside it moves, in both directions: the
+/// structure feels the cycle's forces, the cycle the structure's motion, and both agree on them at every sample.
+///
+/// The record then has the surface under the nose as its workpiece and the structure's support as its support.
+///
+/// # Errors
+/// Those of [`simulate`], [`CycleError::Coupling`], and those of the structure.
+pub fn simulate_on<W: Workpiece>(
+    parameters: &Parameters,
+    settings: &Settings,
+    wood: &mut W,
+) -> Result<(CycleRecord, CouplingWork), W::Error> {
+    start::check(parameters)?;
+    settings.check()?;
+    let system = system::System::new(parameters);
+    let (run, work) = coupled::integrate_on(&system, settings, wood)?;
+    Ok((summary::record(&system, run), work))
 }

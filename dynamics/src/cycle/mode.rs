@@ -3,6 +3,8 @@
 //! The right-hand side is smooth for a fixed mode, whatever the state, so a step may run past an event and be cut back
 //! to it: no force or flow has a branch on the sign of a gap.
 
+use super::wood::DrivenWood;
+
 /// A contact that pushes with F = k u + c u' while closed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(usize)]
@@ -89,6 +91,8 @@ pub(crate) struct Mode {
     pub(crate) channel: Channel,
     /// Whether the trigger is released (latched).
     pub(crate) released: bool,
+    /// How the wood moves where it is no mass of the cycle's own.
+    pub(crate) wood: Option<DrivenWood>,
 }
 
 impl Mode {

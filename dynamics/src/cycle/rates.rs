@@ -96,19 +96,28 @@ impl System {
         rate[PISTON_FRICTION] = f.piston_friction * travel_rate;
         rate[VALVE_FRICTION] = f.valve_friction * valve_rate;
         rate[MAGAZINE_FRICTION] = f.magazine * travel_rate;
-        rate[PENETRATION] = f.penetration * (y[V_P] - y[V_W]);
+        rate[PENETRATION] = f.penetration * (y[V_P] - mode.nail_motion(y).1);
         for contact in Contact::ALL {
             if mode.closed(contact) {
                 let i = contact as usize;
-                rate[DASHPOTS + i] = f.dashpot[i] * self.overlap(contact, y).1;
+                rate[DASHPOTS + i] = f.dashpot[i] * self.overlap(contact, mode, y).1;
             }
         }
+        let seat = f.push[Contact::Nose as usize] + f.guard;
         if self.sprung_hand {
             rate[HAND_DASHPOT] = f.hand_dashpot * (y[V_M] - y[V_G]);
         }
         rate[THRUST_WORK] = thrust * y[V_G];
-        rate[SUPPORT_IMPULSE] = f.push[Contact::Support as usize];
-        let weight = (self.moving_mass(mode) + p.head_valve.mass + p.tool.mass + g.workpiece_mass) * p.ambient.gravity;
+        let mut mass = self.moving_mass(mode) + p.head_valve.mass + p.tool.mass;
+        if mode.wood.is_some() {
+            // What the bodies of the cycle stand on is the wood itself.
+            rate[SUPPORT_IMPULSE] = f.penetration + seat;
+            rate[WOOD_WORK] = f.penetration * mode.nail_motion(y).1 + seat * mode.seat_motion(y).1;
+        } else {
+            rate[SUPPORT_IMPULSE] = f.push[Contact::Support as usize];
+            mass += g.workpiece_mass;
+        }
+        let weight = mass * p.ambient.gravity;
         rate[OUTER_IMPULSE] = thrust + (p.hand.force + weight);
         rate
     }

@@ -96,7 +96,7 @@ impl Recorder {
     pub(crate) fn push(&mut self, system: &System, mode: &Mode, past: &Past, y: &[f64]) {
         let now = system.instant(y);
         let e = system.forces(y, &now, mode);
-        self.peak(&e);
+        self.peak(&e, mode, y);
         // The trend of the last two samples.
         let near = match self.exhaust.plenum_pressure[..] {
             [.., before, last] => Some(2.0 * last - before),
@@ -106,14 +106,18 @@ impl Recorder {
         let acceleration = system.accelerations(&e, exhaust.thrust, mode);
         let Instant { travel, valve, gas, .. } = now;
         for (body, history) in self.bodies.iter_mut().enumerate() {
-            history.position.push(y[2 * body]);
-            history.velocity.push(y[2 * body + 1]);
-            history.acceleration.push(acceleration[body]);
+            let motion = match &mode.wood {
+                Some(wood) if 2 * body == Y_W => wood.seat_at(y[Y_W]),
+                _ => [y[2 * body], y[2 * body + 1], acceleration[body]],
+            };
+            history.position.push(motion[0]);
+            history.velocity.push(motion[1]);
+            history.acceleration.push(motion[2]);
         }
         let m = &mut self.motion;
         m.piston_travel.push(travel);
         m.valve_lift.push(system.p.head_valve.lift - valve);
-        m.tip_depth.push(system.depth(y));
+        m.tip_depth.push(system.depth(mode, y));
         m.nail_depth.push(deepest(system, mode, y));
         m.moving_mass.push(system.moving_mass(mode));
         for (i, history) in self.volumes.iter_mut().enumerate() {
@@ -135,7 +139,10 @@ impl Recorder {
         f.penetration.push(e.penetration);
         f.nose.push(push(Contact::Nose));
         f.guard.push(e.guard);
-        f.support.push(push(Contact::Support));
+        f.support.push(match &mode.wood {
+            Some(wood) => wood.support_at(y[Y_W]),
+            None => push(Contact::Support),
+        });
         f.hand.push(e.hand);
         f.magazine.push(e.magazine);
         f.thrust.push(exhaust.thrust);
@@ -161,10 +168,10 @@ impl Recorder {
 
     /// Follows peaks between the samples.
     pub(crate) fn follow(&mut self, system: &System, mode: &Mode, y: &State) {
-        self.peak(&system.forces(y, &system.instant(y), mode));
+        self.peak(&system.forces(y, &system.instant(y), mode), mode, y);
     }
 
-    fn peak(&mut self, e: &Forces<f64>) {
+    fn peak(&mut self, e: &Forces<f64>, mode: &Mode, y: &[f64]) {
         let push = |contact: Contact| e.push[contact as usize];
         let s = &mut self.peaks;
         let highest = |peak: &mut f64, value: f64| *peak = peak.max(value);
@@ -174,7 +181,9 @@ impl Recorder {
         highest(&mut s.peak_cap_force, push(Contact::Cap));
         highest(&mut s.peak_seat_force, push(Contact::Seat));
         highest(&mut s.peak_nose_force, push(Contact::Nose));
-        highest(&mut s.peak_support_force, push(Contact::Support));
+        let lumped = push(Contact::Support);
+        let support = mode.wood.map_or(lumped, |wood| wood.support_at(y[Y_W]));
+        highest(&mut s.peak_support_force, support);
     }
 
     /// Peaks so far, everything else empty.

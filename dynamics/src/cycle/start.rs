@@ -4,8 +4,9 @@ use super::forces::{SPRING, SPRING_LIMIT};
 use super::mode::{Channel, Contact, Mode, NailState, Penetration};
 use super::state::*;
 use super::system::System;
+use super::wood::DrivenWood;
 use crate::prf::ResistanceLaw;
-use crate::{CycleError, Parameters};
+use crate::{CycleError, Parameters, WoodMotion};
 
 /// Refuses designs the model does not hold for.
 pub(crate) fn check(p: &Parameters) -> Result<(), CycleError> {
@@ -263,6 +264,17 @@ fn check_numbers(p: &Parameters) -> Result<(), CycleError> {
     Ok(())
 }
 
+/// Force of the seated tool on the wood, F_hm + (M_g + M_p + M_h) g.
+pub(crate) fn seat_force(system: &System) -> Result<f64, CycleError> {
+    let p = &system.p;
+    let press = p.hand.force + (p.tool.mass + p.piston.mass + p.head_valve.mass) * p.ambient.gravity;
+    let guard = system.guard_stiffness * p.contacts.guard_travel;
+    if press <= guard {
+        return Err(CycleError::NotSeated { guard, press });
+    }
+    Ok(press)
+}
+
 /// State and mode at the trigger pull.
 ///
 /// ```text
@@ -271,15 +283,17 @@ fn check_numbers(p: &Parameters) -> Result<(), CycleError> {
 /// y_m = y_g + F_hm/k_m
 /// y_hr = L_h + F_close/k_hc2,  F_close = P_h A_h1 - P_ext A_h2 - P_1 A_h3 + F_s(y_sp) + M_h g
 /// ```
-pub(crate) fn start(system: &System) -> Result<(State, Mode), CycleError> {
+///
+/// On a wood outside the cycle y_w is where that rests.
+pub(crate) fn start(system: &System, rest: Option<&WoodMotion>) -> Result<(State, Mode), CycleError> {
     let (p, geometry) = (&system.p, &system.geometry);
     let gravity = p.ambient.gravity;
-    let tool = p.hand.force + (p.tool.mass + p.piston.mass + p.head_valve.mass) * gravity;
+    let tool = seat_force(system)?;
     let guard = system.guard_stiffness * p.contacts.guard_travel;
-    if tool <= guard {
-        return Err(CycleError::NotSeated { guard, press: tool });
-    }
-    let y_w = (tool + geometry.workpiece_mass * gravity) / p.support.stiffness;
+    let y_w = rest.map_or(
+        (tool + geometry.workpiece_mass * gravity) / p.support.stiffness,
+        |rest| rest.seat[0],
+    );
     let y_g = y_w + (tool - guard) / (p.contacts.nose_stiffness + system.guard_stiffness);
     let (supply, ambient) = (p.supply.pressure, p.ambient.pressure);
     let spring = SPRING
@@ -297,7 +311,7 @@ pub(crate) fn start(system: &System) -> Result<(State, Mode), CycleError> {
     y[Y_P] = y_g;
     y[Y_G] = y_g;
     y[Y_H] = y_g + p.head_valve.lift + close / p.contacts.seat_stiffness;
-    y[Y_W] = y_w;
+    (y[Y_W], y[V_W]) = if rest.is_some() { (0.0, 1.0) } else { (y_w, 0.0) };
     if system.sprung_hand {
         y[Y_M] = y_g + p.hand.force / p.hand.stiffness;
     }
@@ -309,7 +323,7 @@ pub(crate) fn start(system: &System) -> Result<(State, Mode), CycleError> {
     let mut closed = [false; Contact::COUNT];
     closed[Contact::Seat as usize] = true;
     closed[Contact::Nose as usize] = true;
-    closed[Contact::Support as usize] = true;
+    closed[Contact::Support as usize] = rest.is_none();
     let mode = Mode {
         closed,
         guard: true,
@@ -323,6 +337,7 @@ pub(crate) fn start(system: &System) -> Result<(State, Mode), CycleError> {
         nail: NailState::Waiting,
         channel: Channel::Closed,
         released: false,
+        wood: rest.map(DrivenWood::at_rest),
     };
     Ok((y, mode))
 }

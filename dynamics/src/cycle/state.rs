@@ -64,6 +64,9 @@ pub(crate) const MAGAZINE_FRICTION: usize = STATES + 13;
 pub(crate) const PENETRATION: usize = STATES + 14;
 /// Work of the dashpots of the six contacts, in the order of `Contact`, and of the hand's.
 pub(crate) const DASHPOTS: usize = STATES + 15;
+/// Work on the wood where it is driven from outside: the lumped support's dashpot, which then does nothing, lends its
+/// place.
+pub(crate) const WOOD_WORK: usize = DASHPOTS + 5;
 pub(crate) const HAND_DASHPOT: usize = STATES + 21;
 /// Work of the exhaust's thrust on the tool.
 pub(crate) const THRUST_WORK: usize = STATES + 22;

@@ -63,7 +63,13 @@ pub(crate) fn margins(system: &System, mode: &Mode, y: &State) -> [f64; SLOTS] {
     let mut margin = [f64::INFINITY; SLOTS];
     let p = &system.p;
     for contact in Contact::ALL {
-        let (u, rate) = system.overlap(contact, y);
+        if contact == Contact::Support && mode.wood.is_some() {
+            continue;
+        }
+        let (u, rate) = match (contact, mode.wood) {
+            (Contact::Nose, Some(wood)) if !mode.closed(contact) => wood.seat_gap(y),
+            _ => system.overlap(contact, mode, y),
+        };
         let pad = system.pads[contact as usize];
         let push = u + pad.damping / pad.stiffness * rate;
         // Closing needs overlap and a pushing force; a contact that still overlaps but is being let go stays open.
@@ -71,10 +77,13 @@ pub(crate) fn margins(system: &System, mode: &Mode, y: &State) -> [f64; SLOTS] {
         let push = if p.model.contacts == Form::Published { u } else { push };
         margin[contact as usize] = if mode.closed(contact) { push } else { -u.min(push) };
     }
+    if mode.wood.is_some_and(|wood| wood.caught) {
+        margin[Contact::Nose as usize] = f64::INFINITY;
+    }
     let signed = |inside: bool, x: f64| if inside { x } else { -x };
     let lift = p.head_valve.lift - (y[Y_H] - y[Y_G]);
     let travel = y[Y_P] - y[Y_G];
-    margin[GUARD] = signed(mode.guard, y[Y_G] - y[Y_W] + p.contacts.guard_travel);
+    margin[GUARD] = signed(mode.guard, y[Y_G] - mode.seat_motion(y).0 + p.contacts.guard_travel);
     margin[INTAKE] = signed(mode.intake, lift - p.head_valve.intake_lap);
     margin[EXHAUST] = signed(mode.exhaust, p.head_valve.exhaust_lap - lift);
     margin[CHECK_HOLES] = signed(mode.check_holes, travel - p.chambers.check_hole_position);
@@ -83,7 +92,9 @@ pub(crate) fn margins(system: &System, mode: &Mode, y: &State) -> [f64; SLOTS] {
         NailState::Attached => y[V_P],
         NailState::Left => f64::INFINITY,
     };
-    let z = system.depth(y);
+    let z = system.depth(mode, y);
+    // Whether the tip touches is asked of the motion without its own force, as for the nose.
+    let touching = mode.wood.map_or(z, |wood| y[Y_P] - wood.free_nail(y) - p.nail.tip_gap);
     if p.model.nail == Form::Published {
         // Reversible: the force is a function of depth until the first reversal, and nothing afterwards (C-09).
         match mode.penetration {
@@ -93,19 +104,20 @@ pub(crate) fn margins(system: &System, mode: &Mode, y: &State) -> [f64; SLOTS] {
             }
             Penetration::Loading { seated: true } => margin[DEPTH_DOWN] = z - p.nail.length,
             Penetration::Free { .. } | Penetration::Unloading { .. } if mode.nail != NailState::Left => {
-                margin[DEPTH_UP] = -z;
+                margin[DEPTH_UP] = -touching;
             }
             Penetration::Free { .. } | Penetration::Unloading { .. } => {}
         }
         return margin;
     }
     match mode.penetration {
+        Penetration::Free { deepest, force: 0.0 } => margin[DEPTH_UP] = deepest - touching,
         Penetration::Free { deepest, force } => margin[DEPTH_UP] = deepest - force / p.wood.unloading_stiffness - z,
         Penetration::Loading { seated } => {
             if !seated {
                 margin[DEPTH_UP] = p.nail.length - z;
             }
-            margin[DEPTH_DOWN] = y[V_P] - y[V_W];
+            margin[DEPTH_DOWN] = y[V_P] - mode.nail_motion(y).1;
         }
         Penetration::Unloading { deepest, force } => {
             margin[DEPTH_UP] = deepest - z;
@@ -189,7 +201,7 @@ pub(crate) fn cross(system: &System, slot: usize, mode: &mut Mode, y: &mut State
                     }
                 }
                 Penetration::Loading { .. } => {
-                    let deepest = system.depth(y);
+                    let deepest = system.depth(mode, y);
                     Penetration::Unloading {
                         deepest,
                         force: system.envelope.force(deepest),
@@ -199,7 +211,14 @@ pub(crate) fn cross(system: &System, slot: usize, mode: &mut Mode, y: &mut State
                 free @ Penetration::Free { .. } => free,
             }
         }
-        contact => mode.closed[contact] = !mode.closed[contact],
+        contact => {
+            mode.closed[contact] = !mode.closed[contact];
+            if let Some(wood) = &mut mode.wood
+                && contact == Contact::Nose as usize
+            {
+                wood.caught = mode.closed[contact] && wood.open_at_start;
+            }
+        }
     }
 }
 
@@ -207,6 +226,6 @@ pub(crate) fn cross(system: &System, slot: usize, mode: &mut Mode, y: &mut State
 pub(crate) fn deepest(system: &System, mode: &Mode, y: &[f64]) -> f64 {
     match mode.penetration {
         Penetration::Free { deepest, .. } | Penetration::Unloading { deepest, .. } => deepest,
-        Penetration::Loading { .. } => system.depth(y).max(0.0),
+        Penetration::Loading { .. } => system.depth(mode, y).max(0.0),
     }
 }

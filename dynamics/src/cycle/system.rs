@@ -117,18 +117,22 @@ impl System {
     }
 
     /// Depth of the nail's tip, z = y_p - y_w - y_pbp.
-    pub(crate) fn depth<S: Real>(&self, y: &[S]) -> S {
-        y[Y_P] - y[Y_W] - self.p.nail.tip_gap
+    pub(crate) fn depth<S: Real>(&self, mode: &Mode, y: &[S]) -> S {
+        y[Y_P] - mode.nail_motion(y).0 - self.p.nail.tip_gap
     }
 
     /// Overlap of a contact and its rate.
-    pub(crate) fn overlap<S: Real>(&self, contact: Contact, y: &[S]) -> (S, S) {
+    #[inline]
+    pub(crate) fn overlap<S: Real>(&self, contact: Contact, mode: &Mode, y: &[S]) -> (S, S) {
         match contact {
             Contact::Bumper => (y[Y_P] - y[Y_G] - self.p.piston.stroke, y[V_P] - y[V_G]),
             Contact::Stopper => (y[Y_G] - y[Y_P], y[V_G] - y[V_P]),
             Contact::Cap => (y[Y_G] - y[Y_H], y[V_G] - y[V_H]),
             Contact::Seat => (y[Y_H] - y[Y_G] - self.p.head_valve.lift, y[V_H] - y[V_G]),
-            Contact::Nose => (y[Y_G] - y[Y_W], y[V_G] - y[V_W]),
+            Contact::Nose => {
+                let (position, velocity) = mode.seat_motion(y);
+                (y[Y_G] - position, y[V_G] - velocity)
+            }
             Contact::Support => (y[Y_W], y[V_W]),
         }
     }

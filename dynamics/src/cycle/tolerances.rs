@@ -1,16 +1,17 @@
 //! What error of each state a tolerance allows.
 
+use super::mode::Mode;
 use super::state::*;
 use super::system::System;
 
-/// Size of what has no error weight: the integrals, and the hand where it has no mass.
+/// Size of what has no error weight: the integrals, the hand where it has no mass, the wood where it is driven.
 const UNWEIGHTED: f64 = 1e30;
 
 /// Absolute tolerances: every state has a characteristic size, its error is kept to the tolerance times that size.
 ///
 /// Relative weights would not do: a nose contact of 5e8 N/m needs the position of the body to 1e-10 m wherever it
 /// stands, and a gas energy of 1 kJ must not loosen that of 1 J.
-pub(crate) fn tolerances(system: &System, relative: f64) -> Vec<f64> {
+pub(crate) fn tolerances(system: &System, mode: &Mode, relative: f64) -> Vec<f64> {
     let p = &system.p;
     let mut size = [UNWEIGHTED; SIZE];
     size[Y_P] = 1e-2;
@@ -19,8 +20,10 @@ pub(crate) fn tolerances(system: &System, relative: f64) -> Vec<f64> {
     size[V_H] = 5.0;
     size[Y_G] = 1e-4;
     size[V_G] = 0.5;
-    size[Y_W] = 1e-4;
-    size[V_W] = 0.5;
+    if mode.wood.is_none() {
+        size[Y_W] = 1e-4;
+        size[V_W] = 0.5;
+    }
     if system.sprung_hand {
         size[Y_M] = 1e-3;
         size[V_M] = 0.5;

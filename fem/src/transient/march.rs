@@ -29,70 +29,36 @@ pub fn respond(
     settings: &Settings,
 ) -> Result<ModalResponse, TransientError> {
     validate(bodies, supports, loads, settings)?;
-    let mut run = Run::new(bodies, supports, loads, settings)?;
-    let last = run.applied.ncols() - 1;
-    let stride = ((settings.energy_interval / settings.step).round() as usize).max(1);
-    let tapered = loads.record_end() + settings.taper;
-    let mut decay = Decay::new(bodies, supports, loads, settings, &mut run);
-    decay.record(&run);
-    let mut ended = None;
-    for n in 1..=last {
-        run.advance(n)?;
-        if n % stride == 0 || n == last {
-            run.record(n)?;
-            let level = decay.record(&run);
-            if n == last {
-                ended = Some((
-                    n,
-                    Ending::Duration {
-                        level,
-                        over_equilibrium: decay.potential.is_some(),
-                    },
-                ));
-            } else if n as f64 * settings.step >= tapered && decay.settled(level) {
-                ended = Some((
-                    n,
-                    Ending::Decayed {
-                        level,
-                        over_equilibrium: decay.potential.is_some(),
-                    },
-                ));
-                break;
-            }
-        }
-    }
-    let (last, ending) = ended.unwrap_or((
-        0,
-        Ending::Duration {
-            level: 0.0,
-            over_equilibrium: false,
-        },
-    ));
-    run.into_response(last, ending, decay.unsupported)
+    let run = Run::new(bodies, supports, loads, settings)?;
+    let watch = Watch::new(bodies, supports, loads, settings);
+    run.march(watch, 1, loads.record_end() + settings.taper)
 }
 
-struct Run<'a> {
+/// A run in progress.
+pub(super) struct Run<'a> {
     arch: Arch,
-    bodies: &'a [ModalBody],
-    supports: &'a [Support],
-    settings: &'a Settings,
-    system: System,
-    state: State,
-    contact: ContactSolver,
+    pub(super) bodies: &'a [ModalBody],
+    pub(super) supports: &'a [Support],
+    pub(super) settings: &'a Settings,
+    pub(super) system: System,
+    pub(super) state: State,
+    pub(super) contact: ContactSolver,
     /// Loads x samples.
-    applied: DMatrix<f64>,
+    pub(super) applied: DMatrix<f64>,
     /// Supports x samples.
-    forces: DMatrix<f64>,
+    pub(super) forces: DMatrix<f64>,
     start: Vec<ModalState>,
     unsupported: f64,
     all_supports: Vec<usize>,
     /// Minus the support forces.
     back: Vec<f64>,
-    free: Vec<Lane>,
-    free_rate: Vec<Lane>,
+    pub(super) free: Vec<Lane>,
+    pub(super) free_rate: Vec<Lane>,
     load_scratch: [Vec<Lane>; 2],
-    load_motion: Vec<f64>,
-    load_rate: Vec<f64>,
+    pub(super) load_motion: Vec<f64>,
+    pub(super) load_rate: Vec<f64>,
+    /// Motion along the loads at t = 0.
+    first_motion: Vec<f64>,
     load_ledger: Ledger,
     contact_ledger: Ledger,
     energy: EnergyHistory,
@@ -100,11 +66,11 @@ struct Run<'a> {
     /// Unilateral support that came nearest, and its gap.
     nearest: (usize, f64),
     momentum_error: f64,
-    work: Work,
+    pub(super) work: Work,
 }
 
 impl<'a> Run<'a> {
-    fn new(
+    pub(super) fn new(
         bodies: &'a [ModalBody],
         supports: &'a [Support],
         loads: &Loads,
@@ -145,6 +111,7 @@ impl<'a> Run<'a> {
             load_scratch: std::array::from_fn(|_| vec![[0.0; 4]; lanes(l)]),
             load_motion: vec![0.0; l],
             load_rate: vec![0.0; l],
+            first_motion: Vec::new(),
             load_ledger: nothing.clone(),
             contact_ledger: nothing,
             energy: EnergyHistory::new(bodies.len()),
@@ -158,6 +125,25 @@ impl<'a> Run<'a> {
         Ok(run)
     }
 
+    /// Goes on from sample `first` to the end of the run.
+    pub(super) fn march(
+        mut self,
+        mut watch: Watch,
+        first: usize,
+        tapered: f64,
+    ) -> Result<ModalResponse, TransientError> {
+        let last = self.applied.ncols() - 1;
+        for n in first..=last {
+            self.advance(n)?;
+            if let Some(ending) = watch.see(&mut self, n, tapered)? {
+                return self.into_response(n, ending, &watch);
+            }
+        }
+        // Not reached: the watch ends a run at its last sample.
+        let ending = watch.ending(0.0);
+        self.into_response(last, ending, &watch)
+    }
+
     /// Forces and ledgers at t = 0, and the prediction of the first step.
     fn begin(&mut self) -> Result<(), TransientError> {
         let h = self.settings.step;
@@ -166,6 +152,7 @@ impl<'a> Run<'a> {
         self.contact
             .start(&self.free.as_flattened()[..n], &self.free_rate.as_flattened()[..n]);
         self.project_loads();
+        self.first_motion = self.load_motion.clone();
         let first = self.applied.column(0).into_owned();
         self.load_ledger = Ledger::new(h, first.as_slice(), &self.load_motion, &self.load_rate);
         let c = &self.contact;
@@ -185,14 +172,13 @@ impl<'a> Run<'a> {
         self.after(0);
         self.record(0)?;
         if self.applied.ncols() > 1 {
-            self.apply_loads(1);
-            predict(self.arch, &self.system.coefficients, &mut self.state);
+            self.predict(1);
         }
         Ok(())
     }
 
     /// The step that ends at sample n.
-    fn advance(&mut self, n: usize) -> Result<(), TransientError> {
+    pub(super) fn advance(&mut self, n: usize) -> Result<(), TransientError> {
         let time = n as f64 * self.settings.step;
         self.project_supports(true);
         let n_supports = self.supports.len();
@@ -212,14 +198,27 @@ impl<'a> Run<'a> {
         self.work.steps += 1;
         self.work.contact_steps += usize::from(!self.contact.touching().is_empty());
         if n + 1 < self.applied.ncols() {
-            self.apply_loads(n + 1);
-            predict(self.arch, &self.system.coefficients, &mut self.state);
+            self.predict(n + 1);
         }
         Ok(())
     }
 
+    /// The state at sample n without support forces there.
+    pub(super) fn predict(&mut self, n: usize) {
+        self.apply_loads(n);
+        predict(self.arch, &self.system.coefficients, &mut self.state);
+    }
+
+    /// Motion along the loads, and its rates, of the state that [`predict`](Self::predict) has left.
+    pub(super) fn predicted_loads(&mut self) -> (Vec<f64>, Vec<f64>) {
+        self.read_loads(true);
+        let found = (self.load_motion.clone(), self.load_rate.clone());
+        self.read_loads(false);
+        found
+    }
+
     /// Penetrations and rates of the predicted state, or of the present one.
-    fn project_supports(&mut self, predicted: bool) {
+    pub(super) fn project_supports(&mut self, predicted: bool) {
         let s = &self.state;
         let motion = if predicted {
             (&s.q_free[..], &s.v_free[..])
@@ -234,10 +233,21 @@ impl<'a> Run<'a> {
     }
 
     fn project_loads(&mut self) {
+        self.read_loads(false);
+    }
+
+    /// Motion along the loads, and its rates, of the predicted state or of the present one.
+    fn read_loads(&mut self, predicted: bool) {
         self.load_motion.fill(0.0);
         self.load_rate.fill(0.0);
+        let s = &self.state;
+        let (q, v) = if predicted {
+            (&s.q_free, &s.v_free)
+        } else {
+            (&s.q, &s.v)
+        };
         for part in &self.system.parts {
-            let motion = (&self.state.q[part.lanes.clone()], &self.state.v[part.lanes.clone()]);
+            let motion = (&q[part.lanes.clone()], &v[part.lanes.clone()]);
             let height = part.load_rows.height;
             let [u, rate] = &mut self.load_scratch;
             let (u, rate) = (&mut u[..height], &mut rate[..height]);
@@ -334,7 +344,12 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn into_response(self, last: usize, ending: Ending, unsupported: f64) -> Result<ModalResponse, TransientError> {
+    pub(super) fn into_response(
+        self,
+        last: usize,
+        ending: Ending,
+        watch: &Watch,
+    ) -> Result<ModalResponse, TransientError> {
         let samples = last + 1;
         let never = self.open_samples == samples;
         if any_unilateral(self.supports) && self.settings.require_contact && never {
@@ -371,7 +386,7 @@ impl<'a> Run<'a> {
             } else {
                 0.0
             },
-            unsupported_load: self.unsupported.max(unsupported),
+            unsupported_load: self.unsupported.max(watch.unsupported),
             ending,
             checks,
             work: self.work,
@@ -413,50 +428,76 @@ fn starting_states(
 }
 
 /// Watches the energy above the final equilibrium (or, where there is none, the kinetic energy) fall.
-struct Decay<'a> {
-    loads: &'a Loads,
+pub(super) struct Watch {
+    final_values: Vec<f64>,
     fall: f64,
+    /// Steps between looks.
+    stride: usize,
     /// Potential energy of the final equilibrium.
     potential: Option<f64>,
     unsupported: f64,
+    iterations: usize,
     largest: f64,
     below: usize,
+    started: bool,
 }
 
-impl<'a> Decay<'a> {
-    fn new(
-        bodies: &[ModalBody],
-        supports: &[Support],
-        loads: &'a Loads,
-        settings: &Settings,
-        run: &mut Run<'_>,
-    ) -> Self {
+impl Watch {
+    pub(super) fn new(bodies: &[ModalBody], supports: &[Support], loads: &Loads, settings: &Settings) -> Self {
         let found = equilibrium(bodies, supports, &loads.final_values).ok();
-        run.work.static_iterations += found.as_ref().map_or(0, |e| e.iterations);
+        let iterations = found.as_ref().map_or(0, |e| e.iterations);
         let unsupported = found.as_ref().map_or(0.0, |e| e.unsupported);
         let potential = found.map(|Equilibrium { potential, .. }| potential);
         Self {
-            loads,
+            final_values: loads.final_values.clone(),
             fall: settings.decay,
+            stride: ((settings.energy_interval / settings.step).round() as usize).max(1),
             potential,
             unsupported,
+            iterations,
             largest: 0.0,
             below: 0,
+            started: false,
         }
     }
 
-    /// Level of the latest energy relative to the largest so far \[dB\].
-    fn record(&mut self, run: &Run<'_>) -> f64 {
-        let k = run.energy.time.len() - 1;
+    /// Looks at sample n, which has just been reached; what ends the run there, if anything.
+    pub(super) fn see(&mut self, run: &mut Run<'_>, n: usize, tapered: f64) -> Result<Option<Ending>, TransientError> {
+        if !self.started {
+            self.started = true;
+            self.level(run, 0);
+            run.work.static_iterations += self.iterations;
+        }
+        let last = run.applied.ncols() - 1;
+        if !n.is_multiple_of(self.stride) && n != last {
+            return Ok(None);
+        }
+        run.record(n)?;
+        let level = self.level(run, run.energy.time.len() - 1);
+        if n == last {
+            return Ok(Some(self.ending(level)));
+        }
+        let settled = n as f64 * run.settings.step >= tapered && self.settled(level);
+        Ok(settled.then_some(Ending::Decayed {
+            level,
+            over_equilibrium: self.potential.is_some(),
+        }))
+    }
+
+    fn ending(&self, level: f64) -> Ending {
+        Ending::Duration {
+            level,
+            over_equilibrium: self.potential.is_some(),
+        }
+    }
+
+    /// Level of the energy of entry k relative to the largest so far \[dB\].
+    fn level(&mut self, run: &Run<'_>, k: usize) -> f64 {
         let energy = match self.potential {
             Some(lowest) => {
-                let along: f64 = self
-                    .loads
-                    .final_values
-                    .iter()
-                    .zip(&run.load_motion)
-                    .map(|(f, u)| f * u)
-                    .sum();
+                // The motion is that of the sample at hand: the first look, at t = 0, comes a step late for it.
+                let motion = if k == 0 { &run.first_motion } else { &run.load_motion };
+                let along: f64 = self.final_values.iter().zip(motion).map(|(f, u)| f * u).sum();
                 run.energy.mechanical(k) - along - lowest
             }
             None => run.energy.kinetic_total(k),

@@ -41,6 +41,7 @@
 //! ```
 
 mod contact;
+mod driven;
 mod energy;
 mod error;
 mod kernels;
@@ -51,6 +52,7 @@ mod response;
 mod statics;
 mod system;
 
+pub use driven::Driven;
 pub use energy::EnergyHistory;
 pub use error::TransientError;
 pub use march::respond;

@@ -1,0 +1,294 @@
+//! Mirror symmetry: the eigenproblem falls into one for each combination of even and odd.
+//!
+//! A mirror plane maps the unknowns onto each other, q -> S q, with S a permutation with signs. Where S^T K S = K and
+//! S^T M S = M for k planes, every mode can be chosen even or odd in each of them, and with the orthonormal basis T_c of
+//! the vectors of one combination c
+//!
+//! ```text
+//! K_c = T_c^T K T_c,   M_c = T_c^T M T_c,   phi = T_c phi_c,   c = 1 .. 2^k
+//! ```
+//!
+//! are 2^k independent problems with 1/2^k of the unknowns each. Together the T_c are a square orthogonal matrix, so that
+//! inertia and orthogonality carry over: no mode is lost or found twice, and pairs whose frequencies coincide by
+//! symmetry fall into different sectors.
+
+mod mirror;
+
+use faer::{Mat, MatRef};
+use nalgebra_sparse::CscMatrix;
+
+use crate::eigenpairs::Pencil;
+use crate::order::{Graph, elimination_order};
+use crate::random::Random;
+use crate::sparse::product;
+use crate::{FemError, System};
+
+pub(crate) use mirror::Mirror;
+pub use mirror::mirror_planes;
+
+/// Largest asymmetry of a row of K or M relative to its diagonal. It bounds the relative error of lambda; the residuals
+/// of the modes on the full matrices are checked afterwards all the same.
+const ASYMMETRY: f64 = 1e-11;
+
+/// One of the independent problems K_c, M_c, in an order of elimination of its own.
+pub(crate) struct Sector {
+    pub(crate) stiffness: CscMatrix<f64>,
+    pub(crate) mass: CscMatrix<f64>,
+    /// For each unknown of the whole its row of T_c, which has one entry at most: column and value.
+    rows: Vec<Option<(usize, f64)>>,
+}
+
+impl Sector {
+    pub(crate) fn pencil(&self) -> Pencil<'_> {
+        Pencil {
+            stiffness: &self.stiffness,
+            mass: &self.mass,
+        }
+    }
+
+    /// Number of unknowns.
+    pub(crate) fn len(&self) -> usize {
+        self.stiffness.nrows()
+    }
+
+    /// T_c x.
+    pub(crate) fn expand(&self, x: MatRef<'_, f64>) -> Mat<f64> {
+        let mut all = Mat::zeros(self.rows.len(), x.ncols());
+        for j in 0..x.ncols() {
+            let from = x.col(j);
+            for (value, row) in all.col_mut(j).iter_mut().zip(&self.rows) {
+                *value = row.map_or(0.0, |(at, weight)| weight * from[at]);
+            }
+        }
+        all
+    }
+
+    /// T_c^T f.
+    pub(crate) fn restrict(&self, f: MatRef<'_, f64>) -> Mat<f64> {
+        let mut part = Mat::zeros(self.len(), f.ncols());
+        for j in 0..f.ncols() {
+            for (value, row) in f.col(j).iter().zip(&self.rows) {
+                if let Some((at, weight)) = *row {
+                    part[(at, j)] += weight * value;
+                }
+            }
+        }
+        part
+    }
+}
+
+/// The independent problems that the mirror planes of K and M leave; the whole alone where there are none.
+pub(crate) fn sectors(system: &System) -> Result<Vec<Sector>, FemError> {
+    divided(system, &respected(system))
+}
+
+/// The whole, in an order of elimination.
+pub(crate) fn whole(system: &System) -> Result<Vec<Sector>, FemError> {
+    divided(system, &[])
+}
+
+fn divided(system: &System, mirrors: &[&Mirror]) -> Result<Vec<Sector>, FemError> {
+    let orbits = Orbits::new(mirrors, system.equations.len());
+    let nodes = orbits.in_order_of_elimination(system)?;
+    let columns = [&system.stiffness, &system.mass].map(|a| Columns::of(a, &orbits));
+    let sectors = (0..1 << mirrors.len()).map(|parities| orbits.sector(mirrors, parities, &nodes, &columns));
+    // A small body may have no vector of some combination.
+    let sectors = sectors.filter(|s| s.as_ref().map_or(true, |s| s.len() > 0));
+    sectors.collect()
+}
+
+/// The mirrors under which K and M do not change: A S x = S A x for a random x.
+fn respected(system: &System) -> Vec<&Mirror> {
+    let mirrors = system.equations.mirrors();
+    let mut random = Random::new(2);
+    let x: Vec<f64> = (0..system.equations.len()).map(|_| random.next()).collect();
+    let images: Vec<Vec<f64>> = mirrors.iter().map(|m| m.apply(&x)).collect();
+    let columns = Mat::from_fn(x.len(), 1 + images.len(), |i, j| match j {
+        0 => x[i],
+        j => images[j - 1][i],
+    });
+    let mut kept = vec![true; mirrors.len()];
+    for a in [&system.stiffness, &system.mass] {
+        if mirrors.is_empty() {
+            break;
+        }
+        let y = product(a, columns.as_ref());
+        let first: Vec<f64> = y.col(0).iter().copied().collect();
+        for (k, mirror) in mirrors.iter().enumerate() {
+            let expected = mirror.apply(&first);
+            // The diagonal opens each column of the lower triangle.
+            kept[k] &= (0..x.len()).all(|i| {
+                let diagonal = a.values()[a.col_offsets()[i]].abs();
+                (y[(i, k + 1)] - expected[i]).abs() <= ASYMMETRY * diagonal
+            });
+        }
+    }
+    let planes = mirrors.iter().zip(kept).filter(|(_, kept)| *kept).map(|(m, _)| m);
+    planes.collect()
+}
+
+/// Unknowns that the mirrors map onto each other.
+struct Orbits {
+    /// The first unknown of the orbit of each unknown, which represents it.
+    first: Vec<usize>,
+}
+
+impl Orbits {
+    fn new(mirrors: &[&Mirror], n: usize) -> Self {
+        let first = (0..n).map(|e| images(mirrors, e).map(|(i, _, _)| i).min().unwrap_or(e));
+        Self { first: first.collect() }
+    }
+
+    fn represents(&self, e: usize) -> bool {
+        self.first[e] == e
+    }
+
+    /// The representatives, node by node in an order of elimination of the graph in which each orbit is one node.
+    fn in_order_of_elimination(&self, system: &System) -> Result<Vec<Vec<usize>>, FemError> {
+        let node = |e: usize| system.equations.node(e);
+        // Orbits of nodes, numbered as their first unknowns come.
+        let mut number = vec![None; system.equations.nodes()];
+        let mut members: Vec<Vec<usize>> = Vec::new();
+        for e in (0..self.first.len()).filter(|&e| self.represents(e)) {
+            let orbit = *number[node(e)].get_or_insert_with(|| {
+                members.push(Vec::new());
+                members.len() - 1
+            });
+            members[orbit].push(e);
+        }
+        let orbit = |e: usize| number[node(self.first[e])];
+        let mut edges: Vec<Vec<usize>> = vec![Vec::new(); members.len()];
+        // One unknown of a node stands for the others: elements couple all of them.
+        let leads = |e: usize| e == 0 || node(e) != node(e - 1);
+        for j in (0..self.first.len()).filter(|&j| leads(j)) {
+            for &i in system.stiffness.col(j).row_indices() {
+                let near = leads(i) && (self.represents(i) || self.represents(j));
+                if let (true, Some(a), Some(b)) = (near, orbit(i), orbit(j))
+                    && a != b
+                {
+                    edges[a].push(b);
+                    edges[b].push(a);
+                }
+            }
+        }
+        let (mut offsets, mut targets) = (vec![0], Vec::new());
+        for list in &mut edges {
+            list.sort_unstable();
+            list.dedup();
+            targets.append(list);
+            offsets.push(targets.len());
+        }
+        let order = elimination_order(&Graph { offsets, targets })?;
+        Ok(order.into_iter().map(|k| std::mem::take(&mut members[k])).collect())
+    }
+
+    /// The sector whose vectors are odd in the planes whose bits are set.
+    fn sector(
+        &self,
+        mirrors: &[&Mirror],
+        parities: usize,
+        nodes: &[Vec<usize>],
+        columns: &[Columns; 2],
+    ) -> Result<Sector, FemError> {
+        let mut rows = vec![None; self.first.len()];
+        let mut unknowns = Vec::new();
+        for &e in nodes.iter().flatten() {
+            // The sum over all images with the sign of the combination; on a plane those of the wrong parity cancel.
+            let parity = |planes: usize| 1.0 - 2.0 * f64::from((planes & parities).count_ones() % 2);
+            let own: f64 = images(mirrors, e)
+                .filter(|&(i, _, _)| i == e)
+                .map(|(_, sign, planes)| sign * parity(planes))
+                .sum();
+            if own == 0.0 {
+                continue;
+            }
+            // Each place is met as often as e itself.
+            let weight = (own / (1 << mirrors.len()) as f64).sqrt();
+            for (i, sign, planes) in images(mirrors, e) {
+                rows[i] = Some((unknowns.len(), weight * sign * parity(planes)));
+            }
+            unknowns.push(e);
+        }
+        let [stiffness, mass] = columns;
+        Ok(Sector {
+            stiffness: stiffness.reduced(&unknowns, &rows)?,
+            mass: mass.reduced(&unknowns, &rows)?,
+            rows,
+        })
+    }
+}
+
+/// Where the products of mirrors take unknown e: its image, the sign, and the planes crossed as bits.
+fn images<'a>(mirrors: &'a [&Mirror], e: usize) -> impl Iterator<Item = (usize, f64, usize)> + 'a {
+    (0..1 << mirrors.len()).map(move |planes: usize| {
+        let crossed = mirrors.iter().enumerate().filter(|(k, _)| planes >> k & 1 == 1);
+        let (image, sign) = crossed.fold((e, 1.0), |(i, sign), (_, m)| (m.image[i], sign * m.sign[i]));
+        (image, sign, planes)
+    })
+}
+
+/// The columns that represent orbits, both triangles of them.
+struct Columns {
+    /// Place of each unknown's column, empty unless it represents its orbit.
+    offsets: Vec<usize>,
+    entries: Vec<(usize, f64)>,
+}
+
+impl Columns {
+    fn of(a: &CscMatrix<f64>, orbits: &Orbits) -> Self {
+        let n = a.nrows();
+        let mut offsets = vec![0; n + 1];
+        let visit = |take: &mut dyn FnMut(usize, usize, f64)| {
+            for (j, column) in a.col_iter().enumerate() {
+                for (&i, &value) in column.row_indices().iter().zip(column.values()) {
+                    if orbits.represents(j) {
+                        take(j, i, value);
+                    }
+                    if i != j && orbits.represents(i) {
+                        take(i, j, value);
+                    }
+                }
+            }
+        };
+        visit(&mut |column, _, _| offsets[column + 1] += 1);
+        for j in 0..n {
+            offsets[j + 1] += offsets[j];
+        }
+        let mut next = offsets.clone();
+        let mut entries = vec![(0, 0.0); offsets[n]];
+        visit(&mut |column, row, value| {
+            entries[next[column]] = (row, value);
+            next[column] += 1;
+        });
+        Self { offsets, entries }
+    }
+
+    /// The lower triangle of T^T A T. Every member of an orbit contributes what its representative r does, so that
+    /// column a is sum_i t_i A_ir / t_r with t_r the weight of r, whose square is the inverse of the orbit's length.
+    fn reduced(&self, unknowns: &[usize], rows: &[Option<(usize, f64)>]) -> Result<CscMatrix<f64>, FemError> {
+        let n = unknowns.len();
+        let (mut offsets, mut indices, mut values) = (vec![0], Vec::new(), Vec::new());
+        let mut sum = vec![0.0; n];
+        let mut seen = vec![usize::MAX; n];
+        for (a, &r) in unknowns.iter().enumerate() {
+            let start = indices.len();
+            let own = rows[r].map_or(1.0, |(_, weight)| weight);
+            for &(i, value) in &self.entries[self.offsets[r]..self.offsets[r + 1]] {
+                let Some((b, weight)) = rows[i].filter(|&(b, _)| b >= a) else {
+                    continue;
+                };
+                if seen[b] != a {
+                    seen[b] = a;
+                    sum[b] = 0.0;
+                    indices.push(b);
+                }
+                sum[b] += weight / own * value;
+            }
+            indices[start..].sort_unstable();
+            values.extend(indices[start..].iter().map(|&b| sum[b]));
+            offsets.push(indices.len());
+        }
+        CscMatrix::try_from_csc_data(n, n, offsets, indices, values)
+            .map_err(|e| FemError::Order { reason: e.to_string() })
+    }
+}

@@ -1,0 +1,254 @@
+//! `nailnoise check DESIGN`: what a design rests on and what it will cost, before it is run.
+
+use std::collections::BTreeMap;
+use std::process::ExitCode;
+
+use serde::Serialize;
+
+use super::check::{Cost, cost_of};
+use super::table::table;
+use super::{print, print_json};
+use crate::design::{Design, Entry, Provenance, SupportKind};
+use crate::error::Error;
+use crate::pipeline::{self, BodyKind, Geometry, Origin};
+
+/// Estimates in the table.
+const LISTED: usize = 20;
+
+/// Layout of `check DESIGN --json`.
+#[derive(Serialize)]
+struct Explanation {
+    schema: &'static str,
+    design: String,
+    digest: String,
+    /// How many values have each standing.
+    provenance: BTreeMap<&'static str, usize>,
+    /// Estimates with their ranges, widest first.
+    estimates: Vec<Estimate>,
+    /// Estimates, and values set without a source, that have no range: nobody knows how far they may be off.
+    unknowns: Vec<String>,
+    shot: Shot,
+    bodies: Vec<BodyPlan>,
+    /// What is in the way of a run, and what to do about it.
+    obstacles: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct Estimate {
+    key: String,
+    value: f64,
+    unit: String,
+    range: [f64; 2],
+    /// Width of the range over the value, where the value is not zero.
+    relative: Option<f64>,
+    source: String,
+}
+
+/// What the shot does: the cycle costs little enough to be computed here.
+#[derive(Serialize)]
+struct Shot {
+    outcome: nailnoise_dynamics::Outcome,
+    mean_drive_speed: Option<f64>,
+    penetration: f64,
+    exhaust_mass: f64,
+}
+
+#[derive(Serialize)]
+struct BodyPlan {
+    body: &'static str,
+    /// Where its mesh comes from.
+    mesh: String,
+    /// Whether gmsh is needed for it.
+    gmsh: bool,
+    cost: Option<Cost>,
+}
+
+pub(super) fn execute(design: &Design, json: bool) -> Result<ExitCode, Error> {
+    let explanation = explain(design)?;
+    if json {
+        print_json(&explanation)?;
+    } else {
+        print(&text(&explanation));
+    }
+    Ok(ExitCode::from(if explanation.obstacles.is_empty() { 0 } else { 2 }))
+}
+
+fn explain(design: &Design) -> Result<Explanation, Error> {
+    let entries = design.entries();
+    let mut provenance = BTreeMap::new();
+    for entry in &entries {
+        *provenance.entry(entry.provenance.as_str()).or_insert(0) += 1;
+    }
+    let record = pipeline::cycle(design)?;
+    let kinds: &[BodyKind] = match design.support.kind {
+        SupportKind::Worktable => &[BodyKind::Workpiece, BodyKind::Worktable, BodyKind::Tool],
+        SupportKind::Sandbox => &[BodyKind::Workpiece, BodyKind::Tool],
+    };
+    let (mut bodies, mut obstacles) = (Vec::new(), Vec::new());
+    for &kind in kinds {
+        let gmsh = pipeline::needs_gmsh(design, kind);
+        match Geometry::of(design, kind, false) {
+            Ok(geometry) => bodies.push(BodyPlan {
+                body: kind.name(),
+                mesh: origin(&geometry, gmsh),
+                gmsh,
+                cost: Some(cost_of(&geometry, design.analysis.mode_margin)?),
+            }),
+            Err(error) => {
+                let help = miette::Diagnostic::help(&error).map_or_else(String::new, |help| format!("; {help}"));
+                let causes = std::iter::successors(std::error::Error::source(&error), |cause| cause.source());
+                let causes: String = causes.map(|cause| format!(": {cause}")).collect();
+                obstacles.push(format!("{}: {error}{causes}{help}", kind.name()));
+                bodies.push(BodyPlan {
+                    body: kind.name(),
+                    mesh: "none".to_owned(),
+                    gmsh,
+                    cost: None,
+                });
+            }
+        }
+    }
+    Ok(Explanation {
+        schema: "nailnoise-check-design/1",
+        design: design.name().to_owned(),
+        digest: design.digest(),
+        provenance,
+        estimates: estimates(&entries),
+        unknowns: unknowns(&entries),
+        shot: Shot {
+            outcome: record.outcome,
+            mean_drive_speed: record.summary.mean_drive_speed,
+            penetration: record.summary.penetration,
+            exhaust_mass: record.summary.exhaust_mass,
+        },
+        bodies,
+        obstacles,
+    })
+}
+
+fn origin(geometry: &Geometry, gmsh: bool) -> String {
+    match &geometry.origin {
+        Origin::BuiltIn => "built in".to_owned(),
+        Origin::Parametric if gmsh => "parametric, other dimensions than those that ship: by gmsh".to_owned(),
+        Origin::Parametric => "parametric, ships".to_owned(),
+        Origin::File(path) if gmsh => format!("{}, by gmsh", path.display()),
+        Origin::File(path) => path.display().to_string(),
+    }
+}
+
+fn estimates(entries: &[Entry]) -> Vec<Estimate> {
+    let mut estimates: Vec<Estimate> = entries
+        .iter()
+        .filter(|entry| entry.provenance == Provenance::Estimated)
+        .filter_map(|entry| {
+            let (value, range) = (serde_json::to_value(entry.value).ok()?.as_f64()?, entry.range?);
+            Some(Estimate {
+                key: entry.key.clone(),
+                value,
+                unit: entry.unit.clone(),
+                range,
+                relative: (value != 0.0).then(|| (range[1] - range[0]) / value.abs()),
+                source: entry.source.clone(),
+            })
+        })
+        .collect();
+    let width = |estimate: &Estimate| estimate.relative.unwrap_or(f64::INFINITY);
+    estimates.sort_by(|a, b| width(b).total_cmp(&width(a)));
+    estimates
+}
+
+fn unknowns(entries: &[Entry]) -> Vec<String> {
+    let open = |entry: &&Entry| {
+        let unsure = match entry.provenance {
+            Provenance::Estimated => true,
+            Provenance::Design => entry.source.is_empty(),
+            _ => false,
+        };
+        let number = serde_json::to_value(entry.value).is_ok_and(|value| value.is_number());
+        unsure && number && entry.range.is_none()
+    };
+    entries.iter().filter(open).map(|entry| entry.key.clone()).collect()
+}
+
+/// Four digits, with an exponent where zeros would fill the cell.
+fn number(value: f64) -> String {
+    let rounded = format!("{value:.3e}").parse::<f64>().unwrap_or(value);
+    if rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs()) {
+        format!("{rounded}")
+    } else {
+        format!("{rounded:e}")
+    }
+}
+
+fn text(e: &Explanation) -> String {
+    let mut text = format!("{}\n\n", e.design);
+    let standing: Vec<String> = e
+        .provenance
+        .iter()
+        .map(|(word, count)| format!("{count} {word}"))
+        .collect();
+    text.push_str(&format!("  values: {}\n", standing.join(", ")));
+    let outcome = serde_json::to_value(e.shot.outcome).unwrap_or_default();
+    text.push_str(&format!(
+        "  the shot: {}, {}penetration {:.1} mm, {:.2} g of air through the exhaust\n\n",
+        outcome.as_str().unwrap_or_default().replace('_', " "),
+        e.shot
+            .mean_drive_speed
+            .map_or_else(String::new, |speed| format!("mean drive speed {speed:.1} m/s, ")),
+        1e3 * e.shot.penetration,
+        1e3 * e.shot.exhaust_mass,
+    ));
+    let rows: Vec<Vec<String>> = e
+        .bodies
+        .iter()
+        .map(|body| {
+            let cost = |f: &dyn Fn(&Cost) -> String| body.cost.as_ref().map_or_else(|| "-".to_owned(), f);
+            vec![
+                body.body.to_owned(),
+                body.mesh.clone(),
+                if body.gmsh { "needed" } else { "no" }.to_owned(),
+                cost(&|c| c.dofs.to_string()),
+                cost(&|c| format!("{:.0}", c.modes)),
+                cost(&|c| format!("{:.1}", c.gigabytes)),
+                cost(&|c| format!("{:.0}", c.cpu_seconds)),
+            ]
+        })
+        .collect();
+    let headings = ["body", "mesh", "gmsh", "dofs", "modes, about", "GB", "CPU s"];
+    text.push_str(&table(&headings, &rows));
+    text.push_str("  the costs are those of modes that are not kept from an earlier run\n");
+    if !e.estimates.is_empty() {
+        text.push_str("\n  estimates, the least known first (SI)\n\n");
+        let rows: Vec<Vec<String>> = e
+            .estimates
+            .iter()
+            .take(LISTED)
+            .map(|estimate| {
+                vec![
+                    estimate.key.clone(),
+                    format!("{} {}", number(estimate.value), estimate.unit),
+                    format!("{} .. {}", number(estimate.range[0]), number(estimate.range[1])),
+                    estimate.source.clone(),
+                ]
+            })
+            .collect();
+        text.push_str(&table(&["key", "value", "range", "source"], &rows));
+        if e.estimates.len() > LISTED {
+            text.push_str(&format!(
+                "  and {} more; --json tells all\n",
+                e.estimates.len() - LISTED
+            ));
+        }
+    }
+    if !e.unknowns.is_empty() {
+        text.push_str(&format!(
+            "\n  unknown: {} have no range, so that nobody can tell how far they may be off: {}\n",
+            e.unknowns.len(),
+            e.unknowns.join(", ")
+        ));
+    }
+    for obstacle in &e.obstacles {
+        text.push_str(&format!("\n  in the way: {obstacle}\n"));
+    }
+    text
+}

@@ -1,0 +1,67 @@
+//! `nailnoise init`: a design to begin with.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+
+use super::print;
+use crate::error::Error;
+use crate::output;
+
+/// The base design, with all its comments and sources.
+const BASE: &str = include_str!("../../designs/n80cb.toml");
+const BASE_NAME: &str = "n80cb.toml";
+
+/// A design over it.
+const OWN: &str = include_str!("init.toml");
+
+#[derive(Args)]
+pub(super) struct Arguments {
+    /// The design file to write
+    #[arg(value_name = "DESIGN", default_value = "my-tool.toml")]
+    design: PathBuf,
+    /// Write every key of the base design into it, instead of a few over the base beside it
+    #[arg(long)]
+    full: bool,
+}
+
+pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+    let path = &arguments.design;
+    if path.exists() {
+        return Err(Error::Exists { path: path.clone() });
+    }
+    let base = path.with_file_name(BASE_NAME);
+    if arguments.full || base == *path {
+        put(path, BASE)?;
+        print(&format!(
+            "{}: the N80CB with every key, its source and range\n",
+            path.display()
+        ));
+    } else {
+        // What stands there may have been changed by its owner.
+        let kept = base.exists();
+        if !kept {
+            put(&base, BASE)?;
+        }
+        put(path, OWN)?;
+        print(&format!(
+            "{}: your design; take the # from what differs\n{}: what it is based on{}\n",
+            path.display(),
+            base.display(),
+            if kept { " (was there already)" } else { "" }
+        ));
+    }
+    print(&format!(
+        "\n  nailnoise check {0}   what it rests on, before time is spent\n  nailnoise run {0}     its sources, ranked\n",
+        path.display()
+    ));
+    Ok(ExitCode::SUCCESS)
+}
+
+fn put(path: &Path, text: &str) -> Result<(), Error> {
+    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        output::create(folder)?;
+    }
+    output::write(path, text.as_bytes())
+}

@@ -1,0 +1,57 @@
+//! What a result rests on: every value of the design by where it comes from.
+
+use maud::{Markup, html};
+
+use crate::design::{Design, Entry, Provenance};
+
+use super::tables::plain;
+
+/// The inputs by provenance; estimates, which a designer should look at first, are open.
+pub(super) fn section(design: &Design) -> Markup {
+    let entries = design.entries();
+    let of = |provenance: Provenance| -> Vec<&Entry> {
+        entries.iter().filter(|entry| entry.provenance == provenance).collect()
+    };
+    let order = [
+        (Provenance::Estimated, "an engineer\u{2019}s estimate"),
+        (Provenance::Design, "set by this design without a source"),
+        (
+            Provenance::Decided,
+            "decided where sources contradict each other or leave a choice",
+        ),
+        (Provenance::Published, "printed in a publication"),
+        (Provenance::Computed, "computed from published values"),
+        (Provenance::Numerical, "a property of the numerical method"),
+        (
+            Provenance::Constant,
+            "a constant of nature or of the reference atmosphere",
+        ),
+    ];
+    html! {
+        p {
+            @for (index, (provenance, _)) in order.iter().enumerate() {
+                @let count = of(*provenance).len();
+                @if count > 0 { @if index > 0 { ", " } b { (count) } " " (provenance.as_str()) }
+            }
+            "; " (entries.len()) " values in all."
+        }
+        @for (provenance, meaning) in order {
+            @let own = of(provenance);
+            @if !own.is_empty() {
+                details open[provenance == Provenance::Estimated && own.len() <= 12] {
+                    summary { (own.len()) " " (provenance.as_str()) ": " (meaning) }
+                    div.scroll { table {
+                        thead { tr { th { "key" } th.n { "value" } th { "unit" } th { "range" } th { "source" } } }
+                        tbody { @for entry in own { tr {
+                            td.key { (entry.key) }
+                            td.n { (plain(&serde_json::to_value(entry.value).unwrap_or_default())) }
+                            td { (entry.unit) }
+                            td { @if let Some([low, high]) = entry.range { (plain(&low.into())) " \u{2026} " (plain(&high.into())) } }
+                            td { (entry.source) @if !entry.note.is_empty() { " " span.quiet { (entry.note) } } }
+                        } } }
+                    } }
+                }
+            }
+        }
+    }
+}

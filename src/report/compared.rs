@@ -1,0 +1,229 @@
+//! The report of a comparison.
+
+use maud::{Markup, html};
+use serde_json::{Value, json};
+
+use super::chart::{Chart, PALETTE, decibel};
+use super::levels::{highest, range};
+use super::page::{Page, Section};
+use super::tables::{decibels, plain};
+use crate::comparison::{Comparison, Labelled, Levels, SourceRow, ValueRow};
+
+/// Levels shown below the highest \[dB\].
+const SHOWN: f64 = 50.0;
+
+pub(super) fn page(c: &Comparison) -> Page {
+    let mut sections = vec![
+        Section::new("levels", "Levels", html! { (overview(c).markup()) (levels(c)) }),
+        Section::new("differences", "What differs", inputs(c)),
+    ];
+    let charts = |f: &dyn Fn(&SourceRow) -> Option<Chart>| html! { @for row in &c.sources { @if let Some(chart) = f(row) { (chart.markup()) } } };
+    sections.push(Section::new(
+        "bands",
+        "Bands",
+        charts(&|row| labelled(c, row, "bands", &row.bands)),
+    ));
+    sections.push(Section::new(
+        "intervals",
+        "Between events",
+        charts(&|row| labelled(c, row, "intervals", &row.intervals)),
+    ));
+    sections.push(Section::new("shot", "The shot", shot(c)));
+    Page {
+        title: format!("{}: compared", c.designs.join(", ")),
+        heading: c.designs.join(" \u{2194} "),
+        lead: lead(c),
+        sections,
+    }
+}
+
+fn colour(place: usize) -> &'static str {
+    PALETTE[place % 6]
+}
+
+fn change(db: Option<f64>) -> String {
+    // Adding zero turns a rounded -0 into 0.
+    db.map_or_else(
+        || "\u{2013}".to_owned(),
+        |db| format!("{:+.1}", (10.0 * db).round() / 10.0 + 0.0).replace('-', "\u{2212}"),
+    )
+}
+
+fn lead(c: &Comparison) -> Markup {
+    html! {
+        div.totals { @for (place, name) in c.designs.iter().enumerate() {
+            div.total {
+                span.number { (decibels(c.total.level_db[place])) }
+                span.unit { "dB" }
+                span.what {
+                    span.dot style={ "background:" (colour(place)) } {} (name)
+                    @if place > 0 { ", " (change(c.total.change_db[place])) " dB" } @else { ", reference" }
+                }
+            }
+        } }
+        @for (place, name) in c.designs.iter().enumerate().skip(1) {
+            @let ranking = &c.rankings[place];
+            @if *ranking != c.rankings[0] {
+                p.verdict { "The ranking changes: in " b { (name) } " it is " (ranking.join(", ")) "; in " (c.designs[0]) " " (c.rankings[0].join(", ")) "." }
+            }
+        }
+        p.quiet { "L" sub { "WA,1s" } " re 1 pW s: A-weighted sound energy of one shot; changes are from the first design." }
+    }
+}
+
+/// Levels of all sources and the total by design.
+fn overview(c: &Comparison) -> Chart {
+    let mut names: Vec<&str> = c.sources.iter().map(|row| row.source.as_str()).collect();
+    names.push("total");
+    let rows: Vec<&Levels> = c.sources.iter().map(|row| &row.levels).chain([&c.total]).collect();
+    let scale = range(highest(rows.iter().flat_map(|row| row.level_db.iter().copied())), 40.0);
+    Chart {
+        id: "overview".to_owned(),
+        caption:
+            "A-weighted levels of each source and of all together, dB re 1 pW s. The bars stand on the lower edge of \
+                  the axis: a level has no zero of its own."
+                .to_owned(),
+        data: bars(
+            c,
+            &names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>(),
+            &rows,
+            &scale,
+        ),
+        layout: json!({
+            "barmode": "group", "xaxis": { "type": "category" },
+            "yaxis": { "title": { "text": "L<sub>WA,1s</sub> (dB)" }, "range": scale },
+        }),
+        height: 360,
+        group: "",
+    }
+}
+
+/// One series of bars a design over the labels.
+fn bars(c: &Comparison, labels: &[String], rows: &[&Levels], scale: &Value) -> Vec<Value> {
+    let floor = scale[0].as_f64().unwrap_or(0.0);
+    let series = |(place, name): (usize, &String)| {
+        let above = rows
+            .iter()
+            .map(|row| decibel(row.level_db[place].map(|db| db - floor).filter(|height| *height > 0.0)));
+        let told = rows.iter().map(|row| {
+            format!(
+                "{} dB, change {}",
+                decibels(row.level_db[place]),
+                change(row.change_db[place])
+            )
+        });
+        json!({
+            "type": "bar", "name": name, "x": labels, "base": floor, "y": above.collect::<Vec<_>>(),
+            "customdata": told.collect::<Vec<_>>(), "hovertemplate": "%{x}: %{customdata}",
+            "marker": { "color": colour(place) },
+        })
+    };
+    c.designs.iter().enumerate().map(series).collect()
+}
+
+fn labelled(c: &Comparison, row: &SourceRow, kind: &str, own: &[Labelled]) -> Option<Chart> {
+    let top = own
+        .iter()
+        .flat_map(|l| l.levels.level_db.iter().copied())
+        .flatten()
+        .reduce(f64::max)?;
+    let (scale, labels) = (
+        range(top, SHOWN),
+        own.iter().map(|l| l.label.clone()).collect::<Vec<_>>(),
+    );
+    let rows: Vec<&Levels> = own.iter().map(|l| &l.levels).collect();
+    let title = if kind == "bands" {
+        "Mid-band frequency (Hz)"
+    } else {
+        "Interval between events"
+    };
+    Some(Chart {
+        id: format!("{kind}-{}", row.source.replace(' ', "-")),
+        caption: format!("{}: A-weighted levels, dB re 1 pW s.", row.source),
+        data: bars(c, &labels, &rows, &scale),
+        layout: json!({
+            "barmode": "group", "title": { "text": row.source, "font": { "size": 14 } },
+            "xaxis": { "type": "category", "title": { "text": title }, "tickangle": -45 },
+            "yaxis": { "title": { "text": "L<sub>WA,1s</sub> (dB)" }, "range": scale },
+        }),
+        height: 360,
+        group: "",
+    })
+}
+
+fn levels(c: &Comparison) -> Markup {
+    let bound = |sign: char, bound: Option<f64>| bound.map_or_else(|| "open".to_owned(), |db| format!("{sign}{db:.1}"));
+    let rows: Vec<(&str, &Levels, Option<&SourceRow>)> = c
+        .sources
+        .iter()
+        .map(|row| (row.source.as_str(), &row.levels, Some(row)))
+        .chain([("total", &c.total, None)])
+        .collect();
+    html! {
+        div.scroll { table {
+            thead { tr { th { "source" } @for name in &c.designs { th.n { (name) } } @for name in c.designs.iter().skip(1) { th.n { "change, " (name) } } } }
+            tbody { @for (name, levels, row) in rows { tr.sum[row.is_none()] {
+                td { (name) }
+                @for (place, level) in levels.level_db.iter().enumerate() { td.n {
+                    b { (decibels(*level)) }
+                    @if let Some(row) = row {
+                        @let [minus, plus] = row.uncertainty_db[place];
+                        " " span.quiet { (bound('\u{2212}', minus)) "/" (bound('+', plus)) }
+                    }
+                } }
+                @for db in levels.change_db.iter().skip(1) { td.n { (change(*db)) } }
+            } } }
+        } }
+        p.quiet { "Behind each level the band of its method, dB; open where it gives no bound." }
+        @for row in &c.sources {
+            @let methods: Vec<&str> = row.methods.iter().flatten().map(String::as_str).collect();
+            @if methods.windows(2).any(|pair| pair[0] != pair[1]) {
+                p.alarm { (row.source) ": computed by different methods (" (methods.join("; ")) "), whose errors do not cancel in the change." }
+            }
+        }
+        h3 { "Ranking" }
+        div.scroll { table {
+            thead { tr { th { "place" } @for name in &c.designs { th { (name) } } } }
+            tbody { @for place in 0..c.rankings.iter().map(Vec::len).max().unwrap_or(0) { tr {
+                td { (place + 1) } @for ranking in &c.rankings { td { (ranking.get(place).map_or("", String::as_str)) } }
+            } } }
+        } }
+    }
+}
+
+fn inputs(c: &Comparison) -> Markup {
+    html! {
+        @if c.inputs.is_empty() { p { "Nothing: the designs have the same values." } }
+        @else { div.scroll { table {
+            thead { tr { th { "key" } th { "unit" } @for name in &c.designs { th { (name) } } } }
+            tbody { @for row in &c.inputs { tr {
+                td.key { (row.key) } td { (row.unit) } @for value in &row.values { td { (plain(value)) } }
+            } } }
+        } } }
+    }
+}
+
+fn shot(c: &Comparison) -> Markup {
+    let differs = |row: &&ValueRow| {
+        row.values.iter().any(|value| match (value, row.values[0]) {
+            (Some(a), Some(b)) => (a - b).abs() > 1e-6 * a.abs().max(b.abs()),
+            (a, b) => a.is_some() != b.is_some(),
+        })
+    };
+    let cell = |value: Option<f64>| value.map_or_else(|| "\u{2013}".to_owned(), |value| plain(&value.into()));
+    html! {
+        div.scroll { table {
+            thead { tr { th { "SI" } @for name in &c.designs { th.n { (name) } } } }
+            tbody {
+                tr { td { "outcome" } @for outcome in &c.outcomes { td.n { (outcome.replace('_', " ")) } } }
+                @for row in c.cycle.iter().filter(differs) { tr {
+                    td { (row.name.replace('_', " ")) } @for value in &row.values { td.n { (cell(*value)) } }
+                } }
+                @for row in c.events.iter().filter(differs) { tr {
+                    td { (row.name) ", ms" } @for value in &row.values { td.n { (cell(value.map(|t| 1e3 * t))) } }
+                } }
+            }
+        } }
+        p.quiet { "Figures and events that are the same in all designs are left out." }
+    }
+}

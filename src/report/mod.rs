@@ -1,0 +1,205 @@
+//! Reports: one HTML file that opens without a network, for people who do not run the program.
+//!
+//! A report of a run shows whatever its result holds: every source, check, note and sensor by itself, and what a newer
+//! result adds as tables of their own. Charts are drawn by plotly.js, whose script is in the file; printed, the page
+//! is a clean document.
+
+mod assumptions;
+mod chart;
+mod compared;
+mod cycle;
+mod levels;
+mod modes;
+mod page;
+mod picture;
+mod scene;
+mod sound;
+mod surface;
+mod tables;
+
+use maud::{Markup, html};
+use nailnoise_acoustics::Air;
+
+use crate::comparison::Comparison;
+use crate::design::Design;
+use crate::figures;
+use crate::pipeline::Run;
+use crate::result::RunResult;
+
+pub use sound::Recording;
+
+use page::{Page, Section};
+use surface::Painted;
+
+/// Keys of a result that the report shows in a form of their own.
+const SHOWN: [&str; 12] = [
+    "schema", "design", "inputs", "ranking", "total", "outcome", "cycle", "events", "sensors", "checks", "notes",
+    "timing",
+];
+
+/// The report of a run, with the sounds that belong to it.
+pub fn run(design: &Design, run: &Run, recordings: &[Recording]) -> String {
+    let result = &run.result;
+    let value = serde_json::to_value(result).unwrap_or_default();
+    let air = Air::at(design.ambient.temperature, design.ambient.pressure).unwrap_or_default();
+    let bodies: Vec<Painted<'_>> = run
+        .structure
+        .bodies()
+        .zip(&run.spectra)
+        .map(|(body, spectra)| Painted::new(design, body, spectra, &air))
+        .collect();
+    let mut sections = vec![Section::new("ranking", "Ranking", ranking(result, &value))];
+    sections.push(Section::new(
+        "levels",
+        "Levels",
+        html! { (levels::bands(result).markup()) (levels::intervals(result).markup()) },
+    ));
+    if !recordings.is_empty() {
+        sections.push(Section::new("sound", "Sound", sound::players(recordings)));
+    }
+    if let Some(view) = scene::chart(&bodies) {
+        let without: Vec<&str> = result
+            .ranking
+            .iter()
+            .map(|source| source.source.as_str())
+            .filter(|source| bodies.iter().all(|painted| painted.body.name != *source))
+            .collect();
+        sections.push(Section::new(
+            "surfaces",
+            "Surfaces",
+            html! {
+                (view.markup())
+                @if !without.is_empty() {
+                    p.quiet { "Sources without a vibrating surface in this model: " (without.join(", ")) "." }
+                }
+            },
+        ));
+    }
+    sections.push(Section::new("modes", "Loudest modes", modes::section(&bodies)));
+    let energy = figures::energy(&format!("{}: one shot", result.design.name), design, &run.record);
+    sections.push(Section::new(
+        "cycle",
+        "Nailing cycle",
+        html! {
+            (levels::power(&run.powers, &run.record.events).markup())
+            @for chart in cycle::charts(&run.record) { (chart.markup()) }
+            div.columns { (tables::events(&run.record)) (tables::figures(&value["cycle"])) }
+        },
+    ));
+    sections.push(Section::new(
+        "energy",
+        "Energy flow",
+        html! { figure.drawing { (maud::PreEscaped(energy.svg)) } },
+    ));
+    if !result.sensors.is_empty() {
+        sections.push(Section::new(
+            "sensors",
+            "Accelerometers",
+            tables::generic(&value["sensors"]),
+        ));
+    }
+    let further = tables::further(&value, &SHOWN);
+    if let Some(further) = further {
+        sections.push(Section::new("further", "Further results", further));
+    }
+    sections.push(Section::new("assumptions", "Assumptions", assumptions::section(design)));
+    sections.push(Section::new("checks", "Checks", tables::checks(result)));
+    sections.push(Section::new("origin", "Origin", origin(result)));
+    Page {
+        title: format!("{}: sound power of a nailer", result.design.name),
+        heading: result.design.name.clone(),
+        lead: lead(result),
+        sections,
+    }
+    .html()
+}
+
+/// The report of a comparison.
+pub fn comparison(comparison: &Comparison) -> String {
+    compared::page(comparison).html()
+}
+
+/// What a reader must know first.
+fn lead(result: &RunResult) -> Markup {
+    let first = result.ranking.first().filter(|source| source.lwa_db.is_some());
+    html! {
+        div.total {
+            span.number { (tables::decibels(result.total.lwa_db)) }
+            span.unit { "dB" }
+            span.what { "L" sub { "WA,1s" } " re 1 pW s: A-weighted sound energy of one shot" }
+        }
+        @if let Some(first) = first {
+            p.verdict {
+                "The " b { (first.source) } " radiates most, " (format!("{:.0} %", 100.0 * first.share))
+                " of the A-weighted energy. Without it the total would be "
+                (format!("{:.1} dB", without(first.share))) " lower."
+            }
+        }
+        p.quiet {
+            "Absolute levels are predictions that have not been compared with a measurement; differences between designs \
+             of one tool are worth more than levels. What is estimated stands under " a href="#assumptions" { "Assumptions" }
+            "."
+        }
+        @if result.checks.iter().any(|check| !check.ok) {
+            p.alarm { "A check of this run failed: the result is not to be trusted. " a href="#checks" { "Checks" } }
+        }
+    }
+}
+
+/// How much lower the total would be without a source that has this share \[dB\].
+fn without(share: f64) -> f64 {
+    -10.0 * (1.0 - share).max(1e-12).log10()
+}
+
+fn ranking(result: &RunResult, value: &serde_json::Value) -> Markup {
+    let range = result.ranking.first().and_then(|source| {
+        let (first, last) = (source.bands.first()?, source.bands.last()?);
+        Some(format!("{} to {} Hz", first.hz, last.hz))
+    });
+    html! {
+        (tables::ranking(result))
+        @if let Some(range) = range {
+            p.quiet {
+                "Levels in dB re 1 pW s over the one-third-octave bands " (range) ", the same for all sources. The method's \
+                 band is its own uncertainty; \u{201c}open\u{201d} where it gives no bound. No uncertainty of the design's values \
+                 is in it."
+            }
+        }
+        @for (source, value) in result.ranking.iter().zip(value["ranking"].as_array().into_iter().flatten()) {
+            details {
+                summary { (source.source) ": parts and method" }
+                (tables::source(source))
+                @if let Some(more) = tables::further(value, &tables::SOURCE) { (more) }
+            }
+        }
+        @if !result.notes.is_empty() {
+            h3 { "Notes" }
+            ul.notes { @for note in &result.notes { li { (note) } } }
+        }
+    }
+}
+
+fn origin(result: &RunResult) -> Markup {
+    let total: f64 = result.timing.0.iter().map(|stage| stage.1).sum();
+    let stages: Vec<String> = result
+        .timing
+        .0
+        .iter()
+        .filter(|stage| stage.1 >= 0.05)
+        .map(|(stage, seconds)| format!("{stage} {seconds:.1} s"))
+        .collect();
+    html! {
+        table.facts {
+            tr { th { "program" } td { "nailnoise " (env!("CARGO_PKG_VERSION")) } }
+            tr { th { "its sources (SHA-256)" } td.digest { (env!("NAILNOISE_SOURCES")) } }
+            tr { th { "layout of result.json" } td { (result.schema) } }
+            tr { th { "design" } td { (result.design.name) } }
+            tr { th { "its values (SHA-256)" } td.digest { (result.design.digest) } }
+            tr { th { "computed in" } td { (format!("{total:.1} s")) @if !stages.is_empty() { ": " (stages.join(", ")) } } }
+            tr { th { "physics after" } td {
+                "Z. Nili Ahmadabadi, " i { "Noise source identification and dynamic modeling of a pneumatic nailing device" }
+                " (\u{c9}TS Montr\u{e9}al, 2016), with corrections that close mass, energy and momentum"
+            } }
+        }
+    }
+}

@@ -1,0 +1,48 @@
+//! The loudest modes: table and pictures.
+
+use maud::{Markup, PreEscaped, html};
+
+use super::picture;
+use super::surface::{Painted, level};
+
+/// Modes in the table, and those that are drawn.
+const LISTED: usize = 15;
+const DRAWN: usize = 6;
+
+pub(super) fn section(bodies: &[Painted<'_>]) -> Markup {
+    let mut modes: Vec<(&Painted<'_>, usize)> = bodies
+        .iter()
+        .flat_map(|painted| (0..painted.body.basis.hz.len()).map(move |mode| (painted, mode)))
+        .collect();
+    modes.sort_by(|a, b| b.0.modes[b.1].total_cmp(&a.0.modes[a.1]));
+    let name = |painted: &Painted<'_>, mode: usize| -> String {
+        if painted.body.basis.rigid[mode] {
+            "rigid".to_owned()
+        } else {
+            format!("{:.0} Hz", painted.body.basis.hz[mode])
+        }
+    };
+    html! {
+        p.quiet {
+            "What each mode alone would radiate at radiation efficiency 1, A-weighted, from its motion in this shot. Modes act \
+             together, so that these levels do not sum to the source\u{2019}s."
+        }
+        div.pictures { @for (painted, mode) in modes.iter().take(DRAWN) {
+            figure {
+                (PreEscaped(picture::mode(painted.body, *mode)))
+                figcaption {
+                    (painted.body.name) ", mode " (mode + 1) ", " b { (name(painted, *mode)) } br;
+                    (super::tables::decibels(level(painted.modes[*mode]))) " dB alone"
+                }
+            }
+        } }
+        div.scroll { table {
+            thead { tr { th { "body" } th.n { "mode" } th.n { "frequency" } th.n { "alone, L" sub { "WA,1s" } " dB" } th.n { "loss factor" } } }
+            tbody { @for (painted, mode) in modes.iter().take(LISTED) { tr {
+                td { (painted.body.name) } td.n { (mode + 1) } td.n { (name(painted, *mode)) }
+                td.n { (super::tables::decibels(level(painted.modes[*mode]))) } td.n { (painted.body.loss_factor) }
+            } } }
+        } }
+        p.quiet { (modes.len()) " modes in all: " a href="#checks" { "their number is proven by a Sturm count" } "." }
+    }
+}

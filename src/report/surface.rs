@@ -1,0 +1,143 @@
+//! What the parts of a vibrating surface, and its modes, would radiate at radiation efficiency 1.
+//!
+//! ```text
+//! e(x) = rho0 c0 2 int A(f) |v_n(x, f)|^2 df        v_n = sum over modes of phi_n a/(j omega)
+//! ```
+//! is the A-weighted equivalent radiated energy of an area \[J/m2\]. It tells where and by which modes a surface moves
+//! so that it can sound; how much of it leaves as sound is for the radiation of the ranking to say. With
+//! C = 2 sum of A(f) Re(a a^H)/omega^2 df over the bins, e = rho0 c0 phi_n^T C phi_n, and the mode r alone gives the
+//! energy rho0 c0 C_rr int phi_n^2 dS.
+
+use nailnoise_acoustics::Air;
+use nailnoise_acoustics::levels::Weighting;
+use nailnoise_acoustics::radiation::ModalSpectra;
+use nalgebra::{DMatrix, DVector, Point3, Vector3};
+
+use crate::design::{Design, SupportKind};
+use crate::pipeline::Body;
+
+/// Octave bands: k of the mid-band frequencies 1000 G^k Hz, G = 10^0.3 (IEC 61260-1, base ten), and their nominal
+/// values \[Hz\].
+pub(super) const OCTAVES: [(i32, u32); 8] = [
+    (-4, 63),
+    (-3, 125),
+    (-2, 250),
+    (-1, 500),
+    (0, 1000),
+    (1, 2000),
+    (2, 4000),
+    (3, 8000),
+];
+
+/// Reference energy \[J\]: 1 pW for 1 s.
+const REFERENCE: f64 = 1e-12;
+
+/// A body's surface with what its faces would radiate.
+pub(super) struct Painted<'a> {
+    pub(super) body: &'a Body,
+    /// Whether each face radiates into the air, rather than standing on or in something.
+    pub(super) free: Vec<bool>,
+    /// A-weighted energy per area of each face over all frequencies \[J/m2\].
+    pub(super) whole: Vec<f64>,
+    /// The same in each of [`OCTAVES`]; none where the body is not analysed there.
+    pub(super) octaves: Vec<Option<Vec<f64>>>,
+    /// What each mode alone would radiate, A-weighted \[J\].
+    pub(super) modes: Vec<f64>,
+}
+
+impl<'a> Painted<'a> {
+    pub(super) fn new(design: &Design, body: &'a Body, spectra: &ModalSpectra, air: &Air) -> Self {
+        let surface = &body.surface;
+        // One point a face: the picture shows no finer detail, and a rule of one point exists for every shape.
+        let points = surface.quadrature(1).unwrap_or_default();
+        let mut normal = DMatrix::zeros(points.len(), body.shapes.ncols());
+        for (shape, mut column) in body.shapes.column_iter().zip(normal.column_iter_mut()) {
+            for (point, value) in points.iter().zip(column.iter_mut()) {
+                let nodes = &surface.faces[point.face].nodes;
+                let at = nodes.iter().zip(&point.shape).map(|(&node, weight)| {
+                    let dof = 3 * surface.volume_nodes[node];
+                    weight * Vector3::new(shape[dof], shape[dof + 1], shape[dof + 2]).dot(&point.normal)
+                });
+                *value = at.sum();
+            }
+        }
+        let free: Vec<bool> = points
+            .iter()
+            .map(|point| {
+                let patch = &surface.patches[surface.faces[point.face].patch];
+                !covered(design, body.name, patch, &point.position)
+            })
+            .collect();
+        let impedance = air.impedance();
+        let modes = body.shapes.ncols();
+        let (mut whole, mut alone) = (vec![0.0; points.len()], DVector::zeros(modes));
+        let octaves = OCTAVES
+            .iter()
+            .map(|&(k, _)| {
+                let covariance = covariance(spectra, modes, k)?;
+                let moved = &normal * &covariance;
+                let energies: Vec<f64> = (0..points.len())
+                    .map(|point| impedance * moved.row(point).dot(&normal.row(point)).max(0.0))
+                    .collect();
+                whole.iter_mut().zip(&energies).for_each(|(sum, e)| *sum += e);
+                alone += covariance.diagonal();
+                Some(energies)
+            })
+            .collect();
+        for (mode, energy) in alone.iter_mut().enumerate() {
+            let square = points.iter().zip(&free).enumerate().filter(|(_, (_, free))| **free);
+            let area: f64 = square
+                .map(|(row, (point, _))| point.weight * normal[(row, mode)].powi(2))
+                .sum();
+            *energy *= impedance * area;
+        }
+        Self {
+            body,
+            free,
+            whole,
+            octaves,
+            modes: alone.as_slice().to_vec(),
+        }
+    }
+}
+
+/// Where no sound gets out: on the support, under the block, in the sand, under the feet, at welds.
+fn covered(design: &Design, body: &str, patch: &str, p: &Point3<f64>) -> bool {
+    let half = [0.5 * design.workpiece.length, 0.5 * design.workpiece.width];
+    match (body, patch) {
+        (_, patch) if patch.ends_with("_slave") => true, // tied to another face
+        ("workpiece", patch) if design.support.kind == SupportKind::Sandbox => patch != "top",
+        ("workpiece", "bottom") | (_, "floor") => true,
+        ("worktable", "top") => p.x.abs() < half[0] && p.y.abs() < half[1],
+        _ => false,
+    }
+}
+
+/// C of an octave \[m2/s kg\]; nothing when the body is not analysed over the whole of it.
+fn covariance(spectra: &ModalSpectra, modes: usize, octave: i32) -> Option<DMatrix<f64>> {
+    let centre = 1000.0 * 10f64.powf(0.3 * f64::from(octave));
+    let [low, high] = [-0.15, 0.15].map(|exponent| centre * 10f64.powf(exponent));
+    let bins: Vec<usize> = (0..spectra.frequency.len())
+        .filter(|&k| (low..high).contains(&spectra.frequency[k]))
+        .collect();
+    if bins.len() < 2 {
+        return None;
+    }
+    let step = spectra.frequency[1] - spectra.frequency[0];
+    let mut rows = DMatrix::zeros(modes, 2 * bins.len());
+    for (column, &bin) in bins.iter().enumerate() {
+        let hz = spectra.frequency[bin];
+        let scale = (2.0 * step * Weighting::A.energy_factor(hz)).sqrt() / (std::f64::consts::TAU * hz);
+        for mode in 0..modes {
+            let a = spectra.accelerations[(mode, bin)];
+            rows[(mode, 2 * column)] = a.re * scale;
+            rows[(mode, 2 * column + 1)] = a.im * scale;
+        }
+    }
+    Some(&rows * rows.transpose())
+}
+
+/// Level of an energy \[dB re 1 pW s\]; none for silence.
+pub(super) fn level(energy: f64) -> Option<f64> {
+    (energy > 0.0).then(|| 10.0 * (energy / REFERENCE).log10())
+}

@@ -1,0 +1,107 @@
+"""Opens reports in headless Chromium as a reader would, without a network.
+
+    report.py PICTURES REPORT.html ...
+
+Asserts that nothing is asked of the network, that the console shows no error, that every chart has data and is drawn,
+that the view in space draws and turns, and that every sound loads; leaves pictures of wide and narrow windows, and the
+page as printed. Chromium is the system's, else that of playwright.
+"""
+
+import shutil
+import sys
+from pathlib import Path
+
+from playwright.sync_api import sync_playwright
+
+GRAPHICS = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--no-sandbox"]
+
+# For each chart: how many finite values its data hold, and how large its drawing is.
+CHARTS = """
+async () => {
+  await window.nailnoise.ready;
+  const finite = (values) => values === undefined || values === null ? 0
+    : typeof values.length === "number" ? Array.from(values).filter((v) => Number.isFinite(+v) && v !== null).length : 0;
+  return [...document.querySelectorAll(".plot")].map((plot) => ({
+    id: plot.id,
+    values: plot.data.map((trace) => Math.max(finite(trace.y), finite(trace.intensity), finite(trace.z))),
+    drawn: plot.querySelectorAll(".main-svg, canvas").length,
+    width: plot.getBoundingClientRect().width,
+    scene: !!plot.layout.scene,
+  }));
+}
+"""
+
+SOUNDS = """
+async () => Promise.all([...document.querySelectorAll("audio")].map(async (audio) => {
+  for (let i = 0; i < 100 && audio.readyState < 2; i++) await new Promise((r) => setTimeout(r, 50));
+  return { state: audio.readyState, duration: audio.duration };
+}))
+"""
+
+
+def colours(png: bytes) -> int:
+    """Different bytes in a picture: an empty view has next to none."""
+    return len(set(png))
+
+
+def look(page, report: Path, pictures: Path, errors: list[str]) -> None:
+    page.goto(report.resolve().as_uri(), wait_until="load")
+    charts = page.evaluate(CHARTS)
+    assert charts, f"{report}: no charts"
+    for chart in charts:
+        assert sum(chart["values"]) > 0, f"{report}: {chart['id']} has no data"
+        assert chart["drawn"] > 0 and chart["width"] > 200, f"{report}: {chart['id']} is not drawn: {chart}"
+    name = f"{report.parent.name}-{report.stem}"
+    for chart in (chart for chart in charts if chart["scene"]):
+        view = page.locator(f"#{chart['id']}")
+        view.scroll_into_view_if_needed()
+        page.wait_for_timeout(1500)
+        before = view.screenshot(path=pictures / f"{name}-view.png")
+        box = view.bounding_box()
+        x, y = box["x"] + 0.4 * box["width"], box["y"] + 0.5 * box["height"]
+        camera = f"document.getElementById('{chart['id']}')._fullLayout.scene._scene.getCamera().eye"
+        eye = page.evaluate(camera)
+        page.mouse.move(x, y)
+        page.mouse.down()
+        page.mouse.move(x + 160, y + 40, steps=12)
+        page.mouse.up()
+        page.wait_for_timeout(1000)
+        after = view.screenshot(path=pictures / f"{name}-view-turned.png")
+        turned = page.evaluate(camera)
+        assert max(abs(eye[k] - turned[k]) for k in "xyz") > 0.1, f"{report}: the view does not turn: {eye} {turned}"
+        assert before != after and colours(before) > 200, f"{report}: the view is empty"
+    sounds = page.evaluate(SOUNDS)
+    for sound in sounds:
+        assert sound["state"] >= 2 and sound["duration"] > 0, f"{report}: a sound does not load: {sound}"
+    page.evaluate("window.scrollTo(0, 0)")
+    for width in (1280, 400):
+        page.set_viewport_size({"width": width, "height": 900})
+        page.wait_for_timeout(1200)
+        page.screenshot(path=pictures / f"{name}-{width}.png", full_page=True)
+        over = page.evaluate("document.documentElement.scrollWidth - window.innerWidth")
+        assert over <= 0, f"{report}: {over} px wider than a window of {width}"
+    page.pdf(path=pictures / f"{name}.pdf", format="A4", print_background=True)
+    assert not errors, f"{report}: {errors}"
+    print(f"{report}: {len(charts)} charts, {len(sounds)} sounds, no error")
+
+
+def main(pictures: Path, reports: list[Path]) -> None:
+    pictures.mkdir(parents=True, exist_ok=True)
+    system = next((found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name))), None)
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=system, args=GRAPHICS)
+        for report in reports:
+            context = browser.new_context(viewport={"width": 1280, "height": 900}, offline=True)
+            page = context.new_page()
+            errors: list[str] = []
+            page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
+            page.on("pageerror", lambda error: errors.append(str(error)))
+            asked = lambda request: errors.append(f"asks for {request.url}") if request.url.startswith("http") else None
+            page.on("request", asked)
+            look(page, report, pictures, errors)
+            context.close()
+        browser.close()
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), [Path(report) for report in sys.argv[2:]])

@@ -1,0 +1,360 @@
+//! The report, what is kept of a run, and how a design begins: through the command.
+#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+const SMALL: &str = "tests/data/small.toml";
+
+/// The command with modes from the tests' common cache, or with a cache of its own.
+fn nailnoise(cache: Option<&Path>, arguments: &[&str]) -> Output {
+    let common = Path::new(env!("CARGO_TARGET_TMPDIR")).join("modes");
+    Command::new(env!("CARGO_BIN_EXE_nailnoise"))
+        .args(arguments)
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .env("NO_COLOR", "1")
+        .env("NAILNOISE_CACHE", cache.unwrap_or(&common))
+        .output()
+        .unwrap()
+}
+
+/// A folder of this test's own, emptied.
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = fs::remove_dir_all(&folder);
+    folder
+}
+
+fn run(cache: Option<&Path>, out: &Path, more: &[&str]) -> Output {
+    let mut arguments = vec!["run", SMALL, "--out", out.to_str().unwrap()];
+    arguments.extend(more);
+    let output = nailnoise(cache, &arguments);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    output
+}
+
+/// Text between two marks, every time.
+fn between<'a>(text: &'a str, start: &str, end: &str) -> Vec<&'a str> {
+    text.split(start)
+        .skip(1)
+        .filter_map(|rest| rest.split(end).next())
+        .collect()
+}
+
+/// The charts of a page: name and data.
+fn charts(page: &str) -> Vec<(String, Value)> {
+    between(page, "<script type=\"application/json\" id=\"", "</script>")
+        .into_iter()
+        .map(|chart| {
+            let (id, data) = chart.split_once("\">").unwrap();
+            (id.to_owned(), serde_json::from_str(data).unwrap())
+        })
+        .collect()
+}
+
+/// The page without the script of plotly.js, which names addresses that it never asks.
+fn own(page: &str) -> String {
+    let scripts = between(page, "<script type=\"text/javascript\">", "</script>");
+    assert_eq!(scripts.len(), 1, "one script of plotly.js");
+    assert!(scripts[0].contains("plotly.js v"));
+    page.replace(scripts[0], "")
+}
+
+#[test]
+fn a_report_shows_all_of_its_result_and_asks_nobody() {
+    let out = folder("report");
+    run(None, &out, &[]);
+    let page = fs::read_to_string(out.join("report.html")).unwrap();
+    let result: Value = serde_json::from_slice(&fs::read(out.join("result.json")).unwrap()).unwrap();
+    let text = own(&page);
+    for asked in ["src=\"http", "href=\"http", "@import", "url(http"] {
+        assert!(!text.contains(asked), "{asked}");
+    }
+    let charts = charts(&page);
+    let names: BTreeSet<&str> = charts.iter().map(|(id, _)| id.as_str()).collect();
+    assert_eq!(names.len(), charts.len(), "names are given once");
+    for (id, chart) in &charts {
+        let finite = |trace: &Value| {
+            let values = trace["intensity"].as_array().or(trace["y"].as_array()).unwrap();
+            values.iter().filter(|value| value.is_number()).count()
+        };
+        assert!(
+            chart["data"].as_array().unwrap().iter().any(|trace| finite(trace) > 1),
+            "{id} is empty"
+        );
+    }
+    // The band chart holds the very levels of the result.
+    let bands = &charts.iter().find(|(id, _)| id == "chart-bands-data").unwrap().1;
+    for (trace, source) in bands["data"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .zip(result["ranking"].as_array().unwrap())
+    {
+        assert_eq!(trace["name"], source["source"]);
+        for (shown, band) in trace["y"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .zip(source["bands"].as_array().unwrap())
+        {
+            match band["lwa_db"].as_f64() {
+                Some(level) => assert!((shown.as_f64().unwrap() - level).abs() <= 0.0051),
+                None => assert!(shown.is_null()),
+            }
+        }
+    }
+    // Notes, sensors, checks, digests and every value of the design.
+    let plain = |text: &str| {
+        text.replace("&amp;", "&")
+            .replace("&lt;", "<")
+            .replace("&gt;", ">")
+            .replace("&quot;", "\"")
+    };
+    let text = plain(&text);
+    for note in result["notes"].as_array().unwrap() {
+        assert!(text.contains(note.as_str().unwrap()), "{note}");
+    }
+    for input in result["inputs"].as_array().unwrap() {
+        assert!(
+            text.contains(&format!(">{}<", input["key"].as_str().unwrap())),
+            "{input}"
+        );
+    }
+    for check in result["checks"].as_array().unwrap() {
+        assert!(text.contains(check["name"].as_str().unwrap()), "{check}");
+    }
+    assert!(text.contains(result["design"]["digest"].as_str().unwrap()));
+    assert!(text.contains("block_top"), "sensors");
+    assert!(
+        between(&text, "<svg viewBox=\"0 0 260", "</svg>").len() == 6,
+        "pictures of six modes"
+    );
+}
+
+/// The energy per area of the view in space, over the free faces, is the ERP of the ranking.
+#[test]
+fn the_view_in_space_sums_to_the_equivalent_radiated_power() {
+    let out = folder("report-view");
+    run(None, &out, &[]);
+    let page = fs::read_to_string(out.join("report.html")).unwrap();
+    let result: Value = serde_json::from_slice(&fs::read(out.join("result.json")).unwrap()).unwrap();
+    let workpiece = result["ranking"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|s| s["source"] == "workpiece")
+        .unwrap();
+    if workpiece["method"] != "ERP" {
+        return; // only then are the two the same quantity
+    }
+    let charts = charts(&page);
+    let view = &charts.iter().find(|(id, _)| id == "chart-surfaces-data").unwrap().1;
+    let mut energy = 0.0;
+    for trace in view["data"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|trace| trace["intensity"].is_array())
+    {
+        let list = |key: &str| -> Vec<f64> {
+            trace[key]
+                .as_array()
+                .unwrap()
+                .iter()
+                .map(|v| v.as_f64().unwrap())
+                .collect()
+        };
+        let (x, y, z, levels) = (list("x"), list("y"), list("z"), list("intensity"));
+        let corners = ["i", "j", "k"].map(|key| list(key));
+        for (triangle, level) in levels.iter().enumerate() {
+            let p = corners.each_ref().map(|corner| {
+                let at = corner[triangle] as usize;
+                [x[at], y[at], z[at]].map(|mm| 1e-3 * mm)
+            });
+            let side = |a: usize| [0, 1, 2].map(|axis: usize| p[a][axis] - p[0][axis]);
+            let (u, v) = (side(1), side(2));
+            let cross = [
+                u[1] * v[2] - u[2] * v[1],
+                u[2] * v[0] - u[0] * v[2],
+                u[0] * v[1] - u[1] * v[0],
+            ];
+            let area = 0.5 * cross.iter().map(|c| c * c).sum::<f64>().sqrt();
+            energy += area * 1e-12 * 10f64.powf(level / 10.0);
+        }
+    }
+    let level = 10.0 * (energy / 1e-12).log10();
+    let expected = workpiece["lwa_db"].as_f64().unwrap();
+    // One point a face of a coarse mesh, and octaves that reach over the ends of the range.
+    assert!((level - expected).abs() < 1.0, "{level} is not {expected}");
+}
+
+#[test]
+fn an_unchanged_design_comes_back_whole_without_being_computed() {
+    let (out, cache) = (folder("kept"), folder("kept-cache"));
+    let first = run(Some(&cache), &out, &["--json"]);
+    let names = |folder: &Path| -> BTreeSet<PathBuf> {
+        let mut files = BTreeSet::new();
+        let mut folders = vec![folder.to_owned()];
+        while let Some(folder) = folders.pop() {
+            for entry in fs::read_dir(folder).unwrap() {
+                let path = entry.unwrap().path();
+                if path.is_dir() {
+                    folders.push(path)
+                } else {
+                    files.insert(path);
+                }
+            }
+        }
+        files
+    };
+    let before = names(&out);
+    assert!(
+        before
+            .iter()
+            .all(|file| !file.to_string_lossy().contains(".unfinished")),
+        "{before:?}"
+    );
+    let levels = fs::read(out.join("levels.csv")).unwrap();
+    fs::write(out.join("levels.csv"), "spoiled").unwrap();
+    fs::remove_file(out.join("report.html")).unwrap();
+    let again = run(Some(&cache), &out, &["--json"]);
+    assert_eq!(
+        again.stdout, first.stdout,
+        "to the last digit, timing included: it was not computed"
+    );
+    assert_eq!(names(&out), before);
+    assert_eq!(fs::read(out.join("levels.csv")).unwrap(), levels);
+    // Quiet is quiet, and another provenance is another result.
+    let quiet = run(Some(&cache), &out, &["--quiet"]);
+    assert!(quiet.stderr.is_empty(), "{}", String::from_utf8_lossy(&quiet.stderr));
+    assert!(String::from_utf8_lossy(&quiet.stdout).contains("has not changed"));
+    // A damaged entry is noticed, and the digits are the same.
+    let entry = fs::read_dir(&cache).unwrap().map(|entry| entry.unwrap().path());
+    let entry = entry
+        .into_iter()
+        .find(|path| path.file_name().unwrap().to_string_lossy().starts_with("run-"))
+        .unwrap();
+    let mut bytes = fs::read(&entry).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    fs::write(&entry, bytes).unwrap();
+    let repaired = run(Some(&cache), &out, &["--json"]);
+    assert!(String::from_utf8_lossy(&repaired.stderr).contains("damaged"));
+    let of = |output: &Output| -> Value {
+        let mut value: Value = serde_json::from_slice(&output.stdout).unwrap();
+        value.as_object_mut().unwrap().remove("timing");
+        value
+    };
+    assert_eq!(of(&repaired), of(&first));
+}
+
+#[test]
+fn a_comparison_has_a_page() {
+    let out = folder("report-compare");
+    fs::create_dir_all(&out).unwrap();
+    let quiet = out.join("quiet.toml");
+    let base = Path::new(env!("CARGO_MANIFEST_DIR")).join(SMALL);
+    fs::write(&quiet, format!("base = {base:?}\nsupply.pressure = \"650 kPa\"\n")).unwrap();
+    let output = nailnoise(
+        None,
+        &[
+            "compare",
+            SMALL,
+            quiet.to_str().unwrap(),
+            "--out",
+            out.to_str().unwrap(),
+        ],
+    );
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let page = fs::read_to_string(out.join("comparison.html")).unwrap();
+    let overview = &charts(&page)[0].1;
+    assert_eq!(
+        overview["data"].as_array().unwrap().len(),
+        2,
+        "a series for each design"
+    );
+    assert!(own(&page).contains("supply.pressure"));
+}
+
+/// Comma-separated files as spreadsheets take them: every row as wide as the header.
+#[test]
+fn tables_are_rectangular() {
+    let out = folder("rectangular");
+    run(None, &out, &[]);
+    for entry in fs::read_dir(&out).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|extension| extension == "csv") {
+            let text = fs::read_to_string(&path).unwrap();
+            let widths: BTreeSet<usize> = text.lines().map(|line| line.split(',').count()).collect();
+            assert_eq!(widths.len(), 1, "{}: {widths:?}", path.display());
+            assert!(
+                !text.contains('"') && text.is_ascii() && text.ends_with('\n'),
+                "{}",
+                path.display()
+            );
+        }
+    }
+}
+
+#[test]
+fn a_design_begins_with_init_and_is_explained_by_check() {
+    let place = folder("init");
+    let file = place.join("mine.toml");
+    let name = file.to_str().unwrap();
+    let output = nailnoise(None, &["init", name]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    // Every line that is offered is a key of the design.
+    let text = fs::read_to_string(&file).unwrap();
+    let offered: String = text
+        .lines()
+        .map(|line| {
+            let key = line
+                .strip_prefix("# ")
+                .filter(|rest| rest.split_whitespace().nth(1) == Some("="));
+            format!("{}\n", key.unwrap_or(line))
+        })
+        .filter(|line| !line.contains("housing.step") && !line.starts_with("  mass"))
+        .collect();
+    fs::write(place.join("all.toml"), offered).unwrap();
+    for design in [name, place.join("all.toml").to_str().unwrap()] {
+        let output = nailnoise(None, &["check", design, "--json"]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let told: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(told["shot"]["outcome"], "drives", "{told}");
+        assert!(told["provenance"]["estimated"].as_u64().unwrap() > 100);
+        assert!(
+            told["bodies"]
+                .as_array()
+                .unwrap()
+                .iter()
+                .all(|body| body["gmsh"] == false)
+        );
+        assert!(told["estimates"][0]["range"].is_array());
+    }
+    let again = nailnoise(None, &["init", name]);
+    assert_eq!(again.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&again.stderr).contains("already"));
+    // Other dimensions of the tool body need gmsh, and the explanation says so.
+    let long = place.join("long.toml");
+    fs::write(&long, "base = \"n80cb.toml\"\nbody.handle_length = \"163 mm\"\n").unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_nailnoise"))
+        .args(["check", long.to_str().unwrap(), "--json"])
+        .env("NAILNOISE_GMSH", "no-such-gmsh")
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let told: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let tool = told["bodies"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|body| body["body"] == "tool")
+        .unwrap();
+    assert_eq!(tool["gmsh"], true);
+    assert!(told["obstacles"][0].as_str().unwrap().contains("gmsh"), "{told}");
+}
