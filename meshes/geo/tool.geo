@@ -169,8 +169,27 @@ walls() = Surface In BoundingBox {-q - e, -q - e, floor + b - e, q + e, q + e, r
 If (near < size)
   Characteristic Length{ PointsOf{ Surface{walls()}; } } = near;
 EndIf
+// Nose in floor, arm between nose and can, and root of the handle bend locally and carry the lowest modes: elements there
+// are a third as long. Without, the bare housing comes out up to 6 % too stiff.
+fine = size/3;
+Macro Joint
+  Field[joint] = Box;
+  Field[joint].XMin = x_(0); Field[joint].XMax = x_(1);
+  Field[joint].YMin = -y_; Field[joint].YMax = y_;
+  Field[joint].ZMin = z_(0); Field[joint].ZMax = z_(1);
+  Field[joint].VIn = fine; Field[joint].VOut = size; Field[joint].Thickness = size;
+Return
+joint = 1; x_() = {-barrel_radius, barrel_radius}; y_ = barrel_radius; z_() = {floor - 2.5*b, floor + 2.5*b};
+Call Joint;
+joint = 2; x_() = {w - 2, arm_reach + arm_depth/2}; y_ = 1.5*arm_depth; z_() = {magazine_level - arm_height, magazine_level + arm_height};
+Call Joint;
+joint = 3; x_() = {hr, barrel_radius + hr/2}; y_ = 1.5*hr; z_() = {handle_level - 1.5*hr, handle_level + 1.5*hr};
+Call Joint;
+Field[4] = Min;
+Field[4].FieldsList = {1, 2, 3};
+Background Field = 4;
 Mesh.CharacteristicLengthMax = size;
-Mesh.CharacteristicLengthMin = size/3;
+Mesh.CharacteristicLengthMin = fine;
 Mesh.ElementOrder = 2;
 Mesh.HighOrderOptimize = 2;
 Mesh.ScalingFactor = 0.001;

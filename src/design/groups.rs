@@ -794,7 +794,8 @@ group! {
         worktable_leg_element: f64 = positive(LENGTH), "";
         /// Largest side of a quadratic element in the walls of the steel tubes of worktables B and C.
         worktable_tube_element: f64 = positive(LENGTH), "";
-        /// Largest side of a quadratic tetrahedron of the tool body.
+        /// Largest side of a quadratic tetrahedron of the tool body; in the parametric one a third of it where nose, arm and
+        /// handle join.
         body_element: f64 = positive(LENGTH), "";
         /// Fewest elements in the shortest bending wave or shear wave at the top frequency, for geometry meshed by gmsh.
         elements_per_wave: f64 = positive(NUMBER), "";

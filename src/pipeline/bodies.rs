@@ -268,3 +268,112 @@ impl Body {
         ]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nailnoise_fem::{Attachments, Constraints, Material, Tie};
+    use nailnoise_meshes::{Block, block};
+    use std::f64::consts::TAU;
+
+    use super::super::geometry::Origin;
+
+    const E: f64 = 70e9;
+    const NU: f64 = 0.33;
+
+    /// Static swept volume of a free body under a unit of pressure on patches, from its modes and static corrections.
+    fn swept(mesh: Mesh, attachments: Attachments, patches: &[&str]) -> f64 {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml");
+        let mut design = Design::load(path).unwrap();
+        design.analysis.mode_margin = 1.0;
+        let loads = vec![Pattern::pressure(&Surface::of(&mesh), patches, |_| true).unwrap()];
+        let geometry = Geometry {
+            kind: BodyKind::Tool,
+            mesh,
+            element_numbers: Vec::new(),
+            unused_nodes: 0,
+            materials: vec![Material::isotropic(E, NU, 2700.0).unwrap()],
+            constraints: Constraints::free(),
+            attachments,
+            loss_factor: 0.0,
+            top_hz: 3000.0,
+            origin: Origin::BuiltIn,
+        };
+        let model = Model {
+            geometry,
+            loads,
+            contacts: Vec::new(),
+        };
+        let body = model.solve(&design, &Cache::none()).unwrap();
+        let elastic = body.omega.iter().zip(&body.loads).filter(|(omega, _)| **omega > 0.0);
+        elastic.map(|(omega, p)| (p / omega).powi(2)).sum()
+    }
+
+    /// Pressure from all sides shrinks a block by V/K, K = E/(3 (1 - 2 nu)): a linear field, which the elements hold.
+    #[test]
+    fn modes_and_corrections_give_the_static_shrinking_of_a_block_exactly() {
+        let size = [0.3, 0.2, 0.1];
+        let mesh = block(&Block {
+            size,
+            divisions: [3, 2, 1],
+            origin: [0.0; 3],
+        })
+        .unwrap();
+        let every: Vec<String> = mesh.groups.iter().map(|g| g.name.clone()).collect();
+        let every: Vec<&str> = every.iter().map(String::as_str).collect();
+        let exact = size.iter().product::<f64>() * 3.0 * (1.0 - 2.0 * NU) / E;
+        let found = swept(mesh, Attachments::default(), &every);
+        assert!((found / exact - 1.0).abs() < 1e-6, "{found:e} {exact:e}");
+    }
+
+    /// A cylinder open at its ends under inner pressure p (Lame): u(a) = p a/E ((b^2 + a^2)/(b^2 - a^2) + nu).
+    #[test]
+    fn a_cylinder_widens_under_pressure_as_lames_formula_says() {
+        let (a, b, height) = (0.030, 0.034, 0.02);
+        let mut mesh = block(&Block {
+            size: [1.0, b - a, height],
+            divisions: [24, 1, 2],
+            origin: [0.0, a, 0.0],
+        })
+        .unwrap();
+        // The strip's lower side along y becomes the bore; its two ends meet and are tied.
+        let mut groups = Vec::new();
+        let at = |mesh: &Mesh, axis: usize, value: f64| {
+            let on = |f: &nailnoise_meshes::SurfaceFace, s: &Surface| {
+                f.nodes.iter().all(|&n| (s.points[n][axis] - value).abs() < 1e-9)
+            };
+            let surface = Surface::of(mesh);
+            surface
+                .faces
+                .iter()
+                .filter(|f| on(f, &surface))
+                .map(|f| f.of)
+                .collect::<Vec<_>>()
+        };
+        for (name, axis, value) in [("bore", 1, a), ("seam_slave", 0, 0.0), ("seam_master", 0, 1.0)] {
+            groups.push(nailnoise_meshes::FaceGroup {
+                name: name.to_owned(),
+                faces: at(&mesh, axis, value),
+            });
+        }
+        mesh.groups = groups;
+        for p in &mut mesh.nodes {
+            let (angle, r) = (TAU * p.x, p.y);
+            // Clockwise, so that elements keep their orientation.
+            (p.x, p.y) = (r * angle.sin(), r * angle.cos());
+        }
+        let tie = Tie {
+            slave: "seam_slave".to_owned(),
+            master: "seam_master".to_owned(),
+            tolerance: 1e-6,
+        };
+        let attachments = Attachments {
+            ties: vec![tie],
+            ..Attachments::default()
+        };
+        let widening = a / E * ((b * b + a * a) / (b * b - a * a) + NU);
+        let exact = TAU * a * height * widening;
+        let found = swept(mesh, attachments, &["bore"]);
+        assert!((found / exact - 1.0).abs() < 5e-3, "{found:e} {exact:e}");
+    }
+}

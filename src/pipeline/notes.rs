@@ -56,11 +56,20 @@ pub(super) fn notes(
         None => notes.push("body: rigid motion only, without the vibration of its housing: a lower bound".to_owned()),
         Some(tool) => {
             let [cap, rim] = tool.stiffness;
+            notes.push(
+                "body: rigid motion, and vibration of its housing as ERP times the radiation efficiency of an oscillating \
+                 sphere of its volume, until boundary elements replace it"
+                    .to_owned(),
+            );
             notes.push(format!(
-                "body: rigid motion, and vibration of its housing as ERP (radiation efficiency 1); the housing gives way by \
-                 {:.2e} N/m at the {} ({:.2e} N/m in the cycle's contact) and {:.2e} N/m at the {} ({:.2e} N/m), which is \
-                 counted once, in the cycle's forces",
-                cap.body, cap.place, cap.contact, rim.body, rim.place, rim.contact
+                "body: under the forces of the head valve the housing is as stiff as {:.0} N/um at the {} (the cycle's contact: \
+                 {:.0}) and {:.0} N/um at the {} ({:.0}); this compliance is counted once, in the cycle's forces",
+                1e-6 * cap.body,
+                cap.place,
+                1e-6 * cap.contact,
+                1e-6 * rim.body,
+                rim.place,
+                1e-6 * rim.contact
             ));
         }
     }

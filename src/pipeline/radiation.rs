@@ -27,7 +27,7 @@ use crate::result::{ModeShare, Uncertainty};
 const FACE_POINTS: usize = 3;
 
 /// Highest radiation efficiency of a plate, near coincidence.
-pub(super) const HIGHEST_EFFICIENCY: f64 = 1.76;
+const HIGHEST_EFFICIENCY: f64 = 1.76;
 
 /// Fourier transforms of every body's modal accelerations.
 pub(super) fn modal_spectra(

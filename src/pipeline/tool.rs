@@ -8,8 +8,8 @@
 //! the compliance is counted once. The notes of a run tell the body's own stiffness beside the lumped one.
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::levels::SourceSpectrum;
-use nailnoise_acoustics::radiation::{Erp, ModalSpectra, radiated_energy, radiated_signals};
+use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
+use nailnoise_acoustics::radiation::{CompactErp, Erp, ModalSpectra, radiated_energy, radiated_signals};
 use nailnoise_dynamics::{CycleRecord, Parameters};
 use nailnoise_fem::transient::{Loads, ModalBody, ModalResponse, ModalState, Motion, Settings, Start, respond};
 use nalgebra::{DMatrix, DVector};
@@ -17,12 +17,12 @@ use nalgebra::{DMatrix, DVector};
 use super::Driven;
 use super::bodies::Body;
 use super::outside::open_air;
-use super::radiation::{HIGHEST_EFFICIENCY, body_spectra, rigid_tool, skin};
+use super::radiation::{body_spectra, rigid_tool, skin};
 use super::sound::Sound;
 use super::tool_loads::{self, AXIAL, Axial, LOADS};
 use crate::design::Design;
 use crate::error::Error;
-use crate::result::{Check, Uncertainty};
+use crate::result::{Check, CrossCheck, Uncertainty};
 
 /// The elastic body of the tool and what the shot does to it.
 pub struct Tool {
@@ -122,7 +122,8 @@ impl Tool {
         }
     }
 
-    /// Its sound: rigid motion as that of the sphere of its volume, elastic modes by their ERP into the open air.
+    /// Its sound: rigid motion as that of the sphere of its volume, elastic modes by their ERP into the open air times the
+    /// radiation efficiency of that sphere.
     ///
     /// # Errors
     /// Those of surface and radiation.
@@ -140,19 +141,36 @@ impl Tool {
             accelerations: self.spectra.accelerations.select_rows(&elastic),
             range_hz: self.spectra.range_hz,
         };
-        let vibration = radiated_energy(VIBRATION, &erp, &spectra)?;
-        let signals = (VIBRATION, radiated_signals(&erp, &spectra, &vibration)?);
-        let parts = [sound.spectrum, vibration];
-        sound.spectrum = SourceSpectrum::sum("body", "rigid motion and ERP of the housing", &parts);
-        sound.spectrum.range_hz = spectra.range_hz;
-        sound.signals[0].0 = "rigid motion";
-        sound.signals.push(signals);
+        let range = [design.analysis.range_low, design.analysis.range_high];
+        let reference = radiated_energy(VIBRATION, &erp, &spectra)?;
+        let compact = CompactErp::new(erp, design.body.volume(), air)?;
+        let vibration = radiated_energy(VIBRATION, &compact, &spectra)?;
+        let signals = (VIBRATION, radiated_signals(&compact, &spectra, &vibration)?);
+        let rigid = sound.spectrum;
+        let weighted = |part: &SourceSpectrum| rigid.energy(range, Weighting::A) + part.energy(range, Weighting::A);
+        let (here, above) = (weighted(&vibration), weighted(&reference));
+        sound.cross_check = Some(CrossCheck {
+            quantity: "vibration of the housing",
+            lw_db: vibration.level(range, Weighting::Z),
+            other: "ERP, radiation efficiency 1",
+            other_lw_db: reference.level(range, Weighting::Z),
+        });
         sound.uncertainty = Uncertainty {
             minus: None,
-            plus: Some(10.0 * HIGHEST_EFFICIENCY.log10()),
-            basis: "radiation efficiency of the housing's vibration taken as 1: below about 2 kHz it is lower"
+            plus: (here > 0.0).then(|| 10.0 * (above / here).log10()),
+            basis: "radiation efficiency of the housing's vibration: that of an oscillating sphere of the tool's volume is \
+                    taken; up to 1"
                 .to_owned(),
         };
+        let source_range = spectra.range_hz;
+        sound.spectrum = SourceSpectrum::sum(
+            "body",
+            "rigid motion, ERP of the housing as compact body",
+            &[rigid, vibration],
+        );
+        sound.spectrum.range_hz = source_range;
+        sound.signals[0].0 = "rigid motion";
+        sound.signals.push(signals);
         Ok(sound)
     }
 }
