@@ -5,6 +5,7 @@ use nailnoise_fem::transient::{Ending, ModalResponse};
 
 use super::exhaust::Exhaust;
 use super::missing::Missing;
+use super::tool::Tool;
 use crate::design::{Design, MufflerKind, SupportKind};
 
 /// Notes on one run, most important first.
@@ -14,6 +15,7 @@ pub(super) fn notes(
     response: &ModalResponse,
     exhaust: &Exhaust,
     missing: &[Missing],
+    tool: Option<&Tool>,
 ) -> Vec<String> {
     let mut notes = vec![match record.outcome {
         Outcome::Drives => "the nail is driven".to_owned(),
@@ -29,11 +31,22 @@ pub(super) fn notes(
              overestimate at low frequencies, until boundary elements replace it"
         ));
     }
-    notes.push("body: rigid motion only, without the vibration of its housing: a lower bound".to_owned());
+    match tool {
+        None => notes.push("body: rigid motion only, without the vibration of its housing: a lower bound".to_owned()),
+        Some(tool) => {
+            let [cap, rim] = tool.stiffness;
+            notes.push(format!(
+                "body: rigid motion, and vibration of its housing as ERP (radiation efficiency 1); the housing gives way by \
+                 {:.2e} N/m at the {} ({:.2e} N/m in the cycle's contact) and {:.2e} N/m at the {} ({:.2e} N/m), which is \
+                 counted once, in the cycle's forces",
+                cap.body, cap.place, cap.contact, rim.body, rim.place, rim.contact
+            ));
+        }
+    }
     for part in missing {
         notes.push(format!(
-            "{} is absent above {:.0} Hz; its last octave continued would add {:.2} dB to the workpiece",
-            part.part, part.top_hz, part.decibels
+            "{} is absent above {:.0} Hz; its last octave continued would add {:.2} dB to the {}",
+            part.part, part.top_hz, part.decibels, part.source
         ));
     }
     if let (Some(here), Some(there)) = (exhaust.jets_lw, exhaust.cross_check_lw) {
