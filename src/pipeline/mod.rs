@@ -35,6 +35,7 @@ pub use cycle::{cycle, parameters};
 pub use exhaust::exhaust_openings;
 pub use geometry::{BodyKind, Geometry, Origin, import, needs_gmsh, tool_dimensions};
 pub use intervals::SoundPower;
+pub(crate) use outside::open_air;
 pub use preset::{Preset, cycle_as_published};
 pub use sensors::SensorRecord;
 pub use settings::cycle_settings;
