@@ -52,3 +52,43 @@ fn around_the_exhaust_is_loudest_beside_its_jets_and_louder_above_a_floor() {
     let loudest = rows.iter().max_by(|a, b| a[1].total_cmp(&b[1])).unwrap();
     assert!(loudest[0] <= 60.0 && rows[6][1] < loudest[1] - 3.0, "{text}");
 }
+
+fn printed(name: &str) -> String {
+    let output = Command::new(example(name))
+        .arg("tests/data/small.toml")
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[test]
+fn pressure_drives_faster_and_blows_louder() {
+    let text = printed("pressure");
+    let rows: Vec<Vec<f64>> = text
+        .lines()
+        .skip(1)
+        .map(|line| line.split_whitespace().map(|word| word.parse().unwrap()).collect())
+        .collect();
+    assert_eq!(rows.len(), 5, "{text}");
+    for pair in rows.windows(2) {
+        for column in [1, 3, 4] {
+            assert!(pair[1][column] > pair[0][column], "{text}");
+        }
+    }
+    // Between the mass alone and the eighth power of the speed of the jets, of which choked ones know little.
+    let rise = rows[4][4] - rows[0][4];
+    assert!((1.0..5.0).contains(&rise), "{rise} dB from 650 to 850 kPa");
+}
+
+#[test]
+fn block_has_every_mode() {
+    let text = printed("block");
+    let last = text.lines().last().unwrap();
+    let numbers: Vec<&str> = last.split(' ').filter(|word| word.parse::<usize>().is_ok()).collect();
+    assert_eq!(numbers.len(), 2, "{text}");
+    assert_eq!(numbers[0], numbers[1], "{text}");
+    let first: f64 = text.split(' ').next().unwrap().parse().unwrap();
+    assert!((1000.0..4000.0).contains(&first), "{text}");
+}

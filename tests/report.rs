@@ -155,12 +155,10 @@ fn the_view_in_space_sums_to_the_equivalent_radiated_power() {
     let charts = charts(&page);
     let view = &charts.iter().find(|(id, _)| id == "chart-surfaces-data").unwrap().1;
     let mut energy = 0.0;
-    for trace in view["data"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .filter(|trace| trace["intensity"].is_array())
-    {
+    let of_the_source = |trace: &&Value| {
+        trace["intensity"].is_array() && ["workpiece", "worktable"].iter().any(|name| trace["name"] == *name)
+    };
+    for trace in view["data"].as_array().unwrap().iter().filter(of_the_source) {
         let list = |key: &str| -> Vec<f64> {
             trace[key]
                 .as_array()
@@ -443,4 +441,40 @@ fn the_book_is_whole() {
         pages - 1,
         "every page is in the table of contents"
     );
+}
+
+/// Ctrl-C at several moments: status 130, no unfinished folder, and no file without the rest of its run.
+#[cfg(unix)]
+#[test]
+fn an_interruption_leaves_nothing_half_written() {
+    let mut interrupted = 0;
+    for (index, wait) in [40, 300, 900, 1800].into_iter().enumerate() {
+        let out = folder(&format!("interrupted-{index}"));
+        let mut run = Command::new(env!("CARGO_BIN_EXE_nailnoise"))
+            .args(["run", SMALL, "--quiet", "--no-cache", "--out", out.to_str().unwrap()])
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .stdout(std::process::Stdio::null())
+            .stderr(std::process::Stdio::null())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(wait));
+        let sent = Command::new("kill")
+            .args(["-INT", &run.id().to_string()])
+            .status()
+            .unwrap();
+        let status = run.wait().unwrap();
+        if status.success() {
+            continue; // it was done before
+        }
+        assert!(sent.success());
+        interrupted += 1;
+        assert_eq!(status.code(), Some(130));
+        let left: Vec<_> = fs::read_dir(&out)
+            .into_iter()
+            .flatten()
+            .map(|entry| entry.unwrap().path())
+            .collect();
+        assert!(left.is_empty(), "{left:?}");
+    }
+    assert!(interrupted > 0, "none was interrupted");
 }

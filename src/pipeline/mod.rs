@@ -40,6 +40,7 @@ pub use geometry::{BodyKind, Geometry, Origin, import, needs_gmsh, tool_dimensio
 pub use intervals::SoundPower;
 pub use microphones::Microphones;
 pub(crate) use microphones::SAMPLE_RATE;
+pub(crate) use outside::open_air;
 pub use preset::{Preset, cycle_as_published};
 pub use sensors::SensorRecord;
 pub use settings::cycle_settings;

@@ -13,7 +13,7 @@ const INSIDE: f64 = 0.5;
 /// The skin falls into closed pieces that share no point. A piece around a cavity has its normals inwards, so that the
 /// volume 1/3 closed integral of x . n dS is negative; a body within another one's cavity has points at which that one's
 /// outline fills the whole solid angle. Neither is heard.
-pub(super) fn open_air(surface: &Surface) -> Result<Vec<bool>, MeshError> {
+pub(crate) fn open_air(surface: &Surface) -> Result<Vec<bool>, MeshError> {
     let piece = pieces(surface);
     let count = piece.iter().max().map_or(0, |last| last + 1);
     let mut volume = vec![0.0; count];

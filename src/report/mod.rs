@@ -43,10 +43,8 @@ pub fn run(design: &Design, run: &Run, recordings: &[Recording]) -> String {
     let value = serde_json::to_value(result).unwrap_or_default();
     let air = Air::at(design.ambient.temperature, design.ambient.pressure).unwrap_or_default();
     let bodies: Vec<Painted<'_>> = run
-        .structure
-        .bodies()
-        .zip(&run.spectra)
-        .map(|(body, spectra)| Painted::new(design, body, spectra, &air))
+        .driven()
+        .map(|driven| Painted::new(design, driven.body, driven.spectra, &air))
         .collect();
     let mut sections = vec![Section::new("ranking", "Ranking", ranking(result, &value))];
     sections.push(Section::new(
@@ -62,7 +60,7 @@ pub fn run(design: &Design, run: &Run, recordings: &[Recording]) -> String {
             .ranking
             .iter()
             .map(|source| source.source.as_str())
-            .filter(|source| bodies.iter().all(|painted| painted.body.name != *source))
+            .filter(|source| bodies.iter().all(|painted| painted.source() != *source))
             .collect();
         sections.push(Section::new(
             "surfaces",

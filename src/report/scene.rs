@@ -132,7 +132,10 @@ fn mesh(painted: &Painted<'_>, triangles: &Triangles) -> Value {
     used.sort_unstable();
     used.dedup();
     let place = |point: &usize| used.partition_point(|own| own < point);
-    let axis = |axis: usize| -> Vec<f64> { used.iter().map(|&p| (1e4 * points[p][axis]).round() / 10.0).collect() };
+    let axis = |axis: usize| -> Vec<f64> {
+        let at = |&p: &usize| (1e4 * (points[p][axis] + painted.origin[axis])).round() / 10.0;
+        used.iter().map(at).collect()
+    };
     let corners = triangles
         .corners
         .each_ref()

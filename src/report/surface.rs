@@ -14,7 +14,7 @@ use nailnoise_acoustics::radiation::ModalSpectra;
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
 use crate::design::{Design, SupportKind};
-use crate::pipeline::Body;
+use crate::pipeline::{Body, BodyKind, open_air};
 
 /// Octave bands: k of the mid-band frequencies 1000 G^k Hz, G = 10^0.3 (IEC 61260-1, base ten), and their nominal
 /// values \[Hz\].
@@ -35,6 +35,8 @@ const REFERENCE: f64 = 1e-12;
 /// A body's surface with what its faces would radiate.
 pub(super) struct Painted<'a> {
     pub(super) body: &'a Body,
+    /// Where its origin lies in the room \[m\].
+    pub(super) origin: Vector3<f64>,
     /// Whether each face radiates into the air, rather than standing on or in something.
     pub(super) free: Vec<bool>,
     /// A-weighted energy per area of each face over all frequencies \[J/m2\].
@@ -61,13 +63,22 @@ impl<'a> Painted<'a> {
                 *value = at.sum();
             }
         }
+        // A mesh whose cavities cannot be told from its outline is shown whole.
+        let open = open_air(surface).unwrap_or_else(|_| vec![true; surface.faces.len()]);
         let free: Vec<bool> = points
             .iter()
             .map(|point| {
                 let patch = &surface.patches[surface.faces[point.face].patch];
-                !covered(design, body.name, patch, &point.position)
+                open[point.face] && !covered(design, body.name, patch, &point.position)
             })
             .collect();
+        let tool = body.name == BodyKind::Tool.name();
+        if tool {
+            // Its flight sounds as that of a small sphere, not as radiation efficiency 1 has it.
+            for (mode, _) in body.omega.iter().enumerate().filter(|(_, omega)| **omega == 0.0) {
+                normal.column_mut(mode).fill(0.0);
+            }
+        }
         let impedance = air.impedance();
         let modes = body.shapes.ncols();
         let (mut whole, mut alone) = (vec![0.0; points.len()], DVector::zeros(modes));
@@ -91,12 +102,30 @@ impl<'a> Painted<'a> {
                 .sum();
             *energy *= impedance * area;
         }
+        // The tool's axes begin at the tip of its nose, which stands on the block.
+        let nose = Vector3::new(
+            design.nail.offset_along,
+            design.nail.offset_across,
+            design.workpiece.thickness,
+        );
         Self {
             body,
+            origin: if tool { nose } else { Vector3::zeros() },
             free,
             whole,
             octaves,
             modes: alone.as_slice().to_vec(),
+        }
+    }
+}
+
+impl Painted<'_> {
+    /// The source to which the body belongs.
+    pub(super) fn source(&self) -> &'static str {
+        match self.body.name {
+            "tool" => "body",
+            "worktable" => "workpiece",
+            own => own,
         }
     }
 }

@@ -1,0 +1,19 @@
+//! The modes of the wood block, proven complete: `cargo run --release --example block`.
+
+use nailnoise::cache::Cache;
+use nailnoise::{Design, pipeline};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let file = std::env::args()
+        .nth(1)
+        .unwrap_or_else(|| "designs/n80cb.toml".to_owned());
+    let design = Design::load(file)?;
+    let block = pipeline::workpiece(&design, &Cache::none())?;
+    let basis = &block.basis;
+    let elastic = basis.hz.iter().zip(&basis.rigid).filter(|(_, rigid)| !**rigid);
+    for (hz, _) in elastic.take(5) {
+        println!("{hz:.0} Hz");
+    }
+    println!("{} modes found, {} there are", basis.hz.len(), basis.sturm.count);
+    Ok(())
+}

@@ -1,0 +1,28 @@
+//! What supply pressure does to the shot and to its exhaust: `cargo run --release --example pressure`.
+
+use nailnoise::{Design, pipeline};
+use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let file = std::env::args()
+        .nth(1)
+        .unwrap_or_else(|| "designs/n80cb.toml".to_owned());
+    let mut design = Design::load(file)?;
+    println!("kPa  m/s  mm  g of air  dB(A) of the exhaust");
+    for kilopascal in [650.0, 700.0, 750.0, 800.0, 850.0] {
+        design.supply.pressure = 1e3 * kilopascal;
+        let record = pipeline::cycle(&design)?;
+        let openings = pipeline::exhaust_openings(&design, &record)?;
+        let parts: Vec<SourceSpectrum> = openings.into_iter().map(|opening| opening.spectrum).collect();
+        let exhaust = SourceSpectrum::sum("exhaust", "all openings", &parts);
+        let (shot, level) = (&record.summary, exhaust.level([50.0, 10_000.0], Weighting::A));
+        println!(
+            "{kilopascal:.0}  {:.1}  {:.1}  {:.2}  {:.1}",
+            shot.mean_drive_speed.unwrap_or(0.0),
+            1e3 * shot.penetration,
+            1e3 * shot.exhaust_mass,
+            level.unwrap_or(f64::NEG_INFINITY)
+        );
+    }
+    Ok(())
+}
