@@ -19,9 +19,12 @@ mod response;
 mod sensors;
 mod settings;
 mod shank;
+mod sides;
 mod sound;
+mod starts;
 
 use nailnoise_acoustics::Air;
+use nailnoise_acoustics::levels::Weighting;
 use nailnoise_acoustics::radiation::ModalSpectra;
 use nailnoise_dynamics::CycleRecord;
 use nailnoise_fem::transient::ModalResponse;
@@ -119,7 +122,7 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
             observer.stage("modes of the worktable");
             Some(timing.time("worktable modes", || table(design, cache))?)
         }
-        SupportKind::Sandbox => None,
+        SupportKind::Sandbox | SupportKind::Floor | SupportKind::Clamped => None,
     };
     cache.take_notes().iter().for_each(|note| observer.note(note));
     let structure = Structure {
@@ -133,14 +136,14 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
             observer.stage("response of workpiece and support");
             let force_scale = options.workpiece_force_scale;
             let response = timing.time("response", || {
-                response::response(design, &structure, &parameters, &record, force_scale)
+                response::response(design, &structure, &parameters, &record, (force_scale, 0))
             })?;
             (record, response, None)
         }
         None => {
             observer.stage("nailing cycle with workpiece and support");
             let both = timing.time("cycle and response", || {
-                response::coupled(design, &structure, &parameters)
+                response::coupled(design, &structure, &parameters, 0)
             })?;
             (both.record, both.response, Some((both.work, both.checks)))
         }
@@ -179,6 +182,7 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
             observer.stage("the same one way, to compare");
             let mut one_way = design.clone();
             one_way.support.coupling = Coupling::OneWay;
+            one_way.analysis.starts = 1;
             let other = timing.time("one way", || run(&one_way, options, cache, &mut Silent))?;
             Some(changes::changes(
                 work,
@@ -188,6 +192,24 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
         }
         None => None,
     };
+    let starts = if design.analysis.starts > 1 {
+        observer.stage("other starts");
+        let first = workpiece.spectrum.level(range, Weighting::A);
+        timing.time("other starts", || {
+            starts::starts(design, &structure, &air, first, |start| match design.support.coupling {
+                Coupling::OneWay => {
+                    let force = (options.workpiece_force_scale, start);
+                    response::response(design, &structure, &parameters, &record, force)
+                }
+                Coupling::TwoWay => Ok(response::coupled(design, &structure, &parameters, start)?.response),
+            })
+        })?
+    } else {
+        None
+    };
+    if let Some(starts) = &starts {
+        starts::widen(&mut ranking, starts);
+    }
     let result = RunResult {
         schema: SCHEMA,
         design: DesignId {
@@ -201,6 +223,7 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
         cycle: record.summary.clone(),
         events: record.events,
         coupling,
+        starts,
         sensors: sensors.iter().map(SensorRecord::level).collect(),
         checks,
         notes,

@@ -29,6 +29,13 @@ pub(super) fn notes(
              overestimate at low frequencies, until boundary elements replace it"
         ));
     }
+    if matches!(design.support.kind, SupportKind::Floor | SupportKind::Clamped) {
+        notes.push(
+            "workpiece alone, its underside hidden: radiated power is the ERP reference (radiation efficiency 1), an \
+             overestimate at low frequencies"
+                .to_owned(),
+        );
+    }
     notes.push("body: rigid motion only, without the vibration of its housing: a lower bound".to_owned());
     for part in missing {
         notes.push(format!(

@@ -71,22 +71,48 @@ pub(super) fn workpiece(
 ) -> Result<Sound, Error> {
     match design.support.kind {
         SupportKind::Sandbox => flush_top(design, &structure.workpiece, &spectra[0], air),
-        SupportKind::Worktable => free_standing(design, structure, spectra, air),
+        SupportKind::Worktable | SupportKind::Floor | SupportKind::Clamped => {
+            free_standing(design, structure, spectra, air)
+        }
+    }
+}
+
+/// Energy of the workpiece with its support alone, without its course in time: by ERP, in sand by Rayleigh's integral.
+pub(super) fn workpiece_energy(
+    design: &Design,
+    structure: &Structure,
+    spectra: &[ModalSpectra],
+    air: &Air,
+) -> Result<SourceSpectrum, Error> {
+    if design.support.kind == SupportKind::Sandbox {
+        return Ok(flush_top(design, &structure.workpiece, &spectra[0], air)?.spectrum);
+    }
+    let mut parts = Vec::new();
+    for (body, spectrum) in structure.bodies().zip(spectra) {
+        let surface = radiating(body, |patch, p| is_hidden(design, body, patch, p))?;
+        parts.push(radiated_energy(body.name, &Erp::new(&surface, air), spectrum)?);
+    }
+    let mut source = SourceSpectrum::sum("workpiece", "ERP", &parts);
+    source.range_hz = spectra[0].range_hz;
+    Ok(source)
+}
+
+/// Whether a face of a free-standing body lies on another one.
+fn is_hidden(design: &Design, body: &Body, patch: &str, p: &Point3<f64>) -> bool {
+    let half = [0.5 * design.workpiece.length, 0.5 * design.workpiece.width];
+    match patch {
+        "bottom" | "floor" => true,
+        _ if patch.ends_with("_slave") => true, // tied to another face
+        "top" => body.name == "worktable" && p.x.abs() < half[0] && p.y.abs() < half[1],
+        _ => false,
     }
 }
 
 /// ERP of block and table. Where they face each other, under the table's feet and at welds, no sound gets out.
 fn free_standing(design: &Design, structure: &Structure, spectra: &[ModalSpectra], air: &Air) -> Result<Sound, Error> {
-    let half = [0.5 * design.workpiece.length, 0.5 * design.workpiece.width];
     let (mut parts, mut signals) = (Vec::new(), Vec::new());
     for (body, spectrum) in structure.bodies().zip(spectra) {
-        let hidden = |patch: &str, p: &Point3<f64>| match patch {
-            "bottom" | "floor" => true,
-            _ if patch.ends_with("_slave") => true, // tied to another face
-            "top" => body.name == "worktable" && p.x.abs() < half[0] && p.y.abs() < half[1],
-            _ => false,
-        };
-        let surface = radiating(body, hidden)?;
+        let surface = radiating(body, |patch, p| is_hidden(design, body, patch, p))?;
         let erp = Erp::new(&surface, air);
         let part = radiated_energy(body.name, &erp, spectrum)?;
         signals.push((body.name, radiated_signals(&erp, spectrum, &part)?));

@@ -11,7 +11,8 @@ use nalgebra::{DMatrix, DVector};
 use super::bodies::{Body, Structure, WORKPIECE_LOADS};
 use super::coupling::{Coupled, couple};
 use super::cycle_settings;
-use super::shank;
+use super::starts::open_gaps;
+use super::{shank, sides};
 use crate::design::{Design, SupportKind};
 use crate::error::Error;
 use crate::result::Check;
@@ -23,14 +24,19 @@ const LOADS: usize = WORKPIECE_LOADS + 1;
 ///
 /// # Errors
 /// Those of the cycle, of the transient solver, and that they do not agree.
-pub(super) fn coupled(design: &Design, structure: &Structure, parameters: &Parameters) -> Result<Coupled, Error> {
+pub(super) fn coupled(
+    design: &Design,
+    structure: &Structure,
+    parameters: &Parameters,
+    start: u32,
+) -> Result<Coupled, Error> {
     let bodies: Vec<ModalBody> = structure.bodies().map(modal_body).collect();
     couple(
         parameters,
         design.wood.friction_share,
         &cycle_settings(design),
         &bodies,
-        &supports(design, structure)?,
+        &supports(design, structure, start)?,
         &settings(design),
     )
 }
@@ -44,13 +50,13 @@ pub(super) fn response(
     structure: &Structure,
     parameters: &Parameters,
     record: &CycleRecord,
-    force_scale: f64,
+    (force_scale, start): (f64, u32),
 ) -> Result<ModalResponse, Error> {
     let bodies: Vec<ModalBody> = structure.bodies().map(modal_body).collect();
     let loads = loads(design, parameters, record, force_scale)?;
     Ok(respond(
         &bodies,
-        &supports(design, structure)?,
+        &supports(design, structure, start)?,
         &loads,
         &settings(design),
     )?)
@@ -80,9 +86,10 @@ fn modal_body(body: &Body) -> ModalBody {
 }
 
 /// Springs and dashpots of the contact cells between the block and what it stands on.
-fn supports(design: &Design, structure: &Structure) -> Result<Vec<Support>, Error> {
+fn supports(design: &Design, structure: &Structure, start: u32) -> Result<Vec<Support>, Error> {
     let (stiffness, dashpot, bonded) = match design.support.kind {
-        SupportKind::Worktable => {
+        SupportKind::Clamped => return Ok(Vec::new()),
+        SupportKind::Worktable | SupportKind::Floor => {
             let c = &design.support.contact;
             let dashpot = contact_dashpot(c.stiffness_per_area, c.loss_ratio, c.loss_frequency);
             (c.stiffness_per_area, dashpot, c.bonded)
@@ -105,7 +112,10 @@ fn supports(design: &Design, structure: &Structure) -> Result<Vec<Support>, Erro
         gap: 0.0,
         law,
     };
-    Ok(structure.grid.areas.iter().map(cell).collect())
+    let mut supports: Vec<Support> = structure.grid.areas.iter().map(cell).collect();
+    supports.extend(sides::supports(design)?);
+    open_gaps(&mut supports, start);
+    Ok(supports)
 }
 
 /// Loads of the shot: the nail's stations, the nose with the guard spring, gravity.
