@@ -26,6 +26,7 @@ group! {
         support: Support,
         body: Body,
         ambient: Ambient,
+        acoustics: Acoustics,
         analysis: Analysis,
         model: Model,
     }
@@ -640,11 +641,22 @@ group! {
     }
 }
 
+choice! {
+    /// What of the tool body sounds.
+    BodyModel {
+        /// Its rigid motion and the vibration of its housing, from finite elements.
+        Elastic = "elastic",
+        /// Its rigid motion alone.
+        Rigid = "rigid",
+    }
+}
+
 group! {
     /// Tool body: barrel with cap on a hollow nose, hollow handle, coil-magazine can, cylinder sleeve; z up from the nose's
-    /// tip, the handle along +x. `run` takes the outer dimensions (the air it displaces); `modes`, `mesh` and `check` with
-    /// `--body tool` take all.
+    /// tip, the handle along +x. A rigid one takes part in `run` with its outer dimensions, the air it displaces, alone.
     Body {
+        /// What of it sounds: rigid motion and vibration, or rigid motion alone, a lower bound.
+        model: BodyModel = BodyModel::KIND, "";
         /// Outer radius of the barrel.
         barrel_radius: f64 = positive(LENGTH), "";
         /// Wall of the barrel, its floor and its roof.
@@ -708,6 +720,8 @@ group! {
         /// Mesh (.msh) or geometry (.step) in place of all of this, in the same axes; parts named `housing`, `nose` and
         /// `sleeve` take their materials, a mesh with one part alone takes that of the housing; masses are lumped on the
         /// surfaces `nose_tip`, `magazine` and `seat`; the nodes of a surface `NAME_slave` follow those of `NAME_master`.
+        /// Forces of the shot act on `cap`, `seat`, `bumper_seat`, `gas_bore`, `nose_tip` and `handle`, and where there are
+        /// such, gas on `supply`, `plenum`, `sleeve_outside` and `barrel_inside`.
         mesh: &'static str = Kind::File, "";
         /// Length of one unit of that file.
         mesh_unit: f64 = positive(LENGTH), "";
@@ -737,6 +751,33 @@ group! {
     }
 }
 
+choice! {
+    /// How the radiation of the workpiece on a worktable is computed; in sand it is always Rayleigh's integral.
+    RadiationMethod {
+        /// Boundary elements on block and table as one surface above the floor.
+        Bem = "bem",
+        /// Equivalent radiated power: radiation efficiency 1.
+        Erp = "erp",
+    }
+}
+
+group! {
+    /// Radiation of vibrating surfaces.
+    Acoustics {
+        /// Radiation of the workpiece on a worktable.
+        method: RadiationMethod = RadiationMethod::KIND, "";
+        /// Highest frequency of the boundary elements; above it radiation efficiency is 1.
+        bem_top: f64 = positive(FREQUENCY), "";
+        /// Least number of panels per wavelength of sound.
+        bem_panels: f64 = positive(NUMBER), "";
+        /// Largest interpolation error of an entry R_ij of the radiation matrix over frequency, relative to
+        /// sqrt(R_ii R_jj).
+        bem_tolerance: f64 = positive(NUMBER), "";
+        /// Whether radiation damps the modes of workpiece and support.
+        radiation_damping: bool = Kind::Switch, "";
+    }
+}
+
 group! {
     /// What is computed: frequency ranges, meshes, steps and tolerances.
     Analysis {
@@ -748,7 +789,7 @@ group! {
         workpiece_top: f64 = positive(FREQUENCY), "";
         /// Top frequency of the worktable's modes that take part.
         worktable_top: f64 = positive(FREQUENCY), "";
-        /// Top frequency of the tool body's modes (`modes`, `mesh` and `check` with `--body tool`).
+        /// Top frequency of the tool body's modes that take part.
         body_top: f64 = positive(FREQUENCY), "";
         /// Top frequency of the exhaust.
         exhaust_top: f64 = positive(FREQUENCY), "";

@@ -7,7 +7,7 @@ use nailnoise_meshes::vtu::{Field, write_mesh, write_series, write_surface};
 use nalgebra::DMatrix;
 
 use crate::error::Error;
-use crate::pipeline::{Body, Run};
+use crate::pipeline::{Body, Driven, Run};
 
 /// Octave bands of the velocity fields: k of the mid-band frequencies 1000 G^k Hz, G = 10^0.3 (IEC 61260-1, base ten), and
 /// their nominal values \[Hz\].
@@ -37,7 +37,7 @@ const REFERENCE: f64 = 50e-9 * 50e-9;
 /// with v the velocity vector, from the coherent sum of all modes; no lower than 60 dB below the highest point.
 pub(super) fn write(folder: &Path, run: &Run) -> Result<(), Error> {
     super::create(folder)?;
-    for (body, spectra) in run.structure.bodies().zip(&run.spectra) {
+    for Driven { body, spectra, .. } in run.driven() {
         let bands: Vec<(String, Vec<f64>)> = OCTAVES
             .iter()
             .filter_map(|&(k, nominal)| {

@@ -5,11 +5,11 @@
 use nailnoise_fem::supports::{ContactGrid, GridRule};
 use nailnoise_fem::{ModalBasis, ModalSettings, System, assemble_with, modes};
 use nailnoise_meshes::{Mesh, Surface};
-use nalgebra::{DMatrix, DVector, Point3};
+use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
 use super::geometry::{BodyKind, Geometry, added_mass};
 use super::pattern::{Pattern, Rectangle};
-use super::{shank, sides};
+use super::{shank, sides, tool_loads};
 use crate::cache::{Cache, Key};
 use crate::design::{Design, SupportKind};
 use crate::error::Error;
@@ -33,6 +33,8 @@ pub struct Body {
     pub loss_factor: f64,
     /// Frequency up to which the body's motion is part of the result \[Hz\].
     pub top_hz: f64,
+    /// Modal momentum of the body as it rises at unit speed, Phi^T M (0, 0, 1) \[kg^1/2\].
+    pub lift: DVector<f64>,
     /// Modal force of gravity \[N kg^-1/2\].
     pub weight: DVector<f64>,
     /// Generalised displacement of each load, downwards positive: modes x loads.
@@ -127,6 +129,21 @@ pub fn table(design: &Design, cache: &Cache) -> Result<Body, Error> {
     .solve(design, cache)
 }
 
+/// The tool's body, free, with what drives it; its loads are in the order of [`tool_loads::patterns`].
+///
+/// # Errors
+/// As [`Geometry::of`] and [`tool_loads::patterns`], and those of the modal solution.
+pub fn tool_body(design: &Design, cache: &Cache) -> Result<Body, Error> {
+    let geometry = Geometry::of(design, BodyKind::Tool, false)?;
+    let loads = tool_loads::patterns(design, &geometry.mesh)?;
+    Model {
+        geometry,
+        loads,
+        contacts: Vec::new(),
+    }
+    .solve(design, cache)
+}
+
 /// The modes of any body alone, without what drives it.
 ///
 /// # Errors
@@ -203,11 +220,12 @@ impl Model {
         ));
         let (basis, lift) = cache.get_or(&format!("modes of the {}", kind.name()), key, || {
             let system = assemble_with(&mesh, &materials, &constraints, &attachments)?;
-            Ok::<_, Error>((modes(&system, &settings)?, upward_momentum(&system)?))
+            Ok::<_, Error>((modes(&system, &settings)?, upward_momentum(&system)))
         })?;
         let shapes = basis.all_shapes();
         let omega = basis.all_hz().iter().map(|hz| std::f64::consts::TAU * hz).collect();
-        let weight = shapes.tr_mul(&DVector::from_vec(lift)) * -design.ambient.gravity;
+        let lift = shapes.tr_mul(&DVector::from_vec(lift));
+        let weight = &lift * -design.ambient.gravity;
         let participation = |patterns: &[Pattern]| {
             let columns: Vec<_> = patterns.iter().map(|pattern| pattern.of_modes(&shapes)).collect();
             if columns.is_empty() {
@@ -225,6 +243,7 @@ impl Model {
             omega,
             loss_factor,
             top_hz,
+            lift,
             weight,
             loads,
             contacts,
@@ -234,21 +253,19 @@ impl Model {
     }
 }
 
-/// M (0, 0, 1), the momentum of all degrees of freedom when every node moves upwards at unit speed \[kg\].
-fn upward_momentum(system: &System) -> Result<Vec<f64>, Error> {
-    let mut field = DMatrix::zeros(system.equations.dofs(), 1);
-    for dof in (2..field.nrows()).step_by(3) {
-        field[dof] = 1.0;
-    }
-    let velocity = system.equations.restrict(&field)?;
-    let mut momentum = DMatrix::zeros(velocity.nrows(), 1);
+/// M (0, 0, 1) on the free degrees of freedom, to be multiplied by the shapes: the momentum of everything, what is tied
+/// and lumped included, when it moves upwards at unit speed \[kg\].
+fn upward_momentum(system: &System) -> Vec<f64> {
+    let velocity = system.equations.translation(Vector3::z());
+    let mut momentum = vec![0.0; velocity.nrows()];
     for (row, column, &value) in system.mass.triplet_iter() {
         momentum[row] += value * velocity[column];
         if row != column {
             momentum[column] += value * velocity[row]; // only the lower triangle is stored
         }
     }
-    Ok(system.equations.expand(&momentum).column(0).iter().copied().collect())
+    let of_dof = |dof: usize| system.equations.equation(dof / 3, dof % 3).map_or(0.0, |e| momentum[e]);
+    (0..system.equations.dofs()).map(of_dof).collect()
 }
 
 impl Body {

@@ -4,12 +4,12 @@
 //! it comes down a little earlier here and later there, and rings differently. The response is computed for several such
 //! starts; their spread is part of the level's uncertainty.
 
-use nailnoise_acoustics::Air;
 use nailnoise_acoustics::levels::Weighting;
 use nailnoise_fem::transient::{ModalResponse, Support, SupportLaw};
 
 use super::bodies::Structure;
 use super::radiation;
+use super::radiator::Radiator;
 use crate::design::{Design, SupportKind};
 use crate::error::Error;
 use crate::result::{RankedSource, Starts};
@@ -46,7 +46,7 @@ pub(super) fn open_gaps(supports: &mut [Support], start: u32) {
 pub(super) fn starts(
     design: &Design,
     structure: &Structure,
-    air: &Air,
+    radiator: &Radiator,
     first: Option<f64>,
     mut response: impl FnMut(u32) -> Result<ModalResponse, Error>,
 ) -> Result<Option<Starts>, Error> {
@@ -62,7 +62,7 @@ pub(super) fn starts(
     let mut levels = vec![first];
     for start in 1..design.analysis.starts {
         let spectra = radiation::modal_spectra(design, structure, &response(start)?)?;
-        let spectrum = radiation::workpiece_energy(design, structure, &spectra, air)?;
+        let spectrum = radiation::workpiece_energy(design, radiator, &spectra)?;
         levels.extend(spectrum.level(range, Weighting::A));
     }
     let count = levels.len() as f64;

@@ -8,6 +8,7 @@
 //!
 //! R / omega² is what is sampled and interpolated: it stays finite at f = 0.
 
+mod archive;
 mod energy;
 mod erp;
 mod kernel;
@@ -21,8 +22,10 @@ mod sand;
 mod sphere;
 mod surface;
 
-pub use energy::{ModalSpectra, radiated_energy};
+pub use archive::{Archive, ArchiveReader, ArchiveWriter};
+pub use energy::{ModalSpectra, mode_energies, radiated_energy};
 pub use erp::Erp;
+pub(crate) use quadrature::gauss_legendre;
 pub use rayleigh::{Rayleigh, SecondEvaluation};
 pub use resistance::{ModalRadiation, Resistance};
 pub use roots::radiated_signals;
