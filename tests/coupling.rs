@@ -121,9 +121,13 @@ fn a_softer_support_takes_the_nail_less_deep() {
     );
 }
 
-/// The coarse design of the end-to-end tests with something changed.
+/// The coarse design of the end-to-end tests with a rigid tool and something changed.
 fn small(text: &str) -> Design {
-    Design::parse(&format!("base = \"small.toml\"\n{text}\n"), "tests/data/over.toml").unwrap()
+    Design::parse(
+        &format!("base = \"small.toml\"\nbody.model = \"rigid\"\n{text}\n"),
+        "tests/data/over.toml",
+    )
+    .unwrap()
 }
 
 fn run(text: &str) -> Run {
