@@ -29,6 +29,9 @@ pub struct RunResult {
     /// What the structures do to the shot and its sound, against a lumped workpiece; absent from a one-way run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coupling: Option<Coupling>,
+    /// Scatter of the workpiece's level over several starts; absent from a run with one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub starts: Option<Starts>,
     /// What the design's sensors measure, by name.
     pub sensors: Vec<SensorLevel>,
     /// Checks of every stage.
@@ -298,6 +301,17 @@ pub struct Coupling {
     pub levels: Vec<LevelChange>,
     /// How cycle and structure found each other.
     pub work: nailnoise_dynamics::CouplingWork,
+}
+
+/// Levels of the workpiece for starts that differ by gaps of 1 um under the block.
+#[derive(Debug, Clone, Serialize)]
+pub struct Starts {
+    /// A-weighted single-event level of each start, that of the run first \[dB re 1 pW s\].
+    pub lwa_db: Vec<f64>,
+    /// Their mean \[dB re 1 pW s\].
+    pub mean_lwa_db: f64,
+    /// Their standard deviation \[dB\].
+    pub deviation_db: f64,
 }
 
 /// One event in both runs.

@@ -1,8 +1,9 @@
 //! The two-way coupled run: what it must reproduce, keep and say.
 #![allow(clippy::unwrap_used)]
 
+use nailnoise::cache::Cache;
 use nailnoise::design::{Coupling, Design};
-use nailnoise::pipeline::{COUPLED_LOADS, Coupled, couple, cycle_settings, parameters};
+use nailnoise::pipeline::{self, COUPLED_LOADS, Coupled, Options, Run, Silent, couple, cycle_settings, parameters};
 use nailnoise_dynamics::{Geometry, Parameters, simulate};
 use nailnoise_fem::transient::{ModalBody, Settings, Support, SupportLaw};
 use nalgebra::DMatrix;
@@ -117,5 +118,106 @@ fn a_softer_support_takes_the_nail_less_deep() {
     assert!(
         depth(1.0) > depth(0.01),
         "a support that yields takes part of the drive"
+    );
+}
+
+/// The coarse design of the end-to-end tests with a rigid tool and something changed.
+fn small(text: &str) -> Design {
+    Design::parse(
+        &format!("base = \"small.toml\"\nbody.model = \"rigid\"\n{text}\n"),
+        "tests/data/over.toml",
+    )
+    .unwrap()
+}
+
+fn run(text: &str) -> Run {
+    pipeline::run(&small(text), Options::default(), &Cache::none(), &mut Silent).unwrap()
+}
+
+fn level(run: &Run, source: &str) -> f64 {
+    let source = run.result.ranking.iter().find(|ranked| ranked.source == source);
+    source.unwrap().lwa_db.unwrap()
+}
+
+#[test]
+fn every_support_carries_a_coupled_run_that_closes_its_balances() {
+    let kinds = [
+        "support.kind = \"worktable\"",
+        "support.kind = \"sandbox\"\nsupport.sand.side_contact = 0.5\nsupport.sand.added_mass = 0.2",
+        "support.kind = \"floor\"",
+        "support.kind = \"clamped\"",
+    ];
+    for kind in kinds {
+        let run = run(&format!("{kind}\nsupport.coupling = \"two-way\""));
+        // The coarse basis leaves more above its top than a level may lack; all that is kept must close.
+        let failed: Vec<_> = run.result.checks.iter().filter(|check| !check.ok).collect();
+        let only_missing = failed.iter().all(|check| check.name.contains("last octave"));
+        assert!(only_missing, "{kind}: {failed:?}");
+        let coupling = run.result.coupling.as_ref().unwrap();
+        assert_eq!(coupling.events.len(), 18, "{kind}");
+        assert_eq!(coupling.levels.last().unwrap().source, "total");
+        assert!(coupling.levels.iter().all(|level| level.one_way_lwa_db.is_some()));
+        assert!(coupling.work.mismatch < 1e-3, "{kind}: {:?}", coupling.work);
+    }
+}
+
+#[test]
+fn sand_at_the_sides_holds_the_block_and_sand_under_it_weighs_it_down() {
+    let sand = "support.kind = \"sandbox\"\nsupport.sand.bonded = true\n";
+    let rest = |run: &Run| run.response.start[0].displacement.clone();
+    let alone = run(sand);
+    let held = run(&format!("{sand}support.sand.side_contact = 0.5"));
+    let heavy = run(&format!("{sand}support.sand.added_mass = 0.3"));
+    let carried = |run: &Run, cells: std::ops::Range<usize>| -> f64 {
+        run.response
+            .contact_forces
+            .column(0)
+            .rows(cells.start, cells.len())
+            .sum()
+    };
+    let cells = 65;
+    let whole = carried(&alone, 0..cells);
+    assert_eq!(held.response.contact_forces.nrows(), cells + 3 * 40);
+    // The sides take a part of the static load off the base.
+    let base = carried(&held, 0..cells);
+    assert!(base < 0.9 * whole && base > 0.3 * whole, "{base} of {whole} N");
+    // Sand under the block adds inertia, not weight.
+    assert!((carried(&heavy, 0..cells) - whole).abs() < 1e-6 * whole);
+    assert_ne!(rest(&alone).len(), 0);
+    let peak = |run: &Run| {
+        run.result
+            .sensors
+            .iter()
+            .find(|s| s.name == "workpiece")
+            .map(|s| s.rms_g)
+    };
+    if let (Some(alone), Some(held)) = (peak(&alone), peak(&held)) {
+        assert!(held < alone, "held sides quieten the block: {held} {alone} g");
+    }
+    assert!(level(&heavy, "exhaust") == level(&alone, "exhaust"));
+}
+
+#[test]
+fn starts_scatter_and_widen_the_band() {
+    let one = run("");
+    let many = run("analysis.starts = 3");
+    assert!(one.result.starts.is_none());
+    let starts = many.result.starts.as_ref().unwrap();
+    assert_eq!(starts.lwa_db.len(), 3);
+    assert_eq!(starts.lwa_db[0], level(&one, "workpiece"), "the first start is the run");
+    assert_eq!(level(&many, "workpiece"), level(&one, "workpiece"));
+    assert!(starts.deviation_db > 0.0 && starts.deviation_db < 5.0, "{starts:?}");
+    let plus = |run: &Run| {
+        let ranked = run.result.ranking.iter().find(|ranked| ranked.source == "workpiece");
+        ranked.unwrap().uncertainty_db.plus.unwrap()
+    };
+    let expected = plus(&one).hypot(2.0 * starts.deviation_db);
+    assert!((plus(&many) - expected).abs() < 1e-12);
+    // A glued block has nothing to scatter.
+    assert!(
+        run("analysis.starts = 3\nsupport.contact.bonded = true")
+            .result
+            .starts
+            .is_none()
     );
 }

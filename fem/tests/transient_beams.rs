@@ -169,7 +169,7 @@ fn a_modal_sum_converges_to_the_full_matrices_marched_by_newmark() {
     let basis = modes(&system, &ModalSettings::below(12e3).with_loads(load.clone())).unwrap();
     let shapes = basis.all_shapes();
     let at = shapes.tr_mul(&load);
-    let (duration, fine) = (3e-3, 1e-6);
+    let (duration, fine) = (3e-3f64, 1e-6f64);
     let body = ModalBody {
         name: "beam".into(),
         omega: basis.all_hz().iter().map(|hz| 2.0 * PI * hz).collect(),

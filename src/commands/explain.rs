@@ -82,7 +82,7 @@ fn explain(design: &Design) -> Result<Explanation, Error> {
     let record = pipeline::cycle(design)?;
     let kinds: &[BodyKind] = match design.support.kind {
         SupportKind::Worktable => &[BodyKind::Workpiece, BodyKind::Worktable, BodyKind::Tool],
-        SupportKind::Sandbox => &[BodyKind::Workpiece, BodyKind::Tool],
+        SupportKind::Sandbox | SupportKind::Floor | SupportKind::Clamped => &[BodyKind::Workpiece, BodyKind::Tool],
     };
     let (mut bodies, mut obstacles) = (Vec::new(), Vec::new());
     for &kind in kinds {

@@ -185,6 +185,14 @@ fn text(result: &RunResult) -> String {
     }
     text.push_str("\n\n");
     text.push_str(&table(&headings, &rows));
+    if let Some(starts) = &result.starts {
+        text.push_str(&format!(
+            "\n  workpiece over {} starts: {:.1} dB, standard deviation {:.2} dB\n",
+            starts.lwa_db.len(),
+            starts.mean_lwa_db,
+            starts.deviation_db
+        ));
+    }
     if let Some(coupling) = &result.coupling {
         text.push_str(&coupled(coupling));
     }

@@ -634,6 +634,7 @@ fn support(v: &Values) -> Option<Conflict> {
                 })
                 .or_else(|| incompressible("support.sand.poisson_ratio", sand.poisson_ratio))
         }
+        SupportKind::Floor | SupportKind::Clamped => None,
     }
 }
 

@@ -473,6 +473,11 @@ choice! {
         Worktable = "worktable",
         /// The block lies in a sandbox, its top flush with the sand.
         Sandbox = "sandbox",
+        /// The block lies on a rigid floor, on the springs and dashpots of `support.contact`; soft and bonded ones hang it
+        /// free.
+        Floor = "floor",
+        /// The block's underside is held.
+        Clamped = "clamped",
     }
 }
 
@@ -585,7 +590,7 @@ group! {
 }
 
 group! {
-    /// Contact between block and worktable: unilateral points, p = max(0, k'' d + c'' d') for d > 0.
+    /// Contact between block and worktable or floor: unilateral points, p = max(0, k'' d + c'' d') for d > 0.
     BlockContact {
         /// Stiffness per area.
         stiffness_per_area: f64 = positive(STIFFNESS_PER_AREA), "k''";
@@ -625,6 +630,10 @@ group! {
         absorption_share: f64 = fraction(), "";
         /// Whether the block sticks to the sand (linear) or lifts off it.
         bonded: bool = Kind::Switch, "";
+        /// Share of the block's sides that the sand holds, with the springs and dashpots per area of its base.
+        side_contact: f64 = fraction(), "";
+        /// Sand that moves with the base, as a part of rho r_0 A; its weight rests in the sand.
+        added_mass: f64 = nonnegative(NUMBER), "";
         /// Whether the sand's surface around the block moves with it and radiates.
         moving_surface: bool = Kind::Switch, "";
         /// Highest frequency at which the sand's surface moves with the block.
@@ -805,6 +814,9 @@ group! {
         time_step: f64 = positive(TIME), "";
         /// Duration of the structural response from the trigger on.
         duration: f64 = positive(TIME), "";
+        /// Starts of the response, all but the first with gaps of 1 um between block and support: how far the level of a
+        /// block that bounces scatters. The levels are those of the first.
+        starts: u32 = Kind::Count, "";
         /// Latest end of the cycle's record.
         cycle_end: f64 = positive(TIME), "t_end";
         /// Record of the cycle after its last event.

@@ -7,11 +7,11 @@ use nailnoise_fem::{ModalBasis, ModalSettings, System, assemble_with, modes};
 use nailnoise_meshes::{Mesh, Surface};
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
-use super::geometry::{BodyKind, Geometry};
+use super::geometry::{BodyKind, Geometry, added_mass};
 use super::pattern::{Pattern, Rectangle};
-use super::{shank, tool_loads};
+use super::{shank, sides, tool_loads};
 use crate::cache::{Cache, Key};
-use crate::design::Design;
+use crate::design::{Design, SupportKind};
 use crate::error::Error;
 use crate::result::Check;
 
@@ -88,14 +88,30 @@ pub fn workpiece(design: &Design, cache: &Cache) -> Result<Body, Error> {
         height: thickness,
     };
     loads.push(Pattern::patch(mesh, "top", nose)?.reversed());
-    let contacts = contact_patterns(design, mesh, "bottom")?;
-    let contacts = contacts.iter().map(Pattern::reversed).collect(); // outward is down
-    Model {
+    let contacts = if design.support.kind == SupportKind::Clamped {
+        Vec::new()
+    } else {
+        let under = contact_patterns(design, mesh, "bottom")?;
+        let outward = under.iter().map(Pattern::reversed); // outward is down
+        outward.chain(sides::patterns(design, mesh)?).collect()
+    };
+    let mut body = Model {
         geometry,
         loads,
         contacts,
     }
-    .solve(design, cache)
+    .solve(design, cache)?;
+    if design.support.kind == SupportKind::Sandbox {
+        // Sand that moves with the base rests in the sand: its weight is not the block's.
+        let weight = design.ambient.gravity * added_mass(design)?;
+        let cells = contact_grid(design).areas;
+        let area: f64 = cells.iter().sum();
+        for (cell, cell_area) in cells.iter().enumerate() {
+            let share = body.contacts.column(cell) * (weight * cell_area / area);
+            body.weight -= share;
+        }
+    }
+    Ok(body)
 }
 
 /// The worktable, clamped at the floor.

@@ -1,14 +1,16 @@
 //! What the two-way coupling changed, event by event, figure by figure, level by level.
 
+use nailnoise_acoustics::levels::{SourceSpectrum, Weighting, energy_level};
 use nailnoise_dynamics::{CouplingWork, CycleRecord, Summary};
 
-use crate::result::{Coupling, EventChange, FigureChange, LevelChange, RankedSource, RunResult, Total};
+use crate::result::{Coupling, EventChange, FigureChange, LevelChange, RankedSource, Total};
 
-/// Compares a one-way run with the record and the levels of a two-way one.
+/// Compares record and sources of the one-way run with record and levels of the two-way one.
 pub(super) fn changes(
     work: CouplingWork,
-    (one_record, one): (&CycleRecord, &RunResult),
+    (one_record, one): (&CycleRecord, &[SourceSpectrum]),
     (two_record, ranking, total): (&CycleRecord, &[RankedSource], &Total),
+    range_hz: [f64; 2],
 ) -> Coupling {
     let (before, after) = (one_record.events.to_array(), two_record.events.to_array());
     let events = before.into_iter().zip(after).enumerate().skip(1);
@@ -20,11 +22,13 @@ pub(super) fn changes(
     let mut levels: Vec<LevelChange> = ranking
         .iter()
         .map(|source| {
-            let other = one.ranking.iter().find(|other| other.source == source.source);
-            level(&source.source, other.and_then(|other| other.lwa_db), source.lwa_db)
+            let other = one.iter().find(|other| other.source == source.source);
+            let other = other.and_then(|other| other.level(range_hz, Weighting::A));
+            level(&source.source, other, source.lwa_db)
         })
         .collect();
-    levels.push(level("total", one.total.lwa_db, total.lwa_db));
+    let energy = one.iter().map(|source| source.energy(range_hz, Weighting::A)).sum();
+    levels.push(level("total", energy_level(energy), total.lwa_db));
     Coupling {
         events: events
             .map(|(k, (one_way_s, two_way_s))| EventChange {

@@ -2,7 +2,7 @@
 
 use nailnoise_dynamics as dynamics;
 use nailnoise_dynamics::prf::{PenetrationLaw, ResistanceLaw};
-use nailnoise_fem::supports::{RectangularBase, Sand};
+use nailnoise_fem::supports::{RectangularBase, Sand, contact_dashpot};
 
 use super::cycle_settings;
 use crate::design::{self, Design, SupportKind};
@@ -235,12 +235,13 @@ impl From<&design::Wood> for ResistanceLaw {
     }
 }
 
-/// The support of the cycle's lumped workpiece. In sand it is the vertical foundation stiffness K_z and the radiation
+/// The support of the cycle's lumped workpiece: on a floor its contact as one spring and dashpot, in sand it is the vertical foundation stiffness K_z and the radiation
 /// dashpot rho V_La of the block's base.
 fn support(d: &Design) -> Result<dynamics::Support, Error> {
     use dynamics::SupportDamping;
     Ok(match d.support.kind {
-        SupportKind::Worktable => dynamics::Support {
+        // A block held at its foot is the spring k_ws = E A/L itself.
+        SupportKind::Worktable | SupportKind::Clamped => dynamics::Support {
             stiffness: d.support.worktable.stiffness,
             damping: SupportDamping::Ratio(d.support.worktable.damping_ratio),
         },
@@ -251,6 +252,15 @@ fn support(d: &Design) -> Result<dynamics::Support, Error> {
             dynamics::Support {
                 stiffness: base.stiffness(&sand).z,
                 damping: SupportDamping::Coefficient(sand.normal_dashpot() * base.area()),
+            }
+        }
+        SupportKind::Floor => {
+            let c = &d.support.contact;
+            let area = d.workpiece.length * d.workpiece.width;
+            let dashpot = contact_dashpot(c.stiffness_per_area, c.loss_ratio, c.loss_frequency);
+            dynamics::Support {
+                stiffness: c.stiffness_per_area * area,
+                damping: SupportDamping::Coefficient(dashpot * area),
             }
         }
     })

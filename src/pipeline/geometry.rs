@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use nailnoise_fem::supports::RectangularBase;
 use nailnoise_fem::{Attachments, Constraints, Coupling, LumpedMass, Material, Tie};
 use nailnoise_meshes::msh::{self, Imported};
 use nailnoise_meshes::{Block, Mesh, MeshError, Surface, Tool, block, gmsh, tool, tube_worktable, worktable};
@@ -241,7 +242,35 @@ fn workpiece(design: &Design) -> Result<Geometry, Error> {
     };
     let mut geometry = Geometry::new(BodyKind::Workpiece, imported, origin, top_hz, wood.loss_factor);
     geometry.materials = vec![material; geometry.mesh.part_names.len()];
+    match design.support.kind {
+        SupportKind::Clamped => geometry.constraints = Constraints::clamped(&geometry.mesh, "bottom")?,
+        SupportKind::Sandbox => geometry.attachments.masses.extend(added_sand(design)?),
+        SupportKind::Worktable | SupportKind::Floor => {}
+    }
     Ok(geometry)
+}
+
+/// Sand that moves with the base of a block, a thin layer under it.
+fn added_sand(design: &Design) -> Result<Option<LumpedMass>, Error> {
+    let (block, mass) = (&design.workpiece, added_mass(design)?);
+    if mass == 0.0 {
+        return Ok(None);
+    }
+    let (l2, b2) = (block.length.powi(2), block.width.powi(2));
+    Ok(Some(LumpedMass {
+        group: "bottom".to_owned(),
+        mass,
+        inertia: Matrix3::from_diagonal(&Vector3::new(b2, l2, l2 + b2)) * (mass / 12.0),
+        centre: Point3::origin(),
+        coupling: Coupling::Distributed,
+    }))
+}
+
+/// Mass of the sand that moves with a block's base, as a part of rho r_0 A \[kg\].
+pub(super) fn added_mass(design: &Design) -> Result<f64, Error> {
+    let (block, sand) = (&design.workpiece, &design.support.sand);
+    let base = RectangularBase::new(block.length, block.width)?;
+    Ok(sand.added_mass * sand.density * base.equivalent_radius() * base.area())
 }
 
 fn table(design: &Design) -> Result<Geometry, Error> {

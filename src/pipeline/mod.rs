@@ -23,11 +23,14 @@ mod response;
 mod sensors;
 mod settings;
 mod shank;
+mod sides;
 mod sound;
+mod starts;
 mod tool;
 mod tool_loads;
 
 use nailnoise_acoustics::Air;
+use nailnoise_acoustics::levels::Weighting;
 use nailnoise_acoustics::radiation::ModalSpectra;
 use nailnoise_dynamics::CycleRecord;
 use nailnoise_fem::transient::ModalResponse;
@@ -166,7 +169,7 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
             observer.stage("modes of the worktable");
             Some(timing.time("worktable modes", || table(design, cache))?)
         }
-        SupportKind::Sandbox => None,
+        SupportKind::Sandbox | SupportKind::Floor | SupportKind::Clamped => None,
     };
     let tool = match design.body.model {
         BodyModel::Elastic => {
@@ -197,14 +200,14 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
             observer.stage("response of workpiece and support");
             let force_scale = options.workpiece_force_scale;
             let response = timing.time("response", || {
-                response::response(design, &structure, added, &parameters, &record, force_scale)
+                response::response(design, &structure, added, &parameters, &record, (force_scale, 0))
             })?;
             (record, response, None)
         }
         None => {
             observer.stage("nailing cycle with workpiece and support");
             let both = timing.time("cycle and response", || {
-                response::coupled(design, &structure, added, &parameters)
+                response::coupled(design, &structure, added, &parameters, 0)
             })?;
             (both.record, both.response, Some((both.work, both.checks)))
         }
@@ -275,17 +278,51 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
     let coupling = match coupling {
         Some((work, _)) => {
             observer.stage("the same one way, to compare");
-            let mut one_way = design.clone();
-            one_way.support.coupling = Coupling::OneWay;
-            let other = timing.time("one way", || run(&one_way, options, cache, &mut Silent))?;
+            let (lumped, sources) = timing.time("one way", || {
+                let record = cycle(design)?;
+                let force = (options.workpiece_force_scale, 0);
+                let response = response::response(design, &structure, added, &parameters, &record, force)?;
+                let spectra = radiation::modal_spectra(design, &structure, &response)?;
+                let workpiece = radiation::workpiece_energy(design, &radiator, &spectra)?;
+                let body = match &tool {
+                    Some(_) => {
+                        let tool = Tool::new(design, tool_body(design, cache)?, &parameters, &record)?;
+                        tool.sound(design, &record, &air)?
+                    }
+                    None => radiation::rigid_tool(design, &record, &air)?,
+                };
+                let exhaust = exhaust::exhaust(design, &record, &air)?;
+                Ok::<_, Error>((record, [workpiece, exhaust.sound.spectrum, body.spectrum]))
+            })?;
             Some(changes::changes(
                 work,
-                (&other.record, &other.result),
+                (&lumped, &sources),
                 (&record, &ranking, &total),
+                range,
             ))
         }
         None => None,
     };
+    let starts = if design.analysis.starts > 1 {
+        observer.stage("other starts");
+        let first = workpiece.spectrum.level(range, Weighting::A);
+        timing.time("other starts", || {
+            starts::starts(design, &structure, &radiator, first, |start| {
+                match design.support.coupling {
+                    Coupling::OneWay => {
+                        let force = (options.workpiece_force_scale, start);
+                        response::response(design, &structure, added, &parameters, &record, force)
+                    }
+                    Coupling::TwoWay => Ok(response::coupled(design, &structure, added, &parameters, start)?.response),
+                }
+            })
+        })?
+    } else {
+        None
+    };
+    if let Some(starts) = &starts {
+        starts::widen(&mut ranking, starts);
+    }
     let result = RunResult {
         schema: SCHEMA,
         design: DesignId {
@@ -299,6 +336,7 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
         cycle: record.summary.clone(),
         events: record.events,
         coupling,
+        starts,
         sensors: sensors.iter().map(SensorRecord::level).collect(),
         checks,
         notes,

@@ -73,6 +73,13 @@ pub(super) fn notes(
             ));
         }
     }
+    if matches!(design.support.kind, SupportKind::Floor | SupportKind::Clamped) {
+        notes.push(
+            "workpiece alone, its underside hidden: radiated power is the ERP reference (radiation efficiency 1), an \
+             overestimate at low frequencies"
+                .to_owned(),
+        );
+    }
     for part in missing {
         notes.push(format!(
             "{} is absent above {:.0} Hz; its last octave continued would add {:.2} dB to the {}",

@@ -53,6 +53,32 @@ impl Pattern {
         Ok(Self::gathered(weights))
     }
 
+    /// Mean displacement along a direction of a rectangle with its own centre and sides on a face group.
+    ///
+    /// # Errors
+    /// [`MeshError::Outside`] when the rectangle is not wholly on the group.
+    pub(super) fn panel(
+        mesh: &Mesh,
+        group: &str,
+        (centre, sides): (Point3<f64>, [Vector3<f64>; 2]),
+        direction: Vector3<f64>,
+    ) -> Result<Self, MeshError> {
+        let rule = gauss_legendre(PATCH_POINTS)?;
+        let mut weights = Vec::new();
+        for &(eta, w_eta) in &rule {
+            for &(xi, w_xi) in &rule {
+                let point = centre + sides[0] * (0.5 * xi) + sides[1] * (0.5 * eta);
+                let place = mesh.locate_on(group, point, PLANE_TOLERANCE)?;
+                let share = 0.25 * w_xi * w_eta;
+                for (node, w) in place.nodes.iter().zip(&place.weights) {
+                    let along = (0..3).filter(|&axis| direction[axis] != 0.0);
+                    weights.extend(along.map(|axis| (3 * node + axis, share * w * direction[axis])));
+                }
+            }
+        }
+        Ok(Self::gathered(weights))
+    }
+
     /// Vertical displacement (z up) of a point inside the body.
     ///
     /// # Errors
@@ -253,6 +279,20 @@ mod tests {
         assert!((pattern.of_modes(&u)[0] - expected).abs() < 1e-12);
         assert!((pattern.reversed().of_modes(&u)[0] + expected).abs() < 1e-12);
         assert!((pattern.dense(u.nrows()).dot(&u.column(0)) - expected).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_panel_reads_a_linear_displacement_at_its_centre() {
+        let mesh = mesh();
+        let centre = Point3::new(0.2, 0.01, 0.05);
+        let sides = [Vector3::y() * 0.1, Vector3::z() * 0.06];
+        let pattern = Pattern::panel(&mesh, "x_max", (centre, sides), Vector3::new(0.0, -2.0, 1.0)).unwrap();
+        let u = DMatrix::from_fn(3 * mesh.nodes.len(), 1, |dof, _| {
+            let p = mesh.nodes[dof / 3];
+            [7.0, p.y + 2.0 * p.z, 3.0 * p.y][dof % 3]
+        });
+        let expected = -2.0 * (centre.y + 2.0 * centre.z) + 3.0 * centre.y;
+        assert!((pattern.of_modes(&u)[0] - expected).abs() < 1e-12);
     }
 
     #[test]

@@ -83,6 +83,19 @@ pub(super) fn workpiece(
     }
 }
 
+/// Energy of the workpiece with its support alone, without its course in time.
+pub(super) fn workpiece_energy(
+    design: &Design,
+    radiator: &Radiator,
+    spectra: &[ModalSpectra],
+) -> Result<SourceSpectrum, Error> {
+    match radiator {
+        Radiator::Bem(bem) => Ok(radiated_energy("workpiece", bem.as_ref(), &side_by_side(spectra))?),
+        Radiator::Erp(bodies) => Ok(free_standing(bodies, spectra)?.spectrum),
+        Radiator::Rayleigh(rayleigh) => Ok(flush_top(design, rayleigh, &spectra[0])?.spectrum),
+    }
+}
+
 /// Block and table as one radiating surface: what they move coherently interferes.
 fn standing(
     bem: &ModalBem,

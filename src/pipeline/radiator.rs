@@ -70,7 +70,9 @@ impl Radiator {
     ) -> Result<Self, Error> {
         match (design.support.kind, design.acoustics.method) {
             (SupportKind::Sandbox, _) => Ok(Self::Rayleigh(Box::new(flush_top(design, &structure.workpiece, air)?))),
-            (SupportKind::Worktable, RadiationMethod::Erp) => standing_erp(design, structure, air),
+            (SupportKind::Floor | SupportKind::Clamped, _) | (SupportKind::Worktable, RadiationMethod::Erp) => {
+                standing_erp(design, structure, air)
+            }
             (SupportKind::Worktable, RadiationMethod::Bem) => standing_bem(design, structure, air, cache, observer),
         }
     }

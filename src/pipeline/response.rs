@@ -11,7 +11,8 @@ use nalgebra::{DMatrix, DVector};
 use super::bodies::{Body, Structure, WORKPIECE_LOADS};
 use super::coupling::{Coupled, couple};
 use super::cycle_settings;
-use super::shank;
+use super::starts::open_gaps;
+use super::{shank, sides};
 use crate::design::{Design, SupportKind};
 use crate::error::Error;
 use crate::result::Check;
@@ -28,6 +29,7 @@ pub(super) fn coupled(
     structure: &Structure,
     radiation_damping: Option<&[Vec<f64>]>,
     parameters: &Parameters,
+    start: u32,
 ) -> Result<Coupled, Error> {
     let bodies = modal_bodies(structure, radiation_damping);
     couple(
@@ -35,7 +37,7 @@ pub(super) fn coupled(
         design.wood.friction_share,
         &cycle_settings(design),
         &bodies,
-        &supports(design, structure)?,
+        &supports(design, structure, start)?,
         &settings(design),
     )
 }
@@ -51,13 +53,13 @@ pub(super) fn response(
     radiation_damping: Option<&[Vec<f64>]>,
     parameters: &Parameters,
     record: &CycleRecord,
-    force_scale: f64,
+    (force_scale, start): (f64, u32),
 ) -> Result<ModalResponse, Error> {
     let bodies = modal_bodies(structure, radiation_damping);
     let loads = loads(design, parameters, record, force_scale)?;
     Ok(respond(
         &bodies,
-        &supports(design, structure)?,
+        &supports(design, structure, start)?,
         &loads,
         &settings(design),
     )?)
@@ -96,9 +98,10 @@ fn modal_body(body: &Body) -> ModalBody {
 }
 
 /// Springs and dashpots of the contact cells between the block and what it stands on.
-fn supports(design: &Design, structure: &Structure) -> Result<Vec<Support>, Error> {
+fn supports(design: &Design, structure: &Structure, start: u32) -> Result<Vec<Support>, Error> {
     let (stiffness, dashpot, bonded) = match design.support.kind {
-        SupportKind::Worktable => {
+        SupportKind::Clamped => return Ok(Vec::new()),
+        SupportKind::Worktable | SupportKind::Floor => {
             let c = &design.support.contact;
             let dashpot = contact_dashpot(c.stiffness_per_area, c.loss_ratio, c.loss_frequency);
             (c.stiffness_per_area, dashpot, c.bonded)
@@ -121,7 +124,10 @@ fn supports(design: &Design, structure: &Structure) -> Result<Vec<Support>, Erro
         gap: 0.0,
         law,
     };
-    Ok(structure.grid.areas.iter().map(cell).collect())
+    let mut supports: Vec<Support> = structure.grid.areas.iter().map(cell).collect();
+    supports.extend(sides::supports(design)?);
+    open_gaps(&mut supports, start);
+    Ok(supports)
 }
 
 /// Loads of the shot: the nail's stations, the nose with the guard spring, gravity.
