@@ -100,6 +100,8 @@ pub struct RankedSource {
     pub uncertainty_db: Uncertainty,
     /// The same quantity by an independent method, where there is one.
     pub cross_check: Option<CrossCheck>,
+    /// What stands beside the power of a vibrating surface, where boundary elements computed it.
+    pub radiation: Option<RadiationReport>,
     /// What the source radiates between neighbouring events; the energies sum to its own.
     pub intervals: Vec<IntervalLevel>,
 }
@@ -114,6 +116,107 @@ pub struct Uncertainty {
     pub plus: Option<f64>,
     /// Where the band comes from.
     pub basis: String,
+}
+
+/// Power of a vibrating surface by boundary elements, evaluated twice, beside that of radiation efficiency 1.
+#[derive(Debug, Clone, Serialize)]
+pub struct RadiationReport {
+    /// Where boundary elements give way to the limit of high frequencies: beginning and end of the blend \[Hz\].
+    pub join_hz: [f64; 2],
+    /// Frequencies at which the radiation matrix was computed.
+    pub frequencies: usize,
+    /// Largest interpolation error of an entry of the matrix, relative to sqrt(R_ii R_jj) \[-\].
+    pub interpolation_error: f64,
+    /// A-weighted level by the intensity on the surface less that by the far field, below the blend \[dB\]; null when
+    /// silent.
+    pub surface_difference_db: Option<f64>,
+    /// Level of the limit less that of the boundary elements in the last three bands below the blend, lowest and highest
+    /// \[dB\]: what the limit may be off above.
+    pub limit_error_db: [f64; 2],
+    /// A-weighted level of radiation efficiency 1 over the source's range \[dB re 1 pW s\]; null when silent.
+    pub erp_lwa_db: Option<f64>,
+    /// What each mode adds; the shares sum to one.
+    pub modes: Vec<ModeShare>,
+    /// One-third-octave bands.
+    pub bands: Vec<RadiationBand>,
+    /// What microphones around the device measure of it.
+    pub microphones: Option<MicrophoneReport>,
+}
+
+/// Sound power as EN 12549 measures it, at the nine positions of ISO 3744 on a parallelepiped around the device above a
+/// reflecting floor, beside the power that is radiated; within the boundary elements' range.
+#[derive(Debug, Clone, Serialize)]
+pub struct MicrophoneReport {
+    /// Half sides a and b and height c of the parallelepiped \[m\].
+    pub box_m: [f64; 3],
+    /// Its area S \[m2\].
+    pub area_m2: f64,
+    /// Frequencies over which both are compared \[Hz\].
+    pub range_hz: [f64; 2],
+    /// The microphones.
+    pub positions: Vec<MicrophoneLevel>,
+    /// A-weighted level by the microphones, mean L_E + 10 lg S \[dB re 1 pW s\]; null when silent.
+    pub lwa_db: Option<f64>,
+    /// Level of the power radiated over the same range \[dB re 1 pW s\].
+    pub true_lwa_db: Option<f64>,
+    /// One-third-octave bands, unweighted: by the microphones and radiated \[dB re 1 pW s\].
+    pub bands: Vec<MicrophoneBand>,
+    /// Error of the pressures' interpolation over frequency, relative to the loudest mode at a microphone \[-\].
+    pub interpolation_error: f64,
+    /// Pressure of a full-scale sample in the files of sound \[Pa\].
+    pub full_scale_pa: f64,
+}
+
+/// One microphone.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct MicrophoneLevel {
+    /// Place relative to the device's axis and the floor \[m\].
+    pub position_m: [f64; 3],
+    /// A-weighted sound exposure level \[dB re (20 uPa)2 s\]; null when silent.
+    pub lae_db: Option<f64>,
+    /// The same unweighted.
+    pub le_db: Option<f64>,
+    /// Largest magnitude of the pressure \[Pa\].
+    pub peak_pa: f64,
+}
+
+/// One band of a [`MicrophoneReport`].
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct MicrophoneBand {
+    /// Nominal mid-band frequency (IEC 61260-1) \[Hz\].
+    pub hz: f64,
+    /// By the microphones; null when silent.
+    pub lw_db: Option<f64>,
+    /// Radiated; null when silent.
+    pub true_lw_db: Option<f64>,
+}
+
+/// What a mode adds to the A-weighted energy of its source, twice the real part of conj(V_i) (R V)_i over the range.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct ModeShare {
+    /// `workpiece` or `worktable`.
+    pub body: &'static str,
+    /// Its number from 1; null for all static corrections together.
+    pub mode: Option<usize>,
+    /// Its frequency \[Hz\].
+    pub hz: Option<f64>,
+    /// Damping ratio that radiation adds to it \[-\]; null where radiation does not damp.
+    pub radiation_damping: Option<f64>,
+    /// Part of the source's A-weighted energy \[-\]; negative for a mode that takes sound from others.
+    pub share: f64,
+}
+
+/// One band of a [`RadiationReport`], unweighted \[dB re 1 pW s\]; null when silent.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct RadiationBand {
+    /// Nominal mid-band frequency (IEC 61260-1) \[Hz\].
+    pub hz: f64,
+    /// By the far field.
+    pub lw_db: Option<f64>,
+    /// By the intensity on the surface; null above the boundary elements' range.
+    pub surface_lw_db: Option<f64>,
+    /// With radiation efficiency 1.
+    pub erp_lw_db: Option<f64>,
 }
 
 /// Two methods for one quantity.

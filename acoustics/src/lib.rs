@@ -5,6 +5,7 @@
 //! Time factor e^{+j omega t}; spectra are one-sided; SI units throughout.
 
 mod air;
+pub mod bem;
 mod error;
 pub mod exhaust;
 pub mod fourier;

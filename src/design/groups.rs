@@ -26,6 +26,7 @@ group! {
         support: Support,
         body: Body,
         ambient: Ambient,
+        acoustics: Acoustics,
         analysis: Analysis,
         model: Model,
     }
@@ -738,6 +739,33 @@ group! {
         viscosity: f64 = positive(VISCOSITY), "mu";
         /// Acceleration of gravity.
         gravity: f64 = nonnegative(ACCELERATION), "g";
+    }
+}
+
+choice! {
+    /// How the radiation of the workpiece on a worktable is computed; in sand it is always Rayleigh's integral.
+    RadiationMethod {
+        /// Boundary elements on block and table as one surface above the floor.
+        Bem = "bem",
+        /// Equivalent radiated power: radiation efficiency 1.
+        Erp = "erp",
+    }
+}
+
+group! {
+    /// Radiation of vibrating surfaces.
+    Acoustics {
+        /// Radiation of the workpiece on a worktable.
+        method: RadiationMethod = RadiationMethod::KIND, "";
+        /// Highest frequency of the boundary elements; above it radiation efficiency is 1.
+        bem_top: f64 = positive(FREQUENCY), "";
+        /// Least number of panels per wavelength of sound.
+        bem_panels: f64 = positive(NUMBER), "";
+        /// Largest interpolation error of an entry R_ij of the radiation matrix over frequency, relative to
+        /// sqrt(R_ii R_jj).
+        bem_tolerance: f64 = positive(NUMBER), "";
+        /// Whether radiation damps the modes of workpiece and support.
+        radiation_damping: bool = Kind::Switch, "";
     }
 }
 

@@ -32,6 +32,41 @@ pub const EVENT_NAMES: [&str; 19] = [
     "piston at rest on the stopper",
 ];
 
+/// `radiation.csv`: one-third-octave bands of the workpiece by the far field, by the surface and with radiation
+/// efficiency 1; none where no boundary elements were used.
+pub(super) fn radiation(result: &RunResult) -> Option<String> {
+    let report = result.ranking.iter().find_map(|source| source.radiation.as_ref())?;
+    let mut text = String::from("band [Hz],far field L_W [dB],surface L_W [dB],radiation efficiency 1 L_W [dB]\n");
+    for band in &report.bands {
+        let levels = [band.lw_db, band.surface_lw_db, band.erp_lw_db].map(|level| optional(level, 3));
+        let _ = writeln!(text, "{},{}", band.hz, levels.join(","));
+    }
+    Some(text)
+}
+
+/// `radiation-modes.csv`: what each mode adds to the A-weighted energy of the workpiece, and how radiation damps it.
+pub(super) fn radiation_modes(result: &RunResult) -> Option<String> {
+    let report = result.ranking.iter().find_map(|source| source.radiation.as_ref())?;
+    let mut text =
+        String::from("body,mode,frequency [Hz],radiation damping ratio [-],share of A-weighted energy [-]\n");
+    for m in &report.modes {
+        let number = m
+            .mode
+            .map_or_else(|| "static corrections".to_owned(), |mode| mode.to_string());
+        let damping = m
+            .radiation_damping
+            .map_or_else(String::new, |ratio| format!("{ratio:.3e}"));
+        let _ = writeln!(
+            text,
+            "{},{number},{},{damping},{:.4e}",
+            m.body,
+            optional(m.hz, 2),
+            m.share
+        );
+    }
+    Some(text)
+}
+
 /// `levels.csv`: one-third-octave bands by sources, unweighted; then the A-weighted total of each. The header tells how
 /// each source was computed. Silence is empty.
 pub(super) fn levels(result: &RunResult) -> String {
@@ -172,6 +207,6 @@ pub(super) fn histories(record: &CycleRecord) -> String {
     text
 }
 
-fn optional(value: Option<f64>, decimals: usize) -> String {
+pub(super) fn optional(value: Option<f64>, decimals: usize) -> String {
     value.map_or_else(String::new, |value| format!("{value:.decimals$}"))
 }

@@ -3,6 +3,7 @@
 mod columns;
 mod csv;
 mod fields;
+mod microphones;
 mod motion;
 mod sensors;
 mod shot;
@@ -19,8 +20,12 @@ use crate::pipeline::{Body, Run};
 pub use columns::{Column, columns};
 pub use csv::EVENT_NAMES;
 
+/// Opens the fields of a run in ParaView.
+const PARAVIEW: &str = include_str!("paraview.py");
+
 /// Writes everything a run leaves behind to `folder`: `result.json`, `levels.csv`, `intervals.csv`, `power.csv`,
-/// `events.csv`, `log.csv`, `histories.csv`, `fields/*`, and where the design has sensors `sensors.csv`,
+/// `events.csv`, `log.csv`, `histories.csv`, `fields/*`, `paraview.py`, where boundary elements were used `radiation.csv`,
+/// `radiation-modes.csv`, `microphones.csv` and `microphones/*.wav`, and where the design has sensors `sensors.csv`,
 /// `sensors-spectrum.csv` and `sensors.uff`.
 ///
 /// # Errors
@@ -30,11 +35,19 @@ pub fn write_run(folder: &Path, run: &Run) -> Result<(), Error> {
     let mut json = serde_json::to_vec_pretty(&run.result).map_err(Error::Json)?;
     json.push(b'\n');
     write(&folder.join("levels.csv"), csv::levels(&run.result).as_bytes())?;
+    if let Some(text) = csv::radiation(&run.result) {
+        write(&folder.join("radiation.csv"), text.as_bytes())?;
+    }
+    if let Some(text) = csv::radiation_modes(&run.result) {
+        write(&folder.join("radiation-modes.csv"), text.as_bytes())?;
+    }
     write(&folder.join("intervals.csv"), csv::intervals(&run.result).as_bytes())?;
     write(&folder.join("power.csv"), csv::power(run).as_bytes())?;
     sensors::write(folder, run)?;
+    microphones::write(folder, run)?;
     fields::write(&folder.join("fields"), run)?;
     shot::write(&folder.join("fields"), run)?;
+    write(&folder.join("paraview.py"), PARAVIEW.as_bytes())?;
     // Last, so that a folder with a result has all the rest of it.
     write(&folder.join("result.json"), &json)
 }

@@ -169,6 +169,7 @@ pub(super) fn exhaust(design: &Design, record: &CycleRecord, air: &Air) -> Resul
                 other: "IEC 60534-8-3",
                 other_lw_db: cross_check_lw,
             }),
+            radiation: None,
         },
         cross_check_lw,
         jets_lw,

@@ -65,9 +65,19 @@ fn of_part(
         return None;
     }
     let total = whole.energy([design.analysis.range_low, high], Weighting::A);
-    let found = whole.contributions.iter().find(|part| part.name == name);
+    // Parts are bodies, or patches named after their body.
+    let belongs = |part: &str| part == name || part.strip_prefix(name).is_some_and(|rest| rest.starts_with(' '));
+    let mut found = whole.contributions.iter().filter(|part| belongs(&part.name)).peekable();
+    let energy_density = if found.peek().is_none() {
+        whole.energy_density.clone()
+    } else {
+        found.fold(vec![0.0; whole.energy_density.len()], |mut sum, part| {
+            sum.iter_mut().zip(&part.energy_density).for_each(|(sum, e)| *sum += e);
+            sum
+        })
+    };
     let spectrum = SourceSpectrum {
-        energy_density: found.map_or(&whole.energy_density, |part| &part.energy_density).clone(),
+        energy_density,
         contributions: Vec::new(),
         ..whole.clone()
     };

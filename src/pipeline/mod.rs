@@ -9,13 +9,16 @@ mod cycle;
 mod exhaust;
 mod geometry;
 mod intervals;
+mod microphones;
 mod missing;
 mod notes;
 mod outside;
 mod pattern;
 mod preset;
 mod radiation;
+mod radiator;
 mod ranking;
+mod report;
 mod response;
 mod sensors;
 mod settings;
@@ -35,10 +38,14 @@ pub use cycle::{cycle, parameters};
 pub use exhaust::exhaust_openings;
 pub use geometry::{BodyKind, Geometry, Origin, import, needs_gmsh, tool_dimensions};
 pub use intervals::SoundPower;
+pub use microphones::Microphones;
+pub(crate) use microphones::SAMPLE_RATE;
 pub use preset::{Preset, cycle_as_published};
 pub use sensors::SensorRecord;
 pub use settings::cycle_settings;
 pub use tool::{Stiffness, Tool};
+
+use radiator::Radiator;
 
 use crate::cache::Cache;
 use crate::design::{BodyModel, Coupling, Design, SupportKind};
@@ -97,6 +104,8 @@ pub struct Run {
     pub screech: Vec<Option<f64>>,
     /// What the design's sensors record, by name.
     pub sensors: Vec<SensorRecord>,
+    /// What microphones around the device hear of workpiece and support; none where no boundary elements were used.
+    pub microphones: Option<Microphones>,
 }
 
 impl Run {
@@ -135,7 +144,7 @@ impl Default for Options {
 
 /// Predicts and ranks the sound power of a design's sources.
 ///
-/// Modes that `cache` holds are not computed again; the result is the same.
+/// Modes and radiation matrices that `cache` holds are not computed again; the result is the same.
 ///
 /// # Errors
 /// [`Error`] of the stage that could not be computed.
@@ -165,26 +174,36 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
         }
         BodyModel::Rigid => None,
     };
-    cache.take_notes().iter().for_each(|note| observer.note(note));
     let structure = Structure {
         workpiece: block,
         worktable,
         grid: bodies::contact_grid(design),
     };
+    observer.stage("radiation matrices");
+    let air = Air::at(design.ambient.temperature, design.ambient.pressure)?;
+    let radiator = timing.time("radiation matrices", || {
+        Radiator::new(design, &structure, &air, cache, observer)
+    })?;
+    cache.take_notes().iter().for_each(|note| observer.note(note));
+    let damping = design
+        .acoustics
+        .radiation_damping
+        .then(|| timing.time("radiation damping", || radiator.damping(&structure)));
+    let added = damping.as_deref();
     let parameters = parameters(design)?;
     let (record, response, coupling) = match lumped {
         Some(record) => {
             observer.stage("response of workpiece and support");
             let force_scale = options.workpiece_force_scale;
             let response = timing.time("response", || {
-                response::response(design, &structure, &parameters, &record, force_scale)
+                response::response(design, &structure, added, &parameters, &record, force_scale)
             })?;
             (record, response, None)
         }
         None => {
             observer.stage("nailing cycle with workpiece and support");
             let both = timing.time("cycle and response", || {
-                response::coupled(design, &structure, &parameters)
+                response::coupled(design, &structure, added, &parameters)
             })?;
             (both.record, both.response, Some((both.work, both.checks)))
         }
@@ -194,11 +213,18 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
         .transpose()?;
     let sensors = timing.time("sensors", || sensors::sensors(design, &structure, &response, &record))?;
     observer.stage("radiation");
-    let air = Air::at(design.ambient.temperature, design.ambient.pressure)?;
     let spectra = timing.time("modal spectra", || {
         radiation::modal_spectra(design, &structure, &response)
     })?;
-    let workpiece = timing.time("radiation", || radiation::workpiece(design, &structure, &spectra, &air))?;
+    let mut workpiece = timing.time("radiation", || {
+        radiation::workpiece(design, &structure, &radiator, added, &spectra)
+    })?;
+    let microphones = timing.time("microphones", || {
+        microphones::microphones(design, &radiator, &spectra, &workpiece.spectrum, response.duration())
+    })?;
+    if let Some(report) = &mut workpiece.radiation {
+        report.microphones = microphones.as_ref().map(|m| m.report.clone());
+    }
     let body = timing.time("body", || match &tool {
         Some(tool) => tool.sound(design, &record, &air),
         None => radiation::rigid_tool(design, &record, &air),
@@ -212,7 +238,15 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
         tool.as_ref()
             .and_then(|tool| missing::above_tool_top(design, tool, &body.spectrum)),
     );
-    let notes = notes::notes(design, &record, &response, &exhaust, &missing, tool.as_ref());
+    let notes = notes::notes(
+        design,
+        &record,
+        &response,
+        &workpiece,
+        &exhaust,
+        &missing,
+        tool.as_ref(),
+    );
     notes.iter().for_each(|note| observer.note(note));
     let sounds = [&workpiece, &exhaust.sound, &body];
     let (mut ranking, total) = ranking::rank(&sounds, range);
@@ -227,12 +261,13 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
     let mut checks: Vec<Check> = record.checks.iter().map(Check::from).collect();
     structure.bodies().for_each(|body| checks.extend(body.checks()));
     checks.extend(response::checks(&response));
+    checks.extend(coupling.iter().flat_map(|(_, checks)| checks.clone()));
     if let Some(tool) = &tool {
         checks.extend(tool.body.checks());
         checks.extend(tool.checks.iter().cloned());
     }
-    checks.extend(coupling.iter().flat_map(|(_, checks)| checks.clone()));
     checks.extend(missing.iter().map(missing::Missing::check));
+    checks.extend(workpiece.radiation.as_ref().and_then(report::check));
     checks.extend(ranking::checks(&ranking, &total));
     checks.extend(interval_checks);
     checks.push(exhaust.check());
@@ -278,5 +313,6 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
         powers,
         screech: exhaust.screech,
         sensors,
+        microphones,
     })
 }

@@ -5,14 +5,32 @@ use nailnoise_fem::transient::{Ending, ModalResponse};
 
 use super::exhaust::Exhaust;
 use super::missing::Missing;
+use super::sound::Sound;
 use super::tool::Tool;
 use crate::design::{Design, MufflerKind, SupportKind};
+use crate::result::RadiationReport;
+
+/// How far the radiation of the workpiece is from what it is compared with.
+fn radiation_note(preset: &str, report: &RadiationReport) -> String {
+    let decibels = |level: Option<f64>| level.map_or_else(|| "none".to_owned(), |level| format!("{level:.1} dB"));
+    let difference = report.surface_difference_db.unwrap_or(0.0);
+    let [least, most] = report.limit_error_db;
+    format!(
+        "workpiece on worktable {preset}: boundary elements at {} frequencies up to {:.0} Hz (surface {difference:+.2} dB to \
+         the far field), radiation efficiency 1 above, {least:+.1} to {most:+.1} dB off in the last three bands below; \
+         over all bands it would give {}",
+        report.frequencies,
+        report.join_hz[1],
+        decibels(report.erp_lwa_db),
+    )
+}
 
 /// Notes on one run, most important first.
 pub(super) fn notes(
     design: &Design,
     record: &CycleRecord,
     response: &ModalResponse,
+    workpiece: &Sound,
     exhaust: &Exhaust,
     missing: &[Missing],
     tool: Option<&Tool>,
@@ -26,10 +44,13 @@ pub(super) fn notes(
     }];
     if design.support.kind == SupportKind::Worktable {
         let preset = design.support.worktable.preset.as_str();
-        notes.push(format!(
-            "workpiece on worktable {preset}: radiated power is the ERP reference (radiation efficiency 1), an \
-             overestimate at low frequencies, until boundary elements replace it"
-        ));
+        notes.push(match &workpiece.radiation {
+            Some(report) => radiation_note(preset, report),
+            None => format!(
+                "workpiece on worktable {preset}: radiated power is the ERP reference (radiation efficiency 1), an \
+                 overestimate at low frequencies"
+            ),
+        });
     }
     match tool {
         None => notes.push("body: rigid motion only, without the vibration of its housing: a lower bound".to_owned()),

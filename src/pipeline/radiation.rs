@@ -1,10 +1,11 @@
 //! Sound energy of the moving surfaces: the workpiece with its support, and the tool body.
 
 use nailnoise_acoustics::Air;
+use nailnoise_acoustics::bem::ModalBem;
 use nailnoise_acoustics::fourier::TransformSettings;
-use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
+use nailnoise_acoustics::levels::{SourceSpectrum, Weighting, energy_weights};
 use nailnoise_acoustics::radiation::{
-    AbsorbingSand, Erp, ModalSpectra, MovingSand, RadiatingSurface, Rayleigh, Sampling, radiated_energy,
+    AbsorbingSand, Erp, ModalSpectra, MovingSand, RadiatingSurface, SampledRadiation, mode_energies, radiated_energy,
     radiated_signals, rigid_body_energy, rigid_body_signals,
 };
 use nailnoise_dynamics::CycleRecord;
@@ -14,10 +15,12 @@ use nailnoise_meshes::{QuadraturePoint, Surface};
 use nalgebra::{DMatrix, Point3, Vector3};
 
 use super::bodies::{Body, Structure};
+use super::radiator::{Radiator, absorbing_sand};
+use super::report::report;
 use super::sound::Sound;
-use crate::design::{Design, SupportKind};
+use crate::design::Design;
 use crate::error::Error;
-use crate::result::Uncertainty;
+use crate::result::{ModeShare, Uncertainty};
 
 /// Gauss points along each side of a face; the modes are quadratic on it, so their squares are integrated exactly on
 /// rectangular faces.
@@ -25,9 +28,6 @@ const FACE_POINTS: usize = 3;
 
 /// Highest radiation efficiency of a plate, near coincidence.
 const HIGHEST_EFFICIENCY: f64 = 1.76;
-
-/// Lowest frequency at which a radiation resistance is sampled \[Hz\]; below it each entry follows its own power law.
-const LOWEST_SAMPLE: f64 = 40.0;
 
 /// Fourier transforms of every body's modal accelerations.
 pub(super) fn modal_spectra(
@@ -72,30 +72,146 @@ pub(super) fn body_spectra(
 pub(super) fn workpiece(
     design: &Design,
     structure: &Structure,
+    radiator: &Radiator,
+    damping: Option<&[Vec<f64>]>,
     spectra: &[ModalSpectra],
-    air: &Air,
 ) -> Result<Sound, Error> {
-    match design.support.kind {
-        SupportKind::Sandbox => flush_top(design, &structure.workpiece, &spectra[0], air),
-        SupportKind::Worktable => free_standing(design, structure, spectra, air),
+    match radiator {
+        Radiator::Bem(bem) => standing(bem, structure, damping, spectra),
+        Radiator::Erp(bodies) => free_standing(bodies, spectra),
+        Radiator::Rayleigh(rayleigh) => flush_top(design, rayleigh, &spectra[0]),
     }
 }
 
-/// ERP of block and table. Where they face each other, under the table's feet and at welds, no sound gets out.
-fn free_standing(design: &Design, structure: &Structure, spectra: &[ModalSpectra], air: &Air) -> Result<Sound, Error> {
-    let half = [0.5 * design.workpiece.length, 0.5 * design.workpiece.width];
+/// Block and table as one radiating surface: what they move coherently interferes.
+fn standing(
+    bem: &ModalBem,
+    structure: &Structure,
+    damping: Option<&[Vec<f64>]>,
+    spectra: &[ModalSpectra],
+) -> Result<Sound, Error> {
+    let together = side_by_side(spectra);
+    let mut source = radiated_energy("workpiece", bem, &together)?;
+    let erp = radiated_energy("workpiece", &bem.reference(), &together)?;
+    let surface = share_out(&mut source);
+    let weights = energy_weights(&source.frequency, source.range_hz, Weighting::A);
+    let energies = mode_energies(bem, &together, &weights)?;
+    let mut report = report(bem, &source, &surface, &erp);
+    report.modes = modes_of(structure, damping, &energies);
+    let signals = vec![("workpiece", radiated_signals(bem, &together, &source)?)];
+    let above = |factor: f64| {
+        let range = together.range_hz;
+        let join = bem.blend_hz()[0].clamp(range[0], range[1]);
+        let (low, high) = (
+            source.energy([range[0], join], Weighting::A),
+            source.energy([join, range[1]], Weighting::A),
+        );
+        10.0 * ((low + factor * high) / (low + high)).log10()
+    };
+    let [least, most] = report.limit_error_db;
+    let evaluations = report.surface_difference_db.map_or(0.0, f64::abs);
+    // What the limit is above the boundary elements where they meet, it may be above the truth beyond.
+    let uncertainty = Uncertainty {
+        minus: Some(evaluations - above(10f64.powf(-most.max(0.0) / 10.0)).min(0.0)),
+        plus: Some(evaluations + above(10f64.powf(-least.min(0.0) / 10.0)).max(0.0)),
+        basis: format!(
+            "power by surface and by far field, and above {:.0} Hz the limit of high frequencies, off by {least:+.1} to \
+             {most:+.1} dB in the last bands below",
+            bem.blend_hz()[0]
+        ),
+    };
+    Ok(Sound {
+        spectrum: source,
+        signals,
+        openings: Vec::new(),
+        uncertainty,
+        cross_check: None,
+        radiation: Some(report),
+    })
+}
+
+/// What each mode adds to the energy of block and table; the static corrections of a body count as one.
+fn modes_of(structure: &Structure, damping: Option<&[Vec<f64>]>, energies: &[f64]) -> Vec<ModeShare> {
+    let total: f64 = energies.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+    let mut energies = energies.iter();
+    let mut shares = Vec::new();
+    for (index, body) in structure.bodies().enumerate() {
+        let modes = body.basis.hz.len();
+        let mut rest = 0.0;
+        for (number, (omega, energy)) in body.omega.iter().zip(&mut energies).enumerate() {
+            if number >= modes {
+                rest += energy;
+                continue;
+            }
+            shares.push(ModeShare {
+                body: body.name,
+                mode: Some(number + 1),
+                hz: Some(omega / std::f64::consts::TAU),
+                radiation_damping: damping.map(|d| d[index][number]),
+                share: energy / total,
+            });
+        }
+        shares.push(ModeShare {
+            body: body.name,
+            mode: None,
+            hz: None,
+            radiation_damping: None,
+            share: rest / total,
+        });
+    }
+    shares
+}
+
+/// Modes of all bodies as those of one; a body with a lower top is at rest above it.
+pub(super) fn side_by_side(spectra: &[ModalSpectra]) -> ModalSpectra {
+    let modes = spectra.iter().map(|s| s.accelerations.nrows()).sum();
+    let widest = spectra.iter().max_by_key(|s| s.frequency.len());
+    let (frequency, range_hz) = widest.map_or_else(Default::default, |s| (s.frequency.clone(), s.range_hz));
+    let mut accelerations = DMatrix::zeros(modes, frequency.len());
+    let mut row = 0;
+    for s in spectra {
+        let (rows, bins) = s.accelerations.shape();
+        accelerations
+            .view_mut((row, 0), (rows, bins))
+            .copy_from(&s.accelerations);
+        row += rows;
+    }
+    ModalSpectra {
+        frequency,
+        accelerations,
+        range_hz,
+    }
+}
+
+/// Takes the difference between far field and surface out of the patches and shares it out among those that radiate, so
+/// that they sum to the far field's power; returns the surface's.
+fn share_out(source: &mut SourceSpectrum) -> SourceSpectrum {
+    let mut surface = source.clone();
+    surface.contributions.clear();
+    let (rest, mut patches): (Vec<_>, Vec<_>) = source
+        .contributions
+        .drain(..)
+        .partition(|part| ModalBem::is_rest(&part.name));
+    for bin in 0..source.energy_density.len() {
+        let rest: f64 = rest.iter().map(|part| part.energy_density[bin]).sum();
+        surface.energy_density[bin] = (source.energy_density[bin] - rest).max(0.0);
+        let giving: f64 = patches.iter().map(|part| part.energy_density[bin].max(0.0)).sum();
+        for part in &mut patches {
+            let e = &mut part.energy_density[bin];
+            *e += if giving > 0.0 { rest * e.max(0.0) / giving } else { 0.0 };
+        }
+    }
+    patches.retain(|part| part.energy_density.iter().any(|e| *e != 0.0));
+    source.contributions = patches;
+    surface
+}
+
+/// ERP of block and table, each by itself.
+fn free_standing(bodies: &[Erp], spectra: &[ModalSpectra]) -> Result<Sound, Error> {
     let (mut parts, mut signals) = (Vec::new(), Vec::new());
-    for (body, spectrum) in structure.bodies().zip(spectra) {
-        let hidden = |patch: &str, p: &Point3<f64>| match patch {
-            "bottom" | "floor" => true,
-            _ if patch.ends_with("_slave") => true, // tied to another face
-            "top" => body.name == "worktable" && p.x.abs() < half[0] && p.y.abs() < half[1],
-            _ => false,
-        };
-        let surface = radiating(body, hidden)?;
-        let erp = Erp::new(&surface, air);
-        let part = radiated_energy(body.name, &erp, spectrum)?;
-        signals.push((body.name, radiated_signals(&erp, spectrum, &part)?));
+    for ((erp, name), spectrum) in bodies.iter().zip(["workpiece", "worktable"]).zip(spectra) {
+        let part = radiated_energy(name, erp, spectrum)?;
+        signals.push((name, radiated_signals(erp, spectrum, &part)?));
         parts.push(part);
     }
     let mut source = SourceSpectrum::sum("workpiece", "ERP", &parts);
@@ -112,38 +228,22 @@ fn free_standing(design: &Design, structure: &Structure, spectra: &[ModalSpectra
         openings: Vec::new(),
         uncertainty,
         cross_check: None,
+        radiation: None,
     })
 }
 
 /// Rayleigh's integral over the block's top, flush with the sand.
-fn flush_top(design: &Design, body: &Body, spectrum: &ModalSpectra, air: &Air) -> Result<Sound, Error> {
-    let sand = &design.support.sand;
-    let surface = radiating(body, |patch, _| patch != "top")?;
-    let mut rayleigh = Rayleigh::new(&surface, air)?;
-    let absorbing = AbsorbingSand {
-        resistivity: sand.flow_resistivity,
-        share: sand.absorption_share,
-    };
-    if sand.absorption_share > 0.0 {
-        rayleigh = rayleigh.with_absorbing_sand(absorbing)?;
-    }
-    if sand.moving_surface {
-        rayleigh = rayleigh.with_moving_sand(moving_sand(design)?)?;
-    }
-    let top = spectrum.range_hz[1];
-    let sampled = rayleigh.sampled(&Sampling {
-        range_hz: [LOWEST_SAMPLE.min(0.5 * top), top],
-        ..Sampling::default()
-    })?;
-    let source = radiated_energy("workpiece", &sampled, spectrum)?;
-    let signals = vec![("workpiece", radiated_signals(&sampled, spectrum, &source)?)];
-    let uncertainty = sand_band(&source, &absorbing, spectrum.range_hz);
+fn flush_top(design: &Design, sampled: &SampledRadiation, spectrum: &ModalSpectra) -> Result<Sound, Error> {
+    let source = radiated_energy("workpiece", sampled, spectrum)?;
+    let signals = vec![("workpiece", radiated_signals(sampled, spectrum, &source)?)];
+    let uncertainty = sand_band(&source, &absorbing_sand(design), spectrum.range_hz);
     Ok(Sound {
         spectrum: source,
         signals,
         openings: Vec::new(),
         uncertainty,
         cross_check: None,
+        radiation: None,
     })
 }
 
@@ -192,7 +292,7 @@ fn sand_band(source: &SourceSpectrum, sand: &AbsorbingSand, range_hz: [f64; 2]) 
 }
 
 /// The surface of a body with the normal displacements of its modes, less what is hidden.
-fn radiating(body: &Body, hidden: impl Fn(&str, &Point3<f64>) -> bool) -> Result<RadiatingSurface, Error> {
+pub(super) fn radiating(body: &Body, hidden: impl Fn(&str, &Point3<f64>) -> bool) -> Result<RadiatingSurface, Error> {
     let surface = &body.surface;
     let shown = |point: &QuadraturePoint| !hidden(&surface.patches[surface.faces[point.face].patch], &point.position);
     skin(surface, &body.shapes, shown)
@@ -256,5 +356,6 @@ pub(super) fn rigid_tool(design: &Design, record: &CycleRecord, air: &Air) -> Re
             basis: "rigid motion only: vibration of the housing adds to it".to_owned(),
         },
         cross_check: None,
+        radiation: None,
     })
 }

@@ -23,6 +23,7 @@ pub(super) fn rank(sounds: &[&Sound], range_hz: [f64; 2]) -> (Vec<RankedSource>,
             components: components(&sound.spectrum, range_hz),
             uncertainty_db: sound.uncertainty.clone(),
             cross_check: sound.cross_check.clone(),
+            radiation: sound.radiation.clone(),
             intervals: Vec::new(),
         })
     };

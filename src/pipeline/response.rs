@@ -19,12 +19,17 @@ use crate::result::Check;
 /// Forces of the shot on the workpiece, and gravity as the last load.
 const LOADS: usize = WORKPIECE_LOADS + 1;
 
-/// Computes cycle and response together, each acting on the other.
+/// Computes cycle and response together, each acting on the other; damping by radiation as in [`response`].
 ///
 /// # Errors
 /// Those of the cycle, of the transient solver, and that they do not agree.
-pub(super) fn coupled(design: &Design, structure: &Structure, parameters: &Parameters) -> Result<Coupled, Error> {
-    let bodies: Vec<ModalBody> = structure.bodies().map(modal_body).collect();
+pub(super) fn coupled(
+    design: &Design,
+    structure: &Structure,
+    radiation_damping: Option<&[Vec<f64>]>,
+    parameters: &Parameters,
+) -> Result<Coupled, Error> {
+    let bodies = modal_bodies(structure, radiation_damping);
     couple(
         parameters,
         design.wood.friction_share,
@@ -35,18 +40,20 @@ pub(super) fn coupled(design: &Design, structure: &Structure, parameters: &Param
     )
 }
 
-/// Computes the response of workpiece and support to the forces of a cycle.
+/// Computes the response of workpiece and support to the forces of a cycle. `radiation_damping` is added to the damping
+/// ratios, mode by mode and body by body.
 ///
 /// # Errors
 /// Those of the penetration law and of the transient solver.
 pub(super) fn response(
     design: &Design,
     structure: &Structure,
+    radiation_damping: Option<&[Vec<f64>]>,
     parameters: &Parameters,
     record: &CycleRecord,
     force_scale: f64,
 ) -> Result<ModalResponse, Error> {
-    let bodies: Vec<ModalBody> = structure.bodies().map(modal_body).collect();
+    let bodies = modal_bodies(structure, radiation_damping);
     let loads = loads(design, parameters, record, force_scale)?;
     Ok(respond(
         &bodies,
@@ -62,6 +69,15 @@ fn settings(design: &Design) -> Settings {
         duration: design.analysis.duration,
         ..Settings::default()
     }
+}
+
+/// All bodies, with the damping ratios that radiation adds.
+fn modal_bodies(structure: &Structure, radiation_damping: Option<&[Vec<f64>]>) -> Vec<ModalBody> {
+    let mut bodies: Vec<ModalBody> = structure.bodies().map(modal_body).collect();
+    for (body, added) in bodies.iter_mut().zip(radiation_damping.unwrap_or_default()) {
+        body.zeta.iter_mut().zip(added).for_each(|(zeta, added)| *zeta += added);
+    }
+    bodies
 }
 
 /// A body as the transient solver takes it. Loads of the shot act on the workpiece alone, gravity on every body.

@@ -3,7 +3,7 @@
 use nailnoise_acoustics::exhaust::ExhaustHistory;
 use nailnoise_acoustics::levels::{IntervalLevels, PowerHistory, PowerSignals, SourceSpectrum};
 
-use crate::result::{CrossCheck, Uncertainty};
+use crate::result::{CrossCheck, RadiationReport, Uncertainty};
 
 /// One source of the shot.
 pub(super) struct Sound {
@@ -17,6 +17,8 @@ pub(super) struct Sound {
     pub(super) uncertainty: Uncertainty,
     /// Another method's word on it.
     pub(super) cross_check: Option<CrossCheck>,
+    /// What stands beside the power of a surface by boundary elements.
+    pub(super) radiation: Option<RadiationReport>,
 }
 
 impl Sound {

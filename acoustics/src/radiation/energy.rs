@@ -45,6 +45,31 @@ impl ModalSpectra {
     }
 }
 
+/// Energy of every mode: its own part of the quadratic form, twice the real part of conj(V_i) (R V)_i, integrated with the
+/// given weight of every bin.
+///
+/// The modes sum to the whole. A mode that moves against the others takes sound from them, and its energy is negative.
+///
+/// # Errors
+/// A number of modes that differs from the operator's, another number of weights than bins.
+pub fn mode_energies(
+    radiation: &dyn ModalRadiation,
+    spectra: &ModalSpectra,
+    weights: &[f64],
+) -> Result<Vec<f64>, AcousticsError> {
+    same_length("modal spectra", spectra.accelerations.nrows(), radiation.modes())?;
+    same_length("weights of the bins", weights.len(), spectra.frequency.len())?;
+    let images = radiation.images(&spectra.frequency, &spectra.accelerations);
+    let mut energies = vec![0.0; radiation.modes()];
+    let bins = spectra.accelerations.column_iter().zip(images.column_iter());
+    for ((a, image), weight) in bins.zip(weights) {
+        for ((energy, a), image) in energies.iter_mut().zip(a.iter()).zip(image.iter()) {
+            *energy += 2.0 * weight * (a.conj() * image).re;
+        }
+    }
+    Ok(energies)
+}
+
 /// Energy spectrum of a surface that moves in modes, with its patches as contributions.
 ///
 /// ```text

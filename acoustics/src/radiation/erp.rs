@@ -1,7 +1,9 @@
+use super::archive::{Archive, ArchiveReader, ArchiveWriter};
 use super::resistance::{ModalRadiation, Resistance};
 use super::roots::{apply, hermitian_root};
 use super::surface::RadiatingSurface;
 use crate::air::Air;
+use crate::error::AcousticsError;
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::PI;
 
@@ -34,6 +36,31 @@ impl Erp {
             patches: surface.patch_names().to_vec(),
             resistances: (0..surface.patch_names().len()).map(of_patch).collect(),
         }
+    }
+}
+
+impl Erp {
+    /// Adds a patch that radiates nothing, so that two operators have the same patches.
+    pub(crate) fn add_silent_patch(&mut self, name: &str) {
+        let modes = self.modes();
+        self.patches.push(name.to_owned());
+        self.resistances.push(DMatrix::zeros(modes, modes));
+    }
+}
+
+impl Archive for Erp {
+    fn write(&self, to: &mut ArchiveWriter) {
+        to.texts(&self.patches);
+        to.list(&self.resistances);
+    }
+
+    fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
+        let patches = from.texts()?;
+        let resistances: Vec<DMatrix<f64>> = from.list()?;
+        if resistances.len() != patches.len() {
+            return Err(from.damaged());
+        }
+        Ok(Self { patches, resistances })
     }
 }
 
@@ -72,6 +99,14 @@ impl ModalRadiation for Erp {
             }
         }
         forms
+    }
+
+    fn images(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+        let mut images = apply(&self.resistance(0.0).real, accelerations);
+        for (mut bin, hz) in images.column_iter_mut().zip(frequency) {
+            bin /= Complex::from((2.0 * PI * hz).powi(2));
+        }
+        images
     }
 
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {

@@ -8,6 +8,7 @@
 //!
 //! R / omega² is what is sampled and interpolated: it stays finite at f = 0.
 
+mod archive;
 mod compact;
 mod energy;
 mod erp;
@@ -22,9 +23,11 @@ mod sand;
 mod sphere;
 mod surface;
 
+pub use archive::{Archive, ArchiveReader, ArchiveWriter};
 pub use compact::CompactErp;
-pub use energy::{ModalSpectra, radiated_energy};
+pub use energy::{ModalSpectra, mode_energies, radiated_energy};
 pub use erp::Erp;
+pub(crate) use quadrature::gauss_legendre;
 pub use rayleigh::{Rayleigh, SecondEvaluation};
 pub use resistance::{ModalRadiation, Resistance};
 pub use roots::radiated_signals;

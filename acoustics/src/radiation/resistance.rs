@@ -85,6 +85,17 @@ pub trait ModalRadiation: Sync {
     /// columns of `accelerations` (modes x frequencies).
     fn energy_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64>;
 
+    /// (R / omega²) a for the whole surface at every frequency (columns), modes x frequencies.
+    fn images(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+        let mut images = DMatrix::zeros(accelerations.nrows(), frequency.len());
+        for (bin, &hz) in frequency.iter().enumerate() {
+            let r = self.resistance(hz).scaled((std::f64::consts::TAU * hz).powi(-2));
+            let a = accelerations.columns(bin, 1).into_owned();
+            images.set_column(bin, &super::roots::image(&r, &a).column(0));
+        }
+        images
+    }
+
     /// Signals x (rows) at every frequency (columns) with |x|² = a^H (R / omega²) a for the whole surface: x = S^H a
     /// with S the Hermitian root of R / omega², smooth over frequency. Where S is interpolated the energies hold to
     /// the interpolation error.

@@ -85,6 +85,15 @@ pub(super) fn one_by_one(
     signals
 }
 
+/// S a for a Hermitian S and all columns of `motion`.
+pub(super) fn image(matrix: &Resistance, motion: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+    let mut image = apply(&matrix.real, motion);
+    if let Some(imaginary) = &matrix.imaginary {
+        image += apply(imaginary, motion) * Complex::<f64>::i();
+    }
+    image
+}
+
 /// S a for one real matrix and all columns.
 pub(super) fn apply(root: &DMatrix<f64>, motion: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
     let (re, im) = (root * motion.map(|a| a.re), root * motion.map(|a| a.im));

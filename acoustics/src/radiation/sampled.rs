@@ -1,5 +1,6 @@
+use super::archive::{Archive, ArchiveReader, ArchiveWriter};
 use super::resistance::{ModalRadiation, Resistance};
-use super::roots::{apply, hermitian_root};
+use super::roots::{hermitian_root, image};
 use crate::error::{AcousticsError, positive};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
@@ -13,16 +14,20 @@ pub struct Sampling {
     pub range_hz: [f64; 2],
     /// Largest interpolation error of an entry R_ij, relative to sqrt(R_ii R_jj).
     pub tolerance: f64,
+    /// A mode that radiates less than this share of the best radiator at a frequency is judged against that share: its
+    /// resistance is a small difference of large numbers, and the motion hardly sounds.
+    pub floor: f64,
     /// Most samples taken.
     pub most_samples: usize,
 }
 
 impl Default for Sampling {
-    /// 40 Hz to 10 kHz, 1e-3, 400 samples.
+    /// 40 Hz to 10 kHz, 1e-4, judged down to 1e-6 of the best radiator, 400 samples.
     fn default() -> Self {
         Self {
             range_hz: [40.0, 10_000.0],
             tolerance: 1e-4,
+            floor: 1e-6,
             most_samples: 400,
         }
     }
@@ -30,10 +35,6 @@ impl Default for Sampling {
 
 /// Orders of the nested Chebyshev-Lobatto rules tried on an interval before it is halved.
 const ORDERS: [usize; 4] = [4, 8, 16, 32];
-
-/// A mode that radiates less than this share of the best radiator at a frequency is judged against that share: its
-/// resistance is a small difference of large numbers, and the motion hardly sounds.
-const FLOOR: f64 = 1e-6;
 
 /// A radiation resistance sampled at a few frequencies and interpolated between them.
 ///
@@ -123,7 +124,7 @@ impl SampledRadiation {
                 .map(|&(low, high, order)| {
                     let nodes = nodes(low, high, ORDERS[order]).map(|hz| index[&hz.to_bits()]).collect();
                     let interval = Interval { low, high, nodes };
-                    let error = interval.error(&samples, modes);
+                    let error = interval.error(&samples, modes, sampling.floor);
                     (interval, error)
                 })
                 .collect();
@@ -174,6 +175,67 @@ impl SampledRadiation {
         self.error
     }
 
+    /// Frequencies in the order of the samples \[Hz\].
+    pub(crate) fn samples_hz(&self) -> Vec<f64> {
+        self.samples.iter().map(|s| s.hz).collect()
+    }
+
+    /// A quantity linear in the modes' accelerations, sampled beside R at all frequencies (rows x modes each), between
+    /// them; below the lowest sample every mode's amplitude follows the power law of its resistance.
+    pub(crate) fn interpolated(
+        &self,
+        hz: f64,
+        samples: &[DMatrix<Complex<f64>>],
+        accelerations: &[Complex<f64>],
+    ) -> Vec<Complex<f64>> {
+        let (nodes, weights) = if hz < self.lowest() {
+            (vec![self.lowest_sample()], vec![1.0])
+        } else {
+            let interval = &self.intervals[self.interval(hz)];
+            (interval.nodes.clone(), interval.weights(hz, interval.nodes.len() - 1))
+        };
+        let scaled = |(mode, a): (usize, &Complex<f64>)| {
+            if hz < self.lowest() {
+                a * self.low_factor(hz, mode)
+            } else {
+                *a
+            }
+        };
+        let a: Vec<Complex<f64>> = accelerations.iter().enumerate().map(scaled).collect();
+        let mut sum = vec![Complex::default(); samples[nodes[0]].nrows()];
+        for (node, weight) in nodes.iter().zip(weights) {
+            for (column, a) in samples[*node].column_iter().zip(&a) {
+                let a = a * weight;
+                sum.iter_mut().zip(column.iter()).for_each(|(sum, x)| *sum += x * a);
+            }
+        }
+        sum
+    }
+
+    /// Its interpolation error: the magnitude of the last two Chebyshev coefficients of every entry, relative to the
+    /// largest entry of a row in the interval.
+    pub(crate) fn error_of(&self, samples: &[DMatrix<Complex<f64>>]) -> f64 {
+        let mut worst: f64 = 0.0;
+        for interval in &self.intervals {
+            let order = interval.nodes.len() - 1;
+            let [last, before] = [order, order - 1].map(|k| {
+                let mut sum = samples[interval.nodes[0]].scale(0.0);
+                for (j, &node) in interval.nodes.iter().enumerate() {
+                    sum += samples[node].scale(interval.coefficient(j, k));
+                }
+                sum
+            });
+            for row in 0..last.nrows() {
+                let size = |m: &DMatrix<Complex<f64>>| m.row(row).iter().map(|z| z.norm()).fold(0.0, f64::max);
+                let largest = interval.nodes.iter().map(|&n| size(&samples[n])).fold(0.0, f64::max);
+                if largest > 0.0 {
+                    worst = worst.max((size(&last) + size(&before)) / largest);
+                }
+            }
+        }
+        worst
+    }
+
     fn lowest(&self) -> f64 {
         self.intervals[0].low
     }
@@ -204,14 +266,19 @@ impl SampledRadiation {
         runs
     }
 
-    /// The Hermitian root of a sample's Q, all patches together.
-    fn root(&self, sample: usize) -> Resistance {
+    /// Q of a sample, all patches together.
+    fn whole(&self, sample: usize) -> Resistance {
         let mut whole = Resistance::zeros(self.modes);
         self.samples[sample]
             .patches
             .iter()
             .for_each(|q| whole.add_scaled(1.0, q));
-        hermitian_root(&whole)
+        whole
+    }
+
+    /// Its Hermitian root.
+    fn root(&self, sample: usize) -> Resistance {
+        hermitian_root(&self.whole(sample))
     }
 
     /// Index of the sample at the lowest frequency.
@@ -324,6 +391,49 @@ impl ModalRadiation for SampledRadiation {
         forms
     }
 
+    fn images(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+        let runs = self.runs(frequency);
+        let evaluate = |&(at, start, end): &(Option<usize>, usize, usize)| {
+            let mut motion = accelerations.columns(start, end - start).into_owned();
+            let Some(i) = at else {
+                let scale = |motion: &mut DMatrix<Complex<f64>>| {
+                    for (mut bin, &hz) in motion.column_iter_mut().zip(&frequency[start..end]) {
+                        for (mode, a) in bin.iter_mut().enumerate() {
+                            *a *= self.low_factor(hz, mode);
+                        }
+                    }
+                };
+                scale(&mut motion);
+                let mut result = image(&self.whole(self.lowest_sample()), &motion);
+                scale(&mut result);
+                return result;
+            };
+            let interval = &self.intervals[i];
+            let order = interval.nodes.len() - 1;
+            let mut result = DMatrix::zeros(self.modes, end - start);
+            let parts: Vec<DMatrix<Complex<f64>>> = interval
+                .nodes
+                .iter()
+                .map(|&node| image(&self.whole(node), &motion))
+                .collect();
+            for (bin, &hz) in frequency[start..end].iter().enumerate() {
+                for (weight, part) in interval.weights(hz, order).into_iter().zip(&parts) {
+                    let to = result.column_mut(bin);
+                    to.into_iter()
+                        .zip(part.column(bin).iter())
+                        .for_each(|(x, y)| *x += y * weight);
+                }
+            }
+            result
+        };
+        let blocks: Vec<DMatrix<Complex<f64>>> = runs.par_iter().map(evaluate).collect();
+        let mut images = DMatrix::zeros(self.modes, frequency.len());
+        for (&(_, start, end), block) in runs.iter().zip(&blocks) {
+            images.columns_mut(start, end - start).copy_from(block);
+        }
+        images
+    }
+
     /// S is interpolated as Q is, entry by entry with the same polynomials; below the lowest sample it is D S(f_0) with
     /// the power laws D on the diagonal, whose energy is exact.
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
@@ -374,15 +484,6 @@ impl ModalRadiation for SampledRadiation {
     }
 }
 
-/// S a = S^H a for a Hermitian S and all columns of `motion`.
-fn image(root: &Resistance, motion: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
-    let mut image = apply(&root.real, motion);
-    if let Some(imaginary) = &root.imaginary {
-        image += apply(imaginary, motion) * Complex::<f64>::i();
-    }
-    image
-}
-
 impl Interval {
     /// Barycentric weights of the Lobatto rule of the given order at the frequency `hz` (they sum to one). An order
     /// below the interval's own uses every second, fourth ... node.
@@ -401,37 +502,44 @@ impl Interval {
         terms.into_iter().map(|t| t / sum).collect()
     }
 
-    /// Estimated interpolation error, relative to the interval's least sqrt(Q_ii Q_jj): the magnitude of the last two
-    /// Chebyshev coefficients of every entry, beyond which those of an analytic function fall geometrically or faster.
-    fn error(&self, samples: &[Sample], modes: usize) -> f64 {
+    /// What the sample at node j adds to the Chebyshev coefficient of order k.
+    fn coefficient(&self, j: usize, k: usize) -> f64 {
+        let order = self.nodes.len() - 1;
+        let end = if j == 0 || j == order { 0.5 } else { 1.0 };
+        let cosine = (PI * ((j * k) % (2 * order)) as f64 / order as f64).cos();
+        2.0 / order as f64 * end * cosine
+    }
+
+    /// Estimated interpolation error of all patches together, relative to the interval's least sqrt(Q_ii Q_jj): the
+    /// magnitude of the last two Chebyshev coefficients of every entry, beyond which those of an analytic function fall
+    /// geometrically or faster. What patches exchange among themselves does not reach the level.
+    fn error(&self, samples: &[Sample], modes: usize, floor: f64) -> f64 {
         let order = self.nodes.len() - 1;
         let mut scale = vec![f64::INFINITY; modes];
         for &node in &self.nodes {
             let whole = |i: usize| samples[node].patches.iter().map(|p| p.real[(i, i)]).sum::<f64>();
             let diagonal: Vec<f64> = (0..modes).map(whole).collect();
-            let floor = FLOOR * diagonal.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+            let floor = floor * diagonal.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
             scale
                 .iter_mut()
                 .zip(diagonal)
                 .for_each(|(s, q)| *s = s.min(q.max(floor).sqrt()));
         }
-        let mut worst: f64 = 0.0;
-        for p in 0..samples[self.nodes[0]].patches.len() {
-            let [last, before] = [order, order - 1].map(|k| {
-                let mut coefficient = Resistance::zeros(modes);
-                for (j, &node) in self.nodes.iter().enumerate() {
-                    let end = if j == 0 || j == order { 0.5 } else { 1.0 };
-                    let cosine = (PI * ((j * k) % (2 * order)) as f64 / order as f64).cos();
-                    coefficient.add_scaled(2.0 / order as f64 * end * cosine, &samples[node].patches[p]);
+        let [last, before] = [order, order - 1].map(|k| {
+            let mut coefficient = Resistance::zeros(modes);
+            for (j, &node) in self.nodes.iter().enumerate() {
+                for patch in &samples[node].patches {
+                    coefficient.add_scaled(self.coefficient(j, k), patch);
                 }
-                coefficient
-            });
-            let parts = |r: Resistance| std::iter::once(r.real).chain(r.imaginary);
-            for (a, b) in parts(last).zip(parts(before)) {
-                for j in 0..modes {
-                    for i in 0..modes {
-                        worst = worst.max((a[(i, j)].abs() + b[(i, j)].abs()) / (scale[i] * scale[j]));
-                    }
+            }
+            coefficient
+        });
+        let mut worst: f64 = 0.0;
+        let parts = |r: Resistance| std::iter::once(r.real).chain(r.imaginary);
+        for (a, b) in parts(last).zip(parts(before)) {
+            for j in 0..modes {
+                for i in 0..modes {
+                    worst = worst.max((a[(i, j)].abs() + b[(i, j)].abs()) / (scale[i] * scale[j]));
                 }
             }
         }
@@ -464,4 +572,79 @@ fn low_slopes(interval: &Interval, samples: &[Sample], modes: usize) -> Vec<f64>
         }
     };
     (0..modes).map(slope).collect()
+}
+
+/// Real symmetric samples, kept in single precision.
+impl Archive for SampledRadiation {
+    fn write(&self, to: &mut ArchiveWriter) {
+        to.texts(std::slice::from_ref(&self.method));
+        to.count(self.modes);
+        to.texts(&self.patches);
+        to.count(self.samples.len());
+        for sample in &self.samples {
+            to.numbers(&[sample.hz]);
+            // R fits single precision; Q = R / omega² at high frequencies may not.
+            let omega2 = (2.0 * PI * sample.hz).powi(2);
+            sample.patches.iter().for_each(|q| to.symmetric(&(&q.real * omega2)));
+        }
+        to.count(self.intervals.len());
+        for interval in &self.intervals {
+            to.numbers(&[interval.low, interval.high]);
+            to.count(interval.nodes.len());
+            interval.nodes.iter().for_each(|node| to.count(*node));
+        }
+        to.numbers(&self.slopes);
+        to.numbers(&[self.error]);
+    }
+
+    fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
+        let method = from.texts()?.pop().ok_or_else(|| from.damaged())?;
+        let modes = from.count()?;
+        let patches = from.texts()?;
+        let mut samples = Vec::new();
+        for _ in 0..from.count()? {
+            let [hz] = from.numbers()?;
+            let inverse = (2.0 * PI * hz).powi(-2);
+            let mut of_patches = Vec::new();
+            for _ in &patches {
+                let real = from.symmetric()?;
+                if real.nrows() != modes {
+                    return Err(from.damaged());
+                }
+                of_patches.push(Resistance { real, imaginary: None }.scaled(inverse));
+            }
+            samples.push(Sample {
+                hz,
+                patches: of_patches,
+            });
+        }
+        let mut intervals = Vec::new();
+        for _ in 0..from.count()? {
+            let [low, high] = from.numbers()?;
+            let count = from.count()?;
+            let nodes = (0..count).map(|_| from.count()).collect::<Result<Vec<_>, _>>()?;
+            if !ORDERS.contains(&count.wrapping_sub(1)) || nodes.iter().any(|n| *n >= samples.len()) {
+                return Err(from.damaged());
+            }
+            intervals.push(Interval { low, high, nodes });
+        }
+        let mut slopes = Vec::new();
+        for _ in 0..modes {
+            let [slope] = from.numbers()?;
+            slopes.push(slope);
+        }
+        let [error] = from.numbers()?;
+        if intervals.is_empty() {
+            return Err(from.damaged());
+        }
+        Ok(Self {
+            method,
+            modes,
+            patches,
+            intervals,
+            samples,
+            slopes,
+            error,
+        })
+    }
 }

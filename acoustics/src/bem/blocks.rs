@@ -1,0 +1,168 @@
+use super::boundary::Boundary;
+use super::panel::PanelShape;
+use super::rules;
+use super::symmetry::Image;
+use nalgebra::Vector3;
+
+/// Most panels of a block.
+const MOST: usize = 32;
+/// Block widths are padded to a multiple of the widest vector.
+const LANES: usize = 8;
+
+/// Fields of a quadrature point before the surface curls: position, vector area times weight, area times weight.
+pub(super) const X: usize = 0;
+pub(super) const N: usize = 3;
+pub(super) const W: usize = 6;
+pub(super) const C: usize = 7;
+
+/// Number of fields of a quadrature point of panels with so many corners. The curls of all corner functions but the
+/// last are kept; the last is minus their sum.
+pub(super) const fn fields(corners: usize) -> usize {
+    C + 3 * (corners - 1)
+}
+
+/// Neighbouring panels of the same number of corners, with the points of the far rule array by array.
+#[derive(Debug)]
+pub(super) struct Block {
+    pub(super) corners: usize,
+    pub(super) panels: Vec<usize>,
+    /// Panels, padded.
+    pub(super) width: usize,
+    /// Pressure unknowns of the block.
+    pub(super) nodes: Vec<usize>,
+    /// Numbers of each panel's corners in `nodes`.
+    pub(super) local: Vec<[usize; 4]>,
+    /// First velocity value of each panel.
+    pub(super) first_value: Vec<usize>,
+    /// `points[(b * fields + field) * width + panel]`.
+    pub(super) points: Vec<f64>,
+    /// The same of the images in floor and mirror planes, in the order of [`Boundary::images`] after the first.
+    images: Vec<Vec<f64>>,
+}
+
+/// Cuts the surface into blocks, triangles first.
+pub(super) fn blocks(boundary: &Boundary) -> Vec<Block> {
+    let mesh = boundary.mesh();
+    let centre = |p: usize| {
+        let corners = mesh.panels[p].corners();
+        corners.iter().map(|&n| mesh.points[n].coords).sum::<Vector3<f64>>() / corners.len() as f64
+    };
+    let centres: Vec<Vector3<f64>> = (0..mesh.panels.len()).map(centre).collect();
+    let mut first_value = Vec::with_capacity(mesh.panels.len());
+    let mut values = 0;
+    for panel in &mesh.panels {
+        first_value.push(values);
+        values += panel.corners().len();
+    }
+    let mut result = Vec::new();
+    for corners in [3, 4] {
+        let of_kind = |&p: &usize| mesh.panels[p].corners().len() == corners;
+        let panels: Vec<usize> = (0..mesh.panels.len()).filter(of_kind).collect();
+        let mut groups = Vec::new();
+        bisect(panels, &centres, &mut groups);
+        result.extend(
+            groups
+                .into_iter()
+                .map(|g| Block::new(boundary, corners, g, &first_value)),
+        );
+    }
+    result
+}
+
+fn bisect(mut panels: Vec<usize>, centres: &[Vector3<f64>], groups: &mut Vec<Vec<usize>>) {
+    if panels.len() <= MOST {
+        if !panels.is_empty() {
+            groups.push(panels);
+        }
+        return;
+    }
+    let (mut low, mut high) = (centres[panels[0]], centres[panels[0]]);
+    for &p in &panels {
+        low = low.inf(&centres[p]);
+        high = high.sup(&centres[p]);
+    }
+    let axis = (high - low).imax();
+    panels.sort_by(|&a, &b| centres[a][axis].total_cmp(&centres[b][axis]).then(a.cmp(&b)));
+    // Full blocks on the left keep the padding to the last one.
+    let rest = panels.split_off(panels.len().div_ceil(MOST).div_ceil(2) * MOST);
+    bisect(panels, centres, groups);
+    bisect(rest, centres, groups);
+}
+
+impl Block {
+    fn new(boundary: &Boundary, corners: usize, panels: Vec<usize>, first_value: &[usize]) -> Self {
+        let mesh = boundary.mesh();
+        let width = panels.len().next_multiple_of(LANES);
+        let (mut nodes, mut local) = (Vec::new(), Vec::new());
+        let rule = rules::far(corners);
+        let fields = fields(corners);
+        let mut points = vec![0.0; rule.len() * fields * width];
+        for (f, &p) in panels.iter().enumerate() {
+            let panel = &mesh.panels[p];
+            let mut of_panel = [0; 4];
+            for (slot, &c) in of_panel.iter_mut().zip(panel.corners()) {
+                let node = boundary.node_of(c).unwrap_or(usize::MAX);
+                *slot = nodes.iter().position(|&n| n == node).unwrap_or_else(|| {
+                    nodes.push(node);
+                    nodes.len() - 1
+                });
+            }
+            local.push(of_panel);
+            for (b, &(xi, w)) in rule.iter().enumerate() {
+                let point = mesh.point_at(p, xi);
+                let area = point.area_vector() * w;
+                let shape = panel.kind().linear().at(xi);
+                let mut set = |field: usize, v: &[f64]| {
+                    for (k, v) in v.iter().enumerate() {
+                        points[(b * fields + field + k) * width + f] = *v;
+                    }
+                };
+                set(X, point.position.coords.as_slice());
+                set(N, area.as_slice());
+                set(W, &[area.norm()]);
+                for j in 0..corners - 1 {
+                    let curl = point.tangents[1] * shape.dn[j][0] - point.tangents[0] * shape.dn[j][1];
+                    set(C + 3 * j, (curl * w).as_slice());
+                }
+            }
+        }
+        let images = boundary.images().into_iter().skip(1);
+        let images = images
+            .map(|image| mirrored(&points, fields, width, boundary, image))
+            .collect();
+        Self {
+            corners,
+            width,
+            nodes,
+            local,
+            first_value: panels.iter().map(|&p| first_value[p]).collect(),
+            panels,
+            points,
+            images,
+        }
+    }
+
+    /// The points of an image, by its place in [`Boundary::images`].
+    pub(super) fn points_of(&self, image: usize) -> &[f64] {
+        if image == 0 {
+            &self.points
+        } else {
+            &self.images[image - 1]
+        }
+    }
+}
+
+/// The points' image in floor and mirror planes. With the mirror M, n' = M n, and the curl n' x grad' =
+/// det M  M (n x grad), because a reflection turns a right-handed triple into a left-handed one.
+fn mirrored(points: &[f64], fields: usize, width: usize, boundary: &Boundary, image: Image) -> Vec<f64> {
+    let value = |(i, &v): (usize, &f64)| {
+        let field = (i / width) % fields;
+        match field {
+            X..N => boundary.mirrored(image, field - X, v),
+            N..W => image.sign_along(field - N) * v,
+            W => v,
+            _ => image.handedness() * image.sign_along((field - C) % 3) * v,
+        }
+    };
+    points.iter().enumerate().map(value).collect()
+}

@@ -1,0 +1,179 @@
+use super::blend::BlendedRadiation;
+use super::problem::{Exterior, Patterns, SurfacePressure};
+use crate::error::AcousticsError;
+use crate::radiation::{Archive, ArchiveReader, ArchiveWriter, SampledRadiation};
+use nalgebra::{Complex, DMatrix, Point3};
+use std::f64::consts::PI;
+
+/// Points around a body at which its sound is wanted.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Receivers {
+    /// Positions \[m\].
+    pub points: Vec<Point3<f64>>,
+    /// The middle of what sounds \[m\]: the travel time from here, and from its image in the floor, is taken out before
+    /// pressures are interpolated over frequency.
+    pub origin: Point3<f64>,
+}
+
+impl Receivers {
+    /// Distances to the origin, and to its image in the floor \[m\].
+    fn distances(&self, floor: Option<f64>) -> [Vec<f64>; 2] {
+        let image = |z: f64| Point3::new(self.origin.x, self.origin.y, 2.0 * z - self.origin.z);
+        let origins = [self.origin, floor.map_or(self.origin, image)];
+        origins.map(|from| self.points.iter().map(|p| (p - from).norm()).collect())
+    }
+}
+
+/// Pressure at receivers per unit of every pattern's acceleration, less the travel times: receivers x patterns, what
+/// comes directly above what comes by the floor.
+pub(super) type Heard = DMatrix<Complex<f64>>;
+
+/// The pressure at receivers with the travel times taken out.
+pub(super) fn heard(
+    problem: &Exterior,
+    receivers: &Receivers,
+    patterns: &Patterns,
+    solution: &SurfacePressure,
+) -> Result<Heard, AcousticsError> {
+    let (count, omega) = (receivers.points.len(), 2.0 * PI * solution.hz);
+    let k = omega / problem.air().sound_speed;
+    let mut all = Heard::zeros(2 * count, patterns.velocities.ncols());
+    let parts = problem.pressure_at(&receivers.points, &patterns.velocities, solution)?;
+    let distances = receivers.distances(problem.boundary().floor());
+    for (half, (part, distances)) in parts.iter().zip(&distances).enumerate() {
+        for (i, r) in distances.iter().enumerate() {
+            let turn = Complex::from_polar(1.0, k * r) / Complex::new(0.0, omega);
+            all.row_mut(half * count + i).copy_from(&(part.row(i) * turn));
+        }
+    }
+    Ok(all)
+}
+
+/// What receivers hear of one parity: samples beside those of its radiation matrix, range by range.
+#[derive(Debug, Clone)]
+pub(super) struct HeardParity(pub(super) Vec<Vec<Heard>>);
+
+/// What receivers hear of a body's modes.
+#[derive(Debug, Clone)]
+pub(super) struct HeardModes {
+    receivers: usize,
+    sound_speed: f64,
+    distances: [Vec<f64>; 2],
+    parities: Vec<HeardParity>,
+    error: f64,
+}
+
+impl HeardModes {
+    pub(super) fn new(receivers: &Receivers, problem: &Exterior) -> Self {
+        Self {
+            receivers: receivers.points.len(),
+            sound_speed: problem.air().sound_speed,
+            distances: receivers.distances(problem.boundary().floor()),
+            parities: Vec::new(),
+            error: 0.0,
+        }
+    }
+
+    /// Adds a parity with the ranges of its radiation matrix.
+    pub(super) fn push(&mut self, ranges: &[SampledRadiation], samples: Vec<Vec<Heard>>) {
+        for (range, samples) in ranges.iter().zip(&samples) {
+            self.error = self.error.max(range.error_of(samples));
+        }
+        self.parities.push(HeardParity(samples));
+    }
+
+    /// Estimated interpolation error over frequency, relative to the loudest mode at a receiver.
+    pub(super) fn error(&self) -> f64 {
+        self.error
+    }
+
+    /// Adds the pressure of one parity, receivers x bins \[Pa s\], for accelerations \[m/s\]; nothing above boundary
+    /// elements' range.
+    pub(super) fn add(
+        &self,
+        parity: usize,
+        radiation: &BlendedRadiation,
+        frequency: &[f64],
+        accelerations: &DMatrix<Complex<f64>>,
+        to: &mut DMatrix<Complex<f64>>,
+    ) {
+        if self.receivers == 0 {
+            return;
+        }
+        for (bin, &hz) in frequency.iter().enumerate() {
+            let Some(level) = radiation.solved_level(hz) else {
+                continue;
+            };
+            let range = &radiation.levels()[level];
+            let samples = &self.parities[parity].0[level];
+            let p = range.interpolated(hz, samples, accelerations.column(bin).as_slice());
+            let k = 2.0 * PI * hz / self.sound_speed;
+            for i in 0..self.receivers {
+                let turned =
+                    |half: usize| p[half * self.receivers + i] * Complex::from_polar(1.0, -k * self.distances[half][i]);
+                to[(i, bin)] += turned(0) + turned(1);
+            }
+        }
+    }
+
+    pub(super) fn receivers(&self) -> usize {
+        self.receivers
+    }
+}
+
+impl Archive for HeardParity {
+    fn write(&self, to: &mut ArchiveWriter) {
+        to.count(self.0.len());
+        for range in &self.0 {
+            to.count(range.len());
+            for sample in range {
+                sample.map(|z| z.re).write(to);
+                sample.map(|z| z.im).write(to);
+            }
+        }
+    }
+
+    fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
+        let mut ranges = Vec::new();
+        for _ in 0..from.count()? {
+            let mut samples = Vec::new();
+            for _ in 0..from.count()? {
+                let (re, im) = (DMatrix::<f64>::read(from)?, DMatrix::<f64>::read(from)?);
+                if re.shape() != im.shape() {
+                    return Err(from.damaged());
+                }
+                samples.push(re.zip_map(&im, Complex::new));
+            }
+            ranges.push(samples);
+        }
+        Ok(Self(ranges))
+    }
+}
+
+impl Archive for HeardModes {
+    fn write(&self, to: &mut ArchiveWriter) {
+        to.count(self.receivers);
+        to.numbers(&[self.sound_speed, self.error]);
+        self.distances.iter().for_each(|d| to.numbers(d));
+        to.list(&self.parities);
+    }
+
+    fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
+        let receivers = from.count()?;
+        let [sound_speed, error] = from.numbers()?;
+        let mut distances: [Vec<f64>; 2] = Default::default();
+        for of_path in &mut distances {
+            for _ in 0..receivers {
+                let [distance] = from.numbers()?;
+                of_path.push(distance);
+            }
+        }
+        Ok(Self {
+            receivers,
+            sound_speed,
+            distances,
+            parities: from.list()?,
+            error,
+        })
+    }
+}

@@ -1,0 +1,171 @@
+//! Radiation matrices as bytes, little-endian, for a cache.
+
+use crate::error::AcousticsError;
+use nalgebra::DMatrix;
+
+/// What can be kept in a file and read back exactly.
+pub trait Archive: Sized {
+    /// Appends itself.
+    fn write(&self, to: &mut ArchiveWriter);
+
+    /// Reads itself back.
+    ///
+    /// # Errors
+    /// [`AcousticsError::Damaged`] when the bytes do not have this form.
+    fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError>;
+
+    /// All of it as bytes.
+    fn to_bytes(&self) -> Vec<u8> {
+        let mut to = ArchiveWriter::default();
+        self.write(&mut to);
+        to.0
+    }
+
+    /// What [`Archive::to_bytes`] wrote.
+    ///
+    /// # Errors
+    /// [`AcousticsError::Damaged`] for any other bytes.
+    fn from_bytes(bytes: &[u8]) -> Result<Self, AcousticsError> {
+        let mut from = ArchiveReader { bytes, at: 0 };
+        let result = Self::read(&mut from)?;
+        if from.at == bytes.len() {
+            Ok(result)
+        } else {
+            Err(from.damaged())
+        }
+    }
+}
+
+/// Collects bytes.
+#[derive(Debug, Default)]
+pub struct ArchiveWriter(Vec<u8>);
+
+impl ArchiveWriter {
+    pub(crate) fn count(&mut self, n: usize) {
+        self.0.extend((n as u64).to_le_bytes());
+    }
+
+    pub(crate) fn numbers(&mut self, values: &[f64]) {
+        values.iter().for_each(|v| self.0.extend(v.to_le_bytes()));
+    }
+
+    pub(crate) fn texts(&mut self, texts: &[String]) {
+        self.count(texts.len());
+        for text in texts {
+            self.count(text.len());
+            self.0.extend(text.as_bytes());
+        }
+    }
+
+    pub(crate) fn list<T: Archive>(&mut self, items: &[T]) {
+        self.count(items.len());
+        items.iter().for_each(|item| item.write(self));
+    }
+
+    /// The upper triangle of a symmetric matrix in single precision.
+    pub(crate) fn symmetric(&mut self, m: &DMatrix<f64>) {
+        self.count(m.nrows());
+        for j in 0..m.ncols() {
+            for i in 0..=j {
+                self.0.extend((m[(i, j)] as f32).to_le_bytes());
+            }
+        }
+    }
+}
+
+/// Takes bytes apart.
+#[derive(Debug)]
+pub struct ArchiveReader<'a> {
+    bytes: &'a [u8],
+    at: usize,
+}
+
+impl ArchiveReader<'_> {
+    pub(crate) fn damaged(&self) -> AcousticsError {
+        AcousticsError::Damaged {
+            at: self.at,
+            length: self.bytes.len(),
+        }
+    }
+
+    fn take(&mut self, length: usize) -> Result<&[u8], AcousticsError> {
+        let end = self.at.checked_add(length).filter(|end| *end <= self.bytes.len());
+        let end = end.ok_or_else(|| self.damaged())?;
+        let taken = &self.bytes[self.at..end];
+        self.at = end;
+        Ok(taken)
+    }
+
+    pub(crate) fn count(&mut self) -> Result<usize, AcousticsError> {
+        let mut bytes = [0; 8];
+        bytes.copy_from_slice(self.take(8)?);
+        let n = u64::from_le_bytes(bytes) as usize;
+        // Everything counted takes a byte at least.
+        if n <= self.bytes.len() {
+            Ok(n)
+        } else {
+            Err(self.damaged())
+        }
+    }
+
+    pub(crate) fn numbers<const N: usize>(&mut self) -> Result<[f64; N], AcousticsError> {
+        let mut values = [0.0; N];
+        for value in &mut values {
+            let mut bytes = [0; 8];
+            bytes.copy_from_slice(self.take(8)?);
+            *value = f64::from_le_bytes(bytes);
+        }
+        Ok(values)
+    }
+
+    pub(crate) fn texts(&mut self) -> Result<Vec<String>, AcousticsError> {
+        let n = self.count()?;
+        let mut texts = Vec::new();
+        for _ in 0..n {
+            let length = self.count()?;
+            let text = std::str::from_utf8(self.take(length)?).map(str::to_owned);
+            texts.push(text.map_err(|_| self.damaged())?);
+        }
+        Ok(texts)
+    }
+
+    pub(crate) fn list<T: Archive>(&mut self) -> Result<Vec<T>, AcousticsError> {
+        let n = self.count()?;
+        (0..n).map(|_| T::read(self)).collect()
+    }
+
+    pub(crate) fn symmetric(&mut self) -> Result<DMatrix<f64>, AcousticsError> {
+        let n = self.count()?;
+        let triangle = n.checked_mul(n + 1).and_then(|n| n.checked_mul(2));
+        let length = triangle.ok_or_else(|| self.damaged())?;
+        let mut values = self.take(length)?.chunks_exact(4);
+        let mut m = DMatrix::zeros(n, n);
+        for j in 0..n {
+            for (i, bytes) in (0..=j).zip(&mut values) {
+                let value = f64::from(f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]));
+                (m[(i, j)], m[(j, i)]) = (value, value);
+            }
+        }
+        Ok(m)
+    }
+}
+
+impl Archive for DMatrix<f64> {
+    fn write(&self, to: &mut ArchiveWriter) {
+        to.count(self.nrows());
+        to.count(self.ncols());
+        to.numbers(self.as_slice());
+    }
+
+    fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
+        let (rows, columns) = (from.count()?, from.count()?);
+        let length = rows.checked_mul(columns).and_then(|n| n.checked_mul(8));
+        let length = length.ok_or_else(|| from.damaged())?;
+        let values = from.take(length)?.chunks_exact(8).map(|bytes| {
+            let mut eight = [0; 8];
+            eight.copy_from_slice(bytes);
+            f64::from_le_bytes(eight)
+        });
+        Ok(Self::from_iterator(rows, columns, values))
+    }
+}

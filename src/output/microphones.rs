@@ -1,0 +1,102 @@
+//! What the virtual microphones hear: `microphones.csv`, and a calibrated sound file a microphone.
+
+use std::fmt::Write;
+use std::io::Cursor;
+use std::path::Path;
+
+use super::csv::optional;
+use super::{create, write as write_file};
+use crate::error::Error;
+use crate::pipeline::{Run, SAMPLE_RATE};
+use crate::result::MicrophoneReport;
+
+/// Largest sample of 24 bits: full scale.
+const FULL: f64 = 8_388_607.0;
+
+/// Writes `microphones.csv` and `microphones/workpiece-N.wav`: mono, 48 kHz, 24 bits, full scale as the table states.
+pub(super) fn write(folder: &Path, run: &Run) -> Result<(), Error> {
+    let Some(microphones) = &run.microphones else {
+        return Ok(());
+    };
+    let report = &microphones.report;
+    write_file(&folder.join("microphones.csv"), table(report).as_bytes())?;
+    let folder = folder.join("microphones");
+    create(&folder)?;
+    for (number, signal) in microphones.signals.iter().enumerate() {
+        let path = folder.join(format!("workpiece-{}.wav", number + 1));
+        write_file(&path, &wave(&path, signal, report.full_scale_pa)?)?;
+    }
+    Ok(())
+}
+
+/// Levels by microphone, then bands by the array and radiated.
+fn table(report: &MicrophoneReport) -> String {
+    let mut text = String::from(
+        "microphone,x [m],y [m],z above the floor [m],L_AE [dB],L_E [dB],peak [Pa],full scale of the file [Pa],from [Hz],to [Hz]\n",
+    );
+    for (number, m) in report.positions.iter().enumerate() {
+        let [x, y, z] = m.position_m;
+        let _ = writeln!(
+            text,
+            "{},{x},{y},{z:.4},{},{},{:.4e},{},{:.0},{:.0}",
+            number + 1,
+            optional(m.lae_db, 3),
+            optional(m.le_db, 3),
+            m.peak_pa,
+            report.full_scale_pa,
+            report.range_hz[0],
+            report.range_hz[1]
+        );
+    }
+    text.push_str("\nband [Hz],microphones L_W [dB],radiated L_W [dB]\n");
+    for band in &report.bands {
+        let levels = [band.lw_db, band.true_lw_db].map(|level| optional(level, 3));
+        let _ = writeln!(text, "{},{}", band.hz, levels.join(","));
+    }
+    let total = [report.lwa_db, report.true_lwa_db].map(|level| optional(level, 3));
+    let _ = writeln!(text, "A-weighted total,{}", total.join(","));
+    text
+}
+
+fn wave(path: &Path, signal: &[f64], full_scale: f64) -> Result<Vec<u8>, Error> {
+    let spec = hound::WavSpec {
+        channels: 1,
+        sample_rate: SAMPLE_RATE,
+        bits_per_sample: 24,
+        sample_format: hound::SampleFormat::Int,
+    };
+    let mut bytes = Cursor::new(Vec::new());
+    let failed = |error: hound::Error| Error::Write {
+        path: path.to_owned(),
+        source: std::io::Error::other(error),
+    };
+    let mut writer = hound::WavWriter::new(&mut bytes, spec).map_err(failed)?;
+    for pressure in signal {
+        writer
+            .write_sample((pressure / full_scale * FULL).round() as i32)
+            .map_err(failed)?;
+    }
+    writer.finalize().map_err(failed)?;
+    Ok(bytes.into_inner())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sound_file_reads_back_its_pressures() {
+        let signal: Vec<f64> = (0..1000).map(|i| 3.0 * (0.05 * f64::from(i)).sin()).collect();
+        let bytes = wave(Path::new("a.wav"), &signal, 5.0);
+        let bytes = bytes.unwrap_or_default();
+        let Ok(mut reader) = hound::WavReader::new(Cursor::new(bytes)) else {
+            panic!("not a sound file");
+        };
+        assert_eq!(reader.spec().sample_rate, 48_000);
+        let read: Vec<i32> = reader.samples::<i32>().flatten().collect();
+        assert_eq!(read.len(), signal.len());
+        for (sample, pressure) in read.iter().zip(&signal) {
+            assert!((f64::from(*sample) / FULL * 5.0 - pressure).abs() < 5.0 / FULL);
+        }
+    }
+}

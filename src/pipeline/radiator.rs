@@ -1,0 +1,289 @@
+//! Radiation of the workpiece with its support per unit of modal motion, before the motion is known.
+
+use nailnoise_acoustics::Air;
+use nailnoise_acoustics::bem::{
+    Boundary, BoundaryMesh, Exterior, Level, ModalBem, MovingPart, Receivers, Side, SolidBox,
+};
+use nailnoise_acoustics::radiation::{
+    AbsorbingSand, Archive, Erp, ModalRadiation, Rayleigh, SampledRadiation, Sampling,
+};
+use nalgebra::{Complex, DMatrix, Point3};
+
+use super::Observer;
+use super::bodies::{Body, Structure};
+use super::microphones;
+use super::radiation::{moving_sand, radiating};
+use crate::cache::{Cache, Key};
+use crate::design::{Design, RadiationMethod, SupportKind, WorktablePreset};
+use crate::error::Error;
+
+/// Lowest frequency at which a radiation resistance is sampled \[Hz\]; below it each entry follows its own power law.
+const LOWEST_SAMPLE: f64 = 40.0;
+
+/// Tops of the ranges that have a mesh of their own, over the top of all.
+const RANGES: [f64; 3] = [0.16, 0.4, 1.0];
+
+/// Longest side of a panel over the largest extent of the body: at low frequencies the shape asks for as much as the wave.
+const COARSEST: f64 = 1.0 / 16.0;
+
+/// A mode that radiates less than this share of the best radiator is interpolated as well as that share asks for.
+const FLOOR: f64 = 1e-3;
+
+/// Most frequencies of one range and parity.
+const MOST_SAMPLES: usize = 100;
+
+/// Patches of the block on its table, and how many of them belong to the block.
+const PATCHES: [&str; 6] = [
+    "workpiece top",
+    "workpiece sides",
+    "worktable top",
+    "worktable underside",
+    "worktable edges",
+    "worktable legs",
+];
+const OF_WORKPIECE: usize = 2;
+
+/// Name of the stage in the cache.
+const STAGE: &str = "radiation of workpiece and worktable";
+
+/// How the workpiece with its support radiates.
+pub(super) enum Radiator {
+    /// Boundary elements on block and table as one surface above the floor.
+    Bem(Box<ModalBem>),
+    /// Equivalent radiated power, body by body.
+    Erp(Vec<Erp>),
+    /// Rayleigh's integral over the block's top, flush with the sand.
+    Rayleigh(Box<SampledRadiation>),
+}
+
+impl Radiator {
+    /// The operator that the design asks for, from the cache where it is known.
+    ///
+    /// # Errors
+    /// Those of mesh and radiation.
+    pub(super) fn new(
+        design: &Design,
+        structure: &Structure,
+        air: &Air,
+        cache: &Cache,
+        observer: &mut dyn Observer,
+    ) -> Result<Self, Error> {
+        match (design.support.kind, design.acoustics.method) {
+            (SupportKind::Sandbox, _) => Ok(Self::Rayleigh(Box::new(flush_top(design, &structure.workpiece, air)?))),
+            (SupportKind::Worktable, RadiationMethod::Erp) => standing_erp(design, structure, air),
+            (SupportKind::Worktable, RadiationMethod::Bem) => standing_bem(design, structure, air, cache, observer),
+        }
+    }
+
+    /// Damping ratio that radiation adds to each mode of each body, R_jj(omega_j) / (2 omega_j) for modal masses of 1;
+    /// zero for rigid modes, and with the equivalent radiated power, which is far too much at low frequencies.
+    pub(super) fn damping(&self, structure: &Structure) -> Vec<Vec<f64>> {
+        let of_modes = |radiation: &dyn ModalRadiation, omega: &[f64]| {
+            let lowest = 2.0 * std::f64::consts::PI;
+            let hz: Vec<f64> = omega
+                .iter()
+                .map(|w| (w.max(lowest) / std::f64::consts::TAU).min(radiation.highest_hz()))
+                .collect();
+            let unit = DMatrix::<Complex<f64>>::identity(omega.len(), omega.len());
+            let forms = radiation.energy_forms(&hz, &unit);
+            let ratio = |(j, w): (usize, &f64)| {
+                let r = forms.column(j).sum() * (std::f64::consts::TAU * hz[j]).powi(2);
+                if *w > lowest { (r / (2.0 * w)).max(0.0) } else { 0.0 }
+            };
+            omega.iter().enumerate().map(ratio).collect::<Vec<f64>>()
+        };
+        match self {
+            Self::Bem(bem) => {
+                let all: Vec<f64> = structure.bodies().flat_map(|body| body.omega.iter().copied()).collect();
+                let mut rest = of_modes(bem.as_ref(), &all);
+                structure
+                    .bodies()
+                    .map(|body| {
+                        let tail = rest.split_off(body.omega.len());
+                        std::mem::replace(&mut rest, tail)
+                    })
+                    .collect()
+            }
+            Self::Erp(_) => structure.bodies().map(|body| vec![0.0; body.omega.len()]).collect(),
+            Self::Rayleigh(rayleigh) => vec![of_modes(rayleigh.as_ref(), &structure.workpiece.omega)],
+        }
+    }
+}
+
+/// Rayleigh's integral over the block's top, flush with the sand.
+fn flush_top(design: &Design, body: &Body, air: &Air) -> Result<SampledRadiation, Error> {
+    let sand = &design.support.sand;
+    let surface = radiating(body, |patch, _| patch != "top")?;
+    let mut rayleigh = Rayleigh::new(&surface, air)?;
+    if sand.absorption_share > 0.0 {
+        rayleigh = rayleigh.with_absorbing_sand(absorbing_sand(design))?;
+    }
+    if sand.moving_surface {
+        rayleigh = rayleigh.with_moving_sand(moving_sand(design)?)?;
+    }
+    let top = body.top_hz.min(design.analysis.range_high);
+    Ok(rayleigh.sampled(&Sampling {
+        range_hz: [LOWEST_SAMPLE.min(0.5 * top), top],
+        ..Sampling::default()
+    })?)
+}
+
+/// The sand's surface as an absorber.
+pub(super) fn absorbing_sand(design: &Design) -> AbsorbingSand {
+    AbsorbingSand {
+        resistivity: design.support.sand.flow_resistivity,
+        share: design.support.sand.absorption_share,
+    }
+}
+
+/// ERP of block and table. Where they face each other, under the table's feet and at welds, no sound gets out.
+fn standing_erp(design: &Design, structure: &Structure, air: &Air) -> Result<Radiator, Error> {
+    let half = [0.5 * design.workpiece.length, 0.5 * design.workpiece.width];
+    let of_body = |body: &Body| {
+        let hidden = |patch: &str, p: &Point3<f64>| match patch {
+            "bottom" | "floor" => true,
+            _ if patch.ends_with("_slave") => true, // tied to another face
+            "top" => body.name == "worktable" && p.x.abs() < half[0] && p.y.abs() < half[1],
+            _ => false,
+        };
+        Ok::<_, Error>(Erp::new(&radiating(body, hidden)?, air))
+    };
+    Ok(Radiator::Erp(
+        structure.bodies().map(of_body).collect::<Result<_, _>>()?,
+    ))
+}
+
+fn standing_bem(
+    design: &Design,
+    structure: &Structure,
+    air: &Air,
+    cache: &Cache,
+    observer: &mut dyn Observer,
+) -> Result<Radiator, Error> {
+    let kept: Vec<u8> = cache.get_or(STAGE, key(design, structure, air), || {
+        let levels = levels(design, structure, air)?;
+        if let Some(finest) = levels.last() {
+            let estimate = finest.problem.estimate();
+            observer.note(&format!(
+                "boundary elements, computed once for this structure: {estimate}"
+            ));
+        }
+        let low = LOWEST_SAMPLE.min(0.5 * RANGES[0] * design.acoustics.bem_top);
+        let sampling = Sampling {
+            range_hz: [low, design.acoustics.bem_top],
+            tolerance: design.acoustics.bem_tolerance,
+            floor: FLOOR,
+            most_samples: MOST_SAMPLES,
+        };
+        let receivers = Receivers {
+            points: microphones::positions(design),
+            origin: Point3::origin(),
+        };
+        Ok::<_, Error>(ModalBem::with_receivers(levels, &sampling, &receivers)?.to_bytes())
+    })?;
+    Ok(Radiator::Bem(Box::new(ModalBem::from_bytes(&kept)?)))
+}
+
+/// All that the radiation matrices depend on: boxes, air, how finely they are computed, and the skins' modes.
+fn key(design: &Design, structure: &Structure, air: &Air) -> Key {
+    let a = &design.acoustics;
+    let mut key = Key::new()
+        .with(&format!("{:?} {air:?}", boxes(design)))
+        .with(&[a.bem_top, a.bem_panels, a.bem_tolerance])
+        .with(&format!("{:?}", microphones::positions(design)));
+    for body in structure.bodies() {
+        let surface = &body.surface;
+        let points: Vec<f64> = surface.points.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
+        key = key.with(body.name).with(&points);
+        for mode in body.shapes.column_iter() {
+            let on_skin = surface
+                .volume_nodes
+                .iter()
+                .flat_map(|&n| [mode[3 * n], mode[3 * n + 1], mode[3 * n + 2]]);
+            key = key.with(&on_skin.collect::<Vec<f64>>());
+        }
+    }
+    key
+}
+
+/// Height of the floor under the worktable; the block's underside is at 0 \[m\].
+pub(super) fn floor(design: &Design) -> f64 {
+    -design.support.worktable.height
+}
+
+fn largest_extent(design: &Design) -> f64 {
+    let (block, table) = (&design.workpiece, &design.support.worktable);
+    let height = table.height + block.thickness;
+    [block.length, block.width, table.length, table.width]
+        .into_iter()
+        .fold(height, f64::max)
+}
+
+/// Block, table top and legs (tubes are closed by top and floor). Their grid is that of the bodies: the origin is the centre of the block's underside.
+fn boxes(design: &Design) -> Vec<SolidBox> {
+    let (block, table) = (&design.workpiece, &design.support.worktable);
+    let (thickness, leg) = match table.preset {
+        WorktablePreset::A => (table.top_thickness, table.leg_width),
+        WorktablePreset::B => (table.steel.top_thickness_b, table.steel.tube_width),
+        WorktablePreset::C => (table.steel.top_thickness_c, table.steel.tube_width),
+    };
+    let centred = |[x, y]: [f64; 2], [low, high]: [f64; 2], part| SolidBox {
+        low: [-0.5 * x, -0.5 * y, low],
+        high: [0.5 * x, 0.5 * y, high],
+        part,
+    };
+    let mut boxes = vec![
+        centred([block.length, block.width], [0.0, block.thickness], 0),
+        centred([table.length, table.width], [-thickness, 0.0], 1),
+    ];
+    let (x, y) = (0.5 * table.length, 0.5 * table.width);
+    for from in [[-x, -y], [x - leg, -y], [-x, y - leg], [x - leg, y - leg]] {
+        boxes.push(SolidBox {
+            low: [from[0], from[1], floor(design)],
+            high: [from[0] + leg, from[1] + leg, -thickness],
+            part: 2,
+        });
+    }
+    boxes
+}
+
+/// The surface of block and table on meshes that get finer with frequency, with the velocities of all modes.
+fn levels(design: &Design, structure: &Structure, air: &Air) -> Result<Vec<Level>, Error> {
+    let a = &design.acoustics;
+    let bodies: Vec<&Body> = structure.bodies().collect();
+    let patches = [0..OF_WORKPIECE, OF_WORKPIECE..PATCHES.len()];
+    let parts: Vec<MovingPart<'_>> = bodies
+        .iter()
+        .zip(patches)
+        .map(|(body, patches)| MovingPart {
+            skin: &body.surface,
+            modes: &body.shapes,
+            patches,
+        })
+        .collect();
+    let patch = |side: Side| match (side.part, side.axis, side.upper) {
+        (0, 2, true) => 0,
+        (0, _, _) => 1,
+        (1, 2, true) => 2,
+        (1, 2, false) => 3,
+        (1, _, _) => 4,
+        _ => 5,
+    };
+    let level = |share: &f64| {
+        let top_hz = share * a.bem_top;
+        let edge = (air.sound_speed / (a.bem_panels * top_hz)).min(COARSEST * largest_extent(design));
+        let (mirrors, floor) = ([Some(0.0); 2], floor(design));
+        let names = PATCHES.map(str::to_owned).to_vec();
+        let planes = [mirrors[0], mirrors[1], Some(floor)];
+        let mesh = BoundaryMesh::of_boxes(&boxes(design), planes, edge, names, patch)?;
+        let boundary = Boundary::symmetric(mesh, mirrors, Some(floor))?;
+        let patterns = boundary.transfer(&parts)?;
+        let problem = Exterior::new(boundary, air).with_panels_per_wavelength(a.bem_panels)?;
+        Ok(Level {
+            problem,
+            top_hz,
+            patterns,
+        })
+    };
+    RANGES.iter().map(level).collect()
+}
