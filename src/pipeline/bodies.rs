@@ -129,10 +129,10 @@ pub fn table(design: &Design, cache: &Cache) -> Result<Body, Error> {
     .solve(design, cache)
 }
 
-/// The tool's body, free, with what drives it; its loads are in the order of [`tool_loads::patterns`].
+/// The tool's body, free, with what drives it: forces along the axis, then pressures on walls.
 ///
 /// # Errors
-/// As [`Geometry::of`] and [`tool_loads::patterns`], and those of the modal solution.
+/// As [`Geometry::of`], [`Error::NoLoadSurface`], and those of the modal solution.
 pub fn tool_body(design: &Design, cache: &Cache) -> Result<Body, Error> {
     let geometry = Geometry::of(design, BodyKind::Tool, false)?;
     let loads = tool_loads::patterns(design, &geometry.mesh)?;
