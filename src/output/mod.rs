@@ -22,7 +22,8 @@ pub use csv::EVENT_NAMES;
 
 /// Writes everything a run leaves behind to `folder`: `result.json`, `levels.csv`, `intervals.csv`, `power.csv`,
 /// `events.csv`, `log.csv`, `histories.csv`, `fields/*`, where boundary elements were used `radiation.csv` and
-/// `radiation-modes.csv`, `microphones.csv` and `microphones/*.wav`, and where the design has sensors `sensors.csv`, `sensors-spectrum.csv` and `sensors.uff`.
+/// `radiation-modes.csv`, `microphones.csv` and `microphones/*.wav`, and where the design has sensors `sensors.csv`,
+/// `sensors-spectrum.csv` and `sensors.uff`.
 ///
 /// # Errors
 /// [`Error::Write`] with the file that could not be written.

@@ -5,14 +5,15 @@ use nalgebra::{Complex, DMatrix, Point3, Vector3};
 use std::f64::consts::PI;
 
 impl Exterior {
-    /// Complex pressure at points in the air for every pattern, points x patterns \[Pa s/m for velocities in m/s\]: what
-    /// comes directly, and what comes by the floor (zero without one); their sum is the pressure.
+    /// Complex pressure at points in the air for every pattern, points x patterns \[Pa s/m for velocities in m/s\]:
+    /// what comes directly, and what comes by the floor (zero without one); their sum is the pressure.
     ///
     /// ```text
     /// p(x) = int (dG/dn_y p + j omega rho G v_n) dS_y        G = e^{-jkr} / (4 pi r)
     /// ```
     ///
-    /// with the images in mirror planes and floor. The rule is that of distant panels: a point must stand off the surface.
+    /// with the images in mirror planes and floor. The rule is that of distant panels: a point must stand off the
+    /// surface.
     ///
     /// # Errors
     /// [`AcousticsError::BelowFloor`], [`AcousticsError::NearSurface`] for a point closer to the surface than the

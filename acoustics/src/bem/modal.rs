@@ -37,7 +37,7 @@ pub struct Summary {
     pub difference_db: f64,
     /// Largest asymmetry of R, relative to its largest entry.
     pub asymmetry: f64,
-    /// Interpolation error of the pressure at the receivers, relative to the loudest mode there.
+    /// Interpolation error of the pressure at the receivers, relative to the loudest mode at any of them.
     pub heard: f64,
 }
 
