@@ -7,7 +7,7 @@ use nailnoise::pipeline::{Options, Run, Silent, run};
 use nailnoise::result::RankedSource;
 
 fn of(design: &Design) -> Run {
-    let cache = Cache::at(concat!(env!("CARGO_TARGET_TMPDIR"), "/radiation").into(), LIMIT);
+    let cache = Cache::at(concat!(env!("CARGO_TARGET_TMPDIR"), "/modes").into(), LIMIT);
     run(design, Options::default(), &cache, &mut Silent).unwrap()
 }
 
