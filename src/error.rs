@@ -105,6 +105,35 @@ pub enum Error {
         /// The names there are.
         known: String,
     },
+    /// The cylinder sleeve does not fit the barrel.
+    #[error(
+        "a sleeve of {:.4} mm outer radius (half of `piston.bore` and `body.sleeve_wall`) does not fit a barrel of {:.4} mm \
+         inner radius (`body.barrel_radius` less `body.barrel_wall`)",
+        1e3 * sleeve, 1e3 * barrel
+    )]
+    #[diagnostic(help("make the barrel wider or a wall thinner, or set `body.model = \"rigid\"`"))]
+    NoRoom {
+        /// Outer radius of the sleeve \[m\].
+        sleeve: f64,
+        /// Inner radius of the barrel \[m\].
+        barrel: f64,
+    },
+    /// The mesh of the tool body does not name where a force of the shot acts.
+    #[error(
+        "the mesh of the tool body has no surface \"{group}\" for {what}, or none of it where the design has it; it has {known}"
+    )]
+    #[diagnostic(help(
+        "name that surface (gmsh: Physical Surface(\"{group}\") = ...) on the axis of the cylinder, x = y = 0, or set \
+         `body.model = \"rigid\"`"
+    ))]
+    NoLoadSurface {
+        /// Name of the surface.
+        group: &'static str,
+        /// What acts there.
+        what: &'static str,
+        /// The names there are.
+        known: String,
+    },
     /// There is no such mode.
     #[error("mode {mode} cannot be shown: the body has {modes} modes")]
     #[diagnostic(help("choose a number from the table of modes, or raise the body's top frequency in [analysis]"))]

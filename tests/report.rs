@@ -358,3 +358,89 @@ fn a_design_begins_with_init_and_is_explained_by_check() {
     assert_eq!(tool["gmsh"], true);
     assert!(told["obstacles"][0].as_str().unwrap().contains("gmsh"), "{told}");
 }
+
+/// Whether a value keeps a schema, as far as these schemas go.
+fn keeps(schema: &Value, value: &Value, root: &Value, place: &str) {
+    if let Some(reference) = schema["$ref"].as_str() {
+        let target = root.pointer(reference.strip_prefix('#').unwrap()).unwrap();
+        return keeps(target, value, root, place);
+    }
+    if let Some(only) = schema.get("const") {
+        assert_eq!(value, only, "{place}");
+    }
+    if let Some(choices) = schema["enum"].as_array() {
+        assert!(choices.contains(value), "{place}: {value}");
+    }
+    let name = match value {
+        Value::Null => "null",
+        Value::Bool(_) => "boolean",
+        Value::Number(_) => "number",
+        Value::String(_) => "string",
+        Value::Array(_) => "array",
+        Value::Object(_) => "object",
+    };
+    match &schema["type"] {
+        Value::String(one) => assert_eq!(one, name, "{place}"),
+        Value::Array(several) => assert!(several.iter().any(|one| one == name), "{place}: {name}"),
+        _ => {}
+    }
+    for (index, item) in value.as_array().into_iter().flatten().enumerate() {
+        if schema["items"].is_object() {
+            keeps(&schema["items"], item, root, &format!("{place}/{index}"));
+        }
+    }
+    let Some(fields) = value.as_object() else { return };
+    for key in schema["required"].as_array().into_iter().flatten() {
+        assert!(fields.contains_key(key.as_str().unwrap()), "{place} lacks {key}");
+    }
+    for (key, field) in fields {
+        let own = &schema["properties"][key];
+        let own = if own.is_null() {
+            &schema["additionalProperties"]
+        } else {
+            own
+        };
+        if own.is_object() {
+            keeps(own, field, root, &format!("{place}/{key}"));
+        }
+    }
+}
+
+#[test]
+fn the_published_schema_is_that_of_the_result() {
+    let output = nailnoise(None, &["schema", "--of", "result"]);
+    let schema: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let out = folder("result-schema");
+    let result: Value = serde_json::from_slice(&run(None, &out, &["--json"]).stdout).unwrap();
+    keeps(&schema, &result, &schema, "");
+    let mut wrong = result.clone();
+    wrong["ranking"][0]["share"] = "much".into();
+    assert!(std::panic::catch_unwind(|| keeps(&schema, &wrong, &schema, "")).is_err());
+}
+
+/// The book's table of contents names files that are there.
+#[test]
+fn the_book_is_whole() {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
+    let mut pages = 0;
+    for entry in fs::read_dir(&docs).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|extension| extension != "md") {
+            continue;
+        }
+        pages += 1;
+        let text = fs::read_to_string(&path).unwrap();
+        for link in between(&text, "](", ")") {
+            let file = link.split('#').next().unwrap();
+            if !file.is_empty() && !file.contains("://") {
+                assert!(docs.join(file).exists(), "{}: {link}", path.display());
+            }
+        }
+    }
+    let summary = fs::read_to_string(docs.join("SUMMARY.md")).unwrap();
+    assert_eq!(
+        between(&summary, "](", ")").len(),
+        pages - 1,
+        "every page is in the table of contents"
+    );
+}

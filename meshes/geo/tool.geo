@@ -109,21 +109,49 @@ If (sleeve_fit > 0)
     EndIf
   EndFor
   Physical Surface("fit_master") = {master()};
+Else
+  inside() = Surface In BoundingBox {-q - e, -q - e, floor + b - e, q + e, q + e, roof - b + e};
+  wall() = {};
+  For k In {0 : #inside() - 1}
+    box() = BoundingBox Surface{inside(k)};
+    If (box(5) - box(2) > 0.1 && box(3) - box(0) > q + r)
+      wall() += inside(k);
+    EndIf
+  EndFor
+  Physical Surface("barrel_inside") = {wall()};
 EndIf
+// Around the sleeve, below its fit, lie the return volume and the supply's jacket.
+around() = Surface In BoundingBox {-r - e, -r - e, floor + b - e, r + e, r + e, floor + b + seated + e};
+jacket() = {};
+For k In {0 : #around() - 1}
+  box() = BoundingBox Surface{around(k)};
+  If (box(5) - box(2) > 0.1 && box(3) - box(0) > 2*r - sleeve_wall)
+    jacket() += around(k);
+  EndIf
+EndFor
+Physical Surface("sleeve_outside") = {jacket()};
 // Under the roof of the barrel the head valve strikes the cap.
 under() = Surface In BoundingBox {-q - e, -q - e, roof - b - e, q + e, q + e, roof - b + e};
 Physical Surface("cap") = {under()};
 hr = handle_radius;
 grips() = Surface In BoundingBox {0, -hr - e, handle_level - hr - e, grip + handle_length + e, hr + e, handle_level + hr + e};
 outer() = {};
+hollow() = {};
 For k In {0 : #grips() - 1}
   box() = BoundingBox Surface{grips(k)};
-  // The outer side alone; that of the cavity is smaller.
+  // The sides of the cavity are smaller than the outer ones.
   If (box(4) - box(1) > 2*hr - 0.1)
     outer() += grips(k);
+  Else
+    hollow() += grips(k);
   EndIf
 EndFor
 Physical Surface("handle") = {outer()};
+// Air of the supply fills the handle, the exhaust the cap.
+Physical Surface("supply") = {hollow()};
+cr = cap_radius - c;
+plenum() = Surface In BoundingBox {-cr - e, -cr - e, roof + c - e, cr + e, cr + e, roof + cap_height - c + e};
+Physical Surface("plenum") = {plenum()};
 mr = magazine_radius;
 cans() = Surface In BoundingBox {magazine_offset - mr - e, -h - e, magazine_level - mr - e, magazine_offset + mr + e, h + e, magazine_level + mr + e};
 ends() = {};
@@ -141,8 +169,27 @@ walls() = Surface In BoundingBox {-q - e, -q - e, floor + b - e, q + e, q + e, r
 If (near < size)
   Characteristic Length{ PointsOf{ Surface{walls()}; } } = near;
 EndIf
+// Nose in floor, arm between nose and can, and root of the handle bend locally and carry the lowest modes: elements there
+// are a third as long. Without, the bare housing comes out up to 6 % too stiff.
+fine = size/3;
+Macro Joint
+  Field[joint] = Box;
+  Field[joint].XMin = x_(0); Field[joint].XMax = x_(1);
+  Field[joint].YMin = -y_; Field[joint].YMax = y_;
+  Field[joint].ZMin = z_(0); Field[joint].ZMax = z_(1);
+  Field[joint].VIn = fine; Field[joint].VOut = size; Field[joint].Thickness = size;
+Return
+joint = 1; x_() = {-barrel_radius, barrel_radius}; y_ = barrel_radius; z_() = {floor - 2.5*b, floor + 2.5*b};
+Call Joint;
+joint = 2; x_() = {w - 2, arm_reach + arm_depth/2}; y_ = 1.5*arm_depth; z_() = {magazine_level - arm_height, magazine_level + arm_height};
+Call Joint;
+joint = 3; x_() = {hr, barrel_radius + hr/2}; y_ = 1.5*hr; z_() = {handle_level - 1.5*hr, handle_level + 1.5*hr};
+Call Joint;
+Field[4] = Min;
+Field[4].FieldsList = {1, 2, 3};
+Background Field = 4;
 Mesh.CharacteristicLengthMax = size;
-Mesh.CharacteristicLengthMin = size/3;
+Mesh.CharacteristicLengthMin = fine;
 Mesh.ElementOrder = 2;
 Mesh.HighOrderOptimize = 2;
 Mesh.ScalingFactor = 0.001;

@@ -112,8 +112,9 @@ pub fn tool_ships(spec: &Tool) -> bool {
 }
 
 /// The mesh of a tool body: quadratic tetrahedra, parts `housing`, `nose` and `sleeve`, face groups `nose_tip`,
-/// `gas_bore`, `bumper_seat`, `seat`, `cap`, `handle` and `magazine`, and `fit_slave` (the sleeve's upper end), which is to
-/// be tied to `fit_master` (the barrel's inner side).
+/// `gas_bore`, `bumper_seat`, `seat`, `cap`, `handle`, `magazine`, `supply` (within the handle), `plenum` (within the cap)
+/// and `sleeve_outside`, and `fit_slave` (the sleeve's upper end), which is to be tied to `fit_master` (the barrel's inner
+/// side; `barrel_inside` where the sleeve stands free).
 ///
 /// A mesh that ships is taken where it was made for these dimensions and `anew` is not asked for; gmsh makes any other.
 ///

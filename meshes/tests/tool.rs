@@ -37,7 +37,7 @@ fn n80cb() -> Tool {
         sleeve_wall: 2.0 * MM,
         sleeve_height: 150.0 * MM,
         sleeve_fit: 10.0 * MM,
-        size: 12.0 * MM,
+        size: 18.0 * MM,
     }
 }
 

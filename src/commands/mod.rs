@@ -68,8 +68,8 @@ enum Command {
     Prf(prf::Arguments),
     /// List, verify or clear what is kept between runs
     Cache(cache::Arguments),
-    /// Print the JSON Schema of the design file, for editors
-    Schema,
+    /// Print the JSON Schema of the design file, for editors, or of the result
+    Schema(schema::Arguments),
     /// Print what a shell completes
     Completions(completions::Arguments),
 }
@@ -160,7 +160,7 @@ pub fn main() -> ExitCode {
         Command::Check(arguments) => check::execute(arguments),
         Command::Prf(arguments) => prf::execute(arguments),
         Command::Cache(arguments) => cache::execute(arguments),
-        Command::Schema => schema::execute(),
+        Command::Schema(arguments) => schema::execute(arguments),
         Command::Completions(arguments) => Ok(completions::execute(arguments)),
     };
     outcome.unwrap_or_else(|error| {

@@ -1,12 +1,35 @@
-//! `nailnoise schema`: the design file's schema, for editors.
+//! `nailnoise schema`: the layouts of the design file, for editors, and of the result, for programs that read it.
 
 use std::process::ExitCode;
 
-use super::print_json;
+use clap::{Args, ValueEnum};
+
+use super::{print, print_json};
 use crate::design::json_schema;
 use crate::error::Error;
 
-pub(super) fn execute() -> Result<ExitCode, Error> {
-    print_json(&json_schema())?;
+/// The layout of `result.json`; the tests hold results against it.
+const RESULT: &str = include_str!("result.schema.json");
+
+#[derive(Args)]
+pub(super) struct Arguments {
+    /// What the schema is of
+    #[arg(long, value_enum, default_value_t = Layout::Design)]
+    of: Layout,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Layout {
+    /// The design file, for editors
+    Design,
+    /// `result.json` and `run --json`, for programs that read them
+    Result,
+}
+
+pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+    match arguments.of {
+        Layout::Design => print_json(&json_schema())?,
+        Layout::Result => print(RESULT),
+    }
     Ok(ExitCode::SUCCESS)
 }

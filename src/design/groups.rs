@@ -632,11 +632,22 @@ group! {
     }
 }
 
+choice! {
+    /// What of the tool body sounds.
+    BodyModel {
+        /// Its rigid motion and the vibration of its housing, from finite elements.
+        Elastic = "elastic",
+        /// Its rigid motion alone.
+        Rigid = "rigid",
+    }
+}
+
 group! {
     /// Tool body: barrel with cap on a hollow nose, hollow handle, coil-magazine can, cylinder sleeve; z up from the nose's
-    /// tip, the handle along +x. `run` takes the outer dimensions (the air it displaces); `modes`, `mesh` and `check` with
-    /// `--body tool` take all.
+    /// tip, the handle along +x. A rigid one takes part in `run` with its outer dimensions, the air it displaces, alone.
     Body {
+        /// What of it sounds: rigid motion and vibration, or rigid motion alone, a lower bound.
+        model: BodyModel = BodyModel::KIND, "";
         /// Outer radius of the barrel.
         barrel_radius: f64 = positive(LENGTH), "";
         /// Wall of the barrel, its floor and its roof.
@@ -700,6 +711,8 @@ group! {
         /// Mesh (.msh) or geometry (.step) in place of all of this, in the same axes; parts named `housing`, `nose` and
         /// `sleeve` take their materials, a mesh with one part alone takes that of the housing; masses are lumped on the
         /// surfaces `nose_tip`, `magazine` and `seat`; the nodes of a surface `NAME_slave` follow those of `NAME_master`.
+        /// Forces of the shot act on `cap`, `seat`, `bumper_seat`, `gas_bore`, `nose_tip` and `handle`, and where there are
+        /// such, gas on `supply`, `plenum`, `sleeve_outside` and `barrel_inside`.
         mesh: &'static str = Kind::File, "";
         /// Length of one unit of that file.
         mesh_unit: f64 = positive(LENGTH), "";
@@ -767,7 +780,7 @@ group! {
         workpiece_top: f64 = positive(FREQUENCY), "";
         /// Top frequency of the worktable's modes that take part.
         worktable_top: f64 = positive(FREQUENCY), "";
-        /// Top frequency of the tool body's modes (`modes`, `mesh` and `check` with `--body tool`).
+        /// Top frequency of the tool body's modes that take part.
         body_top: f64 = positive(FREQUENCY), "";
         /// Top frequency of the exhaust.
         exhaust_top: f64 = positive(FREQUENCY), "";
@@ -781,7 +794,8 @@ group! {
         worktable_leg_element: f64 = positive(LENGTH), "";
         /// Largest side of a quadratic element in the walls of the steel tubes of worktables B and C.
         worktable_tube_element: f64 = positive(LENGTH), "";
-        /// Largest side of a quadratic tetrahedron of the tool body.
+        /// Largest side of a quadratic tetrahedron of the tool body; in the parametric one a third of it where nose, arm and
+        /// handle join.
         body_element: f64 = positive(LENGTH), "";
         /// Fewest elements in the shortest bending wave or shear wave at the top frequency, for geometry meshed by gmsh.
         elements_per_wave: f64 = positive(NUMBER), "";

@@ -7,7 +7,7 @@ use nailnoise_meshes::vtu::{Field, write_mesh, write_series, write_surface};
 use nalgebra::DMatrix;
 
 use crate::error::Error;
-use crate::pipeline::{Body, Run};
+use crate::pipeline::{Body, Driven, Run};
 
 /// Octave bands of the velocity fields: k of the mid-band frequencies 1000 G^k Hz, G = 10^0.3 (IEC 61260-1, base ten), and
 /// their nominal values \[Hz\].
@@ -34,11 +34,12 @@ const REFERENCE: f64 = 50e-9 * 50e-9;
 /// L_vE = 10 lg( 2 int |v(f)|^2 df / ((50 nm/s)^2 x 1 s) )
 /// ```
 ///
-/// with v the velocity vector, from the coherent sum of all modes; no lower than 60 dB below the highest point.
+/// with v the velocity vector, from the coherent sum of all modes; no lower than 60 dB below the highest point. And the
+/// same as a series of the bands, `BODY-bands.pvd`.
 pub(super) fn write(folder: &Path, run: &Run) -> Result<(), Error> {
     super::create(folder)?;
-    for (body, spectra) in run.structure.bodies().zip(&run.spectra) {
-        let bands: Vec<(String, Vec<f64>)> = OCTAVES
+    for Driven { body, spectra, .. } in run.driven() {
+        let bands: Vec<(u32, Vec<f64>)> = OCTAVES
             .iter()
             .filter_map(|&(k, nominal)| {
                 let centre = 1000.0 * 10f64.powf(0.3 * f64::from(k));
@@ -46,23 +47,42 @@ pub(super) fn write(folder: &Path, run: &Run) -> Result<(), Error> {
                 let energies = exposure(body, spectra, edges)?;
                 let floor = energies.iter().fold(0.0, |a: f64, &b| a.max(b)) * 10f64.powf(-0.1 * SHOWN);
                 let level = |e: &f64| 10.0 * (e.max(floor).max(f64::MIN_POSITIVE) / REFERENCE).log10();
-                Some((
-                    format!("velocity exposure level {nominal} Hz octave [dB]"),
-                    energies.iter().map(level).collect(),
-                ))
+                Some((nominal, energies.iter().map(level).collect()))
             })
             .collect();
-        let fields: Vec<Field<'_>> = bands
+        let name = |nominal: u32| format!("velocity exposure level {nominal} Hz octave [dB]");
+        let names: Vec<String> = bands.iter().map(|&(nominal, _)| name(nominal)).collect();
+        let fields: Vec<Field<'_>> = names
             .iter()
-            .map(|(name, values)| Field {
+            .zip(&bands)
+            .map(|(name, (_, values))| Field {
                 name,
                 components: 1,
                 values,
             })
             .collect();
         write_surface(&folder.join(format!("{}.vtu", body.name)), &body.surface, &fields, &[])?;
+        write_bands(folder, body, &bands)?;
     }
     Ok(())
+}
+
+/// Writes the same as a series over frequency, `BODY-bands.pvd` and a `.vtu` a band: one field that ParaView steps through.
+fn write_bands(folder: &Path, body: &Body, bands: &[(u32, Vec<f64>)]) -> Result<(), Error> {
+    let name = format!("{}-bands", body.name);
+    super::create(&folder.join(&name))?;
+    let mut series = Vec::with_capacity(bands.len());
+    for (nominal, values) in bands {
+        let file = format!("{name}/{nominal:05}.vtu");
+        let field = Field {
+            name: "velocity exposure level [dB]",
+            components: 1,
+            values,
+        };
+        write_surface(&folder.join(&file), &body.surface, &[field], &[])?;
+        series.push((f64::from(*nominal), file));
+    }
+    Ok(write_series(&folder.join(format!("{name}.pvd")), &series)?)
 }
 
 /// 2 int |v|^2 df over a band at every point of the surface \[m2/s\]; nothing when the band holds no analysed frequency.

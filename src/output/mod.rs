@@ -20,8 +20,11 @@ use crate::pipeline::{Body, Run};
 pub use columns::{Column, columns};
 pub use csv::EVENT_NAMES;
 
+/// Opens the fields of a run in ParaView.
+const PARAVIEW: &str = include_str!("paraview.py");
+
 /// Writes everything a run leaves behind to `folder`: `result.json`, `levels.csv`, `intervals.csv`, `power.csv`,
-/// `events.csv`, `log.csv`, `histories.csv`, `fields/*`, where boundary elements were used `radiation.csv` and
+/// `events.csv`, `log.csv`, `histories.csv`, `fields/*`, `paraview.py`, where boundary elements were used `radiation.csv`,
 /// `radiation-modes.csv`, `microphones.csv` and `microphones/*.wav`, and where the design has sensors `sensors.csv`,
 /// `sensors-spectrum.csv` and `sensors.uff`.
 ///
@@ -44,6 +47,7 @@ pub fn write_run(folder: &Path, run: &Run) -> Result<(), Error> {
     microphones::write(folder, run)?;
     fields::write(&folder.join("fields"), run)?;
     shot::write(&folder.join("fields"), run)?;
+    write(&folder.join("paraview.py"), PARAVIEW.as_bytes())?;
     // Last, so that a folder with a result has all the rest of it.
     write(&folder.join("result.json"), &json)
 }

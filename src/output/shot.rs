@@ -8,7 +8,7 @@ use nailnoise_meshes::vtu::{Field, write_series, write_surface};
 use nalgebra::DMatrix;
 
 use crate::error::Error;
-use crate::pipeline::{Body, Run};
+use crate::pipeline::{Body, Driven, Run};
 
 /// Instants shown after each event \[s\]: at once, and while the waves run through the body.
 const AROUND: [f64; 3] = [5e-5, 3e-4, 1e-3];
@@ -18,9 +18,12 @@ const BLOCK: usize = 32;
 
 /// Writes `BODY-shot.pvd` and the `.vtu` of each instant: the velocity vector \[m/s\] on every point of the surface.
 pub(super) fn write(folder: &Path, run: &Run) -> Result<(), Error> {
-    let samples = instants(&run.record.events, &run.response);
-    for (index, body) in run.structure.bodies().enumerate() {
-        let velocity = velocities(index, body, &run.response, &samples)?;
+    for Driven {
+        body, response, index, ..
+    } in run.driven()
+    {
+        let samples = instants(&run.record.events, response);
+        let velocity = velocities(index, body, response, &samples)?;
         let name = format!("{}-shot", body.name);
         super::create(&folder.join(&name))?;
         let mut series = Vec::with_capacity(samples.len());
@@ -32,7 +35,7 @@ pub(super) fn write(folder: &Path, run: &Run) -> Result<(), Error> {
                 values: values.as_slice(),
             };
             write_surface(&folder.join(&file), &body.surface, &[field], &[])?;
-            series.push((sample as f64 * run.response.step, file));
+            series.push((sample as f64 * response.step, file));
         }
         write_series(&folder.join(format!("{name}.pvd")), &series)?;
     }

@@ -5,11 +5,11 @@
 use nailnoise_fem::supports::{ContactGrid, GridRule};
 use nailnoise_fem::{ModalBasis, ModalSettings, System, assemble_with, modes};
 use nailnoise_meshes::{Mesh, Surface};
-use nalgebra::{DMatrix, DVector, Point3};
+use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
 use super::geometry::{BodyKind, Geometry};
 use super::pattern::{Pattern, Rectangle};
-use super::shank;
+use super::{shank, tool_loads};
 use crate::cache::{Cache, Key};
 use crate::design::Design;
 use crate::error::Error;
@@ -33,6 +33,8 @@ pub struct Body {
     pub loss_factor: f64,
     /// Frequency up to which the body's motion is part of the result \[Hz\].
     pub top_hz: f64,
+    /// Modal momentum of the body as it rises at unit speed, Phi^T M (0, 0, 1) \[kg^1/2\].
+    pub lift: DVector<f64>,
     /// Modal force of gravity \[N kg^-1/2\].
     pub weight: DVector<f64>,
     /// Generalised displacement of each load, downwards positive: modes x loads.
@@ -107,6 +109,21 @@ pub fn table(design: &Design, cache: &Cache) -> Result<Body, Error> {
         geometry,
         loads: Vec::new(),
         contacts,
+    }
+    .solve(design, cache)
+}
+
+/// The tool's body, free, with what drives it; its loads are in the order of [`tool_loads::patterns`].
+///
+/// # Errors
+/// As [`Geometry::of`] and [`tool_loads::patterns`], and those of the modal solution.
+pub fn tool_body(design: &Design, cache: &Cache) -> Result<Body, Error> {
+    let geometry = Geometry::of(design, BodyKind::Tool, false)?;
+    let loads = tool_loads::patterns(design, &geometry.mesh)?;
+    Model {
+        geometry,
+        loads,
+        contacts: Vec::new(),
     }
     .solve(design, cache)
 }
@@ -187,11 +204,12 @@ impl Model {
         ));
         let (basis, lift) = cache.get_or(&format!("modes of the {}", kind.name()), key, || {
             let system = assemble_with(&mesh, &materials, &constraints, &attachments)?;
-            Ok::<_, Error>((modes(&system, &settings)?, upward_momentum(&system)?))
+            Ok::<_, Error>((modes(&system, &settings)?, upward_momentum(&system)))
         })?;
         let shapes = basis.all_shapes();
         let omega = basis.all_hz().iter().map(|hz| std::f64::consts::TAU * hz).collect();
-        let weight = shapes.tr_mul(&DVector::from_vec(lift)) * -design.ambient.gravity;
+        let lift = shapes.tr_mul(&DVector::from_vec(lift));
+        let weight = &lift * -design.ambient.gravity;
         let participation = |patterns: &[Pattern]| {
             let columns: Vec<_> = patterns.iter().map(|pattern| pattern.of_modes(&shapes)).collect();
             if columns.is_empty() {
@@ -209,6 +227,7 @@ impl Model {
             omega,
             loss_factor,
             top_hz,
+            lift,
             weight,
             loads,
             contacts,
@@ -218,21 +237,19 @@ impl Model {
     }
 }
 
-/// M (0, 0, 1), the momentum of all degrees of freedom when every node moves upwards at unit speed \[kg\].
-fn upward_momentum(system: &System) -> Result<Vec<f64>, Error> {
-    let mut field = DMatrix::zeros(system.equations.dofs(), 1);
-    for dof in (2..field.nrows()).step_by(3) {
-        field[dof] = 1.0;
-    }
-    let velocity = system.equations.restrict(&field)?;
-    let mut momentum = DMatrix::zeros(velocity.nrows(), 1);
+/// M (0, 0, 1) on the free degrees of freedom, to be multiplied by the shapes: the momentum of everything, what is tied
+/// and lumped included, when it moves upwards at unit speed \[kg\].
+fn upward_momentum(system: &System) -> Vec<f64> {
+    let velocity = system.equations.translation(Vector3::z());
+    let mut momentum = vec![0.0; velocity.nrows()];
     for (row, column, &value) in system.mass.triplet_iter() {
         momentum[row] += value * velocity[column];
         if row != column {
             momentum[column] += value * velocity[row]; // only the lower triangle is stored
         }
     }
-    Ok(system.equations.expand(&momentum).column(0).iter().copied().collect())
+    let of_dof = |dof: usize| system.equations.equation(dof / 3, dof % 3).map_or(0.0, |e| momentum[e]);
+    (0..system.equations.dofs()).map(of_dof).collect()
 }
 
 impl Body {
@@ -249,5 +266,114 @@ impl Body {
             ),
             Check::at_most(format!("{}: Sturm count less modes found", self.name), missing, 0.0),
         ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nailnoise_fem::{Attachments, Constraints, Material, Tie};
+    use nailnoise_meshes::{Block, block};
+    use std::f64::consts::TAU;
+
+    use super::super::geometry::Origin;
+
+    const E: f64 = 70e9;
+    const NU: f64 = 0.33;
+
+    /// Static swept volume of a free body under a unit of pressure on patches, from its modes and static corrections.
+    fn swept(mesh: Mesh, attachments: Attachments, patches: &[&str]) -> f64 {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml");
+        let mut design = Design::load(path).unwrap();
+        design.analysis.mode_margin = 1.0;
+        let loads = vec![Pattern::pressure(&Surface::of(&mesh), patches, |_| true).unwrap()];
+        let geometry = Geometry {
+            kind: BodyKind::Tool,
+            mesh,
+            element_numbers: Vec::new(),
+            unused_nodes: 0,
+            materials: vec![Material::isotropic(E, NU, 2700.0).unwrap()],
+            constraints: Constraints::free(),
+            attachments,
+            loss_factor: 0.0,
+            top_hz: 3000.0,
+            origin: Origin::BuiltIn,
+        };
+        let model = Model {
+            geometry,
+            loads,
+            contacts: Vec::new(),
+        };
+        let body = model.solve(&design, &Cache::none()).unwrap();
+        let elastic = body.omega.iter().zip(&body.loads).filter(|(omega, _)| **omega > 0.0);
+        elastic.map(|(omega, p)| (p / omega).powi(2)).sum()
+    }
+
+    /// Pressure from all sides shrinks a block by V/K, K = E/(3 (1 - 2 nu)): a linear field, which the elements hold.
+    #[test]
+    fn modes_and_corrections_give_the_static_shrinking_of_a_block_exactly() {
+        let size = [0.3, 0.2, 0.1];
+        let mesh = block(&Block {
+            size,
+            divisions: [3, 2, 1],
+            origin: [0.0; 3],
+        })
+        .unwrap();
+        let every: Vec<String> = mesh.groups.iter().map(|g| g.name.clone()).collect();
+        let every: Vec<&str> = every.iter().map(String::as_str).collect();
+        let exact = size.iter().product::<f64>() * 3.0 * (1.0 - 2.0 * NU) / E;
+        let found = swept(mesh, Attachments::default(), &every);
+        assert!((found / exact - 1.0).abs() < 1e-6, "{found:e} {exact:e}");
+    }
+
+    /// A cylinder open at its ends under inner pressure p (Lame): u(a) = p a/E ((b^2 + a^2)/(b^2 - a^2) + nu).
+    #[test]
+    fn a_cylinder_widens_under_pressure_as_lames_formula_says() {
+        let (a, b, height) = (0.030, 0.034, 0.02);
+        let mut mesh = block(&Block {
+            size: [1.0, b - a, height],
+            divisions: [24, 1, 2],
+            origin: [0.0, a, 0.0],
+        })
+        .unwrap();
+        // The strip's lower side along y becomes the bore; its two ends meet and are tied.
+        let mut groups = Vec::new();
+        let at = |mesh: &Mesh, axis: usize, value: f64| {
+            let on = |f: &nailnoise_meshes::SurfaceFace, s: &Surface| {
+                f.nodes.iter().all(|&n| (s.points[n][axis] - value).abs() < 1e-9)
+            };
+            let surface = Surface::of(mesh);
+            surface
+                .faces
+                .iter()
+                .filter(|f| on(f, &surface))
+                .map(|f| f.of)
+                .collect::<Vec<_>>()
+        };
+        for (name, axis, value) in [("bore", 1, a), ("seam_slave", 0, 0.0), ("seam_master", 0, 1.0)] {
+            groups.push(nailnoise_meshes::FaceGroup {
+                name: name.to_owned(),
+                faces: at(&mesh, axis, value),
+            });
+        }
+        mesh.groups = groups;
+        for p in &mut mesh.nodes {
+            let (angle, r) = (TAU * p.x, p.y);
+            // Clockwise, so that elements keep their orientation.
+            (p.x, p.y) = (r * angle.sin(), r * angle.cos());
+        }
+        let tie = Tie {
+            slave: "seam_slave".to_owned(),
+            master: "seam_master".to_owned(),
+            tolerance: 1e-6,
+        };
+        let attachments = Attachments {
+            ties: vec![tie],
+            ..Attachments::default()
+        };
+        let widening = a / E * ((b * b + a * a) / (b * b - a * a) + NU);
+        let exact = TAU * a * height * widening;
+        let found = swept(mesh, attachments, &["bore"]);
+        assert!((found / exact - 1.0).abs() < 5e-3, "{found:e} {exact:e}");
     }
 }

@@ -357,7 +357,16 @@ fn tool_body(design: &Design, anew: bool) -> Result<Geometry, Error> {
     let (top_hz, largest) = (analysis.body_top, analysis.body_element);
     let (imported, origin) = match own(design, (b.mesh, b.mesh_unit), housing.slowest_speed(), top_hz, largest)? {
         Some(own) => own,
-        None => (tool(&tool_dimensions(design), anew)?, Origin::Parametric),
+        None => {
+            let (sleeve, barrel) = (
+                design.piston.bore / 2.0 + b.sleeve_wall,
+                b.barrel_radius - b.barrel_wall,
+            );
+            if sleeve >= barrel {
+                return Err(Error::NoRoom { sleeve, barrel });
+            }
+            (tool(&tool_dimensions(design), anew)?, Origin::Parametric)
+        }
     };
     imported.mesh.validate(|element| imported.element_numbers[element])?;
     let mut geometry = Geometry::new(BodyKind::Tool, imported, origin, top_hz, b.loss_factor);

@@ -5,6 +5,7 @@
 use nailnoise_acoustics::levels::{BandLevel, SourceSpectrum, Weighting, third_octaves};
 
 use super::bodies::Structure;
+use super::tool::{Tool, VIBRATION};
 use crate::design::Design;
 use crate::result::Check;
 
@@ -19,6 +20,8 @@ const LIMIT_DB: f64 = 0.2;
 pub(super) struct Missing {
     /// The part.
     pub(super) part: &'static str,
+    /// The source it is part of.
+    pub(super) source: &'static str,
     /// Its top frequency \[Hz\].
     pub(super) top_hz: f64,
     /// How much higher the source's A-weighted level would be \[dB\].
@@ -38,43 +41,58 @@ impl Missing {
 
 /// Parts of the source `workpiece` whose top frequency is below the analysed range.
 pub(super) fn above_top(design: &Design, structure: &Structure, workpiece: &SourceSpectrum) -> Vec<Missing> {
-    let high = design.analysis.range_high;
-    let total = workpiece.energy([design.analysis.range_low, high], Weighting::A);
-    let of_body = |body: &super::Body| {
-        // Parts are bodies, or patches named after their body.
-        let belongs = |name: &str| name.split(' ').next() == Some(body.name);
-        let mut density = vec![0.0; workpiece.energy_density.len()];
-        for part in workpiece.contributions.iter().filter(|part| belongs(&part.name)) {
-            density
-                .iter_mut()
-                .zip(&part.energy_density)
-                .for_each(|(sum, e)| *sum += e);
-        }
-        if !workpiece.contributions.iter().any(|part| belongs(&part.name)) {
-            density.clone_from(&workpiece.energy_density);
-        }
-        let spectrum = SourceSpectrum {
-            energy_density: density,
-            contributions: Vec::new(),
-            ..workpiece.clone()
-        };
-        let left_out = extrapolated(&spectrum, body.top_hz, high);
-        let decibels = if total > 0.0 {
-            10.0 * (1.0 + left_out / total).log10()
-        } else {
-            0.0
-        };
-        Missing {
-            part: body.name,
-            top_hz: body.top_hz,
-            decibels,
-        }
-    };
     structure
         .bodies()
-        .filter(|body| body.top_hz < high)
-        .map(of_body)
+        .filter_map(|body| of_part(design, "workpiece", workpiece, (body.name, body.name), body.top_hz))
         .collect()
+}
+
+/// The tool body's vibration where its top frequency is below the analysed range.
+pub(super) fn above_tool_top(design: &Design, tool: &Tool, source: &SourceSpectrum) -> Option<Missing> {
+    of_part(design, "body", source, (VIBRATION, "tool"), tool.body.top_hz)
+}
+
+/// What is left out of the contribution of a name, which is shown as another; `None` if nothing is.
+fn of_part(
+    design: &Design,
+    source: &'static str,
+    whole: &SourceSpectrum,
+    (name, part): (&str, &'static str),
+    top_hz: f64,
+) -> Option<Missing> {
+    let high = design.analysis.range_high;
+    if top_hz >= high {
+        return None;
+    }
+    let total = whole.energy([design.analysis.range_low, high], Weighting::A);
+    // Parts are bodies, or patches named after their body.
+    let belongs = |part: &str| part == name || part.strip_prefix(name).is_some_and(|rest| rest.starts_with(' '));
+    let mut found = whole.contributions.iter().filter(|part| belongs(&part.name)).peekable();
+    let energy_density = if found.peek().is_none() {
+        whole.energy_density.clone()
+    } else {
+        found.fold(vec![0.0; whole.energy_density.len()], |mut sum, part| {
+            sum.iter_mut().zip(&part.energy_density).for_each(|(sum, e)| *sum += e);
+            sum
+        })
+    };
+    let spectrum = SourceSpectrum {
+        energy_density,
+        contributions: Vec::new(),
+        ..whole.clone()
+    };
+    let left_out = extrapolated(&spectrum, top_hz, high);
+    let decibels = if total > 0.0 {
+        10.0 * (1.0 + left_out / total).log10()
+    } else {
+        0.0
+    };
+    Some(Missing {
+        part,
+        source,
+        top_hz,
+        decibels,
+    })
 }
 
 /// A-weighted energy between `top` and `high` if the band energies went on as in the octave below `top` \[J\].

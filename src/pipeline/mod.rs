@@ -12,6 +12,7 @@ mod intervals;
 mod microphones;
 mod missing;
 mod notes;
+mod outside;
 mod pattern;
 mod preset;
 mod radiation;
@@ -23,13 +24,15 @@ mod sensors;
 mod settings;
 mod shank;
 mod sound;
+mod tool;
+mod tool_loads;
 
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::radiation::ModalSpectra;
 use nailnoise_dynamics::CycleRecord;
 use nailnoise_fem::transient::ModalResponse;
 
-pub use bodies::{Body, Structure, modes_of, table, workpiece};
+pub use bodies::{Body, Structure, modes_of, table, tool_body, workpiece};
 pub use coupling::{COUPLED_LOADS, Coupled, couple};
 pub use cycle::{cycle, parameters};
 pub use exhaust::exhaust_openings;
@@ -40,11 +43,12 @@ pub(crate) use microphones::SAMPLE_RATE;
 pub use preset::{Preset, cycle_as_published};
 pub use sensors::SensorRecord;
 pub use settings::cycle_settings;
+pub use tool::{Stiffness, Tool};
 
 use radiator::Radiator;
 
 use crate::cache::Cache;
-use crate::design::{Coupling, Design, SupportKind};
+use crate::design::{BodyModel, Coupling, Design, SupportKind};
 use crate::error::Error;
 use crate::result::{Check, DesignId, RunResult, SCHEMA, Timing};
 
@@ -67,6 +71,19 @@ impl Observer for Silent {
     fn note(&mut self, _: &str) {}
 }
 
+/// A body with what the shot did to it.
+#[derive(Clone, Copy)]
+pub struct Driven<'a> {
+    /// The body.
+    pub body: &'a Body,
+    /// The response that it is part of.
+    pub response: &'a ModalResponse,
+    /// Its place in that response.
+    pub index: usize,
+    /// Fourier transforms of its modal accelerations.
+    pub spectra: &'a ModalSpectra,
+}
+
 /// A result with the histories and fields behind it.
 pub struct Run {
     /// What the run tells.
@@ -79,6 +96,8 @@ pub struct Run {
     pub response: ModalResponse,
     /// Fourier transforms of the modal accelerations, one set a body.
     pub spectra: Vec<ModalSpectra>,
+    /// The tool's body, unless it is rigid.
+    pub tool: Option<Tool>,
     /// A-weighted sound power of every source over time, loudest source first.
     pub powers: Vec<SoundPower>,
     /// Screech frequency of the exhaust's jets at every sample of the cycle \[Hz\]; none while they are subsonic.
@@ -87,6 +106,24 @@ pub struct Run {
     pub sensors: Vec<SensorRecord>,
     /// What microphones around the device hear of workpiece and support; none where no boundary elements were used.
     pub microphones: Option<Microphones>,
+}
+
+impl Run {
+    /// All elastic bodies: the workpiece, what it stands on, the tool.
+    pub fn driven(&self) -> impl Iterator<Item = Driven<'_>> {
+        let of_structure = |(index, (body, spectra))| Driven {
+            body,
+            response: &self.response,
+            index,
+            spectra,
+        };
+        self.structure
+            .bodies()
+            .zip(&self.spectra)
+            .enumerate()
+            .map(of_structure)
+            .chain(self.tool.as_ref().map(Tool::driven))
+    }
 }
 
 /// What a run may change about the physics without being another design; for studies and tests of laws.
@@ -130,6 +167,13 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
         }
         SupportKind::Sandbox => None,
     };
+    let tool = match design.body.model {
+        BodyModel::Elastic => {
+            observer.stage("modes of the tool");
+            Some(timing.time("tool modes", || tool_body(design, cache))?)
+        }
+        BodyModel::Rigid => None,
+    };
     let structure = Structure {
         workpiece: block,
         worktable,
@@ -164,6 +208,9 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
             (both.record, both.response, Some((both.work, both.checks)))
         }
     };
+    let tool = tool
+        .map(|body| timing.time("tool response", || Tool::new(design, body, &parameters, &record)))
+        .transpose()?;
     let sensors = timing.time("sensors", || sensors::sensors(design, &structure, &response, &record))?;
     observer.stage("radiation");
     let spectra = timing.time("modal spectra", || {
@@ -178,17 +225,36 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
     if let Some(report) = &mut workpiece.radiation {
         report.microphones = microphones.as_ref().map(|m| m.report.clone());
     }
-    let body = timing.time("body", || radiation::tool_body(design, &record, &air))?;
+    let body = timing.time("body", || match &tool {
+        Some(tool) => tool.sound(design, &record, &air),
+        None => radiation::rigid_tool(design, &record, &air),
+    })?;
     observer.stage("exhaust");
     let exhaust = timing.time("exhaust", || exhaust::exhaust(design, &record, &air))?;
 
     let range = [design.analysis.range_low, design.analysis.range_high];
-    let missing = missing::above_top(design, &structure, &workpiece.spectrum);
-    let notes = notes::notes(design, &record, &response, &workpiece, &exhaust, &missing);
+    let mut missing = missing::above_top(design, &structure, &workpiece.spectrum);
+    missing.extend(
+        tool.as_ref()
+            .and_then(|tool| missing::above_tool_top(design, tool, &body.spectrum)),
+    );
+    let notes = notes::notes(
+        design,
+        &record,
+        &response,
+        &workpiece,
+        &exhaust,
+        &missing,
+        tool.as_ref(),
+    );
     notes.iter().for_each(|note| observer.note(note));
     let sounds = [&workpiece, &exhaust.sound, &body];
     let (mut ranking, total) = ranking::rank(&sounds, range);
-    let end = response.duration().max(record.sample_interval * record.len() as f64);
+    let tool_end = tool.as_ref().map_or(0.0, |tool| tool.response.duration());
+    let end = response
+        .duration()
+        .max(tool_end)
+        .max(record.sample_interval * record.len() as f64);
     let (powers, interval_checks) = timing.time("intervals", || {
         intervals::intervals(&sounds, &mut ranking, &record.events, end, range)
     });
@@ -196,6 +262,10 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
     structure.bodies().for_each(|body| checks.extend(body.checks()));
     checks.extend(response::checks(&response));
     checks.extend(coupling.iter().flat_map(|(_, checks)| checks.clone()));
+    if let Some(tool) = &tool {
+        checks.extend(tool.body.checks());
+        checks.extend(tool.checks.iter().cloned());
+    }
     checks.extend(missing.iter().map(missing::Missing::check));
     checks.extend(workpiece.radiation.as_ref().and_then(report::check));
     checks.extend(ranking::checks(&ranking, &total));
@@ -239,6 +309,7 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
         structure,
         response,
         spectra,
+        tool,
         powers,
         screech: exhaust.screech,
         sensors,

@@ -6,6 +6,7 @@ use nailnoise_fem::transient::{Ending, ModalResponse};
 use super::exhaust::Exhaust;
 use super::missing::Missing;
 use super::sound::Sound;
+use super::tool::Tool;
 use crate::design::{Design, MufflerKind, SupportKind};
 use crate::result::RadiationReport;
 
@@ -32,6 +33,7 @@ pub(super) fn notes(
     workpiece: &Sound,
     exhaust: &Exhaust,
     missing: &[Missing],
+    tool: Option<&Tool>,
 ) -> Vec<String> {
     let mut notes = vec![match record.outcome {
         Outcome::Drives => "the nail is driven".to_owned(),
@@ -50,11 +52,31 @@ pub(super) fn notes(
             ),
         });
     }
-    notes.push("body: rigid motion only, without the vibration of its housing: a lower bound".to_owned());
+    match tool {
+        None => notes.push("body: rigid motion only, without the vibration of its housing: a lower bound".to_owned()),
+        Some(tool) => {
+            let [cap, rim] = tool.stiffness;
+            notes.push(
+                "body: rigid motion, and vibration of its housing as ERP times the radiation efficiency of an oscillating \
+                 sphere of its volume, until boundary elements replace it"
+                    .to_owned(),
+            );
+            notes.push(format!(
+                "body: under the forces of the head valve the housing is as stiff as {:.0} N/um at the {} (the cycle's contact: \
+                 {:.0}) and {:.0} N/um at the {} ({:.0}); this compliance is counted once, in the cycle's forces",
+                1e-6 * cap.body,
+                cap.place,
+                1e-6 * cap.contact,
+                1e-6 * rim.body,
+                rim.place,
+                1e-6 * rim.contact
+            ));
+        }
+    }
     for part in missing {
         notes.push(format!(
-            "{} is absent above {:.0} Hz; its last octave continued would add {:.2} dB to the workpiece",
-            part.part, part.top_hz, part.decibels
+            "{} is absent above {:.0} Hz; its last octave continued would add {:.2} dB to the {}",
+            part.part, part.top_hz, part.decibels, part.source
         ));
     }
     if let (Some(here), Some(there)) = (exhaust.jets_lw, exhaust.cross_check_lw) {

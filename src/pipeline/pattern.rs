@@ -3,7 +3,7 @@
 //! A pattern reads a displacement, d = sum w_i u_i, and its transpose spreads a force, so that force times d is work:
 //! what one body does to another through the same pair of patterns neither makes nor loses energy.
 
-use nailnoise_meshes::{Mesh, MeshError, gauss_legendre};
+use nailnoise_meshes::{FaceKind, Mesh, MeshError, QuadraturePoint, Surface, gauss_legendre};
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
 /// Sparse weights on the degrees of freedom 3 node + axis of a mesh.
@@ -73,6 +73,42 @@ impl Pattern {
         ))
     }
 
+    /// Mean displacement along a unit vector of the part of a patch where `inside` holds; its transpose is a uniform
+    /// traction of total force 1. `None` where no point of the patch is inside.
+    ///
+    /// # Errors
+    /// [`MeshError::UnknownGroup`] with the names there are.
+    pub(super) fn traction(
+        surface: &Surface,
+        patch: &str,
+        direction: Vector3<f64>,
+        inside: impl Fn(&Point3<f64>) -> bool,
+    ) -> Result<Option<Self>, MeshError> {
+        let points = points_on(surface, &[patch], inside)?;
+        let area: f64 = points.iter().map(|point| point.weight).sum();
+        let weights = spread(surface, &points, |_| direction / area);
+        Ok((area > 0.0).then(|| Self::gathered(weights)))
+    }
+
+    /// Volume that the parts of patches where `inside` holds sweep into the body, per unit of displacement \[m2\]; its
+    /// transpose is the force of a unit of pressure there.
+    ///
+    /// # Errors
+    /// [`MeshError::UnknownGroup`] with the names there are.
+    pub(super) fn pressure(
+        surface: &Surface,
+        patches: &[&str],
+        inside: impl Fn(&Point3<f64>) -> bool,
+    ) -> Result<Self, MeshError> {
+        let points = points_on(surface, patches, inside)?;
+        Ok(Self::gathered(spread(surface, &points, |point| -point.normal)))
+    }
+
+    /// The sum of two patterns.
+    pub(super) fn plus(&self, other: &Self) -> Self {
+        Self::gathered(self.0.iter().chain(&other.0).copied().collect())
+    }
+
     /// The pattern in the opposite direction.
     pub(super) fn reversed(&self) -> Self {
         Self(self.0.iter().map(|&(dof, w)| (dof, -w)).collect())
@@ -111,6 +147,81 @@ impl Pattern {
     }
 }
 
+/// Cells along each side of a face when only a part of it counts: its edge is found to a thirtieth of an element.
+const CELLS: usize = 16;
+
+/// Points of patches where `inside` holds, each with its area: on a fine grid of every face, exact for none and all of it.
+fn points_on(
+    surface: &Surface,
+    patches: &[&str],
+    inside: impl Fn(&Point3<f64>) -> bool,
+) -> Result<Vec<QuadraturePoint>, MeshError> {
+    let wanted = patches
+        .iter()
+        .map(|name| surface.patch(name))
+        .collect::<Result<Vec<usize>, _>>()?;
+    let mut points = Vec::new();
+    for (index, face) in surface.faces.iter().enumerate() {
+        if !wanted.contains(&face.patch) {
+            continue;
+        }
+        let whole = face.nodes.iter().all(|&node| inside(&surface.points[node]));
+        for (xi, weight) in if whole { face.kind.rule(4)? } else { grid(face.kind) } {
+            let mut point = surface.point_at(index, xi);
+            if whole || inside(&point.position) {
+                point.weight *= weight;
+                points.push(point);
+            }
+        }
+    }
+    Ok(points)
+}
+
+/// Centroids of equal cells of a face in natural coordinates, with their areas there.
+fn grid(kind: FaceKind) -> Vec<([f64; 2], f64)> {
+    let n = CELLS as f64;
+    let mut cells = Vec::with_capacity(CELLS * CELLS);
+    for i in 0..CELLS {
+        for j in 0..CELLS {
+            let (x, y) = (i as f64, j as f64);
+            if kind.corners() == 4 {
+                let at = |k: f64| 2.0 * (k + 0.5) / n - 1.0;
+                cells.push(([at(x), at(y)], 4.0 / (n * n)));
+                continue;
+            }
+            let area = 0.5 / (n * n);
+            if i + j < CELLS {
+                cells.push(([(x + 1.0 / 3.0) / n, (y + 1.0 / 3.0) / n], area));
+            }
+            if i + j + 1 < CELLS {
+                cells.push(([(x + 2.0 / 3.0) / n, (y + 2.0 / 3.0) / n], area));
+            }
+        }
+    }
+    cells
+}
+
+/// Weights of the integral of N_a v over points, v per unit area.
+fn spread(
+    surface: &Surface,
+    points: &[QuadraturePoint],
+    value: impl Fn(&QuadraturePoint) -> Vector3<f64>,
+) -> Vec<(usize, f64)> {
+    let mut weights = Vec::new();
+    for point in points {
+        let v = value(point) * point.weight;
+        for (&node, &share) in surface.faces[point.face].nodes.iter().zip(&point.shape) {
+            let first = 3 * surface.volume_nodes[node];
+            weights.extend(
+                (0..3)
+                    .filter(|&axis| v[axis] != 0.0)
+                    .map(|axis| (first + axis, share * v[axis])),
+            );
+        }
+    }
+    weights
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -142,6 +253,50 @@ mod tests {
         assert!((pattern.of_modes(&u)[0] - expected).abs() < 1e-12);
         assert!((pattern.reversed().of_modes(&u)[0] + expected).abs() < 1e-12);
         assert!((pattern.dense(u.nrows()).dot(&u.column(0)) - expected).abs() < 1e-12);
+    }
+
+    #[test]
+    fn traction_on_a_disc_reads_a_linear_displacement_at_its_centre() {
+        let mesh = mesh();
+        let surface = Surface::of(&mesh);
+        let (centre, radius) = (Point3::new(0.03, -0.01, 0.1), 0.04);
+        let inside = |p: &Point3<f64>| (p - centre).norm() < radius;
+        let pattern = Pattern::traction(&surface, "top", Vector3::z(), inside)
+            .unwrap()
+            .unwrap();
+        let u = DMatrix::from_fn(3 * mesh.nodes.len(), 1, |dof, _| {
+            let p = &mesh.nodes[dof / 3];
+            if dof % 3 == 2 { 1.0 + 2.0 * p.x - 3.0 * p.y } else { 9.0 }
+        });
+        let expected = 1.0 + 2.0 * centre.x - 3.0 * centre.y;
+        assert!(
+            (pattern.of_modes(&u)[0] - expected).abs() < 1e-3,
+            "{}",
+            pattern.of_modes(&u)[0]
+        );
+        assert!(
+            Pattern::traction(&surface, "top", Vector3::z(), |_| false)
+                .unwrap()
+                .is_none()
+        );
+        assert!(Pattern::traction(&surface, "lid", Vector3::z(), |_| true).is_err());
+    }
+
+    #[test]
+    fn pressure_on_a_whole_skin_sweeps_the_change_of_volume_and_moves_nothing() {
+        let mesh = mesh();
+        let surface = Surface::of(&mesh);
+        let every: Vec<&str> = surface.patches.iter().map(String::as_str).collect();
+        let pattern = Pattern::pressure(&surface, &every, |_| true).unwrap();
+        // Columns: uniform shrinking by 1, shift along x.
+        let u = DMatrix::from_fn(3 * mesh.nodes.len(), 2, |dof, column| match column {
+            0 => -mesh.nodes[dof / 3][dof % 3] / 3.0,
+            _ => f64::from(dof % 3 == 0),
+        });
+        let swept = pattern.of_modes(&u);
+        assert!((swept[0] - 0.4 * 0.15 * 0.1).abs() < 1e-15 && swept[1].abs() < 1e-15);
+        let twice = pattern.plus(&pattern);
+        assert!((twice.of_modes(&u)[0] - 2.0 * swept[0]).abs() < 1e-15);
     }
 
     #[test]

@@ -11,7 +11,7 @@ use nailnoise_acoustics::radiation::{
 use nailnoise_dynamics::CycleRecord;
 use nailnoise_fem::supports::Sand;
 use nailnoise_fem::transient::{ModalResponse, Motion};
-use nailnoise_meshes::QuadraturePoint;
+use nailnoise_meshes::{QuadraturePoint, Surface};
 use nalgebra::{DMatrix, Point3, Vector3};
 
 use super::bodies::{Body, Structure};
@@ -42,7 +42,13 @@ pub(super) fn modal_spectra(
         .collect()
 }
 
-fn body_spectra(design: &Design, index: usize, body: &Body, response: &ModalResponse) -> Result<ModalSpectra, Error> {
+/// Fourier transforms of the modal accelerations of the body at `index` of a response.
+pub(super) fn body_spectra(
+    design: &Design,
+    index: usize,
+    body: &Body,
+    response: &ModalResponse,
+) -> Result<ModalSpectra, Error> {
     let settings = TransformSettings {
         range_hz: [design.analysis.range_low, body.top_hz.min(design.analysis.range_high)],
         ..TransformSettings::default()
@@ -288,13 +294,19 @@ fn sand_band(source: &SourceSpectrum, sand: &AbsorbingSand, range_hz: [f64; 2]) 
 /// The surface of a body with the normal displacements of its modes, less what is hidden.
 pub(super) fn radiating(body: &Body, hidden: impl Fn(&str, &Point3<f64>) -> bool) -> Result<RadiatingSurface, Error> {
     let surface = &body.surface;
-    let points: Vec<QuadraturePoint> = surface
-        .quadrature(FACE_POINTS)?
-        .into_iter()
-        .filter(|point| !hidden(&surface.patches[surface.faces[point.face].patch], &point.position))
-        .collect();
-    let mut modes = DMatrix::zeros(points.len(), body.shapes.ncols());
-    for (shape, mut column) in body.shapes.column_iter().zip(modes.column_iter_mut()) {
+    let shown = |point: &QuadraturePoint| !hidden(&surface.patches[surface.faces[point.face].patch], &point.position);
+    skin(surface, &body.shapes, shown)
+}
+
+/// The points of a surface that are shown, with the normal displacements of modes (columns of `shapes`).
+pub(super) fn skin(
+    surface: &Surface,
+    shapes: &DMatrix<f64>,
+    shown: impl Fn(&QuadraturePoint) -> bool,
+) -> Result<RadiatingSurface, Error> {
+    let points: Vec<QuadraturePoint> = surface.quadrature(FACE_POINTS)?.into_iter().filter(shown).collect();
+    let mut modes = DMatrix::zeros(points.len(), shapes.ncols());
+    for (shape, mut column) in shapes.column_iter().zip(modes.column_iter_mut()) {
         for (point, value) in points.iter().zip(column.iter_mut()) {
             let nodes = &surface.faces[point.face].nodes;
             *value = nodes
@@ -325,7 +337,7 @@ pub(super) fn radiating(body: &Body, hidden: impl Fn(&str, &Point3<f64>) -> bool
 }
 
 /// The tool body as the sphere of its volume in the cycle's rigid motion.
-pub(super) fn tool_body(design: &Design, record: &CycleRecord, air: &Air) -> Result<Sound, Error> {
+pub(super) fn rigid_tool(design: &Design, record: &CycleRecord, air: &Air) -> Result<Sound, Error> {
     let settings = TransformSettings {
         range_hz: [design.analysis.range_low, design.analysis.range_high],
         ..TransformSettings::default()

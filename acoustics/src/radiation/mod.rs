@@ -9,6 +9,7 @@
 //! R / omega² is what is sampled and interpolated: it stays finite at f = 0.
 
 mod archive;
+mod compact;
 mod energy;
 mod erp;
 mod kernel;
@@ -23,6 +24,7 @@ mod sphere;
 mod surface;
 
 pub use archive::{Archive, ArchiveReader, ArchiveWriter};
+pub use compact::CompactErp;
 pub use energy::{ModalSpectra, mode_energies, radiated_energy};
 pub use erp::Erp;
 pub(crate) use quadrature::gauss_legendre;

@@ -1,0 +1,82 @@
+use super::erp::Erp;
+use super::resistance::{ModalRadiation, Resistance};
+use crate::air::Air;
+use crate::error::{AcousticsError, positive};
+use nalgebra::{Complex, DMatrix};
+use std::f64::consts::PI;
+
+/// Equivalent radiated power times the radiation efficiency of an oscillating sphere, for a body whose sides move against
+/// each other and that is small against the wavelength.
+///
+/// ```text
+/// sigma = (k a)^4 / (4 + (k a)^4)        a = (3 V / 4 pi)^{1/3},  V the body's volume
+/// ```
+///
+/// Exact for a rigid sphere (Morse and Ingard 1968, Theoretical Acoustics, sec. 7.1). Modes without net momentum radiate
+/// less at low frequencies; where plates vibrate, more near coincidence.
+#[derive(Debug, Clone)]
+pub struct CompactErp {
+    erp: Erp,
+    /// a/c \[s\].
+    time: f64,
+}
+
+impl CompactErp {
+    /// The operator of a body of a volume \[m3\] from the equivalent radiated power of its surface.
+    ///
+    /// # Errors
+    /// A volume that is not positive.
+    pub fn new(erp: Erp, volume: f64, air: &Air) -> Result<Self, AcousticsError> {
+        positive("volume of the body [m3]", volume)?;
+        Ok(Self {
+            erp,
+            time: (0.75 * volume / PI).cbrt() / air.sound_speed,
+        })
+    }
+
+    /// The sphere's radiation efficiency.
+    pub fn efficiency(&self, hz: f64) -> f64 {
+        let ka4 = (2.0 * PI * hz * self.time).powi(4);
+        ka4 / (4.0 + ka4)
+    }
+}
+
+impl ModalRadiation for CompactErp {
+    fn method(&self) -> &str {
+        "ERP as compact body"
+    }
+
+    fn modes(&self) -> usize {
+        self.erp.modes()
+    }
+
+    fn patches(&self) -> &[String] {
+        self.erp.patches()
+    }
+
+    fn highest_hz(&self) -> f64 {
+        self.erp.highest_hz()
+    }
+
+    fn resistance(&self, hz: f64) -> Resistance {
+        let mut whole = self.erp.resistance(hz);
+        whole.real *= self.efficiency(hz);
+        whole
+    }
+
+    fn energy_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
+        let mut forms = self.erp.energy_forms(frequency, accelerations);
+        for (mut bin, &hz) in forms.column_iter_mut().zip(frequency) {
+            bin *= self.efficiency(hz);
+        }
+        forms
+    }
+
+    fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+        let mut signals = self.erp.root_signals(frequency, accelerations);
+        for (mut bin, &hz) in signals.column_iter_mut().zip(frequency) {
+            bin *= Complex::from(self.efficiency(hz).sqrt());
+        }
+        signals
+    }
+}
