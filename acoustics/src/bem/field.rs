@@ -38,7 +38,7 @@ impl Exterior {
             let mut on_v = DMatrix::<Complex<f64>>::zeros(points.len(), values);
             for (row, point) in points.iter().enumerate() {
                 if let Some(floor) = boundary.floor()
-                    && !(point.z >= floor)
+                    && (point.z.is_nan() || point.z < floor)
                 {
                     return Err(AcousticsError::BelowFloor { z: point.z, floor });
                 }
@@ -53,7 +53,7 @@ impl Exterior {
                         let area = Vector3::from_fn(|axis, _| image.sign_along(axis) * source.area[axis]);
                         let d = point.coords - y;
                         let r = d.norm();
-                        if !(r >= needed) {
+                        if r.is_nan() || r < needed {
                             return Err(AcousticsError::NearSurface {
                                 point: (*point).into(),
                                 distance: r,

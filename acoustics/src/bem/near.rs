@@ -1,4 +1,5 @@
 //! Pairs of panels that touch or lie close, with rules chosen pair by pair.
+#![allow(clippy::needless_range_loop)] // indices are those of the equations, several arrays at once
 
 use super::blocks::Block;
 use super::boundary::Boundary;
