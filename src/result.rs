@@ -164,7 +164,7 @@ pub struct MicrophoneReport {
     pub true_lwa_db: Option<f64>,
     /// One-third-octave bands, unweighted: by the microphones and radiated \[dB re 1 pW s\].
     pub bands: Vec<MicrophoneBand>,
-    /// Error of the pressures' interpolation over frequency, relative to the loudest mode at a microphone \[-\].
+    /// Error of the pressures' interpolation over frequency, relative to the loudest mode at any microphone \[-\].
     pub interpolation_error: f64,
     /// Pressure of a full-scale sample in the files of sound \[Pa\].
     pub full_scale_pa: f64,

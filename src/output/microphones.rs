@@ -32,7 +32,8 @@ pub(super) fn write(folder: &Path, run: &Run) -> Result<(), Error> {
 /// Levels by microphone, then bands by the array and radiated.
 fn table(report: &MicrophoneReport) -> String {
     let mut text = String::from(
-        "microphone,x [m],y [m],z above the floor [m],L_AE [dB],L_E [dB],peak [Pa],full scale of the file [Pa],from [Hz],to [Hz]\n",
+        "microphone,x [m],y [m],z above the floor [m],L_AE [dB],L_E [dB],peak [Pa],full scale of the file [Pa],\
+         from [Hz],to [Hz]\n",
     );
     for (number, m) in report.positions.iter().enumerate() {
         let [x, y, z] = m.position_m;

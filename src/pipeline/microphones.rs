@@ -1,4 +1,5 @@
-//! Virtual microphones around the device: what EN 12549 would measure of workpiece and support, beside what they radiate.
+//! Virtual microphones around the device: what EN 12549 would measure of workpiece and support, beside what they
+//! radiate.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,7 +14,8 @@ use crate::design::Design;
 use crate::error::Error;
 use crate::result::{MicrophoneBand, MicrophoneLevel, MicrophoneReport};
 
-/// Half sides a and b of the parallelepiped, and the distance c - h of its top from the device's centre \[m\] (EN 12549).
+/// Half sides a and b of the parallelepiped, and the distance c - h of its top from the device's centre \[m\]
+/// (EN 12549).
 const HALF_SIDE: f64 = 1.0;
 
 /// The positions of ISO 3744 as multiples of a, b and c.
@@ -29,8 +31,8 @@ const POSITIONS: [[f64; 3]; 9] = [
     [0.0, 0.0, 1.0],
 ];
 
-/// Reference exposure (20 uPa)² s \[Pa² s\] over reference energy 1 pW s and reference area 1 m²: 400 Pa s/m, which stands
-/// for the impedance of air in L_W = L_p + 10 lg S.
+/// Reference exposure (20 uPa)² s \[Pa² s\] over reference energy 1 pW s and reference area 1 m²: 400 Pa s/m, which
+/// stands for the impedance of air in L_W = L_p + 10 lg S.
 const REFERENCE: f64 = 400.0;
 
 /// Samples of a file of sound \[1/s\].

@@ -104,7 +104,7 @@ impl Boundary {
         mesh.panels = original.iter().map(|&p| mesh.panels[p]).collect();
         for (p, &panel) in original.iter().enumerate() {
             let area = mesh.panel_area(p);
-            if !(area > 1e-14 * size * size) {
+            if area.is_nan() || area <= 1e-14 * size * size {
                 return Err(AcousticsError::DegeneratePanel { panel, area });
             }
         }

@@ -55,8 +55,8 @@ impl Exterior {
     /// R = 1/(16 pi² rho c) Re int F^H F dOmega
     /// ```
     ///
-    /// with the images in floor and mirror planes and the half space above the floor. Symmetric and positive semidefinite by construction, and
-    /// independent of [`Exterior::impedance`], which integrates the intensity on the surface.
+    /// with the images in floor and mirror planes and the half space above the floor. Symmetric and positive
+    /// semidefinite by construction, and independent of [`Exterior::impedance`], which integrates the intensity on the surface.
     ///
     /// # Errors
     /// Patterns or pressures of another length.

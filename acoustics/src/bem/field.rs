@@ -5,14 +5,15 @@ use nalgebra::{Complex, DMatrix, Point3, Vector3};
 use std::f64::consts::PI;
 
 impl Exterior {
-    /// Complex pressure at points in the air for every pattern, points x patterns \[Pa s/m for velocities in m/s\]: what
-    /// comes directly, and what comes by the floor (zero without one); their sum is the pressure.
+    /// Complex pressure at points in the air for every pattern, points x patterns \[Pa s/m for velocities in m/s\]:
+    /// what comes directly, and what comes by the floor (zero without one); their sum is the pressure.
     ///
     /// ```text
     /// p(x) = int (dG/dn_y p + j omega rho G v_n) dS_y        G = e^{-jkr} / (4 pi r)
     /// ```
     ///
-    /// with the images in mirror planes and floor. The rule is that of distant panels: a point must stand off the surface.
+    /// with the images in mirror planes and floor. The rule is that of distant panels: a point must stand off the
+    /// surface.
     ///
     /// # Errors
     /// [`AcousticsError::BelowFloor`], [`AcousticsError::NearSurface`] for a point closer to the surface than the
@@ -37,7 +38,7 @@ impl Exterior {
             let mut on_v = DMatrix::<Complex<f64>>::zeros(points.len(), values);
             for (row, point) in points.iter().enumerate() {
                 if let Some(floor) = boundary.floor()
-                    && !(point.z >= floor)
+                    && (point.z.is_nan() || point.z < floor)
                 {
                     return Err(AcousticsError::BelowFloor { z: point.z, floor });
                 }
@@ -52,7 +53,7 @@ impl Exterior {
                         let area = Vector3::from_fn(|axis, _| image.sign_along(axis) * source.area[axis]);
                         let d = point.coords - y;
                         let r = d.norm();
-                        if !(r >= needed) {
+                        if r.is_nan() || r < needed {
                             return Err(AcousticsError::NearSurface {
                                 point: (*point).into(),
                                 distance: r,

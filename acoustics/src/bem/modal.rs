@@ -37,7 +37,7 @@ pub struct Summary {
     pub difference_db: f64,
     /// Largest asymmetry of R, relative to its largest entry.
     pub asymmetry: f64,
-    /// Interpolation error of the pressure at the receivers, relative to the loudest mode there.
+    /// Interpolation error of the pressure at the receivers, relative to the loudest mode at any of them.
     pub heard: f64,
 }
 
@@ -348,11 +348,8 @@ fn pivoted(gram: &DMatrix<f64>, scale: &[f64]) -> Independent {
     let mut rest: Vec<f64> = (0..n).map(|m| gram[(m, m)] / (scale[m] * scale[m])).collect();
     // Rows of the factor, pivot by pivot.
     let (mut pivots, mut rows) = (Vec::<usize>::new(), Vec::<Vec<f64>>::new());
-    loop {
-        let Some(pivot) = (0..n).max_by(|&a, &b| rest[a].total_cmp(&rest[b]).then(b.cmp(&a))) else {
-            break;
-        };
-        if !(rest[pivot] > RANK * RANK) {
+    while let Some(pivot) = (0..n).max_by(|&a, &b| rest[a].total_cmp(&rest[b]).then(b.cmp(&a))) {
+        if rest[pivot].is_nan() || rest[pivot] <= RANK * RANK {
             break;
         }
         let root = rest[pivot].sqrt();

@@ -1,4 +1,5 @@
 //! Pairs of panels that touch or lie close, with rules chosen pair by pair.
+#![allow(clippy::needless_range_loop)] // indices are those of the equations, several arrays at once
 
 use super::blocks::Block;
 use super::boundary::Boundary;
@@ -70,7 +71,7 @@ const KEPT: usize = 5;
 enum Integration {
     /// By one product rule.
     Whole(Rule),
-    /// Pairs that touch, or lie so close that they are divided: by several rules, see `NearField::costly`.
+    /// Pairs that touch, are divided or need a rule of many points, see `NearField::costly`.
     Costly(u32),
 }
 
@@ -130,14 +131,14 @@ pub(super) struct NearField {
     weights: Vec<Vec<f64>>,
     /// Pairs of each pair of blocks, at `e_block * blocks + f_block`.
     pairs: Vec<Vec<NearPair>>,
-    /// Rules of the pairs that need several.
+    /// Pairs that cost more to integrate than to interpolate.
     costly: Vec<Costly>,
     kept: Option<Kept>,
     blocks: usize,
     images: Vec<Image>,
 }
 
-/// A pair that touches or is divided.
+/// A pair that costs more to integrate than to interpolate.
 #[derive(Debug)]
 struct Costly {
     panels: [usize; 2],
@@ -153,8 +154,8 @@ struct Costly {
 /// M(k) = e^{-jkr_0} sum_n l_n(k) e^{jk_n r_0} M(k_n)        r_0: distance of the panels' centres
 /// ```
 ///
-/// Less the phase of r_0 the kernels vary as e^{-jk(r - r_0)} with |r - r_0| below the sum s of the panels' radii, so that
-/// the error is below 2 (k_max s / 4)^N / N!: 1e-4 at six panels a wavelength, a hundredth of it as measured.
+/// Less the phase of r_0 the kernels vary as e^{-jk(r - r_0)} with |r - r_0| below the sum s of the panels' radii, so
+/// that the error is below 2 (k_max s / 4)^N / N!: 1e-4 at six panels a wavelength, a hundredth of it as measured.
 #[derive(Debug)]
 struct Kept {
     highest: f64,
@@ -232,7 +233,7 @@ impl NearField {
                             }
                             let rules = builder.rules_of(boundary, [p, q], image, ratio);
                             let integration = match rules[..] {
-                                [one @ Rule::Tables { .. }] if ratio > RATIOS[3] => Integration::Whole(one),
+                                [one @ Rule::Tables { .. }] if ratio > RATIOS[1] => Integration::Whole(one),
                                 _ => {
                                     let apart = (c - seen(d)).norm();
                                     builder.field.costly.push(Costly {

@@ -82,7 +82,7 @@ impl HeardModes {
         self.parities.push(HeardParity(samples));
     }
 
-    /// Estimated interpolation error over frequency, relative to the loudest mode at a receiver.
+    /// Estimated interpolation error over frequency, relative to the loudest mode at the receivers.
     pub(super) fn error(&self) -> f64 {
         self.error
     }

@@ -1,4 +1,5 @@
 //! The operators between two blocks of panels.
+#![allow(clippy::needless_range_loop)] // indices are those of the equations, several arrays at once
 
 use super::blocks::{Block, C, N, W, X, fields};
 use super::near::{NearPair, PairMatrices};
@@ -111,6 +112,7 @@ impl Tile {
     /// Adds the operators between the blocks e and f (both directions if they differ) to the sums of every parity.
     ///
     /// `patterns` holds the normal velocities of a parity at the corners of each block's panels, panel fastest.
+    #[allow(clippy::too_many_arguments)] // one call, in the hot loop
     pub(super) fn add(
         &mut self,
         images: &[Image],

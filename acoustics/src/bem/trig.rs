@@ -1,3 +1,5 @@
+#![allow(clippy::needless_range_loop)] // indices are those of the equations, several arrays at once
+
 use pulp::Simd;
 use std::f64::consts::FRAC_2_PI;
 

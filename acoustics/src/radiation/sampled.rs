@@ -213,7 +213,7 @@ impl SampledRadiation {
     }
 
     /// Its interpolation error: the magnitude of the last two Chebyshev coefficients of every entry, relative to the
-    /// largest entry of a row in the interval.
+    /// largest entry in the interval. A row may be zero but for rounding, as in a mirror plane that a mode is odd about.
     pub(crate) fn error_of(&self, samples: &[DMatrix<Complex<f64>>]) -> f64 {
         let mut worst: f64 = 0.0;
         for interval in &self.intervals {
@@ -225,12 +225,10 @@ impl SampledRadiation {
                 }
                 sum
             });
-            for row in 0..last.nrows() {
-                let size = |m: &DMatrix<Complex<f64>>| m.row(row).iter().map(|z| z.norm()).fold(0.0, f64::max);
-                let largest = interval.nodes.iter().map(|&n| size(&samples[n])).fold(0.0, f64::max);
-                if largest > 0.0 {
-                    worst = worst.max((size(&last) + size(&before)) / largest);
-                }
+            let size = |m: &DMatrix<Complex<f64>>| m.iter().map(|z| z.norm()).fold(0.0, f64::max);
+            let largest = interval.nodes.iter().map(|&n| size(&samples[n])).fold(0.0, f64::max);
+            if largest > 0.0 {
+                worst = worst.max((size(&last) + size(&before)) / largest);
             }
         }
         worst
