@@ -17,8 +17,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let exhaust = SourceSpectrum::sum("exhaust", "all openings", &parts);
         let (shot, level) = (&record.summary, exhaust.level([50.0, 10_000.0], Weighting::A));
         println!(
-            "{kilopascal:.0}  {:.1}  {:.1}  {:.2}  {:.1}",
-            shot.mean_drive_speed.unwrap_or(0.0),
+            "{kilopascal:.0}  {}  {:.1}  {:.2}  {:.1}",
+            // None where the nail is not driven to its length.
+            shot.mean_drive_speed
+                .map_or("-".to_owned(), |speed| format!("{speed:.1}")),
             1e3 * shot.penetration,
             1e3 * shot.exhaust_mass,
             level.unwrap_or(f64::NEG_INFINITY)

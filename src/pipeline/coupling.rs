@@ -205,8 +205,8 @@ impl Workpiece for Wood<'_> {
         let (reading, motion) = self.reading(forces.depth);
         // Forces linear, motion cubic over the step.
         let h = self.transient.step;
-        for l in 0..GRAVITY {
-            let (mean, change) = (0.5 * (self.loads[l] + loads[l]), loads[l] - self.loads[l]);
+        for (l, (before, after)) in self.loads.iter().zip(&loads).enumerate().take(GRAVITY) {
+            let (mean, change) = (0.5 * (before + after), after - before);
             self.work += mean * (reading.motion[l] - self.at.motion[l])
                 + change * (h / 12.0) * (reading.rate[l] - self.at.rate[l]);
         }

