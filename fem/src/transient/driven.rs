@@ -34,7 +34,8 @@ use super::system::{add_gram, effective_zeta, validate};
 /// };
 /// let spring = Support { stiffness: 1e6, damping: 0.0, gap: 0.0, law: SupportLaw::Bonded };
 /// let settings = Settings { duration: 0.01, ..Settings::default() };
-/// let mut run = Driven::new(&[mass], &[spring], &[10.0], &[0.0], &settings)?;
+/// let (bodies, springs) = ([mass], [spring]);
+/// let mut run = Driven::new(&bodies, &springs, &[10.0], &[0.0], &settings)?;
 /// for _ in 0..100 {
 ///     let mut force = 0.0;
 ///     for _ in 0..3 {
