@@ -168,7 +168,7 @@ fn the_view_in_space_sums_to_the_equivalent_radiated_power() {
                 .collect()
         };
         let (x, y, z, levels) = (list("x"), list("y"), list("z"), list("intensity"));
-        let corners = ["i", "j", "k"].map(|key| list(key));
+        let corners = ["i", "j", "k"].map(list);
         for (triangle, level) in levels.iter().enumerate() {
             let p = corners.each_ref().map(|corner| {
                 let at = corner[triangle] as usize;
