@@ -62,8 +62,9 @@ for name in ("22", "41"):
     own = load(f"gmsh-{name}.json")
     assert [part["name"] for part in own["parts"]] == ["housing", "nose", "sleeve"], own["parts"]
     assert {group["name"] for group in own["groups"]} == {
-        "nose_tip", "gas_bore", "bumper_seat", "seat", "cap", "handle", "magazine", "fit_slave", "fit_master"
-    }
+        "nose_tip", "gas_bore", "bumper_seat", "seat", "cap", "handle", "magazine", "fit_slave", "fit_master",
+        "sleeve_outside", "supply", "plenum"
+    }, own["groups"]
 print("gmsh read .msh 2.2 and 4.1 and wrote them again")
 
 sets = 0
