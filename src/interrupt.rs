@@ -1,30 +1,53 @@
 //! Ctrl-C: what is half-written goes, and the command ends with status 130.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
 /// Exit status of an interrupted command.
 const INTERRUPTED: i32 = 130;
 
+/// Removals of a folder tried, the pause between them, and how often in a row it must be found gone.
+const ATTEMPTS: usize = 400;
+const PAUSE: Duration = Duration::from_millis(5);
+const QUIET: usize = 3;
+
 /// Folders to be removed when the process is interrupted.
 static FOLDERS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// Whether the process has been interrupted.
+static UNDER_WAY: AtomicBool = AtomicBool::new(false);
 
 /// Ends this process cleanly when it is interrupted; only the first call has an effect.
 pub(crate) fn install() {
     // A second command in the same process finds the first one's handler in place.
     let _ = ctrlc::set_handler(|| {
+        UNDER_WAY.store(true, Ordering::SeqCst);
         let folders = std::mem::take(&mut *FOLDERS.lock().unwrap_or_else(PoisonError::into_inner));
         for folder in folders {
-            // The run may write into it until the process ends: once more takes what came meanwhile.
-            for _ in 0..3 {
-                if std::fs::remove_dir_all(&folder).is_ok() {
+            // The run may write into it until the process ends: again until nothing comes any more.
+            let mut gone = 0;
+            for _ in 0..ATTEMPTS {
+                let _ = std::fs::remove_dir_all(&folder);
+                gone = if folder.exists() { 0 } else { gone + 1 };
+                if gone == QUIET {
                     break;
                 }
+                std::thread::sleep(PAUSE);
             }
         }
         eprintln!("interrupted: nothing is left half-written, what was computed for later runs is kept");
         std::process::exit(INTERRUPTED);
     });
+}
+
+/// Leaves the end of the process to an interruption that is under way: a command whose folder is taken from it fails, and
+/// that failure is none to be told.
+pub(crate) fn give_way() {
+    while UNDER_WAY.load(Ordering::SeqCst) {
+        std::thread::park();
+    }
 }
 
 /// As long as this lives, an interruption removes the folder.

@@ -164,6 +164,7 @@ pub fn main() -> ExitCode {
         Command::Completions(arguments) => Ok(completions::execute(arguments)),
     };
     outcome.unwrap_or_else(|error| {
+        crate::interrupt::give_way();
         let status = error.exit_status();
         eprintln!("{:?}", miette::Report::new(error));
         ExitCode::from(status)
