@@ -104,6 +104,7 @@ pub fn deliver(
         Ok::<_, Error>(bundle)
     })?;
     cache.take_notes().iter().for_each(|note| observer.note(note));
+    let _whole = interrupt::undisturbed();
     match &fresh {
         Some(place) => bundle.place(folder, |file, to| fs::rename(place.path.join(&file.path), to))?,
         None => {
