@@ -16,15 +16,21 @@ const SAMPLE: i32 = 6 * MM;
 const SAMPLE_GAP: i32 = MM + MM / 2;
 const ENTRY_GAP: i32 = 5 * MM;
 
-/// Colour of a source; what has none of its own takes the others in turn.
-pub(super) fn colour(source: &str, place: usize) -> RGBColor {
+/// Place of a source in the palette, the same in every figure and report; what has none of its own takes the others in
+/// turn.
+pub(crate) fn in_palette(source: &str, place: usize) -> usize {
     match source {
-        "workpiece" => PALETTE[0],
-        "exhaust" => PALETTE[1],
-        "body" => PALETTE[2],
-        "total" => PALETTE[6],
-        _ => PALETTE[3 + place % 3],
+        "workpiece" => 0,
+        "exhaust" => 1,
+        "body" => 2,
+        "total" => 6,
+        _ => 3 + place % 3,
     }
+}
+
+/// Colour of a source.
+pub(super) fn colour(source: &str, place: usize) -> RGBColor {
+    PALETTE[in_palette(source, place)]
 }
 
 /// Names and colours of a result's sources, in the order of the ranking.

@@ -20,6 +20,9 @@ mod sheet;
 mod spread;
 mod style;
 
+pub(crate) use decibels::in_palette;
+pub(crate) use style::PALETTE;
+
 use std::path::{Path, PathBuf};
 
 use nailnoise_dynamics::CycleRecord;

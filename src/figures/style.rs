@@ -45,7 +45,7 @@ pub(super) const FAINT: RGBColor = RGBColor(0xEA, 0xEA, 0xEA);
 pub(super) const PAPER: RGBColor = RGBColor(0xFF, 0xFF, 0xFF);
 
 /// Colours of curves: Okabe and Ito, "Color universal design" (2008), without the yellow that is too light for lines.
-pub(super) const PALETTE: [RGBColor; 8] = [
+pub(crate) const PALETTE: [RGBColor; 8] = [
     RGBColor(0x00, 0x72, 0xB2), // blue
     RGBColor(0xD5, 0x5E, 0x00), // vermilion
     RGBColor(0x00, 0x9E, 0x73), // bluish green

@@ -2,25 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use nailnoise_acoustics::levels::octaves;
 use nailnoise_acoustics::radiation::ModalSpectra;
 use nailnoise_meshes::vtu::{Field, write_mesh, write_series, write_surface};
-use nalgebra::DMatrix;
 
 use crate::error::Error;
 use crate::pipeline::{Body, Driven, Run};
-
-/// Octave bands of the velocity fields: k of the mid-band frequencies 1000 G^k Hz, G = 10^0.3 (IEC 61260-1, base ten), and
-/// their nominal values \[Hz\].
-const OCTAVES: [(i32, u32); 8] = [
-    (-4, 63),
-    (-3, 125),
-    (-2, 250),
-    (-1, 500),
-    (0, 1000),
-    (1, 2000),
-    (2, 4000),
-    (3, 8000),
-];
 
 /// Levels shown below the highest of a field \[dB\]; clamped points, which do not move, stand at this floor.
 const SHOWN: f64 = 60.0;
@@ -39,18 +26,16 @@ const REFERENCE: f64 = 50e-9 * 50e-9;
 pub(super) fn write(folder: &Path, run: &Run) -> Result<(), Error> {
     super::create(folder)?;
     for Driven { body, spectra, .. } in run.driven() {
-        let bands: Vec<(u32, Vec<f64>)> = OCTAVES
+        let bands: Vec<(f64, Vec<f64>)> = octaves()
             .iter()
-            .filter_map(|&(k, nominal)| {
-                let centre = 1000.0 * 10f64.powf(0.3 * f64::from(k));
-                let edges = [centre * 10f64.powf(-0.15), centre * 10f64.powf(0.15)];
-                let energies = exposure(body, spectra, edges)?;
+            .filter_map(|octave| {
+                let energies = exposure(body, spectra, [octave.low, octave.high])?;
                 let floor = energies.iter().fold(0.0, |a: f64, &b| a.max(b)) * 10f64.powf(-0.1 * SHOWN);
                 let level = |e: &f64| 10.0 * (e.max(floor).max(f64::MIN_POSITIVE) / REFERENCE).log10();
-                Some((nominal, energies.iter().map(level).collect()))
+                Some((octave.nominal_hz(), energies.iter().map(level).collect()))
             })
             .collect();
-        let name = |nominal: u32| format!("velocity exposure level {nominal} Hz octave [dB]");
+        let name = |nominal: f64| format!("velocity exposure level {nominal} Hz octave [dB]");
         let names: Vec<String> = bands.iter().map(|&(nominal, _)| name(nominal)).collect();
         let fields: Vec<Field<'_>> = names
             .iter()
@@ -68,45 +53,32 @@ pub(super) fn write(folder: &Path, run: &Run) -> Result<(), Error> {
 }
 
 /// Writes the same as a series over frequency, `BODY-bands.pvd` and a `.vtu` a band: one field that ParaView steps through.
-fn write_bands(folder: &Path, body: &Body, bands: &[(u32, Vec<f64>)]) -> Result<(), Error> {
+fn write_bands(folder: &Path, body: &Body, bands: &[(f64, Vec<f64>)]) -> Result<(), Error> {
     let name = format!("{}-bands", body.name);
     super::create(&folder.join(&name))?;
     let mut series = Vec::with_capacity(bands.len());
     for (nominal, values) in bands {
-        let file = format!("{name}/{nominal:05}.vtu");
+        let file = format!("{name}/{nominal:05.0}.vtu");
         let field = Field {
             name: "velocity exposure level [dB]",
             components: 1,
             values,
         };
         write_surface(&folder.join(&file), &body.surface, &[field], &[])?;
-        series.push((f64::from(*nominal), file));
+        series.push((*nominal, file));
     }
     Ok(write_series(&folder.join(format!("{name}.pvd")), &series)?)
 }
 
 /// 2 int |v|^2 df over a band at every point of the surface \[m2/s\]; nothing when the band holds no analysed frequency.
 ///
-/// With v = Phi a/(j omega) and C = sum over bins of Re(a a^H)/omega^2 this is phi^T C phi for each component.
+/// With the covariance C of the modal velocities this is phi^T C phi for each component.
 fn exposure(body: &Body, spectra: &ModalSpectra, [low, high]: [f64; 2]) -> Option<Vec<f64>> {
-    let bins: Vec<usize> = (0..spectra.frequency.len())
-        .filter(|&k| (low..high).contains(&spectra.frequency[k]))
-        .collect();
-    if bins.len() < 2 || spectra.frequency[bins[0]] > low * 1.1 || spectra.range_hz[1] < high {
+    let first = spectra.frequency.iter().find(|hz| (low..high).contains(hz))?;
+    if *first > low * 1.1 || spectra.range_hz[1] < high {
         return None;
     }
-    let step = spectra.frequency[1] - spectra.frequency[0];
-    let modes = body.omega.len();
-    let mut rows = DMatrix::zeros(modes, 2 * bins.len());
-    for (column, &bin) in bins.iter().enumerate() {
-        let scale = (2.0 * step).sqrt() / (std::f64::consts::TAU * spectra.frequency[bin]);
-        for mode in 0..modes {
-            let a = spectra.accelerations[(mode, bin)];
-            rows[(mode, 2 * column)] = a.re * scale;
-            rows[(mode, 2 * column + 1)] = a.im * scale;
-        }
-    }
-    let covariance = &rows * rows.transpose();
+    let covariance = spectra.velocity_covariance([low, high], |_| 1.0)?;
     let dofs: Vec<usize> = body
         .surface
         .volume_nodes

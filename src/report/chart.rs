@@ -1,12 +1,16 @@
 //! Charts of a page: data for plotly.js, short enough for a file that is sent by mail.
 
+use std::sync::LazyLock;
+
 use maud::{Markup, PreEscaped, html};
+use plotters::style::RGBColor;
 use serde_json::{Value, json};
 
-/// Colours of curves: Okabe and Ito, "Color universal design" (2008).
-pub(super) const PALETTE: [&str; 8] = [
-    "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#8C8C8C",
-];
+use crate::figures;
+
+/// The colours of the figures, as a page writes them.
+static INKS: LazyLock<[String; 8]> =
+    LazyLock::new(|| figures::PALETTE.map(|RGBColor(red, green, blue)| format!("#{red:02X}{green:02X}{blue:02X}")));
 
 /// Points of a curve are thinned to the extremes of so many columns.
 const COLUMNS: usize = 900;
@@ -48,15 +52,14 @@ fn data(id: &str, value: &Value) -> Markup {
     html! { script type="application/json" id=(id) { (PreEscaped(text)) } }
 }
 
-/// Colour of a source, the same in every figure; what has none of its own takes the others in turn.
+/// The colour at a place of the figures' palette.
+pub(super) fn ink(place: usize) -> &'static str {
+    &INKS[place]
+}
+
+/// Colour of a source.
 pub(super) fn colour(source: &str, place: usize) -> &'static str {
-    match source {
-        "workpiece" => PALETTE[0],
-        "exhaust" => PALETTE[1],
-        "body" => PALETTE[2],
-        "total" => PALETTE[6],
-        _ => PALETTE[3 + place % 3],
-    }
+    ink(figures::in_palette(source, place))
 }
 
 /// A number with five digits; null where it is none.

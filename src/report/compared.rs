@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 use serde_json::{Value, json};
 
-use super::chart::{Chart, PALETTE, decibel};
+use super::chart::{Chart, decibel, ink};
 use super::levels::{highest, range};
 use super::page::{Page, Section};
 use super::tables::{decibels, plain};
@@ -38,7 +38,7 @@ pub(super) fn page(c: &Comparison) -> Page {
 }
 
 fn colour(place: usize) -> &'static str {
-    PALETTE[place % 6]
+    ink(place % 6)
 }
 
 fn change(db: Option<f64>) -> String {

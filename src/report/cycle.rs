@@ -3,7 +3,7 @@
 use nailnoise_dynamics::{CycleRecord, Events};
 use serde_json::{Value, json};
 
-use super::chart::{Chart, PALETTE, curve};
+use super::chart::{Chart, curve, ink};
 use crate::output::EVENT_NAMES;
 
 /// Rows over a chart on which the events' names take turns.
@@ -42,7 +42,7 @@ pub(super) fn charts(record: &CycleRecord) -> Vec<Chart> {
     let time: Vec<f64> = (0..record.len()).map(|index| 1e3 * record.time(index)).collect();
     let scaled = |name: &str, colour: usize, values: &[f64], factor: f64| {
         let values: Vec<f64> = values.iter().map(|value| factor * value).collect();
-        curve(name, PALETTE[colour], &time, &values)
+        curve(name, ink(colour), &time, &values)
     };
     let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + b).collect::<Vec<f64>>();
     let relative = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>();

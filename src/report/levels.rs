@@ -4,7 +4,7 @@ use nailnoise_acoustics::levels::level_energy;
 use nailnoise_dynamics::Events;
 use serde_json::{Value, json};
 
-use super::chart::{Chart, PALETTE, colour, curve, decibel};
+use super::chart::{Chart, colour, curve, decibel, ink};
 use super::cycle::event_marks;
 use crate::pipeline::SoundPower;
 use crate::result::{RankedSource, RunResult};
@@ -53,7 +53,7 @@ pub(super) fn bands(result: &RunResult) -> Chart {
             .collect();
         data.push(json!({
             "type": "scatter", "mode": "lines", "name": "total", "x": labels, "y": total, "visible": weighted,
-            "line": { "color": PALETTE[6], "shape": "hvh", "width": 1.2, "dash": "dot" },
+            "line": { "color": ink(6), "shape": "hvh", "width": 1.2, "dash": "dot" },
         }));
     }
     let count = result.ranking.len() + 1;

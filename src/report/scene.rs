@@ -1,9 +1,10 @@
 //! The surfaces in space, coloured by what they would radiate.
 
+use nailnoise_acoustics::levels::octaves;
 use serde_json::{Value, json};
 
 use super::chart::Chart;
-use super::surface::{OCTAVES, Painted, level};
+use super::surface::{Painted, level};
 
 /// Levels shown below the highest \[dB\].
 const SHOWN: f64 = 30.0;
@@ -69,14 +70,14 @@ pub(super) fn chart(bodies: &[Painted<'_>]) -> Option<Chart> {
         })
     };
     let mut buttons = vec![button("all, A-weighted".to_owned(), &|painted| painted.whole.clone())];
-    for (index, (_, nominal)) in OCTAVES.iter().enumerate() {
+    for (index, octave) in octaves().iter().enumerate() {
         if coloured.iter().any(|(painted, _)| painted.octaves[index].is_some()) {
             // A body that is not analysed there does not radiate there either.
             let energies = |painted: &Painted<'_>| {
                 let own = painted.octaves[index].clone();
                 own.unwrap_or_else(|| vec![0.0; painted.whole.len()])
             };
-            buttons.push(button(format!("{nominal} Hz octave"), &energies));
+            buttons.push(button(format!("{} Hz octave", octave.nominal_hz()), &energies));
         }
     }
     let high = top(&|painted| painted.whole.clone());

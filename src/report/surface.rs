@@ -9,25 +9,12 @@
 //! energy rho0 c0 C_rr int phi_n^2 dS.
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::levels::Weighting;
+use nailnoise_acoustics::levels::{Weighting, octaves};
 use nailnoise_acoustics::radiation::ModalSpectra;
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
 use crate::design::{Design, SupportKind};
 use crate::pipeline::{Body, BodyKind, open_air};
-
-/// Octave bands: k of the mid-band frequencies 1000 G^k Hz, G = 10^0.3 (IEC 61260-1, base ten), and their nominal
-/// values \[Hz\].
-pub(super) const OCTAVES: [(i32, u32); 8] = [
-    (-4, 63),
-    (-3, 125),
-    (-2, 250),
-    (-1, 500),
-    (0, 1000),
-    (1, 2000),
-    (2, 4000),
-    (3, 8000),
-];
 
 /// Reference energy \[J\]: 1 pW for 1 s.
 const REFERENCE: f64 = 1e-12;
@@ -41,7 +28,7 @@ pub(super) struct Painted<'a> {
     pub(super) free: Vec<bool>,
     /// A-weighted energy per area of each face over all frequencies \[J/m2\].
     pub(super) whole: Vec<f64>,
-    /// The same in each of [`OCTAVES`]; none where the body is not analysed there.
+    /// The same in each of the [`octaves`]; none where the body is not analysed there.
     pub(super) octaves: Vec<Option<Vec<f64>>>,
     /// What each mode alone would radiate, A-weighted \[J\].
     pub(super) modes: Vec<f64>,
@@ -82,10 +69,11 @@ impl<'a> Painted<'a> {
         let impedance = air.impedance();
         let modes = body.shapes.ncols();
         let (mut whole, mut alone) = (vec![0.0; points.len()], DVector::zeros(modes));
-        let octaves = OCTAVES
+        let octaves = octaves()
             .iter()
-            .map(|&(k, _)| {
-                let covariance = covariance(spectra, modes, k)?;
+            .map(|octave| {
+                let weight = |hz| Weighting::A.energy_factor(hz);
+                let covariance = spectra.velocity_covariance([octave.low, octave.high], weight)?;
                 let moved = &normal * &covariance;
                 let energies: Vec<f64> = (0..points.len())
                     .map(|point| impedance * moved.row(point).dot(&normal.row(point)).max(0.0))
@@ -140,30 +128,6 @@ fn covered(design: &Design, body: &str, patch: &str, p: &Point3<f64>) -> bool {
         ("worktable", "top") => p.x.abs() < half[0] && p.y.abs() < half[1],
         _ => false,
     }
-}
-
-/// C of an octave \[m2/s kg\]; nothing when the body is not analysed over the whole of it.
-fn covariance(spectra: &ModalSpectra, modes: usize, octave: i32) -> Option<DMatrix<f64>> {
-    let centre = 1000.0 * 10f64.powf(0.3 * f64::from(octave));
-    let [low, high] = [-0.15, 0.15].map(|exponent| centre * 10f64.powf(exponent));
-    let bins: Vec<usize> = (0..spectra.frequency.len())
-        .filter(|&k| (low..high).contains(&spectra.frequency[k]))
-        .collect();
-    if bins.len() < 2 {
-        return None;
-    }
-    let step = spectra.frequency[1] - spectra.frequency[0];
-    let mut rows = DMatrix::zeros(modes, 2 * bins.len());
-    for (column, &bin) in bins.iter().enumerate() {
-        let hz = spectra.frequency[bin];
-        let scale = (2.0 * step * Weighting::A.energy_factor(hz)).sqrt() / (std::f64::consts::TAU * hz);
-        for mode in 0..modes {
-            let a = spectra.accelerations[(mode, bin)];
-            rows[(mode, 2 * column)] = a.re * scale;
-            rows[(mode, 2 * column + 1)] = a.im * scale;
-        }
-    }
-    Some(&rows * rows.transpose())
 }
 
 /// Level of an energy \[dB re 1 pW s\]; none for silence.

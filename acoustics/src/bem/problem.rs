@@ -1,7 +1,7 @@
 use super::blocks::{Block, blocks};
 use super::boundary::Boundary;
 use super::near::NearField;
-use super::panel::PanelShape;
+use super::panel::{Panel, PanelShape};
 use super::rules;
 use super::symmetry::{Image, Parity};
 use super::tile::{Sums, Tile, Wave};
@@ -299,16 +299,17 @@ impl Exterior {
         sums
     }
 
+    /// The pressure unknowns at a panel's corners.
+    fn unknowns_of(&self, panel: &Panel) -> Vec<usize> {
+        let corners = panel.corners().iter();
+        corners.filter_map(|&c| self.boundary.node_of(c)).collect()
+    }
+
     /// 1/2 on both sides.
     fn add_jump(&self, wave: Wave, velocities: &DMatrix<f64>, sums: &mut Sums) {
-        let mesh = self.boundary.mesh();
         let mut first = 0;
-        for (panel, mass) in mesh.panels.iter().zip(&self.masses) {
-            let nodes: Vec<usize> = panel
-                .corners()
-                .iter()
-                .filter_map(|&c| self.boundary.node_of(c))
-                .collect();
+        for (panel, mass) in self.boundary.mesh().panels.iter().zip(&self.masses) {
+            let nodes = self.unknowns_of(panel);
             for (i, &row) in nodes.iter().enumerate() {
                 for (j, &column) in nodes.iter().enumerate() {
                     sums.matrix[(row, column)] += 0.5 * mass[i][j];
@@ -353,11 +354,7 @@ impl Exterior {
         for patch in 0..patches {
             let (mut first, mut rows, mut forces) = (0, Vec::new(), Vec::<Complex<f64>>::new());
             for (panel, mass) in mesh.panels.iter().zip(&self.masses) {
-                let nodes: Vec<usize> = panel
-                    .corners()
-                    .iter()
-                    .filter_map(|&c| self.boundary.node_of(c))
-                    .collect();
+                let nodes = self.unknowns_of(panel);
                 if panel.patch == patch {
                     for (i, row) in mass.iter().enumerate().take(nodes.len()) {
                         rows.push(first + i);

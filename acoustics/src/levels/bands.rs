@@ -4,6 +4,9 @@ use std::ops::RangeInclusive;
 /// Band numbers k of the one-third-octave bands shown, 50 Hz to 20 kHz.
 pub const THIRD_OCTAVES: RangeInclusive<i32> = -13..=13;
 
+/// Band numbers k of the octave bands shown, 63 Hz to 8 kHz.
+const OCTAVES: RangeInclusive<i32> = -4..=3;
+
 /// Octave frequency ratio G of the base-ten system (IEC 61260-1:2014, 5.2.1).
 const LG_G: f64 = 0.3;
 
@@ -54,6 +57,17 @@ pub(crate) fn edge(index: i32) -> f64 {
 /// The bands of [`THIRD_OCTAVES`].
 pub fn third_octaves() -> Vec<Band> {
     THIRD_OCTAVES.map(Band::new).collect()
+}
+
+/// The octave bands from 63 Hz to 8 kHz: f_m = 1000 Hz G^k, f_1,2 = f_m G^{-1/2, +1/2}. Each has the number and the
+/// mid-band frequency of its middle third.
+pub fn octaves() -> Vec<Band> {
+    let octave = |k: i32| Band {
+        low: edge(3 * k - 1),
+        high: edge(3 * k + 2),
+        ..Band::new(3 * k)
+    };
+    OCTAVES.map(octave).collect()
 }
 
 /// The band that contains the frequency `hz` > 0; an edge belongs to the band above it.

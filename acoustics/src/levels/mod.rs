@@ -11,7 +11,7 @@ mod signals;
 mod spectrum;
 mod weighting;
 
-pub use bands::{Band, THIRD_OCTAVES, band_containing, third_octaves};
+pub use bands::{Band, THIRD_OCTAVES, band_containing, octaves, third_octaves};
 pub use event::{REFERENCE_PRESSURE, exposure_level, peak_level};
 pub use filter::BandFilter;
 pub use history::{IntervalLevels, PowerHistory};

@@ -4,6 +4,7 @@ use crate::fourier::{Transform, TransformSettings};
 use crate::levels::{Contribution, SourceSpectrum};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
+use std::f64::consts::TAU;
 
 /// Fourier transforms of modal accelerations on the bins of the analysed range.
 #[derive(Debug, Clone)]
@@ -42,6 +43,35 @@ impl ModalSpectra {
             accelerations,
             range_hz: settings.range_hz,
         })
+    }
+
+    /// Covariance C of the modal velocities in a band, modes x modes, with a weight w(f) of every frequency:
+    ///
+    /// ```text
+    /// C = 2 int w Re(a a^H) / omega^2 df
+    /// ```
+    ///
+    /// so that phi^T C phi is 2 int w |v|^2 df where the modes move by phi. None when fewer than two bins lie in the band.
+    pub fn velocity_covariance(&self, [low, high]: [f64; 2], weight: impl Fn(f64) -> f64) -> Option<DMatrix<f64>> {
+        let bins: Vec<usize> = (0..self.frequency.len())
+            .filter(|&k| (low..high).contains(&self.frequency[k]))
+            .collect();
+        if bins.len() < 2 {
+            return None;
+        }
+        let step = self.frequency[1] - self.frequency[0];
+        let modes = self.accelerations.nrows();
+        let mut rows = DMatrix::zeros(modes, 2 * bins.len());
+        for (column, &bin) in bins.iter().enumerate() {
+            let hz = self.frequency[bin];
+            let scale = (2.0 * step * weight(hz)).sqrt() / (TAU * hz);
+            for mode in 0..modes {
+                let a = self.accelerations[(mode, bin)];
+                rows[(mode, 2 * column)] = a.re * scale;
+                rows[(mode, 2 * column + 1)] = a.im * scale;
+            }
+        }
+        Some(&rows * rows.transpose())
     }
 }
 

@@ -2,7 +2,7 @@ use super::archive::{Archive, ArchiveReader, ArchiveWriter};
 use super::resistance::{ModalRadiation, Resistance};
 use super::roots::{hermitian_root, image};
 use crate::error::{AcousticsError, positive};
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, ComplexField, DMatrix};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -251,10 +251,10 @@ impl SampledRadiation {
 
     /// Runs of bins that share an interval, cut into chunks: the interval and the bins' half-open range. No interval
     /// is below the lowest sample.
-    fn runs(&self, frequency: &[f64]) -> Vec<(Option<usize>, usize, usize)> {
+    fn runs(&self, frequency: &[f64]) -> Vec<Run> {
         const CHUNK: usize = 256;
         let place = |&hz: &f64| (hz >= self.lowest()).then(|| self.interval(hz));
-        let mut runs: Vec<(Option<usize>, usize, usize)> = Vec::new();
+        let mut runs: Vec<Run> = Vec::new();
         for (bin, at) in frequency.iter().map(place).enumerate() {
             match runs.last_mut() {
                 Some((last, start, end)) if *last == at && bin - *start < CHUNK => *end = bin + 1,
@@ -336,7 +336,7 @@ impl ModalRadiation for SampledRadiation {
     fn energy_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
         let (modes, patches) = (self.modes, self.patches.len());
         let runs = self.runs(frequency);
-        let evaluate = |&(at, start, end): &(Option<usize>, usize, usize)| {
+        let evaluate = |&(at, start, end): &Run| {
             let bins = end - start;
             let factor = |i: usize, bin: usize| {
                 if at.is_none() {
@@ -381,17 +381,12 @@ impl ModalRadiation for SampledRadiation {
             }
             result
         };
-        let mut forms = DMatrix::zeros(patches, frequency.len());
-        let blocks: Vec<DMatrix<f64>> = runs.par_iter().map(evaluate).collect();
-        for (&(_, start, end), block) in runs.iter().zip(&blocks) {
-            forms.columns_mut(start, end - start).copy_from(block);
-        }
-        forms
+        side_by_side(patches, frequency.len(), &runs, evaluate)
     }
 
     fn images(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let runs = self.runs(frequency);
-        let evaluate = |&(at, start, end): &(Option<usize>, usize, usize)| {
+        let evaluate = |&(at, start, end): &Run| {
             let mut motion = accelerations.columns(start, end - start).into_owned();
             let Some(i) = at else {
                 let scale = |motion: &mut DMatrix<Complex<f64>>| {
@@ -406,30 +401,9 @@ impl ModalRadiation for SampledRadiation {
                 scale(&mut result);
                 return result;
             };
-            let interval = &self.intervals[i];
-            let order = interval.nodes.len() - 1;
-            let mut result = DMatrix::zeros(self.modes, end - start);
-            let parts: Vec<DMatrix<Complex<f64>>> = interval
-                .nodes
-                .iter()
-                .map(|&node| image(&self.whole(node), &motion))
-                .collect();
-            for (bin, &hz) in frequency[start..end].iter().enumerate() {
-                for (weight, part) in interval.weights(hz, order).into_iter().zip(&parts) {
-                    let to = result.column_mut(bin);
-                    to.into_iter()
-                        .zip(part.column(bin).iter())
-                        .for_each(|(x, y)| *x += y * weight);
-                }
-            }
-            result
+            self.intervals[i].blend(&frequency[start..end], |node| image(&self.whole(node), &motion))
         };
-        let blocks: Vec<DMatrix<Complex<f64>>> = runs.par_iter().map(evaluate).collect();
-        let mut images = DMatrix::zeros(self.modes, frequency.len());
-        for (&(_, start, end), block) in runs.iter().zip(&blocks) {
-            images.columns_mut(start, end - start).copy_from(block);
-        }
-        images
+        side_by_side(self.modes, frequency.len(), &runs, evaluate)
     }
 
     /// S is interpolated as Q is, entry by entry with the same polynomials; below the lowest sample it is D S(f_0) with
@@ -447,7 +421,7 @@ impl ModalRadiation for SampledRadiation {
         wanted.dedup();
         let roots: Vec<Resistance> = wanted.par_iter().map(|&sample| self.root(sample)).collect();
         let root_of = |sample: usize| &roots[wanted.partition_point(|&w| w < sample)];
-        let evaluate = |&(at, start, end): &(Option<usize>, usize, usize)| {
+        let evaluate = |&(at, start, end): &Run| {
             let mut motion = accelerations.columns(start, end - start).into_owned();
             let Some(i) = at else {
                 for (mut bin, &hz) in motion.column_iter_mut().zip(&frequency[start..end]) {
@@ -457,32 +431,45 @@ impl ModalRadiation for SampledRadiation {
                 }
                 return image(root_of(self.lowest_sample()), &motion);
             };
-            let interval = &self.intervals[i];
-            let order = interval.nodes.len() - 1;
-            let weights: Vec<Vec<f64>> = frequency[start..end]
-                .iter()
-                .map(|&hz| interval.weights(hz, order))
-                .collect();
-            let mut signals = DMatrix::zeros(self.modes, end - start);
-            for (n, &node) in interval.nodes.iter().enumerate() {
-                let part = image(root_of(node), &motion);
-                for (bin, (mut to, from)) in signals.column_iter_mut().zip(part.column_iter()).enumerate() {
-                    let weight = weights[bin][n];
-                    to.iter_mut().zip(from.iter()).for_each(|(x, y)| *x += y * weight);
-                }
-            }
-            signals
+            self.intervals[i].blend(&frequency[start..end], |node| image(root_of(node), &motion))
         };
-        let blocks: Vec<DMatrix<Complex<f64>>> = runs.par_iter().map(evaluate).collect();
-        let mut signals = DMatrix::zeros(self.modes, frequency.len());
-        for (&(_, start, end), block) in runs.iter().zip(&blocks) {
-            signals.columns_mut(start, end - start).copy_from(block);
-        }
-        signals
+        side_by_side(self.modes, frequency.len(), &runs, evaluate)
     }
 }
 
+/// Bins that one interval serves, none below the lowest sample: the interval, the first bin and the one after the last.
+type Run = (Option<usize>, usize, usize);
+
+/// The blocks of all runs, evaluated in parallel, in the order of their bins.
+fn side_by_side<T: ComplexField>(
+    rows: usize,
+    bins: usize,
+    runs: &[Run],
+    evaluate: impl Fn(&Run) -> DMatrix<T> + Sync + Send,
+) -> DMatrix<T> {
+    let blocks: Vec<DMatrix<T>> = runs.par_iter().map(evaluate).collect();
+    let mut all = DMatrix::zeros(rows, bins);
+    for (&(_, start, end), block) in runs.iter().zip(&blocks) {
+        all.columns_mut(start, end - start).copy_from(block);
+    }
+    all
+}
+
 impl Interval {
+    /// What `part` gives at the samples, interpolated to the frequency of each of its columns.
+    fn blend(&self, frequency: &[f64], part: impl Fn(usize) -> DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+        let order = self.nodes.len() - 1;
+        let weights: Vec<Vec<f64>> = frequency.iter().map(|&hz| self.weights(hz, order)).collect();
+        let parts = self.nodes.iter().map(|&node| part(node));
+        let weighted = parts.enumerate().map(|(n, mut part)| {
+            for (mut column, weights) in part.column_iter_mut().zip(&weights) {
+                column.iter_mut().for_each(|x| *x *= weights[n]);
+            }
+            part
+        });
+        weighted.reduce(|sum, part| sum + part).unwrap_or_default()
+    }
+
     /// Barycentric weights of the Lobatto rule of the given order at the frequency `hz` (they sum to one). An order
     /// below the interval's own uses every second, fourth ... node.
     fn weights(&self, hz: f64, order: usize) -> Vec<f64> {
