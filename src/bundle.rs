@@ -6,13 +6,13 @@ use std::time::Duration;
 use std::{fs, io};
 
 use nailnoise_meshes::write_atomic;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
-use crate::cache::{Cache, Key};
+use crate::cache::{Bytes, Cache, Key};
 use crate::design::Design;
 use crate::error::Error;
 use crate::pipeline::{self, Observer, Options, Run};
-use crate::report::{self, Recording};
+use crate::report::{self, Pictures, Recording};
 use crate::result::Check;
 use crate::{figures, interrupt, output};
 
@@ -44,34 +44,6 @@ struct File {
     content: Bytes,
 }
 
-/// Bytes that are read and written as one piece rather than number by number.
-#[derive(Debug, Clone, PartialEq)]
-struct Bytes(Vec<u8>);
-
-impl Serialize for Bytes {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_bytes(&self.0)
-    }
-}
-
-impl<'de> Deserialize<'de> for Bytes {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Visitor;
-        impl serde::de::Visitor<'_> for Visitor {
-            type Value = Bytes;
-
-            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str("bytes")
-            }
-
-            fn visit_bytes<E>(self, bytes: &[u8]) -> Result<Bytes, E> {
-                Ok(Bytes(bytes.to_vec()))
-            }
-        }
-        deserializer.deserialize_bytes(Visitor)
-    }
-}
-
 /// How a run is told in words: the table, and the parts of the sources.
 pub type Words = fn(&Run) -> [String; 2];
 
@@ -90,15 +62,33 @@ pub fn deliver(
 ) -> Result<(Bundle, bool), Error> {
     let mut fresh = None;
     let bundle = cache.get_or("run", key(design, draw)?, || {
-        let run = pipeline::run(design, Options::default(), cache, observer)?;
-        observer.stage("writing files");
         let place = Unfinished::within(folder)?;
-        write(&place.path, design, &run, draw)?;
+        let (run, (pictures, fields)) = pipeline::run_telling(
+            design,
+            Options::default(),
+            cache,
+            observer,
+            "sound and pictures of the bodies",
+            |vibration, record| {
+                output::write_fields(&place.path, vibration, &record.events)?;
+                Ok((Pictures::new(design, vibration), read_all(&place.path)?))
+            },
+        )?;
+        observer.stage("writing files");
+        let mut files = write(&place.path, design, &run, &pictures, draw)?;
+        for file in &fields {
+            let to = place.path.join(&file.path);
+            if !to.exists() {
+                output::create(to.parent().unwrap_or(&place.path))?;
+                output::write(&to, &file.content.0)?;
+            }
+        }
+        files.extend(fields);
         let bundle = Bundle {
             json: read_text(&place.path.join(LAST))?,
             text: words(&run),
             checks: run.result.checks,
-            files: read_all(&place.path)?,
+            files,
         };
         fresh = Some(place);
         Ok::<_, Error>(bundle)
@@ -140,7 +130,8 @@ fn key(design: &Design, draw: bool) -> Result<Key, Error> {
         .with(&draw))
 }
 
-fn write(folder: &Path, design: &Design, run: &Run, draw: bool) -> Result<(), Error> {
+/// Writes all files but the fields, and returns them.
+fn write(folder: &Path, design: &Design, run: &Run, pictures: &Pictures, draw: bool) -> Result<Vec<File>, Error> {
     output::write_run(folder, run)?;
     if draw {
         let level = run.result.total.lwa_db;
@@ -148,20 +139,30 @@ fn write(folder: &Path, design: &Design, run: &Run, draw: bool) -> Result<(), Er
         let subject = format!("{}: one shot, {level}", design.name());
         figures::write(&folder.join("figures"), &figures::sound(&subject, design, run))?;
     }
-    let mut recordings = Vec::new();
-    for file in read_all(folder)? {
-        if file.path.extension().is_some_and(|extension| extension == "wav") {
-            let name = file.path.file_stem().unwrap_or_default().to_string_lossy();
-            recordings.push(Recording {
-                name: name.replace(['-', '_'], " "),
-                wav: file.content.0,
-            });
-        }
-    }
-    output::write(
-        &folder.join("report.html"),
-        report::run(design, run, &recordings).as_bytes(),
-    )
+    let mut files = read_all(folder)?;
+    files.retain(|file| !file.path.starts_with(output::FIELDS));
+    let sound = |file: &&File| file.path.extension().is_some_and(|extension| extension == "wav");
+    let recordings: Vec<Recording> = files
+        .iter()
+        .filter(sound)
+        .map(|file| Recording {
+            name: file
+                .path
+                .file_stem()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .replace("workpiece-", "workpiece at microphone ")
+                .replace(['-', '_'], " "),
+            wav: file.content.0.clone(),
+        })
+        .collect();
+    let report = File {
+        path: "report.html".into(),
+        content: Bytes(report::run(design, run, pictures, &recordings).into_bytes()),
+    };
+    output::write(&folder.join(&report.path), &report.content.0)?;
+    files.push(report);
+    Ok(files)
 }
 
 impl Bundle {

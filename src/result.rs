@@ -2,6 +2,8 @@
 //!
 //! These types are the schema of `run --json` and of `result.json`.
 
+use std::borrow::Cow;
+
 use serde::{Deserialize, Serialize, Serializer, ser::SerializeMap};
 
 /// Version of the layout of [`RunResult`]; it changes when a reader of the old layout would misread the new one.
@@ -111,7 +113,7 @@ pub struct RankedSource {
 
 /// Band in which the true level is expected around the one predicted, from the method alone: no uncertainty of the
 /// design's values is in it.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Uncertainty {
     /// How much lower the true level may be \[dB\]; null when the method gives no bound.
     pub minus: Option<f64>,
@@ -122,7 +124,7 @@ pub struct Uncertainty {
 }
 
 /// Power of a vibrating surface by boundary elements, evaluated twice, beside that of radiation efficiency 1.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct RadiationReport {
     /// Where boundary elements give way to the limit of high frequencies: beginning and end of the blend \[Hz\].
     pub join_hz: [f64; 2],
@@ -148,7 +150,7 @@ pub struct RadiationReport {
 
 /// Sound power as EN 12549 measures it, at the nine positions of ISO 3744 on a parallelepiped around the device above a
 /// reflecting floor, beside the power that is radiated; within the boundary elements' range.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct MicrophoneReport {
     /// Half sides a and b and height c of the parallelepiped \[m\].
     pub box_m: [f64; 3],
@@ -171,7 +173,7 @@ pub struct MicrophoneReport {
 }
 
 /// One microphone.
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct MicrophoneLevel {
     /// Place relative to the device's axis and the floor \[m\].
     pub position_m: [f64; 3],
@@ -184,7 +186,7 @@ pub struct MicrophoneLevel {
 }
 
 /// One band of a [`MicrophoneReport`].
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct MicrophoneBand {
     /// Nominal mid-band frequency (IEC 61260-1) \[Hz\].
     pub hz: f64,
@@ -195,10 +197,10 @@ pub struct MicrophoneBand {
 }
 
 /// What a mode adds to the A-weighted energy of its source, twice the real part of conj(V_i) (R V)_i over the range.
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ModeShare {
     /// `workpiece` or `worktable`.
-    pub body: &'static str,
+    pub body: Cow<'static, str>,
     /// Its number from 1; null for all static corrections together.
     pub mode: Option<usize>,
     /// Its frequency \[Hz\].
@@ -210,7 +212,7 @@ pub struct ModeShare {
 }
 
 /// One band of a [`RadiationReport`], unweighted \[dB re 1 pW s\]; null when silent.
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct RadiationBand {
     /// Nominal mid-band frequency (IEC 61260-1) \[Hz\].
     pub hz: f64,
@@ -223,14 +225,14 @@ pub struct RadiationBand {
 }
 
 /// Two methods for one quantity.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct CrossCheck {
     /// The quantity.
-    pub quantity: &'static str,
+    pub quantity: Cow<'static, str>,
     /// Its unweighted level by the method of the result \[dB re 1 pW s\]; null when silent.
     pub lw_db: Option<f64>,
     /// The other method.
-    pub other: &'static str,
+    pub other: Cow<'static, str>,
     /// Its unweighted level by that \[dB re 1 pW s\]; null when silent.
     pub other_lw_db: Option<f64>,
 }
@@ -304,7 +306,7 @@ pub struct Coupling {
 }
 
 /// Levels of the workpiece for starts that differ by gaps of 1 um under the block.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Starts {
     /// A-weighted single-event level of each start, that of the run first \[dB re 1 pW s\].
     pub lwa_db: Vec<f64>,

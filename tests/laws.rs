@@ -57,15 +57,9 @@ fn more_damping_raises_no_band_above_the_first_mode() {
     let mut damped = bonded();
     damped.wood.loss_factor *= 2.0;
     let (before, after) = (scaled(&design, 1.0), scaled(&damped, 1.0));
-    let first = before
-        .structure
-        .workpiece
-        .basis
-        .hz
-        .iter()
-        .copied()
-        .find(|&hz| hz > 1.0)
-        .unwrap();
+    let cache = Cache::at(concat!(env!("CARGO_TARGET_TMPDIR"), "/modes").into(), LIMIT);
+    let block = nailnoise::pipeline::workpiece(&design, &cache).unwrap();
+    let first = block.basis.hz.iter().copied().find(|&hz| hz > 1.0).unwrap();
     let (before, after) = (ranked(&before, "workpiece"), ranked(&after, "workpiece"));
     let mut compared = 0;
     for (a, b) in before.bands.iter().zip(&after.bands).filter(|(a, _)| a.hz > first) {
@@ -173,4 +167,40 @@ fn mass_and_thrust_of_the_jets_are_those_of_the_cycle() {
     let [mass, thrust] = [0, 1].map(|i| jets[i] / cycle[i]);
     assert!((mass - 1.0).abs() < 0.01, "{mass}");
     assert!((0.99..1.06).contains(&thrust), "{thrust}");
+}
+
+/// What is kept of one design never reaches another: a run out of a full cache has every digit of a run without one, timing
+/// aside, whether the change reaches the bodies or not.
+#[test]
+fn a_changed_design_out_of_the_cache_has_the_digits_of_one_without() {
+    let folder = concat!(env!("CARGO_TARGET_TMPDIR"), "/changed");
+    let _ = std::fs::remove_dir_all(folder);
+    let cache = Cache::at(folder.into(), LIMIT);
+    let digits = |design: &Design, cache: &Cache| {
+        let told = run(design, Options::default(), cache, &mut Silent).unwrap();
+        let mut value = serde_json::to_value(&told.result).unwrap();
+        let stages = value["timing"].take().as_object().unwrap().len();
+        (value, stages)
+    };
+    let base = small();
+    let (first, all) = digits(&base, &cache);
+    let (again, few) = digits(&base, &cache);
+    assert_eq!(again, first);
+    assert!(few < all, "the bodies are computed again");
+    type Change = (fn(&mut Design), bool);
+    let changes: [Change; 4] = [
+        (|d| d.exhaust.pitch *= 2.0, true),
+        (|d| d.exhaust.holes += 2, false),
+        (|d| d.ambient.temperature += 10.0, false),
+        (|d| d.workpiece.length *= 1.01, false),
+    ];
+    for (number, (change, kept)) in changes.into_iter().enumerate() {
+        let mut design = small();
+        change(&mut design);
+        let (found, stages) = digits(&design, &cache);
+        assert_eq!(stages < all, kept, "change {number}");
+        let (expected, _) = digits(&design, &Cache::none());
+        assert_ne!(found, first, "change {number} changes nothing");
+        assert_eq!(found, expected, "change {number}");
+    }
 }

@@ -4,7 +4,9 @@
 mod common;
 
 use common::{flat, rectangle};
-use nailnoise_acoustics::radiation::{AbsorbingSand, ModalRadiation, MovingSand, Rayleigh, Resistance, Sampling};
+use nailnoise_acoustics::radiation::{
+    AbsorbingSand, Archive, ModalRadiation, MovingSand, Rayleigh, Resistance, SampledRadiation, Sampling,
+};
 use nailnoise_acoustics::{AcousticsError, Air};
 use nalgebra::{Complex, DMatrix};
 
@@ -116,6 +118,36 @@ fn moving_sand_gives_a_hermitian_resistance() {
         let found = forms.column(bin).sum();
         let tolerance = if f < 40.0 { 0.02 } else { 1e-3 };
         assert!((found / direct - 1.0).abs() < tolerance, "{f} Hz: {found} {direct}");
+    }
+}
+
+/// What is kept in a file gives the energies and signals of what was computed, to single precision, phase lags included;
+/// any other bytes are refused.
+#[test]
+fn a_kept_resistance_radiates_as_the_computed_one() {
+    let moving = block().with_moving_sand(sand()).unwrap();
+    let sampling = Sampling {
+        range_hz: [60.0, 900.0],
+        tolerance: 1e-3,
+        ..Sampling::default()
+    };
+    let sampled = moving.sampled(&sampling).unwrap();
+    let bytes = sampled.clone().with_roots().to_bytes();
+    let kept = SampledRadiation::from_bytes(&bytes).unwrap();
+    let hz: Vec<f64> = (1..20).map(|k| 45.0 * f64::from(k)).collect();
+    let modes = sampled.modes();
+    let a = DMatrix::from_fn(modes, hz.len(), |i, k| {
+        Complex::new((i + k) as f64 * 0.3, 1.0 - 0.1 * (i * k) as f64)
+    });
+    let close = |found: DMatrix<Complex<f64>>, expected: DMatrix<Complex<f64>>| {
+        assert!((&found - &expected).norm() < 1e-5 * expected.norm());
+    };
+    let forms = |r: &SampledRadiation| r.energy_forms(&hz, &a).map(Complex::from);
+    close(forms(&kept), forms(&sampled));
+    close(kept.root_signals(&hz, &a), sampled.root_signals(&hz, &a));
+    assert!(whole(&moving, 300.0).imaginary.is_some());
+    for end in (0..bytes.len()).step_by(1 + bytes.len() / 300) {
+        assert!(SampledRadiation::from_bytes(&bytes[..end]).is_err());
     }
 }
 

@@ -145,14 +145,6 @@ pub enum MeshError {
         /// The file.
         path: PathBuf,
     },
-    /// The VTK library refused the data.
-    #[error("cannot encode {path} as VTK XML: {reason}")]
-    Encode {
-        /// The file that was to be written.
-        path: PathBuf,
-        /// The library's reason.
-        reason: String,
-    },
     /// A quadrature rule without points was asked for.
     #[error("a Gauss rule with {points} points is not available; use at least 1")]
     GaussPoints {

@@ -1,14 +1,13 @@
 //! VTK XML files: `.vtu` grids with fields and the `.pvd` list that makes a series of them.
 //!
-//! Data are written inline as base64 in little-endian binary, which VTK, ParaView and meshio read.
+//! Data are written inline as base64 in little-endian binary, which VTK, ParaView and meshio read: meshes in double
+//! precision, to be read back as they are; surfaces, which are pictures, in single.
 
 use std::io::Write;
 use std::path::Path;
 
-use vtkio::IOBuffer;
-use vtkio::model::{
-    Attribute, Attributes, ByteOrder, CellType, Cells, DataSet, UnstructuredGridPiece, Version, VertexNumbers, Vtk,
-};
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 
 use crate::{Mesh, MeshError, Surface, write_atomic};
 
@@ -26,9 +25,9 @@ pub struct Field<'a> {
 /// Writes a volume mesh with point and cell fields; the part of each element is added as the cell field `part`.
 ///
 /// # Errors
-/// [`MeshError::FieldLength`], [`MeshError::Encode`] or [`MeshError::Write`].
+/// [`MeshError::FieldLength`] or [`MeshError::Write`].
 pub fn write_mesh(path: &Path, mesh: &Mesh, points: &[Field<'_>], cells: &[Field<'_>]) -> Result<(), MeshError> {
-    let types = mesh.kinds.iter().map(|k| k.vtk_type()).collect();
+    let types: Vec<u8> = mesh.kinds.iter().map(|k| k.vtk_type()).collect();
     let part: Vec<f64> = mesh.parts.iter().map(|&p| p as f64).collect();
     let mut cells = cells.to_vec();
     cells.push(Field {
@@ -36,21 +35,28 @@ pub fn write_mesh(path: &Path, mesh: &Mesh, points: &[Field<'_>], cells: &[Field
         components: 1,
         values: &part,
     });
-    let xyz = mesh.nodes.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
-    write(path, xyz, &mesh.connectivity, &mesh.offsets[1..], types, points, &cells)
+    let xyz: Vec<f64> = mesh.nodes.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
+    let grid = Grid {
+        xyz: &xyz,
+        connectivity: &mesh.connectivity,
+        offsets: &mesh.offsets[1..],
+        types: &types,
+        single: false,
+    };
+    grid.write(path, points, &cells)
 }
 
 /// Writes a surface with point and cell fields; the patch of each face is added as the cell field `patch`.
 ///
 /// # Errors
-/// [`MeshError::FieldLength`], [`MeshError::Encode`] or [`MeshError::Write`].
+/// [`MeshError::FieldLength`] or [`MeshError::Write`].
 pub fn write_surface(
     path: &Path,
     surface: &Surface,
     points: &[Field<'_>],
     cells: &[Field<'_>],
 ) -> Result<(), MeshError> {
-    let types = surface.faces.iter().map(|f| f.kind.vtk_type()).collect();
+    let types: Vec<u8> = surface.faces.iter().map(|f| f.kind.vtk_type()).collect();
     let (mut connectivity, mut offsets) = (Vec::new(), Vec::new());
     for face in &surface.faces {
         connectivity.extend_from_slice(&face.nodes);
@@ -63,8 +69,15 @@ pub fn write_surface(
         components: 1,
         values: &patch,
     });
-    let xyz = surface.points.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
-    write(path, xyz, &connectivity, &offsets, types, points, &cells)
+    let xyz: Vec<f64> = surface.points.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
+    let grid = Grid {
+        xyz: &xyz,
+        connectivity: &connectivity,
+        offsets: &offsets,
+        types: &types,
+        single: true,
+    };
+    grid.write(path, points, &cells)
 }
 
 /// Writes a `.pvd` series: pairs of time (or frequency) and the `.vtu` file, relative to the series' folder.
@@ -98,82 +111,105 @@ pub fn write_series(path: &Path, files: &[(f64, String)]) -> Result<(), MeshErro
     write_atomic(path, &text).map_err(source)
 }
 
-fn write(
-    path: &Path,
-    xyz: Vec<f64>,
-    connectivity: &[usize],
-    offsets: &[usize],
-    types: Vec<u8>,
-    points: &[Field<'_>],
-    cells: &[Field<'_>],
-) -> Result<(), MeshError> {
-    let encode = |reason: String| MeshError::Encode {
-        path: path.to_owned(),
-        reason,
-    };
-    let types = types
-        .into_iter()
-        .map(|code| match code {
-            5 => Ok(CellType::Triangle),
-            9 => Ok(CellType::Quad),
-            10 => Ok(CellType::Tetra),
-            12 => Ok(CellType::Hexahedron),
-            22 => Ok(CellType::QuadraticTriangle),
-            23 => Ok(CellType::QuadraticQuad),
-            24 => Ok(CellType::QuadraticTetra),
-            25 => Ok(CellType::QuadraticHexahedron),
-            26 => Ok(CellType::QuadraticWedge),
-            28 => Ok(CellType::BiquadraticQuad),
-            29 => Ok(CellType::TriquadraticHexahedron),
-            other => Err(encode(format!("cell type {other} has no VTK counterpart here"))),
-        })
-        .collect::<Result<Vec<_>, _>>()?;
-    let data = Attributes {
-        point: attributes(points, xyz.len() / 3)?,
-        cell: attributes(cells, types.len())?,
-    };
-    let vertices = VertexNumbers::XML {
-        connectivity: connectivity.iter().map(|&i| i as u64).collect(),
-        offsets: offsets.iter().map(|&i| i as u64).collect(),
-    };
-    let cells = Cells {
-        cell_verts: vertices,
-        types,
-    };
-    let piece = UnstructuredGridPiece {
-        points: IOBuffer::F64(xyz),
-        cells,
-        data,
-    };
-    let vtk = Vtk {
-        version: Version::XML { major: 1, minor: 0 },
-        title: String::new(),
-        byte_order: ByteOrder::LittleEndian,
-        data: DataSet::inline(piece),
-        file_path: None,
-    };
-    let mut bytes = Vec::new();
-    vtk.write_xml(&mut bytes).map_err(|e| encode(e.to_string()))?;
-    write_atomic(path, &bytes).map_err(|source| MeshError::Write {
-        path: path.to_owned(),
-        source,
-    })
+/// An unstructured grid as the file has it.
+struct Grid<'a> {
+    xyz: &'a [f64],
+    connectivity: &'a [usize],
+    offsets: &'a [usize],
+    types: &'a [u8],
+    /// Whether numbers are written in single precision.
+    single: bool,
 }
 
-fn attributes(fields: &[Field<'_>], items: usize) -> Result<Vec<Attribute>, MeshError> {
-    fields
-        .iter()
-        .map(|f| {
-            let expected = items * f.components;
-            if f.values.len() != expected {
-                let (name, found) = (f.name.to_owned(), f.values.len());
-                return Err(MeshError::FieldLength { name, found, expected });
+impl Grid<'_> {
+    fn write(&self, path: &Path, points: &[Field<'_>], cells: &[Field<'_>]) -> Result<(), MeshError> {
+        let (nodes, elements) = (self.xyz.len() / 3, self.types.len());
+        check(points, nodes)?;
+        check(cells, elements)?;
+        let mut text = format!(
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
+             header_type=\"UInt64\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"{nodes}\" NumberOfCells=\"{elements}\">\n"
+        );
+        for (section, fields) in [("PointData", points), ("CellData", cells)] {
+            text.push_str(&format!("<{section}>\n"));
+            for field in fields {
+                self.numbers(&mut text, field.name, field.components, field.values);
             }
-            let attribute = match f.components {
-                3 => Attribute::vectors(f.name),
-                n => Attribute::scalars(f.name, n as u32),
-            };
-            Ok(attribute.with_data(f.values.to_vec()))
+            text.push_str(&format!("</{section}>\n"));
+        }
+        text.push_str("<Points>\n");
+        self.numbers(&mut text, "points", 3, self.xyz);
+        text.push_str("</Points>\n<Cells>\n");
+        for (name, indices) in [("connectivity", self.connectivity), ("offsets", self.offsets)] {
+            if indices.iter().all(|&i| i32::try_from(i).is_ok()) {
+                array(
+                    &mut text,
+                    "Int32",
+                    name,
+                    1,
+                    indices.iter().map(|&i| (i as i32).to_le_bytes()),
+                );
+            } else {
+                array(
+                    &mut text,
+                    "Int64",
+                    name,
+                    1,
+                    indices.iter().map(|&i| (i as i64).to_le_bytes()),
+                );
+            }
+        }
+        array(&mut text, "UInt8", "types", 1, self.types.iter().map(|&kind| [kind]));
+        text.push_str("</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
+        write_atomic(path, text.as_bytes()).map_err(|source| MeshError::Write {
+            path: path.to_owned(),
+            source,
         })
-        .collect()
+    }
+
+    fn numbers(&self, text: &mut String, name: &str, components: usize, values: &[f64]) {
+        if self.single {
+            let values = values.iter().map(|&x| (x as f32).to_le_bytes());
+            array(text, "Float32", name, components, values);
+        } else {
+            array(
+                text,
+                "Float64",
+                name,
+                components,
+                values.iter().map(|x| x.to_le_bytes()),
+            );
+        }
+    }
+}
+
+/// One array: the number of its bytes and they themselves, as one stretch of base64.
+fn array<const N: usize>(
+    text: &mut String,
+    kind: &str,
+    name: &str,
+    components: usize,
+    values: impl ExactSizeIterator<Item = [u8; N]>,
+) {
+    let length = N * values.len();
+    let mut bytes = Vec::with_capacity(8 + length);
+    bytes.extend_from_slice(&(length as u64).to_le_bytes());
+    values.for_each(|value| bytes.extend_from_slice(&value));
+    let name = name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
+    text.push_str(&format!(
+        "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">"
+    ));
+    STANDARD.encode_string(&bytes, text);
+    text.push_str("</DataArray>\n");
+}
+
+fn check(fields: &[Field<'_>], items: usize) -> Result<(), MeshError> {
+    for field in fields {
+        let (found, expected) = (field.values.len(), items * field.components);
+        if found != expected {
+            let name = field.name.to_owned();
+            return Err(MeshError::FieldLength { name, found, expected });
+        }
+    }
+    Ok(())
 }

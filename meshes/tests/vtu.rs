@@ -1,4 +1,4 @@
-//! Files are read back by the library's own reader and hold what was written, to the last bit.
+//! Files are read back by another library and hold what was written: meshes to the last bit, surfaces to single precision.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use nailnoise_meshes::vtu::{Field, write_mesh, write_series, write_surface};
@@ -20,7 +20,7 @@ fn values(attributes: &[Attribute], name: &str) -> Vec<f64> {
     attributes
         .iter()
         .find_map(|a| match a {
-            Attribute::DataArray(d) if d.name == name => d.data.clone().into_vec::<f64>(),
+            Attribute::DataArray(d) if d.name == name => d.data.clone().cast_into::<f64>(),
             _ => None,
         })
         .unwrap()
@@ -92,8 +92,24 @@ fn a_mesh_and_its_surface_survive_the_round_trip() {
 
     let surface = Surface::of(&mesh);
     let path = folder.join("skin.vtu");
-    write_surface(&path, &surface, &[], &[]).unwrap();
+    let heat: Vec<f64> = surface.points.iter().map(|point| 1.0 + point.x / 3.0).collect();
+    let field = Field {
+        name: "heat & <more> [K]",
+        components: 1,
+        values: &heat,
+    };
+    write_surface(&path, &surface, &[field], &[]).unwrap();
     let piece = read(&path);
+    let found = piece.points.clone().cast_into::<f64>().unwrap();
+    let wanted = surface.points.iter().flat_map(|p| [p.x, p.y, p.z]);
+    assert!(
+        found
+            .iter()
+            .zip(wanted)
+            .all(|(found, wanted)| *found == f64::from(wanted as f32))
+    );
+    let single: Vec<f64> = heat.iter().map(|&x| f64::from(x as f32)).collect();
+    assert_eq!(values(&piece.data.point, "heat & <more> [K]"), single);
     assert!(piece.cells.types.iter().all(|&t| t == CellType::QuadraticQuad));
     assert_eq!(values(&piece.data.cell, "patch").len(), surface.faces.len());
 

@@ -5,6 +5,7 @@
 //! Files are written whole, so that several processes may share a folder and a killed one leaves nothing half-written.
 //! The least recently used entries go first when the folder outgrows its limit.
 
+mod bytes;
 mod entry;
 mod folder;
 mod key;
@@ -16,6 +17,7 @@ use std::time::SystemTime;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+pub use bytes::Bytes;
 pub use entry::Damage;
 pub use folder::{CacheError, LIMIT};
 pub use key::Key;

@@ -171,6 +171,25 @@ impl Design {
         hexadecimal(&Sha256::digest(text))
     }
 
+    /// The keys for which `reaches` holds with their values to the last bit and the content of files, as the inputs of a
+    /// stage of the cache.
+    pub(crate) fn values_where(&self, reaches: impl Fn(&str) -> bool) -> String {
+        let mut text = String::new();
+        self.values.visit("", &mut |key, _, value| {
+            if !reaches(key) {
+                return;
+            }
+            // Writing to a string cannot fail.
+            let _ = match value {
+                Value::Number(value) => writeln!(text, "{key}={:x}", value.to_bits()),
+                Value::File("") => writeln!(text, "{key}="),
+                Value::File(path) => writeln!(text, "{key}={}", content(path)),
+                other => writeln!(text, "{key}={other:?}"),
+            };
+        });
+        text
+    }
+
     /// The error that a sensor of this design cannot measure what it is asked for.
     pub(crate) fn refuse_sensor(&self, name: &str, problem: SensorProblem) -> DesignError {
         resolve::sensor(name, problem, &self.records)

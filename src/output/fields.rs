@@ -4,10 +4,13 @@ use std::path::{Path, PathBuf};
 
 use nailnoise_acoustics::levels::octaves;
 use nailnoise_acoustics::radiation::ModalSpectra;
+use nailnoise_acoustics::radiation::quadratic_forms;
 use nailnoise_meshes::vtu::{Field, write_mesh, write_series, write_surface};
+use nalgebra::DMatrix;
+use rayon::prelude::*;
 
 use crate::error::Error;
-use crate::pipeline::{Body, Driven, Run};
+use crate::pipeline::{Body, Driven, Vibration};
 
 /// Levels shown below the highest of a field \[dB\]; clamped points, which do not move, stand at this floor.
 const SHOWN: f64 = 60.0;
@@ -23,13 +26,14 @@ const REFERENCE: f64 = 50e-9 * 50e-9;
 ///
 /// with v the velocity vector, from the coherent sum of all modes; no lower than 60 dB below the highest point. And the
 /// same as a series of the bands, `BODY-bands.pvd`.
-pub(super) fn write(folder: &Path, run: &Run) -> Result<(), Error> {
+pub(super) fn write(folder: &Path, vibration: &Vibration) -> Result<(), Error> {
     super::create(folder)?;
-    for Driven { body, spectra, .. } in run.driven() {
+    for Driven { body, spectra, .. } in vibration.driven() {
+        let shapes = on_surface(body);
         let bands: Vec<(f64, Vec<f64>)> = octaves()
-            .iter()
+            .par_iter()
             .filter_map(|octave| {
-                let energies = exposure(body, spectra, [octave.low, octave.high])?;
+                let energies = exposure(&shapes, spectra, [octave.low, octave.high])?;
                 let floor = energies.iter().fold(0.0, |a: f64, &b| a.max(b)) * 10f64.powf(-0.1 * SHOWN);
                 let level = |e: &f64| 10.0 * (e.max(floor).max(f64::MIN_POSITIVE) / REFERENCE).log10();
                 Some((octave.nominal_hz(), energies.iter().map(level).collect()))
@@ -70,29 +74,27 @@ fn write_bands(folder: &Path, body: &Body, bands: &[(f64, Vec<f64>)]) -> Result<
     Ok(write_series(&folder.join(format!("{name}.pvd")), &series)?)
 }
 
+/// Displacements of the modes on the points of the surface: 3 points x modes.
+pub(super) fn on_surface(body: &Body) -> DMatrix<f64> {
+    let dofs = body
+        .surface
+        .volume_nodes
+        .iter()
+        .flat_map(|n| [3 * n, 3 * n + 1, 3 * n + 2]);
+    body.shapes.select_rows(&dofs.collect::<Vec<usize>>())
+}
+
 /// 2 int |v|^2 df over a band at every point of the surface \[m2/s\]; nothing when the band holds no analysed frequency.
 ///
 /// With the covariance C of the modal velocities this is phi^T C phi for each component.
-fn exposure(body: &Body, spectra: &ModalSpectra, [low, high]: [f64; 2]) -> Option<Vec<f64>> {
+fn exposure(shapes: &DMatrix<f64>, spectra: &ModalSpectra, [low, high]: [f64; 2]) -> Option<Vec<f64>> {
     let first = spectra.frequency.iter().find(|hz| (low..high).contains(hz))?;
     if *first > low * 1.1 || spectra.range_hz[1] < high {
         return None;
     }
     let covariance = spectra.velocity_covariance([low, high], |_| 1.0)?;
-    let dofs: Vec<usize> = body
-        .surface
-        .volume_nodes
-        .iter()
-        .flat_map(|n| [3 * n, 3 * n + 1, 3 * n + 2])
-        .collect();
-    let shapes = body.shapes.select_rows(&dofs);
-    let moved = &shapes * covariance;
-    let of_point = |point: usize| {
-        (0..3)
-            .map(|axis| shapes.row(3 * point + axis).dot(&moved.row(3 * point + axis)))
-            .sum()
-    };
-    Some((0..body.surface.points.len()).map(of_point).collect())
+    let forms = quadratic_forms(shapes, &covariance);
+    Some(forms.chunks_exact(3).map(|axes| axes.iter().sum()).collect())
 }
 
 /// Writes one `.vtu` a mode and the `.pvd` that lists them by frequency; returns the `.pvd`.

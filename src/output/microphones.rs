@@ -1,4 +1,5 @@
-//! What the virtual microphones hear: `microphones.csv`, and a calibrated sound file a microphone.
+//! What the virtual microphones hear: `microphones.csv`, `microphones-bands.csv`, and a calibrated sound file a
+//! microphone.
 
 use std::fmt::Write;
 use std::io::Cursor;
@@ -13,13 +14,14 @@ use crate::result::MicrophoneReport;
 /// Largest sample of 24 bits: full scale.
 const FULL: f64 = 8_388_607.0;
 
-/// Writes `microphones.csv` and `microphones/workpiece-N.wav`: mono, 48 kHz, 24 bits, full scale as the table states.
+/// Writes `microphones.csv`, `microphones-bands.csv` and `microphones/workpiece-N.wav`: mono, 48 kHz, 24 bits, full scale as the table states.
 pub(super) fn write(folder: &Path, run: &Run) -> Result<(), Error> {
     let Some(microphones) = &run.microphones else {
         return Ok(());
     };
     let report = &microphones.report;
-    write_file(&folder.join("microphones.csv"), table(report).as_bytes())?;
+    write_file(&folder.join("microphones.csv"), positions(report).as_bytes())?;
+    write_file(&folder.join("microphones-bands.csv"), bands(report).as_bytes())?;
     let folder = folder.join("microphones");
     create(&folder)?;
     for (number, signal) in microphones.signals.iter().enumerate() {
@@ -29,8 +31,8 @@ pub(super) fn write(folder: &Path, run: &Run) -> Result<(), Error> {
     Ok(())
 }
 
-/// Levels by microphone, then bands by the array and radiated.
-fn table(report: &MicrophoneReport) -> String {
+/// Levels by microphone.
+fn positions(report: &MicrophoneReport) -> String {
     let mut text = String::from(
         "microphone,x [m],y [m],z above the floor [m],L_AE [dB],L_E [dB],peak [Pa],full scale of the file [Pa],\
          from [Hz],to [Hz]\n",
@@ -49,7 +51,12 @@ fn table(report: &MicrophoneReport) -> String {
             report.range_hz[1]
         );
     }
-    text.push_str("\nband [Hz],microphones L_W [dB],radiated L_W [dB]\n");
+    text
+}
+
+/// Bands as the array measures them and as they are radiated.
+fn bands(report: &MicrophoneReport) -> String {
+    let mut text = String::from("band [Hz],microphones L_W [dB],radiated L_W [dB]\n");
     for band in &report.bands {
         let levels = [band.lw_db, band.true_lw_db].map(|level| optional(level, 3));
         let _ = writeln!(text, "{},{}", band.hz, levels.join(","));

@@ -10,22 +10,26 @@ mod shot;
 
 use std::path::{Path, PathBuf};
 
-use nailnoise_dynamics::CycleRecord;
+use nailnoise_dynamics::{CycleRecord, Events};
 use nailnoise_meshes::uff::{self, Mode};
 use nailnoise_meshes::write_atomic;
 
 use crate::error::Error;
-use crate::pipeline::{Body, Run};
+use crate::pipeline::{Body, Run, Vibration};
 
 pub use columns::{Column, columns};
 pub use csv::EVENT_NAMES;
 
+/// The folder of the fields in that of a run.
+pub(crate) const FIELDS: &str = "fields";
+
 /// Opens the fields of a run in ParaView.
 const PARAVIEW: &str = include_str!("paraview.py");
 
-/// Writes everything a run leaves behind to `folder`: `result.json`, `levels.csv`, `intervals.csv`, `power.csv`,
-/// `events.csv`, `log.csv`, `histories.csv`, `fields/*`, `paraview.py`, where boundary elements were used `radiation.csv`,
-/// `radiation-modes.csv`, `microphones.csv` and `microphones/*.wav`, and where the design has sensors `sensors.csv`,
+/// Writes what a run leaves behind beside its [fields](write_fields) to `folder`: `result.json`, `levels.csv`,
+/// `intervals.csv`, `power.csv`, `events.csv`, `log.csv`, `histories.csv`, `paraview.py`, where boundary elements were used `radiation.csv`,
+/// `radiation-modes.csv`, `microphones.csv`, `microphones-bands.csv` and
+/// `microphones/*.wav`, and where the design has sensors `sensors.csv`,
 /// `sensors-spectrum.csv` and `sensors.uff`.
 ///
 /// # Errors
@@ -45,11 +49,19 @@ pub fn write_run(folder: &Path, run: &Run) -> Result<(), Error> {
     write(&folder.join("power.csv"), csv::power(run).as_bytes())?;
     sensors::write(folder, run)?;
     microphones::write(folder, run)?;
-    fields::write(&folder.join("fields"), run)?;
-    shot::write(&folder.join("fields"), run)?;
     write(&folder.join("paraview.py"), PARAVIEW.as_bytes())?;
     // Last, so that a folder with a result has all the rest of it.
     write(&folder.join("result.json"), &json)
+}
+
+/// Writes the fields of a shot for ParaView to `folder/fields`.
+///
+/// # Errors
+/// [`Error::Write`] or [`Error::Mesh`] with the file that could not be written.
+pub fn write_fields(folder: &Path, vibration: &Vibration, events: &Events) -> Result<(), Error> {
+    let fields = folder.join(FIELDS);
+    fields::write(&fields, vibration)?;
+    shot::write(&fields, vibration, events)
 }
 
 /// Writes `events.csv`, `log.csv` and `histories.csv` of a cycle to `folder`.

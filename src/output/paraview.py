@@ -1,56 +1,106 @@
 """Opens the pictures of this folder in ParaView: paraview --script=paraview.py
 
-Every body of the shot by the velocity level of its loudest octave, the film of the shot beside it.
+The bodies of the shot by the velocity level of one octave, the loudest of the workpiece; the film of the shot beside it.
 """
 
 import glob
+import json
 import os
 
 from paraview.simple import (
     ColorBy,
     CreateLayout,
-    GetColorTransferFunction,
     CreateRenderView,
+    GetAnimationScene,
+    GetColorTransferFunction,
+    GetScalarBar,
+    LoadPalette,
     OpenDataFile,
     Render,
     ResetCamera,
+    SetActiveView,
     Show,
 )
 
 here = os.path.dirname(os.path.abspath(__file__)) if "__file__" in globals() else os.getcwd()
 fields = os.path.join(here, "fields")
+with open(os.path.join(here, "result.json")) as file:
+    result = json.load(file)
+value = {entry["key"]: entry["value"] for entry in result["inputs"]}
+
+# The tool's axes begin at the tip of its nose, which stands on the workpiece.
+NOSE = [value["nail.offset_along"], value["nail.offset_across"], value["workpiece.thickness"]]
+
+# Levels shown below the highest [dB], and the share of the highest velocity at which colours end.
+SHOWN, SHARE = 40.0, 0.2
 
 
-def view_of(files, choose):
-    """A view of some files, each coloured by the array that `choose` picks from its names."""
+def arrays(source):
+    """Names and ranges of the fields on the points."""
+    data = source.PointData
+    found = [data.GetArray(i) for i in range(data.GetNumberOfArrays())]
+    return {array.Name: array.GetRange(-1 if array.GetNumberOfComponents() > 1 else 0) for array in found}
+
+
+def view_of(files, choose, limits, title):
+    """A view of some files by the field that `choose` finds, on one scale for all of them."""
     view = CreateRenderView()
+    SetActiveView(view)
+    LoadPalette("WhiteBackground")
     view.OrientationAxesVisibility = 1
-    for file in files:
-        source = OpenDataFile(file)
+    sources = [(file, OpenDataFile(file)) for file in files]
+    for _, source in sources:
         source.UpdatePipeline()
+    name = choose(sources)
+    for file, source in sources:
         shown = Show(source, view)
-        arrays = source.PointData
-        names = [arrays.GetArray(i).Name for i in range(arrays.GetNumberOfArrays())]
-        name = choose(arrays, names)
-        if name:
+        if os.path.basename(file).startswith("tool"):
+            shown.Position = NOSE
+        if name in arrays(source):
             ColorBy(shown, ("POINTS", name))
-            shown.RescaleTransferFunctionToDataRange(True)
-            shown.SetScalarBarVisibility(view, True)
-            GetColorTransferFunction(name).ApplyPreset("Viridis (matplotlib)", True)
+            shown.RescaleTransferFunctionToDataRangeOverTime()
+    if name:
+        table = GetColorTransferFunction(name)
+        table.ApplyPreset("Viridis (matplotlib)", True)
+        table.RescaleTransferFunction(*limits(sources, name, table))
+        bar = GetScalarBar(table, view)
+        bar.Title, bar.ComponentTitle, bar.Visibility = title(name), "", 1
+        bar.AutomaticLabelFormat, bar.LabelFormat, bar.RangeLabelFormat = 0, "%.3g", "%.3g"
+        bar.TitleColor = bar.LabelColor = [0.0, 0.0, 0.0]
+    # From the front, the right and above.
+    view.CameraPosition, view.CameraFocalPoint, view.CameraViewUp = [1.3, -1.7, 1.0], [0.0, 0.0, 0.0], [0.0, 0.0, 1.0]
     ResetCamera(view)
     Render(view)
     return view
 
 
-def loudest(arrays, names):
-    """The octave with the highest level."""
-    return max(names, key=lambda name: arrays.GetArray(name).GetRange()[1], default=None)
+def loudest(sources):
+    """The octave with the highest level of the workpiece."""
+    own = next(arrays(source) for file, source in sources if os.path.basename(file) == "workpiece.vtu")
+    return max(own, key=lambda name: own[name][1], default=None)
 
 
-bodies = [file for file in sorted(glob.glob(os.path.join(fields, "*.vtu")))]
-films = sorted(glob.glob(os.path.join(fields, "*-shot.pvd")))
+def levels(sources, name, _):
+    """The highest level of all bodies, and what is shown below it."""
+    high = max(arrays(source)[name][1] for _, source in sources if name in arrays(source))
+    return high - SHOWN, high
+
+
+def speeds(_, __, table):
+    """From rest to a share of the highest velocity of the film."""
+    return 0.0, SHARE * table.RGBPoints[-4]
+
+
 CreateLayout("levels")
-view_of(bodies, loudest)
+view_of(sorted(glob.glob(os.path.join(fields, "*.vtu"))), loudest, levels, lambda name: name.replace("[", "(").replace("]", ")"))
+films = sorted(glob.glob(os.path.join(fields, "*-shot.pvd")))
 if films:
     CreateLayout("the shot")
-    view_of(films, lambda arrays, names: names[0] if names else None)
+    film = view_of(films, lambda sources: "velocity [m/s]", speeds, lambda name: "velocity (m/s)")
+    scene = GetAnimationScene()
+    scene.UpdateAnimationUsingDataTimeSteps()
+    # Where the rod meets the nail there is something to see.
+    steps, strike = list(scene.TimeKeeper.TimestepValues), result["events"].get("t8")
+    if steps and strike is not None:
+        scene.AnimationTime = min(steps, key=lambda time: abs(time - strike - 3e-4))
+    Render(film)

@@ -6,9 +6,11 @@ use nailnoise_dynamics::Events;
 use nailnoise_fem::transient::{ModalResponse, Motion};
 use nailnoise_meshes::vtu::{Field, write_series, write_surface};
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 
+use super::fields::on_surface;
 use crate::error::Error;
-use crate::pipeline::{Body, Driven, Run};
+use crate::pipeline::{Body, Driven, Vibration};
 
 /// Instants shown after each event \[s\]: at once, and while the waves run through the body.
 const AROUND: [f64; 3] = [5e-5, 3e-4, 1e-3];
@@ -17,26 +19,29 @@ const AROUND: [f64; 3] = [5e-5, 3e-4, 1e-3];
 const BLOCK: usize = 32;
 
 /// Writes `BODY-shot.pvd` and the `.vtu` of each instant: the velocity vector \[m/s\] on every point of the surface.
-pub(super) fn write(folder: &Path, run: &Run) -> Result<(), Error> {
+pub(super) fn write(folder: &Path, vibration: &Vibration, events: &Events) -> Result<(), Error> {
     for Driven {
         body, response, index, ..
-    } in run.driven()
+    } in vibration.driven()
     {
-        let samples = instants(&run.record.events, response);
+        let samples = instants(events, response);
         let velocity = velocities(index, body, response, &samples)?;
         let name = format!("{}-shot", body.name);
         super::create(&folder.join(&name))?;
-        let mut series = Vec::with_capacity(samples.len());
-        for (frame, (&sample, values)) in samples.iter().zip(velocity.column_iter()).enumerate() {
-            let file = format!("{name}/{frame:03}.vtu");
-            let field = Field {
-                name: "velocity [m/s]",
-                components: 3,
-                values: values.as_slice(),
-            };
-            write_surface(&folder.join(&file), &body.surface, &[field], &[])?;
-            series.push((sample as f64 * response.step, file));
-        }
+        let frames: Vec<usize> = (0..samples.len()).collect();
+        let series: Vec<(f64, String)> = frames
+            .into_par_iter()
+            .map(|frame| {
+                let file = format!("{name}/{frame:03}.vtu");
+                let field = Field {
+                    name: "velocity [m/s]",
+                    components: 3,
+                    values: velocity.column(frame).data.into_slice(),
+                };
+                write_surface(&folder.join(&file), &body.surface, &[field], &[])?;
+                Ok((samples[frame] as f64 * response.step, file))
+            })
+            .collect::<Result<_, Error>>()?;
         write_series(&folder.join(format!("{name}.pvd")), &series)?;
     }
     Ok(())
@@ -60,17 +65,12 @@ fn instants(events: &Events, response: &ModalResponse) -> Vec<usize> {
 
 /// 3 surface points x instants \[m/s\].
 fn velocities(index: usize, body: &Body, response: &ModalResponse, samples: &[usize]) -> Result<DMatrix<f64>, Error> {
-    let dofs: Vec<usize> = body
-        .surface
-        .volume_nodes
-        .iter()
-        .flat_map(|n| [3 * n, 3 * n + 1, 3 * n + 2])
-        .collect();
+    let on_surface = on_surface(body);
     let modes = body.omega.len();
-    let mut velocity = DMatrix::zeros(dofs.len(), samples.len());
+    let mut velocity = DMatrix::zeros(on_surface.nrows(), samples.len());
     for first in (0..modes).step_by(BLOCK) {
         let range = first..modes.min(first + BLOCK);
-        let shapes = body.shapes.columns(first, range.len()).select_rows(&dofs);
+        let shapes = on_surface.columns(first, range.len());
         let motion = response.modal(index, range, Motion::Velocity)?;
         let chosen = motion.select_rows(samples).transpose();
         velocity.gemm(1.0, &shapes, &chosen, 1.0);

@@ -198,27 +198,29 @@ impl Model {
             loss_factor,
             ..
         } = self.geometry;
-        let dofs = 3 * mesh.nodes.len();
-        let patterns: Vec<_> = self
-            .loads
-            .iter()
-            .chain(&self.contacts)
-            .map(|pattern| pattern.dense(dofs))
-            .collect();
+        let (residual_limit, edge) = (design.analysis.mode_tolerance, design.analysis.mode_margin * top_hz);
         let settings = ModalSettings {
-            residual_limit: design.analysis.mode_tolerance,
-            ..ModalSettings::below(design.analysis.mode_margin * top_hz)
-        };
-        let settings = if patterns.is_empty() {
-            settings
-        } else {
-            settings.with_loads(DMatrix::from_columns(&patterns))
+            residual_limit,
+            ..ModalSettings::below(edge)
         };
         // The debug form names every field, its numbers with all their digits: no input can be forgotten.
-        let key = Key::new().with(&format!(
-            "{mesh:?} {materials:?} {constraints:?} {attachments:?} {settings:?}"
-        ));
+        let key = of_mesh(Key::new(), &mesh)
+            .with(&format!("{materials:?} {constraints:?} {attachments:?} {settings:?}"))
+            .with(&self.loads)
+            .with(&self.contacts);
         let (basis, lift) = cache.get_or(&format!("modes of the {}", kind.name()), key, || {
+            let dofs = 3 * mesh.nodes.len();
+            let patterns: Vec<_> = self
+                .loads
+                .iter()
+                .chain(&self.contacts)
+                .map(|pattern| pattern.dense(dofs))
+                .collect();
+            let settings = if patterns.is_empty() {
+                settings
+            } else {
+                settings.with_loads(DMatrix::from_columns(&patterns))
+            };
             let system = assemble_with(&mesh, &materials, &constraints, &attachments)?;
             Ok::<_, Error>((modes(&system, &settings)?, upward_momentum(&system)))
         })?;
@@ -251,6 +253,34 @@ impl Model {
             shapes,
         })
     }
+}
+
+/// A key that depends on a mesh as well.
+fn of_mesh(key: Key, mesh: &Mesh) -> Key {
+    let Mesh {
+        nodes,
+        kinds,
+        offsets,
+        connectivity,
+        parts,
+        part_names,
+        groups,
+    } = mesh;
+    let nodes: Vec<[f64; 3]> = nodes.iter().map(|p| [p.x, p.y, p.z]).collect();
+    let groups: Vec<(&str, Vec<(usize, usize)>)> = groups
+        .iter()
+        .map(|group| {
+            let faces = group.faces.iter().map(|face| (face.element, face.face));
+            (group.name.as_str(), faces.collect())
+        })
+        .collect();
+    key.with(&nodes)
+        .with(kinds)
+        .with(offsets)
+        .with(connectivity)
+        .with(parts)
+        .with(part_names)
+        .with(&groups)
 }
 
 /// M (0, 0, 1) on the free degrees of freedom, to be multiplied by the shapes: the momentum of everything, what is tied

@@ -22,10 +22,8 @@ use crate::result::{Check, CrossCheck, Uncertainty};
 /// differ for one blow-down.
 const MODEL_BAND: f64 = 4.0;
 
-/// The exhaust as one source.
+/// What is known of the exhaust beside its sound.
 pub(super) struct Exhaust {
-    /// Its energy; the contributions are the mechanisms, the muffler's outlet and the trigger vent.
-    pub(super) sound: Sound,
     /// Unweighted level of the holes' jets by the efficiencies of IEC 60534-8-3, an independent estimate \[dB\].
     pub(super) cross_check_lw: Option<f64>,
     /// Unweighted level of the holes' jets by the correlations used, over all frequencies \[dB\].
@@ -70,11 +68,14 @@ impl Exhaust {
 /// Openings, plenum or muffler that cannot be, air that leaves against a higher pressure.
 pub fn exhaust_openings(design: &Design, record: &CycleRecord) -> Result<Vec<ExhaustNoise>, Error> {
     let air = Air::at(design.ambient.temperature, design.ambient.pressure)?;
-    Ok(exhaust(design, record, &air)?.openings)
+    Ok(exhaust(design, record, &air)?.1.openings)
 }
 
 /// Computes the noise of exhaust holes, muffler and trigger vent from the cycle's flow.
-pub(super) fn exhaust(design: &Design, record: &CycleRecord, air: &Air) -> Result<Exhaust, Error> {
+///
+/// # Errors
+/// Those of the acoustics.
+pub(super) fn exhaust(design: &Design, record: &CycleRecord, air: &Air) -> Result<(Sound, Exhaust), Error> {
     let bare = ExhaustSettings {
         transform: TransformSettings {
             range_hz: [design.analysis.range_low, design.analysis.exhaust_top],
@@ -153,24 +154,24 @@ pub(super) fn exhaust(design: &Design, record: &CycleRecord, air: &Air) -> Resul
     parts.push(vent.spectrum.clone());
     openings.push(vent);
     let (cross_check_lw, jets_lw) = (energy_level(other_energy), energy_level(jets_energy));
-    Ok(Exhaust {
-        sound: Sound {
-            spectrum: SourceSpectrum::sum("exhaust", method, &parts),
-            signals: Vec::new(),
-            openings: openings.iter().map(|opening| opening.history.clone()).collect(),
-            uncertainty: Uncertainty {
-                minus: Some(MODEL_BAND),
-                plus: Some(MODEL_BAND),
-                basis: "distance of the jet correlations from the efficiencies of IEC 60534-8-3".to_owned(),
-            },
-            cross_check: Some(CrossCheck {
-                quantity: "jets of the exhaust over all frequencies, before a muffler",
-                lw_db: jets_lw,
-                other: "IEC 60534-8-3",
-                other_lw_db: cross_check_lw,
-            }),
-            radiation: None,
+    let sound = Sound {
+        spectrum: SourceSpectrum::sum("exhaust", method, &parts),
+        signals: Vec::new(),
+        openings: openings.iter().map(|opening| opening.history.clone()).collect(),
+        uncertainty: Uncertainty {
+            minus: Some(MODEL_BAND),
+            plus: Some(MODEL_BAND),
+            basis: "distance of the jet correlations from the efficiencies of IEC 60534-8-3".to_owned(),
         },
+        cross_check: Some(CrossCheck {
+            quantity: "jets of the exhaust over all frequencies, before a muffler".into(),
+            lw_db: jets_lw,
+            other: "IEC 60534-8-3".into(),
+            other_lw_db: cross_check_lw,
+        }),
+        radiation: None,
+    };
+    let exhaust = Exhaust {
         cross_check_lw,
         jets_lw,
         mass_gap,
@@ -178,7 +179,8 @@ pub(super) fn exhaust(design: &Design, record: &CycleRecord, air: &Air) -> Resul
         merged: (jets != holes).then_some(jets),
         openings,
         screech: screech_track(&flow, &jets, air),
-    })
+    };
+    Ok((sound, exhaust))
 }
 
 /// A round hole without contraction of this effective area \[m2\].

@@ -3,7 +3,7 @@
 use nailnoise_acoustics::levels::{PowerHistory, level_energy};
 use nailnoise_dynamics::Events;
 
-use super::sound::Sound;
+use super::sound::Source;
 use crate::result::{Check, IntervalLevel, RankedSource};
 
 /// Cells of the power histories \[s\].
@@ -25,16 +25,16 @@ pub struct SoundPower {
 }
 
 /// The events of a shot in the order of their times.
-struct Clock {
+pub(super) struct Clock {
     /// `t0` ..., then `end`.
     names: Vec<String>,
     /// \[s\], not falling.
-    times: Vec<f64>,
+    pub(super) times: Vec<f64>,
 }
 
 impl Clock {
     /// The clock of a shot whose records last until `end` \[s\]. Events that do not occur are left out.
-    fn new(events: &Events, end: f64) -> Self {
+    pub(super) fn new(events: &Events, end: f64) -> Self {
         let times = events.to_array();
         let mut marks: Vec<(f64, String)> = times
             .iter()
@@ -55,19 +55,17 @@ impl Clock {
 
 /// Gives every ranked source its intervals, and returns the powers over time with the checks of both.
 pub(super) fn intervals(
-    sounds: &[&Sound],
+    sources: &[&Source],
     ranking: &mut [RankedSource],
-    events: &Events,
+    clock: &Clock,
     end: f64,
-    range_hz: [f64; 2],
 ) -> (Vec<SoundPower>, Vec<Check>) {
-    let clock = Clock::new(events, end);
     let (mut powers, mut checks) = (Vec::new(), Vec::new());
     for ranked in ranking {
-        let Some(sound) = sounds.iter().find(|sound| sound.spectrum.source == ranked.source) else {
+        let Some(source) = sources.iter().find(|own| own.spectrum.source == ranked.source) else {
             continue;
         };
-        let (histories, levels) = sound.over_time(&clock.times, range_hz);
+        let levels = &source.intervals;
         let total = level_energy(ranked.lwa_db);
         let sum: f64 = levels.iter().map(|level| level.energy).sum();
         let gap = if total > 0.0 { sum / total - 1.0 } else { sum };
@@ -76,9 +74,9 @@ pub(super) fn intervals(
             gap,
             1e-9,
         ));
-        for (part, signals) in &sound.signals {
+        for (part, mismatch) in &source.mismatches {
             let name = format!("{part}: energy of interval signals beside the spectrum's");
-            checks.push(Check::at_most(name, signals.mismatch(), MISMATCH));
+            checks.push(Check::at_most(name, *mismatch, MISMATCH));
         }
         let names = clock.names.windows(2);
         let interval = |(names, level): (&[String], &nailnoise_acoustics::levels::IntervalLevels)| IntervalLevel {
@@ -89,11 +87,11 @@ pub(super) fn intervals(
             lwa_db: level.lwa,
             lwa_cut_db: level.lwa_cut,
         };
-        ranked.intervals = names.zip(&levels).map(interval).collect();
+        ranked.intervals = names.zip(levels).map(interval).collect();
         let cells = ((end + 2.0 * MARGIN) / CELL).ceil() as usize;
         powers.push(SoundPower {
             source: ranked.source.clone(),
-            history: PowerHistory::sum(&histories, 0.5 * CELL - MARGIN, CELL, cells),
+            history: PowerHistory::sum(&source.histories, 0.5 * CELL - MARGIN, CELL, cells),
         });
     }
     (powers, checks)

@@ -7,6 +7,7 @@ use nailnoise_acoustics::levels::{BandLevel, SourceSpectrum, Weighting, energy_l
 use nailnoise_acoustics::radiation::ModalSpectra;
 use nalgebra::{Complex, DMatrix, Point3};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::radiation::side_by_side;
 use super::radiator::{Radiator, floor};
@@ -42,7 +43,7 @@ pub(crate) const SAMPLE_RATE: u32 = 48_000;
 const TAIL: f64 = 0.05;
 
 /// What the microphones hear of a shot.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Microphones {
     /// Levels, and how they compare with the power radiated.
     pub report: MicrophoneReport,

@@ -2,7 +2,10 @@
 //!
 //! The part is absent there. What that leaves out is estimated by going on with the slope of its last octave.
 
+use std::borrow::Cow;
+
 use nailnoise_acoustics::levels::{BandLevel, SourceSpectrum, Weighting, third_octaves};
+use serde::{Deserialize, Serialize};
 
 use super::bodies::Structure;
 use super::tool::{Tool, VIBRATION};
@@ -16,12 +19,12 @@ const OCTAVE: usize = 3;
 const LIMIT_DB: f64 = 0.2;
 
 /// What a part leaves out of its source.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Missing {
     /// The part.
-    pub(super) part: &'static str,
+    pub(super) part: Cow<'static, str>,
     /// The source it is part of.
-    pub(super) source: &'static str,
+    pub(super) source: Cow<'static, str>,
     /// Its top frequency \[Hz\].
     pub(super) top_hz: f64,
     /// How much higher the source's A-weighted level would be \[dB\].
@@ -88,8 +91,8 @@ fn of_part(
         0.0
     };
     Some(Missing {
-        part,
-        source,
+        part: part.into(),
+        source: source.into(),
         top_hz,
         decibels,
     })

@@ -28,12 +28,14 @@ mod sound;
 mod starts;
 mod tool;
 mod tool_loads;
+mod vibration;
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::levels::Weighting;
 use nailnoise_acoustics::radiation::ModalSpectra;
 use nailnoise_dynamics::CycleRecord;
 use nailnoise_fem::transient::ModalResponse;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 pub use bodies::{Body, Structure, modes_of, table, tool_body, workpiece};
 pub use coupling::{COUPLED_LOADS, Coupled, couple};
@@ -48,11 +50,14 @@ pub use preset::{Preset, cycle_as_published};
 pub use sensors::SensorRecord;
 pub use settings::cycle_settings;
 pub use tool::{Stiffness, Tool};
+pub use vibration::Vibration;
 
-use radiator::Radiator;
+use intervals::Clock;
+use sound::Source;
+use vibration::{Bench, Moved, Told, TwoWay, moved};
 
 use crate::cache::Cache;
-use crate::design::{BodyModel, Coupling, Design, SupportKind};
+use crate::design::{Coupling, Design};
 use crate::error::Error;
 use crate::result::{Check, DesignId, RunResult, SCHEMA, Timing};
 
@@ -88,20 +93,12 @@ pub struct Driven<'a> {
     pub spectra: &'a ModalSpectra,
 }
 
-/// A result with the histories and fields behind it.
+/// A result with the histories behind it.
 pub struct Run {
     /// What the run tells.
     pub result: RunResult,
     /// The nailing cycle.
     pub record: CycleRecord,
-    /// The bodies with their modes.
-    pub structure: Structure,
-    /// Their response to the shot.
-    pub response: ModalResponse,
-    /// Fourier transforms of the modal accelerations, one set a body.
-    pub spectra: Vec<ModalSpectra>,
-    /// The tool's body, unless it is rigid.
-    pub tool: Option<Tool>,
     /// A-weighted sound power of every source over time, loudest source first.
     pub powers: Vec<SoundPower>,
     /// Screech frequency of the exhaust's jets at every sample of the cycle \[Hz\]; none while they are subsonic.
@@ -110,24 +107,6 @@ pub struct Run {
     pub sensors: Vec<SensorRecord>,
     /// What microphones around the device hear of workpiece and support; none where no boundary elements were used.
     pub microphones: Option<Microphones>,
-}
-
-impl Run {
-    /// All elastic bodies: the workpiece, what it stands on, the tool.
-    pub fn driven(&self) -> impl Iterator<Item = Driven<'_>> {
-        let of_structure = |(index, (body, spectra))| Driven {
-            body,
-            response: &self.response,
-            index,
-            spectra,
-        };
-        self.structure
-            .bodies()
-            .zip(&self.spectra)
-            .enumerate()
-            .map(of_structure)
-            .chain(self.tool.as_ref().map(Tool::driven))
-    }
 }
 
 /// What a run may change about the physics without being another design; for studies and tests of laws.
@@ -148,179 +127,132 @@ impl Default for Options {
 
 /// Predicts and ranks the sound power of a design's sources.
 ///
-/// Modes and radiation matrices that `cache` holds are not computed again; the result is the same.
+/// What `cache` holds of it is not computed again; the result is the same.
 ///
 /// # Errors
 /// [`Error`] of the stage that could not be computed.
 pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn Observer) -> Result<Run, Error> {
-    // Dense products inside a stage stay on one thread: a result must not depend on how many there are.
-    let mut timing = Timing::default();
-    let two_way = design.support.coupling == Coupling::TwoWay;
-    let lumped = if two_way {
-        None
-    } else {
-        observer.stage("nailing cycle");
-        Some(timing.time("cycle", || cycle(design))?)
-    };
-    observer.stage("modes of the workpiece");
-    let block = timing.time("workpiece modes", || workpiece(design, cache))?;
-    let worktable = match design.support.kind {
-        SupportKind::Worktable => {
-            observer.stage("modes of the worktable");
-            Some(timing.time("worktable modes", || table(design, cache))?)
-        }
-        SupportKind::Sandbox | SupportKind::Floor | SupportKind::Clamped => None,
-    };
-    let tool = match design.body.model {
-        BodyModel::Elastic => {
-            observer.stage("modes of the tool");
-            Some(timing.time("tool modes", || tool_body(design, cache))?)
-        }
-        BodyModel::Rigid => None,
-    };
-    let structure = Structure {
-        workpiece: block,
-        worktable,
-        grid: bodies::contact_grid(design),
-    };
-    observer.stage("radiation matrices");
-    let air = Air::at(design.ambient.temperature, design.ambient.pressure)?;
-    let radiator = timing.time("radiation matrices", || {
-        Radiator::new(design, &structure, &air, cache, observer)
-    })?;
-    cache.take_notes().iter().for_each(|note| observer.note(note));
-    let damping = design
-        .acoustics
-        .radiation_damping
-        .then(|| timing.time("radiation damping", || radiator.damping(&structure)));
-    let added = damping.as_deref();
-    let parameters = parameters(design)?;
-    let (record, response, coupling) = match lumped {
-        Some(record) => {
-            observer.stage("response of workpiece and support");
-            let force_scale = options.workpiece_force_scale;
-            let response = timing.time("response", || {
-                response::response(design, &structure, added, &parameters, &record, (force_scale, 0))
-            })?;
-            (record, response, None)
-        }
-        None => {
-            observer.stage("nailing cycle with workpiece and support");
-            let both = timing.time("cycle and response", || {
-                response::coupled(design, &structure, added, &parameters, 0)
-            })?;
-            (both.record, both.response, Some((both.work, both.checks)))
-        }
-    };
-    let tool = tool
-        .map(|body| timing.time("tool response", || Tool::new(design, body, &parameters, &record)))
-        .transpose()?;
-    let sensors = timing.time("sensors", || sensors::sensors(design, &structure, &response, &record))?;
-    observer.stage("radiation");
-    let spectra = timing.time("modal spectra", || {
-        radiation::modal_spectra(design, &structure, &response)
-    })?;
-    let mut workpiece = timing.time("radiation", || {
-        radiation::workpiece(design, &structure, &radiator, added, &spectra)
-    })?;
-    let microphones = timing.time("microphones", || {
-        microphones::microphones(design, &radiator, &spectra, &workpiece.spectrum, response.duration())
-    })?;
-    if let Some(report) = &mut workpiece.radiation {
-        report.microphones = microphones.as_ref().map(|m| m.report.clone());
-    }
-    let body = timing.time("body", || match &tool {
-        Some(tool) => tool.sound(design, &record, &air),
-        None => radiation::rigid_tool(design, &record, &air),
-    })?;
-    observer.stage("exhaust");
-    let exhaust = timing.time("exhaust", || exhaust::exhaust(design, &record, &air))?;
+    let (run, ()) = run_telling(design, options, cache, observer, "sound of the bodies", |_, _| Ok(()))?;
+    Ok(run)
+}
 
-    let range = [design.analysis.range_low, design.analysis.range_high];
-    let mut missing = missing::above_top(design, &structure, &workpiece.spectrum);
-    missing.extend(
-        tool.as_ref()
-            .and_then(|tool| missing::above_tool_top(design, tool, &body.spectrum)),
-    );
-    let notes = notes::notes(
+/// A run with its bodies in motion, which only their modes and radiation matrices are taken from the cache for.
+///
+/// # Errors
+/// [`Error`] of the stage that could not be computed.
+pub fn run_in_full(
+    design: &Design,
+    options: Options,
+    cache: &Cache,
+    observer: &mut dyn Observer,
+) -> Result<(Run, Vibration), Error> {
+    let mut timing = Timing::default();
+    let air = Air::at(design.ambient.temperature, design.ambient.pressure)?;
+    let parameters = parameters(design)?;
+    let bench = Bench {
         design,
-        &record,
-        &response,
-        &workpiece,
-        &exhaust,
-        &missing,
-        tool.as_ref(),
-    );
-    notes.iter().for_each(|note| observer.note(note));
-    let sounds = [&workpiece, &exhaust.sound, &body];
-    let (mut ranking, total) = ranking::rank(&sounds, range);
-    let tool_end = tool.as_ref().map_or(0.0, |tool| tool.response.duration());
-    let end = response
-        .duration()
-        .max(tool_end)
-        .max(record.sample_interval * record.len() as f64);
-    let (powers, interval_checks) = timing.time("intervals", || {
-        intervals::intervals(&sounds, &mut ranking, &record.events, end, range)
-    });
-    let mut checks: Vec<Check> = record.checks.iter().map(Check::from).collect();
-    structure.bodies().for_each(|body| checks.extend(body.checks()));
-    checks.extend(response::checks(&response));
-    checks.extend(coupling.iter().flat_map(|(_, checks)| checks.clone()));
-    if let Some(tool) = &tool {
-        checks.extend(tool.body.checks());
-        checks.extend(tool.checks.iter().cloned());
+        options,
+        parameters: &parameters,
+        air: &air,
+        cache,
+    };
+    let lumped = match design.support.coupling {
+        Coupling::OneWay => Some(driving(design, &mut timing, observer)?),
+        Coupling::TwoWay => None,
+    };
+    let Moved {
+        record,
+        vibration,
+        told,
+        two_way,
+    } = moved(&bench, lumped, &mut timing, observer)?;
+    Ok((
+        finish(design, &air, record, told, two_way, timing, observer)?,
+        vibration,
+    ))
+}
+
+/// A run with what `tell` makes of its bodies in motion. Where a cycle drives them one way both are kept as `stage`, and
+/// a design whose bodies move and radiate alike needs neither modes nor motion.
+///
+/// # Errors
+/// [`Error`] of the stage that could not be computed, and those of `tell`.
+pub(crate) fn run_telling<T: Serialize + DeserializeOwned>(
+    design: &Design,
+    options: Options,
+    cache: &Cache,
+    observer: &mut dyn Observer,
+    stage: &str,
+    tell: impl FnOnce(&Vibration, &CycleRecord) -> Result<T, Error>,
+) -> Result<(Run, T), Error> {
+    if design.support.coupling == Coupling::TwoWay {
+        let (run, vibration) = run_in_full(design, options, cache, observer)?;
+        let told = tell(&vibration, &run.record)?;
+        return Ok((run, told));
     }
-    checks.extend(missing.iter().map(missing::Missing::check));
+    let mut timing = Timing::default();
+    let air = Air::at(design.ambient.temperature, design.ambient.pressure)?;
+    let parameters = parameters(design)?;
+    let bench = Bench {
+        design,
+        options,
+        parameters: &parameters,
+        air: &air,
+        cache,
+    };
+    let record = driving(design, &mut timing, observer)?;
+    let key = vibration::key(design, options, &record);
+    let (told, more) = cache.get_or(stage, key, || {
+        let moved = moved(&bench, Some(record.clone()), &mut timing, observer)?;
+        let more = timing.time("telling", || tell(&moved.vibration, &moved.record))?;
+        Ok::<_, Error>((moved.told, more))
+    })?;
+    Ok((finish(design, &air, record, told, None, timing, observer)?, more))
+}
+
+/// The cycle with its own lumped workpiece.
+fn driving(design: &Design, timing: &mut Timing, observer: &mut dyn Observer) -> Result<CycleRecord, Error> {
+    observer.stage("nailing cycle");
+    timing.time("cycle", || cycle(design))
+}
+
+/// From what the bodies tell to the result: exhaust, ranking, intervals, checks and notes.
+fn finish(
+    design: &Design,
+    air: &Air,
+    record: CycleRecord,
+    told: Told,
+    two_way: Option<TwoWay>,
+    mut timing: Timing,
+    observer: &mut dyn Observer,
+) -> Result<Run, Error> {
+    let sensors = told.sensors(design);
+    let [workpiece, body] = &told.sources;
+    observer.stage("exhaust");
+    let (jets, exhaust) = timing.time("exhaust", || exhaust::exhaust(design, &record, air))?;
+    let notes = notes::notes(design, &record, &told, &exhaust);
+    notes.iter().for_each(|note| observer.note(note));
+    let range = [design.analysis.range_low, design.analysis.range_high];
+    let clock = Clock::new(&record.events, told.end);
+    let jets = timing.time("intervals", || Source::new(jets, &clock.times, range));
+    let sources = [workpiece, &jets, body];
+    let (mut ranking, total) = ranking::rank(&sources, range);
+    let (powers, interval_checks) = intervals::intervals(&sources, &mut ranking, &clock, told.end);
+    let mut checks: Vec<Check> = record.checks.iter().map(Check::from).collect();
+    let [of_response, of_tool] = told.checks.clone();
+    checks.extend(of_response);
+    checks.extend(two_way.iter().flat_map(|both| both.checks.clone()));
+    checks.extend(of_tool);
+    checks.extend(told.missing.iter().map(missing::Missing::check));
     checks.extend(workpiece.radiation.as_ref().and_then(report::check));
     checks.extend(ranking::checks(&ranking, &total));
     checks.extend(interval_checks);
     checks.push(exhaust.check());
-    let coupling = match coupling {
-        Some((work, _)) => {
-            observer.stage("the same one way, to compare");
-            let (lumped, sources) = timing.time("one way", || {
-                let record = cycle(design)?;
-                let force = (options.workpiece_force_scale, 0);
-                let response = response::response(design, &structure, added, &parameters, &record, force)?;
-                let spectra = radiation::modal_spectra(design, &structure, &response)?;
-                let workpiece = radiation::workpiece_energy(design, &radiator, &spectra)?;
-                let body = match &tool {
-                    Some(_) => {
-                        let tool = Tool::new(design, tool_body(design, cache)?, &parameters, &record)?;
-                        tool.sound(design, &record, &air)?
-                    }
-                    None => radiation::rigid_tool(design, &record, &air)?,
-                };
-                let exhaust = exhaust::exhaust(design, &record, &air)?;
-                Ok::<_, Error>((record, [workpiece, exhaust.sound.spectrum, body.spectrum]))
-            })?;
-            Some(changes::changes(
-                work,
-                (&lumped, &sources),
-                (&record, &ranking, &total),
-                range,
-            ))
-        }
-        None => None,
-    };
-    let starts = if design.analysis.starts > 1 {
-        observer.stage("other starts");
-        let first = workpiece.spectrum.level(range, Weighting::A);
-        timing.time("other starts", || {
-            starts::starts(design, &structure, &radiator, first, |start| {
-                match design.support.coupling {
-                    Coupling::OneWay => {
-                        let force = (options.workpiece_force_scale, start);
-                        response::response(design, &structure, added, &parameters, &record, force)
-                    }
-                    Coupling::TwoWay => Ok(response::coupled(design, &structure, added, &parameters, start)?.response),
-                }
-            })
-        })?
-    } else {
-        None
-    };
-    if let Some(starts) = &starts {
+    let coupling = two_way.map(|both| {
+        let (lumped, sources) = &both.one_way;
+        changes::changes(both.work, (lumped, sources), (&record, &ranking, &total), range)
+    });
+    if let Some(starts) = &told.starts {
         starts::widen(&mut ranking, starts);
     }
     let result = RunResult {
@@ -336,7 +268,7 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
         cycle: record.summary.clone(),
         events: record.events,
         coupling,
-        starts,
+        starts: told.starts,
         sensors: sensors.iter().map(SensorRecord::level).collect(),
         checks,
         notes,
@@ -345,13 +277,9 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
     Ok(Run {
         result,
         record,
-        structure,
-        response,
-        spectra,
-        tool,
         powers,
         screech: exhaust.screech,
         sensors,
-        microphones,
+        microphones: told.microphones,
     })
 }

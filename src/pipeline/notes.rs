@@ -1,12 +1,9 @@
 //! What a reader must know beside the numbers of a run.
 
 use nailnoise_dynamics::{CycleRecord, Outcome};
-use nailnoise_fem::transient::{Ending, ModalResponse};
 
 use super::exhaust::Exhaust;
-use super::missing::Missing;
-use super::sound::Sound;
-use super::tool::Tool;
+use super::vibration::Told;
 use crate::design::{Design, MufflerKind, SupportKind};
 use crate::result::RadiationReport;
 
@@ -26,15 +23,8 @@ fn radiation_note(preset: &str, report: &RadiationReport) -> String {
 }
 
 /// Notes on one run, most important first.
-pub(super) fn notes(
-    design: &Design,
-    record: &CycleRecord,
-    response: &ModalResponse,
-    workpiece: &Sound,
-    exhaust: &Exhaust,
-    missing: &[Missing],
-    tool: Option<&Tool>,
-) -> Vec<String> {
+pub(super) fn notes(design: &Design, record: &CycleRecord, told: &Told, exhaust: &Exhaust) -> Vec<String> {
+    let [workpiece, _] = &told.sources;
     let mut notes = vec![match record.outcome {
         Outcome::Drives => "the nail is driven".to_owned(),
         Outcome::StrikesBumper => "the piston strikes the bumper before it stops on the wood".to_owned(),
@@ -52,10 +42,9 @@ pub(super) fn notes(
             ),
         });
     }
-    match tool {
+    match &told.stiffness {
         None => notes.push("body: rigid motion only, without the vibration of its housing: a lower bound".to_owned()),
-        Some(tool) => {
-            let [cap, rim] = tool.stiffness;
+        Some([cap, rim]) => {
             notes.push(
                 "body: rigid motion, and vibration of its housing as ERP times the radiation efficiency of an oscillating \
                  sphere of its volume, until boundary elements replace it"
@@ -80,7 +69,7 @@ pub(super) fn notes(
                 .to_owned(),
         );
     }
-    for part in missing {
+    for part in &told.missing {
         notes.push(format!(
             "{} is absent above {:.0} Hz; its last octave continued would add {:.2} dB to the {}",
             part.part, part.top_hz, part.decibels, part.source
@@ -116,14 +105,7 @@ pub(super) fn notes(
                 .to_owned(),
         );
     }
-    let end = response.duration();
-    notes.push(match response.ending {
-        Ending::Decayed { level, .. } if level == f64::NEG_INFINITY => {
-            format!("response ended at {end:.3} s, all of its energy gone")
-        }
-        Ending::Decayed { level, .. } => format!("response ended at {end:.3} s, its energy {level:.0} dB down"),
-        Ending::Duration { level, .. } => format!("response cut at {end:.3} s, its energy {level:.0} dB down"),
-    });
+    notes.push(told.ending.clone());
     let idle = super::sensors::idle(design);
     if !idle.is_empty() {
         notes.push(format!("sensors on bodies that this design lacks: {}", idle.join(", ")));

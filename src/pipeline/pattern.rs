@@ -5,9 +5,10 @@
 
 use nailnoise_meshes::{FaceKind, Mesh, MeshError, QuadraturePoint, Surface, gauss_legendre};
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
+use serde::Serialize;
 
 /// Sparse weights on the degrees of freedom 3 node + axis of a mesh.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Pattern(Vec<(usize, f64)>);
 
 /// A rectangle in a horizontal plane.

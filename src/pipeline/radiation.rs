@@ -26,6 +26,9 @@ use crate::result::{ModeShare, Uncertainty};
 /// rectangular faces.
 const FACE_POINTS: usize = 3;
 
+/// Modes whose motion is replayed together: their forces are one product of matrices.
+const BLOCK: usize = 32;
+
 /// Highest radiation efficiency of a plate, near coincidence.
 const HIGHEST_EFFICIENCY: f64 = 1.76;
 
@@ -53,19 +56,14 @@ pub(super) fn body_spectra(
         range_hz: [design.analysis.range_low, body.top_hz.min(design.analysis.range_high)],
         ..TransformSettings::default()
     };
-    // The index is a mode of this body, so the response has it; an empty record is refused by the transform.
-    let record = |mode: usize| {
-        let motion = response.modal(index, mode..mode + 1, Motion::Acceleration);
-        motion.map_or_else(|_| Vec::new(), |motion| motion.as_slice().to_vec())
-    };
-    let modes = body.omega.len();
-    Ok(ModalSpectra::from_accelerations(
-        modes,
+    ModalSpectra::from_blocks(
+        body.omega.len(),
+        BLOCK,
         response.samples(),
         response.step,
         &settings,
-        record,
-    )?)
+        |modes| Ok(response.modal(index, modes, Motion::Acceleration)?),
+    )
 }
 
 /// The workpiece with its support as one source.
@@ -157,7 +155,7 @@ fn modes_of(structure: &Structure, damping: Option<&[Vec<f64>]>, energies: &[f64
                 continue;
             }
             shares.push(ModeShare {
-                body: body.name,
+                body: body.name.into(),
                 mode: Some(number + 1),
                 hz: Some(omega / std::f64::consts::TAU),
                 radiation_damping: damping.map(|d| d[index][number]),
@@ -165,7 +163,7 @@ fn modes_of(structure: &Structure, damping: Option<&[Vec<f64>]>, energies: &[f64
             });
         }
         shares.push(ModeShare {
-            body: body.name,
+            body: body.name.into(),
             mode: None,
             hz: None,
             radiation_damping: None,

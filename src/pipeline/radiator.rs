@@ -13,7 +13,7 @@ use super::Observer;
 use super::bodies::{Body, Structure};
 use super::microphones;
 use super::radiation::{moving_sand, radiating};
-use crate::cache::{Cache, Key};
+use crate::cache::{Bytes, Cache, Key};
 use crate::design::{Design, RadiationMethod, SupportKind, WorktablePreset};
 use crate::error::Error;
 
@@ -69,7 +69,12 @@ impl Radiator {
         observer: &mut dyn Observer,
     ) -> Result<Self, Error> {
         match (design.support.kind, design.acoustics.method) {
-            (SupportKind::Sandbox, _) => Ok(Self::Rayleigh(Box::new(flush_top(design, &structure.workpiece, air)?))),
+            (SupportKind::Sandbox, _) => Ok(Self::Rayleigh(Box::new(flush_top(
+                design,
+                &structure.workpiece,
+                air,
+                cache,
+            )?))),
             (SupportKind::Floor | SupportKind::Clamped, _) | (SupportKind::Worktable, RadiationMethod::Erp) => {
                 standing_erp(design, structure, air)
             }
@@ -113,21 +118,37 @@ impl Radiator {
 }
 
 /// Rayleigh's integral over the block's top, flush with the sand.
-fn flush_top(design: &Design, body: &Body, air: &Air) -> Result<SampledRadiation, Error> {
+fn flush_top(design: &Design, body: &Body, air: &Air, cache: &Cache) -> Result<SampledRadiation, Error> {
     let sand = &design.support.sand;
     let surface = radiating(body, |patch, _| patch != "top")?;
-    let mut rayleigh = Rayleigh::new(&surface, air)?;
-    if sand.absorption_share > 0.0 {
-        rayleigh = rayleigh.with_absorbing_sand(absorbing_sand(design))?;
-    }
-    if sand.moving_surface {
-        rayleigh = rayleigh.with_moving_sand(moving_sand(design)?)?;
-    }
+    let absorbing = (sand.absorption_share > 0.0).then(|| absorbing_sand(design));
+    let moving = sand.moving_surface.then(|| moving_sand(design)).transpose()?;
     let top = body.top_hz.min(design.analysis.range_high);
-    Ok(rayleigh.sampled(&Sampling {
+    let sampling = Sampling {
         range_hz: [LOWEST_SAMPLE.min(0.5 * top), top],
         ..Sampling::default()
-    })?)
+    };
+    let points: Vec<[f64; 3]> = surface.points().iter().map(|p| [p.x, p.y, p.z]).collect();
+    let normals: Vec<[f64; 3]> = surface.normals().iter().map(|n| [n.x, n.y, n.z]).collect();
+    let key = Key::new()
+        .with(&format!("{air:?} {absorbing:?} {moving:?} {sampling:?}"))
+        .with(&points)
+        .with(&normals)
+        .with(surface.weights())
+        .with(surface.patch())
+        .with(surface.patch_names())
+        .with(surface.normal_modes().as_slice());
+    let kept: Bytes = cache.get_or("radiation of the workpiece in sand", key, || {
+        let mut rayleigh = Rayleigh::new(&surface, air)?;
+        if let Some(sand) = absorbing {
+            rayleigh = rayleigh.with_absorbing_sand(sand)?;
+        }
+        if let Some(sand) = moving {
+            rayleigh = rayleigh.with_moving_sand(sand)?;
+        }
+        Ok::<_, Error>(Bytes(rayleigh.sampled(&sampling)?.with_roots().to_bytes()))
+    })?;
+    Ok(SampledRadiation::from_bytes(&kept.0)?)
 }
 
 /// The sand's surface as an absorber.
@@ -162,7 +183,7 @@ fn standing_bem(
     cache: &Cache,
     observer: &mut dyn Observer,
 ) -> Result<Radiator, Error> {
-    let kept: Vec<u8> = cache.get_or(STAGE, key(design, structure, air), || {
+    let kept: Bytes = cache.get_or(STAGE, key(design, structure, air), || {
         let levels = levels(design, structure, air)?;
         if let Some(finest) = levels.last() {
             let estimate = finest.problem.estimate();
@@ -181,9 +202,11 @@ fn standing_bem(
             points: microphones::positions(design),
             origin: Point3::origin(),
         };
-        Ok::<_, Error>(ModalBem::with_receivers(levels, &sampling, &receivers)?.to_bytes())
+        Ok::<_, Error>(Bytes(
+            ModalBem::with_receivers(levels, &sampling, &receivers)?.to_bytes(),
+        ))
     })?;
-    Ok(Radiator::Bem(Box::new(ModalBem::from_bytes(&kept)?)))
+    Ok(Radiator::Bem(Box::new(ModalBem::from_bytes(&kept.0)?)))
 }
 
 /// All that the radiation matrices depend on: boxes, air, how finely they are computed, and the skins' modes.

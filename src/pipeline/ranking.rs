@@ -2,15 +2,15 @@
 
 use nailnoise_acoustics::levels::{self, BandLevel as Band, Level, SourceSpectrum, Weighting, level_energy};
 
-use super::sound::Sound;
+use super::sound::Source;
 use crate::result::{BandLevel, Check, Component, RankedSource, Total};
 
 /// Ranks the sources by A-weighted energy over `range_hz`.
-pub(super) fn rank(sounds: &[&Sound], range_hz: [f64; 2]) -> (Vec<RankedSource>, Total) {
-    let spectra: Vec<SourceSpectrum> = sounds.iter().map(|sound| sound.spectrum.clone()).collect();
+pub(super) fn rank(sources: &[&Source], range_hz: [f64; 2]) -> (Vec<RankedSource>, Total) {
+    let spectra: Vec<SourceSpectrum> = sources.iter().map(|source| source.spectrum.clone()).collect();
     let ranking = levels::rank(&spectra, range_hz);
     let ranked = |source: &levels::RankedSource| {
-        let sound = sounds.iter().find(|s| s.spectrum.source == source.source)?;
+        let sound = sources.iter().find(|s| s.spectrum.source == source.source)?;
         Some(RankedSource {
             source: source.source.clone(),
             lwa_db: source.lwa,

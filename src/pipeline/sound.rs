@@ -2,6 +2,7 @@
 
 use nailnoise_acoustics::exhaust::ExhaustHistory;
 use nailnoise_acoustics::levels::{IntervalLevels, PowerHistory, PowerSignals, SourceSpectrum};
+use serde::{Deserialize, Serialize};
 
 use crate::result::{CrossCheck, RadiationReport, Uncertainty};
 
@@ -21,9 +22,45 @@ pub(super) struct Sound {
     pub(super) radiation: Option<RadiationReport>,
 }
 
+/// A source whose energy over time has been taken, without the signals behind it.
+#[derive(Clone, Serialize, Deserialize)]
+pub(super) struct Source {
+    /// Its energy over frequency.
+    pub(super) spectrum: SourceSpectrum,
+    /// Histories whose sum is its power.
+    pub(super) histories: Vec<PowerHistory>,
+    /// Its levels between the events.
+    pub(super) intervals: Vec<IntervalLevels>,
+    /// How far the bins of each signal were from the spectrum's, by the signal's name.
+    pub(super) mismatches: Vec<(String, f64)>,
+    /// How far its method may be off.
+    pub(super) uncertainty: Uncertainty,
+    /// Another method's word on it.
+    pub(super) cross_check: Option<CrossCheck>,
+    /// What stands beside the power of a surface by boundary elements.
+    pub(super) radiation: Option<RadiationReport>,
+}
+
+impl Source {
+    /// The source with its energy between the edges \[s\] within `range_hz`.
+    pub(super) fn new(sound: Sound, edges: &[f64], range_hz: [f64; 2]) -> Self {
+        let (histories, intervals) = sound.over_time(edges, range_hz);
+        let mismatch = |(part, signals): &(&str, PowerSignals)| ((*part).to_owned(), signals.mismatch());
+        Self {
+            histories,
+            intervals,
+            mismatches: sound.signals.iter().map(mismatch).collect(),
+            spectrum: sound.spectrum,
+            uncertainty: sound.uncertainty,
+            cross_check: sound.cross_check,
+            radiation: sound.radiation,
+        }
+    }
+}
+
 impl Sound {
     /// Energy over time within `range_hz`: histories whose sum is the source's, and the levels between the edges \[s\].
-    pub(super) fn over_time(&self, edges: &[f64], range_hz: [f64; 2]) -> (Vec<PowerHistory>, Vec<IntervalLevels>) {
+    fn over_time(&self, edges: &[f64], range_hz: [f64; 2]) -> (Vec<PowerHistory>, Vec<IntervalLevels>) {
         let (mut histories, mut levels) = (Vec::new(), Vec::new());
         for (_, signals) in &self.signals {
             let analysis = signals.analyse(edges, range_hz);

@@ -7,12 +7,15 @@
 //! The body gives way once more under these forces, but nothing of that goes back into them and no spring stands between:
 //! the compliance is counted once. The notes of a run tell the body's own stiffness beside the lumped one.
 
+use std::borrow::Cow;
+
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
 use nailnoise_acoustics::radiation::{CompactErp, Erp, ModalSpectra, radiated_energy, radiated_signals};
 use nailnoise_dynamics::{CycleRecord, Parameters};
 use nailnoise_fem::transient::{Loads, ModalBody, ModalResponse, ModalState, Motion, Settings, Start, respond};
 use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
 
 use super::Driven;
 use super::bodies::Body;
@@ -39,10 +42,10 @@ pub struct Tool {
 }
 
 /// Stiffness of the body where a contact of the cycle acts.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Stiffness {
     /// Where.
-    pub place: &'static str,
+    pub place: Cow<'static, str>,
     /// Static force over mean displacement there, of the free body relative to its rigid motion \[N/m\].
     pub body: f64,
     /// The contact's in the cycle \[N/m\].
@@ -99,7 +102,7 @@ impl Tool {
             (Axial::Rim, "cylinder's rim", parameters.contacts.seat_stiffness),
         ]
         .map(|(place, name, contact)| Stiffness {
-            place: name,
+            place: name.into(),
             body: 1.0 / compliance(&body, &guided.loads, place as usize),
             contact,
         });
@@ -150,9 +153,9 @@ impl Tool {
         let weighted = |part: &SourceSpectrum| rigid.energy(range, Weighting::A) + part.energy(range, Weighting::A);
         let (here, above) = (weighted(&vibration), weighted(&reference));
         sound.cross_check = Some(CrossCheck {
-            quantity: "vibration of the housing",
+            quantity: "vibration of the housing".into(),
             lw_db: vibration.level(range, Weighting::Z),
-            other: "ERP, radiation efficiency 1",
+            other: "ERP, radiation efficiency 1".into(),
             other_lw_db: reference.level(range, Weighting::Z),
         });
         sound.uncertainty = Uncertainty {

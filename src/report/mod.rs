@@ -17,13 +17,14 @@ mod sound;
 mod surface;
 mod tables;
 
-use maud::{Markup, html};
+use maud::{Markup, PreEscaped, html};
 use nailnoise_acoustics::Air;
+use serde::{Deserialize, Serialize};
 
 use crate::comparison::Comparison;
 use crate::design::Design;
 use crate::figures;
-use crate::pipeline::Run;
+use crate::pipeline::{Run, Vibration};
 use crate::result::RunResult;
 
 pub use sound::Recording;
@@ -37,15 +38,37 @@ const SHOWN: [&str; 12] = [
     "timing",
 ];
 
-/// The report of a run, with the sounds that belong to it.
-pub fn run(design: &Design, run: &Run, recordings: &[Recording]) -> String {
+/// The parts of a report that show the bodies in motion, ready for the page.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Pictures {
+    /// The surfaces in space; none where there are none.
+    scene: Option<String>,
+    /// Sources whose surface is shown.
+    sources: Vec<String>,
+    /// Table and pictures of the loudest modes.
+    modes: String,
+}
+
+impl Pictures {
+    /// The pictures of a shot.
+    pub fn new(design: &Design, vibration: &Vibration) -> Self {
+        let air = Air::at(design.ambient.temperature, design.ambient.pressure).unwrap_or_default();
+        let bodies: Vec<Painted<'_>> = vibration
+            .driven()
+            .map(|driven| Painted::new(design, driven.body, driven.spectra, &air))
+            .collect();
+        Self {
+            scene: scene::chart(&bodies).map(|view| view.markup().into_string()),
+            sources: bodies.iter().map(|painted| painted.source().to_owned()).collect(),
+            modes: modes::section(&bodies).into_string(),
+        }
+    }
+}
+
+/// The report of a run, with the pictures and sounds that belong to it.
+pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Recording]) -> String {
     let result = &run.result;
     let value = serde_json::to_value(result).unwrap_or_default();
-    let air = Air::at(design.ambient.temperature, design.ambient.pressure).unwrap_or_default();
-    let bodies: Vec<Painted<'_>> = run
-        .driven()
-        .map(|driven| Painted::new(design, driven.body, driven.spectra, &air))
-        .collect();
     let mut sections = vec![Section::new("ranking", "Ranking", ranking(result, &value))];
     sections.push(Section::new(
         "levels",
@@ -53,27 +76,32 @@ pub fn run(design: &Design, run: &Run, recordings: &[Recording]) -> String {
         html! { (levels::bands(result).markup()) (levels::intervals(result).markup()) },
     ));
     if !recordings.is_empty() {
-        sections.push(Section::new("sound", "Sound", sound::players(recordings)));
+        let heard = run.microphones.as_ref().map(|microphones| &microphones.report);
+        sections.push(Section::new("sound", "Sound", sound::players(recordings, heard)));
     }
-    if let Some(view) = scene::chart(&bodies) {
+    if let Some(view) = &pictures.scene {
         let without: Vec<&str> = result
             .ranking
             .iter()
             .map(|source| source.source.as_str())
-            .filter(|source| bodies.iter().all(|painted| painted.source() != *source))
+            .filter(|source| !pictures.sources.iter().any(|shown| shown == source))
             .collect();
         sections.push(Section::new(
             "surfaces",
             "Surfaces",
             html! {
-                (view.markup())
+                (PreEscaped(view))
                 @if !without.is_empty() {
                     p.quiet { "Sources without a vibrating surface in this model: " (without.join(", ")) "." }
                 }
             },
         ));
     }
-    sections.push(Section::new("modes", "Loudest modes", modes::section(&bodies)));
+    sections.push(Section::new(
+        "modes",
+        "Loudest modes",
+        html! { (PreEscaped(&pictures.modes)) },
+    ));
     let energy = figures::energy(&format!("{}: one shot", result.design.name), design, &run.record);
     sections.push(Section::new(
         "cycle",
@@ -87,7 +115,7 @@ pub fn run(design: &Design, run: &Run, recordings: &[Recording]) -> String {
     sections.push(Section::new(
         "energy",
         "Energy flow",
-        html! { figure.drawing { (maud::PreEscaped(energy.svg)) } },
+        html! { figure.drawing { (PreEscaped(energy.svg)) } },
     ));
     if !result.sensors.is_empty() {
         sections.push(Section::new(

@@ -84,10 +84,13 @@ pub(super) fn chart(bodies: &[Painted<'_>]) -> Option<Chart> {
     let hidden = json!({ "visible": false });
     Some(Chart {
         id: "surfaces".to_owned(),
-        caption: "Where the surfaces move so that they can sound: A-weighted equivalent radiated energy per area, \
-                  dB re 1 pW s/m\u{b2} (radiation efficiency 1; how much of it leaves as sound is in the ranking). Drag to \
-                  turn, scroll to come closer, choose an octave on the left. Grey faces are covered and do not radiate."
-            .to_owned(),
+        caption: format!(
+            "Where the surfaces move so that they can sound: A-weighted equivalent radiated energy per area, dB re 1 pW s/m\u{b2}, \
+             at radiation efficiency 1 whatever the method of the ranking; how much of it leaves as sound is there. Taken \
+             over {}; octaves are cut at these ends. Drag to turn, scroll to come closer, choose an octave on the left. \
+             Grey faces are covered and do not radiate.",
+            ranges(bodies)
+        ),
         data,
         layout: json!({
             "scene": {
@@ -104,6 +107,15 @@ pub(super) fn chart(bodies: &[Painted<'_>]) -> Option<Chart> {
         height: 560,
         group: "",
     })
+}
+
+/// The range of each body in words.
+fn ranges(bodies: &[Painted<'_>]) -> String {
+    let range = |painted: &Painted<'_>| {
+        let [from, to] = painted.range_hz;
+        format!("{from:.0} to {to:.0} Hz ({})", painted.body.name)
+    };
+    bodies.iter().map(range).collect::<Vec<_>>().join(", ")
 }
 
 /// The faces that are free, or those that are not, as triangles between their corners.

@@ -9,9 +9,10 @@
 //! energy rho0 c0 C_rr int phi_n^2 dS.
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::levels::{Weighting, octaves};
-use nailnoise_acoustics::radiation::ModalSpectra;
+use nailnoise_acoustics::levels::{Band, Weighting, octaves};
+use nailnoise_acoustics::radiation::{ModalSpectra, quadratic_forms};
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
+use rayon::prelude::*;
 
 use crate::design::{Design, SupportKind};
 use crate::pipeline::{Body, BodyKind, open_air};
@@ -26,9 +27,11 @@ pub(super) struct Painted<'a> {
     pub(super) origin: Vector3<f64>,
     /// Whether each face radiates into the air, rather than standing on or in something.
     pub(super) free: Vec<bool>,
-    /// A-weighted energy per area of each face over all frequencies \[J/m2\].
+    /// Range over which the body's motion is known \[Hz\].
+    pub(super) range_hz: [f64; 2],
+    /// A-weighted energy per area of each face over that range \[J/m2\].
     pub(super) whole: Vec<f64>,
-    /// The same in each of the [`octaves`]; none where the body is not analysed there.
+    /// The same in that part of each of the [`octaves`] that lies in the range; none where no part does.
     pub(super) octaves: Vec<Option<Vec<f64>>>,
     /// What each mode alone would radiate, A-weighted \[J\].
     pub(super) modes: Vec<f64>,
@@ -69,24 +72,29 @@ impl<'a> Painted<'a> {
         let impedance = air.impedance();
         let modes = body.shapes.ncols();
         let (mut whole, mut alone) = (vec![0.0; points.len()], DVector::zeros(modes));
-        let octaves = octaves()
-            .iter()
-            .map(|octave| {
-                let weight = |hz| Weighting::A.energy_factor(hz);
-                let covariance = spectra.velocity_covariance([octave.low, octave.high], weight)?;
-                let moved = &normal * &covariance;
-                let energies: Vec<f64> = (0..points.len())
-                    .map(|point| impedance * moved.row(point).dot(&normal.row(point)).max(0.0))
-                    .collect();
+        let [from, to] = spectra.range_hz;
+        let of_octave = |octave: &Band| {
+            let within = [octave.low.max(from), octave.high.min(to)];
+            let covariance = spectra.velocity_covariance(within, |hz| Weighting::A.energy_factor(hz))?;
+            let forms = quadratic_forms(&normal, &covariance);
+            let energies: Vec<f64> = forms.into_iter().map(|form| impedance * form.max(0.0)).collect();
+            Some((energies, covariance.diagonal()))
+        };
+        let found: Vec<_> = octaves().par_iter().map(of_octave).collect();
+        let mut octaves = Vec::with_capacity(found.len());
+        for of_octave in found {
+            octaves.push(of_octave.map(|(energies, diagonal)| {
                 whole.iter_mut().zip(&energies).for_each(|(sum, e)| *sum += e);
-                alone += covariance.diagonal();
-                Some(energies)
-            })
-            .collect();
+                alone += diagonal;
+                energies
+            }));
+        }
         for (mode, energy) in alone.iter_mut().enumerate() {
-            let square = points.iter().zip(&free).enumerate().filter(|(_, (_, free))| **free);
-            let area: f64 = square
-                .map(|(row, (point, _))| point.weight * normal[(row, mode)].powi(2))
+            let column = normal.column(mode);
+            let squares = points.iter().zip(&free).zip(column.iter());
+            let area: f64 = squares
+                .filter(|((_, free), _)| **free)
+                .map(|((point, _), value)| point.weight * value * value)
                 .sum();
             *energy *= impedance * area;
         }
@@ -100,6 +108,7 @@ impl<'a> Painted<'a> {
             body,
             origin: if tool { nose } else { Vector3::zeros() },
             free,
+            range_hz: spectra.range_hz,
             whole,
             octaves,
             modes: alone.as_slice().to_vec(),

@@ -1,5 +1,6 @@
 //! Radiation matrices as bytes, little-endian, for a cache.
 
+use super::resistance::Resistance;
 use crate::error::AcousticsError;
 use nalgebra::DMatrix;
 
@@ -62,12 +63,15 @@ impl ArchiveWriter {
         items.iter().for_each(|item| item.write(self));
     }
 
-    /// The upper triangle of a symmetric matrix in single precision.
-    pub(crate) fn symmetric(&mut self, m: &DMatrix<f64>) {
-        self.count(m.nrows());
-        for j in 0..m.ncols() {
-            for i in 0..=j {
-                self.0.extend((m[(i, j)] as f32).to_le_bytes());
+    /// The upper triangle of a Hermitian matrix in single precision: real part, then imaginary part if it has one.
+    pub(crate) fn hermitian(&mut self, m: &Resistance) {
+        self.count(m.real.nrows());
+        self.count(usize::from(m.imaginary.is_some()));
+        for part in std::iter::once(&m.real).chain(&m.imaginary) {
+            for j in 0..part.ncols() {
+                for i in 0..=j {
+                    self.0.extend((part[(i, j)] as f32).to_le_bytes());
+                }
             }
         }
     }
@@ -134,16 +138,29 @@ impl ArchiveReader<'_> {
         (0..n).map(|_| T::read(self)).collect()
     }
 
-    pub(crate) fn symmetric(&mut self) -> Result<DMatrix<f64>, AcousticsError> {
-        let n = self.count()?;
-        let triangle = n.checked_mul(n + 1).and_then(|n| n.checked_mul(2));
-        let length = triangle.ok_or_else(|| self.damaged())?;
+    /// A Hermitian matrix of `n` rows.
+    pub(crate) fn hermitian(&mut self, n: usize) -> Result<Resistance, AcousticsError> {
+        if self.count()? != n {
+            return Err(self.damaged());
+        }
+        let imaginary = self.count()? != 0;
+        Ok(Resistance {
+            real: self.triangle(n, 1.0)?,
+            imaginary: imaginary.then(|| self.triangle(n, -1.0)).transpose()?,
+        })
+    }
+
+    /// A matrix of `n` rows from its upper triangle; the lower one is that times `sign`.
+    fn triangle(&mut self, n: usize, sign: f64) -> Result<DMatrix<f64>, AcousticsError> {
+        let length = n.checked_mul(n + 1).and_then(|n| n.checked_mul(2));
+        let length = length.ok_or_else(|| self.damaged())?;
         let mut values = self.take(length)?.chunks_exact(4);
         let mut m = DMatrix::zeros(n, n);
         for j in 0..n {
             for (i, bytes) in (0..=j).zip(&mut values) {
                 let value = f64::from(f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]));
-                (m[(i, j)], m[(j, i)]) = (value, value);
+                m[(j, i)] = sign * value;
+                m[(i, j)] = value;
             }
         }
         Ok(m)

@@ -5,6 +5,7 @@ use crate::levels::{Contribution, SourceSpectrum};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 /// Fourier transforms of modal accelerations on the bins of the analysed range.
 #[derive(Debug, Clone)]
@@ -45,6 +46,36 @@ impl ModalSpectra {
         })
     }
 
+    /// The same from records of several modes at once, samples x modes, each history contiguous: `block` modes at a time.
+    ///
+    /// # Errors
+    /// As [`Self::from_accelerations`], and those of `records`.
+    pub fn from_blocks<E: From<AcousticsError> + Send>(
+        modes: usize,
+        block: usize,
+        samples: usize,
+        sample_interval: f64,
+        settings: &TransformSettings,
+        records: impl Fn(Range<usize>) -> Result<DMatrix<f64>, E> + Sync,
+    ) -> Result<Self, E> {
+        let transform = Transform::new(samples, sample_interval, settings)?;
+        let frequency = transform.frequencies();
+        let first: Vec<usize> = (0..modes).step_by(block.max(1)).collect();
+        let of_block = |first: usize| {
+            let records = records(first..modes.min(first + block.max(1)))?;
+            let rows = records.column_iter().map(|record| transform.apply(record.as_slice()));
+            Ok::<Vec<_>, E>(rows.collect::<Result<Vec<_>, _>>()?)
+        };
+        let blocks: Vec<Vec<Vec<Complex<f64>>>> = first.into_par_iter().map(of_block).collect::<Result<_, _>>()?;
+        let rows: Vec<Vec<Complex<f64>>> = blocks.into_iter().flatten().collect();
+        let accelerations = DMatrix::from_fn(rows.len(), frequency.len(), |mode, bin| rows[mode][bin]);
+        Ok(Self {
+            frequency,
+            accelerations,
+            range_hz: settings.range_hz,
+        })
+    }
+
     /// Covariance C of the modal velocities in a band, modes x modes, with a weight w(f) of every frequency:
     ///
     /// ```text
@@ -73,6 +104,20 @@ impl ModalSpectra {
         }
         Some(&rows * rows.transpose())
     }
+}
+
+/// phi^T C phi for every row phi of `shapes` and a symmetric C.
+///
+/// Column by column, as the matrices lie in memory.
+pub fn quadratic_forms(shapes: &DMatrix<f64>, covariance: &DMatrix<f64>) -> Vec<f64> {
+    let moved = shapes * covariance;
+    let mut forms = vec![0.0; shapes.nrows()];
+    for (shape, moved) in shapes.column_iter().zip(moved.column_iter()) {
+        for ((form, a), b) in forms.iter_mut().zip(shape.iter()).zip(moved.iter()) {
+            *form += a * b;
+        }
+    }
+    forms
 }
 
 /// Energy of every mode: its own part of the quadratic form, twice the real part of conj(V_i) (R V)_i, integrated with the

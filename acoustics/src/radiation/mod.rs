@@ -25,7 +25,7 @@ mod surface;
 
 pub use archive::{Archive, ArchiveReader, ArchiveWriter};
 pub use compact::CompactErp;
-pub use energy::{ModalSpectra, mode_energies, radiated_energy};
+pub use energy::{ModalSpectra, mode_energies, quadratic_forms, radiated_energy};
 pub use erp::Erp;
 pub(crate) use quadrature::gauss_legendre;
 pub use rayleigh::{Rayleigh, SecondEvaluation};

@@ -4,6 +4,7 @@ use super::roots::{hermitian_root, image};
 use crate::error::{AcousticsError, positive};
 use nalgebra::{Complex, ComplexField, DMatrix};
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
@@ -55,6 +56,8 @@ pub struct SampledRadiation {
     samples: Vec<Sample>,
     slopes: Vec<f64>,
     error: f64,
+    /// Hermitian roots of the samples' whole Q that intervals use, where they have been taken.
+    roots: Vec<Option<Resistance>>,
 }
 
 /// Q of every patch at one frequency.
@@ -160,7 +163,19 @@ impl SampledRadiation {
             samples,
             slopes,
             error,
+            roots: Vec::new(),
         })
+    }
+
+    /// With the roots that signals need, which are then kept beside the resistances rather than taken for every motion.
+    #[must_use]
+    pub fn with_roots(mut self) -> Self {
+        let used = |sample: usize| self.intervals.iter().any(|interval| interval.nodes.contains(&sample));
+        self.roots = (0..self.samples.len())
+            .into_par_iter()
+            .map(|sample| used(sample).then(|| self.root(sample)))
+            .collect();
+        self
     }
 
     /// Frequencies sampled \[Hz\], rising.
@@ -419,8 +434,12 @@ impl ModalRadiation for SampledRadiation {
             .collect();
         wanted.sort_unstable();
         wanted.dedup();
-        let roots: Vec<Resistance> = wanted.par_iter().map(|&sample| self.root(sample)).collect();
-        let root_of = |sample: usize| &roots[wanted.partition_point(|&w| w < sample)];
+        let kept = |sample: usize| self.roots.get(sample).and_then(Option::as_ref);
+        let roots: Vec<Cow<'_, Resistance>> = wanted
+            .par_iter()
+            .map(|&sample| kept(sample).map_or_else(|| Cow::Owned(self.root(sample)), Cow::Borrowed))
+            .collect();
+        let root_of = |sample: usize| &*roots[wanted.partition_point(|&w| w < sample)];
         let evaluate = |&(at, start, end): &Run| {
             let mut motion = accelerations.columns(start, end - start).into_owned();
             let Some(i) = at else {
@@ -559,7 +578,7 @@ fn low_slopes(interval: &Interval, samples: &[Sample], modes: usize) -> Vec<f64>
     (0..modes).map(slope).collect()
 }
 
-/// Real symmetric samples, kept in single precision.
+/// Samples and their roots, kept in single precision.
 impl Archive for SampledRadiation {
     fn write(&self, to: &mut ArchiveWriter) {
         to.texts(std::slice::from_ref(&self.method));
@@ -570,7 +589,17 @@ impl Archive for SampledRadiation {
             to.numbers(&[sample.hz]);
             // R fits single precision; Q = R / omega² at high frequencies may not.
             let omega2 = (2.0 * PI * sample.hz).powi(2);
-            sample.patches.iter().for_each(|q| to.symmetric(&(&q.real * omega2)));
+            sample
+                .patches
+                .iter()
+                .for_each(|q| to.hermitian(&q.clone().scaled(omega2)));
+        }
+        to.count(self.roots.len());
+        for (root, sample) in self.roots.iter().zip(&self.samples) {
+            to.count(usize::from(root.is_some()));
+            if let Some(root) = root {
+                to.hermitian(&root.clone().scaled(2.0 * PI * sample.hz));
+            }
         }
         to.count(self.intervals.len());
         for interval in &self.intervals {
@@ -592,15 +621,20 @@ impl Archive for SampledRadiation {
             let inverse = (2.0 * PI * hz).powi(-2);
             let mut of_patches = Vec::new();
             for _ in &patches {
-                let real = from.symmetric()?;
-                if real.nrows() != modes {
-                    return Err(from.damaged());
-                }
-                of_patches.push(Resistance { real, imaginary: None }.scaled(inverse));
+                of_patches.push(from.hermitian(modes)?.scaled(inverse));
             }
             samples.push(Sample {
                 hz,
                 patches: of_patches,
+            });
+        }
+        let mut roots = Vec::new();
+        for sample in 0..from.count()? {
+            let hz = samples.get(sample).map(|sample: &Sample| sample.hz);
+            let inverse = (2.0 * PI * hz.ok_or_else(|| from.damaged())?).recip();
+            roots.push(match from.count()? {
+                0 => None,
+                _ => Some(from.hermitian(modes)?.scaled(inverse)),
             });
         }
         let mut intervals = Vec::new();
@@ -630,6 +664,7 @@ impl Archive for SampledRadiation {
             samples,
             slopes,
             error,
+            roots,
         })
     }
 }

@@ -1,0 +1,327 @@
+//! The moving bodies of a shot, and what they tell once their motion is no longer needed.
+//!
+//! Modes, motion and spectra take hundreds of megabytes and most of a run's time. What the result needs of them is small
+//! and a function of the design and of the cycle that drives them: it is kept, so that a design that changes only how the
+//! exhaust sounds needs neither.
+
+use nailnoise_acoustics::Air;
+use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
+use nailnoise_acoustics::radiation::ModalSpectra;
+use nailnoise_dynamics::{CouplingWork, CycleRecord, Parameters};
+use nailnoise_fem::transient::{Ending, ModalResponse};
+use serde::{Deserialize, Serialize};
+
+use super::intervals::Clock;
+use super::microphones::{Microphones, microphones};
+use super::missing::{self, Missing};
+use super::radiator::Radiator;
+use super::sensors::{self, SensorRecord};
+use super::sound::Source;
+use super::starts::starts;
+use super::{
+    Body, Driven, Observer, Options, Stiffness, Structure, Tool, bodies, cycle, exhaust, radiation, response, table,
+    tool_body, workpiece,
+};
+use crate::cache::{Cache, Key};
+use crate::design::{BodyModel, Coupling, Design, SupportKind};
+use crate::error::Error;
+use crate::result::{Check, Starts, Timing};
+
+/// The bodies of a shot in motion.
+pub struct Vibration {
+    /// Workpiece and support with their modes.
+    pub structure: Structure,
+    /// Their response to the shot.
+    pub response: ModalResponse,
+    /// Fourier transforms of the modal accelerations, one set a body.
+    pub spectra: Vec<ModalSpectra>,
+    /// The tool's body, unless it is rigid.
+    pub tool: Option<Tool>,
+}
+
+impl Vibration {
+    /// All elastic bodies: the workpiece, what it stands on, the tool.
+    pub fn driven(&self) -> impl Iterator<Item = Driven<'_>> {
+        let of_structure = |(index, (body, spectra))| Driven {
+            body,
+            response: &self.response,
+            index,
+            spectra,
+        };
+        self.structure
+            .bodies()
+            .zip(&self.spectra)
+            .enumerate()
+            .map(of_structure)
+            .chain(self.tool.as_ref().map(Tool::driven))
+    }
+}
+
+/// What the moving bodies tell.
+#[derive(Clone, Serialize, Deserialize)]
+pub(super) struct Told {
+    /// Workpiece with support, and tool body.
+    pub(super) sources: [Source; 2],
+    /// When the last record ends \[s\].
+    pub(super) end: f64,
+    /// How the response ended, in words.
+    pub(super) ending: String,
+    /// Stiffness of an elastic tool body where the cycle's contacts act.
+    pub(super) stiffness: Option<[Stiffness; 2]>,
+    /// What is left out above top frequencies.
+    pub(super) missing: Vec<Missing>,
+    /// What microphones hear.
+    pub(super) microphones: Option<Microphones>,
+    /// Levels of other starts.
+    pub(super) starts: Option<Starts>,
+    /// Checks of modes and response, then those of the tool's body.
+    pub(super) checks: [Vec<Check>; 2],
+    /// Names, intervals and accelerations of the sensors.
+    records: Vec<(String, f64, Vec<f64>)>,
+}
+
+impl Told {
+    /// What the design's sensors record.
+    pub(super) fn sensors(&self, design: &Design) -> Vec<SensorRecord> {
+        let of_sensor = |(name, interval, acceleration): &(String, f64, Vec<f64>)| {
+            Some(SensorRecord {
+                name: name.clone(),
+                body: design.sensors.iter().find(|(own, _)| *own == name)?.1.body,
+                interval: *interval,
+                acceleration: acceleration.clone(),
+            })
+        };
+        self.records.iter().filter_map(of_sensor).collect()
+    }
+}
+
+/// A two-way run beside the one-way run of the same design.
+pub(super) struct TwoWay {
+    pub(super) work: CouplingWork,
+    pub(super) checks: Vec<Check>,
+    /// The cycle with its own lumped workpiece, and its sources.
+    pub(super) one_way: (CycleRecord, [SourceSpectrum; 3]),
+}
+
+/// Everything that moves, computed.
+pub(super) struct Moved {
+    pub(super) record: CycleRecord,
+    pub(super) vibration: Vibration,
+    pub(super) told: Told,
+    pub(super) two_way: Option<TwoWay>,
+}
+
+/// All that what the bodies tell depends on when a cycle drives them one way: the cycle, and every value but those of the
+/// exhaust, which reach the bodies through the cycle alone.
+pub(super) fn key(design: &Design, options: Options, record: &CycleRecord) -> Key {
+    Key::new()
+        .with(&design.values_where(|key| !key.starts_with("exhaust.")))
+        .with(&options.workpiece_force_scale)
+        .with(record)
+}
+
+/// What a stage of a run works with.
+pub(super) struct Bench<'a> {
+    pub(super) design: &'a Design,
+    pub(super) options: Options,
+    pub(super) parameters: &'a Parameters,
+    pub(super) air: &'a Air,
+    pub(super) cache: &'a Cache,
+}
+
+/// Sets the bodies in motion: by the cycle given, or together with one both ways.
+///
+/// # Errors
+/// [`Error`] of the stage that could not be computed.
+pub(super) fn moved(
+    bench: &Bench<'_>,
+    lumped: Option<CycleRecord>,
+    timing: &mut Timing,
+    observer: &mut dyn Observer,
+) -> Result<Moved, Error> {
+    let Bench {
+        design,
+        options,
+        parameters,
+        air,
+        cache,
+    } = *bench;
+    let (structure, tool) = modes(design, cache, timing, observer)?;
+    observer.stage("radiation matrices");
+    let radiator = timing.time("radiation matrices", || {
+        Radiator::new(design, &structure, air, cache, observer)
+    })?;
+    cache.take_notes().iter().for_each(|note| observer.note(note));
+    let damping = design
+        .acoustics
+        .radiation_damping
+        .then(|| timing.time("radiation damping", || radiator.damping(&structure)));
+    let added = damping.as_deref();
+    let force_scale = options.workpiece_force_scale;
+    let (record, response, coupling) = match lumped {
+        Some(record) => {
+            observer.stage("response of workpiece and support");
+            let response = timing.time("response", || {
+                response::response(design, &structure, added, parameters, &record, (force_scale, 0))
+            })?;
+            (record, response, None)
+        }
+        None => {
+            observer.stage("nailing cycle with workpiece and support");
+            let both = timing.time("cycle and response", || {
+                response::coupled(design, &structure, added, parameters, 0)
+            })?;
+            (both.record, both.response, Some((both.work, both.checks)))
+        }
+    };
+    let tool = tool
+        .map(|body| timing.time("tool response", || Tool::new(design, body, parameters, &record)))
+        .transpose()?;
+    let sensors = timing.time("sensors", || sensors::sensors(design, &structure, &response, &record))?;
+    observer.stage("radiation");
+    let spectra = timing.time("modal spectra", || {
+        radiation::modal_spectra(design, &structure, &response)
+    })?;
+    let mut workpiece = timing.time("radiation", || {
+        radiation::workpiece(design, &structure, &radiator, added, &spectra)
+    })?;
+    let microphones = timing.time("microphones", || {
+        microphones(design, &radiator, &spectra, &workpiece.spectrum, response.duration())
+    })?;
+    if let Some(report) = &mut workpiece.radiation {
+        report.microphones = microphones.as_ref().map(|m| m.report.clone());
+    }
+    let body = timing.time("body", || match &tool {
+        Some(tool) => tool.sound(design, &record, air),
+        None => radiation::rigid_tool(design, &record, air),
+    })?;
+    let two_way = match coupling {
+        Some((work, checks)) => {
+            observer.stage("the same one way, to compare");
+            let one_way = timing.time("one way", || {
+                let record = cycle(design)?;
+                let force = (force_scale, 0);
+                let response = response::response(design, &structure, added, parameters, &record, force)?;
+                let spectra = radiation::modal_spectra(design, &structure, &response)?;
+                let workpiece = radiation::workpiece_energy(design, &radiator, &spectra)?;
+                let body = match &tool {
+                    Some(_) => {
+                        let tool = Tool::new(design, tool_body(design, cache)?, parameters, &record)?;
+                        tool.sound(design, &record, air)?
+                    }
+                    None => radiation::rigid_tool(design, &record, air)?,
+                };
+                let (exhaust, _) = exhaust::exhaust(design, &record, air)?;
+                Ok::<_, Error>((record, [workpiece, exhaust.spectrum, body.spectrum]))
+            })?;
+            Some(TwoWay { work, checks, one_way })
+        }
+        None => None,
+    };
+    let range = [design.analysis.range_low, design.analysis.range_high];
+    let starts = if design.analysis.starts > 1 {
+        observer.stage("other starts");
+        let first = workpiece.spectrum.level(range, Weighting::A);
+        timing.time("other starts", || {
+            starts(design, &structure, &radiator, first, |start| {
+                match design.support.coupling {
+                    Coupling::OneWay => {
+                        let force = (force_scale, start);
+                        response::response(design, &structure, added, parameters, &record, force)
+                    }
+                    Coupling::TwoWay => Ok(response::coupled(design, &structure, added, parameters, start)?.response),
+                }
+            })
+        })?
+    } else {
+        None
+    };
+    let mut missing = missing::above_top(design, &structure, &workpiece.spectrum);
+    missing.extend(
+        tool.as_ref()
+            .and_then(|tool| missing::above_tool_top(design, tool, &body.spectrum)),
+    );
+    let tool_end = tool.as_ref().map_or(0.0, |tool| tool.response.duration());
+    let end = response
+        .duration()
+        .max(tool_end)
+        .max(record.sample_interval * record.len() as f64);
+    let clock = Clock::new(&record.events, end);
+    let sources = timing.time("intervals", || {
+        [workpiece, body].map(|sound| Source::new(sound, &clock.times, range))
+    });
+    let mut checks: [Vec<Check>; 2] = Default::default();
+    structure.bodies().for_each(|body| checks[0].extend(body.checks()));
+    checks[0].extend(response::checks(&response));
+    if let Some(tool) = &tool {
+        checks[1].extend(tool.body.checks());
+        checks[1].extend(tool.checks.iter().cloned());
+    }
+    let told = Told {
+        sources,
+        end,
+        ending: ending(&response),
+        stiffness: tool.as_ref().map(|tool| tool.stiffness.clone()),
+        missing,
+        microphones,
+        starts,
+        checks,
+        records: sensors
+            .into_iter()
+            .map(|sensor| (sensor.name, sensor.interval, sensor.acceleration))
+            .collect(),
+    };
+    Ok(Moved {
+        record,
+        vibration: Vibration {
+            structure,
+            response,
+            spectra,
+            tool,
+        },
+        told,
+        two_way,
+    })
+}
+
+/// The bodies that the design has, with their modes; the tool's unless it is rigid.
+fn modes(
+    design: &Design,
+    cache: &Cache,
+    timing: &mut Timing,
+    observer: &mut dyn Observer,
+) -> Result<(Structure, Option<Body>), Error> {
+    observer.stage("modes of the workpiece");
+    let block = timing.time("workpiece modes", || workpiece(design, cache))?;
+    let worktable = match design.support.kind {
+        SupportKind::Worktable => {
+            observer.stage("modes of the worktable");
+            Some(timing.time("worktable modes", || table(design, cache))?)
+        }
+        SupportKind::Sandbox | SupportKind::Floor | SupportKind::Clamped => None,
+    };
+    let tool = match design.body.model {
+        BodyModel::Elastic => {
+            observer.stage("modes of the tool");
+            Some(timing.time("tool modes", || tool_body(design, cache))?)
+        }
+        BodyModel::Rigid => None,
+    };
+    let structure = Structure {
+        workpiece: block,
+        worktable,
+        grid: bodies::contact_grid(design),
+    };
+    Ok((structure, tool))
+}
+
+fn ending(response: &ModalResponse) -> String {
+    let end = response.duration();
+    match response.ending {
+        Ending::Decayed { level, .. } if level == f64::NEG_INFINITY => {
+            format!("response ended at {end:.3} s, all of its energy gone")
+        }
+        Ending::Decayed { level, .. } => format!("response ended at {end:.3} s, its energy {level:.0} dB down"),
+        Ending::Duration { level, .. } => format!("response cut at {end:.3} s, its energy {level:.0} dB down"),
+    }
+}
