@@ -3,7 +3,7 @@
 //! A pattern reads a displacement, d = sum w_i u_i, and its transpose spreads a force, so that force times d is work:
 //! what one body does to another through the same pair of patterns neither makes nor loses energy.
 
-use nailnoise_meshes::{FaceKind, Mesh, MeshError, QuadraturePoint, Surface, gauss_legendre};
+use nailnoise_meshes::{FaceKind, Location, Mesh, MeshError, QuadraturePoint, Surface, gauss_legendre};
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
 /// Sparse weights on the degrees of freedom 3 node + axis of a mesh.
@@ -92,11 +92,20 @@ impl Pattern {
     /// # Errors
     /// [`MeshError::Outside`] when the point is not in the mesh.
     pub(super) fn along(mesh: &Mesh, point: Point3<f64>, direction: Vector3<f64>) -> Result<Self, MeshError> {
-        let place = mesh.locate(point)?;
+        Ok(Self::at(&mesh.locate(point)?, direction))
+    }
+
+    /// The same for a point that may lie outside the body by `off` \[m\].
+    ///
+    /// # Errors
+    /// [`MeshError::Outside`] when it lies farther from the mesh.
+    pub(super) fn near(mesh: &Mesh, point: Point3<f64>, direction: Vector3<f64>, off: f64) -> Result<Self, MeshError> {
+        Ok(Self::at(&mesh.locate_within(point, off)?, direction))
+    }
+
+    fn at(place: &Location, direction: Vector3<f64>) -> Self {
         let of_node = |(&node, &w): (&usize, &f64)| [0, 1, 2].map(|axis| (3 * node + axis, w * direction[axis]));
-        Ok(Self::gathered(
-            place.nodes.iter().zip(&place.weights).flat_map(of_node).collect(),
-        ))
+        Self::gathered(place.nodes.iter().zip(&place.weights).flat_map(of_node).collect())
     }
 
     /// Mean displacement along a unit vector of the part of a patch where `inside` holds; its transpose is a uniform
@@ -128,6 +137,16 @@ impl Pattern {
     ) -> Result<Self, MeshError> {
         let points = points_on(surface, patches, inside)?;
         Ok(Self::gathered(spread(surface, &points, |point| -point.normal)))
+    }
+
+    /// The pattern that reads nothing.
+    pub(super) fn nothing() -> Self {
+        Self(Vec::new())
+    }
+
+    /// Whether it reads nothing.
+    pub(super) fn is_nothing(&self) -> bool {
+        self.0.is_empty()
     }
 
     /// The sum of two patterns.
