@@ -28,6 +28,9 @@ group! {
         y: f64 = any(LENGTH), "y";
         /// Height above the workpiece's underside.
         z: f64 = any(LENGTH), "z";
+        /// Radius of its foot: it acts evenly on the body's surface within this distance of its place; 0 at the point alone,
+        /// whose give under a force grows as a mesh gets finer.
+        radius: f64 = nonnegative(LENGTH), "a";
         /// Stiffness along x.
         stiffness_x: f64 = nonnegative(STIFFNESS), "k_x";
         /// Stiffness along y.

@@ -1,7 +1,7 @@
 //! The user's own springs and dashpots between the bodies and the ground.
 
 use nailnoise_fem::transient::{Support, SupportLaw};
-use nailnoise_meshes::{Mesh, MeshError};
+use nailnoise_meshes::{Mesh, MeshError, Surface};
 use nalgebra::{Point3, Vector3};
 
 use super::pattern::Pattern;
@@ -48,6 +48,7 @@ fn axes(spring: &Spring) -> Vec<Axis> {
 /// [`DesignError::Spring`](crate::design::DesignError::Spring) for a spring that is not on its body.
 pub(super) fn patterns(design: &Design, mesh: &Mesh, body: Sprung) -> Result<Vec<Pattern>, Error> {
     let mut patterns = Vec::new();
+    let surface = Surface::of(mesh);
     for (name, spring, axes) in acting(design) {
         let at = Point3::new(spring.x, spring.y, spring.z);
         for axis in axes {
@@ -55,7 +56,9 @@ pub(super) fn patterns(design: &Design, mesh: &Mesh, body: Sprung) -> Result<Vec
                 patterns.push(Pattern::nothing());
                 continue;
             }
-            patterns.push(Pattern::near(mesh, at, axis.along, OFF).map_err(|error| match error {
+            let foot = Pattern::foot(&surface, (at, spring.radius), axis.along)?;
+            let pattern = foot.map_or_else(|| Pattern::near(mesh, at, axis.along, OFF), Ok);
+            patterns.push(pattern.map_err(|error| match error {
                 MeshError::Outside { distance, .. } => design.refuse_spring(name, spring, distance).into(),
                 other => Error::from(other),
             })?);
