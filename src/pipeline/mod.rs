@@ -25,6 +25,7 @@ mod settings;
 mod shank;
 mod sides;
 mod sound;
+mod springs;
 mod starts;
 mod tool;
 mod tool_loads;
@@ -169,7 +170,7 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
             observer.stage("modes of the worktable");
             Some(timing.time("worktable modes", || table(design, cache))?)
         }
-        SupportKind::Sandbox | SupportKind::Floor | SupportKind::Clamped => None,
+        SupportKind::Sandbox | SupportKind::Floor | SupportKind::Clamped | SupportKind::Springs => None,
     };
     let tool = match design.body.model {
         BodyModel::Elastic => {
@@ -215,7 +216,13 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
     let tool = tool
         .map(|body| timing.time("tool response", || Tool::new(design, body, &parameters, &record)))
         .transpose()?;
-    let sensors = timing.time("sensors", || sensors::sensors(design, &structure, &response, &record))?;
+    let shot = sensors::Shot {
+        structure: &structure,
+        response: &response,
+        tool: tool.as_ref(),
+        record: &record,
+    };
+    let sensors = timing.time("sensors", || sensors::sensors(design, shot))?;
     observer.stage("radiation");
     let spectra = timing.time("modal spectra", || {
         radiation::modal_spectra(design, &structure, &response)

@@ -70,9 +70,8 @@ impl Radiator {
     ) -> Result<Self, Error> {
         match (design.support.kind, design.acoustics.method) {
             (SupportKind::Sandbox, _) => Ok(Self::Rayleigh(Box::new(flush_top(design, &structure.workpiece, air)?))),
-            (SupportKind::Floor | SupportKind::Clamped, _) | (SupportKind::Worktable, RadiationMethod::Erp) => {
-                standing_erp(design, structure, air)
-            }
+            (SupportKind::Floor | SupportKind::Clamped | SupportKind::Springs, _)
+            | (SupportKind::Worktable, RadiationMethod::Erp) => standing_erp(design, structure, air),
             (SupportKind::Worktable, RadiationMethod::Bem) => standing_bem(design, structure, air, cache, observer),
         }
     }
@@ -148,7 +147,8 @@ fn standing_erp(design: &Design, structure: &Structure, air: &Air) -> Result<Rad
     let half = [0.5 * design.workpiece.length, 0.5 * design.workpiece.width];
     let of_body = |body: &Body| {
         let hidden = |patch: &str, p: &Point3<f64>| match patch {
-            "bottom" | "floor" => true,
+            "bottom" => body.name != "workpiece" || design.support.kind != SupportKind::Springs,
+            "floor" => true,
             _ if patch.ends_with("_slave") => true, // tied to another face
             "top" => body.name == "worktable" && p.x.abs() < half[0] && p.y.abs() < half[1],
             _ => false,

@@ -64,12 +64,13 @@ fn tool_height(design: &Design) -> f64 {
     design.body.nose_height + design.body.barrel_height + design.body.cap_height
 }
 
-/// Height of the plane that reflects: the floor under a table, the sand's surface, or what the block lies on \[m\].
+/// Height of the plane that reflects: the floor under a table, the sand's surface, or a floor at the block's underside,
+/// on which it lies, is clamped or is hung closely above \[m\].
 fn reflecting_plane(design: &Design) -> f64 {
     match design.support.kind {
         SupportKind::Worktable => floor(design),
         SupportKind::Sandbox => design.workpiece.thickness,
-        SupportKind::Floor | SupportKind::Clamped => 0.0,
+        SupportKind::Floor | SupportKind::Clamped | SupportKind::Springs => 0.0,
     }
 }
 
