@@ -27,10 +27,9 @@ pub(crate) const FIELDS: &str = "fields";
 const PARAVIEW: &str = include_str!("paraview.py");
 
 /// Writes what a run leaves behind beside its [fields](write_fields) to `folder`: `result.json`, `levels.csv`,
-/// `intervals.csv`, `power.csv`, `events.csv`, `log.csv`, `histories.csv`, `paraview.py`, where boundary elements were used `radiation.csv`,
-/// `radiation-modes.csv`, `microphones.csv`, `microphones-bands.csv` and
-/// `microphones/*.wav`, and where the design has sensors `sensors.csv`,
-/// `sensors-spectrum.csv` and `sensors.uff`.
+/// `intervals.csv`, `power.csv`, `events.csv`, `log.csv`, `histories.csv`, `microphones.csv`, `microphones-bands.csv`,
+/// `microphones/*.wav`, `paraview.py`, where boundary elements were used `radiation.csv` and `radiation-modes.csv`, and
+/// where the design has sensors `sensors.csv`, `sensors-spectrum.csv` and `sensors.uff`.
 ///
 /// # Errors
 /// [`Error::Write`] with the file that could not be written.

@@ -25,6 +25,7 @@ mod settings;
 mod shank;
 mod sides;
 mod sound;
+mod springs;
 mod starts;
 mod tool;
 mod tool_loads;
@@ -105,8 +106,8 @@ pub struct Run {
     pub screech: Vec<Option<f64>>,
     /// What the design's sensors record, by name.
     pub sensors: Vec<SensorRecord>,
-    /// What microphones around the device hear of workpiece and support; none where no boundary elements were used.
-    pub microphones: Option<Microphones>,
+    /// What microphones around the device hear of each source.
+    pub microphones: Microphones,
 }
 
 /// What a run may change about the physics without being another design; for studies and tests of laws.
@@ -237,6 +238,10 @@ fn finish(
     let jets = timing.time("intervals", || Source::new(jets, &clock.times, range));
     let sources = [workpiece, &jets, body];
     let (mut ranking, total) = ranking::rank(&sources, range);
+    observer.stage("microphones");
+    let microphones = timing.time("microphones", || {
+        microphones::microphones(design, air, &told.heard, (&exhaust, &jets.spectrum), told.end)
+    })?;
     let (powers, interval_checks) = intervals::intervals(&sources, &mut ranking, &clock, told.end);
     let mut checks: Vec<Check> = record.checks.iter().map(Check::from).collect();
     let [of_response, of_tool] = told.checks.clone();
@@ -270,6 +275,7 @@ fn finish(
         coupling,
         starts: told.starts,
         sensors: sensors.iter().map(SensorRecord::level).collect(),
+        microphones: microphones.report.clone(),
         checks,
         notes,
         timing,
@@ -280,6 +286,6 @@ fn finish(
         powers,
         screech: exhaust.screech,
         sensors,
-        microphones: told.microphones,
+        microphones,
     })
 }

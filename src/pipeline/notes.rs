@@ -62,6 +62,13 @@ pub(super) fn notes(design: &Design, record: &CycleRecord, told: &Told, exhaust:
             ));
         }
     }
+    if design.support.kind == SupportKind::Springs {
+        notes.push(
+            "workpiece alone on its springs: radiated power is the ERP reference (radiation efficiency 1), an overestimate \
+             at low frequencies"
+                .to_owned(),
+        );
+    }
     if matches!(design.support.kind, SupportKind::Floor | SupportKind::Clamped) {
         notes.push(
             "workpiece alone, its underside hidden: radiated power is the ERP reference (radiation efficiency 1), an \
@@ -109,6 +116,10 @@ pub(super) fn notes(design: &Design, record: &CycleRecord, told: &Told, exhaust:
     let idle = super::sensors::idle(design);
     if !idle.is_empty() {
         notes.push(format!("sensors on bodies that this design lacks: {}", idle.join(", ")));
+    }
+    let idle = super::springs::idle(design);
+    if !idle.is_empty() {
+        notes.push(format!("springs on bodies that this design lacks: {}", idle.join(", ")));
     }
     notes.push("the tool's later landing is not part of the shot".to_owned());
     notes

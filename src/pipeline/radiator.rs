@@ -69,15 +69,12 @@ impl Radiator {
         observer: &mut dyn Observer,
     ) -> Result<Self, Error> {
         match (design.support.kind, design.acoustics.method) {
-            (SupportKind::Sandbox, _) => Ok(Self::Rayleigh(Box::new(flush_top(
-                design,
-                &structure.workpiece,
-                air,
-                cache,
-            )?))),
-            (SupportKind::Floor | SupportKind::Clamped, _) | (SupportKind::Worktable, RadiationMethod::Erp) => {
-                standing_erp(design, structure, air)
+            (SupportKind::Sandbox, _) => {
+                let sampled = flush_top(design, &structure.workpiece, air, cache)?;
+                Ok(Self::Rayleigh(Box::new(sampled)))
             }
+            (SupportKind::Floor | SupportKind::Clamped | SupportKind::Springs, _)
+            | (SupportKind::Worktable, RadiationMethod::Erp) => standing_erp(design, structure, air),
             (SupportKind::Worktable, RadiationMethod::Bem) => standing_bem(design, structure, air, cache, observer),
         }
     }
@@ -117,7 +114,21 @@ impl Radiator {
     }
 }
 
-/// Rayleigh's integral over the block's top, flush with the sand.
+/// The block's top, flush with the sand.
+pub(super) fn flush_surface(design: &Design, body: &Body, air: &Air) -> Result<Rayleigh, Error> {
+    let sand = &design.support.sand;
+    let surface = radiating(body, |patch, _| patch != "top")?;
+    let mut rayleigh = Rayleigh::new(&surface, air)?;
+    if sand.absorption_share > 0.0 {
+        rayleigh = rayleigh.with_absorbing_sand(absorbing_sand(design))?;
+    }
+    if sand.moving_surface {
+        rayleigh = rayleigh.with_moving_sand(moving_sand(design)?)?;
+    }
+    Ok(rayleigh)
+}
+
+/// Rayleigh's integral over it.
 fn flush_top(design: &Design, body: &Body, air: &Air, cache: &Cache) -> Result<SampledRadiation, Error> {
     let sand = &design.support.sand;
     let surface = radiating(body, |patch, _| patch != "top")?;
@@ -139,13 +150,7 @@ fn flush_top(design: &Design, body: &Body, air: &Air, cache: &Cache) -> Result<S
         .with(surface.patch_names())
         .with(surface.normal_modes().as_slice());
     let kept: Bytes = cache.get_or("radiation of the workpiece in sand", key, || {
-        let mut rayleigh = Rayleigh::new(&surface, air)?;
-        if let Some(sand) = absorbing {
-            rayleigh = rayleigh.with_absorbing_sand(sand)?;
-        }
-        if let Some(sand) = moving {
-            rayleigh = rayleigh.with_moving_sand(sand)?;
-        }
+        let rayleigh = flush_surface(design, body, air)?;
         Ok::<_, Error>(Bytes(rayleigh.sampled(&sampling)?.with_roots().to_bytes()))
     })?;
     Ok(SampledRadiation::from_bytes(&kept.0)?)
@@ -164,7 +169,8 @@ fn standing_erp(design: &Design, structure: &Structure, air: &Air) -> Result<Rad
     let half = [0.5 * design.workpiece.length, 0.5 * design.workpiece.width];
     let of_body = |body: &Body| {
         let hidden = |patch: &str, p: &Point3<f64>| match patch {
-            "bottom" | "floor" => true,
+            "bottom" => body.name != "workpiece" || design.support.kind != SupportKind::Springs,
+            "floor" => true,
             _ if patch.ends_with("_slave") => true, // tied to another face
             "top" => body.name == "worktable" && p.x.abs() < half[0] && p.y.abs() < half[1],
             _ => false,

@@ -12,7 +12,7 @@ use nailnoise_fem::transient::{Ending, ModalResponse};
 use serde::{Deserialize, Serialize};
 
 use super::intervals::Clock;
-use super::microphones::{Microphones, microphones};
+use super::microphones::{self, AtMicrophones};
 use super::missing::{self, Missing};
 use super::radiator::Radiator;
 use super::sensors::{self, SensorRecord};
@@ -70,8 +70,8 @@ pub(super) struct Told {
     pub(super) stiffness: Option<[Stiffness; 2]>,
     /// What is left out above top frequencies.
     pub(super) missing: Vec<Missing>,
-    /// What microphones hear.
-    pub(super) microphones: Option<Microphones>,
+    /// What microphones hear of the sources.
+    pub(super) heard: [AtMicrophones; 2],
     /// Levels of other starts.
     pub(super) starts: Option<Starts>,
     /// Checks of modes and response, then those of the tool's body.
@@ -177,20 +177,20 @@ pub(super) fn moved(
     let tool = tool
         .map(|body| timing.time("tool response", || Tool::new(design, body, parameters, &record)))
         .transpose()?;
-    let sensors = timing.time("sensors", || sensors::sensors(design, &structure, &response, &record))?;
+    let shot = sensors::Shot {
+        structure: &structure,
+        response: &response,
+        tool: tool.as_ref(),
+        record: &record,
+    };
+    let sensors = timing.time("sensors", || sensors::sensors(design, shot))?;
     observer.stage("radiation");
     let spectra = timing.time("modal spectra", || {
         radiation::modal_spectra(design, &structure, &response)
     })?;
-    let mut workpiece = timing.time("radiation", || {
+    let workpiece = timing.time("radiation", || {
         radiation::workpiece(design, &structure, &radiator, added, &spectra)
     })?;
-    let microphones = timing.time("microphones", || {
-        microphones(design, &radiator, &spectra, &workpiece.spectrum, response.duration())
-    })?;
-    if let Some(report) = &mut workpiece.radiation {
-        report.microphones = microphones.as_ref().map(|m| m.report.clone());
-    }
     let body = timing.time("body", || match &tool {
         Some(tool) => tool.sound(design, &record, air),
         None => radiation::rigid_tool(design, &record, air),
@@ -246,6 +246,18 @@ pub(super) fn moved(
         .duration()
         .max(tool_end)
         .max(record.sample_interval * record.len() as f64);
+    let heard = timing.time("bodies at the microphones", || {
+        let inputs = microphones::Inputs {
+            structure: &structure,
+            radiator: &radiator,
+            spectra: &spectra,
+            record: &record,
+            workpiece: &workpiece,
+            body: &body,
+            end,
+        };
+        microphones::of_bodies(design, air, &inputs)
+    })?;
     let clock = Clock::new(&record.events, end);
     let sources = timing.time("intervals", || {
         [workpiece, body].map(|sound| Source::new(sound, &clock.times, range))
@@ -263,7 +275,7 @@ pub(super) fn moved(
         ending: ending(&response),
         stiffness: tool.as_ref().map(|tool| tool.stiffness.clone()),
         missing,
-        microphones,
+        heard,
         starts,
         checks,
         records: sensors
@@ -298,7 +310,7 @@ fn modes(
             observer.stage("modes of the worktable");
             Some(timing.time("worktable modes", || table(design, cache))?)
         }
-        SupportKind::Sandbox | SupportKind::Floor | SupportKind::Clamped => None,
+        SupportKind::Sandbox | SupportKind::Floor | SupportKind::Clamped | SupportKind::Springs => None,
     };
     let tool = match design.body.model {
         BodyModel::Elastic => {

@@ -33,8 +33,19 @@ use page::{Page, Section};
 use surface::Painted;
 
 /// Keys of a result that the report shows in a form of their own.
-const SHOWN: [&str; 12] = [
-    "schema", "design", "inputs", "ranking", "total", "outcome", "cycle", "events", "sensors", "checks", "notes",
+const SHOWN: [&str; 13] = [
+    "schema",
+    "design",
+    "inputs",
+    "ranking",
+    "total",
+    "outcome",
+    "cycle",
+    "events",
+    "sensors",
+    "microphones",
+    "checks",
+    "notes",
     "timing",
 ];
 
@@ -75,10 +86,11 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
         "Levels",
         html! { (levels::bands(result).markup()) (levels::intervals(result).markup()) },
     ));
-    if !recordings.is_empty() {
-        let heard = run.microphones.as_ref().map(|microphones| &microphones.report);
-        sections.push(Section::new("sound", "Sound", sound::players(recordings, heard)));
-    }
+    sections.push(Section::new(
+        "sound",
+        "Sound",
+        sound::section(&result.microphones, recordings),
+    ));
     if let Some(view) = &pictures.scene {
         let without: Vec<&str> = result
             .ranking

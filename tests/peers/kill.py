@@ -61,6 +61,7 @@ class Runs:
         self.out, self.cache = self.work / "out", self.work / "cache"
         self.other = self.work / "other.toml"
         self.other.write_text(f"base = {json.dumps(str(Path(design).resolve()))}\nsupply.pressure = \"95 psig\"\n")
+        self.others: set[Path] = set()  # entries of the other design
         environment = dict(os.environ, NAILNOISE_CACHE=str(self.cache))
         self.quiet = dict(stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment)
 
@@ -74,9 +75,9 @@ class Runs:
         return time.monotonic() - begin
 
     def forget(self, *stages: str) -> None:
-        """Removes what the cache keeps of some stages; of all of them without any."""
+        """Removes what the cache keeps of some stages of the design; of all stages and designs without any."""
         for entry in self.cache.glob("*.entry"):
-            if not stages or entry.name.startswith(stages):
+            if not stages or (entry.name.startswith(stages) and entry not in self.others):
                 entry.unlink()
 
     def prepare(self, kind: str) -> None:
@@ -85,11 +86,13 @@ class Runs:
             self.forget()
             shutil.rmtree(self.out, ignore_errors=True)
             return
-        self.whole(self.design)
+        if kind == "kept":
+            self.whole(self.design)
+        before = set(self.cache.glob("*.entry"))
         self.whole(self.other)  # its files are now in the folder
+        self.others |= set(self.cache.glob("*.entry")) - before
         if kind == "cycle":
             self.forget("run-", "sound")
-            # The other design's files stay; what is kept of it is gone too, and costs no more than a cycle.
 
     def verify(self) -> None:
         subprocess.run([self.program, "cache", "verify"], check=True, **self.quiet)
