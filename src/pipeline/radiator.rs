@@ -190,6 +190,7 @@ fn standing_bem(
 fn key(design: &Design, structure: &Structure, air: &Air) -> Key {
     let a = &design.acoustics;
     let mut key = Key::new()
+        .with("rounds of Leja's sequence")
         .with(&format!("{:?} {air:?}", boxes(design)))
         .with(&[a.bem_top, a.bem_panels, a.bem_tolerance])
         .with(&format!("{:?}", microphones::positions(design)));

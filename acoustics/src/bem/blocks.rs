@@ -4,7 +4,7 @@ use super::rules;
 use nalgebra::Vector3;
 
 /// Most panels of a block.
-const MOST: usize = 32;
+const MOST: usize = 16;
 /// Block widths are padded to a multiple of the widest vector.
 const LANES: usize = 8;
 

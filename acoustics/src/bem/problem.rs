@@ -397,7 +397,7 @@ impl Exterior {
 }
 
 /// The patterns at the points of a block's panels, patterns x points, panel fastest.
-fn of_block(b: &Block, velocities: &DMatrix<f64>) -> Mat<f64> {
+pub(super) fn of_block(b: &Block, velocities: &DMatrix<f64>) -> Mat<f64> {
     let kind = if b.corners == 3 {
         FaceKind::Tri3
     } else {

@@ -1,3 +1,4 @@
+use super::far_field::Radiated;
 use super::panel::PanelShape;
 use super::problem::{Exterior, Patterns, SurfacePressure};
 use crate::error::AcousticsError;
@@ -87,7 +88,9 @@ impl Exterior {
     /// # Errors
     /// See [`Exterior::solve`].
     pub fn resistance(&self, hz: f64, velocities: &DMatrix<f64>) -> Result<TwoEvaluations, AcousticsError> {
-        self.two_evaluations(velocities, &self.solve(hz, velocities)?)
+        let solution = self.solve(hz, velocities)?;
+        let far_field = self.far_field_resistance(velocities, &solution)?;
+        self.evaluated_twice(velocities, &solution, far_field)
     }
 
     /// The same for patterns of several parities, which radiate independently.
@@ -96,17 +99,30 @@ impl Exterior {
     /// See [`Exterior::solve`].
     pub fn resistance_parities(&self, hz: f64, patterns: &[Patterns]) -> Result<Vec<TwoEvaluations>, AcousticsError> {
         let solutions = self.solve_parities(hz, patterns)?;
-        let of_parity = |(p, s): (&Patterns, &SurfacePressure)| self.two_evaluations(&p.velocities, s);
-        patterns.iter().zip(&solutions).map(of_parity).collect()
+        self.two_evaluations(patterns, &solutions)
     }
 
+    /// Both evaluations of solutions of one frequency, parity by parity.
     pub(super) fn two_evaluations(
+        &self,
+        patterns: &[Patterns],
+        solutions: &[SurfacePressure],
+    ) -> Result<Vec<TwoEvaluations>, AcousticsError> {
+        let all: Vec<Radiated<'_>> = patterns.iter().map(|p| &p.velocities).zip(solutions).collect();
+        let far_fields = self.far_field_resistances(&all)?.into_iter();
+        all.iter()
+            .zip(far_fields)
+            .map(|((velocities, solution), far_field)| self.evaluated_twice(velocities, solution, far_field))
+            .collect()
+    }
+
+    fn evaluated_twice(
         &self,
         velocities: &DMatrix<f64>,
         solution: &SurfacePressure,
+        far_field: DMatrix<f64>,
     ) -> Result<TwoEvaluations, AcousticsError> {
         let hz = solution.hz;
-        let far_field = self.far_field_resistance(velocities, solution)?;
         let raw: Vec<DMatrix<f64>> = self
             .impedance(velocities, solution)?
             .into_iter()
