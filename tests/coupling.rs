@@ -5,7 +5,7 @@ use nailnoise::cache::Cache;
 use nailnoise::design::{Coupling, Design};
 use nailnoise::pipeline::{self, COUPLED_LOADS, Coupled, Options, Run, Silent, couple, cycle_settings, parameters};
 use nailnoise_dynamics::{Geometry, Parameters, simulate};
-use nailnoise_fem::transient::{ModalBody, Settings, Support, SupportLaw};
+use nailnoise_fem::transient::{ModalBody, Motion, Settings, Support, SupportLaw};
 use nalgebra::DMatrix;
 
 fn design() -> Design {
@@ -220,4 +220,149 @@ fn starts_scatter_and_widen_the_band() {
             .starts
             .is_none()
     );
+}
+
+/// Four springs under the corners of the block, each a quarter of a total along z, dashpots likewise, softer sideways.
+fn on_springs(stiffness: f64, damping: f64, text: &str) -> Design {
+    let mut all = format!("support.kind = \"springs\"\n{text}\n");
+    for (corner, (x, y)) in [(-0.17, -0.05), (-0.17, 0.05), (0.17, -0.05), (0.17, 0.05)]
+        .into_iter()
+        .enumerate()
+    {
+        let part = |total: f64| 0.25 * total;
+        all.push_str(&format!(
+            "[springs.corner_{corner}]\nbody = \"workpiece\"\nx = {x:?}\ny = {y:?}\nz = 0\nradius = 0.02\n"
+        ));
+        for (axis, share) in [("x", 0.3), ("y", 0.3), ("z", 1.0)] {
+            all.push_str(&format!("stiffness_{axis} = {:?}\n", share * part(stiffness)));
+            all.push_str(&format!("damping_{axis} = {:?}\n", share * part(damping)));
+        }
+    }
+    small(&all)
+}
+
+/// After the shot: q = a e^(-c t/2M) cos(omega t + phase), omega^2 = k/M - (c/2M)^2, M from the mesh and its density.
+#[test]
+fn a_block_on_springs_and_dashpots_swings_and_dies_as_a_mass_does() {
+    let (k, c) = (2e5, 30.0);
+    let design = on_springs(k, c, "analysis.duration = \"0.3 s\"\nwood.loss_factor = 0");
+    let run = pipeline::run(&design, Options::default(), &Cache::none(), &mut Silent).unwrap();
+    assert!(
+        run.result
+            .checks
+            .iter()
+            .all(|check| check.ok || check.name.contains("last octave"))
+    );
+    let body = &run.structure.workpiece;
+    let mass = body.lift.norm_squared();
+    let rise = DMatrix::from_column_slice(body.lift.len(), 1, body.lift.as_slice()) / mass;
+    let velocity = run.response.points(0, &rise, Motion::Velocity).unwrap();
+    let h = run.response.step;
+    let from = ((run.record.sample_interval * run.record.len() as f64 + 0.01) / h) as usize;
+    // Zeros with the sign rising, between samples by a straight line, and the peak behind each.
+    let mut zeros = Vec::new();
+    for n in from..velocity.len() - 1 {
+        let (a, b) = (velocity[n], velocity[n + 1]);
+        if a < 0.0 && b >= 0.0 {
+            zeros.push((n as f64 - a / (b - a)) * h);
+        }
+    }
+    assert!(zeros.len() > 5, "{zeros:?}");
+    let periods = (zeros.len() - 1) as f64;
+    let length = zeros[zeros.len() - 1] - zeros[0];
+    let omega = std::f64::consts::TAU * periods / length;
+    let expected = (k / mass - (0.5 * c / mass).powi(2)).sqrt();
+    // The wood under each spring gives way, too.
+    assert!((omega / expected - 1.0).abs() < 5e-3, "{omega} {expected} rad/s");
+    let peak = |zero: f64| {
+        let first = (zero / h) as usize;
+        let period = (std::f64::consts::TAU / expected / h) as usize;
+        velocity.as_slice()[first..(first + period).min(velocity.len())]
+            .iter()
+            .fold(0.0, |m: f64, v| m.max(*v))
+    };
+    let last = zeros.len() - 2;
+    let decay = (peak(zeros[0]) / peak(zeros[last])).ln() / (zeros[last] - zeros[0]);
+    assert!(
+        (decay / (0.5 * c / mass) - 1.0).abs() < 0.01,
+        "{decay} {} 1/s",
+        0.5 * c / mass
+    );
+    // Weight and seated tool rest on the springs.
+    let parameters = parameters(&design).unwrap();
+    let held: f64 = run.response.contact_forces.column(0).iter().sum();
+    let seat = run.record.forces.nose[0] + run.record.forces.guard[0];
+    let weight = mass * parameters.ambient.gravity + seat;
+    assert!((held - weight).abs() < 1e-3 * weight, "{held} {weight} N");
+}
+
+#[test]
+fn springs_carry_both_ways_and_a_table_on_feet_closes_its_balances() {
+    let two_way = pipeline::run(
+        &on_springs(1e6, 60.0, "support.coupling = \"two-way\""),
+        Options::default(),
+        &Cache::none(),
+        &mut Silent,
+    )
+    .unwrap();
+    let fine = |run: &Run| {
+        let failed: Vec<_> = run.result.checks.iter().filter(|check| !check.ok).collect();
+        assert!(
+            failed.iter().all(|check| check.name.contains("last octave")),
+            "{failed:?}"
+        );
+    };
+    fine(&two_way);
+    // What the cycle calls the force of its support is what the springs carry, not what they hold sideways.
+    let (record, response) = (&two_way.record, &two_way.response);
+    let vertical = |n: usize| {
+        (0..4)
+            .map(|corner| response.contact_forces[(3 * corner + 2, n)])
+            .sum::<f64>()
+    };
+    for n in (0..record.len()).step_by(50) {
+        assert!((record.forces.support[n] - vertical(n)).abs() < 1e-6 * (1.0 + vertical(n).abs()));
+    }
+    let feet = Design::load("designs/n80cb-feet.toml").unwrap();
+    let mut table = small("support.worktable.foot = \"clamped\"");
+    table.support.worktable.foot = feet.support.worktable.foot;
+    table.springs = feet.springs.clone();
+    let run = pipeline::run(&table, Options::default(), &Cache::none(), &mut Silent).unwrap();
+    fine(&run);
+    let under = run.structure.worktable.as_ref().unwrap();
+    assert_eq!(
+        under.omega.iter().filter(|omega| **omega == 0.0).count(),
+        6,
+        "the table is free"
+    );
+    let cells = run.structure.grid.areas.len();
+    let at_rest = run.response.contact_forces.column(0);
+    assert_eq!(at_rest.len(), cells + 12);
+    let gravity = table.ambient.gravity;
+    let feet: f64 = (0..4).map(|foot| at_rest[cells + 3 * foot + 2]).sum();
+    let above: f64 = at_rest.rows(0, cells).sum();
+    let expected = above + gravity * under.lift.norm_squared();
+    assert!((feet - expected).abs() < 1e-6 * expected, "{feet} {expected} N");
+}
+
+#[test]
+fn a_spring_beside_its_body_is_refused_and_so_are_springs_that_cannot_hold() {
+    let mut off = on_springs(1e6, 60.0, "");
+    off.springs.get_mut("corner_1").unwrap().z = -0.02;
+    let error = |design: &Design| {
+        let run = pipeline::run(design, Options::default(), &Cache::none(), &mut Silent);
+        let error = run.map(|_| ()).unwrap_err();
+        let causes = std::iter::successors(Some(&error as &dyn std::error::Error), |error| error.source());
+        causes.map(|error| error.to_string()).collect::<Vec<_>>().join(": ")
+    };
+    let text = error(&off);
+    assert!(
+        text.contains("`corner_1`") && text.contains("20 mm outside the workpiece"),
+        "{text}"
+    );
+    // One spring under a corner cannot hold the block level.
+    let mut one = on_springs(1e6, 60.0, "");
+    one.springs.retain(|name, _| name == "corner_0");
+    let text = error(&one);
+    assert!(text.contains("no static equilibrium"), "{text}");
 }

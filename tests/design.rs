@@ -469,6 +469,7 @@ const BAD: &[(&str, usize, &str, &str)] = &[
     ("sensor-name", 3, "block top", "letters"),
     ("sensor-without-body", 4, "sensors.mine.body", "sensors.mine.body ="),
     ("spring", 3, "spring", "`head_valve.lift`"),
+    ("springs-none", 3, "nothing carries the workpiece", "springs.NAME"),
     ("supply-below-ambient", 3, "supply.pressure", "psig"),
     ("twice", 4, "duplicate key", "key = value"),
     ("unknown-choice", 3, "support.kind", "sandbox"),

@@ -1,15 +1,19 @@
 //! The tool's body as a source: limits of its motion and of its sound, and its modes.
 #![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
+use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 use nailnoise::Design;
 use nailnoise::cache::{Cache, LIMIT};
-use nailnoise::design::{BodyModel, SupportKind};
+use nailnoise::design::{BodyModel, Carrier, Sensor, SupportKind};
 use nailnoise::pipeline::{self, BodyKind, Geometry, Options, Run, Silent};
 use nailnoise::result::RankedSource;
+use nailnoise_acoustics::fourier::filtered;
+use nailnoise_fem::transient::Motion;
 use nailnoise_meshes::msh::{self, Format};
 use nailnoise_meshes::{Block, FaceGroup, FaceRef, Mesh, Surface, block};
+use nalgebra::{Complex, Point3};
 
 fn design(name: &str) -> Design {
     Design::load(Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).unwrap()
@@ -185,4 +189,100 @@ fn the_bare_housing_has_the_reference_modes() {
     for (hz, expected) in basis.hz[6..].iter().zip(reference) {
         assert!((hz / expected - 1.0).abs() < 0.035, "{hz} Hz instead of {expected}");
     }
+}
+
+/// Sensors at both ends and at a side of the bar, and one far off; none of the base design's.
+fn with_sensors(mut design: Design, band: [f64; 2]) -> Design {
+    let at = |x: f64, z: f64, along: [f64; 3]| Sensor {
+        body: Carrier::Tool,
+        x,
+        y: 0.0,
+        z,
+        along_x: along[0],
+        along_y: along[1],
+        along_z: along[2],
+        band_low: band[0],
+        band_high: band[1],
+    };
+    design.sensors = [
+        ("cap", at(0.0, 0.3, [0.0, 0.0, 1.0])),
+        ("nose", at(0.0, 0.0, [0.0, 0.0, 1.0])),
+        ("side", at(0.04, 0.15, [1.0, 0.0, 0.0])),
+    ]
+    .map(|(name, sensor)| (name.to_owned(), sensor))
+    .into();
+    design
+}
+
+/// A body without resonances below a sensor's band moves there as a whole; one with them does not.
+#[test]
+fn sensors_on_the_tool_read_its_motion_as_a_whole_at_low_frequencies_and_its_modes_above() {
+    let records = |stiffening: f64, model: BodyModel, band: [f64; 2]| {
+        let mut design = with_sensors(bar(stiffening), band);
+        design.body.model = model;
+        run(&design).sensors
+    };
+    let (low, wide) = ([1.0, 150.0], [1.0, 10e3]);
+    let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+    let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
+    let rigid = records(1.0, BodyModel::Rigid, low);
+    let elastic = records(1.0, BodyModel::Elastic, low);
+    // By name: cap, nose, side; all records are as long as the workpiece's response.
+    for end in [0, 1] {
+        let (a, b) = (&elastic[end].acceleration, &rigid[end].acceleration);
+        assert_eq!(a.len(), b.len());
+        assert!(apart(a, b) < 0.02 * largest(b), "{}: {}", apart(a, b), largest(b));
+    }
+    assert_eq!(largest(&rigid[2].acceleration), 0.0, "a rigid tool moves along z alone");
+    let (soft, rigid) = (
+        records(0.1, BodyModel::Elastic, wide),
+        records(0.1, BodyModel::Rigid, wide),
+    );
+    assert!(apart(&soft[0].acceleration, &soft[1].acceleration) > 0.2 * largest(&rigid[0].acceleration));
+    assert!(largest(&soft[2].acceleration) > 0.0);
+}
+
+/// A sensor at a node reads sum_j phi_j q_j'' through its band: a high-pass of first order and the four poles of a
+/// Butterworth low-pass, s_k = exp(j pi (2k + 3)/8).
+#[test]
+fn a_sensor_on_the_tool_reads_the_sum_of_its_modal_accelerations() {
+    let (low, high) = (2.0, 5e3);
+    let run = run(&with_sensors(bar(0.1), [low, high]));
+    let tool = run.tool.as_ref().unwrap();
+    let at = Point3::new(0.0, 0.0, 0.3);
+    let node = tool.body.mesh.nodes.iter().position(|p| (p - at).norm() < 1e-9);
+    let modes = tool.response.modal(0, 0..tool.body.omega.len(), Motion::Acceleration);
+    let raw = modes.unwrap() * tool.body.shapes.row(3 * node.unwrap() + 2).transpose();
+    let band = |hz: f64| {
+        let pass = Complex::new(0.0, hz / low);
+        let poles = [1.0, 2.0, 3.0, 4.0].map(|k| Complex::from_polar(1.0, PI * (2.0 * k + 3.0) / 8.0));
+        let product: Complex<f64> = poles.iter().map(|pole| Complex::new(0.0, hz / high) - pole).product();
+        pass / (1.0 + pass) / product
+    };
+    let expected = filtered(raw.as_slice(), tool.response.step, 4.0, band).unwrap();
+    let found = &run.sensors[0];
+    assert_eq!(found.name, "cap");
+    let largest = expected.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+    for (found, expected) in found.acceleration.iter().zip(&expected) {
+        assert!(
+            (found - expected).abs() < 1e-9 * largest,
+            "{found} {expected} of {largest}"
+        );
+    }
+}
+
+#[test]
+fn a_sensor_beside_the_tool_is_refused_with_its_distance_and_one_within_a_mesh_chord_is_not() {
+    let beside = |off: f64| {
+        let mut design = with_sensors(bar(1.0), [1.0, 10e3]);
+        design.sensors.get_mut("side").unwrap().x = 0.04 + off;
+        let cache = Cache::at(file("cache"), LIMIT);
+        pipeline::run(&design, Options::default(), &cache, &mut Silent).map(|_| ())
+    };
+    beside(0.5e-3).unwrap();
+    let error = beside(5e-3).unwrap_err().to_string();
+    assert!(
+        error.contains("`side`") && error.contains("5 mm outside the tool"),
+        "{error}"
+    );
 }

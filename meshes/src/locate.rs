@@ -43,6 +43,44 @@ impl Mesh {
         Err(outside(point, "the mesh".to_owned(), nearest))
     }
 
+    /// The same for a point that may lie outside the mesh by at most `off` \[m\]: then the shape functions of the element
+    /// nearest to it carry on to it, so that every linear field arrives unchanged.
+    ///
+    /// # Errors
+    /// [`MeshError::Outside`] with the distance when it lies farther out.
+    pub fn locate_within(&self, point: Point3<f64>, off: f64) -> Result<Location, MeshError> {
+        let inside = self.locate(point);
+        if !matches!(inside, Err(MeshError::Outside { .. })) {
+            return inside;
+        }
+        let (mut nearest, mut best) = (f64::INFINITY, None);
+        for (element, view) in self.elements().enumerate() {
+            let nodes = || view.nodes.iter().map(|&i| self.nodes[i]);
+            let gap = box_distance(nodes(), point);
+            if gap > off {
+                nearest = nearest.min(gap);
+                continue;
+            }
+            let (xi, weights) = invert(self, element, point);
+            let at = |weights: &[f64]| nodes().zip(weights).map(|(p, w)| p.coords * *w).sum::<Vector3<f64>>();
+            // A curved element need not reach what lies far outside it.
+            let missed = (at(&weights) - point.coords).norm() > 1e-10 * box_size(&nodes().collect::<Vec<_>>());
+            let (mut shape, mut slope) = (vec![0.0; weights.len()], vec![[0.0; 3]; weights.len()]);
+            view.kind.shape(view.kind.clamped(xi.into()), &mut shape, &mut slope);
+            let distance = (at(&shape) - point.coords).norm();
+            if distance < nearest {
+                nearest = distance;
+                best = (!missed).then(|| Location {
+                    element,
+                    nodes: view.nodes.to_vec(),
+                    weights,
+                });
+            }
+        }
+        best.filter(|_| nearest <= off)
+            .ok_or_else(|| outside(point, "the mesh".to_owned(), nearest))
+    }
+
     /// Finds the point of a face group nearest to `point`, which may lie off the faces by at most `tolerance` \[m\].
     ///
     /// # Errors

@@ -180,6 +180,17 @@ proptest! {
         let at = mesh.locate_on("top", top + Vector3::z() * 1e-4, 1e-3).unwrap();
         let x: Vector3<f64> = at.nodes.iter().zip(&at.weights).map(|(&n, w)| mesh.nodes[n].coords * *w).sum();
         prop_assert!((x - top.coords).norm() < 1e-13);
+
+        // The point above it itself, by shape functions carried on.
+        let above = top + Vector3::z() * 1e-4;
+        let at = mesh.locate_within(above, 2e-4).unwrap();
+        let x: Vector3<f64> = at.nodes.iter().zip(&at.weights).map(|(&n, w)| mesh.nodes[n].coords * *w).sum();
+        prop_assert!((x - above.coords).norm() < 1e-13);
+        match mesh.locate_within(above, 0.9e-4) {
+            Err(MeshError::Outside { distance, .. }) => prop_assert!((distance - 1e-4).abs() < 1e-12),
+            found => prop_assert!(false, "{found:?}"),
+        }
+        prop_assert_eq!(mesh.locate_within(p, 0.0).unwrap(), mesh.locate(p).unwrap());
     }
 }
 

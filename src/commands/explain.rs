@@ -82,7 +82,9 @@ fn explain(design: &Design) -> Result<Explanation, Error> {
     let record = pipeline::cycle(design)?;
     let kinds: &[BodyKind] = match design.support.kind {
         SupportKind::Worktable => &[BodyKind::Workpiece, BodyKind::Worktable, BodyKind::Tool],
-        SupportKind::Sandbox | SupportKind::Floor | SupportKind::Clamped => &[BodyKind::Workpiece, BodyKind::Tool],
+        SupportKind::Sandbox | SupportKind::Floor | SupportKind::Clamped | SupportKind::Springs => {
+            &[BodyKind::Workpiece, BodyKind::Tool]
+        }
     };
     let (mut bodies, mut obstacles) = (Vec::new(), Vec::new());
     for &kind in kinds {

@@ -5,6 +5,7 @@
 use super::dimension::*;
 use super::error::{Short, show};
 use super::groups::*;
+use super::springs::Sprung;
 use nailnoise_acoustics::muffler::plane_wave_limit;
 
 /// Compression up to which the printed polynomial of the closing spring (Eq. 4.60) holds \[m\].
@@ -118,6 +119,14 @@ pub enum Conflict {
         /// Its bore \[m2\].
         bore: f64,
     },
+    /// Nothing carries a body that stands on springs.
+    #[error("nothing carries the {}: it stands on springs, and none on it has a `stiffness_z` above 0", body.as_str())]
+    NotCarried {
+        /// The body.
+        body: Sprung,
+        /// The key that takes other supports away.
+        key: &'static str,
+    },
     /// Ratio of specific heats of 1 or less.
     #[error("`ambient.heat_capacity_ratio` is {}, a gas has more than 1", Short(*value))]
     HeatCapacityRatio {
@@ -192,6 +201,7 @@ impl Conflict {
             Self::Incompressible { key, .. } => vec![key],
             Self::SupplyBelowAmbient { .. } => vec!["supply.pressure", "ambient.pressure"],
             Self::NotPlaneWaves { key, .. } => vec![key, "exhaust.muffler.kind", "analysis.exhaust_top"],
+            Self::NotCarried { key, .. } => vec![key],
             Self::MufflerArea { .. } => vec!["exhaust.muffler.flow_area", "exhaust.muffler.tail_diameter"],
             Self::HeatCapacityRatio { .. } => vec!["ambient.heat_capacity_ratio"],
             Self::EmptyRange { .. } => vec!["analysis.range_low", "analysis.range_high"],
@@ -234,6 +244,10 @@ impl Conflict {
             Self::MufflerArea { .. } => {
                 "lower `exhaust.muffler.flow_area` or widen `exhaust.muffler.tail_diameter`".to_owned()
             }
+            Self::NotCarried { body, .. } => format!(
+                "name its springs: [springs.NAME] with body = \"{}\", x, y, z, and stiffness and damping along each axis",
+                body.as_str()
+            ),
             Self::HeatCapacityRatio { .. } => "give `ambient.heat_capacity_ratio` as 1.4 for air".to_owned(),
             Self::EmptyRange { .. } => "give `analysis.range_low` below `analysis.range_high`".to_owned(),
             Self::TimeStep { top, .. } => {
@@ -279,6 +293,10 @@ impl Values {
             .or_else(|| nose(self))
             .or_else(|| body(self))
             .or_else(|| support(self))
+            .or_else(|| {
+                let (body, key) = self.not_carried()?;
+                Some(Conflict::NotCarried { body, key })
+            })
             .or_else(|| elastic("wood.elastic", &self.wood.elastic.axes()))
             .or_else(|| analysis(self))
     }
@@ -634,7 +652,7 @@ fn support(v: &Values) -> Option<Conflict> {
                 })
                 .or_else(|| incompressible("support.sand.poisson_ratio", sand.poisson_ratio))
         }
-        SupportKind::Floor | SupportKind::Clamped => None,
+        SupportKind::Floor | SupportKind::Clamped | SupportKind::Springs => None,
     }
 }
 

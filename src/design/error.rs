@@ -7,9 +7,10 @@ use std::path::{Path, PathBuf};
 use miette::{Diagnostic, LabeledSpan, Severity, SourceCode};
 
 use super::checks::Conflict;
-use super::dimension::Dimension;
+use super::dimension::{Dimension, LENGTH};
 use super::sensors::SensorProblem;
 use super::source::Place;
+use super::springs::Sprung;
 use super::units::UnitError;
 
 /// Why a design cannot be used. As a [`Diagnostic`] it shows the place and the remedy.
@@ -254,6 +255,21 @@ pub enum DesignError {
         /// The key to look at; none for a sensor that no file gives.
         at: Option<Box<Place>>,
     },
+    /// A spring that is not on its body.
+    #[error("the spring `{name}` at ({}, {}, {}) is {} outside the {}", show(point[0], LENGTH), show(point[1], LENGTH),
+        show(point[2], LENGTH), show(*distance, LENGTH), body.as_str())]
+    Spring {
+        /// Its name.
+        name: String,
+        /// Its body.
+        body: Sprung,
+        /// Where it is \[m\].
+        point: [f64; 3],
+        /// How far from the body \[m\].
+        distance: f64,
+        /// The key to look at; none for a spring that no file gives.
+        at: Option<Box<Place>>,
+    },
 }
 
 fn found_unit(unit: &str, found: &Dimension) -> String {
@@ -295,7 +311,10 @@ impl DesignError {
     pub fn place(&self) -> Option<&Place> {
         match self {
             Self::NotText { .. } => None,
-            Self::NotFound { at, .. } | Self::Unreadable { at, .. } | Self::Sensor { at, .. } => at.as_deref(),
+            Self::NotFound { at, .. }
+            | Self::Unreadable { at, .. }
+            | Self::Sensor { at, .. }
+            | Self::Spring { at, .. } => at.as_deref(),
             Self::Syntax { at, .. }
             | Self::InheritanceLoop { at, .. }
             | Self::UnknownKey { at, .. }
@@ -347,6 +366,11 @@ impl DesignError {
             Self::UnknownGroup { nearest, known, .. } => meant(nearest.as_deref(), known, "the groups here are"),
             Self::BadName { .. } => "use letters, digits, `_` and `-` alone: [sensors.block_top]".to_owned(),
             Self::Sensor { problem, .. } => problem.remedy(),
+            Self::Spring { .. } => {
+                "move x, y and z onto the body; the origin is the centre of the workpiece's underside, \
+                                    z up"
+                    .to_owned()
+            }
             Self::WrongKind { key, expected, .. } => format!("give `{key}` {expected}"),
             Self::BadNumber { key, expected, .. } => {
                 format!(
@@ -408,6 +432,7 @@ impl DesignError {
             Self::UnknownGroup { .. } => "unknown group",
             Self::BadName { .. } => "no name",
             Self::Sensor { .. } => "of this sensor",
+            Self::Spring { .. } => "of this spring",
             Self::WrongKind { .. } => "wrong type",
             Self::BadNumber { .. } => "not a number with a unit",
             Self::BadUnit { .. } => "unit not understood",
@@ -435,6 +460,7 @@ impl DesignError {
             Self::UnknownGroup { .. } => "unknown_group",
             Self::BadName { .. } => "bad_name",
             Self::Sensor { .. } => "sensor",
+            Self::Spring { .. } => "spring",
             Self::WrongKind { .. } => "wrong_kind",
             Self::BadNumber { .. } => "bad_number",
             Self::BadUnit { .. } => "bad_unit",

@@ -6,6 +6,7 @@
 use super::dimension::*;
 use super::schema::{Kind, any, choice, component, fraction, gas_pressure, group, nonnegative, positive};
 use super::sensors::Sensor;
+use super::springs::Spring;
 
 group! {
     /// All quantities of a design, in SI units.
@@ -32,6 +33,7 @@ group! {
     }
     lists {
         sensors: Sensor,
+        springs: Spring,
     }
 }
 
@@ -478,6 +480,8 @@ choice! {
         Floor = "floor",
         /// The block's underside is held.
         Clamped = "clamped",
+        /// The block stands on the springs and dashpots of `springs.NAME` alone.
+        Springs = "springs",
     }
 }
 
@@ -488,6 +492,16 @@ choice! {
         OneWay = "one-way",
         /// The structures' modes take the place of the lumped workpiece: the support acts back on the shot.
         TwoWay = "two-way",
+    }
+}
+
+choice! {
+    /// How the worktable stands on the floor.
+    TableFoot {
+        /// Its feet, the surface `floor`, are held.
+        Clamped = "clamped",
+        /// It stands on the springs and dashpots of `springs.NAME` alone.
+        Springs = "springs",
     }
 }
 
@@ -519,11 +533,13 @@ group! {
 }
 
 group! {
-    /// Worktable: a plate on four square legs, clamped at the floor. Preset A takes the plywood top and the solid legs
+    /// Worktable: a plate on four square legs, clamped at the floor or on springs. Preset A takes the plywood top and the solid legs
     /// given here, B and C the steel of the group below; all take length, width and height.
     Worktable {
         /// Build of the table; results are stated with it.
         preset: WorktablePreset = WorktablePreset::KIND, "";
+        /// How it stands on the floor.
+        foot: TableFoot = TableFoot::KIND, "";
         /// Length of the top, along the workpiece's length.
         length: f64 = positive(LENGTH), "";
         /// Width of the top.
@@ -545,7 +561,7 @@ group! {
         /// Damping ratio of that spring, on the workpiece's mass.
         damping_ratio: f64 = nonnegative(NUMBER), "zeta_ws";
         /// Mesh (.msh) or geometry (.step) in place of the table, z = 0 at its upper face; with the parts `top` and `leg`
-        /// and the surfaces `top` and `floor`. Bodies meshed apart are tied: the nodes of a surface `NAME_slave` follow
+        /// and the surfaces `top` and, if it is clamped, `floor`. Bodies meshed apart are tied: the nodes of a surface `NAME_slave` follow
         /// those of `NAME_master`.
         mesh: &'static str = Kind::File, "";
         /// Length of one unit of that file.
@@ -775,6 +791,10 @@ group! {
         bem_tolerance: f64 = positive(NUMBER), "";
         /// Whether radiation damps the modes of workpiece and support.
         radiation_damping: bool = Kind::Switch, "";
+        /// Equivalent absorption area of the room in which the microphones stand; 0 for none but the reflecting plane.
+        room_absorption: f64 = nonnegative(AREA), "A";
+        /// Steady A-weighted sound pressure level of the background at the microphones, in dB; 0 for none.
+        background_level: f64 = nonnegative(NUMBER), "L_B";
     }
 }
 

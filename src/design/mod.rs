@@ -28,6 +28,7 @@ mod sensors;
 mod set;
 mod settings;
 mod source;
+mod springs;
 mod suggest;
 mod units;
 
@@ -51,6 +52,7 @@ pub use schema::{GroupSpec, KeySpec, Kind, Sign, Value};
 pub use sensors::{Carrier, Sensor, SensorProblem};
 pub use set::SetError;
 pub use source::Place;
+pub use springs::{Spring, Sprung};
 pub use units::UnitError;
 
 use resolve::{Record, Records, Resolved};
@@ -174,6 +176,12 @@ impl Design {
     /// The error that a sensor of this design cannot measure what it is asked for.
     pub(crate) fn refuse_sensor(&self, name: &str, problem: SensorProblem) -> DesignError {
         resolve::sensor(name, problem, &self.records)
+    }
+
+    /// The error that a spring of this design is not on its body.
+    pub(crate) fn refuse_spring(&self, name: &str, spring: &Spring, distance: f64) -> DesignError {
+        let point = [spring.x, spring.y, spring.z];
+        resolve::spring(name, (spring.body, point, distance), &self.records)
     }
 
     /// Every key with its value and where it comes from, in the order of the reference.

@@ -12,6 +12,7 @@ use super::schema::{Group, KeySpec, Kind, Sign, Value, dotted, members};
 use super::sensors::SensorProblem;
 use super::settings::{Given, GivenDerived, Layer, Setting};
 use super::source::{File, Place};
+use super::springs::Sprung;
 
 /// What the files say about one key, the nearest file last.
 #[derive(Debug)]
@@ -269,15 +270,29 @@ fn conflicting(conflict: super::Conflict, records: &Records) -> DesignError {
 
 /// What is wrong with a sensor, at the key that was set last: in the file nearest to the design, and there furthest down.
 pub(crate) fn sensor(name: &str, problem: SensorProblem, records: &Records) -> DesignError {
-    let sensor = dotted("sensors", name);
-    let set = problem
-        .keys()
-        .iter()
-        .filter_map(|key| records.get(&dotted(&sensor, key)));
-    let last = set.min_by_key(|record| (record.depth, usize::MAX - record.place.span.start));
-    let at = last.map(|record| record.place.clone());
+    let at = last_set("sensors", name, problem.keys(), records);
     let name = name.to_owned();
     DesignError::Sensor { name, problem, at }
+}
+
+/// That a spring is not on its body, at the key of its place that was set last.
+pub(crate) fn spring(name: &str, (body, point, distance): (Sprung, [f64; 3], f64), records: &Records) -> DesignError {
+    let at = last_set("springs", name, &["x", "y", "z", "body"], records);
+    DesignError::Spring {
+        name: name.to_owned(),
+        body,
+        point,
+        distance,
+        at,
+    }
+}
+
+/// Place of the key of a list's member that was set last.
+fn last_set(list: &str, name: &str, keys: &[&str], records: &Records) -> Option<Box<Place>> {
+    let member = dotted(list, name);
+    let set = keys.iter().filter_map(|key| records.get(&dotted(&member, key)));
+    let last = set.min_by_key(|record| (record.depth, usize::MAX - record.place.span.start));
+    last.map(|record| record.place.clone())
 }
 
 fn outside_range(values: &Values, records: &Records) -> Vec<Warning> {

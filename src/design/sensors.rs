@@ -14,28 +14,29 @@ choice! {
         Worktable = "worktable",
         /// The surface of the sand around the block.
         Sand = "sand",
-        /// The tool, which moves as a rigid body along z.
+        /// The tool: its housing with its modes, or with `body.model = "rigid"` its motion along z.
         Tool = "tool",
     }
 }
 
 group! {
     /// An accelerometer. It has no effect on what it is fixed to, and none while the design lacks its body. The origin
-    /// is the centre of the workpiece's underside, x along its length, y along its width, z up.
+    /// is the centre of the workpiece's underside, x along its length, y along its width, z up; on the tool it is the
+    /// nose's tip, x along the handle, z up.
     Sensor {
         /// What it is fixed to.
         body: Carrier = Carrier::KIND, "";
-        /// Position along the workpiece's length; unused on the tool.
+        /// Position along the workpiece's length, or along the tool's handle.
         x: f64 = any(LENGTH), "x";
-        /// Position along the workpiece's width; unused on the tool.
+        /// Position along the workpiece's width, or along the axis of the tool's magazine.
         y: f64 = any(LENGTH), "y";
-        /// Height above the workpiece's underside; unused on the tool and on sand.
+        /// Height above the workpiece's underside, or the tool's nose; unused on sand.
         z: f64 = any(LENGTH), "z";
         /// Component along x of its axis, whose length does not matter.
         along_x: f64 = component(), "";
         /// Component along y of its axis.
         along_y: f64 = component(), "";
-        /// Component along z of its axis; tool and sand move along z alone.
+        /// Component along z of its axis; sand and a rigid tool move along z alone.
         along_z: f64 = component(), "";
         /// Lower limit of its band, -3 dB: the discharge time of its amplifier, a filter of first order.
         band_low: f64 = positive(FREQUENCY), "";
@@ -99,8 +100,8 @@ impl SensorProblem {
                 )
             }
             Self::Outside { .. } => {
-                "move x, y and z onto the body; the origin is the centre of the workpiece's underside, \
-                                     z up"
+                "move x, y and z onto the body; the origin is the centre of the workpiece's underside, on the tool the \
+                 nose's tip, z up"
                     .to_owned()
             }
         }

@@ -9,9 +9,9 @@ use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
 use super::geometry::{BodyKind, Geometry, added_mass};
 use super::pattern::{Pattern, Rectangle};
-use super::{shank, sides, tool_loads};
+use super::{shank, sides, springs, tool_loads};
 use crate::cache::{Cache, Key};
-use crate::design::{Design, SupportKind};
+use crate::design::{Design, Sprung, SupportKind};
 use crate::error::Error;
 use crate::result::Check;
 
@@ -39,7 +39,8 @@ pub struct Body {
     pub weight: DVector<f64>,
     /// Generalised displacement of each load, downwards positive: modes x loads.
     pub loads: DMatrix<f64>,
-    /// Generalised displacement of each contact cell along the body's outward normal: modes x cells.
+    /// Generalised displacement of each contact cell along the body's outward normal, then of the sand's cells at its sides
+    /// and of springs to the ground: modes x supports.
     pub contacts: DMatrix<f64>,
 }
 
@@ -88,13 +89,15 @@ pub fn workpiece(design: &Design, cache: &Cache) -> Result<Body, Error> {
         height: thickness,
     };
     loads.push(Pattern::patch(mesh, "top", nose)?.reversed());
-    let contacts = if design.support.kind == SupportKind::Clamped {
-        Vec::new()
-    } else {
-        let under = contact_patterns(design, mesh, "bottom")?;
-        let outward = under.iter().map(Pattern::reversed); // outward is down
-        outward.chain(sides::patterns(design, mesh)?).collect()
+    let mut contacts = match design.support.kind {
+        SupportKind::Clamped | SupportKind::Springs => Vec::new(),
+        SupportKind::Worktable | SupportKind::Sandbox | SupportKind::Floor => {
+            let under = contact_patterns(design, mesh, "bottom")?;
+            let outward = under.iter().map(Pattern::reversed); // outward is down
+            outward.chain(sides::patterns(design, mesh)?).collect()
+        }
     };
+    contacts.extend(springs::patterns(design, mesh, Sprung::Workpiece)?);
     let mut body = Model {
         geometry,
         loads,
@@ -114,13 +117,14 @@ pub fn workpiece(design: &Design, cache: &Cache) -> Result<Body, Error> {
     Ok(body)
 }
 
-/// The worktable, clamped at the floor.
+/// The worktable, clamped at the floor or on springs.
 ///
 /// # Errors
 /// [`Error::NoSuchBody`] when the support is a sandbox; those of mesh, material and modal solution.
 pub fn table(design: &Design, cache: &Cache) -> Result<Body, Error> {
     let geometry = Geometry::of(design, BodyKind::Worktable, false)?;
-    let contacts = contact_patterns(design, &geometry.mesh, "top")?;
+    let mut contacts = contact_patterns(design, &geometry.mesh, "top")?;
+    contacts.extend(springs::patterns(design, &geometry.mesh, Sprung::Worktable)?);
     Model {
         geometry,
         loads: Vec::new(),
@@ -203,6 +207,7 @@ impl Model {
             .loads
             .iter()
             .chain(&self.contacts)
+            .filter(|pattern| !pattern.is_nothing())
             .map(|pattern| pattern.dense(dofs))
             .collect();
         let settings = ModalSettings {

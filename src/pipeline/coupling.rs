@@ -11,6 +11,7 @@ use nailnoise_dynamics::{
     simulate_on,
 };
 use nailnoise_fem::transient::{Driven, ModalBody, ModalResponse, Settings, Support};
+use nalgebra::DVectorView;
 
 use super::shank::{self, STATIONS};
 use crate::error::Error;
@@ -71,6 +72,7 @@ pub fn couple(
         envelope: parameters.penetration_envelope(),
         length: parameters.nail.length,
         friction_share,
+        carrying: carrying(&bodies[0], parameters.ambient.gravity),
         // Under its own weight, until the cycle puts the tool on it.
         run: Driven::new(bodies, supports, &WEIGHT, &WEIGHT, transient)?,
         at: Reading::default(),
@@ -90,6 +92,18 @@ pub fn couple(
     })
 }
 
+/// Part of each support's force on a body that acts upwards: what weight and support do on the rigid motions together,
+/// Phi_s^T (Phi^T M e)/g = e . n. Without gravity all of them count.
+fn carrying(body: &ModalBody, gravity: f64) -> Vec<f64> {
+    let weight = body.loads.column(GRAVITY);
+    let upwards = |support: DVectorView<'_, f64>| {
+        let rigid = (0..body.omega.len()).filter(|&j| body.omega[j] == 0.0);
+        rigid.map(|j| support[j] * weight[j]).sum::<f64>() / gravity
+    };
+    let columns = body.supports.column_iter();
+    columns.map(|s| if gravity > 0.0 { upwards(s) } else { 1.0 }).collect()
+}
+
 /// Motion of the wood along its loads at a sample.
 #[derive(Debug, Clone, Default)]
 struct Reading {
@@ -107,6 +121,8 @@ struct Wood<'a> {
     envelope: Envelope,
     length: f64,
     friction_share: f64,
+    /// Part of each support's force that carries the workpiece.
+    carrying: Vec<f64>,
     run: Driven<'a>,
     /// At the present sample.
     at: Reading,
@@ -148,7 +164,12 @@ impl Wood<'_> {
         let answer = WoodMotion {
             seat: [motion[NOSE], rate[NOSE]],
             nail: [nail, velocity],
-            support: run.support_forces().iter().sum(),
+            support: run
+                .support_forces()
+                .iter()
+                .zip(&self.carrying)
+                .map(|(f, c)| f * c)
+                .sum(),
         };
         (Reading { motion, rate, nail }, answer)
     }

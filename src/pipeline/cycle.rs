@@ -235,8 +235,8 @@ impl From<&design::Wood> for ResistanceLaw {
     }
 }
 
-/// The support of the cycle's lumped workpiece: on a floor its contact as one spring and dashpot, in sand it is the vertical foundation stiffness K_z and the radiation
-/// dashpot rho V_La of the block's base.
+/// The support of the cycle's lumped workpiece: on a floor its contact as one spring and dashpot, on springs their sum, in
+/// sand the vertical foundation stiffness K_z and the radiation dashpot rho V_La of the block's base.
 fn support(d: &Design) -> Result<dynamics::Support, Error> {
     use dynamics::SupportDamping;
     Ok(match d.support.kind {
@@ -252,6 +252,13 @@ fn support(d: &Design) -> Result<dynamics::Support, Error> {
             dynamics::Support {
                 stiffness: base.stiffness(&sand).z,
                 damping: SupportDamping::Coefficient(sand.normal_dashpot() * base.area()),
+            }
+        }
+        SupportKind::Springs => {
+            let [stiffness, damping] = d.sprung(design::Sprung::Workpiece);
+            dynamics::Support {
+                stiffness,
+                damping: SupportDamping::Coefficient(damping),
             }
         }
         SupportKind::Floor => {

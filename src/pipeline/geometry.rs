@@ -8,7 +8,7 @@ use nailnoise_meshes::msh::{self, Imported};
 use nailnoise_meshes::{Block, Mesh, MeshError, Surface, Tool, block, gmsh, tool, tube_worktable, worktable};
 use nalgebra::{Matrix3, Point3, Vector3};
 
-use crate::design::{self, Design, SupportKind, WorktablePreset};
+use crate::design::{self, Design, SupportKind, TableFoot, WorktablePreset};
 use crate::error::Error;
 
 /// A body of a design.
@@ -245,7 +245,7 @@ fn workpiece(design: &Design) -> Result<Geometry, Error> {
     match design.support.kind {
         SupportKind::Clamped => geometry.constraints = Constraints::clamped(&geometry.mesh, "bottom")?,
         SupportKind::Sandbox => geometry.attachments.masses.extend(added_sand(design)?),
-        SupportKind::Worktable | SupportKind::Floor => {}
+        SupportKind::Worktable | SupportKind::Floor | SupportKind::Springs => {}
     }
     Ok(geometry)
 }
@@ -340,8 +340,10 @@ fn table(design: &Design) -> Result<Geometry, Error> {
         _ => None,
     };
     geometry.materials = materials(&geometry.mesh, "top, leg", &top, of_part)?;
-    geometry.mesh.group("floor")?; // a fault of the mesh, not of the solution
-    geometry.constraints = Constraints::clamped(&geometry.mesh, "floor")?;
+    if t.foot == TableFoot::Clamped {
+        geometry.mesh.group("floor")?; // a fault of the mesh, not of the solution
+        geometry.constraints = Constraints::clamped(&geometry.mesh, "floor")?;
+    }
     Ok(geometry)
 }
 

@@ -73,6 +73,13 @@ pub(super) fn notes(
             ));
         }
     }
+    if design.support.kind == SupportKind::Springs {
+        notes.push(
+            "workpiece alone on its springs: radiated power is the ERP reference (radiation efficiency 1), an overestimate \
+             at low frequencies"
+                .to_owned(),
+        );
+    }
     if matches!(design.support.kind, SupportKind::Floor | SupportKind::Clamped) {
         notes.push(
             "workpiece alone, its underside hidden: radiated power is the ERP reference (radiation efficiency 1), an \
@@ -127,6 +134,10 @@ pub(super) fn notes(
     let idle = super::sensors::idle(design);
     if !idle.is_empty() {
         notes.push(format!("sensors on bodies that this design lacks: {}", idle.join(", ")));
+    }
+    let idle = super::springs::idle(design);
+    if !idle.is_empty() {
+        notes.push(format!("springs on bodies that this design lacks: {}", idle.join(", ")));
     }
     notes.push("the tool's later landing is not part of the shot".to_owned());
     notes

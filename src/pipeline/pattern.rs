@@ -3,7 +3,7 @@
 //! A pattern reads a displacement, d = sum w_i u_i, and its transpose spreads a force, so that force times d is work:
 //! what one body does to another through the same pair of patterns neither makes nor loses energy.
 
-use nailnoise_meshes::{FaceKind, Mesh, MeshError, QuadraturePoint, Surface, gauss_legendre};
+use nailnoise_meshes::{FaceKind, Location, Mesh, MeshError, QuadraturePoint, Surface, SurfaceFace, gauss_legendre};
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
 /// Sparse weights on the degrees of freedom 3 node + axis of a mesh.
@@ -92,11 +92,20 @@ impl Pattern {
     /// # Errors
     /// [`MeshError::Outside`] when the point is not in the mesh.
     pub(super) fn along(mesh: &Mesh, point: Point3<f64>, direction: Vector3<f64>) -> Result<Self, MeshError> {
-        let place = mesh.locate(point)?;
+        Ok(Self::at(&mesh.locate(point)?, direction))
+    }
+
+    /// The same for a point that may lie outside the body by `off` \[m\].
+    ///
+    /// # Errors
+    /// [`MeshError::Outside`] when it lies farther from the mesh.
+    pub(super) fn near(mesh: &Mesh, point: Point3<f64>, direction: Vector3<f64>, off: f64) -> Result<Self, MeshError> {
+        Ok(Self::at(&mesh.locate_within(point, off)?, direction))
+    }
+
+    fn at(place: &Location, direction: Vector3<f64>) -> Self {
         let of_node = |(&node, &w): (&usize, &f64)| [0, 1, 2].map(|axis| (3 * node + axis, w * direction[axis]));
-        Ok(Self::gathered(
-            place.nodes.iter().zip(&place.weights).flat_map(of_node).collect(),
-        ))
+        Self::gathered(place.nodes.iter().zip(&place.weights).flat_map(of_node).collect())
     }
 
     /// Mean displacement along a unit vector of the part of a patch where `inside` holds; its transpose is a uniform
@@ -116,6 +125,30 @@ impl Pattern {
         Ok((area > 0.0).then(|| Self::gathered(weights)))
     }
 
+    /// Mean displacement along a unit vector of the surface within a distance of a point. `None` where there is none of it.
+    ///
+    /// # Errors
+    /// None for a valid mesh.
+    pub(super) fn foot(
+        surface: &Surface,
+        (centre, radius): (Point3<f64>, f64),
+        direction: Vector3<f64>,
+    ) -> Result<Option<Self>, MeshError> {
+        let inside = |p: &Point3<f64>| (p - centre).norm() < radius;
+        let near = |face: &SurfaceFace| {
+            let (low, high) = face.nodes.iter().map(|&node| surface.points[node]).fold(
+                (Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3])),
+                |(low, high), p| (low.inf(&p), high.sup(&p)),
+            );
+            let gap = (low - centre).sup(&(centre - high));
+            gap.sup(&Vector3::zeros()).norm() < radius
+        };
+        let points = points_where(surface, near, inside)?;
+        let area: f64 = points.iter().map(|point| point.weight).sum();
+        let weights = spread(surface, &points, |_| direction / area);
+        Ok((area > 0.0).then(|| Self::gathered(weights)))
+    }
+
     /// Volume that the parts of patches where `inside` holds sweep into the body, per unit of displacement \[m2\]; its
     /// transpose is the force of a unit of pressure there.
     ///
@@ -128,6 +161,16 @@ impl Pattern {
     ) -> Result<Self, MeshError> {
         let points = points_on(surface, patches, inside)?;
         Ok(Self::gathered(spread(surface, &points, |point| -point.normal)))
+    }
+
+    /// The pattern that reads nothing.
+    pub(super) fn nothing() -> Self {
+        Self(Vec::new())
+    }
+
+    /// Whether it reads nothing.
+    pub(super) fn is_nothing(&self) -> bool {
+        self.0.is_empty()
     }
 
     /// The sum of two patterns.
@@ -186,9 +229,18 @@ fn points_on(
         .iter()
         .map(|name| surface.patch(name))
         .collect::<Result<Vec<usize>, _>>()?;
+    points_where(surface, |face| wanted.contains(&face.patch), inside)
+}
+
+/// Points of the faces that are wanted where `inside` holds, as in [`points_on`].
+fn points_where(
+    surface: &Surface,
+    wanted: impl Fn(&SurfaceFace) -> bool,
+    inside: impl Fn(&Point3<f64>) -> bool,
+) -> Result<Vec<QuadraturePoint>, MeshError> {
     let mut points = Vec::new();
     for (index, face) in surface.faces.iter().enumerate() {
-        if !wanted.contains(&face.patch) {
+        if !wanted(face) {
             continue;
         }
         let whole = face.nodes.iter().all(|&node| inside(&surface.points[node]));
@@ -313,6 +365,16 @@ mod tests {
             (pattern.of_modes(&u)[0] - expected).abs() < 1e-3,
             "{}",
             pattern.of_modes(&u)[0]
+        );
+        let foot = Pattern::foot(&surface, (centre, radius), Vector3::z())
+            .unwrap()
+            .unwrap();
+        assert!((foot.of_modes(&u)[0] - expected).abs() < 1e-3);
+        let beside = Point3::new(0.0, 0.0, 0.2);
+        assert!(
+            Pattern::foot(&surface, (beside, radius), Vector3::z())
+                .unwrap()
+                .is_none()
         );
         assert!(
             Pattern::traction(&surface, "top", Vector3::z(), |_| false)

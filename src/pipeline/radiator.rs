@@ -70,9 +70,8 @@ impl Radiator {
     ) -> Result<Self, Error> {
         match (design.support.kind, design.acoustics.method) {
             (SupportKind::Sandbox, _) => Ok(Self::Rayleigh(Box::new(flush_top(design, &structure.workpiece, air)?))),
-            (SupportKind::Floor | SupportKind::Clamped, _) | (SupportKind::Worktable, RadiationMethod::Erp) => {
-                standing_erp(design, structure, air)
-            }
+            (SupportKind::Floor | SupportKind::Clamped | SupportKind::Springs, _)
+            | (SupportKind::Worktable, RadiationMethod::Erp) => standing_erp(design, structure, air),
             (SupportKind::Worktable, RadiationMethod::Bem) => standing_bem(design, structure, air, cache, observer),
         }
     }
@@ -112,8 +111,8 @@ impl Radiator {
     }
 }
 
-/// Rayleigh's integral over the block's top, flush with the sand.
-fn flush_top(design: &Design, body: &Body, air: &Air) -> Result<SampledRadiation, Error> {
+/// The block's top, flush with the sand.
+pub(super) fn flush_surface(design: &Design, body: &Body, air: &Air) -> Result<Rayleigh, Error> {
     let sand = &design.support.sand;
     let surface = radiating(body, |patch, _| patch != "top")?;
     let mut rayleigh = Rayleigh::new(&surface, air)?;
@@ -123,8 +122,13 @@ fn flush_top(design: &Design, body: &Body, air: &Air) -> Result<SampledRadiation
     if sand.moving_surface {
         rayleigh = rayleigh.with_moving_sand(moving_sand(design)?)?;
     }
+    Ok(rayleigh)
+}
+
+/// Rayleigh's integral over it.
+fn flush_top(design: &Design, body: &Body, air: &Air) -> Result<SampledRadiation, Error> {
     let top = body.top_hz.min(design.analysis.range_high);
-    Ok(rayleigh.sampled(&Sampling {
+    Ok(flush_surface(design, body, air)?.sampled(&Sampling {
         range_hz: [LOWEST_SAMPLE.min(0.5 * top), top],
         ..Sampling::default()
     })?)
@@ -143,7 +147,8 @@ fn standing_erp(design: &Design, structure: &Structure, air: &Air) -> Result<Rad
     let half = [0.5 * design.workpiece.length, 0.5 * design.workpiece.width];
     let of_body = |body: &Body| {
         let hidden = |patch: &str, p: &Point3<f64>| match patch {
-            "bottom" | "floor" => true,
+            "bottom" => body.name != "workpiece" || design.support.kind != SupportKind::Springs,
+            "floor" => true,
             _ if patch.ends_with("_slave") => true, // tied to another face
             "top" => body.name == "worktable" && p.x.abs() < half[0] && p.y.abs() < half[1],
             _ => false,

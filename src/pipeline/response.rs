@@ -12,7 +12,7 @@ use super::bodies::{Body, Structure, WORKPIECE_LOADS};
 use super::coupling::{Coupled, couple};
 use super::cycle_settings;
 use super::starts::open_gaps;
-use super::{shank, sides};
+use super::{shank, sides, springs};
 use crate::design::{Design, SupportKind};
 use crate::error::Error;
 use crate::result::Check;
@@ -97,10 +97,20 @@ fn modal_body(body: &Body) -> ModalBody {
     }
 }
 
-/// Springs and dashpots of the contact cells between the block and what it stands on.
+/// Springs and dashpots of the contact cells between the block and what it stands on, of the sand at its sides, and those
+/// of the user to the ground.
 fn supports(design: &Design, structure: &Structure, start: u32) -> Result<Vec<Support>, Error> {
+    let mut supports = cells(design, structure)?;
+    supports.extend(sides::supports(design)?);
+    supports.extend(springs::supports(design));
+    open_gaps(&mut supports, start);
+    Ok(supports)
+}
+
+/// The contact cells.
+fn cells(design: &Design, structure: &Structure) -> Result<Vec<Support>, Error> {
     let (stiffness, dashpot, bonded) = match design.support.kind {
-        SupportKind::Clamped => return Ok(Vec::new()),
+        SupportKind::Clamped | SupportKind::Springs => return Ok(Vec::new()),
         SupportKind::Worktable | SupportKind::Floor => {
             let c = &design.support.contact;
             let dashpot = contact_dashpot(c.stiffness_per_area, c.loss_ratio, c.loss_frequency);
@@ -124,10 +134,7 @@ fn supports(design: &Design, structure: &Structure, start: u32) -> Result<Vec<Su
         gap: 0.0,
         law,
     };
-    let mut supports: Vec<Support> = structure.grid.areas.iter().map(cell).collect();
-    supports.extend(sides::supports(design)?);
-    open_gaps(&mut supports, start);
-    Ok(supports)
+    Ok(structure.grid.areas.iter().map(cell).collect())
 }
 
 /// Loads of the shot: the nail's stations, the nose with the guard spring, gravity.

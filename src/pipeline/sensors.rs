@@ -5,13 +5,14 @@ use std::f64::consts::FRAC_PI_8;
 use nailnoise_acoustics::fourier::filtered;
 use nailnoise_acoustics::radiation::MovingSand;
 use nailnoise_dynamics::CycleRecord;
-use nailnoise_fem::transient::{ModalResponse, Motion};
+use nailnoise_fem::transient::{Loads, ModalResponse, Motion, Settings};
 use nailnoise_meshes::MeshError;
 use nalgebra::{Complex, DMatrix, Point3, Vector3};
 
 use super::bodies::{Body, Structure};
 use super::pattern::Pattern;
 use super::radiation::moving_sand;
+use super::tool::Tool;
 use crate::design::{Carrier, Design, Sensor, SensorProblem, SupportKind};
 use crate::error::Error;
 use crate::result::SensorLevel;
@@ -35,26 +36,36 @@ pub struct SensorRecord {
     pub acceleration: Vec<f64>,
 }
 
-/// The records of all sensors whose body the design has, by name.
+/// What moves in a shot.
+#[derive(Clone, Copy)]
+pub(super) struct Shot<'a> {
+    /// Workpiece and what it stands on.
+    pub structure: &'a Structure,
+    /// Their response.
+    pub response: &'a ModalResponse,
+    /// The tool's body, unless it is rigid.
+    pub tool: Option<&'a Tool>,
+    /// The cycle, whose tool a rigid one is.
+    pub record: &'a CycleRecord,
+}
+
+/// The records of all sensors whose body the design has, by name, as long as the response of the workpiece.
 ///
 /// # Errors
 /// [`DesignError::Sensor`](crate::design::DesignError::Sensor) for a sensor that is not on its body.
-pub(super) fn sensors(
-    design: &Design,
-    structure: &Structure,
-    response: &ModalResponse,
-    record: &CycleRecord,
-) -> Result<Vec<SensorRecord>, Error> {
+pub(super) fn sensors(design: &Design, shot: Shot<'_>) -> Result<Vec<SensorRecord>, Error> {
     let present = design.sensors.iter().filter(|(_, sensor)| carries(design, sensor.body));
+    let response = shot.response;
     present
         .map(|(name, sensor)| {
-            let place = Site::of(design, structure, name, sensor)?;
-            let raw = place.acceleration(response, record, sensor)?;
+            let place = Site::of(design, shot, name, sensor)?;
+            let raw = place.acceleration(shot, sensor)?;
             let sand = place.sand;
             let at = [sensor.x, sensor.y];
-            let acceleration = filtered(&raw, response.step, PADDING, |hz| {
+            let mut acceleration = filtered(&raw, response.step, PADDING, |hz| {
                 band(sensor, hz) * sand.map_or(Complex::from(1.0), |sand| sand.ratio(at, hz))
             })?;
+            acceleration.truncate(response.samples());
             Ok(SensorRecord {
                 name: name.clone(),
                 body: sensor.body,
@@ -82,34 +93,47 @@ fn carries(design: &Design, body: Carrier) -> bool {
     }
 }
 
+/// How far off its body a sensor may be \[m\]: less than half its base, more than the chords of a mesh are off the
+/// cylinders that they stand for.
+const OFF: f64 = 1e-3;
+
 /// Where a sensor reads the response.
-struct Site {
-    /// Index of the body and displacement along the sensor's axis for each of its modes; none on the tool.
-    modes: Option<(usize, DMatrix<f64>)>,
+struct Site<'a> {
+    /// Response, index of the body in it, and displacement along the sensor's axis for each of its modes; none on a
+    /// rigid tool.
+    modes: Option<(&'a ModalResponse, usize, DMatrix<f64>)>,
     /// The law by which sand carries the block's motion to the sensor.
     sand: Option<MovingSand>,
 }
 
-impl Site {
-    fn of(design: &Design, structure: &Structure, name: &str, sensor: &Sensor) -> Result<Self, Error> {
+impl<'a> Site<'a> {
+    fn of(design: &Design, shot: Shot<'a>, name: &str, sensor: &Sensor) -> Result<Self, Error> {
         let axis = axis(sensor);
         let at = Point3::new(sensor.x, sensor.y, sensor.z);
-        let on = |index: usize, body: &Body, at: Point3<f64>, axis: Vector3<f64>| {
-            let pattern = Pattern::along(&body.mesh, at, axis).map_err(|error| match error {
+        let on = |response: &'a ModalResponse, index: usize, body: &Body, at: Point3<f64>, axis: Vector3<f64>| {
+            let pattern = Pattern::near(&body.mesh, at, axis, OFF).map_err(|error| match error {
                 MeshError::Outside { distance, .. } => outside(design, name, sensor, body.name, distance),
                 other => other.into(),
             })?;
             let shape = pattern.of_modes(&body.shapes);
             Ok::<_, Error>(Some((
+                response,
                 index,
                 DMatrix::from_column_slice(shape.len(), 1, shape.as_slice()),
             )))
         };
-        let (modes, sand) = match (sensor.body, &structure.worktable) {
-            (Carrier::Workpiece, _) => (on(0, &structure.workpiece, at, axis)?, None),
-            (Carrier::Worktable, Some(table)) => (on(1, table, at, axis)?, None),
-            (Carrier::Worktable, None) | (Carrier::Tool, _) => (None, None),
-            (Carrier::Sand, _) => {
+        let (response, block) = (shot.response, &shot.structure.workpiece);
+        let (modes, sand) = match sensor.body {
+            Carrier::Workpiece => (on(response, 0, block, at, axis)?, None),
+            Carrier::Worktable => match &shot.structure.worktable {
+                Some(table) => (on(response, 1, table, at, axis)?, None),
+                None => (None, None),
+            },
+            Carrier::Tool => match shot.tool {
+                Some(tool) => (on(&tool.response, 0, &tool.body, at, axis)?, None),
+                None => (None, None),
+            },
+            Carrier::Sand => {
                 let law = moving_sand(design)?;
                 let distance = off_the_sand(&law, [sensor.x, sensor.y]);
                 if distance > 0.0 {
@@ -117,27 +141,27 @@ impl Site {
                 }
                 let [x, y] = law.edge([sensor.x, sensor.y]);
                 let edge = Point3::new(x, y, design.workpiece.thickness);
-                (on(0, &structure.workpiece, edge, Vector3::z() * axis.z)?, Some(law))
+                (on(response, 0, block, edge, Vector3::z() * axis.z)?, Some(law))
             }
         };
         Ok(Self { modes, sand })
     }
 
     /// Acceleration along the sensor's axis on the grid of the response \[m/s2\].
-    fn acceleration(&self, response: &ModalResponse, record: &CycleRecord, sensor: &Sensor) -> Result<Vec<f64>, Error> {
-        if let Some((body, shapes)) = &self.modes {
+    fn acceleration(&self, shot: Shot<'_>, sensor: &Sensor) -> Result<Vec<f64>, Error> {
+        if let Some((response, body, shapes)) = &self.modes {
             let motion = response.points(*body, shapes, Motion::Acceleration)?;
             return Ok(motion.as_slice().to_vec());
         }
-        // The cycle counts downwards, the sensor upwards; after the record the tool is at rest in the hand.
-        let (history, up) = (&record.tool.acceleration, axis(sensor).z);
-        let value = |sample: usize| {
-            let position = sample as f64 * response.step / record.sample_interval;
-            let (left, share) = (position.floor() as usize, position.fract());
-            let at = |index: usize| history.get(index).copied().unwrap_or(0.0);
-            -up * ((1.0 - share) * at(left) + share * at(left + 1))
+        let (response, record) = (shot.response, shot.record);
+        // The cycle counts downwards, the sensor upwards; after the record the forces on the tool balance each other.
+        let fall = Loads {
+            interval: record.sample_interval,
+            history: DMatrix::from_row_slice(1, record.len(), &record.tool.acceleration),
+            final_values: vec![0.0],
         };
-        Ok((0..response.samples()).map(value).collect())
+        let fall = fall.sampled(response.step, response.samples(), Settings::default().taper);
+        Ok((fall * -axis(sensor).z).as_slice().to_vec())
     }
 }
 

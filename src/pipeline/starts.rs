@@ -53,7 +53,7 @@ pub(super) fn starts(
     let held = match design.support.kind {
         SupportKind::Worktable | SupportKind::Floor => design.support.contact.bonded,
         SupportKind::Sandbox => design.support.sand.bonded,
-        SupportKind::Clamped => true,
+        SupportKind::Clamped | SupportKind::Springs => true,
     };
     let (Some(first), false) = (first, held || design.analysis.starts < 2) else {
         return Ok(None);

@@ -124,7 +124,8 @@ fn covered(design: &Design, body: &str, patch: &str, p: &Point3<f64>) -> bool {
     match (body, patch) {
         (_, patch) if patch.ends_with("_slave") => true, // tied to another face
         ("workpiece", patch) if design.support.kind == SupportKind::Sandbox => patch != "top",
-        ("workpiece", "bottom") | (_, "floor") => true,
+        ("workpiece", "bottom") => design.support.kind != SupportKind::Springs,
+        (_, "floor") => true,
         ("worktable", "top") => p.x.abs() < half[0] && p.y.abs() < half[1],
         _ => false,
     }

@@ -112,7 +112,9 @@ impl<'s> Cycle<'s> {
         let held = self.hold();
         let length = to - self.t;
         let mut forces = guess;
-        for trial in 1.. {
+        let mut trial = 0;
+        loop {
+            trial += 1;
             let end = wood.trial(&forces)?;
             let compliance = wood.compliance(forces.depth);
             let given = [forces.nail, forces.seat];
@@ -158,7 +160,6 @@ impl<'s> Cycle<'s> {
             forces.seat += scale * (a * rest[1] - c * rest[0]);
             forces.depth = answer.forces.depth;
         }
-        unreachable!("the loop returns")
     }
 
     /// Lets the wood move so over the next window.

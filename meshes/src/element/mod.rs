@@ -158,6 +158,27 @@ impl ElementKind {
         }
     }
 
+    /// Natural coordinates taken back into the element where they lie outside, each by itself.
+    pub fn clamped(self, xi: [f64; 3]) -> [f64; 3] {
+        let square = |v: f64| v.clamp(-1.0, 1.0);
+        // What is over the sum of 1 is taken off all by the same factor.
+        let simplex = |v: &mut [f64]| {
+            v.iter_mut().for_each(|v| *v = v.max(0.0));
+            let sum = v.iter().sum::<f64>().max(1.0);
+            v.iter_mut().for_each(|v| *v /= sum);
+        };
+        let mut inside = xi;
+        match self.family() {
+            Family::Hex => inside = xi.map(square),
+            Family::Tet => simplex(&mut inside),
+            Family::Wedge => {
+                simplex(&mut inside[..2]);
+                inside[2] = square(xi[2]);
+            }
+        }
+        inside
+    }
+
     /// Shape functions N_a and their gradients with respect to natural coordinates at `xi`; entries beyond
     /// [`Self::nodes`] are left as they are.
     pub fn shape(self, xi: [f64; 3], n: &mut [f64], dn: &mut [[f64; 3]]) {
