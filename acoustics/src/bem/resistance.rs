@@ -56,8 +56,12 @@ pub struct Estimate {
     pub bytes: f64,
     /// Memory that all frequencies share, with [`Exterior::with_near_field_kept`] \[bytes\].
     pub bytes_kept: f64,
-    /// Time of one frequency on one core \[s\], the same.
+    /// Time of one frequency and a single pattern on one core \[s\], the same.
     pub seconds: f64,
+    /// Time that every further pattern of the whole body adds to it \[s\].
+    pub seconds_per_pattern: f64,
+    /// Time on one core of what all frequencies share \[s\].
+    pub seconds_kept: f64,
     /// Highest frequency the mesh resolves \[Hz\].
     pub highest_hz: f64,
     /// Lowest frequency at which a method without the coupled derivative equation can fail \[Hz\], see
@@ -65,15 +69,22 @@ pub struct Estimate {
     pub irregular_hz: f64,
 }
 
+impl Estimate {
+    /// Time of one frequency on one core with so many patterns in every parity \[s\].
+    pub fn seconds_with(&self, patterns: usize) -> f64 {
+        self.seconds + self.seconds_per_pattern * patterns as f64
+    }
+}
+
 impl std::fmt::Display for Estimate {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
             f,
-            "{} panels, {} unknowns: about {:.1} s and {:.0} MB a frequency, {:.0} MB for all; resolved up to {:.0} Hz; \
-             irregular frequencies of the inside from about {:.0} Hz (coupled formulation)",
+            "{} panels, {} unknowns: about {:.1} s (with a hundred modes) and {:.0} MB a frequency, {:.0} MB for all; \
+             resolved up to {:.0} Hz; irregular frequencies of the inside from about {:.0} Hz (coupled formulation)",
             self.panels,
             self.unknowns,
-            self.seconds,
+            self.seconds_with(100),
             self.bytes / 1e6,
             self.bytes_kept / 1e6,
             self.highest_hz,
@@ -143,21 +154,29 @@ impl Exterior {
         Ok(two)
     }
 
-    /// Memory, time and limits, before any is spent. Times are those of one core at about 3 GHz with AVX2: 7 ns a
-    /// kernel pair, 3 us a close pair, 20 GFlop/s.
+    /// Memory, time and limits, before any is spent. Times are those of one core at about 3 GHz with AVX2, as measured
+    /// by `benches/bem.rs`: for a pair of points 6 ns an image and 16 ns a parity, 30 us a close pair (2 us once it is
+    /// kept), 25 GFlop/s.
     pub fn estimate(&self) -> Estimate {
         let boundary = self.boundary();
         let mesh = boundary.mesh();
         let (n, values) = (boundary.nodes() as f64, boundary.velocity_values() as f64);
-        let parities = boundary.copies() as f64;
-        let far = 0.5 * values * values * boundary.images().len() as f64;
-        let factorisation = parities * 8.0 / 3.0 * n.powi(3);
+        let (parities, images) = (boundary.copies() as f64, boundary.images().len() as f64);
+        let far = 0.5 * values * values * (6e-9 * images + 16e-9 * parities);
+        let close = self.close_pairs() as f64;
+        let kept = self.near().costly() as f64;
+        let factorisation = parities * 8.0 / 3.0 * n.powi(3) / 25e9;
+        // B v, the solution and the far field for each pattern.
+        let pattern = parities * (4.0 * n * values + 8.0 * n * n + 4e3 * values) / 25e9;
+        let is_kept = self.near().is_kept();
         Estimate {
             unknowns: boundary.nodes(),
             panels: mesh.panels.len(),
             bytes: parities * 16.0 * n * n,
             bytes_kept: self.near().bytes_kept(),
-            seconds: 7e-9 * far + 3e-6 * self.close_pairs() as f64 + factorisation / 20e9,
+            seconds: far + if is_kept { 2e-6 } else { 30e-6 } * close + factorisation,
+            seconds_per_pattern: pattern,
+            seconds_kept: if is_kept { 0.0 } else { 5.0 * 100e-6 * kept },
             highest_hz: boundary.highest_hz(self.air().sound_speed, self.panels_per_wavelength()),
             irregular_hz: self.lowest_resonance(),
         }
