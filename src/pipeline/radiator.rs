@@ -32,7 +32,7 @@ const FLOOR: f64 = 1e-2;
 /// Most frequencies of one range.
 const MOST_SAMPLES: usize = 100;
 
-/// Frequencies that a range is expected to ask for, see [`expected_seconds`], as counted on worktable A.
+/// Frequencies that a range asks for at least, see [`expected_seconds`]; how many more is not counted yet.
 const SAMPLES_PER_WAVELENGTH: f64 = 2.5;
 const SAMPLES_BESIDE: f64 = 10.0;
 
@@ -178,7 +178,7 @@ fn standing_bem(
             let seconds = expected_seconds(&levels, low, structure);
             let estimate = finest.problem.estimate();
             observer.note(&format!(
-                "boundary elements, computed once for this structure, about {seconds:.0} s of processor time in all; \
+                "boundary elements, computed once for this structure, at least {seconds:.0} s of processor time in all; \
                  finest mesh: {estimate}"
             ));
         }
@@ -197,8 +197,8 @@ fn standing_bem(
     Ok(Radiator::Bem(Box::new(ModalBem::from_bytes(&kept)?)))
 }
 
-/// Processor time of all ranges \[s\]. A range asks for as many frequencies as its sound has wavelengths more
-/// at its top than at its bottom over twice the body's largest extent, and for a round or two beside.
+/// Least processor time of all ranges \[s\]. Their frequencies follow how many more wavelengths twice the body's largest
+/// extent holds at a range's top than at its bottom.
 fn expected_seconds(levels: &[Level], low: f64, structure: &Structure) -> f64 {
     let modes: usize = structure.bodies().map(|body| body.shapes.ncols()).sum();
     let mut from = low;
