@@ -1,11 +1,12 @@
-//! CPU time of one frequency against size: `cargo bench -p nailnoise-acoustics --bench bem`.
+//! CPU time of one frequency against size: `cargo bench -p nailnoise-acoustics --bench bem`, or `... -- table` for the
+//! last rows alone.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 #[path = "../tests/bem_common/mod.rs"]
 mod bem_common;
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::bem::{Boundary, Exterior};
+use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior, Parity, Patterns, SolidBox};
 
 /// User and system time of this process \[s\], from /proc; wall time where there is none.
 fn cpu(start: std::time::Instant) -> f64 {
@@ -22,7 +23,8 @@ fn cpu(start: std::time::Instant) -> f64 {
 fn main() {
     let start = std::time::Instant::now();
     println!("panels  unknowns  close pairs  patterns  set up    solve   far field  (CPU s, one thread)");
-    for (n, patterns) in [(9, 1), (12, 1), (17, 1), (17, 100)] {
+    let spheres = if std::env::args().any(|a| a == "table") { 0 } else { 4 };
+    for (n, patterns) in [(9, 1), (12, 1), (17, 1), (17, 100)].into_iter().take(spheres) {
         let t0 = cpu(start);
         let boundary = Boundary::new(bem_common::sphere(0.3, n, false), None).unwrap();
         let v = boundary.project(patterns, |_, _, point, v| {
@@ -47,5 +49,63 @@ fn main() {
             t2 - t1,
             t3 - t2
         );
+    }
+    table(start);
+}
+
+/// Block on table above the floor, a quarter of it, all four parities with a hundred patterns each.
+fn table(start: std::time::Instant) {
+    let boxes = [
+        ([-0.2032, -0.0762, 0.0], [0.2032, 0.0762, 0.09525]),
+        ([-0.225, -0.2, -0.038], [0.225, 0.2, 0.0]),
+        ([-0.225, -0.2, -0.67], [-0.136, -0.111, -0.038]),
+        ([0.136, -0.2, -0.67], [0.225, -0.111, -0.038]),
+        ([-0.225, 0.111, -0.67], [-0.136, 0.2, -0.038]),
+        ([0.136, 0.111, -0.67], [0.225, 0.2, -0.038]),
+    ];
+    let boxes: Vec<SolidBox> = boxes
+        .into_iter()
+        .enumerate()
+        .map(|(part, (low, high))| SolidBox { low, high, part })
+        .collect();
+    let (mirrors, floor) = ([Some(0.0); 2], -0.67);
+    let air = Air::default();
+    println!("\nblock on table, six panels a wavelength, a quarter, four parities of 100 patterns");
+    println!("    Hz  panels  unknowns  set up     kept    solve   both powers  (CPU s, one thread)");
+    for hz in [1280.0, 3200.0] {
+        let t0 = cpu(start);
+        let planes = [mirrors[0], mirrors[1], Some(floor)];
+        let edge = (air.sound_speed / (6.0 * hz)).min(1.0 / 16.0);
+        let mesh = BoundaryMesh::of_boxes(&boxes, planes, edge, vec!["all".to_owned()], |_| 0).unwrap();
+        let boundary = Boundary::symmetric(mesh, mirrors, Some(floor)).unwrap();
+        let pattern = |parity: Parity| {
+            let velocities = boundary.project(100, |_, _, point, v| {
+                let [x, y, z] = point.position.into();
+                let odd = if parity.odd_x { x } else { 1.0 } * if parity.odd_y { y } else { 1.0 };
+                for (m, v) in v.iter_mut().enumerate() {
+                    *v = odd * (z * m as f64 + 0.3 * x * x * m as f64 + y * y).cos();
+                }
+            });
+            Patterns { parity, velocities }
+        };
+        let patterns: Vec<Patterns> = Parity::all([true; 2]).into_iter().map(pattern).collect();
+        let problem = Exterior::new(boundary, &air);
+        let t1 = cpu(start);
+        let problem = problem.with_near_field_kept(hz);
+        let t2 = cpu(start);
+        problem.solve_parities(0.9 * hz, &patterns).unwrap();
+        let t3 = cpu(start);
+        problem.resistance_parities(0.9 * hz, &patterns).unwrap();
+        let t4 = cpu(start);
+        println!(
+            "{hz:6} {:7} {:9} {:7.2} {:8.2} {:8.2} {:13.2}",
+            problem.boundary().mesh().panels.len(),
+            problem.boundary().nodes(),
+            t1 - t0,
+            t2 - t1,
+            t3 - t2,
+            t4 - t3 - (t3 - t2)
+        );
+        println!("        estimated: {}", problem.estimate());
     }
 }

@@ -21,16 +21,20 @@ use crate::error::Error;
 const LOWEST_SAMPLE: f64 = 40.0;
 
 /// Tops of the ranges that have a mesh of their own, over the top of all.
-const RANGES: [f64; 3] = [0.16, 0.4, 1.0];
+const RANGES: [f64; 4] = [0.16, 0.4, 0.65, 1.0];
 
 /// Longest side of a panel over the largest extent of the body: at low frequencies the shape asks for as much as the wave.
 const COARSEST: f64 = 1.0 / 16.0;
 
 /// A mode that radiates less than this share of the best radiator is interpolated as well as that share asks for.
-const FLOOR: f64 = 1e-3;
+const FLOOR: f64 = 1e-2;
 
-/// Most frequencies of one range and parity.
+/// Most frequencies of one range.
 const MOST_SAMPLES: usize = 100;
+
+/// Frequencies that a range asks for at least, see [`expected_seconds`]; how many more is not counted yet.
+const SAMPLES_PER_WAVELENGTH: f64 = 2.5;
+const SAMPLES_BESIDE: f64 = 10.0;
 
 /// Patches of the block on its table, and how many of them belong to the block.
 const PATCHES: [&str; 6] = [
@@ -191,13 +195,15 @@ fn standing_bem(
 ) -> Result<Radiator, Error> {
     let kept: Bytes = cache.get_or(STAGE, key(design, structure, air), || {
         let levels = levels(design, structure, air)?;
+        let low = LOWEST_SAMPLE.min(0.5 * RANGES[0] * design.acoustics.bem_top);
         if let Some(finest) = levels.last() {
+            let seconds = expected_seconds(&levels, low, structure);
             let estimate = finest.problem.estimate();
             observer.note(&format!(
-                "boundary elements, computed once for this structure: {estimate}"
+                "boundary elements, computed once for this structure, at least {seconds:.0} s of processor time in all; \
+                 finest mesh: {estimate}"
             ));
         }
-        let low = LOWEST_SAMPLE.min(0.5 * RANGES[0] * design.acoustics.bem_top);
         let sampling = Sampling {
             range_hz: [low, design.acoustics.bem_top],
             tolerance: design.acoustics.bem_tolerance,
@@ -215,10 +221,29 @@ fn standing_bem(
     Ok(Radiator::Bem(Box::new(ModalBem::from_bytes(&kept.0)?)))
 }
 
+/// Least processor time of all ranges \[s\]. Their frequencies follow how many more wavelengths twice the body's largest
+/// extent holds at a range's top than at its bottom.
+fn expected_seconds(levels: &[Level], low: f64, structure: &Structure) -> f64 {
+    let modes: usize = structure.bodies().map(|body| body.shapes.ncols()).sum();
+    let mut from = low;
+    let mut total = 0.0;
+    for level in levels {
+        let problem = &level.problem;
+        // Most modes of a symmetric body have one parity.
+        let patterns = modes.div_ceil(problem.boundary().copies());
+        let wavelengths = 2.0 * problem.boundary().extents().max() * (level.top_hz - from) / problem.air().sound_speed;
+        let frequencies = SAMPLES_PER_WAVELENGTH * wavelengths + SAMPLES_BESIDE;
+        total += problem.estimate().seconds_kept + frequencies * problem.estimate().seconds_with(patterns);
+        from = level.top_hz;
+    }
+    total
+}
+
 /// All that the radiation matrices depend on: boxes, air, how finely they are computed, and the skins' modes.
 fn key(design: &Design, structure: &Structure, air: &Air) -> Key {
     let a = &design.acoustics;
     let mut key = Key::new()
+        .with("rounds of Leja's sequence")
         .with(&format!("{:?} {air:?}", boxes(design)))
         .with(&[a.bem_top, a.bem_panels, a.bem_tolerance])
         .with(&format!("{:?}", microphones::positions(design)));

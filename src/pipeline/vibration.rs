@@ -111,11 +111,14 @@ pub(super) struct Moved {
     pub(super) two_way: Option<TwoWay>,
 }
 
+/// What tells how microphones are read, not what they hear.
+const OF_THE_ROOM: [&str; 2] = ["acoustics.room_absorption", "acoustics.background_level"];
+
 /// All that what the bodies tell depends on when a cycle drives them one way: the cycle, and every value but those of the
-/// exhaust, which reach the bodies through the cycle alone.
+/// exhaust, which reach the bodies through the cycle alone, and those of the room in which a measurement is made.
 pub(super) fn key(design: &Design, options: Options, record: &CycleRecord) -> Key {
     Key::new()
-        .with(&design.values_where(|key| !key.starts_with("exhaust.")))
+        .with(&design.values_where(|key| !key.starts_with("exhaust.") && !OF_THE_ROOM.contains(&key)))
         .with(&options.workpiece_force_scale)
         .with(record)
 }

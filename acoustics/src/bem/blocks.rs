@@ -1,11 +1,10 @@
 use super::boundary::Boundary;
 use super::panel::PanelShape;
 use super::rules;
-use super::symmetry::Image;
 use nalgebra::Vector3;
 
 /// Most panels of a block.
-const MOST: usize = 32;
+const MOST: usize = 16;
 /// Block widths are padded to a multiple of the widest vector.
 const LANES: usize = 8;
 
@@ -36,8 +35,6 @@ pub(super) struct Block {
     pub(super) first_value: Vec<usize>,
     /// `points[(b * fields + field) * width + panel]`.
     pub(super) points: Vec<f64>,
-    /// The same of the images in floor and mirror planes, in the order of [`Boundary::images`] after the first.
-    images: Vec<Vec<f64>>,
 }
 
 /// Cuts the surface into blocks, triangles first.
@@ -126,10 +123,6 @@ impl Block {
                 }
             }
         }
-        let images = boundary.images().into_iter().skip(1);
-        let images = images
-            .map(|image| mirrored(&points, fields, width, boundary, image))
-            .collect();
         Self {
             corners,
             width,
@@ -138,31 +131,6 @@ impl Block {
             first_value: panels.iter().map(|&p| first_value[p]).collect(),
             panels,
             points,
-            images,
         }
     }
-
-    /// The points of an image, by its place in [`Boundary::images`].
-    pub(super) fn points_of(&self, image: usize) -> &[f64] {
-        if image == 0 {
-            &self.points
-        } else {
-            &self.images[image - 1]
-        }
-    }
-}
-
-/// The points' image in floor and mirror planes. With the mirror M, n' = M n, and the curl n' x grad' =
-/// det M  M (n x grad), because a reflection turns a right-handed triple into a left-handed one.
-fn mirrored(points: &[f64], fields: usize, width: usize, boundary: &Boundary, image: Image) -> Vec<f64> {
-    let value = |(i, &v): (usize, &f64)| {
-        let field = (i / width) % fields;
-        match field {
-            X..N => boundary.mirrored(image, field - X, v),
-            N..W => image.sign_along(field - N) * v,
-            W => v,
-            _ => image.handedness() * image.sign_along((field - C) % 3) * v,
-        }
-    };
-    points.iter().enumerate().map(value).collect()
 }

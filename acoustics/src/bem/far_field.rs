@@ -1,8 +1,11 @@
-use super::blocks::{N, W, X, fields};
+#![allow(clippy::needless_range_loop)] // indices are those of the equations, several arrays at once
+
+use super::blocks::{Block, N, W, X, fields};
+use super::far::corner_values;
 use super::panel::PanelShape;
 use super::problem::{Exterior, SurfacePressure};
 use super::rules;
-use super::trig::sin_cos;
+use super::trig::{load, load3, sin_cos};
 use crate::error::{AcousticsError, same_length};
 use crate::radiation::gauss_legendre;
 use faer::linalg::matmul::matmul;
@@ -16,26 +19,6 @@ use std::f64::consts::PI;
 /// Directions worked on at once.
 const CHUNK: usize = 48;
 
-/// Sines and cosines of an array whose length is a multiple of 8.
-struct SineCosine<'a> {
-    phase: &'a [f64],
-    sine: &'a mut [f64],
-    cosine: &'a mut [f64],
-}
-
-impl WithSimd for SineCosine<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let sine = S::as_mut_simd_f64s(self.sine).0;
-        let cosine = S::as_mut_simd_f64s(self.cosine).0;
-        for ((x, s), c) in S::as_simd_f64s(self.phase).0.iter().zip(sine).zip(cosine) {
-            (*s, *c) = sin_cos(simd, *x);
-        }
-    }
-}
-
 /// A quadrature point: position, vector area, area, unknowns and velocity values with their corner functions.
 pub(super) struct Source {
     pub(super) position: Vector3<f64>,
@@ -46,6 +29,9 @@ pub(super) struct Source {
     pub(super) first_value: usize,
     pub(super) phi: [f64; 4],
 }
+
+/// A pressure on the surface with the velocities that cause it.
+pub(super) type Radiated<'a> = (&'a DMatrix<f64>, &'a SurfacePressure);
 
 impl Exterior {
     /// Radiation resistance R (patterns x patterns) from the far field of the surface's pressure and velocity:
@@ -65,97 +51,64 @@ impl Exterior {
         velocities: &DMatrix<f64>,
         solution: &SurfacePressure,
     ) -> Result<DMatrix<f64>, AcousticsError> {
+        let mut all = self.far_field_resistances(&[(velocities, solution)])?;
+        Ok(all.pop().unwrap_or_default())
+    }
+
+    /// The same for solutions of one frequency, whose waves are evaluated once.
+    pub(super) fn far_field_resistances(&self, all: &[Radiated<'_>]) -> Result<Vec<DMatrix<f64>>, AcousticsError> {
         let boundary = self.boundary();
-        same_length(
-            "rows of the normal velocities",
-            velocities.nrows(),
-            boundary.velocity_values(),
-        )?;
-        same_length("rows of the pressure", solution.pressure.nrows(), boundary.nodes())?;
-        let (omega, modes) = (2.0 * PI * solution.hz, velocities.ncols());
-        let k = omega / self.air().sound_speed;
-        let (sources, _, radius) = self.quadrature();
-        let padded = sources.len().next_multiple_of(8);
+        for (velocities, solution) in all {
+            let values = boundary.velocity_values();
+            same_length("rows of the normal velocities", velocities.nrows(), values)?;
+            same_length("rows of the pressure", solution.pressure.nrows(), boundary.nodes())?;
+        }
+        let hz = all.first().map_or(0.0, |(_, solution)| solution.hz);
+        let k = 2.0 * PI * hz / self.air().sound_speed;
+        let (_, origin, radius) = self.quadrature();
         let planes = boundary.planes().map(|plane| plane.is_some());
         let directions = directions(k * radius, planes);
-        let n = boundary.nodes();
-        let pressure = MatRef::from_column_major_slice(solution.pressure.as_slice(), n, modes);
-        let velocity = MatRef::from_column_major_slice(velocities.as_slice(), velocities.nrows(), modes);
-        let mut total = Mat::<f64>::zeros(modes, modes);
-        let mut phase = vec![0.0; padded];
-        let (mut sine, mut cosine) = ([0; 3].map(|_| vec![0.0; padded]), [0; 3].map(|_| vec![0.0; padded]));
-        let impedance = self.air().impedance();
+        let (n, points) = (
+            boundary.nodes(),
+            self.blocks().iter().map(|b| b.corners * b.width).sum(),
+        );
+        let mut parts: Vec<Radiating> = all.iter().map(|a| Radiating::new(self, a, planes, points)).collect();
+        let odd: Vec<[bool; 3]> = all
+            .iter()
+            .map(|(_, s)| [0, 1, 2].map(|axis| s.parity.is_odd(axis)))
+            .collect();
+        let mut corners = Vec::new();
         for chunk in directions.chunks(CHUNK) {
             let rows = chunk.len();
-            let mut on_p = Mat::<Complex<f64>>::zeros(n, rows);
-            let mut on_v = Mat::<f64>::zeros(velocities.nrows(), 2 * rows);
+            parts.iter_mut().for_each(|part| part.clear(n, points, rows));
             for (row, (d, _)) in chunk.iter().enumerate() {
-                for axis in 0..3 {
-                    for (phase, source) in phase.iter_mut().zip(&sources) {
-                        *phase = k * d[axis] * source.position[axis];
-                    }
-                    Arch::new().dispatch(SineCosine {
-                        phase: &phase,
-                        sine: &mut sine[axis],
-                        cosine: &mut cosine[axis],
+                let mut first = 0;
+                for block in self.blocks() {
+                    corners.clear();
+                    corners.resize(2 * all.len() * block.corners * block.width, 0.0);
+                    Arch::new().dispatch(Waves {
+                        block,
+                        direction: [k * d.x, k * d.y, k * d.z],
+                        origin: [origin.x, origin.y, origin.z],
+                        planes,
+                        odd: &odd,
+                        corners: &mut corners,
+                        first,
+                        points,
+                        row,
+                        to: &mut parts,
                     });
-                }
-                for (i, source) in sources.iter().enumerate() {
-                    let wave: [Standing; 3] = std::array::from_fn(|axis| {
-                        let odd = solution.parity.is_odd(axis);
-                        Standing::new(cosine[axis][i], sine[axis][i], planes[axis], odd)
-                    });
-                    let even = wave[0].value * wave[1].value * wave[2].value;
-                    let slope = wave[0].slope * (d.x * source.area.x) * wave[1].value * wave[2].value
-                        + wave[0].value * wave[1].slope * (d.y * source.area.y) * wave[2].value
-                        + wave[0].value * wave[1].value * wave[2].slope * (d.z * source.area.z);
-                    let on_pressure = slope * k;
-                    let on_velocity = even * Complex::new(0.0, k * impedance * source.weight);
-                    for j in 0..source.corners {
-                        on_p[(source.nodes[j], row)] += on_pressure * source.phi[j];
-                        let value = on_velocity * source.phi[j];
-                        on_v[(source.first_value + j, row)] += value.re;
-                        on_v[(source.first_value + j, rows + row)] += value.im;
+                    for (part, corners) in parts.iter_mut().zip(corners.chunks(2 * block.corners * block.width)) {
+                        part.add_corners(block, corners, row);
                     }
+                    first += block.corners * block.width;
                 }
             }
-            let mut from_p = Mat::<Complex<f64>>::zeros(rows, modes);
-            let one = Complex::new(1.0, 0.0);
-            matmul(
-                from_p.as_mut(),
-                Accum::Replace,
-                on_p.transpose(),
-                pressure,
-                one,
-                Par::Seq,
-            );
-            let mut field = Mat::<f64>::zeros(2 * rows, modes);
-            matmul(
-                field.as_mut(),
-                Accum::Replace,
-                on_v.transpose(),
-                velocity,
-                1.0,
-                Par::Seq,
-            );
-            for m in 0..modes {
-                for (row, (_, w)) in chunk.iter().enumerate() {
-                    let root = (w / impedance).sqrt() / (4.0 * PI);
-                    let (re, im) = (field[(row, m)], field[(rows + row, m)]);
-                    field[(row, m)] = root * (re + from_p[(row, m)].re);
-                    field[(rows + row, m)] = root * (im + from_p[(row, m)].im);
-                }
+            for part in &mut parts {
+                part.add_power(chunk, k, self.air().impedance());
             }
-            matmul(
-                total.as_mut(),
-                Accum::Add,
-                field.transpose(),
-                field.as_ref(),
-                1.0,
-                Par::Seq,
-            );
         }
-        Ok(DMatrix::from_fn(modes, modes, |i, j| total[(i.min(j), i.max(j))]))
+        Ok(parts.into_iter().map(Radiating::resistance).collect())
     }
 
     /// All quadrature points relative to an origin (the body's centre, or its foot on the floor), the origin, and the
@@ -204,31 +157,241 @@ impl Exterior {
     }
 }
 
+/// The far field of the patterns of one parity. With both mirrors and a floor, waves are real but for a power of j, which
+/// one of real and imaginary part is left out.
+struct Radiating {
+    /// Real and imaginary part of the pressure one below the other, 2 patterns x unknowns.
+    pressure: Mat<f64>,
+    /// Velocities at the points of the far rule, patterns x points.
+    velocities: Mat<f64>,
+    /// Which of real and imaginary part waves have.
+    parts: Vec<usize>,
+    /// Unknowns x directions and points x directions, for each part.
+    on_p: [Mat<f64>; 2],
+    on_v: [Vec<f64>; 2],
+    total: Mat<f64>,
+}
+
+impl Radiating {
+    fn new(problem: &Exterior, (velocities, solution): &Radiated<'_>, planes: [bool; 3], points: usize) -> Self {
+        let (n, modes) = (solution.pressure.nrows(), velocities.ncols());
+        let at_points: Vec<Mat<f64>> = problem
+            .blocks()
+            .iter()
+            .map(|b| super::problem::of_block(b, velocities))
+            .collect();
+        let mut all = Mat::zeros(modes, points);
+        let mut first = 0;
+        for block in at_points {
+            all.as_mut().subcols_mut(first, block.ncols()).copy_from(&block);
+            first += block.ncols();
+        }
+        let odd = (0..3).filter(|&axis| solution.parity.is_odd(axis)).count();
+        Self {
+            pressure: Mat::from_fn(2 * modes, n, |row, node| {
+                let p = solution.pressure[(node, row % modes)];
+                if row < modes { p.re } else { p.im }
+            }),
+            velocities: all,
+            parts: if planes == [true; 3] { vec![odd % 2] } else { vec![0, 1] },
+            on_p: [Mat::new(), Mat::new()],
+            on_v: [Vec::new(), Vec::new()],
+            total: Mat::zeros(modes, modes),
+        }
+    }
+
+    fn clear(&mut self, n: usize, points: usize, rows: usize) {
+        for &part in &self.parts {
+            self.on_p[part] = Mat::zeros(n, rows);
+            self.on_v[part].resize(points * rows, 0.0);
+        }
+    }
+
+    fn add_corners(&mut self, block: &Block, corners: &[f64], row: usize) {
+        let size = block.corners * block.width;
+        for &part in &self.parts {
+            let mut to = self.on_p[part].col_mut(row);
+            for j in 0..block.corners {
+                let from = &corners[part * size + j * block.width..];
+                for (value, local) in from.iter().zip(&block.local) {
+                    to[block.nodes[local[j]]] += value;
+                }
+            }
+        }
+    }
+
+    /// Adds the power of all patterns in the directions of a chunk.
+    fn add_power(&mut self, chunk: &[(Vector3<f64>, f64)], k: f64, impedance: f64) {
+        let (modes, rows) = (self.velocities.nrows(), chunk.len());
+        let mut field = Mat::<f64>::zeros(modes, 2 * rows);
+        for &part in &self.parts {
+            let mut from_p = Mat::<f64>::zeros(2 * modes, rows);
+            let mut from_v = Mat::<f64>::zeros(modes, rows);
+            matmul(
+                from_p.as_mut(),
+                Accum::Replace,
+                self.pressure.as_ref(),
+                self.on_p[part].as_ref(),
+                1.0,
+                Par::Seq,
+            );
+            let on_v = MatRef::from_column_major_slice(&self.on_v[part], self.velocities.ncols(), rows);
+            matmul(
+                from_v.as_mut(),
+                Accum::Replace,
+                self.velocities.as_ref(),
+                on_v,
+                1.0,
+                Par::Seq,
+            );
+            for row in 0..rows {
+                for m in 0..modes {
+                    let flow = Complex::new(0.0, k * impedance * from_v[(m, row)]);
+                    let all = Complex::new(from_p[(m, row)], from_p[(modes + m, row)]) + flow;
+                    let all = if part == 0 { all } else { all * Complex::i() };
+                    field[(m, row)] += all.re;
+                    field[(m, rows + row)] += all.im;
+                }
+            }
+        }
+        for (row, (_, w)) in chunk.iter().enumerate() {
+            let root = (w / impedance).sqrt() / (4.0 * PI);
+            for column in [row, rows + row] {
+                field.col_mut(column).iter_mut().for_each(|f| *f *= root);
+            }
+        }
+        matmul(
+            self.total.as_mut(),
+            Accum::Add,
+            field.as_ref(),
+            field.transpose(),
+            1.0,
+            Par::Seq,
+        );
+    }
+
+    fn resistance(self) -> DMatrix<f64> {
+        let modes = self.total.nrows();
+        DMatrix::from_fn(modes, modes, |i, j| self.total[(i.min(j), i.max(j))])
+    }
+}
+
+/// e^{jk d.y} with its images at the points of a block: one direction, all parities.
+struct Waves<'a> {
+    block: &'a Block,
+    /// k d.
+    direction: [f64; 3],
+    origin: [f64; 3],
+    planes: [bool; 3],
+    odd: &'a [[bool; 3]],
+    /// k d . n e^{jk d.y} by corner functions: parity, part, corner, panel.
+    corners: &'a mut [f64],
+    /// First point of the block among all.
+    first: usize,
+    /// Points of all blocks.
+    points: usize,
+    row: usize,
+    to: &'a mut [Radiating],
+}
+
+impl WithSimd for Waves<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        match self.block.corners {
+            3 => self.run::<S, 3>(simd),
+            _ => self.run::<S, 4>(simd),
+        }
+    }
+}
+
 /// A factor of e^{jk d.y}, with its image along one axis: f(t) and its derivative, t = k d_a y_a.
 ///
 /// e^{jt} alone, 2 cos t with the image of a field that continues evenly across the plane t = 0, 2j sin t with that of
 /// one that changes its sign.
-struct Standing {
-    value: Complex<f64>,
-    slope: Complex<f64>,
+#[inline(always)]
+fn standing<S: Simd>(simd: S, t: S::f64s, plane: bool, odd: bool) -> [[S::f64s; 2]; 2] {
+    let (sine, cosine) = sin_cos(simd, t);
+    let (zero, two) = (simd.splat_f64s(0.0), simd.splat_f64s(2.0));
+    let less = simd.neg_f64s(sine);
+    match (plane, odd) {
+        (false, _) => [[cosine, sine], [less, cosine]],
+        (true, false) => [[simd.mul_f64s(two, cosine), zero], [simd.mul_f64s(two, less), zero]],
+        (true, true) => [[zero, simd.mul_f64s(two, sine)], [zero, simd.mul_f64s(two, cosine)]],
+    }
 }
 
-impl Standing {
-    fn new(cosine: f64, sine: f64, plane: bool, odd: bool) -> Self {
-        let (value, slope) = match (plane, odd) {
-            (false, _) => (Complex::new(cosine, sine), Complex::new(-sine, cosine)),
-            (true, false) => (Complex::new(2.0 * cosine, 0.0), Complex::new(-2.0 * sine, 0.0)),
-            (true, true) => (Complex::new(0.0, 2.0 * sine), Complex::new(0.0, 2.0 * cosine)),
-        };
-        Self { value, slope }
+#[inline(always)]
+fn times<S: Simd>(simd: S, a: [S::f64s; 2], b: [S::f64s; 2]) -> [S::f64s; 2] {
+    [
+        simd.negate_mul_add_e_f64s(a[1], b[1], simd.mul_f64s(a[0], b[0])),
+        simd.mul_add_e_f64s(a[0], b[1], simd.mul_f64s(a[1], b[0])),
+    ]
+}
+
+impl Waves<'_> {
+    #[inline(always)]
+    fn run<S: Simd, const E: usize>(self, simd: S) {
+        let phi = corner_values::<E>();
+        let (width, lanes) = (self.block.width, S::F64_LANES);
+        let size = E * width;
+        let zero = simd.splat_f64s(0.0);
+        for chunk in 0..width / lanes {
+            for b in 0..E {
+                let start = b * fields(E) * width + chunk * lanes;
+                let y = load3::<S>(&self.block.points, start + X * width, width);
+                let n = load3::<S>(&self.block.points, start + N * width, width);
+                let w = load::<S>(&self.block.points, start + W * width);
+                // Value and slope of either sign, axis by axis.
+                let mut waves = [[[[zero; 2]; 2]; 2]; 3];
+                for c in 0..3 {
+                    let (d, from) = (simd.splat_f64s(self.direction[c]), simd.splat_f64s(self.origin[c]));
+                    let t = simd.mul_f64s(d, simd.sub_f64s(y[c], from));
+                    waves[c][0] = standing(simd, t, self.planes[c], false);
+                    waves[c][1] = standing(simd, t, self.planes[c], true);
+                }
+                for p in 0..self.odd.len() {
+                    let odd = self.odd[p];
+                    let [x, y, z] = [
+                        waves[0][usize::from(odd[0])],
+                        waves[1][usize::from(odd[1])],
+                        waves[2][usize::from(odd[2])],
+                    ];
+                    let xy = times(simd, x[0], y[0]);
+                    let value = times(simd, xy, z[0]);
+                    let by_x = times(simd, times(simd, x[1], y[0]), z[0]);
+                    let by_y = times(simd, times(simd, x[0], y[1]), z[0]);
+                    let by_z = times(simd, xy, z[1]);
+                    let by = [by_x, by_y, by_z];
+                    let mut slope = [zero; 2];
+                    for c in 0..3 {
+                        let along = simd.mul_f64s(simd.splat_f64s(self.direction[c]), n[c]);
+                        slope[0] = simd.mul_add_e_f64s(along, by[c][0], slope[0]);
+                        slope[1] = simd.mul_add_e_f64s(along, by[c][1], slope[1]);
+                    }
+                    for index in 0..self.to[p].parts.len() {
+                        let part = self.to[p].parts[index];
+                        let at = self.row * self.points + self.first + b * width + chunk * lanes;
+                        let to = &mut self.to[p].on_v[part][at..at + lanes];
+                        S::as_mut_simd_f64s(to).0[0] = simd.mul_f64s(value[part], w);
+                        for j in 0..E {
+                            let start = (2 * p + part) * size + j * width + chunk * lanes;
+                            let to = &mut S::as_mut_simd_f64s(&mut self.corners[start..start + lanes]).0[0];
+                            *to = simd.mul_add_e_f64s(simd.splat_f64s(phi[b][j]), slope[part], *to);
+                        }
+                    }
+                }
+            }
+        }
     }
 }
 
 /// Directions and weights that integrate the squared far field of a body of size k a over the unit sphere, or over its
-/// half above the floor: spherical harmonics up to k a + 6 (k a)^{1/3} + 6 (Wiscombe 1980, rounded up). With mirror
+/// half above the floor: spherical harmonics up to k a + 4 (k a)^{1/3} + 4 (Wiscombe 1980, rounded up). With mirror
 /// planes only the directions above them are listed, the others contribute as much.
 fn directions(ka: f64, planes: [bool; 3]) -> Vec<(Vector3<f64>, f64)> {
-    let order = (ka + 6.0 * ka.cbrt() + 6.0).ceil() as usize;
+    let order = (ka + 4.0 * ka.cbrt() + 4.0).ceil() as usize;
     let around = (2 * order + 1).next_multiple_of(4);
     let copies: f64 = planes[..2]
         .iter()

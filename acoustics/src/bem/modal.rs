@@ -128,11 +128,10 @@ impl ModalBem {
                 ..level
             };
             let solver = Solver::new(&level, &chosen, receivers);
-            for (c, pick) in chosen.iter().enumerate() {
-                if pick.modes.is_empty() {
-                    continue;
-                }
-                let found = solver.sample(c, pick.modes.len(), patches.clone(), &range)?;
+            let counts: Vec<usize> = chosen.iter().map(|pick| pick.modes.len()).collect();
+            let at = |hz: f64| Ok(solver.at(hz)?.resistances.clone());
+            let found = SampledRadiation::together("BEM", &counts, &patches, &range, at)?;
+            for (c, found) in found.into_iter().enumerate().filter(|(c, _)| counts[*c] > 0) {
                 summary.interpolation = summary.interpolation.max(found.interpolation_error());
                 samples[c].push(solver.heard(c, &found)?);
                 ranges[c].push(found);
@@ -416,22 +415,6 @@ impl<'a> Solver<'a> {
         }
     }
 
-    fn sample(
-        &self,
-        parity: usize,
-        modes: usize,
-        patches: Vec<String>,
-        range: &Sampling,
-    ) -> Result<SampledRadiation, AcousticsError> {
-        let empty = || vec![Resistance::zeros(modes); patches.len()];
-        // Lengths and frequencies have been checked, so that nothing is left to fail.
-        let at = |hz: f64| {
-            self.at(hz)
-                .map_or_else(|_| empty(), |all| all.resistances[parity].clone())
-        };
-        SampledRadiation::new("BEM", modes, patches.clone(), range, at)
-    }
-
     /// What is heard of a parity at the samples of its radiation matrix.
     fn heard(&self, parity: usize, found: &SampledRadiation) -> Result<Vec<Heard>, AcousticsError> {
         let at = |hz: f64| Ok(self.at(hz)?.heard[parity].clone());
@@ -449,9 +432,9 @@ impl<'a> Solver<'a> {
             return Ok(known);
         }
         let solutions = self.problem.solve_parities(hz, &self.patterns)?;
-        let (mut two, mut all) = (Vec::new(), Vec::new());
+        let two = self.problem.two_evaluations(&self.patterns, &solutions)?;
+        let mut all = Vec::new();
         for (patterns, solution) in self.patterns.iter().zip(&solutions) {
-            two.push(self.problem.two_evaluations(&patterns.velocities, solution)?);
             all.push(heard(self.problem, self.receivers, patterns, solution)?);
         }
         {

@@ -270,6 +270,15 @@ impl NearField {
         self.pairs.iter().map(Vec::len).sum()
     }
 
+    /// Number of pairs that [`NearField::keep`] keeps.
+    pub(super) fn costly(&self) -> usize {
+        self.costly.len()
+    }
+
+    pub(super) fn is_kept(&self) -> bool {
+        self.kept.is_some()
+    }
+
     /// Memory of [`NearField::keep`] \[bytes\].
     pub(super) fn bytes_kept(&self) -> f64 {
         (self.costly.len() * size_of::<[PairMatrices; KEPT]>()) as f64

@@ -1,7 +1,7 @@
 use super::blocks::{Block, blocks};
 use super::boundary::Boundary;
 use super::near::NearField;
-use super::panel::{Panel, PanelShape};
+use super::panel::{Panel, PanelShape, Shape};
 use super::rules;
 use super::symmetry::{Image, Parity};
 use super::tile::{Sums, Tile, Wave};
@@ -11,6 +11,7 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::{factor, solve};
 use faer::perm::PermRef;
 use faer::{Conj, Mat, MatMut, MatRef, Par};
+use nailnoise_meshes::FaceKind;
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::PI;
 
@@ -228,7 +229,7 @@ impl Exterior {
         let k = omega / self.air.sound_speed;
         let wave = Wave {
             k,
-            alpha: Complex::new(0.0, -self.coupling_share(hz) * self.coupling.min(1.0 / k)),
+            coupling: self.coupling_share(hz) * self.coupling.min(1.0 / k),
         };
         // dp/dn = -j omega rho v turns -(S + alpha K' + alpha/2) dp/dn into j omega rho (...) v.
         let factor = Complex::new(0.0, omega * self.air.density);
@@ -255,9 +256,7 @@ impl Exterior {
             }
             sums.matrix[(node, node)] = Complex::new(1.0, 0.0);
             for right in &mut sums.right {
-                for m in 0..right.ncols() {
-                    right[(node, m)] = 0.0;
-                }
+                right.col_mut(node).fill(0.0);
             }
         }
     }
@@ -271,7 +270,7 @@ impl Exterior {
             .collect();
         let empty = |p: &Patterns| Sums {
             matrix: Mat::zeros(n, n),
-            right: [0, 1].map(|_| Mat::zeros(n, p.velocities.ncols())),
+            right: [0, 1].map(|_| Mat::zeros(p.velocities.ncols(), n)),
         };
         let mut sums: Vec<Sums> = all.iter().map(empty).collect();
         let mut tile = Tile::default();
@@ -283,6 +282,7 @@ impl Exterior {
                     .map(|(p, blocks)| (p.parity, [&blocks[i], &blocks[j]]))
                     .collect();
                 tile.add(
+                    self.boundary.planes(),
                     &self.images,
                     wave,
                     [e, f],
@@ -313,11 +313,10 @@ impl Exterior {
             for (i, &row) in nodes.iter().enumerate() {
                 for (j, &column) in nodes.iter().enumerate() {
                     sums.matrix[(row, column)] += 0.5 * mass[i][j];
-                    let half = 0.5 * mass[i][j] * wave.alpha;
+                    // alpha is imaginary.
+                    let half = -0.5 * mass[i][j] * wave.coupling;
                     for m in 0..velocities.ncols() {
-                        let v = velocities[(first + j, m)];
-                        sums.right[0][(row, m)] += half.re * v;
-                        sums.right[1][(row, m)] += half.im * v;
+                        sums.right[1][(m, row)] += half * velocities[(first + j, m)];
                     }
                 }
             }
@@ -397,13 +396,20 @@ impl Exterior {
     }
 }
 
-/// The patterns at the corners of a block's panels, panel fastest.
-fn of_block(b: &Block, velocities: &DMatrix<f64>) -> Mat<f64> {
-    let mut m = Mat::zeros(b.corners * b.width, velocities.ncols());
+/// The patterns at the points of a block's panels, patterns x points, panel fastest.
+pub(super) fn of_block(b: &Block, velocities: &DMatrix<f64>) -> Mat<f64> {
+    let kind = if b.corners == 3 {
+        FaceKind::Tri3
+    } else {
+        FaceKind::Quad4
+    };
+    let shapes: Vec<Shape> = rules::far(b.corners).iter().map(|&(xi, _)| kind.at(xi)).collect();
+    let mut m = Mat::zeros(velocities.ncols(), b.corners * b.width);
     for mode in 0..velocities.ncols() {
         for (f, first) in b.first_value.iter().enumerate() {
-            for j in 0..b.corners {
-                m[(j * b.width + f, mode)] = velocities[(first + j, mode)];
+            for (point, shape) in shapes.iter().enumerate() {
+                let corner = |j: usize| shape.n[j] * velocities[(first + j, mode)];
+                m[(mode, point * b.width + f)] = (0..b.corners).map(corner).sum();
             }
         }
     }
@@ -413,9 +419,9 @@ fn of_block(b: &Block, velocities: &DMatrix<f64>) -> Mat<f64> {
 /// Pressure for all patterns: `factor` times the inverse of the matrix times the right-hand sides.
 fn factorise_and_solve(sums: Sums, factor: Complex<f64>) -> DMatrix<Complex<f64>> {
     let Sums { mut matrix, right } = sums;
-    let (n, modes) = (matrix.nrows(), right[0].ncols());
+    let (n, modes) = (matrix.nrows(), right[0].nrows());
     let mut pressure = DMatrix::from_fn(n, modes, |i, m| {
-        factor * Complex::new(right[0][(i, m)], right[1][(i, m)])
+        factor * Complex::new(right[0][(m, i)], right[1][(m, i)])
     });
     let (mut order, mut inverse) = (vec![0usize; n], vec![0usize; n]);
     let scratch = factor::lu_in_place_scratch::<usize, Complex<f64>>(n, n, Par::Seq, Default::default())

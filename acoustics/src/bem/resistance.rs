@@ -1,3 +1,4 @@
+use super::far_field::Radiated;
 use super::panel::PanelShape;
 use super::problem::{Exterior, Patterns, SurfacePressure};
 use crate::error::AcousticsError;
@@ -55,8 +56,12 @@ pub struct Estimate {
     pub bytes: f64,
     /// Memory that all frequencies share, with [`Exterior::with_near_field_kept`] \[bytes\].
     pub bytes_kept: f64,
-    /// Time of one frequency on one core \[s\], the same.
+    /// Time of one frequency and a single pattern on one core \[s\], the same.
     pub seconds: f64,
+    /// Time that every further pattern of the whole body adds to it \[s\].
+    pub seconds_per_pattern: f64,
+    /// Time on one core of what all frequencies share \[s\].
+    pub seconds_kept: f64,
     /// Highest frequency the mesh resolves \[Hz\].
     pub highest_hz: f64,
     /// Lowest frequency at which a method without the coupled derivative equation can fail \[Hz\], see
@@ -64,15 +69,22 @@ pub struct Estimate {
     pub irregular_hz: f64,
 }
 
+impl Estimate {
+    /// Time of one frequency on one core with so many patterns in every parity \[s\].
+    pub fn seconds_with(&self, patterns: usize) -> f64 {
+        self.seconds + self.seconds_per_pattern * patterns as f64
+    }
+}
+
 impl std::fmt::Display for Estimate {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
             f,
-            "{} panels, {} unknowns: about {:.1} s and {:.0} MB a frequency, {:.0} MB for all; resolved up to {:.0} Hz; \
-             irregular frequencies of the inside from about {:.0} Hz (coupled formulation)",
+            "{} panels, {} unknowns: about {:.1} s (with a hundred modes) and {:.0} MB a frequency, {:.0} MB for all; \
+             resolved up to {:.0} Hz; irregular frequencies of the inside from about {:.0} Hz (coupled formulation)",
             self.panels,
             self.unknowns,
-            self.seconds,
+            self.seconds_with(100),
             self.bytes / 1e6,
             self.bytes_kept / 1e6,
             self.highest_hz,
@@ -87,7 +99,9 @@ impl Exterior {
     /// # Errors
     /// See [`Exterior::solve`].
     pub fn resistance(&self, hz: f64, velocities: &DMatrix<f64>) -> Result<TwoEvaluations, AcousticsError> {
-        self.two_evaluations(velocities, &self.solve(hz, velocities)?)
+        let solution = self.solve(hz, velocities)?;
+        let far_field = self.far_field_resistance(velocities, &solution)?;
+        self.evaluated_twice(velocities, &solution, far_field)
     }
 
     /// The same for patterns of several parities, which radiate independently.
@@ -96,17 +110,30 @@ impl Exterior {
     /// See [`Exterior::solve`].
     pub fn resistance_parities(&self, hz: f64, patterns: &[Patterns]) -> Result<Vec<TwoEvaluations>, AcousticsError> {
         let solutions = self.solve_parities(hz, patterns)?;
-        let of_parity = |(p, s): (&Patterns, &SurfacePressure)| self.two_evaluations(&p.velocities, s);
-        patterns.iter().zip(&solutions).map(of_parity).collect()
+        self.two_evaluations(patterns, &solutions)
     }
 
+    /// Both evaluations of solutions of one frequency, parity by parity.
     pub(super) fn two_evaluations(
+        &self,
+        patterns: &[Patterns],
+        solutions: &[SurfacePressure],
+    ) -> Result<Vec<TwoEvaluations>, AcousticsError> {
+        let all: Vec<Radiated<'_>> = patterns.iter().map(|p| &p.velocities).zip(solutions).collect();
+        let far_fields = self.far_field_resistances(&all)?.into_iter();
+        all.iter()
+            .zip(far_fields)
+            .map(|((velocities, solution), far_field)| self.evaluated_twice(velocities, solution, far_field))
+            .collect()
+    }
+
+    fn evaluated_twice(
         &self,
         velocities: &DMatrix<f64>,
         solution: &SurfacePressure,
+        far_field: DMatrix<f64>,
     ) -> Result<TwoEvaluations, AcousticsError> {
         let hz = solution.hz;
-        let far_field = self.far_field_resistance(velocities, solution)?;
         let raw: Vec<DMatrix<f64>> = self
             .impedance(velocities, solution)?
             .into_iter()
@@ -127,21 +154,29 @@ impl Exterior {
         Ok(two)
     }
 
-    /// Memory, time and limits, before any is spent. Times are those of one core at about 3 GHz with AVX2: 7 ns a
-    /// kernel pair, 3 us a close pair, 20 GFlop/s.
+    /// Memory, time and limits, before any is spent. Times are those of one core at about 3 GHz with AVX2, as measured
+    /// by `benches/bem.rs`: for a pair of points 6 ns an image and 16 ns a parity, 30 us a close pair (2 us once it is
+    /// kept), 25 GFlop/s.
     pub fn estimate(&self) -> Estimate {
         let boundary = self.boundary();
         let mesh = boundary.mesh();
         let (n, values) = (boundary.nodes() as f64, boundary.velocity_values() as f64);
-        let parities = boundary.copies() as f64;
-        let far = 0.5 * values * values * boundary.images().len() as f64;
-        let factorisation = parities * 8.0 / 3.0 * n.powi(3);
+        let (parities, images) = (boundary.copies() as f64, boundary.images().len() as f64);
+        let far = 0.5 * values * values * (6e-9 * images + 16e-9 * parities);
+        let close = self.close_pairs() as f64;
+        let kept = self.near().costly() as f64;
+        let factorisation = parities * 8.0 / 3.0 * n.powi(3) / 25e9;
+        // B v, the solution and the far field for each pattern.
+        let pattern = parities * (4.0 * n * values + 8.0 * n * n + 4e3 * values) / 25e9;
+        let is_kept = self.near().is_kept();
         Estimate {
             unknowns: boundary.nodes(),
             panels: mesh.panels.len(),
             bytes: parities * 16.0 * n * n,
             bytes_kept: self.near().bytes_kept(),
-            seconds: 7e-9 * far + 3e-6 * self.close_pairs() as f64 + factorisation / 20e9,
+            seconds: far + if is_kept { 2e-6 } else { 30e-6 } * close + factorisation,
+            seconds_per_pattern: pattern,
+            seconds_kept: if is_kept { 0.0 } else { 5.0 * 100e-6 * kept },
             highest_hz: boundary.highest_hz(self.air().sound_speed, self.panels_per_wavelength()),
             irregular_hz: self.lowest_resonance(),
         }

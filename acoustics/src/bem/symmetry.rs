@@ -49,6 +49,11 @@ impl Parity {
             .collect()
     }
 
+    /// Axes along which the field changes its sign, a bit each.
+    pub(super) fn odd_axes(self) -> usize {
+        self.axes().into()
+    }
+
     fn axes(self) -> u8 {
         u8::from(self.odd_x) | (u8::from(self.odd_y) << 1)
     }

@@ -1,31 +1,33 @@
 //! The operators between two blocks of panels.
 #![allow(clippy::needless_range_loop)] // indices are those of the equations, several arrays at once
 
-use super::blocks::{Block, C, N, W, X, fields};
+use super::blocks::Block;
+use super::far::{Far, corner_values};
 use super::near::{NearPair, PairMatrices};
-use super::panel::PanelShape;
-use super::rules;
 use super::symmetry::{Image, Parity};
-use super::trig::{dot, green, load, load3, minus};
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatMut, MatRef, Par};
-use nailnoise_meshes::FaceKind;
-use pulp::{Arch, Simd, WithSimd};
+use faer::{Accum, Mat, MatRef, Par};
+use pulp::Arch;
 use rustfft::num_complex::Complex;
-use std::f64::consts::PI;
 
-/// Wave number and coupling parameter.
+/// Wave number, and the coupling parameter alpha = -j `coupling`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wave {
     pub(super) k: f64,
-    pub(super) alpha: Complex<f64>,
+    pub(super) coupling: f64,
+}
+
+impl Wave {
+    pub(super) fn alpha(self) -> Complex<f64> {
+        Complex::new(0.0, -self.coupling)
+    }
 }
 
 /// Values between the corners of the panels e and f, with f running fastest so that vectors hold neighbouring panels:
 /// `data[((part * rows + row) * corners_f + j) * width_f + f]`, part 0 real and 1 imaginary.
 #[derive(Debug, Default)]
-struct Buffer {
-    data: Vec<f64>,
+pub(super) struct Buffer {
+    pub(super) data: Vec<f64>,
     rows: usize,
     columns: usize,
 }
@@ -37,13 +39,7 @@ impl Buffer {
         self.data.resize(2 * rows * columns, 0.0);
     }
 
-    fn add_scaled(&mut self, factor: f64, other: &Self) {
-        for (to, from) in self.data.iter_mut().zip(&other.data) {
-            *to += factor * from;
-        }
-    }
-
-    fn start(&self, part: usize, row: usize) -> usize {
+    pub(super) fn start(&self, part: usize, row: usize) -> usize {
         (part * self.rows + row) * self.columns
     }
 
@@ -59,18 +55,19 @@ impl Buffer {
     }
 }
 
-/// The operators of one pair of blocks. A = -K + alpha W acts on pressure, B = S + alpha K' on normal derivatives; by the
-/// symmetry of S and W, and as K' is the transpose of K, one pass gives both directions.
+/// The operators of one pair of blocks and one parity. A = -K + alpha W acts on pressure, B = S + alpha K' on normal
+/// derivatives; by the symmetry of S and W, and as K' is the transpose of K, one pass gives both directions. B takes
+/// the values at the points of the far rule, as many as corners.
 #[derive(Debug, Default)]
-struct Operators {
+pub(super) struct Operators {
     /// A from f to the nodes of e.
-    a: Buffer,
+    pub(super) a: Buffer,
     /// Transpose of A from e to f: -K' + alpha W, at the nodes of e.
-    a_back: Buffer,
-    /// B from f to the nodes of e.
-    b: Buffer,
-    /// Transpose of B from e to f: S + alpha K, at the corners of the panels e.
-    b_back: Buffer,
+    pub(super) a_back: Buffer,
+    /// B from the points of f to the nodes of e.
+    pub(super) b: Buffer,
+    /// Transpose of B from e to f: S + alpha K, at the points of the panels e.
+    pub(super) b_back: Buffer,
 }
 
 impl Operators {
@@ -82,21 +79,32 @@ impl Operators {
         self.b_back
             .reset(if diagonal { 0 } else { e.corners * e.width }, columns);
     }
+}
 
-    fn add_scaled(&mut self, factor: f64, other: &Self) {
-        self.a.add_scaled(factor, &other.a);
-        self.a_back.add_scaled(factor, &other.a_back);
-        self.b.add_scaled(factor, &other.b);
-        self.b_back.add_scaled(factor, &other.b_back);
+/// Work space: the operators of every parity, and the pairs that the far rule leaves out.
+#[derive(Debug)]
+pub(super) struct Tile {
+    parities: Vec<Operators>,
+    mask: Vec<f64>,
+    to_points: [Mat<f64>; 2],
+}
+
+impl Default for Tile {
+    fn default() -> Self {
+        Self {
+            parities: Vec::new(),
+            mask: Vec::new(),
+            to_points: [inverse::<3>(), inverse::<4>()],
+        }
     }
 }
 
-/// Work space: the operators with one image, and their sum over the images for every parity.
-#[derive(Debug, Default)]
-pub(super) struct Tile {
-    one: Operators,
-    parities: Vec<Operators>,
-    mask: Vec<f64>,
+/// Inverse of the corner functions at the points of the far rule: corners x points. What acts on corner values, times
+/// this, acts on the values at the points.
+fn inverse<const E: usize>() -> Mat<f64> {
+    use faer::linalg::solvers::DenseSolveCore;
+    let phi = corner_values::<E>();
+    Mat::from_fn(E, E, |b, j| phi[b][j]).partial_piv_lu().inverse()
 }
 
 /// What the tiles of one frequency add up to.
@@ -104,17 +112,19 @@ pub(super) struct Tile {
 pub(super) struct Sums {
     /// -K + alpha W.
     pub(super) matrix: Mat<Complex<f64>>,
-    /// (S + alpha K') v, real and imaginary part.
+    /// (S + alpha K') v, real and imaginary part, patterns x unknowns.
     pub(super) right: [Mat<f64>; 2],
 }
 
 impl Tile {
     /// Adds the operators between the blocks e and f (both directions if they differ) to the sums of every parity.
     ///
-    /// `patterns` holds the normal velocities of a parity at the corners of each block's panels, panel fastest.
+    /// `patterns` holds the normal velocities of a parity at the points of each block's panels, patterns x points, panel
+    /// fastest.
     #[allow(clippy::too_many_arguments)] // one call, in the hot loop
     pub(super) fn add(
         &mut self,
+        planes: &[Option<f64>; 3],
         images: &[Image],
         wave: Wave,
         [e, f]: [&Block; 2],
@@ -124,89 +134,111 @@ impl Tile {
         sums: &mut [Sums],
     ) {
         let diagonal = std::ptr::eq(e, f);
-        // With the even parity alone the images add up as they are.
-        let even = matches!(patterns, [(parity, _)] if *parity == Parity::default());
         self.parities.resize_with(patterns.len(), Operators::default);
         self.parities.iter_mut().for_each(|p| p.reset([e, f], diagonal));
-        self.one.reset([e, f], diagonal);
-        for (number, &image) in images.iter().enumerate() {
-            if !even && number > 0 {
-                self.one.reset([e, f], diagonal);
+        self.mask.clear();
+        for _ in 0..images.len() * e.panels.len() {
+            self.mask.resize(self.mask.len() + f.panels.len(), 1.0);
+            self.mask.resize(self.mask.len() + f.width - f.panels.len(), 0.0);
+        }
+        for pair in near {
+            let first = pair.image * e.panels.len();
+            self.mask[(first + pair.e) * f.width + pair.f] = 0.0;
+            if diagonal {
+                self.mask[(first + pair.f) * f.width + pair.e] = 0.0;
             }
-            self.mask.clear();
-            for _ in &e.panels {
-                self.mask.resize(self.mask.len() + f.panels.len(), 1.0);
-                self.mask.resize(self.mask.len() + f.width - f.panels.len(), 0.0);
-            }
-            for pair in near.iter().filter(|p| p.image == number) {
-                self.mask[pair.e * f.width + pair.f] = 0.0;
-                if diagonal {
-                    self.mask[pair.f * f.width + pair.e] = 0.0;
-                }
-            }
-            let far = Far {
+        }
+        let odd: Vec<usize> = patterns.iter().map(|(parity, _)| parity.odd_axes()).collect();
+        // A field may be asked for twice: at most four at once.
+        for (parities, to) in odd.chunks(4).zip(self.parities.chunks_mut(4)) {
+            let mask = &self.mask;
+            Arch::new().dispatch(Far {
                 wave,
                 e,
                 f,
-                points: f.points_of(number),
+                planes: *planes,
+                parities,
                 diagonal,
-                mask: &self.mask,
-                to: &mut self.one,
-            };
-            Arch::new().dispatch(far);
-            let close = near.iter().filter(|p| p.image == number);
-            self.one.add_near(wave, [e, f], diagonal, close, &integrate);
-            if !even {
-                for (to, (parity, _)) in self.parities.iter_mut().zip(patterns) {
-                    to.add_scaled(parity.sign(image), &self.one);
-                }
+                mask,
+                to,
+            });
+        }
+        for pair in near {
+            let mut m = PairMatrices::default();
+            integrate([e.panels[pair.e], f.panels[pair.f]], pair, &mut m);
+            let pair = Close::new(pair, wave, [e, f], &self.to_points, &m);
+            for (to, (parity, _)) in self.parities.iter_mut().zip(patterns) {
+                pair.add(parity.sign(images[pair.pair.image]), [e, f], diagonal, to);
             }
         }
-        let whole = if even {
-            std::slice::from_ref(&self.one)
-        } else {
-            &self.parities
-        };
-        for ((operators, (_, patterns)), sums) in whole.iter().zip(patterns).zip(sums) {
+        for ((operators, (_, patterns)), sums) in self.parities.iter().zip(patterns).zip(sums) {
             operators.gather([e, f], diagonal, *patterns, sums);
         }
     }
 }
 
-impl Operators {
-    fn add_near<'a>(
-        &mut self,
-        wave: Wave,
-        [e, f]: [&Block; 2],
-        diagonal: bool,
-        near: impl Iterator<Item = &'a NearPair>,
-        integrate: &impl Fn([usize; 2], &NearPair, &mut PairMatrices),
-    ) {
-        for pair in near {
-            let mut m = PairMatrices::default();
-            integrate([e.panels[pair.e], f.panels[pair.f]], pair, &mut m);
-            for i in 0..e.corners {
-                for j in 0..f.corners {
-                    let (s, k, kp, w) = (m.s[i][j], m.k[i][j], m.kp[i][j], wave.alpha * m.w[i][j]);
-                    let (row, column) = (e.local[pair.e][i], j * f.width + pair.f);
-                    let (back_row, back) = (f.local[pair.f][j], i * e.width + pair.e);
-                    self.a.add(row, column, w - k);
-                    self.b.add(row, column, s + wave.alpha * kp);
-                    if !diagonal {
-                        self.a_back.add(row, column, w - kp);
-                        self.b_back.add(i * e.width + pair.e, column, s + wave.alpha * k);
-                    } else if pair.e != pair.f {
-                        self.a.add(back_row, back, w - kp);
-                        self.b.add(back_row, back, s + wave.alpha * k);
-                    }
+/// What a close pair adds to its blocks' operators.
+struct Close<'a> {
+    pair: &'a NearPair,
+    a: [[Complex<f64>; 4]; 4],
+    a_back: [[Complex<f64>; 4]; 4],
+    /// B from the points of f to the corners of e.
+    b: [[Complex<f64>; 4]; 4],
+    /// Transpose of B from the points of e to the corners of f.
+    b_back: [[Complex<f64>; 4]; 4],
+}
+
+impl<'a> Close<'a> {
+    fn new(pair: &'a NearPair, wave: Wave, [e, f]: [&Block; 2], to_points: &[Mat<f64>; 2], m: &PairMatrices) -> Self {
+        let mut close = Self {
+            pair,
+            a: Default::default(),
+            a_back: Default::default(),
+            b: Default::default(),
+            b_back: Default::default(),
+        };
+        let alpha = wave.alpha();
+        for i in 0..e.corners {
+            for j in 0..f.corners {
+                let (s, k, kp, w) = (m.s[i][j], m.k[i][j], m.kp[i][j], alpha * m.w[i][j]);
+                close.a[i][j] = w - k;
+                close.a_back[i][j] = w - kp;
+                let (b, b_back) = (s + alpha * kp, s + alpha * k);
+                for point in 0..f.corners {
+                    close.b[i][point] += b * to_points[f.corners - 3][(j, point)];
+                }
+                for point in 0..e.corners {
+                    close.b_back[point][j] += b_back * to_points[e.corners - 3][(i, point)];
+                }
+            }
+        }
+        close
+    }
+
+    fn add(&self, sign: f64, [e, f]: [&Block; 2], diagonal: bool, to: &mut Operators) {
+        let pair = self.pair;
+        for i in 0..e.corners {
+            for j in 0..f.corners {
+                let (row, column) = (e.local[pair.e][i], j * f.width + pair.f);
+                let (back_row, back) = (f.local[pair.f][j], i * e.width + pair.e);
+                to.a.add(row, column, sign * self.a[i][j]);
+                to.b.add(row, column, sign * self.b[i][j]);
+                if !diagonal {
+                    to.a_back.add(row, column, sign * self.a_back[i][j]);
+                    to.b_back.add(back, column, sign * self.b_back[i][j]);
+                } else if pair.e != pair.f {
+                    to.a.add(back_row, back, sign * self.a_back[i][j]);
+                    to.b.add(back_row, back, sign * self.b_back[i][j]);
                 }
             }
         }
     }
+}
 
+impl Operators {
     /// Adds corners to nodes and applies B to the patterns.
     fn gather(&self, [e, f]: [&Block; 2], diagonal: bool, patterns: [&Mat<f64>; 2], sums: &mut Sums) {
-        let modes = patterns[0].ncols();
+        let modes = patterns[0].nrows();
         let mut local = vec![0.0; 2 * e.nodes.len() * f.nodes.len()];
         let to_nodes = |buffer: &Buffer, local: &mut Vec<f64>| {
             local.clear();
@@ -231,12 +263,12 @@ impl Operators {
                 sums.matrix[(row, column)] += at(&local, r, c, e.nodes.len());
             }
         }
-        let mut product = Mat::<f64>::zeros(2 * e.nodes.len(), modes);
+        let mut product = Mat::<f64>::zeros(modes, 2 * e.nodes.len());
         matmul(
             product.as_mut(),
             Accum::Replace,
-            self.b.stacked(),
             patterns[1].as_ref(),
+            self.b.stacked().transpose(),
             1.0,
             Par::Seq,
         );
@@ -253,208 +285,26 @@ impl Operators {
         to_nodes(&self.b_back, &mut local);
         let rows = self.b_back.rows;
         let half = rows * f.nodes.len();
-        let mut product = Mat::<f64>::zeros(2 * f.nodes.len(), modes);
+        let mut product = Mat::<f64>::zeros(modes, 2 * f.nodes.len());
         for part in 0..2 {
             let b = MatRef::from_row_major_slice(&local[part * half..(part + 1) * half], rows, f.nodes.len());
-            let to: MatMut<'_, f64> = product.as_mut().subrows_mut(part * f.nodes.len(), f.nodes.len());
-            matmul(to, Accum::Replace, b.transpose(), patterns[0].as_ref(), 1.0, Par::Seq);
+            let to = product.as_mut().subcols_mut(part * f.nodes.len(), f.nodes.len());
+            matmul(to, Accum::Replace, patterns[0].as_ref(), b, 1.0, Par::Seq);
         }
         spread(&f.nodes, product.as_ref(), sums);
     }
 }
 
-/// Adds the rows of a block's product, real above imaginary, to the right-hand sides.
+/// Adds the columns of a block's product, real before imaginary, to the right-hand sides.
 fn spread(nodes: &[usize], product: MatRef<'_, f64>, sums: &mut Sums) {
     for (part, right) in sums.right.iter_mut().enumerate() {
-        for m in 0..product.ncols() {
-            for (r, &row) in nodes.iter().enumerate() {
-                right[(row, m)] += product[(part * nodes.len() + r, m)];
-            }
+        for (r, &row) in nodes.iter().enumerate() {
+            let from = product.col(part * nodes.len() + r);
+            right
+                .col_mut(row)
+                .iter_mut()
+                .zip(from.iter())
+                .for_each(|(to, v)| *to += v);
         }
-    }
-}
-
-/// All pairs of panels of two blocks by the far rule, except those masked.
-struct Far<'a> {
-    wave: Wave,
-    e: &'a Block,
-    f: &'a Block,
-    points: &'a [f64],
-    diagonal: bool,
-    mask: &'a [f64],
-    to: &'a mut Operators,
-}
-
-impl WithSimd for Far<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        match (self.e.corners, self.f.corners) {
-            (3, 3) => self.run::<S, 3, 3>(simd),
-            (3, _) => self.run::<S, 3, 4>(simd),
-            _ => self.run::<S, 4, 4>(simd),
-        }
-    }
-}
-
-/// Corner functions at the points of the far rule.
-fn corner_values<const E: usize>() -> [[f64; E]; E] {
-    let kind = if E == 3 { FaceKind::Tri3 } else { FaceKind::Quad4 };
-    let rule = rules::far(E);
-    std::array::from_fn(|b| {
-        let shape = kind.at(rule[b].0);
-        std::array::from_fn(|j| shape.n[j])
-    })
-}
-
-impl Far<'_> {
-    #[inline(always)]
-    fn run<S: Simd, const E: usize, const F: usize>(self, simd: S) {
-        let zero = simd.splat_f64s(0.0);
-        let one = simd.splat_f64s(1.0);
-        let k = simd.splat_f64s(self.wave.k);
-        let minus_k2 = simd.splat_f64s(-self.wave.k * self.wave.k);
-        let alpha = [simd.splat_f64s(self.wave.alpha.re), simd.splat_f64s(self.wave.alpha.im)];
-        let (phi_e, phi_f) = (corner_values::<E>(), corner_values::<F>());
-        let (we, wf) = (self.e.width, self.f.width);
-        let lanes = S::F64_LANES;
-        for e in 0..self.e.panels.len() {
-            // Position, vector area, area and curls of this panel's points.
-            let mut own = [[0.0; 16]; E];
-            for (a, own) in own.iter_mut().enumerate() {
-                for (field, value) in own.iter_mut().enumerate().take(fields(E)) {
-                    *value = self.e.points[(a * fields(E) + field) * we + e];
-                }
-            }
-            for chunk in 0..wf / lanes {
-                let m = load::<S>(self.mask, e * wf + chunk * lanes);
-                let scale = simd.mul_f64s(m, simd.splat_f64s(0.25 / PI));
-                let away = simd.sub_f64s(one, m);
-                // S, K, K', -k² n . n mass; then the curls without the last function.
-                let mut blocks = [[[[zero; F]; E]; 2]; 4];
-                let mut curls = [[[zero; F]; E]; 2];
-                for a in 0..E {
-                    let (x, n) = (splat3(simd, &own[a], X), splat3(simd, &own[a], N));
-                    let w = simd.splat_f64s(own[a][W]);
-                    let mut rows = [[[zero; F]; 2]; 4];
-                    for b in 0..F {
-                        let start = b * fields(F) * wf + chunk * lanes;
-                        let y = load3::<S>(self.points, start + X * wf, wf);
-                        let v = load3::<S>(self.points, start + N * wf, wf);
-                        let u = load::<S>(self.points, start + W * wf);
-                        let d = minus(simd, x, y);
-                        // Masked pairs are put at a distance of a metre and more: they may coincide.
-                        let r2 = simd.add_f64s(dot(simd, d, d), away);
-                        let [g_re, g_im, h_re, h_im] = green(simd, r2, k, scale);
-                        let areas = simd.mul_f64s(w, u);
-                        let dn_y = simd.mul_f64s(dot(simd, d, v), w);
-                        let dn_x = simd.neg_f64s(simd.mul_f64s(dot(simd, d, n), u));
-                        let nn = simd.mul_f64s(minus_k2, dot(simd, n, v));
-                        let kernels = [
-                            [simd.mul_f64s(g_re, areas), simd.mul_f64s(g_im, areas)],
-                            [simd.mul_f64s(h_re, dn_y), simd.mul_f64s(h_im, dn_y)],
-                            [simd.mul_f64s(h_re, dn_x), simd.mul_f64s(h_im, dn_x)],
-                            [simd.mul_f64s(g_re, nn), simd.mul_f64s(g_im, nn)],
-                        ];
-                        for j in 0..F {
-                            let phi = simd.splat_f64s(phi_f[b][j]);
-                            for m in 0..4 {
-                                for part in 0..2 {
-                                    rows[m][part][j] = simd.mul_add_e_f64s(kernels[m][part], phi, rows[m][part][j]);
-                                }
-                            }
-                        }
-                        for j in 0..F - 1 {
-                            let other = load3::<S>(self.points, start + (C + 3 * j) * wf, wf);
-                            for i in 0..E - 1 {
-                                let cc = dot(simd, splat3(simd, &own[a], C + 3 * i), other);
-                                curls[0][i][j] = simd.mul_add_e_f64s(g_re, cc, curls[0][i][j]);
-                                curls[1][i][j] = simd.mul_add_e_f64s(g_im, cc, curls[1][i][j]);
-                            }
-                        }
-                    }
-                    for i in 0..E {
-                        let phi = simd.splat_f64s(phi_e[a][i]);
-                        for m in 0..4 {
-                            for part in 0..2 {
-                                for j in 0..F {
-                                    blocks[m][part][i][j] =
-                                        simd.mul_add_e_f64s(phi, rows[m][part][j], blocks[m][part][i][j]);
-                                }
-                            }
-                        }
-                    }
-                }
-                // The curls of all corner functions add up to zero.
-                for part in 0..2 {
-                    for i in 0..E - 1 {
-                        for j in 0..F - 1 {
-                            let value = curls[part][i][j];
-                            curls[part][i][F - 1] = simd.sub_f64s(curls[part][i][F - 1], value);
-                            curls[part][E - 1][j] = simd.sub_f64s(curls[part][E - 1][j], value);
-                            curls[part][E - 1][F - 1] = simd.add_f64s(curls[part][E - 1][F - 1], value);
-                        }
-                    }
-                }
-                for i in 0..E {
-                    let row = self.e.local[e][i];
-                    for j in 0..F {
-                        let s = [blocks[0][0][i][j], blocks[0][1][i][j]];
-                        let k = [blocks[1][0][i][j], blocks[1][1][i][j]];
-                        let kp = [blocks[2][0][i][j], blocks[2][1][i][j]];
-                        let hyper = [
-                            simd.add_f64s(curls[0][i][j], blocks[3][0][i][j]),
-                            simd.add_f64s(curls[1][i][j], blocks[3][1][i][j]),
-                        ];
-                        let column = j * wf + chunk * lanes;
-                        let less_k = [simd.neg_f64s(k[0]), simd.neg_f64s(k[1])];
-                        put(simd, &mut self.to.a, row, column, axpy(simd, alpha, hyper, less_k));
-                        put(simd, &mut self.to.b, row, column, axpy(simd, alpha, kp, s));
-                        if !self.diagonal {
-                            let less_kp = [simd.neg_f64s(kp[0]), simd.neg_f64s(kp[1])];
-                            put(
-                                simd,
-                                &mut self.to.a_back,
-                                row,
-                                column,
-                                axpy(simd, alpha, hyper, less_kp),
-                            );
-                            put(simd, &mut self.to.b_back, i * we + e, column, axpy(simd, alpha, k, s));
-                        }
-                    }
-                }
-            }
-        }
-    }
-}
-
-#[inline(always)]
-fn splat3<S: Simd>(simd: S, own: &[f64; 16], field: usize) -> [S::f64s; 3] {
-    [
-        simd.splat_f64s(own[field]),
-        simd.splat_f64s(own[field + 1]),
-        simd.splat_f64s(own[field + 2]),
-    ]
-}
-
-/// alpha x + y of complex numbers.
-#[inline(always)]
-fn axpy<S: Simd>(simd: S, alpha: [S::f64s; 2], x: [S::f64s; 2], y: [S::f64s; 2]) -> [S::f64s; 2] {
-    let re = simd.mul_add_e_f64s(alpha[0], x[0], y[0]);
-    let im = simd.mul_add_e_f64s(alpha[0], x[1], y[1]);
-    [
-        simd.negate_mul_add_e_f64s(alpha[1], x[1], re),
-        simd.mul_add_e_f64s(alpha[1], x[0], im),
-    ]
-}
-
-/// Adds a vector of complex values to a buffer.
-#[inline(always)]
-fn put<S: Simd>(simd: S, buffer: &mut Buffer, row: usize, column: usize, value: [S::f64s; 2]) {
-    for part in 0..2 {
-        let start = buffer.start(part, row) + column;
-        let to = &mut S::as_mut_simd_f64s(&mut buffer.data[start..start + S::F64_LANES]).0[0];
-        *to = simd.add_f64s(*to, value[part]);
     }
 }

@@ -12,6 +12,7 @@ mod archive;
 mod compact;
 mod energy;
 mod erp;
+mod interval;
 mod kernel;
 mod plane_waves;
 mod quadrature;
@@ -22,6 +23,7 @@ mod sampled;
 mod sand;
 mod sphere;
 mod surface;
+mod together;
 
 pub use archive::{Archive, ArchiveReader, ArchiveWriter};
 pub use compact::CompactErp;

@@ -1,7 +1,10 @@
 use super::archive::{Archive, ArchiveReader, ArchiveWriter};
+use super::interval::{Interval, ORDERS, check_range, lobatto};
 use super::resistance::{ModalRadiation, Resistance};
 use super::roots::{hermitian_root, image};
 use crate::error::{AcousticsError, positive};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, Par};
 use nalgebra::{Complex, ComplexField, DMatrix};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -34,9 +37,6 @@ impl Default for Sampling {
     }
 }
 
-/// Orders of the nested Chebyshev-Lobatto rules tried on an interval before it is halved.
-const ORDERS: [usize; 4] = [4, 8, 16, 32];
-
 /// A radiation resistance sampled at a few frequencies and interpolated between them.
 ///
 /// Q = R / omega² is interpolated entrywise by Chebyshev polynomials on intervals of the frequency axis, of one octave
@@ -62,16 +62,22 @@ pub struct SampledRadiation {
 
 /// Q of every patch at one frequency.
 #[derive(Debug, Clone)]
-struct Sample {
+pub(super) struct Sample {
     hz: f64,
     patches: Vec<Resistance>,
 }
 
-#[derive(Debug, Clone)]
-struct Interval {
-    low: f64,
-    high: f64,
-    nodes: Vec<usize>,
+impl Sample {
+    pub(super) fn new(hz: f64, patches: Vec<Resistance>) -> Self {
+        Self { hz, patches }
+    }
+
+    /// Q of all patches together.
+    pub(super) fn whole(&self, modes: usize) -> Resistance {
+        let mut whole = Resistance::zeros(modes);
+        self.patches.iter().for_each(|q| whole.add_scaled(1.0, q));
+        whole
+    }
 }
 
 impl SampledRadiation {
@@ -88,13 +94,7 @@ impl SampledRadiation {
     ) -> Result<Self, AcousticsError> {
         let [low, high] = sampling.range_hz;
         positive("interpolation tolerance", sampling.tolerance)?;
-        if !(low > 0.0 && high > low && high.is_finite()) {
-            return Err(AcousticsError::Range {
-                low,
-                high,
-                nyquist: f64::INFINITY,
-            });
-        }
+        check_range(sampling.range_hz)?;
         let octaves = (high / low).log2().ceil().max(1.0) as usize;
         let edge = |i: usize| {
             if i == octaves {
@@ -107,7 +107,7 @@ impl SampledRadiation {
         let (mut samples, mut index) = (Vec::<Sample>::new(), BTreeMap::<u64, usize>::new());
         let (mut intervals, mut error) = (Vec::new(), 0.0f64);
         while !pending.is_empty() {
-            let mut wanted: Vec<f64> = pending.iter().flat_map(|&(a, b, o)| nodes(a, b, ORDERS[o])).collect();
+            let mut wanted: Vec<f64> = pending.iter().flat_map(|&(a, b, o)| lobatto(a, b, ORDERS[o])).collect();
             wanted.retain(|hz| !index.contains_key(&hz.to_bits()));
             wanted.sort_by(f64::total_cmp);
             wanted.dedup();
@@ -125,9 +125,10 @@ impl SampledRadiation {
             let judged: Vec<(Interval, f64)> = pending
                 .par_iter()
                 .map(|&(low, high, order)| {
-                    let nodes = nodes(low, high, ORDERS[order]).map(|hz| index[&hz.to_bits()]).collect();
-                    let interval = Interval { low, high, nodes };
-                    let error = interval.error(&samples, modes, sampling.floor);
+                    let nodes = lobatto(low, high, ORDERS[order]);
+                    let nodes = nodes.map(|hz| index[&hz.to_bits()]).collect();
+                    let interval = Interval::chebyshev(low, high, nodes);
+                    let error = interval.error(|s| samples[s].whole(modes), modes, sampling.floor);
                     (interval, error)
                 })
                 .collect();
@@ -154,17 +155,28 @@ impl SampledRadiation {
             pending = next;
         }
         intervals.sort_by(|a, b| a.low.total_cmp(&b.low));
-        let slopes = low_slopes(&intervals[0], &samples, modes);
-        Ok(Self {
-            method: method.into(),
+        Ok(Self::of(&method.into(), modes, &patches, intervals, samples, error))
+    }
+
+    /// From intervals that rise.
+    pub(super) fn of(
+        method: &str,
+        modes: usize,
+        patches: &[String],
+        intervals: Vec<Interval>,
+        samples: Vec<Sample>,
+        error: f64,
+    ) -> Self {
+        Self {
+            method: method.to_owned(),
             modes,
-            patches,
+            patches: patches.to_vec(),
+            slopes: low_slopes(&intervals[0], &samples, modes),
             intervals,
             samples,
-            slopes,
             error,
             roots: Vec::new(),
-        })
+        }
     }
 
     /// With the roots that signals need, which are then kept beside the resistances rather than taken for every motion.
@@ -207,7 +219,7 @@ impl SampledRadiation {
             (vec![self.lowest_sample()], vec![1.0])
         } else {
             let interval = &self.intervals[self.interval(hz)];
-            (interval.nodes.clone(), interval.weights(hz, interval.nodes.len() - 1))
+            (interval.nodes.clone(), interval.weights(hz))
         };
         let scaled = |(mode, a): (usize, &Complex<f64>)| {
             if hz < self.lowest() {
@@ -227,23 +239,22 @@ impl SampledRadiation {
         sum
     }
 
-    /// Its interpolation error: the magnitude of the last two Chebyshev coefficients of every entry, relative to the
-    /// largest entry in the interval. A row may be zero but for rounding, as in a mirror plane that a mode is odd about.
+    /// Its interpolation error, judged as that of R, relative to the largest entry in the interval. A row may be zero
+    /// but for rounding, as in a mirror plane that a mode is odd about.
     pub(crate) fn error_of(&self, samples: &[DMatrix<Complex<f64>>]) -> f64 {
+        let size = |m: &DMatrix<Complex<f64>>| m.iter().map(|z| z.norm()).fold(0.0, f64::max);
         let mut worst: f64 = 0.0;
         for interval in &self.intervals {
-            let order = interval.nodes.len() - 1;
-            let [last, before] = [order, order - 1].map(|k| {
+            let defect = |weights: Vec<f64>| {
                 let mut sum = samples[interval.nodes[0]].scale(0.0);
-                for (j, &node) in interval.nodes.iter().enumerate() {
-                    sum += samples[node].scale(interval.coefficient(j, k));
+                for (weight, &node) in weights.into_iter().zip(&interval.nodes) {
+                    sum += samples[node].scale(weight);
                 }
-                sum
-            });
-            let size = |m: &DMatrix<Complex<f64>>| m.iter().map(|z| z.norm()).fold(0.0, f64::max);
+                size(&sum)
+            };
             let largest = interval.nodes.iter().map(|&n| size(&samples[n])).fold(0.0, f64::max);
             if largest > 0.0 {
-                worst = worst.max((size(&last) + size(&before)) / largest);
+                worst = worst.max(interval.together(interval.defects().into_iter().map(defect)) / largest);
             }
         }
         worst
@@ -281,12 +292,7 @@ impl SampledRadiation {
 
     /// Q of a sample, all patches together.
     fn whole(&self, sample: usize) -> Resistance {
-        let mut whole = Resistance::zeros(self.modes);
-        self.samples[sample]
-            .patches
-            .iter()
-            .for_each(|q| whole.add_scaled(1.0, q));
-        whole
+        self.samples[sample].whole(self.modes)
     }
 
     /// Its Hermitian root.
@@ -336,11 +342,7 @@ impl ModalRadiation for SampledRadiation {
             return result;
         }
         let interval = &self.intervals[self.interval(hz)];
-        for (node, weight) in interval
-            .nodes
-            .iter()
-            .zip(interval.weights(hz, interval.nodes.len() - 1))
-        {
+        for (node, weight) in interval.nodes.iter().zip(interval.weights(hz)) {
             for patch in &self.samples[*node].patches {
                 result.add_scaled(omega2 * weight, patch);
             }
@@ -348,49 +350,63 @@ impl ModalRadiation for SampledRadiation {
         result
     }
 
+    /// One product for an interval: its samples, packed by the pairs of modes, times the pairs' products.
     fn energy_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
-        let (modes, patches) = (self.modes, self.patches.len());
+        let patches = self.patches.len();
         let runs = self.runs(frequency);
+        let mut wanted: Vec<Option<usize>> = runs.iter().map(|run| run.0).collect();
+        wanted.sort_unstable();
+        wanted.dedup();
+        let skew = self
+            .samples
+            .iter()
+            .flat_map(|s| &s.patches)
+            .any(|q| q.imaginary.is_some());
+        let packed: Vec<Mat<f64>> = wanted.par_iter().map(|&at| self.packed(at, skew)).collect();
         let evaluate = |&(at, start, end): &Run| {
-            let bins = end - start;
-            let factor = |i: usize, bin: usize| {
-                if at.is_none() {
-                    self.low_factor(frequency[bin], i)
-                } else {
-                    1.0
+            let packed = &packed[wanted.partition_point(|w| *w < at)];
+            let mut products = Mat::zeros(packed.ncols(), end - start);
+            for (column, bin) in (start..end).enumerate() {
+                let a: Vec<Complex<f64>> = (0..self.modes)
+                    .map(|i| match at {
+                        None => accelerations[(i, bin)] * self.low_factor(frequency[bin], i),
+                        Some(_) => accelerations[(i, bin)],
+                    })
+                    .collect();
+                let mut to = products.col_mut(column).iter_mut();
+                for j in 0..self.modes {
+                    for i in 0..=j {
+                        let product = a[i].re * a[j].re + a[i].im * a[j].im;
+                        to.next()
+                            .into_iter()
+                            .for_each(|to| *to = if i == j { product } else { 2.0 * product });
+                    }
                 }
-            };
-            let parts = DMatrix::from_fn(modes, 2 * bins, |i, j| {
-                let (bin, imaginary) = (start + j % bins, j >= bins);
-                let a = accelerations[(i, bin)];
-                factor(i, bin) * if imaginary { a.im } else { a.re }
-            });
-            let (nodes, weights): (Vec<usize>, Vec<Vec<f64>>) = match at {
-                None => (vec![self.lowest_sample()], vec![vec![1.0]; bins]),
-                Some(i) => {
-                    let interval = &self.intervals[i];
-                    let order = interval.nodes.len() - 1;
-                    (
-                        interval.nodes.clone(),
-                        frequency[start..end]
-                            .iter()
-                            .map(|&hz| interval.weights(hz, order))
-                            .collect(),
-                    )
+                for j in 0..if skew { self.modes } else { 0 } {
+                    for i in 0..j {
+                        let product = 2.0 * (a[i].im * a[j].re - a[j].im * a[i].re);
+                        to.next().into_iter().for_each(|to| *to = product);
+                    }
                 }
+            }
+            let mut forms = Mat::zeros(packed.nrows(), end - start);
+            matmul(
+                forms.as_mut(),
+                Accum::Replace,
+                packed.as_ref(),
+                products.as_ref(),
+                1.0,
+                Par::Seq,
+            );
+            let weights = |bin: usize| match at {
+                None => vec![1.0],
+                Some(i) => self.intervals[i].weights(frequency[bin]),
             };
-            let mut result = DMatrix::zeros(patches, bins);
-            for (n, node) in nodes.iter().enumerate() {
-                for (p, q) in self.samples[*node].patches.iter().enumerate() {
-                    let image = &q.real * &parts;
-                    let skew = q.imaginary.as_ref().map(|m| m * parts.columns(0, bins));
-                    for bin in 0..bins {
-                        let mut form = parts.column(bin).dot(&image.column(bin))
-                            + parts.column(bins + bin).dot(&image.column(bins + bin));
-                        if let Some(skew) = &skew {
-                            form += 2.0 * parts.column(bins + bin).dot(&skew.column(bin));
-                        }
-                        result[(p, bin)] += weights[bin][n] * form;
+            let mut result = DMatrix::zeros(patches, end - start);
+            for column in 0..end - start {
+                for (n, weight) in weights(start + column).into_iter().enumerate() {
+                    for p in 0..patches {
+                        result[(p, column)] += weight * forms[(n * patches + p, column)];
                     }
                 }
             }
@@ -474,98 +490,39 @@ fn side_by_side<T: ComplexField>(
     all
 }
 
-impl Interval {
-    /// What `part` gives at the samples, interpolated to the frequency of each of its columns.
-    fn blend(&self, frequency: &[f64], part: impl Fn(usize) -> DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
-        let order = self.nodes.len() - 1;
-        let weights: Vec<Vec<f64>> = frequency.iter().map(|&hz| self.weights(hz, order)).collect();
-        let parts = self.nodes.iter().map(|&node| part(node));
-        let weighted = parts.enumerate().map(|(n, mut part)| {
-            for (mut column, weights) in part.column_iter_mut().zip(&weights) {
-                column.iter_mut().for_each(|x| *x *= weights[n]);
+impl SampledRadiation {
+    /// Samples of an interval (the lowest sample, without one) and their patches, row by row: the upper triangle column
+    /// by column, then with `skew` the imaginary one without its diagonal.
+    fn packed(&self, at: Option<usize>, skew: bool) -> Mat<f64> {
+        let lowest = [self.lowest_sample()];
+        let nodes = at.map_or(&lowest[..], |i| &self.intervals[i].nodes);
+        let (modes, patches) = (self.modes, self.patches.len());
+        let pairs = modes * (modes + 1) / 2;
+        let columns = pairs + if skew { pairs - modes } else { 0 };
+        let mut packed = Mat::zeros(nodes.len() * patches, columns);
+        for (row, q) in nodes.iter().flat_map(|&node| &self.samples[node].patches).enumerate() {
+            let upper = (0..modes).flat_map(|j| (0..=j).map(move |i| (i, j)));
+            for (column, at) in upper.enumerate() {
+                packed[(row, column)] = q.real[at];
             }
-            part
-        });
-        weighted.reduce(|sum, part| sum + part).unwrap_or_default()
-    }
-
-    /// Barycentric weights of the Lobatto rule of the given order at the frequency `hz` (they sum to one). An order
-    /// below the interval's own uses every second, fourth ... node.
-    fn weights(&self, hz: f64, order: usize) -> Vec<f64> {
-        let x: Vec<f64> = nodes(self.low, self.high, order).collect();
-        if let Some(hit) = x.iter().position(|&node| node == hz) {
-            return (0..=order).map(|i| f64::from(u8::from(i == hit))).collect();
-        }
-        let term = |(i, node): (usize, &f64)| {
-            let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
-            let end = if i == 0 || i == order { 0.5 } else { 1.0 };
-            sign * end / (hz - node)
-        };
-        let terms: Vec<f64> = x.iter().enumerate().map(term).collect();
-        let sum: f64 = terms.iter().sum();
-        terms.into_iter().map(|t| t / sum).collect()
-    }
-
-    /// What the sample at node j adds to the Chebyshev coefficient of order k.
-    fn coefficient(&self, j: usize, k: usize) -> f64 {
-        let order = self.nodes.len() - 1;
-        let end = if j == 0 || j == order { 0.5 } else { 1.0 };
-        let cosine = (PI * ((j * k) % (2 * order)) as f64 / order as f64).cos();
-        2.0 / order as f64 * end * cosine
-    }
-
-    /// Estimated interpolation error of all patches together, relative to the interval's least sqrt(Q_ii Q_jj): the
-    /// magnitude of the last two Chebyshev coefficients of every entry, beyond which those of an analytic function fall
-    /// geometrically or faster. What patches exchange among themselves does not reach the level.
-    fn error(&self, samples: &[Sample], modes: usize, floor: f64) -> f64 {
-        let order = self.nodes.len() - 1;
-        let mut scale = vec![f64::INFINITY; modes];
-        for &node in &self.nodes {
-            let whole = |i: usize| samples[node].patches.iter().map(|p| p.real[(i, i)]).sum::<f64>();
-            let diagonal: Vec<f64> = (0..modes).map(whole).collect();
-            let floor = floor * diagonal.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-            scale
-                .iter_mut()
-                .zip(diagonal)
-                .for_each(|(s, q)| *s = s.min(q.max(floor).sqrt()));
-        }
-        let [last, before] = [order, order - 1].map(|k| {
-            let mut coefficient = Resistance::zeros(modes);
-            for (j, &node) in self.nodes.iter().enumerate() {
-                for patch in &samples[node].patches {
-                    coefficient.add_scaled(self.coefficient(j, k), patch);
-                }
-            }
-            coefficient
-        });
-        let mut worst: f64 = 0.0;
-        let parts = |r: Resistance| std::iter::once(r.real).chain(r.imaginary);
-        for (a, b) in parts(last).zip(parts(before)) {
-            for j in 0..modes {
-                for i in 0..modes {
-                    worst = worst.max((a[(i, j)].abs() + b[(i, j)].abs()) / (scale[i] * scale[j]));
-                }
+            let Some(imaginary) = q.imaginary.as_ref().filter(|_| skew) else {
+                continue;
+            };
+            let upper = (0..modes).flat_map(|j| (0..j).map(move |i| (i, j)));
+            for (column, at) in upper.enumerate() {
+                packed[(row, pairs + column)] = imaginary[at];
             }
         }
-        worst
+        packed
     }
-}
-
-/// Chebyshev-Lobatto nodes of \[low, high\], rising; the ends are exact.
-fn nodes(low: f64, high: f64, order: usize) -> impl Iterator<Item = f64> {
-    // The finest order's index makes nested rules agree bit for bit.
-    let finest = ORDERS[ORDERS.len() - 1];
-    (0..=order).map(move |i| match i {
-        0 => low,
-        i if i == order => high,
-        i => 0.5 * (low + high) - 0.5 * (high - low) * (PI * (i * (finest / order)) as f64 / finest as f64).cos(),
-    })
 }
 
 /// Power laws of the diagonal of R at the lowest sample, rounded to even numbers from 2 up.
 fn low_slopes(interval: &Interval, samples: &[Sample], modes: usize) -> Vec<f64> {
     let diagonal = |s: &Sample, i: usize| s.patches.iter().map(|p| p.real[(i, i)]).sum::<f64>();
-    let (first, second) = (&samples[interval.nodes[0]], &samples[interval.nodes[1]]);
+    let mut rising = interval.nodes.clone();
+    rising.sort_by(|&a, &b| samples[a].hz.total_cmp(&samples[b].hz));
+    let (first, second) = (&samples[rising[0]], &samples[rising[1]]);
     let slope = |i: usize| {
         let ratio = diagonal(second, i) / diagonal(first, i);
         let slope = 2.0 + ratio.ln() / (second.hz / first.hz).ln();
@@ -604,6 +561,7 @@ impl Archive for SampledRadiation {
         to.count(self.intervals.len());
         for interval in &self.intervals {
             to.numbers(&[interval.low, interval.high]);
+            to.count(interval.tried);
             to.count(interval.nodes.len());
             interval.nodes.iter().for_each(|node| to.count(*node));
         }
@@ -640,12 +598,12 @@ impl Archive for SampledRadiation {
         let mut intervals = Vec::new();
         for _ in 0..from.count()? {
             let [low, high] = from.numbers()?;
+            let tried = from.count()?;
             let count = from.count()?;
             let nodes = (0..count).map(|_| from.count()).collect::<Result<Vec<_>, _>>()?;
-            if !ORDERS.contains(&count.wrapping_sub(1)) || nodes.iter().any(|n| *n >= samples.len()) {
-                return Err(from.damaged());
-            }
-            intervals.push(Interval { low, high, nodes });
+            let known = nodes.iter().all(|n| *n < samples.len());
+            let interval = Interval::kept(low, high, nodes, tried).filter(|_| known);
+            intervals.push(interval.ok_or_else(|| from.damaged())?);
         }
         let mut slopes = Vec::new();
         for _ in 0..modes {
