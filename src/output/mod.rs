@@ -24,9 +24,9 @@ pub use csv::EVENT_NAMES;
 const PARAVIEW: &str = include_str!("paraview.py");
 
 /// Writes everything a run leaves behind to `folder`: `result.json`, `levels.csv`, `intervals.csv`, `power.csv`,
-/// `events.csv`, `log.csv`, `histories.csv`, `fields/*`, `paraview.py`, where boundary elements were used `radiation.csv`,
-/// `radiation-modes.csv`, `microphones.csv` and `microphones/*.wav`, and where the design has sensors `sensors.csv`,
-/// `sensors-spectrum.csv` and `sensors.uff`.
+/// `events.csv`, `log.csv`, `histories.csv`, `modes.csv`, `fields/*`, `paraview.py`, where boundary elements were used
+/// `radiation.csv`, `radiation-modes.csv`, `microphones.csv` and `microphones/*.wav`, and where the design has sensors
+/// `sensors.csv`, `sensors-spectrum.csv` and `sensors.uff`.
 ///
 /// # Errors
 /// [`Error::Write`] with the file that could not be written.
@@ -43,6 +43,7 @@ pub fn write_run(folder: &Path, run: &Run) -> Result<(), Error> {
     }
     write(&folder.join("intervals.csv"), csv::intervals(&run.result).as_bytes())?;
     write(&folder.join("power.csv"), csv::power(run).as_bytes())?;
+    write(&folder.join("modes.csv"), csv::modes(run).as_bytes())?;
     sensors::write(folder, run)?;
     microphones::write(folder, run)?;
     fields::write(&folder.join("fields"), run)?;
