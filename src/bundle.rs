@@ -22,6 +22,9 @@ const LAST: &str = "result.json";
 /// Beginning of the name of the folder in which a run writes before all of its files take their places at once.
 const UNFINISHED: &str = ".unfinished-";
 
+/// The microphone whose sound the report holds: in front of the device, half way up.
+const IN_THE_REPORT: usize = 1;
+
 /// Age at which an unfinished folder is nobody's.
 const ABANDONED: Duration = Duration::from_secs(3600);
 
@@ -148,20 +151,25 @@ fn write(folder: &Path, design: &Design, run: &Run, draw: bool) -> Result<(), Er
         let subject = format!("{}: one shot, {level}", design.name());
         figures::write(&folder.join("figures"), &figures::sound(&subject, design, run))?;
     }
-    let mut recordings = Vec::new();
-    for file in read_all(folder)? {
-        if file.path.extension().is_some_and(|extension| extension == "wav") {
-            let name = file.path.file_stem().unwrap_or_default().to_string_lossy();
-            recordings.push(Recording {
-                name: name.replace(['-', '_'], " "),
-                wav: file.content.0,
-            });
-        }
-    }
+    let recordings = heard_at(folder, run, IN_THE_REPORT)?;
     output::write(
         &folder.join("report.html"),
         report::run(design, run, &recordings).as_bytes(),
     )
+}
+
+/// What one microphone hears of all sources and of each.
+fn heard_at(folder: &Path, run: &Run, microphone: usize) -> Result<Vec<Recording>, Error> {
+    let sources = run.microphones.signals.iter().rev();
+    let recording = |source: &String| {
+        let path = folder.join(format!("microphones/{source}-{microphone}.wav"));
+        let wav = fs::read(&path).map_err(|source| Error::Unreadable { path, source })?;
+        Ok(Recording {
+            name: source.clone(),
+            wav,
+        })
+    };
+    sources.map(|(source, _)| recording(source)).collect()
 }
 
 impl Bundle {

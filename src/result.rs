@@ -34,6 +34,8 @@ pub struct RunResult {
     pub starts: Option<Starts>,
     /// What the design's sensors measure, by name.
     pub sensors: Vec<SensorLevel>,
+    /// What microphones around the device measure, beside what is radiated.
+    pub microphones: MicrophoneReport,
     /// Checks of every stage.
     pub checks: Vec<Check>,
     /// What a reader must know beside the numbers.
@@ -142,39 +144,69 @@ pub struct RadiationReport {
     pub modes: Vec<ModeShare>,
     /// One-third-octave bands.
     pub bands: Vec<RadiationBand>,
-    /// What microphones around the device measure of it.
-    pub microphones: Option<MicrophoneReport>,
 }
 
 /// Sound power as EN 12549 measures it, at the nine positions of ISO 3744 on a parallelepiped around the device above a
-/// reflecting floor, beside the power that is radiated; within the boundary elements' range.
+/// reflecting plane, beside the power that is radiated.
 #[derive(Debug, Clone, Serialize)]
 pub struct MicrophoneReport {
     /// Half sides a and b and height c of the parallelepiped \[m\].
     pub box_m: [f64; 3],
     /// Its area S \[m2\].
     pub area_m2: f64,
-    /// Frequencies over which both are compared \[Hz\].
+    /// Places of the microphones relative to the device's axis and the reflecting plane \[m\].
+    pub positions_m: Vec<[f64; 3]>,
+    /// Pressure of a full-scale sample in the files of sound \[Pa\].
+    pub full_scale_pa: f64,
+    /// Each source alone, without room and background.
+    pub sources: Vec<HeardSource>,
+    /// All sources at once, in the design's room with its background.
+    pub total: ArrayMeasurement,
+}
+
+/// A source at the microphones.
+#[derive(Debug, Clone, Serialize)]
+pub struct HeardSource {
+    /// Its name.
+    pub source: String,
+    /// How its sound is carried to a place.
+    pub how: String,
+    /// Frequencies over which it is heard and compared \[Hz\].
     pub range_hz: [f64; 2],
-    /// The microphones.
-    pub positions: Vec<MicrophoneLevel>,
+    /// Error of interpolated pressures over frequency, relative to the loudest mode at any microphone \[-\]; null where
+    /// none are interpolated.
+    pub interpolation_error: Option<f64>,
+    /// Microphone by microphone.
+    pub levels: Vec<MicrophoneLevel>,
     /// A-weighted level by the microphones, mean L_E + 10 lg S \[dB re 1 pW s\]; null when silent.
     pub lwa_db: Option<f64>,
     /// Level of the power radiated over the same range \[dB re 1 pW s\].
     pub true_lwa_db: Option<f64>,
-    /// One-third-octave bands, unweighted: by the microphones and radiated \[dB re 1 pW s\].
+    /// One-third-octave bands that lie in the range, unweighted: by the microphones and radiated \[dB re 1 pW s\].
     pub bands: Vec<MicrophoneBand>,
-    /// Error of the pressures' interpolation over frequency, relative to the loudest mode at any microphone \[-\].
-    pub interpolation_error: f64,
-    /// Pressure of a full-scale sample in the files of sound \[Pa\].
-    pub full_scale_pa: f64,
+}
+
+/// All sources at once by the procedure of ISO 3744, L_WA = mean L_EA + 10 lg S - K1 - K2. Energies of sources add: what
+/// block and tool move together does not interfere here.
+#[derive(Debug, Clone, Serialize)]
+pub struct ArrayMeasurement {
+    /// Microphone by microphone, direct sound alone.
+    pub levels: Vec<MicrophoneLevel>,
+    /// A-weighted mean level with room and background \[dB re (20 uPa)2 s\]; null when silent.
+    pub lpa_db: Option<f64>,
+    /// Correction for the background \[dB\]; null where it is too loud for a valid measurement.
+    pub k1_db: Option<f64>,
+    /// Correction for the room \[dB\].
+    pub k2_db: f64,
+    /// A-weighted level by the microphones \[dB re 1 pW s\]; null when silent or not valid.
+    pub lwa_db: Option<f64>,
+    /// Level of the power radiated over the same ranges \[dB re 1 pW s\].
+    pub true_lwa_db: Option<f64>,
 }
 
 /// One microphone.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct MicrophoneLevel {
-    /// Place relative to the device's axis and the floor \[m\].
-    pub position_m: [f64; 3],
     /// A-weighted sound exposure level \[dB re (20 uPa)2 s\]; null when silent.
     pub lae_db: Option<f64>,
     /// The same unweighted.
@@ -183,7 +215,7 @@ pub struct MicrophoneLevel {
     pub peak_pa: f64,
 }
 
-/// One band of a [`MicrophoneReport`].
+/// One band of a [`HeardSource`].
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct MicrophoneBand {
     /// Nominal mid-band frequency (IEC 61260-1) \[Hz\].

@@ -791,6 +791,10 @@ group! {
         bem_tolerance: f64 = positive(NUMBER), "";
         /// Whether radiation damps the modes of workpiece and support.
         radiation_damping: bool = Kind::Switch, "";
+        /// Equivalent absorption area of the room in which the microphones stand; 0 for none but the reflecting plane.
+        room_absorption: f64 = nonnegative(AREA), "A";
+        /// Steady A-weighted sound pressure level of the background at the microphones, in dB; 0 for none.
+        background_level: f64 = nonnegative(NUMBER), "L_B";
     }
 }
 

@@ -1,4 +1,4 @@
-//! What the virtual microphones hear: `microphones.csv`, and a calibrated sound file a microphone.
+//! What the virtual microphones hear: tables of levels, and a calibrated sound file for each source and microphone.
 
 use std::fmt::Write;
 use std::io::Cursor;
@@ -13,49 +13,55 @@ use crate::result::MicrophoneReport;
 /// Largest sample of 24 bits: full scale.
 const FULL: f64 = 8_388_607.0;
 
-/// Writes `microphones.csv` and `microphones/workpiece-N.wav`: mono, 48 kHz, 24 bits, full scale as the table states.
+/// Writes `microphones.csv`, `microphones-bands.csv` and `microphones/SOURCE-N.wav`: mono, 48 kHz, 24 bits, full scale as
+/// the table states.
 pub(super) fn write(folder: &Path, run: &Run) -> Result<(), Error> {
-    let Some(microphones) = &run.microphones else {
-        return Ok(());
-    };
+    let microphones = &run.microphones;
     let report = &microphones.report;
-    write_file(&folder.join("microphones.csv"), table(report).as_bytes())?;
+    write_file(&folder.join("microphones.csv"), levels(report).as_bytes())?;
+    write_file(&folder.join("microphones-bands.csv"), bands(report).as_bytes())?;
     let folder = folder.join("microphones");
     create(&folder)?;
-    for (number, signal) in microphones.signals.iter().enumerate() {
-        let path = folder.join(format!("workpiece-{}.wav", number + 1));
-        write_file(&path, &wave(&path, signal, report.full_scale_pa)?)?;
+    for (source, signals) in &microphones.signals {
+        for (number, signal) in signals.iter().enumerate() {
+            let path = folder.join(format!("{source}-{}.wav", number + 1));
+            write_file(&path, &wave(&path, signal, report.full_scale_pa)?)?;
+        }
     }
     Ok(())
 }
 
-/// Levels by microphone, then bands by the array and radiated.
-fn table(report: &MicrophoneReport) -> String {
+/// Levels by source and microphone.
+fn levels(report: &MicrophoneReport) -> String {
     let mut text = String::from(
-        "microphone,x [m],y [m],z above the floor [m],L_AE [dB],L_E [dB],peak [Pa],full scale of the file [Pa],\
-         from [Hz],to [Hz]\n",
+        "source,microphone,x [m],y [m],z above the plane [m],L_AE [dB],L_E [dB],peak [Pa],full scale of the file [Pa]\n",
     );
-    for (number, m) in report.positions.iter().enumerate() {
-        let [x, y, z] = m.position_m;
-        let _ = writeln!(
-            text,
-            "{},{x},{y},{z:.4},{},{},{:.4e},{},{:.0},{:.0}",
-            number + 1,
-            optional(m.lae_db, 3),
-            optional(m.le_db, 3),
-            m.peak_pa,
-            report.full_scale_pa,
-            report.range_hz[0],
-            report.range_hz[1]
-        );
+    let sources = report.sources.iter().map(|s| (s.source.as_str(), &s.levels));
+    for (source, levels) in sources.chain([("total", &report.total.levels)]) {
+        for (number, (m, [x, y, z])) in levels.iter().zip(&report.positions_m).enumerate() {
+            let _ = writeln!(
+                text,
+                "{source},{},{x},{y},{z:.4},{},{},{:.4e},{}",
+                number + 1,
+                optional(m.lae_db, 3),
+                optional(m.le_db, 3),
+                m.peak_pa,
+                report.full_scale_pa,
+            );
+        }
     }
-    text.push_str("\nband [Hz],microphones L_W [dB],radiated L_W [dB]\n");
-    for band in &report.bands {
-        let levels = [band.lw_db, band.true_lw_db].map(|level| optional(level, 3));
-        let _ = writeln!(text, "{},{}", band.hz, levels.join(","));
+    text
+}
+
+/// Bands by the array and radiated, source by source.
+fn bands(report: &MicrophoneReport) -> String {
+    let mut text = String::from("source,band [Hz],microphones L_W [dB],radiated L_W [dB]\n");
+    for heard in &report.sources {
+        for band in &heard.bands {
+            let levels = [band.lw_db, band.true_lw_db].map(|level| optional(level, 3));
+            let _ = writeln!(text, "{},{},{}", heard.source, band.hz, levels.join(","));
+        }
     }
-    let total = [report.lwa_db, report.true_lwa_db].map(|level| optional(level, 3));
-    let _ = writeln!(text, "A-weighted total,{}", total.join(","));
     text
 }
 

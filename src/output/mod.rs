@@ -24,9 +24,9 @@ pub use csv::EVENT_NAMES;
 const PARAVIEW: &str = include_str!("paraview.py");
 
 /// Writes everything a run leaves behind to `folder`: `result.json`, `levels.csv`, `intervals.csv`, `power.csv`,
-/// `events.csv`, `log.csv`, `histories.csv`, `modes.csv`, `fields/*`, `paraview.py`, where boundary elements were used
-/// `radiation.csv`, `radiation-modes.csv`, `microphones.csv` and `microphones/*.wav`, and where the design has sensors
-/// `sensors.csv`, `sensors-spectrum.csv` and `sensors.uff`.
+/// `events.csv`, `log.csv`, `histories.csv`, `modes.csv`, `microphones.csv`, `microphones-bands.csv`, `microphones/*.wav`,
+/// `fields/*`, `paraview.py`, where boundary elements were used `radiation.csv` and `radiation-modes.csv`, and where the
+/// design has sensors `sensors.csv`, `sensors-spectrum.csv` and `sensors.uff`.
 ///
 /// # Errors
 /// [`Error::Write`] with the file that could not be written.

@@ -109,8 +109,8 @@ pub struct Run {
     pub screech: Vec<Option<f64>>,
     /// What the design's sensors record, by name.
     pub sensors: Vec<SensorRecord>,
-    /// What microphones around the device hear of workpiece and support; none where no boundary elements were used.
-    pub microphones: Option<Microphones>,
+    /// What microphones around the device hear of each source.
+    pub microphones: Microphones,
 }
 
 impl Run {
@@ -227,15 +227,9 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
     let spectra = timing.time("modal spectra", || {
         radiation::modal_spectra(design, &structure, &response)
     })?;
-    let mut workpiece = timing.time("radiation", || {
+    let workpiece = timing.time("radiation", || {
         radiation::workpiece(design, &structure, &radiator, added, &spectra)
     })?;
-    let microphones = timing.time("microphones", || {
-        microphones::microphones(design, &radiator, &spectra, &workpiece.spectrum, response.duration())
-    })?;
-    if let Some(report) = &mut workpiece.radiation {
-        report.microphones = microphones.as_ref().map(|m| m.report.clone());
-    }
     let body = timing.time("body", || match &tool {
         Some(tool) => tool.sound(design, &record, &air),
         None => radiation::rigid_tool(design, &record, &air),
@@ -266,6 +260,20 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
         .duration()
         .max(tool_end)
         .max(record.sample_interval * record.len() as f64);
+    observer.stage("microphones");
+    let microphones = timing.time("microphones", || {
+        let inputs = microphones::Inputs {
+            structure: &structure,
+            radiator: &radiator,
+            spectra: &spectra,
+            record: &record,
+            workpiece: &workpiece,
+            body: &body,
+            exhaust: &exhaust,
+            end,
+        };
+        microphones::microphones(design, &air, &inputs)
+    })?;
     let (powers, interval_checks) = timing.time("intervals", || {
         intervals::intervals(&sounds, &mut ranking, &record.events, end, range)
     });
@@ -345,6 +353,7 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
         coupling,
         starts,
         sensors: sensors.iter().map(SensorRecord::level).collect(),
+        microphones: microphones.report.clone(),
         checks,
         notes,
         timing,

@@ -111,8 +111,8 @@ impl Radiator {
     }
 }
 
-/// Rayleigh's integral over the block's top, flush with the sand.
-fn flush_top(design: &Design, body: &Body, air: &Air) -> Result<SampledRadiation, Error> {
+/// The block's top, flush with the sand.
+pub(super) fn flush_surface(design: &Design, body: &Body, air: &Air) -> Result<Rayleigh, Error> {
     let sand = &design.support.sand;
     let surface = radiating(body, |patch, _| patch != "top")?;
     let mut rayleigh = Rayleigh::new(&surface, air)?;
@@ -122,8 +122,13 @@ fn flush_top(design: &Design, body: &Body, air: &Air) -> Result<SampledRadiation
     if sand.moving_surface {
         rayleigh = rayleigh.with_moving_sand(moving_sand(design)?)?;
     }
+    Ok(rayleigh)
+}
+
+/// Rayleigh's integral over it.
+fn flush_top(design: &Design, body: &Body, air: &Air) -> Result<SampledRadiation, Error> {
     let top = body.top_hz.min(design.analysis.range_high);
-    Ok(rayleigh.sampled(&Sampling {
+    Ok(flush_surface(design, body, air)?.sampled(&Sampling {
         range_hz: [LOWEST_SAMPLE.min(0.5 * top), top],
         ..Sampling::default()
     })?)

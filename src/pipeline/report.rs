@@ -54,7 +54,6 @@ pub(super) fn report(
         limit_error_db: if limit[0] <= limit[1] { limit } else { [0.0; 2] },
         erp_lwa_db: level(erp, range),
         modes: Vec::new(),
-        microphones: None,
         bands: rows
             .filter(|((far, _), _)| inside(far))
             .map(|((far, surface), erp)| RadiationBand {

@@ -32,8 +32,19 @@ use page::{Page, Section};
 use surface::Painted;
 
 /// Keys of a result that the report shows in a form of their own.
-const SHOWN: [&str; 12] = [
-    "schema", "design", "inputs", "ranking", "total", "outcome", "cycle", "events", "sensors", "checks", "notes",
+const SHOWN: [&str; 13] = [
+    "schema",
+    "design",
+    "inputs",
+    "ranking",
+    "total",
+    "outcome",
+    "cycle",
+    "events",
+    "sensors",
+    "microphones",
+    "checks",
+    "notes",
     "timing",
 ];
 
@@ -52,9 +63,11 @@ pub fn run(design: &Design, run: &Run, recordings: &[Recording]) -> String {
         "Levels",
         html! { (levels::bands(result).markup()) (levels::intervals(result).markup()) },
     ));
-    if !recordings.is_empty() {
-        sections.push(Section::new("sound", "Sound", sound::players(recordings)));
-    }
+    sections.push(Section::new(
+        "sound",
+        "Sound",
+        sound::section(&result.microphones, recordings),
+    ));
     if let Some(view) = scene::chart(&bodies) {
         let without: Vec<&str> = result
             .ranking

@@ -2,7 +2,8 @@
 //!
 //! Per sample the opening's jet is expanded to ambient pressure ([`Jet`]); its mixing and shock noise power is spread
 //! over frequency by the shape of its own instant and integrated over the record. The unsteady outflow is a monopole.
-//! Flow inward radiates nothing here. What a microphone receives beside a jet and above a floor is [`ExhaustNoise::at`].
+//! Flow inward radiates nothing here. What a microphone receives beside a jet and above a floor is [`ExhaustNoise::at`],
+//! and [`ExhaustNoise::sound_at`] as a signal.
 
 mod cross_check;
 mod directivity;
@@ -17,6 +18,7 @@ mod receiver;
 mod screech;
 mod shock;
 mod similarity;
+mod sound;
 
 pub use cross_check::{ValveNoise, valve_noise_energy};
 pub use directivity::MixingDirectivity;
@@ -30,3 +32,4 @@ pub use receiver::{Floor, Outlet, Received};
 pub use screech::{screech_frequency, screech_track};
 pub use shock::{shock_peak_frequency, shock_power};
 pub use similarity::fine_scale_shape;
+pub use sound::Recording;

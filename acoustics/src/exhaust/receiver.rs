@@ -6,6 +6,7 @@ use super::{shock, similarity};
 use crate::air::Air;
 use crate::error::{AcousticsError, positive};
 use crate::levels::{Contribution, Level, REFERENCE_PRESSURE, Weighting, energy_weights};
+use nalgebra::Complex;
 use std::f64::consts::PI;
 
 /// Where an opening lets its air out, and which way.
@@ -117,34 +118,21 @@ impl ExhaustNoise {
         floor: Option<&Floor>,
         air: &Air,
     ) -> Result<Received, AcousticsError> {
-        positive("number of directions of the exhaust", outlet.directions.len() as f64)?;
-        let direct = Path::new(outlet, point)?;
-        let reflected = floor.map(|floor| floor.path(outlet, point)).transpose()?;
-        let paths = Paths {
-            coherence: floor.map_or(0.0, |floor| floor.coherence),
-            wavenumber: 2.0 * PI / air.sound_speed,
-            direct,
-            reflected,
-        };
+        let paths = Paths::new(outlet, point, floor, air)?;
         let (frequency, history) = (&self.spectrum.frequency, &self.history);
-        let normal = similarity::total();
         let muffled = |mut density: Vec<f64>| {
             if let Some(passed) = &history.passed {
                 density.iter_mut().zip(passed).for_each(|(e, factor)| *e *= factor);
             }
             density
         };
-        let mixing = paths.jets(
-            &history.mixing,
-            Path::directivities,
-            |x| similarity::shape(x) / normal,
-            frequency,
-        );
-        let shock = paths.jets(&history.shocks, |_| vec![1.0; SPEEDS], shock::shape, frequency);
+        let [mixing, shock] = paths.jet_densities(&history.mixing, &history.shocks, frequency);
         let outflow = self.spectrum.contributions.iter().find(|part| part.name == OUTFLOW);
         let outflow = outflow.map_or(vec![0.0; frequency.len()], |part| {
             let energy = frequency.iter().zip(&part.energy_density);
-            energy.map(|(&hz, e)| e * paths.point_source(hz)).collect()
+            energy
+                .map(|(&hz, e)| e * paths.point_source_pressure(hz).norm_sqr())
+                .collect()
         });
         let intensity = air.impedance() / (4.0 * PI);
         let parts: Vec<Contribution> = [
@@ -170,7 +158,7 @@ impl ExhaustNoise {
 }
 
 /// The ways of sound from an outlet to a receiver.
-struct Paths {
+pub(super) struct Paths {
     direct: Path,
     reflected: Option<Path>,
     coherence: f64,
@@ -179,18 +167,52 @@ struct Paths {
 }
 
 impl Paths {
+    pub(super) fn new(
+        outlet: &Outlet,
+        point: [f64; 3],
+        floor: Option<&Floor>,
+        air: &Air,
+    ) -> Result<Self, AcousticsError> {
+        positive("number of directions of the exhaust", outlet.directions.len() as f64)?;
+        Ok(Self {
+            coherence: floor.map_or(0.0, |floor| floor.coherence),
+            wavenumber: 2.0 * PI / air.sound_speed,
+            direct: Path::new(outlet, point)?,
+            reflected: floor.map(|floor| floor.path(outlet, point)).transpose()?,
+        })
+    }
+
+    /// Length of the direct way \[m\].
+    pub(super) fn direct_length(&self) -> f64 {
+        self.direct.length
+    }
+
+    /// Energy densities of mixing and shock noise over r² at a receiver, before a muffler.
+    pub(super) fn jet_densities(&self, mixing: &[Burst], shocks: &[Burst], frequency: &[f64]) -> [Vec<f64>; 2] {
+        let normal = similarity::total();
+        [
+            self.jets(
+                mixing,
+                Path::directivities,
+                |x| similarity::shape(x) / normal,
+                frequency,
+            ),
+            self.jets(shocks, |_| vec![1.0; SPEEDS], shock::shape, frequency),
+        ]
+    }
+
+    /// e^{-jkr}/r + e^{-jkr'}/r' \[1/m\].
+    pub(super) fn point_source_pressure(&self, hz: f64) -> Complex<f64> {
+        let wave = |r: f64| Complex::from_polar(1.0 / r, -self.wavenumber * hz * r);
+        let direct = wave(self.direct.length);
+        self.reflected
+            .as_ref()
+            .map_or(direct, |path| direct + wave(path.length))
+    }
+
     /// cos k(r' - r).
     fn interference(&self, hz: f64, reflected: &Path) -> f64 {
         (self.wavenumber * hz * (reflected.length - self.direct.length)).cos()
-    }
-
-    /// |e^{-jkr}/r + e^{-jkr'}/r'|^2 \[1/m²\].
-    fn point_source(&self, hz: f64) -> f64 {
-        let r = self.direct.length;
-        self.reflected.as_ref().map_or(1.0 / (r * r), |path| {
-            let image = path.length;
-            1.0 / (r * r) + 1.0 / (image * image) + 2.0 / (r * image) * self.interference(hz, path)
-        })
     }
 
     /// Energy density of the bursts over r² at a receiver, by the directivity of a path at [`SPEEDS`] jet speeds.

@@ -91,6 +91,21 @@ impl PowerSignals {
         self.spectra.nrows()
     }
 
+    /// Frequencies of the bins \[Hz\].
+    pub fn frequency(&self) -> &[f64] {
+        &self.frequency
+    }
+
+    /// One signal that stands for all where a single one is needed, as in a file of sound: in every bin the whole energy
+    /// with the phase of the signals' sum. Where there is one signal, it is that.
+    pub fn one_signal(&self) -> Vec<Complex<f64>> {
+        let of_bin = |bin: nalgebra::DVectorView<'_, Complex<f64>>| {
+            let amplitude = bin.iter().map(|x| x.norm_sqr()).sum::<f64>().sqrt();
+            Complex::from_polar(amplitude, bin.sum().arg())
+        };
+        self.spectra.column_iter().map(of_bin).collect()
+    }
+
     /// A-weighted power over time and levels between neighbouring `edges` \[s\], within `range_hz`.
     ///
     /// Beside the energy that adds up stands what a measurement finds: the unweighted signal of the range cut at the

@@ -46,6 +46,12 @@ impl PlanarPoints {
     pub(crate) fn len(&self) -> usize {
         self.index.len()
     }
+
+    /// Coordinates in the plane.
+    pub(crate) fn at(&self, point: usize) -> [f64; 2] {
+        let (x, y) = self.index[point];
+        [self.x[x], self.y[y]]
+    }
 }
 
 /// Directions with their weights; they sum to one.

@@ -6,7 +6,7 @@ use super::sand::{AbsorbingSand, MovingSand, SandPatch};
 use super::surface::RadiatingSurface;
 use crate::air::Air;
 use crate::error::{AcousticsError, positive};
-use nalgebra::DMatrix;
+use nalgebra::{Complex, DMatrix, Point3};
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -23,6 +23,8 @@ pub struct Rayleigh {
     air: Air,
     points: Vec<[f64; 2]>,
     planar: PlanarPoints,
+    /// z of all points.
+    plane: f64,
     rows: Vec<Vec<usize>>,
     displacement: DMatrix<f64>,
     sources: DMatrix<f64>,
@@ -74,6 +76,7 @@ impl Rayleigh {
             air: *air,
             points,
             planar,
+            plane,
             rows,
             displacement,
             sources,
@@ -160,6 +163,63 @@ impl Rayleigh {
             .map_or_else(Vec::new, |sand| sand.fade_hz().to_vec());
         let (modes, patches) = (self.sources.ncols(), self.patches.clone());
         SampledRadiation::with_kinks(method, modes, patches, (sampling, &kinks), |hz| self.resistance(hz))
+    }
+
+    /// The air above the plane.
+    pub fn air(&self) -> &Air {
+        &self.air
+    }
+
+    /// Pressure at places above the plane per unit of modal acceleration, places x modes \[Pa per m/s²\].
+    ///
+    /// ```text
+    /// p(x) = rho0/(2 pi) sum_a S_a phi_a e^{-jkr}/r,   r = |x - x_a|
+    /// ```
+    ///
+    /// times the root of what absorbing sand leaves of the power.
+    ///
+    /// # Errors
+    /// [`AcousticsError::BelowFloor`] for a place below the plane, [`AcousticsError::NearSurface`] for one closer to it than
+    /// the surface's diameter over the root of its number of points.
+    pub fn pressure_at(&self, hz: f64, places: &[Point3<f64>]) -> Result<DMatrix<Complex<f64>>, AcousticsError> {
+        let k = 2.0 * PI * hz / self.air.sound_speed;
+        let needed = self.planar.diameter / (self.points.len() as f64).sqrt();
+        for place in places {
+            let distance = place.z - self.plane;
+            if distance.is_nan() || distance < 0.0 {
+                return Err(AcousticsError::BelowFloor {
+                    z: place.z,
+                    floor: self.plane,
+                });
+            }
+            if distance < needed {
+                return Err(AcousticsError::NearSurface {
+                    point: (*place).into(),
+                    distance,
+                    needed,
+                });
+            }
+        }
+        let waves = |points: &dyn Fn(usize) -> [f64; 2], count: usize| {
+            let wave = |i: usize, j: usize| {
+                let ([x, y], p) = (points(j), places[i]);
+                let r = (p.x - x).hypot(p.y - y).hypot(p.z - self.plane);
+                Complex::from_polar(1.0 / r, -k * r)
+            };
+            let all = DMatrix::from_fn(places.len(), count, wave);
+            (all.map(|z| z.re), all.map(|z| z.im))
+        };
+        let (re, im) = waves(&|j| self.points[j], self.points.len());
+        let mut real = &re * &self.sources;
+        let mut imaginary = &im * &self.sources;
+        if let Some((sand, (of_re, of_im))) = self.moving.as_ref().and_then(|s| Some((s, s.sources(hz)?))) {
+            let (re, im) = waves(&|j| sand.planar.at(j), sand.planar.len());
+            real += &re * &of_re - &im * &of_im;
+            imaginary += &re * &of_im + &im * &of_re;
+        }
+        let absorption = self.absorbing.map_or(1.0, |sand| sand.factor(hz));
+        let factor = self.air.density / (2.0 * PI) * absorption.sqrt();
+        Ok(real.zip_map(&imaginary, |re, im| Complex::new(factor * re, factor * im)))
     }
 
     /// Compares the plane waves with the pairwise sum over the surface (without moving sand) at one frequency.

@@ -1,0 +1,134 @@
+//! The noise of an opening as a signal: what a recording of the jets could have been.
+
+use super::history::Burst;
+use super::noise::ExhaustNoise;
+use super::receiver::{Floor, Outlet, Paths};
+use crate::air::Air;
+use crate::error::{AcousticsError, positive};
+use crate::sound::over_time;
+use nalgebra::Complex;
+use rustfft::FftPlanner;
+use std::f64::consts::PI;
+
+/// Length of a frame \[s\]: short against a blow-down, and long enough to tell the frequencies of a jet apart.
+const FRAME: f64 = 5e-3;
+
+/// How a signal is drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Recording {
+    /// Samples a second.
+    pub rate: f64,
+    /// Number of samples, from t = 0 of the flow's history on.
+    pub samples: usize,
+    /// The same seed draws the same noise.
+    pub seed: u64,
+}
+
+impl ExhaustNoise {
+    /// The pressure at a point over time \[Pa\], one realisation of the noise whose expected exposure is [`ExhaustNoise::at`].
+    ///
+    /// Jet noise is random: frames of 5 ms that overlap by half hold sines with the amplitudes of the bursts in them and phases
+    /// drawn at random, windowed so that the powers of neighbours add to one. Frequencies below half a frame's resolution,
+    /// some 100 Hz, are left to the unsteady outflow, which is a signal and is kept as it is.
+    ///
+    /// # Errors
+    /// Those of [`ExhaustNoise::at`], and a sampling rate that is not positive.
+    pub fn sound_at(
+        &self,
+        outlet: &Outlet,
+        point: [f64; 3],
+        floor: Option<&Floor>,
+        air: &Air,
+        recording: &Recording,
+    ) -> Result<Vec<f64>, AcousticsError> {
+        let Recording { rate, samples, seed } = *recording;
+        positive("sampling rate [1/s]", rate)?;
+        let paths = Paths::new(outlet, point, floor, air)?;
+        let outflow = &self.history.monopole;
+        let to_pressure = (air.impedance() / (4.0 * PI)).sqrt();
+        let spectrum: Vec<Complex<f64>> = outflow
+            .frequency()
+            .iter()
+            .zip(outflow.one_signal())
+            .map(|(&hz, x)| x * paths.point_source_pressure(hz) * to_pressure)
+            .collect();
+        let mut signal = over_time(outflow.frequency(), &spectrum, rate, samples);
+        self.add_jets(&paths, air, rate, seed, &mut signal);
+        Ok(signal)
+    }
+
+    fn add_jets(&self, paths: &Paths, air: &Air, rate: f64, seed: u64, signal: &mut [f64]) {
+        let hop = (0.5 * FRAME * rate).round().max(4.0) as usize;
+        let length = 2 * hop;
+        let [low, high] = self.spectrum.range_hz;
+        let df = rate / length as f64;
+        let bins: Vec<usize> = (1..hop).filter(|&k| (low..=high).contains(&(k as f64 * df))).collect();
+        let frequency: Vec<f64> = bins.iter().map(|&k| k as f64 * df).collect();
+        let passed = self.passed_at(&frequency);
+        let window: Vec<f64> = (0..length)
+            .map(|n| (PI * (n as f64 + 0.5) / length as f64).sin())
+            .collect();
+        let inverse = FftPlanner::new().plan_fft_inverse(length);
+        let dt = self.history.sample_interval;
+        let delay = (paths.direct_length() / air.sound_speed * rate).round() as usize;
+        // Frame i holds the flow's samples from (i - 1) hop to (i + 1) hop.
+        for frame in 0..=signal.len() / hop {
+            let start = (frame as f64 - 1.0) * hop as f64;
+            let within = |burst: &Burst| {
+                let at = (burst.sample as f64 + 0.5) * dt * rate - start;
+                let inside = at > 0.0 && at < length as f64;
+                inside.then(|| Burst {
+                    energy: burst.energy * (PI * at / length as f64).sin().powi(2),
+                    ..*burst
+                })
+            };
+            let mixing: Vec<Burst> = self.history.mixing.iter().filter_map(within).collect();
+            let shocks: Vec<Burst> = self.history.shocks.iter().filter_map(within).collect();
+            if mixing.is_empty() && shocks.is_empty() {
+                continue;
+            }
+            let [mixing, shock] = paths.jet_densities(&mixing, &shocks, &frequency);
+            let mut spectrum = vec![Complex::default(); length];
+            for (i, &k) in bins.iter().enumerate() {
+                let exposure = air.impedance() / (4.0 * PI) * passed[i] * (mixing[i] + shock[i]);
+                // The window lets half a frame's power through; a sine of amplitude a has the power a²/2.
+                let power = exposure * df / (0.5 * length as f64 / rate);
+                spectrum[k] = Complex::from_polar((2.0 * power).sqrt(), phase(seed, frame, k));
+            }
+            inverse.process(&mut spectrum);
+            for (n, (x, w)) in spectrum.iter().zip(&window).enumerate() {
+                let Some(at) = (frame * hop + n + delay).checked_sub(hop) else {
+                    continue;
+                };
+                if let Some(sample) = signal.get_mut(at) {
+                    *sample += w * x.re;
+                }
+            }
+        }
+    }
+
+    /// What a muffler lets pass of the energy at other frequencies than the spectrum's.
+    fn passed_at(&self, frequency: &[f64]) -> Vec<f64> {
+        let Some(passed) = &self.history.passed else {
+            return vec![1.0; frequency.len()];
+        };
+        let own = &self.history.frequency;
+        let nearest = |hz: &f64| {
+            let above = own.partition_point(|f| f < hz).min(own.len() - 1);
+            passed[above]
+        };
+        frequency.iter().map(nearest).collect()
+    }
+}
+
+/// A phase in \[0, 2 pi) for a bin of a frame: the finaliser of SplitMix64 (Steele, Lea and Flood 2014) over the three.
+fn phase(seed: u64, frame: usize, bin: usize) -> f64 {
+    let mix = |state: u64| {
+        let z = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    };
+    let bits = mix(mix(mix(seed).wrapping_add(frame as u64)).wrapping_add(bin as u64));
+    2.0 * PI * (bits >> 11) as f64 / (1_u64 << 53) as f64
+}

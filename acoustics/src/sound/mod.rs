@@ -1,0 +1,24 @@
+//! What places around a device hear: pressures, their course in time, and levels by the standard's procedure.
+//!
+//! A source that knows phases gives the complex pressure at every place (boundary elements with
+//! [`crate::bem::Receivers`], a flush surface by [`SoundAbovePlane`], a shaken sphere by [`shaken_sphere_pressure`]). One
+//! that knows energies alone is [spread evenly](spread_evenly). Spectra become signals by [`over_time`].
+
+mod array;
+mod plane;
+mod sphere;
+mod spread;
+mod time;
+
+pub use array::{Iso3744Box, background_correction, environmental_correction};
+pub use plane::SoundAbovePlane;
+pub use sphere::shaken_sphere_pressure;
+pub use spread::{Spread, spread_evenly};
+pub use time::over_time;
+
+use nalgebra::Point3;
+
+/// The image of a place in the horizontal plane at the height `plane`.
+fn image(place: Point3<f64>, plane: f64) -> Point3<f64> {
+    Point3::new(place.x, place.y, 2.0 * plane - place.z)
+}

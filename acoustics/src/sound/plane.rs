@@ -1,0 +1,77 @@
+use crate::error::AcousticsError;
+use crate::radiation::{Rayleigh, SampledRadiation};
+use nalgebra::{Complex, DMatrix, Point3};
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// What places above an infinite rigid plane hear of the modes of a surface flush in it.
+///
+/// Pressures are computed at the frequencies at which the surface's resistance is sampled, freed of the travel time from
+/// `origin`, and interpolated like it.
+#[derive(Debug, Clone)]
+pub struct SoundAbovePlane {
+    /// Places x modes at every sample.
+    samples: Vec<DMatrix<Complex<f64>>>,
+    distances: Vec<f64>,
+    sound_speed: f64,
+    error: f64,
+}
+
+impl SoundAbovePlane {
+    /// The pressures of `surface` at `places`, at the samples of its resistance.
+    ///
+    /// # Errors
+    /// Places below the plane or closer to it than the surface's quadrature resolves.
+    pub fn new(
+        surface: &Rayleigh,
+        sampled: &SampledRadiation,
+        places: &[Point3<f64>],
+        origin: Point3<f64>,
+    ) -> Result<Self, AcousticsError> {
+        let distances: Vec<f64> = places.iter().map(|p| (p - origin).norm()).collect();
+        let sound_speed = surface.air().sound_speed;
+        let take = |&hz: &f64| {
+            let mut heard = surface.pressure_at(hz, places)?;
+            for (mut row, r) in heard.row_iter_mut().zip(&distances) {
+                let turn = Complex::from_polar(1.0, 2.0 * PI * hz * r / sound_speed);
+                row.iter_mut().for_each(|p| *p *= turn);
+            }
+            Ok(heard)
+        };
+        let samples = sampled
+            .samples_hz()
+            .par_iter()
+            .map(take)
+            .collect::<Result<Vec<_>, AcousticsError>>()?;
+        let error = sampled.error_of(&samples);
+        Ok(Self {
+            samples,
+            distances,
+            sound_speed,
+            error,
+        })
+    }
+
+    /// Estimated interpolation error over frequency, relative to the loudest mode at the places.
+    pub fn error(&self) -> f64 {
+        self.error
+    }
+
+    /// Pressure, places x frequencies \[Pa s\], for modal accelerations, modes x frequencies \[m/s\].
+    pub fn pressures(
+        &self,
+        sampled: &SampledRadiation,
+        frequency: &[f64],
+        accelerations: &DMatrix<Complex<f64>>,
+    ) -> DMatrix<Complex<f64>> {
+        let of_bin = |(bin, &hz): (usize, &f64)| {
+            let mut p = sampled.interpolated(hz, &self.samples, accelerations.column(bin).as_slice());
+            for (p, r) in p.iter_mut().zip(&self.distances) {
+                *p *= Complex::from_polar(1.0, -2.0 * PI * hz * r / self.sound_speed);
+            }
+            p
+        };
+        let columns: Vec<Vec<Complex<f64>>> = frequency.par_iter().enumerate().map(of_bin).collect();
+        DMatrix::from_fn(self.distances.len(), frequency.len(), |i, bin| columns[bin][i])
+    }
+}

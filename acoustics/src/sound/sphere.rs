@@ -1,0 +1,58 @@
+use super::image;
+use crate::air::Air;
+use crate::error::{AcousticsError, positive};
+use nalgebra::{Complex, Point3, Vector3};
+use std::f64::consts::PI;
+
+/// Pressure at a place per unit acceleration of a rigid sphere along `axis`, with its image in a rigid floor at the height
+/// `floor` where there is one \[Pa per m/s²\].
+///
+/// ```text
+/// p = rho0 A a^3 cos(theta) (1 + jkr) e^{-jk(r - a)} / (r^2 (2 + 2 jka - (ka)^2))
+/// ```
+///
+/// The exact field in free space (Morse and Ingard 1968, sec. 7.2), whose power is that of
+/// [`crate::radiation::rigid_body_energy`]. The image moves as a mirror shows it, and neither scatters the other's sound.
+///
+/// `volume` is the sphere's \[m³\], `axis` any length above zero.
+///
+/// # Errors
+/// A volume or axis that is not positive, a place inside the sphere or below the floor.
+pub fn shaken_sphere_pressure(
+    hz: f64,
+    volume: f64,
+    centre: Point3<f64>,
+    axis: Vector3<f64>,
+    place: Point3<f64>,
+    floor: Option<f64>,
+    air: &Air,
+) -> Result<Complex<f64>, AcousticsError> {
+    let a = (3.0 * positive("volume of the body [m3]", volume)? / (4.0 * PI)).cbrt();
+    let axis = axis / positive("length of the axis of motion", axis.norm())?;
+    let k = 2.0 * PI * hz / air.sound_speed;
+    let denominator = Complex::new(2.0 - (k * a).powi(2), 2.0 * k * a);
+    let of_sphere = |centre: Point3<f64>, axis: Vector3<f64>| {
+        let way = place - centre;
+        let r = way.norm();
+        if r.is_nan() || r < a {
+            return Err(AcousticsError::NearSurface {
+                point: place.into(),
+                distance: r,
+                needed: a,
+            });
+        }
+        let cosine = way.dot(&axis) / r;
+        let wave = Complex::from_polar(air.density * a.powi(3) * cosine / (r * r), -k * (r - a));
+        Ok(wave * Complex::new(1.0, k * r) / denominator)
+    };
+    let direct = of_sphere(centre, axis)?;
+    let Some(floor) = floor else {
+        return Ok(direct);
+    };
+    for z in [centre.z, place.z] {
+        if z.is_nan() || z < floor {
+            return Err(AcousticsError::BelowFloor { z, floor });
+        }
+    }
+    Ok(direct + of_sphere(image(centre, floor), Vector3::new(axis.x, axis.y, -axis.z))?)
+}
