@@ -79,6 +79,7 @@ pub fn deliver(
         )?;
         observer.stage("writing files");
         let mut files = write(&place.path, design, &run, &pictures, draw)?;
+        files.retain(|file| fields.iter().all(|field| field.path != file.path));
         for file in &fields {
             let to = place.path.join(&file.path);
             if !to.exists() {

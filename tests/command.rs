@@ -69,6 +69,7 @@ fn run_ranks_three_sources_and_leaves_every_file() {
         "fields/worktable.vtu",
         "fields/workpiece-shot.pvd",
         "fields/worktable-shot/000.vtu",
+        "modes.csv",
         "sensors.csv",
         "sensors-spectrum.csv",
         "sensors.uff",

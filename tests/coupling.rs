@@ -163,6 +163,30 @@ fn every_support_carries_a_coupled_run_that_closes_its_balances() {
     }
 }
 
+/// The block of `designs/n80cb-free.toml` on the coarse mesh: it swings at 5 Hz, far below what is heard, and every check
+/// closes.
+#[test]
+fn a_block_hung_free_swings_below_what_is_heard() {
+    let free = Design::load("designs/n80cb-free.toml").unwrap();
+    let mut design = small("");
+    design.support.kind = free.support.kind;
+    design.support.contact = free.support.contact.clone();
+    let (run, moving) = pipeline::run_in_full(&design, Options::default(), &Cache::none(), &mut Silent).unwrap();
+    let failed: Vec<_> = run.result.checks.iter().filter(|check| !check.ok).collect();
+    assert!(
+        failed.iter().all(|check| check.name.contains("last octave")),
+        "{failed:?}"
+    );
+    let contact = &design.support.contact;
+    let area = design.workpiece.length * design.workpiece.width;
+    let mass = moving.structure.workpiece.lift.norm_squared();
+    let hz = (contact.stiffness_per_area * area / mass).sqrt() / std::f64::consts::TAU;
+    assert!((hz - 5.0).abs() < 0.05, "{hz} Hz");
+    let table = self::run("");
+    let level = |run: &Run| level(run, "workpiece");
+    assert!(level(&run) < level(&table), "the table is louder than the block alone");
+}
+
 #[test]
 fn sand_at_the_sides_holds_the_block_and_sand_under_it_weighs_it_down() {
     let sand = "support.kind = \"sandbox\"\nsupport.sand.bonded = true\n";

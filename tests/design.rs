@@ -203,7 +203,13 @@ fn derived_quantities_follow_from_the_primary_ones() {
 
 #[test]
 fn ready_designs_load_without_warnings() {
-    for path in [BASE, "designs/n80cb-sandbox.toml", "tests/data/small.toml"] {
+    for path in [
+        BASE,
+        "designs/n80cb-sandbox.toml",
+        "designs/n80cb-free.toml",
+        "designs/n80cb-feet.toml",
+        "tests/data/small.toml",
+    ] {
         let design = load(path);
         assert!(
             design.warnings().is_empty(),

@@ -83,6 +83,7 @@ fn bar(stiffening: f64) -> Design {
     design.body.housing.density = design.tool.mass / size.iter().product::<f64>();
     design.body.housing.young_modulus *= stiffening;
     design.analysis.body_top = 2000.0;
+    design.sensors.remove("handle"); // the bar has none
     put(&mut design, &mesh, "bar.msh");
     design
 }
@@ -246,7 +247,7 @@ fn sensors_on_the_tool_read_its_motion_as_a_whole_at_low_frequencies_and_its_mod
 /// Butterworth low-pass, s_k = exp(j pi (2k + 3)/8).
 #[test]
 fn a_sensor_on_the_tool_reads_the_sum_of_its_modal_accelerations() {
-    let (low, high) = (2.0, 5e3);
+    let (low, high) = (2.0, 1.5e3);
     let design = with_sensors(bar(0.1), [low, high]);
     let cache = Cache::at(file("cache"), LIMIT);
     let (run, moving) = pipeline::run_in_full(&design, Options::default(), &cache, &mut Silent).unwrap();

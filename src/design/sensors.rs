@@ -41,7 +41,7 @@ group! {
         /// Lower limit of its band, -3 dB: the discharge time of its amplifier, a filter of first order.
         band_low: f64 = positive(FREQUENCY), "";
         /// Upper limit of its band, -3 dB: its mounted resonance and the anti-aliasing filter, a Butterworth low-pass of
-        /// fourth order.
+        /// fourth order; at most the top frequency of its body.
         band_high: f64 = positive(FREQUENCY), "";
     }
 }

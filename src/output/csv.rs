@@ -1,12 +1,12 @@
-//! Comma-separated files: `levels.csv`, `intervals.csv`, `power.csv`, `events.csv`, `log.csv`, `histories.csv`. Units stand in
-//! the header.
+//! Comma-separated files: `levels.csv`, `intervals.csv`, `power.csv`, `events.csv`, `log.csv`, `histories.csv`,
+//! `modes.csv`. Units stand in the header.
 
 use std::fmt::Write;
 
 use nailnoise_dynamics::{CycleRecord, Events, LogEntry};
 
 use super::columns::columns;
-use crate::pipeline::Run;
+use crate::pipeline::{Driven, Run, Vibration};
 use crate::result::RunResult;
 
 /// What each event is, in the order t0..t18.
@@ -42,6 +42,23 @@ pub(super) fn radiation(result: &RunResult) -> Option<String> {
         let _ = writeln!(text, "{},{}", band.hz, levels.join(","));
     }
     Some(text)
+}
+
+/// `modes.csv`: every mode of every body that takes part, rigid motions among them, with the damping of the material.
+pub(super) fn modes(vibration: &Vibration) -> String {
+    let mut text = String::from("body,mode,frequency [Hz],loss factor [-],eigen residual [-]\n");
+    for Driven { body, .. } in vibration.driven() {
+        let basis = &body.basis;
+        for (number, (hz, residual)) in basis.hz.iter().zip(&basis.residuals).enumerate() {
+            let (hz, eta) = if basis.rigid[number] {
+                (0.0, 0.0)
+            } else {
+                (*hz, body.loss_factor)
+            };
+            let _ = writeln!(text, "{},{},{hz:.3},{eta},{residual:.1e}", body.name, number + 1);
+        }
+    }
+    text
 }
 
 /// `radiation-modes.csv`: what each mode adds to the A-weighted energy of the workpiece, and how radiation damps it.

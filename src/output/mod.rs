@@ -53,11 +53,13 @@ pub fn write_run(folder: &Path, run: &Run) -> Result<(), Error> {
     write(&folder.join("result.json"), &json)
 }
 
-/// Writes the fields of a shot for ParaView to `folder/fields`.
+/// Writes what the bodies of a shot leave to `folder`: `modes.csv`, and for ParaView `fields/*`.
 ///
 /// # Errors
 /// [`Error::Write`] or [`Error::Mesh`] with the file that could not be written.
 pub fn write_fields(folder: &Path, vibration: &Vibration, events: &Events) -> Result<(), Error> {
+    create(folder)?;
+    write(&folder.join("modes.csv"), csv::modes(vibration).as_bytes())?;
     let fields = folder.join(FIELDS);
     fields::write(&fields, vibration)?;
     shot::write(&fields, vibration, events)

@@ -117,6 +117,17 @@ pub(super) fn notes(design: &Design, record: &CycleRecord, told: &Told, exhaust:
     if !idle.is_empty() {
         notes.push(format!("sensors on bodies that this design lacks: {}", idle.join(", ")));
     }
+    let limited = super::sensors::limited(design);
+    if !limited.is_empty() {
+        let each: Vec<String> = limited
+            .iter()
+            .map(|(name, hz)| format!("{name} at {hz:.0} Hz"))
+            .collect();
+        notes.push(format!(
+            "sensors whose band ends with the modes of their body: {}",
+            each.join(", ")
+        ));
+    }
     let idle = super::springs::idle(design);
     if !idle.is_empty() {
         notes.push(format!("springs on bodies that this design lacks: {}", idle.join(", ")));

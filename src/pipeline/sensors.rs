@@ -13,7 +13,7 @@ use super::bodies::{Body, Structure};
 use super::pattern::Pattern;
 use super::radiation::moving_sand;
 use super::tool::Tool;
-use crate::design::{Carrier, Design, Sensor, SensorProblem, SupportKind};
+use crate::design::{BodyModel, Carrier, Design, Sensor, SensorProblem, SupportKind};
 use crate::error::Error;
 use crate::result::SensorLevel;
 
@@ -63,7 +63,7 @@ pub(super) fn sensors(design: &Design, shot: Shot<'_>) -> Result<Vec<SensorRecor
             let sand = place.sand;
             let at = [sensor.x, sensor.y];
             let mut acceleration = filtered(&raw, response.step, PADDING, |hz| {
-                band(sensor, hz) * sand.map_or(Complex::from(1.0), |sand| sand.ratio(at, hz))
+                band(sensor, place.top_hz, hz) * sand.map_or(Complex::from(1.0), |sand| sand.ratio(at, hz))
             })?;
             acceleration.truncate(response.samples());
             Ok(SensorRecord {
@@ -104,6 +104,8 @@ struct Site<'a> {
     modes: Option<(&'a ModalResponse, usize, DMatrix<f64>)>,
     /// The law by which sand carries the block's motion to the sensor.
     sand: Option<MovingSand>,
+    /// Frequency up to which that motion is part of the result \[Hz\].
+    top_hz: f64,
 }
 
 impl<'a> Site<'a> {
@@ -144,7 +146,11 @@ impl<'a> Site<'a> {
                 (on(response, 0, block, edge, Vector3::z() * axis.z)?, Some(law))
             }
         };
-        Ok(Self { modes, sand })
+        let top_hz = match (sensor.body, shot.tool) {
+            (Carrier::Tool, None) => f64::INFINITY,
+            (carrier, _) => top_of(design, carrier),
+        };
+        Ok(Self { modes, sand, top_hz })
     }
 
     /// Acceleration along the sensor's axis on the grid of the response \[m/s2\].
@@ -165,6 +171,27 @@ impl<'a> Site<'a> {
     }
 }
 
+/// Frequency up to which the modes of a body take part \[Hz\]; above it what they and their static corrections do is no
+/// motion of the body.
+fn top_of(design: &Design, carrier: Carrier) -> f64 {
+    let analysis = &design.analysis;
+    match carrier {
+        Carrier::Workpiece | Carrier::Sand => analysis.workpiece_top,
+        Carrier::Worktable => analysis.worktable_top,
+        Carrier::Tool => analysis.body_top,
+    }
+}
+
+/// Names of the sensors whose band ends with the modes of their body, and where \[Hz\].
+pub(super) fn limited(design: &Design) -> Vec<(&str, f64)> {
+    let elastic = |sensor: &Sensor| sensor.body != Carrier::Tool || design.body.model == BodyModel::Elastic;
+    let present = design.sensors.iter().filter(|(_, sensor)| carries(design, sensor.body));
+    present
+        .filter(|(_, sensor)| elastic(sensor) && sensor.band_high > top_of(design, sensor.body))
+        .map(|(name, sensor)| (name.as_str(), top_of(design, sensor.body)))
+        .collect()
+}
+
 fn axis(sensor: &Sensor) -> Vector3<f64> {
     Vector3::new(sensor.along_x, sensor.along_y, sensor.along_z).normalize()
 }
@@ -183,14 +210,15 @@ fn off_the_sand(law: &MovingSand, point: [f64; 2]) -> f64 {
     box_gap.max(depth(0).min(depth(1)))
 }
 
-/// Response of the measuring chain: a high-pass of first order and a Butterworth low-pass of fourth order,
+/// Response of the measuring chain: a high-pass of first order and a Butterworth low-pass of fourth order, the latter at
+/// most at the top frequency of its body,
 ///
 /// ```text
 /// H = s_l/(1 + s_l) / prod_k (1 + 2 s_h sin((2k - 1) pi/8) + s_h^2),  k = 1, 2;  s = j f/f_limit
 /// ```
-fn band(sensor: &Sensor, hz: f64) -> Complex<f64> {
+fn band(sensor: &Sensor, top_hz: f64, hz: f64) -> Complex<f64> {
     let low = Complex::new(0.0, hz / sensor.band_low);
-    let high = Complex::new(0.0, hz / sensor.band_high);
+    let high = Complex::new(0.0, hz / sensor.band_high.min(top_hz));
     let section = |k: f64| 1.0 + high * (2.0 * (k * FRAC_PI_8).sin()) + high * high;
     low / (1.0 + low) / (section(1.0) * section(3.0))
 }
@@ -230,11 +258,13 @@ mod tests {
 
     #[test]
     fn the_band_ends_three_decibels_down_and_falls_with_its_order() {
-        let level = |hz: f64| 20.0 * band(&sensor(), hz).norm().log10();
+        let level = |hz: f64| 20.0 * band(&sensor(), 8e3, hz).norm().log10();
         assert!(level(100.0).abs() < 0.01);
         assert!((level(2.0) + 3.0103).abs() < 1e-3 && (level(5e3) + 3.0103).abs() < 1e-3);
         assert!((level(0.02) - level(0.2) + 20.0).abs() < 0.1);
         assert!((level(5e5) - level(5e4) + 80.0).abs() < 0.1);
+        // No higher than the modes of its body.
+        assert!((20.0 * band(&sensor(), 4e3, 4e3).norm().log10() + 3.0103).abs() < 1e-3);
     }
 
     #[test]

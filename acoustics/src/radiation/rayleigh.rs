@@ -157,9 +157,12 @@ impl Rayleigh {
             (None, Some(_)) => "Rayleigh, moving sand",
             (Some(_), Some(_)) => "Rayleigh, absorbing and moving sand",
         };
-        SampledRadiation::new(method, self.sources.ncols(), self.patches.clone(), sampling, |hz| {
-            self.resistance(hz)
-        })
+        let kinks = self
+            .moving
+            .as_ref()
+            .map_or_else(Vec::new, |sand| sand.fade_hz().to_vec());
+        let (modes, patches) = (self.sources.ncols(), self.patches.clone());
+        SampledRadiation::with_kinks(method, modes, patches, (sampling, &kinks), |hz| self.resistance(hz))
     }
 
     /// The air above the plane.

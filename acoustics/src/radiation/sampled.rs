@@ -92,6 +92,20 @@ impl SampledRadiation {
         sampling: &Sampling,
         resistance: impl Fn(f64) -> Vec<Resistance> + Sync,
     ) -> Result<Self, AcousticsError> {
+        Self::with_kinks(method, modes, patches, (sampling, &[]), resistance)
+    }
+
+    /// The same for a resistance with kinks at some frequencies \[Hz\], which no polynomial follows: intervals end there.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_kinks(
+        method: impl Into<String>,
+        modes: usize,
+        patches: Vec<String>,
+        (sampling, kinks): (&Sampling, &[f64]),
+        resistance: impl Fn(f64) -> Vec<Resistance> + Sync,
+    ) -> Result<Self, AcousticsError> {
         let [low, high] = sampling.range_hz;
         positive("interpolation tolerance", sampling.tolerance)?;
         check_range(sampling.range_hz)?;
@@ -103,7 +117,11 @@ impl SampledRadiation {
                 low * (high / low).powf(i as f64 / octaves as f64)
             }
         };
-        let mut pending: Vec<(f64, f64, usize)> = (0..octaves).map(|i| (edge(i), edge(i + 1), 0)).collect();
+        let mut edges: Vec<f64> = (0..=octaves).map(edge).collect();
+        edges.extend(kinks.iter().filter(|&&hz| low < hz && hz < high));
+        edges.sort_by(f64::total_cmp);
+        edges.dedup();
+        let mut pending: Vec<(f64, f64, usize)> = edges.windows(2).map(|ends| (ends[0], ends[1], 0)).collect();
         let (mut samples, mut index) = (Vec::<Sample>::new(), BTreeMap::<u64, usize>::new());
         let (mut intervals, mut error) = (Vec::new(), 0.0f64);
         while !pending.is_empty() {

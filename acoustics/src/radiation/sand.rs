@@ -231,6 +231,11 @@ impl SandPatch {
         }
         Some((real, imaginary))
     }
+
+    /// As [`MovingSand::fade_hz`].
+    pub(super) fn fade_hz(&self) -> [f64; 2] {
+        self.law.fade_hz()
+    }
 }
 
 impl MovingSand {
@@ -260,9 +265,14 @@ impl MovingSand {
         ((x1 - x0) * (y1 - y0) / PI).sqrt()
     }
 
+    /// Ends of the third octave over which the motion fades out, where its curvature jumps \[Hz\].
+    fn fade_hz(&self) -> [f64; 2] {
+        [self.to_hz * 10f64.powf(-0.1), self.to_hz]
+    }
+
     /// 1 up to a third octave below `to_hz`, then a smooth fall to 0 there.
     fn fade(&self, hz: f64) -> Option<f64> {
-        let start = self.to_hz * 10f64.powf(-0.1);
+        let [start, _] = self.fade_hz();
         match (hz - start) / (self.to_hz - start) {
             x if x <= 0.0 => Some(1.0),
             x if x < 1.0 => Some(0.5 * (1.0 + (PI * x).cos())),
