@@ -3,7 +3,7 @@
     report.py PICTURES REPORT.html ...
 
 Asserts that nothing is asked of the network, that the console shows no error, that every chart has data and is drawn,
-that the view in space draws and turns, and that every sound loads; leaves pictures of wide and narrow windows, and the
+that the view in space draws and turns, that every sound loads and A/B switches between two; leaves pictures of wide and narrow windows, and the
 page as printed. Chromium is the system's, else that of playwright.
 """
 
@@ -13,7 +13,7 @@ from pathlib import Path
 
 from playwright.sync_api import sync_playwright
 
-GRAPHICS = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--no-sandbox"]
+GRAPHICS = ["--autoplay-policy=no-user-gesture-required", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--no-sandbox"]
 
 # For each chart: how many finite values its data hold, and how large its drawing is.
 CHARTS = """
@@ -42,6 +42,32 @@ async () => Promise.all([...document.querySelectorAll("audio")].map(async (audio
 def colours(png: bytes) -> int:
     """Different bytes in a picture: an empty view has next to none."""
     return len(set(png))
+
+
+# Switches twice, the second time while the first sound plays; tells which sound began each time, where, and how many play.
+SWITCH = """
+async () => {
+  const sounds = [...document.querySelectorAll(".recording audio")], begun = [];
+  sounds.forEach((audio, i) => audio.addEventListener("playing", () => begun.push({
+    sound: i, at: audio.currentTime, playing: sounds.filter((other) => !other.paused).length })));
+  for (let turn = 1; turn <= 2; turn++) {
+    document.querySelector('[data-ab="switch"]').click();
+    for (let i = 0; i < 200 && begun.length < turn; i++) await new Promise((r) => setTimeout(r, 5));
+    if (turn === 1) await new Promise((r) => setTimeout(r, 40));
+  }
+  sounds.forEach((audio) => audio.pause());
+  return begun;
+}
+"""
+
+
+def listen(page, report: Path) -> None:
+    """A/B: a sound plays, the switch goes over to another at the same moment, and only that one plays then."""
+    begun = page.evaluate(SWITCH)
+    assert len(begun) == 2, f"{report}: A/B plays {begun}"
+    first, second = begun
+    assert first["sound"] != second["sound"], f"{report}: the switch stays at one sound: {begun}"
+    assert second["at"] >= first["at"] and second["playing"] == 1, f"{report}: the switch does not go on: {begun}"
 
 
 def look(page, report: Path, pictures: Path, errors: list[str]) -> None:
@@ -73,6 +99,8 @@ def look(page, report: Path, pictures: Path, errors: list[str]) -> None:
     sounds = page.evaluate(SOUNDS)
     for sound in sounds:
         assert sound["state"] >= 2 and sound["duration"] > 0, f"{report}: a sound does not load: {sound}"
+    if len(sounds) > 1:
+        listen(page, report)
     page.evaluate("window.scrollTo(0, 0)")
     for width in (1280, 400):
         page.set_viewport_size({"width": width, "height": 900})
