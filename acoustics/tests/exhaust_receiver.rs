@@ -2,7 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use nailnoise_acoustics::exhaust::{
-    ExhaustNoise, ExhaustSettings, Floor, FlowHistory, Jet, MixingDirectivity, Opening, Outlet, exhaust_noise,
+    ExhaustNoise, ExhaustSettings, Floor, FlowHistory, Jet, MixingDirectivity, Opening, Outlet, Recording,
+    exhaust_noise,
 };
 use nailnoise_acoustics::levels::Weighting;
 use nailnoise_acoustics::{AcousticsError, Air};
@@ -238,4 +239,45 @@ fn impossible_places_are_named() {
             AcousticsError::NotPositive { .. }
         ));
     }
+}
+
+#[test]
+fn a_recording_of_a_blow_down_holds_the_expected_exposure() {
+    let (air, noise) = (Air::default(), noise());
+    let outlet = Outlet {
+        position: [0.0, 0.0, 1.0],
+        directions: vec![[1.0, 0.0, 0.0]],
+    };
+    let floor = Floor {
+        height: 0.0,
+        coherence: 0.0,
+    };
+    let point = [0.8, 1.1, 0.7];
+    let expected = noise.at(&outlet, point, Some(&floor), &air).unwrap();
+    let record = |seed: u64| {
+        let recording = Recording {
+            rate: 48_000.0,
+            samples: 9600,
+            seed,
+        };
+        noise.sound_at(&outlet, point, Some(&floor), &air, &recording).unwrap()
+    };
+    let seeds = 20;
+    let mean: f64 = (0..seeds)
+        .map(|seed| record(seed).iter().map(|p| p * p).sum::<f64>() / 48_000.0)
+        .sum::<f64>()
+        / seeds as f64;
+    let difference = 10.0 * (mean / expected.exposure([20.0, 20_000.0], Weighting::Z)).log10();
+    assert!(difference.abs() < 0.2, "{difference} dB");
+    assert_eq!(record(3), record(3));
+    assert_ne!(record(3), record(4));
+    // Nothing of the jets is heard before the sound has travelled, but the window's foot and the outflow's band limit.
+    let first = record(3);
+    let travel = (point[0].hypot(point[1]).hypot(0.3) / air.sound_speed * 48_000.0) as usize;
+    let peak = |part: &[f64]| part.iter().fold(0.0f64, |peak, p| peak.max(p.abs()));
+    assert!(
+        peak(&first[..travel - 130]) < 0.05 * peak(&first),
+        "{}",
+        peak(&first[..travel - 130])
+    );
 }

@@ -4,10 +4,6 @@
 mod common;
 
 use common::{disk, flat, rectangle};
-use nailnoise_acoustics::exhaust::{
-    ExhaustSettings, Floor, FlowHistory, Jet, Opening, Outlet, Recording, exhaust_noise,
-};
-use nailnoise_acoustics::levels::Weighting;
 use nailnoise_acoustics::radiation::{MovingSand, Rayleigh, Sampling};
 use nailnoise_acoustics::sound::{
     Iso3744Box, SoundAbovePlane, background_correction, environmental_correction, over_time, shaken_sphere_pressure,
@@ -213,63 +209,4 @@ fn the_array_is_that_of_the_standard() {
     // A = 4 S doubles what the microphones hear.
     assert!((environmental_correction(16.0, 64.0).unwrap() - 10.0 * 2f64.log10()).abs() < 1e-12);
     assert!(environmental_correction(16.0, 0.0).is_err());
-}
-
-#[test]
-fn a_recording_of_a_blow_down_holds_the_expected_exposure() {
-    let air = Air::default();
-    let opening = Opening {
-        count: 1,
-        diameter: 12e-3,
-        discharge_coefficient: 0.82,
-        pitch: None,
-    };
-    let (dt, samples) = (2e-5, 2000);
-    let hump = |i: usize| (PI * i as f64 / 1000.0).sin().max(0.0).powi(2) * f64::from(u8::from(i <= 1000));
-    let pressure: Vec<f64> = (0..samples).map(|i| air.pressure * (1.0 + 2.0 * hump(i))).collect();
-    let flow = |&p: &f64| Jet::expand(p, 290.0, &air).map_or(0.0, |jet| jet.mass_flow(opening.effective_area()));
-    let history = FlowHistory {
-        sample_interval: dt,
-        mass_flow: pressure.iter().map(flow).collect(),
-        temperature: vec![290.0; samples],
-        pressure,
-        back_pressure: None,
-    };
-    let noise = exhaust_noise("exhaust", &history, &opening, &air, &ExhaustSettings::default()).unwrap();
-    let outlet = Outlet {
-        position: [0.0, 0.0, 1.0],
-        directions: vec![[1.0, 0.0, 0.0]],
-    };
-    let floor = Floor {
-        height: 0.0,
-        coherence: 0.0,
-    };
-    let point = [0.8, 1.1, 0.7];
-    let expected = noise.at(&outlet, point, Some(&floor), &air).unwrap();
-    let record = |seed: u64| {
-        let recording = Recording {
-            rate: 48_000.0,
-            samples: 9600,
-            seed,
-        };
-        noise.sound_at(&outlet, point, Some(&floor), &air, &recording).unwrap()
-    };
-    let seeds = 20;
-    let mean: f64 = (0..seeds)
-        .map(|seed| record(seed).iter().map(|p| p * p).sum::<f64>() / 48_000.0)
-        .sum::<f64>()
-        / seeds as f64;
-    let difference = 10.0 * (mean / expected.exposure([20.0, 20_000.0], Weighting::Z)).log10();
-    assert!(difference.abs() < 0.2, "{difference} dB");
-    assert_eq!(record(3), record(3));
-    assert_ne!(record(3), record(4));
-    // Nothing of the jets is heard before the sound has travelled, but the window's foot and the outflow's band limit.
-    let first = record(3);
-    let travel = (point[0].hypot(point[1]).hypot(0.3) / air.sound_speed * 48_000.0) as usize;
-    let peak = |part: &[f64]| part.iter().fold(0.0f64, |peak, p| peak.max(p.abs()));
-    assert!(
-        peak(&first[..travel - 130]) < 0.05 * peak(&first),
-        "{}",
-        peak(&first[..travel - 130])
-    );
 }
