@@ -148,15 +148,7 @@ pub fn run_in_full(
     observer: &mut dyn Observer,
 ) -> Result<(Run, Vibration), Error> {
     let mut timing = Timing::default();
-    let air = Air::at(design.ambient.temperature, design.ambient.pressure)?;
-    let parameters = parameters(design)?;
-    let bench = Bench {
-        design,
-        options,
-        parameters: &parameters,
-        air: &air,
-        cache,
-    };
+    let bench = Bench::new(design, options, cache)?;
     let lumped = match design.support.coupling {
         Coupling::OneWay => Some(driving(design, &mut timing, observer)?),
         Coupling::TwoWay => None,
@@ -168,7 +160,7 @@ pub fn run_in_full(
         two_way,
     } = moved(&bench, lumped, &mut timing, observer)?;
     Ok((
-        finish(design, &air, record, told, two_way, timing, observer)?,
+        finish(design, &bench.air, record, told, two_way, timing, observer)?,
         vibration,
     ))
 }
@@ -192,15 +184,7 @@ pub(crate) fn run_telling<T: Serialize + DeserializeOwned>(
         return Ok((run, told));
     }
     let mut timing = Timing::default();
-    let air = Air::at(design.ambient.temperature, design.ambient.pressure)?;
-    let parameters = parameters(design)?;
-    let bench = Bench {
-        design,
-        options,
-        parameters: &parameters,
-        air: &air,
-        cache,
-    };
+    let bench = Bench::new(design, options, cache)?;
     let record = driving(design, &mut timing, observer)?;
     let key = vibration::key(design, options, &record);
     let (told, more) = cache.get_or(stage, key, || {
@@ -208,7 +192,7 @@ pub(crate) fn run_telling<T: Serialize + DeserializeOwned>(
         let more = timing.time("telling", || tell(&moved.vibration, &moved.record))?;
         Ok::<_, Error>((moved.told, more))
     })?;
-    Ok((finish(design, &air, record, told, None, timing, observer)?, more))
+    Ok((finish(design, &bench.air, record, told, None, timing, observer)?, more))
 }
 
 /// The cycle with its own lumped workpiece.

@@ -19,8 +19,8 @@ use super::sensors::{self, SensorRecord};
 use super::sound::Source;
 use super::starts::starts;
 use super::{
-    Body, Driven, Observer, Options, Stiffness, Structure, Tool, bodies, cycle, exhaust, radiation, response, table,
-    tool_body, workpiece,
+    Body, Driven, Observer, Options, Stiffness, Structure, Tool, bodies, cycle, exhaust, parameters, radiation,
+    response, table, tool_body, workpiece,
 };
 use crate::cache::{Cache, Key};
 use crate::design::{BodyModel, Coupling, Design, SupportKind};
@@ -127,9 +127,25 @@ pub(super) fn key(design: &Design, options: Options, record: &CycleRecord) -> Ke
 pub(super) struct Bench<'a> {
     pub(super) design: &'a Design,
     pub(super) options: Options,
-    pub(super) parameters: &'a Parameters,
-    pub(super) air: &'a Air,
+    pub(super) parameters: Parameters,
+    pub(super) air: Air,
     pub(super) cache: &'a Cache,
+}
+
+impl<'a> Bench<'a> {
+    /// With the cycle's parameters and the air of a design.
+    ///
+    /// # Errors
+    /// Those of parameters and air.
+    pub(super) fn new(design: &'a Design, options: Options, cache: &'a Cache) -> Result<Self, Error> {
+        Ok(Self {
+            design,
+            options,
+            parameters: parameters(design)?,
+            air: Air::at(design.ambient.temperature, design.ambient.pressure)?,
+            cache,
+        })
+    }
 }
 
 /// Sets the bodies in motion: by the cycle given, or together with one both ways.
@@ -145,8 +161,8 @@ pub(super) fn moved(
     let Bench {
         design,
         options,
-        parameters,
-        air,
+        ref parameters,
+        ref air,
         cache,
     } = *bench;
     let (structure, tool) = modes(design, cache, timing, observer)?;

@@ -51,7 +51,7 @@ pub(super) struct Heard<'a> {
 pub(super) struct Scene<'a> {
     pub(super) design: &'a Design,
     pub(super) air: &'a Air,
-    pub(super) places: &'a [Point3<f64>],
+    pub(super) places: Vec<Point3<f64>>,
     /// Height of the reflecting plane \[m\].
     pub(super) plane: f64,
     /// Samples of a signal.
@@ -86,7 +86,7 @@ impl Scene<'_> {
     fn spread(&self, centre: Point3<f64>, signals: &PowerSignals) -> Result<(Part, Vec<Vec<f64>>), Error> {
         let (frequency, signal) = (signals.frequency(), signals.one_signal());
         let mut pressures = DMatrix::zeros(self.places.len(), frequency.len());
-        for (mut row, place) in pressures.row_iter_mut().zip(self.places) {
+        for (mut row, place) in pressures.row_iter_mut().zip(&self.places) {
             let spread = spread_evenly(centre, *place, self.plane, self.air)?;
             for ((p, hz), x) in row.iter_mut().zip(frequency).zip(&signal) {
                 *p = spread.pressure(*hz, *x);
@@ -115,7 +115,7 @@ impl Scene<'_> {
         let frequency = &together.frequency;
         let mut pressures = bem.pressures(frequency, &together.accelerations)?;
         let [from, to] = bem.blend_hz();
-        let mut part = Part {
+        let part = Part {
             frequency: frequency.clone(),
             exposure: pressures.map(|p| 2.0 * p.norm_sqr()),
         };
@@ -124,10 +124,7 @@ impl Scene<'_> {
             let t = ((hz / from).ln() / (to / from).ln()).clamp(0.0, 1.0);
             bin.iter_mut().for_each(|p| *p *= (0.5 * PI * t).cos());
         }
-        let (faded, signals) = self.of_pressures(frequency, &pressures);
-        if from >= together.range_hz[1] {
-            part = faded;
-        }
+        let (_, signals) = self.of_pressures(frequency, &pressures);
         Ok(Heard {
             radiated,
             how: "boundary elements",
@@ -142,7 +139,7 @@ impl Scene<'_> {
     fn flush<'a>(&self, inputs: &Inputs<'a>, sampled: &SampledRadiation) -> Result<Heard<'a>, Error> {
         let surface = flush_surface(self.design, &inputs.structure.workpiece, self.air)?;
         let middle = Point3::new(0.0, 0.0, self.design.workpiece.thickness);
-        let sound = SoundAbovePlane::new(&surface, sampled, self.places, middle)?;
+        let sound = SoundAbovePlane::new(&surface, sampled, &self.places, middle)?;
         let spectra = &inputs.spectra[0];
         let pressures = sound.pressures(sampled, &spectra.frequency, &spectra.accelerations);
         let (part, signals) = self.of_pressures(&spectra.frequency, &pressures);
@@ -186,7 +183,7 @@ impl Scene<'_> {
         let volume = self.design.body.volume();
         // The cycle counts downwards.
         let down = -Vector3::z();
-        for (mut row, place) in pressures.row_iter_mut().zip(self.places) {
+        for (mut row, place) in pressures.row_iter_mut().zip(&self.places) {
             for ((p, hz), a) in row.iter_mut().zip(&frequency).zip(&motion) {
                 let unit = shaken_sphere_pressure(*hz, volume, centre, down, *place, Some(self.plane), self.air)?;
                 *p = unit * a;

@@ -89,9 +89,17 @@ pub(super) fn positions(design: &Design) -> Vec<Point3<f64>> {
 /// A source as the microphones hear it: levels, and the pressure at each microphone.
 pub(super) type AtMicrophones = (HeardSource, Vec<Vec<f64>>);
 
-/// Samples of a signal of a shot that moves until `end` \[s\].
-fn samples(end: f64) -> usize {
-    ((end + TAIL).min(LONGEST) * f64::from(SAMPLE_RATE)).ceil() as usize
+impl<'a> Scene<'a> {
+    /// The microphones of a design, for a shot that moves until `end` \[s\].
+    fn of(design: &'a Design, air: &'a Air, end: f64) -> Self {
+        Self {
+            design,
+            air,
+            places: positions(design),
+            plane: reflecting_plane(design),
+            samples: ((end + TAIL).min(LONGEST) * f64::from(SAMPLE_RATE)).ceil() as usize,
+        }
+    }
 }
 
 /// What is heard of a source, in the range in which all are compared.
@@ -107,13 +115,7 @@ fn of_source(design: &Design, heard: Heard<'_>) -> Result<AtMicrophones, Error> 
 /// # Errors
 /// Those of the radiation.
 pub(super) fn of_bodies(design: &Design, air: &Air, inputs: &Inputs<'_>) -> Result<[AtMicrophones; 2], Error> {
-    let scene = Scene {
-        design,
-        air,
-        places: &positions(design),
-        plane: reflecting_plane(design),
-        samples: samples(inputs.end),
-    };
+    let scene = Scene::of(design, air, inputs.end);
     Ok([
         of_source(design, scene.workpiece(inputs)?)?,
         of_source(design, scene.body(inputs.record, inputs.body)?)?,
@@ -131,13 +133,7 @@ pub(super) fn microphones(
     (exhaust, radiated): (&Exhaust, &SourceSpectrum),
     end: f64,
 ) -> Result<Microphones, Error> {
-    let scene = Scene {
-        design,
-        air,
-        places: &positions(design),
-        plane: reflecting_plane(design),
-        samples: samples(end),
-    };
+    let scene = Scene::of(design, air, end);
     let jets = of_source(design, scene.exhaust(exhaust, radiated)?)?;
     let all = [workpiece, &jets, body];
     let surface = surface(design);
