@@ -192,6 +192,11 @@ impl Exterior {
         self.near.len()
     }
 
+    /// Shapes of those pairs: congruent pairs are integrated once.
+    pub fn close_shapes(&self) -> usize {
+        self.near.shapes()
+    }
+
     /// Pressure on the surface at the frequency `hz` for normal velocities (corner values of every panel x patterns,
     /// see [`Boundary::project`]) that continue evenly across the mirror planes, if there are any.
     ///
@@ -274,6 +279,7 @@ impl Exterior {
         };
         let mut sums: Vec<Sums> = all.iter().map(empty).collect();
         let mut tile = Tile::default();
+        let near = self.near.at(&self.boundary, wave.k);
         for (i, e) in self.blocks.iter().enumerate() {
             for (j, f) in self.blocks.iter().enumerate().skip(i) {
                 let patterns: Vec<(Parity, [&Mat<f64>; 2])> = all
@@ -287,8 +293,7 @@ impl Exterior {
                     wave,
                     [e, f],
                     &patterns,
-                    self.near.pairs(i, j),
-                    |panels, pair, out| self.near.integrate(&self.boundary, wave.k, panels, pair, out),
+                    (&near, near.pairs(i, j)),
                     &mut sums,
                 );
             }

@@ -3,7 +3,7 @@
 
 use super::blocks::Block;
 use super::far::{Far, corner_values};
-use super::near::{NearPair, PairMatrices};
+use super::near::{NearAt, NearPair, PairMatrices};
 use super::symmetry::{Image, Parity};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
@@ -129,8 +129,7 @@ impl Tile {
         wave: Wave,
         [e, f]: [&Block; 2],
         patterns: &[(Parity, [&Mat<f64>; 2])],
-        near: &[NearPair],
-        integrate: impl Fn([usize; 2], &NearPair, &mut PairMatrices),
+        (near, pairs): (&NearAt<'_>, &[NearPair]),
         sums: &mut [Sums],
     ) {
         let diagonal = std::ptr::eq(e, f);
@@ -141,7 +140,7 @@ impl Tile {
             self.mask.resize(self.mask.len() + f.panels.len(), 1.0);
             self.mask.resize(self.mask.len() + f.width - f.panels.len(), 0.0);
         }
-        for pair in near {
+        for pair in pairs {
             let first = pair.image * e.panels.len();
             self.mask[(first + pair.e) * f.width + pair.f] = 0.0;
             if diagonal {
@@ -163,10 +162,8 @@ impl Tile {
                 to,
             });
         }
-        for pair in near {
-            let mut m = PairMatrices::default();
-            integrate([e.panels[pair.e], f.panels[pair.f]], pair, &mut m);
-            let pair = Close::new(pair, wave, [e, f], &self.to_points, &m);
+        for pair in pairs {
+            let pair = Close::new(pair, wave, [e, f], &self.to_points, &near.matrices(pair));
             for (to, (parity, _)) in self.parities.iter_mut().zip(patterns) {
                 pair.add(parity.sign(images[pair.pair.image]), [e, f], diagonal, to);
             }
