@@ -23,6 +23,7 @@ mod problem;
 mod receivers;
 mod resistance;
 mod rules;
+mod single;
 mod symmetry;
 mod tile;
 mod transfer;
