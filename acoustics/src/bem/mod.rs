@@ -25,6 +25,7 @@ mod receivers;
 mod resistance;
 mod rules;
 mod solver;
+mod single;
 mod symmetry;
 mod tile;
 mod transfer;
