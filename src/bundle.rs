@@ -1,5 +1,6 @@
 //! Everything a run leaves behind as one value, kept from run to run: an unchanged design is not computed again.
 
+use std::cell::RefCell;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -62,16 +63,12 @@ struct File {
 struct Fields(Vec<(PathBuf, [u8; 32])>);
 
 impl Fields {
-    /// Keeps all files of a folder.
-    fn keep(folder: &Path, cache: &Cache) -> Result<Self, Error> {
-        let (paths, contents): (Vec<PathBuf>, Vec<Bytes>) = read_all(folder)?
-            .into_iter()
-            .map(|file| (file.path, file.content))
-            .unzip();
+    /// Of these files, with what is in them.
+    fn of(files: Vec<File>) -> (Self, Vec<Bytes>) {
+        let (paths, contents): (Vec<PathBuf>, Vec<Bytes>) =
+            files.into_iter().map(|file| (file.path, file.content)).unzip();
         let digests: Vec<[u8; 32]> = contents.par_iter().map(|content| digest(&content.0)).collect();
-        let fields = Self(paths.into_iter().zip(digests).collect());
-        cache.put(FIELDS, &fields.key(), &contents);
-        Ok(fields)
+        (Self(paths.into_iter().zip(digests).collect()), contents)
     }
 
     fn key(&self) -> Key {
@@ -140,9 +137,16 @@ pub fn deliver(
     }
     let unfinished = Unfinished::within(folder)?;
     let [of_bodies, others] = unfinished.parts();
+    let fresh = RefCell::new(Vec::new());
     let tell = |vibration: &Vibration, record: &CycleRecord| {
-        output::write_fields(&of_bodies, vibration, &record.events)?;
-        Ok((Pictures::new(design, vibration), Fields::keep(&of_bodies, cache)?))
+        let write = || {
+            output::write_fields(&of_bodies, vibration, &record.events)?;
+            read_all(&of_bodies)
+        };
+        let (files, pictures) = rayon::join(write, || Pictures::new(design, vibration));
+        let (fields, contents) = Fields::of(files?);
+        fresh.replace(contents);
+        Ok((pictures, fields))
     };
     let options = Options::default();
     let (mut run, (mut pictures, mut fields)) =
@@ -160,8 +164,15 @@ pub fn deliver(
         }
     }
     observer.stage("writing files");
+    let contents = fresh.take();
+    let keep = || {
+        if !contents.is_empty() {
+            cache.put(FIELDS, &fields.key(), &contents);
+        }
+    };
+    let (files, ()) = rayon::join(|| write(&others, design, &run, &pictures, draw), keep);
     let bundle = Bundle {
-        files: write(&others, design, &run, &pictures, draw)?,
+        files: files?,
         json: read_text(&others.join(LAST))?,
         text: words(&run),
         checks: run.result.checks,
