@@ -132,7 +132,8 @@ pub struct RadiationReport {
     pub join_hz: [f64; 2],
     /// Frequencies at which the radiation matrix was computed.
     pub frequencies: usize,
-    /// Largest interpolation error of an entry of the matrix, relative to sqrt(R_ii R_jj) \[-\].
+    /// Largest interpolation error of the matrix over frequency, root mean square of the entries relative to
+    /// sqrt(R_ii R_jj) \[-\].
     pub interpolation_error: f64,
     /// A-weighted level by the intensity on the surface less that by the far field, below the blend \[dB\]; null when
     /// silent.
@@ -140,6 +141,8 @@ pub struct RadiationReport {
     /// Level of the limit less that of the boundary elements in the last three bands below the blend, lowest and highest
     /// \[dB\]: what the limit may be off above.
     pub limit_error_db: [f64; 2],
+    /// Level of the limit less that of the boundary elements over the blend itself \[dB\]; null when silent.
+    pub blend_error_db: Option<f64>,
     /// A-weighted level of radiation efficiency 1 over the source's range \[dB re 1 pW s\]; null when silent.
     pub erp_lwa_db: Option<f64>,
     /// What each mode adds; the shares sum to one.

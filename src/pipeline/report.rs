@@ -52,6 +52,7 @@ pub(super) fn report(
         interpolation_error: bem.summary.interpolation,
         surface_difference_db: difference,
         limit_error_db: if limit[0] <= limit[1] { limit } else { [0.0; 2] },
+        blend_error_db: None,
         erp_lwa_db: level(erp, range),
         modes: Vec::new(),
         bands: rows

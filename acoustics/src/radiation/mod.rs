@@ -37,3 +37,4 @@ pub use sampled::{SampledRadiation, Sampling};
 pub use sand::{AbsorbingSand, MovingSand, miki_admittance};
 pub use sphere::{rigid_body_energy, rigid_body_signals};
 pub use surface::RadiatingSurface;
+pub(crate) use together::Correction;
