@@ -431,9 +431,12 @@ impl From<&nailnoise_dynamics::Check> for Check {
     }
 }
 
-/// Wall time of each stage, in the order they ran.
+/// Wall time of each stage; some run side by side.
 #[derive(Debug, Clone, Default)]
 pub struct Timing(pub Vec<(&'static str, f64)>);
+
+/// The whole run, in the list of its stages.
+const WHOLE: &str = "whole run";
 
 impl Timing {
     /// Runs a stage and keeps its wall time.
@@ -442,6 +445,20 @@ impl Timing {
         let value = work();
         self.0.push((stage, start.elapsed().as_secs_f64()));
         value
+    }
+
+    /// Keeps how long all of it took.
+    pub(crate) fn end(&mut self, begin: std::time::Instant) {
+        self.0.push((WHOLE, begin.elapsed().as_secs_f64()));
+    }
+
+    /// Wall time of all of it \[s\].
+    pub fn whole(&self) -> f64 {
+        self.0
+            .iter()
+            .filter(|(stage, _)| *stage == WHOLE)
+            .map(|(_, seconds)| seconds)
+            .sum()
     }
 }
 

@@ -21,7 +21,7 @@ pub use columns::{Column, columns};
 pub use csv::EVENT_NAMES;
 
 /// The folder of the fields in that of a run.
-pub(crate) const FIELDS: &str = "fields";
+const FIELDS: &str = "fields";
 
 /// Opens the fields of a run in ParaView.
 const PARAVIEW: &str = include_str!("paraview.py");
