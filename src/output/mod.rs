@@ -5,6 +5,7 @@ mod csv;
 mod fields;
 mod microphones;
 mod motion;
+mod pictures;
 mod sensors;
 mod shot;
 
@@ -19,6 +20,7 @@ use crate::pipeline::{Body, Run, Vibration};
 
 pub use columns::{Column, columns};
 pub use csv::EVENT_NAMES;
+pub use pictures::{remove_others, write_pictures};
 
 /// The folder of the fields in that of a run.
 pub(crate) const FIELDS: &str = "fields";

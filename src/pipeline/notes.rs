@@ -22,6 +22,19 @@ fn radiation_note(preset: &str, report: &RadiationReport) -> String {
     )
 }
 
+/// The same for a workpiece in sand.
+fn flush_note(report: &RadiationReport) -> String {
+    let level = report
+        .erp_lwa_db
+        .map_or_else(|| "none".to_owned(), |level| format!("{level:.1} dB"));
+    format!(
+        "workpiece in sand: Rayleigh's integral at {} frequencies, its power by the intensity on the surface {:+.3} dB to that \
+         of the waves in all directions; radiation efficiency 1 of the block's top would give {level}",
+        report.frequencies,
+        report.surface_difference_db.unwrap_or(0.0),
+    )
+}
+
 /// Notes on one run, most important first.
 pub(super) fn notes(design: &Design, record: &CycleRecord, told: &Told, exhaust: &Exhaust) -> Vec<String> {
     let [workpiece, _] = &told.sources;
@@ -38,9 +51,12 @@ pub(super) fn notes(design: &Design, record: &CycleRecord, told: &Told, exhaust:
             Some(report) => radiation_note(preset, report),
             None => format!(
                 "workpiece on worktable {preset}: radiated power is the ERP reference (radiation efficiency 1), an \
-                 overestimate at low frequencies"
+                 overestimate at low frequencies; it is the plate's own velocity alone, of which there is no second evaluation"
             ),
         });
+    }
+    if let (SupportKind::Sandbox, Some(report)) = (design.support.kind, &workpiece.radiation) {
+        notes.push(flush_note(report));
     }
     match &told.stiffness {
         None => notes.push("body: rigid motion only, without the vibration of its housing: a lower bound".to_owned()),

@@ -5,8 +5,8 @@ use nailnoise_acoustics::bem::ModalBem;
 use nailnoise_acoustics::fourier::TransformSettings;
 use nailnoise_acoustics::levels::{SourceSpectrum, Weighting, energy_weights};
 use nailnoise_acoustics::radiation::{
-    AbsorbingSand, Erp, ModalSpectra, MovingSand, RadiatingSurface, SampledRadiation, mode_energies, radiated_energy,
-    radiated_signals, rigid_body_energy, rigid_body_signals,
+    AbsorbingSand, Erp, ModalSpectra, MovingSand, RadiatingSurface, mode_energies, radiated_energy, radiated_signals,
+    rigid_body_energy, rigid_body_signals,
 };
 use nailnoise_dynamics::CycleRecord;
 use nailnoise_fem::supports::Sand;
@@ -15,8 +15,8 @@ use nailnoise_meshes::{QuadraturePoint, Surface};
 use nalgebra::{DMatrix, Point3, Vector3};
 
 use super::bodies::{Body, Structure};
-use super::radiator::{Radiator, absorbing_sand};
-use super::report::report;
+use super::radiator::{Flush, Radiator, absorbing_sand};
+use super::report::{flush_report, report};
 use super::sound::Sound;
 use crate::design::Design;
 use crate::error::Error;
@@ -24,7 +24,7 @@ use crate::result::{ModeShare, Uncertainty};
 
 /// Gauss points along each side of a face; the modes are quadratic on it, so their squares are integrated exactly on
 /// rectangular faces.
-const FACE_POINTS: usize = 3;
+pub(super) const FACE_POINTS: usize = 3;
 
 /// Modes whose motion is replayed together: their forces are one product of matrices.
 const BLOCK: usize = 32;
@@ -77,7 +77,7 @@ pub(super) fn workpiece(
     match radiator {
         Radiator::Bem(bem) => standing(bem, structure, damping, spectra),
         Radiator::Erp(bodies) => free_standing(bodies, spectra),
-        Radiator::Rayleigh(rayleigh) => flush_top(design, rayleigh, &spectra[0]),
+        Radiator::Rayleigh(flush) => flush_top(design, structure, flush, damping, &spectra[0]),
     }
 }
 
@@ -90,7 +90,7 @@ pub(super) fn workpiece_energy(
     match radiator {
         Radiator::Bem(bem) => Ok(radiated_energy("workpiece", bem.as_ref(), &side_by_side(spectra))?),
         Radiator::Erp(bodies) => Ok(free_standing(bodies, spectra)?.spectrum),
-        Radiator::Rayleigh(rayleigh) => Ok(flush_top(design, rayleigh, &spectra[0])?.spectrum),
+        Radiator::Rayleigh(flush) => Ok(radiated_energy("workpiece", &flush.waves, &spectra[0])?),
     }
 }
 
@@ -244,9 +244,20 @@ fn free_standing(bodies: &[Erp], spectra: &[ModalSpectra]) -> Result<Sound, Erro
 }
 
 /// Rayleigh's integral over the block's top, flush with the sand.
-fn flush_top(design: &Design, sampled: &SampledRadiation, spectrum: &ModalSpectra) -> Result<Sound, Error> {
-    let source = radiated_energy("workpiece", sampled, spectrum)?;
-    let signals = vec![("workpiece", radiated_signals(sampled, spectrum, &source)?)];
+fn flush_top(
+    design: &Design,
+    structure: &Structure,
+    flush: &Flush,
+    damping: Option<&[Vec<f64>]>,
+    spectrum: &ModalSpectra,
+) -> Result<Sound, Error> {
+    let source = radiated_energy("workpiece", &flush.waves, spectrum)?;
+    let signals = vec![("workpiece", radiated_signals(&flush.waves, spectrum, &source)?)];
+    let ratios = flush.surface.ratios(&flush.waves, spectrum)?;
+    let erp = radiated_energy("workpiece", &flush.erp, spectrum)?;
+    let mut report = flush_report(flush, &source, &ratios, &erp);
+    let weights = energy_weights(&source.frequency, source.range_hz, Weighting::A);
+    report.modes = modes_of(structure, damping, &mode_energies(&flush.waves, spectrum, &weights)?);
     let uncertainty = sand_band(&source, &absorbing_sand(design), spectrum.range_hz);
     Ok(Sound {
         spectrum: source,
@@ -254,7 +265,7 @@ fn flush_top(design: &Design, sampled: &SampledRadiation, spectrum: &ModalSpectr
         openings: Vec::new(),
         uncertainty,
         cross_check: None,
-        radiation: None,
+        radiation: Some(report),
     })
 }
 

@@ -9,6 +9,8 @@
 //!
 //! One frequency runs on one thread; frequencies run beside each other.
 
+mod around;
+mod bands;
 mod blend;
 mod blocks;
 mod boundary;
@@ -28,6 +30,7 @@ mod tile;
 mod transfer;
 mod trig;
 
+pub use bands::{Sounding, SurfaceBand, WholeSurface};
 pub use blend::BlendedRadiation;
 pub use boundary::{Boundary, Mended};
 pub use boxes::{Side, SolidBox};

@@ -303,13 +303,13 @@ fn stacked(parts: &[DMatrix<Complex<f64>>], bins: usize) -> DMatrix<Complex<f64>
 }
 
 /// Modes whose patterns are independent in a parity, and how all modes combine from them.
-struct Independent {
-    modes: Vec<usize>,
-    combination: DMatrix<f64>,
+pub(super) struct Independent {
+    pub(super) modes: Vec<usize>,
+    pub(super) combination: DMatrix<f64>,
 }
 
 /// By the Cholesky factorisation with pivots of the patterns' Gram matrix, every mode scaled by its whole pattern.
-fn independent(level: &Level) -> Vec<Independent> {
+pub(super) fn independent(level: &Level) -> Vec<Independent> {
     let boundary = level.problem.boundary();
     let mesh = boundary.mesh();
     let mut weights = Vec::with_capacity(boundary.velocity_values());

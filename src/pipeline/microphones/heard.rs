@@ -99,7 +99,7 @@ impl Scene<'_> {
     pub(super) fn workpiece<'a>(&self, inputs: &Inputs<'a>) -> Result<Heard<'a>, Error> {
         match inputs.radiator {
             Radiator::Bem(bem) => self.standing(bem, inputs.spectra, &inputs.workpiece.spectrum),
-            Radiator::Rayleigh(sampled) => self.flush(inputs, sampled),
+            Radiator::Rayleigh(flush) => self.flush(inputs, &flush.waves),
             Radiator::Erp(_) => self.evenly(inputs.workpiece),
         }
     }

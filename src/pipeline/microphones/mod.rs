@@ -65,7 +65,7 @@ fn tool_height(design: &Design) -> f64 {
 
 /// Height of the plane that reflects: the floor under a table, the sand's surface, or a floor at the block's underside,
 /// on which it lies, is clamped or is hung closely above \[m\].
-fn reflecting_plane(design: &Design) -> f64 {
+pub(super) fn reflecting_plane(design: &Design) -> f64 {
     match design.support.kind {
         SupportKind::Worktable => floor(design),
         SupportKind::Sandbox => design.workpiece.thickness,
