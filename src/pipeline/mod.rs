@@ -30,6 +30,7 @@ mod springs;
 mod starts;
 mod tool;
 mod tool_loads;
+mod tool_radiator;
 mod vibration;
 
 use nailnoise_acoustics::Air;
@@ -235,7 +236,10 @@ fn finish(
     checks.extend(two_way.iter().flat_map(|both| both.checks.clone()));
     checks.extend(of_tool);
     checks.extend(told.missing.iter().map(missing::Missing::check));
-    checks.extend(workpiece.radiation.as_ref().and_then(report::check));
+    for source in [workpiece, body] {
+        let report = source.radiation.as_ref();
+        checks.extend(report.and_then(|report| report::check(&source.spectrum.source, report)));
+    }
     checks.extend(ranking::checks(&ranking, &total));
     checks.extend(interval_checks);
     checks.push(exhaust.check());

@@ -4,7 +4,7 @@
 //! computed when they are asked for, and kept then.
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::bem::{ModalBem, Sounding, WholeSurface};
+use nailnoise_acoustics::bem::{Level, ModalBem, Sounding, SurfaceBand, WholeSurface};
 use nailnoise_acoustics::levels::{Band, Weighting, third_octaves};
 use nailnoise_acoustics::radiation::{ModalSpectra, quadratic_forms, radiated_energy};
 use nailnoise_acoustics::sound::{Around, BandSound, Directions, above_plane};
@@ -12,12 +12,11 @@ use nailnoise_meshes::Surface;
 use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::bodies::Body;
 use super::microphones::reflecting_plane;
 use super::radiation::{FACE_POINTS, side_by_side, skin};
 use super::radiator::{Radiator, flush_surface, levels};
 use super::vibration::{self, Bench, Moved, Vibration, moved};
-use super::{Driven, Observer, Options, driving, outside};
+use super::{Driven, Observer, Options, driving, outside, tool_radiator};
 use crate::cache::Cache;
 use crate::design::{Coupling, Design};
 use crate::error::Error;
@@ -142,12 +141,26 @@ fn compute(
             series: Vec::new(),
         },
     };
-    let solved = matches!(radiator, Radiator::Bem(_));
+    if let Some((tool, bem)) = vibration
+        .tool
+        .as_ref()
+        .and_then(|tool| Some((tool, tool.bem.as_ref()?)))
+    {
+        let open = outside::open_air(&tool.body.surface)?;
+        let body = Solved {
+            names: ["body", "sound-tool"],
+            levels: vec![tool_radiator::level(design, &tool.body, &open, air)?],
+            bem,
+            spectra: &tool.spectra,
+            at: tool_radiator::nose(design),
+        };
+        let of_tool = solved(design, body)?;
+        pictures.notes.extend(of_tool.notes);
+        pictures.checks.extend(of_tool.checks);
+        pictures.series.extend(of_tool.series);
+    }
     for driven in vibration.driven() {
-        let of_tool = driven.body.name == "tool";
-        if of_tool || !solved {
-            pictures.series.push(velocities(design, air, driven)?);
-        }
+        pictures.series.push(velocities(design, air, driven)?);
     }
     Ok(pictures)
 }
@@ -159,20 +172,38 @@ fn bands(spectra: &ModalSpectra, top: f64) -> Vec<Band> {
     third_octaves().into_iter().filter(whole).collect()
 }
 
-/// Block and table by boundary elements.
-fn standing(design: &Design, air: &Air, bem: &ModalBem, vibration: &Vibration) -> Result<Pictures, Error> {
-    let levels = levels(design, &vibration.structure, air)?;
-    let together = side_by_side(&vibration.spectra);
-    let bands = bands(&together, bem.blend_hz()[0]);
-    let radiated = radiated_energy("workpiece", bem, &together)?;
+/// A body that boundary elements know.
+struct Solved<'a> {
+    /// Its source, and the beginning of its pictures' names.
+    names: [&'static str; 2],
+    levels: Vec<Level>,
+    bem: &'a ModalBem,
+    spectra: &'a ModalSpectra,
+    /// Where its axes begin in those of the workpiece.
+    at: Vector3<f64>,
+}
+
+/// A source by boundary elements.
+fn solved(design: &Design, body: Solved<'_>) -> Result<Pictures, Error> {
+    let Solved {
+        names: [source, prefix],
+        levels,
+        bem,
+        spectra,
+        at,
+    } = body;
+    let bands = bands(spectra, bem.blend_hz()[0]);
+    let radiated = radiated_energy(source, bem, spectra)?;
     let mut planes = planes(design);
+    let moved = |points: &[Point3<f64>]| -> Vec<Point3<f64>> { points.iter().map(|p| p - at).collect() };
     for level in &levels {
         planes
             .iter_mut()
-            .for_each(|plane| plane.keep(|points| level.problem.is_clear(points)));
+            .for_each(|plane| plane.keep(|points| level.problem.is_clear(&moved(points))));
     }
     let directions = Directions::new(SPHERE[0], SPHERE[1], true);
     let points: Vec<Point3<f64>> = planes.iter().flat_map(|plane| plane.points()).collect();
+    let points = moved(&points);
     let around = Around {
         points: &points,
         directions: &directions.vectors,
@@ -180,13 +211,12 @@ fn standing(design: &Design, air: &Air, bem: &ModalBem, vibration: &Vibration) -
     let foot = levels
         .first()
         .map_or_else(Point3::origin, |level| level.problem.reach().1);
-    let found = Sounding::new(levels, &bands, &together, &around)?;
+    let found = Sounding::new(levels, &bands, spectra, &around)?;
     let energies: Vec<f64> = bands
         .iter()
         .map(|b| radiated.energy([b.low, b.high], Weighting::Z))
         .collect();
-    let left = |(band, _): (usize, &Band)| {
-        let surface = &found.bands[band];
+    let left = |surface: &SurfaceBand| {
         let areas = &found.surfaces[surface.surface].areas;
         surface
             .intensity
@@ -195,33 +225,42 @@ fn standing(design: &Design, air: &Air, bem: &ModalBem, vibration: &Vibration) -
             .map(|(i, area)| i * area)
             .sum::<f64>()
     };
-    let left: Vec<f64> = bands.iter().enumerate().map(left).collect();
+    let left: Vec<f64> = found.bands.iter().map(left).collect();
     let checks = vec![
-        held("intensity over the surface", &left, &energies),
+        held([source, "intensity over the surface"], &left, &energies),
         held(
-            "directivity over the half sphere",
+            [source, "directivity over the half sphere"],
             &sums(&found.around, &directions),
             &energies,
         ),
     ];
-    let mut series = vec![on_surface(&found, &bands)];
-    series.extend(in_planes(&planes, &found.around, &bands));
-    series.push(sphere(&directions, &found.around, &bands, foot));
+    let mut series = vec![on_surface(prefix, &found, &bands, at)];
+    series.extend(in_planes(prefix, &planes, &found.around, &bands));
+    series.push(sphere(prefix, &directions, &found.around, &bands, foot + at));
     let reaches = bands.last().map_or(0.0, |b| b.nominal_hz());
     Ok(Pictures {
         method: "boundary elements".to_owned(),
-        notes: vec![
-            format!(
-                "workpiece with worktable by boundary elements at {} frequencies, in the bands up to {reaches:.0} Hz that lie \
-                 below the limit of high frequencies; error of the field between them {:.1e} of its largest value",
-                found.around.samples, found.around.error
-            ),
-            "the pressure is that of workpiece and worktable alone, above a rigid floor: no exhaust, no tool"
-                .to_owned(),
-        ],
+        notes: vec![format!(
+            "{source} by boundary elements at {} frequencies, in the bands up to {reaches:.0} Hz that lie below the limit of high \
+             frequencies; error of the field between them {:.1e} of its largest value; the pressure is that of this source \
+             alone, above a rigid floor",
+            found.around.samples, found.around.error
+        )],
         checks,
         series,
     })
+}
+
+/// Block and table.
+fn standing(design: &Design, air: &Air, bem: &ModalBem, vibration: &Vibration) -> Result<Pictures, Error> {
+    let body = Solved {
+        names: ["workpiece", "sound"],
+        levels: levels(design, &vibration.structure, air)?,
+        bem,
+        spectra: &side_by_side(&vibration.spectra),
+        at: Vector3::zeros(),
+    };
+    solved(design, body)
 }
 
 /// The block's top and the sand around it by Rayleigh's integral.
@@ -242,8 +281,8 @@ fn flush(design: &Design, air: &Air, vibration: &Vibration, energy: impl Fn(&Ban
     let found = above_plane(&surface, &bands, spectra, &around)?;
     let energies: Vec<f64> = bands.iter().map(energy).collect();
     let foot = Point3::new(0.0, 0.0, design.workpiece.thickness);
-    let mut series = in_planes(&planes, &found, &bands);
-    series.push(sphere(&directions, &found, &bands, foot));
+    let mut series = in_planes("sound", &planes, &found, &bands);
+    series.push(sphere("sound", &directions, &found, &bands, foot));
     Ok(Pictures {
         method: "Rayleigh's integral".to_owned(),
         notes: vec![
@@ -256,16 +295,16 @@ fn flush(design: &Design, air: &Air, vibration: &Vibration, energy: impl Fn(&Ban
              itself Rayleigh's integral is not evaluated"
                 .to_owned(),
         ],
-        checks: vec![held("directivity over the half sphere", &sums(&found, &directions), &energies)],
+        checks: vec![held(["workpiece", "directivity over the half sphere"], &sums(&found, &directions), &energies)],
         series,
     })
 }
 
 /// Energy in a picture of all bands beside the source's.
-fn held(what: &str, found: &[f64], radiated: &[f64]) -> Check {
+fn held([source, what]: [&str; 2], found: &[f64], radiated: &[f64]) -> Check {
     let decibels = 10.0 * (found.iter().sum::<f64>() / radiated.iter().sum::<f64>()).log10();
     Check::at_most(
-        format!("pictures: {what} less the workpiece's energy in these bands [dB]"),
+        format!("pictures: {what} less the energy of the {source} in these bands [dB]"),
         decibels,
         DIFFERENCE,
     )
@@ -287,12 +326,12 @@ const PRESSURE: &str = "sound exposure level [dB re (20 uPa)2 s]";
 const MOTION: &str = "velocity exposure level [dB re (50 nm/s)2 s]";
 
 /// Pressure, intensity and velocity on the surface.
-fn on_surface(found: &Sounding, bands: &[Band]) -> Series {
+fn on_surface(prefix: &str, found: &Sounding, bands: &[Band], at: Vector3<f64>) -> Series {
     let shape = |surface: &WholeSurface| Shape {
-        points: surface.points.iter().map(|p| (*p).into()).collect(),
+        points: surface.points.iter().map(|p| (p + at).into()).collect(),
         polygons: surface.panels.clone(),
     };
-    let picture = |(band, surface): (&Band, &nailnoise_acoustics::bem::SurfaceBand)| Picture {
+    let picture = |(band, surface): (&Band, &SurfaceBand)| Picture {
         hz: band.nominal_hz(),
         shape: surface.surface,
         points: vec![(
@@ -308,13 +347,13 @@ fn on_surface(found: &Sounding, bands: &[Band]) -> Series {
         ],
     };
     Series {
-        name: "sound-surface".to_owned(),
+        name: format!("{prefix}-surface"),
         shapes: found.surfaces.iter().map(shape).collect(),
         bands: bands.iter().zip(&found.bands).map(picture).collect(),
     }
 }
 
-fn in_planes(planes: &[Plane], found: &BandSound, bands: &[Band]) -> Vec<Series> {
+fn in_planes(prefix: &str, planes: &[Plane], found: &BandSound, bands: &[Band]) -> Vec<Series> {
     let mut first = 0;
     let of_plane = |plane: &Plane| {
         let (shape, count) = (plane.shape(), plane.points().count());
@@ -333,7 +372,7 @@ fn in_planes(planes: &[Plane], found: &BandSound, bands: &[Band]) -> Vec<Series>
             polygons: Vec::new(),
         };
         Series {
-            name: format!("sound-plane-{}", plane.name),
+            name: format!("{prefix}-plane-{}", plane.name),
             shapes: vec![shape],
             bands: bands.iter().enumerate().map(picture).collect(),
         }
@@ -342,7 +381,7 @@ fn in_planes(planes: &[Plane], found: &BandSound, bands: &[Band]) -> Vec<Series>
 }
 
 /// The half sphere of directions, around a point.
-fn sphere(directions: &Directions, found: &BandSound, bands: &[Band], centre: Point3<f64>) -> Series {
+fn sphere(prefix: &str, directions: &Directions, found: &BandSound, bands: &[Band], centre: Point3<f64>) -> Series {
     let (around, count) = (directions.around, directions.vectors.len());
     let mut polygons = Vec::new();
     for ring in (0..count - around).step_by(around) {
@@ -373,7 +412,7 @@ fn sphere(directions: &Directions, found: &BandSound, bands: &[Band], centre: Po
         }
     };
     Series {
-        name: "sound-sphere".to_owned(),
+        name: format!("{prefix}-sphere"),
         shapes: vec![Shape {
             points: directions.vectors.iter().map(|d| (centre + d * DRAWN).into()).collect(),
             polygons,
@@ -385,6 +424,11 @@ fn sphere(directions: &Directions, found: &BandSound, bands: &[Band], centre: Po
 /// Velocity of a body's surface, and what it would radiate with efficiency 1 where it meets the open air.
 fn velocities(design: &Design, air: &Air, driven: Driven<'_>) -> Result<Series, Error> {
     let Driven { body, spectra, .. } = driven;
+    let at = if body.name == "tool" {
+        tool_radiator::nose(design)
+    } else {
+        Vector3::zeros()
+    };
     let open = outside::open_air(&body.surface)?;
     let radiating = skin(&body.surface, &body.shapes, |point| open[point.face])?;
     let points: Vec<_> = body
@@ -431,18 +475,9 @@ fn velocities(design: &Design, air: &Air, driven: Driven<'_>) -> Result<Series, 
     }
     Ok(Series {
         name: format!("velocity-{}", body.name),
-        shapes: vec![shape_of(&body.surface, &faces, standing_at(design, body))],
+        shapes: vec![shape_of(&body.surface, &faces, at)],
         bands: pictures,
     })
-}
-
-/// Where the origin of a body's axes is in those of the workpiece.
-fn standing_at(design: &Design, body: &Body) -> Vector3<f64> {
-    let nail = &design.nail;
-    match body.name {
-        "tool" => Vector3::new(nail.offset_along, nail.offset_across, design.workpiece.thickness),
-        _ => Vector3::zeros(),
-    }
 }
 
 fn shape_of(surface: &Surface, faces: &[usize], at: Vector3<f64>) -> Shape {

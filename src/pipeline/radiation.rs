@@ -82,11 +82,7 @@ pub(super) fn workpiece(
 }
 
 /// Energy of the workpiece with its support alone, without its course in time.
-pub(super) fn workpiece_energy(
-    design: &Design,
-    radiator: &Radiator,
-    spectra: &[ModalSpectra],
-) -> Result<SourceSpectrum, Error> {
+pub(super) fn workpiece_energy(radiator: &Radiator, spectra: &[ModalSpectra]) -> Result<SourceSpectrum, Error> {
     match radiator {
         Radiator::Bem(bem) => Ok(radiated_energy("workpiece", bem.as_ref(), &side_by_side(spectra))?),
         Radiator::Erp(bodies) => Ok(free_standing(bodies, spectra)?.spectrum),
@@ -101,15 +97,25 @@ fn standing(
     damping: Option<&[Vec<f64>]>,
     spectra: &[ModalSpectra],
 ) -> Result<Sound, Error> {
-    let together = side_by_side(spectra);
-    let mut source = radiated_energy("workpiece", bem, &together)?;
-    let erp = radiated_energy("workpiece", &bem.reference(), &together)?;
+    let bodies: Vec<&Body> = structure.bodies().collect();
+    by_boundary_elements("workpiece", bem, (&bodies, damping), &side_by_side(spectra))
+}
+
+/// A source of bodies that radiate as one surface, by boundary elements up to their limit.
+pub(super) fn by_boundary_elements(
+    name: &'static str,
+    bem: &ModalBem,
+    (bodies, damping): (&[&Body], Option<&[Vec<f64>]>),
+    together: &ModalSpectra,
+) -> Result<Sound, Error> {
+    let mut source = radiated_energy(name, bem, together)?;
+    let erp = radiated_energy(name, &bem.reference(), together)?;
     let surface = share_out(&mut source);
     let weights = energy_weights(&source.frequency, source.range_hz, Weighting::A);
-    let energies = mode_energies(bem, &together, &weights)?;
+    let energies = mode_energies(bem, together, &weights)?;
     let mut report = report(bem, &source, &surface, &erp);
-    report.modes = modes_of(structure, damping, &energies);
-    let signals = vec![("workpiece", radiated_signals(bem, &together, &source)?)];
+    report.modes = modes_of(bodies, damping, &energies);
+    let signals = vec![(name, radiated_signals(bem, together, &source)?)];
     let above = |factor: f64| {
         let range = together.range_hz;
         let join = bem.blend_hz()[0].clamp(range[0], range[1]);
@@ -142,11 +148,11 @@ fn standing(
 }
 
 /// What each mode adds to the energy of block and table; the static corrections of a body count as one.
-fn modes_of(structure: &Structure, damping: Option<&[Vec<f64>]>, energies: &[f64]) -> Vec<ModeShare> {
+fn modes_of(bodies: &[&Body], damping: Option<&[Vec<f64>]>, energies: &[f64]) -> Vec<ModeShare> {
     let total: f64 = energies.iter().sum::<f64>().max(f64::MIN_POSITIVE);
     let mut energies = energies.iter();
     let mut shares = Vec::new();
-    for (index, body) in structure.bodies().enumerate() {
+    for (index, body) in bodies.iter().enumerate() {
         let modes = body.basis.hz.len();
         let mut rest = 0.0;
         for (number, (omega, energy)) in body.omega.iter().zip(&mut energies).enumerate() {
@@ -257,7 +263,8 @@ fn flush_top(
     let erp = radiated_energy("workpiece", &flush.erp, spectrum)?;
     let mut report = flush_report(flush, &source, &ratios, &erp);
     let weights = energy_weights(&source.frequency, source.range_hz, Weighting::A);
-    report.modes = modes_of(structure, damping, &mode_energies(&flush.waves, spectrum, &weights)?);
+    let energies = mode_energies(&flush.waves, spectrum, &weights)?;
+    report.modes = modes_of(&[&structure.workpiece], damping, &energies);
     let uncertainty = sand_band(&source, &absorbing_sand(design), spectrum.range_hz);
     Ok(Sound {
         spectrum: source,

@@ -18,7 +18,7 @@ use crate::design::{Design, RadiationMethod, SupportKind, WorktablePreset};
 use crate::error::Error;
 
 /// Lowest frequency at which a radiation resistance is sampled \[Hz\]; below it each entry follows its own power law.
-const LOWEST_SAMPLE: f64 = 40.0;
+pub(super) const LOWEST_SAMPLE: f64 = 40.0;
 
 /// Tops of the ranges that have a mesh of their own, over the top of all.
 const RANGES: [f64; 4] = [0.16, 0.4, 0.65, 1.0];
@@ -27,10 +27,10 @@ const RANGES: [f64; 4] = [0.16, 0.4, 0.65, 1.0];
 const COARSEST: f64 = 1.0 / 16.0;
 
 /// A mode that radiates less than this share of the best radiator is interpolated as well as that share asks for.
-const FLOOR: f64 = 1e-2;
+pub(super) const FLOOR: f64 = 1e-2;
 
 /// Most frequencies of one range.
-const MOST_SAMPLES: usize = 100;
+pub(super) const MOST_SAMPLES: usize = 100;
 
 /// Frequencies that a range asks for at least, see [`expected_seconds`]; how many more is not counted yet.
 const SAMPLES_PER_WAVELENGTH: f64 = 2.5;

@@ -15,9 +15,9 @@ const JUDGED: usize = 3;
 const DIFFERENCE: f64 = 0.1;
 
 /// Check that surface and far field agree.
-pub(super) fn check(report: &RadiationReport) -> Option<Check> {
+pub(super) fn check(source: &str, report: &RadiationReport) -> Option<Check> {
     let difference = report.surface_difference_db?;
-    let name = "workpiece: power by the surface less that by the far field [dB]";
+    let name = format!("{source}: power by the surface less that by the far field [dB]");
     Some(Check::at_most(name, difference, DIFFERENCE))
 }
 

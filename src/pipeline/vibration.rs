@@ -18,6 +18,7 @@ use super::radiator::Radiator;
 use super::sensors::{self, SensorRecord};
 use super::sound::Source;
 use super::starts::starts;
+use super::tool_radiator::tool_radiator;
 use super::{
     Body, Driven, Observer, Options, Stiffness, Structure, Tool, bodies, cycle, exhaust, parameters, radiation,
     response, table, tool_body, workpiece,
@@ -193,9 +194,15 @@ pub(super) fn moved(
             (both.record, both.response, Some((both.work, both.checks)))
         }
     };
-    let tool = tool
-        .map(|body| timing.time("tool response", || Tool::new(design, body, parameters, &record)))
-        .transpose()?;
+    let tool = match tool {
+        Some(body) => {
+            let bem = timing.time("radiation matrices of the tool", || {
+                tool_radiator(design, &body, air, cache, observer)
+            })?;
+            Some(timing.time("tool response", || Tool::new(design, (body, bem), parameters, &record))?)
+        }
+        None => None,
+    };
     let shot = sensors::Shot {
         structure: &structure,
         response: &response,
@@ -222,11 +229,12 @@ pub(super) fn moved(
                 let force = (force_scale, 0);
                 let response = response::response(design, &structure, added, parameters, &record, force)?;
                 let spectra = radiation::modal_spectra(design, &structure, &response)?;
-                let workpiece = radiation::workpiece_energy(design, &radiator, &spectra)?;
+                let workpiece = radiation::workpiece_energy(&radiator, &spectra)?;
                 let body = match &tool {
                     Some(_) => {
-                        let tool = Tool::new(design, tool_body(design, cache)?, parameters, &record)?;
-                        tool.sound(design, &record, air)?
+                        let body = tool_body(design, cache)?;
+                        let bem = tool_radiator(design, &body, air, cache, observer)?;
+                        Tool::new(design, (body, bem), parameters, &record)?.sound(design, &record, air)?
                     }
                     None => radiation::rigid_tool(design, &record, air)?,
                 };
@@ -273,6 +281,7 @@ pub(super) fn moved(
             record: &record,
             workpiece: &workpiece,
             body: &body,
+            tool: tool.as_ref(),
             end,
         };
         microphones::of_bodies(design, air, &inputs)

@@ -11,6 +11,7 @@ use nailnoise_acoustics::sound::{Iso3744Box, background_correction, environmenta
 use nailnoise_dynamics::CycleRecord;
 use nalgebra::Point3;
 
+use super::Tool;
 use super::bodies::Structure;
 use super::exhaust::Exhaust;
 use super::radiator::{Radiator, floor};
@@ -54,6 +55,7 @@ pub(super) struct Inputs<'a> {
     pub(super) record: &'a CycleRecord,
     pub(super) workpiece: &'a Sound,
     pub(super) body: &'a Sound,
+    pub(super) tool: Option<&'a Tool>,
     /// End of all motion \[s\].
     pub(super) end: f64,
 }
@@ -118,7 +120,7 @@ pub(super) fn of_bodies(design: &Design, air: &Air, inputs: &Inputs<'_>) -> Resu
     let scene = Scene::of(design, air, inputs.end);
     Ok([
         of_source(design, scene.workpiece(inputs)?)?,
-        of_source(design, scene.body(inputs.record, inputs.body)?)?,
+        of_source(design, scene.body(inputs)?)?,
     ])
 }
 
