@@ -5,7 +5,7 @@ use nailnoise_acoustics::bem::{
     Boundary, BoundaryMesh, Exterior, Level, ModalBem, MovingPart, Receivers, Side, SolidBox,
 };
 use nailnoise_acoustics::radiation::{
-    AbsorbingSand, Archive, Erp, ModalRadiation, Rayleigh, SampledRadiation, Sampling,
+    AbsorbingSand, Archive, Erp, ModalRadiation, Rayleigh, SampledRadiation, Sampling, SurfaceEvaluations,
 };
 use nalgebra::{Complex, DMatrix, Point3};
 
@@ -18,7 +18,7 @@ use crate::design::{Design, RadiationMethod, SupportKind, WorktablePreset};
 use crate::error::Error;
 
 /// Lowest frequency at which a radiation resistance is sampled \[Hz\]; below it each entry follows its own power law.
-const LOWEST_SAMPLE: f64 = 40.0;
+pub(super) const LOWEST_SAMPLE: f64 = 40.0;
 
 /// Tops of the ranges that have a mesh of their own, over the top of all.
 const RANGES: [f64; 4] = [0.16, 0.4, 0.65, 1.0];
@@ -27,10 +27,10 @@ const RANGES: [f64; 4] = [0.16, 0.4, 0.65, 1.0];
 const COARSEST: f64 = 1.0 / 16.0;
 
 /// A mode that radiates less than this share of the best radiator is interpolated as well as that share asks for.
-const FLOOR: f64 = 1e-2;
+pub(super) const FLOOR: f64 = 1e-2;
 
 /// Most frequencies of one range.
-const MOST_SAMPLES: usize = 100;
+pub(super) const MOST_SAMPLES: usize = 100;
 
 /// Frequencies that a range asks for at least, see [`expected_seconds`]; how many more is not counted yet.
 const SAMPLES_PER_WAVELENGTH: f64 = 2.5;
@@ -57,7 +57,17 @@ pub(super) enum Radiator {
     /// Equivalent radiated power, body by body.
     Erp(Vec<Erp>),
     /// Rayleigh's integral over the block's top, flush with the sand.
-    Rayleigh(Box<SampledRadiation>),
+    Rayleigh(Box<Flush>),
+}
+
+/// The block's top, flush with the sand.
+pub(super) struct Flush {
+    /// Its radiation by plane waves.
+    pub(super) waves: SampledRadiation,
+    /// Its radiation by the intensity on the surface, in the middle of bands.
+    pub(super) surface: SurfaceEvaluations,
+    /// Its equivalent radiated power.
+    pub(super) erp: Erp,
 }
 
 impl Radiator {
@@ -74,8 +84,8 @@ impl Radiator {
     ) -> Result<Self, Error> {
         match (design.support.kind, design.acoustics.method) {
             (SupportKind::Sandbox, _) => {
-                let sampled = flush_top(design, &structure.workpiece, air, cache)?;
-                Ok(Self::Rayleigh(Box::new(sampled)))
+                let flush = flush_top(design, &structure.workpiece, air, cache)?;
+                Ok(Self::Rayleigh(Box::new(flush)))
             }
             (SupportKind::Floor | SupportKind::Clamped | SupportKind::Springs, _)
             | (SupportKind::Worktable, RadiationMethod::Erp) => standing_erp(design, structure, air),
@@ -113,7 +123,7 @@ impl Radiator {
                     .collect()
             }
             Self::Erp(_) => structure.bodies().map(|body| vec![0.0; body.omega.len()]).collect(),
-            Self::Rayleigh(rayleigh) => vec![of_modes(rayleigh.as_ref(), &structure.workpiece.omega)],
+            Self::Rayleigh(flush) => vec![of_modes(&flush.waves, &structure.workpiece.omega)],
         }
     }
 }
@@ -133,7 +143,7 @@ pub(super) fn flush_surface(design: &Design, body: &Body, air: &Air) -> Result<R
 }
 
 /// Rayleigh's integral over it.
-fn flush_top(design: &Design, body: &Body, air: &Air, cache: &Cache) -> Result<SampledRadiation, Error> {
+fn flush_top(design: &Design, body: &Body, air: &Air, cache: &Cache) -> Result<Flush, Error> {
     let sand = &design.support.sand;
     let surface = radiating(body, |patch, _| patch != "top")?;
     let absorbing = (sand.absorption_share > 0.0).then(|| absorbing_sand(design));
@@ -153,11 +163,19 @@ fn flush_top(design: &Design, body: &Body, air: &Air, cache: &Cache) -> Result<S
         .with(surface.patch())
         .with(surface.patch_names())
         .with(surface.normal_modes().as_slice());
-    let kept: Bytes = cache.get_or("radiation of the workpiece in sand", key, || {
+    let (waves, twice): (Bytes, Bytes) = cache.get_or("radiation of the workpiece in sand", key, || {
         let rayleigh = flush_surface(design, body, air)?;
-        Ok::<_, Error>(Bytes(rayleigh.sampled(&sampling)?.with_roots().to_bytes()))
+        let twice = SurfaceEvaluations::new(&rayleigh, top);
+        Ok::<_, Error>((
+            Bytes(rayleigh.sampled(&sampling)?.with_roots().to_bytes()),
+            Bytes(twice.to_bytes()),
+        ))
     })?;
-    Ok(SampledRadiation::from_bytes(&kept.0)?)
+    Ok(Flush {
+        waves: SampledRadiation::from_bytes(&waves.0)?,
+        surface: SurfaceEvaluations::from_bytes(&twice.0)?,
+        erp: Erp::new(&surface, air),
+    })
 }
 
 /// The sand's surface as an absorber.
@@ -304,7 +322,7 @@ fn boxes(design: &Design) -> Vec<SolidBox> {
 }
 
 /// The surface of block and table on meshes that get finer with frequency, with the velocities of all modes.
-fn levels(design: &Design, structure: &Structure, air: &Air) -> Result<Vec<Level>, Error> {
+pub(super) fn levels(design: &Design, structure: &Structure, air: &Air) -> Result<Vec<Level>, Error> {
     let a = &design.acoustics;
     let bodies: Vec<&Body> = structure.bodies().collect();
     let patches = [0..OF_WORKPIECE, OF_WORKPIECE..PATCHES.len()];

@@ -20,6 +20,7 @@ use super::radiator::Radiator;
 use super::sensors::{self, SensorRecord};
 use super::sound::{Sound, Source};
 use super::starts::starts;
+use super::tool_radiator::tool_radiator;
 use super::{
     Body, Driven, Observer, Options, Stiffness, Structure, Tool, bodies, cycle, exhaust, parameters, radiation,
     response, table, tool_body, workpiece,
@@ -175,16 +176,16 @@ pub(super) fn moved(
     // Neither workpiece with support nor the tool's body knows of the other.
     let (of_structure, of_tool) = std::thread::scope(|scope| {
         let of_tool = scope.spawn(|| {
-            let mut timing = Timing::default();
+            let (mut timing, mut later) = (Timing::default(), Later::default());
             let body = match design.body.model {
                 BodyModel::Elastic => Some(timing.time("tool modes", || tool_body(design, cache))?),
                 BodyModel::Rigid => None,
             };
             let side = match &lumped {
-                Some(record) => ToolSide::Moved(tool_in_motion(bench, body, record, &mut timing)?),
+                Some(record) => ToolSide::Moved(tool_in_motion(bench, body, record, &mut timing, &mut later)?),
                 None => ToolSide::Still(body),
             };
-            Ok::<_, Error>((side, timing))
+            Ok::<_, Error>((side, timing, later.0))
         });
         let of_structure = structure_side(bench, lumped.as_ref(), timing, observer);
         let of_tool = of_tool.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
@@ -197,8 +198,9 @@ pub(super) fn moved(
         response,
         coupled,
     } = of_structure?;
-    let (of_tool, of_tool_timing) = of_tool?;
+    let (of_tool, of_tool_timing, notes) = of_tool?;
     timing.0.extend(of_tool_timing.0);
+    notes.iter().for_each(|note| observer.note(note));
     let added = damping.as_deref();
     let (record, coupling) = match (lumped, coupled) {
         (_, Some((record, work, checks))) => (record, Some((work, checks))),
@@ -207,7 +209,7 @@ pub(super) fn moved(
     };
     let (tool, body) = match of_tool {
         ToolSide::Moved(moved) => moved,
-        ToolSide::Still(body) => tool_in_motion(bench, body, &record, timing)?,
+        ToolSide::Still(body) => tool_in_motion(bench, body, &record, timing, observer)?,
     };
     let shot = sensors::Shot {
         structure: &structure,
@@ -231,11 +233,12 @@ pub(super) fn moved(
                 let force = (force_scale, 0);
                 let response = response::response(design, &structure, added, parameters, &record, force)?;
                 let spectra = radiation::modal_spectra(design, &structure, &response)?;
-                let workpiece = radiation::workpiece_energy(design, &radiator, &spectra)?;
+                let workpiece = radiation::workpiece_energy(&radiator, &spectra)?;
                 let body = match &tool {
                     Some(_) => {
-                        let tool = Tool::new(design, tool_body(design, cache)?, parameters, &record)?;
-                        tool.sound(design, &record, air)?
+                        let body = tool_body(design, cache)?;
+                        let bem = tool_radiator(design, &body, air, cache, observer)?;
+                        Tool::new(design, (body, bem), parameters, &record)?.sound(design, &record, air)?
                     }
                     None => radiation::rigid_tool(design, &record, air)?,
                 };
@@ -282,6 +285,7 @@ pub(super) fn moved(
             record: &record,
             workpiece: &workpiece,
             body: &body,
+            tool: tool.as_ref(),
             end,
         };
         microphones::of_bodies(design, air, &inputs)
@@ -324,6 +328,18 @@ pub(super) fn moved(
     })
 }
 
+/// Keeps notes of a thread for later.
+#[derive(Default)]
+struct Later(Vec<String>);
+
+impl Observer for Later {
+    fn stage(&mut self, _: &str) {}
+
+    fn note(&mut self, text: &str) {
+        self.0.push(text.to_owned());
+    }
+}
+
 /// The tool's side of a run: at rest while its cycle is not known.
 enum ToolSide {
     Still(Option<Body>),
@@ -336,16 +352,24 @@ fn tool_in_motion(
     body: Option<Body>,
     record: &CycleRecord,
     timing: &mut Timing,
+    observer: &mut dyn Observer,
 ) -> Result<(Option<Tool>, Sound), Error> {
     let Bench {
         design,
         ref parameters,
         ref air,
+        cache,
         ..
     } = *bench;
-    let tool = body
-        .map(|body| timing.time("tool response", || Tool::new(design, body, parameters, record)))
-        .transpose()?;
+    let tool = match body {
+        Some(body) => {
+            let bem = timing.time("radiation matrices of the tool", || {
+                tool_radiator(design, &body, air, cache, observer)
+            })?;
+            Some(timing.time("tool response", || Tool::new(design, (body, bem), parameters, record))?)
+        }
+        None => None,
+    };
     let sound = timing.time("body", || match &tool {
         Some(tool) => tool.sound(design, record, air),
         None => radiation::rigid_tool(design, record, air),
