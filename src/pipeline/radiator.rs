@@ -1,5 +1,7 @@
 //! Radiation of the workpiece with its support per unit of modal motion, before the motion is known.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{
     Boundary, BoundaryMesh, Exterior, Level, ModalBem, MovingPart, Receivers, Side, SolidBox,
@@ -9,10 +11,10 @@ use nailnoise_acoustics::radiation::{
 };
 use nalgebra::{Complex, DMatrix, Point3};
 
-use super::Observer;
 use super::bodies::{Body, Structure};
 use super::microphones;
 use super::radiation::{moving_sand, radiating};
+use super::{Tell, Watched};
 use crate::cache::{Bytes, Cache, Key};
 use crate::design::{Design, RadiationMethod, SupportKind, WorktablePreset};
 use crate::error::Error;
@@ -70,16 +72,16 @@ impl Radiator {
         structure: &Structure,
         air: &Air,
         cache: &Cache,
-        observer: &mut dyn Observer,
+        watched: &Watched<'_>,
     ) -> Result<Self, Error> {
         match (design.support.kind, design.acoustics.method) {
             (SupportKind::Sandbox, _) => {
-                let sampled = flush_top(design, &structure.workpiece, air, cache)?;
+                let sampled = flush_top(design, &structure.workpiece, air, cache, watched)?;
                 Ok(Self::Rayleigh(Box::new(sampled)))
             }
             (SupportKind::Floor | SupportKind::Clamped | SupportKind::Springs, _)
             | (SupportKind::Worktable, RadiationMethod::Erp) => standing_erp(design, structure, air),
-            (SupportKind::Worktable, RadiationMethod::Bem) => standing_bem(design, structure, air, cache, observer),
+            (SupportKind::Worktable, RadiationMethod::Bem) => standing_bem(design, structure, air, cache, watched),
         }
     }
 
@@ -133,7 +135,13 @@ pub(super) fn flush_surface(design: &Design, body: &Body, air: &Air) -> Result<R
 }
 
 /// Rayleigh's integral over it.
-fn flush_top(design: &Design, body: &Body, air: &Air, cache: &Cache) -> Result<SampledRadiation, Error> {
+fn flush_top(
+    design: &Design,
+    body: &Body,
+    air: &Air,
+    cache: &Cache,
+    watched: &Watched<'_>,
+) -> Result<SampledRadiation, Error> {
     let sand = &design.support.sand;
     let surface = radiating(body, |patch, _| patch != "top")?;
     let absorbing = (sand.absorption_share > 0.0).then(|| absorbing_sand(design));
@@ -155,7 +163,13 @@ fn flush_top(design: &Design, body: &Body, air: &Air, cache: &Cache) -> Result<S
         .with(surface.normal_modes().as_slice());
     let kept: Bytes = cache.get_or("radiation of the workpiece in sand", key, || {
         let rayleigh = flush_surface(design, body, air)?;
-        Ok::<_, Error>(Bytes(rayleigh.sampled(&sampling)?.with_roots().to_bytes()))
+        let sample = |tell: Tell<'_>| {
+            let sampled = AtomicU64::new(0);
+            let one_more = || tell(sampled.fetch_add(1, Ordering::Relaxed) + 1, 0);
+            rayleigh.sampled_telling(&sampling, &one_more)
+        };
+        let sampled = watched.counting(("Rayleigh's integral", "frequencies"), sample)?;
+        Ok::<_, Error>(Bytes(sampled.with_roots().to_bytes()))
     })?;
     Ok(SampledRadiation::from_bytes(&kept.0)?)
 }
@@ -191,7 +205,7 @@ fn standing_bem(
     structure: &Structure,
     air: &Air,
     cache: &Cache,
-    observer: &mut dyn Observer,
+    watched: &Watched<'_>,
 ) -> Result<Radiator, Error> {
     let kept: Bytes = cache.get_or(STAGE, key(design, structure, air), || {
         let levels = levels(design, structure, air)?;
@@ -199,7 +213,7 @@ fn standing_bem(
         if let Some(finest) = levels.last() {
             let seconds = expected_seconds(&levels, low, structure);
             let estimate = finest.problem.estimate();
-            observer.note(&format!(
+            watched.note(&format!(
                 "boundary elements, computed once for this structure, at least {seconds:.0} s of processor time in all; \
                  finest mesh: {estimate}"
             ));
@@ -214,27 +228,43 @@ fn standing_bem(
             points: microphones::positions(design),
             origin: Point3::origin(),
         };
-        Ok::<_, Error>(Bytes(
-            ModalBem::with_receivers(levels, &sampling, &receivers)?.to_bytes(),
-        ))
+        let expected: f64 = expected(&levels, low).iter().sum();
+        let solve = |tell: Tell<'_>| {
+            let solved = AtomicU64::new(0);
+            let one_more = || {
+                let solved = solved.fetch_add(1, Ordering::Relaxed) + 1;
+                tell(solved, solved.max(expected as u64));
+            };
+            ModalBem::with_receivers_telling(levels, &sampling, &receivers, &one_more)
+        };
+        let bem = watched.counting(("boundary elements", "frequencies"), solve)?;
+        Ok::<_, Error>(Bytes(bem.to_bytes()))
     })?;
     Ok(Radiator::Bem(Box::new(ModalBem::from_bytes(&kept.0)?)))
 }
 
-/// Least processor time of all ranges \[s\]. Their frequencies follow how many more wavelengths twice the body's largest
-/// extent holds at a range's top than at its bottom.
+/// Frequencies of each range: they follow how many more wavelengths twice the body's largest extent holds at its top than
+/// at its bottom.
+fn expected(levels: &[Level], low: f64) -> Vec<f64> {
+    let mut from = low;
+    let of_range = |level: &Level| {
+        let problem = &level.problem;
+        let wavelengths = 2.0 * problem.boundary().extents().max() * (level.top_hz - from) / problem.air().sound_speed;
+        from = level.top_hz;
+        SAMPLES_PER_WAVELENGTH * wavelengths + SAMPLES_BESIDE
+    };
+    levels.iter().map(of_range).collect()
+}
+
+/// Least processor time of all ranges \[s\].
 fn expected_seconds(levels: &[Level], low: f64, structure: &Structure) -> f64 {
     let modes: usize = structure.bodies().map(|body| body.shapes.ncols()).sum();
-    let mut from = low;
     let mut total = 0.0;
-    for level in levels {
+    for (level, frequencies) in levels.iter().zip(expected(levels, low)) {
         let problem = &level.problem;
         // Most modes of a symmetric body have one parity.
         let patterns = modes.div_ceil(problem.boundary().copies());
-        let wavelengths = 2.0 * problem.boundary().extents().max() * (level.top_hz - from) / problem.air().sound_speed;
-        let frequencies = SAMPLES_PER_WAVELENGTH * wavelengths + SAMPLES_BESIDE;
         total += problem.estimate().seconds_kept + frequencies * problem.estimate().seconds_with(patterns);
-        from = level.top_hz;
     }
     total
 }
