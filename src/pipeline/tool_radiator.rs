@@ -3,16 +3,18 @@
 //! What is nailed is no part of the problem: it neither reflects the tool's sound nor shades it, except in sand, where its
 //! top is flush with the plane that reflects. The body is taken where it stands before the shot.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior, Level, ModalBem, Parity, Patterns, Receivers};
 use nailnoise_acoustics::radiation::{Archive, Sampling};
 use nalgebra::{Point3, Vector3};
 
-use super::Observer;
 use super::bodies::Body;
 use super::microphones::{positions, reflecting_plane};
 use super::outside::open_air;
 use super::radiator::{FLOOR, LOWEST_SAMPLE, MOST_SAMPLES};
+use super::{Tell, Watched};
 use crate::cache::{Bytes, Cache, Key};
 use crate::design::{Design, RadiationMethod};
 use crate::error::Error;
@@ -35,7 +37,7 @@ pub(super) fn tool_radiator(
     body: &Body,
     air: &Air,
     cache: &Cache,
-    observer: &mut dyn Observer,
+    watched: &Watched<'_>,
 ) -> Result<Option<ModalBem>, Error> {
     if design.acoustics.body_method == RadiationMethod::Erp {
         return Ok(None);
@@ -44,8 +46,7 @@ pub(super) fn tool_radiator(
     let receivers = receivers(design);
     let kept: Bytes = cache.get_or(STAGE, key(design, body, &open, &receivers, air), || {
         let level = level(design, body, &open, air)?;
-        observer.stage("radiation of the tool");
-        observer.note(&format!(
+        watched.note(&format!(
             "tool: boundary elements up to {:.0} Hz, computed once for this body; {}",
             level.top_hz,
             level.problem.estimate()
@@ -56,7 +57,12 @@ pub(super) fn tool_radiator(
             floor: FLOOR,
             most_samples: MOST_SAMPLES,
         };
-        let bem = ModalBem::with_receivers(vec![level], &sampling, &receivers)?;
+        let solve = |tell: Tell<'_>| {
+            let solved = AtomicU64::new(0);
+            let one_more = || tell(solved.fetch_add(1, Ordering::Relaxed) + 1, 0);
+            ModalBem::with_receivers_telling(vec![level], &sampling, &receivers, &one_more)
+        };
+        let bem = watched.counting(("boundary elements of the tool", "frequencies"), solve)?;
         Ok::<_, Error>(Bytes(bem.to_bytes()))
     })?;
     Ok(Some(ModalBem::from_bytes(&kept.0)?))
