@@ -14,6 +14,7 @@ mod missing;
 mod notes;
 mod outside;
 mod pattern;
+mod pictures;
 mod preset;
 mod radiation;
 mod radiator;
@@ -29,15 +30,18 @@ mod springs;
 mod starts;
 mod tool;
 mod tool_loads;
+mod tool_radiator;
 mod vibration;
 
-use nailnoise_acoustics::Air;
+use std::sync::{Mutex, PoisonError};
+
 use nailnoise_acoustics::radiation::ModalSpectra;
 use nailnoise_dynamics::CycleRecord;
 use nailnoise_fem::transient::ModalResponse;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+pub(crate) use bodies::modes_of_telling;
 pub use bodies::{Body, Structure, modes_of, table, tool_body, workpiece};
 pub use coupling::{COUPLED_LOADS, Coupled, couple};
 pub use cycle::{cycle, parameters};
@@ -47,6 +51,7 @@ pub use intervals::SoundPower;
 pub use microphones::Microphones;
 pub(crate) use microphones::SAMPLE_RATE;
 pub(crate) use outside::open_air;
+pub use pictures::{Picture, Pictures, Series, Shape, pictures};
 pub use preset::{Preset, cycle_as_published};
 pub use sensors::SensorRecord;
 pub use settings::cycle_settings;
@@ -63,13 +68,77 @@ use crate::error::Error;
 use crate::result::{Check, DesignId, RunResult, SCHEMA, Timing};
 
 /// Is told how far a run has got.
-pub trait Observer {
+pub trait Observer: Send {
     /// A stage begins.
     fn stage(&mut self, name: &str);
     /// Something the user should know beside the result.
     fn note(&mut self, text: &str);
     /// So many items of the stage are done, of so many in all.
     fn done(&mut self, _items: u64, _of: u64) {}
+    /// So much of one long task is done, beside whatever else is under way.
+    fn task(&mut self, _task: &Task) {}
+}
+
+/// How far a long task has got.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Task {
+    /// What it is.
+    pub name: &'static str,
+    /// What is counted.
+    pub items: &'static str,
+    /// How many are done.
+    pub done: u64,
+    /// How many there are, as far as is known; nobody knows of 0.
+    pub of: u64,
+    /// Whether it has come to its end, however many there were.
+    pub ended: bool,
+}
+
+/// An observer of stages that run side by side.
+pub(crate) struct Watched<'a>(Mutex<&'a mut dyn Observer>);
+
+/// Is told how many items of a task are done, and of how many.
+pub(crate) type Tell<'a> = &'a (dyn Fn(u64, u64) + Sync);
+
+impl<'a> Watched<'a> {
+    /// The same observer for all.
+    pub(crate) fn over(observer: &'a mut dyn Observer) -> Self {
+        Self(Mutex::new(observer))
+    }
+
+    /// Runs a task with a counter of what it has done and of how many there are.
+    pub(crate) fn counting<T>(
+        &self,
+        (name, items): (&'static str, &'static str),
+        work: impl FnOnce(Tell<'_>) -> T,
+    ) -> T {
+        let tell = |done: u64, of: u64, ended: bool| {
+            self.with(|observer| {
+                observer.task(&Task {
+                    name,
+                    items,
+                    done,
+                    of,
+                    ended,
+                })
+            });
+        };
+        let value = work(&|done, of| tell(done, of, false));
+        tell(0, 0, true);
+        value
+    }
+
+    fn stage(&self, name: &str) {
+        self.with(|observer| observer.stage(name));
+    }
+
+    fn note(&self, text: &str) {
+        self.with(|observer| observer.note(text));
+    }
+
+    fn with<T>(&self, act: impl FnOnce(&mut dyn Observer) -> T) -> T {
+        act(*self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
 }
 
 /// Listens to nothing.
@@ -159,10 +228,7 @@ pub fn run_in_full(
         told,
         two_way,
     } = moved(&bench, lumped, &mut timing, observer)?;
-    Ok((
-        finish(design, &bench.air, record, told, two_way, timing, observer)?,
-        vibration,
-    ))
+    Ok((finish(&bench, record, told, two_way, timing, observer)?, vibration))
 }
 
 /// A run with what `tell` makes of its bodies in motion. Where a cycle drives them one way both are kept as `stage`, and
@@ -192,7 +258,7 @@ pub(crate) fn run_telling<T: Serialize + DeserializeOwned>(
         let more = timing.time("telling", || tell(&moved.vibration, &moved.record))?;
         Ok::<_, Error>((moved.told, more))
     })?;
-    Ok((finish(design, &bench.air, record, told, None, timing, observer)?, more))
+    Ok((finish(&bench, record, told, None, timing, observer)?, more))
 }
 
 /// The cycle with its own lumped workpiece.
@@ -203,14 +269,14 @@ fn driving(design: &Design, timing: &mut Timing, observer: &mut dyn Observer) ->
 
 /// From what the bodies tell to the result: exhaust, ranking, intervals, checks and notes.
 fn finish(
-    design: &Design,
-    air: &Air,
+    bench: &Bench<'_>,
     record: CycleRecord,
     told: Told,
     two_way: Option<TwoWay>,
     mut timing: Timing,
     observer: &mut dyn Observer,
 ) -> Result<Run, Error> {
+    let Bench { design, ref air, .. } = *bench;
     let sensors = told.sensors(design);
     let [workpiece, body] = &told.sources;
     observer.stage("exhaust");
@@ -233,7 +299,10 @@ fn finish(
     checks.extend(two_way.iter().flat_map(|both| both.checks.clone()));
     checks.extend(of_tool);
     checks.extend(told.missing.iter().map(missing::Missing::check));
-    checks.extend(workpiece.radiation.as_ref().and_then(report::check));
+    for source in [workpiece, body] {
+        let report = source.radiation.as_ref();
+        checks.extend(report.and_then(|report| report::check(&source.spectrum.source, report)));
+    }
     checks.extend(ranking::checks(&ranking, &total));
     checks.extend(interval_checks);
     checks.push(exhaust.check());
@@ -244,6 +313,7 @@ fn finish(
     if let Some(starts) = &told.starts {
         starts::widen(&mut ranking, starts);
     }
+    timing.end(bench.begin);
     let result = RunResult {
         schema: SCHEMA,
         design: DesignId {

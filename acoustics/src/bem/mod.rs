@@ -9,6 +9,8 @@
 //!
 //! One frequency runs on one thread; frequencies run beside each other.
 
+mod around;
+mod bands;
 mod blend;
 mod blocks;
 mod boundary;
@@ -17,6 +19,7 @@ mod equations;
 mod far;
 mod far_field;
 mod field;
+mod independent;
 mod modal;
 mod near;
 mod panel;
@@ -25,11 +28,13 @@ mod receivers;
 mod resistance;
 mod rules;
 mod single;
+mod solver;
 mod symmetry;
 mod tile;
 mod transfer;
 mod trig;
 
+pub use bands::{Sounding, SurfaceBand, WholeSurface};
 pub use blend::BlendedRadiation;
 pub use boundary::{Boundary, Mended};
 pub use boxes::{Side, SolidBox};
