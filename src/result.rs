@@ -107,7 +107,7 @@ pub struct RankedSource {
     pub uncertainty_db: Uncertainty,
     /// The same quantity by an independent method, where there is one.
     pub cross_check: Option<CrossCheck>,
-    /// What stands beside the power of a vibrating surface, where boundary elements computed it.
+    /// What stands beside the power of a vibrating surface, where it is more than the equivalent radiated power.
     pub radiation: Option<RadiationReport>,
     /// What the source radiates between neighbouring events; the energies sum to its own.
     pub intervals: Vec<IntervalLevel>,
@@ -125,10 +125,12 @@ pub struct Uncertainty {
     pub basis: String,
 }
 
-/// Power of a vibrating surface by boundary elements, evaluated twice, beside that of radiation efficiency 1.
+/// Power of a vibrating surface by boundary elements or, in sand, by Rayleigh's integral, evaluated twice, beside that of
+/// radiation efficiency 1.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct RadiationReport {
-    /// Where boundary elements give way to the limit of high frequencies: beginning and end of the blend \[Hz\].
+    /// Where boundary elements give way to the limit of high frequencies: beginning and end of the blend \[Hz\]; by
+    /// Rayleigh's integral, which needs no limit, twice the top of its range.
     pub join_hz: [f64; 2],
     /// Frequencies at which the radiation matrix was computed.
     pub frequencies: usize,
@@ -139,7 +141,7 @@ pub struct RadiationReport {
     /// silent.
     pub surface_difference_db: Option<f64>,
     /// Level of the limit less that of the boundary elements in the last three bands below the blend, lowest and highest
-    /// \[dB\]: what the limit may be off above.
+    /// \[dB\]: what the limit may be off above. Zero by Rayleigh's integral.
     pub limit_error_db: [f64; 2],
     /// Level of the limit less that of the boundary elements over the blend itself \[dB\]; null when silent.
     pub blend_error_db: Option<f64>,

@@ -3,7 +3,8 @@
 
 use nailnoise::Design;
 use nailnoise::cache::{Cache, LIMIT};
-use nailnoise::pipeline::{Options, Run, Silent, run};
+use nailnoise::output::{remove_others, write_pictures};
+use nailnoise::pipeline::{Options, Run, Silent, pictures, run};
 use nailnoise::result::{HeardSource, RankedSource};
 
 fn of(design: &Design) -> Run {
@@ -104,4 +105,121 @@ fn every_source_is_heard_and_a_measurement_is_corrected_for_room_and_background(
     assert!((quiet.lwa_db.unwrap() - level).abs() < 1e-9);
     let loud = background(0.0).microphones.report.total;
     assert_eq!((loud.k1_db, loud.lwa_db), (None, None));
+}
+
+fn small(text: &str) -> Design {
+    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/over.toml");
+    Design::parse(&format!("base = \"small.toml\"\n{text}\n"), beside).unwrap()
+}
+
+#[test]
+fn a_workpiece_in_sand_is_evaluated_twice_and_its_pictures_hold_its_energy() {
+    let design = small("[support]\nkind = \"sandbox\"\n[analysis]\nrange_high = \"400 Hz\"\nworkpiece_top = \"1 kHz\"");
+    let run = of(&design);
+    let source = workpiece(&run);
+    let report = source.radiation.as_ref().unwrap();
+    assert!(
+        report.surface_difference_db.unwrap().abs() < 1e-3,
+        "{:?}",
+        report.surface_difference_db
+    );
+    let whole = report.bands.iter().filter(|band| band.hz < 400.0);
+    for band in whole {
+        assert!(
+            (band.surface_lw_db.unwrap() - band.lw_db.unwrap()).abs() < 1e-2,
+            "{band:?}"
+        );
+        // ERP of the top alone is far above what a block smaller than the wave radiates, moving sand or not.
+        assert!(band.erp_lw_db.unwrap() > band.lw_db.unwrap(), "{band:?}");
+    }
+    let shares: f64 = report.modes.iter().map(|mode| mode.share).sum();
+    assert!((shares - 1.0).abs() < 1e-9, "{shares}");
+    let named = "workpiece: power by the surface less that by the far field [dB]";
+    assert!(run.result.checks.iter().any(|check| check.name == named && check.ok));
+
+    let cache = Cache::at(concat!(env!("CARGO_TARGET_TMPDIR"), "/modes").into(), LIMIT);
+    let found = pictures(&design, &cache, &mut Silent).unwrap();
+    assert!(
+        !found.checks.is_empty() && found.checks.iter().all(|check| check.ok),
+        "{:?}",
+        found.checks
+    );
+    let names: Vec<&str> = found.series.iter().map(|series| series.name.as_str()).collect();
+    let expected = [
+        "sound-plane-xz",
+        "sound-plane-yz",
+        "sound-plane-xy",
+        "sound-sphere",
+        "velocity-workpiece",
+    ];
+    assert_eq!(names, expected);
+    // From 63 Hz, the first whole band, to 315 Hz.
+    for series in &found.series {
+        let bands: Vec<f64> = series.bands.iter().map(|band| band.hz).collect();
+        assert_eq!(
+            bands,
+            [63.0, 80.0, 100.0, 125.0, 160.0, 200.0, 250.0, 315.0],
+            "{}",
+            series.name
+        );
+    }
+
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("pictures");
+    let _ = std::fs::remove_dir_all(&folder);
+    write_pictures(&folder, "this", &found).unwrap();
+    let list = std::fs::read_to_string(folder.join("fields/sound-sphere.pvd")).unwrap();
+    assert!(
+        list.contains("timestep=\"63\"") && list.contains("sound-sphere/00315.vtu"),
+        "{list}"
+    );
+    // They stay beside their own design and go with another.
+    remove_others(&folder, "this").unwrap();
+    assert!(folder.join("fields/sound-plane-xy/00063.vtu").exists());
+    remove_others(&folder, "another").unwrap();
+    assert_eq!(std::fs::read_dir(folder.join("fields")).unwrap().count(), 0);
+}
+
+#[test]
+fn with_radiation_efficiency_1_pictures_show_velocities_and_say_so() {
+    let design = small("[analysis]\nrange_high = \"400 Hz\"");
+    let cache = Cache::at(concat!(env!("CARGO_TARGET_TMPDIR"), "/modes").into(), LIMIT);
+    let found = pictures(&design, &cache, &mut Silent).unwrap();
+    assert!(
+        found.checks.is_empty() && found.notes[0].contains("no pressure"),
+        "{:?}",
+        found.notes
+    );
+    let names: Vec<&str> = found.series.iter().map(|series| series.name.as_str()).collect();
+    assert_eq!(names, ["velocity-workpiece", "velocity-worktable"]);
+    // What all faces would radiate is the ERP of the closed surface: more than that of a run, which hides the faces between
+    // the bodies.
+    let run = of(&design);
+    let bands = &workpiece(&run).bands;
+    for (number, band) in found.series[0].bands.iter().enumerate() {
+        let mut energy = 0.0;
+        for series in &found.series {
+            let shape = &series.shapes[0];
+            let (_, values) = &series.bands[number].polygons[1];
+            for (corners, value) in shape.polygons.iter().zip(values) {
+                energy += value * area(corners.iter().map(|&corner| shape.points[corner]).collect());
+            }
+        }
+        let level = 10.0 * (energy / 1e-12).log10();
+        let of_run = bands.iter().find(|own| own.hz == band.hz).unwrap().lw_db.unwrap();
+        assert!(
+            (0.0..3.0).contains(&(level - of_run)),
+            "{} Hz: {level} {of_run}",
+            band.hz
+        );
+    }
+}
+
+/// Area of a plane polygon.
+fn area(corners: Vec<[f64; 3]>) -> f64 {
+    let corners: Vec<nalgebra::Vector3<f64>> = corners.into_iter().map(Into::into).collect();
+    let triangle = |k: usize| (corners[k] - corners[0]).cross(&(corners[k + 1] - corners[0]));
+    0.5 * (1..corners.len() - 1)
+        .map(triangle)
+        .sum::<nalgebra::Vector3<f64>>()
+        .norm()
 }

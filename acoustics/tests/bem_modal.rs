@@ -2,9 +2,11 @@
 #![allow(clippy::unwrap_used)]
 
 use nailnoise_acoustics::bem::{
-    Boundary, BoundaryMesh, Exterior, Level, ModalBem, MovingPart, Parity, Patterns, Receivers, SolidBox,
+    Boundary, BoundaryMesh, Exterior, Level, ModalBem, MovingPart, Parity, Patterns, Receivers, SolidBox, Sounding,
 };
+use nailnoise_acoustics::levels::{Band, Weighting, energy_weights};
 use nailnoise_acoustics::radiation::{Archive, ModalRadiation, ModalSpectra, Sampling, mode_energies};
+use nailnoise_acoustics::sound::{Around, Directions};
 use nailnoise_acoustics::{AcousticsError, Air};
 use nailnoise_meshes::{Block, Mesh, Surface, block};
 use nalgebra::{Complex, DMatrix, Point3, Vector3};
@@ -299,4 +301,103 @@ fn the_sampled_matrix_is_that_of_the_whole_body() {
             Err(AcousticsError::Damaged { .. })
         ));
     }
+}
+
+/// Energies of a shot on the surface, around the body and in the far field, beside those of its radiation matrix.
+#[test]
+fn pictures_of_bands_hold_the_power_of_the_matrix() {
+    let solids = solids();
+    // From 350 Hz to 1122 Hz, on two meshes that meet where two bands do.
+    let bands: Vec<Band> = (-4..=0).map(Band::new).collect();
+    let levels = || {
+        let coarse = Level {
+            top_hz: bands[1].high,
+            ..level(&solids, 0.08, 6.0)
+        };
+        vec![coarse, level(&solids, 0.05, 6.0)]
+    };
+    let points = vec![
+        Point3::new(0.7, 0.2, 0.5),
+        Point3::new(-0.5, -0.6, -0.1),
+        Point3::new(0.0, 0.0, 0.16),
+    ];
+    let directions = Directions::new(12, 32, true);
+    let around = Around {
+        points: &points,
+        directions: &directions.vectors,
+    };
+    let frequency: Vec<f64> = (0..100).map(|i| 340.0 + 8.0 * f64::from(i)).collect();
+    let accelerations = DMatrix::from_fn(2 * MODES, frequency.len(), |i, j| {
+        Complex::from_polar(1.0 + (i as f64).sin(), (0.3 * i as f64 + 0.07) * j as f64)
+    });
+    let spectra = ModalSpectra {
+        range_hz: [frequency[0], frequency[99]],
+        frequency,
+        accelerations,
+    };
+    let found = Sounding::new(levels(), &bands, &spectra, &around).unwrap();
+    println!("{} frequencies, error {:.1e}", found.around.samples, found.around.error);
+    assert!(found.around.error < 1e-2);
+
+    let sampling = Sampling {
+        range_hz: [200.0, 1144.0],
+        tolerance: 1e-3,
+        floor: 1e-4,
+        most_samples: 200,
+    };
+    let receivers = Receivers {
+        points: points.clone(),
+        origin: Point3::origin(),
+    };
+    let bem = ModalBem::with_receivers(levels(), &sampling, &receivers).unwrap();
+    let forms = bem.energy_forms(&spectra.frequency, &spectra.accelerations);
+    let heard = bem.pressures(&spectra.frequency, &spectra.accelerations).unwrap();
+    for (number, (band, surface)) in bands.iter().zip(&found.bands).enumerate() {
+        // The limit of high frequencies is part of the matrix from a third of an octave below its last mesh's top on.
+        if band.high > bem.blend_hz()[0] {
+            continue;
+        }
+        let weights = energy_weights(&spectra.frequency, [band.low, band.high], Weighting::Z);
+        let energy =
+            |bin: &dyn Fn(usize) -> f64| weights.iter().enumerate().map(|(b, w)| 2.0 * w * bin(b)).sum::<f64>();
+        let near = |found: f64, exact: f64, what: &str| {
+            let decibels = 10.0 * (found / exact).log10();
+            println!("{:.0} Hz, {what}: {decibels:+.4} dB", band.hz);
+            assert!(decibels.abs() < 0.01, "{:.0} Hz, {what}: {decibels} dB", band.hz);
+        };
+        let mesh = &found.surfaces[surface.surface];
+        let left: f64 = surface.intensity.iter().zip(&mesh.areas).map(|(i, a)| i * a).sum();
+        near(
+            left,
+            energy(&|b| forms.column(b).rows(0, PATCHES.len()).sum()),
+            "intensity over the surface",
+        );
+        let far: f64 = found
+            .around
+            .directivity
+            .column(number)
+            .iter()
+            .zip(&directions.weights)
+            .map(|(e, w)| e * w)
+            .sum();
+        near(
+            far,
+            energy(&|b| forms.column(b).sum()),
+            "directivity over the half sphere",
+        );
+        for point in 0..points.len() {
+            let exact = energy(&|b| heard[(point, b)].norm_sqr());
+            near(found.around.exposure[(point, number)], exact, "pressure at a point");
+        }
+    }
+
+    // A point inside, one below the floor, one too close to a corner.
+    let exterior = &levels()[1].problem;
+    let near = [
+        Point3::new(0.0, 0.0, 0.02),
+        Point3::new(0.5, 0.0, -0.11),
+        Point3::new(0.1, 0.0, 0.09),
+        points[0],
+    ];
+    assert_eq!(exterior.is_clear(&near), [false, false, false, true]);
 }

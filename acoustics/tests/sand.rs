@@ -4,11 +4,14 @@
 mod common;
 
 use common::{flat, rectangle};
+use nailnoise_acoustics::levels::{Band, Weighting};
 use nailnoise_acoustics::radiation::{
-    AbsorbingSand, Archive, ModalRadiation, MovingSand, Rayleigh, Resistance, SampledRadiation, Sampling,
+    AbsorbingSand, Archive, ModalRadiation, ModalSpectra, MovingSand, Rayleigh, Resistance, SampledRadiation, Sampling,
+    SurfaceEvaluations, radiated_energy,
 };
+use nailnoise_acoustics::sound::{Around, Directions, SoundAbovePlane, above_plane};
 use nailnoise_acoustics::{AcousticsError, Air};
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, DMatrix, Point3};
 
 const FOOTPRINT: [[f64; 2]; 2] = [[-0.2032, 0.2032], [-0.0762, 0.0762]];
 
@@ -181,4 +184,121 @@ fn a_footprint_outside_the_box_is_refused() {
         block().with_moving_sand(small),
         Err(AcousticsError::SandBox { .. })
     ));
+}
+
+fn lossy() -> Rayleigh {
+    let sand = AbsorbingSand {
+        resistivity: 2.5e5,
+        share: 0.5,
+    };
+    block()
+        .with_moving_sand(self::sand())
+        .unwrap()
+        .with_absorbing_sand(sand)
+        .unwrap()
+}
+
+/// The intensity on block and sand, pair by pair of their points, sends out what the waves in all directions carry away.
+#[test]
+fn surface_and_far_field_agree_with_sand_that_moves_and_absorbs() {
+    let surface = lossy();
+    for hz in [60.0, 500.0, 1300.0, 2500.0] {
+        let (waves, pairs) = (whole(&surface, hz), surface.surface_resistance(hz));
+        let off = (&waves.real - &pairs.real).amax() / waves.real.amax();
+        assert!(off < 1e-9, "{hz} Hz: {off:e}");
+        assert_eq!(waves.imaginary.is_some(), hz < 1500.0);
+        if let (Some(a), Some(b)) = (waves.imaginary, pairs.imaginary) {
+            assert!((a - b).amax() < 1e-9 * waves.real.amax());
+        }
+    }
+}
+
+/// Modal accelerations of a shot between 100 Hz and 2 kHz.
+fn shot() -> ModalSpectra {
+    let frequency: Vec<f64> = (0..191).map(|i| 100.0 + 10.0 * f64::from(i)).collect();
+    ModalSpectra {
+        range_hz: [100.0, 2000.0],
+        accelerations: DMatrix::from_fn(2, frequency.len(), |i, j| {
+            Complex::from_polar(1.0 + i as f64, (0.3 * i as f64 + 0.2) * j as f64)
+        }),
+        frequency,
+    }
+}
+
+#[test]
+fn a_shot_has_the_same_power_by_surface_and_by_far_field() {
+    let (surface, spectra) = (lossy(), shot());
+    let sampling = Sampling {
+        range_hz: [80.0, 2000.0],
+        ..Sampling::default()
+    };
+    let waves = surface.sampled(&sampling).unwrap();
+    let twice = SurfaceEvaluations::new(&surface, 2000.0);
+    assert_eq!(twice.bands().last().unwrap().nominal_hz(), 2000.0);
+    for (band, ratio) in twice.bands().iter().zip(twice.ratios(&waves, &spectra).unwrap()) {
+        if band.low > 100.0 {
+            let off = ratio.unwrap() - 1.0;
+            assert!(off.abs() < 1e-3, "{:.0} Hz: {off:e}", band.hz);
+        }
+    }
+    let bytes = twice.to_bytes();
+    assert_eq!(SurfaceEvaluations::from_bytes(&bytes).unwrap(), twice);
+    assert!(SurfaceEvaluations::from_bytes(&bytes[..bytes.len() - 9]).is_err());
+    // A surface that sends out half of it is found out.
+    let half = AbsorbingSand {
+        resistivity: 2.5e5,
+        share: 1.0,
+    };
+    let other = SurfaceEvaluations::new(&lossy().with_absorbing_sand(half).unwrap(), 2000.0);
+    let worst = other
+        .ratios(&waves, &spectra)
+        .unwrap()
+        .into_iter()
+        .flatten()
+        .fold(1.0, f64::min);
+    assert!(worst < 0.85, "{worst}");
+}
+
+#[test]
+fn pictures_of_bands_hold_the_power_and_what_microphones_hear() {
+    let (surface, spectra) = (lossy(), shot());
+    let sampling = Sampling {
+        range_hz: [80.0, 2000.0],
+        ..Sampling::default()
+    };
+    let waves = surface.sampled(&sampling).unwrap();
+    let radiated = radiated_energy("block", &waves, &spectra).unwrap();
+    let bands: Vec<Band> = (-9..=2).map(Band::new).collect();
+    let directions = Directions::new(16, 48, true);
+    let points = [Point3::new(0.5, 0.3, 0.4), Point3::new(0.0, -1.0, 0.05)];
+    let around = Around {
+        points: &points,
+        directions: &directions.vectors,
+    };
+    let found = above_plane(&surface, &bands, &spectra, &around).unwrap();
+    assert!(found.error < 1e-2, "{:e}", found.error);
+    let heard = SoundAbovePlane::new(&surface, &waves, &points, Point3::origin()).unwrap();
+    let heard = heard.pressures(&waves, &spectra.frequency, &spectra.accelerations);
+    for (number, band) in bands.iter().enumerate() {
+        let range = [band.low, band.high];
+        let energy: f64 = found
+            .directivity
+            .column(number)
+            .iter()
+            .zip(&directions.weights)
+            .map(|(e, w)| e * w)
+            .sum();
+        let off = 10.0 * (energy / radiated.energy(range, Weighting::Z)).log10();
+        assert!(off.abs() < 0.01, "{:.0} Hz: {off} dB", band.hz);
+        let weights = nailnoise_acoustics::levels::energy_weights(&spectra.frequency, range, Weighting::Z);
+        for point in 0..points.len() {
+            let exact: f64 = weights
+                .iter()
+                .zip(heard.row(point).iter())
+                .map(|(w, p)| 2.0 * w * p.norm_sqr())
+                .sum();
+            let off = 10.0 * (found.exposure[(point, number)] / exact).log10();
+            assert!(off.abs() < 0.01, "{:.0} Hz, at a point: {off} dB", band.hz);
+        }
+    }
 }

@@ -80,6 +80,40 @@ pub fn write_surface(
     grid.write(path, points, &cells)
 }
 
+/// Writes polygons, given by the numbers of their corners in order, with point and cell fields; a picture, in single
+/// precision.
+///
+/// # Errors
+/// [`MeshError::FieldLength`] or [`MeshError::Write`].
+pub fn write_polygons(
+    path: &Path,
+    (corners, polygons): (&[[f64; 3]], &[Vec<usize>]),
+    points: &[Field<'_>],
+    cells: &[Field<'_>],
+) -> Result<(), MeshError> {
+    let types: Vec<u8> = polygons
+        .iter()
+        .map(|polygon| match polygon.len() {
+            3 => 5,
+            4 => 9,
+            _ => 7,
+        })
+        .collect();
+    let end = |sum: &mut usize, polygon: &Vec<usize>| {
+        *sum += polygon.len();
+        Some(*sum)
+    };
+    let offsets: Vec<usize> = polygons.iter().scan(0, end).collect();
+    let grid = Grid {
+        xyz: corners.as_flattened(),
+        connectivity: &polygons.concat(),
+        offsets: &offsets,
+        types: &types,
+        single: true,
+    };
+    grid.write(path, points, cells)
+}
+
 /// Writes a `.pvd` series: pairs of time (or frequency) and the `.vtu` file, relative to the series' folder.
 ///
 /// # Errors

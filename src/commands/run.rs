@@ -8,7 +8,8 @@ use super::table::{decibels, table};
 use super::{Common, Keeping, Progress, print, status_of};
 use crate::bundle::deliver;
 use crate::error::Error;
-use crate::pipeline::Run;
+use crate::output;
+use crate::pipeline::{self, Observer, Run};
 use crate::result::{Component, Coupling, RunResult, Uncertainty};
 
 #[derive(Args)]
@@ -20,6 +21,10 @@ pub(super) struct Arguments {
     /// Draw third-octave levels, levels between events and sound power over time as SVG
     #[arg(long)]
     figures: bool,
+    /// Leave pictures of the sound for ParaView: on the surfaces, in planes and all around, in third octaves. With boundary
+    /// elements this takes about as long as a first run
+    #[arg(long)]
+    fields: bool,
     /// Show the parts of each source too
     #[arg(long)]
     components: bool,
@@ -33,6 +38,16 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let cache = arguments.keeping.cache()?;
     let mut progress = Progress::new();
     let (bundle, unchanged) = deliver(&design, &folder, arguments.figures, words, &cache, &mut progress)?;
+    let mut checks = bundle.checks.clone();
+    if arguments.fields {
+        let pictures = pipeline::pictures(&design, &cache, &mut progress)?;
+        pictures.notes.iter().for_each(|note| progress.note(note));
+        progress.stage("writing pictures");
+        output::write_pictures(&folder, &design.digest(), &pictures)?;
+        checks.extend(pictures.checks);
+    } else {
+        output::remove_others(&folder, &design.digest())?;
+    }
     drop(progress);
     if common.json {
         print(&bundle.json);
@@ -50,7 +65,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             folder.display()
         ));
     }
-    Ok(status_of(&bundle.checks))
+    Ok(status_of(&checks))
 }
 
 /// A run in words: the table, and the parts of its sources.

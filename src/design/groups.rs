@@ -768,11 +768,12 @@ group! {
 }
 
 choice! {
-    /// How the radiation of the workpiece on a worktable is computed; in sand it is always Rayleigh's integral.
+    /// How the radiation of the workpiece on a worktable, or of the tool's body, is computed; that of the workpiece in sand
+    /// is always Rayleigh's integral.
     RadiationMethod {
-        /// Boundary elements on block and table as one surface above the floor.
+        /// Boundary elements on the closed surface above the floor, block and table as one.
         Bem = "bem",
-        /// Equivalent radiated power: radiation efficiency 1.
+        /// Equivalent radiated power: radiation efficiency 1, for the tool's body that of a sphere of its volume.
         Erp = "erp",
     }
 }
@@ -782,12 +783,15 @@ group! {
     Acoustics {
         /// Radiation of the workpiece on a worktable.
         method: RadiationMethod = RadiationMethod::KIND, "";
+        /// Radiation of the tool's body where it is elastic: boundary elements on its housing above the reflecting plane, up
+        /// to `bem_top` or as far as its mesh resolves the waves, or that of a sphere of its volume.
+        body_method: RadiationMethod = RadiationMethod::KIND, "";
         /// Highest frequency of the boundary elements; above it radiation efficiency is 1.
         bem_top: f64 = positive(FREQUENCY), "";
         /// Least number of panels per wavelength of sound.
         bem_panels: f64 = positive(NUMBER), "";
-        /// Largest interpolation error of an entry R_ij of the radiation matrix over frequency, relative to
-        /// sqrt(R_ii R_jj).
+        /// Largest interpolation error of the radiation matrix over frequency: root mean square of the entries R_ij, relative
+        /// to sqrt(R_ii R_jj).
         bem_tolerance: f64 = positive(NUMBER), "";
         /// Whether radiation damps the modes of workpiece and support.
         radiation_damping: bool = Kind::Switch, "";

@@ -7,7 +7,7 @@ use nailnoise_dynamics::{CycleRecord, Events, LogEntry};
 
 use super::columns::columns;
 use crate::pipeline::{Driven, Run, Vibration};
-use crate::result::RunResult;
+use crate::result::{RadiationReport, RunResult};
 
 /// What each event is, in the order t0..t18.
 pub const EVENT_NAMES: [&str; 19] = [
@@ -32,10 +32,20 @@ pub const EVENT_NAMES: [&str; 19] = [
     "piston at rest on the stopper",
 ];
 
-/// `radiation.csv`: one-third-octave bands of the workpiece by the far field, by the surface and with radiation
-/// efficiency 1; none where no boundary elements were used.
-pub(super) fn radiation(result: &RunResult) -> Option<String> {
-    let report = result.ranking.iter().find_map(|source| source.radiation.as_ref())?;
+/// What stands beside the power of a source; none where it is the equivalent radiated power.
+fn report_of<'a>(result: &'a RunResult, source: &str) -> Option<&'a RadiationReport> {
+    result
+        .ranking
+        .iter()
+        .find(|own| own.source == source)?
+        .radiation
+        .as_ref()
+}
+
+/// `radiation.csv` of a source: one-third-octave bands by the far field, by the surface and with radiation efficiency 1;
+/// none where it has no second evaluation.
+pub(super) fn radiation(result: &RunResult, source: &str) -> Option<String> {
+    let report = report_of(result, source)?;
     let mut text = String::from("band [Hz],far field L_W [dB],surface L_W [dB],radiation efficiency 1 L_W [dB]\n");
     for band in &report.bands {
         let levels = [band.lw_db, band.surface_lw_db, band.erp_lw_db].map(|level| optional(level, 3));
@@ -61,9 +71,9 @@ pub(super) fn modes(vibration: &Vibration) -> String {
     text
 }
 
-/// `radiation-modes.csv`: what each mode adds to the A-weighted energy of the workpiece, and how radiation damps it.
-pub(super) fn radiation_modes(result: &RunResult) -> Option<String> {
-    let report = result.ranking.iter().find_map(|source| source.radiation.as_ref())?;
+/// `radiation-modes.csv` of a source: what each mode adds to its A-weighted energy, and how radiation damps it.
+pub(super) fn radiation_modes(result: &RunResult, source: &str) -> Option<String> {
+    let report = report_of(result, source)?;
     let mut text =
         String::from("body,mode,frequency [Hz],radiation damping ratio [-],share of A-weighted energy [-]\n");
     for m in &report.modes {

@@ -5,6 +5,7 @@ mod csv;
 mod fields;
 mod microphones;
 mod motion;
+mod pictures;
 mod sensors;
 mod shot;
 
@@ -19,6 +20,7 @@ use crate::pipeline::{Body, Run, Vibration};
 
 pub use columns::{Column, columns};
 pub use csv::EVENT_NAMES;
+pub use pictures::{remove_others, write_pictures};
 
 /// The folder of the fields in that of a run.
 const FIELDS: &str = "fields";
@@ -28,8 +30,8 @@ const PARAVIEW: &str = include_str!("paraview.py");
 
 /// Writes what a run leaves behind beside its [fields](write_fields) to `folder`: `result.json`, `levels.csv`,
 /// `intervals.csv`, `power.csv`, `events.csv`, `log.csv`, `histories.csv`, `microphones.csv`, `microphones-bands.csv`,
-/// `microphones/*.wav`, `paraview.py`, where boundary elements were used `radiation.csv` and `radiation-modes.csv`, and
-/// where the design has sensors `sensors.csv`, `sensors-spectrum.csv` and `sensors.uff`.
+/// `microphones/*.wav`, `paraview.py`, where a source's power is evaluated twice `radiation.csv` and `radiation-modes.csv`
+/// (for the tool's body `radiation-body.csv`), and where the design has sensors `sensors.csv`, `sensors-spectrum.csv` and `sensors.uff`.
 ///
 /// # Errors
 /// [`Error::Write`] with the file that could not be written.
@@ -38,11 +40,13 @@ pub fn write_run(folder: &Path, run: &Run) -> Result<(), Error> {
     let mut json = serde_json::to_vec_pretty(&run.result).map_err(Error::Json)?;
     json.push(b'\n');
     write(&folder.join("levels.csv"), csv::levels(&run.result).as_bytes())?;
-    if let Some(text) = csv::radiation(&run.result) {
-        write(&folder.join("radiation.csv"), text.as_bytes())?;
-    }
-    if let Some(text) = csv::radiation_modes(&run.result) {
-        write(&folder.join("radiation-modes.csv"), text.as_bytes())?;
+    for (source, name) in [("workpiece", "radiation"), ("body", "radiation-body")] {
+        if let Some(text) = csv::radiation(&run.result, source) {
+            write(&folder.join(format!("{name}.csv")), text.as_bytes())?;
+        }
+        if let Some(text) = csv::radiation_modes(&run.result, source) {
+            write(&folder.join(format!("{name}-modes.csv")), text.as_bytes())?;
+        }
     }
     write(&folder.join("intervals.csv"), csv::intervals(&run.result).as_bytes())?;
     write(&folder.join("power.csv"), csv::power(run).as_bytes())?;

@@ -1,6 +1,7 @@
 """Opens the pictures of this folder in ParaView: paraview --script=paraview.py
 
-The bodies of the shot by the velocity level of one octave, the loudest of the workpiece; the film of the shot beside it.
+The bodies of the shot by the velocity level of one octave, the loudest of the workpiece; the film of the shot beside it; and
+after `run --fields` the sound exposure level on the surface and in the planes, and the directivity, by one-third octaves.
 """
 
 import glob
@@ -104,3 +105,24 @@ if films:
     if steps and strike is not None:
         scene.AnimationTime = min(steps, key=lambda time: abs(time - strike - 3e-4))
     Render(film)
+
+# The workpiece's sound, if `run --fields` left it: time is the frequency of the band in Hz.
+sounds = [file for name in ("surface", "plane-xz", "plane-yz", "plane-xy") for file in glob.glob(os.path.join(fields, f"sound-{name}.pvd"))]
+spheres = glob.glob(os.path.join(fields, "sound-sphere.pvd"))
+for title, files, wanted, below in [
+    ("the sound", sounds, "sound exposure level [dB re (20 uPa)2 s]", SHOWN),
+    ("its directions", spheres, "directivity index of the half space [dB]", 0.5 * SHOWN),
+]:
+    if files:
+        CreateLayout(title)
+        own = next(source for source in result["ranking"] if source["source"] == "workpiece")
+        bands = sorted(OpenDataFile(files[0]).TimestepValues)
+        level = {band["hz"]: band["lwa_db"] or 0.0 for band in own["bands"]}
+        view = view_of(
+            files,
+            lambda sources: wanted,
+            lambda sources, name, _: (levels(sources, name, _)[1] - below, levels(sources, name, _)[1]),
+            lambda name: name.replace("[", "(").replace("]", ")"),
+        )
+        view.ViewTime = max(bands, key=lambda hz: level.get(hz, 0.0))
+        Render(view)

@@ -14,6 +14,7 @@ mod missing;
 mod notes;
 mod outside;
 mod pattern;
+mod pictures;
 mod preset;
 mod radiation;
 mod radiator;
@@ -29,6 +30,7 @@ mod springs;
 mod starts;
 mod tool;
 mod tool_loads;
+mod tool_radiator;
 mod vibration;
 
 use std::sync::{Mutex, PoisonError};
@@ -49,6 +51,7 @@ pub use intervals::SoundPower;
 pub use microphones::Microphones;
 pub(crate) use microphones::SAMPLE_RATE;
 pub(crate) use outside::open_air;
+pub use pictures::{Picture, Pictures, Series, Shape, pictures};
 pub use preset::{Preset, cycle_as_published};
 pub use sensors::SensorRecord;
 pub use settings::cycle_settings;
@@ -296,7 +299,10 @@ fn finish(
     checks.extend(two_way.iter().flat_map(|both| both.checks.clone()));
     checks.extend(of_tool);
     checks.extend(told.missing.iter().map(missing::Missing::check));
-    checks.extend(workpiece.radiation.as_ref().and_then(report::check));
+    for source in [workpiece, body] {
+        let report = source.radiation.as_ref();
+        checks.extend(report.and_then(|report| report::check(&source.spectrum.source, report)));
+    }
     checks.extend(ranking::checks(&ranking, &total));
     checks.extend(interval_checks);
     checks.push(exhaust.check());

@@ -8,12 +8,12 @@ use crate::design::{Design, MufflerKind, SupportKind};
 use crate::result::RadiationReport;
 
 /// How far the radiation of the workpiece is from what it is compared with.
-fn radiation_note(preset: &str, report: &RadiationReport) -> String {
+fn radiation_note(what: &str, report: &RadiationReport) -> String {
     let decibels = |level: Option<f64>| level.map_or_else(|| "none".to_owned(), |level| format!("{level:.1} dB"));
     let difference = report.surface_difference_db.unwrap_or(0.0);
     let [least, most] = report.limit_error_db;
     format!(
-        "workpiece on worktable {preset}: boundary elements at {} frequencies up to {:.0} Hz (surface {difference:+.2} dB to \
+        "{what}: boundary elements at {} frequencies up to {:.0} Hz (surface {difference:+.2} dB to \
          the far field), radiation efficiency 1 above, {} off where it takes over and {least:+.1} to {most:+.1} dB in the three bands \
          below; over all bands it would give {}",
         report.frequencies,
@@ -25,9 +25,22 @@ fn radiation_note(preset: &str, report: &RadiationReport) -> String {
     )
 }
 
+/// The same for a workpiece in sand.
+fn flush_note(report: &RadiationReport) -> String {
+    let level = report
+        .erp_lwa_db
+        .map_or_else(|| "none".to_owned(), |level| format!("{level:.1} dB"));
+    format!(
+        "workpiece in sand: Rayleigh's integral at {} frequencies, its power by the intensity on the surface {:+.3} dB to that \
+         of the waves in all directions; radiation efficiency 1 of the block's top would give {level}",
+        report.frequencies,
+        report.surface_difference_db.unwrap_or(0.0),
+    )
+}
+
 /// Notes on one run, most important first.
 pub(super) fn notes(design: &Design, record: &CycleRecord, told: &Told, exhaust: &Exhaust) -> Vec<String> {
-    let [workpiece, _] = &told.sources;
+    let [workpiece, body] = &told.sources;
     let mut notes = vec![match record.outcome {
         Outcome::Drives => "the nail is driven".to_owned(),
         Outcome::StrikesBumper => "the piston strikes the bumper before it stops on the wood".to_owned(),
@@ -38,21 +51,25 @@ pub(super) fn notes(design: &Design, record: &CycleRecord, told: &Told, exhaust:
     if design.support.kind == SupportKind::Worktable {
         let preset = design.support.worktable.preset.as_str();
         notes.push(match &workpiece.radiation {
-            Some(report) => radiation_note(preset, report),
+            Some(report) => radiation_note(&format!("workpiece on worktable {preset}"), report),
             None => format!(
                 "workpiece on worktable {preset}: radiated power is the ERP reference (radiation efficiency 1), an \
-                 overestimate at low frequencies"
+                 overestimate at low frequencies; it is the plate's own velocity alone, of which there is no second evaluation"
             ),
         });
+    }
+    if let (SupportKind::Sandbox, Some(report)) = (design.support.kind, &workpiece.radiation) {
+        notes.push(flush_note(report));
     }
     match &told.stiffness {
         None => notes.push("body: rigid motion only, without the vibration of its housing: a lower bound".to_owned()),
         Some([cap, rim]) => {
-            notes.push(
-                "body: rigid motion, and vibration of its housing as ERP times the radiation efficiency of an oscillating \
-                 sphere of its volume, until boundary elements replace it"
+            notes.push(match &body.radiation {
+                Some(report) => radiation_note("body, alone above the plane that reflects", report),
+                None => "body: rigid motion, and vibration of its housing as ERP times the radiation efficiency of an \
+                         oscillating sphere of its volume; an estimate of which there is no second evaluation"
                     .to_owned(),
-            );
+            });
             notes.push(format!(
                 "body: under the forces of the head valve the housing is as stiff as {:.0} N/um at the {} (the cycle's contact: \
                  {:.0}) and {:.0} N/um at the {} ({:.0}); this compliance is counted once, in the cycle's forces",

@@ -5,8 +5,8 @@ use nailnoise_acoustics::bem::ModalBem;
 use nailnoise_acoustics::fourier::TransformSettings;
 use nailnoise_acoustics::levels::{SourceSpectrum, Weighting, energy_weights};
 use nailnoise_acoustics::radiation::{
-    AbsorbingSand, Erp, ModalSpectra, MovingSand, RadiatingSurface, SampledRadiation, mode_energies, radiated_energy,
-    radiated_signals, rigid_body_energy, rigid_body_signals,
+    AbsorbingSand, Erp, ModalSpectra, MovingSand, RadiatingSurface, mode_energies, radiated_energy, radiated_signals,
+    rigid_body_energy, rigid_body_signals,
 };
 use nailnoise_dynamics::CycleRecord;
 use nailnoise_fem::supports::Sand;
@@ -15,8 +15,8 @@ use nailnoise_meshes::{QuadraturePoint, Surface};
 use nalgebra::{DMatrix, Point3, Vector3};
 
 use super::bodies::{Body, Structure};
-use super::radiator::{Radiator, absorbing_sand};
-use super::report::report;
+use super::radiator::{Flush, Radiator, absorbing_sand};
+use super::report::{flush_report, report};
 use super::sound::Sound;
 use crate::design::Design;
 use crate::error::Error;
@@ -24,7 +24,7 @@ use crate::result::{ModeShare, Uncertainty};
 
 /// Gauss points along each side of a face; the modes are quadratic on it, so their squares are integrated exactly on
 /// rectangular faces.
-const FACE_POINTS: usize = 3;
+pub(super) const FACE_POINTS: usize = 3;
 
 /// Modes whose motion is replayed together: their forces are one product of matrices.
 const BLOCK: usize = 32;
@@ -77,20 +77,16 @@ pub(super) fn workpiece(
     match radiator {
         Radiator::Bem(bem) => standing(bem, structure, damping, spectra),
         Radiator::Erp(bodies) => free_standing(bodies, spectra),
-        Radiator::Rayleigh(rayleigh) => flush_top(design, rayleigh, &spectra[0]),
+        Radiator::Rayleigh(flush) => flush_top(design, structure, flush, damping, &spectra[0]),
     }
 }
 
 /// Energy of the workpiece with its support alone, without its course in time.
-pub(super) fn workpiece_energy(
-    design: &Design,
-    radiator: &Radiator,
-    spectra: &[ModalSpectra],
-) -> Result<SourceSpectrum, Error> {
+pub(super) fn workpiece_energy(radiator: &Radiator, spectra: &[ModalSpectra]) -> Result<SourceSpectrum, Error> {
     match radiator {
         Radiator::Bem(bem) => Ok(radiated_energy("workpiece", bem.as_ref(), &side_by_side(spectra))?),
         Radiator::Erp(bodies) => Ok(free_standing(bodies, spectra)?.spectrum),
-        Radiator::Rayleigh(rayleigh) => Ok(flush_top(design, rayleigh, &spectra[0])?.spectrum),
+        Radiator::Rayleigh(flush) => Ok(radiated_energy("workpiece", &flush.waves, &spectra[0])?),
     }
 }
 
@@ -101,17 +97,27 @@ fn standing(
     damping: Option<&[Vec<f64>]>,
     spectra: &[ModalSpectra],
 ) -> Result<Sound, Error> {
-    let together = side_by_side(spectra);
-    let mut source = radiated_energy("workpiece", bem, &together)?;
-    let erp = radiated_energy("workpiece", &bem.reference(), &together)?;
+    let bodies: Vec<&Body> = structure.bodies().collect();
+    by_boundary_elements("workpiece", bem, (&bodies, damping), &side_by_side(spectra))
+}
+
+/// A source of bodies that radiate as one surface, by boundary elements up to their limit.
+pub(super) fn by_boundary_elements(
+    name: &'static str,
+    bem: &ModalBem,
+    (bodies, damping): (&[&Body], Option<&[Vec<f64>]>),
+    together: &ModalSpectra,
+) -> Result<Sound, Error> {
+    let mut source = radiated_energy(name, bem, together)?;
+    let erp = radiated_energy(name, &bem.reference(), together)?;
     let surface = share_out(&mut source);
     let weights = energy_weights(&source.frequency, source.range_hz, Weighting::A);
-    let energies = mode_energies(bem, &together, &weights)?;
+    let energies = mode_energies(bem, together, &weights)?;
     let mut report = report(bem, &source, &surface, &erp);
-    report.modes = modes_of(structure, damping, &energies);
+    report.modes = modes_of(bodies, damping, &energies);
     let [alone, limit] = bem.either_side_of_the_blend(&together.frequency, &together.accelerations);
     report.blend_error_db = (alone > 0.0 && limit > 0.0).then(|| 10.0 * (limit / alone).log10());
-    let signals = vec![("workpiece", radiated_signals(bem, &together, &source)?)];
+    let signals = vec![(name, radiated_signals(bem, together, &source)?)];
     let above = |factor: f64| {
         let range = together.range_hz;
         let join = bem.blend_hz()[0].clamp(range[0], range[1]);
@@ -144,11 +150,11 @@ fn standing(
 }
 
 /// What each mode adds to the energy of block and table; the static corrections of a body count as one.
-fn modes_of(structure: &Structure, damping: Option<&[Vec<f64>]>, energies: &[f64]) -> Vec<ModeShare> {
+fn modes_of(bodies: &[&Body], damping: Option<&[Vec<f64>]>, energies: &[f64]) -> Vec<ModeShare> {
     let total: f64 = energies.iter().sum::<f64>().max(f64::MIN_POSITIVE);
     let mut energies = energies.iter();
     let mut shares = Vec::new();
-    for (index, body) in structure.bodies().enumerate() {
+    for (index, body) in bodies.iter().enumerate() {
         let modes = body.basis.hz.len();
         let mut rest = 0.0;
         for (number, (omega, energy)) in body.omega.iter().zip(&mut energies).enumerate() {
@@ -246,9 +252,21 @@ fn free_standing(bodies: &[Erp], spectra: &[ModalSpectra]) -> Result<Sound, Erro
 }
 
 /// Rayleigh's integral over the block's top, flush with the sand.
-fn flush_top(design: &Design, sampled: &SampledRadiation, spectrum: &ModalSpectra) -> Result<Sound, Error> {
-    let source = radiated_energy("workpiece", sampled, spectrum)?;
-    let signals = vec![("workpiece", radiated_signals(sampled, spectrum, &source)?)];
+fn flush_top(
+    design: &Design,
+    structure: &Structure,
+    flush: &Flush,
+    damping: Option<&[Vec<f64>]>,
+    spectrum: &ModalSpectra,
+) -> Result<Sound, Error> {
+    let source = radiated_energy("workpiece", &flush.waves, spectrum)?;
+    let signals = vec![("workpiece", radiated_signals(&flush.waves, spectrum, &source)?)];
+    let ratios = flush.surface.ratios(&flush.waves, spectrum)?;
+    let erp = radiated_energy("workpiece", &flush.erp, spectrum)?;
+    let mut report = flush_report(flush, &source, &ratios, &erp);
+    let weights = energy_weights(&source.frequency, source.range_hz, Weighting::A);
+    let energies = mode_energies(&flush.waves, spectrum, &weights)?;
+    report.modes = modes_of(&[&structure.workpiece], damping, &energies);
     let uncertainty = sand_band(&source, &absorbing_sand(design), spectrum.range_hz);
     Ok(Sound {
         spectrum: source,
@@ -256,7 +274,7 @@ fn flush_top(design: &Design, sampled: &SampledRadiation, spectrum: &ModalSpectr
         openings: Vec::new(),
         uncertainty,
         cross_check: None,
-        radiation: None,
+        radiation: Some(report),
     })
 }
 

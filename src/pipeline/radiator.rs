@@ -7,7 +7,7 @@ use nailnoise_acoustics::bem::{
     Boundary, BoundaryMesh, Exterior, Level, ModalBem, MovingPart, Receivers, Side, SolidBox,
 };
 use nailnoise_acoustics::radiation::{
-    AbsorbingSand, Archive, Erp, ModalRadiation, Rayleigh, SampledRadiation, Sampling,
+    AbsorbingSand, Archive, Erp, ModalRadiation, Rayleigh, SampledRadiation, Sampling, SurfaceEvaluations,
 };
 use nalgebra::{Complex, DMatrix, Point3};
 
@@ -20,7 +20,7 @@ use crate::design::{Design, RadiationMethod, SupportKind, WorktablePreset};
 use crate::error::Error;
 
 /// Lowest frequency at which a radiation resistance is sampled \[Hz\]; below it each entry follows its own power law.
-const LOWEST_SAMPLE: f64 = 40.0;
+pub(super) const LOWEST_SAMPLE: f64 = 40.0;
 
 /// Tops of the ranges that have a mesh of their own, over the top of all.
 const RANGES: [f64; 4] = [0.16, 0.4, 0.65, 1.0];
@@ -29,14 +29,17 @@ const RANGES: [f64; 4] = [0.16, 0.4, 0.65, 1.0];
 const COARSEST: f64 = 1.0 / 16.0;
 
 /// A mode that radiates less than this share of the best radiator is interpolated as well as that share asks for.
-const FLOOR: f64 = 1e-2;
+pub(super) const FLOOR: f64 = 1e-2;
 
 /// Most frequencies of one range.
-const MOST_SAMPLES: usize = 100;
+pub(super) const MOST_SAMPLES: usize = 100;
 
-/// Frequencies that a range asks for at least, see [`expected_seconds`]; how many more is not counted yet.
-const SAMPLES_PER_WAVELENGTH: f64 = 2.5;
+/// Frequencies at which a range is sampled on the mesh below it, see [`expected_seconds`], as counted on the worktables.
+const SAMPLES_PER_WAVELENGTH: f64 = 7.0;
 const SAMPLES_BESIDE: f64 = 10.0;
+
+/// Frequencies at which its own mesh corrects them.
+const CORRECTIONS: f64 = 9.0;
 
 /// Patches of the block on its table, and how many of them belong to the block.
 const PATCHES: [&str; 6] = [
@@ -59,7 +62,17 @@ pub(super) enum Radiator {
     /// Equivalent radiated power, body by body.
     Erp(Vec<Erp>),
     /// Rayleigh's integral over the block's top, flush with the sand.
-    Rayleigh(Box<SampledRadiation>),
+    Rayleigh(Box<Flush>),
+}
+
+/// The block's top, flush with the sand.
+pub(super) struct Flush {
+    /// Its radiation by plane waves.
+    pub(super) waves: SampledRadiation,
+    /// Its radiation by the intensity on the surface, in the middle of bands.
+    pub(super) surface: SurfaceEvaluations,
+    /// Its equivalent radiated power.
+    pub(super) erp: Erp,
 }
 
 impl Radiator {
@@ -76,8 +89,8 @@ impl Radiator {
     ) -> Result<Self, Error> {
         match (design.support.kind, design.acoustics.method) {
             (SupportKind::Sandbox, _) => {
-                let sampled = flush_top(design, &structure.workpiece, air, cache, watched)?;
-                Ok(Self::Rayleigh(Box::new(sampled)))
+                let flush = flush_top(design, &structure.workpiece, air, cache, watched)?;
+                Ok(Self::Rayleigh(Box::new(flush)))
             }
             (SupportKind::Floor | SupportKind::Clamped | SupportKind::Springs, _)
             | (SupportKind::Worktable, RadiationMethod::Erp) => standing_erp(design, structure, air),
@@ -115,7 +128,7 @@ impl Radiator {
                     .collect()
             }
             Self::Erp(_) => structure.bodies().map(|body| vec![0.0; body.omega.len()]).collect(),
-            Self::Rayleigh(rayleigh) => vec![of_modes(rayleigh.as_ref(), &structure.workpiece.omega)],
+            Self::Rayleigh(flush) => vec![of_modes(&flush.waves, &structure.workpiece.omega)],
         }
     }
 }
@@ -135,13 +148,7 @@ pub(super) fn flush_surface(design: &Design, body: &Body, air: &Air) -> Result<R
 }
 
 /// Rayleigh's integral over it.
-fn flush_top(
-    design: &Design,
-    body: &Body,
-    air: &Air,
-    cache: &Cache,
-    watched: &Watched<'_>,
-) -> Result<SampledRadiation, Error> {
+fn flush_top(design: &Design, body: &Body, air: &Air, cache: &Cache, watched: &Watched<'_>) -> Result<Flush, Error> {
     let sand = &design.support.sand;
     let surface = radiating(body, |patch, _| patch != "top")?;
     let absorbing = (sand.absorption_share > 0.0).then(|| absorbing_sand(design));
@@ -161,17 +168,22 @@ fn flush_top(
         .with(surface.patch())
         .with(surface.patch_names())
         .with(surface.normal_modes().as_slice());
-    let kept: Bytes = cache.get_or("radiation of the workpiece in sand", key, || {
+    let (waves, twice): (Bytes, Bytes) = cache.get_or("radiation of the workpiece in sand", key, || {
         let rayleigh = flush_surface(design, body, air)?;
+        let twice = SurfaceEvaluations::new(&rayleigh, top);
         let sample = |tell: Tell<'_>| {
             let sampled = AtomicU64::new(0);
             let one_more = || tell(sampled.fetch_add(1, Ordering::Relaxed) + 1, 0);
             rayleigh.sampled_telling(&sampling, &one_more)
         };
         let sampled = watched.counting(("Rayleigh's integral", "frequencies"), sample)?;
-        Ok::<_, Error>(Bytes(sampled.with_roots().to_bytes()))
+        Ok::<_, Error>((Bytes(sampled.with_roots().to_bytes()), Bytes(twice.to_bytes())))
     })?;
-    Ok(SampledRadiation::from_bytes(&kept.0)?)
+    Ok(Flush {
+        waves: SampledRadiation::from_bytes(&waves.0)?,
+        surface: SurfaceEvaluations::from_bytes(&twice.0)?,
+        erp: Erp::new(&surface, air),
+    })
 }
 
 /// The sand's surface as an absorber.
@@ -214,7 +226,7 @@ fn standing_bem(
             let seconds = expected_seconds(&levels, low, structure);
             let estimate = finest.problem.estimate();
             watched.note(&format!(
-                "boundary elements, computed once for this structure, at least {seconds:.0} s of processor time in all; \
+                "boundary elements, computed once for this structure, about {seconds:.0} s of processor time in all; \
                  finest mesh: {estimate}"
             ));
         }
@@ -256,15 +268,26 @@ fn expected(levels: &[Level], low: f64) -> Vec<f64> {
     levels.iter().map(of_range).collect()
 }
 
-/// Least processor time of all ranges \[s\].
+/// Processor time of all ranges \[s\], about. Their frequencies follow how many more wavelengths twice the body's largest
+/// extent holds at a range's top than at its bottom.
 fn expected_seconds(levels: &[Level], low: f64, structure: &Structure) -> f64 {
     let modes: usize = structure.bodies().map(|body| body.shapes.ncols()).sum();
-    let mut total = 0.0;
-    for (level, frequencies) in levels.iter().zip(expected(levels, low)) {
-        let problem = &level.problem;
+    let of_frequency = |level: &Level| {
         // Most modes of a symmetric body have one parity.
-        let patterns = modes.div_ceil(problem.boundary().copies());
-        total += problem.estimate().seconds_kept + frequencies * problem.estimate().seconds_with(patterns);
+        let patterns = modes.div_ceil(level.problem.boundary().copies());
+        level.problem.estimate().seconds_with(patterns)
+    };
+    let (mut from, mut total) = (low, 0.0);
+    for (number, level) in levels.iter().enumerate() {
+        let problem = &level.problem;
+        let wavelengths = 2.0 * problem.boundary().extents().max() * (level.top_hz - from) / problem.air().sound_speed;
+        let sampled = SAMPLES_PER_WAVELENGTH * wavelengths + SAMPLES_BESIDE;
+        total += problem.estimate().seconds_kept;
+        total += match number.checked_sub(1) {
+            None => sampled * of_frequency(level),
+            Some(below) => sampled * of_frequency(&levels[below]) + CORRECTIONS * of_frequency(level),
+        };
+        from = level.top_hz;
     }
     total
 }
@@ -273,7 +296,7 @@ fn expected_seconds(levels: &[Level], low: f64, structure: &Structure) -> f64 {
 fn key(design: &Design, structure: &Structure, air: &Air) -> Key {
     let a = &design.acoustics;
     let mut key = Key::new()
-        .with("rounds of Leja's sequence")
+        .with("coarser meshes, corrected")
         .with(&format!("{:?} {air:?}", boxes(design)))
         .with(&[a.bem_top, a.bem_panels, a.bem_tolerance])
         .with(&format!("{:?}", microphones::positions(design)));
@@ -334,7 +357,7 @@ fn boxes(design: &Design) -> Vec<SolidBox> {
 }
 
 /// The surface of block and table on meshes that get finer with frequency, with the velocities of all modes.
-fn levels(design: &Design, structure: &Structure, air: &Air) -> Result<Vec<Level>, Error> {
+pub(super) fn levels(design: &Design, structure: &Structure, air: &Air) -> Result<Vec<Level>, Error> {
     let a = &design.acoustics;
     let bodies: Vec<&Body> = structure.bodies().collect();
     let patches = [0..OF_WORKPIECE, OF_WORKPIECE..PATCHES.len()];

@@ -3,7 +3,9 @@
 
 use nailnoise_acoustics::bem::ModalBem;
 use nailnoise_acoustics::levels::{BandLevel, SourceSpectrum, Weighting, energy_level};
+use nailnoise_acoustics::radiation::ModalRadiation;
 
+use super::radiator::Flush;
 use crate::result::{Check, RadiationBand, RadiationReport};
 
 /// Bands below the join by which the limit is judged.
@@ -13,9 +15,9 @@ const JUDGED: usize = 3;
 const DIFFERENCE: f64 = 0.1;
 
 /// Check that surface and far field agree.
-pub(super) fn check(report: &RadiationReport) -> Option<Check> {
+pub(super) fn check(source: &str, report: &RadiationReport) -> Option<Check> {
     let difference = report.surface_difference_db?;
-    let name = "workpiece: power by the surface less that by the far field [dB]";
+    let name = format!("{source}: power by the surface less that by the far field [dB]");
     Some(Check::at_most(name, difference, DIFFERENCE))
 }
 
@@ -61,6 +63,58 @@ pub(super) fn report(
                 hz: far.band.nominal_hz(),
                 lw_db: far.lw,
                 surface_lw_db: if far.band.high <= from { surface.lw } else { None },
+                erp_lw_db: erp.lw,
+            })
+            .collect(),
+    }
+}
+
+/// The report of a flush surface: its power by plane waves, by the intensity on the surface (`ratios`, band by band of
+/// those of the second evaluation) and with radiation efficiency 1.
+pub(super) fn flush_report(
+    flush: &Flush,
+    waves: &SourceSpectrum,
+    ratios: &[Option<f64>],
+    erp: &SourceSpectrum,
+) -> RadiationReport {
+    let range = waves.range_hz;
+    let ratio_of = |band: i32| {
+        let place = flush.surface.bands().iter().position(|own| own.index == band)?;
+        ratios[place]
+    };
+    let bands = waves.band_levels(range);
+    let (mut by_waves, mut by_surface) = (0.0, 0.0);
+    for band in &bands {
+        if let Some(ratio) = ratio_of(band.band.index) {
+            let energy = waves.energy(
+                [band.band.low.max(range[0]), band.band.high.min(range[1])],
+                Weighting::A,
+            );
+            by_waves += energy;
+            by_surface += ratio * energy;
+        }
+    }
+    let inside = |b: &BandLevel| b.band.high > range[0] && b.band.low < range[1];
+    let rows = bands.iter().zip(erp.band_levels(range));
+    RadiationReport {
+        // There is no other law above.
+        join_hz: [flush.waves.highest_hz(); 2],
+        frequencies: flush.waves.sampled_hz().len(),
+        interpolation_error: flush.waves.interpolation_error(),
+        surface_difference_db: (by_waves > 0.0).then(|| 10.0 * (by_surface / by_waves).log10()),
+        limit_error_db: [0.0; 2],
+        blend_error_db: None,
+        erp_lwa_db: energy_level(erp.energy(range, Weighting::A)),
+        modes: Vec::new(),
+        bands: rows
+            .filter(|(waves, _)| inside(waves))
+            .map(|(waves, erp)| RadiationBand {
+                hz: waves.band.nominal_hz(),
+                lw_db: waves.lw,
+                surface_lw_db: waves
+                    .lw
+                    .zip(ratio_of(waves.band.index))
+                    .map(|(lw, ratio)| lw + 10.0 * ratio.log10()),
                 erp_lw_db: erp.lw,
             })
             .collect(),

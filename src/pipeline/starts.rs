@@ -62,7 +62,7 @@ pub(super) fn starts(
     let mut levels = vec![first];
     for start in 1..design.analysis.starts {
         let spectra = radiation::modal_spectra(design, structure, &response(start)?)?;
-        let spectrum = radiation::workpiece_energy(design, radiator, &spectra)?;
+        let spectrum = radiation::workpiece_energy(radiator, &spectra)?;
         levels.extend(spectrum.level(range, Weighting::A));
     }
     let count = levels.len() as f64;

@@ -10,6 +10,7 @@
 use std::borrow::Cow;
 
 use nailnoise_acoustics::Air;
+use nailnoise_acoustics::bem::ModalBem;
 use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
 use nailnoise_acoustics::radiation::{CompactErp, Erp, ModalSpectra, radiated_energy, radiated_signals};
 use nailnoise_dynamics::{CycleRecord, Parameters};
@@ -20,7 +21,7 @@ use serde::{Deserialize, Serialize};
 use super::Driven;
 use super::bodies::Body;
 use super::outside::open_air;
-use super::radiation::{body_spectra, rigid_tool, skin};
+use super::radiation::{body_spectra, by_boundary_elements, rigid_tool, skin};
 use super::sound::Sound;
 use super::tool_loads::{self, AXIAL, Axial, LOADS};
 use crate::design::Design;
@@ -39,6 +40,8 @@ pub struct Tool {
     pub checks: Vec<Check>,
     /// Its stiffness at cap and cylinder rim beside that of the cycle's contacts \[N/m\].
     pub stiffness: [Stiffness; 2],
+    /// How it radiates by boundary elements, where the design asks for them.
+    pub(super) bem: Option<ModalBem>,
 }
 
 /// Stiffness of the body where a contact of the cycle acts.
@@ -72,7 +75,7 @@ impl Tool {
     /// Those of the transient solver and of the Fourier transform.
     pub(super) fn new(
         design: &Design,
-        body: Body,
+        (body, bem): (Body, Option<ModalBem>),
         parameters: &Parameters,
         record: &CycleRecord,
     ) -> Result<Self, Error> {
@@ -112,6 +115,7 @@ impl Tool {
             spectra,
             checks,
             stiffness,
+            bem,
         })
     }
 
@@ -125,12 +129,28 @@ impl Tool {
         }
     }
 
-    /// Its sound: rigid motion as that of the sphere of its volume, elastic modes by their ERP into the open air times the
-    /// radiation efficiency of that sphere.
+    /// Its sound: by boundary elements where the design asks for them, beside that of a sphere.
     ///
     /// # Errors
     /// Those of surface and radiation.
     pub(super) fn sound(&self, design: &Design, record: &CycleRecord, air: &Air) -> Result<Sound, Error> {
+        let as_sphere = self.sound_as_sphere(design, record, air)?;
+        let Some(bem) = &self.bem else { return Ok(as_sphere) };
+        let mut sound = by_boundary_elements("body", bem, (&[&self.body], None), &self.spectra)?;
+        let range = [design.analysis.range_low, design.analysis.range_high];
+        sound.cross_check = Some(CrossCheck {
+            quantity: "the tool's body".into(),
+            lw_db: sound.spectrum.level(range, Weighting::Z),
+            other: "rigid motion and ERP of a sphere of its volume".into(),
+            other_lw_db: as_sphere.spectrum.level(range, Weighting::Z),
+        });
+        sound.uncertainty.basis += "; what is nailed neither reflects nor shades";
+        Ok(sound)
+    }
+
+    /// Rigid motion as that of the sphere of its volume, elastic modes by their ERP into the open air times the radiation
+    /// efficiency of that sphere.
+    fn sound_as_sphere(&self, design: &Design, record: &CycleRecord, air: &Air) -> Result<Sound, Error> {
         let mut sound = rigid_tool(design, record, air)?;
         sound.spectrum.source = "rigid motion".to_owned();
         let elastic: Vec<usize> = (0..self.body.omega.len())

@@ -20,6 +20,7 @@ use super::radiator::Radiator;
 use super::sensors::{self, SensorRecord};
 use super::sound::{Sound, Source};
 use super::starts::starts;
+use super::tool_radiator::tool_radiator;
 use super::{
     Body, Driven, Observer, Options, Stiffness, Structure, Tell, Tool, Watched, bodies, cycle, exhaust, parameters,
     radiation, response, tool_body,
@@ -185,7 +186,7 @@ pub(super) fn moved(
                 BodyModel::Rigid => None,
             };
             let side = match &lumped {
-                Some(record) => ToolSide::Moved(tool_in_motion(bench, body, record, &mut timing)?),
+                Some(record) => ToolSide::Moved(tool_in_motion(bench, body, record, &mut timing, &watched)?),
                 None => ToolSide::Still(body),
             };
             Ok::<_, Error>((side, timing))
@@ -211,7 +212,7 @@ pub(super) fn moved(
     };
     let (tool, body) = match of_tool {
         ToolSide::Moved(moved) => moved,
-        ToolSide::Still(body) => tool_in_motion(bench, body, &record, timing)?,
+        ToolSide::Still(body) => tool_in_motion(bench, body, &record, timing, &watched)?,
     };
     let shot = sensors::Shot {
         structure: &structure,
@@ -235,11 +236,12 @@ pub(super) fn moved(
                 let force = (force_scale, 0);
                 let response = response::response(design, &structure, added, parameters, &record, force)?;
                 let spectra = radiation::modal_spectra(design, &structure, &response)?;
-                let workpiece = radiation::workpiece_energy(design, &radiator, &spectra)?;
+                let workpiece = radiation::workpiece_energy(&radiator, &spectra)?;
                 let body = match &tool {
                     Some(_) => {
-                        let tool = Tool::new(design, tool_body(design, cache)?, parameters, &record)?;
-                        tool.sound(design, &record, air)?
+                        let body = tool_body(design, cache)?;
+                        let bem = tool_radiator(design, &body, air, cache, &Watched::over(observer))?;
+                        Tool::new(design, (body, bem), parameters, &record)?.sound(design, &record, air)?
                     }
                     None => radiation::rigid_tool(design, &record, air)?,
                 };
@@ -286,6 +288,7 @@ pub(super) fn moved(
             record: &record,
             workpiece: &workpiece,
             body: &body,
+            tool: tool.as_ref(),
             end,
         };
         microphones::of_bodies(design, air, &inputs)
@@ -340,16 +343,24 @@ fn tool_in_motion(
     body: Option<Body>,
     record: &CycleRecord,
     timing: &mut Timing,
+    watched: &Watched<'_>,
 ) -> Result<(Option<Tool>, Sound), Error> {
     let Bench {
         design,
         ref parameters,
         ref air,
+        cache,
         ..
     } = *bench;
-    let tool = body
-        .map(|body| timing.time("tool response", || Tool::new(design, body, parameters, record)))
-        .transpose()?;
+    let tool = match body {
+        Some(body) => {
+            let bem = timing.time("radiation matrices of the tool", || {
+                tool_radiator(design, &body, air, cache, watched)
+            })?;
+            Some(timing.time("tool response", || Tool::new(design, (body, bem), parameters, record))?)
+        }
+        None => None,
+    };
     let sound = timing.time("body", || match &tool {
         Some(tool) => tool.sound(design, record, air),
         None => radiation::rigid_tool(design, record, air),

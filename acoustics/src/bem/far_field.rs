@@ -65,9 +65,29 @@ impl Exterior {
         }
         let hz = all.first().map_or(0.0, |(_, solution)| solution.hz);
         let k = 2.0 * PI * hz / self.air().sound_speed;
-        let (_, origin, radius) = self.quadrature();
+        let (_, _, radius) = self.quadrature();
         let planes = boundary.planes().map(|plane| plane.is_some());
         let directions = directions(k * radius, planes);
+        let mut totals: Vec<Mat<f64>> = all.iter().map(|(v, _)| Mat::zeros(v.ncols(), v.ncols())).collect();
+        self.in_directions(all, k, &directions, |chunk, parts| {
+            for (part, total) in parts.iter().zip(&mut totals) {
+                part.add_power(chunk, k, self.air().impedance(), total);
+            }
+        });
+        Ok(totals.iter().map(resistance).collect())
+    }
+
+    /// Evaluates the waves of chunks of directions at all points; `each` sees what every part radiates there.
+    fn in_directions(
+        &self,
+        all: &[Radiated<'_>],
+        k: f64,
+        directions: &[(Vector3<f64>, f64)],
+        mut each: impl FnMut(&[(Vector3<f64>, f64)], &[Radiating]),
+    ) {
+        let boundary = self.boundary();
+        let (_, origin, _) = self.quadrature();
+        let planes = boundary.planes().map(|plane| plane.is_some());
         let (n, points) = (
             boundary.nodes(),
             self.blocks().iter().map(|b| b.corners * b.width).sum(),
@@ -104,11 +124,31 @@ impl Exterior {
                     first += block.corners * block.width;
                 }
             }
-            for part in &mut parts {
-                part.add_power(chunk, k, self.air().impedance());
-            }
+            each(chunk, &parts);
         }
-        Ok(parts.into_iter().map(Radiating::resistance).collect())
+    }
+
+    /// Far field F of every pattern of several parities in some directions, for each parity directions x patterns
+    /// \[Pa s for velocities in m/s\]: p -> e^{-jkr}/(4 pi r) F, r the distance to the origin of [`Exterior::quadrature`].
+    pub(super) fn far_fields(&self, all: &[Radiated<'_>], directions: &[Vector3<f64>]) -> Vec<Mat<Complex<f64>>> {
+        let hz = all.first().map_or(0.0, |(_, solution)| solution.hz);
+        let k = 2.0 * PI * hz / self.air().sound_speed;
+        let count = |a: &Radiated<'_>| a.0.ncols();
+        let mut fields: Vec<Mat<Complex<f64>>> = all.iter().map(|a| Mat::zeros(directions.len(), count(a))).collect();
+        let directions: Vec<(Vector3<f64>, f64)> = directions.iter().map(|d| (*d, 1.0)).collect();
+        let mut first = 0;
+        self.in_directions(all, k, &directions, |chunk, parts| {
+            for (part, to) in parts.iter().zip(&mut fields) {
+                let field = part.field(chunk.len(), k, self.air().impedance());
+                for row in 0..chunk.len() {
+                    for mode in 0..to.ncols() {
+                        to[(first + row, mode)] = Complex::new(field[(mode, row)], field[(mode, chunk.len() + row)]);
+                    }
+                }
+            }
+            first += chunk.len();
+        });
+        fields
     }
 
     /// All quadrature points relative to an origin (the body's centre, or its foot on the floor), the origin, and the
@@ -169,7 +209,6 @@ struct Radiating {
     /// Unknowns x directions and points x directions, for each part.
     on_p: [Mat<f64>; 2],
     on_v: [Vec<f64>; 2],
-    total: Mat<f64>,
 }
 
 impl Radiating {
@@ -196,7 +235,6 @@ impl Radiating {
             parts: if planes == [true; 3] { vec![odd % 2] } else { vec![0, 1] },
             on_p: [Mat::new(), Mat::new()],
             on_v: [Vec::new(), Vec::new()],
-            total: Mat::zeros(modes, modes),
         }
     }
 
@@ -220,9 +258,9 @@ impl Radiating {
         }
     }
 
-    /// Adds the power of all patterns in the directions of a chunk.
-    fn add_power(&mut self, chunk: &[(Vector3<f64>, f64)], k: f64, impedance: f64) {
-        let (modes, rows) = (self.velocities.nrows(), chunk.len());
+    /// F of all patterns in the directions of a chunk, patterns x 2 directions: real parts, then imaginary ones.
+    fn field(&self, rows: usize, k: f64, impedance: f64) -> Mat<f64> {
+        let modes = self.velocities.nrows();
         let mut field = Mat::<f64>::zeros(modes, 2 * rows);
         for &part in &self.parts {
             let mut from_p = Mat::<f64>::zeros(2 * modes, rows);
@@ -254,6 +292,13 @@ impl Radiating {
                 }
             }
         }
+        field
+    }
+
+    /// Adds the power of all patterns in the directions of a chunk.
+    fn add_power(&self, chunk: &[(Vector3<f64>, f64)], k: f64, impedance: f64, total: &mut Mat<f64>) {
+        let rows = chunk.len();
+        let mut field = self.field(rows, k, impedance);
         for (row, (_, w)) in chunk.iter().enumerate() {
             let root = (w / impedance).sqrt() / (4.0 * PI);
             for column in [row, rows + row] {
@@ -261,7 +306,7 @@ impl Radiating {
             }
         }
         matmul(
-            self.total.as_mut(),
+            total.as_mut(),
             Accum::Add,
             field.as_ref(),
             field.transpose(),
@@ -269,11 +314,12 @@ impl Radiating {
             Par::Seq,
         );
     }
+}
 
-    fn resistance(self) -> DMatrix<f64> {
-        let modes = self.total.nrows();
-        DMatrix::from_fn(modes, modes, |i, j| self.total[(i.min(j), i.max(j))])
-    }
+/// R from the sum over the directions, symmetric to the bit.
+fn resistance(total: &Mat<f64>) -> DMatrix<f64> {
+    let modes = total.nrows();
+    DMatrix::from_fn(modes, modes, |i, j| total[(i.min(j), i.max(j))])
 }
 
 /// e^{jk d.y} with its images at the points of a block: one direction, all parities.

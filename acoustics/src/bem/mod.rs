@@ -9,6 +9,8 @@
 //!
 //! One frequency runs on one thread; frequencies run beside each other.
 
+mod around;
+mod bands;
 mod blend;
 mod blocks;
 mod boundary;
@@ -24,12 +26,14 @@ mod problem;
 mod receivers;
 mod resistance;
 mod rules;
+mod single;
 mod solver;
 mod symmetry;
 mod tile;
 mod transfer;
 mod trig;
 
+pub use bands::{Sounding, SurfaceBand, WholeSurface};
 pub use blend::BlendedRadiation;
 pub use boundary::{Boundary, Mended};
 pub use boxes::{Side, SolidBox};

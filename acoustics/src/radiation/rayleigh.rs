@@ -6,7 +6,7 @@ use super::sand::{AbsorbingSand, MovingSand, SandPatch};
 use super::surface::RadiatingSurface;
 use crate::air::Air;
 use crate::error::{AcousticsError, positive};
-use nalgebra::{Complex, DMatrix, Point3};
+use nalgebra::{Complex, DMatrix, Point3, Vector3};
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -199,7 +199,7 @@ impl Rayleigh {
     /// the surface's diameter over the root of its number of points.
     pub fn pressure_at(&self, hz: f64, places: &[Point3<f64>]) -> Result<DMatrix<Complex<f64>>, AcousticsError> {
         let k = 2.0 * PI * hz / self.air.sound_speed;
-        let needed = self.planar.diameter / (self.points.len() as f64).sqrt();
+        let needed = self.clearance();
         for place in places {
             let distance = place.z - self.plane;
             if distance.is_nan() || distance < 0.0 {
@@ -216,26 +216,106 @@ impl Rayleigh {
                 });
             }
         }
-        let waves = |points: &dyn Fn(usize) -> [f64; 2], count: usize| {
-            let wave = |i: usize, j: usize| {
-                let ([x, y], p) = (points(j), places[i]);
-                let r = (p.x - x).hypot(p.y - y).hypot(p.z - self.plane);
-                Complex::from_polar(1.0 / r, -k * r)
-            };
-            let all = DMatrix::from_fn(places.len(), count, wave);
+        Ok(self.carried_by(hz, places.len(), |i, [x, y]| {
+            let p = places[i];
+            let r = (p.x - x).hypot(p.y - y).hypot(p.z - self.plane);
+            Complex::from_polar(1.0 / r, -k * r)
+        }))
+    }
+
+    /// Least height above the plane at which the pressure can be evaluated \[m\].
+    fn clearance(&self) -> f64 {
+        self.planar.diameter / (self.points.len() as f64).sqrt()
+    }
+
+    /// Whether the pressure at each point can be evaluated, see [`Rayleigh::pressure_at`].
+    pub fn is_clear(&self, points: &[Point3<f64>]) -> Vec<bool> {
+        points.iter().map(|p| p.z - self.plane >= self.clearance()).collect()
+    }
+
+    /// rho0/(2 pi) sum_a S_a phi_a wave(i, x_a) over block and sand, i x modes, times the root of what absorbing sand
+    /// leaves of the power.
+    fn carried_by(
+        &self,
+        hz: f64,
+        count: usize,
+        wave: impl Fn(usize, [f64; 2]) -> Complex<f64>,
+    ) -> DMatrix<Complex<f64>> {
+        let waves = |points: &PlanarPoints| {
+            let all = DMatrix::from_fn(count, points.len(), |i, j| wave(i, points.at(j)));
             (all.map(|z| z.re), all.map(|z| z.im))
         };
-        let (re, im) = waves(&|j| self.points[j], self.points.len());
+        let (re, im) = waves(&self.planar);
         let mut real = &re * &self.sources;
         let mut imaginary = &im * &self.sources;
         if let Some((sand, (of_re, of_im))) = self.moving.as_ref().and_then(|s| Some((s, s.sources(hz)?))) {
-            let (re, im) = waves(&|j| sand.planar.at(j), sand.planar.len());
+            let (re, im) = waves(&sand.planar);
             real += &re * &of_re - &im * &of_im;
             imaginary += &re * &of_im + &im * &of_re;
         }
         let absorption = self.absorbing.map_or(1.0, |sand| sand.factor(hz));
         let factor = self.air.density / (2.0 * PI) * absorption.sqrt();
-        Ok(real.zip_map(&imaginary, |re, im| Complex::new(factor * re, factor * im)))
+        real.zip_map(&imaginary, |re, im| Complex::new(factor * re, factor * im))
+    }
+
+    /// Points of block and sand with the modes' displacements times area there, real and, where sand moves, imaginary
+    /// part.
+    pub(super) fn all_sources(&self, hz: f64) -> (Vec<[f64; 2]>, DMatrix<f64>, Option<DMatrix<f64>>) {
+        let own = self.points.len();
+        let Some((sand, (re, im))) = self.moving.as_ref().and_then(|s| Some((s, s.sources(hz)?))) else {
+            return (self.points.clone(), self.sources.clone(), None);
+        };
+        let points: Vec<[f64; 2]> = self
+            .points
+            .iter()
+            .copied()
+            .chain((0..sand.planar.len()).map(|i| sand.planar.at(i)))
+            .collect();
+        let mut real = DMatrix::zeros(points.len(), self.sources.ncols());
+        let mut imaginary = real.clone();
+        real.rows_mut(0, own).copy_from(&self.sources);
+        real.rows_mut(own, re.nrows()).copy_from(&re);
+        imaginary.rows_mut(own, im.nrows()).copy_from(&im);
+        (points, real, Some(imaginary))
+    }
+
+    /// Middle of all that moves, and how much later than from there waves from any of it can be, as a way in air \[m\]:
+    /// sand moves later by what waves in it take from the block's edge.
+    pub(crate) fn reach(&self) -> (f64, Point3<f64>) {
+        let own = (0..self.planar.len()).map(|i| self.planar.at(i));
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for point in own {
+            for axis in 0..2 {
+                low[axis] = low[axis].min(point[axis]);
+                high[axis] = high[axis].max(point[axis]);
+            }
+        }
+        let middle = Point3::new(0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), self.plane);
+        let own = 0.5 * self.planar.diameter;
+        let sand = self.moving.as_ref().map_or(0.0, |sand| {
+            0.5 * sand.planar.diameter + 0.5 * sand.lag() * self.air.sound_speed
+        });
+        (own.max(sand), middle)
+    }
+
+    /// Over which frequencies the sand's motion fades out, where it moves.
+    pub(crate) fn fade_hz(&self) -> Option<[f64; 2]> {
+        self.moving.as_ref().map(SandPatch::fade_hz)
+    }
+
+    /// Far field r p e^{jkr} in directions above the plane per unit of modal acceleration, r from the point (0, 0) of the
+    /// plane, directions x modes \[Pa m per m/s²\].
+    ///
+    /// ```text
+    /// r p e^{jkr} = rho0/(2 pi) sum_a S_a phi_a e^{jk d.x_a}
+    /// ```
+    ///
+    /// times the root of what absorbing sand leaves of the power.
+    pub fn far_field_at(&self, hz: f64, directions: &[Vector3<f64>]) -> DMatrix<Complex<f64>> {
+        let k = 2.0 * PI * hz / self.air.sound_speed;
+        let wave =
+            |i: usize, [x, y]: [f64; 2]| Complex::from_polar(1.0, k * (directions[i].x * x + directions[i].y * y));
+        self.carried_by(hz, directions.len(), wave)
     }
 
     /// Compares the plane waves with the pairwise sum over the surface (without moving sand) at one frequency.
@@ -255,7 +335,7 @@ impl Rayleigh {
     }
 
     /// rho0 omega² / (2 pi c0), times the sand's absorption.
-    fn factor(&self, hz: f64) -> f64 {
+    pub(super) fn factor(&self, hz: f64) -> f64 {
         let omega = 2.0 * PI * hz;
         let absorption = self.absorbing.map_or(1.0, |sand| sand.factor(hz));
         absorption * self.air.density * omega * omega / (2.0 * PI * self.air.sound_speed)

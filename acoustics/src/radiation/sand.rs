@@ -232,6 +232,12 @@ impl SandPatch {
         Some((real, imaginary))
     }
 
+    /// Latest that any of it moves after the block's edge \[s\].
+    pub(super) fn lag(&self) -> f64 {
+        let farthest = self.distance.iter().fold(0.0, |a: f64, b| a.max(*b));
+        farthest / (RAYLEIGH_SPEED * self.law.shear_speed)
+    }
+
     /// As [`MovingSand::fade_hz`].
     pub(super) fn fade_hz(&self) -> [f64; 2] {
         self.law.fade_hz()

@@ -5,12 +5,19 @@
 //! that knows energies alone is [spread evenly](spread_evenly). Spectra become signals by [`over_time`].
 
 mod array;
+mod bands;
+mod directions;
+mod piece;
 mod plane;
 mod sphere;
 mod spread;
 mod time;
 
 pub use array::{Iso3744Box, background_correction, environmental_correction};
+pub use bands::{Around, BandSound, above_plane};
+pub(crate) use bands::{bins_of, groups, of_bins, squares};
+pub use directions::Directions;
+pub(crate) use piece::{Piece, Rows, rows};
 pub use plane::SoundAbovePlane;
 pub use sphere::shaken_sphere_pressure;
 pub use spread::{Spread, spread_evenly};

@@ -99,7 +99,7 @@ impl Scene<'_> {
     pub(super) fn workpiece<'a>(&self, inputs: &Inputs<'a>) -> Result<Heard<'a>, Error> {
         match inputs.radiator {
             Radiator::Bem(bem) => self.standing(bem, inputs.spectra, &inputs.workpiece.spectrum),
-            Radiator::Rayleigh(sampled) => self.flush(inputs, sampled),
+            Radiator::Rayleigh(flush) => self.flush(inputs, &flush.waves),
             Radiator::Erp(_) => self.evenly(inputs.workpiece),
         }
     }
@@ -111,7 +111,16 @@ impl Scene<'_> {
         spectra: &[ModalSpectra],
         radiated: &'a SourceSpectrum,
     ) -> Result<Heard<'a>, Error> {
-        let together = side_by_side(spectra);
+        self.solved(bem, &side_by_side(spectra), radiated)
+    }
+
+    /// A source by boundary elements, as far as they reach.
+    fn solved<'a>(
+        &self,
+        bem: &ModalBem,
+        together: &ModalSpectra,
+        radiated: &'a SourceSpectrum,
+    ) -> Result<Heard<'a>, Error> {
         let frequency = &together.frequency;
         let mut pressures = bem.pressures(frequency, &together.accelerations)?;
         let [from, to] = bem.blend_hz();
@@ -168,8 +177,16 @@ impl Scene<'_> {
         })
     }
 
-    /// The tool: as a shaken sphere, its housing's vibration spread evenly.
-    pub(super) fn body<'a>(&self, record: &CycleRecord, source: &'a Sound) -> Result<Heard<'a>, Error> {
+    /// The tool: by boundary elements, or as a shaken sphere.
+    pub(super) fn body<'a>(&self, inputs: &Inputs<'a>) -> Result<Heard<'a>, Error> {
+        match inputs.tool.and_then(|tool| Some((tool, tool.bem.as_ref()?))) {
+            Some((tool, bem)) => self.solved(bem, &tool.spectra, &inputs.body.spectrum),
+            None => self.shaken(inputs.record, inputs.body),
+        }
+    }
+
+    /// The tool as a shaken sphere, its housing's vibration spread evenly.
+    fn shaken<'a>(&self, record: &CycleRecord, source: &'a Sound) -> Result<Heard<'a>, Error> {
         let centre = self.on_axis(0.5 * tool_height(self.design));
         let analysis = &self.design.analysis;
         let settings = TransformSettings {

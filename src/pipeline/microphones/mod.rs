@@ -11,6 +11,7 @@ use nailnoise_acoustics::sound::{Iso3744Box, background_correction, environmenta
 use nailnoise_dynamics::CycleRecord;
 use nalgebra::Point3;
 
+use super::Tool;
 use super::bodies::Structure;
 use super::exhaust::Exhaust;
 use super::radiator::{Radiator, floor};
@@ -54,6 +55,7 @@ pub(super) struct Inputs<'a> {
     pub(super) record: &'a CycleRecord,
     pub(super) workpiece: &'a Sound,
     pub(super) body: &'a Sound,
+    pub(super) tool: Option<&'a Tool>,
     /// End of all motion \[s\].
     pub(super) end: f64,
 }
@@ -65,7 +67,7 @@ fn tool_height(design: &Design) -> f64 {
 
 /// Height of the plane that reflects: the floor under a table, the sand's surface, or a floor at the block's underside,
 /// on which it lies, is clamped or is hung closely above \[m\].
-fn reflecting_plane(design: &Design) -> f64 {
+pub(super) fn reflecting_plane(design: &Design) -> f64 {
     match design.support.kind {
         SupportKind::Worktable => floor(design),
         SupportKind::Sandbox => design.workpiece.thickness,
@@ -118,7 +120,7 @@ pub(super) fn of_bodies(design: &Design, air: &Air, inputs: &Inputs<'_>) -> Resu
     let scene = Scene::of(design, air, inputs.end);
     Ok([
         of_source(design, scene.workpiece(inputs)?)?,
-        of_source(design, scene.body(inputs.record, inputs.body)?)?,
+        of_source(design, scene.body(inputs)?)?,
     ])
 }
 

@@ -1,0 +1,149 @@
+//! Energies of a shot's sound in frequency bands, at points and per solid angle.
+
+use super::piece::{Piece, Rows, rows};
+use crate::error::AcousticsError;
+use crate::levels::{Band, Weighting, energy_weights};
+use crate::radiation::{ModalSpectra, Rayleigh};
+use faer::Mat;
+use nalgebra::{Complex, DMatrix, Point3, Vector3};
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// Bins worked on at once.
+const CHUNK: usize = 64;
+
+/// Widest range that one polynomial serves, as a ratio of frequencies.
+const WIDEST: f64 = 4.0;
+
+/// Where the sound of a body is wanted.
+#[derive(Debug, Clone, Copy)]
+pub struct Around<'a> {
+    /// Points \[m\].
+    pub points: &'a [Point3<f64>],
+    /// Directions, unit vectors.
+    pub directions: &'a [Vector3<f64>],
+}
+
+/// The sound of a shot around a body, band by band.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BandSound {
+    /// Sound exposure 2 int |p|² df, points x bands \[Pa² s\].
+    pub exposure: DMatrix<f64>,
+    /// Energy per solid angle in the far field, directions x bands \[J/sr\].
+    pub directivity: DMatrix<f64>,
+    /// Estimated error of what is interpolated over frequency, relative to its largest value per unit of any mode's
+    /// acceleration.
+    pub error: f64,
+    /// Frequencies at which the field was computed.
+    pub samples: usize,
+}
+
+impl BandSound {
+    pub(crate) fn zeros(bands: &[Band], around: &Around<'_>) -> Self {
+        Self {
+            exposure: DMatrix::zeros(around.points.len(), bands.len()),
+            directivity: DMatrix::zeros(around.directions.len(), bands.len()),
+            error: 0.0,
+            samples: 0,
+        }
+    }
+
+    /// Adds squares of the pressure \[Pa² s\] and of the far field, the latter times a factor, to a band.
+    pub(crate) fn add(&mut self, band: usize, exposure: &[f64], (field, factor): (&[f64], f64)) {
+        self.exposure
+            .column_mut(band)
+            .iter_mut()
+            .zip(exposure)
+            .for_each(|(to, e)| *to += e);
+        self.directivity
+            .column_mut(band)
+            .iter_mut()
+            .zip(field)
+            .for_each(|(to, e)| *to += factor * e);
+    }
+}
+
+/// Groups of neighbouring bands that one polynomial each serves: no wider than [`WIDEST`], and those of which `alone`
+/// holds by themselves.
+pub(crate) fn groups(bands: &[Band], alone: impl Fn(&Band) -> bool) -> Vec<&[Band]> {
+    let mut groups = Vec::new();
+    let mut rest = bands;
+    while let Some(first) = rest.first() {
+        let fits = |b: &&Band| !alone(b) && !alone(first) && b.high <= WIDEST * first.low * (1.0 + 1e-9);
+        let (group, others) = rest.split_at(rest.iter().take_while(fits).count().max(1));
+        groups.push(group);
+        rest = others;
+    }
+    groups
+}
+
+/// Bins that take part in a band.
+pub(crate) fn bins_of(weights: &[f64]) -> Vec<usize> {
+    (0..weights.len()).filter(|&bin| weights[bin] != 0.0).collect()
+}
+
+/// Modal accelerations at some bins.
+pub(crate) fn of_bins(spectra: &ModalSpectra, bins: &[usize]) -> Rows {
+    Mat::from_fn(spectra.accelerations.nrows(), bins.len(), |mode, b| {
+        spectra.accelerations[(mode, bins[b])]
+    })
+}
+
+/// Sum over the bins (columns) of w |x|², row by row.
+pub(crate) fn squares(values: &Rows, weights: &[f64]) -> Vec<f64> {
+    let of_row = |row: usize| {
+        weights
+            .iter()
+            .enumerate()
+            .map(|(b, w)| w * values[(row, b)].norm_sqr())
+            .sum()
+    };
+    (0..values.nrows()).map(of_row).collect()
+}
+
+/// The sound of a shot above a surface flush in a plane, band by band.
+///
+/// # Errors
+/// [`AcousticsError::BelowFloor`] and [`AcousticsError::NearSurface`] for points that [`Rayleigh::pressure_at`] refuses.
+pub fn above_plane(
+    surface: &Rayleigh,
+    bands: &[Band],
+    spectra: &ModalSpectra,
+    around: &Around<'_>,
+) -> Result<BandSound, AcousticsError> {
+    let mut result = BandSound::zeros(bands, around);
+    let (path, middle) = surface.reach();
+    let speed = surface.air().sound_speed;
+    let travel: Vec<f64> = around.points.iter().map(|p| (p - middle).norm()).collect();
+    let fade = surface.fade_hz();
+    let kinked = |band: &Band| fade.is_some_and(|[from, to]| band.high > from && band.low < to);
+    let mut number = 0;
+    for group in groups(bands, kinked) {
+        let range = [group[0].low, group[group.len() - 1].high];
+        let piece = Piece::new(range, (path, speed), |hz| {
+            let mut heard = surface.pressure_at(hz, around.points)?;
+            for (mut row, r) in heard.row_iter_mut().zip(&travel) {
+                let turn = Complex::from_polar(1.0, 2.0 * PI * hz * r / speed);
+                row.iter_mut().for_each(|p| *p *= turn);
+            }
+            Ok(vec![rows(&heard), rows(&surface.far_field_at(hz, around.directions))])
+        })?;
+        result.samples += piece.samples();
+        result.error = result.error.max(piece.error(0)).max(piece.error(1));
+        for band in group {
+            let weights = energy_weights(&spectra.frequency, [band.low, band.high], Weighting::Z);
+            let bins = bins_of(&weights);
+            let of_chunk = |bins: &[usize]| {
+                let frequency: Vec<f64> = bins.iter().map(|&b| spectra.frequency[b]).collect();
+                let weights: Vec<f64> = bins.iter().map(|&b| 2.0 * weights[b]).collect();
+                let motion = of_bins(spectra, bins);
+                [0, 1].map(|quantity| squares(&piece.carried(quantity, &frequency, &motion), &weights))
+            };
+            for [heard, far] in bins.par_chunks(CHUNK).map(of_chunk).collect::<Vec<_>>() {
+                result.add(number, &heard, (&far, 1.0 / surface.air().impedance()));
+            }
+            number += 1;
+        }
+    }
+    Ok(result)
+}

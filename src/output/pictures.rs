@@ -1,0 +1,117 @@
+//! The sound of a shot for ParaView: a series over the bands for each surface, plane and sphere.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::Path;
+
+use nailnoise_meshes::vtu::{Field, write_polygons, write_series};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::FIELDS;
+use crate::error::Error;
+use crate::pipeline::{Picture, Pictures, Series};
+
+/// Tells which design the pictures are of, and what they show.
+const INDEX: &str = "sound.json";
+
+/// `fields/sound.json`.
+#[derive(Serialize, Deserialize)]
+struct Index {
+    design: String,
+    method: String,
+    notes: Vec<String>,
+    series: Vec<String>,
+}
+
+/// Writes the pictures of a design's sound to `folder/fields`: for each series `NAME.pvd` and the `.vtu` of each band, and
+/// last `sound.json`, which names them.
+///
+/// # Errors
+/// [`Error::Write`] or [`Error::Mesh`] with the file that could not be written.
+pub fn write_pictures(folder: &Path, digest: &str, pictures: &Pictures) -> Result<(), Error> {
+    let fields = folder.join(FIELDS);
+    remove(&fields)?;
+    super::create(&fields)?;
+    pictures.series.iter().try_for_each(|series| write(&fields, series))?;
+    let index = Index {
+        design: digest.to_owned(),
+        method: pictures.method.clone(),
+        notes: pictures.notes.clone(),
+        series: pictures.series.iter().map(|series| series.name.clone()).collect(),
+    };
+    let mut json = serde_json::to_vec_pretty(&index).map_err(Error::Json)?;
+    json.push(b'\n');
+    super::write(&fields.join(INDEX), &json)
+}
+
+/// Removes the pictures in a folder unless they are those of the design with this digest.
+///
+/// # Errors
+/// [`Error::Write`] with what could not be removed.
+pub fn remove_others(folder: &Path, digest: &str) -> Result<(), Error> {
+    let fields = folder.join(FIELDS);
+    match index(&fields) {
+        Some(index) if index.design != digest => remove(&fields),
+        _ => Ok(()),
+    }
+}
+
+fn index(fields: &Path) -> Option<Index> {
+    serde_json::from_slice(&fs::read(fields.join(INDEX)).ok()?).ok()
+}
+
+/// Removes what the index names, and the index.
+fn remove(fields: &Path) -> Result<(), Error> {
+    let Some(index) = index(fields) else { return Ok(()) };
+    for name in &index.series {
+        let list = fields.join(format!("{name}.pvd"));
+        gone(&list, fs::remove_file(&list))?;
+        let own = fields.join(name);
+        gone(&own, fs::remove_dir_all(&own))?;
+    }
+    let path = fields.join(INDEX);
+    gone(&path, fs::remove_file(&path))
+}
+
+fn gone(path: &Path, outcome: std::io::Result<()>) -> Result<(), Error> {
+    match outcome {
+        Err(source) if source.kind() != ErrorKind::NotFound => Err(Error::Write {
+            path: path.to_owned(),
+            source,
+        }),
+        _ => Ok(()),
+    }
+}
+
+fn write(fields: &Path, series: &Series) -> Result<(), Error> {
+    super::create(&fields.join(&series.name))?;
+    let of_band = |band: &Picture| {
+        let file = format!("{}/{:05.0}.vtu", series.name, band.hz);
+        let shape = &series.shapes[band.shape];
+        write_polygons(
+            &fields.join(&file),
+            (&shape.points, &shape.polygons),
+            &named(&band.points),
+            &named(&band.polygons),
+        )?;
+        Ok((band.hz, file))
+    };
+    let files = series
+        .bands
+        .par_iter()
+        .map(of_band)
+        .collect::<Result<Vec<_>, Error>>()?;
+    Ok(write_series(&fields.join(format!("{}.pvd", series.name)), &files)?)
+}
+
+fn named(fields: &[(String, Vec<f64>)]) -> Vec<Field<'_>> {
+    fields
+        .iter()
+        .map(|(name, values)| Field {
+            name,
+            components: 1,
+            values,
+        })
+        .collect()
+}

@@ -1,0 +1,126 @@
+//! Radiation of the tool's body by boundary elements: the faces of its housing in the open air, above a rigid floor.
+//!
+//! What is nailed is no part of the problem: it neither reflects the tool's sound nor shades it, except in sand, where its
+//! top is flush with the plane that reflects. The body is taken where it stands before the shot.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use nailnoise_acoustics::Air;
+use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior, Level, ModalBem, Parity, Patterns, Receivers};
+use nailnoise_acoustics::radiation::{Archive, Sampling};
+use nalgebra::{Point3, Vector3};
+
+use super::bodies::Body;
+use super::microphones::{positions, reflecting_plane};
+use super::outside::open_air;
+use super::radiator::{FLOOR, LOWEST_SAMPLE, MOST_SAMPLES};
+use super::{Tell, Watched};
+use crate::cache::{Bytes, Cache, Key};
+use crate::design::{Design, RadiationMethod};
+use crate::error::Error;
+
+/// Name of the stage in the cache.
+const STAGE: &str = "radiation of the tool";
+
+/// Where the tool's nose stands, in the coordinates of the workpiece.
+pub(super) fn nose(design: &Design) -> Vector3<f64> {
+    let nail = &design.nail;
+    Vector3::new(nail.offset_along, nail.offset_across, design.workpiece.thickness)
+}
+
+/// Boundary elements on the tool's housing, from the cache where they are known; none where the design asks for none.
+///
+/// # Errors
+/// Those of mesh and radiation.
+pub(super) fn tool_radiator(
+    design: &Design,
+    body: &Body,
+    air: &Air,
+    cache: &Cache,
+    watched: &Watched<'_>,
+) -> Result<Option<ModalBem>, Error> {
+    if design.acoustics.body_method == RadiationMethod::Erp {
+        return Ok(None);
+    }
+    let open = open_air(&body.surface)?;
+    let receivers = receivers(design);
+    let kept: Bytes = cache.get_or(STAGE, key(design, body, &open, &receivers, air), || {
+        let level = level(design, body, &open, air)?;
+        watched.note(&format!(
+            "tool: boundary elements up to {:.0} Hz, computed once for this body; {}",
+            level.top_hz,
+            level.problem.estimate()
+        ));
+        let sampling = Sampling {
+            range_hz: [LOWEST_SAMPLE.min(0.1 * level.top_hz), level.top_hz],
+            tolerance: design.acoustics.bem_tolerance,
+            floor: FLOOR,
+            most_samples: MOST_SAMPLES,
+        };
+        let solve = |tell: Tell<'_>| {
+            let solved = AtomicU64::new(0);
+            let one_more = || tell(solved.fetch_add(1, Ordering::Relaxed) + 1, 0);
+            ModalBem::with_receivers_telling(vec![level], &sampling, &receivers, &one_more)
+        };
+        let bem = watched.counting(("boundary elements of the tool", "frequencies"), solve)?;
+        Ok::<_, Error>(Bytes(bem.to_bytes()))
+    })?;
+    Ok(Some(ModalBem::from_bytes(&kept.0)?))
+}
+
+/// The microphones in the tool's coordinates.
+fn receivers(design: &Design) -> Receivers {
+    let nose = nose(design);
+    Receivers {
+        points: positions(design).into_iter().map(|point| point - nose).collect(),
+        origin: Point3::origin(),
+    }
+}
+
+/// Height of the reflecting plane in the tool's coordinates: not above the tip of its nose.
+fn floor(design: &Design) -> f64 {
+    reflecting_plane(design) - design.workpiece.thickness
+}
+
+/// The housing's own mesh, up to the frequency that it resolves.
+pub(super) fn level(design: &Design, body: &Body, open: &[bool], air: &Air) -> Result<Level, Error> {
+    let a = &design.acoustics;
+    let mut mesh = BoundaryMesh::of_skin(&body.surface);
+    let mut face = 0;
+    mesh.panels.retain(|_| {
+        face += 1;
+        open[face - 1]
+    });
+    let boundary = Boundary::new(mesh, Some(floor(design)))?;
+    let patterns = Patterns {
+        parity: Parity::default(),
+        velocities: boundary.project_modes(&body.surface, &body.shapes)?,
+    };
+    let top_hz = boundary.highest_hz(air.sound_speed, a.bem_panels).min(a.bem_top);
+    let problem = Exterior::new(boundary, air).with_panels_per_wavelength(a.bem_panels)?;
+    Ok(Level {
+        problem,
+        top_hz,
+        patterns: vec![patterns],
+    })
+}
+
+/// All that the radiation matrix depends on.
+fn key(design: &Design, body: &Body, open: &[bool], receivers: &Receivers, air: &Air) -> Key {
+    let a = &design.acoustics;
+    let surface = &body.surface;
+    let points: Vec<f64> = surface.points.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
+    let mut key = Key::new()
+        .with(&format!("{air:?} {receivers:?}"))
+        .with(&[a.bem_top, a.bem_panels, a.bem_tolerance, floor(design)])
+        .with(&points)
+        .with(&open.iter().map(|o| usize::from(*o)).collect::<Vec<usize>>());
+    for mode in body.shapes.column_iter() {
+        let on_skin = surface
+            .volume_nodes
+            .iter()
+            .flat_map(|&n| [mode[3 * n], mode[3 * n + 1], mode[3 * n + 2]]);
+        key = key.with(&on_skin.collect::<Vec<f64>>());
+    }
+    key
+}
