@@ -1,17 +1,21 @@
 //! Everything a run leaves behind as one value, kept from run to run: an unchanged design is not computed again.
 
+use std::cell::RefCell;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use std::{fs, io};
 
+use nailnoise_dynamics::CycleRecord;
 use nailnoise_meshes::write_atomic;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use sha2::{Digest as _, Sha256};
 
 use crate::cache::{Bytes, Cache, Key};
 use crate::design::Design;
 use crate::error::Error;
-use crate::pipeline::{self, Observer, Options, Run};
+use crate::pipeline::{self, Observer, Options, Run, Vibration};
 use crate::report::{self, Pictures, Recording};
 use crate::result::Check;
 use crate::{figures, interrupt, output};
@@ -24,6 +28,11 @@ const UNFINISHED: &str = ".unfinished-";
 
 /// The microphone whose sound the report holds: in front of the device, half way up.
 const IN_THE_REPORT: usize = 1;
+
+/// Names of the stages in the cache.
+const STAGE: &str = "run";
+const OF_BODIES: &str = "sound and pictures of the bodies";
+const FIELDS: &str = "fields of the bodies";
 
 /// Age at which an unfinished folder is nobody's.
 const ABANDONED: Duration = Duration::from_secs(3600);
@@ -38,6 +47,7 @@ pub struct Bundle {
     /// The checks.
     pub checks: Vec<Check>,
     files: Vec<File>,
+    fields: Fields,
 }
 
 /// A file by its path in the run's folder.
@@ -45,6 +55,56 @@ pub struct Bundle {
 struct File {
     path: PathBuf,
     content: Bytes,
+}
+
+/// Paths and SHA-256 of what the bodies in motion leave. It is most of a run's bytes and the same in all runs whose
+/// bodies move alike: kept once under these digests, and left alone where it is in place.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Fields(Vec<(PathBuf, [u8; 32])>);
+
+impl Fields {
+    /// Of these files, with what is in them.
+    fn of(files: Vec<File>) -> (Self, Vec<Bytes>) {
+        let (paths, contents): (Vec<PathBuf>, Vec<Bytes>) =
+            files.into_iter().map(|file| (file.path, file.content)).unzip();
+        let digests: Vec<[u8; 32]> = contents.par_iter().map(|content| digest(&content.0)).collect();
+        (Self(paths.into_iter().zip(digests).collect()), contents)
+    }
+
+    fn key(&self) -> Key {
+        Key::new().with(&self.0)
+    }
+
+    /// Those that are not in their places under a folder.
+    fn missing(&self, folder: &Path) -> Vec<usize> {
+        let there = |(path, expected): &(PathBuf, [u8; 32])| {
+            fs::read(folder.join(path)).is_ok_and(|content| digest(&content) == *expected)
+        };
+        (0..self.0.len())
+            .into_par_iter()
+            .filter(|&at| !there(&self.0[at]))
+            .collect()
+    }
+
+    /// Those that are not in their places, from the cache; nothing where it does not hold them.
+    fn wanted(&self, folder: &Path, cache: &Cache) -> Option<Vec<File>> {
+        let missing = self.missing(folder);
+        if missing.is_empty() {
+            cache.renew(FIELDS, &self.key());
+            return Some(Vec::new());
+        }
+        let mut contents: Vec<Bytes> = cache.get(FIELDS, &self.key())?;
+        let wanted = missing.into_iter().map(|at| {
+            let content = std::mem::replace(contents.get_mut(at)?, Bytes(Vec::new()));
+            let path = self.0[at].0.clone();
+            Some(File { path, content })
+        });
+        wanted.collect()
+    }
+}
+
+fn digest(bytes: &[u8]) -> [u8; 32] {
+    Sha256::digest(bytes).into()
 }
 
 /// How a run is told in words: the table, and the parts of the sources.
@@ -63,50 +123,66 @@ pub fn deliver(
     cache: &Cache,
     observer: &mut dyn Observer,
 ) -> Result<(Bundle, bool), Error> {
-    let mut fresh = None;
-    let bundle = cache.get_or("run", key(design, draw)?, || {
-        let place = Unfinished::within(folder)?;
-        let (run, (pictures, fields)) = pipeline::run_telling(
-            design,
-            Options::default(),
-            cache,
-            observer,
-            "sound and pictures of the bodies",
-            |vibration, record| {
-                output::write_fields(&place.path, vibration, &record.events)?;
-                Ok((Pictures::new(design, vibration), read_all(&place.path)?))
-            },
-        )?;
-        observer.stage("writing files");
-        let mut files = write(&place.path, design, &run, &pictures, draw)?;
-        files.retain(|file| fields.iter().all(|field| field.path != file.path));
-        for file in &fields {
-            let to = place.path.join(&file.path);
-            if !to.exists() {
-                output::create(to.parent().unwrap_or(&place.path))?;
-                output::write(&to, &file.content.0)?;
+    let key = key(design, draw)?;
+    let kept = cache.get(STAGE, &key).and_then(|bundle: Bundle| {
+        let fields = bundle.fields.wanted(folder, cache)?;
+        Some((bundle, fields))
+    });
+    if let Some((bundle, fields)) = kept {
+        cache.take_notes().iter().for_each(|note| observer.note(note));
+        observer.stage("the design has not changed: its files are those kept from the last run");
+        let _whole = interrupt::undisturbed();
+        bundle.place(folder, &fields, None)?;
+        return Ok((bundle, true));
+    }
+    let unfinished = Unfinished::within(folder)?;
+    let [of_bodies, others] = unfinished.parts();
+    let fresh = RefCell::new(Vec::new());
+    let tell = |vibration: &Vibration, record: &CycleRecord| {
+        let write = || {
+            output::write_fields(&of_bodies, vibration, &record.events)?;
+            read_all(&of_bodies)
+        };
+        let (files, pictures) = rayon::join(write, || Pictures::new(design, vibration));
+        let (fields, contents) = Fields::of(files?);
+        fresh.replace(contents);
+        Ok((pictures, fields))
+    };
+    let options = Options::default();
+    let (mut run, (mut pictures, mut fields)) =
+        pipeline::run_telling(design, options, cache, observer, OF_BODIES, &tell)?;
+    let mut kept = Vec::new();
+    if !of_bodies.exists() {
+        match fields.wanted(folder, cache) {
+            Some(wanted) => kept = wanted,
+            None => {
+                observer.stage("the fields are no longer kept: the bodies once more");
+                let vibration;
+                (run, vibration) = pipeline::run_in_full(design, options, cache, observer)?;
+                (pictures, fields) = tell(&vibration, &run.record)?;
             }
         }
-        files.extend(fields);
-        let bundle = Bundle {
-            json: read_text(&place.path.join(LAST))?,
-            text: words(&run),
-            checks: run.result.checks,
-            files,
-        };
-        fresh = Some(place);
-        Ok::<_, Error>(bundle)
-    })?;
+    }
+    observer.stage("writing files");
+    let contents = fresh.take();
+    let keep = || {
+        if !contents.is_empty() {
+            cache.put(FIELDS, &fields.key(), &contents);
+        }
+    };
+    let (files, ()) = rayon::join(|| write(&others, design, &run, &pictures, draw), keep);
+    let bundle = Bundle {
+        files: files?,
+        json: read_text(&others.join(LAST))?,
+        text: words(&run),
+        checks: run.result.checks,
+        fields,
+    };
+    cache.put(STAGE, &key, &bundle);
     cache.take_notes().iter().for_each(|note| observer.note(note));
     let _whole = interrupt::undisturbed();
-    match &fresh {
-        Some(place) => bundle.place(folder, |file, to| fs::rename(place.path.join(&file.path), to))?,
-        None => {
-            observer.stage("the design has not changed: its files are those kept from the last run");
-            bundle.place(folder, |file, to| write_atomic(to, &file.content.0))?;
-        }
-    }
-    Ok((bundle, fresh.is_none()))
+    bundle.place(folder, &kept, Some(&unfinished))?;
+    Ok((bundle, false))
 }
 
 /// Everything the files depend on: all values, what is said about them, and which files are asked for.
@@ -145,7 +221,6 @@ fn write(folder: &Path, design: &Design, run: &Run, pictures: &Pictures, draw: b
     }
     let recordings = heard_at(folder, run, IN_THE_REPORT)?;
     let mut files = read_all(folder)?;
-    files.retain(|file| !file.path.starts_with(output::FIELDS));
     let report = File {
         path: "report.html".into(),
         content: Bytes(report::run(design, run, pictures, &recordings).into_bytes()),
@@ -170,27 +245,66 @@ fn heard_at(folder: &Path, run: &Run, microphone: usize) -> Result<Vec<Recording
 }
 
 impl Bundle {
-    /// Brings the files into `folder` by `bring`, those that are there already excepted.
-    fn place(&self, folder: &Path, bring: impl Fn(&File, &Path) -> io::Result<()>) -> Result<(), Error> {
+    /// Brings the files into `folder`, those that are there already excepted: from where a run has just written them, or
+    /// else the bundle's own and these `fields`.
+    fn place(&self, folder: &Path, fields: &[File], unfinished: Option<&Unfinished>) -> Result<(), Error> {
+        let [of_bodies, others] = unfinished.map(Unfinished::parts).unwrap_or_default();
+        let written = unfinished.map(|_| others.as_path());
         let same = |file: &File| fs::read(folder.join(&file.path)).is_ok_and(|there| there == file.content.0);
-        if self.files.iter().all(same) {
+        let task = |file| Bring::task(file, written);
+        let is_last = |file: &&File| file.path == Path::new(LAST);
+        let differing = self.files.par_iter().filter(|file| !is_last(file) && !same(file));
+        let mut tasks: Vec<(&Path, Bring<'_>)> = differing.map(task).collect();
+        if of_bodies.exists() {
+            let paths = self.fields.0.iter().map(|(path, _)| path.as_path());
+            tasks.extend(paths.map(|path| (path, Bring::Move(of_bodies.join(path)))));
+        } else {
+            tasks.extend(fields.iter().map(|file| Bring::task(file, None)));
+        }
+        let last = self.files.iter().find(is_last);
+        if tasks.is_empty() && last.is_none_or(same) {
             return Ok(());
         }
         // While files of two runs are side by side there is no result.
-        let last = folder.join(LAST);
-        match fs::remove_file(&last) {
-            Err(source) if source.kind() != ErrorKind::NotFound => return Err(Error::Write { path: last, source }),
+        let result = folder.join(LAST);
+        match fs::remove_file(&result) {
+            Err(source) if source.kind() != ErrorKind::NotFound => {
+                return Err(Error::Write { path: result, source });
+            }
             _ => {}
         }
-        let (last, others): (Vec<&File>, Vec<&File>) = self.files.iter().partition(|file| file.path == Path::new(LAST));
-        for file in others.into_iter().chain(last) {
-            let to = folder.join(&file.path);
+        let bring = |(path, how): &(&Path, Bring<'_>)| {
+            let to = folder.join(path);
             if let Some(parent) = to.parent() {
                 output::create(parent)?;
             }
-            bring(file, &to).map_err(|source| Error::Write { path: to, source })?;
+            how.bring(&to).map_err(|source| Error::Write { path: to, source })
+        };
+        tasks.par_iter().try_for_each(bring)?;
+        last.map(task).iter().try_for_each(bring)
+    }
+}
+
+/// How a file comes to its place.
+enum Bring<'a> {
+    /// From where it was written a moment ago.
+    Move(PathBuf),
+    /// From what is kept.
+    Write(&'a [u8]),
+}
+
+impl<'a> Bring<'a> {
+    /// A file, and how it comes.
+    fn task(file: &'a File, written: Option<&Path>) -> (&'a Path, Self) {
+        let how = written.map_or(Self::Write(&file.content.0), |at| Self::Move(at.join(&file.path)));
+        (&file.path, how)
+    }
+
+    fn bring(&self, to: &Path) -> io::Result<()> {
+        match self {
+            Self::Move(from) => fs::rename(from, to),
+            Self::Write(content) => write_atomic(to, content),
         }
-        Ok(())
     }
 }
 
@@ -211,6 +325,11 @@ impl Unfinished {
             path,
             _cleaning: cleaning,
         })
+    }
+
+    /// Where the files of the bodies in motion and all others are written.
+    fn parts(&self) -> [PathBuf; 2] {
+        ["bodies", "others"].map(|part| self.path.join(part))
     }
 }
 

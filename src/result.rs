@@ -134,7 +134,8 @@ pub struct RadiationReport {
     pub join_hz: [f64; 2],
     /// Frequencies at which the radiation matrix was computed.
     pub frequencies: usize,
-    /// Largest interpolation error of an entry of the matrix, relative to sqrt(R_ii R_jj) \[-\].
+    /// Largest interpolation error of the matrix over frequency, root mean square of the entries relative to
+    /// sqrt(R_ii R_jj) \[-\].
     pub interpolation_error: f64,
     /// A-weighted level by the intensity on the surface less that by the far field, below the blend \[dB\]; null when
     /// silent.
@@ -142,6 +143,8 @@ pub struct RadiationReport {
     /// Level of the limit less that of the boundary elements in the last three bands below the blend, lowest and highest
     /// \[dB\]: what the limit may be off above. Zero by Rayleigh's integral.
     pub limit_error_db: [f64; 2],
+    /// Level of the limit less that of the boundary elements over the blend itself \[dB\]; null when silent.
+    pub blend_error_db: Option<f64>,
     /// A-weighted level of radiation efficiency 1 over the source's range \[dB re 1 pW s\]; null when silent.
     pub erp_lwa_db: Option<f64>,
     /// What each mode adds; the shares sum to one.
@@ -430,9 +433,12 @@ impl From<&nailnoise_dynamics::Check> for Check {
     }
 }
 
-/// Wall time of each stage, in the order they ran.
+/// Wall time of each stage; some run side by side.
 #[derive(Debug, Clone, Default)]
 pub struct Timing(pub Vec<(&'static str, f64)>);
+
+/// The whole run, in the list of its stages.
+const WHOLE: &str = "whole run";
 
 impl Timing {
     /// Runs a stage and keeps its wall time.
@@ -441,6 +447,20 @@ impl Timing {
         let value = work();
         self.0.push((stage, start.elapsed().as_secs_f64()));
         value
+    }
+
+    /// Keeps how long all of it took.
+    pub(crate) fn end(&mut self, begin: std::time::Instant) {
+        self.0.push((WHOLE, begin.elapsed().as_secs_f64()));
+    }
+
+    /// Wall time of all of it \[s\].
+    pub fn whole(&self) -> f64 {
+        self.0
+            .iter()
+            .filter(|(stage, _)| *stage == WHOLE)
+            .map(|(_, seconds)| seconds)
+            .sum()
     }
 }
 

@@ -125,8 +125,8 @@ fn results_do_not_depend_on_the_cache() {
     assert_eq!(run(&[]).0, anew);
     assert_eq!(
         entries(),
-        4,
-        "modes of workpiece and worktable, what the bodies tell, and what the run left"
+        5,
+        "modes of workpiece and worktable, what the bodies tell, their fields, and what the run left"
     );
     assert_eq!(run(&[]).0, anew);
     for entry in std::fs::read_dir(&cache).unwrap() {

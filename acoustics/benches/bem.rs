@@ -22,7 +22,7 @@ fn cpu(start: std::time::Instant) -> f64 {
 
 fn main() {
     let start = std::time::Instant::now();
-    println!("panels  unknowns  close pairs  patterns  set up    solve   far field  (CPU s, one thread)");
+    println!("panels  unknowns  close pairs  shapes  patterns  set up    solve   far field  (CPU s, one thread)");
     let spheres = if std::env::args().any(|a| a == "table") { 0 } else { 4 };
     for (n, patterns) in [(9, 1), (12, 1), (17, 1), (17, 100)].into_iter().take(spheres) {
         let t0 = cpu(start);
@@ -41,10 +41,11 @@ fn main() {
         problem.far_field_resistance(&v, &solution).unwrap();
         let t3 = cpu(start);
         println!(
-            "{:6} {:9} {:12} {patterns:9} {:7.2} {:8.2} {:11.2}",
+            "{:6} {:9} {:12} {:7} {patterns:9} {:7.2} {:8.2} {:11.2}",
             problem.boundary().mesh().panels.len(),
             problem.boundary().nodes(),
             problem.close_pairs(),
+            problem.close_shapes(),
             t1 - t0,
             t2 - t1,
             t3 - t2
@@ -71,7 +72,9 @@ fn table(start: std::time::Instant) {
     let (mirrors, floor) = ([Some(0.0); 2], -0.67);
     let air = Air::default();
     println!("\nblock on table, six panels a wavelength, a quarter, four parities of 100 patterns");
-    println!("    Hz  panels  unknowns  set up     kept    solve   both powers  (CPU s, one thread)");
+    println!(
+        "    Hz  panels  unknowns  close pairs  shapes  set up     kept    solve   both powers  (CPU s, one thread)"
+    );
     for hz in [1280.0, 3200.0] {
         let t0 = cpu(start);
         let planes = [mirrors[0], mirrors[1], Some(floor)];
@@ -98,9 +101,11 @@ fn table(start: std::time::Instant) {
         problem.resistance_parities(0.9 * hz, &patterns).unwrap();
         let t4 = cpu(start);
         println!(
-            "{hz:6} {:7} {:9} {:7.2} {:8.2} {:8.2} {:13.2}",
+            "{hz:6} {:7} {:9} {:12} {:7} {:7.2} {:8.2} {:8.2} {:13.2}",
             problem.boundary().mesh().panels.len(),
             problem.boundary().nodes(),
+            problem.close_pairs(),
+            problem.close_shapes(),
             t1 - t0,
             t2 - t1,
             t3 - t2,

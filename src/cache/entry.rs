@@ -67,19 +67,29 @@ pub(super) fn read<T: DeserializeOwned>(path: &Path, inputs: &[u8; 32]) -> Resul
     let mut bytes = Vec::new();
     file.read_to_end(&mut bytes)?;
     let value = postcard::from_bytes(content(&bytes, Some(inputs))?)?;
+    used(&file);
+    Ok(Some(value))
+}
+
+/// Counts an entry as used now, where there is one.
+pub(super) fn renew(path: &Path) {
+    if let Ok(file) = File::open(path) {
+        used(&file);
+    }
+}
+
+fn used(file: &File) {
     // The time tells the order in which entries go; where it cannot be set they go in the order they came.
     let _ = file.set_modified(SystemTime::now());
-    Ok(Some(value))
 }
 
 /// Writes a value.
 pub(super) fn write<T: Serialize>(path: &Path, inputs: &[u8; 32], value: &T) -> io::Result<()> {
-    let content = postcard::to_stdvec(value).map_err(io::Error::other)?;
-    let mut bytes = Vec::with_capacity(MAGIC.len() + 64 + content.len());
-    bytes.extend_from_slice(MAGIC);
-    bytes.extend_from_slice(inputs);
-    bytes.extend_from_slice(&Sha256::digest(&content));
-    bytes.extend_from_slice(&content);
+    let mut bytes = [&MAGIC[..], inputs, &[0; 32]].concat();
+    let header = bytes.len();
+    bytes = postcard::to_extend(value, bytes).map_err(io::Error::other)?;
+    let of_content = Sha256::digest(&bytes[header..]);
+    bytes[header - 32..header].copy_from_slice(&of_content);
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder)?;
     }

@@ -93,27 +93,52 @@ impl Cache {
         key: Key,
         compute: impl FnOnce() -> Result<T, E>,
     ) -> Result<T, E> {
-        let Some(store) = &self.store else { return compute() };
-        let digest = key.digest();
-        let path = store.folder.join(entry::name(stage, &digest));
-        match entry::read(&path, &digest) {
-            Ok(Some(value)) => return Ok(value),
-            Ok(None) => {}
-            Err(damage) => self.note(format!(
-                "the cache entry {} {damage}; it is computed anew",
-                path.display()
-            )),
+        if let Some(value) = self.get(stage, &key) {
+            return Ok(value);
         }
         let value = compute()?;
-        if let Err(source) =
-            entry::write(&path, &digest, &value).and_then(|()| folder::bound(&store.folder, store.limit))
-        {
+        self.put(stage, &key, &value);
+        Ok(value)
+    }
+
+    /// What is kept of `stage` for the inputs in `key`; damage becomes a note.
+    pub fn get<T: DeserializeOwned>(&self, stage: &str, key: &Key) -> Option<T> {
+        let (_, digest, path) = self.place(stage, key)?;
+        entry::read(&path, &digest).unwrap_or_else(|damage| {
+            self.note(format!(
+                "the cache entry {} {damage}; it is computed anew",
+                path.display()
+            ));
+            None
+        })
+    }
+
+    /// Keeps what `stage` gives for the inputs in `key`; trouble becomes a note.
+    pub fn put<T: Serialize>(&self, stage: &str, key: &Key, value: &T) {
+        let Some((store, digest, path)) = self.place(stage, key) else {
+            return;
+        };
+        let written = entry::write(&path, &digest, value).and_then(|()| folder::bound(&store.folder, store.limit));
+        if let Err(source) = written {
             self.note(format!(
                 "{stage} cannot be kept in {}: {source}; choose another folder with NAILNOISE_CACHE",
                 store.folder.display()
             ));
         }
-        Ok(value)
+    }
+
+    /// An entry that is of use though nobody reads it counts as used.
+    pub fn renew(&self, stage: &str, key: &Key) {
+        if let Some((_, _, path)) = self.place(stage, key) {
+            entry::renew(&path);
+        }
+    }
+
+    fn place(&self, stage: &str, key: &Key) -> Option<(&Store, [u8; 32], PathBuf)> {
+        let store = self.store.as_ref()?;
+        let digest = key.clone().digest();
+        let path = store.folder.join(entry::name(stage, &digest));
+        Some((store, digest, path))
     }
 
     /// Takes what there is to tell the user.

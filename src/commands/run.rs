@@ -216,7 +216,7 @@ fn text(result: &RunResult) -> String {
         text.push_str(&format!("  - {note}\n"));
     }
     let failed = result.checks.iter().filter(|check| !check.ok).count();
-    let total: f64 = result.timing.0.iter().map(|stage| stage.1).sum();
+    let total = result.timing.whole();
     let checks = result.checks.len();
     text.push_str(&match failed {
         0 => format!("\n  all {checks} checks ok; {total:.1} s\n"),

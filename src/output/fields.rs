@@ -60,8 +60,7 @@ pub(super) fn write(folder: &Path, vibration: &Vibration) -> Result<(), Error> {
 fn write_bands(folder: &Path, body: &Body, bands: &[(f64, Vec<f64>)]) -> Result<(), Error> {
     let name = format!("{}-bands", body.name);
     super::create(&folder.join(&name))?;
-    let mut series = Vec::with_capacity(bands.len());
-    for (nominal, values) in bands {
+    let of_band = |(nominal, values): &(f64, Vec<f64>)| {
         let file = format!("{name}/{nominal:05.0}.vtu");
         let field = Field {
             name: "velocity exposure level [dB]",
@@ -69,8 +68,9 @@ fn write_bands(folder: &Path, body: &Body, bands: &[(f64, Vec<f64>)]) -> Result<
             values,
         };
         write_surface(&folder.join(&file), &body.surface, &[field], &[])?;
-        series.push((*nominal, file));
-    }
+        Ok((*nominal, file))
+    };
+    let series: Vec<(f64, String)> = bands.par_iter().map(of_band).collect::<Result<_, Error>>()?;
     Ok(write_series(&folder.join(format!("{name}.pvd")), &series)?)
 }
 

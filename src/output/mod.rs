@@ -23,7 +23,7 @@ pub use csv::EVENT_NAMES;
 pub use pictures::{remove_others, write_pictures};
 
 /// The folder of the fields in that of a run.
-pub(crate) const FIELDS: &str = "fields";
+const FIELDS: &str = "fields";
 
 /// Opens the fields of a run in ParaView.
 const PARAVIEW: &str = include_str!("paraview.py");

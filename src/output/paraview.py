@@ -111,7 +111,7 @@ sounds = [file for name in ("surface", "plane-xz", "plane-yz", "plane-xy") for f
 spheres = glob.glob(os.path.join(fields, "sound-sphere.pvd"))
 for title, files, wanted, below in [
     ("the sound", sounds, "sound exposure level [dB re (20 uPa)2 s]", SHOWN),
-    ("its directions", spheres, "directivity index of the half space [dB]", 0.5 * SHOWN),
+    ("its directions", spheres, "directivity index [dB]", 0.5 * SHOWN),
 ]:
     if files:
         CreateLayout(title)

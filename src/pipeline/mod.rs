@@ -33,7 +33,6 @@ mod tool_loads;
 mod tool_radiator;
 mod vibration;
 
-use nailnoise_acoustics::Air;
 use nailnoise_acoustics::radiation::ModalSpectra;
 use nailnoise_dynamics::CycleRecord;
 use nailnoise_fem::transient::ModalResponse;
@@ -162,10 +161,7 @@ pub fn run_in_full(
         told,
         two_way,
     } = moved(&bench, lumped, &mut timing, observer)?;
-    Ok((
-        finish(design, &bench.air, record, told, two_way, timing, observer)?,
-        vibration,
-    ))
+    Ok((finish(&bench, record, told, two_way, timing, observer)?, vibration))
 }
 
 /// A run with what `tell` makes of its bodies in motion. Where a cycle drives them one way both are kept as `stage`, and
@@ -195,7 +191,7 @@ pub(crate) fn run_telling<T: Serialize + DeserializeOwned>(
         let more = timing.time("telling", || tell(&moved.vibration, &moved.record))?;
         Ok::<_, Error>((moved.told, more))
     })?;
-    Ok((finish(design, &bench.air, record, told, None, timing, observer)?, more))
+    Ok((finish(&bench, record, told, None, timing, observer)?, more))
 }
 
 /// The cycle with its own lumped workpiece.
@@ -206,14 +202,14 @@ fn driving(design: &Design, timing: &mut Timing, observer: &mut dyn Observer) ->
 
 /// From what the bodies tell to the result: exhaust, ranking, intervals, checks and notes.
 fn finish(
-    design: &Design,
-    air: &Air,
+    bench: &Bench<'_>,
     record: CycleRecord,
     told: Told,
     two_way: Option<TwoWay>,
     mut timing: Timing,
     observer: &mut dyn Observer,
 ) -> Result<Run, Error> {
+    let Bench { design, ref air, .. } = *bench;
     let sensors = told.sensors(design);
     let [workpiece, body] = &told.sources;
     observer.stage("exhaust");
@@ -250,6 +246,7 @@ fn finish(
     if let Some(starts) = &told.starts {
         starts::widen(&mut ranking, starts);
     }
+    timing.end(bench.begin);
     let result = RunResult {
         schema: SCHEMA,
         design: DesignId {

@@ -14,10 +14,13 @@ fn radiation_note(what: &str, report: &RadiationReport) -> String {
     let [least, most] = report.limit_error_db;
     format!(
         "{what}: boundary elements at {} frequencies up to {:.0} Hz (surface {difference:+.2} dB to \
-         the far field), radiation efficiency 1 above, {least:+.1} to {most:+.1} dB off in the last three bands below; \
-         over all bands it would give {}",
+         the far field), radiation efficiency 1 above, {} off where it takes over and {least:+.1} to {most:+.1} dB in the three bands \
+         below; over all bands it would give {}",
         report.frequencies,
         report.join_hz[1],
+        report
+            .blend_error_db
+            .map_or_else(|| "nothing".to_owned(), |error| format!("{error:+.1} dB")),
         decibels(report.erp_lwa_db),
     )
 }

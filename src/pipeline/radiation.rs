@@ -115,6 +115,8 @@ pub(super) fn by_boundary_elements(
     let energies = mode_energies(bem, together, &weights)?;
     let mut report = report(bem, &source, &surface, &erp);
     report.modes = modes_of(bodies, damping, &energies);
+    let [alone, limit] = bem.either_side_of_the_blend(&together.frequency, &together.accelerations);
+    report.blend_error_db = (alone > 0.0 && limit > 0.0).then(|| 10.0 * (limit / alone).log10());
     let signals = vec![(name, radiated_signals(bem, together, &source)?)];
     let above = |factor: f64| {
         let range = together.range_hz;

@@ -54,6 +54,7 @@ pub(super) fn report(
         interpolation_error: bem.summary.interpolation,
         surface_difference_db: difference,
         limit_error_db: if limit[0] <= limit[1] { limit } else { [0.0; 2] },
+        blend_error_db: None,
         erp_lwa_db: level(erp, range),
         modes: Vec::new(),
         bands: rows
@@ -102,6 +103,7 @@ pub(super) fn flush_report(
         interpolation_error: flush.waves.interpolation_error(),
         surface_difference_db: (by_waves > 0.0).then(|| 10.0 * (by_surface / by_waves).log10()),
         limit_error_db: [0.0; 2],
+        blend_error_db: None,
         erp_lwa_db: energy_level(erp.energy(range, Weighting::A)),
         modes: Vec::new(),
         bands: rows

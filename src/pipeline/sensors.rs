@@ -8,6 +8,7 @@ use nailnoise_dynamics::CycleRecord;
 use nailnoise_fem::transient::{Loads, ModalResponse, Motion, Settings};
 use nailnoise_meshes::MeshError;
 use nalgebra::{Complex, DMatrix, Point3, Vector3};
+use rayon::prelude::*;
 
 use super::bodies::{Body, Structure};
 use super::pattern::Pattern;
@@ -54,9 +55,14 @@ pub(super) struct Shot<'a> {
 /// # Errors
 /// [`DesignError::Sensor`](crate::design::DesignError::Sensor) for a sensor that is not on its body.
 pub(super) fn sensors(design: &Design, shot: Shot<'_>) -> Result<Vec<SensorRecord>, Error> {
-    let present = design.sensors.iter().filter(|(_, sensor)| carries(design, sensor.body));
+    let present: Vec<_> = design
+        .sensors
+        .iter()
+        .filter(|(_, sensor)| carries(design, sensor.body))
+        .collect();
     let response = shot.response;
     present
+        .into_par_iter()
         .map(|(name, sensor)| {
             let place = Site::of(design, shot, name, sensor)?;
             let raw = place.acceleration(shot, sensor)?;

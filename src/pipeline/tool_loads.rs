@@ -20,6 +20,7 @@
 use nailnoise_dynamics::{CycleRecord, Form, Geometry, Parameters, Volume};
 use nailnoise_meshes::{Mesh, MeshError, Surface};
 use nalgebra::{DMatrix, Point3, Vector3};
+use rayon::prelude::*;
 
 use super::pattern::Pattern;
 use crate::design::Design;
@@ -87,12 +88,12 @@ pub(super) fn patterns(design: &Design, mesh: &Mesh) -> Result<Vec<Pattern>, Err
         down("handle", "the hand", &all)?,
     ];
     let bore = Bore::of(mesh)?;
-    for ring in 0..RINGS {
+    let of_ring = |ring: usize| {
         let [low, high] = bore.ring(ring);
-        patterns.push(Pattern::pressure(&surface, &["gas_bore"], |p| {
-            (low..high).contains(&p.z)
-        })?);
-    }
+        Pattern::pressure(&surface, &["gas_bore"], |p| (low..high).contains(&p.z))
+    };
+    let rings = (0..RINGS).into_par_iter().map(of_ring);
+    patterns.extend(rings.collect::<Result<Vec<_>, _>>()?);
     let here = |names: &[&'static str]| -> Vec<&'static str> {
         let known = |name: &&str| surface.patches.iter().any(|patch| patch == name);
         names.iter().copied().filter(|name| known(name)).collect()

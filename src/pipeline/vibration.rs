@@ -4,6 +4,8 @@
 //! and a function of the design and of the cycle that drives them: it is kept, so that a design that changes only how the
 //! exhaust sounds needs neither.
 
+use std::time::Instant;
+
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
 use nailnoise_acoustics::radiation::ModalSpectra;
@@ -16,7 +18,7 @@ use super::microphones::{self, AtMicrophones};
 use super::missing::{self, Missing};
 use super::radiator::Radiator;
 use super::sensors::{self, SensorRecord};
-use super::sound::Source;
+use super::sound::{Sound, Source};
 use super::starts::starts;
 use super::tool_radiator::tool_radiator;
 use super::{
@@ -131,6 +133,8 @@ pub(super) struct Bench<'a> {
     pub(super) parameters: Parameters,
     pub(super) air: Air,
     pub(super) cache: &'a Cache,
+    /// When the run began.
+    pub(super) begin: Instant,
 }
 
 impl<'a> Bench<'a> {
@@ -145,6 +149,7 @@ impl<'a> Bench<'a> {
             parameters: parameters(design)?,
             air: Air::at(design.ambient.temperature, design.ambient.pressure)?,
             cache,
+            begin: Instant::now(),
         })
     }
 }
@@ -165,43 +170,45 @@ pub(super) fn moved(
         ref parameters,
         ref air,
         cache,
+        ..
     } = *bench;
-    let (structure, tool) = modes(design, cache, timing, observer)?;
-    observer.stage("radiation matrices");
-    let radiator = timing.time("radiation matrices", || {
-        Radiator::new(design, &structure, air, cache, observer)
-    })?;
-    cache.take_notes().iter().for_each(|note| observer.note(note));
-    let damping = design
-        .acoustics
-        .radiation_damping
-        .then(|| timing.time("radiation damping", || radiator.damping(&structure)));
-    let added = damping.as_deref();
     let force_scale = options.workpiece_force_scale;
-    let (record, response, coupling) = match lumped {
-        Some(record) => {
-            observer.stage("response of workpiece and support");
-            let response = timing.time("response", || {
-                response::response(design, &structure, added, parameters, &record, (force_scale, 0))
-            })?;
-            (record, response, None)
-        }
-        None => {
-            observer.stage("nailing cycle with workpiece and support");
-            let both = timing.time("cycle and response", || {
-                response::coupled(design, &structure, added, parameters, 0)
-            })?;
-            (both.record, both.response, Some((both.work, both.checks)))
-        }
+    // Neither workpiece with support nor the tool's body knows of the other.
+    let (of_structure, of_tool) = std::thread::scope(|scope| {
+        let of_tool = scope.spawn(|| {
+            let mut timing = Timing::default();
+            let body = match design.body.model {
+                BodyModel::Elastic => Some(timing.time("tool modes", || tool_body(design, cache))?),
+                BodyModel::Rigid => None,
+            };
+            let side = match &lumped {
+                Some(record) => ToolSide::Moved(Box::new(tool_in_motion(bench, body, record, &mut timing)?)),
+                None => ToolSide::Still(body),
+            };
+            Ok::<_, Error>((side, timing))
+        });
+        let of_structure = structure_side(bench, lumped.as_ref(), timing, observer);
+        let of_tool = of_tool.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        (of_structure, of_tool)
+    });
+    let StructureSide {
+        structure,
+        radiator,
+        damping,
+        response,
+        coupled,
+    } = of_structure?;
+    let (of_tool, of_tool_timing) = of_tool?;
+    timing.0.extend(of_tool_timing.0);
+    let added = damping.as_deref();
+    let (record, coupling) = match (lumped, coupled) {
+        (_, Some((record, work, checks))) => (record, Some((work, checks))),
+        (Some(record), None) => (record, None),
+        (None, None) => unreachable!("a cycle is given, or comes from a coupled run"),
     };
-    let tool = match tool {
-        Some(body) => {
-            let bem = timing.time("radiation matrices of the tool", || {
-                tool_radiator(design, &body, air, cache, observer)
-            })?;
-            Some(timing.time("tool response", || Tool::new(design, (body, bem), parameters, &record))?)
-        }
-        None => None,
+    let (tool, body) = match of_tool {
+        ToolSide::Moved(moved) => *moved,
+        ToolSide::Still(body) => tool_in_motion(bench, body, &record, timing)?,
     };
     let shot = sensors::Shot {
         structure: &structure,
@@ -217,10 +224,6 @@ pub(super) fn moved(
     let workpiece = timing.time("radiation", || {
         radiation::workpiece(design, &structure, &radiator, added, &spectra)
     })?;
-    let body = timing.time("body", || match &tool {
-        Some(tool) => tool.sound(design, &record, air),
-        None => radiation::rigid_tool(design, &record, air),
-    })?;
     let two_way = match coupling {
         Some((work, checks)) => {
             observer.stage("the same one way, to compare");
@@ -233,7 +236,7 @@ pub(super) fn moved(
                 let body = match &tool {
                     Some(_) => {
                         let body = tool_body(design, cache)?;
-                        let bem = tool_radiator(design, &body, air, cache, observer)?;
+                        let bem = tool_radiator(design, &body, air, cache)?;
                         Tool::new(design, (body, bem), parameters, &record)?.sound(design, &record, air)?
                     }
                     None => radiation::rigid_tool(design, &record, air)?,
@@ -324,35 +327,118 @@ pub(super) fn moved(
     })
 }
 
-/// The bodies that the design has, with their modes; the tool's unless it is rigid.
-fn modes(
-    design: &Design,
-    cache: &Cache,
+/// The tool's side of a run: at rest while its cycle is not known.
+enum ToolSide {
+    Still(Option<Body>),
+    Moved(Box<(Option<Tool>, Sound)>),
+}
+
+/// What a cycle does to the tool's body, a rigid one without modes, and how it sounds.
+fn tool_in_motion(
+    bench: &Bench<'_>,
+    body: Option<Body>,
+    record: &CycleRecord,
+    timing: &mut Timing,
+) -> Result<(Option<Tool>, Sound), Error> {
+    let Bench {
+        design,
+        ref parameters,
+        ref air,
+        cache,
+        ..
+    } = *bench;
+    let tool = match body {
+        Some(body) => {
+            let bem = timing.time("radiation matrices of the tool", || {
+                tool_radiator(design, &body, air, cache)
+            })?;
+            Some(timing.time("tool response", || Tool::new(design, (body, bem), parameters, record))?)
+        }
+        None => None,
+    };
+    let sound = timing.time("body", || match &tool {
+        Some(tool) => tool.sound(design, record, air),
+        None => radiation::rigid_tool(design, record, air),
+    })?;
+    Ok((tool, sound))
+}
+
+/// The side of workpiece and support.
+struct StructureSide {
+    structure: Structure,
+    radiator: Radiator,
+    /// Damping ratios that radiation adds.
+    damping: Option<Vec<Vec<f64>>>,
+    response: ModalResponse,
+    /// The cycle of a two-way run, with work and checks of the coupling.
+    coupled: Option<(CycleRecord, CouplingWork, Vec<Check>)>,
+}
+
+/// Workpiece and support, driven by a cycle or, without one, together with their own.
+fn structure_side(
+    bench: &Bench<'_>,
+    lumped: Option<&CycleRecord>,
     timing: &mut Timing,
     observer: &mut dyn Observer,
-) -> Result<(Structure, Option<Body>), Error> {
-    observer.stage("modes of the workpiece");
+) -> Result<StructureSide, Error> {
+    let Bench {
+        design,
+        options,
+        ref parameters,
+        ref air,
+        cache,
+        ..
+    } = *bench;
+    let structure = modes(design, cache, timing, observer)?;
+    observer.stage("radiation matrices");
+    let radiator = timing.time("radiation matrices", || {
+        Radiator::new(design, &structure, air, cache, observer)
+    })?;
+    cache.take_notes().iter().for_each(|note| observer.note(note));
+    let damping = design
+        .acoustics
+        .radiation_damping
+        .then(|| timing.time("radiation damping", || radiator.damping(&structure)));
+    let added = damping.as_deref();
+    let (response, coupled) = match lumped {
+        Some(record) => {
+            observer.stage("response of workpiece and support");
+            let force = (options.workpiece_force_scale, 0);
+            let response = timing.time("response", || {
+                response::response(design, &structure, added, parameters, record, force)
+            })?;
+            (response, None)
+        }
+        None => {
+            observer.stage("nailing cycle with workpiece and support");
+            let both = timing.time("cycle and response", || {
+                response::coupled(design, &structure, added, parameters, 0)
+            })?;
+            (both.response, Some((both.record, both.work, both.checks)))
+        }
+    };
+    Ok(StructureSide {
+        structure,
+        radiator,
+        damping,
+        response,
+        coupled,
+    })
+}
+
+/// Workpiece and support with their modes.
+fn modes(design: &Design, cache: &Cache, timing: &mut Timing, observer: &mut dyn Observer) -> Result<Structure, Error> {
+    observer.stage("modes of the bodies");
     let block = timing.time("workpiece modes", || workpiece(design, cache))?;
     let worktable = match design.support.kind {
-        SupportKind::Worktable => {
-            observer.stage("modes of the worktable");
-            Some(timing.time("worktable modes", || table(design, cache))?)
-        }
+        SupportKind::Worktable => Some(timing.time("worktable modes", || table(design, cache))?),
         SupportKind::Sandbox | SupportKind::Floor | SupportKind::Clamped | SupportKind::Springs => None,
     };
-    let tool = match design.body.model {
-        BodyModel::Elastic => {
-            observer.stage("modes of the tool");
-            Some(timing.time("tool modes", || tool_body(design, cache))?)
-        }
-        BodyModel::Rigid => None,
-    };
-    let structure = Structure {
+    Ok(Structure {
         workpiece: block,
         worktable,
         grid: bodies::contact_grid(design),
-    };
-    Ok((structure, tool))
+    })
 }
 
 fn ending(response: &ModalResponse) -> String {

@@ -218,7 +218,7 @@ fn ranking(result: &RunResult, value: &serde_json::Value) -> Markup {
 }
 
 fn origin(result: &RunResult) -> Markup {
-    let total: f64 = result.timing.0.iter().map(|stage| stage.1).sum();
+    let total = result.timing.whole();
     let stages: Vec<String> = result
         .timing
         .0

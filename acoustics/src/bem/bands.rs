@@ -1,7 +1,8 @@
 //! Energies of a shot's sound in frequency bands: on the surface, at points around it and in the far field.
 
 use super::boundary::Boundary;
-use super::modal::{Independent, Level, independent};
+use super::independent::{Independent, independent};
+use super::modal::Level;
 use super::panel::PanelShape;
 use super::problem::{Exterior, Patterns, SurfacePressure};
 use super::rules;

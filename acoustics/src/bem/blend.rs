@@ -44,6 +44,17 @@ impl BlendedRadiation {
         [self.from_hz, self.to_hz]
     }
 
+    /// Energy forms without the limit, up to the end of the blend.
+    pub(super) fn elements_alone(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
+        let mut forms = DMatrix::zeros(self.patches().len(), frequency.len());
+        for (level, start, end) in self.runs(frequency) {
+            let part = accelerations.columns(start, end - start).into_owned();
+            let found = self.levels[level].energy_forms(&frequency[start..end], &part);
+            forms.columns_mut(start, end - start).copy_from(&found);
+        }
+        forms
+    }
+
     /// Share of the equivalent radiated power: 0 below the blend, 1 above it, sin² of the logarithmic frequency between.
     fn share(&self, hz: f64) -> f64 {
         let t = ((hz / self.from_hz).ln() / (self.to_hz / self.from_hz).ln()).clamp(0.0, 1.0);

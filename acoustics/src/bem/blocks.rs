@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 /// Most panels of a block.
 const MOST: usize = 16;
 /// Block widths are padded to a multiple of the widest vector.
-const LANES: usize = 8;
+const LANES: usize = 16;
 
 /// Fields of a quadrature point before the surface curls: position, vector area times weight, area times weight.
 pub(super) const X: usize = 0;
@@ -35,6 +35,10 @@ pub(super) struct Block {
     pub(super) first_value: Vec<usize>,
     /// `points[(b * fields + field) * width + panel]`.
     pub(super) points: Vec<f64>,
+    /// Middle of the panels, the origin of `single`.
+    pub(super) middle: [f64; 3],
+    /// The points in single precision: position less `middle`, unit normal, area, curls over area.
+    pub(super) single: Vec<f32>,
 }
 
 /// Cuts the surface into blocks, triangles first.
@@ -123,9 +127,26 @@ impl Block {
                 }
             }
         }
+        let at = |point: usize, field: usize, f: usize| points[(point * fields + field) * width + f];
+        let middle = [0, 1, 2].map(|c| (0..panels.len()).map(|f| at(0, X + c, f)).sum::<f64>() / panels.len() as f64);
+        let mut single = vec![0.0; points.len()];
+        for point in 0..rule.len() {
+            for field in 0..fields {
+                for f in 0..panels.len() {
+                    let value = match field {
+                        N.. if field != W => at(point, field, f) / at(point, W, f),
+                        W => at(point, W, f),
+                        _ => at(point, field, f) - middle[field - X],
+                    };
+                    single[(point * fields + field) * width + f] = value as f32;
+                }
+            }
+        }
         Self {
             corners,
             width,
+            middle,
+            single,
             nodes,
             local,
             first_value: panels.iter().map(|&p| first_value[p]).collect(),

@@ -1,16 +1,19 @@
 //! The far rule: all pairs of panels of two blocks that are not close, with all images and for all parities at once.
 //!
 //! The image q of a point reflects it along a set of axes; the normal turns along, n' = M_q n, and the surface curl gets
-//! the determinant of M_q too. With the signs s_pq of a parity p, the operators need the sums
+//! the determinant of M_q too. With the signs s_pq of a parity p, the operators need sums over the images,
 //!
 //! ```text
-//! G_p = sum_q s_pq G_q      Z_pc = sum_q s_pq h_q (x - M_q y)_c      h = (1 + jkr) G / r²
-//! S  = G_p                  K' = -sum_c n_xc Z_pc                    K = sum_c n_yc Z_{p^c,c}
-//! n_x . n_y G: sum_c n_xc n_yc G_{p^c}                               curl . curl G: sum_c G_{p^abc^c} ...
+//! S:  sum_q s_pq G_q      K:  sum_q s_pq dG_q/dn'_y      K':  sum_q s_pq dG_q/dn_x      n_x . n'_y G: sum_q s_pq ...
+//! curl . curl' G: sum_c curl_c curl_c sum_q s_{p^abc^c,q} G_q
 //! ```
 //!
-//! where p^c is the parity with the other sign across the plane of axis c: one Walsh transform over the images gives
-//! all of them, so that a kernel is evaluated once for all parities and operators.
+//! where p^c is the parity with the other sign across the plane of axis c: what A, B and their transposes need is
+//! combined image by image, and one Walsh transform over the images gives all parities, so that a kernel is evaluated
+//! once for all parities and operators. Then sums over the points of two panels lead from points to corners.
+//!
+//! In single precision, with positions relative to the middle of a block: a kernel's error is 1e-6, a hundredth of the
+//! rule's.
 //!
 //! No closures here: only functions that are always inlined take on their caller's vector features.
 #![allow(clippy::needless_range_loop)] // indices are those of the equations, several arrays at once
@@ -18,8 +21,8 @@
 use super::blocks::{Block, C, N, W, X, fields};
 use super::panel::PanelShape;
 use super::rules;
+use super::single::{APART, green, load, load3};
 use super::tile::{Buffer, Operators, Wave};
-use super::trig::{dot, green, load, load3};
 use nailnoise_meshes::FaceKind;
 use pulp::{Simd, WithSimd};
 use std::f64::consts::PI;
@@ -42,7 +45,7 @@ pub(super) struct Far<'a> {
     pub(super) parities: &'a [usize],
     pub(super) diagonal: bool,
     /// 0 for a pair to be left out, else 1: image by image, first panel by first panel.
-    pub(super) mask: &'a [f64],
+    pub(super) mask: &'a [f32],
     pub(super) to: &'a mut [Operators],
 }
 
@@ -74,13 +77,48 @@ pub(super) fn corner_values<const E: usize>() -> [[f64; E]; E] {
     })
 }
 
+/// A point of the first panel.
+#[derive(Clone, Copy, Default)]
+struct Own {
+    /// x less the middle of the second block, and less the middle of its image, axis by axis.
+    from: [[f32; 2]; 3],
+    normal: [f32; 3],
+    /// Area over 4 pi.
+    area: f32,
+    /// Curls of all corner functions but the last, per area.
+    curls: [[f32; 3]; 3],
+}
+
+impl Own {
+    fn new<const E: usize>(far: &Far<'_>, e: usize, a: usize) -> Self {
+        let block = far.e;
+        let get = |field: usize| block.points[(a * fields(E) + field) * block.width + e];
+        let area = get(W);
+        let mut own = Self {
+            area: (area / (4.0 * PI)) as f32,
+            ..Self::default()
+        };
+        for c in 0..3 {
+            let (x, middle) = (get(X + c), far.f.middle[c]);
+            own.from[c] = [x - middle, x + middle - 2.0 * far.planes[c].unwrap_or(0.0)].map(|d| d as f32);
+            own.normal[c] = (get(N + c) / area) as f32;
+            for j in 0..E - 1 {
+                own.curls[j][c] = (get(C + 3 * j + c) / area) as f32;
+            }
+        }
+        own
+    }
+}
+
 /// A complex number in each lane.
 type Pair<V> = [V; 2];
+/// Values between all points of two panels, a part each.
+type Between<V, const E: usize, const F: usize> = [[[V; F]; E]; 2];
 
 /// Walsh transform over the images in the planes of `axes`.
 #[inline(always)]
-fn walsh<S: Simd>(simd: S, x: &mut [Pair<S::f64s>; 8], axes: usize) {
-    for axis in 0..3 {
+fn walsh<S: Simd>(simd: S, x: &mut [Pair<S::f32s>; 8], axes: usize) {
+    for axis in [2, 1, 0] {
         let bit = 1 << axis;
         if axes & bit == 0 {
             continue;
@@ -91,66 +129,73 @@ fn walsh<S: Simd>(simd: S, x: &mut [Pair<S::f64s>; 8], axes: usize) {
             }
             for part in 0..2 {
                 let (u, v) = (x[i][part], x[i | bit][part]);
-                x[i][part] = simd.add_f64s(u, v);
-                x[i | bit][part] = simd.sub_f64s(u, v);
+                x[i][part] = simd.add_f32s(u, v);
+                x[i | bit][part] = simd.sub_f32s(u, v);
             }
         }
     }
 }
 
-/// sum_c n_c z_c of complex z.
+/// Sum over the axes of what each contributes for an image.
 #[inline(always)]
-fn along<S: Simd>(simd: S, n: [S::f64s; 3], z: [Pair<S::f64s>; 3]) -> Pair<S::f64s> {
+fn of_image<S: Simd>(simd: S, x: &[[S::f32s; 2]; 3], bits: [usize; 3]) -> S::f32s {
+    simd.add_f32s(simd.add_f32s(x[0][bits[0]], x[1][bits[1]]), x[2][bits[2]])
+}
+
+/// y + j s x.
+#[inline(always)]
+fn turned<S: Simd>(simd: S, s: S::f32s, x: Pair<S::f32s>, y: Pair<S::f32s>) -> Pair<S::f32s> {
     [
-        dot(simd, n, [z[0][0], z[1][0], z[2][0]]),
-        dot(simd, n, [z[0][1], z[1][1], z[2][1]]),
-    ]
-}
-
-/// s x of a complex x.
-#[inline(always)]
-fn scaled<S: Simd>(simd: S, s: S::f64s, x: Pair<S::f64s>) -> Pair<S::f64s> {
-    [simd.mul_f64s(s, x[0]), simd.mul_f64s(s, x[1])]
-}
-
-#[inline(always)]
-fn negative<S: Simd>(simd: S, x: Pair<S::f64s>) -> Pair<S::f64s> {
-    [simd.neg_f64s(x[0]), simd.neg_f64s(x[1])]
-}
-
-/// to + s x of a complex x.
-#[inline(always)]
-fn add<S: Simd>(simd: S, to: &mut Pair<S::f64s>, s: S::f64s, x: Pair<S::f64s>) {
-    to[0] = simd.mul_add_e_f64s(s, x[0], to[0]);
-    to[1] = simd.mul_add_e_f64s(s, x[1], to[1]);
-}
-
-/// y - j beta x.
-#[inline(always)]
-fn coupled<S: Simd>(simd: S, beta: S::f64s, x: Pair<S::f64s>, y: Pair<S::f64s>) -> Pair<S::f64s> {
-    [
-        simd.mul_add_e_f64s(beta, x[1], y[0]),
-        simd.negate_mul_add_e_f64s(beta, x[0], y[1]),
+        simd.negate_mul_add_e_f32s(s, x[1], y[0]),
+        simd.mul_add_e_f32s(s, x[0], y[1]),
     ]
 }
 
 #[inline(always)]
-fn splat3<S: Simd>(simd: S, own: &[f64; 16], field: usize) -> [S::f64s; 3] {
-    [
-        simd.splat_f64s(own[field]),
-        simd.splat_f64s(own[field + 1]),
-        simd.splat_f64s(own[field + 2]),
-    ]
+fn scaled<S: Simd>(simd: S, s: S::f32s, x: Pair<S::f32s>) -> Pair<S::f32s> {
+    [simd.mul_f32s(s, x[0]), simd.mul_f32s(s, x[1])]
 }
 
-/// Adds a vector of complex values to a buffer.
+/// sum_a phi[a][i] values[a] for every i.
 #[inline(always)]
-fn put<S: Simd>(simd: S, buffer: &mut Buffer, row: usize, column: usize, value: Pair<S::f64s>) {
-    for part in 0..2 {
-        let start = buffer.start(part, row) + column;
-        let to = &mut S::as_mut_simd_f64s(&mut buffer.data[start..start + S::F64_LANES]).0[0];
-        *to = simd.add_f64s(*to, value[part]);
+fn to_corners<S: Simd, const E: usize>(simd: S, phi: &[[f32; E]; E], values: [S::f32s; E]) -> [S::f32s; E] {
+    let mut sums = [simd.splat_f32s(0.0); E];
+    for i in 0..E {
+        sums[i] = simd.mul_f32s(simd.splat_f32s(phi[0][i]), values[0]);
+        for a in 1..E {
+            sums[i] = simd.mul_add_e_f32s(simd.splat_f32s(phi[a][i]), values[a], sums[i]);
+        }
     }
+    sums
+}
+
+/// From points to corners of the first panel: i, b.
+#[inline(always)]
+fn first_to_corners<S: Simd, const E: usize, const F: usize>(
+    simd: S,
+    phi: &[[f32; E]; E],
+    values: &[[S::f32s; F]; E],
+) -> [[S::f32s; F]; E] {
+    let mut result = [[simd.splat_f32s(0.0); F]; E];
+    for b in 0..F {
+        let mut column = [simd.splat_f32s(0.0); E];
+        for a in 0..E {
+            column[a] = values[a][b];
+        }
+        let column = to_corners(simd, phi, column);
+        for i in 0..E {
+            result[i][b] = column[i];
+        }
+    }
+    result
+}
+
+/// Adds a vector of values to a part of a buffer.
+#[inline(always)]
+fn put<S: Simd>(simd: S, buffer: &mut Buffer, part: usize, row: usize, column: usize, value: S::f32s) {
+    let start = buffer.start(part, row) + column;
+    let to = &mut S::as_mut_simd_f32s(&mut buffer.data[start..start + S::F32_LANES]).0[0];
+    *to = simd.add_f32s(*to, value);
 }
 
 impl Far<'_> {
@@ -167,53 +212,57 @@ impl Far<'_> {
             (_, 7) => PARITIES,
             _ => self.parities.len(),
         };
-        let zero = simd.splat_f64s(0.0);
-        let one = simd.splat_f64s(1.0);
-        let k = simd.splat_f64s(self.wave.k);
-        let minus_k2 = simd.splat_f64s(-self.wave.k * self.wave.k);
-        let beta = simd.splat_f64s(self.wave.coupling);
-        let unit = simd.splat_f64s(0.25 / PI);
-        let mut twice = [zero; 3];
-        for c in 0..3 {
-            twice[c] = simd.splat_f64s(2.0 * self.planes[c].unwrap_or(0.0));
-        }
-        let (phi_e, phi_f) = (corner_values::<E>(), corner_values::<F>());
+        let zero = simd.splat_f32s(0.0);
+        let k = simd.splat_f32s(self.wave.k as f32);
+        let beta = simd.splat_f32s(self.wave.coupling as f32);
+        let minus_beta = simd.splat_f32s(-self.wave.coupling as f32);
+        let mass = simd.splat_f32s((self.wave.coupling * self.wave.k * self.wave.k) as f32);
+        let apart = simd.splat_f32s(APART);
+        let phi_e = corner_values::<E>().map(|row| row.map(|v| v as f32));
+        let phi_f = corner_values::<F>().map(|row| row.map(|v| v as f32));
         let (panels, we, wf) = (self.e.panels.len(), self.e.width, self.f.width);
-        let lanes = S::F64_LANES;
+        let lanes = S::F32_LANES;
+        // A and its transpose, B and its transpose without the curls, parity by parity; and G in every combination of
+        // the images.
+        let mut kernels = [[[[[zero; F]; E]; 2]; 4]; P];
+        let mut potentials = [[[[zero; F]; E]; 2]; 8];
         for e in 0..panels {
-            // Position, vector area, area and curls of this panel's points.
-            let mut own = [[0.0; 16]; E];
-            for (a, own) in own.iter_mut().enumerate() {
-                for (field, value) in own.iter_mut().enumerate().take(fields(E)) {
-                    *value = self.e.points[(a * fields(E) + field) * we + e];
-                }
+            let mut own = [Own::default(); E];
+            for a in 0..E {
+                own[a] = Own::new::<E>(&self, e, a);
             }
             for chunk in 0..wf / lanes {
                 let at = chunk * lanes;
-                // A and its transpose from corner to corner, B from points to corners, without the curls.
-                let mut sums = [[[[[zero; 2]; F]; E]; 2]; P];
-                let mut flows = [[[[zero; 2]; F]; E]; P];
-                let mut curls = [[[[zero; 2]; F]; E]; P];
                 for a in 0..E {
-                    let (x, n) = (splat3(simd, &own[a], X), splat3(simd, &own[a], N));
-                    let w = simd.splat_f64s(own[a][W]);
-                    let mut rows = [[[[zero; 2]; F]; 3]; P];
-                    let mut turned = [[[[zero; 2]; F]; 3]; P];
+                    let own = &own[a];
                     for b in 0..F {
                         let start = b * fields(F) * wf + at;
-                        let y = load3::<S>(&self.f.points, start + X * wf, wf);
-                        let v = load3::<S>(&self.f.points, start + N * wf, wf);
-                        let u = load::<S>(&self.f.points, start + W * wf);
-                        let (mut d, mut squares, mut nn) = ([[zero; 2]; 3], [[zero; 2]; 3], [zero; 3]);
+                        let y = load3::<S>(&self.f.single, start + X * wf, wf);
+                        let v = load3::<S>(&self.f.single, start + N * wf, wf);
+                        let areas = load::<S>(&self.f.single, start + W * wf);
+                        let areas = simd.mul_f32s(simd.splat_f32s(own.area), areas);
+                        // Squared distance, (x - y) . n_x, -(x - y) . n_y and n_x . n_y axis by axis.
+                        let (mut squares, mut on_x) = ([[zero; 2]; 3], [[zero; 2]; 3]);
+                        let (mut on_y, mut normals) = ([[zero; 2]; 3], [[zero; 2]; 3]);
                         for c in 0..3 {
-                            d[c][0] = simd.sub_f64s(x[c], y[c]);
-                            d[c][1] = simd.sub_f64s(simd.add_f64s(x[c], y[c]), twice[c]);
-                            squares[c][0] = simd.mul_f64s(d[c][0], d[c][0]);
-                            squares[c][1] = simd.mul_f64s(d[c][1], d[c][1]);
-                            nn[c] = simd.mul_f64s(minus_k2, simd.mul_f64s(n[c], v[c]));
+                            let n = simd.splat_f32s(own.normal[c]);
+                            let d = [
+                                simd.sub_f32s(simd.splat_f32s(own.from[c][0]), y[c]),
+                                simd.add_f32s(simd.splat_f32s(own.from[c][1]), y[c]),
+                            ];
+                            let nv = simd.mul_f32s(simd.mul_f32s(mass, n), v[c]);
+                            normals[c] = [nv, simd.neg_f32s(nv)];
+                            on_y[c] = [simd.neg_f32s(simd.mul_f32s(v[c], d[0])), simd.mul_f32s(v[c], d[1])];
+                            for side in 0..2 {
+                                squares[c][side] = simd.mul_f32s(d[side], d[side]);
+                                on_x[c][side] = simd.mul_f32s(n, d[side]);
+                            }
                         }
-                        let mut g = [[zero; 2]; 8];
-                        let mut z = [[[zero; 2]; 8]; 3];
+                        for side in 0..2 {
+                            squares[2][side] = simd.add_f32s(squares[2][side], apart);
+                        }
+                        let mut values = [[[zero; 2]; 8]; 4];
+                        let mut potential = [[zero; 2]; 8];
                         let mut image = 0;
                         for q in 0..8 {
                             if q & !axes != 0 {
@@ -222,112 +271,103 @@ impl Far<'_> {
                             let bits = [q & 1, (q >> 1) & 1, q >> 2];
                             let m = load::<S>(self.mask, (image * panels + e) * wf + at);
                             image += 1;
-                            // Masked pairs are put at a distance of a metre and more: they may coincide.
-                            let away = simd.sub_f64s(one, m);
-                            let plane = simd.add_f64s(squares[0][bits[0]], squares[1][bits[1]]);
-                            let r2 = simd.add_f64s(plane, simd.add_f64s(squares[2][bits[2]], away));
-                            let [g_re, g_im, h_re, h_im] = green(simd, r2, k, simd.mul_f64s(m, unit));
-                            g[q] = [g_re, g_im];
-                            for c in 0..3 {
-                                let d = d[c][bits[c]];
-                                z[c][q] = [simd.mul_f64s(h_re, d), simd.mul_f64s(h_im, d)];
-                            }
+                            let r2 = of_image::<S>(simd, &squares, bits);
+                            let [g_re, g_im, h_re, h_im] = green(simd, r2, k, simd.mul_f32s(m, areas));
+                            let (g, h) = ([g_re, g_im], [h_re, h_im]);
+                            let to_x = scaled(simd, of_image::<S>(simd, &on_x, bits), h);
+                            let to_y = scaled(simd, of_image::<S>(simd, &on_y, bits), h);
+                            let nn = of_image::<S>(simd, &normals, bits);
+                            values[0][q] = turned(simd, nn, g, to_y);
+                            values[1][q] = turned(simd, nn, g, to_x);
+                            values[2][q] = turned(simd, beta, to_x, g);
+                            values[3][q] = turned(simd, beta, to_y, g);
+                            potential[q] = g;
                         }
-                        walsh(simd, &mut g, axes);
-                        walsh(simd, &mut z[0], axes);
-                        walsh(simd, &mut z[1], axes);
-                        walsh(simd, &mut z[2], axes);
-                        let areas = simd.mul_f64s(w, u);
-                        let less_u = simd.neg_f64s(u);
-                        for p in 0..count {
-                            let s = if AXES == 7 { ALL[p] } else { self.parities[p] };
-                            let other = [s ^ (1 & axes), s ^ (2 & axes), s ^ (4 & axes)];
-                            let back = along(simd, n, [z[0][s], z[1][s], z[2][s]]);
-                            let there = along(simd, v, [z[0][other[0]], z[1][other[1]], z[2][other[2]]]);
-                            let (back, there) = (scaled(simd, less_u, back), scaled(simd, w, there));
-                            let mass = along(simd, nn, [g[other[0]], g[other[1]], g[other[2]]]);
-                            let single = scaled(simd, areas, g[s]);
-                            let forward = coupled(simd, beta, mass, negative(simd, there));
-                            let backward = coupled(simd, beta, mass, negative(simd, back));
-                            let flow = coupled(simd, beta, back, single);
-                            let flow_back = coupled(simd, beta, there, single);
-                            for j in 0..F {
-                                let phi = simd.splat_f64s(phi_f[b][j]);
-                                add(simd, &mut rows[p][0][j], phi, forward);
-                                if !self.diagonal {
-                                    add(simd, &mut rows[p][1][j], phi, backward);
-                                    add(simd, &mut rows[p][2][j], phi, flow_back);
+                        walsh(simd, &mut potential, axes);
+                        for q in 0..8 {
+                            if q & !axes == 0 {
+                                for part in 0..2 {
+                                    potentials[q][part][a][b] = potential[q][part];
                                 }
                             }
-                            for i in 0..E {
-                                add(simd, &mut flows[p][i][b], simd.splat_f64s(phi_e[a][i]), flow);
-                            }
                         }
-                        for j in 0..F - 1 {
-                            let curl = load3::<S>(&self.f.points, start + (C + 3 * j) * wf, wf);
+                        for m in 0..4 {
+                            walsh(simd, &mut values[m], axes);
                             for p in 0..count {
                                 let s = if AXES == 7 { ALL[p] } else { self.parities[p] };
-                                for c in 0..3 {
-                                    let turn = s ^ axes ^ ((1 << c) & axes);
-                                    add(simd, &mut turned[p][c][j], curl[c], g[turn]);
+                                for part in 0..2 {
+                                    kernels[p][m][part][a][b] = values[m][s][part];
                                 }
-                            }
-                        }
-                    }
-                    for p in 0..count {
-                        for i in 0..E {
-                            let phi = simd.splat_f64s(phi_e[a][i]);
-                            for j in 0..F {
-                                add(simd, &mut sums[p][0][i][j], phi, rows[p][0][j]);
-                                if !self.diagonal {
-                                    add(simd, &mut sums[p][1][i][j], phi, rows[p][1][j]);
-                                }
-                            }
-                        }
-                        for i in 0..E - 1 {
-                            let curl = splat3(simd, &own[a], C + 3 * i);
-                            for j in 0..F - 1 {
-                                for c in 0..3 {
-                                    add(simd, &mut curls[p][i][j], curl[c], turned[p][c][j]);
-                                }
-                            }
-                        }
-                        if !self.diagonal {
-                            for j in 0..F {
-                                let to = &mut self.to[p].b_back;
-                                put(simd, to, a * we + e, j * wf + at, rows[p][2][j]);
                             }
                         }
                     }
                 }
                 for p in 0..count {
-                    // The curls of all corner functions add up to zero.
+                    let s = if AXES == 7 { ALL[p] } else { self.parities[p] };
+                    let mut curls: Between<S::f32s, E, F> = [[[zero; F]; E]; 2];
                     for part in 0..2 {
+                        for c in 0..3 {
+                            let g = &potentials[s ^ axes ^ ((1 << c) & axes)][part];
+                            for j in 0..F - 1 {
+                                let mut rows = [zero; E];
+                                for b in 0..F {
+                                    let field = b * fields(F) + C + 3 * j + c;
+                                    let curl = load::<S>(&self.f.single, field * wf + at);
+                                    for a in 0..E {
+                                        rows[a] = simd.mul_add_e_f32s(curl, g[a][b], rows[a]);
+                                    }
+                                }
+                                for i in 0..E - 1 {
+                                    for a in 0..E {
+                                        let curl = simd.splat_f32s(own[a].curls[i][c]);
+                                        curls[part][i][j] = simd.mul_add_e_f32s(curl, rows[a], curls[part][i][j]);
+                                    }
+                                }
+                            }
+                        }
+                        // The curls of all corner functions add up to zero.
+                        let curls = &mut curls[part];
                         for i in 0..E - 1 {
                             for j in 0..F - 1 {
-                                let value = curls[p][i][j][part];
-                                curls[p][i][F - 1][part] = simd.sub_f64s(curls[p][i][F - 1][part], value);
-                                curls[p][E - 1][j][part] = simd.sub_f64s(curls[p][E - 1][j][part], value);
-                                curls[p][E - 1][F - 1][part] = simd.add_f64s(curls[p][E - 1][F - 1][part], value);
+                                let value = curls[i][j];
+                                curls[i][F - 1] = simd.sub_f32s(curls[i][F - 1], value);
+                                curls[E - 1][j] = simd.sub_f32s(curls[E - 1][j], value);
+                                curls[E - 1][F - 1] = simd.add_f32s(curls[E - 1][F - 1], value);
                             }
                         }
                     }
                     let to = &mut self.to[p];
-                    for i in 0..E {
-                        let row = self.e.local[e][i];
-                        for j in 0..F {
-                            let (column, curl) = (j * wf + at, curls[p][i][j]);
-                            put(
-                                simd,
-                                &mut to.a,
-                                row,
-                                column,
-                                coupled(simd, beta, curl, sums[p][0][i][j]),
-                            );
-                            put(simd, &mut to.b, row, column, flows[p][i][j]);
-                            if !self.diagonal {
-                                let back = coupled(simd, beta, curl, sums[p][1][i][j]);
-                                put(simd, &mut to.a_back, row, column, back);
+                    for part in 0..2 {
+                        // alpha W = -j beta W.
+                        let (other, factor) = (1 - part, if part == 0 { beta } else { minus_beta });
+                        let [forward, backward, flow, flow_back] = [0, 1, 2, 3].map(|m| &kernels[p][m][part]);
+                        let forward = first_to_corners::<S, E, F>(simd, &phi_e, forward);
+                        let flow = first_to_corners::<S, E, F>(simd, &phi_e, flow);
+                        for i in 0..E {
+                            let row = self.e.local[e][i];
+                            let forward = to_corners(simd, &phi_f, forward[i]);
+                            for j in 0..F {
+                                let value = simd.mul_add_e_f32s(factor, curls[other][i][j], forward[j]);
+                                put(simd, &mut to.a, part, row, j * wf + at, value);
+                                put(simd, &mut to.b, part, row, j * wf + at, flow[i][j]);
+                            }
+                        }
+                        if self.diagonal {
+                            continue;
+                        }
+                        let backward = first_to_corners::<S, E, F>(simd, &phi_e, backward);
+                        for i in 0..E {
+                            let row = self.e.local[e][i];
+                            let backward = to_corners(simd, &phi_f, backward[i]);
+                            for j in 0..F {
+                                let value = simd.mul_add_e_f32s(factor, curls[other][i][j], backward[j]);
+                                put(simd, &mut to.a_back, part, row, j * wf + at, value);
+                            }
+                        }
+                        for a in 0..E {
+                            let flow_back = to_corners(simd, &phi_f, flow_back[a]);
+                            for j in 0..F {
+                                put(simd, &mut to.b_back, part, a * we + e, j * wf + at, flow_back[j]);
                             }
                         }
                     }

@@ -1,19 +1,16 @@
 use super::blend::BlendedRadiation;
+use super::independent::independent;
 use super::problem::{Exterior, Patterns};
-use super::receivers::{Heard, HeardModes, Receivers, heard};
+use super::receivers::{Heard, HeardModes, Receivers};
+use super::solver::Solver;
 use crate::error::{AcousticsError, same_length};
 use crate::radiation::{
-    Archive, ArchiveReader, ArchiveWriter, Erp, ModalRadiation, Resistance, SampledRadiation, Sampling,
+    Archive, ArchiveReader, ArchiveWriter, Correction, Erp, ModalRadiation, Resistance, SampledRadiation, Sampling,
 };
 use nalgebra::{Complex, DMatrix};
-use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
 
 /// Name of the last patch of [`ModalBem`]: what the far field's power has beyond that of the surface's intensity.
 const REST: &str = "far field less surface";
-
-/// Relative amplitude below which a mode adds nothing new to the patterns of a parity.
-const RANK: f64 = 1e-6;
 
 /// A mesh of the body and the frequency up to which it is used.
 #[derive(Debug)]
@@ -29,9 +26,9 @@ pub struct Level {
 /// What the sampling of a radiation matrix found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Summary {
-    /// Frequencies solved.
+    /// Frequencies solved on the mesh of their range.
     pub samples: usize,
-    /// Largest interpolation error of an entry, relative to sqrt(R_ii R_jj).
+    /// Largest interpolation error over frequency, root mean square of the entries R_ij relative to sqrt(R_ii R_jj).
     pub interpolation: f64,
     /// Largest difference between the power by surface and by far field of a mode within 30 dB of the loudest \[dB\].
     pub difference_db: f64,
@@ -63,7 +60,8 @@ pub struct ModalBem {
 
 impl ModalBem {
     /// Samples R(f) from `sampling.range_hz[0]` on, on meshes that get finer; the upper end of the range is the last
-    /// level's. Above it the equivalent radiated power holds, with a blend over the uppermost third of an octave.
+    /// level's. The mesh below shows how R(f) runs in a level's range, its own mesh corrects that at fewer frequencies
+    /// ([`SampledRadiation::together`] tells how errors are judged). Above it the equivalent radiated power holds, with a blend over the uppermost third of an octave.
     ///
     /// # Errors
     /// [`AcousticsError::TooCoarse`], [`AcousticsError::Unresolved`], lengths that do not fit, no level.
@@ -116,27 +114,33 @@ impl ModalBem {
             asymmetry: 0.0,
             heard: 0.0,
         };
+        let counts: Vec<usize> = chosen.iter().map(|pick| pick.modes.len()).collect();
+        let tops: Vec<f64> = levels.iter().map(|level| level.top_hz).collect();
         let mut low = sampling.range_hz[0];
-        for level in levels {
+        let mut coarser: Option<Solver<'_>> = None;
+        for (number, level) in levels.into_iter().enumerate() {
             let range = Sampling {
                 range_hz: [low, level.top_hz],
                 ..*sampling
             };
             low = level.top_hz;
-            let level = Level {
-                problem: level.problem.with_near_field_kept(level.top_hz),
-                ..level
+            // It serves the next range too.
+            let kept_to = tops.get(number + 1).copied().unwrap_or(level.top_hz);
+            let solver = Solver::new(level, kept_to, &chosen, receivers)?;
+            let predictor = coarser.as_ref().unwrap_or(&solver);
+            let at = |solver: &Solver<'_>, hz: f64| Ok(solver.at(hz)?.resistances.clone());
+            let mut found = SampledRadiation::together("BEM", &counts, &patches, &range, |hz| at(predictor, hz))?;
+            let correction = match &coarser {
+                Some(_) => SampledRadiation::correct(&mut found, &range, |hz| at(&solver, hz))?,
+                None => Correction::default(),
             };
-            let solver = Solver::new(&level, &chosen, receivers);
-            let counts: Vec<usize> = chosen.iter().map(|pick| pick.modes.len()).collect();
-            let at = |hz: f64| Ok(solver.at(hz)?.resistances.clone());
-            let found = SampledRadiation::together("BEM", &counts, &patches, &range, at)?;
             for (c, found) in found.into_iter().enumerate().filter(|(c, _)| counts[*c] > 0) {
                 summary.interpolation = summary.interpolation.max(found.interpolation_error());
-                samples[c].push(solver.heard(c, &found)?);
-                ranges[c].push(found);
+                samples[c].push(solver.heard(c, &found, predictor, &correction)?);
+                ranges[c].push(found.with_roots());
             }
             solver.report(&mut summary);
+            coarser = Some(solver);
         }
         let (mut combinations, mut parities) = (Vec::new(), Vec::new());
         for (((pick, ranges), samples), erp) in chosen.into_iter().zip(ranges).zip(samples).zip(erps) {
@@ -185,6 +189,23 @@ impl ModalBem {
     /// Where boundary elements give way to the limit: beginning and end of the blend \[Hz\].
     pub fn blend_hz(&self) -> [f64; 2] {
         self.parities.first().map_or([0.0; 2], BlendedRadiation::blend_hz)
+    }
+
+    /// Energy in the blend of accelerations that are given there: by boundary elements alone, and by the limit alone, in
+    /// the units of [`ModalRadiation::energy_forms`].
+    pub fn either_side_of_the_blend(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> [f64; 2] {
+        let [from, to] = self.blend_hz();
+        let inside: Vec<usize> = (0..frequency.len())
+            .filter(|&bin| (from..to).contains(&frequency[bin]))
+            .collect();
+        let hz: Vec<f64> = inside.iter().map(|&bin| frequency[bin]).collect();
+        let mut energies = [0.0; 2];
+        self.over_parities(&accelerations.select_columns(&inside), |radiation, a| {
+            let alone = radiation.elements_alone(&hz, &a);
+            energies[0] += alone.sum();
+            energies[1] += radiation.erp().energy_forms(&hz, &a).sum();
+        });
+        energies
     }
 
     /// Whether a patch is the difference between far field and surface.
@@ -239,6 +260,19 @@ impl ModalRadiation for ModalBem {
             forms += radiation.energy_forms(frequency, &a)
         });
         forms
+    }
+
+    fn images(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+        let mut images = DMatrix::zeros(self.modes, frequency.len());
+        let mut combinations = self.combinations.iter();
+        self.over_parities(accelerations, |radiation, a| {
+            let image = radiation.images(frequency, &a);
+            if let Some(t) = combinations.next() {
+                let (re, im) = (t.tr_mul(&image.map(|z| z.re)), t.tr_mul(&image.map(|z| z.im)));
+                images += re.zip_map(&im, Complex::new);
+            }
+        });
+        images
     }
 
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
@@ -300,174 +334,6 @@ fn stacked(parts: &[DMatrix<Complex<f64>>], bins: usize) -> DMatrix<Complex<f64>
         row += part.nrows();
     }
     signals
-}
-
-/// Modes whose patterns are independent in a parity, and how all modes combine from them.
-pub(super) struct Independent {
-    pub(super) modes: Vec<usize>,
-    pub(super) combination: DMatrix<f64>,
-}
-
-/// By the Cholesky factorisation with pivots of the patterns' Gram matrix, every mode scaled by its whole pattern.
-pub(super) fn independent(level: &Level) -> Vec<Independent> {
-    let boundary = level.problem.boundary();
-    let mesh = boundary.mesh();
-    let mut weights = Vec::with_capacity(boundary.velocity_values());
-    for (p, panel) in mesh.panels.iter().enumerate() {
-        let corners = panel.corners().len();
-        weights.extend(std::iter::repeat_n(mesh.panel_area(p) / corners as f64, corners));
-    }
-    let grams: Vec<DMatrix<f64>> = level
-        .patterns
-        .iter()
-        .map(|p| {
-            let mut weighted = p.velocities.clone();
-            for mut column in weighted.column_iter_mut() {
-                column.iter_mut().zip(&weights).for_each(|(v, w)| *v *= w);
-            }
-            p.velocities.tr_mul(&weighted)
-        })
-        .collect();
-    let modes = grams.first().map_or(0, DMatrix::ncols);
-    let scale: Vec<f64> = (0..modes)
-        .map(|m| {
-            grams
-                .iter()
-                .map(|g| g[(m, m)])
-                .sum::<f64>()
-                .sqrt()
-                .max(f64::MIN_POSITIVE)
-        })
-        .collect();
-    grams.iter().map(|gram| pivoted(gram, &scale)).collect()
-}
-
-fn pivoted(gram: &DMatrix<f64>, scale: &[f64]) -> Independent {
-    let n = scale.len();
-    let mut rest: Vec<f64> = (0..n).map(|m| gram[(m, m)] / (scale[m] * scale[m])).collect();
-    // Rows of the factor, pivot by pivot.
-    let (mut pivots, mut rows) = (Vec::<usize>::new(), Vec::<Vec<f64>>::new());
-    while let Some(pivot) = (0..n).max_by(|&a, &b| rest[a].total_cmp(&rest[b]).then(b.cmp(&a))) {
-        if rest[pivot].is_nan() || rest[pivot] <= RANK * RANK {
-            break;
-        }
-        let root = rest[pivot].sqrt();
-        let row: Vec<f64> = (0..n)
-            .map(|m| {
-                let known: f64 = rows.iter().map(|r| r[pivot] * r[m]).sum();
-                (gram[(pivot, m)] / (scale[pivot] * scale[m]) - known) / root
-            })
-            .collect();
-        for (left, value) in rest.iter_mut().zip(&row) {
-            *left -= value * value;
-        }
-        rest[pivot] = 0.0;
-        pivots.push(pivot);
-        rows.push(row);
-    }
-    // Patterns X D = (X D)_P T' with T' = L_P^-1 L^T, L_P the triangle of the pivots.
-    let r = pivots.len();
-    let mut combination = DMatrix::zeros(r, n);
-    for m in 0..n {
-        for i in (0..r).rev() {
-            let known: f64 = (i + 1..r).map(|k| rows[i][pivots[k]] * combination[(k, m)]).sum();
-            combination[(i, m)] = (rows[i][m] - known) / rows[i][pivots[i]];
-        }
-    }
-    for m in 0..n {
-        for i in 0..r {
-            combination[(i, m)] *= scale[m] / scale[pivots[i]];
-        }
-    }
-    Independent {
-        modes: pivots,
-        combination,
-    }
-}
-
-/// R of every parity and patch, and what is heard of every parity.
-struct Solved {
-    resistances: Vec<Vec<Resistance>>,
-    heard: Vec<Heard>,
-}
-
-/// One level's solutions, shared by its parities: the kernels of a frequency serve all of them.
-struct Solver<'a> {
-    problem: &'a Exterior,
-    patterns: Vec<Patterns>,
-    receivers: &'a Receivers,
-    solved: Mutex<HashMap<u64, Arc<Solved>>>,
-    worst: Mutex<(f64, f64)>,
-}
-
-impl<'a> Solver<'a> {
-    fn new(level: &'a Level, chosen: &[Independent], receivers: &'a Receivers) -> Self {
-        let own = |(p, pick): (&Patterns, &Independent)| Patterns {
-            parity: p.parity,
-            velocities: p.velocities.select_columns(&pick.modes),
-        };
-        Self {
-            problem: &level.problem,
-            patterns: level.patterns.iter().zip(chosen).map(own).collect(),
-            receivers,
-            solved: Mutex::default(),
-            worst: Mutex::default(),
-        }
-    }
-
-    /// What is heard of a parity at the samples of its radiation matrix.
-    fn heard(&self, parity: usize, found: &SampledRadiation) -> Result<Vec<Heard>, AcousticsError> {
-        let at = |hz: f64| Ok(self.at(hz)?.heard[parity].clone());
-        found.samples_hz().into_iter().map(at).collect()
-    }
-
-    fn at(&self, hz: f64) -> Result<Arc<Solved>, AcousticsError> {
-        let known = self
-            .solved
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .get(&hz.to_bits())
-            .cloned();
-        if let Some(known) = known {
-            return Ok(known);
-        }
-        let solutions = self.problem.solve_parities(hz, &self.patterns)?;
-        let two = self.problem.two_evaluations(&self.patterns, &solutions)?;
-        let mut all = Vec::new();
-        for (patterns, solution) in self.patterns.iter().zip(&solutions) {
-            all.push(heard(self.problem, self.receivers, patterns, solution)?);
-        }
-        {
-            let mut worst = self.worst.lock().unwrap_or_else(PoisonError::into_inner);
-            let loudest = two.iter().map(|t| t.far_field.amax()).fold(0.0, f64::max);
-            for t in &two {
-                worst.0 = worst.0.max(t.difference_within(1e-3 * loudest));
-                worst.1 = worst.1.max(t.asymmetry * t.far_field.amax() / loudest);
-            }
-        }
-        let solution = Arc::new(Solved {
-            resistances: two
-                .iter()
-                .map(|t| t.split().into_iter().map(single).collect())
-                .collect(),
-            heard: all,
-        });
-        let mut solved = self.solved.lock().unwrap_or_else(PoisonError::into_inner);
-        Ok(solved.entry(hz.to_bits()).or_insert(solution).clone())
-    }
-
-    fn report(self, summary: &mut Summary) {
-        let worst = self.worst.into_inner().unwrap_or_else(PoisonError::into_inner);
-        summary.samples += self.solved.into_inner().unwrap_or_else(PoisonError::into_inner).len();
-        summary.difference_db = summary.difference_db.max(worst.0);
-        summary.asymmetry = summary.asymmetry.max(worst.1);
-    }
-}
-
-/// Rounds to single precision, in which samples are kept in files: a result does not depend on whether they were.
-fn single(mut r: Resistance) -> Resistance {
-    r.real.iter_mut().for_each(|v| *v = f64::from(*v as f32));
-    r
 }
 
 impl Archive for ModalBem {

@@ -192,6 +192,11 @@ impl Exterior {
         self.near.len()
     }
 
+    /// Shapes of those pairs: congruent pairs are integrated once.
+    pub fn close_shapes(&self) -> usize {
+        self.near.shapes()
+    }
+
     /// Pressure on the surface at the frequency `hz` for normal velocities (corner values of every panel x patterns,
     /// see [`Boundary::project`]) that continue evenly across the mirror planes, if there are any.
     ///
@@ -264,9 +269,10 @@ impl Exterior {
     /// 1/2 - K + alpha W, and (S + alpha (1/2 + K')) v, for every parity.
     fn assemble(&self, wave: Wave, all: &[Patterns]) -> Vec<Sums> {
         let n = self.boundary.nodes();
-        let by_block: Vec<Vec<Mat<f64>>> = all
+        let single = |v: Mat<f64>| Mat::from_fn(v.nrows(), v.ncols(), |i, j| v[(i, j)] as f32);
+        let by_block: Vec<Vec<Mat<f32>>> = all
             .iter()
-            .map(|p| self.blocks.iter().map(|b| of_block(b, &p.velocities)).collect())
+            .map(|p| self.blocks.iter().map(|b| single(of_block(b, &p.velocities))).collect())
             .collect();
         let empty = |p: &Patterns| Sums {
             matrix: Mat::zeros(n, n),
@@ -274,9 +280,10 @@ impl Exterior {
         };
         let mut sums: Vec<Sums> = all.iter().map(empty).collect();
         let mut tile = Tile::default();
+        let near = self.near.at(&self.boundary, wave.k);
         for (i, e) in self.blocks.iter().enumerate() {
             for (j, f) in self.blocks.iter().enumerate().skip(i) {
-                let patterns: Vec<(Parity, [&Mat<f64>; 2])> = all
+                let patterns: Vec<(Parity, [&Mat<f32>; 2])> = all
                     .iter()
                     .zip(&by_block)
                     .map(|(p, blocks)| (p.parity, [&blocks[i], &blocks[j]]))
@@ -287,8 +294,7 @@ impl Exterior {
                     wave,
                     [e, f],
                     &patterns,
-                    self.near.pairs(i, j),
-                    |panels, pair, out| self.near.integrate(&self.boundary, wave.k, panels, pair, out),
+                    (&near, near.pairs(i, j)),
                     &mut sums,
                 );
             }

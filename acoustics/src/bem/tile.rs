@@ -3,7 +3,7 @@
 
 use super::blocks::Block;
 use super::far::{Far, corner_values};
-use super::near::{NearPair, PairMatrices};
+use super::near::{NearAt, NearPair, PairMatrices};
 use super::symmetry::{Image, Parity};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
@@ -27,7 +27,7 @@ impl Wave {
 /// `data[((part * rows + row) * corners_f + j) * width_f + f]`, part 0 real and 1 imaginary.
 #[derive(Debug, Default)]
 pub(super) struct Buffer {
-    pub(super) data: Vec<f64>,
+    pub(super) data: Vec<f32>,
     rows: usize,
     columns: usize,
 }
@@ -45,12 +45,12 @@ impl Buffer {
 
     fn add(&mut self, row: usize, column: usize, value: Complex<f64>) {
         let (re, im) = (self.start(0, row) + column, self.start(1, row) + column);
-        self.data[re] += value.re;
-        self.data[im] += value.im;
+        self.data[re] += value.re as f32;
+        self.data[im] += value.im as f32;
     }
 
     /// Real rows above imaginary rows.
-    fn stacked(&self) -> MatRef<'_, f64> {
+    fn stacked(&self) -> MatRef<'_, f32> {
         MatRef::from_row_major_slice(&self.data, 2 * self.rows, self.columns)
     }
 }
@@ -85,7 +85,7 @@ impl Operators {
 #[derive(Debug)]
 pub(super) struct Tile {
     parities: Vec<Operators>,
-    mask: Vec<f64>,
+    mask: Vec<f32>,
     to_points: [Mat<f64>; 2],
 }
 
@@ -128,9 +128,8 @@ impl Tile {
         images: &[Image],
         wave: Wave,
         [e, f]: [&Block; 2],
-        patterns: &[(Parity, [&Mat<f64>; 2])],
-        near: &[NearPair],
-        integrate: impl Fn([usize; 2], &NearPair, &mut PairMatrices),
+        patterns: &[(Parity, [&Mat<f32>; 2])],
+        (near, pairs): (&NearAt<'_>, &[NearPair]),
         sums: &mut [Sums],
     ) {
         let diagonal = std::ptr::eq(e, f);
@@ -141,7 +140,7 @@ impl Tile {
             self.mask.resize(self.mask.len() + f.panels.len(), 1.0);
             self.mask.resize(self.mask.len() + f.width - f.panels.len(), 0.0);
         }
-        for pair in near {
+        for pair in pairs {
             let first = pair.image * e.panels.len();
             self.mask[(first + pair.e) * f.width + pair.f] = 0.0;
             if diagonal {
@@ -163,10 +162,8 @@ impl Tile {
                 to,
             });
         }
-        for pair in near {
-            let mut m = PairMatrices::default();
-            integrate([e.panels[pair.e], f.panels[pair.f]], pair, &mut m);
-            let pair = Close::new(pair, wave, [e, f], &self.to_points, &m);
+        for pair in pairs {
+            let pair = Close::new(pair, wave, [e, f], &self.to_points, &near.matrices(pair));
             for (to, (parity, _)) in self.parities.iter_mut().zip(patterns) {
                 pair.add(parity.sign(images[pair.pair.image]), [e, f], diagonal, to);
             }
@@ -237,10 +234,10 @@ impl<'a> Close<'a> {
 
 impl Operators {
     /// Adds corners to nodes and applies B to the patterns.
-    fn gather(&self, [e, f]: [&Block; 2], diagonal: bool, patterns: [&Mat<f64>; 2], sums: &mut Sums) {
+    fn gather(&self, [e, f]: [&Block; 2], diagonal: bool, patterns: [&Mat<f32>; 2], sums: &mut Sums) {
         let modes = patterns[0].nrows();
-        let mut local = vec![0.0; 2 * e.nodes.len() * f.nodes.len()];
-        let to_nodes = |buffer: &Buffer, local: &mut Vec<f64>| {
+        let mut local = Vec::new();
+        let to_nodes = |buffer: &Buffer, local: &mut Vec<f32>| {
             local.clear();
             local.resize(2 * buffer.rows * f.nodes.len(), 0.0);
             for row in 0..2 * buffer.rows {
@@ -253,9 +250,9 @@ impl Operators {
                 }
             }
         };
-        let at = |local: &[f64], r: usize, c: usize, rows: usize| {
+        let at = |local: &[f32], r: usize, c: usize, rows: usize| {
             let n = f.nodes.len();
-            Complex::new(local[r * n + c], local[(rows + r) * n + c])
+            Complex::new(local[r * n + c].into(), local[(rows + r) * n + c].into())
         };
         to_nodes(&self.a, &mut local);
         for (c, &column) in f.nodes.iter().enumerate() {
@@ -263,7 +260,7 @@ impl Operators {
                 sums.matrix[(row, column)] += at(&local, r, c, e.nodes.len());
             }
         }
-        let mut product = Mat::<f64>::zeros(modes, 2 * e.nodes.len());
+        let mut product = Mat::<f32>::zeros(modes, 2 * e.nodes.len());
         matmul(
             product.as_mut(),
             Accum::Replace,
@@ -285,7 +282,7 @@ impl Operators {
         to_nodes(&self.b_back, &mut local);
         let rows = self.b_back.rows;
         let half = rows * f.nodes.len();
-        let mut product = Mat::<f64>::zeros(modes, 2 * f.nodes.len());
+        let mut product = Mat::<f32>::zeros(modes, 2 * f.nodes.len());
         for part in 0..2 {
             let b = MatRef::from_row_major_slice(&local[part * half..(part + 1) * half], rows, f.nodes.len());
             let to = product.as_mut().subcols_mut(part * f.nodes.len(), f.nodes.len());
@@ -296,7 +293,7 @@ impl Operators {
 }
 
 /// Adds the columns of a block's product, real before imaginary, to the right-hand sides.
-fn spread(nodes: &[usize], product: MatRef<'_, f64>, sums: &mut Sums) {
+fn spread(nodes: &[usize], product: MatRef<'_, f32>, sums: &mut Sums) {
     for (part, right) in sums.right.iter_mut().enumerate() {
         for (r, &row) in nodes.iter().enumerate() {
             let from = product.col(part * nodes.len() + r);
@@ -304,7 +301,7 @@ fn spread(nodes: &[usize], product: MatRef<'_, f64>, sums: &mut Sums) {
                 .col_mut(row)
                 .iter_mut()
                 .zip(from.iter())
-                .for_each(|(to, v)| *to += v);
+                .for_each(|(to, v)| *to += f64::from(*v));
         }
     }
 }

@@ -30,7 +30,8 @@ impl Erp {
             for (row, weight) in part.weights().iter().enumerate() {
                 weighted.row_mut(row).scale_mut(air.impedance() * weight);
             }
-            part.normal_modes().tr_mul(&weighted)
+            // nalgebra's `tr_mul` is a column at a time, its product is blocked.
+            part.normal_modes().transpose() * weighted
         };
         Self {
             patches: surface.patch_names().to_vec(),

@@ -8,6 +8,9 @@ use std::f64::consts::PI;
 /// Orders of the nested Chebyshev-Lobatto rules tried on an interval before it is halved.
 pub(super) const ORDERS: [usize; 4] = [4, 8, 16, 32];
 
+/// Most that a round of samples is trusted to have gained.
+const GAIN: f64 = 0.1;
+
 /// Points among which Leja's sequence chooses.
 const CANDIDATES: usize = 2048;
 
@@ -79,6 +82,13 @@ impl Interval {
         Self::leja(self.low, self.high, self.nodes[..fewer].to_vec(), 0)
     }
 
+    /// The interval one round of samples ago, if there were others before.
+    pub(super) fn sooner(&self) -> Option<Self> {
+        let fewer = self.nodes.len() - self.tried;
+        let known = self.tried > 0 && fewer > self.tried;
+        known.then(|| Self::leja(self.low, self.high, self.nodes[..fewer].to_vec(), self.tried))
+    }
+
     /// Weights of the samples at the frequency `hz` (they sum to one).
     pub(super) fn weights(&self, hz: f64) -> Vec<f64> {
         if let Some(hit) = self.hz.iter().position(|&node| node == hz) {
@@ -144,36 +154,23 @@ impl Interval {
         }
     }
 
-    /// Estimated interpolation error of all patches together, relative to the interval's least sqrt(Q_ii Q_jj). What
-    /// patches exchange among themselves does not reach the level. `whole` is the sum over the patches of a sample.
+    /// Estimated interpolation error of all patches together on Chebyshev's nodes, relative to the interval's least
+    /// sqrt(Q_ii Q_jj). What patches exchange among themselves does not reach the level. `whole` is the sum over the
+    /// patches of a sample.
     pub(super) fn error(&self, whole: impl Fn(usize) -> Resistance, modes: usize, floor: f64) -> f64 {
         let samples: Vec<Resistance> = self.nodes.iter().map(|&node| whole(node)).collect();
-        let scales = |sample: &Resistance| {
-            let diagonal = sample.real.diagonal();
-            let floor = floor * diagonal.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-            diagonal.iter().map(|q| q.max(floor).sqrt()).collect::<Vec<f64>>()
-        };
         let mut least = vec![f64::INFINITY; modes];
-        if self.tried == 0 {
-            for sample in &samples {
-                least.iter_mut().zip(scales(sample)).for_each(|(s, q)| *s = s.min(q));
-            }
+        for sample in &samples {
+            least
+                .iter_mut()
+                .zip(scales(sample, floor))
+                .for_each(|(s, q)| *s = s.min(q));
         }
-        let count = samples.len();
-        let defects = self.defects().into_iter().enumerate().map(|(number, weights)| {
-            let mut sum = Resistance::zeros(modes);
-            for (sample, weight) in samples.iter().zip(&weights) {
-                sum.add_scaled(*weight, sample);
-            }
-            // A defect on Leja's points is that of one frequency.
-            let scale = if self.tried == 0 {
-                least.clone()
-            } else {
-                scales(&samples[count - self.tried + number])
-            };
-            (sum, scale)
-        });
-        let defects: Vec<(Resistance, Vec<f64>)> = defects.collect();
+        let defects: Vec<Resistance> = self
+            .defects()
+            .iter()
+            .map(|weights| weighted(&samples, weights))
+            .collect();
         let mut worst: f64 = 0.0;
         let part = |r: &Resistance, imaginary: bool, i: usize, j: usize| match (&r.imaginary, imaginary) {
             (_, false) => r.real[(i, j)],
@@ -185,13 +182,71 @@ impl Interval {
                 for i in 0..modes {
                     let sizes = defects
                         .iter()
-                        .map(|(sum, s)| part(sum, imaginary, i, j).abs() / (s[i] * s[j]));
+                        .map(|sum| part(sum, imaginary, i, j).abs() / (least[i] * least[j]));
                     worst = worst.max(self.together(sizes));
                 }
             }
         }
         worst
     }
+
+    /// How far the samples tried are from the interpolant without them: for each the squares of two Frobenius norms,
+    /// of the defect of `value` and of the resistance `whole`, both with modes scaled to the same radiated power,
+    ///
+    /// ```text
+    /// ||S D S||^2, ||S Q S||^2        S_ii = Q_ii^-1/2, no smaller resistance counted than `floor` of the largest
+    /// ```
+    ///
+    /// Their ratio is the mean square error of one mode's energy where modes are many and radiate independently.
+    pub(super) fn misfits(
+        &self,
+        value: impl Fn(usize) -> Resistance,
+        whole: impl Fn(usize) -> Resistance,
+        floor: f64,
+    ) -> Vec<[f64; 2]> {
+        let values: Vec<Resistance> = self.nodes.iter().map(|&node| value(node)).collect();
+        let tried = &self.nodes[self.nodes.len() - self.tried..];
+        let misfit = |(weights, &node): (&Vec<f64>, &usize)| {
+            let (defect, whole) = (weighted(&values, weights), whole(node));
+            let scale = scales(&whole, floor);
+            [scaled_norm(&defect, &scale), scaled_norm(&whole, &scale)]
+        };
+        self.defects().iter().zip(tried).map(misfit).collect()
+    }
+}
+
+/// Error with a round's samples, from the misfit `found` without them and the one a round before: what a round gains, a
+/// factor of ten at the most.
+pub(super) fn gained(found: f64, previous: Option<f64>) -> f64 {
+    found * previous.map_or(1.0, |previous| (found / previous).clamp(GAIN, 1.0))
+}
+
+/// Roots of the diagonal, none smaller than that of `floor` times the largest.
+fn scales(sample: &Resistance, floor: f64) -> Vec<f64> {
+    let diagonal = sample.real.diagonal();
+    let floor = floor * diagonal.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    diagonal.iter().map(|q| q.max(floor).sqrt()).collect()
+}
+
+fn weighted(samples: &[Resistance], weights: &[f64]) -> Resistance {
+    let mut sum = Resistance::zeros(samples.first().map_or(0, |s| s.real.nrows()));
+    for (sample, weight) in samples.iter().zip(weights) {
+        sum.add_scaled(*weight, sample);
+    }
+    sum
+}
+
+/// Square of the Frobenius norm with rows and columns divided by `scale`.
+fn scaled_norm(r: &Resistance, scale: &[f64]) -> f64 {
+    let norm = |m: &DMatrix<f64>| {
+        let columns = m.column_iter().zip(scale);
+        let squares = columns.map(|(column, sj)| {
+            let entries = column.iter().zip(scale);
+            entries.map(|(x, si)| (x / (si * sj)).powi(2)).sum::<f64>()
+        });
+        squares.sum::<f64>()
+    };
+    norm(&r.real) + r.imaginary.as_ref().map_or(0.0, norm)
 }
 
 /// Chebyshev-Lobatto nodes of \[low, high\], rising; the ends are exact.

@@ -38,6 +38,20 @@ impl Resistance {
         self
     }
 
+    /// With `factor` times itself rounded to single precision, in which files keep it: a result does not depend on
+    /// whether it was kept.
+    pub(super) fn rounded(self, factor: f64) -> Self {
+        self.scaled(factor).single().scaled(1.0 / factor)
+    }
+
+    /// Rounded to single precision.
+    pub(crate) fn single(mut self) -> Self {
+        let round = |v: &mut f64| *v = f64::from(*v as f32);
+        self.real.iter_mut().for_each(round);
+        self.imaginary.iter_mut().flatten().for_each(round);
+        self
+    }
+
     /// Adds `factor` times another resistance.
     pub fn add_scaled(&mut self, factor: f64, other: &Self) {
         add_scaled(&mut self.real, factor, &other.real);

@@ -4,44 +4,73 @@ use super::energy::ModalSpectra;
 use super::resistance::{ModalRadiation, Resistance};
 use crate::error::{AcousticsError, same_length};
 use crate::levels::{PowerSignals, SourceSpectrum};
-use nalgebra::{Complex, DMatrix, SymmetricEigen};
+use faer::diag::Diag;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
+use faer::linalg::matmul::matmul;
+use faer::traits::ComplexField;
+use faer::traits::math_utils::{mul_real, real};
+use faer::{Accum, Mat, Par, unzip, zip};
+use nalgebra::{Complex, DMatrix};
 
 /// The Hermitian root of a resistance, S = S^H >= 0 with S^2 = R; its imaginary part is antisymmetric.
 ///
 /// Unlike sorted eigenvectors it is a smooth function of R, so that it may be interpolated over frequency. Negative
 /// eigenvalues, left by round-off or interpolation, count as zero.
 pub(super) fn hermitian_root(resistance: &Resistance) -> Resistance {
+    let shape = resistance.real.shape();
     match &resistance.imaginary {
         None => {
-            let eigen = SymmetricEigen::new(resistance.real.clone());
-            let mut scaled = eigen.eigenvectors.clone();
-            for (mut column, value) in scaled.column_iter_mut().zip(&eigen.eigenvalues) {
-                column *= value.max(0.0).sqrt();
-            }
+            let root = root_of(Mat::from_fn(shape.0, shape.1, |i, j| resistance.real[(i, j)]));
             Resistance {
-                real: scaled * eigen.eigenvectors.transpose(),
+                real: DMatrix::from_fn(shape.0, shape.1, |i, j| root[(i, j)]),
                 imaginary: None,
             }
         }
         Some(imaginary) => {
-            let whole = resistance.real.zip_map(imaginary, Complex::new);
-            let eigen = SymmetricEigen::new(whole);
-            let (u_re, u_im) = (eigen.eigenvectors.map(|u| u.re), eigen.eigenvectors.map(|u| u.im));
-            let scale = |u: &DMatrix<f64>| {
-                let mut scaled = u.clone();
-                for (mut column, value) in scaled.column_iter_mut().zip(&eigen.eigenvalues) {
-                    column *= value.max(0.0).sqrt();
-                }
-                scaled
-            };
-            let (s_re, s_im) = (scale(&u_re), scale(&u_im));
-            let (t_re, t_im) = (u_re.transpose(), u_im.transpose());
+            let whole = |i, j| Complex::new(resistance.real[(i, j)], imaginary[(i, j)]);
+            let root = root_of(Mat::from_fn(shape.0, shape.1, whole));
             Resistance {
-                real: &s_re * &t_re + &s_im * &t_im,
-                imaginary: Some(s_im * t_re - s_re * t_im),
+                real: DMatrix::from_fn(shape.0, shape.1, |i, j| root[(i, j)].re),
+                imaginary: Some(DMatrix::from_fn(shape.0, shape.1, |i, j| root[(i, j)].im)),
             }
         }
     }
+}
+
+/// U max(D, 0)^{1/2} U^H for U D U^H; not a number where the eigenvalues of a damaged matrix do not converge.
+fn root_of<T: ComplexField<Real = f64>>(whole: Mat<T>) -> Mat<T> {
+    let n = whole.nrows();
+    let mut values = Diag::<T>::zeros(n);
+    let mut vectors = Mat::<T>::zeros(n, n);
+    let request = self_adjoint_evd_scratch::<T>(n, ComputeEigenvectors::Yes, Par::Seq, Default::default());
+    let found = self_adjoint_evd(
+        whole.as_ref(),
+        values.as_mut(),
+        Some(vectors.as_mut()),
+        Par::Seq,
+        MemStack::new(&mut MemBuffer::new(request)),
+        Default::default(),
+    );
+    let mut scaled = vectors.clone();
+    for (column, value) in scaled.col_iter_mut().zip(values.column_vector().iter()) {
+        let root = if found.is_ok() {
+            real(value).max(0.0).sqrt()
+        } else {
+            f64::NAN
+        };
+        zip!(column).for_each(|unzip!(x)| *x = mul_real(x, &root));
+    }
+    let mut root = Mat::zeros(n, n);
+    matmul(
+        root.as_mut(),
+        Accum::Replace,
+        scaled.as_ref(),
+        vectors.as_ref().adjoint(),
+        T::one_impl(),
+        Par::Seq,
+    );
+    root
 }
 
 /// The signals of a surface that moves in modes, for its energy over time.

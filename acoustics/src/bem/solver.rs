@@ -1,0 +1,111 @@
+use super::independent::Independent;
+use super::modal::{Level, Summary};
+use super::problem::{Exterior, Patterns};
+use super::receivers::{Heard, Receivers, heard};
+use crate::error::AcousticsError;
+use crate::radiation::{Correction, Resistance, SampledRadiation};
+use nalgebra::Complex;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// R of every parity and patch, and what is heard of every parity.
+pub(super) struct Solved {
+    pub(super) resistances: Vec<Vec<Resistance>>,
+    heard: Vec<Heard>,
+}
+
+/// One level's solutions, shared by its parities: the kernels of a frequency serve all of them.
+pub(super) struct Solver<'a> {
+    problem: Exterior,
+    patterns: Vec<Patterns>,
+    receivers: &'a Receivers,
+    solved: Mutex<HashMap<u64, Arc<Solved>>>,
+    worst: Mutex<(f64, f64)>,
+}
+
+impl<'a> Solver<'a> {
+    /// For frequencies up to `highest_hz`, which may lie above the range that the mesh resolves well.
+    pub(super) fn new(
+        level: Level,
+        highest_hz: f64,
+        chosen: &[Independent],
+        receivers: &'a Receivers,
+    ) -> Result<Self, AcousticsError> {
+        let own = |(p, pick): (&Patterns, &Independent)| Patterns {
+            parity: p.parity,
+            velocities: p.velocities.select_columns(&pick.modes),
+        };
+        let per_wavelength = level.problem.panels_per_wavelength() * (level.top_hz / highest_hz).min(1.0);
+        let problem = level.problem.with_panels_per_wavelength(per_wavelength)?;
+        Ok(Self {
+            problem: problem.with_near_field_kept(highest_hz),
+            patterns: level.patterns.iter().zip(chosen).map(own).collect(),
+            receivers,
+            solved: Mutex::default(),
+            worst: Mutex::default(),
+        })
+    }
+
+    /// What is heard of a parity at the samples of its radiation matrix: as the `predictor` says, corrected.
+    pub(super) fn heard(
+        &self,
+        parity: usize,
+        found: &SampledRadiation,
+        predictor: &Self,
+        correction: &Correction,
+    ) -> Result<Vec<Heard>, AcousticsError> {
+        let at = |hz: f64| {
+            let mut heard = predictor.at(hz)?.heard[parity].clone();
+            for (node, weight) in correction.weights(hz) {
+                let weight = Complex::from(weight);
+                heard += (&self.at(node)?.heard[parity] - &predictor.at(node)?.heard[parity]) * weight;
+            }
+            Ok(heard)
+        };
+        found.samples_hz().into_iter().map(at).collect()
+    }
+
+    /// Everything at one frequency.
+    pub(super) fn at(&self, hz: f64) -> Result<Arc<Solved>, AcousticsError> {
+        let known = self
+            .solved
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .get(&hz.to_bits())
+            .cloned();
+        if let Some(known) = known {
+            return Ok(known);
+        }
+        let solutions = self.problem.solve_parities(hz, &self.patterns)?;
+        let two = self.problem.two_evaluations(&self.patterns, &solutions)?;
+        let mut all = Vec::new();
+        for (patterns, solution) in self.patterns.iter().zip(&solutions) {
+            all.push(heard(&self.problem, self.receivers, patterns, solution)?);
+        }
+        {
+            let mut worst = self.worst.lock().unwrap_or_else(PoisonError::into_inner);
+            let loudest = two.iter().map(|t| t.far_field.amax()).fold(0.0, f64::max);
+            for t in &two {
+                worst.0 = worst.0.max(t.difference_within(1e-3 * loudest));
+                worst.1 = worst.1.max(t.asymmetry * t.far_field.amax() / loudest);
+            }
+        }
+        let solution = Arc::new(Solved {
+            resistances: two
+                .iter()
+                .map(|t| t.split().into_iter().map(Resistance::single).collect())
+                .collect(),
+            heard: all,
+        });
+        let mut solved = self.solved.lock().unwrap_or_else(PoisonError::into_inner);
+        Ok(solved.entry(hz.to_bits()).or_insert(solution).clone())
+    }
+
+    /// What it found so far, for the summary.
+    pub(super) fn report(&self, summary: &mut Summary) {
+        let worst = *self.worst.lock().unwrap_or_else(PoisonError::into_inner);
+        summary.samples += self.solved.lock().unwrap_or_else(PoisonError::into_inner).len();
+        summary.difference_db = summary.difference_db.max(worst.0);
+        summary.asymmetry = summary.asymmetry.max(worst.1);
+    }
+}
