@@ -122,3 +122,24 @@ fn key(design: &Design, body: &Body, open: &[bool], receivers: &Receivers, air: 
     }
     key
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_near_plane_is_in_the_equations_a_far_one_at_the_microphones() {
+        let design = |name: &str| Design::load(format!("{}/designs/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap();
+        let sand = design("n80cb-sandbox.toml");
+        assert_eq!(floor(&sand), Some(0.0));
+        assert_eq!(receivers(&sand).points.len(), 9);
+        let table = design("n80cb.toml");
+        assert_eq!(floor(&table), None);
+        let points = receivers(&table).points;
+        assert_eq!(points.len(), 18);
+        for (point, image) in points[..9].iter().zip(&points[9..]) {
+            assert!(point.z > plane(&table) && image.z < plane(&table));
+            assert!((point.z + image.z - 2.0 * plane(&table)).abs() < 1e-12);
+        }
+    }
+}
