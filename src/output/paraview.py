@@ -43,15 +43,16 @@ def arrays(source):
     return {array.Name: array.GetRange(-1 if array.GetNumberOfComponents() > 1 else 0) for array in found}
 
 
-def view_of(files, choose, limits, title):
-    """A view of some files by the field that `choose` finds, on one scale for all of them."""
+def view_of(files, choose, limits, title, time=0.0):
+    """A view of some files at a time by the field that `choose` finds, on one scale for all of them."""
     view = CreateRenderView()
     SetActiveView(view)
     LoadPalette("WhiteBackground")
     view.OrientationAxesVisibility = 1
+    view.ViewTime = time
     sources = [(file, OpenDataFile(file)) for file in files]
     for _, source in sources:
-        source.UpdatePipeline()
+        source.UpdatePipeline(time)
     name = choose(sources)
     for file, source in sources:
         shown = Show(source, view)
@@ -118,11 +119,10 @@ for title, files, wanted, below in [
         own = next(source for source in result["ranking"] if source["source"] == "workpiece")
         bands = sorted(OpenDataFile(files[0]).TimestepValues)
         level = {band["hz"]: band["lwa_db"] or 0.0 for band in own["bands"]}
-        view = view_of(
+        view_of(
             files,
             lambda sources: wanted,
             lambda sources, name, _: (levels(sources, name, _)[1] - below, levels(sources, name, _)[1]),
             lambda name: name.replace("[", "(").replace("]", ")"),
+            max(bands, key=lambda hz: level.get(hz, 0.0)),
         )
-        view.ViewTime = max(bands, key=lambda hz: level.get(hz, 0.0))
-        Render(view)
