@@ -186,7 +186,7 @@ pub(super) fn moved(
                 BodyModel::Rigid => None,
             };
             let side = match &lumped {
-                Some(record) => ToolSide::Moved(tool_in_motion(bench, body, record, &mut timing, &watched)?),
+                Some(record) => ToolSide::Moved(Box::new(tool_in_motion(bench, body, record, &mut timing, &watched)?)),
                 None => ToolSide::Still(body),
             };
             Ok::<_, Error>((side, timing))
@@ -211,7 +211,7 @@ pub(super) fn moved(
         (None, None) => unreachable!("a cycle is given, or comes from a coupled run"),
     };
     let (tool, body) = match of_tool {
-        ToolSide::Moved(moved) => moved,
+        ToolSide::Moved(moved) => *moved,
         ToolSide::Still(body) => tool_in_motion(bench, body, &record, timing, &watched)?,
     };
     let shot = sensors::Shot {
@@ -334,7 +334,7 @@ pub(super) fn moved(
 /// The tool's side of a run: at rest while its cycle is not known.
 enum ToolSide {
     Still(Option<Body>),
-    Moved((Option<Tool>, Sound)),
+    Moved(Box<(Option<Tool>, Sound)>),
 }
 
 /// What a cycle does to the tool's body, a rigid one without modes, and how it sounds.
