@@ -54,7 +54,8 @@ class Runs:
             design = os.path.join(folder, "variant.toml")
             base = os.path.join(ROOT, "designs", "n80cb.toml")
             with open(design, "w") as file:
-                file.write(f'base = "{base}"\n{text}\n')
+                # What is studied is the motion: radiation efficiency 1 needs no matrices of every mesh.
+                file.write(f'base = "{base}"\nacoustics.method = "erp"\n{text}\n')
             command = [self.program, "run", design, "--json", "--out", os.path.join(folder, "out")]
             done = subprocess.run(command, capture_output=True, text=True, check=False)
             if not done.stdout:
@@ -155,7 +156,7 @@ def main():
     text = """# Convergence
 
 L_WA,1s in dB of the N80CB against the step of the response, the modes kept and the mesh, one of them refined at a time. A
-limit in bold is not met. Written by `tests/peers/convergence.py`.
+limit in bold is not met. Radiation efficiency is 1 throughout: what is studied is the motion. Written by `tests/peers/convergence.py`.
 """
     all_fine = True
     for title, words, head, rows_of in tables:
