@@ -783,8 +783,8 @@ group! {
     Acoustics {
         /// Radiation of the workpiece on a worktable.
         method: RadiationMethod = RadiationMethod::KIND, "";
-        /// Radiation of the tool's body where it is elastic: boundary elements on its housing above the reflecting plane, up
-        /// to `bem_top` or as far as its mesh resolves the waves, or that of a sphere of its volume.
+        /// Radiation of the tool's body where it is elastic: boundary elements on its housing, up to `bem_top` or as far as
+        /// its mesh resolves the waves, or that of a sphere of its volume.
         body_method: RadiationMethod = RadiationMethod::KIND, "";
         /// Highest frequency of the boundary elements; above it radiation efficiency is 1.
         bem_top: f64 = positive(FREQUENCY), "";

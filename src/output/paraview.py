@@ -43,15 +43,16 @@ def arrays(source):
     return {array.Name: array.GetRange(-1 if array.GetNumberOfComponents() > 1 else 0) for array in found}
 
 
-def view_of(files, choose, limits, title):
-    """A view of some files by the field that `choose` finds, on one scale for all of them."""
+def view_of(files, choose, limits, title, time=0.0):
+    """A view of some files at a time by the field that `choose` finds, on one scale for all of them."""
     view = CreateRenderView()
     SetActiveView(view)
     LoadPalette("WhiteBackground")
     view.OrientationAxesVisibility = 1
+    view.ViewTime = time
     sources = [(file, OpenDataFile(file)) for file in files]
     for _, source in sources:
-        source.UpdatePipeline()
+        source.UpdatePipeline(time)
     name = choose(sources)
     for file, source in sources:
         shown = Show(source, view)
@@ -111,18 +112,17 @@ sounds = [file for name in ("surface", "plane-xz", "plane-yz", "plane-xy") for f
 spheres = glob.glob(os.path.join(fields, "sound-sphere.pvd"))
 for title, files, wanted, below in [
     ("the sound", sounds, "sound exposure level [dB re (20 uPa)2 s]", SHOWN),
-    ("its directions", spheres, "directivity index of the half space [dB]", 0.5 * SHOWN),
+    ("its directions", spheres, "directivity index [dB]", 0.5 * SHOWN),
 ]:
     if files:
         CreateLayout(title)
         own = next(source for source in result["ranking"] if source["source"] == "workpiece")
         bands = sorted(OpenDataFile(files[0]).TimestepValues)
         level = {band["hz"]: band["lwa_db"] or 0.0 for band in own["bands"]}
-        view = view_of(
+        view_of(
             files,
             lambda sources: wanted,
             lambda sources, name, _: (levels(sources, name, _)[1] - below, levels(sources, name, _)[1]),
             lambda name: name.replace("[", "(").replace("]", ")"),
+            max(bands, key=lambda hz: level.get(hz, 0.0)),
         )
-        view.ViewTime = max(bands, key=lambda hz: level.get(hz, 0.0))
-        Render(view)

@@ -65,7 +65,7 @@ pub(super) fn notes(design: &Design, record: &CycleRecord, told: &Told, exhaust:
         None => notes.push("body: rigid motion only, without the vibration of its housing: a lower bound".to_owned()),
         Some([cap, rim]) => {
             notes.push(match &body.radiation {
-                Some(report) => radiation_note("body, alone above the plane that reflects", report),
+                Some(report) => radiation_note("body, without what is nailed", report),
                 None => "body: rigid motion, and vibration of its housing as ERP times the radiation efficiency of an \
                          oscillating sphere of its volume; an estimate of which there is no second evaluation"
                     .to_owned(),

@@ -201,7 +201,9 @@ fn solved(design: &Design, body: Solved<'_>) -> Result<Pictures, Error> {
             .iter_mut()
             .for_each(|plane| plane.keep(|points| level.problem.is_clear(&moved(points))));
     }
-    let directions = Directions::new(SPHERE[0], SPHERE[1], true);
+    let floor = levels.first().and_then(|level| level.problem.boundary().floor());
+    let rings = if floor.is_some() { SPHERE[0] } else { 2 * SPHERE[0] };
+    let directions = Directions::new(rings, SPHERE[1], floor.is_some());
     let points: Vec<Point3<f64>> = planes.iter().flat_map(|plane| plane.points()).collect();
     let points = moved(&points);
     let around = Around {
@@ -229,7 +231,7 @@ fn solved(design: &Design, body: Solved<'_>) -> Result<Pictures, Error> {
     let checks = vec![
         held([source, "intensity over the surface"], &left, &energies),
         held(
-            [source, "directivity over the half sphere"],
+            [source, "directivity over all directions"],
             &sums(&found.around, &directions),
             &energies,
         ),
@@ -243,8 +245,14 @@ fn solved(design: &Design, body: Solved<'_>) -> Result<Pictures, Error> {
         notes: vec![format!(
             "{source} by boundary elements at {} frequencies, in the bands up to {reaches:.0} Hz that lie below the limit of high \
              frequencies; error of the field between them {:.1e} of its largest value; the pressure is that of this source \
-             alone, above a rigid floor",
-            found.around.samples, found.around.error
+             alone, {}",
+            found.around.samples,
+            found.around.error,
+            if floor.is_some() {
+                "above a rigid floor"
+            } else {
+                "in free space"
+            }
         )],
         checks,
         series,
@@ -295,7 +303,7 @@ fn flush(design: &Design, air: &Air, vibration: &Vibration, energy: impl Fn(&Ban
              itself Rayleigh's integral is not evaluated"
                 .to_owned(),
         ],
-        checks: vec![held(["workpiece", "directivity over the half sphere"], &sums(&found, &directions), &energies)],
+        checks: vec![held(["workpiece", "directivity over all directions"], &sums(&found, &directions), &energies)],
         series,
     })
 }
@@ -380,7 +388,7 @@ fn in_planes(prefix: &str, planes: &[Plane], found: &BandSound, bands: &[Band]) 
     planes.iter().map(of_plane).collect()
 }
 
-/// The half sphere of directions, around a point.
+/// The sphere of directions or its upper half, around a point.
 fn sphere(prefix: &str, directions: &Directions, found: &BandSound, bands: &[Band], centre: Point3<f64>) -> Series {
     let (around, count) = (directions.around, directions.vectors.len());
     let mut polygons = Vec::new();
@@ -404,7 +412,7 @@ fn sphere(prefix: &str, directions: &Directions, found: &BandSound, bands: &[Ban
                     energy.iter().copied().collect(),
                 ),
                 (
-                    "directivity index of the half space [dB]".to_owned(),
+                    "directivity index [dB]".to_owned(),
                     decibels(energy.iter().copied(), mean.max(f64::MIN_POSITIVE)),
                 ),
             ],
@@ -540,7 +548,7 @@ impl Plane {
         left.enumerate().for_each(|(place, i)| number[i] = place);
         let corner = |i: usize| {
             let corners = [i, i + 1, i + self.columns + 1, i + self.columns];
-            ((i + 1) % self.columns != 0).then_some(corners)
+            (!(i + 1).is_multiple_of(self.columns)).then_some(corners)
         };
         let squares = (0..self.grid.len() - self.columns - 1).filter_map(corner);
         Shape {

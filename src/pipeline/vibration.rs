@@ -186,7 +186,7 @@ pub(super) fn moved(
                 BodyModel::Rigid => None,
             };
             let side = match &lumped {
-                Some(record) => ToolSide::Moved(tool_in_motion(bench, body, record, &mut timing, &watched)?),
+                Some(record) => ToolSide::Moved(Box::new(tool_in_motion(bench, body, record, &mut timing, &watched)?)),
                 None => ToolSide::Still(body),
             };
             Ok::<_, Error>((side, timing))
@@ -211,7 +211,7 @@ pub(super) fn moved(
         (None, None) => unreachable!("a cycle is given, or comes from a coupled run"),
     };
     let (tool, body) = match of_tool {
-        ToolSide::Moved(moved) => moved,
+        ToolSide::Moved(moved) => *moved,
         ToolSide::Still(body) => tool_in_motion(bench, body, &record, timing, &watched)?,
     };
     let shot = sensors::Shot {
@@ -334,7 +334,7 @@ pub(super) fn moved(
 /// The tool's side of a run: at rest while its cycle is not known.
 enum ToolSide {
     Still(Option<Body>),
-    Moved((Option<Tool>, Sound)),
+    Moved(Box<(Option<Tool>, Sound)>),
 }
 
 /// What a cycle does to the tool's body, a rigid one without modes, and how it sounds.
@@ -460,5 +460,49 @@ fn ending(response: &ModalResponse) -> String {
         }
         Ending::Decayed { level, .. } => format!("response ended at {end:.3} s, its energy {level:.0} dB down"),
         Ending::Duration { level, .. } => format!("response cut at {end:.3} s, its energy {level:.0} dB down"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::design::{Kind, Value};
+
+    /// Another value of a key.
+    fn moved(kind: Kind, value: Value) -> Option<Value> {
+        Some(match (kind, value) {
+            (_, Value::Number(0.0)) => Value::Number(1e-3),
+            (_, Value::Number(number)) => Value::Number(number * (1.0 - 1e-6)),
+            (_, Value::Count(count)) => Value::Count(count + 1),
+            (_, Value::Switch(on)) => Value::Switch(!on),
+            (Kind::Choice(words), Value::Choice(word)) => Value::Choice(words.iter().find(|other| **other != word)?),
+            (_, Value::File(_)) => Value::File(concat!(env!("CARGO_MANIFEST_DIR"), "/README.md")),
+            _ => return None,
+        })
+    }
+
+    /// What the bodies tell is not taken for that of a design with any other value, but for the keys left out: that these
+    /// do not reach the bodies is for tests/laws.rs to show.
+    #[test]
+    fn every_key_but_those_of_exhaust_and_room_is_in_the_key() {
+        let base = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/small.toml")).unwrap();
+        let record = cycle(&base).unwrap();
+        let digest = |design: &Design| key(design, Options::default(), &record).digest();
+        let keys = base.keys();
+        let mut left_out = Vec::new();
+        for (key, kind, value) in &keys {
+            let mut design = base.clone();
+            let other = moved(*kind, *value).unwrap_or_else(|| panic!("{key} has one value"));
+            design.set(&[(key.as_str(), other)]).unwrap();
+            if digest(&design) == digest(&base) {
+                left_out.push(key.as_str());
+            }
+        }
+        assert!(keys.len() > 300, "{} keys tried", keys.len());
+        let expected = |key: &&str| key.starts_with("exhaust.") || OF_THE_ROOM.contains(key);
+        let all: Vec<&str> = keys.iter().map(|(key, ..)| key.as_str()).filter(expected).collect();
+        assert_eq!(left_out, all);
     }
 }

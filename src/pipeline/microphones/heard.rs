@@ -123,6 +123,11 @@ impl Scene<'_> {
     ) -> Result<Heard<'a>, Error> {
         let frequency = &together.frequency;
         let mut pressures = bem.pressures(frequency, &together.accelerations)?;
+        let places = self.places.len();
+        if pressures.nrows() == 2 * places {
+            // The plane's reflections are what its images hear.
+            pressures = pressures.rows(0, places) + pressures.rows(places, places);
+        }
         let [from, to] = bem.blend_hz();
         let part = Part {
             frequency: frequency.clone(),

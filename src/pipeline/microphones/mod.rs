@@ -61,7 +61,7 @@ pub(super) struct Inputs<'a> {
 }
 
 /// Height of the tool above what it nails \[m\].
-fn tool_height(design: &Design) -> f64 {
+pub(super) fn tool_height(design: &Design) -> f64 {
     design.body.nose_height + design.body.barrel_height + design.body.cap_height
 }
 
