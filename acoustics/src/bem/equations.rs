@@ -39,9 +39,9 @@ impl Sums {
             .flat_map(|l| (0..n).step_by(SIDE).map(move |t| (l, t)))
         {
             for j in left..n.min(left + SIDE) {
-                let column = self.matrix.col_as_slice_mut(j);
-                for i in top..n.min(top + SIDE) {
-                    column[i] += self.transposed[(j, i)];
+                let rows = top..n.min(top + SIDE);
+                for (to, i) in self.matrix.col_as_slice_mut(j)[rows.clone()].iter_mut().zip(rows) {
+                    *to += self.transposed[(j, i)];
                 }
             }
         }
