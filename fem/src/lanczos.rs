@@ -79,11 +79,12 @@ struct Ritz {
     residual: Vec<f64>,
 }
 
-/// Finds the `target.count` negative eigenpairs; `apply` maps Z to sigma (K - sigma M)^-1 Z. The order must exceed the
-/// count by five blocks at least. None when an eigenvalue lies so near sigma that others would lose their digits.
+/// Finds the `target.count` negative eigenpairs; `apply` maps Z to sigma (K - sigma M)^-1 Z, and `tell` is told after every
+/// step how many Ritz values are negative. The order must exceed the count by five blocks at least. None when an eigenvalue lies so near sigma that others would lose their digits.
 pub(crate) fn lanczos(
     mass: &CscMatrix<f64>,
     target: &Target,
+    mut tell: impl FnMut(usize),
     mut apply: impl FnMut(&Mat<f64>) -> Result<Mat<f64>, FemError>,
 ) -> Result<Option<Pairs>, FemError> {
     let n = mass.nrows();
@@ -99,7 +100,9 @@ pub(crate) fn lanczos(
         basis.extend(w)?;
         let full = basis.size + block > limit;
         // The count of the band matrix costs little and tells whether the full check can succeed at all.
-        let due = basis.size >= next_check && negative_pivots(basis.t.as_ref(), basis.band) >= target.count;
+        let negative = negative_pivots(basis.t.as_ref(), basis.band);
+        tell(negative);
+        let due = basis.size >= next_check && negative >= target.count;
         if !(full || due) {
             continue;
         }

@@ -32,5 +32,5 @@ pub use constraints::Constraints;
 pub use error::FemError;
 pub use material::{Material, Orthotropic};
 pub use modal::{Corrections, ModalBasis, ModalSettings, ModalWork, Sturm};
-pub use solve::modes;
+pub use solve::{modes, modes_telling};
 pub use symmetry::mirror_planes;

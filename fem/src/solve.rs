@@ -1,6 +1,7 @@
 //! All modes below a frequency, with the proof that none is missing.
 
 use std::f64::consts::TAU;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use faer::{Mat, MatRef, Scale};
 use nalgebra::DMatrix;
@@ -35,6 +36,19 @@ const SHIFT_FRACTION: f64 = 0.01;
 /// [`FemError::NotPositive`], [`FemError::LoadRows`]; [`FemError::Pivot`], [`FemError::Probe`],
 /// [`FemError::NotConverged`] or [`FemError::Incomplete`] when the numerics fail, never a basis with a mode missing.
 pub fn modes(system: &System, settings: &ModalSettings) -> Result<ModalBasis, FemError> {
+    modes_telling(system, settings, &|_, _| ())
+}
+
+/// The same, and tells on the way how many modes the iteration has found and how many there are as far as is known: all
+/// once every sector has been factorised. They come from several threads, and begin anew with another edge.
+///
+/// # Errors
+/// As [`modes`].
+pub fn modes_telling(
+    system: &System,
+    settings: &ModalSettings,
+    tell: &(dyn Fn(usize, usize) + Sync),
+) -> Result<ModalBasis, FemError> {
     if !(settings.top_hz.is_finite() && settings.top_hz > 0.0) {
         return Err(FemError::NotPositive {
             what: "the top frequency [Hz]",
@@ -49,7 +63,7 @@ pub fn modes(system: &System, settings: &ModalSettings) -> Result<ModalBasis, Fe
     } else {
         whole(system)?
     };
-    let solve = |sectors: &[Sector]| Problem::new(system, sectors, settings, loads.as_ref())?.solve();
+    let solve = |sectors: &[Sector]| Problem::new(system, sectors, settings, loads.as_ref(), tell)?.solve();
     match solve(&sectors) {
         // A symmetry that almost holds.
         Err(FemError::Residual { .. }) if sectors.len() > 1 => solve(&whole(system)?),
@@ -65,6 +79,20 @@ struct Problem<'a> {
     settings: &'a ModalSettings,
     /// On the equations.
     loads: Option<&'a Mat<f64>>,
+    tell: &'a (dyn Fn(usize, usize) + Sync),
+}
+
+/// Modes found in all sectors.
+struct Found<'a> {
+    found: AtomicUsize,
+    count: AtomicUsize,
+    tell: &'a (dyn Fn(usize, usize) + Sync),
+}
+
+impl Found<'_> {
+    fn tell(&self) {
+        (self.tell)(self.found.load(Ordering::Relaxed), self.count.load(Ordering::Relaxed));
+    }
 }
 
 /// What a sector has below the edge.
@@ -81,6 +109,7 @@ impl<'a> Problem<'a> {
         sectors: &'a [Sector],
         settings: &'a ModalSettings,
         loads: Option<&'a Mat<f64>>,
+        tell: &'a (dyn Fn(usize, usize) + Sync),
     ) -> Result<Self, FemError> {
         let symbolic = sectors.par_iter().map(|sector| Symbolic::new(&sector.stiffness));
         Ok(Self {
@@ -89,6 +118,7 @@ impl<'a> Problem<'a> {
             symbolic: symbolic.collect::<Result<_, _>>()?,
             settings,
             loads,
+            tell,
         })
     }
 
@@ -140,11 +170,16 @@ impl<'a> Problem<'a> {
 
     /// The modes below the edge, refined; none when the edge falls on a mode of some sector.
     fn below(&self, edge: f64, last: bool, work: &mut ModalWork) -> Result<Option<Vec<Solution<'_>>>, FemError> {
+        let so_far = Found {
+            found: AtomicUsize::new(0),
+            count: AtomicUsize::new(0),
+            tell: self.tell,
+        };
         let found: Vec<_> = (self.sectors, &self.symbolic)
             .into_par_iter()
             .map(|(sector, symbolic)| {
                 let mut work = ModalWork::default();
-                let solution = self.sector_below(sector, symbolic, edge, &mut work);
+                let solution = self.sector_below(sector, symbolic, edge, &so_far, &mut work);
                 (solution, work)
             })
             .collect();
@@ -173,6 +208,7 @@ impl<'a> Problem<'a> {
         sector: &Sector,
         symbolic: &'s Symbolic,
         edge: f64,
+        so_far: &Found<'_>,
         work: &mut ModalWork,
     ) -> Result<Option<Solution<'s>>, FemError> {
         let pencil = sector.pencil();
@@ -181,7 +217,8 @@ impl<'a> Problem<'a> {
         let Some(count) = factor.negative_eigenvalues() else {
             return Ok(None);
         };
-        let vectors = find(pencil, self.settings, &factor, edge, count, work)?;
+        so_far.count.fetch_add(count, Ordering::Relaxed);
+        let vectors = find(pencil, self.settings, &factor, (edge, count), so_far, work)?;
         Ok(vectors.map(|vectors| Solution {
             pairs: Eigenpairs::new(pencil, vectors, edge, edge),
             count,
@@ -250,8 +287,8 @@ fn find(
     pencil: Pencil<'_>,
     settings: &ModalSettings,
     factor: &Factor<'_>,
-    edge: f64,
-    count: usize,
+    (edge, count): (f64, usize),
+    so_far: &Found<'_>,
     work: &mut ModalWork,
 ) -> Result<Option<Mat<f64>>, FemError> {
     let n = pencil.mass.nrows();
@@ -270,7 +307,14 @@ fn find(
         block,
         max_vectors,
     };
-    let found = lanczos(pencil.mass, &target, |z| {
+    let mut before = 0;
+    let tell = |found: usize| {
+        // A restart keeps what counts, and rounding may lose one for a step.
+        so_far.found.fetch_add(found.saturating_sub(before), Ordering::Relaxed);
+        before = before.max(found);
+        so_far.tell();
+    };
+    let found = lanczos(pencil.mass, &target, tell, |z| {
         let mut x = z.clone();
         factor.solve(x.as_mut());
         x *= Scale(edge);

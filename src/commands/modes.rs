@@ -14,7 +14,7 @@ use super::{Common, Keeping, Progress, print, print_json, status_of};
 use crate::correlation::{Correlation, correlate};
 use crate::error::Error;
 use crate::output;
-use crate::pipeline::{self, Body, Observer as _};
+use crate::pipeline::{self, Body, Observer as _, Watched};
 use crate::result::{Check, DesignId};
 
 #[derive(Args)]
@@ -75,7 +75,10 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let mut progress = Progress::new();
     progress.stage("modes");
     let cache = arguments.keeping.cache()?;
-    let body = pipeline::modes_of(&design, arguments.body.into(), &cache)?;
+    let kind = arguments.body.into();
+    let body = Watched::over(&mut progress).counting(("modes", "modes"), |tell| {
+        pipeline::modes_of_telling(&design, kind, &cache, tell)
+    })?;
     cache.take_notes().iter().for_each(|note| progress.note(note));
     let correlation = match (&measurement, &arguments.mac) {
         (Some(measurement), Some(path)) => {

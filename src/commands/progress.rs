@@ -4,9 +4,9 @@ use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
-use crate::pipeline::Observer;
+use crate::pipeline::{Observer, Task};
 
 /// Whether `--quiet` was given.
 static QUIET: AtomicBool = AtomicBool::new(false);
@@ -19,6 +19,9 @@ pub(super) fn silence() {
 /// Shows the stages of a run while it works.
 pub(super) struct Progress {
     bar: Option<ProgressBar>,
+    /// One below the other: the stage, and a bar for each long task under way.
+    lines: MultiProgress,
+    tasks: Vec<(&'static str, ProgressBar)>,
     quiet: bool,
     since: Instant,
 }
@@ -27,8 +30,9 @@ impl Progress {
     /// Progress for this process's standard error.
     pub(super) fn new() -> Self {
         let quiet = QUIET.load(Ordering::Relaxed);
+        let lines = MultiProgress::new();
         let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {
-            let bar = ProgressBar::new_spinner();
+            let bar = lines.add(ProgressBar::new_spinner());
             if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} {elapsed}") {
                 bar.set_style(style);
             }
@@ -37,6 +41,8 @@ impl Progress {
         });
         Self {
             bar,
+            lines,
+            tasks: Vec::new(),
             quiet,
             since: Instant::now(),
         }
@@ -54,7 +60,7 @@ impl Observer for Progress {
 
     fn note(&mut self, text: &str) {
         match &self.bar {
-            Some(bar) => bar.suspend(|| eprintln!("note: {text}")),
+            Some(_) => self.lines.suspend(|| eprintln!("note: {text}")),
             None if self.quiet => {}
             None => eprintln!("note: {text}"),
         }
@@ -70,12 +76,47 @@ impl Observer for Progress {
         }
         bar.set_position(items);
     }
+
+    fn task(&mut self, task: &Task) {
+        if self.bar.is_none() {
+            return;
+        }
+        let known = self.tasks.iter().position(|(name, _)| *name == task.name);
+        if task.ended {
+            if let Some(known) = known {
+                let (_, bar) = self.tasks.remove(known);
+                bar.finish_and_clear();
+                self.lines.remove(&bar);
+            }
+            return;
+        }
+        let known = known.unwrap_or_else(|| {
+            let bar = self.lines.add(ProgressBar::no_length().with_message(task.name));
+            self.tasks.push((task.name, bar));
+            self.tasks.len() - 1
+        });
+        let bar = &self.tasks[known].1;
+        let of = (task.of > 0).then_some(task.of);
+        if bar.length() != of || bar.position() == 0 {
+            let template = match of {
+                Some(_) => format!(
+                    "  {{msg:24}} {{bar:30}} {{pos}}/{{len}} {}, {{per_sec}}, {{eta}} left",
+                    task.items
+                ),
+                None => format!("  {{msg:24}} {{pos}} {}, {{per_sec}}, {{elapsed}}", task.items),
+            };
+            if let Ok(style) = ProgressStyle::with_template(&template) {
+                bar.set_style(style.progress_chars("=> "));
+            }
+            of.into_iter().for_each(|of| bar.set_length(of));
+        }
+        bar.set_position(task.done);
+    }
 }
 
 impl Drop for Progress {
     fn drop(&mut self) {
-        if let Some(bar) = &self.bar {
-            bar.finish_and_clear();
-        }
+        let tasks = self.tasks.iter().map(|(_, bar)| bar);
+        tasks.chain(&self.bar).for_each(ProgressBar::finish_and_clear);
     }
 }

@@ -790,8 +790,8 @@ group! {
         bem_top: f64 = positive(FREQUENCY), "";
         /// Least number of panels per wavelength of sound.
         bem_panels: f64 = positive(NUMBER), "";
-        /// Largest interpolation error of an entry R_ij of the radiation matrix over frequency, relative to
-        /// sqrt(R_ii R_jj).
+        /// Largest interpolation error of the radiation matrix over frequency: root mean square of the entries R_ij, relative
+        /// to sqrt(R_ii R_jj).
         bem_tolerance: f64 = positive(NUMBER), "";
         /// Whether radiation damps the modes of workpiece and support.
         radiation_damping: bool = Kind::Switch, "";

@@ -3,13 +3,13 @@
 //! Workpiece and worktable meet in the plane z = 0, z up; the workpiece's centre is at x = y = 0, x along the grain.
 
 use nailnoise_fem::supports::{ContactGrid, GridRule};
-use nailnoise_fem::{ModalBasis, ModalSettings, System, assemble_with, modes};
+use nailnoise_fem::{ModalBasis, ModalSettings, System, assemble_with, modes_telling};
 use nailnoise_meshes::{Mesh, Surface};
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
 use super::geometry::{BodyKind, Geometry, added_mass};
 use super::pattern::{Pattern, Rectangle};
-use super::{shank, sides, springs, tool_loads};
+use super::{Tell, shank, sides, springs, tool_loads};
 use crate::cache::{Cache, Key};
 use crate::design::{Design, Sprung, SupportKind};
 use crate::error::Error;
@@ -76,6 +76,11 @@ pub(super) fn contact_grid(design: &Design) -> ContactGrid {
 /// # Errors
 /// Those of mesh, material and modal solution.
 pub fn workpiece(design: &Design, cache: &Cache) -> Result<Body, Error> {
+    workpiece_telling(design, cache, &|_, _| ())
+}
+
+/// [`workpiece`], and tells how many modes are found.
+pub(super) fn workpiece_telling(design: &Design, cache: &Cache, tell: Tell<'_>) -> Result<Body, Error> {
     let geometry = Geometry::of(design, BodyKind::Workpiece, false)?;
     let (mesh, thickness) = (&geometry.mesh, design.workpiece.thickness);
     let mut loads = Vec::with_capacity(WORKPIECE_LOADS);
@@ -103,7 +108,7 @@ pub fn workpiece(design: &Design, cache: &Cache) -> Result<Body, Error> {
         loads,
         contacts,
     }
-    .solve(design, cache)?;
+    .solve(design, cache, tell)?;
     if design.support.kind == SupportKind::Sandbox {
         // Sand that moves with the base rests in the sand: its weight is not the block's.
         let weight = design.ambient.gravity * added_mass(design)?;
@@ -122,6 +127,11 @@ pub fn workpiece(design: &Design, cache: &Cache) -> Result<Body, Error> {
 /// # Errors
 /// [`Error::NoSuchBody`] when the support is a sandbox; those of mesh, material and modal solution.
 pub fn table(design: &Design, cache: &Cache) -> Result<Body, Error> {
+    table_telling(design, cache, &|_, _| ())
+}
+
+/// [`table`], and tells how many modes are found.
+pub(super) fn table_telling(design: &Design, cache: &Cache, tell: Tell<'_>) -> Result<Body, Error> {
     let geometry = Geometry::of(design, BodyKind::Worktable, false)?;
     let mut contacts = contact_patterns(design, &geometry.mesh, "top")?;
     contacts.extend(springs::patterns(design, &geometry.mesh, Sprung::Worktable)?);
@@ -130,7 +140,7 @@ pub fn table(design: &Design, cache: &Cache) -> Result<Body, Error> {
         loads: Vec::new(),
         contacts,
     }
-    .solve(design, cache)
+    .solve(design, cache, tell)
 }
 
 /// The tool's body, free, with what drives it: forces along the axis, then pressures on walls.
@@ -138,6 +148,11 @@ pub fn table(design: &Design, cache: &Cache) -> Result<Body, Error> {
 /// # Errors
 /// As [`Geometry::of`], [`Error::NoLoadSurface`], and those of the modal solution.
 pub fn tool_body(design: &Design, cache: &Cache) -> Result<Body, Error> {
+    tool_body_telling(design, cache, &|_, _| ())
+}
+
+/// [`tool_body`], and tells how many modes are found.
+pub(super) fn tool_body_telling(design: &Design, cache: &Cache, tell: Tell<'_>) -> Result<Body, Error> {
     let geometry = Geometry::of(design, BodyKind::Tool, false)?;
     let loads = tool_loads::patterns(design, &geometry.mesh)?;
     Model {
@@ -145,7 +160,7 @@ pub fn tool_body(design: &Design, cache: &Cache) -> Result<Body, Error> {
         loads,
         contacts: Vec::new(),
     }
-    .solve(design, cache)
+    .solve(design, cache, tell)
 }
 
 /// The modes of any body alone, without what drives it.
@@ -153,12 +168,17 @@ pub fn tool_body(design: &Design, cache: &Cache) -> Result<Body, Error> {
 /// # Errors
 /// As [`Geometry::of`], and those of the modal solution.
 pub fn modes_of(design: &Design, kind: BodyKind, cache: &Cache) -> Result<Body, Error> {
+    modes_of_telling(design, kind, cache, &|_, _| ())
+}
+
+/// [`modes_of`], and tells how many modes are found.
+pub(crate) fn modes_of_telling(design: &Design, kind: BodyKind, cache: &Cache, tell: Tell<'_>) -> Result<Body, Error> {
     Model {
         geometry: Geometry::of(design, kind, false)?,
         loads: Vec::new(),
         contacts: Vec::new(),
     }
-    .solve(design, cache)
+    .solve(design, cache, tell)
 }
 
 /// Mean upward displacement of each contact cell on a face group in the plane z = 0.
@@ -191,7 +211,7 @@ struct Model {
 }
 
 impl Model {
-    fn solve(self, design: &Design, cache: &Cache) -> Result<Body, Error> {
+    fn solve(self, design: &Design, cache: &Cache, tell: Tell<'_>) -> Result<Body, Error> {
         let Geometry {
             kind,
             mesh,
@@ -227,7 +247,8 @@ impl Model {
                 settings.with_loads(DMatrix::from_columns(&patterns))
             };
             let system = assemble_with(&mesh, &materials, &constraints, &attachments)?;
-            Ok::<_, Error>((modes(&system, &settings)?, upward_momentum(&system)))
+            let tell = |found: usize, of: usize| tell(found as u64, of as u64);
+            Ok::<_, Error>((modes_telling(&system, &settings, &tell)?, upward_momentum(&system)))
         })?;
         let shapes = basis.all_shapes();
         let omega = basis.all_hz().iter().map(|hz| std::f64::consts::TAU * hz).collect();

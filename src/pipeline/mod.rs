@@ -33,12 +33,15 @@ mod tool_loads;
 mod tool_radiator;
 mod vibration;
 
+use std::sync::{Mutex, PoisonError};
+
 use nailnoise_acoustics::radiation::ModalSpectra;
 use nailnoise_dynamics::CycleRecord;
 use nailnoise_fem::transient::ModalResponse;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+pub(crate) use bodies::modes_of_telling;
 pub use bodies::{Body, Structure, modes_of, table, tool_body, workpiece};
 pub use coupling::{COUPLED_LOADS, Coupled, couple};
 pub use cycle::{cycle, parameters};
@@ -65,13 +68,77 @@ use crate::error::Error;
 use crate::result::{Check, DesignId, RunResult, SCHEMA, Timing};
 
 /// Is told how far a run has got.
-pub trait Observer {
+pub trait Observer: Send {
     /// A stage begins.
     fn stage(&mut self, name: &str);
     /// Something the user should know beside the result.
     fn note(&mut self, text: &str);
     /// So many items of the stage are done, of so many in all.
     fn done(&mut self, _items: u64, _of: u64) {}
+    /// So much of one long task is done, beside whatever else is under way.
+    fn task(&mut self, _task: &Task) {}
+}
+
+/// How far a long task has got.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Task {
+    /// What it is.
+    pub name: &'static str,
+    /// What is counted.
+    pub items: &'static str,
+    /// How many are done.
+    pub done: u64,
+    /// How many there are, as far as is known; nobody knows of 0.
+    pub of: u64,
+    /// Whether it has come to its end, however many there were.
+    pub ended: bool,
+}
+
+/// An observer of stages that run side by side.
+pub(crate) struct Watched<'a>(Mutex<&'a mut dyn Observer>);
+
+/// Is told how many items of a task are done, and of how many.
+pub(crate) type Tell<'a> = &'a (dyn Fn(u64, u64) + Sync);
+
+impl<'a> Watched<'a> {
+    /// The same observer for all.
+    pub(crate) fn over(observer: &'a mut dyn Observer) -> Self {
+        Self(Mutex::new(observer))
+    }
+
+    /// Runs a task with a counter of what it has done and of how many there are.
+    pub(crate) fn counting<T>(
+        &self,
+        (name, items): (&'static str, &'static str),
+        work: impl FnOnce(Tell<'_>) -> T,
+    ) -> T {
+        let tell = |done: u64, of: u64, ended: bool| {
+            self.with(|observer| {
+                observer.task(&Task {
+                    name,
+                    items,
+                    done,
+                    of,
+                    ended,
+                })
+            });
+        };
+        let value = work(&|done, of| tell(done, of, false));
+        tell(0, 0, true);
+        value
+    }
+
+    fn stage(&self, name: &str) {
+        self.with(|observer| observer.stage(name));
+    }
+
+    fn note(&self, text: &str) {
+        self.with(|observer| observer.note(text));
+    }
+
+    fn with<T>(&self, act: impl FnOnce(&mut dyn Observer) -> T) -> T {
+        act(*self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
 }
 
 /// Listens to nothing.

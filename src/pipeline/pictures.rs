@@ -16,7 +16,7 @@ use super::microphones::reflecting_plane;
 use super::radiation::{FACE_POINTS, side_by_side, skin};
 use super::radiator::{Radiator, flush_surface, levels};
 use super::vibration::{self, Bench, Moved, Vibration, moved};
-use super::{Driven, Observer, Options, driving, outside, tool_radiator};
+use super::{Driven, Observer, Options, Watched, driving, outside, tool_radiator};
 use crate::cache::Cache;
 use crate::design::{Coupling, Design};
 use crate::error::Error;
@@ -121,7 +121,7 @@ fn compute(
     let Moved { vibration, .. } = moved(bench, lumped, &mut Timing::default(), observer)?;
     let (design, air) = (bench.design, &bench.air);
     observer.stage("sound in pictures");
-    let radiator = Radiator::new(design, &vibration.structure, air, bench.cache, observer)?;
+    let radiator = Radiator::new(design, &vibration.structure, air, bench.cache, &Watched::over(observer))?;
     let mut pictures = match &radiator {
         Radiator::Bem(bem) => standing(design, air, bem, &vibration)?,
         Radiator::Rayleigh(of_top) => {

@@ -1,5 +1,7 @@
 //! Radiation of the workpiece with its support per unit of modal motion, before the motion is known.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{
     Boundary, BoundaryMesh, Exterior, Level, ModalBem, MovingPart, Receivers, Side, SolidBox,
@@ -9,10 +11,10 @@ use nailnoise_acoustics::radiation::{
 };
 use nalgebra::{Complex, DMatrix, Point3};
 
-use super::Observer;
 use super::bodies::{Body, Structure};
 use super::microphones;
 use super::radiation::{moving_sand, radiating};
+use super::{Tell, Watched};
 use crate::cache::{Bytes, Cache, Key};
 use crate::design::{Design, RadiationMethod, SupportKind, WorktablePreset};
 use crate::error::Error;
@@ -32,9 +34,12 @@ pub(super) const FLOOR: f64 = 1e-2;
 /// Most frequencies of one range.
 pub(super) const MOST_SAMPLES: usize = 100;
 
-/// Frequencies that a range asks for at least, see [`expected_seconds`]; how many more is not counted yet.
-const SAMPLES_PER_WAVELENGTH: f64 = 2.5;
+/// Frequencies at which a range is sampled on the mesh below it, see [`expected_seconds`], as counted on the worktables.
+const SAMPLES_PER_WAVELENGTH: f64 = 7.0;
 const SAMPLES_BESIDE: f64 = 10.0;
+
+/// Frequencies at which its own mesh corrects them.
+const CORRECTIONS: f64 = 9.0;
 
 /// Patches of the block on its table, and how many of them belong to the block.
 const PATCHES: [&str; 6] = [
@@ -80,16 +85,16 @@ impl Radiator {
         structure: &Structure,
         air: &Air,
         cache: &Cache,
-        observer: &mut dyn Observer,
+        watched: &Watched<'_>,
     ) -> Result<Self, Error> {
         match (design.support.kind, design.acoustics.method) {
             (SupportKind::Sandbox, _) => {
-                let flush = flush_top(design, &structure.workpiece, air, cache)?;
+                let flush = flush_top(design, &structure.workpiece, air, cache, watched)?;
                 Ok(Self::Rayleigh(Box::new(flush)))
             }
             (SupportKind::Floor | SupportKind::Clamped | SupportKind::Springs, _)
             | (SupportKind::Worktable, RadiationMethod::Erp) => standing_erp(design, structure, air),
-            (SupportKind::Worktable, RadiationMethod::Bem) => standing_bem(design, structure, air, cache, observer),
+            (SupportKind::Worktable, RadiationMethod::Bem) => standing_bem(design, structure, air, cache, watched),
         }
     }
 
@@ -143,7 +148,7 @@ pub(super) fn flush_surface(design: &Design, body: &Body, air: &Air) -> Result<R
 }
 
 /// Rayleigh's integral over it.
-fn flush_top(design: &Design, body: &Body, air: &Air, cache: &Cache) -> Result<Flush, Error> {
+fn flush_top(design: &Design, body: &Body, air: &Air, cache: &Cache, watched: &Watched<'_>) -> Result<Flush, Error> {
     let sand = &design.support.sand;
     let surface = radiating(body, |patch, _| patch != "top")?;
     let absorbing = (sand.absorption_share > 0.0).then(|| absorbing_sand(design));
@@ -166,10 +171,13 @@ fn flush_top(design: &Design, body: &Body, air: &Air, cache: &Cache) -> Result<F
     let (waves, twice): (Bytes, Bytes) = cache.get_or("radiation of the workpiece in sand", key, || {
         let rayleigh = flush_surface(design, body, air)?;
         let twice = SurfaceEvaluations::new(&rayleigh, top);
-        Ok::<_, Error>((
-            Bytes(rayleigh.sampled(&sampling)?.with_roots().to_bytes()),
-            Bytes(twice.to_bytes()),
-        ))
+        let sample = |tell: Tell<'_>| {
+            let sampled = AtomicU64::new(0);
+            let one_more = || tell(sampled.fetch_add(1, Ordering::Relaxed) + 1, 0);
+            rayleigh.sampled_telling(&sampling, &one_more)
+        };
+        let sampled = watched.counting(("Rayleigh's integral", "frequencies"), sample)?;
+        Ok::<_, Error>((Bytes(sampled.with_roots().to_bytes()), Bytes(twice.to_bytes())))
     })?;
     Ok(Flush {
         waves: SampledRadiation::from_bytes(&waves.0)?,
@@ -209,7 +217,7 @@ fn standing_bem(
     structure: &Structure,
     air: &Air,
     cache: &Cache,
-    observer: &mut dyn Observer,
+    watched: &Watched<'_>,
 ) -> Result<Radiator, Error> {
     let kept: Bytes = cache.get_or(STAGE, key(design, structure, air), || {
         let levels = levels(design, structure, air)?;
@@ -217,8 +225,8 @@ fn standing_bem(
         if let Some(finest) = levels.last() {
             let seconds = expected_seconds(&levels, low, structure);
             let estimate = finest.problem.estimate();
-            observer.note(&format!(
-                "boundary elements, computed once for this structure, at least {seconds:.0} s of processor time in all; \
+            watched.note(&format!(
+                "boundary elements, computed once for this structure, about {seconds:.0} s of processor time in all; \
                  finest mesh: {estimate}"
             ));
         }
@@ -232,26 +240,53 @@ fn standing_bem(
             points: microphones::positions(design),
             origin: Point3::origin(),
         };
-        Ok::<_, Error>(Bytes(
-            ModalBem::with_receivers(levels, &sampling, &receivers)?.to_bytes(),
-        ))
+        let expected: f64 = expected(&levels, low).iter().sum();
+        let solve = |tell: Tell<'_>| {
+            let solved = AtomicU64::new(0);
+            let one_more = || {
+                let solved = solved.fetch_add(1, Ordering::Relaxed) + 1;
+                tell(solved, solved.max(expected as u64));
+            };
+            ModalBem::with_receivers_telling(levels, &sampling, &receivers, &one_more)
+        };
+        let bem = watched.counting(("boundary elements", "frequencies"), solve)?;
+        Ok::<_, Error>(Bytes(bem.to_bytes()))
     })?;
     Ok(Radiator::Bem(Box::new(ModalBem::from_bytes(&kept.0)?)))
 }
 
-/// Least processor time of all ranges \[s\]. Their frequencies follow how many more wavelengths twice the body's largest
+/// Frequencies of each range: they follow how many more wavelengths twice the body's largest extent holds at its top than
+/// at its bottom.
+fn expected(levels: &[Level], low: f64) -> Vec<f64> {
+    let mut from = low;
+    let of_range = |level: &Level| {
+        let problem = &level.problem;
+        let wavelengths = 2.0 * problem.boundary().extents().max() * (level.top_hz - from) / problem.air().sound_speed;
+        from = level.top_hz;
+        SAMPLES_PER_WAVELENGTH * wavelengths + SAMPLES_BESIDE
+    };
+    levels.iter().map(of_range).collect()
+}
+
+/// Processor time of all ranges \[s\], about. Their frequencies follow how many more wavelengths twice the body's largest
 /// extent holds at a range's top than at its bottom.
 fn expected_seconds(levels: &[Level], low: f64, structure: &Structure) -> f64 {
     let modes: usize = structure.bodies().map(|body| body.shapes.ncols()).sum();
-    let mut from = low;
-    let mut total = 0.0;
-    for level in levels {
-        let problem = &level.problem;
+    let of_frequency = |level: &Level| {
         // Most modes of a symmetric body have one parity.
-        let patterns = modes.div_ceil(problem.boundary().copies());
+        let patterns = modes.div_ceil(level.problem.boundary().copies());
+        level.problem.estimate().seconds_with(patterns)
+    };
+    let (mut from, mut total) = (low, 0.0);
+    for (number, level) in levels.iter().enumerate() {
+        let problem = &level.problem;
         let wavelengths = 2.0 * problem.boundary().extents().max() * (level.top_hz - from) / problem.air().sound_speed;
-        let frequencies = SAMPLES_PER_WAVELENGTH * wavelengths + SAMPLES_BESIDE;
-        total += problem.estimate().seconds_kept + frequencies * problem.estimate().seconds_with(patterns);
+        let sampled = SAMPLES_PER_WAVELENGTH * wavelengths + SAMPLES_BESIDE;
+        total += problem.estimate().seconds_kept;
+        total += match number.checked_sub(1) {
+            None => sampled * of_frequency(level),
+            Some(below) => sampled * of_frequency(&levels[below]) + CORRECTIONS * of_frequency(level),
+        };
         from = level.top_hz;
     }
     total
@@ -261,7 +296,7 @@ fn expected_seconds(levels: &[Level], low: f64, structure: &Structure) -> f64 {
 fn key(design: &Design, structure: &Structure, air: &Air) -> Key {
     let a = &design.acoustics;
     let mut key = Key::new()
-        .with("rounds of Leja's sequence")
+        .with("coarser meshes, corrected")
         .with(&format!("{:?} {air:?}", boxes(design)))
         .with(&[a.bem_top, a.bem_panels, a.bem_tolerance])
         .with(&format!("{:?}", microphones::positions(design)));

@@ -8,6 +8,8 @@
 //! many frequencies and cancel in every band that is wider; what it reflects to a microphone is that of the microphone's
 //! image.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior, Level, ModalBem, Parity, Patterns, Receivers};
 use nailnoise_acoustics::radiation::{Archive, Sampling};
@@ -17,6 +19,7 @@ use super::bodies::Body;
 use super::microphones::{positions, reflecting_plane, tool_height};
 use super::outside::open_air;
 use super::radiator::{FLOOR, LOWEST_SAMPLE, MOST_SAMPLES};
+use super::{Tell, Watched};
 use crate::cache::{Bytes, Cache, Key};
 use crate::design::{Design, RadiationMethod};
 use crate::error::Error;
@@ -34,7 +37,13 @@ pub(super) fn nose(design: &Design) -> Vector3<f64> {
 ///
 /// # Errors
 /// Those of mesh and radiation.
-pub(super) fn tool_radiator(design: &Design, body: &Body, air: &Air, cache: &Cache) -> Result<Option<ModalBem>, Error> {
+pub(super) fn tool_radiator(
+    design: &Design,
+    body: &Body,
+    air: &Air,
+    cache: &Cache,
+    watched: &Watched<'_>,
+) -> Result<Option<ModalBem>, Error> {
     if design.acoustics.body_method == RadiationMethod::Erp {
         return Ok(None);
     }
@@ -42,13 +51,23 @@ pub(super) fn tool_radiator(design: &Design, body: &Body, air: &Air, cache: &Cac
     let receivers = receivers(design);
     let kept: Bytes = cache.get_or(STAGE, key(design, body, &open, &receivers, air), || {
         let level = level(design, body, &open, air)?;
+        watched.note(&format!(
+            "tool: boundary elements up to {:.0} Hz, computed once for this body; {}",
+            level.top_hz,
+            level.problem.estimate()
+        ));
         let sampling = Sampling {
             range_hz: [LOWEST_SAMPLE.min(0.1 * level.top_hz), level.top_hz],
             tolerance: design.acoustics.bem_tolerance,
             floor: FLOOR,
             most_samples: MOST_SAMPLES,
         };
-        let bem = ModalBem::with_receivers(vec![level], &sampling, &receivers)?;
+        let solve = |tell: Tell<'_>| {
+            let solved = AtomicU64::new(0);
+            let one_more = || tell(solved.fetch_add(1, Ordering::Relaxed) + 1, 0);
+            ModalBem::with_receivers_telling(vec![level], &sampling, &receivers, &one_more)
+        };
+        let bem = watched.counting(("boundary elements of the tool", "frequencies"), solve)?;
         Ok::<_, Error>(Bytes(bem.to_bytes()))
     })?;
     Ok(Some(ModalBem::from_bytes(&kept.0)?))

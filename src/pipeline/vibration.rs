@@ -22,8 +22,8 @@ use super::sound::{Sound, Source};
 use super::starts::starts;
 use super::tool_radiator::tool_radiator;
 use super::{
-    Body, Driven, Observer, Options, Stiffness, Structure, Tool, bodies, cycle, exhaust, parameters, radiation,
-    response, table, tool_body, workpiece,
+    Body, Driven, Observer, Options, Stiffness, Structure, Tell, Tool, Watched, bodies, cycle, exhaust, parameters,
+    radiation, response, tool_body,
 };
 use crate::cache::{Cache, Key};
 use crate::design::{BodyModel, Coupling, Design, SupportKind};
@@ -174,20 +174,24 @@ pub(super) fn moved(
     } = *bench;
     let force_scale = options.workpiece_force_scale;
     // Neither workpiece with support nor the tool's body knows of the other.
+    let watched = Watched::over(observer);
     let (of_structure, of_tool) = std::thread::scope(|scope| {
         let of_tool = scope.spawn(|| {
             let mut timing = Timing::default();
             let body = match design.body.model {
-                BodyModel::Elastic => Some(timing.time("tool modes", || tool_body(design, cache))?),
+                BodyModel::Elastic => {
+                    let modes = |tell: Tell<'_>| bodies::tool_body_telling(design, cache, tell);
+                    Some(timing.time("tool modes", || watched.counting(("modes of the tool", "modes"), modes))?)
+                }
                 BodyModel::Rigid => None,
             };
             let side = match &lumped {
-                Some(record) => ToolSide::Moved(Box::new(tool_in_motion(bench, body, record, &mut timing)?)),
+                Some(record) => ToolSide::Moved(Box::new(tool_in_motion(bench, body, record, &mut timing, &watched)?)),
                 None => ToolSide::Still(body),
             };
             Ok::<_, Error>((side, timing))
         });
-        let of_structure = structure_side(bench, lumped.as_ref(), timing, observer);
+        let of_structure = structure_side(bench, lumped.as_ref(), timing, &watched);
         let of_tool = of_tool.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         (of_structure, of_tool)
     });
@@ -208,7 +212,7 @@ pub(super) fn moved(
     };
     let (tool, body) = match of_tool {
         ToolSide::Moved(moved) => *moved,
-        ToolSide::Still(body) => tool_in_motion(bench, body, &record, timing)?,
+        ToolSide::Still(body) => tool_in_motion(bench, body, &record, timing, &watched)?,
     };
     let shot = sensors::Shot {
         structure: &structure,
@@ -236,7 +240,7 @@ pub(super) fn moved(
                 let body = match &tool {
                     Some(_) => {
                         let body = tool_body(design, cache)?;
-                        let bem = tool_radiator(design, &body, air, cache)?;
+                        let bem = tool_radiator(design, &body, air, cache, &Watched::over(observer))?;
                         Tool::new(design, (body, bem), parameters, &record)?.sound(design, &record, air)?
                     }
                     None => radiation::rigid_tool(design, &record, air)?,
@@ -339,6 +343,7 @@ fn tool_in_motion(
     body: Option<Body>,
     record: &CycleRecord,
     timing: &mut Timing,
+    watched: &Watched<'_>,
 ) -> Result<(Option<Tool>, Sound), Error> {
     let Bench {
         design,
@@ -350,7 +355,7 @@ fn tool_in_motion(
     let tool = match body {
         Some(body) => {
             let bem = timing.time("radiation matrices of the tool", || {
-                tool_radiator(design, &body, air, cache)
+                tool_radiator(design, &body, air, cache, watched)
             })?;
             Some(timing.time("tool response", || Tool::new(design, (body, bem), parameters, record))?)
         }
@@ -379,7 +384,7 @@ fn structure_side(
     bench: &Bench<'_>,
     lumped: Option<&CycleRecord>,
     timing: &mut Timing,
-    observer: &mut dyn Observer,
+    watched: &Watched<'_>,
 ) -> Result<StructureSide, Error> {
     let Bench {
         design,
@@ -389,12 +394,12 @@ fn structure_side(
         cache,
         ..
     } = *bench;
-    let structure = modes(design, cache, timing, observer)?;
-    observer.stage("radiation matrices");
+    let structure = modes(design, cache, timing, watched)?;
+    watched.stage("radiation matrices");
     let radiator = timing.time("radiation matrices", || {
-        Radiator::new(design, &structure, air, cache, observer)
+        Radiator::new(design, &structure, air, cache, watched)
     })?;
-    cache.take_notes().iter().for_each(|note| observer.note(note));
+    cache.take_notes().iter().for_each(|note| watched.note(note));
     let damping = design
         .acoustics
         .radiation_damping
@@ -402,7 +407,7 @@ fn structure_side(
     let added = damping.as_deref();
     let (response, coupled) = match lumped {
         Some(record) => {
-            observer.stage("response of workpiece and support");
+            watched.stage("response of workpiece and support");
             let force = (options.workpiece_force_scale, 0);
             let response = timing.time("response", || {
                 response::response(design, &structure, added, parameters, record, force)
@@ -410,7 +415,7 @@ fn structure_side(
             (response, None)
         }
         None => {
-            observer.stage("nailing cycle with workpiece and support");
+            watched.stage("nailing cycle with workpiece and support");
             let both = timing.time("cycle and response", || {
                 response::coupled(design, &structure, added, parameters, 0)
             })?;
@@ -427,11 +432,17 @@ fn structure_side(
 }
 
 /// Workpiece and support with their modes.
-fn modes(design: &Design, cache: &Cache, timing: &mut Timing, observer: &mut dyn Observer) -> Result<Structure, Error> {
-    observer.stage("modes of the bodies");
-    let block = timing.time("workpiece modes", || workpiece(design, cache))?;
+fn modes(design: &Design, cache: &Cache, timing: &mut Timing, watched: &Watched<'_>) -> Result<Structure, Error> {
+    watched.stage("modes of the bodies");
+    let block = |tell: Tell<'_>| bodies::workpiece_telling(design, cache, tell);
+    let block = timing.time("workpiece modes", || {
+        watched.counting(("modes of the workpiece", "modes"), block)
+    })?;
+    let table = |tell: Tell<'_>| bodies::table_telling(design, cache, tell);
     let worktable = match design.support.kind {
-        SupportKind::Worktable => Some(timing.time("worktable modes", || table(design, cache))?),
+        SupportKind::Worktable => Some(timing.time("worktable modes", || {
+            watched.counting(("modes of the worktable", "modes"), table)
+        })?),
         SupportKind::Sandbox | SupportKind::Floor | SupportKind::Clamped | SupportKind::Springs => None,
     };
     Ok(Structure {

@@ -78,6 +78,19 @@ impl ModalBem {
         sampling: &Sampling,
         receivers: &Receivers,
     ) -> Result<Self, AcousticsError> {
+        Self::with_receivers_telling(levels, sampling, receivers, &|| ())
+    }
+
+    /// The same; `tell` is called whenever one more frequency has been solved.
+    ///
+    /// # Errors
+    /// Those of [`ModalBem::with_receivers`].
+    pub fn with_receivers_telling(
+        levels: Vec<Level>,
+        sampling: &Sampling,
+        receivers: &Receivers,
+        tell: &(dyn Fn() + Sync),
+    ) -> Result<Self, AcousticsError> {
         let Some(finest) = levels.last() else {
             return Err(AcousticsError::Length {
                 what: "meshes of the boundary",
@@ -126,7 +139,7 @@ impl ModalBem {
             low = level.top_hz;
             // It serves the next range too.
             let kept_to = tops.get(number + 1).copied().unwrap_or(level.top_hz);
-            let solver = Solver::new(level, kept_to, &chosen, receivers)?;
+            let solver = Solver::new(level, kept_to, &chosen, receivers, tell)?;
             let predictor = coarser.as_ref().unwrap_or(&solver);
             let at = |solver: &Solver<'_>, hz: f64| Ok(solver.at(hz)?.resistances.clone());
             let mut found = SampledRadiation::together("BEM", &counts, &patches, &range, |hz| at(predictor, hz))?;

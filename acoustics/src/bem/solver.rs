@@ -19,6 +19,8 @@ pub(super) struct Solver<'a> {
     problem: Exterior,
     patterns: Vec<Patterns>,
     receivers: &'a Receivers,
+    /// Is told of every frequency solved.
+    tell: &'a (dyn Fn() + Sync),
     solved: Mutex<HashMap<u64, Arc<Solved>>>,
     worst: Mutex<(f64, f64)>,
 }
@@ -30,6 +32,7 @@ impl<'a> Solver<'a> {
         highest_hz: f64,
         chosen: &[Independent],
         receivers: &'a Receivers,
+        tell: &'a (dyn Fn() + Sync),
     ) -> Result<Self, AcousticsError> {
         let own = |(p, pick): (&Patterns, &Independent)| Patterns {
             parity: p.parity,
@@ -41,6 +44,7 @@ impl<'a> Solver<'a> {
             problem: problem.with_near_field_kept(highest_hz),
             patterns: level.patterns.iter().zip(chosen).map(own).collect(),
             receivers,
+            tell,
             solved: Mutex::default(),
             worst: Mutex::default(),
         })
@@ -90,6 +94,7 @@ impl<'a> Solver<'a> {
                 worst.1 = worst.1.max(t.asymmetry * t.far_field.amax() / loudest);
             }
         }
+        (self.tell)();
         let solution = Arc::new(Solved {
             resistances: two
                 .iter()

@@ -151,6 +151,18 @@ impl Rayleigh {
     /// # Errors
     /// An empty range, or a tolerance that the allowed number of samples cannot meet.
     pub fn sampled(&self, sampling: &Sampling) -> Result<SampledRadiation, AcousticsError> {
+        self.sampled_telling(sampling, &|| ())
+    }
+
+    /// The same; `tell` is called whenever one more frequency has been sampled.
+    ///
+    /// # Errors
+    /// Those of [`Rayleigh::sampled`].
+    pub fn sampled_telling(
+        &self,
+        sampling: &Sampling,
+        tell: &(dyn Fn() + Sync),
+    ) -> Result<SampledRadiation, AcousticsError> {
         let method = match (&self.absorbing, &self.moving) {
             (None, None) => "Rayleigh",
             (Some(_), None) => "Rayleigh, absorbing sand",
@@ -162,7 +174,11 @@ impl Rayleigh {
             .as_ref()
             .map_or_else(Vec::new, |sand| sand.fade_hz().to_vec());
         let (modes, patches) = (self.sources.ncols(), self.patches.clone());
-        SampledRadiation::with_kinks(method, modes, patches, (sampling, &kinks), |hz| self.resistance(hz))
+        SampledRadiation::with_kinks(method, modes, patches, (sampling, &kinks), |hz| {
+            let resistance = self.resistance(hz);
+            tell();
+            resistance
+        })
     }
 
     /// The air above the plane.
