@@ -41,7 +41,7 @@ impl Key {
         self
     }
 
-    pub(super) fn digest(self) -> [u8; 32] {
+    pub(crate) fn digest(self) -> [u8; 32] {
         self.0.finalize().into()
     }
 }

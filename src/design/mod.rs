@@ -192,6 +192,16 @@ impl Design {
         text
     }
 
+    /// Every key with its kind and value, for tests that move all of them.
+    #[cfg(test)]
+    pub(crate) fn keys(&self) -> Vec<(String, Kind, Value)> {
+        let mut keys = Vec::new();
+        self.values.visit("", &mut |key, spec, value| {
+            keys.push((key.to_owned(), spec.kind, value))
+        });
+        keys
+    }
+
     /// The error that a sensor of this design cannot measure what it is asked for.
     pub(crate) fn refuse_sensor(&self, name: &str, problem: SensorProblem) -> DesignError {
         resolve::sensor(name, problem, &self.records)

@@ -376,7 +376,7 @@ mod tests {
             loads,
             contacts: Vec::new(),
         };
-        let body = model.solve(&design, &Cache::none()).unwrap();
+        let body = model.solve(&design, &Cache::none(), &|_, _| ()).unwrap();
         let elastic = body.omega.iter().zip(&body.loads).filter(|(omega, _)| **omega > 0.0);
         elastic.map(|(omega, p)| (p / omega).powi(2)).sum()
     }

@@ -5,7 +5,9 @@
 After every kill -9 each file in the output folder is read, a folder with result.json has all of it, and no entry of the
 cache is damaged. Kills take turns: everything computed anew; the cycle alone computed anew beside kept modes, into a
 folder that holds another design's files; nothing computed, kept files put into such a folder. Each falls at any moment of
-a run of its kind. At the end an undisturbed run has the digits it had at the beginning.
+a run of its kind. Files take their places within milliseconds at the end of a run, where such a kill hardly ever falls: every
+second round the killer watches the folder instead, waits for the first file to change and strikes at once, or up to as
+long after it as all of them take. At the end an undisturbed run has the digits it had at the beginning.
 """
 
 import json
@@ -101,25 +103,79 @@ class Runs:
 KINDS = ("anew", "cycle", "kept")
 
 
+def state(folder: Path) -> dict[str, tuple[int, int]]:
+    """Every file that has its place, with what changes when another takes it."""
+    found, folders = {}, [str(folder)]
+    while folders:
+        try:
+            entries = list(os.scandir(folders.pop()))
+        except FileNotFoundError:
+            continue
+        for entry in entries:
+            if entry.name.startswith("."):
+                continue
+            if entry.is_dir():
+                folders.append(entry.path)
+            else:
+                status = os.stat(entry.path, follow_symlinks=False)
+                found[entry.path] = (status.st_ino, status.st_mtime_ns)
+    return found
+
+
+def changed(folder: Path, before: dict[str, tuple[int, int]]) -> bool:
+    try:
+        return state(folder) != before
+    except FileNotFoundError:  # a file that has just been replaced
+        return True
+
+
+def placing(runs: "Runs", kind: str) -> float:
+    """How long files take their places in a run of a kind, from the first change to the end."""
+    runs.prepare(kind)
+    before = state(runs.out)
+    process = subprocess.Popen(runs.command(runs.design), **runs.quiet)
+    while process.poll() is None and not changed(runs.out, before):
+        pass
+    begin = time.monotonic()
+    process.wait()
+    return time.monotonic() - begin
+
+
+def strike(runs: "Runs", process: subprocess.Popen, moment: float | None, last: float) -> bool:
+    """Kills a run after a time or, without one, `last` seconds after the first file takes its place; whether it was at work."""
+    before = state(runs.out)
+    if moment is None:
+        while process.poll() is None and not changed(runs.out, before):
+            pass
+        moment = last
+    try:
+        process.wait(timeout=moment)
+        return False
+    except subprocess.TimeoutExpired:
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        return True
+
+
 def main(program: str, design: str, kills: int, seed: int) -> None:
     chance, runs = random.Random(seed), Runs(program, design)
     runs.whole(design)
     expected, complete = result(runs.out), readable(runs.out)
-    lasts = {}
+    lasts, places = {}, {}
     for kind in KINDS:
         runs.prepare(kind)
         lasts[kind] = runs.whole(design)
-    found = {kind: dict(kills=0, partly=0, files=0) for kind in KINDS}
+        places[kind] = placing(runs, kind)
+    found = {kind: dict(kills=0, aimed=0, partly=0, files=0) for kind in KINDS}
     for kill in range(kills):
         kind = KINDS[kill % len(KINDS)]
         runs.prepare(kind)
+        aimed = kill // len(KINDS) % 2 == 1
         process = subprocess.Popen(runs.command(design), **runs.quiet)
-        try:
-            process.wait(timeout=chance.uniform(0.0, lasts[kind]))
-        except subprocess.TimeoutExpired:
-            process.send_signal(signal.SIGKILL)
-            process.wait()
+        moment = None if aimed else chance.uniform(0.0, lasts[kind])
+        if strike(runs, process, moment, chance.uniform(0.0, places[kind])):
             found[kind]["kills"] += 1
+            found[kind]["aimed"] += aimed
         files = readable(runs.out) if runs.out.exists() else 0
         found[kind]["files"] += files
         if (runs.out / "result.json").exists():
@@ -135,8 +191,9 @@ def main(program: str, design: str, kills: int, seed: int) -> None:
     shutil.rmtree(runs.work)
     for kind, count in found.items():
         print(
-            f"{kind}: {count['kills']} killed at work within {lasts[kind]:.1f} s, {count['partly']} of them while files took "
-            f"their places, {count['files']} files read"
+            f"{kind}: {count['kills']} killed at work within {lasts[kind]:.1f} s, {count['aimed']} of them in the last "
+            f"{1e3 * places[kind]:.0f} ms, while files took their places; {count['partly']} left some files and no result; "
+            f"{count['files']} files read"
         )
     print(f"{kills} runs, no file unreadable, no entry damaged, the same digits at the end")
 

@@ -31,6 +31,10 @@ pub(super) struct Block {
     pub(super) nodes: Vec<usize>,
     /// Numbers of each panel's corners in `nodes`.
     pub(super) local: Vec<[usize; 4]>,
+    /// A corner j of a panel f that lies at each of `nodes`, as j * width + f.
+    pub(super) first_column: Vec<usize>,
+    /// The other corners there, with the number of the node.
+    pub(super) more_columns: Vec<(usize, usize)>,
     /// First velocity value of each panel.
     pub(super) first_value: Vec<usize>,
     /// `points[(b * fields + field) * width + panel]`.
@@ -41,8 +45,9 @@ pub(super) struct Block {
     pub(super) single: Vec<f32>,
 }
 
-/// Cuts the surface into blocks, triangles first.
-pub(super) fn blocks(boundary: &Boundary) -> Vec<Block> {
+/// Cuts the surface into blocks, triangles first, and numbers the pressure unknowns block by block: what a block adds to
+/// lies together in memory.
+pub(super) fn blocks(boundary: &mut Boundary) -> Vec<Block> {
     let mesh = boundary.mesh();
     let centre = |p: usize| {
         let corners = mesh.panels[p].corners();
@@ -55,19 +60,15 @@ pub(super) fn blocks(boundary: &Boundary) -> Vec<Block> {
         first_value.push(values);
         values += panel.corners().len();
     }
-    let mut result = Vec::new();
+    let mut groups = Vec::new();
     for corners in [3, 4] {
         let of_kind = |&p: &usize| mesh.panels[p].corners().len() == corners;
         let panels: Vec<usize> = (0..mesh.panels.len()).filter(of_kind).collect();
-        let mut groups = Vec::new();
         bisect(panels, &centres, &mut groups);
-        result.extend(
-            groups
-                .into_iter()
-                .map(|g| Block::new(boundary, corners, g, &first_value)),
-        );
     }
-    result
+    boundary.number_nodes(groups.iter().flatten());
+    let block = |group: Vec<usize>| Block::new(boundary, group, &first_value);
+    groups.into_iter().map(block).collect()
 }
 
 fn bisect(mut panels: Vec<usize>, centres: &[Vector3<f64>], groups: &mut Vec<Vec<usize>>) {
@@ -91,8 +92,9 @@ fn bisect(mut panels: Vec<usize>, centres: &[Vector3<f64>], groups: &mut Vec<Vec
 }
 
 impl Block {
-    fn new(boundary: &Boundary, corners: usize, panels: Vec<usize>, first_value: &[usize]) -> Self {
+    fn new(boundary: &Boundary, panels: Vec<usize>, first_value: &[usize]) -> Self {
         let mesh = boundary.mesh();
+        let corners = mesh.panels[panels[0]].corners().len();
         let width = panels.len().next_multiple_of(LANES);
         let (mut nodes, mut local) = (Vec::new(), Vec::new());
         let rule = rules::far(corners);
@@ -127,6 +129,17 @@ impl Block {
                 }
             }
         }
+        let (mut first_column, mut more_columns) = (vec![usize::MAX; nodes.len()], Vec::new());
+        for j in 0..corners {
+            for (f, of_panel) in local.iter().enumerate() {
+                let (node, column) = (of_panel[j], j * width + f);
+                if first_column[node] == usize::MAX {
+                    first_column[node] = column;
+                } else {
+                    more_columns.push((node, column));
+                }
+            }
+        }
         let at = |point: usize, field: usize, f: usize| points[(point * fields + field) * width + f];
         let middle = [0, 1, 2].map(|c| (0..panels.len()).map(|f| at(0, X + c, f)).sum::<f64>() / panels.len() as f64);
         let mut single = vec![0.0; points.len()];
@@ -148,6 +161,8 @@ impl Block {
             middle,
             single,
             nodes,
+            first_column,
+            more_columns,
             local,
             first_value: panels.iter().map(|&p| first_value[p]).collect(),
             panels,

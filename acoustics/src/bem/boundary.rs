@@ -202,6 +202,20 @@ impl Boundary {
         (self.node[point] != usize::MAX).then(|| self.node[point])
     }
 
+    /// Numbers the pressure unknowns in the order in which these panels, all of the surface, come to them.
+    pub(super) fn number_nodes<'a>(&mut self, panels: impl Iterator<Item = &'a usize>) {
+        let (mut number, mut in_planes) = (vec![usize::MAX; self.node.len()], Vec::with_capacity(self.nodes));
+        for &panel in panels {
+            for &point in self.mesh.panels[panel].corners() {
+                if number[point] == usize::MAX {
+                    number[point] = in_planes.len();
+                    in_planes.push(self.in_planes[self.node[point]]);
+                }
+            }
+        }
+        (self.node, self.in_planes) = (number, in_planes);
+    }
+
     /// Whether the surface ends on the floor.
     pub fn stands_on_floor(&self) -> bool {
         self.in_planes.iter().any(|mask| mask & 4 != 0)

@@ -115,25 +115,37 @@ type Pair<V> = [V; 2];
 /// Values between all points of two panels, a part each.
 type Between<V, const E: usize, const F: usize> = [[[V; F]; E]; 2];
 
-/// Walsh transform over the images in the planes of `axes`.
+/// One axis of the Walsh transform over the images in the planes of `axes`.
 #[inline(always)]
-fn walsh<S: Simd>(simd: S, x: &mut [Pair<S::f32s>; 8], axes: usize) {
-    for axis in [2, 1, 0] {
-        let bit = 1 << axis;
-        if axes & bit == 0 {
-            continue;
-        }
-        for i in 0..8 {
-            if i & bit != 0 || i & !axes != 0 {
-                continue;
-            }
+fn butterflies<S: Simd, const BIT: usize, const N: usize>(simd: S, x: &mut [Pair<S::f32s>; N], axes: usize) {
+    if axes & BIT == 0 {
+        return;
+    }
+    for i in 0..N {
+        if i & BIT == 0 && i & !axes == 0 {
             for part in 0..2 {
-                let (u, v) = (x[i][part], x[i | bit][part]);
+                let (u, v) = (x[i][part], x[i | BIT][part]);
                 x[i][part] = simd.add_f32s(u, v);
-                x[i | bit][part] = simd.sub_f32s(u, v);
+                x[i | BIT][part] = simd.sub_f32s(u, v);
             }
         }
     }
+}
+
+/// The sums over the images of fields that continue evenly across the floor, for all parities.
+#[inline(always)]
+fn even<S: Simd>(simd: S, x: &[Pair<S::f32s>; 8], axes: usize) -> [Pair<S::f32s>; PARITIES] {
+    let mut sums = [x[0], x[1], x[2], x[3]];
+    if axes & 4 != 0 {
+        for q in 0..PARITIES {
+            for part in 0..2 {
+                sums[q][part] = simd.add_f32s(x[q][part], x[q | 4][part]);
+            }
+        }
+    }
+    butterflies::<S, 2, PARITIES>(simd, &mut sums, axes);
+    butterflies::<S, 1, PARITIES>(simd, &mut sums, axes);
+    sums
 }
 
 /// Sum over the axes of what each contributes for an image.
@@ -203,6 +215,16 @@ impl Far<'_> {
         (0..3).filter(|&c| self.planes[c].is_some()).map(|c| 1 << c).sum()
     }
 
+    /// Odd axes of a parity; there are none without mirror planes.
+    #[inline(always)]
+    fn parity<const AXES: usize>(&self, p: usize) -> usize {
+        match AXES {
+            0 | 4 => 0,
+            7 => ALL[p],
+            _ => self.parities[p],
+        }
+    }
+
     /// `P`: one parity, or up to four; `AXES`: axes of reflection, or [`ANY`].
     #[inline(always)]
     fn run<S: Simd, const E: usize, const F: usize, const P: usize, const AXES: usize>(self, simd: S) {
@@ -226,6 +248,17 @@ impl Far<'_> {
         // the images.
         let mut kernels = [[[[[zero; F]; E]; 2]; 4]; P];
         let mut potentials = [[[[zero; F]; E]; 2]; 8];
+        // The same of one pair of points, image by image.
+        let mut values = [[[zero; 2]; 8]; 4];
+        let mut potential = [[zero; 2]; 8];
+        let (mut numbers, mut images) = ([0; 8], 0);
+        for q in 0..8 {
+            if q & !axes == 0 {
+                numbers[images] = q;
+                images += 1;
+            }
+        }
+        let images = if AXES == ANY { images } else { 1 << AXES.count_ones() };
         for e in 0..panels {
             let mut own = [Own::default(); E];
             for a in 0..E {
@@ -261,16 +294,15 @@ impl Far<'_> {
                         for side in 0..2 {
                             squares[2][side] = simd.add_f32s(squares[2][side], apart);
                         }
-                        let mut values = [[[zero; 2]; 8]; 4];
-                        let mut potential = [[zero; 2]; 8];
-                        let mut image = 0;
-                        for q in 0..8 {
-                            if q & !axes != 0 {
-                                continue;
-                            }
+                        for image in 0..images {
+                            let q = match AXES {
+                                0 => 0,
+                                4 => 4 * image,
+                                7 => image,
+                                _ => numbers[image],
+                            };
                             let bits = [q & 1, (q >> 1) & 1, q >> 2];
                             let m = load::<S>(self.mask, (image * panels + e) * wf + at);
-                            image += 1;
                             let r2 = of_image::<S>(simd, &squares, bits);
                             let [g_re, g_im, h_re, h_im] = green(simd, r2, k, simd.mul_f32s(m, areas));
                             let (g, h) = ([g_re, g_im], [h_re, h_im]);
@@ -283,7 +315,9 @@ impl Far<'_> {
                             values[3][q] = turned(simd, beta, to_y, g);
                             potential[q] = g;
                         }
-                        walsh(simd, &mut potential, axes);
+                        butterflies::<S, 4, 8>(simd, &mut potential, axes);
+                        butterflies::<S, 2, 8>(simd, &mut potential, axes);
+                        butterflies::<S, 1, 8>(simd, &mut potential, axes);
                         for q in 0..8 {
                             if q & !axes == 0 {
                                 for part in 0..2 {
@@ -292,18 +326,18 @@ impl Far<'_> {
                             }
                         }
                         for m in 0..4 {
-                            walsh(simd, &mut values[m], axes);
+                            let sums = even(simd, &values[m], axes);
                             for p in 0..count {
-                                let s = if AXES == 7 { ALL[p] } else { self.parities[p] };
+                                let s = self.parity::<AXES>(p);
                                 for part in 0..2 {
-                                    kernels[p][m][part][a][b] = values[m][s][part];
+                                    kernels[p][m][part][a][b] = sums[s][part];
                                 }
                             }
                         }
                     }
                 }
                 for p in 0..count {
-                    let s = if AXES == 7 { ALL[p] } else { self.parities[p] };
+                    let s = self.parity::<AXES>(p);
                     let mut curls: Between<S::f32s, E, F> = [[[zero; F]; E]; 2];
                     for part in 0..2 {
                         for c in 0..3 {

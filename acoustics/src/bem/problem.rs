@@ -1,16 +1,14 @@
 use super::blocks::{Block, blocks};
 use super::boundary::Boundary;
+use super::equations::Sums;
 use super::near::NearField;
 use super::panel::{Panel, PanelShape, Shape};
 use super::rules;
 use super::symmetry::{Image, Parity};
-use super::tile::{Sums, Tile, Wave};
+use super::tile::{Tile, Wave};
 use crate::air::Air;
 use crate::error::{AcousticsError, positive, same_length};
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::lu::partial_pivoting::{factor, solve};
-use faer::perm::PermRef;
-use faer::{Conj, Mat, MatMut, MatRef, Par};
+use faer::{Mat, MatRef, Par};
 use nailnoise_meshes::FaceKind;
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::PI;
@@ -74,8 +72,8 @@ pub struct SurfacePressure {
 
 impl Exterior {
     /// Sets the problem up: blocks, close pairs and the tables of their rules.
-    pub fn new(boundary: Boundary, air: &Air) -> Self {
-        let blocks = blocks(&boundary);
+    pub fn new(mut boundary: Boundary, air: &Air) -> Self {
+        let blocks = blocks(&mut boundary);
         let near = NearField::new(&boundary, &blocks);
         let mesh = boundary.mesh();
         let masses = (0..mesh.panels.len())
@@ -244,7 +242,7 @@ impl Exterior {
             SurfacePressure {
                 hz,
                 parity: patterns.parity,
-                pressure: factorise_and_solve(sums, factor),
+                pressure: sums.solve(factor),
             }
         });
         Ok(solved.collect())
@@ -252,17 +250,9 @@ impl Exterior {
 
     /// A field that changes its sign across a plane is zero in it.
     fn hold_odd(&self, parity: Parity, sums: &mut Sums) {
-        let n = sums.matrix.nrows();
-        let held = (0..n).filter(|&node| parity.vanishes(self.boundary.in_planes(node)));
-        for node in held {
-            for i in 0..n {
-                sums.matrix[(node, i)] = Complex::default();
-                sums.matrix[(i, node)] = Complex::default();
-            }
-            sums.matrix[(node, node)] = Complex::new(1.0, 0.0);
-            for right in &mut sums.right {
-                right.col_mut(node).fill(0.0);
-            }
+        let nodes = 0..self.boundary.nodes();
+        for node in nodes.filter(|&node| parity.vanishes(self.boundary.in_planes(node))) {
+            sums.hold(node);
         }
     }
 
@@ -274,10 +264,7 @@ impl Exterior {
             .iter()
             .map(|p| self.blocks.iter().map(|b| single(of_block(b, &p.velocities))).collect())
             .collect();
-        let empty = |p: &Patterns| Sums {
-            matrix: Mat::zeros(n, n),
-            right: [0, 1].map(|_| Mat::zeros(p.velocities.ncols(), n)),
-        };
+        let empty = |p: &Patterns| Sums::zeros(n, p.velocities.ncols());
         let mut sums: Vec<Sums> = all.iter().map(empty).collect();
         let mut tile = Tile::default();
         let near = self.near.at(&self.boundary, wave.k);
@@ -300,6 +287,7 @@ impl Exterior {
             }
         }
         for (sums, patterns) in sums.iter_mut().zip(all) {
+            sums.join();
             self.add_jump(wave, &patterns.velocities, sums);
         }
         sums
@@ -318,7 +306,7 @@ impl Exterior {
             let nodes = self.unknowns_of(panel);
             for (i, &row) in nodes.iter().enumerate() {
                 for (j, &column) in nodes.iter().enumerate() {
-                    sums.matrix[(row, column)] += 0.5 * mass[i][j];
+                    sums.matrix[(row, column)] += 0.5 * mass[i][j] as f32;
                     // alpha is imaginary.
                     let half = -0.5 * mass[i][j] * wave.coupling;
                     for m in 0..velocities.ncols() {
@@ -420,37 +408,4 @@ pub(super) fn of_block(b: &Block, velocities: &DMatrix<f64>) -> Mat<f64> {
         }
     }
     m
-}
-
-/// Pressure for all patterns: `factor` times the inverse of the matrix times the right-hand sides.
-fn factorise_and_solve(sums: Sums, factor: Complex<f64>) -> DMatrix<Complex<f64>> {
-    let Sums { mut matrix, right } = sums;
-    let (n, modes) = (matrix.nrows(), right[0].nrows());
-    let mut pressure = DMatrix::from_fn(n, modes, |i, m| {
-        factor * Complex::new(right[0][(m, i)], right[1][(m, i)])
-    });
-    let (mut order, mut inverse) = (vec![0usize; n], vec![0usize; n]);
-    let scratch = factor::lu_in_place_scratch::<usize, Complex<f64>>(n, n, Par::Seq, Default::default())
-        .or(solve::solve_in_place_scratch::<usize, Complex<f64>>(n, modes, Par::Seq));
-    let mut memory = MemBuffer::new(scratch);
-    let stack = MemStack::new(&mut memory);
-    factor::lu_in_place(
-        matrix.as_mut(),
-        &mut order,
-        &mut inverse,
-        Par::Seq,
-        stack,
-        Default::default(),
-    );
-    let permutation = PermRef::new_checked(&order, &inverse, n);
-    solve::solve_in_place_with_conj(
-        matrix.as_ref(),
-        matrix.as_ref(),
-        permutation,
-        Conj::No,
-        MatMut::from_column_major_slice_mut(pressure.as_mut_slice(), n, modes),
-        Par::Seq,
-        stack,
-    );
-    pressure
 }

@@ -155,28 +155,28 @@ impl Exterior {
     }
 
     /// Memory, time and limits, before any is spent. Times are those of one core at about 3 GHz with AVX2, as measured
-    /// by `benches/bem.rs`: for a pair of points 6 ns an image and 16 ns a parity, 30 us a close pair (2 us once it is
-    /// kept), 25 GFlop/s.
+    /// by `benches/bem.rs`: for a pair of points 8 ns an image and 9 ns a parity, 7 us a shape of close pairs (1 us once
+    /// it is kept, which takes 250 us), 45 GFlop/s for factors and 35 for patterns in single precision.
     pub fn estimate(&self) -> Estimate {
         let boundary = self.boundary();
         let mesh = boundary.mesh();
         let (n, values) = (boundary.nodes() as f64, boundary.velocity_values() as f64);
         let (parities, images) = (boundary.copies() as f64, boundary.images().len() as f64);
-        let far = 0.5 * values * values * (6e-9 * images + 16e-9 * parities);
-        let close = self.close_pairs() as f64;
+        let far = 0.5 * values * values * (8e-9 * images + 9e-9 * parities);
+        let (close, shapes) = (self.close_pairs() as f64, self.close_shapes() as f64);
         let kept = self.near().costly() as f64;
-        let factorisation = parities * 8.0 / 3.0 * n.powi(3) / 25e9;
+        let factorisation = parities * 8.0 / 3.0 * n.powi(3) / 45e9;
         // B v, the solution and the far field for each pattern.
-        let pattern = parities * (4.0 * n * values + 8.0 * n * n + 4e3 * values) / 25e9;
+        let pattern = parities * (4.0 * n * values + 8.0 * n * n + 8e3 * values) / 35e9;
         let is_kept = self.near().is_kept();
         Estimate {
             unknowns: boundary.nodes(),
             panels: mesh.panels.len(),
             bytes: parities * 16.0 * n * n,
             bytes_kept: self.near().bytes_kept(),
-            seconds: far + if is_kept { 2e-6 } else { 30e-6 } * close + factorisation,
+            seconds: far + if is_kept { 1e-6 } else { 7e-6 } * shapes + 1e-6 * close + factorisation,
             seconds_per_pattern: pattern,
-            seconds_kept: if is_kept { 0.0 } else { 5.0 * 100e-6 * kept },
+            seconds_kept: if is_kept { 0.0 } else { 250e-6 * kept },
             highest_hz: boundary.highest_hz(self.air().sound_speed, self.panels_per_wavelength()),
             irregular_hz: self.lowest_resonance(),
         }

@@ -2,6 +2,7 @@
 #![allow(clippy::needless_range_loop)] // indices are those of the equations, several arrays at once
 
 use super::blocks::Block;
+use super::equations::Sums;
 use super::far::{Far, corner_values};
 use super::near::{NearAt, NearPair, PairMatrices};
 use super::symmetry::{Image, Parity};
@@ -107,15 +108,6 @@ fn inverse<const E: usize>() -> Mat<f64> {
     Mat::from_fn(E, E, |b, j| phi[b][j]).partial_piv_lu().inverse()
 }
 
-/// What the tiles of one frequency add up to.
-#[derive(Debug)]
-pub(super) struct Sums {
-    /// -K + alpha W.
-    pub(super) matrix: Mat<Complex<f64>>,
-    /// (S + alpha K') v, real and imaginary part, patterns x unknowns.
-    pub(super) right: [Mat<f64>; 2],
-}
-
 impl Tile {
     /// Adds the operators between the blocks e and f (both directions if they differ) to the sums of every parity.
     ///
@@ -162,8 +154,9 @@ impl Tile {
                 to,
             });
         }
+        let mut own = PairMatrices::default();
         for pair in pairs {
-            let pair = Close::new(pair, wave, [e, f], &self.to_points, &near.matrices(pair));
+            let pair = Close::new(pair, wave, [e, f], &self.to_points, near.matrices(pair, &mut own));
             for (to, (parity, _)) in self.parities.iter_mut().zip(patterns) {
                 pair.add(parity.sign(images[pair.pair.image]), [e, f], diagonal, to);
             }
@@ -238,26 +231,26 @@ impl Operators {
         let modes = patterns[0].nrows();
         let mut local = Vec::new();
         let to_nodes = |buffer: &Buffer, local: &mut Vec<f32>| {
-            local.clear();
             local.resize(2 * buffer.rows * f.nodes.len(), 0.0);
-            for row in 0..2 * buffer.rows {
-                let from = &buffer.data[row * buffer.columns..(row + 1) * buffer.columns];
-                let to = &mut local[row * f.nodes.len()..(row + 1) * f.nodes.len()];
-                for j in 0..f.corners {
-                    for (value, nodes) in from[j * f.width..].iter().zip(&f.local) {
-                        to[nodes[j]] += value;
-                    }
+            let rows = buffer.data.chunks_exact(buffer.columns);
+            for (to, from) in local.chunks_exact_mut(f.nodes.len()).zip(rows) {
+                for (to, &column) in to.iter_mut().zip(&f.first_column) {
+                    *to = from[column];
+                }
+                for &(node, column) in &f.more_columns {
+                    to[node] += from[column];
                 }
             }
         };
         let at = |local: &[f32], r: usize, c: usize, rows: usize| {
             let n = f.nodes.len();
-            Complex::new(local[r * n + c].into(), local[(rows + r) * n + c].into())
+            Complex::new(local[r * n + c], local[(rows + r) * n + c])
         };
         to_nodes(&self.a, &mut local);
-        for (c, &column) in f.nodes.iter().enumerate() {
-            for (r, &row) in e.nodes.iter().enumerate() {
-                sums.matrix[(row, column)] += at(&local, r, c, e.nodes.len());
+        for (r, &row) in e.nodes.iter().enumerate() {
+            let to = sums.transposed.col_as_slice_mut(row);
+            for (c, &column) in f.nodes.iter().enumerate() {
+                to[column] += at(&local, r, c, e.nodes.len());
             }
         }
         let mut product = Mat::<f32>::zeros(modes, 2 * e.nodes.len());
@@ -275,8 +268,9 @@ impl Operators {
         }
         to_nodes(&self.a_back, &mut local);
         for (r, &column) in e.nodes.iter().enumerate() {
+            let to = sums.matrix.col_as_slice_mut(column);
             for (c, &row) in f.nodes.iter().enumerate() {
-                sums.matrix[(row, column)] += at(&local, r, c, e.nodes.len());
+                to[row] += at(&local, r, c, e.nodes.len());
             }
         }
         to_nodes(&self.b_back, &mut local);

@@ -82,6 +82,7 @@ impl WithSimd for Integrate<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         match (self.x.corners, self.y.corners) {
+            (3, 3) if self.x.nodes == 3 && self.y.nodes == 3 => self.flat(simd),
             (3, 3) => self.run::<S, 3, 3>(simd),
             (3, _) => self.run::<S, 3, 4>(simd),
             (_, 3) => self.run::<S, 4, 3>(simd),

@@ -5,12 +5,14 @@
 //!   congruent     couples of the same shape are integrated once
 //!   choice        Sauter & Schwab where panels touch, products of finer rules or division where they do not
 //!   tables, integrate     shape functions at all points of a rule; the sum over them
+//!   flat          the same for triangles whose normal and curls do not vary
 //!   kept          costly shapes once for all frequencies
 //! ```
 
 mod choice;
 mod congruent;
 mod divide;
+mod flat;
 mod integrate;
 mod kept;
 mod matrices;
@@ -262,12 +264,13 @@ impl NearAt<'_> {
         self.field.pairs(e_block, f_block)
     }
 
-    /// The matrices of one pair.
-    pub(super) fn matrices(&self, pair: &NearPair) -> PairMatrices {
-        match &self.shared[pair.shape as usize] {
-            Some(known) => **known,
-            None => self.evaluated(&self.field.shapes[pair.shape as usize]),
+    /// The matrices of one pair, in `own` where no other pair has the same.
+    pub(super) fn matrices<'b>(&'b self, pair: &NearPair, own: &'b mut PairMatrices) -> &'b PairMatrices {
+        if let Some(known) = &self.shared[pair.shape as usize] {
+            return known;
         }
+        *own = self.evaluated(&self.field.shapes[pair.shape as usize]);
+        own
     }
 
     fn evaluated(&self, shape: &PairShape) -> PairMatrices {
