@@ -150,7 +150,7 @@ pub fn deliver(
     };
     let options = Options::default();
     let (mut run, (mut pictures, mut fields)) =
-        pipeline::run_telling(design, options, cache, observer, OF_BODIES, &tell)?;
+        pipeline::run_telling(design, options, cache, observer, OF_BODIES, tell)?;
     let mut kept = Vec::new();
     if !of_bodies.exists() {
         match fields.wanted(folder, cache) {

@@ -181,7 +181,7 @@ fn a_workpiece_in_sand_is_evaluated_twice_and_its_pictures_hold_its_energy() {
 
 #[test]
 fn with_radiation_efficiency_1_pictures_show_velocities_and_say_so() {
-    let design = small("[analysis]\nrange_high = \"400 Hz\"");
+    let design = small("[acoustics]\nmethod = \"erp\"\n[analysis]\nrange_high = \"400 Hz\"");
     let cache = Cache::at(concat!(env!("CARGO_TARGET_TMPDIR"), "/modes").into(), LIMIT);
     let found = pictures(&design, &cache, &mut Silent).unwrap();
     assert!(
