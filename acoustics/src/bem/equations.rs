@@ -1,4 +1,5 @@
 //! The equations of one frequency and parity, solved in single precision with the residual in double precision.
+#![allow(clippy::needless_range_loop)] // indices are those of the equations, several arrays at once
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::{factor, solve};
