@@ -211,7 +211,17 @@ fn the_sampled_matrix_is_that_of_the_whole_body() {
     let whole = boundary([None; 2], 0.036);
     let v = whole.transfer(&parts(&solids)).unwrap().remove(0).velocities;
     let exterior = Exterior::new(whole, &Air::default());
-    for hz in [60.0, 333.0, 0.7 * top] {
+    // What was computed in one air holds in any other.
+    let cold = Air::at(253.0, 80e3).unwrap();
+    let in_cold = bem.clone().in_air(&Air::default(), &cold);
+    let exterior_in_cold = Exterior::new(boundary([None; 2], 0.036), &cold);
+    assert!((in_cold.blend_hz()[1] / bem.blend_hz()[1] - (253.0f64 / 293.15).sqrt()).abs() < 1e-9);
+    for (hz, bem, exterior) in [
+        (60.0, &bem, &exterior),
+        (333.0, &bem, &exterior),
+        (0.7 * top, &bem, &exterior),
+        (333.0, &in_cold, &exterior_in_cold),
+    ] {
         let found = bem.resistance(hz).real;
         let exact = exterior.resistance(hz, &v).unwrap().far_field;
         let mut worst: f64 = 0.0;
@@ -245,13 +255,15 @@ fn the_sampled_matrix_is_that_of_the_whole_body() {
         assert!(worst < 5e-2, "{hz} Hz: {worst:e}");
     }
     // Above the range rho c int v_i v_j dS: heave of all that faces up or down.
-    let heave = bem.resistance(2.0 * top).real;
-    let both: f64 = [(0, 0), (0, MODES), (MODES, 0), (MODES, MODES)]
-        .iter()
-        .map(|&ij| heave[ij])
-        .sum();
-    let exact = Air::default().impedance() * 2.0 * SIZES[1][0] * SIZES[1][1];
-    assert!((both / exact - 1.0).abs() < 1e-9);
+    for (bem, air) in [(&bem, Air::default()), (&in_cold, cold)] {
+        let heave = bem.resistance(2.0 * top).real;
+        let both: f64 = [(0, 0), (0, MODES), (MODES, 0), (MODES, MODES)]
+            .iter()
+            .map(|&ij| heave[ij])
+            .sum();
+        let exact = air.impedance() * 2.0 * SIZES[1][0] * SIZES[1][1];
+        assert!((both / exact - 1.0).abs() < 1e-9);
+    }
 
     let frequency: Vec<f64> = (0..60).map(|i| 20.0 * 1.1f64.powi(i)).collect();
     let a = DMatrix::from_fn(2 * MODES, frequency.len(), |i, j| {
@@ -268,6 +280,23 @@ fn the_sampled_matrix_is_that_of_the_whole_body() {
         assert!((sum / direct - 1.0).abs() < 1e-6, "{hz} Hz: {sum:e} {direct:e}");
         let root: f64 = signals.column(bin).iter().map(Complex::norm_sqr).sum();
         assert!((root / direct - 1.0).abs() < 3e-2, "{hz} Hz: {root:e} {direct:e}");
+    }
+    let forms_in_cold = in_cold.energy_forms(&frequency, &a);
+    let signals_in_cold = in_cold.root_signals(&frequency, &a);
+    let images = in_cold.images(&frequency, &a);
+    let erp = in_cold.reference();
+    let erp_forms = erp.energy_forms(&frequency, &a);
+    for (bin, hz) in frequency.iter().enumerate() {
+        let omega2 = (std::f64::consts::TAU * hz).powi(2);
+        let a = a.column(bin);
+        let direct = in_cold.resistance(*hz).form(a.as_slice()) / omega2;
+        let root: f64 = signals_in_cold.column(bin).iter().map(Complex::norm_sqr).sum();
+        let image = a.dotc(&images.column(bin)).re;
+        let of_erp = erp.resistance(*hz).form(a.as_slice()) / omega2;
+        assert!((forms_in_cold.column(bin).sum() / direct - 1.0).abs() < 1e-6, "{hz} Hz");
+        assert!((root / direct - 1.0).abs() < 3e-2, "{hz} Hz: {root:e} {direct:e}");
+        assert!((image / direct - 1.0).abs() < 1e-6, "{hz} Hz: {image:e} {direct:e}");
+        assert!((erp_forms.column(bin).sum() / of_erp - 1.0).abs() < 1e-6, "{hz} Hz");
     }
 
     // Modes sum to the whole.

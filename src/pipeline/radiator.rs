@@ -219,8 +219,10 @@ fn standing_bem(
     cache: &Cache,
     watched: &Watched<'_>,
 ) -> Result<Radiator, Error> {
-    let kept: Bytes = cache.get_or(STAGE, key(design, structure, air), || {
-        let levels = levels(design, structure, air)?;
+    // Once for every air: the matrix depends on the wavelength.
+    let computed = Air::default();
+    let kept: Bytes = cache.get_or(STAGE, key(design, structure, &computed), || {
+        let levels = levels(design, structure, &computed)?;
         let low = LOWEST_SAMPLE.min(0.5 * RANGES[0] * design.acoustics.bem_top);
         if let Some(finest) = levels.last() {
             let seconds = expected_seconds(&levels, low, structure);
@@ -252,7 +254,8 @@ fn standing_bem(
         let bem = watched.counting(("boundary elements", "frequencies"), solve)?;
         Ok::<_, Error>(Bytes(bem.to_bytes()))
     })?;
-    Ok(Radiator::Bem(Box::new(ModalBem::from_bytes(&kept.0)?)))
+    let bem = ModalBem::from_bytes(&kept.0)?.in_air(&computed, air);
+    Ok(Radiator::Bem(Box::new(bem)))
 }
 
 /// Frequencies of each range: they follow how many more wavelengths twice the body's largest extent holds at its top than

@@ -49,8 +49,10 @@ pub(super) fn tool_radiator(
     }
     let open = open_air(&body.surface)?;
     let receivers = receivers(design);
-    let kept: Bytes = cache.get_or(STAGE, key(design, body, &open, &receivers, air), || {
-        let level = level(design, body, &open, air)?;
+    // Once for every air: the matrix depends on the wavelength.
+    let computed = Air::default();
+    let kept: Bytes = cache.get_or(STAGE, key(design, body, &open, &receivers, &computed), || {
+        let level = level(design, body, &open, &computed)?;
         watched.note(&format!(
             "tool: boundary elements up to {:.0} Hz, computed once for this body; {}",
             level.top_hz,
@@ -70,7 +72,7 @@ pub(super) fn tool_radiator(
         let bem = watched.counting(("boundary elements of the tool", "frequencies"), solve)?;
         Ok::<_, Error>(Bytes(bem.to_bytes()))
     })?;
-    Ok(Some(ModalBem::from_bytes(&kept.0)?))
+    Ok(Some(ModalBem::from_bytes(&kept.0)?.in_air(&computed, air)))
 }
 
 /// The microphones in the tool's coordinates; where the plane that reflects is no part of the equations, their images in it

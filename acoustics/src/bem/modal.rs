@@ -3,6 +3,7 @@ use super::independent::independent;
 use super::problem::{Exterior, Patterns};
 use super::receivers::{Heard, HeardModes, Receivers};
 use super::solver::Solver;
+use crate::air::Air;
 use crate::error::{AcousticsError, same_length};
 use crate::radiation::{
     Archive, ArchiveReader, ArchiveWriter, Correction, Erp, ModalRadiation, Resistance, SampledRadiation, Sampling,
@@ -56,6 +57,47 @@ pub struct ModalBem {
     heard: HeardModes,
     /// What the sampling found.
     pub summary: Summary,
+    air: AirScale,
+}
+
+/// What another air than that of the computation changes. At the same wavenumber k = omega/c the boundary sees the same
+/// wave:
+///
+/// ```text
+/// R(f; rho, c) = (rho c)/(rho0 c0) R0(f c0/c)        p/a (f; rho, c) = rho/rho0 (p/a)0 (f c0/c)
+/// ```
+#[derive(Debug, Clone, Copy)]
+struct AirScale {
+    /// c/c0.
+    speed: f64,
+    /// rho/rho0.
+    density: f64,
+}
+
+impl AirScale {
+    const NONE: Self = Self {
+        speed: 1.0,
+        density: 1.0,
+    };
+
+    /// Where R was computed for what it is at a frequency \[Hz\].
+    fn computed(&self, hz: f64) -> f64 {
+        hz / self.speed
+    }
+
+    fn all_computed(&self, frequency: &[f64]) -> Vec<f64> {
+        frequency.iter().map(|&hz| self.computed(hz)).collect()
+    }
+
+    /// Factor on R.
+    fn resistance(&self) -> f64 {
+        self.density * self.speed
+    }
+
+    /// Factor on R / omega².
+    fn form(&self) -> f64 {
+        self.density / self.speed
+    }
 }
 
 impl ModalBem {
@@ -171,6 +213,7 @@ impl ModalBem {
             parities,
             heard: hearing,
             summary,
+            air: AirScale::NONE,
         })
     }
 
@@ -185,13 +228,26 @@ impl ModalBem {
         accelerations: &DMatrix<Complex<f64>>,
     ) -> Result<DMatrix<Complex<f64>>, AcousticsError> {
         same_length("modal spectra", accelerations.nrows(), self.modes)?;
+        let frequency = &self.air.all_computed(frequency)[..];
         let mut pressures = DMatrix::zeros(self.heard.receivers(), frequency.len());
         let mut parity = 0;
         self.over_parities(accelerations, |radiation, a| {
             self.heard.add(parity, radiation, frequency, &a, &mut pressures);
             parity += 1;
         });
+        pressures *= Complex::from(self.air.density);
         Ok(pressures)
+    }
+
+    /// In `air`, when it was computed in the air `computed`: exact, as nothing but the wavelength and rho c enters. What was
+    /// given as frequencies, as the upper end of the range, then stands for the same wavelengths.
+    #[must_use]
+    pub fn in_air(mut self, computed: &Air, air: &Air) -> Self {
+        self.air = AirScale {
+            speed: air.sound_speed / computed.sound_speed,
+            density: air.density / computed.density,
+        };
+        self
     }
 
     /// The equivalent radiated power of the same surface.
@@ -201,7 +257,8 @@ impl ModalBem {
 
     /// Where boundary elements give way to the limit: beginning and end of the blend \[Hz\].
     pub fn blend_hz(&self) -> [f64; 2] {
-        self.parities.first().map_or([0.0; 2], BlendedRadiation::blend_hz)
+        let computed = self.parities.first().map_or([0.0; 2], BlendedRadiation::blend_hz);
+        computed.map(|hz| hz * self.air.speed)
     }
 
     /// Energy in the blend of accelerations that are given there: by boundary elements alone, and by the limit alone, in
@@ -211,14 +268,14 @@ impl ModalBem {
         let inside: Vec<usize> = (0..frequency.len())
             .filter(|&bin| (from..to).contains(&frequency[bin]))
             .collect();
-        let hz: Vec<f64> = inside.iter().map(|&bin| frequency[bin]).collect();
+        let hz: Vec<f64> = inside.iter().map(|&bin| self.air.computed(frequency[bin])).collect();
         let mut energies = [0.0; 2];
         self.over_parities(&accelerations.select_columns(&inside), |radiation, a| {
             let alone = radiation.elements_alone(&hz, &a);
             energies[0] += alone.sum();
             energies[1] += radiation.erp().energy_forms(&hz, &a).sum();
         });
-        energies
+        energies.map(|energy| energy * self.air.form())
     }
 
     /// Whether a patch is the difference between far field and surface.
@@ -264,20 +321,23 @@ impl ModalRadiation for ModalBem {
     }
 
     fn resistance(&self, hz: f64) -> Resistance {
-        self.whole(|radiation| radiation.resistance(hz))
+        let hz = self.air.computed(hz);
+        self.whole(|radiation| radiation.resistance(hz).scaled(self.air.resistance()))
     }
 
     fn energy_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
         let mut forms = DMatrix::zeros(self.patches.len(), frequency.len());
+        let frequency = &self.air.all_computed(frequency)[..];
         self.over_parities(accelerations, |radiation, a| {
             forms += radiation.energy_forms(frequency, &a)
         });
-        forms
+        forms * self.air.form()
     }
 
     fn images(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let mut images = DMatrix::zeros(self.modes, frequency.len());
         let mut combinations = self.combinations.iter();
+        let frequency = &self.air.all_computed(frequency)[..];
         self.over_parities(accelerations, |radiation, a| {
             let image = radiation.images(frequency, &a);
             if let Some(t) = combinations.next() {
@@ -285,15 +345,16 @@ impl ModalRadiation for ModalBem {
                 images += re.zip_map(&im, Complex::new);
             }
         });
-        images
+        images * Complex::from(self.air.form())
     }
 
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let mut parts = Vec::new();
+        let frequency = &self.air.all_computed(frequency)[..];
         self.over_parities(accelerations, |radiation, a| {
             parts.push(radiation.root_signals(frequency, &a))
         });
-        stacked(&parts, frequency.len())
+        stacked(&parts, frequency.len()) * Complex::from(self.air.form().sqrt())
     }
 }
 
@@ -319,23 +380,27 @@ impl ModalRadiation for ModalErp<'_> {
     }
 
     fn resistance(&self, hz: f64) -> Resistance {
-        self.0.whole(|radiation| radiation.erp().resistance(hz))
+        let hz = self.0.air.computed(hz);
+        self.0
+            .whole(|radiation| radiation.erp().resistance(hz).scaled(self.0.air.resistance()))
     }
 
     fn energy_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
         let mut forms = DMatrix::zeros(self.0.patches.len(), frequency.len());
+        let frequency = &self.0.air.all_computed(frequency)[..];
         self.0.over_parities(accelerations, |radiation, a| {
             forms += radiation.erp().energy_forms(frequency, &a)
         });
-        forms
+        forms * self.0.air.form()
     }
 
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let mut parts = Vec::new();
+        let frequency = &self.0.air.all_computed(frequency)[..];
         self.0.over_parities(accelerations, |radiation, a| {
             parts.push(radiation.erp().root_signals(frequency, &a))
         });
-        stacked(&parts, frequency.len())
+        stacked(&parts, frequency.len()) * Complex::from(self.0.air.form().sqrt())
     }
 }
 
@@ -382,6 +447,7 @@ impl Archive for ModalBem {
                 asymmetry,
                 heard,
             },
+            air: AirScale::NONE,
         })
     }
 }
