@@ -187,7 +187,7 @@ pub(super) fn moved(
             };
             let side = match &lumped {
                 Some(record) => ToolSide::Moved(Box::new(tool_in_motion(bench, body, record, &mut timing, &watched)?)),
-                None => ToolSide::Still(body),
+                None => ToolSide::Still(Box::new(body)),
             };
             Ok::<_, Error>((side, timing))
         });
@@ -212,7 +212,7 @@ pub(super) fn moved(
     };
     let (tool, body) = match of_tool {
         ToolSide::Moved(moved) => *moved,
-        ToolSide::Still(body) => tool_in_motion(bench, body, &record, timing, &watched)?,
+        ToolSide::Still(body) => tool_in_motion(bench, *body, &record, timing, &watched)?,
     };
     let shot = sensors::Shot {
         structure: &structure,
@@ -333,7 +333,7 @@ pub(super) fn moved(
 
 /// The tool's side of a run: at rest while its cycle is not known.
 enum ToolSide {
-    Still(Option<Body>),
+    Still(Box<Option<Body>>),
     Moved(Box<(Option<Tool>, Sound)>),
 }
 
