@@ -786,7 +786,8 @@ group! {
         /// Radiation of the tool's body where it is elastic: boundary elements on its housing, up to `bem_top` or as far as
         /// its mesh resolves the waves, or that of a sphere of its volume.
         body_method: RadiationMethod = RadiationMethod::KIND, "";
-        /// Highest frequency of the boundary elements; above it radiation efficiency is 1.
+        /// Highest frequency of the boundary elements in air of 20 degrees Celsius, in other air higher as its speed of sound is;
+        /// above it radiation efficiency is 1.
         bem_top: f64 = positive(FREQUENCY), "";
         /// Least number of panels per wavelength of sound.
         bem_panels: f64 = positive(NUMBER), "";
