@@ -271,8 +271,7 @@ fn expected(levels: &[Level], low: f64) -> Vec<f64> {
     levels.iter().map(of_range).collect()
 }
 
-/// Processor time of all ranges \[s\], about. Their frequencies follow how many more wavelengths twice the body's largest
-/// extent holds at a range's top than at its bottom.
+/// Processor time of all ranges \[s\], about.
 fn expected_seconds(levels: &[Level], low: f64, structure: &Structure) -> f64 {
     let modes: usize = structure.bodies().map(|body| body.shapes.ncols()).sum();
     let of_frequency = |level: &Level| {
@@ -280,19 +279,14 @@ fn expected_seconds(levels: &[Level], low: f64, structure: &Structure) -> f64 {
         let patterns = modes.div_ceil(level.problem.boundary().copies());
         level.problem.estimate().seconds_with(patterns)
     };
-    let (mut from, mut total) = (low, 0.0);
-    for (number, level) in levels.iter().enumerate() {
-        let problem = &level.problem;
-        let wavelengths = 2.0 * problem.boundary().extents().max() * (level.top_hz - from) / problem.air().sound_speed;
-        let sampled = SAMPLES_PER_WAVELENGTH * wavelengths + SAMPLES_BESIDE;
-        total += problem.estimate().seconds_kept;
-        total += match number.checked_sub(1) {
-            None => sampled * of_frequency(level),
-            Some(below) => sampled * of_frequency(&levels[below]) + CORRECTIONS * of_frequency(level),
-        };
-        from = level.top_hz;
-    }
-    total
+    let of_range = |(number, (level, sampled)): (usize, (&Level, f64))| {
+        let kept = level.problem.estimate().seconds_kept;
+        match number.checked_sub(1) {
+            None => kept + sampled * of_frequency(level),
+            Some(below) => kept + sampled * of_frequency(&levels[below]) + CORRECTIONS * of_frequency(level),
+        }
+    };
+    levels.iter().zip(expected(levels, low)).enumerate().map(of_range).sum()
 }
 
 /// All that the radiation matrices depend on: boxes, air, how finely they are computed, and the skins' modes.
@@ -304,18 +298,22 @@ fn key(design: &Design, structure: &Structure, air: &Air) -> Key {
         .with(&[a.bem_top, a.bem_panels, a.bem_tolerance])
         .with(&format!("{:?}", microphones::positions(design)));
     for body in structure.bodies() {
-        let surface = &body.surface;
-        let points: Vec<f64> = surface.points.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
-        key = key.with(body.name).with(&points);
-        for mode in body.shapes.column_iter() {
-            let on_skin = surface
-                .volume_nodes
-                .iter()
-                .flat_map(|&n| [mode[3 * n], mode[3 * n + 1], mode[3 * n + 2]]);
-            key = key.with(&on_skin.collect::<Vec<f64>>());
-        }
+        key = with_skin(key.with(body.name), body);
     }
     key
+}
+
+/// A key with the points of a body's skin and the motion of every mode there.
+pub(super) fn with_skin(key: Key, body: &Body) -> Key {
+    let surface = &body.surface;
+    let points: Vec<f64> = surface.points.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
+    body.shapes.column_iter().fold(key.with(&points), |key, mode| {
+        let on_skin = surface
+            .volume_nodes
+            .iter()
+            .flat_map(|&n| [mode[3 * n], mode[3 * n + 1], mode[3 * n + 2]]);
+        key.with(&on_skin.collect::<Vec<f64>>())
+    })
 }
 
 /// Height of the floor under the worktable; the block's underside is at 0 \[m\].

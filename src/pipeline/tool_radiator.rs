@@ -18,7 +18,7 @@ use nalgebra::{Point3, Vector3};
 use super::bodies::Body;
 use super::microphones::{positions, reflecting_plane, tool_height};
 use super::outside::open_air;
-use super::radiator::{FLOOR, LOWEST_SAMPLE, MOST_SAMPLES};
+use super::radiator::{FLOOR, LOWEST_SAMPLE, MOST_SAMPLES, with_skin};
 use super::{Tell, Watched};
 use crate::cache::{Bytes, Cache, Key};
 use crate::design::{Design, RadiationMethod};
@@ -127,21 +127,11 @@ pub(super) fn level(design: &Design, body: &Body, open: &[bool], air: &Air) -> R
 /// All that the radiation matrix depends on.
 fn key(design: &Design, body: &Body, open: &[bool], receivers: &Receivers, air: &Air) -> Key {
     let a = &design.acoustics;
-    let surface = &body.surface;
-    let points: Vec<f64> = surface.points.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
-    let mut key = Key::new()
+    let key = Key::new()
         .with(&format!("{air:?} {receivers:?} {:?}", floor(design)))
         .with(&[a.bem_top, a.bem_panels, a.bem_tolerance])
-        .with(&points)
         .with(&open.iter().map(|o| usize::from(*o)).collect::<Vec<usize>>());
-    for mode in body.shapes.column_iter() {
-        let on_skin = surface
-            .volume_nodes
-            .iter()
-            .flat_map(|&n| [mode[3 * n], mode[3 * n + 1], mode[3 * n + 2]]);
-        key = key.with(&on_skin.collect::<Vec<f64>>());
-    }
-    key
+    with_skin(key, body)
 }
 
 #[cfg(test)]
