@@ -103,7 +103,8 @@ impl AirScale {
 impl ModalBem {
     /// Samples R(f) from `sampling.range_hz[0]` on, on meshes that get finer; the upper end of the range is the last
     /// level's. The mesh below shows how R(f) runs in a level's range, its own mesh corrects that at fewer frequencies
-    /// ([`SampledRadiation::together`] tells how errors are judged). Above it the equivalent radiated power holds, with a blend over the uppermost third of an octave.
+    /// ([`SampledRadiation::together`] tells how errors are judged). Above it the equivalent radiated power holds, with a
+    /// blend over the uppermost third of an octave.
     ///
     /// # Errors
     /// [`AcousticsError::TooCoarse`], [`AcousticsError::Unresolved`], lengths that do not fit, no level.
