@@ -132,7 +132,10 @@ pub struct RadiationReport {
     /// Where boundary elements give way to the limit of high frequencies: beginning and end of the blend \[Hz\]; by
     /// Rayleigh's integral, which needs no limit, twice the top of its range.
     pub join_hz: [f64; 2],
-    /// Frequencies at which the radiation matrix was computed.
+    /// Up to where every single frequency is solved, and up to where boundary elements are known in the mean over
+    /// neighbouring frequencies \[Hz\]; by Rayleigh's integral twice the top of its range.
+    pub solved_hz: [f64; 2],
+    /// Frequencies at which the radiation matrix was computed, those of means not counted.
     pub frequencies: usize,
     /// Largest interpolation error of the matrix over frequency, root mean square of the entries relative to
     /// sqrt(R_ii R_jj) \[-\].
@@ -140,10 +143,11 @@ pub struct RadiationReport {
     /// A-weighted level by the intensity on the surface less that by the far field, below the blend \[dB\]; null when
     /// silent.
     pub surface_difference_db: Option<f64>,
-    /// Level of the limit less that of the boundary elements in the last three bands below the blend, lowest and highest
+    /// Level of the limit less that of the boundary elements in the last three bands that these know, lowest and highest
     /// \[dB\]: what the limit may be off above. Zero by Rayleigh's integral.
     pub limit_error_db: [f64; 2],
-    /// Level of the limit less that of the boundary elements over the blend itself \[dB\]; null when silent.
+    /// The same over the uppermost third of an octave of the boundary elements, where the limit takes over \[dB\]; null when
+    /// silent and by Rayleigh's integral.
     pub blend_error_db: Option<f64>,
     /// A-weighted level of radiation efficiency 1 over the source's range \[dB re 1 pW s\]; null when silent.
     pub erp_lwa_db: Option<f64>,
@@ -259,6 +263,8 @@ pub struct RadiationBand {
     pub surface_lw_db: Option<f64>,
     /// With radiation efficiency 1.
     pub erp_lw_db: Option<f64>,
+    /// By the limit of high frequencies, where boundary elements are known too; null elsewhere and by Rayleigh's integral.
+    pub limit_lw_db: Option<f64>,
 }
 
 /// Two methods for one quantity.

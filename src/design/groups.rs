@@ -787,7 +787,7 @@ group! {
         /// its mesh resolves the waves, or that of a sphere of its volume.
         body_method: RadiationMethod = RadiationMethod::KIND, "";
         /// Highest frequency of the boundary elements in air of 20 degrees Celsius, in other air higher as its speed of sound is;
-        /// above it radiation efficiency is 1.
+        /// half an octave more is solved in the mean over frequency.
         bem_top: f64 = positive(FREQUENCY), "";
         /// Least number of panels per wavelength of sound.
         bem_panels: f64 = positive(NUMBER), "";

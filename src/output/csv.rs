@@ -42,13 +42,15 @@ fn report_of<'a>(result: &'a RunResult, source: &str) -> Option<&'a RadiationRep
         .as_ref()
 }
 
-/// `radiation.csv` of a source: one-third-octave bands by the far field, by the surface and with radiation efficiency 1;
-/// none where it has no second evaluation.
+/// `radiation.csv` of a source: one-third-octave bands by the far field, by the surface, with radiation efficiency 1, and by
+/// the limit of high frequencies where boundary elements are known too; none where it has no second evaluation.
 pub(super) fn radiation(result: &RunResult, source: &str) -> Option<String> {
     let report = report_of(result, source)?;
-    let mut text = String::from("band [Hz],far field L_W [dB],surface L_W [dB],radiation efficiency 1 L_W [dB]\n");
+    let mut text = String::from(
+        "band [Hz],far field L_W [dB],surface L_W [dB],radiation efficiency 1 L_W [dB],limit of high frequencies L_W [dB]\n",
+    );
     for band in &report.bands {
-        let levels = [band.lw_db, band.surface_lw_db, band.erp_lw_db].map(|level| optional(level, 3));
+        let levels = [band.lw_db, band.surface_lw_db, band.erp_lw_db, band.limit_lw_db].map(|level| optional(level, 3));
         let _ = writeln!(text, "{},{}", band.hz, levels.join(","));
     }
     Some(text)

@@ -13,11 +13,12 @@ fn radiation_note(what: &str, report: &RadiationReport) -> String {
     let difference = report.surface_difference_db.unwrap_or(0.0);
     let [least, most] = report.limit_error_db;
     format!(
-        "{what}: boundary elements at {} frequencies up to {:.0} Hz (surface {difference:+.2} dB to \
-         the far field), radiation efficiency 1 above, {} off where it takes over and {least:+.1} to {most:+.1} dB in the three bands \
-         below; over all bands it would give {}",
+        "{what}: boundary elements at {} frequencies up to {:.0} Hz and in the mean over neighbouring ones up to {:.0} Hz (surface \
+         {difference:+.2} dB to the far field), the limit of high frequencies above, {} off where it takes over and {least:+.1} to \
+         {most:+.1} dB in the last three bands of boundary elements; radiation efficiency 1 over all bands would give {}",
         report.frequencies,
-        report.join_hz[1],
+        report.solved_hz[0],
+        report.solved_hz[1],
         report
             .blend_error_db
             .map_or_else(|| "nothing".to_owned(), |error| format!("{error:+.1} dB")),

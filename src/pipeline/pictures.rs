@@ -192,7 +192,7 @@ fn solved(design: &Design, body: Solved<'_>) -> Result<Pictures, Error> {
         spectra,
         at,
     } = body;
-    let bands = bands(spectra, bem.blend_hz()[0]);
+    let bands = bands(spectra, bem.solved_hz()[0]);
     let radiated = radiated_energy(source, bem, spectra)?;
     let mut planes = planes(design);
     let moved = |points: &[Point3<f64>]| -> Vec<Point3<f64>> { points.iter().map(|p| p - at).collect() };
@@ -243,7 +243,7 @@ fn solved(design: &Design, body: Solved<'_>) -> Result<Pictures, Error> {
     Ok(Pictures {
         method: "boundary elements".to_owned(),
         notes: vec![format!(
-            "{source} by boundary elements at {} frequencies, in the bands up to {reaches:.0} Hz that lie below the limit of high \
+            "{source} by boundary elements at {} frequencies, in the bands up to {reaches:.0} Hz that lie below the end of single \
              frequencies; error of the field between them {:.1e} of its largest value; the pressure is that of this source \
              alone, {}",
             found.around.samples,

@@ -113,10 +113,8 @@ pub(super) fn by_boundary_elements(
     let surface = share_out(&mut source);
     let weights = energy_weights(&source.frequency, source.range_hz, Weighting::A);
     let energies = mode_energies(bem, together, &weights)?;
-    let mut report = report(bem, &source, &surface, &erp);
+    let mut report = report(bem, together, [&source, &surface, &erp]);
     report.modes = modes_of(bodies, damping, &energies);
-    let [alone, limit] = bem.either_side_of_the_blend(&together.frequency, &together.accelerations);
-    report.blend_error_db = (alone > 0.0 && limit > 0.0).then(|| 10.0 * (limit / alone).log10());
     let signals = vec![(name, radiated_signals(bem, together, &source)?)];
     let above = |factor: f64| {
         let range = together.range_hz;
@@ -127,15 +125,18 @@ pub(super) fn by_boundary_elements(
         );
         10.0 * ((low + factor * high) / (low + high)).log10()
     };
-    let [least, most] = report.limit_error_db;
+    let [mut least, mut most] = report.limit_error_db;
+    if let Some(error) = report.blend_error_db {
+        (least, most) = (least.min(error), most.max(error));
+    }
     let evaluations = report.surface_difference_db.map_or(0.0, f64::abs);
     // What the limit is above the boundary elements where they meet, it may be above the truth beyond.
     let uncertainty = Uncertainty {
         minus: Some(evaluations - above(10f64.powf(-most.max(0.0) / 10.0)).min(0.0)),
         plus: Some(evaluations + above(10f64.powf(-least.min(0.0) / 10.0)).max(0.0)),
         basis: format!(
-            "power by surface and by far field, and above {:.0} Hz the limit of high frequencies, off by {least:+.1} to \
-             {most:+.1} dB in the last bands below",
+            "power by surface and by far field, and above {:.0} Hz the limit of high frequencies, {least:+.1} to {most:+.1} dB \
+             off in the last bands of boundary elements",
             bem.blend_hz()[0]
         ),
     };

@@ -242,7 +242,7 @@ fn standing_bem(
             points: microphones::positions(design),
             origin: Point3::origin(),
         };
-        let expected: f64 = expected(&levels, low).iter().sum();
+        let expected: f64 = expected(&levels, low).iter().sum::<f64>() + ModalBem::IN_MEAN as f64;
         let solve = |tell: Tell<'_>| {
             let solved = AtomicU64::new(0);
             let one_more = || {
@@ -286,14 +286,23 @@ fn expected_seconds(levels: &[Level], low: f64, structure: &Structure) -> f64 {
             Some(below) => kept + sampled * of_frequency(&levels[below]) + CORRECTIONS * of_frequency(level),
         }
     };
-    levels.iter().zip(expected(levels, low)).enumerate().map(of_range).sum()
+    let above = levels
+        .last()
+        .map_or(0.0, |level| ModalBem::IN_MEAN as f64 * of_frequency(level));
+    above
+        + levels
+            .iter()
+            .zip(expected(levels, low))
+            .enumerate()
+            .map(of_range)
+            .sum::<f64>()
 }
 
 /// All that the radiation matrices depend on: boxes, air, how finely they are computed, and the skins' modes.
 fn key(design: &Design, structure: &Structure, air: &Air) -> Key {
     let a = &design.acoustics;
     let mut key = Key::new()
-        .with("coarser meshes, corrected")
+        .with("coarser meshes, corrected; means above")
         .with(&format!("{:?} {air:?}", boxes(design)))
         .with(&[a.bem_top, a.bem_panels, a.bem_tolerance])
         .with(&format!("{:?}", microphones::positions(design)));
@@ -357,9 +366,11 @@ fn boxes(design: &Design) -> Vec<SolidBox> {
     boxes
 }
 
-/// The surface of block and table on meshes that get finer with frequency, with the velocities of all modes.
+/// The surface of block and table on meshes that get finer with frequency, with the velocities of all modes. In any air the
+/// meshes and the wavelengths up to which they serve are those of the matrix that is kept, see [`standing_bem`].
 pub(super) fn levels(design: &Design, structure: &Structure, air: &Air) -> Result<Vec<Level>, Error> {
     let a = &design.acoustics;
+    let computed = Air::default();
     let bodies: Vec<&Body> = structure.bodies().collect();
     let patches = [0..OF_WORKPIECE, OF_WORKPIECE..PATCHES.len()];
     let parts: Vec<MovingPart<'_>> = bodies
@@ -381,7 +392,7 @@ pub(super) fn levels(design: &Design, structure: &Structure, air: &Air) -> Resul
     };
     let level = |share: &f64| {
         let top_hz = share * a.bem_top;
-        let edge = (air.sound_speed / (a.bem_panels * top_hz)).min(COARSEST * largest_extent(design));
+        let edge = (computed.sound_speed / (a.bem_panels * top_hz)).min(COARSEST * largest_extent(design));
         let (mirrors, floor) = ([Some(0.0); 2], floor(design));
         let names = PATCHES.map(str::to_owned).to_vec();
         let planes = [mirrors[0], mirrors[1], Some(floor)];
@@ -391,7 +402,7 @@ pub(super) fn levels(design: &Design, structure: &Structure, air: &Air) -> Resul
         let problem = Exterior::new(boundary, air).with_panels_per_wavelength(a.bem_panels)?;
         Ok(Level {
             problem,
-            top_hz,
+            top_hz: top_hz * (air.sound_speed / computed.sound_speed),
             patterns,
         })
     };

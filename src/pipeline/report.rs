@@ -3,12 +3,12 @@
 
 use nailnoise_acoustics::bem::ModalBem;
 use nailnoise_acoustics::levels::{BandLevel, SourceSpectrum, Weighting, energy_level};
-use nailnoise_acoustics::radiation::ModalRadiation;
+use nailnoise_acoustics::radiation::{ModalRadiation, ModalSpectra};
 
 use super::radiator::Flush;
 use crate::result::{Check, RadiationBand, RadiationReport};
 
-/// Bands below the join by which the limit is judged.
+/// Last bands of boundary elements by which the limit is judged.
 const JUDGED: usize = 3;
 
 /// Largest difference between the two evaluations of the A-weighted level \[dB\].
@@ -21,12 +21,12 @@ pub(super) fn check(source: &str, report: &RadiationReport) -> Option<Check> {
     Some(Check::at_most(name, difference, DIFFERENCE))
 }
 
-/// The report of one source: its power by the far field, by the surface, and with radiation efficiency 1.
+/// The report of one source: its power by the far field, by the surface, with radiation efficiency 1, and by the limit of
+/// high frequencies where boundary elements are known too.
 pub(super) fn report(
     bem: &ModalBem,
-    far_field: &SourceSpectrum,
-    surface: &SourceSpectrum,
-    erp: &SourceSpectrum,
+    together: &ModalSpectra,
+    [far_field, surface, erp]: [&SourceSpectrum; 3],
 ) -> RadiationReport {
     let range = far_field.range_hz;
     let [from, to] = bem.blend_hz();
@@ -39,22 +39,26 @@ pub(super) fn report(
     let (by_surface, by_erp) = (surface.band_levels(range), erp.band_levels(range));
     let inside = |b: &BandLevel| b.band.high > range[0] && b.band.low < range[1];
     let rows = bands.iter().zip(&by_surface).zip(&by_erp);
-    let mut limit = [f64::INFINITY, f64::NEG_INFINITY];
-    let whole = rows
-        .clone()
-        .filter(|((far, _), _)| far.band.low >= range[0] && far.band.high <= from * (1.0 + 1e-9));
-    for ((far, _), erp) in whole.rev().take(JUDGED) {
-        if let (Some(far), Some(erp)) = (far.lw, erp.lw) {
-            limit = [limit[0].min(erp - far), limit[1].max(erp - far)];
-        }
-    }
+    let limit = limit(bem, together, far_field);
+    let compared = bem.compared_hz();
+    let within = |[low, high]: [f64; 2]| low >= compared[0].max(range[0]) && high <= compared[1].min(range[1]);
+    let error = |[low, high]: [f64; 2]| {
+        let energies = [&limit, far_field].map(|spectrum| spectrum.energy([low, high], Weighting::Z));
+        (within([low, high]) && energies.iter().all(|e| *e > 0.0)).then(|| 10.0 * (energies[0] / energies[1]).log10())
+    };
+    let edges = |band: &BandLevel| [band.band.low, band.band.high];
+    let judged = bands.iter().rev().filter_map(|band| error(edges(band))).take(JUDGED);
+    let ends = judged.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], error| {
+        [least.min(error), most.max(error)]
+    });
     RadiationReport {
         join_hz: [from, to],
+        solved_hz: [bem.solved_hz()[1], compared[1]],
         frequencies: bem.summary.samples,
         interpolation_error: bem.summary.interpolation,
         surface_difference_db: difference,
-        limit_error_db: if limit[0] <= limit[1] { limit } else { [0.0; 2] },
-        blend_error_db: None,
+        limit_error_db: if ends[0] <= ends[1] { ends } else { [0.0; 2] },
+        blend_error_db: error([compared[1] * 2f64.powf(-1.0 / 3.0), compared[1]]),
         erp_lwa_db: level(erp, range),
         modes: Vec::new(),
         bands: rows
@@ -64,8 +68,29 @@ pub(super) fn report(
                 lw_db: far.lw,
                 surface_lw_db: if far.band.high <= from { surface.lw } else { None },
                 erp_lw_db: erp.lw,
+                limit_lw_db: far.lw.zip(error(edges(far))).map(|(lw, error)| lw + error),
             })
             .collect(),
+    }
+}
+
+/// The power by the limit of high frequencies alone, zero where it is not compared with boundary elements.
+fn limit(bem: &ModalBem, together: &ModalSpectra, far_field: &SourceSpectrum) -> SourceSpectrum {
+    let [from, to] = bem.compared_hz();
+    // A bin on either side holds the ends.
+    let inside: Vec<usize> = (0..together.frequency.len())
+        .filter(|&bin| (0.95 * from..1.05 * to).contains(&together.frequency[bin]))
+        .collect();
+    let hz: Vec<f64> = inside.iter().map(|&bin| together.frequency[bin]).collect();
+    let forms = bem.limit_forms(&hz, &together.accelerations.select_columns(&inside));
+    let mut energy_density = vec![0.0; together.frequency.len()];
+    for (bin, form) in inside.into_iter().zip(forms) {
+        energy_density[bin] = 2.0 * form;
+    }
+    SourceSpectrum {
+        energy_density,
+        contributions: Vec::new(),
+        ..far_field.clone()
     }
 }
 
@@ -99,6 +124,7 @@ pub(super) fn flush_report(
     RadiationReport {
         // There is no other law above.
         join_hz: [flush.waves.highest_hz(); 2],
+        solved_hz: [flush.waves.highest_hz(); 2],
         frequencies: flush.waves.sampled_hz().len(),
         interpolation_error: flush.waves.interpolation_error(),
         surface_difference_db: (by_waves > 0.0).then(|| 10.0 * (by_surface / by_waves).log10()),
@@ -116,6 +142,7 @@ pub(super) fn flush_report(
                     .zip(ratio_of(waves.band.index))
                     .map(|(lw, ratio)| lw + 10.0 * ratio.log10()),
                 erp_lw_db: erp.lw,
+                limit_lw_db: None,
             })
             .collect(),
     }

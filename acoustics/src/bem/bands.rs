@@ -149,10 +149,6 @@ struct Whole<'a> {
 
 impl<'a> Whole<'a> {
     fn new(problem: &'a Exterior, patterns: &[Patterns], chosen: &'a [Independent]) -> Self {
-        let own = |(p, pick): (&Patterns, &Independent)| Patterns {
-            parity: p.parity,
-            velocities: p.velocities.select_columns(&pick.modes),
-        };
         let boundary = problem.boundary();
         let images: Vec<Image> = boundary
             .images()
@@ -160,7 +156,7 @@ impl<'a> Whole<'a> {
             .filter(|i| i.sign_along(2) > 0.0)
             .collect();
         Self {
-            patterns: patterns.iter().zip(chosen).map(own).collect(),
+            patterns: chosen.iter().zip(patterns).map(|(pick, p)| pick.of(p)).collect(),
             surface: whole_surface(boundary, &images),
             panels: panels(boundary),
             problem,

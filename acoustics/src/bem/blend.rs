@@ -1,67 +1,100 @@
 use crate::error::AcousticsError;
-use crate::radiation::{Archive, ArchiveReader, ArchiveWriter, Erp, ModalRadiation, Resistance, SampledRadiation};
+use crate::radiation::{
+    Archive, ArchiveReader, ArchiveWriter, Erp, Means, ModalRadiation, Resistance, SampledRadiation,
+};
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::PI;
 
-/// Share of an octave over which boundary elements give way to the equivalent radiated power.
-const BLEND_OCTAVES: f64 = 1.0 / 3.0;
+/// Octaves below the top of boundary elements at single frequencies over which these give way to means.
+const FADING: f64 = 1.0 / 12.0;
 
-/// Radiation resistance from boundary elements on meshes that get finer with frequency, and the equivalent radiated
-/// power above their range.
+/// Radiation resistance from boundary elements on meshes that get finer with frequency, above them from means of boundary
+/// elements over neighbouring frequencies, and from the limit of high frequencies at last.
 #[derive(Debug, Clone)]
 pub struct BlendedRadiation {
     /// Each from where the one before ends.
     levels: Vec<SampledRadiation>,
+    above: Means,
+    /// How many of the nodes above are of boundary elements; the others are of the limit.
+    solved: usize,
+    /// The limit as far as boundary elements reach.
+    limit: Means,
     erp: Erp,
     from_hz: f64,
     to_hz: f64,
 }
 
+/// What a body radiates above the range of its boundary elements at single frequencies.
+pub(super) struct Above {
+    /// Means of boundary elements and then of the limit.
+    pub(super) means: Means,
+    /// How many of them are of boundary elements.
+    pub(super) solved: usize,
+    /// The limit as far as boundary elements reach.
+    pub(super) limit: Means,
+}
+
 impl BlendedRadiation {
-    /// Joins ranges of boundary elements, rising, each beginning where the one before ends, with the limit above.
-    pub(super) fn new(levels: Vec<SampledRadiation>, erp: Erp) -> Self {
+    /// Joins ranges of boundary elements, rising, each beginning where the one before ends, with what is above.
+    pub(super) fn new(levels: Vec<SampledRadiation>, above: Above, erp: Erp) -> Self {
         let to_hz = levels.last().map_or(0.0, ModalRadiation::highest_hz);
         Self {
             levels,
+            above: above.means,
+            solved: above.solved,
+            limit: above.limit,
             erp,
-            from_hz: to_hz * 2f64.powf(-BLEND_OCTAVES),
+            from_hz: to_hz * 2f64.powf(-FADING),
             to_hz,
         }
     }
 
-    /// The ranges of boundary elements.
+    /// The ranges of boundary elements at single frequencies.
     pub fn levels(&self) -> &[SampledRadiation] {
         &self.levels
     }
 
-    /// The limit above them.
+    /// The equivalent radiated power.
     pub fn erp(&self) -> &Erp {
         &self.erp
     }
 
-    /// Where the blend begins and ends \[Hz\].
-    pub fn blend_hz(&self) -> [f64; 2] {
+    /// Where boundary elements at single frequencies begin to give way to means, and where they end \[Hz\].
+    pub fn solved_hz(&self) -> [f64; 2] {
         [self.from_hz, self.to_hz]
     }
 
-    /// Energy forms without the limit, up to the end of the blend.
-    pub(super) fn elements_alone(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
+    /// Where boundary elements in the mean give way to the limit: beginning and end \[Hz\].
+    pub fn blend_hz(&self) -> [f64; 2] {
+        let node = |n: usize| self.above.hz().get(n).or(self.above.hz().last()).map_or(0.0, |hz| *hz);
+        [node(self.solved - 1), node(self.solved)]
+    }
+
+    /// The lowest frequency at which the limit is known \[Hz\].
+    pub(super) fn limit_from_hz(&self) -> f64 {
+        self.limit.hz()[0]
+    }
+
+    /// Energy forms of the limit alone, as far as boundary elements reach.
+    pub(super) fn limit_alone(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
         let mut forms = DMatrix::zeros(self.patches().len(), frequency.len());
-        for (level, start, end) in self.runs(frequency) {
-            let part = accelerations.columns(start, end - start).into_owned();
-            let found = self.levels[level].energy_forms(&frequency[start..end], &part);
-            forms.columns_mut(start, end - start).copy_from(&found);
-        }
+        let all = vec![1.0; frequency.len()];
+        self.limit.add_forms((frequency, &all), accelerations, &mut forms);
         forms
     }
 
-    /// Share of the equivalent radiated power: 0 below the blend, 1 above it, sin² of the logarithmic frequency between.
+    /// Share of the means: 0 up to where they begin, 1 above boundary elements at single frequencies, sin² of the
+    /// logarithmic frequency between.
     fn share(&self, hz: f64) -> f64 {
         let t = ((hz / self.from_hz).ln() / (self.to_hz / self.from_hz).ln()).clamp(0.0, 1.0);
         (0.5 * PI * t).sin().powi(2)
     }
 
-    /// The range of boundary elements that holds a frequency; none where the limit alone does.
+    fn shares(&self, frequency: &[f64]) -> Vec<f64> {
+        frequency.iter().map(|&hz| self.share(hz)).collect()
+    }
+
+    /// The range of boundary elements that holds a frequency; none above them.
     pub(super) fn solved_level(&self, hz: f64) -> Option<usize> {
         (hz < self.to_hz).then(|| self.level_at(hz))
     }
@@ -109,16 +142,15 @@ impl ModalRadiation for BlendedRadiation {
             whole.add_scaled(1.0 - share, &self.levels[self.level_at(hz)].resistance(hz));
         }
         if share > 0.0 {
-            whole.add_scaled(share, &self.erp.resistance(hz));
+            whole.add_scaled(share, &self.above.resistance(hz));
         }
         whole
     }
 
     fn energy_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
-        let mut forms = self.erp.energy_forms(frequency, accelerations);
-        for (mut bin, &hz) in forms.column_iter_mut().zip(frequency) {
-            bin *= self.share(hz);
-        }
+        let mut forms = DMatrix::zeros(self.patches().len(), frequency.len());
+        self.above
+            .add_forms((frequency, &self.shares(frequency)), accelerations, &mut forms);
         for (level, start, end) in self.runs(frequency) {
             let part = accelerations.columns(start, end - start).into_owned();
             let low = self.levels[level].energy_forms(&frequency[start..end], &part);
@@ -130,10 +162,9 @@ impl ModalRadiation for BlendedRadiation {
     }
 
     fn images(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
-        let mut images = self.erp.images(frequency, accelerations);
-        for (mut bin, &hz) in images.column_iter_mut().zip(frequency) {
-            bin *= Complex::from(self.share(hz));
-        }
+        let mut images = DMatrix::zeros(self.modes(), frequency.len());
+        self.above
+            .add_images((frequency, &self.shares(frequency)), accelerations, &mut images);
         for (level, start, end) in self.runs(frequency) {
             let part = accelerations.columns(start, end - start).into_owned();
             let low = self.levels[level].images(&frequency[start..end], &part);
@@ -145,24 +176,23 @@ impl ModalRadiation for BlendedRadiation {
         images
     }
 
-    /// The signals of both laws, one below the other, with the roots of their shares: energies add up exactly.
+    /// The signals of all laws with the roots of their shares, so that energies add up exactly: boundary elements at single
+    /// frequencies and every second node above, below them the other nodes. Those of one row never count together.
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let modes = self.modes();
-        let high = self.erp.root_signals(frequency, accelerations);
+        let shares = self.shares(frequency);
+        let [even, odd] = self.above.root_signals((frequency, &shares), accelerations);
         let mut signals = DMatrix::zeros(2 * modes, frequency.len());
-        for (bin, &hz) in frequency.iter().enumerate() {
-            let factor = Complex::from(self.share(hz).sqrt());
-            signals
-                .view_mut((modes, bin), (modes, 1))
-                .copy_from(&(high.column(bin) * factor));
-        }
+        signals.rows_mut(0, modes).copy_from(&odd);
+        signals.rows_mut(modes, modes).copy_from(&even);
         for (level, start, end) in self.runs(frequency) {
             let part = accelerations.columns(start, end - start).into_owned();
             let mut low = self.levels[level].root_signals(&frequency[start..end], &part);
             for (mut bin, &hz) in low.column_iter_mut().zip(&frequency[start..end]) {
                 bin *= Complex::from((1.0 - self.share(hz)).sqrt());
             }
-            signals.view_mut((0, start), (modes, end - start)).copy_from(&low);
+            let mut to = signals.view_mut((0, start), (modes, end - start));
+            to += low;
         }
         signals
     }
@@ -171,6 +201,9 @@ impl ModalRadiation for BlendedRadiation {
 impl Archive for BlendedRadiation {
     fn write(&self, to: &mut ArchiveWriter) {
         to.list(&self.levels);
+        self.above.write(to);
+        to.count(self.solved);
+        self.limit.write(to);
         self.erp.write(to);
     }
 
@@ -179,6 +212,14 @@ impl Archive for BlendedRadiation {
         if levels.is_empty() {
             return Err(from.damaged());
         }
-        Ok(Self::new(levels, Erp::read(from)?))
+        let above = Above {
+            means: Means::read(from)?,
+            solved: from.count()?,
+            limit: Means::read(from)?,
+        };
+        if above.solved == 0 {
+            return Err(from.damaged());
+        }
+        Ok(Self::new(levels, above, Erp::read(from)?))
     }
 }

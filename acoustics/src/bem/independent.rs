@@ -1,4 +1,5 @@
 use super::modal::Level;
+use super::problem::Patterns;
 use nalgebra::DMatrix;
 
 /// Relative amplitude below which a mode adds nothing new to the patterns of a parity.
@@ -10,6 +11,16 @@ pub(super) struct Independent {
     pub(super) modes: Vec<usize>,
     /// Independent modes x modes.
     pub(super) combination: DMatrix<f64>,
+}
+
+impl Independent {
+    /// The patterns of these modes alone.
+    pub(super) fn of(&self, patterns: &Patterns) -> Patterns {
+        Patterns {
+            parity: patterns.parity,
+            velocities: patterns.velocities.select_columns(&self.modes),
+        }
+    }
 }
 
 /// By the Cholesky factorisation with pivots of the patterns' Gram matrix, every mode scaled by its whole pattern.

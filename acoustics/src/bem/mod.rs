@@ -9,6 +9,7 @@
 //!
 //! One frequency runs on one thread; frequencies run beside each other.
 
+mod above;
 mod around;
 mod bands;
 mod blend;
@@ -16,6 +17,7 @@ mod blocks;
 mod boundary;
 mod boxes;
 mod equations;
+mod faces;
 mod far;
 mod far_field;
 mod field;

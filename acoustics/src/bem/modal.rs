@@ -1,4 +1,5 @@
-use super::blend::BlendedRadiation;
+use super::above::{Ladder, limits};
+use super::blend::{Above, BlendedRadiation};
 use super::independent::independent;
 use super::problem::{Exterior, Patterns};
 use super::receivers::{Heard, HeardModes, Receivers};
@@ -6,7 +7,8 @@ use super::solver::Solver;
 use crate::air::Air;
 use crate::error::{AcousticsError, same_length};
 use crate::radiation::{
-    Archive, ArchiveReader, ArchiveWriter, Correction, Erp, ModalRadiation, Resistance, SampledRadiation, Sampling,
+    Archive, ArchiveReader, ArchiveWriter, Correction, Erp, Means, ModalRadiation, Resistance, SampledRadiation,
+    Sampling,
 };
 use nalgebra::{Complex, DMatrix};
 
@@ -101,10 +103,14 @@ impl AirScale {
 }
 
 impl ModalBem {
+    /// Frequencies solved above the range in which every single one is known, see [`ModalBem::new`].
+    pub const IN_MEAN: usize = Ladder::COUNT;
+
     /// Samples R(f) from `sampling.range_hz[0]` on, on meshes that get finer; the upper end of the range is the last
     /// level's. The mesh below shows how R(f) runs in a level's range, its own mesh corrects that at fewer frequencies
-    /// ([`SampledRadiation::together`] tells how errors are judged). Above it the equivalent radiated power holds, with a
-    /// blend over the uppermost third of an octave.
+    /// ([`SampledRadiation::together`] tells how errors are judged). Half an octave more is solved on the last mesh in the
+    /// mean over a few frequencies; above that the limit of high frequencies holds: flat faces by Rayleigh's integral, what
+    /// is curved or small against the wave by the equivalent radiated power.
     ///
     /// # Errors
     /// [`AcousticsError::TooCoarse`], [`AcousticsError::Unresolved`], lengths that do not fit, no level.
@@ -156,13 +162,19 @@ impl ModalBem {
         let mut ranges: Vec<Vec<SampledRadiation>> = vec![Vec::new(); chosen.len()];
         let mut samples: Vec<Vec<Vec<Heard>>> = vec![Vec::new(); chosen.len()];
         let mut hearing = HeardModes::new(receivers, &finest.problem);
-        let mut erps = Vec::new();
+        let ladder = Ladder::new(finest.top_hz);
+        let (mut erps, mut motions) = (Vec::new(), Vec::new());
         for (pick, patterns) in chosen.iter().zip(&finest.patterns) {
-            let own = patterns.velocities.select_columns(&pick.modes);
-            let mut erp = Erp::new(&finest.problem.radiating_surface(&own)?, finest.problem.air());
+            let own = pick.of(patterns);
+            let mut erp = Erp::new(
+                &finest.problem.radiating_surface(&own.velocities)?,
+                finest.problem.air(),
+            );
             erp.add_silent_patch(REST);
             erps.push(erp);
+            motions.push(own);
         }
+        let limits = limits(&finest.problem, &motions, &ladder);
         let mut summary = Summary {
             samples: 0,
             interpolation: 0.0,
@@ -180,8 +192,8 @@ impl ModalBem {
                 ..*sampling
             };
             low = level.top_hz;
-            // It serves the next range too.
-            let kept_to = tops.get(number + 1).copied().unwrap_or(level.top_hz);
+            // It serves the next range too, or the means above the last.
+            let kept_to = tops.get(number + 1).copied().unwrap_or(ladder.solved_to_hz());
             let solver = Solver::new(level, kept_to, &chosen, receivers, tell)?;
             let predictor = coarser.as_ref().unwrap_or(&solver);
             let at = |solver: &Solver<'_>, hz: f64| Ok(solver.at(hz)?.resistances.clone());
@@ -198,12 +210,31 @@ impl ModalBem {
             solver.report(&mut summary);
             coarser = Some(solver);
         }
+        let mut nodes: Vec<Vec<(f64, Vec<Resistance>)>> = vec![Vec::new(); chosen.len()];
+        if let Some(solver) = &coarser {
+            for (hz, means) in solver.means(&ladder.solved())? {
+                nodes
+                    .iter_mut()
+                    .zip(means)
+                    .for_each(|(nodes, mean)| nodes.push((hz, mean)));
+            }
+        }
         let (mut combinations, mut parities) = (Vec::new(), Vec::new());
-        for (((pick, ranges), samples), erp) in chosen.into_iter().zip(ranges).zip(samples).zip(erps) {
+        let limits = nodes.into_iter().zip(limits);
+        for ((((pick, ranges), samples), erp), (mut nodes, limit)) in
+            chosen.into_iter().zip(ranges).zip(samples).zip(erps).zip(limits)
+        {
             if !pick.modes.is_empty() {
                 hearing.push(&ranges, samples);
                 combinations.push(pick.combination);
-                parities.push(BlendedRadiation::new(ranges, erp));
+                let solved = nodes.len();
+                nodes.extend(limit.above);
+                let above = Above {
+                    means: Means::new(nodes),
+                    solved,
+                    limit: Means::new(limit.below),
+                };
+                parities.push(BlendedRadiation::new(ranges, above, erp));
             }
         }
         summary.heard = hearing.error();
@@ -219,7 +250,8 @@ impl ModalBem {
     }
 
     /// Fourier transform of the pressure at the receivers, receivers x bins \[Pa s\], for transforms of the modal
-    /// accelerations, modes x bins \[m/s\]. It ends where boundary elements do, at the end of [`ModalBem::blend_hz`].
+    /// accelerations, modes x bins \[m/s\]. It ends where boundary elements at single frequencies do, at the end of
+    /// [`ModalBem::solved_hz`].
     ///
     /// # Errors
     /// A number of modes that differs from the body's.
@@ -262,21 +294,33 @@ impl ModalBem {
         computed.map(|hz| hz * self.air.speed)
     }
 
-    /// Energy in the blend of accelerations that are given there: by boundary elements alone, and by the limit alone, in
-    /// the units of [`ModalRadiation::energy_forms`].
-    pub fn either_side_of_the_blend(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> [f64; 2] {
-        let [from, to] = self.blend_hz();
-        let inside: Vec<usize> = (0..frequency.len())
-            .filter(|&bin| (from..to).contains(&frequency[bin]))
-            .collect();
-        let hz: Vec<f64> = inside.iter().map(|&bin| self.air.computed(frequency[bin])).collect();
-        let mut energies = [0.0; 2];
-        self.over_parities(&accelerations.select_columns(&inside), |radiation, a| {
-            let alone = radiation.elements_alone(&hz, &a);
-            energies[0] += alone.sum();
-            energies[1] += radiation.erp().energy_forms(&hz, &a).sum();
+    /// Where boundary elements at single frequencies begin to give way to means over neighbouring frequencies, and where
+    /// they end \[Hz\]: up to there phases are known.
+    pub fn solved_hz(&self) -> [f64; 2] {
+        let computed = self.parities.first().map_or([0.0; 2], BlendedRadiation::solved_hz);
+        computed.map(|hz| hz * self.air.speed)
+    }
+
+    /// Where both boundary elements and the limit are known, so that they can be compared \[Hz\].
+    pub fn compared_hz(&self) -> [f64; 2] {
+        let from = self.parities.first().map_or(0.0, BlendedRadiation::limit_from_hz);
+        [from * self.air.speed, Ladder::new(self.solved_hz()[1]).solved_to_hz()]
+    }
+
+    /// The limit alone in the units of [`ModalRadiation::energy_forms`], all patches together, at frequencies within
+    /// [`ModalBem::compared_hz`].
+    pub fn limit_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> Vec<f64> {
+        let hz = self.air.all_computed(frequency);
+        let mut forms = vec![0.0; frequency.len()];
+        self.over_parities(accelerations, |radiation, a| {
+            let found = radiation.limit_alone(&hz, &a);
+            forms
+                .iter_mut()
+                .zip(found.column_iter())
+                .for_each(|(to, bin)| *to += bin.sum());
         });
-        energies.map(|energy| energy * self.air.form())
+        forms.iter_mut().for_each(|form| *form *= self.air.form());
+        forms
     }
 
     /// Whether a patch is the difference between far field and surface.

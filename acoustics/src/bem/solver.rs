@@ -5,6 +5,7 @@ use super::receivers::{Heard, Receivers, heard};
 use crate::error::AcousticsError;
 use crate::radiation::{Correction, Resistance, SampledRadiation};
 use nalgebra::Complex;
+use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -13,6 +14,9 @@ pub(super) struct Solved {
     pub(super) resistances: Vec<Vec<Resistance>>,
     heard: Vec<Heard>,
 }
+
+/// Middle of a range of frequencies \[Hz\], and the mean R of every parity and patch over it.
+pub(super) type Mean = (f64, Vec<Vec<Resistance>>);
 
 /// One level's solutions, shared by its parities: the kernels of a frequency serve all of them.
 pub(super) struct Solver<'a> {
@@ -34,15 +38,11 @@ impl<'a> Solver<'a> {
         receivers: &'a Receivers,
         tell: &'a (dyn Fn() + Sync),
     ) -> Result<Self, AcousticsError> {
-        let own = |(p, pick): (&Patterns, &Independent)| Patterns {
-            parity: p.parity,
-            velocities: p.velocities.select_columns(&pick.modes),
-        };
         let per_wavelength = level.problem.panels_per_wavelength() * (level.top_hz / highest_hz).min(1.0);
         let problem = level.problem.with_panels_per_wavelength(per_wavelength)?;
         Ok(Self {
             problem: problem.with_near_field_kept(highest_hz),
-            patterns: level.patterns.iter().zip(chosen).map(own).collect(),
+            patterns: chosen.iter().zip(&level.patterns).map(|(pick, p)| pick.of(p)).collect(),
             receivers,
             tell,
             solved: Mutex::default(),
@@ -104,6 +104,36 @@ impl<'a> Solver<'a> {
         });
         let mut solved = self.solved.lock().unwrap_or_else(PoisonError::into_inner);
         Ok(solved.entry(hz.to_bits()).or_insert(solution).clone())
+    }
+
+    /// Mean resistance of every parity and patch over several ranges, each given by its middle and its frequencies \[Hz\].
+    pub(super) fn means(&self, ranges: &[(f64, Vec<f64>)]) -> Result<Vec<Mean>, AcousticsError> {
+        let all: Vec<f64> = ranges.iter().flat_map(|(_, hz)| hz).copied().collect();
+        // One frequency at a time on a thread: they take equally long.
+        all.par_iter()
+            .with_max_len(1)
+            .try_for_each(|&hz| self.at(hz).map(|_| ()))?;
+        let of_range = |(middle, hz): &(f64, Vec<f64>)| {
+            let mut mean: Vec<Vec<Resistance>> = Vec::new();
+            for &hz in hz {
+                let solved = self.at(hz)?;
+                if mean.is_empty() {
+                    let zeros = |r: &Resistance| Resistance::zeros(r.real.nrows());
+                    mean = solved
+                        .resistances
+                        .iter()
+                        .map(|c| c.iter().map(zeros).collect())
+                        .collect();
+                }
+                for (to, from) in mean.iter_mut().flatten().zip(solved.resistances.iter().flatten()) {
+                    to.add_scaled(1.0, from);
+                }
+            }
+            let scaled = |r: Resistance| r.scaled(1.0 / hz.len() as f64);
+            let mean = mean.into_iter().map(|c| c.into_iter().map(scaled).collect());
+            Ok((*middle, mean.collect()))
+        };
+        ranges.iter().map(of_range).collect()
     }
 
     /// What it found so far, for the summary.

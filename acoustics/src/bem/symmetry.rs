@@ -1,5 +1,5 @@
 /// An image of the surface in the floor and in mirror planes: the axes along which it is reflected, a bit each.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Image(u8);
 
 impl Image {

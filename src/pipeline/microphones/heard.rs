@@ -24,6 +24,9 @@ use crate::pipeline::sound::Sound;
 /// Azimuths of the exhaust's jets: enough that the mean over them is that over all.
 const AZIMUTHS: usize = 12;
 
+/// Octaves over which signals fade out at the end of boundary elements.
+const FADE_OCTAVES: f64 = 1.0 / 3.0;
+
 /// The part of a source that has frequencies of its own.
 pub(super) struct Part {
     /// \[Hz\].
@@ -128,12 +131,13 @@ impl Scene<'_> {
             // The plane's reflections are what its images hear.
             pressures = pressures.rows(0, places) + pressures.rows(places, places);
         }
-        let [from, to] = bem.blend_hz();
+        let to = bem.solved_hz()[1];
+        let from = to * 2f64.powf(-FADE_OCTAVES);
         let part = Part {
             frequency: frequency.clone(),
             exposure: pressures.map(|p| 2.0 * p.norm_sqr()),
         };
-        // Signals fade out as boundary elements give way to their limit, which knows no phase.
+        // Above, boundary elements are known in the mean alone, without a phase.
         for (mut bin, hz) in pressures.column_iter_mut().zip(frequency) {
             let t = ((hz / from).ln() / (to / from).ln()).clamp(0.0, 1.0);
             bin.iter_mut().for_each(|p| *p *= (0.5 * PI * t).cos());
