@@ -15,6 +15,7 @@ mod blend;
 mod blocks;
 mod boundary;
 mod boxes;
+mod combination;
 mod equations;
 mod far;
 mod far_field;
