@@ -171,6 +171,7 @@ pub fn deliver(
         }
     };
     let (files, ()) = rayon::join(|| write(&others, design, &run, &pictures, draw), keep);
+    drop(contents);
     let bundle = Bundle {
         files: files?,
         json: read_text(&others.join(LAST))?,
@@ -178,10 +179,13 @@ pub fn deliver(
         checks: run.result.checks,
         fields,
     };
-    cache.put(STAGE, &key, &bundle);
+    let place = || {
+        let _whole = interrupt::undisturbed();
+        bundle.place(folder, &kept, Some(&unfinished))
+    };
+    let (placed, ()) = rayon::join(place, || cache.put(STAGE, &key, &bundle));
     cache.take_notes().iter().for_each(|note| observer.note(note));
-    let _whole = interrupt::undisturbed();
-    bundle.place(folder, &kept, Some(&unfinished))?;
+    placed?;
     Ok((bundle, false))
 }
 

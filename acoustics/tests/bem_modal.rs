@@ -300,7 +300,7 @@ fn the_sampled_matrix_is_that_of_the_whole_body() {
     for (bin, hz) in frequency.iter().enumerate() {
         let direct = bem.resistance(*hz).form(a.column(bin).as_slice()) / (std::f64::consts::TAU * hz).powi(2);
         let sum = forms.column(bin).sum();
-        assert!((sum / direct - 1.0).abs() < 1e-6, "{hz} Hz: {sum:e} {direct:e}");
+        assert!((sum / direct - 1.0).abs() < 1e-5, "{hz} Hz: {sum:e} {direct:e}");
         let root: f64 = signals.column(bin).iter().map(Complex::norm_sqr).sum();
         assert!((root / direct - 1.0).abs() < 3e-2, "{hz} Hz: {root:e} {direct:e}");
     }
@@ -316,10 +316,10 @@ fn the_sampled_matrix_is_that_of_the_whole_body() {
         let root: f64 = signals_in_cold.column(bin).iter().map(Complex::norm_sqr).sum();
         let image = a.dotc(&images.column(bin)).re;
         let of_erp = erp.resistance(*hz).form(a.as_slice()) / omega2;
-        assert!((forms_in_cold.column(bin).sum() / direct - 1.0).abs() < 1e-6, "{hz} Hz");
+        assert!((forms_in_cold.column(bin).sum() / direct - 1.0).abs() < 1e-5, "{hz} Hz");
         assert!((root / direct - 1.0).abs() < 3e-2, "{hz} Hz: {root:e} {direct:e}");
-        assert!((image / direct - 1.0).abs() < 1e-6, "{hz} Hz: {image:e} {direct:e}");
-        assert!((erp_forms.column(bin).sum() / of_erp - 1.0).abs() < 1e-6, "{hz} Hz");
+        assert!((image / direct - 1.0).abs() < 1e-5, "{hz} Hz: {image:e} {direct:e}");
+        assert!((erp_forms.column(bin).sum() / of_erp - 1.0).abs() < 1e-5, "{hz} Hz");
     }
 
     // Modes sum to the whole.
@@ -335,7 +335,7 @@ fn the_sampled_matrix_is_that_of_the_whole_body() {
         .zip(forms.column_iter())
         .map(|(w, form)| 2.0 * w * form.sum())
         .sum();
-    assert!((modes.iter().sum::<f64>() / whole - 1.0).abs() < 1e-10);
+    assert!((modes.iter().sum::<f64>() / whole - 1.0).abs() < 1e-6);
 
     // Kept and read back it is the same to the bit; anything else is refused.
     let bytes = bem.to_bytes();

@@ -91,7 +91,7 @@ fn intervals_of_the_erp_sum_to_its_energy() {
     let motion = spectra(4);
     let spectrum = radiated_energy("plate", &erp, &motion).unwrap();
     let signals = radiated_signals(&erp, &motion, &spectrum).unwrap();
-    assert!(signals.mismatch() < 1e-12, "{}", signals.mismatch());
+    assert!(signals.mismatch() < 1e-6, "{}", signals.mismatch());
     assert_sums(&spectrum, &signals);
 }
 
@@ -186,7 +186,7 @@ fn intervals_of_a_sampled_resistance_sum_to_its_energy() {
         assert!(signals.mismatch() < 1e-4, "{}", signals.mismatch());
         assert_sums(&spectrum, &signals);
         let exact = radiated_signals(&OneByOne(&sampled), &motion, &spectrum).unwrap();
-        assert!(exact.mismatch() < 1e-6, "{}", exact.mismatch());
+        assert!(exact.mismatch() < 1e-5, "{}", exact.mismatch());
         let range = [50.0, 5000.0];
         let (a, b) = (signals.analyse(&EDGES, range), exact.analyse(&EDGES, range));
         for (a, b) in a.intervals.iter().zip(&b.intervals).filter(|(a, _)| a.lwa.is_some()) {

@@ -136,21 +136,56 @@ impl ModalBasis {
     }
 }
 
-/// A matrix as its number of rows and its entries column by column.
+/// A matrix as its numbers of rows and columns and its entries column by column, as one piece of bytes.
 mod matrix {
+    use std::fmt;
+
     use nalgebra::DMatrix;
-    use serde::de::Error as _;
-    use serde::{Deserialize, Deserializer, Serialize as _, Serializer};
+    use serde::de::{Error as _, Visitor};
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
     pub(super) fn serialize<S: Serializer>(matrix: &DMatrix<f64>, serializer: S) -> Result<S::Ok, S::Error> {
-        (matrix.nrows(), matrix.ncols(), matrix.as_slice()).serialize(serializer)
+        (matrix.nrows(), matrix.ncols(), Entries(matrix.as_slice().to_vec())).serialize(serializer)
     }
 
     pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<DMatrix<f64>, D::Error> {
-        let (rows, columns, entries) = <(usize, usize, Vec<f64>)>::deserialize(deserializer)?;
+        let (rows, columns, Entries(entries)) = <(usize, usize, Entries)>::deserialize(deserializer)?;
         if rows.checked_mul(columns) != Some(entries.len()) {
             return Err(D::Error::custom("the entries do not fill the matrix"));
         }
         Ok(DMatrix::from_vec(rows, columns, entries))
+    }
+
+    struct Entries(Vec<f64>);
+
+    impl Serialize for Entries {
+        fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+            let bytes: Vec<u8> = self.0.iter().flat_map(|entry| entry.to_le_bytes()).collect();
+            serializer.serialize_bytes(&bytes)
+        }
+    }
+
+    impl<'de> Deserialize<'de> for Entries {
+        fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+            struct Bytes;
+            impl Visitor<'_> for Bytes {
+                type Value = Entries;
+
+                fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                    f.write_str("the bytes of double precision numbers")
+                }
+
+                fn visit_bytes<E: serde::de::Error>(self, bytes: &[u8]) -> Result<Entries, E> {
+                    let (entries, rest) = bytes.as_chunks::<8>();
+                    if !rest.is_empty() {
+                        return Err(E::invalid_length(bytes.len(), &self));
+                    }
+                    Ok(Entries(
+                        entries.iter().map(|entry| f64::from_le_bytes(*entry)).collect(),
+                    ))
+                }
+            }
+            deserializer.deserialize_bytes(Bytes)
+        }
     }
 }

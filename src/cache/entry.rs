@@ -58,7 +58,18 @@ fn hexadecimal(digest: &[u8; 32]) -> String {
 }
 
 /// The value, if there is one.
-pub(super) fn read<T: DeserializeOwned>(path: &Path, inputs: &[u8; 32]) -> Result<Option<T>, Damage> {
+pub(super) fn read<T: DeserializeOwned + Send>(path: &Path, inputs: &[u8; 32]) -> Result<Option<T>, Damage> {
+    let value = read_by(path, inputs, |content| postcard::from_bytes(content))?;
+    Ok(value.transpose()?)
+}
+
+/// What `decode` makes of the value's bytes, if there are any; nobody sees what it makes of other bytes than those that
+/// were written.
+pub(super) fn read_by<T: Send>(
+    path: &Path,
+    inputs: &[u8; 32],
+    decode: impl FnOnce(&[u8]) -> T + Send,
+) -> Result<Option<T>, Damage> {
     let mut file = match File::open(path) {
         Ok(file) => file,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
@@ -66,7 +77,11 @@ pub(super) fn read<T: DeserializeOwned>(path: &Path, inputs: &[u8; 32]) -> Resul
     };
     let mut bytes = Vec::new();
     file.read_to_end(&mut bytes)?;
-    let value = postcard::from_bytes(content(&bytes, Some(inputs))?)?;
+    let (of_content, content) = parts(&bytes, Some(inputs))?;
+    let (value, true_bytes) = rayon::join(|| decode(content), || is_of(content, of_content));
+    if !true_bytes {
+        return Err(Damage::Altered);
+    }
     used(&file);
     Ok(Some(value))
 }
@@ -85,9 +100,19 @@ fn used(file: &File) {
 
 /// Writes a value.
 pub(super) fn write<T: Serialize>(path: &Path, inputs: &[u8; 32], value: &T) -> io::Result<()> {
-    let mut bytes = [&MAGIC[..], inputs, &[0; 32]].concat();
-    let header = bytes.len();
-    bytes = postcard::to_extend(value, bytes).map_err(io::Error::other)?;
+    write_by(path, inputs, |header| {
+        postcard::to_extend(value, header).map_err(io::Error::other)
+    })
+}
+
+/// Writes the bytes that `extend` puts behind what it is given.
+pub(super) fn write_by(
+    path: &Path,
+    inputs: &[u8; 32],
+    extend: impl FnOnce(Vec<u8>) -> io::Result<Vec<u8>>,
+) -> io::Result<()> {
+    let header = MAGIC.len() + 64;
+    let mut bytes = extend([&MAGIC[..], inputs, &[0; 32]].concat())?;
     let of_content = Sha256::digest(&bytes[header..]);
     bytes[header - 32..header].copy_from_slice(&of_content);
     if let Some(folder) = path.parent() {
@@ -99,7 +124,10 @@ pub(super) fn write<T: Serialize>(path: &Path, inputs: &[u8; 32], value: &T) -> 
 /// Whether the file is whole and stands under its own name.
 pub(super) fn verify(path: &Path) -> Result<(), Damage> {
     let bytes = std::fs::read(path)?;
-    content(&bytes, None)?;
+    let (of_content, content) = parts(&bytes, None)?;
+    if !is_of(content, of_content) {
+        return Err(Damage::Altered);
+    }
     let inputs = bytes[MAGIC.len()..]
         .first_chunk::<32>()
         .map(hexadecimal)
@@ -112,16 +140,16 @@ pub(super) fn verify(path: &Path) -> Result<(), Damage> {
     }
 }
 
-/// The value's bytes, after the header has been found true.
-fn content<'a>(bytes: &'a [u8], inputs: Option<&[u8; 32]>) -> Result<&'a [u8], Damage> {
+/// The digest of the value's bytes, and these.
+fn parts<'a>(bytes: &'a [u8], inputs: Option<&[u8; 32]>) -> Result<(&'a [u8; 32], &'a [u8]), Damage> {
     let rest = bytes.strip_prefix(MAGIC).ok_or(Damage::Foreign)?;
     let (of_inputs, rest) = rest.split_first_chunk::<32>().ok_or(Damage::Altered)?;
-    let (of_content, content) = rest.split_first_chunk::<32>().ok_or(Damage::Altered)?;
     if inputs.is_some_and(|inputs| inputs != of_inputs) {
         return Err(Damage::Misplaced);
     }
-    if Sha256::digest(content)[..] != of_content[..] {
-        return Err(Damage::Altered);
-    }
-    Ok(content)
+    rest.split_first_chunk::<32>().ok_or(Damage::Altered)
+}
+
+fn is_of(content: &[u8], digest: &[u8; 32]) -> bool {
+    Sha256::digest(content)[..] == digest[..]
 }

@@ -87,7 +87,7 @@ impl Cache {
     ///
     /// # Errors
     /// Those of `compute`; trouble with the cache itself becomes a note.
-    pub fn get_or<T: Serialize + DeserializeOwned, E>(
+    pub fn get_or<T: Serialize + DeserializeOwned + Send, E>(
         &self,
         stage: &str,
         key: Key,
@@ -102,9 +102,39 @@ impl Cache {
     }
 
     /// What is kept of `stage` for the inputs in `key`; damage becomes a note.
-    pub fn get<T: DeserializeOwned>(&self, stage: &str, key: &Key) -> Option<T> {
+    pub fn get<T: DeserializeOwned + Send>(&self, stage: &str, key: &Key) -> Option<T> {
         let (_, digest, path) = self.place(stage, key)?;
-        entry::read(&path, &digest).unwrap_or_else(|damage| {
+        self.undamaged(&path, entry::read(&path, &digest))
+    }
+
+    /// What `decode` makes of the bytes that `stage` computes from the inputs in `key`, from the cache or else by
+    /// `compute`, and kept then: for what is large, it is decoded where it lies.
+    ///
+    /// # Errors
+    /// Those of `compute` and `decode`; trouble with the cache itself becomes a note.
+    pub fn decoded_or<T: Send, E: Send>(
+        &self,
+        stage: &str,
+        key: &Key,
+        decode: impl Fn(&[u8]) -> Result<T, E> + Sync,
+        compute: impl FnOnce() -> Result<Vec<u8>, E>,
+    ) -> Result<T, E> {
+        let found = self
+            .place(stage, key)
+            .and_then(|(_, digest, path)| self.undamaged(&path, entry::read_by(&path, &digest, |bytes| decode(bytes))));
+        if let Some(value) = found {
+            return value;
+        }
+        let bytes = compute()?;
+        self.keep(stage, key, |path, digest| {
+            entry::write_by(path, digest, |header| Ok([&header[..], &bytes[..]].concat()))
+        });
+        decode(&bytes)
+    }
+
+    /// What was read; damage becomes a note.
+    fn undamaged<T>(&self, path: &Path, found: Result<Option<T>, Damage>) -> Option<T> {
+        found.unwrap_or_else(|damage| {
             self.note(format!(
                 "the cache entry {} {damage}; it is computed anew",
                 path.display()
@@ -115,10 +145,14 @@ impl Cache {
 
     /// Keeps what `stage` gives for the inputs in `key`; trouble becomes a note.
     pub fn put<T: Serialize>(&self, stage: &str, key: &Key, value: &T) {
+        self.keep(stage, key, |path, digest| entry::write(path, digest, value));
+    }
+
+    fn keep(&self, stage: &str, key: &Key, write: impl FnOnce(&Path, &[u8; 32]) -> std::io::Result<()>) {
         let Some((store, digest, path)) = self.place(stage, key) else {
             return;
         };
-        let written = entry::write(&path, &digest, value).and_then(|()| folder::bound(&store.folder, store.limit));
+        let written = write(&path, &digest).and_then(|()| folder::bound(&store.folder, store.limit));
         if let Err(source) = written {
             self.note(format!(
                 "{stage} cannot be kept in {}: {source}; choose another folder with NAILNOISE_CACHE",

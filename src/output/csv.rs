@@ -4,10 +4,14 @@
 use std::fmt::Write;
 
 use nailnoise_dynamics::{CycleRecord, Events, LogEntry};
+use rayon::prelude::*;
 
 use super::columns::columns;
 use crate::pipeline::{Driven, Run, Vibration};
 use crate::result::{RadiationReport, RunResult};
+
+/// Rows of a long table written beside each other.
+const BLOCK: usize = 512;
 
 /// What each event is, in the order t0..t18.
 pub const EVENT_NAMES: [&str; 19] = [
@@ -226,13 +230,20 @@ pub(super) fn histories(record: &CycleRecord) -> String {
         let _ = write!(text, ",{} [{}]", column.name, column.unit);
     }
     text.push('\n');
-    for index in 0..record.len() {
-        let _ = write!(text, "{:.7}", record.time(index));
-        for column in &columns {
-            let _ = write!(text, ",{:.9e}", column.values[index]);
+    let rows = |first: usize| {
+        let mut text = String::new();
+        for index in first..record.len().min(first + BLOCK) {
+            let _ = write!(text, "{:.7}", record.time(index));
+            for column in &columns {
+                let _ = write!(text, ",{:.9e}", column.values[index]);
+            }
+            text.push('\n');
         }
-        text.push('\n');
-    }
+        text
+    };
+    let starts: Vec<usize> = (0..record.len()).step_by(BLOCK).collect();
+    let blocks: Vec<String> = starts.into_par_iter().map(rows).collect();
+    blocks.iter().for_each(|block| text.push_str(block));
     text
 }
 

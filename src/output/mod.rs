@@ -36,7 +36,13 @@ const PARAVIEW: &str = include_str!("paraview.py");
 /// # Errors
 /// [`Error::Write`] with the file that could not be written.
 pub fn write_run(folder: &Path, run: &Run) -> Result<(), Error> {
-    write_cycle(folder, &run.record)?;
+    create(folder)?;
+    let of_sound = || {
+        let (sensors, microphones) = rayon::join(|| sensors::write(folder, run), || microphones::write(folder, run));
+        sensors.and(microphones)
+    };
+    let (of_cycle, of_sound) = rayon::join(|| write_cycle(folder, &run.record), of_sound);
+    of_cycle.and(of_sound)?;
     let mut json = serde_json::to_vec_pretty(&run.result).map_err(Error::Json)?;
     json.push(b'\n');
     write(&folder.join("levels.csv"), csv::levels(&run.result).as_bytes())?;
@@ -50,8 +56,6 @@ pub fn write_run(folder: &Path, run: &Run) -> Result<(), Error> {
     }
     write(&folder.join("intervals.csv"), csv::intervals(&run.result).as_bytes())?;
     write(&folder.join("power.csv"), csv::power(run).as_bytes())?;
-    sensors::write(folder, run)?;
-    microphones::write(folder, run)?;
     write(&folder.join("paraview.py"), PARAVIEW.as_bytes())?;
     // Last, so that a folder with a result has all the rest of it.
     write(&folder.join("result.json"), &json)

@@ -236,7 +236,7 @@ pub fn run_in_full(
 ///
 /// # Errors
 /// [`Error`] of the stage that could not be computed, and those of `tell`.
-pub(crate) fn run_telling<T: Serialize + DeserializeOwned>(
+pub(crate) fn run_telling<T: Serialize + DeserializeOwned + Send>(
     design: &Design,
     options: Options,
     cache: &Cache,

@@ -164,6 +164,21 @@ impl Pattern {
         Ok(Self::gathered(spread(surface, &points, |point| -point.normal)))
     }
 
+    /// The same for several regions of the same patches.
+    ///
+    /// # Errors
+    /// As [`Pattern::pressure`].
+    pub(super) fn pressures(
+        surface: &Surface,
+        patches: &[&str],
+        regions: &[impl Fn(&Point3<f64>) -> bool],
+    ) -> Result<Vec<Self>, MeshError> {
+        let wanted = numbers(surface, patches)?;
+        let points = points_in(surface, |face| wanted.contains(&face.patch), regions)?;
+        let pattern = |points: Vec<QuadraturePoint>| Self::gathered(spread(surface, &points, |point| -point.normal));
+        Ok(points.into_iter().map(pattern).collect())
+    }
+
     /// The pattern that reads nothing.
     pub(super) fn nothing() -> Self {
         Self(Vec::new())
@@ -226,11 +241,13 @@ fn points_on(
     patches: &[&str],
     inside: impl Fn(&Point3<f64>) -> bool,
 ) -> Result<Vec<QuadraturePoint>, MeshError> {
-    let wanted = patches
-        .iter()
-        .map(|name| surface.patch(name))
-        .collect::<Result<Vec<usize>, _>>()?;
+    let wanted = numbers(surface, patches)?;
     points_where(surface, |face| wanted.contains(&face.patch), inside)
+}
+
+/// Numbers of patches by name.
+fn numbers(surface: &Surface, patches: &[&str]) -> Result<Vec<usize>, MeshError> {
+    patches.iter().map(|name| surface.patch(name)).collect()
 }
 
 /// Points of the faces that are wanted where `inside` holds, as in [`points_on`].
@@ -239,21 +256,38 @@ fn points_where(
     wanted: impl Fn(&SurfaceFace) -> bool,
     inside: impl Fn(&Point3<f64>) -> bool,
 ) -> Result<Vec<QuadraturePoint>, MeshError> {
-    let mut points = Vec::new();
+    Ok(points_in(surface, wanted, &[inside])?.pop().unwrap_or_default())
+}
+
+/// The same for several regions: every face is divided once.
+fn points_in(
+    surface: &Surface,
+    wanted: impl Fn(&SurfaceFace) -> bool,
+    regions: &[impl Fn(&Point3<f64>) -> bool],
+) -> Result<Vec<Vec<QuadraturePoint>>, MeshError> {
+    let mut found = vec![Vec::new(); regions.len()];
     for (index, face) in surface.faces.iter().enumerate() {
         if !wanted(face) {
             continue;
         }
-        let whole = face.nodes.iter().all(|&node| inside(&surface.points[node]));
-        for (xi, weight) in if whole { face.kind.rule(4)? } else { grid(face.kind) } {
-            let mut point = surface.point_at(index, xi);
-            if whole || inside(&point.position) {
+        let at = |rule: Vec<([f64; 2], f64)>| {
+            rule.into_iter().map(move |(xi, weight)| {
+                let mut point = surface.point_at(index, xi);
                 point.weight *= weight;
-                points.push(point);
+                point
+            })
+        };
+        let mut divided: Option<Vec<QuadraturePoint>> = None;
+        for (inside, found) in regions.iter().zip(&mut found) {
+            if face.nodes.iter().all(|&node| inside(&surface.points[node])) {
+                found.extend(at(face.kind.rule(4)?));
+            } else {
+                let divided = divided.get_or_insert_with(|| at(grid(face.kind)).collect());
+                found.extend(divided.iter().filter(|point| inside(&point.position)));
             }
         }
     }
-    Ok(points)
+    Ok(found)
 }
 
 /// Centroids of equal cells of a face in natural coordinates, with their areas there.

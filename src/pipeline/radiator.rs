@@ -9,13 +9,13 @@ use nailnoise_acoustics::bem::{
 use nailnoise_acoustics::radiation::{
     AbsorbingSand, Archive, Erp, ModalRadiation, Rayleigh, SampledRadiation, Sampling, SurfaceEvaluations,
 };
-use nalgebra::{Complex, DMatrix, Point3};
+use nalgebra::Point3;
 
 use super::bodies::{Body, Structure};
 use super::microphones;
 use super::radiation::{moving_sand, radiating};
 use super::{Tell, Watched};
-use crate::cache::{Bytes, Cache, Key};
+use crate::cache::{Cache, Key};
 use crate::design::{Design, RadiationMethod, SupportKind, WorktablePreset};
 use crate::error::Error;
 
@@ -103,17 +103,14 @@ impl Radiator {
     pub(super) fn damping(&self, structure: &Structure) -> Vec<Vec<f64>> {
         let of_modes = |radiation: &dyn ModalRadiation, omega: &[f64]| {
             let lowest = 2.0 * std::f64::consts::PI;
-            let hz: Vec<f64> = omega
-                .iter()
-                .map(|w| (w.max(lowest) / std::f64::consts::TAU).min(radiation.highest_hz()))
-                .collect();
-            let unit = DMatrix::<Complex<f64>>::identity(omega.len(), omega.len());
-            let forms = radiation.energy_forms(&hz, &unit);
-            let ratio = |(j, w): (usize, &f64)| {
-                let r = forms.column(j).sum() * (std::f64::consts::TAU * hz[j]).powi(2);
-                if *w > lowest { (r / (2.0 * w)).max(0.0) } else { 0.0 }
+            let motion = |(j, w): (usize, &f64)| {
+                let hz = (w.max(lowest) / std::f64::consts::TAU).min(radiation.highest_hz());
+                (hz, vec![(j, 1.0)])
             };
-            omega.iter().enumerate().map(ratio).collect::<Vec<f64>>()
+            let motions: Vec<(f64, Vec<(usize, f64)>)> = omega.iter().enumerate().map(motion).collect();
+            let ratio = |(r, w): (f64, &f64)| if *w > lowest { (r / (2.0 * w)).max(0.0) } else { 0.0 };
+            let resistances = radiation.sparse_forms(&motions);
+            resistances.into_iter().zip(omega).map(ratio).collect::<Vec<f64>>()
         };
         match self {
             Self::Bem(bem) => {
@@ -168,7 +165,8 @@ fn flush_top(design: &Design, body: &Body, air: &Air, cache: &Cache, watched: &W
         .with(surface.patch())
         .with(surface.patch_names())
         .with(surface.normal_modes().as_slice());
-    let (waves, twice): (Bytes, Bytes) = cache.get_or("radiation of the workpiece in sand", key, || {
+    let read = |bytes: &[u8]| Ok::<_, Error>(Archive::from_bytes(bytes)?);
+    let (waves, surface_evaluations) = cache.decoded_or("radiation of the workpiece in sand", &key, read, || {
         let rayleigh = flush_surface(design, body, air)?;
         let twice = SurfaceEvaluations::new(&rayleigh, top);
         let sample = |tell: Tell<'_>| {
@@ -177,11 +175,11 @@ fn flush_top(design: &Design, body: &Body, air: &Air, cache: &Cache, watched: &W
             rayleigh.sampled_telling(&sampling, &one_more)
         };
         let sampled = watched.counting(("Rayleigh's integral", "frequencies"), sample)?;
-        Ok::<_, Error>((Bytes(sampled.with_roots().to_bytes()), Bytes(twice.to_bytes())))
+        Ok((sampled.with_roots(), twice).to_bytes())
     })?;
     Ok(Flush {
-        waves: SampledRadiation::from_bytes(&waves.0)?,
-        surface: SurfaceEvaluations::from_bytes(&twice.0)?,
+        waves,
+        surface: surface_evaluations,
         erp: Erp::new(&surface, air),
     })
 }
@@ -221,7 +219,8 @@ fn standing_bem(
 ) -> Result<Radiator, Error> {
     // Once for every air: the matrix depends on the wavelength.
     let computed = Air::default();
-    let kept: Bytes = cache.get_or(STAGE, key(design, structure, &computed), || {
+    let read = |bytes: &[u8]| Ok::<_, Error>(ModalBem::from_bytes(bytes)?);
+    let bem = cache.decoded_or(STAGE, &key(design, structure, &computed), read, || {
         let levels = levels(design, structure, &computed)?;
         let low = LOWEST_SAMPLE.min(0.5 * RANGES[0] * design.acoustics.bem_top);
         if let Some(finest) = levels.last() {
@@ -252,10 +251,9 @@ fn standing_bem(
             ModalBem::with_receivers_telling(levels, &sampling, &receivers, &one_more)
         };
         let bem = watched.counting(("boundary elements", "frequencies"), solve)?;
-        Ok::<_, Error>(Bytes(bem.to_bytes()))
+        Ok::<_, Error>(bem.to_bytes())
     })?;
-    let bem = ModalBem::from_bytes(&kept.0)?.in_air(&computed, air);
-    Ok(Radiator::Bem(Box::new(bem)))
+    Ok(Radiator::Bem(Box::new(bem.in_air(&computed, air))))
 }
 
 /// Frequencies of each range: they follow how many more wavelengths twice the body's largest extent holds at its top than

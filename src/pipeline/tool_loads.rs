@@ -20,7 +20,6 @@
 use nailnoise_dynamics::{CycleRecord, Form, Geometry, Parameters, Volume};
 use nailnoise_meshes::{Mesh, MeshError, Surface};
 use nalgebra::{DMatrix, Point3, Vector3};
-use rayon::prelude::*;
 
 use super::pattern::Pattern;
 use crate::design::Design;
@@ -88,12 +87,12 @@ pub(super) fn patterns(design: &Design, mesh: &Mesh) -> Result<Vec<Pattern>, Err
         down("handle", "the hand", &all)?,
     ];
     let bore = Bore::of(mesh)?;
-    let of_ring = |ring: usize| {
+    let ring = |ring: usize| {
         let [low, high] = bore.ring(ring);
-        Pattern::pressure(&surface, &["gas_bore"], |p| (low..high).contains(&p.z))
+        move |p: &Point3<f64>| (low..high).contains(&p.z)
     };
-    let rings = (0..RINGS).into_par_iter().map(of_ring);
-    patterns.extend(rings.collect::<Result<Vec<_>, _>>()?);
+    let rings: Vec<_> = (0..RINGS).map(ring).collect();
+    patterns.extend(Pattern::pressures(&surface, &["gas_bore"], &rings)?);
     let here = |names: &[&'static str]| -> Vec<&'static str> {
         let known = |name: &&str| surface.patches.iter().any(|patch| patch == name);
         names.iter().copied().filter(|name| known(name)).collect()

@@ -221,7 +221,7 @@ impl<'a> Whole<'a> {
                 let accelerations: Vec<Rows> = self
                     .chosen
                     .iter()
-                    .map(|pick| combined(&pick.combination, &motion))
+                    .map(|pick| combined(&pick.combination.dense(), &motion))
                     .collect();
                 let carried = |quantity: usize| -> Vec<Rows> {
                     let first = quantity * self.chosen.len();

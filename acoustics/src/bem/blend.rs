@@ -3,6 +3,7 @@ use crate::radiation::{
     Archive, ArchiveReader, ArchiveWriter, Erp, Means, ModalRadiation, Resistance, SampledRadiation,
 };
 use nalgebra::{Complex, DMatrix};
+use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// Octaves below the top of boundary elements at single frequencies over which these give way to means.
@@ -94,18 +95,13 @@ impl BlendedRadiation {
         frequency.iter().map(|&hz| self.share(hz)).collect()
     }
 
-    /// The range of boundary elements that holds a frequency; none above them.
-    pub(super) fn solved_level(&self, hz: f64) -> Option<usize> {
-        (hz < self.to_hz).then(|| self.level_at(hz))
-    }
-
     fn level_at(&self, hz: f64) -> usize {
         let last = self.levels.len() - 1;
         self.levels.iter().position(|l| hz <= l.highest_hz()).unwrap_or(last)
     }
 
     /// Runs of bins below the end of the blend that share a level: the level and the bins' half-open range.
-    fn runs(&self, frequency: &[f64]) -> Vec<(usize, usize, usize)> {
+    pub(super) fn runs(&self, frequency: &[f64]) -> Vec<(usize, usize, usize)> {
         let mut runs: Vec<(usize, usize, usize)> = Vec::new();
         for (bin, &hz) in frequency.iter().enumerate().filter(|(_, hz)| **hz < self.to_hz) {
             let level = self.level_at(hz);
@@ -145,6 +141,18 @@ impl ModalRadiation for BlendedRadiation {
             whole.add_scaled(share, &self.above.resistance(hz));
         }
         whole
+    }
+
+    fn sparse_forms(&self, motions: &[(f64, Vec<(usize, f64)>)]) -> Vec<f64> {
+        let form = |motion: &(f64, Vec<(usize, f64)>)| {
+            let (hz, one) = (motion.0, std::slice::from_ref(motion));
+            let of = |radiation: &dyn ModalRadiation| radiation.sparse_forms(one).iter().sum::<f64>();
+            let share = self.share(hz);
+            let low = (share < 1.0).then(|| (1.0 - share) * of(&self.levels[self.level_at(hz)]));
+            let high = (share > 0.0).then(|| share * self.above.sparse_form(hz, &motion.1));
+            low.unwrap_or(0.0) + high.unwrap_or(0.0)
+        };
+        motions.par_iter().map(form).collect()
     }
 
     fn energy_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {

@@ -1,3 +1,4 @@
+use super::combination::Combination;
 use super::modal::Level;
 use super::problem::Patterns;
 use nalgebra::DMatrix;
@@ -9,8 +10,8 @@ const RANK: f64 = 1e-6;
 pub(super) struct Independent {
     /// Their numbers.
     pub(super) modes: Vec<usize>,
-    /// Independent modes x modes.
-    pub(super) combination: DMatrix<f64>,
+    /// How all modes combine from them.
+    pub(super) combination: Combination,
 }
 
 impl Independent {
@@ -80,22 +81,23 @@ fn pivoted(gram: &DMatrix<f64>, scale: &[f64]) -> Independent {
         pivots.push(pivot);
         rows.push(row);
     }
-    // Patterns X D = (X D)_P T' with T' = L_P^-1 L^T, L_P the triangle of the pivots.
+    // Patterns X D = (X D)_P T' with T' = L_P^-1 L^T, L_P the triangle of the pivots. A mode that hardly has this parity is
+    // left out like what a mode hardly adds.
     let r = pivots.len();
-    let mut combination = DMatrix::zeros(r, n);
-    for m in 0..n {
+    let present = |m: &usize| gram[(*m, *m)] > (RANK * scale[*m]).powi(2) && !pivots.contains(m);
+    let dependent: Vec<usize> = (0..n).filter(present).collect();
+    let mut of_dependent = DMatrix::zeros(r, dependent.len());
+    for (&m, mut column) in dependent.iter().zip(of_dependent.column_iter_mut()) {
         for i in (0..r).rev() {
-            let known: f64 = (i + 1..r).map(|k| rows[i][pivots[k]] * combination[(k, m)]).sum();
-            combination[(i, m)] = (rows[i][m] - known) / rows[i][pivots[i]];
+            let known: f64 = (i + 1..r).map(|k| rows[i][pivots[k]] * column[k]).sum();
+            column[i] = (rows[i][m] - known) / rows[i][pivots[i]];
         }
-    }
-    for m in 0..n {
         for i in 0..r {
-            combination[(i, m)] *= scale[m] / scale[pivots[i]];
+            column[i] *= scale[m] / scale[pivots[i]];
         }
     }
     Independent {
+        combination: Combination::new(n, pivots.clone(), dependent, of_dependent),
         modes: pivots,
-        combination,
     }
 }

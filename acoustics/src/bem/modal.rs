@@ -1,5 +1,6 @@
 use super::above::{Ladder, limits};
 use super::blend::{Above, BlendedRadiation};
+use super::combination::Combination;
 use super::independent::independent;
 use super::problem::{Exterior, Patterns};
 use super::receivers::{Heard, HeardModes, Receivers};
@@ -11,6 +12,7 @@ use crate::radiation::{
     Sampling,
 };
 use nalgebra::{Complex, DMatrix};
+use rayon::prelude::*;
 
 /// Name of the last patch of [`ModalBem`]: what the far field's power has beyond that of the surface's intensity.
 const REST: &str = "far field less surface";
@@ -53,8 +55,8 @@ pub struct Summary {
 pub struct ModalBem {
     patches: Vec<String>,
     modes: usize,
-    /// T_c: independent modes x modes.
-    combinations: Vec<DMatrix<f64>>,
+    /// T_c.
+    combinations: Vec<Combination>,
     parities: Vec<BlendedRadiation>,
     heard: HeardModes,
     /// What the sampling found.
@@ -262,14 +264,11 @@ impl ModalBem {
     ) -> Result<DMatrix<Complex<f64>>, AcousticsError> {
         same_length("modal spectra", accelerations.nrows(), self.modes)?;
         let frequency = &self.air.all_computed(frequency)[..];
-        let mut pressures = DMatrix::zeros(self.heard.receivers(), frequency.len());
-        let mut parity = 0;
-        self.over_parities(accelerations, |radiation, a| {
-            self.heard.add(parity, radiation, frequency, &a, &mut pressures);
-            parity += 1;
+        let of_parities = self.over_parities(accelerations, |parity, radiation, a| {
+            self.heard.pressures(parity, radiation, frequency, &a)
         });
-        pressures *= Complex::from(self.air.density);
-        Ok(pressures)
+        let nothing = DMatrix::zeros(self.heard.receivers(), frequency.len());
+        Ok(of_parities.into_iter().fold(nothing, |sum, part| sum + part) * Complex::from(self.air.density))
     }
 
     /// In `air`, when it was computed in the air `computed`: exact, as nothing but the wavelength and rho c enters. What was
@@ -311,16 +310,9 @@ impl ModalBem {
     /// [`ModalBem::compared_hz`].
     pub fn limit_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> Vec<f64> {
         let hz = self.air.all_computed(frequency);
-        let mut forms = vec![0.0; frequency.len()];
-        self.over_parities(accelerations, |radiation, a| {
-            let found = radiation.limit_alone(&hz, &a);
-            forms
-                .iter_mut()
-                .zip(found.column_iter())
-                .for_each(|(to, bin)| *to += bin.sum());
-        });
-        forms.iter_mut().for_each(|form| *form *= self.air.form());
-        forms
+        let of_parities = self.over_parities(accelerations, |_, radiation, a| radiation.limit_alone(&hz, &a));
+        let at = |bin: usize| of_parities.iter().map(|forms| forms.column(bin).sum()).sum::<f64>();
+        (0..frequency.len()).map(|bin| at(bin) * self.air.form()).collect()
     }
 
     /// Whether a patch is the difference between far field and surface.
@@ -328,20 +320,36 @@ impl ModalBem {
         patch == REST
     }
 
-    fn over_parities(
+    /// What `each` makes of every parity and of the motion of its independent modes; parities beside each other.
+    fn over_parities<T: Send>(
         &self,
         accelerations: &DMatrix<Complex<f64>>,
-        mut each: impl FnMut(&BlendedRadiation, DMatrix<Complex<f64>>),
-    ) {
-        let (re, im) = (accelerations.map(|a| a.re), accelerations.map(|a| a.im));
-        for (t, radiation) in self.combinations.iter().zip(&self.parities) {
-            each(radiation, (t * &re).zip_map(&(t * &im), Complex::new));
-        }
+        each: impl Fn(usize, &BlendedRadiation, DMatrix<Complex<f64>>) -> T + Sync,
+    ) -> Vec<T> {
+        let parities = self.combinations.par_iter().zip(&self.parities).with_max_len(1);
+        let of_parity = |(parity, (t, radiation)): (usize, (&Combination, &BlendedRadiation))| {
+            each(parity, radiation, t.of(accelerations))
+        };
+        parities.enumerate().map(of_parity).collect()
+    }
+
+    /// The energy forms of all parities together, patches x frequencies.
+    fn forms(
+        &self,
+        frequency: &[f64],
+        accelerations: &DMatrix<Complex<f64>>,
+        each: impl Fn(&BlendedRadiation, &[f64], &DMatrix<Complex<f64>>) -> DMatrix<f64> + Sync,
+    ) -> DMatrix<f64> {
+        let computed = &self.air.all_computed(frequency)[..];
+        let of_parities = self.over_parities(accelerations, |_, radiation, a| each(radiation, computed, &a));
+        let nothing = DMatrix::zeros(self.patches.len(), frequency.len());
+        of_parities.into_iter().fold(nothing, |sum, part| sum + part) * self.air.form()
     }
 
     fn whole(&self, of: impl Fn(&BlendedRadiation) -> Resistance) -> Resistance {
         let mut whole = Resistance::zeros(self.modes);
         for (t, radiation) in self.combinations.iter().zip(&self.parities) {
+            let t = t.dense();
             whole.real += t.transpose() * of(radiation).real * t;
         }
         whole
@@ -370,35 +378,38 @@ impl ModalRadiation for ModalBem {
         self.whole(|radiation| radiation.resistance(hz).scaled(self.air.resistance()))
     }
 
+    fn sparse_forms(&self, motions: &[(f64, Vec<(usize, f64)>)]) -> Vec<f64> {
+        let mut sums = vec![0.0; motions.len()];
+        for (t, radiation) in self.combinations.iter().zip(&self.parities) {
+            let own = motions.iter().map(|(hz, v)| (self.air.computed(*hz), t.of_sparse(v)));
+            let own: Vec<(usize, _)> = own.enumerate().filter(|(_, (_, v))| !v.is_empty()).collect();
+            let (places, own): (Vec<usize>, Vec<_>) = own.into_iter().unzip();
+            for (place, form) in places.into_iter().zip(radiation.sparse_forms(&own)) {
+                sums[place] += form * self.air.resistance();
+            }
+        }
+        sums
+    }
+
     fn energy_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
-        let mut forms = DMatrix::zeros(self.patches.len(), frequency.len());
-        let frequency = &self.air.all_computed(frequency)[..];
-        self.over_parities(accelerations, |radiation, a| {
-            forms += radiation.energy_forms(frequency, &a)
-        });
-        forms * self.air.form()
+        self.forms(frequency, accelerations, |radiation, frequency, a| {
+            radiation.energy_forms(frequency, a)
+        })
     }
 
     fn images(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let mut images = DMatrix::zeros(self.modes, frequency.len());
-        let mut combinations = self.combinations.iter();
         let frequency = &self.air.all_computed(frequency)[..];
-        self.over_parities(accelerations, |radiation, a| {
-            let image = radiation.images(frequency, &a);
-            if let Some(t) = combinations.next() {
-                let (re, im) = (t.tr_mul(&image.map(|z| z.re)), t.tr_mul(&image.map(|z| z.im)));
-                images += re.zip_map(&im, Complex::new);
-            }
-        });
+        let of_parities = self.over_parities(accelerations, |_, radiation, a| radiation.images(frequency, &a));
+        for (t, image) in self.combinations.iter().zip(&of_parities) {
+            t.add_transposed(image, &mut images);
+        }
         images * Complex::from(self.air.form())
     }
 
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
-        let mut parts = Vec::new();
         let frequency = &self.air.all_computed(frequency)[..];
-        self.over_parities(accelerations, |radiation, a| {
-            parts.push(radiation.root_signals(frequency, &a))
-        });
+        let parts = self.over_parities(accelerations, |_, radiation, a| radiation.root_signals(frequency, &a));
         stacked(&parts, frequency.len()) * Complex::from(self.air.form().sqrt())
     }
 }
@@ -431,20 +442,15 @@ impl ModalRadiation for ModalErp<'_> {
     }
 
     fn energy_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
-        let mut forms = DMatrix::zeros(self.0.patches.len(), frequency.len());
-        let frequency = &self.0.air.all_computed(frequency)[..];
-        self.0.over_parities(accelerations, |radiation, a| {
-            forms += radiation.erp().energy_forms(frequency, &a)
-        });
-        forms * self.0.air.form()
+        self.0.forms(frequency, accelerations, |radiation, frequency, a| {
+            radiation.erp().energy_forms(frequency, a)
+        })
     }
 
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
-        let mut parts = Vec::new();
         let frequency = &self.0.air.all_computed(frequency)[..];
-        self.0.over_parities(accelerations, |radiation, a| {
-            parts.push(radiation.erp().root_signals(frequency, &a))
-        });
+        let of_parity = |_, radiation: &BlendedRadiation, a| radiation.erp().root_signals(frequency, &a);
+        let parts = self.0.over_parities(accelerations, of_parity);
         stacked(&parts, frequency.len()) * Complex::from(self.0.air.form().sqrt())
     }
 }

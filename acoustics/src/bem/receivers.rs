@@ -87,33 +87,34 @@ impl HeardModes {
         self.error
     }
 
-    /// Adds the pressure of one parity, receivers x bins \[Pa s\], for accelerations \[m/s\]; nothing above boundary
-    /// elements' range.
-    pub(super) fn add(
+    /// The pressure of one parity, receivers x bins \[Pa s\], for accelerations \[m/s\]; nothing above boundary elements'
+    /// range.
+    pub(super) fn pressures(
         &self,
         parity: usize,
         radiation: &BlendedRadiation,
         frequency: &[f64],
         accelerations: &DMatrix<Complex<f64>>,
-        to: &mut DMatrix<Complex<f64>>,
-    ) {
+    ) -> DMatrix<Complex<f64>> {
+        let mut pressures = DMatrix::zeros(self.receivers, frequency.len());
         if self.receivers == 0 {
-            return;
+            return pressures;
         }
-        for (bin, &hz) in frequency.iter().enumerate() {
-            let Some(level) = radiation.solved_level(hz) else {
-                continue;
-            };
-            let range = &radiation.levels()[level];
-            let samples = &self.parities[parity].0[level];
-            let p = range.interpolated(hz, samples, accelerations.column(bin).as_slice());
-            let k = 2.0 * PI * hz / self.sound_speed;
-            for i in 0..self.receivers {
-                let turned =
-                    |half: usize| p[half * self.receivers + i] * Complex::from_polar(1.0, -k * self.distances[half][i]);
-                to[(i, bin)] += turned(0) + turned(1);
+        for (level, start, end) in radiation.runs(frequency) {
+            let (range, samples) = (&radiation.levels()[level], &self.parities[parity].0[level]);
+            let motion = accelerations.columns(start, end - start).into_owned();
+            let found = range.interpolated(&frequency[start..end], samples, &motion);
+            for (bin, p) in (start..end).zip(found.column_iter()) {
+                let k = 2.0 * PI * frequency[bin] / self.sound_speed;
+                for i in 0..self.receivers {
+                    let turned = |half: usize| {
+                        p[half * self.receivers + i] * Complex::from_polar(1.0, -k * self.distances[half][i])
+                    };
+                    pressures[(i, bin)] = turned(0) + turned(1);
+                }
             }
         }
+        pressures
     }
 
     pub(super) fn receivers(&self) -> usize {

@@ -58,6 +58,13 @@ impl ArchiveWriter {
         }
     }
 
+    /// Numbers in single precision, with how many there are.
+    pub(crate) fn singles(&mut self, values: &[f32]) {
+        self.count(values.len());
+        self.0.reserve(4 * values.len());
+        values.iter().for_each(|value| self.0.extend(value.to_le_bytes()));
+    }
+
     pub(crate) fn list<T: Archive>(&mut self, items: &[T]) {
         self.count(items.len());
         items.iter().for_each(|item| item.write(self));
@@ -133,6 +140,16 @@ impl ArchiveReader<'_> {
         Ok(texts)
     }
 
+    /// So many numbers in single precision.
+    pub(crate) fn singles(&mut self, length: usize) -> Result<Vec<f32>, AcousticsError> {
+        if self.count()? != length {
+            return Err(self.damaged());
+        }
+        let bytes = length.checked_mul(4).ok_or_else(|| self.damaged())?;
+        let (values, _) = self.take(bytes)?.as_chunks::<4>();
+        Ok(values.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect())
+    }
+
     pub(crate) fn list<T: Archive>(&mut self) -> Result<Vec<T>, AcousticsError> {
         let n = self.count()?;
         (0..n).map(|_| T::read(self)).collect()
@@ -164,6 +181,17 @@ impl ArchiveReader<'_> {
             }
         }
         Ok(m)
+    }
+}
+
+impl<A: Archive, B: Archive> Archive for (A, B) {
+    fn write(&self, to: &mut ArchiveWriter) {
+        self.0.write(to);
+        self.1.write(to);
+    }
+
+    fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
+        Ok((A::read(from)?, B::read(from)?))
     }
 }
 

@@ -106,18 +106,75 @@ impl ModalSpectra {
     }
 }
 
-/// phi^T C phi for every row phi of `shapes` and a symmetric C.
+/// Columns of a factor that are multiplied at once.
+const PANEL: usize = 64;
+
+/// What is left of a covariance when it counts as used up, over its largest diagonal entry.
+const USED_UP: f64 = 1e-12;
+
+/// phi^T C phi for every row phi of `shapes` and a symmetric, positive semidefinite C, in single precision of the largest.
 ///
-/// Column by column, as the matrices lie in memory.
+/// ```text
+/// phi^T C phi = |L^T phi|^2        C = L L^T by Cholesky's factorisation with pivots
+/// ```
+///
+/// ends with the rank of C, which is low in narrow bands, and has but a triangle to multiply.
 pub fn quadratic_forms(shapes: &DMatrix<f64>, covariance: &DMatrix<f64>) -> Vec<f64> {
-    let moved = shapes * covariance;
+    let (pivots, factor) = triangle(covariance);
     let mut forms = vec![0.0; shapes.nrows()];
-    for (shape, moved) in shapes.column_iter().zip(moved.column_iter()) {
-        for ((form, a), b) in forms.iter_mut().zip(shape.iter()).zip(moved.iter()) {
-            *form += a * b;
+    let mut ordered = DMatrix::<f32>::zeros(shapes.nrows(), pivots.len());
+    for (&pivot, mut column) in pivots.iter().zip(ordered.column_iter_mut()) {
+        let shape = shapes.column(pivot);
+        column.iter_mut().zip(shape.iter()).for_each(|(to, v)| *to = *v as f32);
+    }
+    for (number, panel) in factor.chunks(PANEL).enumerate() {
+        // Rows above the diagonal are zero.
+        let first = number * PANEL;
+        let rows = pivots.len() - first;
+        let panel = DMatrix::from_fn(rows, panel.len(), |i, j| panel[j][first + i] as f32);
+        let moved = ordered.columns(first, rows) * panel;
+        for column in moved.column_iter() {
+            forms
+                .iter_mut()
+                .zip(column.iter())
+                .for_each(|(form, v)| *form += f64::from(*v).powi(2));
         }
     }
     forms
+}
+
+/// The order of the pivots, all modes, and L in that order, column by column.
+fn triangle(covariance: &DMatrix<f64>) -> (Vec<usize>, Vec<Vec<f64>>) {
+    let n = covariance.nrows();
+    let mut rest: Vec<f64> = covariance.diagonal().iter().copied().collect();
+    let least = USED_UP * rest.iter().copied().fold(0.0, f64::max);
+    let mut order: Vec<usize> = (0..n).collect();
+    let mut columns: Vec<Vec<f64>> = Vec::new();
+    for k in 0..n {
+        let best = (k..n).fold(k, |best, i| if rest[order[i]] > rest[order[best]] { i } else { best });
+        let pivot = order[best];
+        if rest[pivot].is_nan() || rest[pivot] <= least {
+            break;
+        }
+        order.swap(k, best);
+        columns.iter_mut().for_each(|column| column.swap(k, best));
+        let root = rest[pivot].sqrt();
+        let mut column: Vec<f64> = order.iter().map(|&i| covariance[(i, pivot)]).collect();
+        for before in &columns {
+            let factor = before[k];
+            column[k..]
+                .iter_mut()
+                .zip(&before[k..])
+                .for_each(|(c, b)| *c -= factor * b);
+        }
+        column[..k].fill(0.0);
+        column[k..].iter_mut().for_each(|c| *c /= root);
+        for (&i, c) in order[k..].iter().zip(&column[k..]) {
+            rest[i] -= c * c;
+        }
+        columns.push(column);
+    }
+    (order, columns)
 }
 
 /// Energy of every mode: its own part of the quadratic form, twice the real part of conj(V_i) (R V)_i, integrated with the

@@ -1,10 +1,13 @@
 use super::archive::{Archive, ArchiveReader, ArchiveWriter};
+use super::packed::{Motions, Packed};
+use super::products::forms;
 use super::resistance::{ModalRadiation, Resistance};
 use super::roots::{apply, hermitian_root};
 use super::surface::RadiatingSurface;
 use crate::air::Air;
 use crate::error::AcousticsError;
 use nalgebra::{Complex, DMatrix};
+use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// Equivalent radiated power: every point radiates as in a plane wave.
@@ -89,17 +92,37 @@ impl ModalRadiation for Erp {
     }
 
     fn energy_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
-        let real = accelerations.map(|a| a.re);
-        let imaginary = accelerations.map(|a| a.im);
-        let mut forms = DMatrix::zeros(self.resistances.len(), frequency.len());
-        for (p, r) in self.resistances.iter().enumerate() {
-            let (re, im) = (r * &real, r * &imaginary);
-            for (bin, hz) in frequency.iter().enumerate() {
-                let form = real.column(bin).dot(&re.column(bin)) + imaginary.column(bin).dot(&im.column(bin));
-                forms[(p, bin)] = form / (2.0 * PI * hz).powi(2);
-            }
+        const CHUNK: usize = 64;
+        let of_patch = |r: &DMatrix<f64>| Resistance {
+            real: r.clone(),
+            imaginary: None,
+        };
+        let resistances: Vec<Resistance> = self.resistances.iter().map(of_patch).collect();
+        let packed = Packed::new(self.modes(), resistances.iter());
+        let of_chunk = |first: usize| {
+            let bins = CHUNK.min(frequency.len() - first);
+            let motions = Motions::new(&accelerations.columns(first, bins).into_owned());
+            let found = forms(&[&packed], &motions);
+            DMatrix::from_fn(self.resistances.len(), bins, |p, b| {
+                found[p * bins + b] * (motions.scale(b) / (2.0 * PI * frequency[first + b])).powi(2)
+            })
+        };
+        let starts: Vec<usize> = (0..frequency.len()).step_by(CHUNK).collect();
+        let chunks: Vec<DMatrix<f64>> = starts.par_iter().map(|&first| of_chunk(first)).collect();
+        let mut all = DMatrix::zeros(self.resistances.len(), frequency.len());
+        for (first, chunk) in starts.into_iter().zip(&chunks) {
+            all.columns_mut(first, chunk.ncols()).copy_from(chunk);
         }
-        forms
+        all
+    }
+
+    fn sparse_forms(&self, motions: &[(f64, Vec<(usize, f64)>)]) -> Vec<f64> {
+        let form = |(_, v): &(f64, Vec<(usize, f64)>)| {
+            let entry = |i: usize, j: usize| self.resistances.iter().map(|r| r[(i, j)]).sum::<f64>();
+            let row = |&(i, a): &(usize, f64)| a * v.iter().map(|&(j, b)| entry(i, j) * b).sum::<f64>();
+            v.iter().map(row).sum()
+        };
+        motions.iter().map(form).collect()
     }
 
     fn images(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {

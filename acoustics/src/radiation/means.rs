@@ -69,6 +69,16 @@ impl Means {
         whole
     }
 
+    /// v^T R v of the whole surface for the modes of a real motion v that are not at rest.
+    pub(crate) fn sparse_form(&self, hz: f64, v: &[(usize, f64)]) -> f64 {
+        let of_node = |(node, weight): (usize, f64)| {
+            let entry = |i: usize, j: usize| self.patches[node].iter().map(|r| r.real[(i, j)]).sum::<f64>();
+            let row = |&(i, a): &(usize, f64)| a * v.iter().map(|&(j, b)| entry(i, j) * b).sum::<f64>();
+            weight * v.iter().map(row).sum::<f64>()
+        };
+        self.weights(hz).map(of_node).sum()
+    }
+
     /// Adds `share` times a^H (R_p / omega²) a to every patch's row of `forms`, at all bins (columns).
     pub(crate) fn add_forms(
         &self,

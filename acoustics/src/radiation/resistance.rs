@@ -38,12 +38,6 @@ impl Resistance {
         self
     }
 
-    /// With `factor` times itself rounded to single precision, in which files keep it: a result does not depend on
-    /// whether it was kept.
-    pub(super) fn rounded(self, factor: f64) -> Self {
-        self.scaled(factor).single().scaled(1.0 / factor)
-    }
-
     /// Rounded to single precision.
     pub(crate) fn single(mut self) -> Self {
         let round = |v: &mut f64| *v = f64::from(*v as f32);
@@ -94,6 +88,17 @@ pub trait ModalRadiation: Sync {
 
     /// Resistance R(f) of the whole surface at the frequency `hz`.
     fn resistance(&self, hz: f64) -> Resistance;
+
+    /// v^T R(f) v of the whole surface for each frequency \[Hz\] and the modes of a real motion v that are not at rest, each
+    /// once.
+    fn sparse_forms(&self, motions: &[(f64, Vec<(usize, f64)>)]) -> Vec<f64> {
+        let form = |(hz, v): &(f64, Vec<(usize, f64)>)| {
+            let r = self.resistance(*hz).real;
+            let row = |&(i, a): &(usize, f64)| a * v.iter().map(|&(j, b)| r[(i, j)] * b).sum::<f64>();
+            v.iter().map(row).sum()
+        };
+        motions.iter().map(form).collect()
+    }
 
     /// a^H (R_p / omega²) a for every patch p (rows) and frequency (columns), with the modal accelerations a in the
     /// columns of `accelerations` (modes x frequencies).

@@ -4,6 +4,7 @@ mod evaluate;
 mod file;
 
 use super::interval::{Interval, ORDERS, check_range, gained, lobatto};
+use super::packed::Packed;
 use super::resistance::Resistance;
 use super::roots::hermitian_root;
 use crate::error::{AcousticsError, positive};
@@ -58,31 +59,43 @@ pub struct SampledRadiation {
     samples: Vec<Sample>,
     slopes: Vec<f64>,
     error: f64,
-    /// Hermitian roots of the samples' whole Q that intervals use, where they have been taken.
-    roots: Vec<Option<Resistance>>,
+    /// Hermitian roots of the samples' whole R that intervals use, where they have been taken.
+    roots: Vec<Option<Packed>>,
 }
 
-/// Q of every patch at one frequency.
+/// R of every patch at one frequency, in single precision: a result does not depend on whether it was kept.
 #[derive(Debug, Clone)]
 pub(super) struct Sample {
     hz: f64,
-    patches: Vec<Resistance>,
+    patches: Packed,
 }
 
 impl Sample {
-    pub(super) fn new(hz: f64, patches: Vec<Resistance>) -> Self {
-        Self { hz, patches }
+    pub(super) fn new(hz: f64, patches: &[Resistance]) -> Self {
+        let modes = patches.first().map_or(0, |r| r.real.nrows());
+        Self {
+            hz,
+            patches: Packed::new(modes, patches.iter()),
+        }
     }
 
     pub(super) fn hz(&self) -> f64 {
         self.hz
     }
 
+    /// 1 / omega².
+    fn inverse(&self) -> f64 {
+        (2.0 * PI * self.hz).powi(-2)
+    }
+
+    /// Q of one patch.
+    fn patch(&self, patch: usize) -> Resistance {
+        self.patches.matrix(patch, self.inverse())
+    }
+
     /// Q of all patches together.
-    pub(super) fn whole(&self, modes: usize) -> Resistance {
-        let mut whole = Resistance::zeros(modes);
-        self.patches.iter().for_each(|q| whole.add_scaled(1.0, q));
-        whole
+    pub(super) fn whole(&self) -> Resistance {
+        self.patches.sum(self.inverse())
     }
 }
 
@@ -129,22 +142,26 @@ impl SampledRadiation {
         edges.dedup();
         let mut pending: Vec<(f64, f64, usize)> = edges.windows(2).map(|ends| (ends[0], ends[1], 0)).collect();
         let (mut samples, mut index) = (Vec::<Sample>::new(), BTreeMap::<u64, usize>::new());
+        let mut wholes = Vec::<Resistance>::new();
         let (mut intervals, mut error) = (Vec::new(), 0.0f64);
         while !pending.is_empty() {
             let mut wanted: Vec<f64> = pending.iter().flat_map(|&(a, b, o)| lobatto(a, b, ORDERS[o])).collect();
             wanted.retain(|hz| !index.contains_key(&hz.to_bits()));
             wanted.sort_by(f64::total_cmp);
             wanted.dedup();
+            // Judged before they are rounded.
             let take = |&hz: &f64| {
-                let inverse = (2.0 * PI * hz).powi(-2);
-                Sample {
-                    hz,
-                    patches: resistance(hz).into_iter().map(|r| r.scaled(inverse)).collect(),
-                }
+                let patches = resistance(hz);
+                let mut whole = Resistance::zeros(modes);
+                patches
+                    .iter()
+                    .for_each(|r| whole.add_scaled((2.0 * PI * hz).powi(-2), r));
+                (Sample::new(hz, &patches), whole)
             };
-            for sample in wanted.par_iter().map(take).collect::<Vec<_>>() {
+            for (sample, whole) in wanted.par_iter().map(take).collect::<Vec<_>>() {
                 index.insert(sample.hz.to_bits(), samples.len());
                 samples.push(sample);
+                wholes.push(whole);
             }
             let judged: Vec<(Interval, f64)> = pending
                 .par_iter()
@@ -152,7 +169,7 @@ impl SampledRadiation {
                     let nodes = lobatto(low, high, ORDERS[order]);
                     let nodes = nodes.map(|hz| index[&hz.to_bits()]).collect();
                     let interval = Interval::chebyshev(low, high, nodes);
-                    let error = interval.error(|s| samples[s].whole(modes), modes, sampling.floor);
+                    let error = interval.error(|s| wholes[s].clone(), modes, sampling.floor);
                     (interval, error)
                 })
                 .collect();
@@ -207,10 +224,6 @@ impl SampledRadiation {
         &self.intervals
     }
 
-    pub(super) fn mode_count(&self) -> usize {
-        self.modes
-    }
-
     pub(super) fn whole_sample(&self, sample: usize) -> Resistance {
         self.whole(sample)
     }
@@ -221,13 +234,12 @@ impl SampledRadiation {
         let mut differences: Vec<Vec<Vec<Resistance>>> = Vec::new();
         for (own, coarser) in own.iter().zip(coarser) {
             let of_node = |(&cheap, &node): (&usize, &usize)| {
-                let pairs = accurate[node].patches.iter().zip(&self.samples[cheap].patches);
-                let difference = |(a, b): (&Resistance, &Resistance)| {
-                    let mut d = a.clone();
-                    d.add_scaled(-1.0, b);
+                let difference = |patch: usize| {
+                    let mut d = accurate[node].patch(patch);
+                    d.add_scaled(-1.0, &self.samples[cheap].patch(patch));
                     d
                 };
-                pairs.map(difference).collect::<Vec<_>>()
+                (0..self.patches.len()).map(difference).collect::<Vec<_>>()
             };
             differences.push(own.nodes.iter().zip(&coarser.nodes).map(of_node).collect());
         }
@@ -236,15 +248,15 @@ impl SampledRadiation {
             let Some(place) = place.or(coarser.len().checked_sub(1)) else {
                 continue;
             };
+            let mut patches: Vec<Resistance> = (0..self.patches.len()).map(|patch| sample.patch(patch)).collect();
             for (weight, of_node) in coarser[place].weights(sample.hz).iter().zip(&differences[place]) {
-                for (q, difference) in sample.patches.iter_mut().zip(of_node) {
+                for (q, difference) in patches.iter_mut().zip(of_node) {
                     q.add_scaled(*weight, difference);
                 }
             }
             let omega2 = (2.0 * PI * sample.hz).powi(2);
-            for q in &mut sample.patches {
-                *q = std::mem::replace(q, Resistance::zeros(0)).rounded(omega2);
-            }
+            let patches: Vec<Resistance> = patches.into_iter().map(|q| q.scaled(omega2)).collect();
+            *sample = Sample::new(sample.hz, &patches);
         }
         self.error += error;
         self.slopes = low_slopes(&self.intervals[0], &self.samples, self.modes);
@@ -256,7 +268,7 @@ impl SampledRadiation {
         let used = |sample: usize| self.intervals.iter().any(|interval| interval.nodes.contains(&sample));
         self.roots = (0..self.samples.len())
             .into_par_iter()
-            .map(|sample| used(sample).then(|| self.root(sample).rounded(2.0 * PI * self.samples[sample].hz)))
+            .map(|sample| used(sample).then(|| self.root(sample)))
             .collect();
         self
     }
@@ -276,38 +288,6 @@ impl SampledRadiation {
     /// Frequencies in the order of the samples \[Hz\].
     pub(crate) fn samples_hz(&self) -> Vec<f64> {
         self.samples.iter().map(|s| s.hz).collect()
-    }
-
-    /// A quantity linear in the modes' accelerations, sampled beside R at all frequencies (rows x modes each), between
-    /// them; below the lowest sample every mode's amplitude follows the power law of its resistance.
-    pub(crate) fn interpolated(
-        &self,
-        hz: f64,
-        samples: &[DMatrix<Complex<f64>>],
-        accelerations: &[Complex<f64>],
-    ) -> Vec<Complex<f64>> {
-        let (nodes, weights) = if hz < self.lowest() {
-            (vec![self.lowest_sample()], vec![1.0])
-        } else {
-            let interval = &self.intervals[self.interval(hz)];
-            (interval.nodes.clone(), interval.weights(hz))
-        };
-        let scaled = |(mode, a): (usize, &Complex<f64>)| {
-            if hz < self.lowest() {
-                a * self.low_factor(hz, mode)
-            } else {
-                *a
-            }
-        };
-        let a: Vec<Complex<f64>> = accelerations.iter().enumerate().map(scaled).collect();
-        let mut sum = vec![Complex::default(); samples[nodes[0]].nrows()];
-        for (node, weight) in nodes.iter().zip(weights) {
-            for (column, a) in samples[*node].column_iter().zip(&a) {
-                let a = a * weight;
-                sum.iter_mut().zip(column.iter()).for_each(|(sum, x)| *sum += x * a);
-            }
-        }
-        sum
     }
 
     /// Its interpolation error, judged as that of R, relative to the largest entry in the interval. A row may be zero
@@ -351,12 +331,13 @@ impl SampledRadiation {
 
     /// Q of a sample, all patches together.
     fn whole(&self, sample: usize) -> Resistance {
-        self.samples[sample].whole(self.modes)
+        self.samples[sample].whole()
     }
 
-    /// Its Hermitian root.
-    fn root(&self, sample: usize) -> Resistance {
-        hermitian_root(&self.whole(sample))
+    /// The Hermitian root of its R.
+    fn root(&self, sample: usize) -> Packed {
+        let root = hermitian_root(&self.samples[sample].patches.sum(1.0));
+        Packed::new(self.modes, std::iter::once(&root))
     }
 
     /// Index of the sample at the lowest frequency.
@@ -367,7 +348,7 @@ impl SampledRadiation {
 
 /// Power laws of the diagonal of R at the lowest sample, rounded to even numbers from 2 up.
 fn low_slopes(interval: &Interval, samples: &[Sample], modes: usize) -> Vec<f64> {
-    let diagonal = |s: &Sample, i: usize| s.patches.iter().map(|p| p.real[(i, i)]).sum::<f64>();
+    let diagonal = |s: &Sample, i: usize| s.inverse() * s.patches.diagonal(i);
     let mut rising = interval.nodes.clone();
     rising.sort_by(|&a, &b| samples[a].hz.total_cmp(&samples[b].hz));
     let (first, second) = (&samples[rising[0]], &samples[rising[1]]);

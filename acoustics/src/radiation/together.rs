@@ -6,7 +6,6 @@ use super::sampled::{Sample, SampledRadiation, Sampling};
 use crate::error::{AcousticsError, positive};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use std::f64::consts::PI;
 
 /// Frequencies of a round, solved beside each other.
 const ROUND: usize = 4;
@@ -52,7 +51,7 @@ impl SampledRadiation {
                 let Some(interval) = progress.interval(low, high, nodes) else {
                     continue;
                 };
-                let whole = |c: usize, node: usize| taken.samples[c][node].whole(modes[c]);
+                let whole = |c: usize, node: usize| taken.samples[c][node].whole();
                 let gained = progress.gained(&interval, modes.len(), sampling.floor, whole, whole);
                 if gained <= sampling.tolerance {
                     error = error.max(gained);
@@ -98,7 +97,7 @@ impl SampledRadiation {
                 let Some(interval) = progress.interval(cheap.low, cheap.high, nodes) else {
                     continue;
                 };
-                let whole = |c: usize, node: usize| accurate.samples[c][node].whole(found[c].mode_count());
+                let whole = |c: usize, node: usize| accurate.samples[c][node].whole();
                 let difference = |c: usize, node: usize| {
                     let mut d = whole(c, node);
                     let position = interval.nodes.iter().position(|&n| n == node);
@@ -183,10 +182,8 @@ impl Taken {
         let solved: Vec<_> = new.par_iter().with_max_len(1).map(|&hz| solve(hz)).collect();
         for (&hz, solved) in new.iter().zip(solved) {
             self.index.insert(hz.to_bits(), self.index.len());
-            let inverse = (2.0 * PI * hz).powi(-2);
             for (samples, patches) in self.samples.iter_mut().zip(solved?) {
-                let patches = patches.into_iter().map(|r| r.scaled(inverse)).collect();
-                samples.push(Sample::new(hz, patches));
+                samples.push(Sample::new(hz, &patches));
             }
         }
         Ok(wanted.iter().map(|hz| self.index[&hz.to_bits()]).collect())

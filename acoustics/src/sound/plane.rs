@@ -64,14 +64,12 @@ impl SoundAbovePlane {
         frequency: &[f64],
         accelerations: &DMatrix<Complex<f64>>,
     ) -> DMatrix<Complex<f64>> {
-        let of_bin = |(bin, &hz): (usize, &f64)| {
-            let mut p = sampled.interpolated(hz, &self.samples, accelerations.column(bin).as_slice());
-            for (p, r) in p.iter_mut().zip(&self.distances) {
+        let mut pressures = sampled.interpolated(frequency, &self.samples, accelerations);
+        for (mut bin, hz) in pressures.column_iter_mut().zip(frequency) {
+            for (p, r) in bin.iter_mut().zip(&self.distances) {
                 *p *= Complex::from_polar(1.0, -2.0 * PI * hz * r / self.sound_speed);
             }
-            p
-        };
-        let columns: Vec<Vec<Complex<f64>>> = frequency.par_iter().enumerate().map(of_bin).collect();
-        DMatrix::from_fn(self.distances.len(), frequency.len(), |i, bin| columns[bin][i])
+        }
+        pressures
     }
 }

@@ -1,13 +1,15 @@
 //! Energies and signals of motions from a sampled radiation resistance.
 
 use super::SampledRadiation;
+use crate::radiation::packed::{Motions, Packed};
+use crate::radiation::products::{forms, image};
 use crate::radiation::resistance::{ModalRadiation, Resistance};
-use crate::radiation::roots::image;
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, Par};
+use faer::{Accum, Mat, MatMut, MatRef, Par};
 use nalgebra::{Complex, ComplexField, DMatrix};
 use rayon::prelude::*;
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 impl ModalRadiation for SampledRadiation {
@@ -29,11 +31,8 @@ impl ModalRadiation for SampledRadiation {
 
     fn resistance(&self, hz: f64) -> Resistance {
         let omega2 = (2.0 * PI * hz).powi(2);
-        let mut result = Resistance::zeros(self.modes);
         if hz < self.lowest() {
-            for patch in &self.samples[self.lowest_sample()].patches {
-                result.add_scaled(omega2, patch);
-            }
+            let mut result = self.whole(self.lowest_sample()).scaled(omega2);
             let scale = |m: &mut DMatrix<f64>| {
                 for j in 0..self.modes {
                     for i in 0..self.modes {
@@ -45,98 +44,64 @@ impl ModalRadiation for SampledRadiation {
             result.imaginary.as_mut().map(scale);
             return result;
         }
+        let mut result = Resistance::zeros(self.modes);
         let interval = &self.intervals[self.interval(hz)];
         for (node, weight) in interval.nodes.iter().zip(interval.weights(hz)) {
-            for patch in &self.samples[*node].patches {
-                result.add_scaled(omega2 * weight, patch);
-            }
+            result.add_scaled(omega2 * weight, &self.whole(*node));
         }
         result
     }
 
-    /// One product for an interval: its samples, packed by the pairs of modes, times the pairs' products.
+    fn sparse_forms(&self, motions: &[(f64, Vec<(usize, f64)>)]) -> Vec<f64> {
+        let form = |(hz, v): &(f64, Vec<(usize, f64)>)| {
+            let of_sample = |sample: usize, v: &[(usize, f64)]| {
+                let sample = &self.samples[sample];
+                (hz / sample.hz).powi(2) * sample.patches.sparse_form(v)
+            };
+            if *hz < self.lowest() {
+                let scaled: Vec<(usize, f64)> = v.iter().map(|&(i, a)| (i, a * self.low_factor(*hz, i))).collect();
+                return of_sample(self.lowest_sample(), &scaled);
+            }
+            let interval = &self.intervals[self.interval(*hz)];
+            let parts = interval.nodes.iter().zip(interval.weights(*hz));
+            parts.map(|(node, weight)| weight * of_sample(*node, v)).sum()
+        };
+        motions.par_iter().map(form).collect()
+    }
+
     fn energy_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
         let patches = self.patches.len();
-        let runs = self.runs(frequency);
-        let mut wanted: Vec<Option<usize>> = runs.iter().map(|run| run.0).collect();
-        wanted.sort_unstable();
-        wanted.dedup();
-        let skew = self
-            .samples
-            .iter()
-            .flat_map(|s| &s.patches)
-            .any(|q| q.imaginary.is_some());
-        let packed: Vec<Mat<f64>> = wanted.par_iter().map(|&at| self.packed(at, skew)).collect();
         let evaluate = |&(at, start, end): &Run| {
-            let packed = &packed[wanted.partition_point(|w| *w < at)];
-            let mut products = Mat::zeros(packed.ncols(), end - start);
-            for (column, bin) in (start..end).enumerate() {
-                let a: Vec<Complex<f64>> = (0..self.modes)
-                    .map(|i| match at {
-                        None => accelerations[(i, bin)] * self.low_factor(frequency[bin], i),
-                        Some(_) => accelerations[(i, bin)],
-                    })
-                    .collect();
-                let mut to = products.col_mut(column).iter_mut();
-                for j in 0..self.modes {
-                    for i in 0..=j {
-                        let product = a[i].re * a[j].re + a[i].im * a[j].im;
-                        to.next()
-                            .into_iter()
-                            .for_each(|to| *to = if i == j { product } else { 2.0 * product });
+            let hz = &frequency[start..end];
+            let motions = Motions::new(&self.in_the_law(at, hz, accelerations, start));
+            let nodes = self.nodes(at);
+            let samples: Vec<&Packed> = nodes.iter().map(|&node| &self.samples[node].patches).collect();
+            let found = forms(&samples, &motions);
+            let mut result = DMatrix::zeros(patches, hz.len());
+            for (bin, mut result) in result.column_iter_mut().enumerate() {
+                for (n, (node, weight)) in nodes.iter().zip(self.weights(at, hz[bin])).enumerate() {
+                    let factor = weight * self.samples[*node].inverse();
+                    for (p, result) in result.iter_mut().enumerate() {
+                        *result += factor * found[(n * patches + p) * hz.len() + bin];
                     }
                 }
-                for j in 0..if skew { self.modes } else { 0 } {
-                    for i in 0..j {
-                        let product = 2.0 * (a[i].im * a[j].re - a[j].im * a[i].re);
-                        to.next().into_iter().for_each(|to| *to = product);
-                    }
-                }
-            }
-            let mut forms = Mat::zeros(packed.nrows(), end - start);
-            matmul(
-                forms.as_mut(),
-                Accum::Replace,
-                packed.as_ref(),
-                products.as_ref(),
-                1.0,
-                Par::Seq,
-            );
-            let weights = |bin: usize| match at {
-                None => vec![1.0],
-                Some(i) => self.intervals[i].weights(frequency[bin]),
-            };
-            let mut result = DMatrix::zeros(patches, end - start);
-            for column in 0..end - start {
-                for (n, weight) in weights(start + column).into_iter().enumerate() {
-                    for p in 0..patches {
-                        result[(p, column)] += weight * forms[(n * patches + p, column)];
-                    }
-                }
+                result *= motions.scale(bin).powi(2);
             }
             result
         };
-        side_by_side(patches, frequency.len(), &runs, evaluate)
+        side_by_side(patches, frequency.len(), &self.runs(frequency), evaluate)
     }
 
     fn images(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let runs = self.runs(frequency);
-        let evaluate = |&(at, start, end): &Run| {
-            let mut motion = accelerations.columns(start, end - start).into_owned();
-            let Some(i) = at else {
-                let scale = |motion: &mut DMatrix<Complex<f64>>| {
-                    for (mut bin, &hz) in motion.column_iter_mut().zip(&frequency[start..end]) {
-                        for (mode, a) in bin.iter_mut().enumerate() {
-                            *a *= self.low_factor(hz, mode);
-                        }
-                    }
-                };
-                scale(&mut motion);
-                let mut result = image(&self.whole(self.lowest_sample()), &motion);
-                scale(&mut result);
-                return result;
-            };
-            self.intervals[i].blend(&frequency[start..end], |node| image(&self.whole(node), &motion))
+        let rows = self.rows_of(&runs, |sample| Cow::Owned(self.samples[sample].patches.sum_row()));
+        let evaluate = |run: &Run| {
+            let hz = &frequency[run.1..run.2];
+            let mut images = self.carried(&rows, 2, run, frequency, accelerations);
+            if run.0.is_none() {
+                self.follow_the_law(hz, &mut images);
+            }
+            images
         };
         side_by_side(self.modes, frequency.len(), &runs, evaluate)
     }
@@ -145,36 +110,19 @@ impl ModalRadiation for SampledRadiation {
     /// the power laws D on the diagonal, whose energy is exact.
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let runs = self.runs(frequency);
-        let mut wanted: Vec<usize> = runs
-            .iter()
-            .flat_map(|&(at, _, _)| match at {
-                None => vec![self.lowest_sample()],
-                Some(i) => self.intervals[i].nodes.clone(),
-            })
-            .collect();
-        wanted.sort_unstable();
-        wanted.dedup();
         let kept = |sample: usize| self.roots.get(sample).and_then(Option::as_ref);
-        let roots: Vec<Cow<'_, Resistance>> = wanted
-            .par_iter()
-            .map(|&sample| kept(sample).map_or_else(|| Cow::Owned(self.root(sample)), Cow::Borrowed))
-            .collect();
-        let root_of = |sample: usize| &*roots[wanted.partition_point(|&w| w < sample)];
-        let evaluate = |&(at, start, end): &Run| {
-            let mut motion = accelerations.columns(start, end - start).into_owned();
-            let Some(i) = at else {
-                for (mut bin, &hz) in motion.column_iter_mut().zip(&frequency[start..end]) {
-                    for (mode, a) in bin.iter_mut().enumerate() {
-                        *a *= self.low_factor(hz, mode);
-                    }
-                }
-                return image(root_of(self.lowest_sample()), &motion);
-            };
-            self.intervals[i].blend(&frequency[start..end], |node| image(root_of(node), &motion))
+        let row = |sample: usize| match kept(sample) {
+            Some(root) => Cow::Borrowed(root.row(0)),
+            None => Cow::Owned(self.root(sample).row(0).to_vec()),
         };
+        let rows = self.rows_of(&runs, row);
+        let evaluate = |run: &Run| self.carried(&rows, 1, run, frequency, accelerations);
         side_by_side(self.modes, frequency.len(), &runs, evaluate)
     }
 }
+
+/// A row of [`Packed`] form for every sample that is wanted, by its number.
+type Rows<'a> = BTreeMap<usize, Cow<'a, [f32]>>;
 
 /// Bins that one interval serves, none below the lowest sample: the interval, the first bin and the one after the last.
 type Run = (Option<usize>, usize, usize);
@@ -195,10 +143,67 @@ fn side_by_side<T: ComplexField>(
 }
 
 impl SampledRadiation {
+    /// A quantity linear in the modes' accelerations (modes x bins), sampled beside R at all frequencies (rows x modes
+    /// each), between them, rows x bins; below the lowest sample every mode's amplitude follows the power law of its
+    /// resistance.
+    pub(crate) fn interpolated(
+        &self,
+        frequency: &[f64],
+        samples: &[DMatrix<Complex<f64>>],
+        accelerations: &DMatrix<Complex<f64>>,
+    ) -> DMatrix<Complex<f64>> {
+        let rows = samples.first().map_or(0, DMatrix::nrows);
+        let evaluate = |&(at, start, end): &Run| {
+            let motion = self.in_the_law(at, &frequency[start..end], accelerations, start);
+            let of_node = |node: usize| {
+                let sample = MatRef::from_column_major_slice(samples[node].as_slice(), rows, self.modes);
+                let mut of_node = DMatrix::zeros(rows, end - start);
+                matmul(
+                    MatMut::from_column_major_slice_mut(of_node.as_mut_slice(), rows, end - start),
+                    Accum::Replace,
+                    sample,
+                    MatRef::from_column_major_slice(motion.as_slice(), self.modes, end - start),
+                    Complex::ONE,
+                    Par::Seq,
+                );
+                of_node
+            };
+            match at {
+                None => of_node(self.lowest_sample()),
+                Some(i) => self.intervals[i].blend(&frequency[start..end], of_node),
+            }
+        };
+        side_by_side(rows, frequency.len(), &self.runs(frequency), evaluate)
+    }
+
+    /// The motion at some bins from `start` on, below the lowest sample by the power laws of the modes.
+    fn in_the_law(
+        &self,
+        at: Option<usize>,
+        frequency: &[f64],
+        accelerations: &DMatrix<Complex<f64>>,
+        start: usize,
+    ) -> DMatrix<Complex<f64>> {
+        let mut motion = accelerations.columns(start, frequency.len()).into_owned();
+        if at.is_none() {
+            self.follow_the_law(frequency, &mut motion);
+        }
+        motion
+    }
+
+    /// Multiplies every mode's amplitude by what its power law says below the lowest sample.
+    fn follow_the_law(&self, frequency: &[f64], motion: &mut DMatrix<Complex<f64>>) {
+        for (mut bin, &hz) in motion.column_iter_mut().zip(frequency) {
+            for (mode, a) in bin.iter_mut().enumerate() {
+                *a *= self.low_factor(hz, mode);
+            }
+        }
+    }
+
     /// Runs of bins that share an interval, cut into chunks: the interval and the bins' half-open range. No interval
     /// is below the lowest sample.
     fn runs(&self, frequency: &[f64]) -> Vec<Run> {
-        const CHUNK: usize = 256;
+        const CHUNK: usize = 64;
         let place = |&hz: &f64| (hz >= self.lowest()).then(|| self.interval(hz));
         let mut runs: Vec<Run> = Vec::new();
         for (bin, at) in frequency.iter().map(place).enumerate() {
@@ -210,28 +215,71 @@ impl SampledRadiation {
         runs
     }
 
-    /// Samples of an interval (the lowest sample, without one) and their patches, row by row: the upper triangle column
-    /// by column, then with `skew` the imaginary one without its diagonal.
-    fn packed(&self, at: Option<usize>, skew: bool) -> Mat<f64> {
-        let lowest = [self.lowest_sample()];
-        let nodes = at.map_or(&lowest[..], |i| &self.intervals[i].nodes);
-        let (modes, patches) = (self.modes, self.patches.len());
-        let pairs = modes * (modes + 1) / 2;
-        let columns = pairs + if skew { pairs - modes } else { 0 };
-        let mut packed = Mat::zeros(nodes.len() * patches, columns);
-        for (row, q) in nodes.iter().flat_map(|&node| &self.samples[node].patches).enumerate() {
-            let upper = (0..modes).flat_map(|j| (0..=j).map(move |i| (i, j)));
-            for (column, at) in upper.enumerate() {
-                packed[(row, column)] = q.real[at];
-            }
-            let Some(imaginary) = q.imaginary.as_ref().filter(|_| skew) else {
-                continue;
-            };
-            let upper = (0..modes).flat_map(|j| (0..j).map(move |i| (i, j)));
-            for (column, at) in upper.enumerate() {
-                packed[(row, pairs + column)] = imaginary[at];
+    /// Samples of an interval; the lowest one, without.
+    fn nodes(&self, at: Option<usize>) -> Vec<usize> {
+        at.map_or_else(|| vec![self.lowest_sample()], |i| self.intervals[i].nodes.clone())
+    }
+
+    /// Their weights at a frequency.
+    fn weights(&self, at: Option<usize>, hz: f64) -> Vec<f64> {
+        at.map_or_else(|| vec![1.0], |i| self.intervals[i].weights(hz))
+    }
+
+    /// The rows of all samples that some runs need.
+    fn rows_of<'a>(&self, runs: &[Run], row: impl Fn(usize) -> Cow<'a, [f32]> + Sync) -> Rows<'a> {
+        let mut wanted: Vec<usize> = runs.iter().flat_map(|run| self.nodes(run.0)).collect();
+        wanted.sort_unstable();
+        wanted.dedup();
+        wanted.par_iter().map(|&sample| (sample, row(sample))).collect()
+    }
+
+    /// M a for the bins of a run, with M / omega^power interpolated between rows of matrices.
+    fn carried(
+        &self,
+        rows: &Rows<'_>,
+        power: i32,
+        &(at, start, end): &Run,
+        frequency: &[f64],
+        accelerations: &DMatrix<Complex<f64>>,
+    ) -> DMatrix<Complex<f64>> {
+        let hz = &frequency[start..end];
+        let motions = Motions::new(&self.in_the_law(at, hz, accelerations, start));
+        let nodes = self.nodes(at);
+        let rows: Vec<&[f32]> = nodes.iter().map(|node| &*rows[node]).collect();
+        // Sand that moves in a part of the range only has an imaginary part in some samples.
+        let length = rows.iter().map(|row| row.len()).max().unwrap_or(0);
+        let skew = nodes.iter().any(|&node| self.samples[node].patches.is_skew());
+        let mut samples = Mat::<f32>::zeros(length, nodes.len());
+        for (row, column) in rows.iter().zip(samples.col_iter_mut()) {
+            column.iter_mut().zip(*row).for_each(|(to, v)| *to = *v);
+        }
+        // Relative to omega^power at the bin, which single precision holds.
+        let mut weights = Mat::<f32>::zeros(nodes.len(), hz.len());
+        for (bin, &f) in hz.iter().enumerate() {
+            for (n, (node, weight)) in nodes.iter().zip(self.weights(at, f)).enumerate() {
+                weights[(n, bin)] = (weight * (f / self.samples[*node].hz).powi(power)) as f32;
             }
         }
-        packed
+        let mut matrices = Mat::<f32>::zeros(length, hz.len());
+        matmul(
+            matrices.as_mut(),
+            Accum::Replace,
+            samples.as_ref(),
+            weights.as_ref(),
+            1.0,
+            Par::Seq,
+        );
+        let mut carried = DMatrix::zeros(self.modes, hz.len());
+        for (bin, mut carried) in carried.column_iter_mut().enumerate() {
+            let Some(row) = matrices.col(bin).try_as_col_major() else {
+                continue;
+            };
+            let scale = motions.scale(bin) / (2.0 * PI * hz[bin]).powi(power);
+            let [re, im] = image(self.modes, skew, row.as_slice(), motions.part(bin));
+            for (to, (re, im)) in carried.iter_mut().zip(re.into_iter().zip(im)) {
+                *to = Complex::new(f64::from(re), f64::from(im)) * scale;
+            }
+        }
+        carried
     }
 }

@@ -4,9 +4,8 @@ use super::{Sample, SampledRadiation};
 use crate::error::AcousticsError;
 use crate::radiation::archive::{Archive, ArchiveReader, ArchiveWriter};
 use crate::radiation::interval::Interval;
-use std::f64::consts::PI;
+use crate::radiation::packed::Packed;
 
-/// Samples and their roots, kept in single precision.
 impl Archive for SampledRadiation {
     fn write(&self, to: &mut ArchiveWriter) {
         to.texts(std::slice::from_ref(&self.method));
@@ -15,18 +14,13 @@ impl Archive for SampledRadiation {
         to.count(self.samples.len());
         for sample in &self.samples {
             to.numbers(&[sample.hz]);
-            // R fits single precision; Q = R / omega² at high frequencies may not.
-            let omega2 = (2.0 * PI * sample.hz).powi(2);
-            sample
-                .patches
-                .iter()
-                .for_each(|q| to.hermitian(&q.clone().scaled(omega2)));
+            sample.patches.write(to);
         }
         to.count(self.roots.len());
-        for (root, sample) in self.roots.iter().zip(&self.samples) {
+        for root in &self.roots {
             to.count(usize::from(root.is_some()));
             if let Some(root) = root {
-                to.hermitian(&root.clone().scaled(2.0 * PI * sample.hz));
+                root.write(to);
             }
         }
         to.count(self.intervals.len());
@@ -47,24 +41,25 @@ impl Archive for SampledRadiation {
         let mut samples = Vec::new();
         for _ in 0..from.count()? {
             let [hz] = from.numbers()?;
-            let inverse = (2.0 * PI * hz).powi(-2);
-            let mut of_patches = Vec::new();
-            for _ in &patches {
-                of_patches.push(from.hermitian(modes)?.scaled(inverse));
+            let patches_of = Packed::read(from)?;
+            if patches_of.modes() != modes || patches_of.matrices() != patches.len() {
+                return Err(from.damaged());
             }
             samples.push(Sample {
                 hz,
-                patches: of_patches,
+                patches: patches_of,
             });
         }
         let mut roots = Vec::new();
-        for sample in 0..from.count()? {
-            let hz = samples.get(sample).map(|sample: &Sample| sample.hz);
-            let inverse = (2.0 * PI * hz.ok_or_else(|| from.damaged())?).recip();
-            roots.push(match from.count()? {
+        for _ in 0..from.count()? {
+            let root = match from.count()? {
                 0 => None,
-                _ => Some(from.hermitian(modes)?.scaled(inverse)),
-            });
+                _ => Some(Packed::read(from)?),
+            };
+            if root.as_ref().is_some_and(|r| r.modes() != modes || r.matrices() != 1) {
+                return Err(from.damaged());
+            }
+            roots.push(root);
         }
         let mut intervals = Vec::new();
         for _ in 0..from.count()? {

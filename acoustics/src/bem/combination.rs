@@ -1,0 +1,116 @@
+use crate::error::AcousticsError;
+use crate::radiation::{Archive, ArchiveReader, ArchiveWriter};
+use nalgebra::{Complex, DMatrix};
+
+/// T of a parity: the motion of its independent modes for the motion of all modes.
+///
+/// An independent mode stands for itself, most others have another parity: few columns are more than one entry.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Combination {
+    /// Numbers of the independent modes.
+    independent: Vec<usize>,
+    /// Numbers of the modes that combine from them.
+    dependent: Vec<usize>,
+    /// Independent modes x dependent ones.
+    of_dependent: DMatrix<f64>,
+    modes: usize,
+}
+
+impl Combination {
+    /// Of so many modes.
+    pub(super) fn new(
+        modes: usize,
+        independent: Vec<usize>,
+        dependent: Vec<usize>,
+        of_dependent: DMatrix<f64>,
+    ) -> Self {
+        Self {
+            independent,
+            dependent,
+            of_dependent,
+            modes,
+        }
+    }
+
+    /// T a for every column of `motion` (modes x columns).
+    pub(super) fn of(&self, motion: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+        let mut of = motion.select_rows(&self.independent);
+        if !self.dependent.is_empty() {
+            let dependent = motion.select_rows(&self.dependent);
+            let part = |part: fn(&Complex<f64>) -> f64| &self.of_dependent * dependent.map(|z| part(&z));
+            of += part(|z| z.re).zip_map(&part(|z| z.im), Complex::new);
+        }
+        of
+    }
+
+    /// Adds T^T x for every column of `x` (independent modes x columns).
+    pub(super) fn add_transposed(&self, x: &DMatrix<Complex<f64>>, to: &mut DMatrix<Complex<f64>>) {
+        for (mut to, x) in to.column_iter_mut().zip(x.column_iter()) {
+            self.independent
+                .iter()
+                .zip(x.iter())
+                .for_each(|(&mode, x)| to[mode] += x);
+        }
+        if !self.dependent.is_empty() {
+            let transposed = self.of_dependent.transpose();
+            let part = |part: fn(&Complex<f64>) -> f64| &transposed * x.map(|z| part(&z));
+            let of = part(|z| z.re).zip_map(&part(|z| z.im), Complex::new);
+            for (&mode, of) in self.dependent.iter().zip(of.row_iter()) {
+                let mut row = to.row_mut(mode);
+                row += of;
+            }
+        }
+    }
+
+    /// T v for the modes of a real motion v that are not at rest; again without those at rest, in rising order.
+    pub(super) fn of_sparse(&self, motion: &[(usize, f64)]) -> Vec<(usize, f64)> {
+        let mut of = vec![0.0; self.independent.len()];
+        for &(mode, v) in motion {
+            if let Some(row) = self.independent.iter().position(|own| *own == mode) {
+                of[row] += v;
+            } else if let Some(column) = self.dependent.iter().position(|own| *own == mode) {
+                let column = self.of_dependent.column(column);
+                of.iter_mut().zip(column.iter()).for_each(|(of, t)| *of += t * v);
+            }
+        }
+        of.into_iter().enumerate().filter(|(_, v)| *v != 0.0).collect()
+    }
+
+    /// T as it stands.
+    pub(super) fn dense(&self) -> DMatrix<f64> {
+        let mut dense = DMatrix::zeros(self.independent.len(), self.modes);
+        for (row, &mode) in self.independent.iter().enumerate() {
+            dense[(row, mode)] = 1.0;
+        }
+        for (&mode, column) in self.dependent.iter().zip(self.of_dependent.column_iter()) {
+            dense.set_column(mode, &column);
+        }
+        dense
+    }
+}
+
+impl Archive for Combination {
+    fn write(&self, to: &mut ArchiveWriter) {
+        to.count(self.modes);
+        for numbers in [&self.independent, &self.dependent] {
+            to.count(numbers.len());
+            numbers.iter().for_each(|number| to.count(*number));
+        }
+        self.of_dependent.write(to);
+    }
+
+    fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
+        let modes = from.count()?;
+        let mut numbers = || {
+            let count = from.count()?;
+            (0..count).map(|_| from.count()).collect::<Result<Vec<_>, _>>()
+        };
+        let (independent, dependent) = (numbers()?, numbers()?);
+        let of_dependent = DMatrix::read(from)?;
+        let known = independent.iter().chain(&dependent).all(|mode| *mode < modes);
+        if !known || of_dependent.shape() != (independent.len(), dependent.len()) {
+            return Err(from.damaged());
+        }
+        Ok(Self::new(modes, independent, dependent, of_dependent))
+    }
+}

@@ -1,0 +1,239 @@
+//! Hermitian matrices in single precision, in which they are kept, and what they make of motions.
+
+use super::archive::{Archive, ArchiveReader, ArchiveWriter};
+use super::resistance::Resistance;
+use crate::error::AcousticsError;
+use nalgebra::{Complex, DMatrix};
+
+/// Rows are filled up with zeros to a whole number of vectors.
+const LANES: usize = 16;
+
+/// Hermitian matrices of one size: of each the upper triangle, column by column, and where some have an imaginary part
+/// behind it that one's without its diagonal.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Packed {
+    modes: usize,
+    skew: bool,
+    matrices: usize,
+    values: Vec<f32>,
+}
+
+impl Packed {
+    /// Entries of a row.
+    pub(super) fn length(modes: usize, skew: bool) -> usize {
+        let pairs = modes * (modes + 1) / 2;
+        (pairs + if skew { pairs - modes } else { 0 }).next_multiple_of(LANES)
+    }
+
+    /// Rounds to single precision.
+    pub(super) fn new<'a>(modes: usize, matrices: impl ExactSizeIterator<Item = &'a Resistance> + Clone) -> Self {
+        let skew = matrices.clone().any(|m| m.imaginary.is_some());
+        let (count, stride) = (matrices.len(), Self::length(modes, skew));
+        let mut values = vec![0.0; count * stride];
+        for (m, row) in matrices.zip(values.chunks_exact_mut(stride.max(1))) {
+            let mut row = row.iter_mut();
+            let mut put = |value: f64| row.next().into_iter().for_each(|to| *to = value as f32);
+            for j in 0..modes {
+                m.real.column(j).iter().take(j + 1).for_each(|v| put(*v));
+            }
+            for (j, column) in m.imaginary.iter().flat_map(|m| m.column_iter().enumerate()) {
+                column.iter().take(j).for_each(|v| put(*v));
+            }
+        }
+        Self {
+            modes,
+            skew,
+            matrices: count,
+            values,
+        }
+    }
+
+    pub(super) fn modes(&self) -> usize {
+        self.modes
+    }
+
+    pub(super) fn matrices(&self) -> usize {
+        self.matrices
+    }
+
+    pub(super) fn is_skew(&self) -> bool {
+        self.skew
+    }
+
+    /// Entries of a row.
+    pub(super) fn stride(&self) -> usize {
+        Self::length(self.modes, self.skew)
+    }
+
+    /// One matrix.
+    pub(super) fn row(&self, matrix: usize) -> &[f32] {
+        &self.values[matrix * self.stride()..][..self.stride()]
+    }
+
+    pub(super) fn rows(&self) -> impl Iterator<Item = &[f32]> {
+        (0..self.matrices).map(|m| self.row(m))
+    }
+
+    /// `factor` times one matrix.
+    pub(super) fn matrix(&self, matrix: usize, factor: f64) -> Resistance {
+        self.unpacked(|at| factor * f64::from(self.row(matrix)[at]))
+    }
+
+    /// `factor` times the sum of all matrices.
+    pub(super) fn sum(&self, factor: f64) -> Resistance {
+        let mut sums = vec![0.0f64; self.stride()];
+        for row in self.rows() {
+            sums.iter_mut().zip(row).for_each(|(sum, v)| *sum += f64::from(*v));
+        }
+        self.unpacked(|at| factor * sums[at])
+    }
+
+    fn unpacked(&self, value: impl Fn(usize) -> f64) -> Resistance {
+        let n = self.modes;
+        let mut at = 0;
+        let mut triangle = |diagonal: usize, sign: f64| {
+            let mut m = DMatrix::zeros(n, n);
+            for j in 0..n {
+                for i in 0..j + diagonal {
+                    m[(j, i)] = sign * value(at);
+                    m[(i, j)] = value(at);
+                    at += 1;
+                }
+            }
+            m
+        };
+        let real = triangle(1, 1.0);
+        Resistance {
+            real,
+            imaginary: self.skew.then(|| triangle(0, -1.0)),
+        }
+    }
+
+    /// The sum of all matrices as one row.
+    pub(super) fn sum_row(&self) -> Vec<f32> {
+        let mut sums = vec![0.0f64; self.stride()];
+        for row in self.rows() {
+            sums.iter_mut().zip(row).for_each(|(sum, v)| *sum += f64::from(*v));
+        }
+        sums.into_iter().map(|v| v as f32).collect()
+    }
+
+    /// Diagonal of the sum of all matrices.
+    pub(super) fn diagonal(&self, mode: usize) -> f64 {
+        self.sparse_form(&[(mode, 1.0)])
+    }
+
+    /// v^T M v of the sum of all matrices, for the entries of a real v that are not zero.
+    pub(super) fn sparse_form(&self, v: &[(usize, f64)]) -> f64 {
+        let entry = |row: &[f32], i: usize, j: usize| f64::from(row[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)]);
+        let of_row = |row: &[f32]| {
+            let of_pair = |(n, &(i, a)): (usize, &(usize, f64))| {
+                let below: f64 = v[..n].iter().map(|&(j, b)| b * entry(row, i, j)).sum();
+                a * (a * entry(row, i, i) + 2.0 * below)
+            };
+            v.iter().enumerate().map(of_pair).sum::<f64>()
+        };
+        self.rows().map(of_row).sum()
+    }
+}
+
+impl Archive for Packed {
+    fn write(&self, to: &mut ArchiveWriter) {
+        to.count(self.modes);
+        to.count(usize::from(self.skew));
+        to.count(self.matrices);
+        to.singles(&self.values);
+    }
+
+    fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
+        let (modes, skew, matrices) = (from.count()?, from.count()? != 0, from.count()?);
+        let pairs = modes.checked_mul(modes + 1).and_then(|n| n.checked_add(LANES));
+        let fits = pairs.and_then(|n| n.checked_mul(matrices)).is_some();
+        if !fits {
+            return Err(from.damaged());
+        }
+        let values = from.singles(matrices * Self::length(modes, skew))?;
+        Ok(Self {
+            modes,
+            skew,
+            matrices,
+            values,
+        })
+    }
+}
+
+/// Motions in single precision, each scaled to its largest amplitude.
+pub(super) struct Motions {
+    modes: usize,
+    /// Amplitudes in the first half, phases a quarter later in the second: real and imaginary parts of each motion.
+    parts: Vec<[Vec<f32>; 2]>,
+    scale: Vec<f64>,
+}
+
+impl Motions {
+    /// Of the columns of `motion`.
+    pub(super) fn new(motion: &DMatrix<Complex<f64>>) -> Self {
+        let (mut parts, mut scale) = (Vec::new(), Vec::new());
+        for a in motion.column_iter() {
+            let largest = a.iter().map(|a| a.re.abs().max(a.im.abs())).fold(0.0, f64::max);
+            let inverse = if largest > 0.0 { 1.0 / largest } else { 0.0 };
+            let part = |part: fn(&Complex<f64>) -> f64| a.iter().map(|a| (part(a) * inverse) as f32).collect();
+            parts.push([part(|a| a.re), part(|a| a.im)]);
+            scale.push(largest);
+        }
+        Self {
+            modes: motion.nrows(),
+            parts,
+            scale,
+        }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.parts.len()
+    }
+
+    pub(super) fn part(&self, motion: usize) -> &[Vec<f32>; 2] {
+        &self.parts[motion]
+    }
+
+    /// Largest amplitude of a motion, which its parts are over.
+    pub(super) fn scale(&self, motion: usize) -> f64 {
+        self.scale[motion]
+    }
+
+    /// a_i* a_j of all pairs as they stand in the rows of [`Packed`] matrices, both triangles together, motion by motion.
+    pub(super) fn pairs(&self, skew: bool) -> Pairs {
+        let stride = Packed::length(self.modes, skew);
+        let mut values = vec![0.0; stride * self.len()];
+        for ([re, im], row) in self.parts.iter().zip(values.chunks_exact_mut(stride.max(1))) {
+            let mut at = 0;
+            for (j, (a, b)) in re.iter().zip(im).enumerate() {
+                let column = &mut row[at..=at + j];
+                for ((to, x), y) in column.iter_mut().zip(re).zip(im) {
+                    *to = 2.0 * (x * a + y * b);
+                }
+                column[j] *= 0.5;
+                at += j + 1;
+            }
+            for (j, (a, b)) in re.iter().zip(im).enumerate().take(if skew { self.modes } else { 0 }) {
+                for ((to, x), y) in row[at..at + j].iter_mut().zip(re).zip(im) {
+                    *to = 2.0 * (y * a - x * b);
+                }
+                at += j;
+            }
+        }
+        Pairs { stride, values }
+    }
+}
+
+/// See [`Motions::pairs`].
+pub(super) struct Pairs {
+    stride: usize,
+    values: Vec<f32>,
+}
+
+impl Pairs {
+    pub(super) fn row(&self, motion: usize) -> &[f32] {
+        &self.values[motion * self.stride..][..self.stride]
+    }
+}
