@@ -1,7 +1,5 @@
 //! Radiation of the workpiece with its support per unit of modal motion, before the motion is known.
 
-use std::sync::atomic::{AtomicU64, Ordering};
-
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{
     Boundary, BoundaryMesh, Exterior, Level, ModalBem, MovingPart, Receivers, Side, SolidBox,
@@ -11,10 +9,10 @@ use nailnoise_acoustics::radiation::{
 };
 use nalgebra::Point3;
 
+use super::Watched;
 use super::bodies::{Body, Structure};
 use super::microphones;
 use super::radiation::{moving_sand, radiating};
-use super::{Tell, Watched};
 use crate::cache::{Cache, Key};
 use crate::design::{Design, RadiationMethod, SupportKind, WorktablePreset};
 use crate::error::Error;
@@ -169,12 +167,9 @@ fn flush_top(design: &Design, body: &Body, air: &Air, cache: &Cache, watched: &W
     let (waves, surface_evaluations) = cache.decoded_or("radiation of the workpiece in sand", &key, read, || {
         let rayleigh = flush_surface(design, body, air)?;
         let twice = SurfaceEvaluations::new(&rayleigh, top);
-        let sample = |tell: Tell<'_>| {
-            let sampled = AtomicU64::new(0);
-            let one_more = || tell(sampled.fetch_add(1, Ordering::Relaxed) + 1, 0);
-            rayleigh.sampled_telling(&sampling, &one_more)
-        };
-        let sampled = watched.counting(("Rayleigh's integral", "frequencies"), sample)?;
+        let sampled = watched.counting_each(("Rayleigh's integral", "frequencies"), 0, |one_more| {
+            rayleigh.sampled_telling(&sampling, one_more)
+        })?;
         Ok((sampled.with_roots(), twice).to_bytes())
     })?;
     Ok(Flush {
@@ -242,15 +237,9 @@ fn standing_bem(
             origin: Point3::origin(),
         };
         let expected: f64 = expected(&levels, low).iter().sum();
-        let solve = |tell: Tell<'_>| {
-            let solved = AtomicU64::new(0);
-            let one_more = || {
-                let solved = solved.fetch_add(1, Ordering::Relaxed) + 1;
-                tell(solved, solved.max(expected as u64));
-            };
-            ModalBem::with_receivers_telling(levels, &sampling, &receivers, &one_more)
-        };
-        let bem = watched.counting(("boundary elements", "frequencies"), solve)?;
+        let bem = watched.counting_each(("boundary elements", "frequencies"), expected as u64, |one_more| {
+            ModalBem::with_receivers_telling(levels, &sampling, &receivers, one_more)
+        })?;
         Ok::<_, Error>(bem.to_bytes())
     })?;
     Ok(Radiator::Bem(Box::new(bem.in_air(&computed, air))))
