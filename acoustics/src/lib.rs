@@ -2,7 +2,7 @@
 //!
 //! Everything ends in a [`levels::SourceSpectrum`]: the energy a source radiates during one shot, per hertz. Surfaces
 //! bring quadrature points with modal displacements ([`radiation`]), the exhaust brings its flow ([`exhaust`]). What a
-//! microphone hears of each is in [`sound`].
+//! microphone hears of each is in [`sound`]; what is drawn at random comes from [`random`].
 //! Time factor e^{+j omega t}; spectra are one-sided; SI units throughout.
 
 mod air;
@@ -13,6 +13,7 @@ pub mod fourier;
 pub mod levels;
 pub mod muffler;
 pub mod radiation;
+pub mod random;
 pub mod sound;
 
 pub use air::{Air, GAS_CONSTANT, HEAT_RATIO};

@@ -8,18 +8,42 @@ use nalgebra::{Point3, Vector3};
 /// Share of the full solid angle above which a point counts as inside a closed surface.
 const INSIDE: f64 = 0.5;
 
+/// How far from the floor a face on it may be, as a share of the body's size.
+const ON_FLOOR: f64 = 1e-6;
+
 /// Whether each face of a skin meets the open air.
 ///
 /// The skin falls into closed pieces that share no point. A piece around a cavity has its normals inwards, so that the
-/// volume 1/3 closed integral of x . n dS is negative; a body within another one's cavity has points at which that one's
+/// volume, the closed integral of z n_z dS, is negative; a body within another one's cavity has points at which that one's
 /// outline fills the whole solid angle. Neither is heard.
 pub(crate) fn open_air(surface: &Surface) -> Result<Vec<bool>, MeshError> {
-    let piece = pieces(surface);
+    open_air_above(surface, None)
+}
+
+/// The same for a body that may stand on a rigid floor at a height \[m\]: what lies on it is covered, and it closes the
+/// bores that open towards it.
+pub(crate) fn open_air_above(surface: &Surface, floor: Option<f64>) -> Result<Vec<bool>, MeshError> {
+    let size = surface.points.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
+    let covered: Vec<bool> = surface
+        .faces
+        .iter()
+        .map(|face| {
+            floor.is_some_and(|floor| {
+                face.nodes
+                    .iter()
+                    .all(|&n| (surface.points[n].z - floor).abs() <= ON_FLOOR * size)
+            })
+        })
+        .collect();
+    let piece = pieces(surface, &covered);
     let count = piece.iter().max().map_or(0, |last| last + 1);
     let mut volume = vec![0.0; count];
     let points = surface.quadrature(3)?;
     for point in &points {
-        volume[piece[point.face]] += point.position.coords.dot(&point.normal) * point.weight / 3.0;
+        if !covered[point.face] {
+            // Measured from the floor, in whose plane the piece may be open.
+            volume[piece[point.face]] += (point.position.z - floor.unwrap_or(0.0)) * point.normal.z * point.weight;
+        }
     }
     let mut outline: Vec<bool> = volume.iter().map(|&v| v > 0.0).collect();
     for (inner, heard) in outline.iter_mut().enumerate() {
@@ -32,11 +56,15 @@ pub(crate) fn open_air(surface: &Surface) -> Result<Vec<bool>, MeshError> {
         };
         *heard &= !(0..count).any(within);
     }
-    Ok(piece.iter().map(|&p| outline[p]).collect())
+    Ok(piece
+        .iter()
+        .zip(covered)
+        .map(|(&p, covered)| outline[p] && !covered)
+        .collect())
 }
 
-/// The piece of each face: faces of one piece are joined through common points.
-fn pieces(surface: &Surface) -> Vec<usize> {
+/// The piece of each face: faces of one piece are joined through common points, but not through covered faces.
+fn pieces(surface: &Surface, covered: &[bool]) -> Vec<usize> {
     let mut root: Vec<usize> = (0..surface.points.len()).collect();
     fn find(root: &mut [usize], mut i: usize) -> usize {
         while root[i] != i {
@@ -45,7 +73,7 @@ fn pieces(surface: &Surface) -> Vec<usize> {
         }
         i
     }
-    for face in &surface.faces {
+    for (face, _) in surface.faces.iter().zip(covered).filter(|(_, covered)| !**covered) {
         let first = find(&mut root, face.nodes[0]);
         for &node in face.nodes.iter() {
             let other = find(&mut root, node);
@@ -124,6 +152,38 @@ mod tests {
         }
         assert!((area - (6.0 + 6.0 * 0.09)).abs() < 1e-12, "{area}");
         assert!((surface.area() - area - 6.0 * 0.04 - 6.0 * 0.01).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_floor_closes_the_bores_that_open_towards_it() {
+        // A cube with a bore from below: of 3 x 3 x 3 elements the two lower ones in the middle are taken out.
+        let mut mesh = block(&Block {
+            size: [3.0; 3],
+            divisions: [3; 3],
+            origin: [-1.5, -1.5, 0.0],
+        })
+        .unwrap();
+        for height in [1.5, 0.5] {
+            let bored = mesh.elements().position(|e| {
+                let mean = e.nodes[..8].iter().map(|&n| mesh.nodes[n].coords).sum::<Vector3<f64>>() / 8.0;
+                (mean - Vector3::new(0.0, 0.0, height)).norm() < 1e-9
+            });
+            mesh = without(&mesh, bored.unwrap());
+        }
+        let surface = Surface::of(&mesh);
+        let heard = |floor: Option<f64>| -> f64 {
+            let open = open_air_above(&surface, floor).unwrap();
+            surface
+                .quadrature(2)
+                .unwrap()
+                .iter()
+                .filter(|p| open[p.face])
+                .map(|p| p.weight)
+                .sum()
+        };
+        assert!((heard(None) - (54.0 + 8.0)).abs() < 1e-12);
+        assert!((heard(Some(-0.1)) - (54.0 + 8.0)).abs() < 1e-12);
+        assert!((heard(Some(0.0)) - 45.0).abs() < 1e-12);
     }
 
     fn without(mesh: &Mesh, element: usize) -> Mesh {

@@ -146,10 +146,9 @@ fn compute(
         .as_ref()
         .and_then(|tool| Some((tool, tool.bem.as_ref()?)))
     {
-        let open = outside::open_air(&tool.body.surface)?;
         let body = Solved {
             names: ["body", "sound-tool"],
-            levels: vec![tool_radiator::level(design, &tool.body, &open, air)?],
+            levels: vec![tool_radiator::level(design, &tool.body, air)?],
             bem,
             spectra: &tool.spectra,
             at: tool_radiator::nose(design),

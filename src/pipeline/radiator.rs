@@ -7,6 +7,7 @@ use nailnoise_acoustics::bem::{
 use nailnoise_acoustics::radiation::{
     AbsorbingSand, Archive, Erp, ModalRadiation, Rayleigh, SampledRadiation, Sampling, SurfaceEvaluations,
 };
+use nailnoise_acoustics::sound::SoundAbovePlane;
 use nalgebra::Point3;
 
 use super::Watched;
@@ -69,6 +70,8 @@ pub(super) struct Flush {
     pub(super) waves: SampledRadiation,
     /// Its radiation by the intensity on the surface, in the middle of bands.
     pub(super) surface: SurfaceEvaluations,
+    /// What the microphones hear of it.
+    pub(super) heard: SoundAbovePlane,
     /// Its equivalent radiated power.
     pub(super) erp: Erp,
 }
@@ -153,10 +156,11 @@ fn flush_top(design: &Design, body: &Body, air: &Air, cache: &Cache, watched: &W
         range_hz: [LOWEST_SAMPLE.min(0.5 * top), top],
         ..Sampling::default()
     };
+    let places = microphones::positions(design);
     let points: Vec<[f64; 3]> = surface.points().iter().map(|p| [p.x, p.y, p.z]).collect();
     let normals: Vec<[f64; 3]> = surface.normals().iter().map(|n| [n.x, n.y, n.z]).collect();
     let key = Key::new()
-        .with(&format!("{air:?} {absorbing:?} {moving:?} {sampling:?}"))
+        .with(&format!("{air:?} {absorbing:?} {moving:?} {sampling:?} {places:?}"))
         .with(&points)
         .with(&normals)
         .with(surface.weights())
@@ -164,17 +168,21 @@ fn flush_top(design: &Design, body: &Body, air: &Air, cache: &Cache, watched: &W
         .with(surface.patch_names())
         .with(surface.normal_modes().as_slice());
     let read = |bytes: &[u8]| Ok::<_, Error>(Archive::from_bytes(bytes)?);
-    let (waves, surface_evaluations) = cache.decoded_or("radiation of the workpiece in sand", &key, read, || {
-        let rayleigh = flush_surface(design, body, air)?;
-        let twice = SurfaceEvaluations::new(&rayleigh, top);
-        let sampled = watched.counting_each(("Rayleigh's integral", "frequencies"), 0, |one_more| {
-            rayleigh.sampled_telling(&sampling, one_more)
+    let ((waves, surface_evaluations), heard) =
+        cache.decoded_or("radiation of the workpiece in sand", &key, read, || {
+            let rayleigh = flush_surface(design, body, air)?;
+            let twice = SurfaceEvaluations::new(&rayleigh, top);
+            let sampled = watched.counting_each(("Rayleigh's integral", "frequencies"), 0, |one_more| {
+                rayleigh.sampled_telling(&sampling, one_more)
+            })?;
+            let middle = Point3::new(0.0, 0.0, design.workpiece.thickness);
+            let heard = SoundAbovePlane::new(&rayleigh, &sampled, &places, middle)?;
+            Ok(((sampled.with_roots(), twice), heard).to_bytes())
         })?;
-        Ok((sampled.with_roots(), twice).to_bytes())
-    })?;
     Ok(Flush {
         waves,
         surface: surface_evaluations,
+        heard,
         erp: Erp::new(&surface, air),
     })
 }

@@ -1,7 +1,7 @@
 //! Radiation of the tool's body by boundary elements: the faces of its housing in the open air, above a rigid floor.
 //!
 //! What is nailed is no part of the problem: it neither reflects the tool's sound nor shades it, except in sand, where its
-//! top is flush with the plane that reflects. The body is taken where it stands before the shot.
+//! top is flush with the plane that reflects and closes the nose. The body is taken where it stands before the shot.
 //!
 //! A plane that is farther below than the tool is high is no part of the equations either. It changes the power of a
 //! small source at the height h by sin(2 k h)/(2 k h), ripples of 170 Hz below a table that would ask for three times as
@@ -16,7 +16,7 @@ use nalgebra::{Point3, Vector3};
 use super::Watched;
 use super::bodies::Body;
 use super::microphones::{positions, reflecting_plane, tool_height};
-use super::outside::open_air;
+use super::outside::open_air_above;
 use super::radiator::{FLOOR, LOWEST_SAMPLE, MOST_SAMPLES, with_skin};
 use crate::cache::{Cache, Key};
 use crate::design::{Design, RadiationMethod};
@@ -45,19 +45,23 @@ pub(super) fn tool_radiator(
     if design.acoustics.body_method == RadiationMethod::Erp {
         return Ok(None);
     }
-    let open = open_air(&body.surface)?;
+    let open = open_air_above(&body.surface, floor(design))?;
     let receivers = receivers(design);
     // Once for every air: the matrix depends on the wavelength.
     let computed = Air::default();
     let key = key(design, body, &open, &receivers, &computed);
     let read = |bytes: &[u8]| Ok::<_, Error>(ModalBem::from_bytes(bytes)?);
     let bem = cache.decoded_or(STAGE, &key, read, || {
-        let level = level(design, body, &open, &computed)?;
+        let level = level(design, body, &computed)?;
         watched.note(&format!(
             "tool: boundary elements up to {:.0} Hz, computed once for this body; {}",
             level.top_hz,
             level.problem.estimate()
         ));
+        let mended = level.problem.boundary().mended();
+        if mended.flipped > 0 {
+            watched.note(&format!("tool: {mended}; look at its mesh"));
+        }
         let sampling = Sampling {
             range_hz: [LOWEST_SAMPLE.min(0.1 * level.top_hz), level.top_hz],
             tolerance: design.acoustics.bem_tolerance,
@@ -100,8 +104,9 @@ fn floor(design: &Design) -> Option<f64> {
 }
 
 /// The housing's own mesh, up to the frequency that it resolves.
-pub(super) fn level(design: &Design, body: &Body, open: &[bool], air: &Air) -> Result<Level, Error> {
+pub(super) fn level(design: &Design, body: &Body, air: &Air) -> Result<Level, Error> {
     let a = &design.acoustics;
+    let open = open_air_above(&body.surface, floor(design))?;
     let mut mesh = BoundaryMesh::of_skin(&body.surface);
     let mut face = 0;
     mesh.panels.retain(|_| {

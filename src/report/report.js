@@ -10,13 +10,11 @@
     }
     return base;
   };
-  const narrow = () => window.innerWidth < 640;
   const plots = [...document.querySelectorAll(".plot")];
   const drawn = plots.map(async (plot) => {
     const { data, layout } = JSON.parse(document.getElementById(plot.id + "-data").textContent);
-    // Below the axis and its title, whatever the height.
-    const inner = plot.clientHeight - (layout.margin?.t ?? 34) - 48;
-    const legend = { orientation: "h", x: 0, yanchor: "top", y: -(narrow() ? 84 : 62) / inner };
+    // At the foot of the chart, below the axis and its title however many rows it has.
+    const legend = { orientation: "h", x: 0, yref: "container", y: 0, yanchor: "bottom" };
     const full = merge({
       font, legend, paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", showlegend: !layout.scene,
       margin: { l: 58, r: 12, t: 34, b: 48 }, xaxis: { ...axis }, yaxis: { ...axis }, hoverlabel: { font: { size: 12 } },

@@ -4,10 +4,10 @@
 //! Draws whose values do not go together are no designs: they are counted and drawn again.
 
 mod parameters;
-mod random;
 
 use std::collections::BTreeMap;
 
+use nailnoise_acoustics::random::uniform;
 use nailnoise_dynamics::{CycleError, Outcome, Settings, Summary, simulate};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -135,6 +135,13 @@ pub fn study(design: &Design, count: usize, seed: u64, observer: &mut dyn Observ
     Ok(study)
 }
 
+/// FNV-1a of a key, so that another key in the design changes no number drawn for this one.
+fn hash(key: &str) -> u64 {
+    key.bytes().fold(0xCBF2_9CE4_8422_2325, |hash: u64, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01B3)
+    })
+}
+
 /// One candidate, or why it is no design.
 fn candidate(
     design: &Design,
@@ -144,7 +151,7 @@ fn candidate(
     candidate: usize,
 ) -> Result<Draw, String> {
     let draw = |parameter: &Parameter| {
-        let share = random::uniform(seed, candidate as u64, &parameter.key);
+        let share = uniform(seed, candidate as u64, hash(&parameter.key));
         let [low, high] = parameter.range;
         match parameter.value {
             // Every whole number of the range is as likely.

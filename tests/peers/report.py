@@ -110,12 +110,22 @@ def look(page, report: Path, pictures: Path, errors: list[str]) -> None:
     for width in (1280, 400):
         page.set_viewport_size({"width": width, "height": 900})
         page.wait_for_timeout(1200)
-        page.screenshot(path=pictures / f"{name}-{width}.png", full_page=True)
+        scroll(page, lambda part: pictures / f"{name}-{width}-{part}.png")
         over = page.evaluate("document.documentElement.scrollWidth - window.innerWidth")
         assert over <= 0, f"{report}: {over} px wider than a window of {width}"
     page.pdf(path=pictures / f"{name}.pdf", format="A4", print_background=True)
     assert not errors, f"{report}: {errors}"
     print(f"{report}: {len(charts)} charts, {len(sounds)} sounds, no error")
+
+
+def scroll(page, path) -> None:
+    """Pictures of a page from top to bottom: one of the whole would be higher than what can be drawn at once."""
+    step = 1800
+    page.set_viewport_size({"width": page.viewport_size["width"], "height": step})
+    for part in range(-(-page.evaluate("document.documentElement.scrollHeight") // step)):
+        page.evaluate(f"window.scrollTo(0, {part * step})")
+        page.wait_for_timeout(300)
+        page.screenshot(path=path(part))
 
 
 def main(pictures: Path, reports: list[Path]) -> None:

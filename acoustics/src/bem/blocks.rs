@@ -31,10 +31,9 @@ pub(super) struct Block {
     pub(super) nodes: Vec<usize>,
     /// Numbers of each panel's corners in `nodes`.
     pub(super) local: Vec<[usize; 4]>,
-    /// A corner j of a panel f that lies at each of `nodes`, as j * width + f.
-    pub(super) first_column: Vec<usize>,
-    /// The other corners there, with the number of the node.
-    pub(super) more_columns: Vec<(usize, usize)>,
+    /// Corners j of panels f, as j * width + f, node by node of `nodes`: those of node n end at `columns_end[n]`.
+    pub(super) columns: Vec<usize>,
+    pub(super) columns_end: Vec<usize>,
     /// First velocity value of each panel.
     pub(super) first_value: Vec<usize>,
     /// `points[(b * fields + field) * width + panel]`.
@@ -129,17 +128,16 @@ impl Block {
                 }
             }
         }
-        let (mut first_column, mut more_columns) = (vec![usize::MAX; nodes.len()], Vec::new());
+        let mut columns_of: Vec<Vec<usize>> = vec![Vec::new(); nodes.len()];
         for j in 0..corners {
             for (f, of_panel) in local.iter().enumerate() {
-                let (node, column) = (of_panel[j], j * width + f);
-                if first_column[node] == usize::MAX {
-                    first_column[node] = column;
-                } else {
-                    more_columns.push((node, column));
-                }
+                columns_of[of_panel[j]].push(j * width + f);
             }
         }
+        let ends = columns_of.iter().scan(0, |end, columns| {
+            *end += columns.len();
+            Some(*end)
+        });
         let at = |point: usize, field: usize, f: usize| points[(point * fields + field) * width + f];
         let middle = [0, 1, 2].map(|c| (0..panels.len()).map(|f| at(0, X + c, f)).sum::<f64>() / panels.len() as f64);
         let mut single = vec![0.0; points.len()];
@@ -161,8 +159,8 @@ impl Block {
             middle,
             single,
             nodes,
-            first_column,
-            more_columns,
+            columns_end: ends.collect(),
+            columns: columns_of.concat(),
             local,
             first_value: panels.iter().map(|&p| first_value[p]).collect(),
             panels,

@@ -2,6 +2,7 @@
 
 use crate::radiation::gauss_legendre;
 use nailnoise_meshes::FaceKind;
+use nalgebra::DMatrix;
 
 /// A point in natural coordinates and its weight.
 pub(super) type Node = ([f64; 2], f64);
@@ -14,6 +15,25 @@ fn unit_gauss(n: usize) -> Vec<(f64, f64)> {
         .collect()
 }
 
+/// Points and weights on \[0, 1\] for integrals of s f(s), exact for f of degree 2n - 1: the eigenvalues of the Jacobi
+/// matrix of the polynomials orthogonal with respect to s (Golub & Welsch, *Math. Comp.* 23, 1969).
+fn unit_gauss_jacobi(n: usize) -> Vec<(f64, f64)> {
+    let entry = |i: usize, j: usize| {
+        let k = i.max(j) as f64;
+        match i.abs_diff(j) {
+            0 => 1.0 / ((2.0 * k + 1.0) * (2.0 * k + 3.0)),
+            1 => (k * (k + 1.0)).sqrt() / (2.0 * k + 1.0),
+            _ => 0.0,
+        }
+    };
+    let eigen = DMatrix::from_fn(n, n, entry).symmetric_eigen();
+    let node = |i: usize| {
+        let weight = 0.5 * eigen.eigenvectors[(0, i)].powi(2);
+        (0.5 * (1.0 + eigen.eigenvalues[i]), weight)
+    };
+    (0..n).map(node).collect()
+}
+
 /// The n x n product rule on the square from -1 to 1.
 pub(super) fn square(n: usize) -> Vec<Node> {
     let line = gauss_legendre(n);
@@ -22,8 +42,8 @@ pub(super) fn square(n: usize) -> Vec<Node> {
         .collect()
 }
 
-/// Symmetric rules on the unit triangle with 3, 7 and 12 points, of degree 2, 5 and 6 (Strang & Fix 1973; Dunavant
-/// 1985).
+/// Symmetric rules on the unit triangle with 3, 7, 12 and 16 points, of degree 2, 5, 6 and 8 (Strang & Fix 1973;
+/// Dunavant 1985).
 pub(super) fn triangle(points: usize) -> Vec<Node> {
     // Barycentric orbits: (a, a, 1 - 2a) with its weight, then (a, b, c) with its weight; weights sum to one.
     type Orbits = (f64, &'static [(f64, f64)], &'static [(f64, f64, f64)]);
@@ -36,6 +56,19 @@ pub(super) fn triangle(points: usize) -> Vec<Node> {
                 (0.101_286_507_323_456_34, 0.125_939_180_544_827_15),
             ],
             &[],
+        ),
+        16 => (
+            0.144_315_607_677_787_17,
+            &[
+                (0.459_292_588_292_723_1, 0.095_091_634_267_284_63),
+                (0.170_569_307_751_760_2, 0.103_217_370_534_718_25),
+                (0.050_547_228_317_030_98, 0.032_458_497_623_198_08),
+            ],
+            &[(
+                0.263_112_829_634_638_1,
+                0.008_394_777_409_957_605,
+                0.027_230_314_174_434_993,
+            )],
         ),
         _ => (
             0.0,
@@ -63,17 +96,6 @@ pub(super) fn triangle(points: usize) -> Vec<Node> {
         rule.extend([[a, b], [b, a], [a, c], [c, a], [b, c], [c, b]].map(|p| (p, 0.5 * w)));
     }
     rule
-}
-
-/// The n x n product rule of the square collapsed onto the unit triangle.
-pub(super) fn collapsed(n: usize) -> Vec<Node> {
-    let line = unit_gauss(n);
-    line.iter()
-        .flat_map(|&(u, wu)| {
-            line.iter()
-                .map(move |&(v, wv)| ([u * (1.0 - v), v], wu * wv * (1.0 - v)))
-        })
-        .collect()
 }
 
 /// The rule of as many points as corners with which distant pairs are integrated.
@@ -107,19 +129,21 @@ pub(super) enum Contact {
 pub(super) type PairNode = ([f64; 3], [f64; 3], f64);
 
 /// The rule of Sauter & Schwab (*Boundary Element Methods*, 2011, section 5.2) for two triangles that touch, with n
-/// Gauss points in each of the four directions.
+/// Gauss points in each of three directions, and n - 1 away from the singularity.
 ///
-/// A change of variables for every position of the singularity leaves an analytic integrand.
+/// A change of variables for every position of the singularity leaves an analytic integrand. Away from the singularity
+/// it is s³ for kernels that grow as 1/s or 1/s², so that s comes out and a rule for s f(s) takes a point less.
 pub(super) fn sauter_schwab(contact: Contact, n: usize) -> Vec<PairNode> {
     let line = unit_gauss(n);
+    let away = unit_gauss_jacobi(n - 1);
     let mut rule = Vec::new();
     // Points of the reference triangle 0 < x2 < x1 < 1 with vertices (0, 0), (1, 0), (1, 1).
     let barycentric = |[x1, x2]: [f64; 2]| [1.0 - x1, x1 - x2, x2];
-    for &(s, ws) in &line {
+    for &(s, ws) in &away {
         for &(a, wa) in &line {
             for &(b, wb) in &line {
                 for &(c, wc) in &line {
-                    let w = ws * wa * wb * wc * s.powi(3);
+                    let w = ws * wa * wb * wc * s.powi(2);
                     let mut push = |x: [f64; 2], y: [f64; 2], factor: f64| {
                         let scaled = |p: [f64; 2]| barycentric([s * p[0], s * p[1]]);
                         rule.push((scaled(x), scaled(y), w * factor));
@@ -186,7 +210,7 @@ mod tests {
     #[test]
     fn triangle_rules_integrate_to_their_degree() {
         let factorial = |n: i32| (1..=n).map(f64::from).product::<f64>();
-        for (points, degree) in [(3, 2), (7, 5), (12, 6)] {
+        for (points, degree) in [(3, 2), (7, 5), (12, 6), (16, 8)] {
             let rule = triangle(points);
             assert_eq!(rule.len(), points);
             for a in 0..=degree {

@@ -231,14 +231,20 @@ impl Operators {
         let modes = patterns[0].nrows();
         let mut local = Vec::new();
         let to_nodes = |buffer: &Buffer, local: &mut Vec<f32>| {
-            local.resize(2 * buffer.rows * f.nodes.len(), 0.0);
-            let rows = buffer.data.chunks_exact(buffer.columns);
-            for (to, from) in local.chunks_exact_mut(f.nodes.len()).zip(rows) {
-                for (to, &column) in to.iter_mut().zip(&f.first_column) {
-                    *to = from[column];
-                }
-                for &(node, column) in &f.more_columns {
-                    to[node] += from[column];
+            local.clear();
+            for rows in buffer.data.chunks_exact(2 * buffer.columns) {
+                let (first, second) = rows.split_at(buffer.columns);
+                let start = local.len();
+                local.resize(start + 2 * f.nodes.len(), 0.0);
+                let (to_first, to_second) = local[start..].split_at_mut(f.nodes.len());
+                let mut begin = 0;
+                for ((to_first, to_second), &end) in to_first.iter_mut().zip(to_second).zip(&f.columns_end) {
+                    let (mut of_first, mut of_second) = (0.0, 0.0);
+                    for &column in &f.columns[begin..end] {
+                        of_first += first[column];
+                        of_second += second[column];
+                    }
+                    (*to_first, *to_second, begin) = (of_first, of_second, end);
                 }
             }
         };

@@ -5,6 +5,7 @@ use super::noise::ExhaustNoise;
 use super::receiver::{Floor, Outlet, Paths};
 use crate::air::Air;
 use crate::error::{AcousticsError, positive};
+use crate::random::uniform;
 use crate::sound::over_time;
 use nalgebra::Complex;
 use rustfft::FftPlanner;
@@ -121,14 +122,7 @@ impl ExhaustNoise {
     }
 }
 
-/// A phase in \[0, 2 pi) for a bin of a frame: the finaliser of SplitMix64 (Steele, Lea and Flood 2014) over the three.
+/// A phase in \[0, 2 pi) for a bin of a frame.
 fn phase(seed: u64, frame: usize, bin: usize) -> f64 {
-    let mix = |state: u64| {
-        let z = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    };
-    let bits = mix(mix(mix(seed).wrapping_add(frame as u64)).wrapping_add(bin as u64));
-    2.0 * PI * (bits >> 11) as f64 / (1_u64 << 53) as f64
+    2.0 * PI * uniform(seed, frame as u64, bin as u64)
 }

@@ -7,9 +7,9 @@ use crate::bem::symmetry::Image;
 use nailnoise_meshes::FaceKind;
 use std::collections::HashMap;
 
-/// Gauss points a direction for pairs that touch.
+/// Gauss points a direction for pairs that touch, but one less away from the singularity.
 const SINGULAR_ORDER: usize = 4;
-/// Distance of two panels' centres, as a multiple of the sum of their radii, above which the rules of 3, 7, 12 and 25
+/// Distance of two panels' centres, as a multiple of the sum of their radii, above which the rules of 3, 7, 12 and 16
 /// points (2 x 2, 3 x 3, 4 x 4 and 5 x 5 on quadrilaterals) are taken; closer panels are divided.
 pub(super) const RATIOS: [f64; 4] = [2.1, 1.6, 1.2, 0.8];
 

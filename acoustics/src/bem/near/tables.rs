@@ -50,7 +50,7 @@ pub(super) fn whole(kind: FaceKind, level: usize) -> Vec<Node> {
         (3, 0) => rules::triangle(3),
         (3, 1) => rules::triangle(7),
         (3, 2) => rules::triangle(12),
-        (3, _) => rules::collapsed(5),
+        (3, _) => rules::triangle(16),
         (_, level) => rules::square(level + 2),
     }
 }
