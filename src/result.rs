@@ -125,6 +125,12 @@ pub struct Uncertainty {
     pub basis: String,
 }
 
+/// A bound of [`Uncertainty`] as it is printed, to a tenth and never to nothing: `-4.0`; `open` where there is none.
+pub(crate) fn bound(sign: char, bound: Option<f64>, open: &str) -> String {
+    let printed = |bound: f64| if bound == 0.0 { 0.0 } else { bound.abs().max(0.1) };
+    bound.map_or_else(|| open.to_owned(), |bound| format!("{sign}{:.1}", printed(bound)))
+}
+
 /// Power of a vibrating surface by boundary elements or, in sand, by Rayleigh's integral, evaluated twice, beside that of
 /// radiation efficiency 1.
 #[derive(Debug, Clone, Serialize, Deserialize)]

@@ -14,7 +14,7 @@ use crate::error::Error;
 use crate::output;
 use crate::pipeline::Observer as _;
 use crate::report;
-use crate::result::Check;
+use crate::result::{Check, bound};
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -158,8 +158,7 @@ fn text(comparison: &Comparison, bands: bool, intervals: bool) -> String {
     }
     text.push_str("\nhow far each method may be off, dB (open where it gives no bound)\n\n");
     let bands_of = |row: &crate::comparison::SourceRow| {
-        let bound =
-            |sign: char, bound: &Option<f64>| bound.map_or_else(|| "open".to_owned(), |db| format!("{sign}{db:.1}"));
+        let bound = |sign: char, of: &Option<f64>| bound(sign, *of, "open");
         let of_each = row
             .uncertainty_db
             .iter()

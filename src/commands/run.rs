@@ -10,7 +10,7 @@ use crate::bundle::deliver;
 use crate::error::Error;
 use crate::output;
 use crate::pipeline::{self, Observer, Run};
-use crate::result::{Component, Coupling, RunResult, Uncertainty};
+use crate::result::{Component, Coupling, RunResult, Uncertainty, bound};
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -75,12 +75,9 @@ pub(super) fn words(run: &Run) -> [String; 2] {
 
 /// How far a method may be off, below and above the level: `-4.0 +4.0`; a question mark where it gives no bound.
 fn band(uncertainty: &Uncertainty) -> String {
-    let side = |sign: char, bound: Option<f64>| {
-        bound.map_or_else(|| format!("{sign}?"), |bound| format!("{sign}{:.1}", bound.abs()))
-    };
     match (uncertainty.minus, uncertainty.plus) {
         (None, None) => "not stated".to_owned(),
-        (minus, plus) => format!("{} {}", side('-', minus), side('+', plus)),
+        (minus, plus) => format!("{} {}", bound('-', minus, "-?"), bound('+', plus, "+?")),
     }
 }
 

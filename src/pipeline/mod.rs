@@ -33,6 +33,7 @@ mod tool_loads;
 mod tool_radiator;
 mod vibration;
 
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use nailnoise_acoustics::radiation::ModalSpectra;
@@ -126,6 +127,23 @@ impl<'a> Watched<'a> {
         let value = work(&|done, of| tell(done, of, false));
         tell(0, 0, true);
         value
+    }
+
+    /// The same for a task whose items end one by one: `work` is given what is to be called after each, `expected` is how
+    /// many there are, as far as is known.
+    pub(crate) fn counting_each<T>(
+        &self,
+        task: (&'static str, &'static str),
+        expected: u64,
+        work: impl FnOnce(&(dyn Fn() + Sync)) -> T,
+    ) -> T {
+        let done = AtomicU64::new(0);
+        self.counting(task, |tell| {
+            work(&|| {
+                let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+                tell(done, if expected > 0 { done.max(expected) } else { 0 });
+            })
+        })
     }
 
     fn stage(&self, name: &str) {

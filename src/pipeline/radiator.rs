@@ -1,7 +1,5 @@
 //! Radiation of the workpiece with its support per unit of modal motion, before the motion is known.
 
-use std::sync::atomic::{AtomicU64, Ordering};
-
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{
     Boundary, BoundaryMesh, Exterior, Level, ModalBem, MovingPart, Receivers, Side, SolidBox,
@@ -9,12 +7,13 @@ use nailnoise_acoustics::bem::{
 use nailnoise_acoustics::radiation::{
     AbsorbingSand, Archive, Erp, ModalRadiation, Rayleigh, SampledRadiation, Sampling, SurfaceEvaluations,
 };
+use nailnoise_acoustics::sound::SoundAbovePlane;
 use nalgebra::Point3;
 
+use super::Watched;
 use super::bodies::{Body, Structure};
 use super::microphones;
 use super::radiation::{moving_sand, radiating};
-use super::{Tell, Watched};
 use crate::cache::{Cache, Key};
 use crate::design::{Design, RadiationMethod, SupportKind, WorktablePreset};
 use crate::error::Error;
@@ -71,6 +70,8 @@ pub(super) struct Flush {
     pub(super) waves: SampledRadiation,
     /// Its radiation by the intensity on the surface, in the middle of bands.
     pub(super) surface: SurfaceEvaluations,
+    /// What the microphones hear of it.
+    pub(super) heard: SoundAbovePlane,
     /// Its equivalent radiated power.
     pub(super) erp: Erp,
 }
@@ -155,10 +156,11 @@ fn flush_top(design: &Design, body: &Body, air: &Air, cache: &Cache, watched: &W
         range_hz: [LOWEST_SAMPLE.min(0.5 * top), top],
         ..Sampling::default()
     };
+    let places = microphones::positions(design);
     let points: Vec<[f64; 3]> = surface.points().iter().map(|p| [p.x, p.y, p.z]).collect();
     let normals: Vec<[f64; 3]> = surface.normals().iter().map(|n| [n.x, n.y, n.z]).collect();
     let key = Key::new()
-        .with(&format!("{air:?} {absorbing:?} {moving:?} {sampling:?}"))
+        .with(&format!("{air:?} {absorbing:?} {moving:?} {sampling:?} {places:?}"))
         .with(&points)
         .with(&normals)
         .with(surface.weights())
@@ -166,20 +168,21 @@ fn flush_top(design: &Design, body: &Body, air: &Air, cache: &Cache, watched: &W
         .with(surface.patch_names())
         .with(surface.normal_modes().as_slice());
     let read = |bytes: &[u8]| Ok::<_, Error>(Archive::from_bytes(bytes)?);
-    let (waves, surface_evaluations) = cache.decoded_or("radiation of the workpiece in sand", &key, read, || {
-        let rayleigh = flush_surface(design, body, air)?;
-        let twice = SurfaceEvaluations::new(&rayleigh, top);
-        let sample = |tell: Tell<'_>| {
-            let sampled = AtomicU64::new(0);
-            let one_more = || tell(sampled.fetch_add(1, Ordering::Relaxed) + 1, 0);
-            rayleigh.sampled_telling(&sampling, &one_more)
-        };
-        let sampled = watched.counting(("Rayleigh's integral", "frequencies"), sample)?;
-        Ok((sampled.with_roots(), twice).to_bytes())
-    })?;
+    let ((waves, surface_evaluations), heard) =
+        cache.decoded_or("radiation of the workpiece in sand", &key, read, || {
+            let rayleigh = flush_surface(design, body, air)?;
+            let twice = SurfaceEvaluations::new(&rayleigh, top);
+            let sampled = watched.counting_each(("Rayleigh's integral", "frequencies"), 0, |one_more| {
+                rayleigh.sampled_telling(&sampling, one_more)
+            })?;
+            let middle = Point3::new(0.0, 0.0, design.workpiece.thickness);
+            let heard = SoundAbovePlane::new(&rayleigh, &sampled, &places, middle)?;
+            Ok(((sampled.with_roots(), twice), heard).to_bytes())
+        })?;
     Ok(Flush {
         waves,
         surface: surface_evaluations,
+        heard,
         erp: Erp::new(&surface, air),
     })
 }
@@ -242,15 +245,9 @@ fn standing_bem(
             origin: Point3::origin(),
         };
         let expected: f64 = expected(&levels, low).iter().sum::<f64>() + ModalBem::IN_MEAN as f64;
-        let solve = |tell: Tell<'_>| {
-            let solved = AtomicU64::new(0);
-            let one_more = || {
-                let solved = solved.fetch_add(1, Ordering::Relaxed) + 1;
-                tell(solved, solved.max(expected as u64));
-            };
-            ModalBem::with_receivers_telling(levels, &sampling, &receivers, &one_more)
-        };
-        let bem = watched.counting(("boundary elements", "frequencies"), solve)?;
+        let bem = watched.counting_each(("boundary elements", "frequencies"), expected as u64, |one_more| {
+            ModalBem::with_receivers_telling(levels, &sampling, &receivers, one_more)
+        })?;
         Ok::<_, Error>(bem.to_bytes())
     })?;
     Ok(Radiator::Bem(Box::new(bem.in_air(&computed, air))))

@@ -8,19 +8,17 @@
 //! many frequencies and cancel in every band that is wider; what it reflects to a microphone is that of the microphone's
 //! image.
 
-use std::sync::atomic::{AtomicU64, Ordering};
-
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior, Level, ModalBem, Parity, Patterns, Receivers};
 use nailnoise_acoustics::radiation::{Archive, Sampling};
 use nalgebra::{Point3, Vector3};
 
+use super::Watched;
 use super::bodies::Body;
 use super::microphones::{positions, reflecting_plane, tool_height};
 use super::outside::open_air_above;
 use super::radiator::{FLOOR, LOWEST_SAMPLE, MOST_SAMPLES, with_skin};
-use super::{Tell, Watched};
-use crate::cache::{Bytes, Cache, Key};
+use crate::cache::{Cache, Key};
 use crate::design::{Design, RadiationMethod};
 use crate::error::Error;
 
@@ -51,7 +49,9 @@ pub(super) fn tool_radiator(
     let receivers = receivers(design);
     // Once for every air: the matrix depends on the wavelength.
     let computed = Air::default();
-    let kept: Bytes = cache.get_or(STAGE, key(design, body, &open, &receivers, &computed), || {
+    let key = key(design, body, &open, &receivers, &computed);
+    let read = |bytes: &[u8]| Ok::<_, Error>(ModalBem::from_bytes(bytes)?);
+    let bem = cache.decoded_or(STAGE, &key, read, || {
         let level = level(design, body, &computed)?;
         watched.note(&format!(
             "tool: boundary elements up to {:.0} Hz, computed once for this body; {}",
@@ -68,15 +68,13 @@ pub(super) fn tool_radiator(
             floor: FLOOR,
             most_samples: MOST_SAMPLES,
         };
-        let solve = |tell: Tell<'_>| {
-            let solved = AtomicU64::new(0);
-            let one_more = || tell(solved.fetch_add(1, Ordering::Relaxed) + 1, 0);
-            ModalBem::with_receivers_telling(vec![level], &sampling, &receivers, &one_more)
-        };
-        let bem = watched.counting(("boundary elements of the tool", "frequencies"), solve)?;
-        Ok::<_, Error>(Bytes(bem.to_bytes()))
+        let task = ("boundary elements of the tool", "frequencies");
+        let bem = watched.counting_each(task, 0, |one_more| {
+            ModalBem::with_receivers_telling(vec![level], &sampling, &receivers, one_more)
+        })?;
+        Ok::<_, Error>(bem.to_bytes())
     })?;
-    Ok(Some(ModalBem::from_bytes(&kept.0)?.in_air(&computed, air)))
+    Ok(Some(bem.in_air(&computed, air)))
 }
 
 /// The microphones in the tool's coordinates; where the plane that reflects is no part of the equations, their images in it

@@ -282,7 +282,6 @@ pub(super) fn moved(
         .max(record.sample_interval * record.len() as f64);
     let heard = timing.time("bodies at the microphones", || {
         let inputs = microphones::Inputs {
-            structure: &structure,
             radiator: &radiator,
             spectra: &spectra,
             record: &record,

@@ -8,6 +8,7 @@ use super::levels::{highest, range};
 use super::page::{Page, Section};
 use super::tables::{decibels, plain};
 use crate::comparison::{Comparison, Labelled, Levels, SourceRow, ValueRow};
+use crate::result::bound;
 
 /// Levels shown below the highest \[dB\].
 const SHOWN: f64 = 50.0;
@@ -152,7 +153,7 @@ fn labelled(c: &Comparison, row: &SourceRow, kind: &str, own: &[Labelled]) -> Op
 }
 
 fn levels(c: &Comparison) -> Markup {
-    let bound = |sign: char, bound: Option<f64>| bound.map_or_else(|| "open".to_owned(), |db| format!("{sign}{db:.1}"));
+    let bound = |sign: char, of: Option<f64>| bound(sign, of, "open");
     let rows: Vec<(&str, &Levels, Option<&SourceRow>)> = c
         .sources
         .iter()

@@ -5,7 +5,7 @@ use nailnoise_dynamics::CycleRecord;
 use serde_json::Value;
 
 use crate::output::EVENT_NAMES;
-use crate::result::{RankedSource, RunResult, Uncertainty};
+use crate::result::{RankedSource, RunResult, Uncertainty, bound};
 
 /// Keys of a ranked source that the report shows in a form of their own.
 pub(super) const SOURCE: [&str; 11] = [
@@ -32,9 +32,7 @@ pub(super) fn decibels(level: Option<f64>) -> String {
 
 /// How far a method may be off.
 fn band(uncertainty: &Uncertainty) -> String {
-    let side = |sign: char, bound: Option<f64>| {
-        bound.map_or_else(|| "open".to_owned(), |bound| format!("{sign}{:.1}", bound.abs()))
-    };
+    let side = |sign: char, of: Option<f64>| bound(sign, of, "open");
     format!(
         "{} / {}",
         side('\u{2212}', uncertainty.minus),

@@ -125,29 +125,12 @@ impl HeardModes {
 impl Archive for HeardParity {
     fn write(&self, to: &mut ArchiveWriter) {
         to.count(self.0.len());
-        for range in &self.0 {
-            to.count(range.len());
-            for sample in range {
-                sample.map(|z| z.re).write(to);
-                sample.map(|z| z.im).write(to);
-            }
-        }
+        self.0.iter().for_each(|range| to.list(range));
     }
 
     fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
-        let mut ranges = Vec::new();
-        for _ in 0..from.count()? {
-            let mut samples = Vec::new();
-            for _ in 0..from.count()? {
-                let (re, im) = (DMatrix::<f64>::read(from)?, DMatrix::<f64>::read(from)?);
-                if re.shape() != im.shape() {
-                    return Err(from.damaged());
-                }
-                samples.push(re.zip_map(&im, Complex::new));
-            }
-            ranges.push(samples);
-        }
-        Ok(Self(ranges))
+        let ranges = from.count()?;
+        Ok(Self((0..ranges).map(|_| from.list()).collect::<Result<_, _>>()?))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::resistance::Resistance;
 use crate::error::AcousticsError;
-use nalgebra::DMatrix;
+use nalgebra::{Complex, DMatrix};
 
 /// What can be kept in a file and read back exactly.
 pub trait Archive: Sized {
@@ -192,6 +192,22 @@ impl<A: Archive, B: Archive> Archive for (A, B) {
 
     fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
         Ok((A::read(from)?, B::read(from)?))
+    }
+}
+
+impl Archive for DMatrix<Complex<f64>> {
+    fn write(&self, to: &mut ArchiveWriter) {
+        self.map(|z| z.re).write(to);
+        self.map(|z| z.im).write(to);
+    }
+
+    fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
+        let (re, im) = (DMatrix::<f64>::read(from)?, DMatrix::<f64>::read(from)?);
+        if re.shape() == im.shape() {
+            Ok(re.zip_map(&im, Complex::new))
+        } else {
+            Err(from.damaged())
+        }
     }
 }
 

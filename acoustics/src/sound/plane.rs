@@ -1,5 +1,5 @@
 use crate::error::AcousticsError;
-use crate::radiation::{Rayleigh, SampledRadiation};
+use crate::radiation::{Archive, ArchiveReader, ArchiveWriter, Rayleigh, SampledRadiation};
 use nalgebra::{Complex, DMatrix, Point3};
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -71,5 +71,33 @@ impl SoundAbovePlane {
             }
         }
         pressures
+    }
+}
+
+impl Archive for SoundAbovePlane {
+    fn write(&self, to: &mut ArchiveWriter) {
+        to.list(&self.samples);
+        to.count(self.distances.len());
+        to.numbers(&self.distances);
+        to.numbers(&[self.sound_speed, self.error]);
+    }
+
+    fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
+        let samples: Vec<DMatrix<Complex<f64>>> = from.list()?;
+        let mut distances = Vec::new();
+        for _ in 0..from.count()? {
+            let [distance] = from.numbers()?;
+            distances.push(distance);
+        }
+        let [sound_speed, error] = from.numbers()?;
+        if samples.iter().any(|sample| sample.nrows() != distances.len()) {
+            return Err(from.damaged());
+        }
+        Ok(Self {
+            samples,
+            distances,
+            sound_speed,
+            error,
+        })
     }
 }

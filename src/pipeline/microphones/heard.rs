@@ -7,8 +7,8 @@ use nailnoise_acoustics::bem::ModalBem;
 use nailnoise_acoustics::exhaust::{Floor, Outlet, Recording};
 use nailnoise_acoustics::fourier::{Transform, TransformSettings};
 use nailnoise_acoustics::levels::{PowerSignals, SourceSpectrum};
-use nailnoise_acoustics::radiation::{ModalSpectra, SampledRadiation};
-use nailnoise_acoustics::sound::{SoundAbovePlane, over_time, shaken_sphere_pressure, spread_evenly};
+use nailnoise_acoustics::radiation::ModalSpectra;
+use nailnoise_acoustics::sound::{over_time, shaken_sphere_pressure, spread_evenly};
 use nailnoise_dynamics::CycleRecord;
 use nalgebra::{Complex, DMatrix, Point3, Vector3};
 use rayon::prelude::*;
@@ -18,7 +18,7 @@ use crate::design::Design;
 use crate::error::Error;
 use crate::pipeline::exhaust::Exhaust;
 use crate::pipeline::radiation::side_by_side;
-use crate::pipeline::radiator::{Radiator, flush_surface};
+use crate::pipeline::radiator::{Flush, Radiator};
 use crate::pipeline::sound::Sound;
 
 /// Azimuths of the exhaust's jets: enough that the mean over them is that over all.
@@ -102,7 +102,7 @@ impl Scene<'_> {
     pub(super) fn workpiece<'a>(&self, inputs: &Inputs<'a>) -> Result<Heard<'a>, Error> {
         match inputs.radiator {
             Radiator::Bem(bem) => self.standing(bem, inputs.spectra, &inputs.workpiece.spectrum),
-            Radiator::Rayleigh(flush) => self.flush(inputs, &flush.waves),
+            Radiator::Rayleigh(flush) => self.flush(inputs, flush),
             Radiator::Erp(_) => self.evenly(inputs.workpiece),
         }
     }
@@ -154,12 +154,9 @@ impl Scene<'_> {
     }
 
     /// The block's top and the sand around it, in an infinite plane.
-    fn flush<'a>(&self, inputs: &Inputs<'a>, sampled: &SampledRadiation) -> Result<Heard<'a>, Error> {
-        let surface = flush_surface(self.design, &inputs.structure.workpiece, self.air)?;
-        let middle = Point3::new(0.0, 0.0, self.design.workpiece.thickness);
-        let sound = SoundAbovePlane::new(&surface, sampled, &self.places, middle)?;
-        let spectra = &inputs.spectra[0];
-        let pressures = sound.pressures(sampled, &spectra.frequency, &spectra.accelerations);
+    fn flush<'a>(&self, inputs: &Inputs<'a>, flush: &Flush) -> Result<Heard<'a>, Error> {
+        let (sound, spectra) = (&flush.heard, &inputs.spectra[0]);
+        let pressures = sound.pressures(&flush.waves, &spectra.frequency, &spectra.accelerations);
         let (part, signals) = self.of_pressures(&spectra.frequency, &pressures);
         Ok(Heard {
             radiated: &inputs.workpiece.spectrum,

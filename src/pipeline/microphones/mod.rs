@@ -12,7 +12,6 @@ use nailnoise_dynamics::CycleRecord;
 use nalgebra::Point3;
 
 use super::Tool;
-use super::bodies::Structure;
 use super::exhaust::Exhaust;
 use super::radiator::{Radiator, floor};
 use super::sound::Sound;
@@ -49,7 +48,6 @@ pub struct Microphones {
 
 /// What is there to be heard.
 pub(super) struct Inputs<'a> {
-    pub(super) structure: &'a Structure,
     pub(super) radiator: &'a Radiator,
     pub(super) spectra: &'a [ModalSpectra],
     pub(super) record: &'a CycleRecord,
