@@ -18,7 +18,7 @@ const CHANGES: [(&str, &str); 5] = [
     ("supply pressure", "supply.pressure = \"90 psig\""),
 ];
 
-/// A muffler by its measured loss, which does not act on the flow.
+/// A muffler by its measured loss; the area of its end acts on the flow, so that it is another shot.
 const MUFFLER: &str = "exhaust.muffler.kind = \"insertion_loss\"\nexhaust.muffler.octaves.hz_4000 = 10";
 
 fn main() -> Result<(), Box<dyn Error>> {
