@@ -69,6 +69,10 @@ fn lead(c: &Comparison) -> Markup {
             }
         }
         p.quiet { "L" sub { "WA,1s" } " re 1 pW s: A-weighted sound energy of one shot; changes are from the first design." }
+        p.quiet {
+            "Absolute levels are predictions that have not been compared with a measurement; differences between designs of \
+             one tool are worth more than levels."
+        }
     }
 }
 
@@ -175,7 +179,7 @@ fn levels(c: &Comparison) -> Markup {
                 @for db in levels.change_db.iter().skip(1) { td.n { (change(*db)) } }
             } } }
         } }
-        p.quiet { "Behind each level the band of its method, dB; open where it gives no bound." }
+        p.quiet { "Behind each level the band of its method alone, dB; open where it gives no bound. No uncertainty of the design's values is in it." }
         @for row in &c.sources {
             @let methods: Vec<&str> = row.methods.iter().flatten().map(String::as_str).collect();
             @if methods.windows(2).any(|pair| pair[0] != pair[1]) {
