@@ -1,7 +1,7 @@
 use super::archive::{Archive, ArchiveReader, ArchiveWriter};
 use super::packed::{Motions, Packed};
 use super::products::forms;
-use super::resistance::{ModalRadiation, Resistance};
+use super::resistance::{ModalRadiation, Resistance, sparse_form};
 use super::roots::{apply, hermitian_root};
 use super::surface::RadiatingSurface;
 use crate::air::Air;
@@ -119,8 +119,7 @@ impl ModalRadiation for Erp {
     fn sparse_forms(&self, motions: &[(f64, Vec<(usize, f64)>)]) -> Vec<f64> {
         let form = |(_, v): &(f64, Vec<(usize, f64)>)| {
             let entry = |i: usize, j: usize| self.resistances.iter().map(|r| r[(i, j)]).sum::<f64>();
-            let row = |&(i, a): &(usize, f64)| a * v.iter().map(|&(j, b)| entry(i, j) * b).sum::<f64>();
-            v.iter().map(row).sum()
+            sparse_form(v, entry)
         };
         motions.iter().map(form).collect()
     }

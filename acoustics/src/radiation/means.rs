@@ -1,7 +1,7 @@
 //! Resistances in the mean over neighbouring frequencies.
 
 use super::archive::{Archive, ArchiveReader, ArchiveWriter};
-use super::resistance::Resistance;
+use super::resistance::{Resistance, sparse_form};
 use super::roots::{apply, hermitian_root};
 use crate::error::AcousticsError;
 use nalgebra::{Complex, DMatrix};
@@ -73,8 +73,7 @@ impl Means {
     pub(crate) fn sparse_form(&self, hz: f64, v: &[(usize, f64)]) -> f64 {
         let of_node = |(node, weight): (usize, f64)| {
             let entry = |i: usize, j: usize| self.patches[node].iter().map(|r| r.real[(i, j)]).sum::<f64>();
-            let row = |&(i, a): &(usize, f64)| a * v.iter().map(|&(j, b)| entry(i, j) * b).sum::<f64>();
-            weight * v.iter().map(row).sum::<f64>()
+            weight * sparse_form(v, entry)
         };
         self.weights(hz).map(of_node).sum()
     }

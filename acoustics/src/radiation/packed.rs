@@ -81,11 +81,17 @@ impl Packed {
 
     /// `factor` times the sum of all matrices.
     pub(super) fn sum(&self, factor: f64) -> Resistance {
-        let mut sums = vec![0.0f64; self.stride()];
+        let sums = self.summed();
+        self.unpacked(|at| factor * sums[at])
+    }
+
+    /// The sum of all rows.
+    fn summed(&self) -> Vec<f64> {
+        let mut sums = vec![0.0; self.stride()];
         for row in self.rows() {
             sums.iter_mut().zip(row).for_each(|(sum, v)| *sum += f64::from(*v));
         }
-        self.unpacked(|at| factor * sums[at])
+        sums
     }
 
     fn unpacked(&self, value: impl Fn(usize) -> f64) -> Resistance {
@@ -111,11 +117,7 @@ impl Packed {
 
     /// The sum of all matrices as one row.
     pub(super) fn sum_row(&self) -> Vec<f32> {
-        let mut sums = vec![0.0f64; self.stride()];
-        for row in self.rows() {
-            sums.iter_mut().zip(row).for_each(|(sum, v)| *sum += f64::from(*v));
-        }
-        sums.into_iter().map(|v| v as f32).collect()
+        self.summed().into_iter().map(|v| v as f32).collect()
     }
 
     /// Diagonal of the sum of all matrices.

@@ -68,6 +68,12 @@ impl Resistance {
     }
 }
 
+/// v^T R v by the entries of a real R, for those of v that are not zero.
+pub(super) fn sparse_form(v: &[(usize, f64)], entry: impl Fn(usize, usize) -> f64) -> f64 {
+    let row = |&(i, a): &(usize, f64)| a * v.iter().map(|&(j, b)| entry(i, j) * b).sum::<f64>();
+    v.iter().map(row).sum()
+}
+
 fn add_scaled(to: &mut DMatrix<f64>, factor: f64, from: &DMatrix<f64>) {
     to.iter_mut().zip(from.iter()).for_each(|(a, b)| *a += factor * b);
 }
