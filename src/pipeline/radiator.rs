@@ -10,7 +10,7 @@ use nalgebra::Point3;
 
 use super::Watched;
 use super::bodies::{Body, Structure};
-use super::microphones::{self, reflecting_plane};
+use super::microphones;
 use super::radiation::{moving_sand, radiating};
 use super::standing::standing;
 use crate::cache::{Cache, Key};
@@ -172,10 +172,11 @@ pub(super) fn absorbing_sand(design: &Design) -> AbsorbingSand {
 /// ERP of block and table, or of a block alone. Where they face each other, under the table's feet and at welds, no sound gets out.
 fn standing_erp(design: &Design, structure: &Structure, air: &Air) -> Result<Radiator, Error> {
     let half = [0.5 * design.workpiece.length, 0.5 * design.workpiece.width];
+    // A gap sounds, be it ever so narrow.
+    let hung = design.support.kind == SupportKind::Springs && design.support.clearance > 0.0;
     let of_body = |body: &Body| {
         let hidden = |patch: &str, p: &Point3<f64>| match patch {
-            // A gap sounds, be it ever so narrow.
-            "bottom" => body.name != "workpiece" || reflecting_plane(design) >= 0.0,
+            "bottom" => body.name != "workpiece" || !hung,
             "floor" => true,
             _ if patch.ends_with("_slave") => true, // tied to another face
             "top" => body.name == "worktable" && p.x.abs() < half[0] && p.y.abs() < half[1],

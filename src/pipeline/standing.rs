@@ -28,9 +28,6 @@ const RANGES: [f64; 4] = [0.16, 0.4, 0.65, 1.0];
 /// Longest side of a panel over the largest extent of the body: at low frequencies the shape asks for as much as the wave.
 const COARSEST: f64 = 1.0 / 16.0;
 
-/// Longest side of a panel over the height of the gap between underside and floor.
-const IN_GAP: f64 = 1.0;
-
 /// Highest underside of a hung block whose floor is part of the equations \[m\]. The floor at the height h changes the
 /// power by about sin(2 k h)/(2 k h), a ripple every c/2h that asks for twice as many frequencies at twice the height and
 /// cancels in every band that is wider; what a farther one reflects to a microphone is what the microphone's image hears.
@@ -284,13 +281,11 @@ fn of_boxes(design: &Design, structure: &Structure, air: &Air, share: f64) -> Re
         _ => 5,
     };
     let top_hz = share * a.bem_top;
-    let gap = floor.map(|floor| -floor).filter(|gap| !on_table && *gap > 0.0);
-    let edge = (computed.sound_speed / (a.bem_panels * top_hz))
-        .min(COARSEST * largest_extent(&boxes))
-        .min(IN_GAP * gap.unwrap_or(f64::INFINITY));
+    let edge = (computed.sound_speed / (a.bem_panels * top_hz)).min(COARSEST * largest_extent(&boxes));
     let mirrors = [Some(0.0); 2];
-    // A floor at a distance needs no line of the grid.
-    let planes = [mirrors[0], mirrors[1], floor.filter(|_| gap.is_none())];
+    // A floor below the body needs no line of the grid.
+    let lowest = boxes.iter().map(|b| b.low[2]).fold(f64::INFINITY, f64::min);
+    let planes = [mirrors[0], mirrors[1], floor.filter(|floor| *floor >= lowest)];
     let names = names.iter().map(|&name| name.to_owned()).collect();
     let mesh = BoundaryMesh::of_boxes(&boxes, planes, edge, names, patch)?;
     let boundary = Boundary::symmetric(mesh, mirrors, floor)?;
@@ -325,4 +320,154 @@ fn of_skin(design: &Design, body: &Body, air: &Air) -> Result<Level, Error> {
         top_hz: resolved.min(a.bem_top) * (air.sound_speed / computed.sound_speed),
         patterns: vec![patterns],
     })
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use std::f64::consts::{PI, TAU};
+
+    use nailnoise_acoustics::bem::TwoEvaluations;
+    use nalgebra::{DMatrix, Vector3};
+
+    use super::super::bodies::{contact_grid, workpiece};
+    use super::*;
+
+    /// The coarse design with boundary elements to 400 Hz and something changed.
+    fn small(text: &str) -> Design {
+        let text = format!("base = \"small-bem.toml\"\nnail.length = \"20 mm\"\n{text}\n");
+        Design::parse(&text, concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/over.toml")).unwrap()
+    }
+
+    /// Text of a block on a spring at a clearance.
+    fn hung(clearance: f64) -> String {
+        let zero = [
+            "x = 0",
+            "y = 0",
+            "z = 0",
+            "stiffness_x = 0",
+            "stiffness_y = 0",
+            "damping_x = 0",
+        ]
+        .join("\n");
+        format!(
+            "support.kind = \"springs\"\nsupport.clearance = {clearance}\n[springs.strap]\nbody = \"workpiece\"\n{zero}\n\
+             damping_y = 0\ndamping_z = 20\nradius = 0.02\nstiffness_z = 2500"
+        )
+    }
+
+    fn alone(design: &Design) -> Structure {
+        Structure {
+            workpiece: workpiece(design, &Cache::none()).unwrap(),
+            worktable: None,
+            grid: contact_grid(design),
+        }
+    }
+
+    /// Both evaluations of the resistance of a body that shakes along an axis \[kg/s\].
+    fn shaken(level: &Level, body: &Body, axis: Vector3<f64>, hz: f64) -> [f64; 2] {
+        let rigid: Vec<usize> = (0..body.omega.len()).filter(|&j| body.omega[j] == 0.0).collect();
+        assert_eq!(rigid.len(), 6);
+        let modes = body.shapes.select_columns(&rigid);
+        let motion = DMatrix::from_fn(modes.nrows(), 1, |dof, _| axis[dof % 3]);
+        let share = (modes.transpose() * &modes)
+            .cholesky()
+            .unwrap()
+            .solve(&(modes.transpose() * motion));
+        let pattern = |patterns: &Patterns| Patterns {
+            velocities: patterns.velocities.select_columns(&rigid) * &share,
+            ..patterns.clone()
+        };
+        let patterns: Vec<Patterns> = level.patterns.iter().map(pattern).collect();
+        let found = level.problem.resistance_parities(hz, &patterns).unwrap();
+        let surface = |two: &TwoEvaluations| two.patches.iter().map(|p| p[(0, 0)]).sum::<f64>();
+        [
+            found.iter().map(|two| two.far_field[(0, 0)]).sum(),
+            found.iter().map(surface).sum(),
+        ]
+    }
+
+    #[test]
+    fn a_block_on_the_floor_is_half_of_one_twice_as_high_in_free_space() {
+        let air = Air::default();
+        let of = |text: &str| {
+            let design = small(text);
+            let structure = alone(&design);
+            let finest = levels(&design, &structure, &air).unwrap().pop().unwrap();
+            move |axis, hz| shaken(&finest, &structure.workpiece, axis, hz)
+        };
+        let held = of("support.kind = \"floor\"");
+        let free = of(&format!("workpiece.thickness = \"190.5 mm\"\n{}", hung(3.0)));
+        for (axis, hz) in [(Vector3::x(), 100.0), (Vector3::x(), 400.0), (Vector3::y(), 250.0)] {
+            for (half, whole) in held(axis, hz).into_iter().zip(free(axis, hz)) {
+                assert!((2.0 * half / whole - 1.0).abs() < 1e-3, "{hz} Hz: {half} of {whole}");
+            }
+        }
+    }
+
+    /// The force that a small shaken cube puts on the air is 1.6284 rho V a: the polarizability of a cube of no
+    /// permittivity (Sihvola et al., IEEE Trans. Antennas Propag. 52, 2226 (2004)), which obeys the same equation. It
+    /// radiates as a dipole, near the floor together with its image.
+    #[test]
+    fn a_small_cube_on_springs_radiates_as_a_dipole_and_above_a_floor_with_its_image() {
+        let air = Air::default();
+        let side: f64 = 0.06;
+        let cube = format!(
+            "workpiece.length = {side}\nworkpiece.width = {side}\nworkpiece.thickness = {side}\n\
+             support.contact.points_along = 3\nsupport.contact.points_across = 3"
+        );
+        let of = |clearance: f64| {
+            let design = small(&format!("{cube}\n{}", hung(clearance)));
+            let structure = alone(&design);
+            let finest = levels(&design, &structure, &air).unwrap().pop().unwrap();
+            assert_eq!(finest.problem.boundary().floor().is_some(), clearance <= FARTHEST_FLOOR);
+            move |axis, hz| shaken(&finest, &structure.workpiece, axis, hz)
+        };
+        let [free, near] = [3.0, 0.2].map(of);
+        for hz in [50.0, 200.0] {
+            let omega = TAU * hz;
+            let force = 1.6284 * air.density * side.powi(3) * omega;
+            let dipole = omega.powi(2) * force.powi(2) / (12.0 * PI * air.density * air.sound_speed.powi(3));
+            let found = free(Vector3::z(), hz);
+            // k a = 0.11 at 200 Hz adds its square.
+            for found in found {
+                assert!((found / dipole - 1.0).abs() < 0.01, "{hz} Hz: {found} against {dipole}");
+            }
+        }
+        for hz in [100.0, 200.0, 350.0] {
+            let x = 2.0 * TAU * hz / air.sound_speed * (0.2 + 0.5 * side);
+            let image = 1.0 - 3.0 * (x.sin() / x + 2.0 * x.cos() / (x * x) - 2.0 * x.sin() / x.powi(3));
+            let found = near(Vector3::z(), hz)[0] / free(Vector3::z(), hz)[0];
+            assert!((found / image - 1.0).abs() < 0.01, "{hz} Hz: {found} against {image}");
+        }
+    }
+
+    /// A mesh that is not the block of the design's dimensions.
+    #[test]
+    fn a_block_of_another_shape_radiates_from_its_own_faces_and_is_refused_on_a_table() {
+        let air = Air::default();
+        let floor = small("support.kind = \"floor\"\nworkpiece.thickness = \"90 mm\"");
+        let structure = alone(&small("support.kind = \"floor\"\nworkpiece.thickness = \"90 mm\""));
+        let boxes = levels(&floor, &structure, &air).unwrap().pop().unwrap();
+        let longer = small("support.kind = \"floor\"\nworkpiece.thickness = \"90 mm\"\nworkpiece.length = \"410 mm\"");
+        let own = levels(&longer, &structure, &air).unwrap();
+        assert_eq!(own.len(), 1);
+        assert!(
+            own[0].problem.boundary().mended().on_floor == 0,
+            "the underside is left out before"
+        );
+        assert!(own[0].problem.boundary().stands_on_floor());
+        let names = &own[0].problem.boundary().mesh().patches;
+        assert!(names.contains(&"workpiece top".to_owned()), "{names:?}");
+        for (hz, axis) in [(100.0, Vector3::z()), (300.0, Vector3::x())] {
+            let [a, b] = [&boxes, &own[0]].map(|level| shaken(level, &structure.workpiece, axis, hz)[0]);
+            // The own faces are 60 mm wide.
+            assert!((b / a - 1.0).abs() < 0.04, "{hz} Hz: {b} against {a}");
+        }
+        let table = small("support.kind = \"worktable\"\nworkpiece.length = \"410 mm\"");
+        let error = levels(&table, &structure, &air).unwrap_err();
+        assert!(matches!(error, Error::NotBoxes { .. }), "{error}");
+        assert_eq!(error.exit_status(), 2);
+    }
 }

@@ -19,7 +19,7 @@ pub(crate) use bands::{bins_of, groups, of_bins, squares};
 pub use directions::Directions;
 pub(crate) use piece::{Piece, Rows, rows};
 pub use plane::SoundAbovePlane;
-pub use sphere::shaken_sphere_pressure;
+pub use sphere::{rigid_body_far_field, shaken_sphere_pressure};
 pub use spread::{Spread, spread_evenly};
 pub use time::over_time;
 
