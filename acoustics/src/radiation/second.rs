@@ -2,6 +2,7 @@
 
 use super::archive::{Archive, ArchiveReader, ArchiveWriter};
 use super::energy::ModalSpectra;
+use super::kernel::sinc;
 use super::rayleigh::Rayleigh;
 use super::resistance::{ModalRadiation, Resistance};
 use super::roots::image;
@@ -82,39 +83,68 @@ impl Rayleigh {
     /// the real part of the pressure on the surface times the velocity there, while [`Rayleigh::resistance`] sums the
     /// plane waves in all directions. Both take the same share off for sand that absorbs.
     pub fn surface_resistance(&self, hz: f64) -> Resistance {
-        const CHUNK: usize = 256;
         let k = 2.0 * PI * hz / self.air().sound_speed;
-        let (points, real, imaginary) = self.all_sources(hz);
-        let n = points.len();
-        let modes = real.ncols();
-        let starts: Vec<usize> = (0..n).step_by(CHUNK).collect();
-        let mut whole = Resistance::zeros(modes);
-        let mut skew = DMatrix::zeros(modes, modes);
-        for &start in &starts {
-            let rows = CHUNK.min(n - start);
-            let here = |m: &DMatrix<f64>| m.rows(start, rows).transpose();
-            // Pairs of this chunk and those after it, which count twice.
-            let kernel = DMatrix::from_fn(rows, n - start, |i, j| {
-                let (a, b) = (points[start + i], points[start + j]);
-                let kr = k * (a[0] - b[0]).hypot(a[1] - b[1]);
-                let twice = if j < rows { 1.0 } else { 2.0 };
-                twice * if kr < 1e-8 { 1.0 } else { kr.sin() / kr }
-            });
-            let on_real = &kernel * real.rows(start, n - start);
-            whole.real += here(&real) * &on_real;
-            if let Some(imaginary) = &imaginary {
-                let on_imaginary = &kernel * imaginary.rows(start, n - start);
-                whole.real += here(imaginary) * &on_imaginary;
-                skew += here(&real) * on_imaginary - here(imaginary) * on_real;
+        let (points, sources) = self.own_sources();
+        let axis = |points: &[[f64; 2]], i: usize| points.iter().map(|p| p[i]).collect::<Vec<f64>>();
+        let (x, y) = (axis(points, 0), axis(points, 1));
+        let mut real = own_pairs(k, [&x, &y], sources);
+        let mut imaginary = None;
+        if let Some((sand, following)) = self.moving_sand(hz) {
+            let places: Vec<[f64; 2]> = (0..following.len()).map(|i| sand.planar.at(i)).collect();
+            let (sand_x, sand_y) = (axis(&places, 0), axis(&places, 1));
+            // What each edge point leads, felt at the points of the surface and at those that others lead.
+            let leaders = sand.edge.nrows();
+            let mut on_surface = [0, 1].map(|_| DMatrix::<f64>::zeros(points.len(), leaders));
+            let mut on_sand = [0, 1].map(|_| DMatrix::<f64>::zeros(places.len(), leaders));
+            for (place, (leader, amplitude)) in places.iter().zip(&following) {
+                for (felt, xy) in [(&mut on_surface, [&x, &y]), (&mut on_sand, [&sand_x, &sand_y])] {
+                    let mut kernel = vec![0.0; xy[0].len()];
+                    sinc(k, *place, [xy[0], xy[1]], &mut kernel);
+                    for (felt, amplitude) in felt.iter_mut().zip([amplitude.re, amplitude.im]) {
+                        let to = felt.column_mut(*leader);
+                        to.into_iter().zip(&kernel).for_each(|(to, k)| *to += amplitude * k);
+                    }
+                }
             }
+            let mut within = DMatrix::<Complex<f64>>::zeros(leaders, leaders);
+            for (point, (leader, amplitude)) in following.iter().enumerate() {
+                for (column, to) in within.row_mut(*leader).iter_mut().enumerate() {
+                    let felt = Complex::new(on_sand[0][(point, column)], on_sand[1][(point, column)]);
+                    *to += amplitude.conj() * felt;
+                }
+            }
+            let edge = &sand.edge;
+            let across = on_surface.map(|felt| (sources.transpose() * felt) * edge);
+            real += &across[0] + across[0].transpose() + edge.transpose() * within.map(|z| z.re) * edge;
+            let skew = &across[1] - across[1].transpose() + edge.transpose() * within.map(|z| z.im) * edge;
+            imaginary = Some((&skew - skew.transpose()) * 0.5);
         }
-        let half = |m: &DMatrix<f64>, sign: f64| (m + sign * m.transpose()) * 0.5;
         Resistance {
-            real: half(&whole.real, 1.0),
-            imaginary: imaginary.is_some().then(|| half(&skew, -1.0)),
+            real: (&real + real.transpose()) * 0.5,
+            imaginary,
         }
         .scaled(self.factor(hz))
     }
+}
+
+/// Phi^T S K S Phi of the surface's own points, chunk by chunk.
+fn own_pairs(k: f64, [x, y]: [&[f64]; 2], sources: &DMatrix<f64>) -> DMatrix<f64> {
+    const CHUNK: usize = 256;
+    let n = x.len();
+    let mut result = DMatrix::zeros(sources.ncols(), sources.ncols());
+    for start in (0..n).step_by(CHUNK) {
+        let columns = CHUNK.min(n - start);
+        // Pairs of this chunk and those after it, which count twice.
+        let mut kernel = DMatrix::zeros(n - start, columns);
+        for (j, mut column) in kernel.column_iter_mut().enumerate() {
+            let from = [x[start + j], y[start + j]];
+            sinc(k, from, [&x[start..], &y[start..]], column.as_mut_slice());
+            column.rows_mut(columns, n - start - columns).scale_mut(2.0);
+        }
+        let felt = kernel.transpose() * sources.rows(start, n - start);
+        result += sources.rows(start, columns).transpose() * felt;
+    }
+    result
 }
 
 /// Rounds to single precision, in which resistances are kept in files: a result does not depend on whether they were.
