@@ -22,7 +22,7 @@ pub use directions::Directions;
 pub use flush::FlushSound;
 pub(crate) use piece::{Piece, Rows, rows};
 pub use plane::SoundAbovePlane;
-pub use sphere::shaken_sphere_pressure;
+pub use sphere::{rigid_body_far_field, shaken_sphere_pressure};
 pub use spread::{Spread, spread_evenly};
 pub use time::over_time;
 
