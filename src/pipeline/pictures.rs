@@ -126,7 +126,7 @@ fn compute(
     let mut pictures = match &radiator {
         Radiator::Bem(bem) => standing(design, air, bem, &vibration)?,
         Radiator::Rayleigh(of_top) => {
-            let radiated = radiated_energy("workpiece", &of_top.waves, &vibration.spectra[0])?;
+            let radiated = radiated_energy("workpiece", &of_top.sound.waves, &vibration.spectra[0])?;
             let energy = |band: &Band| radiated.energy([band.low, band.high], Weighting::Z);
             flush(design, air, &vibration, energy)?
         }

@@ -87,7 +87,7 @@ pub(super) fn workpiece_energy(radiator: &Radiator, spectra: &[ModalSpectra]) ->
     match radiator {
         Radiator::Bem(bem) => Ok(radiated_energy("workpiece", bem.as_ref(), &side_by_side(spectra))?),
         Radiator::Erp(bodies) => Ok(free_standing(bodies, spectra)?.spectrum),
-        Radiator::Rayleigh(flush) => Ok(radiated_energy("workpiece", &flush.waves, &spectra[0])?),
+        Radiator::Rayleigh(flush) => Ok(radiated_energy("workpiece", &flush.sound.waves, &spectra[0])?),
     }
 }
 
@@ -261,13 +261,13 @@ fn flush_top(
     damping: Option<&[Vec<f64>]>,
     spectrum: &ModalSpectra,
 ) -> Result<Sound, Error> {
-    let source = radiated_energy("workpiece", &flush.waves, spectrum)?;
-    let signals = vec![("workpiece", radiated_signals(&flush.waves, spectrum, &source)?)];
-    let ratios = flush.surface.ratios(&flush.waves, spectrum)?;
+    let source = radiated_energy("workpiece", &flush.sound.waves, spectrum)?;
+    let signals = vec![("workpiece", radiated_signals(&flush.sound.waves, spectrum, &source)?)];
+    let ratios = flush.sound.surface.ratios(&flush.sound.waves, spectrum)?;
     let erp = radiated_energy("workpiece", &flush.erp, spectrum)?;
     let mut report = flush_report(flush, &source, &ratios, &erp);
     let weights = energy_weights(&source.frequency, source.range_hz, Weighting::A);
-    let energies = mode_energies(&flush.waves, spectrum, &weights)?;
+    let energies = mode_energies(&flush.sound.waves, spectrum, &weights)?;
     report.modes = modes_of(&[&structure.workpiece], damping, &energies);
     let uncertainty = sand_band(&source, &absorbing_sand(design), spectrum.range_hz);
     Ok(Sound {

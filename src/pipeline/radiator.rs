@@ -2,10 +2,8 @@
 
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::ModalBem;
-use nailnoise_acoustics::radiation::{
-    AbsorbingSand, Archive, Erp, ModalRadiation, Rayleigh, SampledRadiation, Sampling, SurfaceEvaluations,
-};
-use nailnoise_acoustics::sound::SoundAbovePlane;
+use nailnoise_acoustics::radiation::{AbsorbingSand, Archive, Erp, ModalRadiation, Rayleigh, Sampling};
+use nailnoise_acoustics::sound::FlushSound;
 use nalgebra::Point3;
 
 use super::Watched;
@@ -38,12 +36,8 @@ pub(super) enum Radiator {
 
 /// The block's top, flush with the sand.
 pub(super) struct Flush {
-    /// Its radiation by plane waves.
-    pub(super) waves: SampledRadiation,
-    /// Its radiation by the intensity on the surface, in the middle of bands.
-    pub(super) surface: SurfaceEvaluations,
-    /// What the microphones hear of it.
-    pub(super) heard: SoundAbovePlane,
+    /// Its radiation by plane waves and by the intensity on the surface, and what the microphones hear of it.
+    pub(super) sound: FlushSound,
     /// Its equivalent radiated power.
     pub(super) erp: Erp,
 }
@@ -100,7 +94,7 @@ impl Radiator {
                     .collect()
             }
             Self::Erp(_) => structure.bodies().map(|body| vec![0.0; body.omega.len()]).collect(),
-            Self::Rayleigh(flush) => vec![of_modes(&flush.waves, &structure.workpiece.omega)],
+            Self::Rayleigh(flush) => vec![of_modes(&flush.sound.waves, &structure.workpiece.omega)],
         }
     }
 }
@@ -119,44 +113,59 @@ pub(super) fn flush_surface(design: &Design, body: &Body, air: &Air) -> Result<R
     Ok(rayleigh)
 }
 
-/// Rayleigh's integral over it.
+/// Rayleigh's integral over it: the top by itself once for every air, sand that moves along in the design's own.
 fn flush_top(design: &Design, body: &Body, air: &Air, cache: &Cache, watched: &Watched<'_>) -> Result<Flush, Error> {
     let sand = &design.support.sand;
     let surface = radiating(body, |patch, _| patch != "top")?;
     let absorbing = (sand.absorption_share > 0.0).then(|| absorbing_sand(design));
     let moving = sand.moving_surface.then(|| moving_sand(design)).transpose()?;
     let top = body.top_hz.min(design.analysis.range_high);
-    let sampling = Sampling {
-        range_hz: [LOWEST_SAMPLE.min(0.5 * top), top],
-        ..Sampling::default()
-    };
+    let standard = Air::default();
+    let apart = (air.sound_speed / standard.sound_speed).ln().abs() > FlushSound::WIDEST.ln();
+    let computed = if apart { *air } else { standard };
     let places = microphones::positions(design);
     let points: Vec<[f64; 3]> = surface.points().iter().map(|p| [p.x, p.y, p.z]).collect();
     let normals: Vec<[f64; 3]> = surface.normals().iter().map(|n| [n.x, n.y, n.z]).collect();
-    let key = Key::new()
-        .with(&format!("{air:?} {absorbing:?} {moving:?} {sampling:?} {places:?}"))
+    let of_surface = Key::new()
+        .with(&format!("{places:?}"))
         .with(&points)
         .with(&normals)
         .with(surface.weights())
         .with(surface.patch())
         .with(surface.patch_names())
         .with(surface.normal_modes().as_slice());
-    let read = |bytes: &[u8]| Ok::<_, Error>(Archive::from_bytes(bytes)?);
-    let ((waves, surface_evaluations), heard) =
-        cache.decoded_or("radiation of the workpiece in sand", &key, read, || {
-            let rayleigh = flush_surface(design, body, air)?;
-            let twice = SurfaceEvaluations::new(&rayleigh, top);
-            let sampled = watched.counting_each(("Rayleigh's integral", "frequencies"), 0, |one_more| {
-                rayleigh.sampled_telling(&sampling, one_more)
+    let middle = Point3::new(0.0, 0.0, design.workpiece.thickness);
+    let kept = |stage: &str, top: f64, of_sand: Key, rayleigh: &dyn Fn() -> Result<Rayleigh, Error>| {
+        let sampling = Sampling {
+            range_hz: [LOWEST_SAMPLE.min(0.5 * top), top],
+            ..Sampling::default()
+        };
+        let read = |bytes: &[u8]| Ok::<_, Error>(FlushSound::from_bytes(bytes)?);
+        cache.decoded_or(stage, &of_sand.with(&format!("{sampling:?}")), read, || {
+            let found = watched.counting_each(("Rayleigh's integral", "frequencies"), 0, |one_more| {
+                FlushSound::new(&rayleigh()?, &sampling, &places, middle, one_more).map_err(Error::from)
             })?;
-            let middle = Point3::new(0.0, 0.0, design.workpiece.thickness);
-            let heard = SoundAbovePlane::new(&rayleigh, &sampled, &places, middle)?;
-            Ok(((sampled.with_roots(), twice), heard).to_bytes())
-        })?;
+            Ok(found.to_bytes())
+        })
+    };
+    let alone = kept(
+        "radiation of the workpiece in a plane",
+        top * FlushSound::WIDEST,
+        of_surface.clone().with(&format!("{computed:?}")),
+        &|| Ok(Rayleigh::new(&surface, &computed)?),
+    )?;
+    let mut sound = alone.in_air(&computed, air, absorbing);
+    if let Some(moving) = moving {
+        let led = kept(
+            "radiation of the workpiece with moving sand",
+            top.min(moving.to_hz),
+            of_surface.with(&format!("{air:?} {absorbing:?} {moving:?}")),
+            &|| flush_surface(design, body, air),
+        )?;
+        sound = led.continued(sound);
+    }
     Ok(Flush {
-        waves,
-        surface: surface_evaluations,
-        heard,
+        sound,
         erp: Erp::new(&surface, air),
     })
 }

@@ -107,7 +107,7 @@ pub(super) fn flush_report(
 ) -> RadiationReport {
     let range = waves.range_hz;
     let ratio_of = |band: i32| {
-        let place = flush.surface.bands().iter().position(|own| own.index == band)?;
+        let place = flush.sound.surface.bands().iter().position(|own| own.index == band)?;
         ratios[place]
     };
     let bands = waves.band_levels(range);
@@ -126,10 +126,10 @@ pub(super) fn flush_report(
     let rows = bands.iter().zip(erp.band_levels(range));
     RadiationReport {
         // There is no other law above.
-        join_hz: [flush.waves.highest_hz(); 2],
-        solved_hz: [flush.waves.highest_hz(); 2],
-        frequencies: flush.waves.sampled_hz().len(),
-        interpolation_error: flush.waves.interpolation_error(),
+        join_hz: [flush.sound.waves.highest_hz().min(range[1]); 2],
+        solved_hz: [flush.sound.waves.highest_hz().min(range[1]); 2],
+        frequencies: flush.sound.waves.sampled_hz().len(),
+        interpolation_error: flush.sound.waves.interpolation_error(),
         surface_difference_db: (by_waves > 0.0).then(|| 10.0 * (by_surface / by_waves).log10()),
         limit_error_db: [0.0; 2],
         blend_error_db: None,

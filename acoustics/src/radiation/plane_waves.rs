@@ -54,6 +54,15 @@ impl PlanarPoints {
     }
 }
 
+/// A point that follows another, its leader.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Follower {
+    /// Number of the leader.
+    pub(crate) leader: usize,
+    /// Its velocity over the leader's, times the area it stands for \[m²\].
+    pub(crate) amplitude: Complex<f64>,
+}
+
 /// Directions with their weights; they sum to one.
 #[derive(Debug, Clone)]
 pub(crate) struct Directions {
@@ -115,24 +124,24 @@ impl Directions {
         }
     }
 
-    /// The far field of points that follow others, per unit of motion of each of those, with an amplitude and a lag: real
-    /// and imaginary part, both 2 directions x leaders. `following` has the leader of each point and what it makes of its
-    /// motion, times area.
+    /// The far field of points that follow others, per unit of motion of each of those: real and imaginary part, both
+    /// 2 directions x leaders.
     pub(crate) fn field_of_followers(
         &self,
         k: f64,
         points: &PlanarPoints,
-        following: &[(usize, Complex<f64>)],
+        followers: &[Follower],
         leaders: usize,
     ) -> [DMatrix<f64>; 2] {
         let n = 2 * self.len();
         let waves_of = self.waves(k, points);
         let mut fields = [DMatrix::zeros(n, leaders), DMatrix::zeros(n, leaders)];
         let mut wave = vec![0.0; n];
-        for (point, (leader, amplitude)) in following.iter().enumerate() {
+        for (point, follower) in followers.iter().enumerate() {
             waves_of.of(point, &mut wave);
+            let amplitude = follower.amplitude;
             for (field, amplitude) in fields.iter_mut().zip([amplitude.re, amplitude.im]) {
-                let to = &mut field.as_mut_slice()[leader * n..][..n];
+                let to = &mut field.as_mut_slice()[follower.leader * n..][..n];
                 to.iter_mut().zip(&wave).for_each(|(to, w)| *to += amplitude * w);
             }
         }

@@ -1,4 +1,4 @@
-use super::plane_waves::{Directions, PlanarPoints};
+use super::plane_waves::{Directions, Follower, PlanarPoints};
 use super::resistance::Resistance;
 use super::sampled::{SampledRadiation, Sampling};
 use super::sand::{AbsorbingSand, MovingSand, SandPatch};
@@ -116,9 +116,9 @@ impl Rayleigh {
             field
         };
         let fields: Vec<DMatrix<f64>> = self.rows.iter().map(of_rows).collect();
-        let sand = sand.map(|(sand, following)| {
+        let sand = sand.map(|(sand, followers)| {
             let leaders = sand.edge.nrows();
-            let of_sand = directions.field_of_followers(k, &sand.planar, &following, leaders);
+            let of_sand = directions.field_of_followers(k, &sand.planar, &followers, leaders);
             (of_sand, &sand.edge)
         });
         let mut forms = patch_forms(&fields, sand);
@@ -127,9 +127,9 @@ impl Rayleigh {
         forms.into_iter().map(|form| form.scaled(factor)).collect()
     }
 
-    /// The sand where it moves, and what follows what there, see [`SandPatch::following`].
-    pub(super) fn moving_sand(&self, hz: f64) -> Option<(&SandPatch, Vec<(usize, Complex<f64>)>)> {
-        self.moving.as_ref().and_then(|sand| Some((sand, sand.following(hz)?)))
+    /// The sand where it moves, and how its points follow the block's edge there.
+    pub(super) fn moving_sand(&self, hz: f64) -> Option<(&SandPatch, Vec<Follower>)> {
+        self.moving.as_ref().and_then(|sand| Some((sand, sand.followers(hz)?)))
     }
 
     /// Its own points and the modes' displacements there times area, points x modes.
@@ -154,7 +154,7 @@ impl Rayleigh {
         sampling: &Sampling,
         tell: &(dyn Fn() + Sync),
     ) -> Result<SampledRadiation, AcousticsError> {
-        let method = method(self.absorbing.is_some(), self.moving.is_some());
+        let method = Self::method(self.absorbing.is_some(), self.moving.is_some());
         let kinks = self
             .moving
             .as_ref()
@@ -165,6 +165,16 @@ impl Rayleigh {
             tell();
             resistance
         })
+    }
+
+    /// Label of the operator, with sand that absorbs or moves.
+    pub(crate) fn method(absorbing: bool, moving: bool) -> &'static str {
+        match (absorbing, moving) {
+            (false, false) => "Rayleigh",
+            (true, false) => "Rayleigh, absorbing sand",
+            (false, true) => "Rayleigh, moving sand",
+            (true, true) => "Rayleigh, absorbing and moving sand",
+        }
     }
 
     /// The air above the plane.
@@ -230,12 +240,12 @@ impl Rayleigh {
         let waves = DMatrix::from_fn(count, self.points.len(), |i, j| wave(i, self.points[j]));
         let mut real = waves.map(|z| z.re) * &self.sources;
         let mut imaginary = waves.map(|z| z.im) * &self.sources;
-        if let Some((sand, following)) = self.moving_sand(hz) {
+        if let Some((sand, followers)) = self.moving_sand(hz) {
             let mut led = DMatrix::<Complex<f64>>::zeros(count, sand.edge.nrows());
-            for (point, (leader, amplitude)) in following.into_iter().enumerate() {
+            for (point, follower) in followers.into_iter().enumerate() {
                 let at = sand.planar.at(point);
-                let column = led.column_mut(leader).into_iter().enumerate();
-                column.for_each(|(i, to)| *to += amplitude * wave(i, at));
+                let column = led.column_mut(follower.leader).into_iter().enumerate();
+                column.for_each(|(i, to)| *to += follower.amplitude * wave(i, at));
             }
             real += led.map(|z| z.re) * &sand.edge;
             imaginary += led.map(|z| z.im) * &sand.edge;
@@ -289,16 +299,6 @@ impl Rayleigh {
         let omega = 2.0 * PI * hz;
         let absorption = self.absorbing.map_or(1.0, |sand| sand.factor(hz));
         absorption * self.air.density * omega * omega / (2.0 * PI * self.air.sound_speed)
-    }
-}
-
-/// Label of the operator.
-pub(super) fn method(absorbing: bool, moving: bool) -> &'static str {
-    match (absorbing, moving) {
-        (false, false) => "Rayleigh",
-        (true, false) => "Rayleigh, absorbing sand",
-        (false, true) => "Rayleigh, moving sand",
-        (true, true) => "Rayleigh, absorbing and moving sand",
     }
 }
 

@@ -1,6 +1,6 @@
 //! Sand around a flush block: what it absorbs and what it radiates.
 
-use super::plane_waves::PlanarPoints;
+use super::plane_waves::{Follower, PlanarPoints};
 use super::quadrature::gauss_legendre;
 use crate::air::Air;
 use crate::error::{AcousticsError, positive};
@@ -226,12 +226,14 @@ fn plane_fit(block: &[[f64; 2]], displacement: &DMatrix<f64>, at: [f64; 2]) -> n
 }
 
 impl SandPatch {
-    /// Of every point, which point of the edge it follows, and its velocity over that one's, times area, at one frequency;
-    /// `None` where the sand no longer moves.
-    pub(super) fn following(&self, hz: f64) -> Option<Vec<(usize, Complex<f64>)>> {
+    /// How every point follows its point of the edge at one frequency; `None` where the sand no longer moves.
+    pub(super) fn followers(&self, hz: f64) -> Option<Vec<Follower>> {
         self.law.fade(hz)?;
-        let ratio = |p: &FollowingPoint| p.weight * self.law.carried(p.distance, self.radius, hz);
-        Some(self.points.iter().map(|p| (p.leader, ratio(p))).collect())
+        let follower = |p: &FollowingPoint| Follower {
+            leader: p.leader,
+            amplitude: p.weight * self.law.carried(p.distance, self.radius, hz),
+        };
+        Some(self.points.iter().map(follower).collect())
     }
 
     /// Latest that any of it moves after the block's edge \[s\].

@@ -12,10 +12,13 @@ use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Resistances by the intensity on a flush surface in the middle of some bands, see [`Rayleigh::surface_resistance`].
+/// Resistances by the intensity on a flush surface at one frequency of each of some bands, see
+/// [`Rayleigh::surface_resistance`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfaceEvaluations {
     bands: Vec<Band>,
+    /// Where they were taken \[Hz\].
+    hz: Vec<f64>,
     resistances: Vec<Resistance>,
 }
 
@@ -30,7 +33,35 @@ impl SurfaceEvaluations {
             .par_iter()
             .map(|band| single(surface.surface_resistance(band.hz)))
             .collect();
-        Self { bands, resistances }
+        let hz = bands.iter().map(|band| band.hz).collect();
+        Self { bands, hz, resistances }
+    }
+
+    /// In an air in which every wavelength has its frequency times `speed`, and times `factor` there: what was taken in the
+    /// middle of a band then stands for another frequency of it.
+    #[must_use]
+    pub(crate) fn in_air(mut self, speed: f64, factor: impl Fn(f64) -> f64) -> Self {
+        for (hz, r) in self.hz.iter_mut().zip(&mut self.resistances) {
+            *hz *= speed;
+            let factor = factor(*hz);
+            r.real *= factor;
+            r.imaginary.iter_mut().for_each(|m| *m *= factor);
+        }
+        self
+    }
+
+    /// This, and the bands of `above` that are higher.
+    #[must_use]
+    pub(crate) fn continued(mut self, above: Self) -> Self {
+        let last = self.bands.last().map(|band| band.index);
+        for ((band, hz), r) in above.bands.into_iter().zip(above.hz).zip(above.resistances) {
+            if last.is_none_or(|last| band.index > last) {
+                self.bands.push(band);
+                self.hz.push(hz);
+                self.resistances.push(r);
+            }
+        }
+        self
     }
 
     /// The bands.
@@ -38,7 +69,7 @@ impl SurfaceEvaluations {
         &self.bands
     }
 
-    /// Energy of each band by the surface over that by `radiation`, whose R/omega² both are frozen in the middle of the
+    /// Energy of each band by the surface over that by `radiation`, whose R/omega² both are frozen at one frequency of the
     /// band: what differs is the evaluation, not the motion. None for a silent band.
     ///
     /// # Errors
@@ -52,7 +83,7 @@ impl SurfaceEvaluations {
         for r in &self.resistances {
             same_length("rows of a resistance", r.real.nrows(), radiation.modes())?;
         }
-        let ratio = |(band, surface): (&Band, &Resistance)| {
+        let ratio = |((band, hz), surface): ((&Band, &f64), &Resistance)| {
             let weights = energy_weights(&spectra.frequency, [band.low, band.high], Weighting::Z);
             let bins: Vec<usize> = (0..weights.len()).filter(|&bin| weights[bin] != 0.0).collect();
             let motion = DMatrix::from_fn(radiation.modes(), bins.len(), |mode, b| {
@@ -66,10 +97,11 @@ impl SurfaceEvaluations {
                     .map(|(a, x): (&Complex<f64>, _)| (a.conj() * x).re)
                     .sum()
             };
-            let waves = energy(&radiation.resistance(band.hz));
+            let waves = energy(&radiation.resistance(*hz));
             (waves > 0.0).then(|| energy(surface) / waves)
         };
-        Ok(self.bands.par_iter().zip(&self.resistances).map(ratio).collect())
+        let taken = self.bands.par_iter().zip(&self.hz).zip(&self.resistances);
+        Ok(taken.map(ratio).collect())
     }
 }
 
@@ -89,28 +121,29 @@ impl Rayleigh {
         let (x, y) = (axis(points, 0), axis(points, 1));
         let mut real = own_pairs(k, [&x, &y], sources);
         let mut imaginary = None;
-        if let Some((sand, following)) = self.moving_sand(hz) {
-            let places: Vec<[f64; 2]> = (0..following.len()).map(|i| sand.planar.at(i)).collect();
+        if let Some((sand, followers)) = self.moving_sand(hz) {
+            let places: Vec<[f64; 2]> = (0..followers.len()).map(|i| sand.planar.at(i)).collect();
             let (sand_x, sand_y) = (axis(&places, 0), axis(&places, 1));
             // What each edge point leads, felt at the points of the surface and at those that others lead.
             let leaders = sand.edge.nrows();
             let mut on_surface = [0, 1].map(|_| DMatrix::<f64>::zeros(points.len(), leaders));
             let mut on_sand = [0, 1].map(|_| DMatrix::<f64>::zeros(places.len(), leaders));
-            for (place, (leader, amplitude)) in places.iter().zip(&following) {
+            for (place, follower) in places.iter().zip(&followers) {
                 for (felt, xy) in [(&mut on_surface, [&x, &y]), (&mut on_sand, [&sand_x, &sand_y])] {
                     let mut kernel = vec![0.0; xy[0].len()];
                     sinc(k, *place, [xy[0], xy[1]], &mut kernel);
+                    let amplitude = follower.amplitude;
                     for (felt, amplitude) in felt.iter_mut().zip([amplitude.re, amplitude.im]) {
-                        let to = felt.column_mut(*leader);
+                        let to = felt.column_mut(follower.leader);
                         to.into_iter().zip(&kernel).for_each(|(to, k)| *to += amplitude * k);
                     }
                 }
             }
             let mut within = DMatrix::<Complex<f64>>::zeros(leaders, leaders);
-            for (point, (leader, amplitude)) in following.iter().enumerate() {
-                for (column, to) in within.row_mut(*leader).iter_mut().enumerate() {
+            for (point, follower) in followers.iter().enumerate() {
+                for (column, to) in within.row_mut(follower.leader).iter_mut().enumerate() {
                     let felt = Complex::new(on_sand[0][(point, column)], on_sand[1][(point, column)]);
-                    *to += amplitude.conj() * felt;
+                    *to += follower.amplitude.conj() * felt;
                 }
             }
             let edge = &sand.edge;
@@ -159,20 +192,25 @@ impl Archive for SurfaceEvaluations {
     fn write(&self, to: &mut ArchiveWriter) {
         to.count(self.resistances.first().map_or(0, |r| r.real.nrows()));
         to.count(self.bands.len());
-        for (band, r) in self.bands.iter().zip(&self.resistances) {
-            to.numbers(&[f64::from(band.index)]);
+        for ((band, hz), r) in self.bands.iter().zip(&self.hz).zip(&self.resistances) {
+            to.numbers(&[f64::from(band.index), *hz]);
             to.hermitian(r);
         }
     }
 
     fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
         let modes = from.count()?;
-        let (mut bands, mut resistances) = (Vec::new(), Vec::new());
+        let (mut bands, mut taken, mut resistances) = (Vec::new(), Vec::new(), Vec::new());
         for _ in 0..from.count()? {
-            let [index] = from.numbers()?;
+            let [index, hz] = from.numbers()?;
             bands.push(Band::new(index as i32));
+            taken.push(hz);
             resistances.push(from.hermitian(modes)?);
         }
-        Ok(Self { bands, resistances })
+        Ok(Self {
+            bands,
+            hz: taken,
+            resistances,
+        })
     }
 }
