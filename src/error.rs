@@ -134,6 +134,21 @@ pub enum Error {
         /// The names there are.
         known: String,
     },
+    /// A mesh of block or table whose sides are not those that radiate.
+    #[error(
+        "block and table radiate as boxes of the design's dimensions; the sides of `workpiece.mesh` or \
+         `support.worktable.mesh` are others"
+    )]
+    #[diagnostic(help(
+        "give the mesh's dimensions (workpiece.length, width, thickness; support.worktable.length, width, height, \
+         top_thickness, leg_width), or set acoustics.method = \"erp\"; on a floor, clamped or on springs a block \
+         radiates from the faces of its own mesh"
+    ))]
+    NotBoxes {
+        /// Where it differs.
+        #[source]
+        cause: nailnoise_acoustics::AcousticsError,
+    },
     /// There is no such mode.
     #[error("mode {mode} cannot be shown: the body has {modes} modes")]
     #[diagnostic(help("choose a number from the table of modes, or raise the body's top frequency in [analysis]"))]

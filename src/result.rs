@@ -107,7 +107,7 @@ pub struct RankedSource {
     pub uncertainty_db: Uncertainty,
     /// The same quantity by an independent method, where there is one.
     pub cross_check: Option<CrossCheck>,
-    /// What stands beside the power of a vibrating surface, where it is more than the equivalent radiated power.
+    /// What stands beside the power of a surface that is evaluated twice; null for the equivalent radiated power, an estimate.
     pub radiation: Option<RadiationReport>,
     /// What the source radiates between neighbouring events; the energies sum to its own.
     pub intervals: Vec<IntervalLevel>,
@@ -131,17 +131,18 @@ pub(crate) fn bound(sign: char, bound: Option<f64>, open: &str) -> String {
     bound.map_or_else(|| open.to_owned(), |bound| format!("{sign}{:.1}", printed(bound)))
 }
 
-/// Power of a vibrating surface by boundary elements or, in sand, by Rayleigh's integral, evaluated twice, beside that of
-/// radiation efficiency 1.
+/// Power of a vibrating surface by boundary elements, in sand by Rayleigh's integral, or of a rigid tool as the sphere of
+/// its volume in closed form, evaluated twice, beside that of radiation efficiency 1.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct RadiationReport {
     /// Where boundary elements give way to the limit of high frequencies: beginning and end of the blend \[Hz\]; by
-    /// Rayleigh's integral, which needs no limit, twice the top of its range.
+    /// Rayleigh's integral and in closed form, which need no limit, twice the top of the range.
     pub join_hz: [f64; 2],
     /// Up to where every single frequency is solved, and up to where boundary elements are known in the mean over
-    /// neighbouring frequencies \[Hz\]; by Rayleigh's integral twice the top of its range.
+    /// neighbouring frequencies \[Hz\]; by Rayleigh's integral and in closed form twice the top of the range.
     pub solved_hz: [f64; 2],
-    /// Frequencies at which the radiation matrix was computed, those of means not counted.
+    /// Frequencies at which the radiation matrix was computed, those of means not counted; those of the spectrum in closed
+    /// form.
     pub frequencies: usize,
     /// Largest interpolation error of the matrix over frequency, root mean square of the entries relative to
     /// sqrt(R_ii R_jj) \[-\].
@@ -150,14 +151,14 @@ pub struct RadiationReport {
     /// silent.
     pub surface_difference_db: Option<f64>,
     /// Level of the limit less that of the boundary elements in the last three bands that these know, lowest and highest
-    /// \[dB\]: what the limit may be off above. Zero by Rayleigh's integral.
+    /// \[dB\]: what the limit may be off above. Zero where there is none.
     pub limit_error_db: [f64; 2],
     /// The same over the uppermost third of an octave of the boundary elements, where the limit takes over \[dB\]; null when
-    /// silent and by Rayleigh's integral.
+    /// silent and where there is no limit.
     pub blend_error_db: Option<f64>,
     /// A-weighted level of radiation efficiency 1 over the source's range \[dB re 1 pW s\]; null when silent.
     pub erp_lwa_db: Option<f64>,
-    /// What each mode adds; the shares sum to one.
+    /// What each mode adds; the shares sum to one. None of a rigid tool.
     pub modes: Vec<ModeShare>,
     /// One-third-octave bands.
     pub bands: Vec<RadiationBand>,
@@ -269,7 +270,7 @@ pub struct RadiationBand {
     pub surface_lw_db: Option<f64>,
     /// With radiation efficiency 1.
     pub erp_lw_db: Option<f64>,
-    /// By the limit of high frequencies, where boundary elements are known too; null elsewhere and by Rayleigh's integral.
+    /// By the limit of high frequencies, where boundary elements are known too; null elsewhere.
     pub limit_lw_db: Option<f64>,
 }
 

@@ -45,6 +45,77 @@ fn block_and_table_radiate_as_one_surface() {
     assert_eq!(again.microphones.signals, first.microphones.signals);
 }
 
+/// Everywhere but in sand the workpiece is one problem of boundary elements, whose power is known twice.
+#[test]
+fn a_block_without_a_table_radiates_by_boundary_elements_too() {
+    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/over.toml");
+    let with = |text: &str| Design::parse(&format!("base = \"small-bem.toml\"\n{text}\n"), beside).unwrap();
+    let springs: String = ["a", "b"]
+        .map(|name| {
+            let x = if name == "a" { -0.15 } else { 0.15 };
+            format!(
+                "[springs.{name}]\nbody = \"workpiece\"\nx = {x}\ny = 0\nz = 0\nradius = 0.02\nstiffness_x = 0\n\
+                 stiffness_y = 0\nstiffness_z = 1250\ndamping_x = 0\ndamping_y = 0\ndamping_z = 40\n"
+            )
+        })
+        .concat();
+    let hung = |clearance: f64| format!("support.kind = \"springs\"\nsupport.clearance = {clearance}\n{springs}");
+    let supports = [
+        ("support.kind = \"floor\"".to_owned(), "on a rigid floor"),
+        ("support.kind = \"clamped\"".to_owned(), "held on a rigid floor"),
+        (hung(0.3), "0.300 m above the floor"),
+        (hung(1.5), "1.500 m above the floor, which is left out of its power"),
+    ];
+    let mut short = Vec::new();
+    for (text, told) in &supports {
+        let run = of(&with(text));
+        let source = workpiece(&run);
+        let report = source.radiation.as_ref().unwrap();
+        assert_eq!(source.method, "BEM", "{told}");
+        assert!(report.surface_difference_db.unwrap().abs() < 0.1, "{told}");
+        let named = "workpiece: power by the surface less that by the far field [dB]";
+        assert!(
+            run.result.checks.iter().any(|check| check.name == named && check.ok),
+            "{told}"
+        );
+        let notes = &run.result.notes;
+        assert!(
+            notes
+                .iter()
+                .any(|note| note.contains(told) && note.contains("boundary elements")),
+            "{notes:?}"
+        );
+        let shares: f64 = report.modes.iter().map(|mode| mode.share).sum();
+        assert!((shares - 1.0).abs() < 1e-9, "{told}: {shares}");
+        let low = report.bands.iter().find(|band| band.hz == 100.0).unwrap();
+        assert!(low.lw_db.unwrap() < low.erp_lw_db.unwrap() - 10.0, "{told}: {low:?}");
+        assert_eq!(as_radiated(&run, "workpiece", 4.0).how, "boundary elements");
+        short.push(low.erp_lw_db.unwrap() - low.lw_db.unwrap());
+        // The rigid tool is evaluated twice, too.
+        let body = run.result.ranking.iter().find(|s| s.source == "body").unwrap();
+        let twice = body.radiation.as_ref().unwrap();
+        assert!(twice.surface_difference_db.unwrap().abs() < 1e-5);
+        for band in &twice.bands {
+            assert!(
+                (band.lw_db.unwrap() - band.surface_lw_db.unwrap()).abs() < 1e-5,
+                "{band:?}"
+            );
+            assert!(band.erp_lw_db.unwrap() > band.lw_db.unwrap() - 2.0, "{band:?}");
+        }
+    }
+    // Top and underside of a hung block short-circuit each other.
+    assert!(short[2] > short[0] + 10.0 && short[3] > short[0] + 10.0, "{short:?}");
+
+    // Radiation efficiency 1 remains to be asked for, and says what it lacks.
+    let estimate = of(&with("support.kind = \"floor\"\nacoustics.method = \"erp\""));
+    assert!(workpiece(&estimate).radiation.is_none());
+    let notes = &estimate.result.notes;
+    assert!(
+        notes.iter().any(|note| note.contains("no second evaluation")),
+        "{notes:?}"
+    );
+}
+
 /// What nine microphones measure of a source is its power, to the decibels that so few directions leave open; its
 /// signals hold the exposures of its levels.
 fn as_radiated<'a>(run: &'a Run, source: &str, within_db: f64) -> &'a HeardSource {

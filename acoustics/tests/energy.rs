@@ -9,6 +9,7 @@ use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
 use nailnoise_acoustics::radiation::{
     Erp, ModalSpectra, RadiatingSurface, Rayleigh, Sampling, radiated_energy, rigid_body_energy,
 };
+use nailnoise_acoustics::sound::rigid_body_far_field;
 use nailnoise_acoustics::{AcousticsError, Air};
 use std::f64::consts::PI;
 
@@ -57,6 +58,24 @@ fn the_rigid_body_has_the_oscillating_spheres_efficiency() {
         let sigma = spectrum.density_at(500.0) / (2.0 * velocity * velocity * air.impedance() * 4.0 * PI * a * a / 3.0);
         assert!((sigma / z1 - 1.0).abs() < 1e-9, "ka = {ka}: {sigma} against {z1}");
     }
+}
+
+#[test]
+fn the_rigid_bodys_far_field_carries_the_power_of_its_surface() {
+    let air = Air::default();
+    let settings = TransformSettings {
+        range_hz: [50.0, 10_000.0],
+        taper: 0.0,
+        padding: 1.0,
+    };
+    let (record, dt, volume) = (step(4000, 2.5e-5, 2.0), 2.5e-5, 1.5e-3);
+    let surface = rigid_body_energy("body", &record, dt, volume, &air, &settings).unwrap();
+    let field = rigid_body_far_field("body", &record, dt, volume, &air, &settings).unwrap();
+    assert_eq!(surface.frequency, field.frequency);
+    for (bin, (s, f)) in surface.energy_density.iter().zip(&field.energy_density).enumerate() {
+        assert!((s / f - 1.0).abs() < 1e-6, "bin {bin}: {s} against {f}");
+    }
+    assert!(rigid_body_far_field("body", &record, dt, 0.0, &air, &settings).is_err());
 }
 
 #[test]

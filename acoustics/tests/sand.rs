@@ -9,7 +9,7 @@ use nailnoise_acoustics::radiation::{
     AbsorbingSand, Archive, ModalRadiation, ModalSpectra, MovingSand, Rayleigh, Resistance, SampledRadiation, Sampling,
     SurfaceEvaluations, radiated_energy,
 };
-use nailnoise_acoustics::sound::{Around, Directions, SoundAbovePlane, above_plane};
+use nailnoise_acoustics::sound::{Around, Directions, FlushSound, SoundAbovePlane, above_plane};
 use nailnoise_acoustics::{AcousticsError, Air};
 use nalgebra::{Complex, DMatrix, Point3};
 
@@ -257,6 +257,78 @@ fn a_shot_has_the_same_power_by_surface_and_by_far_field() {
         .flatten()
         .fold(1.0, f64::min);
     assert!(worst < 0.85, "{worst}");
+}
+
+/// Sand that moves in its own air, continued by the surface alone out of another air, is both solved in that air together.
+#[test]
+fn moving_sand_in_another_air_beside_what_is_known_of_the_surface_alone() {
+    let (standard, cold) = (Air::default(), Air::at(258.15, 85_000.0).unwrap());
+    let on_block = |air: &Air| {
+        let surface = flat(
+            rectangle(FOOTPRINT[0], FOOTPRINT[1], 24, 16),
+            &[&|_, _| 1.0, &|x, _| x / 0.2032],
+        );
+        Rayleigh::new(&surface, air).unwrap()
+    };
+    let absorbing = AbsorbingSand::default();
+    let exact = on_block(&cold)
+        .with_moving_sand(sand())
+        .unwrap()
+        .with_absorbing_sand(absorbing)
+        .unwrap();
+    let places = [Point3::new(0.5, 0.3, 0.4), Point3::new(0.0, -1.0, 0.6)];
+    let sampled = |surface: &Rayleigh, top: f64| {
+        let sampling = Sampling {
+            range_hz: [40.0, top],
+            ..Sampling::default()
+        };
+        let found = FlushSound::new(surface, &sampling, &places, Point3::origin(), &|| ()).unwrap();
+        FlushSound::from_bytes(&found.to_bytes()).unwrap()
+    };
+    let alone = sampled(&on_block(&standard), 4000.0 * FlushSound::WIDEST);
+    let found = sampled(&exact, sand().to_hz).continued(alone.in_air(&standard, &cold, Some(absorbing)));
+    assert!(found.waves.highest_hz() > 4000.0);
+    assert!(found.waves.interpolation_error() < 2e-4);
+    let hz = [30.0, 90.0, 433.0, 1290.0, 1499.0, 1501.0, 1650.0, 2870.0, 3990.0];
+    let a = DMatrix::from_fn(2, hz.len(), |i, j| {
+        Complex::from_polar(1.0 + i as f64, (i * (j + 1)) as f64)
+    });
+    let forms = found.waves.energy_forms(&hz, &a);
+    let signals = found.waves.root_signals(&hz, &a);
+    let heard = found.heard.pressures(&found.waves, &hz, &a);
+    for (bin, &f) in hz.iter().enumerate() {
+        let motion: Vec<Complex<f64>> = a
+            .column(bin)
+            .iter()
+            .map(|x| x / (2.0 * std::f64::consts::PI * f))
+            .collect();
+        let direct = whole(&exact, f).form(&motion);
+        let tolerance = if f < 40.0 { 0.04 } else { 3e-4 };
+        for energy in [forms.column(bin).sum(), signals.column(bin).norm_squared()] {
+            assert!((energy / direct - 1.0).abs() < tolerance, "{f} Hz: {energy} {direct}");
+        }
+        let pressures = exact.pressure_at(f, &places).unwrap() * a.column(bin);
+        let off = (heard.column(bin) - &pressures).norm() / pressures.norm();
+        assert!(off < 10.0 * tolerance, "{f} Hz: {off:e}");
+    }
+    let frequency: Vec<f64> = (0..391).map(|i| 100.0 + 10.0 * f64::from(i)).collect();
+    let spectra = ModalSpectra {
+        range_hz: [100.0, 4000.0],
+        accelerations: DMatrix::from_fn(2, frequency.len(), |i, j| {
+            Complex::from_polar(1.0 + i as f64, (0.3 * i as f64 + 0.2) * j as f64)
+        }),
+        frequency,
+    };
+    let ratios = found.surface.ratios(&found.waves, &spectra).unwrap();
+    assert_eq!(ratios.len(), found.surface.bands().len());
+    assert!(ratios.iter().flatten().count() > 15);
+    for (ratio, band) in ratios.iter().zip(found.surface.bands()) {
+        assert!(
+            ratio.is_none_or(|ratio| (ratio - 1.0).abs() < 1e-3),
+            "{:.0} Hz: {ratio:?}",
+            band.hz
+        );
+    }
 }
 
 #[test]

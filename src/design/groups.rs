@@ -524,6 +524,10 @@ group! {
         kind: SupportKind = SupportKind::KIND, "";
         /// Whether the structures act back on the nailing cycle.
         coupling: Coupling = Coupling::KIND, "";
+        /// Height of the underside of a block on springs above the floor: that of rubber feet, or of straps. Up to 1 m the
+        /// floor is part of the block's radiation; one farther below is left out of its power and reflects to the
+        /// microphones alone. With 0 the block lies on the floor, and its underside makes no sound.
+        clearance: f64 = nonnegative(LENGTH), "h";
     }
     groups {
         worktable: Worktable,
@@ -768,7 +772,7 @@ group! {
 }
 
 choice! {
-    /// How the radiation of the workpiece on a worktable, or of the tool's body, is computed; that of the workpiece in sand
+    /// How the radiation of the workpiece with its support, or of the tool's body, is computed; that of the workpiece in sand
     /// is always Rayleigh's integral.
     RadiationMethod {
         /// Boundary elements on the closed surface above the floor, block and table as one.
@@ -781,7 +785,7 @@ choice! {
 group! {
     /// Radiation of vibrating surfaces.
     Acoustics {
-        /// Radiation of the workpiece on a worktable.
+        /// Radiation of the workpiece with its support.
         method: RadiationMethod = RadiationMethod::KIND, "";
         /// Radiation of the tool's body where it is elastic: boundary elements on its housing, up to `bem_top` or as far as
         /// its mesh resolves the waves, or that of a sphere of its volume.

@@ -77,9 +77,10 @@ pub(super) fn modes(vibration: &Vibration) -> String {
     text
 }
 
-/// `radiation-modes.csv` of a source: what each mode adds to its A-weighted energy, and how radiation damps it.
+/// `radiation-modes.csv` of a source: what each mode adds to its A-weighted energy, and how radiation damps it; none of a
+/// rigid body.
 pub(super) fn radiation_modes(result: &RunResult, source: &str) -> Option<String> {
-    let report = report_of(result, source)?;
+    let report = report_of(result, source).filter(|report| !report.modes.is_empty())?;
     let mut text =
         String::from("body,mode,frequency [Hz],radiation damping ratio [-],share of A-weighted energy [-]\n");
     for m in &report.modes {

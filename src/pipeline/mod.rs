@@ -28,6 +28,7 @@ mod shank;
 mod sides;
 mod sound;
 mod springs;
+mod standing;
 mod starts;
 mod tool;
 mod tool_loads;

@@ -39,6 +39,26 @@ fn flush_note(report: &RadiationReport) -> String {
     )
 }
 
+/// What the workpiece stands on, or hangs from.
+fn standing(design: &Design) -> String {
+    let support = &design.support;
+    match support.kind {
+        SupportKind::Worktable => format!("workpiece on worktable {}", support.worktable.preset.as_str()),
+        SupportKind::Sandbox => "workpiece in sand".to_owned(),
+        SupportKind::Floor => "workpiece alone on a rigid floor, its underside silent".to_owned(),
+        SupportKind::Clamped => "workpiece alone, its underside held on a rigid floor".to_owned(),
+        SupportKind::Springs if support.clearance > 0.0 => format!(
+            "workpiece alone on its springs, its underside {:.3} m above the floor{}",
+            support.clearance,
+            match super::standing::floor(design) {
+                Some(_) => "",
+                None => ", which is left out of its power",
+            }
+        ),
+        SupportKind::Springs => "workpiece alone on its springs and the floor, its underside silent".to_owned(),
+    }
+}
+
 /// Notes on one run, most important first.
 pub(super) fn notes(design: &Design, record: &CycleRecord, told: &Told, exhaust: &Exhaust) -> Vec<String> {
     let [workpiece, body] = &told.sources;
@@ -49,21 +69,25 @@ pub(super) fn notes(design: &Design, record: &CycleRecord, told: &Told, exhaust:
         Outcome::DoesNotOpen => "the head valve does not open: no shot".to_owned(),
         Outcome::DoesNotRelease => "the tool does not rise far enough to release the trigger valve".to_owned(),
     }];
-    if design.support.kind == SupportKind::Worktable {
-        let preset = design.support.worktable.preset.as_str();
-        notes.push(match &workpiece.radiation {
-            Some(report) => radiation_note(&format!("workpiece on worktable {preset}"), report),
-            None => format!(
-                "workpiece on worktable {preset}: radiated power is the ERP reference (radiation efficiency 1), an \
-                 overestimate at low frequencies; it is the plate's own velocity alone, of which there is no second evaluation"
-            ),
-        });
-    }
-    if let (SupportKind::Sandbox, Some(report)) = (design.support.kind, &workpiece.radiation) {
-        notes.push(flush_note(report));
-    }
+    notes.push(match (&workpiece.radiation, design.support.kind) {
+        (Some(report), SupportKind::Sandbox) => flush_note(report),
+        (Some(report), _) => radiation_note(&standing(design), report),
+        (None, _) => format!(
+            "{}: radiated power is the ERP reference (radiation efficiency 1), an estimate that is far too high at low \
+             frequencies; it is the surface's own velocity alone, of which there is no second evaluation",
+            standing(design)
+        ),
+    });
     match &told.stiffness {
-        None => notes.push("body: rigid motion only, without the vibration of its housing: a lower bound".to_owned()),
+        None => {
+            let twice = body.radiation.as_ref().and_then(|report| report.surface_difference_db);
+            notes.push(format!(
+                "body: rigid motion only, without the vibration of its housing: a lower bound{}",
+                twice.map_or_else(String::new, |decibels| format!(
+                    "; its power by the surface of the sphere of its volume {decibels:+.3} dB to that by the sphere's far field"
+                ))
+            ));
+        }
         Some([cap, rim]) => {
             notes.push(match &body.radiation {
                 Some(report) => radiation_note("body, without what is nailed", report),
@@ -82,20 +106,6 @@ pub(super) fn notes(design: &Design, record: &CycleRecord, told: &Told, exhaust:
                 1e-6 * rim.contact
             ));
         }
-    }
-    if design.support.kind == SupportKind::Springs {
-        notes.push(
-            "workpiece alone on its springs: radiated power is the ERP reference (radiation efficiency 1), an overestimate \
-             at low frequencies"
-                .to_owned(),
-        );
-    }
-    if matches!(design.support.kind, SupportKind::Floor | SupportKind::Clamped) {
-        notes.push(
-            "workpiece alone, its underside hidden: radiated power is the ERP reference (radiation efficiency 1), an \
-             overestimate at low frequencies"
-                .to_owned(),
-        );
     }
     for part in &told.missing {
         notes.push(format!(

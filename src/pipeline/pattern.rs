@@ -321,15 +321,22 @@ fn spread(
     value: impl Fn(&QuadraturePoint) -> Vector3<f64>,
 ) -> Vec<(usize, f64)> {
     let mut weights = Vec::new();
-    for point in points {
-        let v = value(point) * point.weight;
-        for (&node, &share) in surface.faces[point.face].nodes.iter().zip(&point.shape) {
+    let mut at_nodes: Vec<Vector3<f64>> = Vec::new();
+    // Summed face by face: a face may have hundreds of points.
+    for of_face in points.chunk_by(|a, b| a.face == b.face) {
+        let nodes = &surface.faces[of_face[0].face].nodes;
+        at_nodes.clear();
+        at_nodes.resize(nodes.len(), Vector3::zeros());
+        for point in of_face {
+            let v = value(point) * point.weight;
+            for (sum, &share) in at_nodes.iter_mut().zip(&point.shape) {
+                *sum += v * share;
+            }
+        }
+        for (&node, sum) in nodes.iter().zip(&at_nodes) {
             let first = 3 * surface.volume_nodes[node];
-            weights.extend(
-                (0..3)
-                    .filter(|&axis| v[axis] != 0.0)
-                    .map(|axis| (first + axis, share * v[axis])),
-            );
+            let along = (0..3).filter(|&axis| sum[axis] != 0.0);
+            weights.extend(along.map(|axis| (first + axis, sum[axis])));
         }
     }
     weights

@@ -14,7 +14,8 @@ use serde::{Deserialize, Serialize};
 
 use super::microphones::reflecting_plane;
 use super::radiation::{FACE_POINTS, side_by_side, skin};
-use super::radiator::{Radiator, flush_surface, levels};
+use super::radiator::{Radiator, flush_surface};
+use super::standing::levels;
 use super::vibration::{self, Bench, Moved, Vibration, moved};
 use super::{Driven, Observer, Options, Watched, driving, outside, tool_radiator};
 use crate::cache::Cache;
@@ -125,7 +126,7 @@ fn compute(
     let mut pictures = match &radiator {
         Radiator::Bem(bem) => standing(design, air, bem, &vibration)?,
         Radiator::Rayleigh(of_top) => {
-            let radiated = radiated_energy("workpiece", &of_top.waves, &vibration.spectra[0])?;
+            let radiated = radiated_energy("workpiece", &of_top.sound.waves, &vibration.spectra[0])?;
             let energy = |band: &Band| radiated.energy([band.low, band.high], Weighting::Z);
             flush(design, air, &vibration, energy)?
         }
@@ -258,7 +259,7 @@ fn solved(design: &Design, body: Solved<'_>) -> Result<Pictures, Error> {
     })
 }
 
-/// Block and table.
+/// Block and table, or a block alone.
 fn standing(design: &Design, air: &Air, bem: &ModalBem, vibration: &Vibration) -> Result<Pictures, Error> {
     let body = Solved {
         names: ["workpiece", "sound"],

@@ -8,6 +8,7 @@ use nailnoise_acoustics::radiation::{
     AbsorbingSand, Erp, ModalSpectra, MovingSand, RadiatingSurface, mode_energies, radiated_energy, radiated_signals,
     rigid_body_energy, rigid_body_signals,
 };
+use nailnoise_acoustics::sound::rigid_body_far_field;
 use nailnoise_dynamics::CycleRecord;
 use nailnoise_fem::supports::Sand;
 use nailnoise_fem::transient::{ModalResponse, Motion};
@@ -16,7 +17,7 @@ use nalgebra::{DMatrix, Point3, Vector3};
 
 use super::bodies::{Body, Structure};
 use super::radiator::{Flush, Radiator, absorbing_sand};
-use super::report::{flush_report, report};
+use super::report::{flush_report, report, rigid_report};
 use super::sound::Sound;
 use crate::design::Design;
 use crate::error::Error;
@@ -75,7 +76,7 @@ pub(super) fn workpiece(
     spectra: &[ModalSpectra],
 ) -> Result<Sound, Error> {
     match radiator {
-        Radiator::Bem(bem) => standing(bem, structure, damping, spectra),
+        Radiator::Bem(bem) => by_bem(bem, structure, damping, spectra),
         Radiator::Erp(bodies) => free_standing(bodies, spectra),
         Radiator::Rayleigh(flush) => flush_top(design, structure, flush, damping, &spectra[0]),
     }
@@ -86,12 +87,12 @@ pub(super) fn workpiece_energy(radiator: &Radiator, spectra: &[ModalSpectra]) ->
     match radiator {
         Radiator::Bem(bem) => Ok(radiated_energy("workpiece", bem.as_ref(), &side_by_side(spectra))?),
         Radiator::Erp(bodies) => Ok(free_standing(bodies, spectra)?.spectrum),
-        Radiator::Rayleigh(flush) => Ok(radiated_energy("workpiece", &flush.waves, &spectra[0])?),
+        Radiator::Rayleigh(flush) => Ok(radiated_energy("workpiece", &flush.sound.waves, &spectra[0])?),
     }
 }
 
-/// Block and table as one radiating surface: what they move coherently interferes.
-fn standing(
+/// Block and table, or a block alone, as one radiating surface: what they move coherently interferes.
+fn by_bem(
     bem: &ModalBem,
     structure: &Structure,
     damping: Option<&[Vec<f64>]>,
@@ -226,7 +227,7 @@ fn share_out(source: &mut SourceSpectrum) -> SourceSpectrum {
     surface
 }
 
-/// ERP of block and table, each by itself.
+/// ERP of block and table, or of a block alone, each by itself.
 fn free_standing(bodies: &[Erp], spectra: &[ModalSpectra]) -> Result<Sound, Error> {
     let (mut parts, mut signals) = (Vec::new(), Vec::new());
     for ((erp, name), spectrum) in bodies.iter().zip(["workpiece", "worktable"]).zip(spectra) {
@@ -260,13 +261,13 @@ fn flush_top(
     damping: Option<&[Vec<f64>]>,
     spectrum: &ModalSpectra,
 ) -> Result<Sound, Error> {
-    let source = radiated_energy("workpiece", &flush.waves, spectrum)?;
-    let signals = vec![("workpiece", radiated_signals(&flush.waves, spectrum, &source)?)];
-    let ratios = flush.surface.ratios(&flush.waves, spectrum)?;
+    let source = radiated_energy("workpiece", &flush.sound.waves, spectrum)?;
+    let signals = vec![("workpiece", radiated_signals(&flush.sound.waves, spectrum, &source)?)];
+    let ratios = flush.sound.surface.ratios(&flush.sound.waves, spectrum)?;
     let erp = radiated_energy("workpiece", &flush.erp, spectrum)?;
     let mut report = flush_report(flush, &source, &ratios, &erp);
     let weights = energy_weights(&source.frequency, source.range_hz, Weighting::A);
-    let energies = mode_energies(&flush.waves, spectrum, &weights)?;
+    let energies = mode_energies(&flush.sound.waves, spectrum, &weights)?;
     report.modes = modes_of(&[&structure.workpiece], damping, &energies);
     let uncertainty = sand_band(&source, &absorbing_sand(design), spectrum.range_hz);
     Ok(Sound {
@@ -368,26 +369,30 @@ pub(super) fn skin(
     )?)
 }
 
-/// The tool body as the sphere of its volume in the cycle's rigid motion.
+/// The tool body as the sphere of its volume in the cycle's rigid motion: its power by the resistance of the sphere's
+/// surface, and once more by its far field.
 pub(super) fn rigid_tool(design: &Design, record: &CycleRecord, air: &Air) -> Result<Sound, Error> {
     let settings = TransformSettings {
         range_hz: [design.analysis.range_low, design.analysis.range_high],
         ..TransformSettings::default()
     };
     let (acceleration, interval, volume) = (&record.tool.acceleration, record.sample_interval, design.body.volume());
+    let surface = rigid_body_energy("body", acceleration, interval, volume, air, &settings)?;
+    let far_field = rigid_body_far_field("body", acceleration, interval, volume, air, &settings)?;
+    let report = rigid_report(&far_field, &surface, volume, air);
     Ok(Sound {
-        spectrum: rigid_body_energy("body", acceleration, interval, volume, air, &settings)?,
+        spectrum: surface,
         signals: vec![(
             "body",
             rigid_body_signals(acceleration, interval, volume, air, &settings)?,
         )],
         openings: Vec::new(),
         uncertainty: Uncertainty {
-            minus: Some(0.0),
+            minus: Some(report.surface_difference_db.map_or(0.0, f64::abs)),
             plus: None,
             basis: "rigid motion only: vibration of the housing adds to it".to_owned(),
         },
         cross_check: None,
-        radiation: None,
+        radiation: Some(report),
     })
 }

@@ -1,6 +1,9 @@
 //! What stands beside the power of a surface: the second evaluation, the reference of radiation efficiency 1, and how
 //! well the limit of high frequencies meets the boundary elements.
 
+use std::f64::consts::PI;
+
+use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::ModalBem;
 use nailnoise_acoustics::levels::{BandLevel, SourceSpectrum, Weighting, energy_level};
 use nailnoise_acoustics::radiation::{ModalRadiation, ModalSpectra};
@@ -104,7 +107,7 @@ pub(super) fn flush_report(
 ) -> RadiationReport {
     let range = waves.range_hz;
     let ratio_of = |band: i32| {
-        let place = flush.surface.bands().iter().position(|own| own.index == band)?;
+        let place = flush.sound.surface.bands().iter().position(|own| own.index == band)?;
         ratios[place]
     };
     let bands = waves.band_levels(range);
@@ -123,10 +126,10 @@ pub(super) fn flush_report(
     let rows = bands.iter().zip(erp.band_levels(range));
     RadiationReport {
         // There is no other law above.
-        join_hz: [flush.waves.highest_hz(); 2],
-        solved_hz: [flush.waves.highest_hz(); 2],
-        frequencies: flush.waves.sampled_hz().len(),
-        interpolation_error: flush.waves.interpolation_error(),
+        join_hz: [flush.sound.waves.highest_hz().min(range[1]); 2],
+        solved_hz: [flush.sound.waves.highest_hz().min(range[1]); 2],
+        frequencies: flush.sound.waves.sampled_hz().len(),
+        interpolation_error: flush.sound.waves.interpolation_error(),
         surface_difference_db: (by_waves > 0.0).then(|| 10.0 * (by_surface / by_waves).log10()),
         limit_error_db: [0.0; 2],
         blend_error_db: None,
@@ -141,6 +144,60 @@ pub(super) fn flush_report(
                     .lw
                     .zip(ratio_of(waves.band.index))
                     .map(|(lw, ratio)| lw + 10.0 * ratio.log10()),
+                erp_lw_db: erp.lw,
+                limit_lw_db: None,
+            })
+            .collect(),
+    }
+}
+
+/// The report of a rigid tool as the sphere of its volume, whose power is known in closed form twice: by the resistance
+/// of its surface and by its far field. With radiation efficiency 1 the surface would radiate
+///
+/// ```text
+/// E_1(f) = E(f) (4 + (k a)^4) / (k a)^4
+/// ```
+pub(super) fn rigid_report(
+    far_field: &SourceSpectrum,
+    surface: &SourceSpectrum,
+    volume: f64,
+    air: &Air,
+) -> RadiationReport {
+    let (range, a) = (far_field.range_hz, (3.0 * volume / (4.0 * PI)).cbrt());
+    let of_bin = |(hz, energy): (&f64, &f64)| {
+        let ka4 = (2.0 * PI * hz * a / air.sound_speed).powi(4);
+        energy * (4.0 + ka4) / ka4
+    };
+    let erp = SourceSpectrum {
+        energy_density: surface
+            .frequency
+            .iter()
+            .zip(&surface.energy_density)
+            .map(of_bin)
+            .collect(),
+        ..surface.clone()
+    };
+    let level = |spectrum: &SourceSpectrum| energy_level(spectrum.energy(range, Weighting::A));
+    let [by_field, by_surface, by_erp] = [far_field, surface, &erp].map(|spectrum| spectrum.band_levels(range));
+    let rows = by_field.iter().zip(&by_surface).zip(&by_erp);
+    RadiationReport {
+        join_hz: [range[1]; 2],
+        solved_hz: [range[1]; 2],
+        frequencies: far_field.frequency.len(),
+        interpolation_error: 0.0,
+        surface_difference_db: level(surface)
+            .zip(level(far_field))
+            .map(|(surface, field)| surface - field),
+        limit_error_db: [0.0; 2],
+        blend_error_db: None,
+        erp_lwa_db: level(&erp),
+        modes: Vec::new(),
+        bands: rows
+            .filter(|((field, _), _)| field.band.high > range[0] && field.band.low < range[1])
+            .map(|((field, surface), erp)| RadiationBand {
+                hz: field.band.nominal_hz(),
+                lw_db: field.lw,
+                surface_lw_db: surface.lw,
                 erp_lw_db: erp.lw,
                 limit_lw_db: None,
             })

@@ -36,7 +36,7 @@ mod solver;
 mod symmetry;
 mod tile;
 mod transfer;
-mod trig;
+pub(crate) mod trig;
 
 pub use bands::{Sounding, SurfaceBand, WholeSurface};
 pub use blend::BlendedRadiation;

@@ -54,7 +54,7 @@ fn signed<S: Simd>(simd: S, keep: S::f64s, v: S::f64s) -> S::f64s {
 
 /// (sin x, cos x) of |x| < 10^6 with an error below 3e-16.
 #[inline(always)]
-pub(super) fn sin_cos<S: Simd>(simd: S, x: S::f64s) -> (S::f64s, S::f64s) {
+pub(crate) fn sin_cos<S: Simd>(simd: S, x: S::f64s) -> (S::f64s, S::f64s) {
     let n = rounded(simd, simd.mul_f64s(x, simd.splat_f64s(FRAC_2_PI)));
     let mut r = simd.negate_mul_add_e_f64s(n, simd.splat_f64s(HALF_PI[0]), x);
     r = simd.negate_mul_add_e_f64s(n, simd.splat_f64s(HALF_PI[1]), r);

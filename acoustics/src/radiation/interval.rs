@@ -76,6 +76,20 @@ impl Interval {
         }
     }
 
+    /// With all frequencies times `by`.
+    pub(super) fn stretched(&self, by: f64) -> Self {
+        let (low, high, nodes) = (by * self.low, by * self.high, self.nodes.clone());
+        match self.tried {
+            0 => Self::chebyshev(low, high, nodes),
+            tried => Self::leja(low, high, nodes, tried),
+        }
+    }
+
+    /// Frequencies of its samples \[Hz\], in their order.
+    pub(super) fn samples_hz(&self) -> &[f64] {
+        &self.hz
+    }
+
     /// The interval before the samples on which it was tried.
     fn before(&self) -> Self {
         let fewer = self.nodes.len() - self.tried;

@@ -1,20 +1,62 @@
-use nalgebra::DMatrix;
+//! Rayleigh's kernel, pair by pair.
 
-/// Phi^T K Phi with the Rayleigh kernel K_ab = sin(k r_ab)/(k r_ab) summed pair by pair.
-///
-/// The second evaluation beside the plane waves; it costs points² x modes. `sources` is points x columns, times area.
-pub(crate) fn pairwise(k: f64, points: &[[f64; 2]], sources: &DMatrix<f64>) -> DMatrix<f64> {
-    const CHUNK: usize = 256;
-    let n = points.len();
-    let mut result = DMatrix::zeros(sources.ncols(), sources.ncols());
-    for start in (0..n).step_by(CHUNK) {
-        let rows = CHUNK.min(n - start);
-        let kernel = DMatrix::from_fn(rows, n, |i, j| {
-            let (a, b) = (points[start + i], points[j]);
-            let kr = k * (a[0] - b[0]).hypot(a[1] - b[1]);
-            if kr < 1e-8 { 1.0 } else { kr.sin() / kr }
-        });
-        result += sources.rows(start, rows).transpose() * (kernel * sources);
+use crate::bem::trig::sin_cos;
+use pulp::{Arch, Simd, WithSimd};
+
+/// K_b = sin(k r_b)/(k r_b), r_b the distance of a point of a plane from others with the coordinates `x` and `y`.
+pub(crate) fn sinc(k: f64, from: [f64; 2], [x, y]: [&[f64]; 2], kernel: &mut [f64]) {
+    Arch::new().dispatch(Sinc { k, from, x, y, kernel });
+}
+
+struct Sinc<'a> {
+    k: f64,
+    from: [f64; 2],
+    x: &'a [f64],
+    y: &'a [f64],
+    kernel: &'a mut [f64],
+}
+
+/// sin(x)/x is 1 below.
+const SMALL: f64 = 1e-8;
+
+impl WithSimd for Sinc<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let (x, rest_x) = S::as_simd_f64s(self.x);
+        let (y, rest_y) = S::as_simd_f64s(self.y);
+        let (kernel, rest) = S::as_mut_simd_f64s(self.kernel);
+        let [x0, y0] = self.from.map(|c| simd.splat_f64s(c));
+        for ((x, y), kernel) in x.iter().zip(y).zip(kernel) {
+            let (dx, dy) = (simd.sub_f64s(*x, x0), simd.sub_f64s(*y, y0));
+            let r = simd.sqrt_f64s(simd.mul_add_e_f64s(dx, dx, simd.mul_f64s(dy, dy)));
+            let kr = simd.max_f64s(simd.mul_f64s(simd.splat_f64s(self.k), r), simd.splat_f64s(SMALL));
+            *kernel = simd.div_f64s(sin_cos(simd, kr).0, kr);
+        }
+        for ((x, y), kernel) in rest_x.iter().zip(rest_y).zip(rest) {
+            let kr = (self.k * (x - self.from[0]).hypot(y - self.from[1])).max(SMALL);
+            *kernel = kr.sin() / kr;
+        }
     }
-    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equals_the_definition() {
+        let x: Vec<f64> = (0..11).map(|i| 0.05 * f64::from(i)).collect();
+        let y: Vec<f64> = (0..11).map(|i| 0.3 - 0.02 * f64::from(i * i)).collect();
+        for k in [0.5, 20.0, 300.0] {
+            let mut kernel = vec![0.0; x.len()];
+            sinc(k, [x[3], y[3]], [&x, &y], &mut kernel);
+            for (i, found) in kernel.iter().enumerate() {
+                let kr = k * (x[i] - x[3]).hypot(y[i] - y[3]);
+                let exact = if i == 3 { 1.0 } else { kr.sin() / kr };
+                assert!((found - exact).abs() < 1e-14, "{k} {i}: {found} {exact}");
+            }
+        }
+    }
 }

@@ -35,7 +35,7 @@ pub use energy::{ModalSpectra, mode_energies, quadratic_forms, radiated_energy};
 pub use erp::Erp;
 pub(crate) use means::Means;
 pub(crate) use quadrature::gauss_legendre;
-pub use rayleigh::{Rayleigh, SecondEvaluation};
+pub use rayleigh::Rayleigh;
 pub use resistance::{ModalRadiation, Resistance};
 pub use roots::radiated_signals;
 pub use sampled::{SampledRadiation, Sampling};

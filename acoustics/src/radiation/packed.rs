@@ -115,6 +115,18 @@ impl Packed {
         }
     }
 
+    /// Times `factor`.
+    pub(super) fn scale(&mut self, factor: f64) {
+        let factor = factor as f32;
+        self.values.iter_mut().for_each(|v| *v *= factor);
+    }
+
+    /// Adds matrices of nothing until there are so many.
+    pub(super) fn add_silent(&mut self, matrices: usize) {
+        self.matrices = self.matrices.max(matrices);
+        self.values.resize(self.matrices * self.stride(), 0.0);
+    }
+
     /// The sum of all matrices as one row.
     pub(super) fn sum_row(&self) -> Vec<f32> {
         self.summed().into_iter().map(|v| v as f32).collect()

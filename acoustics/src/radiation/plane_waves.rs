@@ -10,7 +10,7 @@
 //! little beyond order k D.
 
 use super::quadrature::gauss_legendre;
-use nalgebra::DMatrix;
+use nalgebra::{Complex, DMatrix};
 use std::f64::consts::PI;
 
 /// Points of a plane, with the distinct values of each coordinate: on structured meshes a phase factor is then one
@@ -52,6 +52,15 @@ impl PlanarPoints {
         let (x, y) = self.index[point];
         [self.x[x], self.y[y]]
     }
+}
+
+/// A point that follows another, its leader.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Follower {
+    /// Number of the leader.
+    pub(crate) leader: usize,
+    /// Its velocity over the leader's, times the area it stands for \[m²\].
+    pub(crate) amplitude: Complex<f64>,
 }
 
 /// Directions with their weights; they sum to one.
@@ -104,6 +113,44 @@ impl Directions {
     ) {
         const CHUNK: usize = 384;
         let n = self.len();
+        let waves_of = self.waves(k, points);
+        for start in (0..rows.len()).step_by(CHUNK) {
+            let chunk = &rows[start..(start + CHUNK).min(rows.len())];
+            let mut waves = DMatrix::zeros(2 * n, chunk.len());
+            for (&row, mut column) in chunk.iter().zip(waves.column_iter_mut()) {
+                waves_of.of(row, column.as_mut_slice());
+            }
+            field.gemm(1.0, &waves, &sources.select_rows(chunk), 1.0);
+        }
+    }
+
+    /// The far field of points that follow others, per unit of motion of each of those: real and imaginary part, both
+    /// 2 directions x leaders.
+    pub(crate) fn field_of_followers(
+        &self,
+        k: f64,
+        points: &PlanarPoints,
+        followers: &[Follower],
+        leaders: usize,
+    ) -> [DMatrix<f64>; 2] {
+        let n = 2 * self.len();
+        let waves_of = self.waves(k, points);
+        let mut fields = [DMatrix::zeros(n, leaders), DMatrix::zeros(n, leaders)];
+        let mut wave = vec![0.0; n];
+        for (point, follower) in followers.iter().enumerate() {
+            waves_of.of(point, &mut wave);
+            let amplitude = follower.amplitude;
+            for (field, amplitude) in fields.iter_mut().zip([amplitude.re, amplitude.im]) {
+                let to = &mut field.as_mut_slice()[follower.leader * n..][..n];
+                to.iter_mut().zip(&wave).for_each(|(to, w)| *to += amplitude * w);
+            }
+        }
+        fields
+    }
+
+    /// Waves from points into all directions.
+    fn waves<'a>(&self, k: f64, points: &'a PlanarPoints) -> Waves<'a> {
+        let n = self.len();
         let table = |values: &[f64], along: &[f64], amplitude: Option<&[f64]>| {
             let mut cosine = DMatrix::zeros(n, values.len());
             let mut sine = DMatrix::zeros(n, values.len());
@@ -116,23 +163,38 @@ impl Directions {
             }
             (cosine, sine)
         };
-        let (xc, xs) = table(&points.x, &self.x, Some(&self.root_weight));
-        let (yc, ys) = table(&points.y, &self.y, None);
-        for start in (0..rows.len()).step_by(CHUNK) {
-            let chunk = &rows[start..(start + CHUNK).min(rows.len())];
-            let mut waves = DMatrix::zeros(2 * n, chunk.len());
-            for (j, &row) in chunk.iter().enumerate() {
-                let (ix, iy) = points.index[row];
-                let mut column = waves.column_mut(j);
-                let (cosine, sine) = column.as_mut_slice().split_at_mut(n);
-                let (xc, xs) = (&xc.as_slice()[ix * n..][..n], &xs.as_slice()[ix * n..][..n]);
-                let (yc, ys) = (&yc.as_slice()[iy * n..][..n], &ys.as_slice()[iy * n..][..n]);
-                for i in 0..n {
-                    cosine[i] = xc[i] * yc[i] - xs[i] * ys[i];
-                    sine[i] = xs[i] * yc[i] + xc[i] * ys[i];
-                }
-            }
-            field.gemm(1.0, &waves, &sources.select_rows(chunk), 1.0);
+        Waves {
+            points,
+            along_x: table(&points.x, &self.x, Some(&self.root_weight)),
+            along_y: table(&points.y, &self.y, None),
+        }
+    }
+}
+
+/// Phase factors along both coordinates, directions x values, cosines and sines.
+struct Waves<'a> {
+    points: &'a PlanarPoints,
+    along_x: (DMatrix<f64>, DMatrix<f64>),
+    along_y: (DMatrix<f64>, DMatrix<f64>),
+}
+
+impl Waves<'_> {
+    /// That of one point: cosine parts of all directions, then sine parts.
+    fn of(&self, point: usize, wave: &mut [f64]) {
+        let n = self.along_x.0.nrows();
+        let (ix, iy) = self.points.index[point];
+        let (cosine, sine) = wave.split_at_mut(n);
+        let (xc, xs) = (
+            &self.along_x.0.as_slice()[ix * n..][..n],
+            &self.along_x.1.as_slice()[ix * n..][..n],
+        );
+        let (yc, ys) = (
+            &self.along_y.0.as_slice()[iy * n..][..n],
+            &self.along_y.1.as_slice()[iy * n..][..n],
+        );
+        for i in 0..n {
+            cosine[i] = xc[i] * yc[i] - xs[i] * ys[i];
+            sine[i] = xs[i] * yc[i] + xc[i] * ys[i];
         }
     }
 }

@@ -1,5 +1,4 @@
-use super::kernel::pairwise;
-use super::plane_waves::{Directions, PlanarPoints};
+use super::plane_waves::{Directions, Follower, PlanarPoints};
 use super::resistance::Resistance;
 use super::sampled::{SampledRadiation, Sampling};
 use super::sand::{AbsorbingSand, MovingSand, SandPatch};
@@ -7,7 +6,6 @@ use super::surface::RadiatingSurface;
 use crate::air::Air;
 use crate::error::{AcousticsError, positive};
 use nalgebra::{Complex, DMatrix, Point3, Vector3};
-use serde::Serialize;
 use std::f64::consts::PI;
 
 /// Rayleigh's integral for a flat surface, flush in an infinite rigid plane, that radiates to its upper side.
@@ -17,7 +15,7 @@ use std::f64::consts::PI;
 /// ```
 ///
 /// S holds the quadrature weights. The kernel is smooth, so a Gauss rule on the faces converges spectrally. It is
-/// applied as a sum of plane waves; [`Self::second_evaluation`] compares with the pairwise sum.
+/// applied as a sum of plane waves; [`Self::surface_resistance`] sums pair by pair instead.
 #[derive(Debug, Clone)]
 pub struct Rayleigh {
     air: Air,
@@ -31,15 +29,6 @@ pub struct Rayleigh {
     patches: Vec<String>,
     absorbing: Option<AbsorbingSand>,
     moving: Option<SandPatch>,
-}
-
-/// Two evaluations of the same resistance at one frequency: plane waves (far field) and pairs of points (surface).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct SecondEvaluation {
-    /// Frequency \[Hz\].
-    pub hz: f64,
-    /// Largest difference of an entry R_ij over sqrt(R_ii R_jj).
-    pub difference: f64,
 }
 
 impl Rayleigh {
@@ -118,32 +107,34 @@ impl Rayleigh {
     pub fn resistance(&self, hz: f64) -> Vec<Resistance> {
         let omega = 2.0 * PI * hz;
         let k = omega / self.air.sound_speed;
-        let sand = self.moving.as_ref().and_then(|sand| Some((sand, sand.sources(hz)?)));
+        let sand = self.moving_sand(hz);
         let sand_diameter = sand.as_ref().map_or(0.0, |(sand, _)| sand.planar.diameter);
         let directions = Directions::new(k, self.planar.diameter.max(sand_diameter));
-        let (n, modes) = (2 * directions.len(), self.sources.ncols());
-        let mut fields: Vec<(DMatrix<f64>, Option<DMatrix<f64>>)> = Vec::new();
-        for rows in &self.rows {
-            let mut field = DMatrix::zeros(n, modes);
+        let of_rows = |rows: &Vec<usize>| {
+            let mut field = DMatrix::zeros(2 * directions.len(), self.sources.ncols());
             directions.add_field(k, &self.planar, rows, &self.sources, &mut field);
-            fields.push((field, None));
-        }
-        if self.moving.is_some() {
-            let (mut real, mut imaginary) = (DMatrix::zeros(n, modes), None);
-            if let Some((sand, (re, im))) = &sand {
-                let rows: Vec<usize> = (0..sand.planar.len()).collect();
-                directions.add_field(k, &sand.planar, &rows, re, &mut real);
-                let mut field = DMatrix::zeros(n, modes);
-                directions.add_field(k, &sand.planar, &rows, im, &mut field);
-                imaginary = Some(field);
-            }
-            fields.push((real, imaginary));
-        }
+            field
+        };
+        let fields: Vec<DMatrix<f64>> = self.rows.iter().map(of_rows).collect();
+        let sand = sand.map(|(sand, followers)| {
+            let leaders = sand.edge.nrows();
+            let of_sand = directions.field_of_followers(k, &sand.planar, &followers, leaders);
+            (of_sand, &sand.edge)
+        });
+        let mut forms = patch_forms(&fields, sand);
+        forms.resize(self.patches.len(), Resistance::zeros(self.sources.ncols()));
         let factor = self.factor(hz);
-        patch_forms(&fields)
-            .into_iter()
-            .map(|form| form.scaled(factor))
-            .collect()
+        forms.into_iter().map(|form| form.scaled(factor)).collect()
+    }
+
+    /// The sand where it moves, and how its points follow the block's edge there.
+    pub(super) fn moving_sand(&self, hz: f64) -> Option<(&SandPatch, Vec<Follower>)> {
+        self.moving.as_ref().and_then(|sand| Some((sand, sand.followers(hz)?)))
+    }
+
+    /// Its own points and the modes' displacements there times area, points x modes.
+    pub(super) fn own_sources(&self) -> (&[[f64; 2]], &DMatrix<f64>) {
+        (&self.points, &self.sources)
     }
 
     /// The resistance over a range of frequencies, sampled as finely as `sampling` asks.
@@ -163,12 +154,7 @@ impl Rayleigh {
         sampling: &Sampling,
         tell: &(dyn Fn() + Sync),
     ) -> Result<SampledRadiation, AcousticsError> {
-        let method = match (&self.absorbing, &self.moving) {
-            (None, None) => "Rayleigh",
-            (Some(_), None) => "Rayleigh, absorbing sand",
-            (None, Some(_)) => "Rayleigh, moving sand",
-            (Some(_), Some(_)) => "Rayleigh, absorbing and moving sand",
-        };
+        let method = Self::method(self.absorbing.is_some(), self.moving.is_some());
         let kinks = self
             .moving
             .as_ref()
@@ -179,6 +165,16 @@ impl Rayleigh {
             tell();
             resistance
         })
+    }
+
+    /// Label of the operator, with sand that absorbs or moves.
+    pub(crate) fn method(absorbing: bool, moving: bool) -> &'static str {
+        match (absorbing, moving) {
+            (false, false) => "Rayleigh",
+            (true, false) => "Rayleigh, absorbing sand",
+            (false, true) => "Rayleigh, moving sand",
+            (true, true) => "Rayleigh, absorbing and moving sand",
+        }
     }
 
     /// The air above the plane.
@@ -241,42 +237,22 @@ impl Rayleigh {
         count: usize,
         wave: impl Fn(usize, [f64; 2]) -> Complex<f64>,
     ) -> DMatrix<Complex<f64>> {
-        let waves = |points: &PlanarPoints| {
-            let all = DMatrix::from_fn(count, points.len(), |i, j| wave(i, points.at(j)));
-            (all.map(|z| z.re), all.map(|z| z.im))
-        };
-        let (re, im) = waves(&self.planar);
-        let mut real = &re * &self.sources;
-        let mut imaginary = &im * &self.sources;
-        if let Some((sand, (of_re, of_im))) = self.moving.as_ref().and_then(|s| Some((s, s.sources(hz)?))) {
-            let (re, im) = waves(&sand.planar);
-            real += &re * &of_re - &im * &of_im;
-            imaginary += &re * &of_im + &im * &of_re;
+        let waves = DMatrix::from_fn(count, self.points.len(), |i, j| wave(i, self.points[j]));
+        let mut real = waves.map(|z| z.re) * &self.sources;
+        let mut imaginary = waves.map(|z| z.im) * &self.sources;
+        if let Some((sand, followers)) = self.moving_sand(hz) {
+            let mut led = DMatrix::<Complex<f64>>::zeros(count, sand.edge.nrows());
+            for (point, follower) in followers.into_iter().enumerate() {
+                let at = sand.planar.at(point);
+                let column = led.column_mut(follower.leader).into_iter().enumerate();
+                column.for_each(|(i, to)| *to += follower.amplitude * wave(i, at));
+            }
+            real += led.map(|z| z.re) * &sand.edge;
+            imaginary += led.map(|z| z.im) * &sand.edge;
         }
         let absorption = self.absorbing.map_or(1.0, |sand| sand.factor(hz));
         let factor = self.air.density / (2.0 * PI) * absorption.sqrt();
         real.zip_map(&imaginary, |re, im| Complex::new(factor * re, factor * im))
-    }
-
-    /// Points of block and sand with the modes' displacements times area there, real and, where sand moves, imaginary
-    /// part.
-    pub(super) fn all_sources(&self, hz: f64) -> (Vec<[f64; 2]>, DMatrix<f64>, Option<DMatrix<f64>>) {
-        let own = self.points.len();
-        let Some((sand, (re, im))) = self.moving.as_ref().and_then(|s| Some((s, s.sources(hz)?))) else {
-            return (self.points.clone(), self.sources.clone(), None);
-        };
-        let points: Vec<[f64; 2]> = self
-            .points
-            .iter()
-            .copied()
-            .chain((0..sand.planar.len()).map(|i| sand.planar.at(i)))
-            .collect();
-        let mut real = DMatrix::zeros(points.len(), self.sources.ncols());
-        let mut imaginary = real.clone();
-        real.rows_mut(0, own).copy_from(&self.sources);
-        real.rows_mut(own, re.nrows()).copy_from(&re);
-        imaginary.rows_mut(own, im.nrows()).copy_from(&im);
-        (points, real, Some(imaginary))
     }
 
     /// Middle of all that moves, and how much later than from there waves from any of it can be, as a way in air \[m\]:
@@ -318,22 +294,6 @@ impl Rayleigh {
         self.carried_by(hz, directions.len(), wave)
     }
 
-    /// Compares the plane waves with the pairwise sum over the surface (without moving sand) at one frequency.
-    pub fn second_evaluation(&self, hz: f64) -> SecondEvaluation {
-        let k = 2.0 * PI * hz / self.air.sound_speed;
-        let bare = Self {
-            moving: None,
-            ..self.clone()
-        };
-        let mut far = Resistance::zeros(self.sources.ncols());
-        bare.resistance(hz).iter().for_each(|patch| far.add_scaled(1.0, patch));
-        let near = pairwise(k, &self.points, &self.sources) * self.factor(hz);
-        SecondEvaluation {
-            hz,
-            difference: relative_difference(&far.real, &near),
-        }
-    }
-
     /// rho0 omega² / (2 pi c0), times the sand's absorption.
     pub(super) fn factor(&self, hz: f64) -> f64 {
         let omega = 2.0 * PI * hz;
@@ -342,48 +302,39 @@ impl Rayleigh {
     }
 }
 
-/// The Hermitian parts of Y_p^H Y for every patch field Y_p, with Y their sum.
-fn patch_forms(fields: &[(DMatrix<f64>, Option<DMatrix<f64>>)]) -> Vec<Resistance> {
-    let mut real = fields[0].0.clone();
-    let mut imaginary: Option<DMatrix<f64>> = None;
-    for (re, im) in &fields[1..] {
-        real += re;
-        imaginary = imaginary.or_else(|| im.clone());
-    }
-    let form = |(re, im): &(DMatrix<f64>, Option<DMatrix<f64>>)| {
-        let mut symmetric = product(re, &real);
-        // Y_p^H Y = (A - jB)^T (C + jD) = A^T C + B^T D + j (A^T D - B^T C)
-        let mut skew = imaginary.as_ref().map(|d| product(re, d));
-        if let (Some(b), Some(d), Some(skew)) = (im, &imaginary, &mut skew) {
-            symmetric += product(b, d);
-            *skew -= product(b, &real);
-        }
-        let symmetric = (&symmetric + symmetric.transpose()) * 0.5;
-        Resistance {
-            real: symmetric,
-            imaginary: skew.map(|s| (&s - s.transpose()) * 0.5),
-        }
+/// The Hermitian parts of Y_p^H Y for every patch field Y_p, with Y their sum: real fields of the surface's own patches,
+/// and after them that of sand, Y_s = Z E, from the complex field Z of what follows each edge point and the edge's motion E.
+fn patch_forms(own: &[DMatrix<f64>], sand: Option<([DMatrix<f64>; 2], &DMatrix<f64>)>) -> Vec<Resistance> {
+    let mut surface = own[0].clone();
+    own[1..].iter().for_each(|field| surface += field);
+    let symmetric = |m: DMatrix<f64>| (&m + m.transpose()) * 0.5;
+    let skew = |m: DMatrix<f64>| (&m - m.transpose()) * 0.5;
+    let Some(([re, im], edge)) = sand else {
+        let alone = |field| Resistance {
+            real: symmetric(product(field, &surface)),
+            imaginary: None,
+        };
+        return own.iter().map(alone).collect();
     };
-    fields.iter().map(form).collect()
+    // Y_p^H Y = Y_p^T (Y_own + Re Z E) + j Y_p^T Im Z E
+    let beside = |field: &DMatrix<f64>| Resistance {
+        real: symmetric(product(field, &surface) + product(field, &re) * edge),
+        imaginary: Some(skew(product(field, &im) * edge)),
+    };
+    let mut forms: Vec<Resistance> = own.iter().map(beside).collect();
+    // Y_s^H Y = E^T Z^H (Y_own + Z E)
+    let (within, across) = (product(&re, &re) + product(&im, &im), product(&re, &im));
+    forms.push(Resistance {
+        real: symmetric(product(edge, &(product(&re, &surface) + within * edge))),
+        imaginary: Some(skew(product(
+            edge,
+            &((&across - across.transpose()) * edge - product(&im, &surface)),
+        ))),
+    });
+    forms
 }
 
 /// A^T B through the blocked matrix product, which nalgebra's own `tr_mul` is not.
 fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     a.transpose() * b
-}
-
-/// Largest |A_ij - B_ij| / sqrt(A_ii A_jj) over modes that radiate.
-fn relative_difference(a: &DMatrix<f64>, b: &DMatrix<f64>) -> f64 {
-    let floor = 1e-12 * a.diagonal().amax();
-    let scale = |i: usize| a[(i, i)].max(floor).sqrt();
-    let mut worst: f64 = 0.0;
-    for j in 0..a.ncols() {
-        for i in 0..a.nrows() {
-            let difference = (a[(i, j)] - b[(i, j)]).abs();
-            if difference > 0.0 {
-                worst = worst.max(difference / (scale(i) * scale(j)));
-            }
-        }
-    }
-    worst
 }

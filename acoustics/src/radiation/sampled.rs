@@ -1,5 +1,6 @@
 //! A radiation resistance sampled over frequency and interpolated.
 
+mod air;
 mod evaluate;
 mod file;
 

@@ -1,11 +1,12 @@
 //! Sand around a flush block: what it absorbs and what it radiates.
 
-use super::plane_waves::PlanarPoints;
+use super::plane_waves::{Follower, PlanarPoints};
 use super::quadrature::gauss_legendre;
 use crate::air::Air;
 use crate::error::{AcousticsError, positive};
 use nalgebra::{Complex, DMatrix};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 /// Normalised surface admittance beta = rho0 c0 / Z of a half space of porous material.
@@ -104,15 +105,26 @@ pub struct MovingSand {
 /// Rayleigh wave speed over shear wave speed, for a Poisson ratio of 0.3.
 const RAYLEIGH_SPEED: f64 = 0.93;
 
-/// The sand's surface in quadrature points, with the block's modal displacement at the edge point that carries each.
+/// The sand's surface in quadrature points, each of which follows a point of the block's edge.
 #[derive(Debug, Clone)]
 pub(super) struct SandPatch {
     pub(super) planar: PlanarPoints,
-    distance: Vec<f64>,
-    /// Edge displacement times area, points x modes.
-    carried: DMatrix<f64>,
+    points: Vec<FollowingPoint>,
+    /// The block's modal displacements at the points of its edge that lead, edge points x modes.
+    pub(super) edge: DMatrix<f64>,
     radius: f64,
     law: MovingSand,
+}
+
+/// A point of the sand's surface.
+#[derive(Debug, Clone)]
+struct FollowingPoint {
+    /// Number of the edge point that it follows.
+    leader: usize,
+    /// Its distance from there \[m\].
+    distance: f64,
+    /// Its quadrature weight \[m²\].
+    weight: f64,
 }
 
 impl MovingSand {
@@ -165,29 +177,25 @@ impl MovingSand {
                 }
             }
         }
-        let edge = |p: &[f64; 2]| self.edge(*p);
-        let distance = points
-            .iter()
-            .map(|p| {
-                let e = edge(p);
-                (p[0] - e[0]).hypot(p[1] - e[1])
-            })
-            .collect();
-        let mut carried = DMatrix::zeros(points.len(), displacement.ncols());
-        let mut last: Option<([f64; 2], nalgebra::RowDVector<f64>)> = None;
-        for (row, (p, w)) in points.iter().zip(&weights).enumerate() {
-            let e = edge(p);
-            let value = match &last {
-                Some((at, value)) if *at == e => value.clone(),
-                _ => plane_fit(block, displacement, e),
-            };
-            carried.set_row(row, &(&value * *w));
-            last = Some((e, value));
-        }
+        let mut leaders: BTreeMap<[u64; 2], usize> = BTreeMap::new();
+        let mut edge = Vec::new();
+        let mut follow = |(p, weight): (&[f64; 2], f64)| {
+            let at = self.edge(*p);
+            let leader = *leaders.entry(at.map(f64::to_bits)).or_insert_with(|| {
+                edge.push(plane_fit(block, displacement, at));
+                edge.len() - 1
+            });
+            FollowingPoint {
+                leader,
+                distance: (p[0] - at[0]).hypot(p[1] - at[1]),
+                weight,
+            }
+        };
+        let following = points.iter().zip(weights).map(&mut follow).collect();
         SandPatch {
             planar: PlanarPoints::new(&points),
-            distance,
-            carried,
+            points: following,
+            edge: DMatrix::from_rows(&edge),
             radius: self.radius(),
             law: *self,
         }
@@ -218,23 +226,19 @@ fn plane_fit(block: &[[f64; 2]], displacement: &DMatrix<f64>, at: [f64; 2]) -> n
 }
 
 impl SandPatch {
-    /// Modal velocity of the sand times area at one frequency, real and imaginary part (points x modes); `None` where
-    /// the sand no longer moves.
-    pub(super) fn sources(&self, hz: f64) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
+    /// How every point follows its point of the edge at one frequency; `None` where the sand no longer moves.
+    pub(super) fn followers(&self, hz: f64) -> Option<Vec<Follower>> {
         self.law.fade(hz)?;
-        let mut real = self.carried.clone();
-        let mut imaginary = self.carried.clone();
-        for (row, &s) in self.distance.iter().enumerate() {
-            let ratio = self.law.carried(s, self.radius, hz);
-            real.row_mut(row).scale_mut(ratio.re);
-            imaginary.row_mut(row).scale_mut(ratio.im);
-        }
-        Some((real, imaginary))
+        let follower = |p: &FollowingPoint| Follower {
+            leader: p.leader,
+            amplitude: p.weight * self.law.carried(p.distance, self.radius, hz),
+        };
+        Some(self.points.iter().map(follower).collect())
     }
 
     /// Latest that any of it moves after the block's edge \[s\].
     pub(super) fn lag(&self) -> f64 {
-        let farthest = self.distance.iter().fold(0.0, |a: f64, b| a.max(*b));
+        let farthest = self.points.iter().fold(0.0, |a: f64, p| a.max(p.distance));
         farthest / (RAYLEIGH_SPEED * self.law.shear_speed)
     }
 

@@ -2,6 +2,7 @@
 
 use super::archive::{Archive, ArchiveReader, ArchiveWriter};
 use super::energy::ModalSpectra;
+use super::kernel::sinc;
 use super::rayleigh::Rayleigh;
 use super::resistance::{ModalRadiation, Resistance};
 use super::roots::image;
@@ -11,10 +12,13 @@ use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Resistances by the intensity on a flush surface in the middle of some bands, see [`Rayleigh::surface_resistance`].
+/// Resistances by the intensity on a flush surface at one frequency of each of some bands, see
+/// [`Rayleigh::surface_resistance`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfaceEvaluations {
     bands: Vec<Band>,
+    /// Where they were taken \[Hz\].
+    hz: Vec<f64>,
     resistances: Vec<Resistance>,
 }
 
@@ -29,7 +33,35 @@ impl SurfaceEvaluations {
             .par_iter()
             .map(|band| single(surface.surface_resistance(band.hz)))
             .collect();
-        Self { bands, resistances }
+        let hz = bands.iter().map(|band| band.hz).collect();
+        Self { bands, hz, resistances }
+    }
+
+    /// In an air in which every wavelength has its frequency times `speed`, and times `factor` there: what was taken in the
+    /// middle of a band then stands for another frequency of it.
+    #[must_use]
+    pub(crate) fn in_air(mut self, speed: f64, factor: impl Fn(f64) -> f64) -> Self {
+        for (hz, r) in self.hz.iter_mut().zip(&mut self.resistances) {
+            *hz *= speed;
+            let factor = factor(*hz);
+            r.real *= factor;
+            r.imaginary.iter_mut().for_each(|m| *m *= factor);
+        }
+        self
+    }
+
+    /// This, and the bands of `above` that are higher.
+    #[must_use]
+    pub(crate) fn continued(mut self, above: Self) -> Self {
+        let last = self.bands.last().map(|band| band.index);
+        for ((band, hz), r) in above.bands.into_iter().zip(above.hz).zip(above.resistances) {
+            if last.is_none_or(|last| band.index > last) {
+                self.bands.push(band);
+                self.hz.push(hz);
+                self.resistances.push(r);
+            }
+        }
+        self
     }
 
     /// The bands.
@@ -37,7 +69,7 @@ impl SurfaceEvaluations {
         &self.bands
     }
 
-    /// Energy of each band by the surface over that by `radiation`, whose R/omega² both are frozen in the middle of the
+    /// Energy of each band by the surface over that by `radiation`, whose R/omega² both are frozen at one frequency of the
     /// band: what differs is the evaluation, not the motion. None for a silent band.
     ///
     /// # Errors
@@ -51,7 +83,7 @@ impl SurfaceEvaluations {
         for r in &self.resistances {
             same_length("rows of a resistance", r.real.nrows(), radiation.modes())?;
         }
-        let ratio = |(band, surface): (&Band, &Resistance)| {
+        let ratio = |((band, hz), surface): ((&Band, &f64), &Resistance)| {
             let weights = energy_weights(&spectra.frequency, [band.low, band.high], Weighting::Z);
             let bins: Vec<usize> = (0..weights.len()).filter(|&bin| weights[bin] != 0.0).collect();
             let motion = DMatrix::from_fn(radiation.modes(), bins.len(), |mode, b| {
@@ -65,10 +97,11 @@ impl SurfaceEvaluations {
                     .map(|(a, x): (&Complex<f64>, _)| (a.conj() * x).re)
                     .sum()
             };
-            let waves = energy(&radiation.resistance(band.hz));
+            let waves = energy(&radiation.resistance(*hz));
             (waves > 0.0).then(|| energy(surface) / waves)
         };
-        Ok(self.bands.par_iter().zip(&self.resistances).map(ratio).collect())
+        let taken = self.bands.par_iter().zip(&self.hz).zip(&self.resistances);
+        Ok(taken.map(ratio).collect())
     }
 }
 
@@ -82,39 +115,69 @@ impl Rayleigh {
     /// the real part of the pressure on the surface times the velocity there, while [`Rayleigh::resistance`] sums the
     /// plane waves in all directions. Both take the same share off for sand that absorbs.
     pub fn surface_resistance(&self, hz: f64) -> Resistance {
-        const CHUNK: usize = 256;
         let k = 2.0 * PI * hz / self.air().sound_speed;
-        let (points, real, imaginary) = self.all_sources(hz);
-        let n = points.len();
-        let modes = real.ncols();
-        let starts: Vec<usize> = (0..n).step_by(CHUNK).collect();
-        let mut whole = Resistance::zeros(modes);
-        let mut skew = DMatrix::zeros(modes, modes);
-        for &start in &starts {
-            let rows = CHUNK.min(n - start);
-            let here = |m: &DMatrix<f64>| m.rows(start, rows).transpose();
-            // Pairs of this chunk and those after it, which count twice.
-            let kernel = DMatrix::from_fn(rows, n - start, |i, j| {
-                let (a, b) = (points[start + i], points[start + j]);
-                let kr = k * (a[0] - b[0]).hypot(a[1] - b[1]);
-                let twice = if j < rows { 1.0 } else { 2.0 };
-                twice * if kr < 1e-8 { 1.0 } else { kr.sin() / kr }
-            });
-            let on_real = &kernel * real.rows(start, n - start);
-            whole.real += here(&real) * &on_real;
-            if let Some(imaginary) = &imaginary {
-                let on_imaginary = &kernel * imaginary.rows(start, n - start);
-                whole.real += here(imaginary) * &on_imaginary;
-                skew += here(&real) * on_imaginary - here(imaginary) * on_real;
+        let (points, sources) = self.own_sources();
+        let axis = |points: &[[f64; 2]], i: usize| points.iter().map(|p| p[i]).collect::<Vec<f64>>();
+        let (x, y) = (axis(points, 0), axis(points, 1));
+        let mut real = own_pairs(k, [&x, &y], sources);
+        let mut imaginary = None;
+        if let Some((sand, followers)) = self.moving_sand(hz) {
+            let places: Vec<[f64; 2]> = (0..followers.len()).map(|i| sand.planar.at(i)).collect();
+            let (sand_x, sand_y) = (axis(&places, 0), axis(&places, 1));
+            // What each edge point leads, felt at the points of the surface and at those that others lead.
+            let leaders = sand.edge.nrows();
+            let mut on_surface = [0, 1].map(|_| DMatrix::<f64>::zeros(points.len(), leaders));
+            let mut on_sand = [0, 1].map(|_| DMatrix::<f64>::zeros(places.len(), leaders));
+            for (place, follower) in places.iter().zip(&followers) {
+                for (felt, xy) in [(&mut on_surface, [&x, &y]), (&mut on_sand, [&sand_x, &sand_y])] {
+                    let mut kernel = vec![0.0; xy[0].len()];
+                    sinc(k, *place, [xy[0], xy[1]], &mut kernel);
+                    let amplitude = follower.amplitude;
+                    for (felt, amplitude) in felt.iter_mut().zip([amplitude.re, amplitude.im]) {
+                        let to = felt.column_mut(follower.leader);
+                        to.into_iter().zip(&kernel).for_each(|(to, k)| *to += amplitude * k);
+                    }
+                }
             }
+            let mut within = DMatrix::<Complex<f64>>::zeros(leaders, leaders);
+            for (point, follower) in followers.iter().enumerate() {
+                for (column, to) in within.row_mut(follower.leader).iter_mut().enumerate() {
+                    let felt = Complex::new(on_sand[0][(point, column)], on_sand[1][(point, column)]);
+                    *to += follower.amplitude.conj() * felt;
+                }
+            }
+            let edge = &sand.edge;
+            let across = on_surface.map(|felt| (sources.transpose() * felt) * edge);
+            real += &across[0] + across[0].transpose() + edge.transpose() * within.map(|z| z.re) * edge;
+            let skew = &across[1] - across[1].transpose() + edge.transpose() * within.map(|z| z.im) * edge;
+            imaginary = Some((&skew - skew.transpose()) * 0.5);
         }
-        let half = |m: &DMatrix<f64>, sign: f64| (m + sign * m.transpose()) * 0.5;
         Resistance {
-            real: half(&whole.real, 1.0),
-            imaginary: imaginary.is_some().then(|| half(&skew, -1.0)),
+            real: (&real + real.transpose()) * 0.5,
+            imaginary,
         }
         .scaled(self.factor(hz))
     }
+}
+
+/// Phi^T S K S Phi of the surface's own points, chunk by chunk.
+fn own_pairs(k: f64, [x, y]: [&[f64]; 2], sources: &DMatrix<f64>) -> DMatrix<f64> {
+    const CHUNK: usize = 256;
+    let n = x.len();
+    let mut result = DMatrix::zeros(sources.ncols(), sources.ncols());
+    for start in (0..n).step_by(CHUNK) {
+        let columns = CHUNK.min(n - start);
+        // Pairs of this chunk and those after it, which count twice.
+        let mut kernel = DMatrix::zeros(n - start, columns);
+        for (j, mut column) in kernel.column_iter_mut().enumerate() {
+            let from = [x[start + j], y[start + j]];
+            sinc(k, from, [&x[start..], &y[start..]], column.as_mut_slice());
+            column.rows_mut(columns, n - start - columns).scale_mut(2.0);
+        }
+        let felt = kernel.transpose() * sources.rows(start, n - start);
+        result += sources.rows(start, columns).transpose() * felt;
+    }
+    result
 }
 
 /// Rounds to single precision, in which resistances are kept in files: a result does not depend on whether they were.
@@ -129,20 +192,25 @@ impl Archive for SurfaceEvaluations {
     fn write(&self, to: &mut ArchiveWriter) {
         to.count(self.resistances.first().map_or(0, |r| r.real.nrows()));
         to.count(self.bands.len());
-        for (band, r) in self.bands.iter().zip(&self.resistances) {
-            to.numbers(&[f64::from(band.index)]);
+        for ((band, hz), r) in self.bands.iter().zip(&self.hz).zip(&self.resistances) {
+            to.numbers(&[f64::from(band.index), *hz]);
             to.hermitian(r);
         }
     }
 
     fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
         let modes = from.count()?;
-        let (mut bands, mut resistances) = (Vec::new(), Vec::new());
+        let (mut bands, mut taken, mut resistances) = (Vec::new(), Vec::new(), Vec::new());
         for _ in 0..from.count()? {
-            let [index] = from.numbers()?;
+            let [index, hz] = from.numbers()?;
             bands.push(Band::new(index as i32));
+            taken.push(hz);
             resistances.push(from.hermitian(modes)?);
         }
-        Ok(Self { bands, resistances })
+        Ok(Self {
+            bands,
+            hz: taken,
+            resistances,
+        })
     }
 }

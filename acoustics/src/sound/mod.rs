@@ -1,12 +1,14 @@
 //! What places around a device hear: pressures, their course in time, and levels by the standard's procedure.
 //!
 //! A source that knows phases gives the complex pressure at every place (boundary elements with
-//! [`crate::bem::Receivers`], a flush surface by [`SoundAbovePlane`], a shaken sphere by [`shaken_sphere_pressure`]). One
+//! [`crate::bem::Receivers`], a flush surface by [`SoundAbovePlane`], which is part of
+//! all its sound, [`FlushSound`], a shaken sphere by [`shaken_sphere_pressure`]). One
 //! that knows energies alone is [spread evenly](spread_evenly). Spectra become signals by [`over_time`].
 
 mod array;
 mod bands;
 mod directions;
+mod flush;
 mod piece;
 mod plane;
 mod sphere;
@@ -17,9 +19,10 @@ pub use array::{Iso3744Box, background_correction, environmental_correction};
 pub use bands::{Around, BandSound, above_plane};
 pub(crate) use bands::{bins_of, groups, of_bins, squares};
 pub use directions::Directions;
+pub use flush::FlushSound;
 pub(crate) use piece::{Piece, Rows, rows};
 pub use plane::SoundAbovePlane;
-pub use sphere::shaken_sphere_pressure;
+pub use sphere::{rigid_body_far_field, shaken_sphere_pressure};
 pub use spread::{Spread, spread_evenly};
 pub use time::over_time;
 

@@ -52,6 +52,23 @@ impl SoundAbovePlane {
         })
     }
 
+    /// In an air in which every wavelength has its frequency times `speed`, and times `factor` at each of the samples.
+    pub(super) fn in_air(mut self, speed: f64, factors: &[f64]) -> Self {
+        self.sound_speed *= speed;
+        for (sample, factor) in self.samples.iter_mut().zip(factors) {
+            *sample *= Complex::from(*factor);
+        }
+        self
+    }
+
+    /// This, and behind its samples those of `above` with these numbers.
+    pub(super) fn continued(mut self, mut above: Self, taken: &[usize]) -> Self {
+        let moved = taken.iter().map(|&sample| std::mem::take(&mut above.samples[sample]));
+        self.samples.extend(moved);
+        self.error = self.error.max(above.error);
+        self
+    }
+
     /// Estimated interpolation error over frequency, relative to the loudest mode at the places.
     pub fn error(&self) -> f64 {
         self.error

@@ -1,6 +1,8 @@
-use super::image;
+use super::{Directions, image};
 use crate::air::Air;
 use crate::error::{AcousticsError, positive};
+use crate::fourier::{Transform, TransformSettings};
+use crate::levels::SourceSpectrum;
 use nalgebra::{Complex, Point3, Vector3};
 use std::f64::consts::PI;
 
@@ -55,4 +57,44 @@ pub fn shaken_sphere_pressure(
         }
     }
     Ok(direct + of_sphere(image(centre, floor), Vector3::new(axis.x, axis.y, -axis.z))?)
+}
+
+/// Wavelengths at which the pressure of a sphere is that of the far field: the near field adds 1/(kr)² to its square.
+const FAR: f64 = 1e3;
+
+/// Rings of directions over which the far field is integrated: Gauss points, exact for the square of a cosine from two on.
+const RINGS: usize = 4;
+
+/// The energy of [`crate::radiation::rigid_body_energy`] from the field instead of from the surface's resistance: the
+/// pressure far away in free space, integrated over all directions.
+///
+/// ```text
+/// E(f) = 2 r^2 / (rho0 c0) int |p|^2 dOmega
+/// ```
+///
+/// # Errors
+/// As [`crate::radiation::rigid_body_energy`].
+pub fn rigid_body_far_field(
+    source: impl Into<String>,
+    acceleration: &[f64],
+    sample_interval: f64,
+    volume: f64,
+    air: &Air,
+    settings: &TransformSettings,
+) -> Result<SourceSpectrum, AcousticsError> {
+    let transform = Transform::new(acceleration.len(), sample_interval, settings)?;
+    let frequency = transform.frequencies();
+    let directions = Directions::new(RINGS, 1, false);
+    let mut density = Vec::with_capacity(frequency.len());
+    for (&hz, motion) in frequency.iter().zip(transform.apply(acceleration)?) {
+        let r = FAR * air.sound_speed / hz;
+        let mut energy = 0.0;
+        for (direction, solid_angle) in directions.vectors.iter().zip(&directions.weights) {
+            let place = Point3::from(r * direction);
+            let unit = shaken_sphere_pressure(hz, volume, Point3::origin(), Vector3::z(), place, None, air)?;
+            energy += 2.0 * r * r / air.impedance() * (unit * motion).norm_sqr() * solid_angle;
+        }
+        density.push(energy);
+    }
+    SourceSpectrum::new(source, "far field", frequency, density, settings.range_hz)
 }

@@ -155,8 +155,8 @@ impl Scene<'_> {
 
     /// The block's top and the sand around it, in an infinite plane.
     fn flush<'a>(&self, inputs: &Inputs<'a>, flush: &Flush) -> Result<Heard<'a>, Error> {
-        let (sound, spectra) = (&flush.heard, &inputs.spectra[0]);
-        let pressures = sound.pressures(&flush.waves, &spectra.frequency, &spectra.accelerations);
+        let (sound, spectra) = (&flush.sound.heard, &inputs.spectra[0]);
+        let pressures = sound.pressures(&flush.sound.waves, &spectra.frequency, &spectra.accelerations);
         let (part, signals) = self.of_pressures(&spectra.frequency, &pressures);
         Ok(Heard {
             radiated: &inputs.workpiece.spectrum,

@@ -13,7 +13,7 @@ use nalgebra::Point3;
 
 use super::Tool;
 use super::exhaust::Exhaust;
-use super::radiator::{Radiator, floor};
+use super::radiator::Radiator;
 use super::sound::Sound;
 use crate::design::{Design, SupportKind};
 use crate::error::Error;
@@ -63,13 +63,14 @@ pub(super) fn tool_height(design: &Design) -> f64 {
     design.body.nose_height + design.body.barrel_height + design.body.cap_height
 }
 
-/// Height of the plane that reflects: the floor under a table, the sand's surface, or a floor at the block's underside,
-/// on which it lies, is clamped or is hung closely above \[m\].
+/// Height of the plane that reflects: the floor under a table, under a block on springs, or at the underside of one that
+/// lies or is clamped on it; the sand's surface \[m\].
 pub(super) fn reflecting_plane(design: &Design) -> f64 {
     match design.support.kind {
-        SupportKind::Worktable => floor(design),
+        SupportKind::Worktable => -design.support.worktable.height,
         SupportKind::Sandbox => design.workpiece.thickness,
-        SupportKind::Floor | SupportKind::Clamped | SupportKind::Springs => 0.0,
+        SupportKind::Floor | SupportKind::Clamped => 0.0,
+        SupportKind::Springs => -design.support.clearance,
     }
 }
 
