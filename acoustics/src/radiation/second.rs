@@ -128,14 +128,16 @@ impl Rayleigh {
             let leaders = sand.edge.nrows();
             let mut on_surface = [0, 1].map(|_| DMatrix::<f64>::zeros(points.len(), leaders));
             let mut on_sand = [0, 1].map(|_| DMatrix::<f64>::zeros(places.len(), leaders));
+            let mut kernel = Vec::new();
             for (place, follower) in places.iter().zip(&followers) {
                 for (felt, xy) in [(&mut on_surface, [&x, &y]), (&mut on_sand, [&sand_x, &sand_y])] {
-                    let mut kernel = vec![0.0; xy[0].len()];
+                    kernel.resize(xy[0].len(), 0.0);
                     sinc(k, *place, [xy[0], xy[1]], &mut kernel);
                     let amplitude = follower.amplitude;
                     for (felt, amplitude) in felt.iter_mut().zip([amplitude.re, amplitude.im]) {
-                        let to = felt.column_mut(follower.leader);
-                        to.into_iter().zip(&kernel).for_each(|(to, k)| *to += amplitude * k);
+                        let rows = kernel.len();
+                        let to = &mut felt.as_mut_slice()[follower.leader * rows..][..rows];
+                        to.iter_mut().zip(&kernel).for_each(|(to, k)| *to += amplitude * k);
                     }
                 }
             }
@@ -167,14 +169,17 @@ fn own_pairs(k: f64, [x, y]: [&[f64]; 2], sources: &DMatrix<f64>) -> DMatrix<f64
     let mut result = DMatrix::zeros(sources.ncols(), sources.ncols());
     for start in (0..n).step_by(CHUNK) {
         let columns = CHUNK.min(n - start);
+        let chunk = start..start + columns;
         // Pairs of this chunk and those after it, which count twice.
-        let mut kernel = DMatrix::zeros(n - start, columns);
+        let mut kernel = DMatrix::zeros(columns, n - start);
         for (j, mut column) in kernel.column_iter_mut().enumerate() {
             let from = [x[start + j], y[start + j]];
-            sinc(k, from, [&x[start..], &y[start..]], column.as_mut_slice());
-            column.rows_mut(columns, n - start - columns).scale_mut(2.0);
+            sinc(k, from, [&x[chunk.clone()], &y[chunk.clone()]], column.as_mut_slice());
+            if j >= columns {
+                column *= 2.0;
+            }
         }
-        let felt = kernel.transpose() * sources.rows(start, n - start);
+        let felt = kernel * sources.rows(start, n - start);
         result += sources.rows(start, columns).transpose() * felt;
     }
     result
