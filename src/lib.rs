@@ -22,6 +22,7 @@ pub mod report;
 pub mod result;
 pub mod sensitivity;
 pub mod study;
+mod wording;
 
 pub use design::Design;
 pub use error::Error;

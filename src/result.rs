@@ -125,10 +125,18 @@ pub struct Uncertainty {
     pub basis: String,
 }
 
-/// A bound of [`Uncertainty`] as it is printed, to a tenth and never to nothing: `-4.0`; `open` where there is none.
-pub(crate) fn bound(sign: char, bound: Option<f64>, open: &str) -> String {
-    let printed = |bound: f64| if bound == 0.0 { 0.0 } else { bound.abs().max(0.1) };
-    bound.map_or_else(|| open.to_owned(), |bound| format!("{sign}{:.1}", printed(bound)))
+impl RankedSource {
+    /// Name, level and band.
+    pub(crate) fn placed(&self) -> crate::wording::Placed<'_> {
+        (&self.source, self.lwa_db, self.uncertainty_db.bounds())
+    }
+}
+
+impl Uncertainty {
+    /// How much lower and how much higher the true level may be \[dB\].
+    pub(crate) fn bounds(&self) -> [Option<f64>; 2] {
+        [self.minus, self.plus]
+    }
 }
 
 /// Power of a vibrating surface by boundary elements, in sand by Rayleigh's integral, or of a rigid tool as the sphere of

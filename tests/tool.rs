@@ -115,6 +115,14 @@ fn a_stiff_body_is_the_rigid_source_and_every_run_checks_its_forces() {
         found.lwa_db
     );
     assert!(part(&found, "housing") < expected - 40.0);
+    // What is evaluated twice is the rigid body, not the estimate of an elastic one.
+    assert!(body(&rigid).radiation.is_some());
+    assert_eq!(
+        found.radiation.is_none(),
+        found.method.contains("ERP"),
+        "{}",
+        found.method
+    );
     let checks: Vec<_> = stiff
         .result
         .checks

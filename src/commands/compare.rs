@@ -14,7 +14,8 @@ use crate::error::Error;
 use crate::output;
 use crate::pipeline::Observer as _;
 use crate::report;
-use crate::result::{Check, bound};
+use crate::result::Check;
+use crate::wording::{band, change, order};
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -158,11 +159,7 @@ fn text(comparison: &Comparison, bands: bool, intervals: bool) -> String {
     }
     text.push_str("\nhow far each method may be off, dB (open where it gives no bound)\n\n");
     let bands_of = |row: &crate::comparison::SourceRow| {
-        let bound = |sign: char, of: &Option<f64>| bound(sign, *of, "open");
-        let of_each = row
-            .uncertainty_db
-            .iter()
-            .map(|[minus, plus]| format!("{} .. {}", bound('-', minus), bound('+', plus)));
+        let of_each = row.uncertainty_db.iter().map(|bounds| band(*bounds));
         std::iter::once(row.source.clone()).chain(of_each).collect::<Vec<_>>()
     };
     text.push_str(&table(
@@ -182,6 +179,9 @@ fn text(comparison: &Comparison, bands: bool, intervals: bool) -> String {
         })
         .collect();
     text.push_str(&table(&headings("place"), &rows));
+    for (design, name) in comparison.designs.iter().enumerate() {
+        text.push_str(&format!("  {name}: {}\n", order(&comparison.placed(design))));
+    }
 
     text.push_str("\nthe shot\n\n");
     let outcome = std::iter::once("outcome".to_owned()).chain(comparison.outcomes.iter().cloned());
@@ -190,7 +190,7 @@ fn text(comparison: &Comparison, bands: bool, intervals: bool) -> String {
             .values
             .iter()
             .map(|value| value.map_or_else(|| "-".to_owned(), significant));
-        std::iter::once(row.name.replace('_', " ")).chain(values).collect()
+        std::iter::once(row.labelled(" [", "]")).chain(values).collect()
     });
     let events = comparison.events.iter().filter(|row| differs(&row.values)).map(|row| {
         let values = row
@@ -203,7 +203,7 @@ fn text(comparison: &Comparison, bands: bool, intervals: bool) -> String {
         .chain(figures)
         .chain(events)
         .collect();
-    text.push_str(&table(&headings("SI"), &rows));
+    text.push_str(&table(&headings("figure"), &rows));
     if rows.len() == 1 {
         text.push_str("  all its figures and events are the same\n");
     }
@@ -225,12 +225,10 @@ fn text(comparison: &Comparison, bands: bool, intervals: bool) -> String {
 }
 
 fn level_row(label: &str, levels: &Levels) -> Vec<String> {
-    // Adding zero turns a rounded -0 into 0.
-    let rounded = |db: f64| (10.0 * db).round() / 10.0 + 0.0;
-    let change = |change: &Option<f64>| change.map_or_else(|| "-".to_owned(), |db| format!("{:+.1}", rounded(db)));
+    let changed = |db: &Option<f64>| db.map_or_else(|| "-".to_owned(), change);
     std::iter::once(label.to_owned())
         .chain(levels.level_db.iter().map(|level| decibels(*level)))
-        .chain(levels.change_db.iter().skip(1).map(change))
+        .chain(levels.change_db.iter().skip(1).map(changed))
         .collect()
 }
 

@@ -10,7 +10,8 @@ use crate::bundle::deliver;
 use crate::error::Error;
 use crate::output;
 use crate::pipeline::{self, Observer, Run};
-use crate::result::{Component, Coupling, RunResult, Uncertainty, bound};
+use crate::result::{Component, Coupling, RankedSource, RunResult};
+use crate::wording::{band, order};
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -71,14 +72,6 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
 /// A run in words: the table, and the parts of its sources.
 pub(super) fn words(run: &Run) -> [String; 2] {
     [text(&run.result), components(&run.result)]
-}
-
-/// How far a method may be off, below and above the level: `-4.0 +4.0`; a question mark where it gives no bound.
-fn band(uncertainty: &Uncertainty) -> String {
-    match (uncertainty.minus, uncertainty.plus) {
-        (None, None) => "not stated".to_owned(),
-        (minus, plus) => format!("{} {}", bound('-', minus, "-?"), bound('+', plus, "+?")),
-    }
 }
 
 /// The largest by a level; none where all are silent.
@@ -155,7 +148,7 @@ fn text(result: &RunResult) -> String {
             vec![
                 source.source.clone(),
                 decibels(source.lwa_db),
-                band(&source.uncertainty_db),
+                band(source.uncertainty_db.bounds()),
                 decibels(source.lw_db),
                 format!("{:.1} %", 100.0 * source.share),
                 band_of.map_or_else(|| "-".to_owned(), |band| format!("{} Hz", band.hz)),
@@ -197,6 +190,8 @@ fn text(result: &RunResult) -> String {
     }
     text.push_str("\n\n");
     text.push_str(&table(&headings, &rows));
+    let placed: Vec<_> = result.ranking.iter().map(RankedSource::placed).collect();
+    text.push_str(&format!("\n  {}\n", order(&placed)));
     if let Some(starts) = &result.starts {
         text.push_str(&format!(
             "\n  workpiece over {} starts: {:.1} dB, standard deviation {:.2} dB\n",

@@ -7,6 +7,8 @@ mod finished;
 
 use serde::Serialize;
 
+use crate::wording::Placed;
+
 pub use finished::{Finished, Input};
 
 /// Version of the layout of [`Comparison`].
@@ -51,8 +53,34 @@ pub struct InputRow {
 pub struct ValueRow {
     /// What it is.
     pub name: String,
+    /// Unit of its values; empty where they have none.
+    pub unit: &'static str,
     /// Its values; null where there is none.
     pub values: Vec<Option<f64>>,
+}
+
+impl ValueRow {
+    /// Its name in words, with the unit behind it.
+    pub(crate) fn labelled(&self, before: &str, behind: &str) -> String {
+        let name = self.name.replace('_', " ");
+        match self.unit {
+            "" => name,
+            unit => format!("{name}{before}{unit}{behind}"),
+        }
+    }
+}
+
+/// Unit of a figure of the shot, as [`nailnoise_dynamics::Summary`] has it.
+fn unit_of(figure: &str) -> &'static str {
+    match figure {
+        "penetration" => "m",
+        "full_penetration" => "s",
+        "mean_drive_speed" => "m/s",
+        _ if figure.starts_with("speed_") => "m/s",
+        _ if figure.ends_with("_force") => "N",
+        _ if figure.ends_with("_mass") => "kg",
+        _ => "",
+    }
 }
 
 /// A level of each result.
@@ -131,6 +159,19 @@ impl std::str::FromStr for Limit {
 }
 
 impl Comparison {
+    /// The sources of a design in the order of its ranking, with levels and bands.
+    pub(crate) fn placed(&self, design: usize) -> Vec<Placed<'_>> {
+        let of_source = |name: &'_ String| {
+            let row = self.sources.iter().find(|row| row.source == *name)?;
+            Some((
+                row.source.as_str(),
+                row.levels.level_db[design],
+                row.uncertainty_db[design],
+            ))
+        };
+        self.rankings[design].iter().filter_map(of_source).collect()
+    }
+
     /// Lays results side by side.
     pub fn new(results: &[Finished]) -> Self {
         let each = |f: &dyn Fn(&Finished) -> Option<f64>| results.iter().map(f).collect::<Vec<_>>();
@@ -153,6 +194,7 @@ impl Comparison {
                 .into_iter()
                 .map(|name| ValueRow {
                     values: each(&|r| r.cycle.get(&name).and_then(serde_json::Value::as_f64)),
+                    unit: unit_of(&name),
                     name,
                 })
                 .collect(),
@@ -160,6 +202,7 @@ impl Comparison {
                 .into_iter()
                 .map(|name| ValueRow {
                     values: each(&|r| r.events.get(&name).copied().flatten()),
+                    unit: "s",
                     name,
                 })
                 .collect(),

@@ -115,8 +115,10 @@ pub(super) fn notes(design: &Design, record: &CycleRecord, told: &Told, exhaust:
     }
     if let (Some(here), Some(there)) = (exhaust.jets_lw, exhaust.cross_check_lw) {
         notes.push(format!(
-            "exhaust jets: {here:.1} dB unweighted, by the efficiencies of IEC 60534-8-3 {there:.1} dB; {:.0} % of the \
-             mixing noise is from jet speeds outside its correlation",
+            "exhaust jets, unweighted and over all frequencies: {here:.1} dB, by the efficiencies of IEC 60534-8-3 {there:.1} \
+             dB. Their difference is the check; the exhaust of the ranking is less, for it ends at {:.0} Hz and stands behind \
+             the muffler where there is one; {:.0} % of the mixing noise is from jet speeds outside its correlation",
+            design.analysis.range_high,
             100.0 * exhaust.outside_range
         ));
     }

@@ -369,30 +369,44 @@ pub(super) fn skin(
     )?)
 }
 
-/// The tool body as the sphere of its volume in the cycle's rigid motion: its power by the resistance of the sphere's
-/// surface, and once more by its far field.
-pub(super) fn rigid_tool(design: &Design, record: &CycleRecord, air: &Air) -> Result<Sound, Error> {
-    let settings = TransformSettings {
-        range_hz: [design.analysis.range_low, design.analysis.range_high],
-        ..TransformSettings::default()
-    };
+/// A rigid tool body as the sphere of its volume in the cycle's motion: its power by the resistance of the sphere's surface,
+/// and once more by its far field.
+pub(super) fn rigid_tool_twice(design: &Design, record: &CycleRecord, air: &Air) -> Result<Sound, Error> {
+    let sound = rigid_tool(design, record, air)?;
     let (acceleration, interval, volume) = (&record.tool.acceleration, record.sample_interval, design.body.volume());
-    let surface = rigid_body_energy("body", acceleration, interval, volume, air, &settings)?;
+    let settings = rigid_settings(design);
     let far_field = rigid_body_far_field("body", acceleration, interval, volume, air, &settings)?;
-    let report = rigid_report(&far_field, &surface, volume, air);
+    let report = rigid_report(&far_field, &sound.spectrum, volume, air);
     Ok(Sound {
-        spectrum: surface,
+        radiation: Some(report),
+        ..sound
+    })
+}
+
+/// The rigid motion of a tool body as that of the sphere of its volume.
+pub(super) fn rigid_tool(design: &Design, record: &CycleRecord, air: &Air) -> Result<Sound, Error> {
+    let settings = rigid_settings(design);
+    let (acceleration, interval, volume) = (&record.tool.acceleration, record.sample_interval, design.body.volume());
+    Ok(Sound {
+        spectrum: rigid_body_energy("body", acceleration, interval, volume, air, &settings)?,
         signals: vec![(
             "body",
             rigid_body_signals(acceleration, interval, volume, air, &settings)?,
         )],
         openings: Vec::new(),
         uncertainty: Uncertainty {
-            minus: Some(report.surface_difference_db.map_or(0.0, f64::abs)),
+            minus: Some(0.0),
             plus: None,
             basis: "rigid motion only: vibration of the housing adds to it".to_owned(),
         },
         cross_check: None,
-        radiation: Some(report),
+        radiation: None,
     })
+}
+
+fn rigid_settings(design: &Design) -> TransformSettings {
+    TransformSettings {
+        range_hz: [design.analysis.range_low, design.analysis.range_high],
+        ..TransformSettings::default()
+    }
 }

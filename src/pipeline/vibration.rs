@@ -362,7 +362,7 @@ fn tool_in_motion(
     };
     let sound = timing.time("body", || match &tool {
         Some(tool) => tool.sound(design, record, air),
-        None => radiation::rigid_tool(design, record, air),
+        None => radiation::rigid_tool_twice(design, record, air),
     })?;
     Ok((tool, sound))
 }

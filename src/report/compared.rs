@@ -8,7 +8,7 @@ use super::levels::{highest, range};
 use super::page::{Page, Section};
 use super::tables::{decibels, plain};
 use crate::comparison::{Comparison, Labelled, Levels, SourceRow, ValueRow};
-use crate::result::bound;
+use crate::wording;
 
 /// Levels shown below the highest \[dB\].
 const SHOWN: f64 = 50.0;
@@ -43,10 +43,9 @@ fn colour(place: usize) -> &'static str {
 }
 
 fn change(db: Option<f64>) -> String {
-    // Adding zero turns a rounded -0 into 0.
     db.map_or_else(
         || "\u{2013}".to_owned(),
-        |db| format!("{:+.1}", (10.0 * db).round() / 10.0 + 0.0).replace('-', "\u{2212}"),
+        |db| wording::change(db).replace('-', "\u{2212}"),
     )
 }
 
@@ -157,7 +156,6 @@ fn labelled(c: &Comparison, row: &SourceRow, kind: &str, own: &[Labelled]) -> Op
 }
 
 fn levels(c: &Comparison) -> Markup {
-    let bound = |sign: char, of: Option<f64>| bound(sign, of, "open");
     let rows: Vec<(&str, &Levels, Option<&SourceRow>)> = c
         .sources
         .iter()
@@ -172,8 +170,7 @@ fn levels(c: &Comparison) -> Markup {
                 @for (place, level) in levels.level_db.iter().enumerate() { td.n {
                     b { (decibels(*level)) }
                     @if let Some(row) = row {
-                        @let [minus, plus] = row.uncertainty_db[place];
-                        " " span.quiet { (bound('\u{2212}', minus)) "/" (bound('+', plus)) }
+                        " " span.quiet { (wording::band(row.uncertainty_db[place]).replace('-', "\u{2212}")) }
                     }
                 } }
                 @for db in levels.change_db.iter().skip(1) { td.n { (change(*db)) } }
@@ -193,6 +190,9 @@ fn levels(c: &Comparison) -> Markup {
                 td { (place + 1) } @for ranking in &c.rankings { td { (ranking.get(place).map_or("", String::as_str)) } }
             } } }
         } }
+        @for (place, name) in c.designs.iter().enumerate() {
+            p.quiet { (name) ": " (wording::order(&c.placed(place))) "." }
+        }
     }
 }
 
@@ -218,11 +218,11 @@ fn shot(c: &Comparison) -> Markup {
     let cell = |value: Option<f64>| value.map_or_else(|| "\u{2013}".to_owned(), |value| plain(&value.into()));
     html! {
         div.scroll { table {
-            thead { tr { th { "SI" } @for name in &c.designs { th.n { (name) } } } }
+            thead { tr { th { "figure" } @for name in &c.designs { th.n { (name) } } } }
             tbody {
                 tr { td { "outcome" } @for outcome in &c.outcomes { td.n { (outcome.replace('_', " ")) } } }
                 @for row in c.cycle.iter().filter(differs) { tr {
-                    td { (row.name.replace('_', " ")) } @for value in &row.values { td.n { (cell(*value)) } }
+                    td { (row.labelled(", ", "")) } @for value in &row.values { td.n { (cell(*value)) } }
                 } }
                 @for row in c.events.iter().filter(differs) { tr {
                     td { (row.name) ", ms" } @for value in &row.values { td.n { (cell(value.map(|t| 1e3 * t))) } }

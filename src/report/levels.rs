@@ -81,7 +81,7 @@ pub(super) fn bands(result: &RunResult) -> Chart {
             "yaxis": { "title": { "text": weighted }, "range": range(top(true), SHOWN) },
             "hovermode": "x unified",
             "updatemenus": [{
-                "type": "buttons", "direction": "right", "x": 1, "xanchor": "right", "y": 1.02, "yanchor": "bottom",
+                "type": "buttons", "direction": "right", "x": 0, "xanchor": "left", "y": 1.02, "yanchor": "bottom",
                 "showactive": true, "buttons": [button("A-weighted", weighted, true), button("unweighted", plain, false)],
             }],
         }),

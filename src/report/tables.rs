@@ -5,7 +5,8 @@ use nailnoise_dynamics::CycleRecord;
 use serde_json::Value;
 
 use crate::output::EVENT_NAMES;
-use crate::result::{RankedSource, RunResult, Uncertainty, bound};
+use crate::result::{RankedSource, RunResult};
+use crate::wording::{band, order};
 
 /// Keys of a ranked source that the report shows in a form of their own.
 pub(super) const SOURCE: [&str; 11] = [
@@ -30,16 +31,6 @@ pub(super) fn decibels(level: Option<f64>) -> String {
     level.map_or_else(|| "silent".to_owned(), |level| format!("{level:.1}"))
 }
 
-/// How far a method may be off.
-fn band(uncertainty: &Uncertainty) -> String {
-    let side = |sign: char, of: Option<f64>| bound(sign, of, "open");
-    format!(
-        "{} / {}",
-        side('\u{2212}', uncertainty.minus),
-        side('+', uncertainty.plus)
-    )
-}
-
 fn loudest<T>(items: &[T], level: impl Fn(&T) -> Option<f64>) -> Option<&T> {
     let heard = items.iter().filter_map(|item| Some((item, level(item)?)));
     heard.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(item, _)| item)
@@ -59,7 +50,7 @@ pub(super) fn ranking(result: &RunResult) -> Markup {
                     tr {
                         td { span.dot style={ "background:" (super::chart::colour(&source.source, place)) } {} (source.source) }
                         td.n { b { (decibels(source.lwa_db)) } }
-                        td.n { (band(&source.uncertainty_db)) }
+                        td.n { (band(source.uncertainty_db.bounds()).replace('-', "\u{2212}")) }
                         td.n { (decibels(source.lw_db)) }
                         td { div.share {
                             div.bar style={
@@ -80,6 +71,7 @@ pub(super) fn ranking(result: &RunResult) -> Markup {
                 }
             }
         } }
+        p.quiet { "Order: " (order(&result.ranking.iter().map(RankedSource::placed).collect::<Vec<_>>())) "." }
     }
 }
 
