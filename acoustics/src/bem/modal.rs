@@ -127,9 +127,10 @@ impl ModalBem {
     /// Samples R(f) from `sampling.range_hz[0]` on, on meshes that get finer; the upper end of the range is the last
     /// level's. The mesh below shows how R(f) runs in a level's range, its own mesh corrects that at fewer frequencies
     /// ([`SampledRadiation::together`] tells how errors are judged). Half an octave more is solved on the last mesh in the
-    /// mean over a few frequencies. A mesh below that resolves the same waves ([`Boundary::coarsened`]) is asked for
-    /// most of them, as it differs by the shape alone. Above that the limit of high frequencies holds: flat faces by Rayleigh's integral, what
-    /// is curved or small against the wave by the equivalent radiated power.
+    /// mean over a few frequencies. A mesh below that resolves the same waves, as that of
+    /// [`Boundary::coarsened`](super::Boundary::coarsened), is asked for most of them, as it differs by the shape alone.
+    /// Above that the limit of high frequencies holds: flat faces by Rayleigh's integral, what is curved or small against
+    /// the wave by the equivalent radiated power.
     ///
     /// # Errors
     /// [`AcousticsError::TooCoarse`], [`AcousticsError::Unresolved`], lengths that do not fit, no level.

@@ -49,15 +49,27 @@ impl Curved {
         (x, t)
     }
 
+    /// The point of the triangle with straight sides.
+    fn flat(&self, [r, s]: [f64; 2]) -> Vector3<f64> {
+        let [a, b, c, ..] = self.nodes;
+        a + (b - a) * r + (c - a) * s
+    }
+
     /// Unit normal.
     pub(super) fn normal(&self, xi: [f64; 2]) -> Vector3<f64> {
         let (_, t) = self.at(xi);
         t[0].cross(&t[1]).normalize()
     }
 
-    /// Natural coordinates of the point nearest to `p`, by Gauss and Newton from that of the flat triangle.
-    fn nearest(&self, p: &Vector3<f64>) -> [f64; 2] {
-        let mut xi = self.nearest_flat(p);
+    /// How far it may lie off the triangle with straight sides: sum 4 L_a L_b d_ab <= 4/3 max d, with d the middles of its
+    /// sides off their chords.
+    fn bulge(&self) -> f64 {
+        let off = |k: usize| (self.nodes[3 + k] - 0.5 * (self.nodes[k] + self.nodes[(k + 1) % 3])).norm();
+        4.0 / 3.0 * (0..3).map(off).fold(0.0, f64::max)
+    }
+
+    /// Natural coordinates of the point nearest to `p`, by Gauss and Newton from `xi` of the flat triangle.
+    fn nearest(&self, p: &Vector3<f64>, mut xi: [f64; 2]) -> [f64; 2] {
         for _ in 0..STEPS {
             let (x, [t, u]) = self.at(xi);
             let rest = p - x;
@@ -127,6 +139,8 @@ impl Curved {
 /// Triangles sorted into the cells of a grid.
 pub(super) struct Nearest {
     triangles: Vec<Curved>,
+    /// How far each may lie off the flat one.
+    bulges: Vec<f64>,
     cells: HashMap<[i64; 3], Vec<u32>>,
     cell: f64,
     rings: i64,
@@ -171,6 +185,7 @@ impl Nearest {
             .unwrap_or(0)
             + 1;
         Self {
+            bulges: triangles.iter().map(Curved::bulge).collect(),
             triangles,
             cells,
             cell,
@@ -190,7 +205,14 @@ impl Nearest {
                 }
                 seen.push(number);
                 let triangle = &self.triangles[number as usize];
-                let xi = triangle.nearest(p);
+                let flat = triangle.nearest_flat(p);
+                let farthest = best
+                    .as_ref()
+                    .map_or(f64::INFINITY, |(known, _)| known + self.bulges[number as usize]);
+                if (p - triangle.flat(flat)).norm() > farthest {
+                    continue;
+                }
+                let xi = triangle.nearest(p, flat);
                 let (position, tangents) = triangle.at(xi);
                 let distance = (p - position).norm();
                 let nearer = best.as_ref().is_none_or(|(known, _)| distance < *known);
