@@ -12,6 +12,7 @@ mod intervals;
 mod microphones;
 mod missing;
 mod notes;
+mod outline;
 mod outside;
 mod pattern;
 mod pictures;

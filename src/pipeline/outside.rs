@@ -113,7 +113,7 @@ fn solid_angle(surface: &Surface, piece: &[usize], wanted: usize, from: Point3<f
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use nailnoise_meshes::{Block, Mesh, block};
 
@@ -186,7 +186,7 @@ mod tests {
         assert!((heard(Some(0.0)) - 45.0).abs() < 1e-12);
     }
 
-    fn without(mesh: &Mesh, element: usize) -> Mesh {
+    pub(in crate::pipeline) fn without(mesh: &Mesh, element: usize) -> Mesh {
         let mut kept = mesh.clone();
         let nodes = mesh.offsets[element]..mesh.offsets[element + 1];
         let gone = nodes.len();

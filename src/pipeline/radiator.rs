@@ -70,21 +70,10 @@ impl Radiator {
     /// Damping ratio that radiation adds to each mode of each body, R_jj(omega_j) / (2 omega_j) for modal masses of 1;
     /// zero for rigid modes, and with the equivalent radiated power, which is far too much at low frequencies.
     pub(super) fn damping(&self, structure: &Structure) -> Vec<Vec<f64>> {
-        let of_modes = |radiation: &dyn ModalRadiation, omega: &[f64]| {
-            let lowest = 2.0 * std::f64::consts::PI;
-            let motion = |(j, w): (usize, &f64)| {
-                let hz = (w.max(lowest) / std::f64::consts::TAU).min(radiation.highest_hz());
-                (hz, vec![(j, 1.0)])
-            };
-            let motions: Vec<(f64, Vec<(usize, f64)>)> = omega.iter().enumerate().map(motion).collect();
-            let ratio = |(r, w): (f64, &f64)| if *w > lowest { (r / (2.0 * w)).max(0.0) } else { 0.0 };
-            let resistances = radiation.sparse_forms(&motions);
-            resistances.into_iter().zip(omega).map(ratio).collect::<Vec<f64>>()
-        };
         match self {
             Self::Bem(bem) => {
                 let all: Vec<f64> = structure.bodies().flat_map(|body| body.omega.iter().copied()).collect();
-                let mut rest = of_modes(bem.as_ref(), &all);
+                let mut rest = damping_of(bem.as_ref(), &all);
                 structure
                     .bodies()
                     .map(|body| {
@@ -94,9 +83,22 @@ impl Radiator {
                     .collect()
             }
             Self::Erp(_) => structure.bodies().map(|body| vec![0.0; body.omega.len()]).collect(),
-            Self::Rayleigh(flush) => vec![of_modes(&flush.sound.waves, &structure.workpiece.omega)],
+            Self::Rayleigh(flush) => vec![damping_of(&flush.sound.waves, &structure.workpiece.omega)],
         }
     }
+}
+
+/// Damping ratio that radiation adds to modes of these angular frequencies, see [`Radiator::damping`].
+pub(super) fn damping_of(radiation: &dyn ModalRadiation, omega: &[f64]) -> Vec<f64> {
+    let lowest = 2.0 * std::f64::consts::PI;
+    let motion = |(j, w): (usize, &f64)| {
+        let hz = (w.max(lowest) / std::f64::consts::TAU).min(radiation.highest_hz());
+        (hz, vec![(j, 1.0)])
+    };
+    let motions: Vec<(f64, Vec<(usize, f64)>)> = omega.iter().enumerate().map(motion).collect();
+    let ratio = |(r, w): (f64, &f64)| if *w > lowest { (r / (2.0 * w)).max(0.0) } else { 0.0 };
+    let resistances = radiation.sparse_forms(&motions);
+    resistances.into_iter().zip(omega).map(ratio).collect()
 }
 
 /// The block's top, flush with the sand.

@@ -22,6 +22,7 @@ use super::Driven;
 use super::bodies::Body;
 use super::outside::open_air;
 use super::radiation::{body_spectra, by_boundary_elements, rigid_tool, skin};
+use super::radiator::damping_of;
 use super::sound::Sound;
 use super::tool_loads::{self, AXIAL, Axial, LOADS};
 use crate::design::Design;
@@ -42,6 +43,8 @@ pub struct Tool {
     pub stiffness: [Stiffness; 2],
     /// How it radiates by boundary elements, where the design asks for them.
     pub(super) bem: Option<ModalBem>,
+    /// Damping ratio that this adds to its modes, where the design lets radiation damp them.
+    damping: Option<Vec<f64>>,
 }
 
 /// Stiffness of the body where a contact of the cycle acts.
@@ -90,10 +93,17 @@ impl Tool {
             require_contact: false,
             ..Settings::default()
         };
+        let damping = match &bem {
+            Some(bem) if design.acoustics.radiation_damping => Some(damping_of(bem, &body.omega)),
+            _ => None,
+        };
+        let of_radiation = |mode: usize| damping.as_ref().map_or(0.0, |damping| damping[mode]);
         let modal = ModalBody {
             name: body.name.to_owned(),
             omega: body.omega.clone(),
-            zeta: vec![0.5 * body.loss_factor; body.omega.len()],
+            zeta: (0..body.omega.len())
+                .map(|j| 0.5 * body.loss_factor + of_radiation(j))
+                .collect(),
             loads: guided.loads.clone(),
             supports: DMatrix::zeros(body.omega.len(), 0),
         };
@@ -116,6 +126,7 @@ impl Tool {
             checks,
             stiffness,
             bem,
+            damping,
         })
     }
 
@@ -136,7 +147,8 @@ impl Tool {
     pub(super) fn sound(&self, design: &Design, record: &CycleRecord, air: &Air) -> Result<Sound, Error> {
         let as_sphere = self.sound_as_sphere(design, record, air)?;
         let Some(bem) = &self.bem else { return Ok(as_sphere) };
-        let mut sound = by_boundary_elements("body", bem, (&[&self.body], None), &self.spectra)?;
+        let damping = self.damping.as_ref().map(std::slice::from_ref);
+        let mut sound = by_boundary_elements("body", bem, (&[&self.body], damping), &self.spectra)?;
         let range = [design.analysis.range_low, design.analysis.range_high];
         sound.cross_check = Some(CrossCheck {
             quantity: "the tool's body".into(),

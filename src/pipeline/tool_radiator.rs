@@ -1,7 +1,8 @@
 //! Radiation of the tool's body by boundary elements: the faces of its housing in the open air, above a rigid floor.
 //!
 //! What is nailed is no part of the problem: it neither reflects the tool's sound nor shades it, except in sand, where its
-//! top is flush with the plane that reflects and closes the nose. The body is taken where it stands before the shot.
+//! top is flush with the plane that reflects. It closes the nose everywhere. The body is taken where it stands before the
+//! shot.
 //!
 //! A plane that is farther below than the tool is high is no part of the equations either. It changes the power of a
 //! small source at the height h by sin(2 k h)/(2 k h), ripples of 170 Hz below a table that would ask for three times as
@@ -9,14 +10,14 @@
 //! image.
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior, Level, ModalBem, Parity, Patterns, Receivers};
+use nailnoise_acoustics::bem::{Boundary, Exterior, Level, ModalBem, Parity, Patterns, Receivers};
 use nailnoise_acoustics::radiation::{Archive, Sampling};
 use nalgebra::{Point3, Vector3};
 
 use super::Watched;
 use super::bodies::Body;
 use super::microphones::{positions, reflecting_plane, tool_height};
-use super::outside::open_air_above;
+use super::outline::Outline;
 use super::radiator::{FLOOR, LOWEST_SAMPLE, MOST_SAMPLES, with_skin};
 use crate::cache::{Cache, Key};
 use crate::design::{Design, RadiationMethod};
@@ -24,6 +25,15 @@ use crate::error::Error;
 
 /// Name of the stage in the cache.
 const STAGE: &str = "radiation of the tool";
+
+/// Panels of a coarser mesh over those of the finest up to which it is worth its while.
+const WORTH_WHILE: f64 = 0.6;
+
+/// Frequencies at which a piece of a range is sampled, at least.
+const SAMPLES: f64 = 8.0;
+
+/// Where the coarser mesh ceases to be enough by itself, over the top of all.
+const ALONE: f64 = 0.4;
 
 /// Where the tool's nose stands, in the coordinates of the workpiece.
 pub(super) fn nose(design: &Design) -> Vector3<f64> {
@@ -45,36 +55,67 @@ pub(super) fn tool_radiator(
     if design.acoustics.body_method == RadiationMethod::Erp {
         return Ok(None);
     }
-    let open = open_air_above(&body.surface, floor(design))?;
     let receivers = receivers(design);
     // Once for every air: the matrix depends on the wavelength.
     let computed = Air::default();
-    let key = key(design, body, &open, &receivers, &computed);
+    let key = key(design, body, &receivers, &computed);
     let read = |bytes: &[u8]| Ok::<_, Error>(ModalBem::from_bytes(bytes)?);
     let bem = cache.decoded_or(STAGE, &key, read, || {
-        let level = level(design, body, &computed)?;
-        watched.note(&format!(
-            "tool: boundary elements up to {:.0} Hz, computed once for this body; {}",
-            level.top_hz,
-            level.problem.estimate()
-        ));
-        let mended = level.problem.boundary().mended();
-        if mended.flipped > 0 {
-            watched.note(&format!("tool: {mended}; look at its mesh"));
-        }
+        let levels = levels(design, body, &computed)?;
+        let top_hz = levels.iter().map(|level| level.top_hz).fold(0.0, f64::max);
+        tell(&levels, body.shapes.ncols(), watched);
         let sampling = Sampling {
-            range_hz: [LOWEST_SAMPLE.min(0.1 * level.top_hz), level.top_hz],
+            range_hz: [LOWEST_SAMPLE.min(0.1 * top_hz), top_hz],
             tolerance: design.acoustics.bem_tolerance,
             floor: FLOOR,
             most_samples: MOST_SAMPLES,
         };
+        let expected: f64 = expected(&levels).iter().sum();
         let task = ("boundary elements of the tool", "frequencies");
-        let bem = watched.counting_each(task, 0, |one_more| {
-            ModalBem::with_receivers_telling(vec![level], &sampling, &receivers, one_more)
+        let bem = watched.counting_each(task, expected as u64, |one_more| {
+            ModalBem::with_receivers_telling(levels, &sampling, &receivers, one_more)
         })?;
         Ok::<_, Error>(bem.to_bytes())
     })?;
     Ok(Some(bem.in_air(&computed, air)))
+}
+
+/// Tells what will be computed before any time is spent, and what was mended.
+fn tell(levels: &[Level], modes: usize, watched: &Watched<'_>) {
+    let Some(finest) = levels.last() else { return };
+    let of_level = |(level, frequencies): (&Level, f64)| {
+        let estimate = level.problem.estimate();
+        // Only where many frequencies are solved something is kept for all of them.
+        let kept = if levels.len() == 1 || frequencies > SAMPLES {
+            estimate.seconds_kept
+        } else {
+            0.0
+        };
+        kept + frequencies * estimate.seconds_with(modes)
+    };
+    let seconds: f64 = levels.iter().zip(expected(levels)).map(of_level).sum();
+    watched.note(&format!(
+        "tool: boundary elements up to {:.0} Hz, computed once for this body, about {seconds:.0} s of processor time in all; \
+         finest mesh: {}",
+        finest.top_hz,
+        finest.problem.estimate()
+    ));
+    let mended = finest.problem.boundary().mended();
+    if mended.flipped > 0 {
+        watched.note(&format!("tool: {mended}; look at its mesh"));
+    }
+}
+
+/// Frequencies at which each mesh is asked, about: alone on three pieces of the range, beside a coarser one at half as many
+/// on the last piece and in the middles of the means.
+fn expected(levels: &[Level]) -> Vec<f64> {
+    match levels {
+        [_, _] => vec![
+            4.0 * SAMPLES + ModalBem::IN_MEAN as f64,
+            0.5 * SAMPLES + ModalBem::MEANS as f64,
+        ],
+        _ => vec![3.0 * SAMPLES + ModalBem::IN_MEAN as f64; levels.len()],
+    }
 }
 
 /// The microphones in the tool's coordinates; where the plane that reflects is no part of the equations, their images in it
@@ -103,20 +144,15 @@ fn floor(design: &Design) -> Option<f64> {
     (-plane < tool_height(design)).then_some(plane)
 }
 
-/// The housing's own mesh, up to the frequency that it resolves.
+/// The housing's own mesh, its nose closed, up to the frequency that it resolves.
 pub(super) fn level(design: &Design, body: &Body, air: &Air) -> Result<Level, Error> {
     let a = &design.acoustics;
-    let open = open_air_above(&body.surface, floor(design))?;
-    let mut mesh = BoundaryMesh::of_skin(&body.surface);
-    let mut face = 0;
-    mesh.panels.retain(|_| {
-        face += 1;
-        open[face - 1]
-    });
-    let boundary = Boundary::new(mesh, floor(design))?;
+    let outline = Outline::new(&body.surface, floor(design))?;
+    let motion = outline.motion(&body.surface, &body.shapes);
+    let boundary = Boundary::new(outline.mesh, floor(design))?;
     let patterns = Patterns {
         parity: Parity::default(),
-        velocities: boundary.project_modes(&body.surface, &body.shapes)?,
+        velocities: boundary.project_displacements(&motion)?,
     };
     let top_hz = boundary.highest_hz(air.sound_speed, a.bem_panels).min(a.bem_top);
     let problem = Exterior::new(boundary, air).with_panels_per_wavelength(a.bem_panels)?;
@@ -127,13 +163,43 @@ pub(super) fn level(design: &Design, body: &Body, air: &Air) -> Result<Level, Er
     })
 }
 
+/// The housing's mesh, below it where that saves much a coarser one of the same surface, which resolves the same waves:
+/// alone in the lower part of the range, in the upper part to show how the matrix runs between the few frequencies of the
+/// finer.
+pub(super) fn levels(design: &Design, body: &Body, air: &Air) -> Result<Vec<Level>, Error> {
+    let fine = level(design, body, air)?;
+    let boundary = fine.problem.boundary();
+    let edge = air.sound_speed / (design.acoustics.bem_panels * fine.top_hz);
+    let worth_while = WORTH_WHILE * boundary.mesh().panels.len() as f64;
+    // A surface that cannot be coarsened is solved as it is.
+    let coarse = match boundary.coarsened(edge) {
+        Ok(coarse) if coarse.mesh().panels.len() as f64 <= worth_while => coarse,
+        _ => return Ok(vec![fine]),
+    };
+    let carried = |p: &Patterns| {
+        let velocities = coarse.carried(boundary, &p.velocities)?;
+        Ok::<_, Error>(Patterns {
+            parity: p.parity,
+            velocities,
+        })
+    };
+    let patterns: Vec<Patterns> = fine.patterns.iter().map(carried).collect::<Result<_, _>>()?;
+    let problem = Exterior::new(coarse, air).with_panels_per_wavelength(design.acoustics.bem_panels)?;
+    let below = Level {
+        problem,
+        top_hz: ALONE * fine.top_hz,
+        patterns,
+    };
+    Ok(vec![below, fine])
+}
+
 /// All that the radiation matrix depends on.
-fn key(design: &Design, body: &Body, open: &[bool], receivers: &Receivers, air: &Air) -> Key {
+fn key(design: &Design, body: &Body, receivers: &Receivers, air: &Air) -> Key {
     let a = &design.acoustics;
     let key = Key::new()
+        .with("closed nose; coarser mesh, corrected")
         .with(&format!("{air:?} {receivers:?} {:?}", floor(design)))
-        .with(&[a.bem_top, a.bem_panels, a.bem_tolerance])
-        .with(&open.iter().map(|o| usize::from(*o)).collect::<Vec<usize>>());
+        .with(&[a.bem_top, a.bem_panels, a.bem_tolerance]);
     with_skin(key, body)
 }
 

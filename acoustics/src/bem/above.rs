@@ -29,6 +29,9 @@ pub(super) struct Ladder {
 }
 
 impl Ladder {
+    /// Ranges of [`Ladder::solved`].
+    pub(super) const MEANS: usize = MEANS;
+
     /// Frequencies of [`Ladder::solved`].
     pub(super) const COUNT: usize = MEANS * MEAN_SAMPLES;
 

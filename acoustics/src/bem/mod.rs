@@ -16,6 +16,7 @@ mod blend;
 mod blocks;
 mod boundary;
 mod boxes;
+mod coarse;
 mod combination;
 mod equations;
 mod faces;

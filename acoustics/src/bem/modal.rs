@@ -8,7 +8,7 @@ use super::solver::Solver;
 use crate::air::Air;
 use crate::error::{AcousticsError, same_length};
 use crate::radiation::{
-    Archive, ArchiveReader, ArchiveWriter, Correction, Erp, Means, ModalRadiation, Resistance, SampledRadiation,
+    Archive, ArchiveReader, ArchiveWriter, Correction, Erp, Means, ModalRadiation, ROUND, Resistance, SampledRadiation,
     Sampling,
 };
 use nalgebra::{Complex, DMatrix};
@@ -26,6 +26,19 @@ pub struct Level {
     pub top_hz: f64,
     /// Normal velocities of all modes by parity, the same parities in the same order on every level.
     pub patterns: Vec<Patterns>,
+}
+
+/// Frequencies of a round in which a mesh corrects a coarser one that follows the same waves.
+const FEW: usize = 2;
+
+impl Level {
+    /// Highest frequency that its mesh resolves \[Hz\].
+    pub fn resolved_hz(&self) -> f64 {
+        let problem = &self.problem;
+        problem
+            .boundary()
+            .highest_hz(problem.air().sound_speed, problem.panels_per_wavelength())
+    }
 }
 
 /// What the sampling of a radiation matrix found.
@@ -108,10 +121,14 @@ impl ModalBem {
     /// Frequencies solved above the range in which every single one is known, see [`ModalBem::new`].
     pub const IN_MEAN: usize = Ladder::COUNT;
 
+    /// Ranges of these.
+    pub const MEANS: usize = Ladder::MEANS;
+
     /// Samples R(f) from `sampling.range_hz[0]` on, on meshes that get finer; the upper end of the range is the last
     /// level's. The mesh below shows how R(f) runs in a level's range, its own mesh corrects that at fewer frequencies
     /// ([`SampledRadiation::together`] tells how errors are judged). Half an octave more is solved on the last mesh in the
-    /// mean over a few frequencies; above that the limit of high frequencies holds: flat faces by Rayleigh's integral, what
+    /// mean over a few frequencies. A mesh below that resolves the same waves ([`Boundary::coarsened`]) is asked for
+    /// most of them, as it differs by the shape alone. Above that the limit of high frequencies holds: flat faces by Rayleigh's integral, what
     /// is curved or small against the wave by the equivalent radiated power.
     ///
     /// # Errors
@@ -186,22 +203,28 @@ impl ModalBem {
         };
         let counts: Vec<usize> = chosen.iter().map(|pick| pick.modes.len()).collect();
         let tops: Vec<f64> = levels.iter().map(|level| level.top_hz).collect();
+        let resolved: Vec<f64> = levels.iter().map(Level::resolved_hz).collect();
         let mut low = sampling.range_hz[0];
         let mut coarser: Option<Solver<'_>> = None;
+        let mut alike: Option<Solver<'_>> = None;
         for (number, level) in levels.into_iter().enumerate() {
             let range = Sampling {
                 range_hz: [low, level.top_hz],
                 ..*sampling
             };
             low = level.top_hz;
-            // It serves the next range too, or the means above the last.
-            let kept_to = tops.get(number + 1).copied().unwrap_or(ladder.solved_to_hz());
-            let solver = Solver::new(level, kept_to, &chosen, receivers, tell)?;
+            // It serves the next range too, and the means above the last.
+            let next = tops.get(number + 1).copied();
+            let last = number + 2 == tops.len() && next.is_some_and(|next| resolved[number] >= next);
+            let kept_to = next.filter(|_| !last).unwrap_or(ladder.solved_to_hz());
+            let follows = coarser.as_ref().is_some_and(|coarser| coarser.follows(level.top_hz));
+            let solver = Solver::new(level, (kept_to, !follows), &chosen, receivers, tell)?;
             let predictor = coarser.as_ref().unwrap_or(&solver);
             let at = |solver: &Solver<'_>, hz: f64| Ok(solver.at(hz)?.resistances.clone());
             let mut found = SampledRadiation::together("BEM", &counts, &patches, &range, |hz| at(predictor, hz))?;
+            let round = if follows { FEW } else { ROUND };
             let correction = match &coarser {
-                Some(_) => SampledRadiation::correct(&mut found, &range, |hz| at(&solver, hz))?,
+                Some(_) => SampledRadiation::correct(&mut found, (&range, round), |hz| at(&solver, hz))?,
                 None => Correction::default(),
             };
             for (c, found) in found.into_iter().enumerate().filter(|(c, _)| counts[*c] > 0) {
@@ -210,11 +233,16 @@ impl ModalBem {
                 ranges[c].push(found.with_roots());
             }
             solver.report(&mut summary);
-            coarser = Some(solver);
+            alike = coarser.replace(solver).filter(|_| follows);
         }
         let mut nodes: Vec<Vec<(f64, Vec<Resistance>)>> = vec![Vec::new(); chosen.len()];
         if let Some(solver) = &coarser {
-            for (hz, means) in solver.means(&ladder.solved())? {
+            let ranges = ladder.solved();
+            let means = match &alike {
+                Some(alike) => solver.means_beside(alike, &ranges)?,
+                None => solver.means(&ranges)?,
+            };
+            for (hz, means) in means {
                 nodes
                     .iter_mut()
                     .zip(means)

@@ -21,6 +21,8 @@ pub(super) type Mean = (f64, Vec<Vec<Resistance>>);
 /// One level's solutions, shared by its parities: the kernels of a frequency serve all of them.
 pub(super) struct Solver<'a> {
     problem: Exterior,
+    /// Highest frequency at which the mesh has as many panels per wavelength as are asked for \[Hz\].
+    resolved_hz: f64,
     patterns: Vec<Patterns>,
     receivers: &'a Receivers,
     /// Is told of every frequency solved.
@@ -30,24 +32,36 @@ pub(super) struct Solver<'a> {
 }
 
 impl<'a> Solver<'a> {
-    /// For frequencies up to `highest_hz`, which may lie above the range that the mesh resolves well.
+    /// For frequencies up to `highest_hz`, which may lie above the range that the mesh resolves well; `keeping` what close
+    /// panels have in common at all of them, which pays where many are solved.
     pub(super) fn new(
         level: Level,
-        highest_hz: f64,
+        (highest_hz, keeping): (f64, bool),
         chosen: &[Independent],
         receivers: &'a Receivers,
         tell: &'a (dyn Fn() + Sync),
     ) -> Result<Self, AcousticsError> {
         let per_wavelength = level.problem.panels_per_wavelength() * (level.top_hz / highest_hz).min(1.0);
-        let problem = level.problem.with_panels_per_wavelength(per_wavelength)?;
+        let resolved_hz = level.resolved_hz();
+        let mut problem = level.problem.with_panels_per_wavelength(per_wavelength)?;
+        if keeping {
+            problem = problem.with_near_field_kept(highest_hz);
+        }
         Ok(Self {
-            problem: problem.with_near_field_kept(highest_hz),
+            problem,
+            resolved_hz,
             patterns: chosen.iter().zip(&level.patterns).map(|(pick, p)| pick.of(p)).collect(),
             receivers,
             tell,
             solved: Mutex::default(),
             worst: Mutex::default(),
         })
+    }
+
+    /// Whether it follows the waves of a range up to `top_hz` as well as that range's own mesh, so that the two differ by
+    /// the shape alone, smoothly over frequency.
+    pub(super) fn follows(&self, top_hz: f64) -> bool {
+        self.resolved_hz >= top_hz * (1.0 - 1e-9)
     }
 
     /// What is heard of a parity at the samples of its radiation matrix: as the `predictor` says, corrected.
@@ -134,6 +148,22 @@ impl<'a> Solver<'a> {
             Ok((*middle, mean.collect()))
         };
         ranges.iter().map(of_range).collect()
+    }
+
+    /// The same by this one in the middle of each range and by a coarser one that follows the same waves at all its
+    /// frequencies: their difference is that of the middle.
+    pub(super) fn means_beside(&self, coarser: &Self, ranges: &[(f64, Vec<f64>)]) -> Result<Vec<Mean>, AcousticsError> {
+        let mut means = coarser.means(ranges)?;
+        let middles: Vec<(f64, Vec<f64>)> = ranges.iter().map(|(middle, _)| (*middle, vec![*middle])).collect();
+        let differences = self.means(&middles)?.into_iter().zip(coarser.means(&middles)?);
+        for ((_, mean), ((_, own), (_, theirs))) in means.iter_mut().zip(differences) {
+            let differences = own.iter().flatten().zip(theirs.iter().flatten());
+            for (mean, (own, theirs)) in mean.iter_mut().flatten().zip(differences) {
+                mean.add_scaled(1.0, own);
+                mean.add_scaled(-1.0, theirs);
+            }
+        }
+        Ok(means)
     }
 
     /// What it found so far, for the summary.

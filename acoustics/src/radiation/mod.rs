@@ -43,4 +43,4 @@ pub use sand::{AbsorbingSand, MovingSand, miki_admittance};
 pub use second::SurfaceEvaluations;
 pub use sphere::{rigid_body_energy, rigid_body_signals};
 pub use surface::RadiatingSurface;
-pub(crate) use together::Correction;
+pub(crate) use together::{Correction, ROUND};

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Frequencies of a round, solved beside each other.
-const ROUND: usize = 4;
+pub(crate) const ROUND: usize = 4;
 /// Widest interval that one polynomial serves, as a ratio of frequencies: over more, small resistances fall by too many
 /// powers of ten.
 const WIDEST: f64 = 4.0;
@@ -45,7 +45,7 @@ impl SampledRadiation {
         let (mut intervals, mut error) = (Vec::new(), 0.0f64);
         for piece in 0..pieces {
             let (low, high) = (edge(piece), edge(piece + 1));
-            let mut progress = Progress::default();
+            let mut progress = Progress::of(ROUND);
             loop {
                 let nodes = taken.at(&leja_hz(low, high, progress.next()), &solve)?;
                 let Some(interval) = progress.interval(low, high, nodes) else {
@@ -76,20 +76,20 @@ impl SampledRadiation {
 
     /// Corrects resistances that [`SampledRadiation::together`] sampled with a cheap model by what an accurate one finds
     /// at the first few of the same frequencies. The difference is interpolated like the resistance itself, until it is
-    /// known to the tolerance, relative to the resistance: being small it needs fewer frequencies.
+    /// known to the tolerance, relative to the resistance: being small it needs fewer frequencies, `round` at a time.
     ///
     /// # Errors
     /// Those of `solve`.
     pub(crate) fn correct(
         found: &mut [Self],
-        sampling: &Sampling,
+        (sampling, round): (&Sampling, usize),
         solve: impl Fn(f64) -> Result<Vec<Vec<Resistance>>, AcousticsError> + Sync,
     ) -> Result<Correction, AcousticsError> {
         let mut accurate = Taken::new(found.len());
         let intervals = found.first().map_or_else(Vec::new, |f| f.intervals().to_vec());
         let mut correction = Correction::default();
         for cheap in &intervals {
-            let mut progress = Progress::default();
+            let mut progress = Progress::of(round);
             loop {
                 let count = progress.next().min(cheap.nodes.len());
                 let nodes = accurate.at(&leja_hz(cheap.low, cheap.high, count), &solve)?;
@@ -191,22 +191,31 @@ impl Taken {
 }
 
 /// Rounds of samples in an interval.
-#[derive(Default)]
 struct Progress {
+    /// Samples of a round.
+    round: usize,
     count: usize,
     previous: Option<f64>,
 }
 
 impl Progress {
-    /// Samples of the next round.
+    fn of(round: usize) -> Self {
+        Self {
+            round,
+            count: 0,
+            previous: None,
+        }
+    }
+
+    /// Samples with the next round.
     fn next(&mut self) -> usize {
-        self.count += ROUND;
+        self.count += self.round;
         self.count
     }
 
     /// The interval on which the last round is tried; none before the second round.
     fn interval(&self, low: f64, high: f64, nodes: Vec<usize>) -> Option<Interval> {
-        (nodes.len() > ROUND).then(|| Interval::leja(low, high, nodes, ROUND))
+        (nodes.len() > self.round).then(|| Interval::leja(low, high, nodes, self.round))
     }
 
     /// Error with the last round's samples, from what they found without them and what the round gained.

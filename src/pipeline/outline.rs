@@ -1,0 +1,236 @@
+//! The tool's outline with its nose closed by what it stands on.
+//!
+//! Between shots and before the tool lifts off the workpiece covers the mouth of the nose. Left open its bore would be an
+//! organ pipe without losses: that of the N80CB rings at 737 Hz.
+
+use std::collections::BTreeMap;
+
+use nailnoise_acoustics::bem::{BoundaryMesh, Panel};
+use nailnoise_meshes::{FaceKind, MeshError, Surface};
+use nalgebra::{DMatrix, Point3, Vector3};
+
+use super::outside::open_air_above;
+
+/// Height of the nose's tip in the tool's coordinates \[m\].
+const TIP: f64 = 0.0;
+
+/// How far from the tip's plane a point in it may be, as a share of the body's size.
+const IN_PLANE: f64 = 1e-6;
+
+/// The surface that radiates.
+pub(super) struct Outline {
+    /// The skin's points and those of the cover, and the panels that meet the open air.
+    pub(super) mesh: BoundaryMesh,
+    /// Points of the skin in whose mean motion each point of the cover takes part.
+    cover: Vec<Vec<usize>>,
+}
+
+impl Outline {
+    /// The faces that meet the open air, and a flat cover of the nose that moves with its rim, where it does not stand on
+    /// the floor itself. A nose that does not end in the plane z = 0 in one simple mouth, as that of somebody's own mesh,
+    /// stays as it is.
+    ///
+    /// # Errors
+    /// Those of the surface.
+    pub(super) fn new(skin: &Surface, floor: Option<f64>) -> Result<Self, MeshError> {
+        let open = open_air_above(skin, floor)?;
+        let of_skin = BoundaryMesh::of_skin(skin);
+        let panels = |heard: &[bool]| -> Vec<Panel> {
+            let each = of_skin.panels.iter().zip(heard);
+            each.filter(|(_, heard)| **heard).map(|(panel, _)| *panel).collect()
+        };
+        let size = of_skin.points.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
+        let covered = panels(&open_air_above(skin, Some(TIP))?);
+        let flat = |p: &Panel| {
+            p.nodes()
+                .iter()
+                .all(|&n| (of_skin.points[n].z - TIP).abs() <= IN_PLANE * size)
+        };
+        let tip = of_skin
+            .panels
+            .iter()
+            .zip(&open)
+            .find(|(panel, open)| **open && flat(panel));
+        let lowest = covered.iter().flat_map(|p| p.nodes()).map(|&n| of_skin.points[n].z);
+        let stands = lowest.fold(f64::INFINITY, f64::min) >= TIP - IN_PLANE * size;
+        let mouth = match tip {
+            Some((tip, _)) if stands && floor.is_none_or(|floor| floor < TIP - IN_PLANE * size) => {
+                mouth(&of_skin.points, &covered).map(|rims| (tip.patch, rims))
+            }
+            _ => None,
+        };
+        let mut closed = Self {
+            mesh: BoundaryMesh {
+                panels: panels(&open),
+                ..of_skin
+            },
+            cover: Vec::new(),
+        };
+        if let Some((patch, rims)) = mouth {
+            closed.mesh.panels = covered;
+            rims.iter().for_each(|rim| closed.close(rim, patch));
+        }
+        Ok(closed)
+    }
+
+    /// A fan of triangles around the middle of a rim.
+    fn close(&mut self, rim: &[Side], patch: usize) {
+        let corners: Vec<usize> = rim.iter().map(|side| side.ends[0]).collect();
+        let middle = self.add(corners.clone());
+        let spokes: BTreeMap<usize, usize> = corners.iter().map(|&c| (c, self.half_way(c, middle))).collect();
+        for &Side { ends: [a, b], between } in rim {
+            // Out of the body, which the rim goes round the other way.
+            let panel = match between {
+                Some(mid) => Panel::new(FaceKind::Tri6, &[b, a, middle, mid, spokes[&a], spokes[&b]], patch),
+                None => Panel::new(FaceKind::Tri3, &[b, a, middle], patch),
+            };
+            self.mesh.panels.extend(panel);
+        }
+    }
+
+    /// A point in the mean of others of the skin.
+    fn add(&mut self, of: Vec<usize>) -> usize {
+        let sum: Vector3<f64> = of.iter().map(|&n| self.mesh.points[n].coords).sum();
+        self.mesh.points.push(Point3::from(sum / of.len() as f64));
+        self.cover.push(of);
+        self.mesh.points.len() - 1
+    }
+
+    /// The point between one of the skin and one of the cover; it moves with the rim as that does, on the whole.
+    fn half_way(&mut self, corner: usize, middle: usize) -> usize {
+        let at = nalgebra::center(&self.mesh.points[corner], &self.mesh.points[middle]);
+        let place = self.add(vec![corner]);
+        self.mesh.points[place] = at;
+        place
+    }
+
+    /// Displacements of all points, (3 x points) x modes, of the nodal modes of the volume behind the skin.
+    pub(super) fn motion(&self, skin: &Surface, shapes: &DMatrix<f64>) -> DMatrix<f64> {
+        let known = skin.points.len();
+        DMatrix::from_fn(3 * self.mesh.points.len(), shapes.ncols(), |row, mode| {
+            let (point, axis) = (row / 3, row % 3);
+            let of_skin = |n: usize| shapes[(3 * skin.volume_nodes[n] + axis, mode)];
+            match point.checked_sub(known) {
+                None => of_skin(point),
+                Some(added) => {
+                    let of = &self.cover[added];
+                    of.iter().map(|&n| of_skin(n)).sum::<f64>() / of.len() as f64
+                }
+            }
+        })
+    }
+}
+
+/// A side of a rim: its ends, and the node between them if there is one.
+#[derive(Clone, Copy, Debug)]
+struct Side {
+    ends: [usize; 2],
+    between: Option<usize>,
+}
+
+/// The rims at which panels end, if each is a simple line that its middle sees all of.
+fn mouth(points: &[Point3<f64>], panels: &[Panel]) -> Option<Vec<Vec<Side>>> {
+    let mut sides: BTreeMap<(usize, usize), Vec<Side>> = BTreeMap::new();
+    for panel in panels {
+        let (c, nodes) = (panel.corners(), panel.nodes());
+        for k in 0..c.len() {
+            let ends = [c[k], c[(k + 1) % c.len()]];
+            let between = nodes.get(c.len() + k).copied();
+            let key = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+            sides.entry(key).or_default().push(Side { ends, between });
+        }
+    }
+    let mut from: BTreeMap<usize, Side> = BTreeMap::new();
+    for side in sides.into_values().filter(|users| users.len() == 1).flatten() {
+        if from.insert(side.ends[0], side).is_some() {
+            return None;
+        }
+    }
+    let mut rims = Vec::new();
+    while let Some((&start, _)) = from.iter().next() {
+        let (mut rim, mut at) = (Vec::new(), start);
+        while let Some(side) = from.remove(&at) {
+            at = side.ends[1];
+            rim.push(side);
+        }
+        let middle = rim.iter().map(|side| points[side.ends[0]].coords).sum::<Vector3<f64>>() / rim.len() as f64;
+        let seen = |side: &Side| {
+            let [a, b] = side.ends.map(|n| points[n].coords);
+            (a - b).cross(&(middle - b)).z < 0.0
+        };
+        if at != start || !rim.iter().all(seen) {
+            return None;
+        }
+        rims.push(rim);
+    }
+    (!rims.is_empty()).then_some(rims)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::outside::tests::without;
+    use super::*;
+    use nailnoise_acoustics::bem::Boundary;
+    use nailnoise_meshes::{Block, Mesh, block};
+
+    /// A cube of 3 x 3 x 3 elements with a bore of two of them from below, its underside at a height.
+    fn bored(height: f64) -> Mesh {
+        let mut mesh = block(&Block {
+            size: [3.0; 3],
+            divisions: [3; 3],
+            origin: [-1.5, -1.5, height],
+        })
+        .unwrap();
+        for level in [1.5, 0.5] {
+            let middle = Vector3::new(0.0, 0.0, height + level);
+            let bored = mesh.elements().position(|e| {
+                let mean = e.nodes[..8].iter().map(|&n| mesh.nodes[n].coords).sum::<Vector3<f64>>() / 8.0;
+                (mean - middle).norm() < 1e-9
+            });
+            mesh = without(&mesh, bored.unwrap());
+        }
+        mesh
+    }
+
+    #[test]
+    fn the_mouth_of_the_nose_is_closed_by_a_cover_that_moves_with_it() {
+        let mesh = bored(0.0);
+        let skin = Surface::of(&mesh);
+        // Shifts along x and z, and a stretch: a uniform growth of the outline.
+        let shapes = DMatrix::from_fn(3 * mesh.nodes.len(), 3, |row, mode| match (mode, row % 3) {
+            (0, 0) | (1, 2) => 1.0,
+            (2, axis) => mesh.nodes[row / 3][axis],
+            _ => 0.0,
+        });
+        for floor in [None, Some(-0.5)] {
+            let outline = Outline::new(&skin, floor).unwrap();
+            let motion = outline.motion(&skin, &shapes);
+            let boundary = Boundary::new(outline.mesh, floor).unwrap();
+            assert_eq!(boundary.mended().flipped, 0);
+            assert!(
+                (boundary.mesh().area() - 54.0).abs() < 1e-9,
+                "{}",
+                boundary.mesh().area()
+            );
+            let v = boundary.project_displacements(&motion).unwrap();
+            let flows = [0, 1, 2].map(|mode| {
+                let (mut row, mut flow) = (0, 0.0);
+                for (p, panel) in boundary.mesh().panels.iter().enumerate() {
+                    let corners = panel.corners().len();
+                    let mean = (row..row + corners).map(|r| v[(r, mode)]).sum::<f64>() / corners as f64;
+                    flow += mean * boundary.mesh().panel_area(p);
+                    row += corners;
+                }
+                flow
+            });
+            assert!(
+                flows[0].abs() + flows[1].abs() < 1e-9 && (flows[2] - 81.0).abs() < 1e-9,
+                "{flows:?}"
+            );
+        }
+        // Standing on the floor it is closed by that; elsewhere than with its tip at 0 it stays as it is.
+        let area = |skin: &Surface, floor| Outline::new(skin, floor).unwrap().mesh.area();
+        assert!((area(&skin, Some(0.0)) - 45.0).abs() < 1e-9);
+        assert!((area(&Surface::of(&bored(-0.5)), None) - 62.0).abs() < 1e-9);
+    }
+}
