@@ -191,7 +191,7 @@ fn text(result: &RunResult) -> String {
     text.push_str("\n\n");
     text.push_str(&table(&headings, &rows));
     let placed: Vec<_> = result.ranking.iter().map(RankedSource::placed).collect();
-    text.push_str(&format!("\n  {}\n", order(&placed)));
+    text.push_str(&format!("\n  order: {}\n", order(&placed)));
     if let Some(starts) = &result.starts {
         text.push_str(&format!(
             "\n  workpiece over {} starts: {:.1} dB, standard deviation {:.2} dB\n",
