@@ -22,7 +22,8 @@ def levels(name):
     bands, total = rows[:-1], rows[-1]
     band, *sources = rows[0]
     return [float(row[band]) for row in bands], {
-        source.replace(" L_W [dB] ", " "): ([float(row[source]) for row in bands], float(total[source]))
+        # A body's modes may end below the last band, whose cell is empty then.
+        source.replace(" L_W [dB] ", " "): ([float(row[source] or "nan") for row in bands], float(total[source]))
         for source in sources
     }
 
@@ -37,7 +38,7 @@ def spectra(axes, name, title):
     axes.set_xscale("log")
     axes.set_xticks([63, 125, 250, 500, 1000, 2000, 4000, 8000], ["63", "125", "250", "500", "1k", "2k", "4k", "8k"])
     axes.minorticks_off()
-    axes.set_ylim(35, 137)
+    axes.set_ylim(28, 137)
     axes.grid(alpha=0.3)
     axes.set_title(title, loc="left", fontsize=10)
     axes.set_ylabel("$L_{W,1s}$ in dB re 1 pW s")
@@ -49,8 +50,9 @@ def field(band):
     plotter = pyvista.Plotter(off_screen=True, window_size=(760, 1000))
     plotter.set_background("white")
     name = f"velocity exposure level {band} Hz octave [dB]"
-    bar = {"title": f"velocity exposure level, {band} Hz octave, dB re (50 nm/s)^2 s", "color": "black",
-           "title_font_size": 20, "label_font_size": 18, "n_labels": 4, "fmt": "%.0f", "width": 0.8, "position_x": 0.1, "position_y": 0.02}
+    bar = {"title": f"velocity exposure level, {band} Hz octave, dB re (50 nm/s)^2 s\n ", "color": "black",
+           "title_font_size": 20, "label_font_size": 18, "n_labels": 4, "fmt": "%.0f", "width": 0.8, "height": 0.08,
+           "position_x": 0.1, "position_y": 0.02}
     for body in ("worktable", "workpiece"):
         mesh = pyvista.read(ROOT / "out" / "n80cb" / "fields" / f"{body}.vtu")
         plotter.add_mesh(mesh, scalars=name, cmap="viridis", clim=(75, 115), scalar_bar_args=bar)
