@@ -23,7 +23,7 @@ pub(super) struct Arguments {
     #[arg(long)]
     figures: bool,
     /// Leave pictures of the sound for ParaView: on the surfaces, in planes and all around, in third octaves. With boundary
-    /// elements this takes about as long as a first run
+    /// elements this takes two to three times as long as a first run
     #[arg(long)]
     fields: bool,
     /// Show the parts of each source too

@@ -164,7 +164,7 @@ fn key(design: &Design, structure: &Structure, receivers: &Receivers, air: &Air)
         .with(&[a.bem_top, a.bem_panels, a.bem_tolerance])
         .with(&format!("{receivers:?}"));
     for body in structure.bodies() {
-        key = with_skin(key.with(body.name).with(&body.surface.patches), body);
+        key = with_skin(key.with(body.name), body);
     }
     key
 }
