@@ -29,9 +29,10 @@ impl SurfaceEvaluations {
             .into_iter()
             .filter(|b| b.hz <= top_hz * (1.0 + 1e-9))
             .collect();
+        // As they are kept in files: a result does not depend on whether they were.
         let resistances = bands
             .par_iter()
-            .map(|band| single(surface.surface_resistance(band.hz)))
+            .map(|band| surface.surface_resistance(band.hz).single())
             .collect();
         let hz = bands.iter().map(|band| band.hz).collect();
         Self { bands, hz, resistances }
@@ -41,12 +42,9 @@ impl SurfaceEvaluations {
     /// middle of a band then stands for another frequency of it.
     #[must_use]
     pub(crate) fn in_air(mut self, speed: f64, factor: impl Fn(f64) -> f64) -> Self {
-        for (hz, r) in self.hz.iter_mut().zip(&mut self.resistances) {
-            *hz *= speed;
-            let factor = factor(*hz);
-            r.real *= factor;
-            r.imaginary.iter_mut().for_each(|m| *m *= factor);
-        }
+        self.hz.iter_mut().for_each(|hz| *hz *= speed);
+        let taken = self.resistances.into_iter().zip(&self.hz);
+        self.resistances = taken.map(|(r, &hz)| r.scaled(factor(hz))).collect();
         self
     }
 
@@ -183,14 +181,6 @@ fn own_pairs(k: f64, [x, y]: [&[f64]; 2], sources: &DMatrix<f64>) -> DMatrix<f64
         result += sources.rows(start, columns).transpose() * felt;
     }
     result
-}
-
-/// Rounds to single precision, in which resistances are kept in files: a result does not depend on whether they were.
-fn single(mut r: Resistance) -> Resistance {
-    let round = |m: &mut DMatrix<f64>| m.iter_mut().for_each(|v| *v = f64::from(*v as f32));
-    round(&mut r.real);
-    r.imaginary.as_mut().map(round);
-    r
 }
 
 impl Archive for SurfaceEvaluations {

@@ -27,7 +27,7 @@ pub struct FlushSound {
 }
 
 impl FlushSound {
-    /// Largest ratio of two air's sounds of speed over which a resistance is carried: the middle of a third-octave band
+    /// Largest ratio of two airs' speeds of sound over which a resistance is carried: the middle of a third-octave band
     /// then stays in that band.
     pub const WIDEST: f64 = 1.122_018_454_301_963_3;
 

@@ -7,7 +7,8 @@ impl SampledRadiation {
     /// In an air in which every wavelength has its frequency times `speed`, and times `factor` at each frequency \[Hz\] of
     /// that air: R(f) = factor(f) R0(f/speed).
     ///
-    /// Named `method` then. The factor is interpolated with R; what that misses adds to [`SampledRadiation::interpolation_error`].
+    /// Named `method` then. The factor is interpolated with R; what that misses adds to
+    /// [`SampledRadiation::interpolation_error`].
     #[must_use]
     pub(crate) fn in_air(mut self, method: &str, speed: f64, factor: impl Fn(f64) -> f64) -> Self {
         self.method = method.to_owned();
