@@ -1,8 +1,8 @@
 //! Everything a run leaves behind as one value, kept from run to run: an unchanged design is not computed again.
 
-use std::cell::RefCell;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 use std::{fs, io};
 
@@ -137,7 +137,7 @@ pub fn deliver(
     }
     let unfinished = Unfinished::within(folder)?;
     let [of_bodies, others] = unfinished.parts();
-    let fresh = RefCell::new(Vec::new());
+    let fresh = Mutex::new(Vec::new());
     let tell = |vibration: &Vibration, record: &CycleRecord| {
         let write = || {
             output::write_fields(&of_bodies, vibration, &record.events)?;
@@ -145,7 +145,7 @@ pub fn deliver(
         };
         let (files, pictures) = rayon::join(write, || Pictures::new(design, vibration));
         let (fields, contents) = Fields::of(files?);
-        fresh.replace(contents);
+        *fresh.lock().unwrap_or_else(PoisonError::into_inner) = contents;
         Ok((pictures, fields))
     };
     let options = Options::default();
@@ -164,7 +164,7 @@ pub fn deliver(
         }
     }
     observer.stage("writing files");
-    let contents = fresh.take();
+    let contents = fresh.into_inner().unwrap_or_else(PoisonError::into_inner);
     let keep = || {
         if !contents.is_empty() {
             cache.put(FIELDS, &fields.key(), &contents);

@@ -16,6 +16,7 @@ mod grid;
 pub mod locate;
 mod mesh;
 pub mod msh;
+mod points;
 mod quality;
 mod size;
 mod straighten;

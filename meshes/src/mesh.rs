@@ -1,13 +1,16 @@
 //! The volume mesh that all stages share.
 
 use nalgebra::Point3;
+use serde::{Deserialize, Serialize};
 
+use crate::points;
 use crate::{ElementKind, FaceKind, FaceNodes, MeshError};
 
 /// A volume mesh: nodes, elements with a part each, named groups of element faces.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Mesh {
     /// Node positions \[m\].
+    #[serde(with = "points")]
     pub nodes: Vec<Point3<f64>>,
     /// Kind of each element.
     pub kinds: Vec<ElementKind>,
@@ -24,7 +27,7 @@ pub struct Mesh {
 }
 
 /// Faces of elements under one name, such as `top` or `floor`.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FaceGroup {
     /// Name of the group.
     pub name: String,
@@ -33,7 +36,7 @@ pub struct FaceGroup {
 }
 
 /// One face of one element.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct FaceRef {
     /// Element index.
     pub element: usize,

@@ -4,13 +4,16 @@ use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, HashMap};
 
 use nalgebra::{Point3, Vector3};
+use serde::{Deserialize, Serialize};
 
+use crate::points;
 use crate::{FaceKind, FaceNodes, FaceRef, Mesh, MeshError};
 
 /// The outer faces of a mesh, with outward normals, and the volume node behind each of their nodes.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Surface {
     /// Node positions \[m\].
+    #[serde(with = "points")]
     pub points: Vec<Point3<f64>>,
     /// The volume node of each point; nodal vectors of the volume are read at 3 `volume_nodes[i]` + axis.
     pub volume_nodes: Vec<usize>,
@@ -21,7 +24,7 @@ pub struct Surface {
 }
 
 /// One face of a surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SurfaceFace {
     /// Its shape.
     pub kind: FaceKind,

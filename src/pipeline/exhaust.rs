@@ -12,11 +12,14 @@ use nailnoise_acoustics::muffler::{BandLosses, Lining, Muffler, MufflerChain, Mu
 use nailnoise_acoustics::{AcousticsError, Air};
 use nailnoise_dynamics::CycleRecord;
 
+use super::intervals::Clock;
+use super::microphones::{self, AtMicrophones};
 use super::ranking::parts_of;
-use super::sound::Sound;
+use super::sound::{Sound, Source};
+use super::vibration::Bench;
 use crate::design::{self, Design, MufflerKind};
 use crate::error::Error;
-use crate::result::{Check, CrossCheck, Uncertainty};
+use crate::result::{Check, CrossCheck, Timing, Uncertainty};
 
 /// Uncertainty of the exhaust's level \[dB\]: half the 8 dB by which jet correlations and valve noise efficiencies may
 /// differ for one blow-down.
@@ -59,6 +62,36 @@ impl Exhaust {
         let lowest = choked().copied().reduce(f64::min)?;
         Some((choked().count() as f64 * sample_interval, lowest))
     }
+}
+
+/// The exhaust as a source: how much it sounds, when, and what the microphones hear of it.
+pub(super) struct Blown {
+    pub(super) jets: Source,
+    pub(super) exhaust: Exhaust,
+    /// The events between which it is told apart.
+    pub(super) clock: Clock,
+    pub(super) heard: AtMicrophones,
+}
+
+/// The exhaust of a shot whose records last until `end` \[s\].
+///
+/// # Errors
+/// Those of the acoustics.
+pub(super) fn blown(bench: &Bench<'_>, record: &CycleRecord, end: f64, timing: &mut Timing) -> Result<Blown, Error> {
+    let (design, air) = (bench.design, &bench.air);
+    let (sound, exhaust) = timing.time("exhaust", || exhaust(design, record, air))?;
+    let clock = Clock::new(&record.events, end);
+    let range = [design.analysis.range_low, design.analysis.range_high];
+    let jets = timing.time("intervals of the exhaust", || Source::new(sound, &clock.times, range));
+    let heard = timing.time("exhaust at the microphones", || {
+        microphones::of_exhaust(design, air, (&exhaust, &jets.spectrum), end)
+    })?;
+    Ok(Blown {
+        jets,
+        exhaust,
+        clock,
+        heard,
+    })
 }
 
 /// The noise of a cycle's openings one by one, for what hears them at a place

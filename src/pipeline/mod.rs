@@ -11,6 +11,7 @@ mod geometry;
 mod intervals;
 mod microphones;
 mod missing;
+mod model;
 mod notes;
 mod outline;
 mod outside;
@@ -30,6 +31,7 @@ mod sound;
 mod springs;
 mod standing;
 mod starts;
+mod told;
 mod tool;
 mod tool_loads;
 mod tool_radiator;
@@ -61,9 +63,9 @@ pub use settings::cycle_settings;
 pub use tool::{Stiffness, Tool};
 pub use vibration::Vibration;
 
-use intervals::Clock;
-use sound::Source;
-use vibration::{Bench, Moved, Told, TwoWay, moved};
+use exhaust::Blown;
+use told::{Told, TwoWay, told};
+use vibration::{Bench, Moved, moved};
 
 use crate::cache::Cache;
 use crate::design::{Coupling, Design};
@@ -242,13 +244,51 @@ pub fn run_in_full(
         Coupling::OneWay => Some(driving(design, &mut timing, observer)?),
         Coupling::TwoWay => None,
     };
-    let Moved {
-        record,
-        vibration,
+    let all = in_full(&bench, lumped, &mut timing, observer, |_, _| Ok(()))?;
+    let of_bodies = (all.moved.record, all.told, all.two_way);
+    let run = finish(&bench, of_bodies, all.blown, timing, observer)?;
+    Ok((run, all.moved.vibration))
+}
+
+/// A shot with its bodies in motion, and what was made of them.
+struct InFull<T> {
+    moved: Moved,
+    told: Told,
+    two_way: Option<TwoWay>,
+    blown: Blown,
+    more: T,
+}
+
+/// Sets the bodies in motion; what they tell, what `tell` makes of them and how the exhaust sounds need nothing of each
+/// other.
+fn in_full<T: Send>(
+    bench: &Bench<'_>,
+    lumped: Option<CycleRecord>,
+    timing: &mut Timing,
+    observer: &mut dyn Observer,
+    tell: impl FnOnce(&Vibration, &CycleRecord) -> Result<T, Error> + Send,
+) -> Result<InFull<T>, Error> {
+    let (moved, body) = moved(bench, lumped, timing, observer)?;
+    let watched = Watched::over(observer);
+    let [mut of_telling, mut of_exhaust] = [Timing::default(), Timing::default()];
+    let (told, (more, blown)) = rayon::join(
+        || told(bench, &moved, body, timing, &watched),
+        || {
+            rayon::join(
+                || of_telling.time("telling", || tell(&moved.vibration, &moved.record)),
+                || exhaust::blown(bench, &moved.record, moved.end(), &mut of_exhaust),
+            )
+        },
+    );
+    timing.0.extend(of_telling.0.into_iter().chain(of_exhaust.0));
+    let (told, two_way) = told?;
+    Ok(InFull {
+        moved,
         told,
         two_way,
-    } = moved(&bench, lumped, &mut timing, observer)?;
-    Ok((finish(&bench, record, told, two_way, timing, observer)?, vibration))
+        more: more?,
+        blown: blown?,
+    })
 }
 
 /// A run with what `tell` makes of its bodies in motion. Where a cycle drives them one way both are kept as `stage`, and
@@ -262,23 +302,31 @@ pub(crate) fn run_telling<T: Serialize + DeserializeOwned + Send>(
     cache: &Cache,
     observer: &mut dyn Observer,
     stage: &str,
-    tell: impl FnOnce(&Vibration, &CycleRecord) -> Result<T, Error>,
+    tell: impl FnOnce(&Vibration, &CycleRecord) -> Result<T, Error> + Send,
 ) -> Result<(Run, T), Error> {
-    if design.support.coupling == Coupling::TwoWay {
-        let (run, vibration) = run_in_full(design, options, cache, observer)?;
-        let told = tell(&vibration, &run.record)?;
-        return Ok((run, told));
-    }
     let mut timing = Timing::default();
     let bench = Bench::new(design, options, cache)?;
+    if design.support.coupling == Coupling::TwoWay {
+        let all = in_full(&bench, None, &mut timing, observer, tell)?;
+        let of_bodies = (all.moved.record, all.told, all.two_way);
+        return Ok((finish(&bench, of_bodies, all.blown, timing, observer)?, all.more));
+    }
     let record = driving(design, &mut timing, observer)?;
-    let key = vibration::key(design, options, &record);
+    let key = told::key(design, options, &record);
+    let mut found = None;
     let (told, more) = cache.get_or(stage, key, || {
-        let moved = moved(&bench, Some(record.clone()), &mut timing, observer)?;
-        let more = timing.time("telling", || tell(&moved.vibration, &moved.record))?;
-        Ok::<_, Error>((moved.told, more))
+        let all = in_full(&bench, Some(record.clone()), &mut timing, observer, tell)?;
+        found = Some(all.blown);
+        Ok::<_, Error>((all.told, all.more))
     })?;
-    Ok((finish(&bench, record, told, None, timing, observer)?, more))
+    let blown = match found {
+        Some(blown) => blown,
+        None => {
+            observer.stage("exhaust");
+            exhaust::blown(&bench, &record, told.end, &mut timing)?
+        }
+    };
+    Ok((finish(&bench, (record, told, None), blown, timing, observer)?, more))
 }
 
 /// The cycle with its own lumped workpiece.
@@ -287,30 +335,31 @@ fn driving(design: &Design, timing: &mut Timing, observer: &mut dyn Observer) ->
     timing.time("cycle", || cycle(design))
 }
 
-/// From what the bodies tell to the result: exhaust, ranking, intervals, checks and notes.
+/// From what bodies and exhaust tell to the result: ranking, intervals, checks and notes.
 fn finish(
     bench: &Bench<'_>,
-    record: CycleRecord,
-    told: Told,
-    two_way: Option<TwoWay>,
+    (record, told, two_way): (CycleRecord, Told, Option<TwoWay>),
+    blown: Blown,
     mut timing: Timing,
     observer: &mut dyn Observer,
 ) -> Result<Run, Error> {
     let Bench { design, ref air, .. } = *bench;
     let sensors = told.sensors(design);
     let [workpiece, body] = &told.sources;
-    observer.stage("exhaust");
-    let (jets, exhaust) = timing.time("exhaust", || exhaust::exhaust(design, &record, air))?;
+    let Blown {
+        jets,
+        exhaust,
+        clock,
+        heard,
+    } = blown;
     let notes = notes::notes(design, &record, &told, &exhaust);
     notes.iter().for_each(|note| observer.note(note));
     let range = [design.analysis.range_low, design.analysis.range_high];
-    let clock = Clock::new(&record.events, told.end);
-    let jets = timing.time("intervals", || Source::new(jets, &clock.times, range));
     let sources = [workpiece, &jets, body];
     let (mut ranking, total) = ranking::rank(&sources, range);
     observer.stage("microphones");
     let microphones = timing.time("microphones", || {
-        microphones::microphones(design, air, &told.heard, (&exhaust, &jets.spectrum), told.end)
+        microphones::microphones(design, air, [&told.heard[0], &heard, &told.heard[1]], told.end)
     })?;
     let (powers, interval_checks) = intervals::intervals(&sources, &mut ranking, &clock, told.end);
     let mut checks: Vec<Check> = record.checks.iter().map(Check::from).collect();

@@ -3,7 +3,7 @@
 use nailnoise_dynamics::{CycleRecord, Outcome};
 
 use super::exhaust::Exhaust;
-use super::vibration::Told;
+use super::told::Told;
 use crate::design::{Design, MufflerKind, SupportKind};
 use crate::result::RadiationReport;
 

@@ -16,8 +16,9 @@ use super::microphones::reflecting_plane;
 use super::radiation::{FACE_POINTS, side_by_side, skin};
 use super::radiator::{Radiator, flush_surface};
 use super::standing::levels;
-use super::vibration::{self, Bench, Moved, Vibration, moved};
-use super::{Driven, Observer, Options, Watched, driving, outside, tool_radiator};
+use super::told;
+use super::vibration::{Bench, Moved, Vibration, moved};
+use super::{Driven, Observer, Options, driving, outside, tool_radiator};
 use crate::cache::Cache;
 use crate::design::{Coupling, Design};
 use crate::error::Error;
@@ -110,7 +111,7 @@ pub fn pictures(design: &Design, cache: &Cache, observer: &mut dyn Observer) -> 
         Coupling::OneWay => driving(design, &mut timing, observer)?,
         Coupling::TwoWay => return compute(&bench, None, observer),
     };
-    let key = vibration::key(design, bench.options, &lumped);
+    let key = told::key(design, bench.options, &lumped);
     cache.get_or("sound in pictures", key, || compute(&bench, Some(lumped), observer))
 }
 
@@ -119,10 +120,12 @@ fn compute(
     lumped: Option<nailnoise_dynamics::CycleRecord>,
     observer: &mut dyn Observer,
 ) -> Result<Pictures, Error> {
-    let Moved { vibration, .. } = moved(bench, lumped, &mut Timing::default(), observer)?;
+    let (moved, _) = moved(bench, lumped, &mut Timing::default(), observer)?;
+    let Moved {
+        vibration, radiator, ..
+    } = moved;
     let (design, air) = (bench.design, &bench.air);
     observer.stage("sound in pictures");
-    let radiator = Radiator::new(design, &vibration.structure, air, bench.cache, &Watched::over(observer))?;
     let mut pictures = match &radiator {
         Radiator::Bem(bem) => standing(design, air, bem, &vibration)?,
         Radiator::Rayleigh(of_top) => {

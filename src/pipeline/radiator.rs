@@ -199,18 +199,3 @@ fn standing_erp(design: &Design, structure: &Structure, air: &Air) -> Result<Rad
         structure.bodies().map(of_body).collect::<Result<_, _>>()?,
     ))
 }
-
-/// A key with a body's skin, its points, faces and patches, and the motion of every mode there.
-pub(super) fn with_skin(key: Key, body: &Body) -> Key {
-    let surface = &body.surface;
-    let points: Vec<f64> = surface.points.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
-    let faces: Vec<(&[usize], usize)> = surface.faces.iter().map(|f| (&f.nodes[..], f.patch)).collect();
-    let key = key.with(&points).with(&faces).with(&surface.patches);
-    body.shapes.column_iter().fold(key, |key, mode| {
-        let on_skin = surface
-            .volume_nodes
-            .iter()
-            .flat_map(|&n| [mode[3 * n], mode[3 * n + 1], mode[3 * n + 2]]);
-        key.with(&on_skin.collect::<Vec<f64>>())
-    })
-}

@@ -7,7 +7,7 @@ use nailnoise_acoustics::radiation::MovingSand;
 use nailnoise_dynamics::CycleRecord;
 use nailnoise_fem::transient::{Loads, ModalResponse, Motion, Settings};
 use nailnoise_meshes::MeshError;
-use nalgebra::{Complex, DMatrix, Point3, Vector3};
+use nalgebra::{Complex, DMatrix, DVector, Point3, Vector3};
 use rayon::prelude::*;
 
 use super::bodies::{Body, Structure};
@@ -60,26 +60,65 @@ pub(super) fn sensors(design: &Design, shot: Shot<'_>) -> Result<Vec<SensorRecor
         .iter()
         .filter(|(_, sensor)| carries(design, sensor.body))
         .collect();
-    let response = shot.response;
-    present
-        .into_par_iter()
-        .map(|(name, sensor)| {
-            let place = Site::of(design, shot, name, sensor)?;
-            let raw = place.acceleration(shot, sensor)?;
-            let sand = place.sand;
-            let at = [sensor.x, sensor.y];
-            let mut acceleration = filtered(&raw, response.step, PADDING, |hz| {
-                band(sensor, place.top_hz, hz) * sand.map_or(Complex::from(1.0), |sand| sand.ratio(at, hz))
-            })?;
-            acceleration.truncate(response.samples());
-            Ok(SensorRecord {
-                name: name.clone(),
-                body: sensor.body,
-                interval: response.step,
-                acceleration,
-            })
+    let sites: Vec<Site> = present
+        .par_iter()
+        .map(|(name, sensor)| Site::of(design, shot, name, sensor))
+        .collect::<Result<_, _>>()?;
+    let interval = shot.response.step;
+    let raw = accelerations(shot, &sites)?;
+    let record = |(((name, sensor), site), raw): (((&String, &Sensor), &Site), Vec<f64>)| {
+        let at = [sensor.x, sensor.y];
+        let mut acceleration = filtered(&raw, interval, PADDING, |hz| {
+            band(sensor, site.top_hz, hz) * site.sand.map_or(Complex::from(1.0), |sand| sand.ratio(at, hz))
+        })?;
+        acceleration.truncate(shot.response.samples());
+        Ok(SensorRecord {
+            name: name.clone(),
+            body: sensor.body,
+            interval,
+            acceleration,
         })
-        .collect()
+    };
+    present.into_par_iter().zip(&sites).zip(raw).map(record).collect()
+}
+
+/// Acceleration along the axis of every sensor on the grid of the response \[m/s2\]; a body's motion is run through once for
+/// all sensors on it.
+fn accelerations(shot: Shot<'_>, sites: &[Site]) -> Result<Vec<Vec<f64>>, Error> {
+    let mut found = vec![Vec::new(); sites.len()];
+    for carrier in [Moving::Block, Moving::Table, Moving::Tool] {
+        let on_it = |(number, site): (usize, &'_ Site)| match &site.reads {
+            Reads::Modes(of, shape) if *of == carrier => Some((number, shape.clone())),
+            _ => None,
+        };
+        let (numbers, shapes): (Vec<usize>, Vec<DVector<f64>>) = sites.iter().enumerate().filter_map(on_it).unzip();
+        let Some((response, body)) = carrier.response(shot).filter(|_| !numbers.is_empty()) else {
+            continue;
+        };
+        let motion = response.points(body, &DMatrix::from_columns(&shapes), Motion::Acceleration)?;
+        for (number, column) in numbers.into_iter().zip(motion.column_iter()) {
+            found[number] = column.as_slice().to_vec();
+        }
+    }
+    for (site, found) in sites.iter().zip(&mut found) {
+        if let Reads::Fall(share) = site.reads {
+            *found = falling(shot, share);
+        }
+    }
+    Ok(found)
+}
+
+/// Acceleration of a rigid tool on the grid of the response, times a factor.
+fn falling(shot: Shot<'_>, factor: f64) -> Vec<f64> {
+    let (response, record) = (shot.response, shot.record);
+    // After the record the forces on the tool balance each other.
+    let fall = Loads {
+        interval: record.sample_interval,
+        history: DMatrix::from_row_slice(1, record.len(), &record.tool.acceleration),
+        final_values: vec![0.0],
+    };
+    let fall = fall.sampled(response.step, response.samples(), Settings::default().taper);
+    (fall * factor).as_slice().to_vec()
 }
 
 /// Names of the sensors whose body the design lacks.
@@ -103,44 +142,69 @@ fn carries(design: &Design, body: Carrier) -> bool {
 /// cylinders that they stand for.
 const OFF: f64 = 1e-3;
 
-/// Where a sensor reads the response.
-struct Site<'a> {
-    /// Response, index of the body in it, and displacement along the sensor's axis for each of its modes; none on a
-    /// rigid tool.
-    modes: Option<(&'a ModalResponse, usize, DMatrix<f64>)>,
+/// An elastic body of a shot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Moving {
+    Block,
+    Table,
+    Tool,
+}
+
+impl Moving {
+    /// The response that it is part of, and its place there.
+    fn response(self, shot: Shot<'_>) -> Option<(&ModalResponse, usize)> {
+        match self {
+            Self::Block => Some((shot.response, 0)),
+            Self::Table => Some((shot.response, 1)),
+            Self::Tool => shot.tool.map(|tool| (&tool.response, 0)),
+        }
+    }
+
+    fn body(self, shot: Shot<'_>) -> Option<&Body> {
+        match self {
+            Self::Block => Some(&shot.structure.workpiece),
+            Self::Table => shot.structure.worktable.as_ref(),
+            Self::Tool => shot.tool.map(|tool| &tool.body),
+        }
+    }
+}
+
+/// What a sensor reads.
+enum Reads {
+    /// A body, by the displacement of each of its modes along the sensor's axis.
+    Modes(Moving, DVector<f64>),
+    /// A rigid tool, whose fall in the cycle counts with this factor.
+    Fall(f64),
+}
+
+/// Where a sensor reads a shot.
+struct Site {
+    reads: Reads,
     /// The law by which sand carries the block's motion to the sensor.
     sand: Option<MovingSand>,
     /// Frequency up to which that motion is part of the result \[Hz\].
     top_hz: f64,
 }
 
-impl<'a> Site<'a> {
-    fn of(design: &Design, shot: Shot<'a>, name: &str, sensor: &Sensor) -> Result<Self, Error> {
+impl Site {
+    fn of(design: &Design, shot: Shot<'_>, name: &str, sensor: &Sensor) -> Result<Self, Error> {
         let axis = axis(sensor);
         let at = Point3::new(sensor.x, sensor.y, sensor.z);
-        let on = |response: &'a ModalResponse, index: usize, body: &Body, at: Point3<f64>, axis: Vector3<f64>| {
+        let on = |carrier: Moving, at: Point3<f64>, axis: Vector3<f64>| {
+            let Some(body) = carrier.body(shot) else {
+                // The cycle counts downwards, the sensor upwards.
+                return Ok(Reads::Fall(-axis.z));
+            };
             let pattern = Pattern::near(&body.mesh, at, axis, OFF).map_err(|error| match error {
                 MeshError::Outside { distance, .. } => outside(design, name, sensor, body.name, distance),
                 other => other.into(),
             })?;
-            let shape = pattern.of_modes(&body.shapes);
-            Ok::<_, Error>(Some((
-                response,
-                index,
-                DMatrix::from_column_slice(shape.len(), 1, shape.as_slice()),
-            )))
+            Ok::<_, Error>(Reads::Modes(carrier, pattern.of_modes(&body.shapes)))
         };
-        let (response, block) = (shot.response, &shot.structure.workpiece);
-        let (modes, sand) = match sensor.body {
-            Carrier::Workpiece => (on(response, 0, block, at, axis)?, None),
-            Carrier::Worktable => match &shot.structure.worktable {
-                Some(table) => (on(response, 1, table, at, axis)?, None),
-                None => (None, None),
-            },
-            Carrier::Tool => match shot.tool {
-                Some(tool) => (on(&tool.response, 0, &tool.body, at, axis)?, None),
-                None => (None, None),
-            },
+        let (reads, sand) = match sensor.body {
+            Carrier::Workpiece => (on(Moving::Block, at, axis)?, None),
+            Carrier::Worktable => (on(Moving::Table, at, axis)?, None),
+            Carrier::Tool => (on(Moving::Tool, at, axis)?, None),
             Carrier::Sand => {
                 let law = moving_sand(design)?;
                 let distance = off_the_sand(&law, [sensor.x, sensor.y]);
@@ -149,31 +213,14 @@ impl<'a> Site<'a> {
                 }
                 let [x, y] = law.edge([sensor.x, sensor.y]);
                 let edge = Point3::new(x, y, design.workpiece.thickness);
-                (on(response, 0, block, edge, Vector3::z() * axis.z)?, Some(law))
+                (on(Moving::Block, edge, Vector3::z() * axis.z)?, Some(law))
             }
         };
         let top_hz = match (sensor.body, shot.tool) {
             (Carrier::Tool, None) => f64::INFINITY,
             (carrier, _) => top_of(design, carrier),
         };
-        Ok(Self { modes, sand, top_hz })
-    }
-
-    /// Acceleration along the sensor's axis on the grid of the response \[m/s2\].
-    fn acceleration(&self, shot: Shot<'_>, sensor: &Sensor) -> Result<Vec<f64>, Error> {
-        if let Some((response, body, shapes)) = &self.modes {
-            let motion = response.points(*body, shapes, Motion::Acceleration)?;
-            return Ok(motion.as_slice().to_vec());
-        }
-        let (response, record) = (shot.response, shot.record);
-        // The cycle counts downwards, the sensor upwards; after the record the forces on the tool balance each other.
-        let fall = Loads {
-            interval: record.sample_interval,
-            history: DMatrix::from_row_slice(1, record.len(), &record.tool.acceleration),
-            final_values: vec![0.0],
-        };
-        let fall = fall.sampled(response.step, response.samples(), Settings::default().taper);
-        Ok((fall * -axis(sensor).z).as_slice().to_vec())
+        Ok(Self { reads, sand, top_hz })
     }
 }
 

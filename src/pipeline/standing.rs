@@ -17,7 +17,7 @@ use super::Watched;
 use super::bodies::{Body, Structure};
 use super::microphones::{positions, reflecting_plane};
 use super::outside::open_air_above;
-use super::radiator::{FLOOR, LOWEST_SAMPLE, MOST_SAMPLES, with_skin};
+use super::radiator::{FLOOR, LOWEST_SAMPLE, MOST_SAMPLES};
 use crate::cache::{Cache, Key};
 use crate::design::{Design, SupportKind, WorktablePreset};
 use crate::error::Error;
@@ -154,8 +154,8 @@ fn expected_seconds(levels: &[Level], low: f64, structure: &Structure) -> f64 {
             .sum::<f64>()
 }
 
-/// All that the radiation matrices depend on: boxes, floor, air, how finely they are computed, microphones, and the skins'
-/// modes.
+/// All that the radiation matrices depend on: boxes, floor, air, how finely they are computed, microphones, and the bodies
+/// with their modes.
 fn key(design: &Design, structure: &Structure, receivers: &Receivers, air: &Air) -> Key {
     let a = &design.acoustics;
     let mut key = Key::new()
@@ -164,7 +164,7 @@ fn key(design: &Design, structure: &Structure, receivers: &Receivers, air: &Air)
         .with(&[a.bem_top, a.bem_panels, a.bem_tolerance])
         .with(&format!("{receivers:?}"));
     for body in structure.bodies() {
-        key = with_skin(key.with(body.name), body);
+        key = key.with(body.name).with(&body.identity);
     }
     key
 }

@@ -18,7 +18,7 @@ use super::Watched;
 use super::bodies::Body;
 use super::microphones::{positions, reflecting_plane, tool_height};
 use super::outline::Outline;
-use super::radiator::{FLOOR, LOWEST_SAMPLE, MOST_SAMPLES, with_skin};
+use super::radiator::{FLOOR, LOWEST_SAMPLE, MOST_SAMPLES};
 use crate::cache::{Cache, Key};
 use crate::design::{Design, RadiationMethod};
 use crate::error::Error;
@@ -196,11 +196,11 @@ pub(super) fn levels(design: &Design, body: &Body, air: &Air) -> Result<Vec<Leve
 /// All that the radiation matrix depends on.
 fn key(design: &Design, body: &Body, receivers: &Receivers, air: &Air) -> Key {
     let a = &design.acoustics;
-    let key = Key::new()
+    Key::new()
         .with("closed nose; coarser mesh, corrected")
         .with(&format!("{air:?} {receivers:?} {:?}", floor(design)))
-        .with(&[a.bem_top, a.bem_panels, a.bem_tolerance]);
-    with_skin(key, body)
+        .with(&[a.bem_top, a.bem_panels, a.bem_tolerance])
+        .with(&body.identity)
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ const MOST: usize = 9;
 ///
 /// Triangles lie on r, s >= 0, r + s <= 1, quadrilaterals on \[-1, 1\]^2. Corners come first, then the mid-side that
 /// follows each corner, then the centre.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub enum FaceKind {
     /// 3-node triangle, VTK cell type 5.
@@ -165,7 +165,7 @@ fn serendipity(xi: [f64; 2], n: &mut [f64], dn: &mut [[f64; 2]]) {
 
 /// The nodes of one face, at most nine, held in place: corners outward by the right-hand rule, then mid-sides, then the
 /// centre.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub struct FaceNodes {
     // Unused entries are zero, so that equality may be derived.
     nodes: [usize; MOST],

@@ -9,7 +9,7 @@ mod wedge;
 pub use face::{FaceKind, FaceNodes};
 
 /// The shape of an element and its order of interpolation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub enum ElementKind {
     /// 8-node hexahedron, VTK cell type 12.

@@ -123,20 +123,30 @@ pub(super) fn of_bodies(design: &Design, air: &Air, inputs: &Inputs<'_>) -> Resu
     ])
 }
 
-/// Levels and signals at the microphones: of the bodies as given, of the exhaust, and of all; `end` as in [`Inputs`].
+/// What is heard of the exhaust; `end` as in [`Inputs`].
 ///
 /// # Errors
-/// Those of the radiation.
+/// Those of the acoustics.
+pub(super) fn of_exhaust(
+    design: &Design,
+    air: &Air,
+    (exhaust, radiated): (&Exhaust, &SourceSpectrum),
+    end: f64,
+) -> Result<AtMicrophones, Error> {
+    of_source(design, Scene::of(design, air, end).exhaust(exhaust, radiated)?)
+}
+
+/// Levels and signals at the microphones, of every source as given and of all together; `end` as in [`Inputs`].
+///
+/// # Errors
+/// Those of the standard's corrections.
 pub(super) fn microphones(
     design: &Design,
     air: &Air,
-    [workpiece, body]: &[AtMicrophones; 2],
-    (exhaust, radiated): (&Exhaust, &SourceSpectrum),
+    all: [&AtMicrophones; 3],
     end: f64,
 ) -> Result<Microphones, Error> {
     let scene = Scene::of(design, air, end);
-    let jets = of_source(design, scene.exhaust(exhaust, radiated)?)?;
-    let all = [workpiece, &jets, body];
     let surface = surface(design);
     let mut total = vec![vec![0.0; scene.samples]; scene.places.len()];
     for (_, signals) in all {

@@ -1,0 +1,285 @@
+//! What the moving bodies of a shot tell, once their motion is no longer needed.
+//!
+//! Modes, motion and spectra take hundreds of megabytes and most of a run's time. What the result needs of them is small
+//! and a function of the design and of the cycle that drives them: it is kept, so that a design that changes only how the
+//! exhaust sounds needs neither.
+
+use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
+use nailnoise_dynamics::{CouplingWork, CycleRecord};
+use nailnoise_fem::transient::{Ending, ModalResponse};
+use serde::{Deserialize, Serialize};
+
+use super::intervals::Clock;
+use super::microphones::{self, AtMicrophones};
+use super::missing::{self, Missing};
+use super::sensors::{self, SensorRecord};
+use super::sound::{Sound, Source};
+use super::starts::starts;
+use super::tool_radiator::tool_radiator;
+use super::vibration::{Bench, Moved, Vibration};
+use super::{Options, Stiffness, Tool, Watched, cycle, exhaust, radiation, response, tool_body};
+use crate::cache::Key;
+use crate::design::{Coupling, Design};
+use crate::error::Error;
+use crate::result::{Check, Starts, Timing};
+
+/// What the moving bodies tell.
+#[derive(Clone, Serialize, Deserialize)]
+pub(super) struct Told {
+    /// Workpiece with support, and tool body.
+    pub(super) sources: [Source; 2],
+    /// When the last record ends \[s\].
+    pub(super) end: f64,
+    /// How the response ended, in words.
+    pub(super) ending: String,
+    /// Stiffness of an elastic tool body where the cycle's contacts act.
+    pub(super) stiffness: Option<[Stiffness; 2]>,
+    /// What is left out above top frequencies.
+    pub(super) missing: Vec<Missing>,
+    /// What microphones hear of the sources.
+    pub(super) heard: [AtMicrophones; 2],
+    /// Levels of other starts.
+    pub(super) starts: Option<Starts>,
+    /// Checks of modes and response, then those of the tool's body.
+    pub(super) checks: [Vec<Check>; 2],
+    /// Names, intervals and accelerations of the sensors.
+    records: Vec<(String, f64, Vec<f64>)>,
+}
+
+impl Told {
+    /// What the design's sensors record.
+    pub(super) fn sensors(&self, design: &Design) -> Vec<SensorRecord> {
+        let of_sensor = |(name, interval, acceleration): &(String, f64, Vec<f64>)| {
+            Some(SensorRecord {
+                name: name.clone(),
+                body: design.sensors.iter().find(|(own, _)| *own == name)?.1.body,
+                interval: *interval,
+                acceleration: acceleration.clone(),
+            })
+        };
+        self.records.iter().filter_map(of_sensor).collect()
+    }
+}
+
+/// A two-way run beside the one-way run of the same design.
+pub(super) struct TwoWay {
+    pub(super) work: CouplingWork,
+    pub(super) checks: Vec<Check>,
+    /// The cycle with its own lumped workpiece, and its sources.
+    pub(super) one_way: (CycleRecord, [SourceSpectrum; 3]),
+}
+
+/// What tells how microphones are read, not what they hear.
+const OF_THE_ROOM: [&str; 2] = ["acoustics.room_absorption", "acoustics.background_level"];
+
+/// All that what the bodies tell depends on when a cycle drives them one way: the cycle, and every value but those of the
+/// exhaust, which reach the bodies through the cycle alone, and those of the room in which a measurement is made.
+pub(super) fn key(design: &Design, options: Options, record: &CycleRecord) -> Key {
+    Key::new()
+        .with(&design.values_where(|key| !key.starts_with("exhaust.") && !OF_THE_ROOM.contains(&key)))
+        .with(&options.workpiece_force_scale)
+        .with(record)
+}
+
+/// What bodies in motion tell, `body` being the sound of the tool's; and the same design one way, where it is coupled.
+///
+/// # Errors
+/// [`Error`] of the stage that could not be computed.
+pub(super) fn told(
+    bench: &Bench<'_>,
+    moved: &Moved,
+    body: Sound,
+    timing: &mut Timing,
+    watched: &Watched<'_>,
+) -> Result<(Told, Option<TwoWay>), Error> {
+    let design = bench.design;
+    let Moved {
+        record,
+        vibration,
+        radiator,
+        damping,
+        coupling,
+    } = moved;
+    let Vibration {
+        structure,
+        response,
+        spectra,
+        tool,
+    } = vibration;
+    let damping = damping.as_deref();
+    watched.stage("radiation");
+    let mut of_sensors = Timing::default();
+    let (sensors, workpiece) = rayon::join(
+        || {
+            let shot = sensors::Shot {
+                structure,
+                response,
+                tool: tool.as_ref(),
+                record,
+            };
+            of_sensors.time("sensors", || sensors::sensors(design, shot))
+        },
+        || {
+            timing.time("radiation", || {
+                radiation::workpiece(design, structure, radiator, damping, spectra)
+            })
+        },
+    );
+    let (sensors, workpiece) = (sensors?, workpiece?);
+    timing.0.extend(of_sensors.0);
+    let two_way = coupling.clone().map(|(work, checks)| {
+        watched.stage("the same one way, to compare");
+        let one_way = timing.time("one way", || one_way(bench, moved, watched))?;
+        Ok::<_, Error>(TwoWay { work, checks, one_way })
+    });
+    let range = [design.analysis.range_low, design.analysis.range_high];
+    let starts = if design.analysis.starts > 1 {
+        watched.stage("other starts");
+        let first = workpiece.spectrum.level(range, Weighting::A);
+        timing.time("other starts", || {
+            starts(design, structure, radiator, first, |start| {
+                let parameters = &bench.parameters;
+                match design.support.coupling {
+                    Coupling::OneWay => {
+                        let force = (bench.options.workpiece_force_scale, start);
+                        response::response(design, structure, damping, parameters, record, force)
+                    }
+                    Coupling::TwoWay => Ok(response::coupled(design, structure, damping, parameters, start)?.response),
+                }
+            })
+        })?
+    } else {
+        None
+    };
+    let mut missing = missing::above_top(design, structure, &workpiece.spectrum);
+    missing.extend(
+        tool.as_ref()
+            .and_then(|tool| missing::above_tool_top(design, tool, &body.spectrum)),
+    );
+    let end = moved.end();
+    let heard = timing.time("bodies at the microphones", || {
+        let inputs = microphones::Inputs {
+            radiator,
+            spectra,
+            record,
+            workpiece: &workpiece,
+            body: &body,
+            tool: tool.as_ref(),
+            end,
+        };
+        microphones::of_bodies(design, &bench.air, &inputs)
+    })?;
+    let clock = Clock::new(&record.events, end);
+    let sources = timing.time("intervals", || {
+        [workpiece, body].map(|sound| Source::new(sound, &clock.times, range))
+    });
+    let mut checks: [Vec<Check>; 2] = Default::default();
+    structure.bodies().for_each(|body| checks[0].extend(body.checks()));
+    checks[0].extend(response::checks(response));
+    if let Some(tool) = tool {
+        checks[1].extend(tool.body.checks());
+        checks[1].extend(tool.checks.iter().cloned());
+    }
+    let told = Told {
+        sources,
+        end,
+        ending: ending(response),
+        stiffness: tool.as_ref().map(|tool| tool.stiffness.clone()),
+        missing,
+        heard,
+        starts,
+        checks,
+        records: sensors
+            .into_iter()
+            .map(|sensor| (sensor.name, sensor.interval, sensor.acceleration))
+            .collect(),
+    };
+    Ok((told, two_way.transpose()?))
+}
+
+/// The cycle of a coupled run with its own lumped workpiece, and the sources that it drives.
+fn one_way(
+    bench: &Bench<'_>,
+    moved: &Moved,
+    watched: &Watched<'_>,
+) -> Result<(CycleRecord, [SourceSpectrum; 3]), Error> {
+    let Bench {
+        design,
+        options,
+        ref parameters,
+        ref air,
+        cache,
+        ..
+    } = *bench;
+    let structure = &moved.vibration.structure;
+    let record = cycle(design)?;
+    let force = (options.workpiece_force_scale, 0);
+    let response = response::response(design, structure, moved.damping.as_deref(), parameters, &record, force)?;
+    let spectra = radiation::modal_spectra(design, structure, &response)?;
+    let workpiece = radiation::workpiece_energy(&moved.radiator, &spectra)?;
+    let body = match &moved.vibration.tool {
+        Some(_) => {
+            let body = tool_body(design, cache)?;
+            let bem = tool_radiator(design, &body, air, cache, watched)?;
+            Tool::new(design, (body, bem), parameters, &record)?.sound(design, &record, air)?
+        }
+        None => radiation::rigid_tool(design, &record, air)?,
+    };
+    let (exhaust, _) = exhaust::exhaust(design, &record, air)?;
+    Ok((record, [workpiece, exhaust.spectrum, body.spectrum]))
+}
+
+fn ending(response: &ModalResponse) -> String {
+    let end = response.duration();
+    match response.ending {
+        Ending::Decayed { level, .. } if level == f64::NEG_INFINITY => {
+            format!("response ended at {end:.3} s, all of its energy gone")
+        }
+        Ending::Decayed { level, .. } => format!("response ended at {end:.3} s, its energy {level:.0} dB down"),
+        Ending::Duration { level, .. } => format!("response cut at {end:.3} s, its energy {level:.0} dB down"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::design::{Kind, Value};
+
+    /// Another value of a key.
+    fn moved(kind: Kind, value: Value) -> Option<Value> {
+        Some(match (kind, value) {
+            (_, Value::Number(0.0)) => Value::Number(1e-3),
+            (_, Value::Number(number)) => Value::Number(number * (1.0 - 1e-6)),
+            (_, Value::Count(count)) => Value::Count(count + 1),
+            (_, Value::Switch(on)) => Value::Switch(!on),
+            (Kind::Choice(words), Value::Choice(word)) => Value::Choice(words.iter().find(|other| **other != word)?),
+            (_, Value::File(_)) => Value::File(concat!(env!("CARGO_MANIFEST_DIR"), "/README.md")),
+            _ => return None,
+        })
+    }
+
+    /// What the bodies tell is not taken for that of a design with any other value, but for the keys left out: that these
+    /// do not reach the bodies is for tests/laws.rs to show.
+    #[test]
+    fn every_key_but_those_of_exhaust_and_room_is_in_the_key() {
+        let base = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/small.toml")).unwrap();
+        let record = cycle(&base).unwrap();
+        let digest = |design: &Design| key(design, Options::default(), &record).digest();
+        let keys = base.keys();
+        let mut left_out = Vec::new();
+        for (key, kind, value) in &keys {
+            let mut design = base.clone();
+            let other = moved(*kind, *value).unwrap_or_else(|| panic!("{key} has one value"));
+            design.set(&[(key.as_str(), other)]).unwrap();
+            if digest(&design) == digest(&base) {
+                left_out.push(key.as_str());
+            }
+        }
+        assert!(keys.len() > 300, "{} keys tried", keys.len());
+        let expected = |key: &&str| key.starts_with("exhaust.") || OF_THE_ROOM.contains(key);
+        let all: Vec<&str> = keys.iter().map(|(key, ..)| key.as_str()).filter(expected).collect();
+        assert_eq!(left_out, all);
+    }
+}
