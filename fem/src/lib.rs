@@ -31,6 +31,6 @@ pub use attachments::{Attachments, Coupling, GroundSpring, LumpedMass, Place, Ti
 pub use constraints::Constraints;
 pub use error::FemError;
 pub use material::{Material, Orthotropic};
-pub use modal::{Corrections, ModalBasis, ModalSettings, ModalWork, Sturm};
+pub use modal::{ModalBasis, ModalSettings, ModalWork, Sturm};
 pub use solve::{modes, modes_telling};
 pub use symmetry::mirror_planes;

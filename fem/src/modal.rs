@@ -51,7 +51,8 @@ pub struct ModalBasis {
     pub dofs: usize,
     /// Natural frequencies, ascending; 0 for rigid modes \[Hz\].
     pub hz: Vec<f64>,
-    /// Mode shapes, 3 x nodes rows, one column a mode, phi^T M phi = 1 \[kg^-1/2\].
+    /// Shapes of the modes, then of the static corrections: 3 x nodes rows, one column a shape, phi^T M phi = 1
+    /// \[kg^-1/2\].
     #[serde(with = "matrix")]
     pub shapes: DMatrix<f64>,
     /// |K phi - lambda M phi| / |lambda M phi| of each mode; a rigid mode has no lambda to divide by, so its residual is
@@ -65,8 +66,12 @@ pub struct ModalBasis {
     pub orthonormality: f64,
     /// The proof that none is missing.
     pub sturm: Sturm,
-    /// Static corrections for the load patterns asked for, to be appended to the modes.
-    pub corrections: Corrections,
+    /// Rayleigh frequencies of the static corrections for the load patterns asked for, ascending \[Hz\].
+    ///
+    /// Corrections are residual vectors: what the modes left out contribute to the static response to the loads. They are
+    /// orthogonal to the modes and to each other with respect to M and K, mass-normalised, and so are taken as further
+    /// modes with these frequencies, which lie above those of the modes.
+    pub corrections: Vec<f64>,
     /// What the solution cost.
     pub work: ModalWork,
 }
@@ -78,19 +83,6 @@ pub struct Sturm {
     pub upper_hz: f64,
     /// Negative pivots of K - (2 pi upper_hz)^2 M.
     pub count: usize,
-}
-
-/// Residual vectors: what the modes left out contribute to the static response to the given loads.
-///
-/// They are orthogonal to the modes and to each other with respect to M and K, mass-normalised, and so are taken as
-/// further modes with the frequencies given, which lie above those of the modes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Corrections {
-    /// Rayleigh frequencies, ascending \[Hz\].
-    pub hz: Vec<f64>,
-    /// Shapes, 3 x nodes rows \[kg^-1/2\].
-    #[serde(with = "matrix")]
-    pub shapes: DMatrix<f64>,
 }
 
 /// Work counters of a modal solution; they do not depend on the machine.
@@ -121,18 +113,9 @@ impl ModalWork {
 }
 
 impl ModalBasis {
-    /// Frequencies of modes and corrections, in the order of [`Self::all_shapes`] \[Hz\].
+    /// Frequencies of modes and corrections, in the order of the columns of [`Self::shapes`] \[Hz\].
     pub fn all_hz(&self) -> Vec<f64> {
-        self.hz.iter().chain(&self.corrections.hz).copied().collect()
-    }
-
-    /// Shapes of the modes, then of the corrections \[kg^-1/2\].
-    pub fn all_shapes(&self) -> DMatrix<f64> {
-        let (n, m) = (self.shapes.ncols(), self.corrections.shapes.ncols());
-        let mut all = DMatrix::zeros(self.shapes.nrows(), n + m);
-        all.columns_mut(0, n).copy_from(&self.shapes);
-        all.columns_mut(n, m).copy_from(&self.corrections.shapes);
-        all
+        self.hz.iter().chain(&self.corrections).copied().collect()
     }
 }
 

@@ -13,7 +13,7 @@ use crate::factor::{Factor, Symbolic};
 use crate::lanczos::{Target, lanczos};
 use crate::sparse::{product, shifted};
 use crate::symmetry::{Sector, sectors, whole};
-use crate::{Corrections, FemError, ModalBasis, ModalSettings, ModalWork, Sturm, System};
+use crate::{FemError, ModalBasis, ModalSettings, ModalWork, Sturm, System};
 
 /// Edges tried.
 const ATTEMPTS: usize = 6;
@@ -160,7 +160,7 @@ impl<'a> Problem<'a> {
                 Some(x) => corrections(self.system, &pairs, x)?,
                 None => Corrections {
                     hz: Vec::new(),
-                    shapes: DMatrix::zeros(self.system.equations.dofs(), 0),
+                    shapes: Mat::new(),
                 },
             };
             return Ok(basis(self.system, pairs, Sturm { upper_hz, count }, corrections, work));
@@ -373,10 +373,13 @@ fn corrections(system: &System, pairs: &Eigenpairs, mut x: Mat<f64>) -> Result<C
     let mut shapes = Mat::zeros(x.nrows(), lambda.len());
     add_product(shapes.as_mut(), 1.0, x.as_ref(), s.as_ref());
     let hz = lambda.iter().map(|l| l.max(0.0).sqrt() / TAU).collect();
-    Ok(Corrections {
-        hz,
-        shapes: expand(system, shapes.as_ref()),
-    })
+    Ok(Corrections { hz, shapes })
+}
+
+/// Static corrections on the free degrees of freedom, see [`ModalBasis::corrections`].
+struct Corrections {
+    hz: Vec<f64>,
+    shapes: Mat<f64>,
 }
 
 fn basis(system: &System, pairs: Eigenpairs, sturm: Sturm, corrections: Corrections, work: ModalWork) -> ModalBasis {
@@ -389,16 +392,21 @@ fn basis(system: &System, pairs: Eigenpairs, sturm: Sturm, corrections: Correcti
             pairs.lambda[i].sqrt() / TAU
         }
     };
-    let sorted = Mat::from_fn(pairs.phi.nrows(), order.len(), |i, j| pairs.phi[(i, order[j])]);
+    let modes = order.len();
+    let all = Mat::from_fn(pairs.phi.nrows(), modes + corrections.hz.len(), |i, j| {
+        order
+            .get(j)
+            .map_or_else(|| corrections.shapes[(i, j - modes)], |&mode| pairs.phi[(i, mode)])
+    });
     ModalBasis {
         dofs: system.equations.len(),
         hz: order.iter().map(|&i| hz(i)).collect(),
-        shapes: expand(system, sorted.as_ref()),
+        shapes: expand(system, all.as_ref()),
         residuals: order.iter().map(|&i| pairs.residuals[i]).collect(),
         rigid: order.iter().map(|&i| pairs.rigid[i]).collect(),
         orthonormality: pairs.orthonormality(),
         sturm,
-        corrections,
+        corrections: corrections.hz,
         work,
     }
 }

@@ -27,7 +27,7 @@ fn solve(system: &System, top_hz: f64, mirrors: bool) -> ModalBasis {
 /// Receptance at the loaded node far below the elastic modes, from modes and static corrections.
 fn compliance(system: &System, basis: &ModalBasis) -> Matrix3<f64> {
     let node = system.equations.dofs() / 7;
-    let rows = basis.all_shapes().rows(3 * node, 3).into_owned();
+    let rows = basis.shapes.rows(3 * node, 3).into_owned();
     let mut sum = Matrix3::zeros();
     for (column, hz) in rows.column_iter().zip(basis.all_hz()).filter(|(_, hz)| *hz > 0.0) {
         sum += column * column.transpose() / (std::f64::consts::TAU * hz).powi(2);

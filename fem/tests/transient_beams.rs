@@ -167,7 +167,7 @@ fn a_modal_sum_converges_to_the_full_matrices_marched_by_newmark() {
         load[3 * node + 2] += weight;
     }
     let basis = modes(&system, &ModalSettings::below(12e3).with_loads(load.clone())).unwrap();
-    let shapes = basis.all_shapes();
+    let shapes = basis.shapes.clone();
     let at = shapes.tr_mul(&load);
     let (duration, fine) = (3e-3f64, 1e-6f64);
     let body = ModalBody {

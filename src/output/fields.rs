@@ -81,7 +81,7 @@ pub(super) fn on_surface(body: &Body) -> DMatrix<f64> {
         .volume_nodes
         .iter()
         .flat_map(|n| [3 * n, 3 * n + 1, 3 * n + 2]);
-    body.shapes.select_rows(&dofs.collect::<Vec<usize>>())
+    body.basis.shapes.select_rows(&dofs.collect::<Vec<usize>>())
 }
 
 /// 2 int |v|^2 df over a band at every point of the surface \[m2/s\]; nothing when the band holds no analysed frequency.

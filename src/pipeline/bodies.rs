@@ -26,11 +26,9 @@ pub struct Body {
     pub mesh: Mesh,
     /// Its outer faces.
     pub surface: Surface,
-    /// Its modes, proven complete up to their top frequency.
+    /// Its modes, proven complete up to their top frequency, and static corrections: below, "modes" are both.
     pub basis: ModalBasis,
-    /// Modes, then static corrections: 3 nodes x modes \[kg^-1/2\].
-    pub shapes: DMatrix<f64>,
-    /// Angular frequencies of the columns of `shapes` \[rad/s\]; 0 for rigid modes.
+    /// Angular frequencies of the columns of `basis.shapes` \[rad/s\]; 0 for rigid modes.
     pub omega: Vec<f64>,
     /// Loss factor of all modes \[-\].
     pub loss_factor: f64,

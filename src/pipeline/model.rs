@@ -66,13 +66,12 @@ pub(super) fn body(
     if let Some(prepared) = prepared {
         let modes: Option<Modes> = cache.get(&modes_of(kind), &Key::new().with(&prepared.identity));
         if let Some((basis, _)) = modes {
-            let shapes = basis.all_shapes();
-            return Ok(prepared.with_modes(design, kind, basis, shapes));
+            return Ok(prepared.with_modes(design, kind, basis));
         }
     }
-    let (prepared, basis, shapes) = model()?.solve(design, cache, tell)?;
+    let (prepared, basis) = model()?.solve(design, cache, tell)?;
     cache.put(&stage, &key, &prepared);
-    Ok(prepared.with_modes(design, kind, basis, shapes))
+    Ok(prepared.with_modes(design, kind, basis))
 }
 
 /// Name of the stage of the modes.
@@ -81,9 +80,9 @@ fn modes_of(kind: BodyKind) -> String {
 }
 
 impl Prepared {
-    fn with_modes(self, design: &Design, kind: BodyKind, basis: ModalBasis, shapes: DMatrix<f64>) -> Body {
+    fn with_modes(self, design: &Design, kind: BodyKind, basis: ModalBasis) -> Body {
         let columns = |columns: &[Vec<f64>]| {
-            DMatrix::from_iterator(shapes.ncols(), columns.len(), columns.iter().flatten().copied())
+            DMatrix::from_iterator(basis.shapes.ncols(), columns.len(), columns.iter().flatten().copied())
         };
         let lift = DVector::from_vec(self.lift);
         Body {
@@ -99,7 +98,6 @@ impl Prepared {
             loss_factor: self.loss_factor,
             top_hz: self.top_hz,
             basis,
-            shapes,
         }
     }
 }
@@ -132,12 +130,7 @@ impl Model {
     }
 
     /// The modes, and what else is known of the body then.
-    fn solve(
-        self,
-        design: &Design,
-        cache: &Cache,
-        tell: Tell<'_>,
-    ) -> Result<(Prepared, ModalBasis, DMatrix<f64>), Error> {
+    fn solve(self, design: &Design, cache: &Cache, tell: Tell<'_>) -> Result<(Prepared, ModalBasis), Error> {
         let settings = self.settings(design);
         let identity = self.identity(&settings);
         let Geometry {
@@ -168,9 +161,9 @@ impl Model {
             let tell = |found: usize, of: usize| tell(found as u64, of as u64);
             Ok::<_, Error>((modes_telling(&system, &settings, &tell)?, upward_momentum(&system)))
         })?;
-        let shapes = basis.all_shapes();
+        let shapes = &basis.shapes;
         let participation = |patterns: &[Pattern]| -> Vec<Vec<f64>> {
-            let of_modes = |pattern: &Pattern| pattern.of_modes(&shapes).as_slice().to_vec();
+            let of_modes = |pattern: &Pattern| pattern.of_modes(shapes).as_slice().to_vec();
             patterns.iter().map(of_modes).collect()
         };
         let prepared = Prepared {
@@ -183,7 +176,7 @@ impl Model {
             loads: participation(&self.loads),
             contacts: participation(&self.contacts),
         };
-        Ok((prepared, basis, shapes))
+        Ok((prepared, basis))
     }
 }
 

@@ -441,7 +441,7 @@ fn velocities(design: &Design, air: &Air, driven: Driven<'_>) -> Result<Series, 
         Vector3::zeros()
     };
     let open = outside::open_air(&body.surface)?;
-    let radiating = skin(&body.surface, &body.shapes, |point| open[point.face])?;
+    let radiating = skin(&body.surface, &body.basis.shapes, |point| open[point.face])?;
     let points: Vec<_> = body
         .surface
         .quadrature(FACE_POINTS)?
@@ -457,7 +457,7 @@ fn velocities(design: &Design, air: &Air, driven: Driven<'_>) -> Result<Series, 
         .iter()
         .flat_map(|n| [3 * n, 3 * n + 1, 3 * n + 2])
         .collect();
-    let nodal = body.shapes.select_rows(&nodal);
+    let nodal = body.basis.shapes.select_rows(&nodal);
     let mut pictures = Vec::new();
     for band in bands(spectra, f64::INFINITY) {
         let Some(covariance) = spectra.velocity_covariance([band.low, band.high], |_| 1.0) else {

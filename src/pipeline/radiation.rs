@@ -328,7 +328,7 @@ fn sand_band(source: &SourceSpectrum, sand: &AbsorbingSand, range_hz: [f64; 2]) 
 pub(super) fn radiating(body: &Body, hidden: impl Fn(&str, &Point3<f64>) -> bool) -> Result<RadiatingSurface, Error> {
     let surface = &body.surface;
     let shown = |point: &QuadraturePoint| !hidden(&surface.patches[surface.faces[point.face].patch], &point.position);
-    skin(surface, &body.shapes, shown)
+    skin(surface, &body.basis.shapes, shown)
 }
 
 /// The points of a surface that are shown, with the normal displacements of modes (columns of `shapes`).

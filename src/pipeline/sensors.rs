@@ -199,7 +199,7 @@ impl Site {
                 MeshError::Outside { distance, .. } => outside(design, name, sensor, body.name, distance),
                 other => other.into(),
             })?;
-            Ok::<_, Error>(Reads::Modes(carrier, pattern.of_modes(&body.shapes)))
+            Ok::<_, Error>(Reads::Modes(carrier, pattern.of_modes(&body.basis.shapes)))
         };
         let (reads, sand) = match sensor.body {
             Carrier::Workpiece => (on(Moving::Block, at, axis)?, None),

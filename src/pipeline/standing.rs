@@ -129,7 +129,7 @@ fn expected(levels: &[Level], low: f64) -> Vec<f64> {
 
 /// Processor time of all ranges \[s\], about.
 fn expected_seconds(levels: &[Level], low: f64, structure: &Structure) -> f64 {
-    let modes: usize = structure.bodies().map(|body| body.shapes.ncols()).sum();
+    let modes: usize = structure.bodies().map(|body| body.basis.shapes.ncols()).sum();
     let of_frequency = |level: &Level| {
         // Most modes of a symmetric body have one parity.
         let patterns = modes.div_ceil(level.problem.boundary().copies());
@@ -267,7 +267,7 @@ fn of_boxes(design: &Design, structure: &Structure, air: &Air, share: f64) -> Re
         .zip([0..own, own..names.len()])
         .map(|(body, patches)| MovingPart {
             skin: &body.surface,
-            modes: &body.shapes,
+            modes: &body.basis.shapes,
             patches,
         })
         .collect();
@@ -311,7 +311,7 @@ fn of_skin(design: &Design, body: &Body, air: &Air) -> Result<Level, Error> {
     let boundary = Boundary::new(mesh, floor(design))?;
     let patterns = Patterns {
         parity: Parity::default(),
-        velocities: boundary.project_modes(&body.surface, &body.shapes)?,
+        velocities: boundary.project_modes(&body.surface, &body.basis.shapes)?,
     };
     let resolved = boundary.highest_hz(computed.sound_speed, a.bem_panels);
     let problem = Exterior::new(boundary, air).with_panels_per_wavelength(a.bem_panels)?;
@@ -369,7 +369,7 @@ mod tests {
     fn shaken(level: &Level, body: &Body, axis: Vector3<f64>, hz: f64) -> [f64; 2] {
         let rigid: Vec<usize> = (0..body.omega.len()).filter(|&j| body.omega[j] == 0.0).collect();
         assert_eq!(rigid.len(), 6);
-        let modes = body.shapes.select_columns(&rigid);
+        let modes = body.basis.shapes.select_columns(&rigid);
         let motion = DMatrix::from_fn(modes.nrows(), 1, |dof, _| axis[dof % 3]);
         let share = (modes.transpose() * &modes)
             .cholesky()

@@ -169,7 +169,7 @@ impl Tool {
             .filter(|&j| self.body.omega[j] > 0.0)
             .collect();
         let open = open_air(&self.body.surface)?;
-        let shapes = self.body.shapes.select_columns(&elastic);
+        let shapes = self.body.basis.shapes.select_columns(&elastic);
         let erp = Erp::new(&skin(&self.body.surface, &shapes, |point| open[point.face])?, air);
         let spectra = ModalSpectra {
             frequency: self.spectra.frequency.clone(),

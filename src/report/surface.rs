@@ -42,8 +42,8 @@ impl<'a> Painted<'a> {
         let surface = &body.surface;
         // One point a face: the picture shows no finer detail, and a rule of one point exists for every shape.
         let points = surface.quadrature(1).unwrap_or_default();
-        let mut normal = DMatrix::zeros(points.len(), body.shapes.ncols());
-        for (shape, mut column) in body.shapes.column_iter().zip(normal.column_iter_mut()) {
+        let mut normal = DMatrix::zeros(points.len(), body.basis.shapes.ncols());
+        for (shape, mut column) in body.basis.shapes.column_iter().zip(normal.column_iter_mut()) {
             for (point, value) in points.iter().zip(column.iter_mut()) {
                 let nodes = &surface.faces[point.face].nodes;
                 let at = nodes.iter().zip(&point.shape).map(|(&node, weight)| {
@@ -70,7 +70,7 @@ impl<'a> Painted<'a> {
             }
         }
         let impedance = air.impedance();
-        let modes = body.shapes.ncols();
+        let modes = body.basis.shapes.ncols();
         let (mut whole, mut alone) = (vec![0.0; points.len()], DVector::zeros(modes));
         let [from, to] = spectra.range_hz;
         let of_octave = |octave: &Band| {
