@@ -12,7 +12,8 @@ const CELL: f64 = 1e-4;
 /// Time shown before and after the records \[s\]: the ends of the range spread a sudden sound a little to both sides.
 const MARGIN: f64 = 0.01;
 
-/// Largest mismatch of a signal's bins with the spectrum's before they are matched: 0.04 dB.
+/// Largest mismatch of a signal's bins with the spectrum's before they are matched, beside what a resistance may be off
+/// between its samples, which its root is off as well: 0.04 dB.
 const MISMATCH: f64 = 1e-2;
 
 /// A source's A-weighted power over time, in the common range.
@@ -53,12 +54,14 @@ impl Clock {
     }
 }
 
-/// Gives every ranked source its intervals, and returns the powers over time with the checks of both.
+/// Gives every ranked source its intervals, and returns the powers over time with the checks of both; `tolerance` is that of
+/// interpolated resistances.
 pub(super) fn intervals(
     sources: &[&Source],
     ranking: &mut [RankedSource],
     clock: &Clock,
     end: f64,
+    tolerance: f64,
 ) -> (Vec<SoundPower>, Vec<Check>) {
     let (mut powers, mut checks) = (Vec::new(), Vec::new());
     for ranked in ranking {
@@ -76,7 +79,7 @@ pub(super) fn intervals(
         ));
         for (part, mismatch) in &source.mismatches {
             let name = format!("{part}: energy of interval signals beside the spectrum's");
-            checks.push(Check::at_most(name, *mismatch, MISMATCH));
+            checks.push(Check::at_most(name, *mismatch, MISMATCH + tolerance));
         }
         let names = clock.names.windows(2);
         let interval = |(names, level): (&[String], &nailnoise_acoustics::levels::IntervalLevels)| IntervalLevel {

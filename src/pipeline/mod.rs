@@ -361,7 +361,8 @@ fn finish(
     let microphones = timing.time("microphones", || {
         microphones::microphones(design, air, [&told.heard[0], &heard, &told.heard[1]], told.end)
     })?;
-    let (powers, interval_checks) = intervals::intervals(&sources, &mut ranking, &clock, told.end);
+    let (powers, interval_checks) =
+        intervals::intervals(&sources, &mut ranking, &clock, told.end, design.acoustics.bem_tolerance);
     let mut checks: Vec<Check> = record.checks.iter().map(Check::from).collect();
     let [of_response, of_tool] = told.checks.clone();
     checks.extend(of_response);

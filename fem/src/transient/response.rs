@@ -143,7 +143,11 @@ impl ModalResponse {
             .for_each(|(block, out)| {
                 let first = modes.start + block * BLOCK;
                 let range = first..modes.end.min(first + BLOCK);
-                Replay::new(self, body, range).run(motion, out);
+                Replay::new(self, body, range).each(motion, |first, piece| {
+                    for (own, column) in out.chunks_mut(samples).zip(piece.column_iter()) {
+                        own[first..first + column.len()].copy_from_slice(column.as_slice());
+                    }
+                });
             });
         Ok(history)
     }
@@ -162,13 +166,26 @@ impl ModalResponse {
                 found: shapes.nrows(),
             });
         }
-        let mut points = DMatrix::zeros(self.samples(), shapes.ncols());
         let modes = chosen.modes();
-        // In parts, which bounds the memory and fixes the order of summation.
-        for first in (0..modes).step_by(4 * BLOCK) {
-            let range = first..modes.min(first + 4 * BLOCK);
-            let rows = shapes.rows(first, range.len());
-            points.gemm(1.0, &self.modal(body, range, motion)?, &rows, 1.0);
+        let moves = |range: &Range<usize>| shapes.rows(range.start, range.len()).iter().any(|x| *x != 0.0);
+        let blocks: Vec<Range<usize>> = (0..modes)
+            .step_by(BLOCK)
+            .map(|first| first..modes.min(first + BLOCK))
+            .filter(moves)
+            .collect();
+        let of_block = |range: &Range<usize>| {
+            let rows = shapes.rows(range.start, range.len());
+            let mut sum = DMatrix::zeros(self.samples(), shapes.ncols());
+            Replay::new(self, body, range.clone()).each(motion, |first, piece| {
+                sum.rows_mut(first, piece.nrows()).gemm(1.0, piece, &rows, 0.0);
+            });
+            sum
+        };
+        let mut points = DMatrix::zeros(self.samples(), shapes.ncols());
+        // In parts, which bounds the memory; the order of summation is fixed.
+        for part in blocks.chunks(4) {
+            let sums: Vec<DMatrix<f64>> = part.par_iter().map(of_block).collect();
+            sums.into_iter().for_each(|sum| points += sum);
         }
         Ok(points)
     }
@@ -232,8 +249,8 @@ impl<'a> Replay<'a> {
         g
     }
 
-    /// Writes the motion of the modes, one after the other, each a contiguous history.
-    fn run(mut self, motion: Motion, out: &mut [f64]) {
+    /// The motion of the modes piece by piece: `take` is given the first sample of a piece, and samples x modes.
+    fn each(mut self, motion: Motion, mut take: impl FnMut(usize, &DMatrix<f64>)) {
         let (samples, h) = (self.response.samples(), self.response.step);
         let count = self.modes.len();
         let omega = self.body.omega[self.modes.clone()].to_vec();
@@ -249,14 +266,17 @@ impl<'a> Replay<'a> {
             .map(|(&w, &z)| Recurrence::new(w, z, h))
             .collect();
         let mut before = vec![0.0; count];
+        let mut piece = DMatrix::zeros(CHUNK.min(samples), count);
         for first in (0..samples).step_by(CHUNK) {
             let length = CHUNK.min(samples - first);
+            if length < piece.nrows() {
+                piece = DMatrix::zeros(length, count);
+            }
             let forces = self.forces(first, length);
-            for j in 0..count {
+            for (j, mut history) in piece.column_iter_mut().enumerate() {
                 let r = steps[j];
                 let (mut q, mut v, mut g0) = (self.q[j], self.v[j], before[j]);
                 let (damping, stiffness) = (2.0 * zeta[j] * omega[j], omega[j] * omega[j]);
-                let history = &mut out[j * samples + first..][..length];
                 for (n, sample) in history.iter_mut().enumerate() {
                     let g1 = forces[(j, n)];
                     if first + n > 0 {
@@ -274,6 +294,7 @@ impl<'a> Replay<'a> {
                 }
                 (self.q[j], self.v[j], before[j]) = (q, v, g0);
             }
+            take(first, &piece);
         }
     }
 }
