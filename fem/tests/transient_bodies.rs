@@ -292,6 +292,17 @@ fn replayed_modes_end_where_the_march_ended_and_dissipation_never_falls() {
         }
     }
     assert!(r.modal(2, 0..1, Motion::Velocity).is_err() && r.modal(0, 0..5, Motion::Velocity).is_err());
+    // What goes on from a kept state is what the whole run gives.
+    let some = [0, 1, 127, 128, 129, 5000, r.samples() - 1];
+    for (body, end) in r.end.iter().enumerate() {
+        for motion in [Motion::Displacement, Motion::Velocity, Motion::Acceleration] {
+            let all = r.modal(body, 0..end.displacement.len(), motion).unwrap();
+            let found = r.at(body, &some, motion).unwrap();
+            let error = (found.transpose() - all.select_rows(&some)).amax();
+            assert!(error < 1e-10 * all.amax(), "{motion:?} of body {body}: {error:e}");
+        }
+    }
+    assert!(r.at(2, &[0], Motion::Velocity).is_err() && r.at(0, &[r.samples()], Motion::Velocity).is_err());
 }
 
 #[test]

@@ -441,7 +441,7 @@ fn velocities(design: &Design, air: &Air, driven: Driven<'_>) -> Result<Series, 
         Vector3::zeros()
     };
     let open = outside::open_air(&body.surface)?;
-    let radiating = skin(&body.surface, &body.basis.shapes, |point| open[point.face])?;
+    let radiating = skin(&body.surface, body.basis.shapes.as_view(), |point| open[point.face])?;
     let points: Vec<_> = body
         .surface
         .quadrature(FACE_POINTS)?

@@ -13,7 +13,7 @@ use nailnoise_dynamics::CycleRecord;
 use nailnoise_fem::supports::Sand;
 use nailnoise_fem::transient::{ModalResponse, Motion};
 use nailnoise_meshes::{QuadraturePoint, Surface};
-use nalgebra::{DMatrix, Point3, Vector3};
+use nalgebra::{DMatrix, DMatrixView, Point3, Vector3};
 
 use super::bodies::{Body, Structure};
 use super::radiator::{Flush, Radiator, absorbing_sand};
@@ -328,13 +328,13 @@ fn sand_band(source: &SourceSpectrum, sand: &AbsorbingSand, range_hz: [f64; 2]) 
 pub(super) fn radiating(body: &Body, hidden: impl Fn(&str, &Point3<f64>) -> bool) -> Result<RadiatingSurface, Error> {
     let surface = &body.surface;
     let shown = |point: &QuadraturePoint| !hidden(&surface.patches[surface.faces[point.face].patch], &point.position);
-    skin(surface, &body.basis.shapes, shown)
+    skin(surface, body.basis.shapes.as_view(), shown)
 }
 
 /// The points of a surface that are shown, with the normal displacements of modes (columns of `shapes`).
 pub(super) fn skin(
     surface: &Surface,
-    shapes: &DMatrix<f64>,
+    shapes: DMatrixView<'_, f64>,
     shown: impl Fn(&QuadraturePoint) -> bool,
 ) -> Result<RadiatingSurface, Error> {
     let points: Vec<QuadraturePoint> = surface.quadrature(FACE_POINTS)?.into_iter().filter(shown).collect();

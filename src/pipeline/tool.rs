@@ -145,41 +145,60 @@ impl Tool {
     /// # Errors
     /// Those of surface and radiation.
     pub(super) fn sound(&self, design: &Design, record: &CycleRecord, air: &Air) -> Result<Sound, Error> {
-        let as_sphere = self.sound_as_sphere(design, record, air)?;
-        let Some(bem) = &self.bem else { return Ok(as_sphere) };
+        let Some(bem) = &self.bem else {
+            return self.sound_as_sphere(design, record, air);
+        };
         let damping = self.damping.as_ref().map(std::slice::from_ref);
         let mut sound = by_boundary_elements("body", bem, (&[&self.body], damping), &self.spectra)?;
         let range = [design.analysis.range_low, design.analysis.range_high];
+        let housing = self.housing(design, air)?.vibration;
+        let rigid = rigid_tool(design, record, air)?.spectrum;
+        let as_sphere = SourceSpectrum::sum("body", "as a sphere", &[rigid, housing]);
         sound.cross_check = Some(CrossCheck {
             quantity: "the tool's body".into(),
             lw_db: sound.spectrum.level(range, Weighting::Z),
             other: "rigid motion and ERP of a sphere of its volume".into(),
-            other_lw_db: as_sphere.spectrum.level(range, Weighting::Z),
+            other_lw_db: as_sphere.level(range, Weighting::Z),
         });
         sound.uncertainty.basis += "; what is nailed neither reflects nor shades";
         Ok(sound)
     }
 
-    /// Rigid motion as that of the sphere of its volume, elastic modes by their ERP into the open air times the radiation
-    /// efficiency of that sphere.
+    /// The elastic modes by their ERP into the open air times the radiation efficiency of a sphere of the tool's volume.
+    fn housing(&self, design: &Design, air: &Air) -> Result<Housing, Error> {
+        let Body {
+            omega, basis, surface, ..
+        } = &self.body;
+        // Frequencies rise, so that a free body's rigid modes come first.
+        let rigid = omega.iter().take_while(|&&omega| omega == 0.0).count();
+        let elastic = omega.len() - rigid;
+        let open = open_air(surface)?;
+        let shapes = basis.shapes.columns(rigid, elastic);
+        let erp = Erp::new(&skin(surface, shapes.as_view(), |point| open[point.face])?, air);
+        let spectra = ModalSpectra {
+            frequency: self.spectra.frequency.clone(),
+            accelerations: self.spectra.accelerations.rows(rigid, elastic).into_owned(),
+            range_hz: self.spectra.range_hz,
+        };
+        let compact = CompactErp::new(erp, design.body.volume(), air)?;
+        Ok(Housing {
+            vibration: radiated_energy(VIBRATION, &compact, &spectra)?,
+            compact,
+            spectra,
+        })
+    }
+
+    /// Rigid motion as that of the sphere of its volume, elastic modes as [`Self::housing`].
     fn sound_as_sphere(&self, design: &Design, record: &CycleRecord, air: &Air) -> Result<Sound, Error> {
         let mut sound = rigid_tool(design, record, air)?;
         sound.spectrum.source = "rigid motion".to_owned();
-        let elastic: Vec<usize> = (0..self.body.omega.len())
-            .filter(|&j| self.body.omega[j] > 0.0)
-            .collect();
-        let open = open_air(&self.body.surface)?;
-        let shapes = self.body.basis.shapes.select_columns(&elastic);
-        let erp = Erp::new(&skin(&self.body.surface, &shapes, |point| open[point.face])?, air);
-        let spectra = ModalSpectra {
-            frequency: self.spectra.frequency.clone(),
-            accelerations: self.spectra.accelerations.select_rows(&elastic),
-            range_hz: self.spectra.range_hz,
-        };
+        let Housing {
+            vibration,
+            compact,
+            spectra,
+        } = self.housing(design, air)?;
         let range = [design.analysis.range_low, design.analysis.range_high];
-        let reference = radiated_energy(VIBRATION, &erp, &spectra)?;
-        let compact = CompactErp::new(erp, design.body.volume(), air)?;
-        let vibration = radiated_energy(VIBRATION, &compact, &spectra)?;
+        let reference = radiated_energy(VIBRATION, compact.erp(), &spectra)?;
         let signals = (VIBRATION, radiated_signals(&compact, &spectra, &vibration)?);
         let rigid = sound.spectrum;
         let weighted = |part: &SourceSpectrum| rigid.energy(range, Weighting::A) + part.energy(range, Weighting::A);
@@ -208,6 +227,13 @@ impl Tool {
         sound.signals.push(signals);
         Ok(sound)
     }
+}
+
+/// The elastic modes of a body as those of a compact one.
+struct Housing {
+    vibration: SourceSpectrum,
+    compact: CompactErp,
+    spectra: ModalSpectra,
 }
 
 /// Name of the part of the source that the elastic modes radiate.

@@ -34,6 +34,11 @@ impl CompactErp {
         })
     }
 
+    /// The same with radiation efficiency 1.
+    pub fn erp(&self) -> &Erp {
+        &self.erp
+    }
+
     /// The sphere's radiation efficiency.
     pub fn efficiency(&self, hz: f64) -> f64 {
         let ka4 = (2.0 * PI * hz * self.time).powi(4);

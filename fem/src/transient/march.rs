@@ -8,7 +8,7 @@ use super::energy::{EnergyHistory, Ledger, elastic_energy};
 use super::error::TransientError;
 use super::kernels::{Lane, State, combine, finish, lanes, predict, project};
 use super::model::{Loads, ModalBody, ModalState, Settings, Start, Support, SupportLaw};
-use super::response::{Check, Ending, ModalResponse, Work};
+use super::response::{Check, Ending, MARK, ModalResponse, Work};
 use super::statics::{Equilibrium, equilibrium};
 use super::system::{System, any_unilateral, validate};
 
@@ -62,6 +62,8 @@ pub(super) struct Run<'a> {
     load_ledger: Ledger,
     contact_ledger: Ledger,
     energy: EnergyHistory,
+    /// q and q' at every [`MARK`]th sample.
+    marks: Vec<[Vec<Lane>; 2]>,
     open_samples: usize,
     /// Unilateral support that came nearest, and its gap.
     nearest: (usize, f64),
@@ -115,6 +117,7 @@ impl<'a> Run<'a> {
             load_ledger: nothing.clone(),
             contact_ledger: nothing,
             energy: EnergyHistory::new(bodies.len()),
+            marks: Vec::new(),
             open_samples: 0,
             nearest: (0, f64::INFINITY),
             momentum_error: 0.0,
@@ -294,8 +297,11 @@ impl<'a> Run<'a> {
         );
     }
 
-    /// Keeps the support forces of sample n and sees which supports touch.
+    /// Keeps the support forces of sample n, now and then its state, and sees which supports touch.
     fn after(&mut self, n: usize) {
+        if n.is_multiple_of(MARK) {
+            self.marks.push([self.state.q.clone(), self.state.v.clone()]);
+        }
         self.forces.column_mut(n).copy_from_slice(&self.contact.force);
         let mut open = true;
         for (i, support) in self.supports.iter().enumerate() {
@@ -379,6 +385,7 @@ impl<'a> Run<'a> {
             loads: self.applied.columns(0, samples).into_owned(),
             contact_forces: self.forces.columns(0, samples).into_owned(),
             end: self.system.states(&self.state.q, &self.state.v),
+            marks: self.marks.iter().map(|[q, v]| self.system.states(q, v)).collect(),
             start: self.start,
             energy: self.energy,
             open_fraction: if unilateral {

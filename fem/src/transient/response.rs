@@ -107,7 +107,12 @@ pub struct ModalResponse {
     /// Work counters.
     pub work: Work,
     pub(super) bodies: Vec<ModalBody>,
+    /// State at every [`MARK`]th sample, one per body, from which [`Self::at`] goes on.
+    pub(super) marks: Vec<Vec<ModalState>>,
 }
+
+/// Samples from one kept state to the next: a thousandth of the memory of all.
+pub(super) const MARK: usize = 128;
 
 impl ModalResponse {
     /// Number of samples, the one at t = 0 included.
@@ -190,6 +195,36 @@ impl ModalResponse {
         Ok(points)
     }
 
+    /// Motion of all modes of one body at some samples: modes x samples.
+    ///
+    /// # Errors
+    /// [`TransientError::Size`] for a body or a sample that does not exist.
+    pub fn at(&self, body: usize, samples: &[usize], motion: Motion) -> Result<DMatrix<f64>, TransientError> {
+        let modes = self.body(body)?.modes();
+        if let Some(&found) = samples.iter().find(|&&sample| sample >= self.samples()) {
+            return Err(TransientError::Size {
+                what: "a sample of a response (samples exist up to)".to_owned(),
+                expected: self.samples() - 1,
+                found,
+            });
+        }
+        let of_sample = |&sample: &usize| {
+            let mark = sample / MARK;
+            let mut found = Vec::new();
+            let replay = Replay::from(self, body, 0..modes, &self.marks[mark][body]);
+            replay.over(mark * MARK..sample + 1, motion, |_, piece| {
+                found = piece.row(piece.nrows() - 1).iter().copied().collect();
+            });
+            found
+        };
+        let columns: Vec<Vec<f64>> = samples.par_iter().map(of_sample).collect();
+        Ok(DMatrix::from_iterator(
+            modes,
+            samples.len(),
+            columns.into_iter().flatten(),
+        ))
+    }
+
     fn body(&self, body: usize) -> Result<&ModalBody, TransientError> {
         let what = || "index of the body (bodies exist up to)".to_owned();
         let missing = || TransientError::Size {
@@ -218,9 +253,13 @@ struct Replay<'a> {
 
 impl<'a> Replay<'a> {
     fn new(response: &'a ModalResponse, body: usize, modes: Range<usize>) -> Self {
-        let start = &response.start[body];
-        let q = start.displacement[modes.clone()].to_vec();
-        let v = start.velocity[modes.clone()].to_vec();
+        Self::from(response, body, modes, &response.start[body])
+    }
+
+    /// From a state of the body.
+    fn from(response: &'a ModalResponse, body: usize, modes: Range<usize>, state: &ModalState) -> Self {
+        let q = state.displacement[modes.clone()].to_vec();
+        let v = state.velocity[modes.clone()].to_vec();
         Self {
             response,
             body: &response.bodies[body],
@@ -250,8 +289,14 @@ impl<'a> Replay<'a> {
     }
 
     /// The motion of the modes piece by piece: `take` is given the first sample of a piece, and samples x modes.
-    fn each(mut self, motion: Motion, mut take: impl FnMut(usize, &DMatrix<f64>)) {
-        let (samples, h) = (self.response.samples(), self.response.step);
+    fn each(self, motion: Motion, take: impl FnMut(usize, &DMatrix<f64>)) {
+        let samples = self.response.samples();
+        self.over(0..samples, motion, take);
+    }
+
+    /// The same of some samples, in whose first the modes are as they were given.
+    fn over(mut self, samples: Range<usize>, motion: Motion, mut take: impl FnMut(usize, &DMatrix<f64>)) {
+        let h = self.response.step;
         let count = self.modes.len();
         let omega = self.body.omega[self.modes.clone()].to_vec();
         let given = self.body.zeta[self.modes.clone()].iter();
@@ -266,9 +311,9 @@ impl<'a> Replay<'a> {
             .map(|(&w, &z)| Recurrence::new(w, z, h))
             .collect();
         let mut before = vec![0.0; count];
-        let mut piece = DMatrix::zeros(CHUNK.min(samples), count);
-        for first in (0..samples).step_by(CHUNK) {
-            let length = CHUNK.min(samples - first);
+        let mut piece = DMatrix::zeros(CHUNK.min(samples.len()), count);
+        for first in samples.clone().step_by(CHUNK) {
+            let length = CHUNK.min(samples.end - first);
             if length < piece.nrows() {
                 piece = DMatrix::zeros(length, count);
             }
@@ -279,7 +324,7 @@ impl<'a> Replay<'a> {
                 let (damping, stiffness) = (2.0 * zeta[j] * omega[j], omega[j] * omega[j]);
                 for (n, sample) in history.iter_mut().enumerate() {
                     let g1 = forces[(j, n)];
-                    if first + n > 0 {
+                    if first + n > samples.start {
                         (q, v) = (
                             (r.a11 * q + r.a12 * v) + (r.b1 * g0 + r.c1 * g1),
                             (r.a21 * q + r.a22 * v) + (r.b2 * g0 + r.c2 * g1),
