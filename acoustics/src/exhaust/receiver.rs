@@ -67,8 +67,8 @@ const OUTFLOW: &str = "unsteady flow";
 /// The way of sound from the outlet to the receiver, directly or by the floor.
 struct Path {
     length: f64,
-    /// Angles between the jets' directions and the way the sound leaves \[rad\].
-    angles: Vec<f64>,
+    /// D at [`SPEEDS`] jet speeds, the mean over the jets.
+    directivities: Vec<f64>,
 }
 
 impl Path {
@@ -81,18 +81,15 @@ impl Path {
             let along: f64 = way.iter().zip(direction).map(|(a, b)| a * b).sum();
             Ok::<f64, AcousticsError>((along / (length * jet)).clamp(-1.0, 1.0).acos())
         };
-        let angles = outlet.directions.iter().map(angle).collect::<Result<_, _>>()?;
-        Ok(Self { length, angles })
-    }
-
-    /// D at [`SPEEDS`] jet speeds, the mean over the jets.
-    fn directivities(&self) -> Vec<f64> {
+        // Between the jets' directions and the way the sound leaves.
+        let angles = outlet.directions.iter().map(angle).collect::<Result<Vec<f64>, _>>()?;
         let at = |i: usize| {
             let directivity = MixingDirectivity::new(FIRST + STEP * i as f64);
-            let sum: f64 = self.angles.iter().map(|&angle| directivity.at(angle)).sum();
-            sum / self.angles.len() as f64
+            let sum: f64 = angles.iter().map(|&angle| directivity.at(angle)).sum();
+            sum / angles.len() as f64
         };
-        (0..SPEEDS).map(at).collect()
+        let directivities = (0..SPEEDS).map(at).collect();
+        Ok(Self { length, directivities })
     }
 }
 
@@ -193,11 +190,11 @@ impl Paths {
         [
             self.jets(
                 mixing,
-                Path::directivities,
+                |path, i| path.directivities[i],
                 |x| similarity::shape(x) / normal,
                 frequency,
             ),
-            self.jets(shocks, |_| vec![1.0; SPEEDS], shock::shape, frequency),
+            self.jets(shocks, |_, _| 1.0, shock::shape, frequency),
         ]
     }
 
@@ -219,19 +216,24 @@ impl Paths {
     fn jets(
         &self,
         bursts: &[Burst],
-        directivity: impl Fn(&Path) -> Vec<f64>,
+        directivity: impl Fn(&Path, usize) -> f64,
         shape: impl Fn(f64) -> f64,
         frequency: &[f64],
     ) -> Vec<f64> {
         let sum = |gain: &dyn Fn(usize) -> f64| spread(bursts, gain, &shape, frequency);
-        let (near, r) = (directivity(&self.direct), self.direct.length);
-        let mut density = sum(&|i| near[i] / (r * r));
+        let (direct, r) = (&self.direct, self.direct.length);
+        let mut density = sum(&|i| directivity(direct, i) / (r * r));
         if let Some(path) = &self.reflected {
-            let (far, image) = (directivity(path), path.length);
-            let energies = sum(&|i| far[i] / (image * image));
-            let cross = sum(&|i| 2.0 * self.coherence * (near[i] * far[i]).sqrt() / (r * image));
-            for (k, &hz) in frequency.iter().enumerate() {
-                density[k] += energies[k] + cross[k] * self.interference(hz, path);
+            let image = path.length;
+            let energies = sum(&|i| directivity(path, i) / (image * image));
+            density.iter_mut().zip(&energies).for_each(|(e, own)| *e += own);
+            if self.coherence > 0.0 {
+                let cross = sum(&|i| {
+                    2.0 * self.coherence * (directivity(direct, i) * directivity(path, i)).sqrt() / (r * image)
+                });
+                for ((e, cross), &hz) in density.iter_mut().zip(&cross).zip(frequency) {
+                    *e += cross * self.interference(hz, path);
+                }
             }
         }
         density

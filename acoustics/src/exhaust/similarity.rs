@@ -1,3 +1,5 @@
+use std::sync::LazyLock;
+
 /// Similarity spectrum of the fine-scale turbulence of a jet, per hertz, in decibels below its peak.
 ///
 /// C. K. W. Tam, M. Golebiowski & J. M. Seiner, AIAA 96-1716 (1996), with x = f/f_peak, l = lg x, m = lg(20 x/3) and
@@ -37,6 +39,11 @@ pub(super) fn shape(x: f64) -> f64 {
 
 /// Integral of [`shape`] over all ln x: power-law tails in closed form, the trapezoidal rule in lg x between them.
 pub(super) fn total() -> f64 {
+    static TOTAL: LazyLock<f64> = LazyLock::new(integral);
+    *TOTAL
+}
+
+fn integral() -> f64 {
     const LN10: f64 = std::f64::consts::LN_10;
     let tails = shape(0.05) / (1.0 + 1.491126) + shape(30.0) / (3.816739 - 1.0);
     // The joints of the pieces, so that the rule sees smooth functions only.

@@ -75,16 +75,19 @@ impl ExhaustNoise {
         // Frame i holds the flow's samples from (i - 1) hop to (i + 1) hop.
         for frame in 0..=signal.len() / hop {
             let start = (frame as f64 - 1.0) * hop as f64;
-            let within = |burst: &Burst| {
-                let at = (burst.sample as f64 + 0.5) * dt * rate - start;
-                let inside = at > 0.0 && at < length as f64;
-                inside.then(|| Burst {
-                    energy: burst.energy * (PI * at / length as f64).sin().powi(2),
+            let place = |burst: &Burst| (burst.sample as f64 + 0.5) * dt * rate - start;
+            let within = |bursts: &[Burst]| -> Vec<Burst> {
+                // In the order of their samples.
+                let first = bursts.partition_point(|burst| place(burst) <= 0.0);
+                let windowed = |burst: &Burst| Burst {
+                    energy: burst.energy * (PI * place(burst) / length as f64).sin().powi(2),
                     ..*burst
-                })
+                };
+                let inside = |burst: &&Burst| place(burst) < length as f64;
+                bursts[first..].iter().take_while(inside).map(windowed).collect()
             };
-            let mixing: Vec<Burst> = self.history.mixing.iter().filter_map(within).collect();
-            let shocks: Vec<Burst> = self.history.shocks.iter().filter_map(within).collect();
+            let mixing = within(&self.history.mixing);
+            let shocks = within(&self.history.shocks);
             if mixing.is_empty() && shocks.is_empty() {
                 continue;
             }

@@ -178,20 +178,20 @@ impl ModalResponse {
             .map(|first| first..modes.min(first + BLOCK))
             .filter(moves)
             .collect();
-        let of_block = |range: &Range<usize>| {
-            let rows = shapes.rows(range.start, range.len());
+        let of_group = |group: &[Range<usize>]| {
             let mut sum = DMatrix::zeros(self.samples(), shapes.ncols());
-            Replay::new(self, body, range.clone()).each(motion, |first, piece| {
-                sum.rows_mut(first, piece.nrows()).gemm(1.0, piece, &rows, 0.0);
-            });
+            for range in group {
+                let rows = shapes.rows(range.start, range.len());
+                Replay::new(self, body, range.clone()).each(motion, |first, piece| {
+                    sum.rows_mut(first, piece.nrows()).gemm(1.0, piece, &rows, 1.0);
+                });
+            }
             sum
         };
+        // Groups fix the order of summation, whatever the number of threads.
+        let sums: Vec<DMatrix<f64>> = blocks.par_chunks(GROUP).map(of_group).collect();
         let mut points = DMatrix::zeros(self.samples(), shapes.ncols());
-        // In parts, which bounds the memory; the order of summation is fixed.
-        for part in blocks.chunks(4) {
-            let sums: Vec<DMatrix<f64>> = part.par_iter().map(of_block).collect();
-            sums.into_iter().for_each(|sum| points += sum);
-        }
+        sums.into_iter().for_each(|sum| points += sum);
         Ok(points)
     }
 
@@ -238,6 +238,9 @@ impl ModalResponse {
 
 /// Modes replayed together.
 const BLOCK: usize = 32;
+
+/// Blocks whose motion is summed by one thread.
+const GROUP: usize = 4;
 
 /// Samples whose modal forces are formed at once.
 const CHUNK: usize = 512;
