@@ -2,19 +2,18 @@
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 use std::{fs, io};
 
 use nailnoise_dynamics::CycleRecord;
-use nailnoise_meshes::write_atomic;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest as _, Sha256};
 
-use crate::cache::{Bytes, Cache, Key};
+use crate::cache::{Cache, Checksum, Key, checksum};
 use crate::design::Design;
 use crate::error::Error;
+use crate::moving::MovingSurface;
+use crate::output::{Fields, File};
 use crate::pipeline::{self, Observer, Options, Run, Vibration};
 use crate::report::{self, Pictures, Recording};
 use crate::result::Check;
@@ -47,28 +46,25 @@ pub struct Bundle {
     /// The checks.
     pub checks: Vec<Check>,
     files: Vec<File>,
-    fields: Fields,
+    fields: Printed,
 }
 
-/// A file by its path in the run's folder.
+/// Paths and checksums of the files of [`Fields`]. They are most of a run's bytes and the same in all runs whose bodies move
+/// alike: what they are made of is kept once under these checksums, and they are left alone where they are in place.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct File {
-    path: PathBuf,
-    content: Bytes,
-}
+struct Printed(Vec<(PathBuf, Checksum)>);
 
-/// Paths and SHA-256 of what the bodies in motion leave. It is most of a run's bytes and the same in all runs whose
-/// bodies move alike: kept once under these digests, and left alone where it is in place.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct Fields(Vec<(PathBuf, [u8; 32])>);
-
-impl Fields {
-    /// Of these files, with what is in them.
-    fn of(files: Vec<File>) -> (Self, Vec<Bytes>) {
-        let (paths, contents): (Vec<PathBuf>, Vec<Bytes>) =
-            files.into_iter().map(|file| (file.path, file.content)).unzip();
-        let digests: Vec<[u8; 32]> = contents.par_iter().map(|content| digest(&content.0)).collect();
-        (Self(paths.into_iter().zip(digests).collect()), contents)
+impl Printed {
+    /// Writes all files under a folder that nobody looks at yet.
+    fn under(folder: &Path, fields: &Fields) -> Result<Self, Error> {
+        let write = |bytes: &mut Vec<u8>, file: usize| {
+            let path = fields.path(file);
+            fields.render(file, bytes)?;
+            write_plain(&folder.join(path), bytes)?;
+            Ok((path.to_owned(), checksum(bytes)))
+        };
+        let files = (0..fields.len()).into_par_iter().map_init(Vec::new, write);
+        Ok(Self(files.collect::<Result<_, Error>>()?))
     }
 
     fn key(&self) -> Key {
@@ -77,34 +73,32 @@ impl Fields {
 
     /// Those that are not in their places under a folder.
     fn missing(&self, folder: &Path) -> Vec<usize> {
-        let there = |(path, expected): &(PathBuf, [u8; 32])| {
-            fs::read(folder.join(path)).is_ok_and(|content| digest(&content) == *expected)
+        let there = |bytes: &mut Vec<u8>, (path, expected): &(PathBuf, Checksum)| {
+            bytes.clear();
+            let read = fs::File::open(folder.join(path)).and_then(|mut file| io::copy(&mut file, bytes));
+            read.is_ok() && checksum(bytes) == *expected
         };
-        (0..self.0.len())
-            .into_par_iter()
-            .filter(|&at| !there(&self.0[at]))
-            .collect()
+        let there: Vec<bool> = self.0.par_iter().map_init(Vec::new, there).collect();
+        (0..there.len()).filter(|&file| !there[file]).collect()
     }
 
-    /// Those that are not in their places, from the cache; nothing where it does not hold them.
-    fn wanted(&self, folder: &Path, cache: &Cache) -> Option<Vec<File>> {
+    /// Those that are not in their places, and what they are made of from the cache; nothing where it does not hold it.
+    fn wanted(&self, folder: &Path, cache: &Cache) -> Option<Wanted> {
         let missing = self.missing(folder);
         if missing.is_empty() {
             cache.renew(FIELDS, &self.key());
-            return Some(Vec::new());
+            return Some(Wanted::default());
         }
-        let mut contents: Vec<Bytes> = cache.get(FIELDS, &self.key())?;
-        let wanted = missing.into_iter().map(|at| {
-            let content = std::mem::replace(contents.get_mut(at)?, Bytes(Vec::new()));
-            let path = self.0[at].0.clone();
-            Some(File { path, content })
-        });
-        wanted.collect()
+        let fields: Fields = cache.get(FIELDS, &self.key())?;
+        Some(Wanted { missing, fields })
     }
 }
 
-fn digest(bytes: &[u8]) -> [u8; 32] {
-    Sha256::digest(bytes).into()
+/// Files of fields that are to be put in their places.
+#[derive(Default)]
+struct Wanted {
+    missing: Vec<usize>,
+    fields: Fields,
 }
 
 /// How a run is told in words: the table, and the parts of the sources.
@@ -137,21 +131,21 @@ pub fn deliver(
     }
     let unfinished = Unfinished::within(folder)?;
     let [of_bodies, others] = unfinished.parts();
-    let fresh = Mutex::new(Vec::new());
     let tell = |vibration: &Vibration, record: &CycleRecord| {
-        let write = || {
-            output::write_fields(&of_bodies, vibration, &record.events)?;
-            read_all(&of_bodies)
+        let surfaces = MovingSurface::all(vibration);
+        let print = || {
+            let fields = output::fields(&surfaces, vibration, &record.events)?;
+            let printed = Printed::under(&of_bodies, &fields)?;
+            cache.put(FIELDS, &printed.key(), &fields);
+            Ok::<_, Error>(printed)
         };
-        let (files, pictures) = rayon::join(write, || Pictures::new(design, vibration));
-        let (fields, contents) = Fields::of(files?);
-        *fresh.lock().unwrap_or_else(PoisonError::into_inner) = contents;
-        Ok((pictures, fields))
+        let (printed, pictures) = rayon::join(print, || Pictures::new(design, &surfaces));
+        Ok((pictures, printed?))
     };
     let options = Options::default();
     let (mut run, (mut pictures, mut fields)) =
         pipeline::run_telling(design, options, cache, observer, OF_BODIES, tell)?;
-    let mut kept = Vec::new();
+    let mut kept = Wanted::default();
     if !of_bodies.exists() {
         match fields.wanted(folder, cache) {
             Some(wanted) => kept = wanted,
@@ -164,22 +158,20 @@ pub fn deliver(
         }
     }
     observer.stage("writing files");
-    let contents = fresh.into_inner().unwrap_or_else(PoisonError::into_inner);
-    let keep = || {
-        if !contents.is_empty() {
-            cache.put(FIELDS, &fields.key(), &contents);
-        }
-    };
-    let (files, ()) = rayon::join(|| write(&others, design, &run, &pictures, draw), keep);
-    drop(contents);
+    let files = files(design, &run, &pictures, draw)?;
+    let json = files.iter().find(|file| file.path == Path::new(LAST));
     let bundle = Bundle {
-        files: files?,
-        json: read_text(&others.join(LAST))?,
+        json: json.map_or_else(String::new, |file| {
+            String::from_utf8_lossy(&file.content.0).into_owned()
+        }),
+        files,
         text: words(&run),
         checks: run.result.checks,
         fields,
     };
     let place = || {
+        let write = |file: &File| write_plain(&others.join(&file.path), &file.content.0);
+        bundle.files.par_iter().try_for_each(write)?;
         let _whole = interrupt::undisturbed();
         bundle.place(folder, &kept, Some(&unfinished))
     };
@@ -214,44 +206,54 @@ fn key(design: &Design, draw: bool) -> Result<Key, Error> {
         .with(&draw))
 }
 
-/// Writes all files but the fields, and returns them.
-fn write(folder: &Path, design: &Design, run: &Run, pictures: &Pictures, draw: bool) -> Result<Vec<File>, Error> {
-    output::write_run(folder, run)?;
+/// All files but the fields.
+fn files(design: &Design, run: &Run, pictures: &Pictures, draw: bool) -> Result<Vec<File>, Error> {
+    let mut files = output::files(run)?;
     if draw {
         let level = run.result.total.lwa_db;
         let level = level.map_or_else(|| "silent".to_owned(), |level| format!("L_WA,1s {level:.1} dB"));
         let subject = format!("{}: one shot, {level}", design.name());
-        figures::write(&folder.join("figures"), &figures::sound(&subject, design, run))?;
+        let figure = |figure: figures::Figure| File::new(format!("figures/{}.svg", figure.name), figure.svg);
+        files.extend(figures::sound(&subject, design, run).into_iter().map(figure));
     }
-    let recordings = heard_at(folder, run, IN_THE_REPORT)?;
-    let mut files = read_all(folder)?;
-    let report = File {
-        path: "report.html".into(),
-        content: Bytes(report::run(design, run, pictures, &recordings).into_bytes()),
-    };
-    output::write(&folder.join(&report.path), &report.content.0)?;
-    files.push(report);
+    let recordings = heard_at(&files, run, IN_THE_REPORT);
+    files.push(File::new(
+        "report.html",
+        report::run(design, run, pictures, &recordings),
+    ));
     Ok(files)
 }
 
 /// What one microphone hears of all sources and of each.
-fn heard_at(folder: &Path, run: &Run, microphone: usize) -> Result<Vec<Recording>, Error> {
-    let sources = run.microphones.signals.iter().rev();
+fn heard_at(files: &[File], run: &Run, microphone: usize) -> Vec<Recording> {
     let recording = |source: &String| {
-        let path = folder.join(format!("microphones/{source}-{microphone}.wav"));
-        let wav = fs::read(&path).map_err(|source| Error::Unreadable { path, source })?;
-        Ok(Recording {
+        let path = output::sound(source, microphone - 1);
+        let file = files.iter().find(|file| file.path == path)?;
+        Some(Recording {
             name: source.clone(),
-            wav,
+            wav: file.content.0.clone(),
         })
     };
-    sources.map(|(source, _)| recording(source)).collect()
+    let sources = run.microphones.signals.iter().rev();
+    sources.filter_map(|(source, _)| recording(source)).collect()
+}
+
+/// Writes a file where nobody looks before it is whole. Without a sync: what a failure of power takes of a folder, the next
+/// run of the design puts back.
+fn write_plain(path: &Path, content: &[u8]) -> Result<(), Error> {
+    if let Some(parent) = path.parent() {
+        output::create(parent)?;
+    }
+    fs::write(path, content).map_err(|source| Error::Write {
+        path: path.to_owned(),
+        source,
+    })
 }
 
 impl Bundle {
     /// Brings the files into `folder`, those that are there already excepted: from where a run has just written them, or
-    /// else the bundle's own and these `fields`.
-    fn place(&self, folder: &Path, fields: &[File], unfinished: Option<&Unfinished>) -> Result<(), Error> {
+    /// else the bundle's own and these fields.
+    fn place(&self, folder: &Path, fields: &Wanted, unfinished: Option<&Unfinished>) -> Result<(), Error> {
         let [of_bodies, others] = unfinished.map(Unfinished::parts).unwrap_or_default();
         let written = unfinished.map(|_| others.as_path());
         let same = |file: &File| fs::read(folder.join(&file.path)).is_ok_and(|there| there == file.content.0);
@@ -263,7 +265,8 @@ impl Bundle {
             let paths = self.fields.0.iter().map(|(path, _)| path.as_path());
             tasks.extend(paths.map(|path| (path, Bring::Move(of_bodies.join(path)))));
         } else {
-            tasks.extend(fields.iter().map(|file| Bring::task(file, None)));
+            let of_fields = |&file: &usize| (fields.fields.path(file), Bring::Render(&fields.fields, file));
+            tasks.extend(fields.missing.iter().map(of_fields));
         }
         let last = self.files.iter().find(is_last);
         if tasks.is_empty() && last.is_none_or(same) {
@@ -282,7 +285,7 @@ impl Bundle {
             if let Some(parent) = to.parent() {
                 output::create(parent)?;
             }
-            how.bring(&to).map_err(|source| Error::Write { path: to, source })
+            how.bring(&to)
         };
         tasks.par_iter().try_for_each(bring)?;
         last.map(task).iter().try_for_each(bring)
@@ -295,6 +298,8 @@ enum Bring<'a> {
     Move(PathBuf),
     /// From what is kept.
     Write(&'a [u8]),
+    /// From what it is made of.
+    Render(&'a Fields, usize),
 }
 
 impl<'a> Bring<'a> {
@@ -304,10 +309,18 @@ impl<'a> Bring<'a> {
         (&file.path, how)
     }
 
-    fn bring(&self, to: &Path) -> io::Result<()> {
+    fn bring(&self, to: &Path) -> Result<(), Error> {
         match self {
-            Self::Move(from) => fs::rename(from, to),
-            Self::Write(content) => write_atomic(to, content),
+            Self::Move(from) => fs::rename(from, to).map_err(|source| Error::Write {
+                path: to.to_owned(),
+                source,
+            }),
+            Self::Write(content) => output::write(to, content),
+            Self::Render(fields, file) => {
+                let mut content = Vec::new();
+                fields.render(*file, &mut content)?;
+                output::write(to, &content)
+            }
         }
     }
 }
@@ -353,39 +366,4 @@ fn sweep(folder: &Path) {
             let _ = fs::remove_dir_all(entry.path());
         }
     }
-}
-
-/// All files under a folder, by their paths in it.
-fn read_all(folder: &Path) -> Result<Vec<File>, Error> {
-    let mut files = Vec::new();
-    let mut folders = vec![PathBuf::new()];
-    while let Some(inner) = folders.pop() {
-        let at = folder.join(&inner);
-        let unreadable = |path: &Path| {
-            let path = path.to_owned();
-            |source| Error::Unreadable { path, source }
-        };
-        for entry in fs::read_dir(&at).map_err(unreadable(&at))? {
-            let entry = entry.map_err(unreadable(&at))?;
-            let path = inner.join(entry.file_name());
-            if entry.path().is_dir() {
-                folders.push(path);
-            } else {
-                let content = fs::read(entry.path()).map_err(unreadable(&entry.path()))?;
-                files.push(File {
-                    path,
-                    content: Bytes(content),
-                });
-            }
-        }
-    }
-    files.sort_by(|a, b| a.path.cmp(&b.path));
-    Ok(files)
-}
-
-fn read_text(path: &Path) -> Result<String, Error> {
-    fs::read_to_string(path).map_err(|source| Error::Unreadable {
-        path: path.to_owned(),
-        source,
-    })
 }

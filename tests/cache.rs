@@ -108,7 +108,7 @@ fn another_type_under_the_same_name_is_computed_anew() {
 fn the_least_recently_used_go_when_the_folder_is_full() {
     let folder = folder("bound");
     let computed = Cell::new(0);
-    // An entry of 100 numbers takes 883 bytes: three fit.
+    // An entry of 100 numbers takes 867 bytes: three fit.
     let cache = Cache::at(folder, 3000);
     for n in [100, 101, 102] {
         squares(&cache, n, &computed);

@@ -7,10 +7,11 @@ use common::{disk, flat, rectangle, references};
 use nailnoise_acoustics::fourier::TransformSettings;
 use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
 use nailnoise_acoustics::radiation::{
-    Erp, ModalSpectra, RadiatingSurface, Rayleigh, Sampling, radiated_energy, rigid_body_energy,
+    Erp, LowRank, ModalSpectra, RadiatingSurface, Rayleigh, Sampling, radiated_energy, rigid_body_energy,
 };
 use nailnoise_acoustics::sound::rigid_body_far_field;
 use nailnoise_acoustics::{AcousticsError, Air};
+use nalgebra::DMatrix;
 use std::f64::consts::PI;
 
 /// An acceleration pulse of one sample that leaves the velocity `v` behind.
@@ -189,4 +190,30 @@ fn impossible_combinations_are_named() {
             ..
         }
     ));
+}
+
+/// Against phi^T C phi summed in double precision, for a covariance of full rank, one of low rank and none.
+#[test]
+fn forms_of_low_rank_are_those_of_their_covariance() {
+    let (modes, points) = (40, 700);
+    let wave = |i: usize, j: usize, k: f64| ((i as f64 + 0.3) * (j as f64 + 0.7) * k).sin();
+    let shapes = DMatrix::from_fn(points, modes, |i, j| wave(i, j, 0.37) as f32);
+    let covariance = |rank: usize, size: f64| {
+        let rows = DMatrix::from_fn(modes, rank, |i, j| size * wave(i, j, 1.13) / (1.0 + j as f64));
+        &rows * rows.transpose()
+    };
+    let all = [covariance(90, 1.0), covariance(3, 1e-9), covariance(0, 1.0)];
+    let factors = all.each_ref().map(LowRank::of);
+    let forms = LowRank::forms(&factors, &shapes);
+    let exact = shapes.map(f64::from);
+    for (covariance, forms) in all.iter().zip(&forms) {
+        let expected = (&exact * covariance).component_mul(&exact).column_sum();
+        let largest = expected.max();
+        assert_eq!(forms.len(), points);
+        for (form, expected) in forms.iter().zip(&expected) {
+            assert!((form - expected).abs() <= 2e-6 * largest, "{form} against {expected}");
+        }
+    }
+    assert!(forms[2].iter().all(|form| *form == 0.0));
+    assert!(LowRank::forms(&[], &shapes).is_empty());
 }

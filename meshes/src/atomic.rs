@@ -1,6 +1,7 @@
 //! Files that are whole or absent.
 
-use std::io::Write;
+use std::fs::File;
+use std::io::{self, Write as _};
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -11,21 +12,31 @@ static WRITTEN: AtomicU64 = AtomicU64::new(0);
 ///
 /// # Errors
 /// Those of the file system; the temporary file is removed.
-pub fn write_atomic(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+pub fn write_atomic(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    replace(path, |file| {
+        file.write_all(bytes)?;
+        file.sync_all()
+    })
+}
+
+/// Puts what `fill` writes in the place of a file: a temporary file beside it, rename. A killed process leaves the old file
+/// or none. Without a sync in `fill` a failure of power may leave a part; that is for files whose content is verified when
+/// they are read.
+///
+/// # Errors
+/// Those of the file system and of `fill`; the temporary file is removed.
+pub fn replace(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
     let name = path
         .file_name()
-        .ok_or_else(|| std::io::Error::from(std::io::ErrorKind::InvalidFilename))?;
+        .ok_or_else(|| io::Error::from(io::ErrorKind::InvalidFilename))?;
     let mut temporary = std::ffi::OsString::from(".");
     temporary.push(name);
     // Processes and threads may write the same file at once; each has its own temporary.
     let count = WRITTEN.fetch_add(1, Ordering::Relaxed);
     temporary.push(format!(".{}-{count}.tmp", std::process::id()));
     let temporary = path.with_file_name(temporary);
-    let written = std::fs::File::create(&temporary)
-        .and_then(|mut file| {
-            file.write_all(bytes)?;
-            file.sync_all()
-        })
+    let written = File::create(&temporary)
+        .and_then(|mut file| fill(&mut file))
         .and_then(|()| std::fs::rename(&temporary, path));
     if written.is_err() {
         // The first error is the one to report.

@@ -27,7 +27,7 @@ pub mod uff;
 pub mod vtu;
 mod worktable;
 
-pub use atomic::write_atomic;
+pub use atomic::{replace, write_atomic};
 pub use block::{Block, block};
 pub use element::{ElementKind, FaceKind, FaceNodes};
 pub use error::MeshError;

@@ -1,7 +1,7 @@
 //! Files are read back by another library and hold what was written: meshes to the last bit, surfaces to single precision.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use nailnoise_meshes::vtu::{Field, write_mesh, write_series, write_surface};
+use nailnoise_meshes::vtu::{Field, Single, Still, block as bytes_of, write_mesh, write_series, write_surface};
 use nailnoise_meshes::{Block, MeshError, Surface, block, write_atomic};
 use vtkio::Vtk;
 use vtkio::model::{Attribute, CellType, UnstructuredGridPiece, VertexNumbers};
@@ -120,6 +120,47 @@ fn a_mesh_and_its_surface_survive_the_round_trip() {
         .collect();
     names.sort();
     assert_eq!(names, ["block.vtu", "skin.vtu"]);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn a_file_of_a_series_is_that_of_its_surface_to_the_byte() {
+    let folder = folder("still");
+    let mesh = block(&Block {
+        size: [0.3, 0.2, 0.1],
+        divisions: [3, 2, 2],
+        origin: [0.0; 3],
+    })
+    .unwrap();
+    let surface = Surface::of(&mesh);
+    let still = Still::of(&surface);
+    let level: Vec<f64> = surface.points.iter().map(|point| (7.0 * point.x).exp()).collect();
+    let velocity: Vec<f64> = surface.points.iter().flat_map(|p| [p.y / 3.0, -p.x, p.z]).collect();
+    let named = [("level [dB]", 1, &level), ("velocity & more [m/s]", 3, &velocity)];
+    let blocks = named.map(|(.., values)| bytes_of(values.iter().map(|&x| x as f32)));
+    let fields = [0, 1].map(|own| Field {
+        name: named[own].0,
+        components: named[own].1,
+        values: named[own].2,
+    });
+    let singles = [0, 1].map(|own| Single {
+        name: named[own].0,
+        components: named[own].1,
+        block: &blocks[own],
+    });
+    for own in [0..0, 0..1, 1..2, 0..2] {
+        let path = folder.join("skin.vtu");
+        write_surface(&path, &surface, &fields[own.clone()], &[]).unwrap();
+        let mut text = Vec::new();
+        still.file(&singles[own], &mut text).unwrap();
+        assert_eq!(text, std::fs::read(path).unwrap());
+    }
+    let short = Single {
+        block: &blocks[1][..blocks[1].len() - 4],
+        ..singles[1]
+    };
+    let refused = still.file(&[short], &mut Vec::new());
+    assert!(matches!(refused, Err(MeshError::FieldLength { found, expected, .. }) if found + 1 == expected));
     std::fs::remove_dir_all(folder).unwrap();
 }
 

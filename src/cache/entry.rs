@@ -1,24 +1,31 @@
-//! One entry: a header of 82 bytes, then the value in the postcard format.
+//! One entry: a header of 66 bytes, then the value in the postcard format.
 //!
 //! ```text
-//! 18 bytes  "nailnoise cache 1\n"
+//! 18 bytes  "nailnoise cache 2\n"
 //! 32 bytes  SHA-256 of the inputs
-//! 32 bytes  SHA-256 of the value's bytes
+//! 16 bytes  XXH3-128 of the value's bytes
 //! ```
 //! The name is the stage, a hyphen, and the digest of the inputs in hexadecimal digits.
 
 use std::fs::File;
-use std::io::{self, Read as _};
+use std::io::{self, BufWriter, Read as _, Seek as _, SeekFrom, Write};
 use std::path::Path;
 use std::time::SystemTime;
 
-use nailnoise_meshes::write_atomic;
+use nailnoise_meshes::replace;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use sha2::{Digest as _, Sha256};
 use thiserror::Error;
 
-const MAGIC: &[u8; 18] = b"nailnoise cache 1\n";
+use super::checksum::{Checksum, Summed, checksum};
+
+const MAGIC: &[u8; 18] = b"nailnoise cache 2\n";
+
+/// Bytes of the checksum.
+const SUM: usize = size_of::<Checksum>();
+
+/// Bytes of small values that are written at once.
+const BUFFER: usize = 1 << 16;
 
 /// Extension of the files.
 pub(super) const EXTENSION: &str = "entry";
@@ -37,7 +44,7 @@ pub enum Damage {
     #[error("belongs to other inputs")]
     Misplaced,
     /// Its bytes are not those that were written.
-    #[error("is damaged: its content does not match its digest")]
+    #[error("is damaged: its content does not match its checksum")]
     Altered,
     /// The bytes are those written, but no value of the type expected.
     #[error("holds something else ({0})")]
@@ -78,7 +85,7 @@ pub(super) fn read_by<T: Send>(
     let mut bytes = Vec::new();
     file.read_to_end(&mut bytes)?;
     let (of_content, content) = parts(&bytes, Some(inputs))?;
-    let (value, true_bytes) = rayon::join(|| decode(content), || is_of(content, of_content));
+    let (value, true_bytes) = rayon::join(|| decode(content), || checksum(content) == *of_content);
     if !true_bytes {
         return Err(Damage::Altered);
     }
@@ -100,32 +107,38 @@ fn used(file: &File) {
 
 /// Writes a value.
 pub(super) fn write<T: Serialize>(path: &Path, inputs: &[u8; 32], value: &T) -> io::Result<()> {
-    write_by(path, inputs, |header| {
-        postcard::to_extend(value, header).map_err(io::Error::other)
+    write_by(path, inputs, |to| {
+        let mut buffer = BufWriter::with_capacity(BUFFER, to);
+        postcard::to_io(value, &mut buffer).map_err(io::Error::other)?;
+        buffer.flush()
     })
 }
 
-/// Writes the bytes that `extend` puts behind what it is given.
+/// Writes the bytes that `fill` gives, without a copy of them in memory. There is no sync: an entry that a failure of power
+/// leaves in parts is noticed like any other damage.
 pub(super) fn write_by(
     path: &Path,
     inputs: &[u8; 32],
-    extend: impl FnOnce(Vec<u8>) -> io::Result<Vec<u8>>,
+    fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<()> {
-    let header = MAGIC.len() + 64;
-    let mut bytes = extend([&MAGIC[..], inputs, &[0; 32]].concat())?;
-    let of_content = Sha256::digest(&bytes[header..]);
-    bytes[header - 32..header].copy_from_slice(&of_content);
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder)?;
     }
-    write_atomic(path, &bytes)
+    replace(path, |file| {
+        file.write_all(&[&MAGIC[..], inputs, &[0; SUM]].concat())?;
+        let mut content = Summed::over(&mut *file);
+        fill(&mut content)?;
+        let of_content = content.checksum();
+        file.seek(SeekFrom::Start((MAGIC.len() + inputs.len()) as u64))?;
+        file.write_all(&of_content)
+    })
 }
 
 /// Whether the file is whole and stands under its own name.
 pub(super) fn verify(path: &Path) -> Result<(), Damage> {
     let bytes = std::fs::read(path)?;
     let (of_content, content) = parts(&bytes, None)?;
-    if !is_of(content, of_content) {
+    if checksum(content) != *of_content {
         return Err(Damage::Altered);
     }
     let inputs = bytes[MAGIC.len()..]
@@ -140,16 +153,12 @@ pub(super) fn verify(path: &Path) -> Result<(), Damage> {
     }
 }
 
-/// The digest of the value's bytes, and these.
-fn parts<'a>(bytes: &'a [u8], inputs: Option<&[u8; 32]>) -> Result<(&'a [u8; 32], &'a [u8]), Damage> {
+/// The checksum of the value's bytes, and these.
+fn parts<'a>(bytes: &'a [u8], inputs: Option<&[u8; 32]>) -> Result<(&'a Checksum, &'a [u8]), Damage> {
     let rest = bytes.strip_prefix(MAGIC).ok_or(Damage::Foreign)?;
     let (of_inputs, rest) = rest.split_first_chunk::<32>().ok_or(Damage::Altered)?;
     if inputs.is_some_and(|inputs| inputs != of_inputs) {
         return Err(Damage::Misplaced);
     }
-    rest.split_first_chunk::<32>().ok_or(Damage::Altered)
-}
-
-fn is_of(content: &[u8], digest: &[u8; 32]) -> bool {
-    Sha256::digest(content)[..] == digest[..]
+    rest.split_first_chunk::<SUM>().ok_or(Damage::Altered)
 }

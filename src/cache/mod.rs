@@ -1,11 +1,12 @@
 //! Results of expensive stages, kept from run to run under the digest of everything they depend on.
 //!
 //! An entry is one file, named by its stage and by the SHA-256 of its inputs and of the sources of this program; it
-//! carries the digest of its own content. What is truncated, altered or foreign is noticed, reported and computed anew.
+//! carries the checksum of its own content. What is truncated, altered or foreign is noticed, reported and computed anew.
 //! Files are written whole, so that several processes may share a folder and a killed one leaves nothing half-written.
 //! The least recently used entries go first when the folder outgrows its limit.
 
 mod bytes;
+mod checksum;
 mod entry;
 mod folder;
 mod key;
@@ -18,6 +19,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 pub use bytes::Bytes;
+pub(crate) use checksum::{Checksum, checksum};
 pub use entry::Damage;
 pub use folder::{CacheError, LIMIT};
 pub use key::Key;
@@ -127,7 +129,7 @@ impl Cache {
         }
         let bytes = compute()?;
         self.keep(stage, key, |path, digest| {
-            entry::write_by(path, digest, |header| Ok([&header[..], &bytes[..]].concat()))
+            entry::write_by(path, digest, |to| to.write_all(&bytes))
         });
         decode(&bytes)
     }

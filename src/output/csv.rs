@@ -7,11 +7,15 @@ use nailnoise_dynamics::{CycleRecord, Events, LogEntry};
 use rayon::prelude::*;
 
 use super::columns::columns;
+use super::digits::{exponential, fixed};
 use crate::pipeline::{Driven, Run, Vibration};
 use crate::result::{RadiationReport, RunResult};
 
 /// Rows of a long table written beside each other.
-const BLOCK: usize = 512;
+const BLOCK: usize = 128;
+
+/// Most bytes of a number with nine digits, its sign and its comma.
+const WIDTH: usize = 18;
 
 /// What each event is, in the order t0..t18.
 pub const EVENT_NAMES: [&str; 19] = [
@@ -159,24 +163,28 @@ pub(super) fn intervals(result: &RunResult) -> String {
 
 /// `power.csv`: A-weighted sound power of every source over time, mean of each cell around the time given, and the
 /// screech frequency of the exhaust's jets there; empty while they are subsonic.
-pub(super) fn power(run: &Run) -> String {
-    let mut text = String::from("time [s]");
+pub(super) fn power(run: &Run) -> Vec<u8> {
+    let mut heading = String::from("time [s]");
     for power in &run.powers {
-        let _ = write!(text, ",{} W_A [W]", power.source);
+        let _ = write!(heading, ",{} W_A [W]", power.source);
     }
-    text.push_str(",screech of the exhaust [Hz]\n");
+    heading.push_str(",screech of the exhaust [Hz]\n");
+    let mut text = heading.into_bytes();
     let Some(first) = run.powers.first().map(|power| &power.history) else {
         return text;
     };
     for cell in 0..first.power.len() {
         let time = first.start + cell as f64 * first.sample_interval;
-        let _ = write!(text, "{time:.7}");
+        fixed(&mut text, time, 7);
         for power in &run.powers {
-            let _ = write!(text, ",{:.9e}", power.history.power[cell]);
+            text.push(b',');
+            exponential(&mut text, power.history.power[cell], 9);
         }
         let sample = (time >= 0.0).then(|| (time / run.record.sample_interval).round() as usize);
         let screech = sample.and_then(|sample| run.screech.get(sample).copied().flatten());
-        let _ = writeln!(text, ",{}", optional(screech, 1));
+        text.push(b',');
+        text.extend_from_slice(optional(screech, 1).as_bytes());
+        text.push(b'\n');
     }
     text
 }
@@ -224,28 +232,28 @@ pub(super) fn log(log: &[LogEntry]) -> String {
 }
 
 /// `histories.csv`: time and every history of the cycle.
-pub(super) fn histories(record: &CycleRecord) -> String {
+pub(super) fn histories(record: &CycleRecord) -> Vec<u8> {
     let columns = columns(record);
-    let mut text = String::from("time [s]");
+    let mut heading = String::from("time [s]");
     for column in &columns {
-        let _ = write!(text, ",{} [{}]", column.name, column.unit);
+        let _ = write!(heading, ",{} [{}]", column.name, column.unit);
     }
-    text.push('\n');
+    heading.push('\n');
     let rows = |first: usize| {
-        let mut text = String::new();
+        let mut text = Vec::with_capacity(BLOCK * WIDTH * (columns.len() + 1));
         for index in first..record.len().min(first + BLOCK) {
-            let _ = write!(text, "{:.7}", record.time(index));
+            fixed(&mut text, record.time(index), 7);
             for column in &columns {
-                let _ = write!(text, ",{:.9e}", column.values[index]);
+                text.push(b',');
+                exponential(&mut text, column.values[index], 9);
             }
-            text.push('\n');
+            text.push(b'\n');
         }
         text
     };
     let starts: Vec<usize> = (0..record.len()).step_by(BLOCK).collect();
-    let blocks: Vec<String> = starts.into_par_iter().map(rows).collect();
-    blocks.iter().for_each(|block| text.push_str(block));
-    text
+    let blocks: Vec<Vec<u8>> = starts.into_par_iter().map(rows).collect();
+    [heading.into_bytes(), blocks.concat()].concat()
 }
 
 pub(super) fn optional(value: Option<f64>, decimals: usize) -> String {

@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 use std::io::Cursor;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use super::File;
 use super::csv::optional;
-use super::{create, write as write_file};
 use crate::error::Error;
 use crate::pipeline::{Run, SAMPLE_RATE};
 use crate::result::MicrophoneReport;
@@ -13,22 +13,28 @@ use crate::result::MicrophoneReport;
 /// Largest sample of 24 bits: full scale.
 const FULL: f64 = 8_388_607.0;
 
-/// Writes `microphones.csv`, `microphones-bands.csv` and `microphones/SOURCE-N.wav`: mono, 48 kHz, 24 bits, full scale as
-/// the table states.
-pub(super) fn write(folder: &Path, run: &Run) -> Result<(), Error> {
+/// `microphones.csv`, `microphones-bands.csv` and `microphones/SOURCE-N.wav`: mono, 48 kHz, 24 bits, full scale as the table
+/// states.
+pub(super) fn files(run: &Run) -> Result<Vec<File>, Error> {
     let microphones = &run.microphones;
     let report = &microphones.report;
-    write_file(&folder.join("microphones.csv"), levels(report).as_bytes())?;
-    write_file(&folder.join("microphones-bands.csv"), bands(report).as_bytes())?;
-    let folder = folder.join("microphones");
-    create(&folder)?;
+    let mut files = vec![
+        File::new("microphones.csv", levels(report)),
+        File::new("microphones-bands.csv", bands(report)),
+    ];
     for (source, signals) in &microphones.signals {
         for (number, signal) in signals.iter().enumerate() {
-            let path = folder.join(format!("{source}-{}.wav", number + 1));
-            write_file(&path, &wave(&path, signal, report.full_scale_pa)?)?;
+            let path = sound(source, number);
+            let wave = wave(&path, signal, report.full_scale_pa)?;
+            files.push(File::new(path, wave));
         }
     }
-    Ok(())
+    Ok(files)
+}
+
+/// The sound file of a source at a microphone, counted from 0.
+pub(crate) fn sound(source: &str, microphone: usize) -> PathBuf {
+    format!("microphones/{source}-{}.wav", microphone + 1).into()
 }
 
 /// Levels by source and microphone.

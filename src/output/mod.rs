@@ -1,8 +1,10 @@
-//! Files of a run: every one is written whole, or not at all.
+//! Files of a run.
 
 mod columns;
 mod csv;
+mod digits;
 mod fields;
+mod film;
 mod microphones;
 mod motion;
 mod pictures;
@@ -13,13 +15,19 @@ use std::path::{Path, PathBuf};
 
 use nailnoise_dynamics::{CycleRecord, Events};
 use nailnoise_meshes::uff::{self, Mode};
+use nailnoise_meshes::vtu::Still;
 use nailnoise_meshes::write_atomic;
+use serde::{Deserialize, Serialize};
 
+use crate::cache::Bytes;
 use crate::error::Error;
+use crate::moving::MovingSurface;
 use crate::pipeline::{Body, Run, Vibration};
 
 pub use columns::{Column, columns};
 pub use csv::EVENT_NAMES;
+pub use film::Fields;
+pub(crate) use microphones::sound;
 pub use pictures::{remove_others, write_pictures};
 
 /// The folder of the fields in that of a run.
@@ -28,60 +36,87 @@ const FIELDS: &str = "fields";
 /// Opens the fields of a run in ParaView.
 const PARAVIEW: &str = include_str!("paraview.py");
 
-/// Writes what a run leaves behind beside its [fields](write_fields) to `folder`: `result.json`, `levels.csv`,
-/// `intervals.csv`, `power.csv`, `events.csv`, `log.csv`, `histories.csv`, `microphones.csv`, `microphones-bands.csv`,
-/// `microphones/*.wav`, `paraview.py`, where a source's power is evaluated twice `radiation.csv` and `radiation-modes.csv`
-/// (for the tool's body `radiation-body.csv`), and where the design has sensors `sensors.csv`, `sensors-spectrum.csv` and `sensors.uff`.
-///
-/// # Errors
-/// [`Error::Write`] with the file that could not be written.
-pub fn write_run(folder: &Path, run: &Run) -> Result<(), Error> {
-    create(folder)?;
-    let of_sound = || {
-        let (sensors, microphones) = rayon::join(|| sensors::write(folder, run), || microphones::write(folder, run));
-        sensors.and(microphones)
-    };
-    let (of_cycle, of_sound) = rayon::join(|| write_cycle(folder, &run.record), of_sound);
-    of_cycle.and(of_sound)?;
-    let mut json = serde_json::to_vec_pretty(&run.result).map_err(Error::Json)?;
-    json.push(b'\n');
-    write(&folder.join("levels.csv"), csv::levels(&run.result).as_bytes())?;
-    for (source, name) in [("workpiece", "radiation"), ("body", "radiation-body")] {
-        if let Some(text) = csv::radiation(&run.result, source) {
-            write(&folder.join(format!("{name}.csv")), text.as_bytes())?;
-        }
-        if let Some(text) = csv::radiation_modes(&run.result, source) {
-            write(&folder.join(format!("{name}-modes.csv")), text.as_bytes())?;
+/// A file by its path in the folder of a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct File {
+    /// The path.
+    pub path: PathBuf,
+    /// What is in it.
+    pub content: Bytes,
+}
+
+impl File {
+    pub(crate) fn new(path: impl Into<PathBuf>, content: impl Into<Vec<u8>>) -> Self {
+        Self {
+            path: path.into(),
+            content: Bytes(content.into()),
         }
     }
-    write(&folder.join("intervals.csv"), csv::intervals(&run.result).as_bytes())?;
-    write(&folder.join("power.csv"), csv::power(run).as_bytes())?;
-    write(&folder.join("paraview.py"), PARAVIEW.as_bytes())?;
-    // Last, so that a folder with a result has all the rest of it.
-    write(&folder.join("result.json"), &json)
 }
 
-/// Writes what the bodies of a shot leave to `folder`: `modes.csv`, and for ParaView `fields/*`.
+/// What a run leaves behind beside its [`fields`](fields()): `levels.csv`, `intervals.csv`, `power.csv`, `events.csv`,
+/// `log.csv`, `histories.csv`, `microphones.csv`, `microphones-bands.csv`, `microphones/*.wav`, `paraview.py`, where a
+/// source's power is evaluated twice `radiation.csv` and `radiation-modes.csv` (for the tool's body `radiation-body.csv`),
+/// where the design has sensors `sensors.csv`, `sensors-spectrum.csv` and `sensors.uff`, and last `result.json`.
 ///
 /// # Errors
-/// [`Error::Write`] or [`Error::Mesh`] with the file that could not be written.
-pub fn write_fields(folder: &Path, vibration: &Vibration, events: &Events) -> Result<(), Error> {
-    create(folder)?;
-    write(&folder.join("modes.csv"), csv::modes(vibration).as_bytes())?;
-    let fields = folder.join(FIELDS);
-    fields::write(&fields, vibration)?;
-    shot::write(&fields, vibration, events)
+/// [`Error::Json`] and those of the sensors' spectra and of sound files.
+pub fn files(run: &Run) -> Result<Vec<File>, Error> {
+    let (of_cycle, (of_sensors, of_sound)) = rayon::join(
+        || of_cycle(&run.record),
+        || rayon::join(|| sensors::files(run), || microphones::files(run)),
+    );
+    let mut files = of_cycle;
+    files.extend(of_sensors?);
+    files.extend(of_sound?);
+    files.push(File::new("levels.csv", csv::levels(&run.result)));
+    for (source, name) in [("workpiece", "radiation"), ("body", "radiation-body")] {
+        let bands = csv::radiation(&run.result, source).map(|text| File::new(format!("{name}.csv"), text));
+        let modes = csv::radiation_modes(&run.result, source).map(|text| File::new(format!("{name}-modes.csv"), text));
+        files.extend(bands.into_iter().chain(modes));
+    }
+    files.push(File::new("intervals.csv", csv::intervals(&run.result)));
+    files.push(File::new("power.csv", csv::power(run)));
+    files.push(File::new("paraview.py", PARAVIEW));
+    let mut json = serde_json::to_vec_pretty(&run.result).map_err(Error::Json)?;
+    json.push(b'\n');
+    files.push(File::new("result.json", json));
+    Ok(files)
 }
 
-/// Writes `events.csv`, `log.csv` and `histories.csv` of a cycle to `folder`.
+/// What the bodies of a shot leave: `modes.csv`, and for ParaView `fields/*`.
+///
+/// # Errors
+/// Those of the bodies' response.
+pub fn fields(surfaces: &[MovingSurface<'_>], vibration: &Vibration, events: &Events) -> Result<Fields, Error> {
+    let mut fields = Fields::default();
+    fields.text("modes.csv", csv::modes(vibration));
+    for surface in surfaces {
+        fields.show(Still::of(&surface.driven.body.surface));
+        fields::add(&mut fields, surface);
+        shot::add(&mut fields, surface, events)?;
+    }
+    Ok(fields)
+}
+
+/// `events.csv`, `log.csv` and `histories.csv` of a cycle.
+pub fn of_cycle(record: &CycleRecord) -> Vec<File> {
+    vec![
+        File::new("events.csv", csv::events(&record.events)),
+        File::new("log.csv", csv::log(&record.log)),
+        File::new("histories.csv", csv::histories(record)),
+    ]
+}
+
+/// Writes files to `folder`.
 ///
 /// # Errors
 /// [`Error::Write`] with the file that could not be written.
-pub fn write_cycle(folder: &Path, record: &CycleRecord) -> Result<(), Error> {
+pub fn write_files(folder: &Path, files: &[File]) -> Result<(), Error> {
     create(folder)?;
-    write(&folder.join("events.csv"), csv::events(&record.events).as_bytes())?;
-    write(&folder.join("log.csv"), csv::log(&record.log).as_bytes())?;
-    write(&folder.join("histories.csv"), csv::histories(record).as_bytes())
+    files
+        .iter()
+        .try_for_each(|file| write(&folder.join(&file.path), &file.content.0))
 }
 
 /// Writes the mode shapes of a body to `folder/modes/BODY/`; returns the `.pvd` that lists them.

@@ -1,10 +1,11 @@
 //! What the sensors recorded: `sensors.csv`, `sensors-spectrum.csv`, and `sensors.uff` for modal-test software.
 
 use std::fmt::Write;
-use std::path::Path;
 
 use nailnoise_acoustics::fourier::{Transform, TransformSettings};
 
+use super::File;
+use super::digits::{exponential, fixed};
 use crate::error::Error;
 use crate::pipeline::{Run, SensorRecord};
 
@@ -14,64 +15,66 @@ const SPECTRUM_FROM: f64 = 5.0;
 /// Highest frequency of the spectra \[Hz\].
 const SPECTRUM_TO: f64 = 20e3;
 
-/// Writes the sensors' files into `folder`; none when the design has no sensors.
-pub(super) fn write(folder: &Path, run: &Run) -> Result<(), Error> {
+/// The sensors' files; none when the design has no sensors.
+pub(super) fn files(run: &Run) -> Result<Vec<File>, Error> {
     let sensors = &run.sensors;
-    let Some(first) = sensors.first() else { return Ok(()) };
-    super::write(&folder.join("sensors.csv"), histories(sensors).as_bytes())?;
+    let Some(first) = sensors.first() else {
+        return Ok(Vec::new());
+    };
     let settings = TransformSettings {
         range_hz: [SPECTRUM_FROM, SPECTRUM_TO.min(0.5 / first.interval)],
         padding: 1.0,
         ..TransformSettings::default()
     };
     let transform = Transform::new(first.acceleration.len(), first.interval, &settings)?;
-    super::write(
-        &folder.join("sensors-spectrum.csv"),
-        spectra(sensors, &transform)?.as_bytes(),
-    )?;
-    let digest = &run.result.design.digest;
-    let mut uff = String::new();
+    let origin = format!("nailnoise design {}", run.result.design.digest);
+    let mut uff = Vec::new();
     for (index, sensor) in sensors.iter().enumerate() {
-        dataset_58(&mut uff, sensor, index + 1, &format!("nailnoise design {digest}"));
+        dataset_58(&mut uff, sensor, index + 1, &origin);
     }
-    super::write(&folder.join("sensors.uff"), uff.as_bytes())
+    Ok(vec![
+        File::new("sensors.csv", histories(sensors)),
+        File::new("sensors-spectrum.csv", spectra(sensors, &transform)?),
+        File::new("sensors.uff", uff),
+    ])
 }
 
-fn heading(text: &mut String, abscissa: &str, sensors: &[SensorRecord], unit: &str) {
-    text.push_str(abscissa);
+fn heading(abscissa: &str, sensors: &[SensorRecord], unit: &str) -> Vec<u8> {
+    let mut text = String::from(abscissa);
     for sensor in sensors {
         let _ = write!(text, ",{} ({}) [{unit}]", sensor.name, sensor.body.as_str());
     }
     text.push('\n');
+    text.into_bytes()
 }
 
-fn histories(sensors: &[SensorRecord]) -> String {
-    let mut text = String::new();
-    heading(&mut text, "time [s]", sensors, "m/s2");
+fn histories(sensors: &[SensorRecord]) -> Vec<u8> {
+    let mut text = heading("time [s]", sensors, "m/s2");
     for sample in 0..sensors[0].acceleration.len() {
-        let _ = write!(text, "{:.7}", sample as f64 * sensors[0].interval);
+        fixed(&mut text, sample as f64 * sensors[0].interval, 7);
         for sensor in sensors {
-            let _ = write!(text, ",{:.6e}", sensor.acceleration[sample]);
+            text.push(b',');
+            exponential(&mut text, sensor.acceleration[sample], 6);
         }
-        text.push('\n');
+        text.push(b'\n');
     }
     text
 }
 
 /// Energy spectral densities E = 2 |A(f)|^2, whose integral over f is int a^2 dt.
-fn spectra(sensors: &[SensorRecord], transform: &Transform) -> Result<String, Error> {
-    let mut text = String::new();
-    heading(&mut text, "frequency [Hz]", sensors, "(m/s2)2 s/Hz");
+fn spectra(sensors: &[SensorRecord], transform: &Transform) -> Result<Vec<u8>, Error> {
+    let mut text = heading("frequency [Hz]", sensors, "(m/s2)2 s/Hz");
     let columns = sensors
         .iter()
         .map(|sensor| transform.apply(&sensor.acceleration))
         .collect::<Result<Vec<_>, _>>()?;
     for (bin, hz) in transform.frequencies().iter().enumerate() {
-        let _ = write!(text, "{hz:.4}");
+        fixed(&mut text, *hz, 4);
         for column in &columns {
-            let _ = write!(text, ",{:.6e}", 2.0 * column[bin].norm_sqr());
+            text.push(b',');
+            exponential(&mut text, 2.0 * column[bin].norm_sqr(), 6);
         }
-        text.push('\n');
+        text.push(b'\n');
     }
     Ok(text)
 }
@@ -80,9 +83,18 @@ fn spectra(sensors: &[SensorRecord], transform: &Transform) -> Result<String, Er
 ///
 /// Function type 1 is a time response, data type 4 real double precision, abscissa spacing 1 even; specific data type 17 is
 /// time, 12 acceleration. Node numbers count the sensors; reference direction 0 is a scalar, which a sensor's axis is.
-fn dataset_58(text: &mut String, sensor: &SensorRecord, node: usize, origin: &str) {
-    let count = sensor.acceleration.len();
-    let _ = writeln!(text, "{:>6}\n{:>6}", -1, 58);
+fn dataset_58(text: &mut Vec<u8>, sensor: &SensorRecord, node: usize, origin: &str) {
+    text.extend_from_slice(header(sensor, node, origin).as_bytes());
+    for line in sensor.acceleration.chunks(4) {
+        line.iter().for_each(|value| fortran(text, *value, [20, 12]));
+        text.push(b'\n');
+    }
+    text.extend_from_slice(b"    -1\n");
+}
+
+/// The records of a dataset before its values.
+fn header(sensor: &SensorRecord, node: usize, origin: &str) -> String {
+    let mut text = format!("{:>6}\n{:>6}\n", -1, 58);
     for line in [
         &format!("{} ({})", sensor.name, sensor.body.as_str()),
         origin,
@@ -97,54 +109,38 @@ fn dataset_58(text: &mut String, sensor: &SensorRecord, node: usize, origin: &st
         "{:>5}{:>10}{:>5}{:>10} {:<10.10}{:>10}{:>4} {:<10.10}{:>10}{:>4}",
         1, 0, 0, 0, sensor.name, node, 0, "NONE", 0, 0
     );
-    let _ = writeln!(
-        text,
-        "{:>10}{:>10}{:>10}{}{}{}",
-        4,
-        count,
-        1,
-        exponent(0.0),
-        exponent(sensor.interval),
-        exponent(0.0)
-    );
-    let axis = |text: &mut String, kind: usize, label: &str, unit: &str| {
+    let mut abscissa = Vec::new();
+    [0.0, sensor.interval, 0.0]
+        .iter()
+        .for_each(|value| fortran(&mut abscissa, *value, [13, 5]));
+    let count = sensor.acceleration.len();
+    let abscissa = String::from_utf8_lossy(&abscissa);
+    let _ = writeln!(text, "{:>10}{count:>10}{:>10}{abscissa}", 4, 1);
+    for (kind, label, unit) in [
+        (17, "time", "s"),
+        (12, "acceleration", "m/s2"),
+        (0, "NONE", "NONE"),
+        (0, "NONE", "NONE"),
+    ] {
         let _ = writeln!(text, "{kind:>10}{:>5}{:>5}{:>5} {label:<20} {unit:<20}", 0, 0, 0);
-    };
-    axis(text, 17, "time", "s");
-    axis(text, 12, "acceleration", "m/s2");
-    axis(text, 0, "NONE", "NONE");
-    axis(text, 0, "NONE", "NONE");
-    for line in sensor.acceleration.chunks(4) {
-        for value in line {
-            let _ = write!(text, "{}", double(*value));
-        }
-        text.push('\n');
     }
-    let _ = writeln!(text, "{:>6}", -1);
+    text
 }
 
-/// Fortran's 1PE13.5.
-fn exponent(value: f64) -> String {
-    format!("{:>13}", fortran(value, 5))
-}
-
-/// Fortran's 1PE20.12.
-fn double(value: f64) -> String {
-    format!("{:>20}", fortran(value, 12))
-}
-
-/// A number with a sign and at least two digits in its exponent, as Fortran writes and reads it.
-fn fortran(value: f64, digits: usize) -> String {
-    let text = format!("{value:.digits$e}");
-    match text.split_once('e') {
-        Some((mantissa, exponent)) => {
-            let (sign, digits) = exponent
-                .strip_prefix('-')
-                .map_or(('+', exponent), |digits| ('-', digits));
-            format!("{mantissa}e{sign}{digits:0>2}")
+/// Appends a number as Fortran's 1PEwidth.digits writes and reads it: a sign and at least two digits in its exponent.
+fn fortran(text: &mut Vec<u8>, value: f64, [width, digits]: [usize; 2]) {
+    let mut number = Vec::with_capacity(width);
+    exponential(&mut number, value, digits);
+    if let Some(mark) = number.iter().position(|&c| c == b'e') {
+        if number.get(mark + 1) != Some(&b'-') {
+            number.insert(mark + 1, b'+');
         }
-        None => text,
+        if number.len() == mark + 3 {
+            number.insert(mark + 2, b'0');
+        }
     }
+    text.resize(text.len() + width.saturating_sub(number.len()), b' ');
+    text.extend_from_slice(&number);
 }
 
 #[cfg(test)]
@@ -154,9 +150,15 @@ mod tests {
 
     #[test]
     fn numbers_have_fortrans_width_and_exponent() {
-        assert_eq!(exponent(4e-6), "  4.00000e-06");
-        assert_eq!(double(-1.5), " -1.500000000000e+00");
-        assert_eq!(double(2.5e-120).len(), 20);
+        let written = |value: f64, form| {
+            let mut text = Vec::new();
+            fortran(&mut text, value, form);
+            String::from_utf8(text).unwrap_or_default()
+        };
+        assert_eq!(written(4e-6, [13, 5]), "  4.00000e-06");
+        assert_eq!(written(-1.5, [20, 12]), " -1.500000000000e+00");
+        assert_eq!(written(2.5e-120, [20, 12]).len(), 20);
+        assert_eq!(written(0.0, [13, 5]), "  0.00000e+00");
     }
 
     #[test]
@@ -167,8 +169,9 @@ mod tests {
             interval: 4e-6,
             acceleration: vec![1.0, -2.0, 3.0, 4.0, 5.0],
         };
-        let mut text = String::new();
+        let mut text = Vec::new();
         dataset_58(&mut text, &sensor, 1, "nailnoise");
+        let text = String::from_utf8(text).unwrap_or_default();
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(
             (lines[0], lines[1], lines[lines.len() - 1]),

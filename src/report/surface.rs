@@ -10,12 +10,14 @@
 
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::levels::{Band, Weighting, octaves};
-use nailnoise_acoustics::radiation::{ModalSpectra, quadratic_forms};
+use nailnoise_acoustics::radiation::LowRank;
+use nailnoise_meshes::{QuadraturePoint, Surface};
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 use rayon::prelude::*;
 
 use crate::design::{Design, SupportKind};
-use crate::pipeline::{Body, BodyKind, open_air};
+use crate::moving::MovingSurface;
+use crate::pipeline::{Body, BodyKind, Driven, open_air};
 
 /// Reference energy \[J\]: 1 pW for 1 s.
 const REFERENCE: f64 = 1e-12;
@@ -38,21 +40,12 @@ pub(super) struct Painted<'a> {
 }
 
 impl<'a> Painted<'a> {
-    pub(super) fn new(design: &Design, body: &'a Body, spectra: &ModalSpectra, air: &Air) -> Self {
+    pub(super) fn new(design: &Design, moving: &MovingSurface<'a>, air: &Air) -> Self {
+        let Driven { body, spectra, .. } = moving.driven;
         let surface = &body.surface;
         // One point a face: the picture shows no finer detail, and a rule of one point exists for every shape.
         let points = surface.quadrature(1).unwrap_or_default();
-        let mut normal = DMatrix::zeros(points.len(), body.basis.shapes.ncols());
-        for (shape, mut column) in body.basis.shapes.column_iter().zip(normal.column_iter_mut()) {
-            for (point, value) in points.iter().zip(column.iter_mut()) {
-                let nodes = &surface.faces[point.face].nodes;
-                let at = nodes.iter().zip(&point.shape).map(|(&node, weight)| {
-                    let dof = 3 * surface.volume_nodes[node];
-                    weight * Vector3::new(shape[dof], shape[dof + 1], shape[dof + 2]).dot(&point.normal)
-                });
-                *value = at.sum();
-            }
-        }
+        let mut normal = normal_modes(surface, &points, &moving.modes);
         // A mesh whose cavities cannot be told from its outline is shown whole.
         let open = open_air(surface).unwrap_or_else(|_| vec![true; surface.faces.len()]);
         let free: Vec<bool> = points
@@ -70,31 +63,39 @@ impl<'a> Painted<'a> {
             }
         }
         let impedance = air.impedance();
-        let modes = body.basis.shapes.ncols();
+        let modes = normal.ncols();
         let (mut whole, mut alone) = (vec![0.0; points.len()], DVector::zeros(modes));
         let [from, to] = spectra.range_hz;
         let of_octave = |octave: &Band| {
             let within = [octave.low.max(from), octave.high.min(to)];
             let covariance = spectra.velocity_covariance(within, |hz| Weighting::A.energy_factor(hz))?;
-            let forms = quadratic_forms(&normal, &covariance);
-            let energies: Vec<f64> = forms.into_iter().map(|form| impedance * form.max(0.0)).collect();
-            Some((energies, covariance.diagonal()))
+            Some((LowRank::of(&covariance), covariance.diagonal()))
         };
-        let found: Vec<_> = octaves().par_iter().map(of_octave).collect();
-        let mut octaves = Vec::with_capacity(found.len());
+        let found: Vec<Option<(LowRank, DVector<f64>)>> = octaves().par_iter().map(of_octave).collect();
+        let mut factors = Vec::with_capacity(found.len());
+        let mut present = Vec::with_capacity(found.len());
         for of_octave in found {
-            octaves.push(of_octave.map(|(energies, diagonal)| {
-                whole.iter_mut().zip(&energies).for_each(|(sum, e)| *sum += e);
+            present.push(of_octave.is_some());
+            factors.extend(of_octave.map(|(factor, diagonal)| {
                 alone += diagonal;
-                energies
+                factor
             }));
+        }
+        let mut forms = LowRank::forms(&factors, &normal).into_iter();
+        let of_octave = |present: bool| {
+            let forms = forms.next().filter(|_| present)?;
+            Some(forms.into_iter().map(|form| impedance * form).collect())
+        };
+        let octaves: Vec<Option<Vec<f64>>> = present.into_iter().map(of_octave).collect();
+        for energies in octaves.iter().flatten() {
+            whole.iter_mut().zip(energies).for_each(|(sum, e)| *sum += e);
         }
         for (mode, energy) in alone.iter_mut().enumerate() {
             let column = normal.column(mode);
             let squares = points.iter().zip(&free).zip(column.iter());
             let area: f64 = squares
                 .filter(|((_, free), _)| **free)
-                .map(|((point, _), value)| point.weight * value * value)
+                .map(|((point, _), value)| point.weight * f64::from(*value).powi(2))
                 .sum();
             *energy *= impedance * area;
         }
@@ -125,6 +126,35 @@ impl Painted<'_> {
             own => own,
         }
     }
+}
+
+/// Displacement of the modes along the normal, at one point of each face: points x modes.
+fn normal_modes(surface: &Surface, points: &[QuadraturePoint], modes: &DMatrix<f32>) -> DMatrix<f32> {
+    // Each node of a face with the part that its displacement has in that of the point.
+    let mut parts: Vec<([f32; 3], usize)> = Vec::new();
+    let mut ends = Vec::with_capacity(points.len());
+    for point in points {
+        let nodes = surface.faces[point.face].nodes.iter().zip(&point.shape);
+        parts.extend(
+            nodes.map(|(&node, weight)| ([0, 1, 2].map(|axis| (weight * point.normal[axis]) as f32), 3 * node)),
+        );
+        ends.push(parts.len());
+    }
+    let mut normal = DMatrix::zeros(points.len(), modes.ncols());
+    let columns = modes.as_slice().par_chunks(modes.nrows().max(1));
+    normal
+        .as_mut_slice()
+        .par_chunks_mut(points.len().max(1))
+        .zip(columns)
+        .for_each(|(normal, mode)| {
+            let mut first = 0;
+            for (value, &end) in normal.iter_mut().zip(&ends) {
+                let part = |(n, at): &([f32; 3], usize)| n[0] * mode[*at] + n[1] * mode[at + 1] + n[2] * mode[at + 2];
+                *value = parts[first..end].iter().map(part).sum();
+                first = end;
+            }
+        });
+    normal
 }
 
 /// Where no sound gets out: on the support, under the block, in the sand, under the feet, at welds.

@@ -106,41 +106,66 @@ impl ModalSpectra {
     }
 }
 
-/// Columns of a factor that are multiplied at once.
-const PANEL: usize = 64;
+/// Rows whose forms are summed while their products are at hand.
+const ROWS: usize = 256;
 
 /// What is left of a covariance when it counts as used up, over its largest diagonal entry.
 const USED_UP: f64 = 1e-12;
 
-/// phi^T C phi for every row phi of `shapes` and a symmetric, positive semidefinite C, in single precision of the largest.
-///
-/// ```text
-/// phi^T C phi = |L^T phi|^2        C = L L^T by Cholesky's factorisation with pivots
-/// ```
-///
-/// ends with the rank of C, which is low in narrow bands, and has but a triangle to multiply.
-pub fn quadratic_forms(shapes: &DMatrix<f64>, covariance: &DMatrix<f64>) -> Vec<f64> {
-    let (pivots, factor) = triangle(covariance);
-    let mut forms = vec![0.0; shapes.nrows()];
-    let mut ordered = DMatrix::<f32>::zeros(shapes.nrows(), pivots.len());
-    for (&pivot, mut column) in pivots.iter().zip(ordered.column_iter_mut()) {
-        let shape = shapes.column(pivot);
-        column.iter_mut().zip(shape.iter()).for_each(|(to, v)| *to = *v as f32);
-    }
-    for (number, panel) in factor.chunks(PANEL).enumerate() {
-        // Rows above the diagonal are zero.
-        let first = number * PANEL;
-        let rows = pivots.len() - first;
-        let panel = DMatrix::from_fn(rows, panel.len(), |i, j| panel[j][first + i] as f32);
-        let moved = ordered.columns(first, rows) * panel;
-        for column in moved.column_iter() {
-            forms
-                .iter_mut()
-                .zip(column.iter())
-                .for_each(|(form, v)| *form += f64::from(*v).powi(2));
+/// L of a symmetric, positive semidefinite C = L L^T, modes x rank, in single precision of the largest: by Cholesky's
+/// factorisation with pivots, which ends with the rank of C. That is low in narrow bands.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LowRank(DMatrix<f32>);
+
+impl LowRank {
+    /// Of a covariance, modes x modes.
+    pub fn of(covariance: &DMatrix<f64>) -> Self {
+        let (order, columns) = triangle(covariance);
+        let mut factor = DMatrix::zeros(order.len(), columns.len());
+        for (column, mut to) in columns.iter().zip(factor.column_iter_mut()) {
+            order.iter().zip(column).for_each(|(&mode, v)| to[mode] = *v as f32);
         }
+        Self(factor)
     }
-    forms
+
+    /// phi^T C phi = |L^T phi|^2 for every row phi of `shapes`, C by C: the rows are read once for all of them.
+    pub fn forms(of: &[Self], shapes: &DMatrix<f32>) -> Vec<Vec<f64>> {
+        let ranks: Vec<usize> = of.iter().map(|own| own.0.ncols()).collect();
+        let mut all = DMatrix::<f32>::zeros(shapes.ncols(), ranks.iter().sum());
+        let mut first = 0;
+        for (own, rank) in of.iter().zip(&ranks) {
+            all.columns_mut(first, *rank).copy_from(&own.0);
+            first += rank;
+        }
+        let blocks: Vec<usize> = (0..shapes.nrows()).step_by(ROWS).collect();
+        let of_block = |moved: &mut DMatrix<f32>, first: usize| {
+            let rows = ROWS.min(shapes.nrows() - first);
+            let mut moved = moved.rows_mut(0, rows);
+            moved.gemm(1.0, &shapes.rows(first, rows), &all, 0.0);
+            let mut columns = moved.column_iter();
+            let squares = |rank: &usize| {
+                let mut sums = vec![0.0; rows];
+                for column in columns.by_ref().take(*rank) {
+                    let moved = sums.iter_mut().zip(column.iter());
+                    moved.for_each(|(sum, v)| *sum += f64::from(*v) * f64::from(*v));
+                }
+                sums
+            };
+            ranks.iter().map(squares).collect::<Vec<_>>()
+        };
+        let blocks: Vec<Vec<Vec<f64>>> = blocks
+            .into_par_iter()
+            .map_init(|| DMatrix::zeros(ROWS, all.ncols()), of_block)
+            .collect();
+        let gather = |own: usize| blocks.iter().flat_map(|block| block[own].iter().copied()).collect();
+        (0..of.len()).map(gather).collect()
+    }
+}
+
+/// phi^T C phi for every row phi of `shapes` and a symmetric, positive semidefinite C, in single precision of the largest.
+pub fn quadratic_forms(shapes: &DMatrix<f64>, covariance: &DMatrix<f64>) -> Vec<f64> {
+    let shapes = shapes.map(|v| v as f32);
+    LowRank::forms(&[LowRank::of(covariance)], &shapes).swap_remove(0)
 }
 
 /// The order of the pivots, all modes, and L in that order, column by column.

@@ -31,7 +31,7 @@ mod together;
 
 pub use archive::{Archive, ArchiveReader, ArchiveWriter};
 pub use compact::CompactErp;
-pub use energy::{ModalSpectra, mode_energies, quadratic_forms, radiated_energy};
+pub use energy::{LowRank, ModalSpectra, mode_energies, quadratic_forms, radiated_energy};
 pub use erp::Erp;
 pub(crate) use means::Means;
 pub(crate) use quadrature::gauss_legendre;
