@@ -139,6 +139,22 @@ pub enum Value {
     File(&'static str),
 }
 
+#[cfg(test)]
+impl Value {
+    /// Another value of a key of this kind, none where it has but one.
+    pub(crate) fn another(self, kind: Kind) -> Option<Self> {
+        Some(match (kind, self) {
+            (_, Self::Number(0.0)) => Self::Number(1e-3),
+            (_, Self::Number(number)) => Self::Number(number * (1.0 - 1e-6)),
+            (_, Self::Count(count)) => Self::Count(count + 1),
+            (_, Self::Switch(on)) => Self::Switch(!on),
+            (Kind::Choice(words), Self::Choice(word)) => Self::Choice(words.iter().find(|other| **other != word)?),
+            (_, Self::File(_)) => Self::File(concat!(env!("CARGO_MANIFEST_DIR"), "/README.md")),
+            _ => return None,
+        })
+    }
+}
+
 /// A text that is kept as long as the process, once each, so that a value stays a plain copy.
 pub(crate) fn kept(text: &str) -> &'static str {
     static KEPT: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());

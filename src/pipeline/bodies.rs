@@ -142,14 +142,18 @@ pub fn table(design: &Design, cache: &Cache) -> Result<Body, Error> {
 /// [`table`], and tells how many modes are found.
 pub(super) fn table_telling(design: &Design, cache: &Cache, tell: Tell<'_>) -> Result<Body, Error> {
     body(design, (BodyKind::Worktable, DRIVEN), cache, tell, || {
-        let geometry = Geometry::of(design, BodyKind::Worktable, false)?;
-        let mut contacts = contact_patterns(design, &geometry.mesh, "top")?;
-        contacts.extend(springs::patterns(design, &geometry.mesh, Sprung::Worktable)?);
-        Ok(Model {
-            geometry,
-            loads: Vec::new(),
-            contacts,
-        })
+        table_model(design)
+    })
+}
+
+fn table_model(design: &Design) -> Result<Model, Error> {
+    let geometry = Geometry::of(design, BodyKind::Worktable, false)?;
+    let mut contacts = contact_patterns(design, &geometry.mesh, "top")?;
+    contacts.extend(springs::patterns(design, &geometry.mesh, Sprung::Worktable)?);
+    Ok(Model {
+        geometry,
+        loads: Vec::new(),
+        contacts,
     })
 }
 
@@ -163,14 +167,16 @@ pub fn tool_body(design: &Design, cache: &Cache) -> Result<Body, Error> {
 
 /// [`tool_body`], and tells how many modes are found.
 pub(super) fn tool_body_telling(design: &Design, cache: &Cache, tell: Tell<'_>) -> Result<Body, Error> {
-    body(design, (BodyKind::Tool, DRIVEN), cache, tell, || {
-        let geometry = Geometry::of(design, BodyKind::Tool, false)?;
-        let loads = tool_loads::patterns(design, &geometry.mesh)?;
-        Ok(Model {
-            geometry,
-            loads,
-            contacts: Vec::new(),
-        })
+    body(design, (BodyKind::Tool, DRIVEN), cache, tell, || tool_model(design))
+}
+
+fn tool_model(design: &Design) -> Result<Model, Error> {
+    let geometry = Geometry::of(design, BodyKind::Tool, false)?;
+    let loads = tool_loads::patterns(design, &geometry.mesh)?;
+    Ok(Model {
+        geometry,
+        loads,
+        contacts: Vec::new(),
     })
 }
 
@@ -229,5 +235,33 @@ impl Body {
             ),
             Check::at_most(format!("{}: Sturm count less modes found", self.name), missing, 0.0),
         ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::pipeline::model::BEYOND_BODIES;
+
+    /// What the cache leaves out of a body's key does not reach the body.
+    #[test]
+    fn keys_beyond_the_bodies_change_no_mesh_no_mode_and_no_pattern() {
+        let base = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml")).unwrap();
+        let mut other = base.clone();
+        let mut moved = 0;
+        for (key, kind, value) in base.keys() {
+            if BEYOND_BODIES.iter().any(|beyond| key.starts_with(beyond)) {
+                let value = value.another(kind).unwrap_or_else(|| panic!("{key} has one value"));
+                other.set(&[(key.as_str(), value)]).unwrap();
+                moved += 1;
+            }
+        }
+        assert!(moved > 30, "{moved} keys moved");
+        for model in [workpiece_model, table_model, tool_model] {
+            let [a, b] = [&base, &other].map(|design| model(design).unwrap().digest(design));
+            assert_eq!(a, b);
+        }
     }
 }

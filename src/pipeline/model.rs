@@ -18,7 +18,7 @@ use crate::design::Design;
 use crate::error::Error;
 
 /// Beginnings of the keys whose values reach no mesh, no mode and no pattern; [`Body::weight`] is not kept.
-const BEYOND_BODIES: [&str; 4] = ["acoustics.", "ambient.", "exhaust.", "supply."];
+pub(super) const BEYOND_BODIES: [&str; 4] = ["acoustics.", "ambient.", "exhaust.", "supply."];
 
 /// A finite-element model before its modes are known.
 pub(super) struct Model {
@@ -109,6 +109,16 @@ impl Model {
             residual_limit: analysis.mode_tolerance,
             ..ModalSettings::below(analysis.mode_margin * self.geometry.top_hz)
         }
+    }
+
+    /// Digest of the model, for tests of what it depends on.
+    #[cfg(test)]
+    pub(super) fn digest(&self, design: &Design) -> [u8; 32] {
+        let Geometry {
+            loss_factor, top_hz, ..
+        } = self.geometry;
+        let identity = self.identity(&self.settings(design));
+        Key::new().with(&(identity, loss_factor, top_hz)).digest()
     }
 
     /// Digest of all that the modes are computed from.

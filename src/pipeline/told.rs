@@ -245,20 +245,6 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
-    use crate::design::{Kind, Value};
-
-    /// Another value of a key.
-    fn moved(kind: Kind, value: Value) -> Option<Value> {
-        Some(match (kind, value) {
-            (_, Value::Number(0.0)) => Value::Number(1e-3),
-            (_, Value::Number(number)) => Value::Number(number * (1.0 - 1e-6)),
-            (_, Value::Count(count)) => Value::Count(count + 1),
-            (_, Value::Switch(on)) => Value::Switch(!on),
-            (Kind::Choice(words), Value::Choice(word)) => Value::Choice(words.iter().find(|other| **other != word)?),
-            (_, Value::File(_)) => Value::File(concat!(env!("CARGO_MANIFEST_DIR"), "/README.md")),
-            _ => return None,
-        })
-    }
 
     /// What the bodies tell is not taken for that of a design with any other value, but for the keys left out: that these
     /// do not reach the bodies is for tests/laws.rs to show.
@@ -271,7 +257,7 @@ mod tests {
         let mut left_out = Vec::new();
         for (key, kind, value) in &keys {
             let mut design = base.clone();
-            let other = moved(*kind, *value).unwrap_or_else(|| panic!("{key} has one value"));
+            let other = value.another(*kind).unwrap_or_else(|| panic!("{key} has one value"));
             design.set(&[(key.as_str(), other)]).unwrap();
             if digest(&design) == digest(&base) {
                 left_out.push(key.as_str());
