@@ -4,6 +4,7 @@
 use std::cell::Cell;
 use std::convert::Infallible;
 use std::fs;
+use std::io::Read;
 use std::path::PathBuf;
 use std::time::{Duration, SystemTime};
 
@@ -92,6 +93,46 @@ fn damage_is_noticed_told_and_repaired() {
     fs::copy(&latest.path, &path).unwrap();
     assert_eq!(squares(&cache, 20, &computed), expected);
     assert!(cache.verify().unwrap().is_empty());
+}
+
+/// The same of what is decoded while it is read, by a reader that looks at a part of it only.
+#[test]
+fn damage_of_what_is_decoded_as_it_is_read_is_noticed() {
+    let (cache, computed) = (Cache::at(folder("decoded"), LIMIT), Cell::new(0));
+    let content: Vec<u8> = (0..200).collect();
+    let first = |cache: &Cache| -> Result<u8, String> {
+        let decode = |from: &mut dyn Read, length: usize| {
+            let mut byte = [0];
+            from.read_exact(&mut byte).map_err(|error| error.to_string())?;
+            if length == content.len() {
+                Ok(byte[0])
+            } else {
+                Err("another length".to_owned())
+            }
+        };
+        cache.decoded_or("bytes", &Key::new(), decode, || {
+            computed.set(computed.get() + 1);
+            Ok(content.clone())
+        })
+    };
+    assert_eq!(first(&cache), Ok(0));
+    assert_eq!(first(&cache), Ok(0));
+    assert_eq!(computed.get(), 1);
+    let path = cache.entries().unwrap().remove(0).path;
+    let sound = fs::read(&path).unwrap();
+    let mut cases = 0;
+    for place in 0..sound.len() {
+        let mut turned = sound.clone();
+        turned[place] ^= 1 << (place % 8);
+        for bytes in [&turned[..], &sound[..place]] {
+            fs::write(&path, bytes).unwrap();
+            assert_eq!(first(&cache), Ok(0));
+            cases += 1;
+            assert_eq!(computed.get(), 1 + cases, "a damaged entry was believed");
+            assert_eq!(cache.take_notes().len(), 1);
+            assert_eq!(fs::read(&path).unwrap(), sound, "the entry is repaired");
+        }
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The report, what is kept of a run, and how a design begins: through the command.
 #![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -195,8 +195,8 @@ fn the_view_in_space_sums_to_the_equivalent_radiated_power() {
 fn an_unchanged_design_comes_back_whole_without_being_computed() {
     let (out, cache) = (folder("kept"), folder("kept-cache"));
     let first = run(Some(&cache), &out, &["--json"]);
-    let names = |folder: &Path| -> BTreeSet<PathBuf> {
-        let mut files = BTreeSet::new();
+    let all = |folder: &Path| -> BTreeMap<PathBuf, Vec<u8>> {
+        let mut files = BTreeMap::new();
         let mut folders = vec![folder.to_owned()];
         while let Some(folder) = folders.pop() {
             for entry in fs::read_dir(folder).unwrap() {
@@ -204,29 +204,37 @@ fn an_unchanged_design_comes_back_whole_without_being_computed() {
                 if path.is_dir() {
                     folders.push(path)
                 } else {
-                    files.insert(path);
+                    files.insert(path.clone(), fs::read(path).unwrap());
                 }
             }
         }
         files
     };
-    let before = names(&out);
+    let before = all(&out);
     assert!(
         before
-            .iter()
+            .keys()
             .all(|file| !file.to_string_lossy().contains(".unfinished")),
-        "{before:?}"
+        "{:?}",
+        before.keys()
     );
-    let levels = fs::read(out.join("levels.csv")).unwrap();
+    // Spoiled, lost, one bit turned, cut short: among the files that are kept whole and among those that are rendered.
     fs::write(out.join("levels.csv"), "spoiled").unwrap();
     fs::remove_file(out.join("report.html")).unwrap();
+    fs::remove_file(out.join("modes.csv")).unwrap();
+    let frame = out.join("fields/worktable-shot/001.vtu");
+    let mut bytes = before[&frame].clone();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    fs::write(&frame, &bytes).unwrap();
+    let surface = out.join("fields/workpiece.vtu");
+    fs::write(&surface, &before[&surface][..middle]).unwrap();
     let again = run(Some(&cache), &out, &["--json"]);
     assert_eq!(
         again.stdout, first.stdout,
         "to the last digit, timing included: it was not computed"
     );
-    assert_eq!(names(&out), before);
-    assert_eq!(fs::read(out.join("levels.csv")).unwrap(), levels);
+    assert!(all(&out) == before, "every file is back, byte for byte");
     // Quiet is quiet, and another provenance is another result.
     let quiet = run(Some(&cache), &out, &["--quiet"]);
     assert!(quiet.stderr.is_empty(), "{}", String::from_utf8_lossy(&quiet.stderr));

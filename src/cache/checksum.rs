@@ -3,7 +3,7 @@
 //! A checksum finds damage, for which XXH3-128 (Collet) is as good as a cryptographic digest and many times as fast: one
 //! altered file in 2^128 passes. What must not be confused, inputs of stages and of designs, has SHA-256.
 
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 
 use twox_hash::XxHash3_128;
 
@@ -15,13 +15,13 @@ pub(crate) fn checksum(bytes: &[u8]) -> Checksum {
     XxHash3_128::oneshot(bytes).to_le_bytes()
 }
 
-/// Writes on and sums up what passes.
+/// Reads or writes on and sums up what passes.
 pub(super) struct Summed<W> {
     to: W,
     sum: XxHash3_128,
 }
 
-impl<W: Write> Summed<W> {
+impl<W> Summed<W> {
     pub(super) fn over(to: W) -> Self {
         let sum = XxHash3_128::new();
         Self { to, sum }
@@ -30,6 +30,19 @@ impl<W: Write> Summed<W> {
     /// Of all that has passed.
     pub(super) fn checksum(&self) -> Checksum {
         self.sum.finish_128().to_le_bytes()
+    }
+
+    /// What is read or written.
+    pub(super) fn inner(&self) -> &W {
+        &self.to
+    }
+}
+
+impl<R: Read> Read for Summed<R> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let read = self.to.read(bytes)?;
+        self.sum.write(&bytes[..read]);
+        Ok(read)
     }
 }
 
@@ -69,6 +82,9 @@ mod tests {
             }
             assert_eq!(summed.checksum(), checksum(&bytes[..length]));
             assert_eq!(copy, bytes[..length]);
+            let mut read = Summed::over(&bytes[..length]);
+            io::copy(&mut read, &mut io::sink())?;
+            assert_eq!(read.checksum(), checksum(&bytes[..length]));
         }
         Ok(())
     }

@@ -8,7 +8,7 @@
 //! The name is the stage, a hyphen, and the digest of the inputs in hexadecimal digits.
 
 use std::fs::File;
-use std::io::{self, BufWriter, Read as _, Seek as _, SeekFrom, Write};
+use std::io::{self, BufReader, BufWriter, Read, Seek as _, SeekFrom, Write};
 use std::path::Path;
 use std::time::SystemTime;
 
@@ -24,7 +24,10 @@ const MAGIC: &[u8; 18] = b"nailnoise cache 2\n";
 /// Bytes of the checksum.
 const SUM: usize = size_of::<Checksum>();
 
-/// Bytes of small values that are written at once.
+/// Bytes before the value's.
+const HEADER: usize = MAGIC.len() + 32 + SUM;
+
+/// Bytes of small values that are read or written at once.
 const BUFFER: usize = 1 << 16;
 
 /// Extension of the files.
@@ -66,31 +69,53 @@ fn hexadecimal(digest: &[u8; 32]) -> String {
 
 /// The value, if there is one.
 pub(super) fn read<T: DeserializeOwned + Send>(path: &Path, inputs: &[u8; 32]) -> Result<Option<T>, Damage> {
-    let value = read_by(path, inputs, |content| postcard::from_bytes(content))?;
-    Ok(value.transpose()?)
+    let Some((mut file, length, of_content)) = open(path, inputs)? else {
+        return Ok(None);
+    };
+    let mut content = Vec::with_capacity(length);
+    file.read_to_end(&mut content)?;
+    let (value, sum) = rayon::join(|| postcard::from_bytes(&content), || checksum(&content));
+    if sum != of_content {
+        return Err(Damage::Altered);
+    }
+    used(&file);
+    Ok(Some(value?))
 }
 
-/// What `decode` makes of the value's bytes, if there are any; nobody sees what it makes of other bytes than those that
-/// were written.
-pub(super) fn read_by<T: Send>(
+/// What `decode` makes of the value's bytes, and their number, as they are read, if there are any; nobody sees what it makes
+/// of other bytes than those that were written.
+pub(super) fn read_by<T>(
     path: &Path,
     inputs: &[u8; 32],
-    decode: impl FnOnce(&[u8]) -> T + Send,
+    decode: impl FnOnce(&mut dyn Read, usize) -> T,
 ) -> Result<Option<T>, Damage> {
+    let Some((file, length, of_content)) = open(path, inputs)? else {
+        return Ok(None);
+    };
+    let mut content = BufReader::with_capacity(BUFFER, Summed::over(file));
+    let value = decode(&mut content, length);
+    // What could not be decoded is damaged, or else holds something else: the rest tells.
+    io::copy(&mut content, &mut io::sink())?;
+    let content = content.into_inner();
+    if content.checksum() != of_content {
+        return Err(Damage::Altered);
+    }
+    used(content.inner());
+    Ok(Some(value))
+}
+
+/// The file at the beginning of the value's bytes, their number and checksum, if there is one.
+fn open(path: &Path, inputs: &[u8; 32]) -> Result<Option<(File, usize, Checksum)>, Damage> {
     let mut file = match File::open(path) {
         Ok(file) => file,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(error.into()),
     };
-    let mut bytes = Vec::new();
-    file.read_to_end(&mut bytes)?;
-    let (of_content, content) = parts(&bytes, Some(inputs))?;
-    let (value, true_bytes) = rayon::join(|| decode(content), || checksum(content) == *of_content);
-    if !true_bytes {
-        return Err(Damage::Altered);
-    }
-    used(&file);
-    Ok(Some(value))
+    let length = file.metadata()?.len() as usize;
+    let mut header = Vec::with_capacity(HEADER);
+    (&mut file).take(HEADER as u64).read_to_end(&mut header)?;
+    let (of_content, _) = parts(&header, Some(inputs))?;
+    Ok(Some((file, length - HEADER, *of_content)))
 }
 
 /// Counts an entry as used now, where there is one.

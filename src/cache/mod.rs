@@ -11,6 +11,7 @@ mod entry;
 mod folder;
 mod key;
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::SystemTime;
@@ -109,21 +110,21 @@ impl Cache {
         self.undamaged(&path, entry::read(&path, &digest))
     }
 
-    /// What `decode` makes of the bytes that `stage` computes from the inputs in `key`, from the cache or else by
-    /// `compute`, and kept then: for what is large, it is decoded where it lies.
+    /// What `decode` makes of the bytes, and their number, that `stage` computes from the inputs in `key`, from the cache or
+    /// else by `compute`, and kept then: what is large is never in memory as bytes when it comes from the cache.
     ///
     /// # Errors
     /// Those of `compute` and `decode`; trouble with the cache itself becomes a note.
-    pub fn decoded_or<T: Send, E: Send>(
+    pub fn decoded_or<T, E>(
         &self,
         stage: &str,
         key: &Key,
-        decode: impl Fn(&[u8]) -> Result<T, E> + Sync,
+        decode: impl Fn(&mut dyn Read, usize) -> Result<T, E>,
         compute: impl FnOnce() -> Result<Vec<u8>, E>,
     ) -> Result<T, E> {
         let found = self
             .place(stage, key)
-            .and_then(|(_, digest, path)| self.undamaged(&path, entry::read_by(&path, &digest, |bytes| decode(bytes))));
+            .and_then(|(_, digest, path)| self.undamaged(&path, entry::read_by(&path, &digest, &decode)));
         if let Some(value) = found {
             return value;
         }
@@ -131,7 +132,7 @@ impl Cache {
         self.keep(stage, key, |path, digest| {
             entry::write_by(path, digest, |to| to.write_all(&bytes))
         });
-        decode(&bytes)
+        decode(&mut &bytes[..], bytes.len())
     }
 
     /// What was read; damage becomes a note.

@@ -1,5 +1,7 @@
 //! Radiation of the workpiece with its support per unit of modal motion, before the motion is known.
 
+use std::io::Read;
+
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::ModalBem;
 use nailnoise_acoustics::radiation::{AbsorbingSand, Archive, Erp, ModalRadiation, Rayleigh, Sampling};
@@ -142,7 +144,7 @@ fn flush_top(design: &Design, body: &Body, air: &Air, cache: &Cache, watched: &W
             range_hz: [LOWEST_SAMPLE.min(0.5 * top), top],
             ..Sampling::default()
         };
-        let read = |bytes: &[u8]| Ok::<_, Error>(FlushSound::from_bytes(bytes)?);
+        let read = |from: &mut dyn Read, length| Ok::<_, Error>(FlushSound::from_reader(from, length)?);
         cache.decoded_or(stage, &of_sand.with(&format!("{sampling:?}")), read, || {
             let found = watched.counting_each(("Rayleigh's integral", "frequencies"), 0, |one_more| {
                 FlushSound::new(&rayleigh()?, &sampling, &places, middle, one_more).map_err(Error::from)

@@ -6,6 +6,8 @@
 //! them. One that hangs or stands on springs sounds all around, above the floor at `support.clearance`. A block of another
 //! shape (`workpiece.mesh`) radiates from the faces of its own mesh.
 
+use std::io::Read;
+
 use nailnoise_acoustics::bem::{
     Boundary, BoundaryMesh, Exterior, Level, ModalBem, MovingPart, Parity, Patterns, Receivers, Side, SolidBox,
 };
@@ -72,7 +74,7 @@ pub(super) fn standing(
     let computed = Air::default();
     let receivers = receivers(design);
     let key = key(design, structure, &receivers, &computed);
-    let read = |bytes: &[u8]| Ok::<_, Error>(ModalBem::from_bytes(bytes)?);
+    let read = |from: &mut dyn Read, length| Ok::<_, Error>(ModalBem::from_reader(from, length)?);
     let bem = cache.decoded_or(STAGE, &key, read, || {
         let levels = levels(design, structure, &computed)?;
         let lowest = levels.first().map_or(0.0, |level| level.top_hz);

@@ -9,6 +9,8 @@
 //! many frequencies and cancel in every band that is wider; what it reflects to a microphone is that of the microphone's
 //! image.
 
+use std::io::Read;
+
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{Boundary, Exterior, Level, ModalBem, Parity, Patterns, Receivers};
 use nailnoise_acoustics::radiation::{Archive, Sampling};
@@ -59,7 +61,7 @@ pub(super) fn tool_radiator(
     // Once for every air: the matrix depends on the wavelength.
     let computed = Air::default();
     let key = key(design, body, &receivers, &computed);
-    let read = |bytes: &[u8]| Ok::<_, Error>(ModalBem::from_bytes(bytes)?);
+    let read = |from: &mut dyn Read, length| Ok::<_, Error>(ModalBem::from_reader(from, length)?);
     let bem = cache.decoded_or(STAGE, &key, read, || {
         let levels = levels(design, body, &computed)?;
         let top_hz = levels.iter().map(|level| level.top_hz).fold(0.0, f64::max);

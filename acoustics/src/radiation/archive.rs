@@ -3,6 +3,7 @@
 use super::resistance::Resistance;
 use crate::error::AcousticsError;
 use nalgebra::{Complex, DMatrix};
+use std::io::Read;
 
 /// What can be kept in a file and read back exactly.
 pub trait Archive: Sized {
@@ -27,9 +28,23 @@ pub trait Archive: Sized {
     /// # Errors
     /// [`AcousticsError::Damaged`] for any other bytes.
     fn from_bytes(bytes: &[u8]) -> Result<Self, AcousticsError> {
-        let mut from = ArchiveReader { bytes, at: 0 };
+        let length = bytes.len();
+        Self::from_reader(&mut { bytes }, length)
+    }
+
+    /// The same from `length` bytes that need not be in memory together.
+    ///
+    /// # Errors
+    /// [`AcousticsError::Damaged`] for any other bytes, or where they end or fail before that.
+    fn from_reader(from: &mut dyn Read, length: usize) -> Result<Self, AcousticsError> {
+        let mut from = ArchiveReader {
+            from,
+            length,
+            at: 0,
+            taken: Vec::new(),
+        };
         let result = Self::read(&mut from)?;
-        if from.at == bytes.len() {
+        if from.at == length {
             Ok(result)
         } else {
             Err(from.damaged())
@@ -85,26 +100,60 @@ impl ArchiveWriter {
 }
 
 /// Takes bytes apart.
-#[derive(Debug)]
 pub struct ArchiveReader<'a> {
-    bytes: &'a [u8],
+    from: &'a mut dyn Read,
+    /// Bytes in all, and how many are taken.
+    length: usize,
     at: usize,
+    /// The bytes taken last.
+    taken: Vec<u8>,
 }
+
+/// Most bytes of long arrays in memory at once.
+const PART: usize = 1 << 16;
 
 impl ArchiveReader<'_> {
     pub(crate) fn damaged(&self) -> AcousticsError {
         AcousticsError::Damaged {
             at: self.at,
-            length: self.bytes.len(),
+            length: self.length,
+        }
+    }
+
+    /// Whether so many bytes are left.
+    fn expect(&self, length: usize) -> Result<(), AcousticsError> {
+        if length <= self.length - self.at {
+            Ok(())
+        } else {
+            Err(self.damaged())
         }
     }
 
     fn take(&mut self, length: usize) -> Result<&[u8], AcousticsError> {
-        let end = self.at.checked_add(length).filter(|end| *end <= self.bytes.len());
-        let end = end.ok_or_else(|| self.damaged())?;
-        let taken = &self.bytes[self.at..end];
-        self.at = end;
-        Ok(taken)
+        self.expect(length)?;
+        self.taken.resize(length, 0);
+        if self.from.read_exact(&mut self.taken).is_err() {
+            return Err(self.damaged());
+        }
+        self.at += length;
+        Ok(&self.taken)
+    }
+
+    /// So many numbers of N bytes each, part by part.
+    fn array<T, const N: usize>(
+        &mut self,
+        length: usize,
+        number: impl Fn([u8; N]) -> T,
+    ) -> Result<Vec<T>, AcousticsError> {
+        let bytes = length.checked_mul(N).ok_or_else(|| self.damaged())?;
+        self.expect(bytes)?;
+        let mut values = Vec::with_capacity(length);
+        while values.len() < length {
+            let count = (length - values.len()).min(PART / N);
+            let (part, _) = self.take(N * count)?.as_chunks::<N>();
+            values.extend(part.iter().map(|bytes| number(*bytes)));
+        }
+        Ok(values)
     }
 
     pub(crate) fn count(&mut self) -> Result<usize, AcousticsError> {
@@ -112,11 +161,7 @@ impl ArchiveReader<'_> {
         bytes.copy_from_slice(self.take(8)?);
         let n = u64::from_le_bytes(bytes) as usize;
         // Everything counted takes a byte at least.
-        if n <= self.bytes.len() {
-            Ok(n)
-        } else {
-            Err(self.damaged())
-        }
+        if n <= self.length { Ok(n) } else { Err(self.damaged()) }
     }
 
     pub(crate) fn numbers<const N: usize>(&mut self) -> Result<[f64; N], AcousticsError> {
@@ -145,9 +190,7 @@ impl ArchiveReader<'_> {
         if self.count()? != length {
             return Err(self.damaged());
         }
-        let bytes = length.checked_mul(4).ok_or_else(|| self.damaged())?;
-        let (values, _) = self.take(bytes)?.as_chunks::<4>();
-        Ok(values.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect())
+        self.array(length, f32::from_le_bytes)
     }
 
     pub(crate) fn list<T: Archive>(&mut self) -> Result<Vec<T>, AcousticsError> {
@@ -220,13 +263,7 @@ impl Archive for DMatrix<f64> {
 
     fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
         let (rows, columns) = (from.count()?, from.count()?);
-        let length = rows.checked_mul(columns).and_then(|n| n.checked_mul(8));
-        let length = length.ok_or_else(|| from.damaged())?;
-        let values = from.take(length)?.chunks_exact(8).map(|bytes| {
-            let mut eight = [0; 8];
-            eight.copy_from_slice(bytes);
-            f64::from_le_bytes(eight)
-        });
-        Ok(Self::from_iterator(rows, columns, values))
+        let length = rows.checked_mul(columns).ok_or_else(|| from.damaged())?;
+        Ok(Self::from_vec(rows, columns, from.array(length, f64::from_le_bytes)?))
     }
 }
