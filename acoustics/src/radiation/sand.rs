@@ -4,7 +4,7 @@ use super::plane_waves::{Follower, PlanarPoints};
 use super::quadrature::gauss_legendre;
 use crate::air::Air;
 use crate::error::{AcousticsError, positive};
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -105,6 +105,9 @@ pub struct MovingSand {
 /// Rayleigh wave speed over shear wave speed, for a Poisson ratio of 0.3.
 const RAYLEIGH_SPEED: f64 = 0.93;
 
+/// What differs by less, relative to its size, is equal.
+const ROUNDING: f64 = 1e-6;
+
 /// The sand's surface in quadrature points, each of which follows a point of the block's edge.
 #[derive(Debug, Clone)]
 pub(super) struct SandPatch {
@@ -202,8 +205,8 @@ impl MovingSand {
     }
 }
 
-/// Displacement at a point of the edge: the plane through the nine nearest quadrature points, least squares. Exact for
-/// rigid motion.
+/// Displacement at a point of the edge: the plane through the nine nearest quadrature points and those as far as the ninth,
+/// so that mirror images of edge points move alike, least squares. Exact for rigid motion.
 fn plane_fit(block: &[[f64; 2]], displacement: &DMatrix<f64>, at: [f64; 2]) -> nalgebra::RowDVector<f64> {
     let mut near: Vec<(f64, usize)> = block
         .iter()
@@ -211,17 +214,21 @@ fn plane_fit(block: &[[f64; 2]], displacement: &DMatrix<f64>, at: [f64; 2]) -> n
         .map(|(i, p)| ((p[0] - at[0]).hypot(p[1] - at[1]), i))
         .collect();
     near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    near.truncate(9);
+    let ninth = near.get(8).map_or(f64::INFINITY, |(distance, _)| *distance);
+    near.retain(|(distance, _)| *distance <= ninth * (1.0 + ROUNDING));
     let rows: Vec<usize> = near.iter().map(|(_, i)| *i).collect();
     let values = displacement.select_rows(&rows);
+    let size = if ninth.is_finite() && ninth > 0.0 { ninth } else { 1.0 };
     let basis = DMatrix::from_fn(rows.len(), 3, |i, j| match j {
         0 => 1.0,
-        j => block[rows[i]][j - 1] - at[j - 1],
+        j => (block[rows[i]][j - 1] - at[j - 1]) / size,
     });
-    match basis.clone().svd(true, true).pseudo_inverse(1e-9 * basis.norm()) {
+    // Points on a line leave no plane.
+    let factor = (basis.transpose() * &basis).cholesky();
+    match factor.filter(|factor| factor.l_dirty().diagonal().min() > ROUNDING) {
         // The plane's value at the edge point is its constant term.
-        Ok(inverse) => inverse.row(0) * values,
-        Err(_) => values.row(0).into_owned(),
+        Some(factor) => (basis * factor.solve(&DVector::from_vec(vec![1.0, 0.0, 0.0]))).transpose() * values,
+        None => values.row(0).into_owned(),
     }
 }
 
