@@ -109,7 +109,7 @@ fn resistance_is_symmetric_and_positive_semidefinite() {
     }
 }
 
-/// Largest |A_ij - B_ij| / sqrt(A_ii A_jj) of plane waves and pairs of points, over modes that radiate.
+/// Largest |A_ij - B_ij| / sqrt(A_ii A_jj) of spherical waves and pairs of points, over modes that radiate.
 fn difference(rayleigh: &Rayleigh, hz: f64) -> f64 {
     let far = whole(rayleigh, hz).real;
     let near = rayleigh.surface_resistance(hz).real;
@@ -258,7 +258,7 @@ fn cost_of_a_block() {
         let start = std::time::Instant::now();
         let difference = difference(&rayleigh, hz);
         println!(
-            "{hz} Hz: plane waves {waves:.1?}, both {:.1?}, {difference:.1e}",
+            "{hz} Hz: spherical waves {waves:.1?}, both {:.1?}, {difference:.1e}",
             start.elapsed()
         );
     }

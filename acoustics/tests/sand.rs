@@ -331,6 +331,114 @@ fn moving_sand_in_another_air_beside_what_is_known_of_the_surface_alone() {
     }
 }
 
+/// In any air the sound of block and sand, which few sources make below the sand's limit, is that of all points of the
+/// block, mode by mode: modes that bend as well as those that do not, in two parities and mixed.
+#[test]
+fn sand_moves_in_cold_and_hot_air_as_all_points_of_the_block_say() {
+    let bend = |x: f64, y: f64| (7.0 * x).cos() * (20.0 * y).cos() - 0.2;
+    let twist = |x: f64, y: f64| (11.0 * x).sin() * (15.0 * y).sin();
+    let mixed = |x: f64, y: f64| (23.0 * x + 0.4).cos() * (31.0 * y - 0.2).cos();
+    let surface = flat(
+        rectangle(FOOTPRINT[0], FOOTPRINT[1], 54, 36),
+        &[&|_, _| 1.0, &|x, _| x / 0.2032, &bend, &twist, &mixed],
+    );
+    let law = MovingSand {
+        to_hz: 1000.0,
+        ..sand()
+    };
+    let places = [
+        Point3::new(0.9, 0.3, 0.5),
+        Point3::new(-0.2, -1.0, 0.3),
+        Point3::new(0.0, 0.1, 0.8),
+    ];
+    let modes = 5;
+    let frequency: Vec<f64> = (0..96).map(|i| 45.0 + 10.0 * f64::from(i)).collect();
+    let spectra = ModalSpectra {
+        range_hz: [45.0, 995.0],
+        accelerations: DMatrix::from_fn(modes, frequency.len(), |i, j| {
+            Complex::from_polar(1.0 + i as f64, (0.3 * i as f64 + 0.2) * j as f64)
+        }),
+        frequency,
+    };
+    for (temperature, pressure) in [(253.15, 80e3), (288.9, 101e3), (313.15, 105e3)] {
+        let air = Air::at(temperature, pressure).unwrap();
+        let all = Rayleigh::new(&surface, &air).unwrap();
+        let all = all
+            .with_absorbing_sand(AbsorbingSand::default())
+            .unwrap()
+            .with_moving_sand(law)
+            .unwrap();
+        let sampling = Sampling {
+            range_hz: [40.0, 1000.0],
+            ..Sampling::default()
+        };
+        let found = FlushSound::new(&all, &sampling, &places, Point3::origin(), &|| ()).unwrap();
+        let exact = |hz: f64| {
+            let mut sum = Resistance::zeros(modes);
+            all.resistance(hz).iter().for_each(|patch| sum.add_scaled(1.0, patch));
+            sum
+        };
+        let signals = found.waves.root_signals(&spectra.frequency, &spectra.accelerations);
+        let heard = found
+            .heard
+            .pressures(&found.waves, &spectra.frequency, &spectra.accelerations);
+        for (bin, &hz) in spectra.frequency.iter().enumerate().step_by(7) {
+            let (direct, sampled) = (exact(hz), found.waves.resistance(hz));
+            let size = |i: usize| direct.real[(i, i)].sqrt();
+            for (i, j) in (0..modes).flat_map(|i| (0..modes).map(move |j| (i, j))) {
+                let part = |m: &Option<DMatrix<f64>>| m.as_ref().unwrap()[(i, j)];
+                let off = (sampled.real[(i, j)] - direct.real[(i, j)])
+                    .hypot(part(&sampled.imaginary) - part(&direct.imaginary));
+                assert!(
+                    off < 1e-4 * size(i) * size(j),
+                    "{temperature} K, {hz} Hz, {i} {j}: {off:e}"
+                );
+            }
+            let motion: Vec<Complex<f64>> = spectra.accelerations.column(bin).iter().copied().collect();
+            let energy = direct.form(&motion) / (2.0 * std::f64::consts::PI * hz).powi(2);
+            let off = signals.column(bin).norm_squared() / energy - 1.0;
+            assert!(off.abs() < 3e-4, "{temperature} K, {hz} Hz: signals {off:e}");
+            let pressures = all.pressure_at(hz, &places).unwrap() * spectra.accelerations.column(bin);
+            let off = (heard.column(bin) - &pressures).norm() / pressures.norm();
+            assert!(off < 1e-4, "{temperature} K, {hz} Hz: pressure {off:e}");
+        }
+        // Pair by pair of all points of the block, in the bands' own frequencies.
+        for ratio in found
+            .surface
+            .ratios(&found.waves, &spectra)
+            .unwrap()
+            .into_iter()
+            .flatten()
+        {
+            assert!((ratio - 1.0).abs() < 1e-4, "{temperature} K: {ratio}");
+        }
+        let few = found.surface.bands()[9];
+        let ratios = SurfaceEvaluations::new(&all, few.hz)
+            .ratios(&found.waves, &spectra)
+            .unwrap();
+        let off =
+            ratios.last().unwrap().unwrap() / found.surface.ratios(&found.waves, &spectra).unwrap()[9].unwrap() - 1.0;
+        assert!(off.abs() < 1e-6, "{temperature} K: {off:e}");
+        // What a shot radiates.
+        let radiated: f64 = found
+            .waves
+            .energy_forms(&spectra.frequency, &spectra.accelerations)
+            .sum();
+        let direct: f64 = (0..spectra.frequency.len())
+            .map(|bin| {
+                let hz = spectra.frequency[bin];
+                let motion: Vec<Complex<f64>> = spectra.accelerations.column(bin).iter().copied().collect();
+                exact(hz).form(&motion) / (2.0 * std::f64::consts::PI * hz).powi(2)
+            })
+            .sum();
+        assert!(
+            (radiated / direct - 1.0).abs() < 2e-5,
+            "{temperature} K: {:e}",
+            radiated / direct - 1.0
+        );
+    }
+}
+
 #[test]
 fn pictures_of_bands_hold_the_power_and_what_microphones_hear() {
     let (surface, spectra) = (lossy(), shot());

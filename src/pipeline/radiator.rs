@@ -38,7 +38,7 @@ pub(super) enum Radiator {
 
 /// The block's top, flush with the sand.
 pub(super) struct Flush {
-    /// Its radiation by plane waves and by the intensity on the surface, and what the microphones hear of it.
+    /// Its radiation by spherical waves and by the intensity on the surface, and what the microphones hear of it.
     pub(super) sound: FlushSound,
     /// Its equivalent radiated power.
     pub(super) erp: Erp,
@@ -117,56 +117,47 @@ pub(super) fn flush_surface(design: &Design, body: &Body, air: &Air) -> Result<R
     Ok(rayleigh)
 }
 
-/// Rayleigh's integral over it: the top by itself once for every air, sand that moves along in the design's own.
+/// Rayleigh's integral over it: the top by itself once for every air; sand that moves along in the design's own, which takes
+/// little longer than to read it would.
 fn flush_top(design: &Design, body: &Body, air: &Air, cache: &Cache, watched: &Watched<'_>) -> Result<Flush, Error> {
     let sand = &design.support.sand;
     let surface = radiating(body, |patch, _| patch != "top")?;
     let absorbing = (sand.absorption_share > 0.0).then(|| absorbing_sand(design));
-    let moving = sand.moving_surface.then(|| moving_sand(design)).transpose()?;
     let top = body.top_hz.min(design.analysis.range_high);
     let standard = Air::default();
     let apart = (air.sound_speed / standard.sound_speed).ln().abs() > FlushSound::WIDEST.ln();
     let computed = if apart { *air } else { standard };
     let places = microphones::positions(design);
+    let middle = Point3::new(0.0, 0.0, design.workpiece.thickness);
+    let sampling_to = |top: f64| Sampling {
+        range_hz: [LOWEST_SAMPLE.min(0.5 * top), top],
+        ..Sampling::default()
+    };
+    let sampled = |rayleigh: &Rayleigh, sampling: &Sampling| {
+        watched.counting_each(("Rayleigh's integral", "frequencies"), 0, |one_more| {
+            FlushSound::new(rayleigh, sampling, &places, middle, one_more).map_err(Error::from)
+        })
+    };
+    let sampling = sampling_to(top * FlushSound::WIDEST);
     let points: Vec<[f64; 3]> = surface.points().iter().map(|p| [p.x, p.y, p.z]).collect();
     let normals: Vec<[f64; 3]> = surface.normals().iter().map(|n| [n.x, n.y, n.z]).collect();
-    let of_surface = Key::new()
+    let of_top = Key::new()
         .with(&format!("{places:?}"))
         .with(&points)
         .with(&normals)
         .with(surface.weights())
         .with(surface.patch())
         .with(surface.patch_names())
-        .with(surface.normal_modes().as_slice());
-    let middle = Point3::new(0.0, 0.0, design.workpiece.thickness);
-    let kept = |stage: &str, top: f64, of_sand: Key, rayleigh: &dyn Fn() -> Result<Rayleigh, Error>| {
-        let sampling = Sampling {
-            range_hz: [LOWEST_SAMPLE.min(0.5 * top), top],
-            ..Sampling::default()
-        };
-        let read = |from: &mut dyn Read, length| Ok::<_, Error>(FlushSound::from_reader(from, length)?);
-        cache.decoded_or(stage, &of_sand.with(&format!("{sampling:?}")), read, || {
-            let found = watched.counting_each(("Rayleigh's integral", "frequencies"), 0, |one_more| {
-                FlushSound::new(&rayleigh()?, &sampling, &places, middle, one_more).map_err(Error::from)
-            })?;
-            Ok(found.to_bytes())
-        })
-    };
-    let alone = kept(
-        "radiation of the workpiece in a plane",
-        top * FlushSound::WIDEST,
-        of_surface.clone().with(&format!("{computed:?}")),
-        &|| Ok(Rayleigh::new(&surface, &computed)?),
-    )?;
+        .with(surface.normal_modes().as_slice())
+        .with(&format!("{computed:?} {sampling:?}"));
+    let read = |from: &mut dyn Read, length| Ok::<_, Error>(FlushSound::from_reader(from, length)?);
+    let alone = cache.decoded_or("radiation of the workpiece in a plane", &of_top, read, || {
+        Ok(sampled(&Rayleigh::new(&surface, &computed)?, &sampling)?.to_bytes())
+    })?;
     let mut sound = alone.in_air(&computed, air, absorbing);
-    if let Some(moving) = moving {
-        let led = kept(
-            "radiation of the workpiece with moving sand",
-            top.min(moving.to_hz),
-            of_surface.with(&format!("{air:?} {absorbing:?} {moving:?}")),
-            &|| flush_surface(design, body, air),
-        )?;
-        sound = led.continued(sound);
+    if sand.moving_surface {
+        let to = top.min(moving_sand(design)?.to_hz);
+        sound = sampled(&flush_surface(design, body, air)?, &sampling_to(to))?.continued(sound);
     }
     Ok(Flush {
         sound,

@@ -97,7 +97,7 @@ fn limit(bem: &ModalBem, together: &ModalSpectra, far_field: &SourceSpectrum) ->
     }
 }
 
-/// The report of a flush surface: its power by plane waves, by the intensity on the surface (`ratios`, band by band of
+/// The report of a flush surface: its power by spherical waves, by the intensity on the surface (`ratios`, band by band of
 /// those of the second evaluation) and with radiation efficiency 1.
 pub(super) fn flush_report(
     flush: &Flush,

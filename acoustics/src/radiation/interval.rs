@@ -1,5 +1,6 @@
 //! Polynomials through the samples of an interval of the frequency axis.
 
+use super::packed;
 use super::resistance::Resistance;
 use crate::error::AcousticsError;
 use nalgebra::{Complex, DMatrix};
@@ -170,38 +171,29 @@ impl Interval {
 
     /// Estimated interpolation error of all patches together on Chebyshev's nodes, relative to the interval's least
     /// sqrt(Q_ii Q_jj). What patches exchange among themselves does not reach the level. `whole` is the sum over the
-    /// patches of a sample.
-    pub(super) fn error(&self, whole: impl Fn(usize) -> Resistance, modes: usize, floor: f64) -> f64 {
-        let samples: Vec<Resistance> = self.nodes.iter().map(|&node| whole(node)).collect();
+    /// patches of a sample as a row of a packed matrix, and what it is to be multiplied by.
+    pub(super) fn error<'a>(&self, whole: impl Fn(usize) -> (&'a [f64], f64), modes: usize, floor: f64) -> f64 {
+        let samples: Vec<(&[f64], f64)> = self.nodes.iter().map(|&node| whole(node)).collect();
         let mut least = vec![f64::INFINITY; modes];
-        for sample in &samples {
+        for (row, factor) in &samples {
+            let diagonal = packed::diagonal(modes, row).map(|q| factor * q).collect();
             least
                 .iter_mut()
-                .zip(scales(sample, floor))
+                .zip(scales(diagonal, floor))
                 .for_each(|(s, q)| *s = s.min(q));
         }
-        let defects: Vec<Resistance> = self
-            .defects()
-            .iter()
-            .map(|weights| weighted(&samples, weights))
-            .collect();
-        let mut worst: f64 = 0.0;
-        let part = |r: &Resistance, imaginary: bool, i: usize, j: usize| match (&r.imaginary, imaginary) {
-            (_, false) => r.real[(i, j)],
-            (Some(m), true) => m[(i, j)],
-            (None, true) => 0.0,
-        };
-        for imaginary in [false, true] {
-            for j in 0..modes {
-                for i in 0..modes {
-                    let sizes = defects
-                        .iter()
-                        .map(|sum| part(sum, imaginary, i, j).abs() / (least[i] * least[j]));
-                    worst = worst.max(self.together(sizes));
-                }
+        let length = samples.iter().map(|(row, _)| row.len()).max().unwrap_or(0);
+        let defect = |weights: Vec<f64>| {
+            let mut defect = vec![0.0; length];
+            for ((row, factor), weight) in samples.iter().zip(weights) {
+                let weight = weight * factor;
+                defect.iter_mut().zip(*row).for_each(|(d, q)| *d += weight * q);
             }
-        }
-        worst
+            defect
+        };
+        let defects: Vec<Vec<f64>> = self.defects().into_iter().map(defect).collect();
+        let size = |entry: usize| self.together(defects.iter().map(|defect| defect[entry].abs()));
+        packed::largest(&least, length, size)
     }
 
     /// How far the samples tried are from the interpolant without them: for each the squares of two Frobenius norms,
@@ -222,7 +214,7 @@ impl Interval {
         let tried = &self.nodes[self.nodes.len() - self.tried..];
         let misfit = |(weights, &node): (&Vec<f64>, &usize)| {
             let (defect, whole) = (weighted(&values, weights), whole(node));
-            let scale = scales(&whole, floor);
+            let scale = scales(whole.real.diagonal().iter().copied().collect(), floor);
             [scaled_norm(&defect, &scale), scaled_norm(&whole, &scale)]
         };
         self.defects().iter().zip(tried).map(misfit).collect()
@@ -235,11 +227,10 @@ pub(super) fn gained(found: f64, previous: Option<f64>) -> f64 {
     found * previous.map_or(1.0, |previous| (found / previous).clamp(GAIN, 1.0))
 }
 
-/// Roots of the diagonal, none smaller than that of `floor` times the largest.
-fn scales(sample: &Resistance, floor: f64) -> Vec<f64> {
-    let diagonal = sample.real.diagonal();
+/// Roots of a diagonal, none smaller than that of `floor` times the largest.
+fn scales(diagonal: Vec<f64>, floor: f64) -> Vec<f64> {
     let floor = floor * diagonal.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    diagonal.iter().map(|q| q.max(floor).sqrt()).collect()
+    diagonal.into_iter().map(|q| q.max(floor).sqrt()).collect()
 }
 
 fn weighted(samples: &[Resistance], weights: &[f64]) -> Resistance {

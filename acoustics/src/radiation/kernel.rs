@@ -1,4 +1,4 @@
-//! Rayleigh's kernel, pair by pair.
+//! Rayleigh's kernel and the waves of its points, pair by pair.
 
 use crate::bem::trig::sin_cos;
 use pulp::{Arch, Simd, WithSimd};
@@ -41,9 +41,77 @@ impl WithSimd for Sinc<'_> {
     }
 }
 
+/// e^{-j k r_b}/r_b, real and imaginary part, r_b the distance of a point at `height` above a plane from points of it with the
+/// coordinates `x` and `y`.
+pub(super) fn outgoing(k: f64, (from, height): ([f64; 2], f64), [x, y]: [&[f64]; 2], [re, im]: [&mut [f64]; 2]) {
+    Arch::new().dispatch(Outgoing {
+        k,
+        from,
+        height,
+        x,
+        y,
+        re,
+        im,
+    });
+}
+
+struct Outgoing<'a> {
+    k: f64,
+    from: [f64; 2],
+    height: f64,
+    x: &'a [f64],
+    y: &'a [f64],
+    re: &'a mut [f64],
+    im: &'a mut [f64],
+}
+
+impl WithSimd for Outgoing<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let (x, rest_x) = S::as_simd_f64s(self.x);
+        let (y, rest_y) = S::as_simd_f64s(self.y);
+        let (re, rest_re) = S::as_mut_simd_f64s(self.re);
+        let (im, rest_im) = S::as_mut_simd_f64s(self.im);
+        let [x0, y0] = self.from.map(|c| simd.splat_f64s(c));
+        let above = simd.splat_f64s(self.height * self.height);
+        for (((x, y), re), im) in x.iter().zip(y).zip(re).zip(im) {
+            let (dx, dy) = (simd.sub_f64s(*x, x0), simd.sub_f64s(*y, y0));
+            let r = simd.sqrt_f64s(simd.mul_add_e_f64s(dx, dx, simd.mul_add_e_f64s(dy, dy, above)));
+            let (sine, cosine) = sin_cos(simd, simd.mul_f64s(simd.splat_f64s(self.k), r));
+            *re = simd.div_f64s(cosine, r);
+            *im = simd.neg_f64s(simd.div_f64s(sine, r));
+        }
+        for (((x, y), re), im) in rest_x.iter().zip(rest_y).zip(rest_re).zip(rest_im) {
+            let r = (x - self.from[0]).hypot(y - self.from[1]).hypot(self.height);
+            let (sine, cosine) = (self.k * r).sin_cos();
+            (*re, *im) = (cosine / r, -sine / r);
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn waves_that_leave_equal_their_definition() {
+        let x: Vec<f64> = (0..13).map(|i| 0.05 * f64::from(i)).collect();
+        let y: Vec<f64> = (0..13).map(|i| 0.3 - 0.02 * f64::from(i * i)).collect();
+        for k in [0.5, 20.0, 300.0] {
+            let (mut re, mut im) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+            outgoing(k, ([0.2, -0.1], 0.7), [&x, &y], [&mut re, &mut im]);
+            for i in 0..x.len() {
+                let r = (x[i] - 0.2).hypot(y[i] + 0.1).hypot(0.7);
+                let (sine, cosine) = (k * r).sin_cos();
+                assert!(
+                    (re[i] * r - cosine).abs() < 1e-12 && (im[i] * r + sine).abs() < 1e-12,
+                    "{k} {i}"
+                );
+            }
+        }
+    }
 
     #[test]
     fn equals_the_definition() {

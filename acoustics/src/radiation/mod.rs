@@ -16,7 +16,6 @@ mod interval;
 mod kernel;
 mod means;
 mod packed;
-mod plane_waves;
 mod products;
 mod quadrature;
 mod rayleigh;
@@ -25,7 +24,9 @@ mod roots;
 mod sampled;
 mod sand;
 mod second;
+mod sources;
 mod sphere;
+mod spherical_waves;
 mod surface;
 mod together;
 

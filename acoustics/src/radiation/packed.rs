@@ -176,6 +176,49 @@ impl Archive for Packed {
     }
 }
 
+/// The sum of some matrices in the order of a row, not rounded.
+pub(super) fn whole(modes: usize, matrices: &[Resistance]) -> Vec<f64> {
+    let pairs = modes * (modes + 1) / 2;
+    let mut row = vec![0.0; pairs];
+    let add = |row: &mut [f64], m: &DMatrix<f64>, diagonal: usize| {
+        let entries = (0..modes).flat_map(|j| &m.as_slice()[j * modes..][..j + diagonal]);
+        row.iter_mut().zip(entries).for_each(|(to, v)| *to += v);
+    };
+    for m in matrices {
+        add(&mut row, &m.real, 1);
+        if let Some(imaginary) = &m.imaginary {
+            row.resize(2 * pairs - modes, 0.0);
+            add(&mut row[pairs..], imaginary, 0);
+        }
+    }
+    row
+}
+
+/// The diagonal of one matrix in a row.
+pub(super) fn diagonal(modes: usize, row: &[f64]) -> impl Iterator<Item = f64> {
+    (0..modes).map(|i| row[i * (i + 3) / 2])
+}
+
+/// The largest of `size`, which tells of the entry at each of the `length` places of a row, over `scale` of both its modes.
+pub(super) fn largest(scale: &[f64], length: usize, size: impl Fn(usize) -> f64) -> f64 {
+    let modes = scale.len();
+    let pairs = modes * (modes + 1) / 2;
+    let (mut worst, mut at) = (0.0f64, 0);
+    let mut triangle = |diagonal: usize| {
+        for (j, sj) in scale.iter().enumerate() {
+            for si in &scale[..j + diagonal] {
+                worst = worst.max(size(at) / (si * sj));
+                at += 1;
+            }
+        }
+    };
+    triangle(1);
+    if length > pairs {
+        triangle(0);
+    }
+    worst
+}
+
 /// Motions in single precision, each scaled to its largest amplitude.
 pub(super) struct Motions {
     modes: usize,

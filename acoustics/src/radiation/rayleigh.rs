@@ -1,10 +1,14 @@
-use super::plane_waves::{Directions, Follower, PlanarPoints};
+use super::kernel::outgoing;
 use super::resistance::Resistance;
 use super::sampled::{SampledRadiation, Sampling};
 use super::sand::{AbsorbingSand, MovingSand, SandPatch};
+use super::sources::{Sources, extent};
+use super::spherical_waves::{Follower, SphericalWaves};
 use super::surface::RadiatingSurface;
 use crate::air::Air;
 use crate::error::{AcousticsError, positive};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, MatMut, MatRef, Par};
 use nalgebra::{Complex, DMatrix, Point3, Vector3};
 use std::f64::consts::PI;
 
@@ -15,17 +19,18 @@ use std::f64::consts::PI;
 /// ```
 ///
 /// S holds the quadrature weights. The kernel is smooth, so a Gauss rule on the faces converges spectrally. It is
-/// applied as a sum of plane waves; [`Self::surface_resistance`] sums pair by pair instead.
+/// applied as a sum of spherical waves; [`Self::surface_resistance`] sums pair by pair instead.
 #[derive(Debug, Clone)]
 pub struct Rayleigh {
     air: Air,
-    points: Vec<[f64; 2]>,
-    planar: PlanarPoints,
+    sources: Sources,
+    /// Intervals of x and y that the surface takes up.
+    extent: [[f64; 2]; 2],
     /// z of all points.
     plane: f64,
-    rows: Vec<Vec<usize>>,
+    /// Least height above the plane at which the pressure can be evaluated \[m\].
+    clearance: f64,
     displacement: DMatrix<f64>,
-    sources: DMatrix<f64>,
     patches: Vec<String>,
     absorbing: Option<AbsorbingSand>,
     moving: Option<SandPatch>,
@@ -39,11 +44,12 @@ impl Rayleigh {
     pub fn new(surface: &RadiatingSurface, air: &Air) -> Result<Self, AcousticsError> {
         positive("area of the surface [m2]", surface.area())?;
         let points: Vec<[f64; 2]> = surface.points().iter().map(|p| [p.x, p.y]).collect();
-        let planar = PlanarPoints::new(&points);
+        let extent = extent(&points);
+        let diameter = diameter(extent);
         let plane = surface.points()[0].z;
         for (point, (p, normal)) in surface.points().iter().zip(surface.normals()).enumerate() {
             let offset = p.z - plane;
-            if offset.abs() > 1e-6 * planar.diameter || normal.z < 1.0 - 1e-6 {
+            if offset.abs() > 1e-6 * diameter || normal.z < 1.0 - 1e-6 {
                 return Err(AcousticsError::NotPlanar {
                     point,
                     offset,
@@ -57,18 +63,21 @@ impl Rayleigh {
             .map(|p| (0..points.len()).filter(|&i| surface.patch()[i] == p).collect())
             .collect();
         let displacement = surface.normal_modes().clone();
-        let mut sources = displacement.clone();
+        let mut strengths = displacement.clone();
         for (row, weight) in surface.weights().iter().enumerate() {
-            sources.row_mut(row).scale_mut(*weight);
+            strengths.row_mut(row).scale_mut(*weight);
         }
         Ok(Self {
             air: *air,
-            points,
-            planar,
+            extent,
             plane,
-            rows,
+            clearance: diameter / (points.len() as f64).sqrt(),
             displacement,
-            sources,
+            sources: Sources {
+                points,
+                rows,
+                strengths,
+            },
             patches,
             absorbing: None,
             moving: None,
@@ -91,8 +100,8 @@ impl Rayleigh {
     /// A footprint outside the box, a speed or frequency that is not positive.
     pub fn with_moving_sand(mut self, sand: MovingSand) -> Result<Self, AcousticsError> {
         sand.check()?;
-        self.moving = Some(sand.patch(&self.air, &self.points, &self.displacement));
-        if self.patches.len() == self.rows.len() {
+        self.moving = Some(sand.patch(&self.air, &self.sources.points, &self.displacement));
+        if self.patches.len() == self.sources.rows.len() {
             self.patches.push("sand".to_owned());
         }
         Ok(self)
@@ -103,28 +112,41 @@ impl Rayleigh {
         &self.patches
     }
 
+    /// The same surface by as few sources as waves up to the frequency `hz` ask for; they sound as it does at places that
+    /// are [far](Self::is_far) from it.
+    pub(crate) fn up_to(&self, hz: f64) -> Self {
+        Self {
+            sources: self.sources.fewer(2.0 * PI * hz / self.air.sound_speed),
+            ..self.clone()
+        }
+    }
+
+    /// Whether a place is farther from the surface's middle than the surface is wide.
+    pub(crate) fn is_far(&self, place: &Point3<f64>) -> bool {
+        let [x, y] = middle(self.extent);
+        (place - Point3::new(x, y, self.plane)).norm() > diameter(self.extent)
+    }
+
     /// Resistance of every patch at the frequency `hz`; they add up to the whole, which is positive semidefinite.
     pub fn resistance(&self, hz: f64) -> Vec<Resistance> {
-        let omega = 2.0 * PI * hz;
-        let k = omega / self.air.sound_speed;
+        let k = 2.0 * PI * hz / self.air.sound_speed;
+        let Sources {
+            points,
+            rows,
+            strengths,
+        } = &self.sources;
         let sand = self.moving_sand(hz);
-        let sand_diameter = sand.as_ref().map_or(0.0, |(sand, _)| sand.planar.diameter);
-        let directions = Directions::new(k, self.planar.diameter.max(sand_diameter));
-        let of_rows = |rows: &Vec<usize>| {
-            let mut field = DMatrix::zeros(2 * directions.len(), self.sources.ncols());
-            directions.add_field(k, &self.planar, rows, &self.sources, &mut field);
-            field
-        };
-        let fields: Vec<DMatrix<f64>> = self.rows.iter().map(of_rows).collect();
+        let middle = middle(sand.as_ref().map_or(self.extent, |(sand, _)| sand.extent));
+        let waves = SphericalWaves::new(k, middle, radius(points, middle));
+        let fields: Vec<DMatrix<f64>> = rows.iter().map(|rows| waves.field(points, rows, strengths)).collect();
         let sand = sand.map(|(sand, followers)| {
-            let leaders = sand.edge.nrows();
-            let of_sand = directions.field_of_followers(k, &sand.planar, &followers, leaders);
+            let waves = SphericalWaves::new(k, middle, radius(&sand.places, middle));
+            let of_sand = waves.field_of_followers(&sand.places, &followers, sand.edge.nrows());
             (of_sand, &sand.edge)
         });
-        let mut forms = patch_forms(&fields, sand);
-        forms.resize(self.patches.len(), Resistance::zeros(self.sources.ncols()));
-        let factor = self.factor(hz);
-        forms.into_iter().map(|form| form.scaled(factor)).collect()
+        let mut forms = patch_forms(&fields, sand, self.factor(hz));
+        forms.resize(self.patches.len(), Resistance::zeros(strengths.ncols()));
+        forms
     }
 
     /// The sand where it moves, and how its points follow the block's edge there.
@@ -134,7 +156,7 @@ impl Rayleigh {
 
     /// Its own points and the modes' displacements there times area, points x modes.
     pub(super) fn own_sources(&self) -> (&[[f64; 2]], &DMatrix<f64>) {
-        (&self.points, &self.sources)
+        (&self.sources.points, &self.sources.strengths)
     }
 
     /// The resistance over a range of frequencies, sampled as finely as `sampling` asks.
@@ -159,7 +181,7 @@ impl Rayleigh {
             .moving
             .as_ref()
             .map_or_else(Vec::new, |sand| sand.fade_hz().to_vec());
-        let (modes, patches) = (self.sources.ncols(), self.patches.clone());
+        let (modes, patches) = (self.displacement.ncols(), self.patches.clone());
         SampledRadiation::with_kinks(method, modes, patches, (sampling, &kinks), |hz| {
             let resistance = self.resistance(hz);
             tell();
@@ -195,7 +217,7 @@ impl Rayleigh {
     /// the surface's diameter over the root of its number of points.
     pub fn pressure_at(&self, hz: f64, places: &[Point3<f64>]) -> Result<DMatrix<Complex<f64>>, AcousticsError> {
         let k = 2.0 * PI * hz / self.air.sound_speed;
-        let needed = self.clearance();
+        let needed = self.clearance;
         for place in places {
             let distance = place.z - self.plane;
             if distance.is_nan() || distance < 0.0 {
@@ -212,43 +234,49 @@ impl Rayleigh {
                 });
             }
         }
-        Ok(self.carried_by(hz, places.len(), |i, [x, y]| {
+        Ok(self.carried_by(hz, places.len(), |i, points, waves| {
             let p = places[i];
-            let r = (p.x - x).hypot(p.y - y).hypot(p.z - self.plane);
-            Complex::from_polar(1.0 / r, -k * r)
+            outgoing(k, ([p.x, p.y], p.z - self.plane), points, waves);
         }))
-    }
-
-    /// Least height above the plane at which the pressure can be evaluated \[m\].
-    fn clearance(&self) -> f64 {
-        self.planar.diameter / (self.points.len() as f64).sqrt()
     }
 
     /// Whether the pressure at each point can be evaluated, see [`Rayleigh::pressure_at`].
     pub fn is_clear(&self, points: &[Point3<f64>]) -> Vec<bool> {
-        points.iter().map(|p| p.z - self.plane >= self.clearance()).collect()
+        points.iter().map(|p| p.z - self.plane >= self.clearance).collect()
     }
 
-    /// rho0/(2 pi) sum_a S_a phi_a wave(i, x_a) over block and sand, i x modes, times the root of what absorbing sand
-    /// leaves of the power.
+    /// rho0/(2 pi) sum_a S_a phi_a w_i(x_a) over block and sand, i x modes, times the root of what absorbing sand leaves of the
+    /// power. `fill` gives the real and imaginary part of w_i at points by their coordinates.
     fn carried_by(
         &self,
         hz: f64,
         count: usize,
-        wave: impl Fn(usize, [f64; 2]) -> Complex<f64>,
+        fill: impl Fn(usize, [&[f64]; 2], [&mut [f64]; 2]),
     ) -> DMatrix<Complex<f64>> {
-        let waves = DMatrix::from_fn(count, self.points.len(), |i, j| wave(i, self.points[j]));
-        let mut real = waves.map(|z| z.re) * &self.sources;
-        let mut imaginary = waves.map(|z| z.im) * &self.sources;
-        if let Some((sand, followers)) = self.moving_sand(hz) {
-            let mut led = DMatrix::<Complex<f64>>::zeros(count, sand.edge.nrows());
-            for (point, follower) in followers.into_iter().enumerate() {
-                let at = sand.planar.at(point);
-                let column = led.column_mut(follower.leader).into_iter().enumerate();
-                column.for_each(|(i, to)| *to += follower.amplitude * wave(i, at));
+        let waves = |points: &[[f64; 2]]| {
+            let [x, y] = [0, 1].map(|axis| points.iter().map(|p| p[axis]).collect::<Vec<f64>>());
+            let mut waves = [0, 1].map(|_| DMatrix::zeros(points.len(), count));
+            let [re, im] = &mut waves;
+            for (i, (mut re, mut im)) in re.column_iter_mut().zip(im.column_iter_mut()).enumerate() {
+                fill(i, [&x, &y], [re.as_mut_slice(), im.as_mut_slice()]);
             }
-            real += led.map(|z| z.re) * &sand.edge;
-            imaginary += led.map(|z| z.im) * &sand.edge;
+            waves
+        };
+        let (points, strengths) = self.own_sources();
+        let [mut real, mut imaginary] = waves(points).map(|part| product(view(&part), view(strengths)));
+        if let Some((sand, followers)) = self.moving_sand(hz) {
+            let [re, im] = waves(&sand.places);
+            let mut led = [0, 1].map(|_| DMatrix::<f64>::zeros(sand.edge.nrows(), count));
+            for i in 0..count {
+                for ((re, im), follower) in re.column(i).iter().zip(&im.column(i)).zip(&followers) {
+                    let wave = follower.amplitude * Complex::new(*re, *im);
+                    led[0][(follower.leader, i)] += wave.re;
+                    led[1][(follower.leader, i)] += wave.im;
+                }
+            }
+            let [re, im] = led.map(|part| product(view(&part), view(&sand.edge)));
+            real += re;
+            imaginary += im;
         }
         let absorption = self.absorbing.map_or(1.0, |sand| sand.factor(hz));
         let factor = self.air.density / (2.0 * PI) * absorption.sqrt();
@@ -258,20 +286,12 @@ impl Rayleigh {
     /// Middle of all that moves, and how much later than from there waves from any of it can be, as a way in air \[m\]:
     /// sand moves later by what waves in it take from the block's edge.
     pub(crate) fn reach(&self) -> (f64, Point3<f64>) {
-        let own = (0..self.planar.len()).map(|i| self.planar.at(i));
-        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for point in own {
-            for axis in 0..2 {
-                low[axis] = low[axis].min(point[axis]);
-                high[axis] = high[axis].max(point[axis]);
-            }
-        }
-        let middle = Point3::new(0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), self.plane);
-        let own = 0.5 * self.planar.diameter;
+        let [x, y] = middle(self.extent);
+        let own = 0.5 * diameter(self.extent);
         let sand = self.moving.as_ref().map_or(0.0, |sand| {
-            0.5 * sand.planar.diameter + 0.5 * sand.lag() * self.air.sound_speed
+            0.5 * diameter(sand.extent) + 0.5 * sand.lag() * self.air.sound_speed
         });
-        (own.max(sand), middle)
+        (own.max(sand), Point3::new(x, y, self.plane))
     }
 
     /// Over which frequencies the sand's motion fades out, where it moves.
@@ -289,9 +309,11 @@ impl Rayleigh {
     /// times the root of what absorbing sand leaves of the power.
     pub fn far_field_at(&self, hz: f64, directions: &[Vector3<f64>]) -> DMatrix<Complex<f64>> {
         let k = 2.0 * PI * hz / self.air.sound_speed;
-        let wave =
-            |i: usize, [x, y]: [f64; 2]| Complex::from_polar(1.0, k * (directions[i].x * x + directions[i].y * y));
-        self.carried_by(hz, directions.len(), wave)
+        self.carried_by(hz, directions.len(), |i, [x, y], [re, im]| {
+            for (((x, y), re), im) in x.iter().zip(y).zip(re).zip(im) {
+                (*im, *re) = (k * (directions[i].x * x + directions[i].y * y)).sin_cos();
+            }
+        })
     }
 
     /// rho0 omega² / (2 pi c0), times the sand's absorption.
@@ -302,39 +324,169 @@ impl Rayleigh {
     }
 }
 
-/// The Hermitian parts of Y_p^H Y for every patch field Y_p, with Y their sum: real fields of the surface's own patches,
-/// and after them that of sand, Y_s = Z E, from the complex field Z of what follows each edge point and the edge's motion E.
-fn patch_forms(own: &[DMatrix<f64>], sand: Option<([DMatrix<f64>; 2], &DMatrix<f64>)>) -> Vec<Resistance> {
+/// Middle of a rectangle.
+fn middle(extent: [[f64; 2]; 2]) -> [f64; 2] {
+    extent.map(|[low, high]| 0.5 * (low + high))
+}
+
+/// Diagonal of a rectangle.
+fn diameter([[x0, x1], [y0, y1]]: [[f64; 2]; 2]) -> f64 {
+    (x1 - x0).hypot(y1 - y0)
+}
+
+/// Largest distance of points from a middle.
+fn radius(points: &[[f64; 2]], middle: [f64; 2]) -> f64 {
+    let distance = |p: &[f64; 2]| (p[0] - middle[0]).hypot(p[1] - middle[1]);
+    points.iter().map(distance).fold(0.0, f64::max)
+}
+
+/// `factor` times the Hermitian parts of Y_p^H Y for every patch field Y_p, with Y their sum: real fields of the surface's
+/// own patches, and after them that of sand, Y_s = Z E, from the complex field Z of what follows each edge point and the edge's
+/// motion E. The sand's field may have more waves.
+fn patch_forms(own: &[DMatrix<f64>], sand: Option<([DMatrix<f64>; 2], &DMatrix<f64>)>, factor: f64) -> Vec<Resistance> {
     let mut surface = own[0].clone();
     own[1..].iter().for_each(|field| surface += field);
-    let symmetric = |m: DMatrix<f64>| (&m + m.transpose()) * 0.5;
-    let skew = |m: DMatrix<f64>| (&m - m.transpose()) * 0.5;
+    let among = |field: &DMatrix<f64>| product(view(field), view(&surface));
     let Some(([re, im], edge)) = sand else {
         let alone = |field| Resistance {
-            real: symmetric(product(field, &surface)),
+            real: mirrored(among(field), 1.0, factor),
             imaginary: None,
         };
         return own.iter().map(alone).collect();
     };
+    // Z^H Y_p, real and imaginary part
+    let felt = |field: &DMatrix<f64>| [&re, &im].map(|part| product(view(part).subrows(0, field.nrows()), view(field)));
+    let led = |of_edge: &DMatrix<f64>| product(view(edge), view(of_edge));
     // Y_p^H Y = Y_p^T (Y_own + Re Z E) + j Y_p^T Im Z E
-    let beside = |field: &DMatrix<f64>| Resistance {
-        real: symmetric(product(field, &surface) + product(field, &re) * edge),
-        imaginary: Some(skew(product(field, &im) * edge)),
+    let beside = |field: &DMatrix<f64>| {
+        let [re, im] = felt(field);
+        let mut real = among(field);
+        real += led(&re);
+        Resistance {
+            real: mirrored(real, 1.0, factor),
+            imaginary: Some(mirrored(led(&im), -1.0, -factor)),
+        }
     };
     let mut forms: Vec<Resistance> = own.iter().map(beside).collect();
     // Y_s^H Y = E^T Z^H (Y_own + Z E)
-    let (within, across) = (product(&re, &re) + product(&im, &im), product(&re, &im));
+    let within = product(view(&re), view(&re)) + product(view(&im), view(&im));
+    let across = product(view(&re), view(&im));
+    let [of_re, of_im] = felt(&surface);
     forms.push(Resistance {
-        real: symmetric(product(edge, &(product(&re, &surface) + within * edge))),
-        imaginary: Some(skew(product(
-            edge,
-            &((&across - across.transpose()) * edge - product(&im, &surface)),
-        ))),
+        real: mirrored(led(&(of_re + within * edge)), 1.0, factor),
+        imaginary: Some(mirrored(
+            led(&((&across - across.transpose()) * edge - of_im)),
+            -1.0,
+            factor,
+        )),
     });
     forms
 }
 
-/// A^T B through the blocked matrix product, which nalgebra's own `tr_mul` is not.
-fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
-    a.transpose() * b
+/// `factor` times the symmetric part of a matrix, with `sign` -1 the antisymmetric one; tile by tile, as a cache likes it.
+fn mirrored(mut m: DMatrix<f64>, sign: f64, factor: f64) -> DMatrix<f64> {
+    const TILE: usize = 16;
+    let n = m.ncols();
+    let tiles = |from: usize| (from..n).step_by(TILE);
+    for (first, second) in tiles(0).flat_map(|first| tiles(first).map(move |second| (first, second))) {
+        for j in second..n.min(second + TILE) {
+            for i in first..n.min(first + TILE).min(j + 1) {
+                let value = 0.5 * factor * (m[(i, j)] + sign * m[(j, i)]);
+                m[(j, i)] = sign * value;
+                m[(i, j)] = value;
+            }
+        }
+    }
+    m
+}
+
+fn view(m: &DMatrix<f64>) -> MatRef<'_, f64> {
+    MatRef::from_column_major_slice(m.as_slice(), m.nrows(), m.ncols())
+}
+
+/// A^T B.
+fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> DMatrix<f64> {
+    let mut product = DMatrix::zeros(a.ncols(), b.ncols());
+    matmul(
+        MatMut::from_column_major_slice_mut(product.as_mut_slice(), a.ncols(), b.ncols()),
+        Accum::Replace,
+        a.transpose(),
+        b,
+        1.0,
+        Par::Seq,
+    );
+    product
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By waves, pair by pair and at places that are far, with sand that moves, up to the frequency they are chosen for.
+    #[test]
+    fn few_sources_radiate_like_all() {
+        let grid: Vec<[f64; 2]> = (0..1920)
+            .map(|i| {
+                [
+                    -0.2 + 0.4 * (f64::from(i % 60) + 0.5) / 60.0,
+                    -0.08 + 0.16 * (f64::from(i / 60) + 0.5) / 32.0,
+                ]
+            })
+            .collect();
+        let n = grid.len();
+        let mode =
+            |i: usize, j: usize| (8.0 * j as f64 * grid[i][0] + 0.5).cos() * (11.0 * j as f64 * grid[i][1]).cos();
+        let surface = RadiatingSurface::new(
+            grid.iter().map(|p| Point3::new(p[0], p[1], 0.1)).collect(),
+            vec![Vector3::z(); n],
+            vec![0.064 / n as f64; n],
+            grid.iter().map(|p| usize::from(p[0] > 0.05)).collect(),
+            vec!["left".to_owned(), "right".to_owned()],
+            DMatrix::from_fn(n, 4, mode),
+        );
+        let sand = MovingSand {
+            footprint: [[-0.2, 0.2], [-0.08, 0.08]],
+            sand: [[-0.3, 0.3], [-0.25, 0.35]],
+            shear_speed: 112.0,
+            loss_factor: 0.1,
+            to_hz: 1000.0,
+        };
+        for temperature in [253.0, 313.0] {
+            let air = Air::at(temperature, 9e4).unwrap();
+            let all = Rayleigh::new(surface.as_ref().unwrap(), &air)
+                .unwrap()
+                .with_moving_sand(sand)
+                .unwrap();
+            let few = all.up_to(1000.0);
+            assert!(2 * few.sources.points.len() < n);
+            for hz in [45.0, 400.0, 999.0, 1000.0] {
+                let close = |few: &Resistance, all: &Resistance, diagonal: &DMatrix<f64>| {
+                    for (i, j) in (0..4).flat_map(|i| (0..4).map(move |j| (i, j))) {
+                        let size = (diagonal[(i, i)] * diagonal[(j, j)]).sqrt();
+                        let part = |m: &Resistance| m.imaginary.as_ref().map_or(0.0, |m| m[(i, j)]);
+                        let off = (few.real[(i, j)] - all.real[(i, j)]).hypot(part(few) - part(all)) / size;
+                        assert!(off < 1e-7, "{temperature} K, {hz} Hz, {i} {j}: {off:e}");
+                    }
+                };
+                let pairs = all.surface_resistance(hz);
+                for (few, all) in few.resistance(hz).iter().zip(&all.resistance(hz)) {
+                    close(few, all, &pairs.real);
+                }
+                close(&few.surface_resistance(hz), &pairs, &pairs.real);
+                let places = [
+                    Point3::new(0.5, 0.0, 0.11),
+                    Point3::new(-0.3, 0.9, 0.6),
+                    Point3::new(0.0, 0.0, 0.6),
+                ];
+                assert!(places.iter().all(|place| few.is_far(place)));
+                let (few, all) = (few.pressure_at(hz, &places), all.pressure_at(hz, &places));
+                let (few, all) = (few.unwrap(), all.unwrap());
+                assert!(
+                    (&few - &all).camax() < 1e-8 * all.camax(),
+                    "{hz} Hz: {:e}",
+                    (&few - &all).camax() / all.camax()
+                );
+            }
+        }
+    }
 }

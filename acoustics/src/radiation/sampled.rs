@@ -5,7 +5,7 @@ mod evaluate;
 mod file;
 
 use super::interval::{Interval, ORDERS, check_range, gained, lobatto};
-use super::packed::Packed;
+use super::packed::{self, Packed};
 use super::resistance::Resistance;
 use super::roots::hermitian_root;
 use crate::error::{AcousticsError, positive};
@@ -143,7 +143,7 @@ impl SampledRadiation {
         edges.dedup();
         let mut pending: Vec<(f64, f64, usize)> = edges.windows(2).map(|ends| (ends[0], ends[1], 0)).collect();
         let (mut samples, mut index) = (Vec::<Sample>::new(), BTreeMap::<u64, usize>::new());
-        let mut wholes = Vec::<Resistance>::new();
+        let mut wholes = Vec::<Vec<f64>>::new();
         let (mut intervals, mut error) = (Vec::new(), 0.0f64);
         while !pending.is_empty() {
             let mut wanted: Vec<f64> = pending.iter().flat_map(|&(a, b, o)| lobatto(a, b, ORDERS[o])).collect();
@@ -153,11 +153,7 @@ impl SampledRadiation {
             // Judged before they are rounded.
             let take = |&hz: &f64| {
                 let patches = resistance(hz);
-                let mut whole = Resistance::zeros(modes);
-                patches
-                    .iter()
-                    .for_each(|r| whole.add_scaled((2.0 * PI * hz).powi(-2), r));
-                (Sample::new(hz, &patches), whole)
+                (Sample::new(hz, &patches), packed::whole(modes, &patches))
             };
             for (sample, whole) in wanted.par_iter().map(take).collect::<Vec<_>>() {
                 index.insert(sample.hz.to_bits(), samples.len());
@@ -170,7 +166,8 @@ impl SampledRadiation {
                     let nodes = lobatto(low, high, ORDERS[order]);
                     let nodes = nodes.map(|hz| index[&hz.to_bits()]).collect();
                     let interval = Interval::chebyshev(low, high, nodes);
-                    let error = interval.error(|s| wholes[s].clone(), modes, sampling.floor);
+                    let whole = |s: usize| (&wholes[s][..], samples[s].inverse());
+                    let error = interval.error(whole, modes, sampling.floor);
                     (interval, error)
                 })
                 .collect();

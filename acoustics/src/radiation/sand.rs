@@ -1,13 +1,15 @@
 //! Sand around a flush block: what it absorbs and what it radiates.
 
-use super::plane_waves::{Follower, PlanarPoints};
 use super::quadrature::gauss_legendre;
+use super::sources::{Grid, extent};
+use super::spherical_waves::Follower;
 use crate::air::Air;
 use crate::error::{AcousticsError, positive};
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 
 /// Normalised surface admittance beta = rho0 c0 / Z of a half space of porous material.
 ///
@@ -54,10 +56,8 @@ impl AbsorbingSand {
         let beta = miki_admittance(hz, self.resistivity);
         // u = t² gathers the nodes where u ~ beta.
         let value = |t: f64| 2.0 * t * (Complex::from(t * t) / (beta + t * t)).norm_sqr();
-        gauss_legendre(48)
-            .into_iter()
-            .map(|(x, w)| 0.5 * w * value(0.5 * (1.0 + x)))
-            .sum()
+        static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(48));
+        RULE.iter().map(|(x, w)| 0.5 * w * value(0.5 * (1.0 + x))).sum()
     }
 
     /// The factor g^share applied.
@@ -105,10 +105,16 @@ pub struct MovingSand {
 /// Rayleigh wave speed over shear wave speed, for a Poisson ratio of 0.3.
 const RAYLEIGH_SPEED: f64 = 0.93;
 
+/// What differs by less, relative to its size, is equal.
+const ROUNDING: f64 = 1e-6;
+
 /// The sand's surface in quadrature points, each of which follows a point of the block's edge.
 #[derive(Debug, Clone)]
 pub(super) struct SandPatch {
-    pub(super) planar: PlanarPoints,
+    /// Where they are, x and y \[m\].
+    pub(super) places: Vec<[f64; 2]>,
+    /// Intervals of x and y that they take up.
+    pub(super) extent: [[f64; 2]; 2],
     points: Vec<FollowingPoint>,
     /// The block's modal displacements at the points of its edge that lead, edge points x modes.
     pub(super) edge: DMatrix<f64>,
@@ -193,7 +199,8 @@ impl MovingSand {
         };
         let following = points.iter().zip(weights).map(&mut follow).collect();
         SandPatch {
-            planar: PlanarPoints::new(&points),
+            extent: extent(&points),
+            places: points,
             points: following,
             edge: DMatrix::from_rows(&edge),
             radius: self.radius(),
@@ -202,8 +209,8 @@ impl MovingSand {
     }
 }
 
-/// Displacement at a point of the edge: the plane through the nine nearest quadrature points, least squares. Exact for
-/// rigid motion.
+/// Displacement at a point of the edge: the plane through the nine nearest quadrature points and those as far as the ninth,
+/// so that mirror images of edge points move alike, least squares. Exact for rigid motion.
 fn plane_fit(block: &[[f64; 2]], displacement: &DMatrix<f64>, at: [f64; 2]) -> nalgebra::RowDVector<f64> {
     let mut near: Vec<(f64, usize)> = block
         .iter()
@@ -211,17 +218,21 @@ fn plane_fit(block: &[[f64; 2]], displacement: &DMatrix<f64>, at: [f64; 2]) -> n
         .map(|(i, p)| ((p[0] - at[0]).hypot(p[1] - at[1]), i))
         .collect();
     near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    near.truncate(9);
+    let ninth = near.get(8).map_or(f64::INFINITY, |(distance, _)| *distance);
+    near.retain(|(distance, _)| *distance <= ninth * (1.0 + ROUNDING));
     let rows: Vec<usize> = near.iter().map(|(_, i)| *i).collect();
     let values = displacement.select_rows(&rows);
+    let size = if ninth.is_finite() && ninth > 0.0 { ninth } else { 1.0 };
     let basis = DMatrix::from_fn(rows.len(), 3, |i, j| match j {
         0 => 1.0,
-        j => block[rows[i]][j - 1] - at[j - 1],
+        j => (block[rows[i]][j - 1] - at[j - 1]) / size,
     });
-    match basis.clone().svd(true, true).pseudo_inverse(1e-9 * basis.norm()) {
+    // Points on a line leave no plane.
+    let factor = (basis.transpose() * &basis).cholesky();
+    match factor.filter(|factor| factor.l_dirty().diagonal().min() > ROUNDING) {
         // The plane's value at the edge point is its constant term.
-        Ok(inverse) => inverse.row(0) * values,
-        Err(_) => values.row(0).into_owned(),
+        Some(factor) => (basis * factor.solve(&DVector::from_vec(vec![1.0, 0.0, 0.0]))).transpose() * values,
+        None => values.row(0).into_owned(),
     }
 }
 
@@ -234,6 +245,24 @@ impl SandPatch {
             amplitude: p.weight * self.law.carried(p.distance, self.radius, hz),
         };
         Some(self.points.iter().map(follower).collect())
+    }
+
+    /// What follows each edge point as sources on a grid: real and imaginary part, grid points x edge points.
+    pub(super) fn carried(&self, grid: &Grid, followers: &[Follower]) -> [DMatrix<f64>; 2] {
+        let n = grid.len();
+        let mut carried = [0, 1].map(|_| DMatrix::zeros(n, self.edge.nrows()));
+        let mut shares = vec![0.0; n];
+        for (place, follower) in self.places.iter().zip(followers) {
+            grid.shares(*place, &mut shares);
+            let amplitude = follower.amplitude;
+            for (carried, amplitude) in carried.iter_mut().zip([amplitude.re, amplitude.im]) {
+                let to = &mut carried.as_mut_slice()[follower.leader * n..][..n];
+                to.iter_mut()
+                    .zip(&shares)
+                    .for_each(|(to, share)| *to += amplitude * share);
+            }
+        }
+        carried
     }
 
     /// Latest that any of it moves after the block's edge \[s\].

@@ -1,4 +1,4 @@
-//! The power of a flush surface once more: from the intensity on the surface, beside that of the plane waves it sends.
+//! The power of a flush surface once more: from the intensity on the surface, beside that of the spherical waves it sends.
 
 use super::archive::{Archive, ArchiveReader, ArchiveWriter};
 use super::energy::ModalSpectra;
@@ -6,6 +6,7 @@ use super::kernel::sinc;
 use super::rayleigh::Rayleigh;
 use super::resistance::{ModalRadiation, Resistance};
 use super::roots::image;
+use super::sources::Grid;
 use crate::error::{AcousticsError, same_length};
 use crate::levels::{Band, Weighting, energy_weights};
 use nalgebra::{Complex, DMatrix};
@@ -111,7 +112,7 @@ impl Rayleigh {
     /// ```
     ///
     /// the real part of the pressure on the surface times the velocity there, while [`Rayleigh::resistance`] sums the
-    /// plane waves in all directions. Both take the same share off for sand that absorbs.
+    /// spherical waves that carry it away. Both take the same share off for sand that absorbs.
     pub fn surface_resistance(&self, hz: f64) -> Resistance {
         let k = 2.0 * PI * hz / self.air().sound_speed;
         let (points, sources) = self.own_sources();
@@ -120,36 +121,28 @@ impl Rayleigh {
         let mut real = own_pairs(k, [&x, &y], sources);
         let mut imaginary = None;
         if let Some((sand, followers)) = self.moving_sand(hz) {
-            let places: Vec<[f64; 2]> = (0..followers.len()).map(|i| sand.planar.at(i)).collect();
+            // The sand's points are many where waves in it are short; those in air need fewer.
+            let grid = Grid::new(sand.extent, k);
+            let [re, im] = sand.carried(&grid, &followers);
+            let places = grid.points();
             let (sand_x, sand_y) = (axis(&places, 0), axis(&places, 1));
-            // What each edge point leads, felt at the points of the surface and at those that others lead.
+            let mut kernel = DMatrix::zeros(points.len(), places.len());
+            for (place, mut column) in places.iter().zip(kernel.column_iter_mut()) {
+                sinc(k, *place, [&x, &y], column.as_mut_slice());
+            }
             let leaders = sand.edge.nrows();
-            let mut on_surface = [0, 1].map(|_| DMatrix::<f64>::zeros(points.len(), leaders));
-            let mut on_sand = [0, 1].map(|_| DMatrix::<f64>::zeros(places.len(), leaders));
-            let mut kernel = Vec::new();
-            for (place, follower) in places.iter().zip(&followers) {
-                for (felt, xy) in [(&mut on_surface, [&x, &y]), (&mut on_sand, [&sand_x, &sand_y])] {
-                    kernel.resize(xy[0].len(), 0.0);
-                    sinc(k, *place, [xy[0], xy[1]], &mut kernel);
-                    let amplitude = follower.amplitude;
-                    for (felt, amplitude) in felt.iter_mut().zip([amplitude.re, amplitude.im]) {
-                        let rows = kernel.len();
-                        let to = &mut felt.as_mut_slice()[follower.leader * rows..][..rows];
-                        to.iter_mut().zip(&kernel).for_each(|(to, k)| *to += amplitude * k);
-                    }
-                }
-            }
-            let mut within = DMatrix::<Complex<f64>>::zeros(leaders, leaders);
-            for (point, follower) in followers.iter().enumerate() {
-                for (column, to) in within.row_mut(follower.leader).iter_mut().enumerate() {
-                    let felt = Complex::new(on_sand[0][(point, column)], on_sand[1][(point, column)]);
-                    *to += follower.amplitude.conj() * felt;
-                }
-            }
+            let mut both = DMatrix::zeros(places.len(), 2 * leaders);
+            both.columns_mut(0, leaders).copy_from(&re);
+            both.columns_mut(leaders, leaders).copy_from(&im);
+            // What edge points lead, felt at the points of the surface, and among what edge points lead.
+            let on_surface = sources.transpose() * (kernel * &both);
+            let within = own_pairs(k, [&sand_x, &sand_y], &both);
+            let within = (&within + within.transpose()) * 0.5;
+            let within = |i: usize, j: usize| within.view((i * leaders, j * leaders), (leaders, leaders));
             let edge = &sand.edge;
-            let across = on_surface.map(|felt| (sources.transpose() * felt) * edge);
-            real += &across[0] + across[0].transpose() + edge.transpose() * within.map(|z| z.re) * edge;
-            let skew = &across[1] - across[1].transpose() + edge.transpose() * within.map(|z| z.im) * edge;
+            let across = [0, 1].map(|part| on_surface.columns(part * leaders, leaders) * edge);
+            real += &across[0] + across[0].transpose() + edge.transpose() * (within(0, 0) + within(1, 1)) * edge;
+            let skew = &across[1] - across[1].transpose() + edge.transpose() * (within(0, 1) - within(1, 0)) * edge;
             imaginary = Some((&skew - skew.transpose()) * 0.5);
         }
         Resistance {
@@ -160,7 +153,7 @@ impl Rayleigh {
     }
 }
 
-/// Phi^T S K S Phi of the surface's own points, chunk by chunk.
+/// Phi^T S K S Phi of all pairs of some points but for its antisymmetric part, chunk by chunk.
 fn own_pairs(k: f64, [x, y]: [&[f64]; 2], sources: &DMatrix<f64>) -> DMatrix<f64> {
     const CHUNK: usize = 256;
     let n = x.len();

@@ -15,10 +15,11 @@ use nalgebra::Point3;
 /// ```
 ///
 /// Sand that absorbs multiplies R by its factor g(f) and p by the root of it. Sand that moves has a wavenumber of its own;
-/// it is computed in its air, up to where it comes to rest, and [continued](FlushSound::continued) by the surface alone.
+/// it is computed in every air, up to where it comes to rest, and [continued](FlushSound::continued) by the surface alone.
+/// That is a matter of long waves, for which the surface's points are carried to a tenth of their number.
 #[derive(Debug, Clone)]
 pub struct FlushSound {
-    /// Its resistance, by plane waves.
+    /// Its resistance, by spherical waves.
     pub waves: SampledRadiation,
     /// The same by pairs of points, band by band.
     pub surface: SurfaceEvaluations,
@@ -43,11 +44,17 @@ impl FlushSound {
         origin: Point3<f64>,
         tell: &(dyn Fn() + Sync),
     ) -> Result<Self, AcousticsError> {
-        let waves = surface.sampled_telling(sampling, tell)?;
+        let few = surface.up_to(sampling.range_hz[1]);
+        let waves = few.sampled_telling(sampling, tell)?;
+        let heard_of = if places.iter().all(|place| few.is_far(place)) {
+            &few
+        } else {
+            surface
+        };
         Ok(Self {
-            heard: SoundAbovePlane::new(surface, &waves, places, origin)?,
+            heard: SoundAbovePlane::new(heard_of, &waves, places, origin)?,
             waves: waves.with_roots(),
-            surface: SurfaceEvaluations::new(surface, sampling.range_hz[1]),
+            surface: SurfaceEvaluations::new(&few, sampling.range_hz[1]),
         })
     }
 
