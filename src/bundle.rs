@@ -259,7 +259,9 @@ impl Bundle {
         let same = |file: &File| fs::read(folder.join(&file.path)).is_ok_and(|there| there == file.content.0);
         let task = |file| Bring::task(file, written);
         let is_last = |file: &&File| file.path == Path::new(LAST);
-        let differing = self.files.par_iter().filter(|file| !is_last(file) && !same(file));
+        // What a run has just written is moved, be it the same or not: to see that would cost more.
+        let wanted = |file: &&File| !is_last(file) && (unfinished.is_some() || !same(file));
+        let differing = self.files.par_iter().filter(wanted);
         let mut tasks: Vec<(&Path, Bring<'_>)> = differing.map(task).collect();
         if of_bodies.exists() {
             let paths = self.fields.0.iter().map(|(path, _)| path.as_path());

@@ -1,5 +1,9 @@
 //! Sound energy of the moving surfaces: the workpiece with its support, and the tool body.
 
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
+
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::ModalBem;
 use nailnoise_acoustics::fourier::TransformSettings;
@@ -39,32 +43,67 @@ pub(super) fn modal_spectra(
     structure: &Structure,
     response: &ModalResponse,
 ) -> Result<Vec<ModalSpectra>, Error> {
-    structure
-        .bodies()
-        .enumerate()
-        .map(|(index, body)| body_spectra(design, index, body, response))
-        .collect()
+    let of_body = |(index, body): (usize, &Body)| {
+        let nothing = DMatrix::zeros(body.omega.len(), 0);
+        Ok(body_spectra(design, index, body, response, &nothing)?.0)
+    };
+    structure.bodies().enumerate().map(of_body).collect()
 }
 
-/// Fourier transforms of the modal accelerations of the body at `index` of a response.
+/// Fourier transforms of the modal accelerations of the body at `index` of a response, and the accelerations of some points
+/// of it on the response's grid (samples x points), given what each mode moves them by (modes x points).
 pub(super) fn body_spectra(
     design: &Design,
     index: usize,
     body: &Body,
     response: &ModalResponse,
-) -> Result<ModalSpectra, Error> {
+    points: &DMatrix<f64>,
+) -> Result<(ModalSpectra, DMatrix<f64>), Error> {
     let settings = TransformSettings {
         range_hz: [design.analysis.range_low, body.top_hz.min(design.analysis.range_high)],
         ..TransformSettings::default()
     };
-    ModalSpectra::from_blocks(
+    let sum = Mutex::new(InOrder {
+        sum: DMatrix::zeros(response.samples(), points.ncols()),
+        next: 0,
+        waiting: BTreeMap::new(),
+    });
+    let spectra = ModalSpectra::from_blocks(
         body.omega.len(),
         BLOCK,
         response.samples(),
         response.step,
         &settings,
-        |modes| Ok(response.modal(index, modes, Motion::Acceleration)?),
-    )
+        |modes| {
+            let motion = response.modal(index, modes.clone(), Motion::Acceleration)?;
+            if points.ncols() > 0 {
+                let part = &motion * points.rows(modes.start, modes.len());
+                sum.lock().unwrap_or_else(PoisonError::into_inner).add(modes, part);
+            }
+            Ok::<_, Error>(motion)
+        },
+    )?;
+    let InOrder { sum, .. } = sum.into_inner().unwrap_or_else(PoisonError::into_inner);
+    Ok((spectra, sum))
+}
+
+/// A sum of parts that come in any order, taken in theirs: it does not depend on the threads.
+struct InOrder {
+    sum: DMatrix<f64>,
+    /// First mode of the part that is next.
+    next: usize,
+    /// Parts that came too early, with the mode after each.
+    waiting: BTreeMap<usize, (usize, DMatrix<f64>)>,
+}
+
+impl InOrder {
+    fn add(&mut self, modes: Range<usize>, part: DMatrix<f64>) {
+        self.waiting.insert(modes.start, (modes.end, part));
+        while let Some((end, part)) = self.waiting.remove(&self.next) {
+            self.sum += part;
+            self.next = end;
+        }
+    }
 }
 
 /// The workpiece with its support as one source.

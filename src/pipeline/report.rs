@@ -1,12 +1,10 @@
 //! What stands beside the power of a surface: the second evaluation, the reference of radiation efficiency 1, and how
 //! well the limit of high frequencies meets the boundary elements.
 
-use std::f64::consts::PI;
-
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::ModalBem;
 use nailnoise_acoustics::levels::{BandLevel, SourceSpectrum, Weighting, energy_level};
-use nailnoise_acoustics::radiation::{ModalRadiation, ModalSpectra};
+use nailnoise_acoustics::radiation::{ModalRadiation, ModalSpectra, sphere_efficiency};
 
 use super::radiator::Flush;
 use crate::result::{Check, RadiationBand, RadiationReport};
@@ -163,11 +161,8 @@ pub(super) fn rigid_report(
     volume: f64,
     air: &Air,
 ) -> RadiationReport {
-    let (range, a) = (far_field.range_hz, (3.0 * volume / (4.0 * PI)).cbrt());
-    let of_bin = |(hz, energy): (&f64, &f64)| {
-        let ka4 = (2.0 * PI * hz * a / air.sound_speed).powi(4);
-        energy * (4.0 + ka4) / ka4
-    };
+    let range = far_field.range_hz;
+    let of_bin = |(hz, energy): (&f64, &f64)| energy / sphere_efficiency(volume, air, *hz);
     let erp = SourceSpectrum {
         energy_density: surface
             .frequency

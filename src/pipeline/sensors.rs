@@ -5,15 +5,14 @@ use std::f64::consts::FRAC_PI_8;
 use nailnoise_acoustics::fourier::filtered;
 use nailnoise_acoustics::radiation::MovingSand;
 use nailnoise_dynamics::CycleRecord;
-use nailnoise_fem::transient::{Loads, ModalResponse, Motion, Settings};
+use nailnoise_fem::transient::{Loads, ModalResponse, Settings};
 use nailnoise_meshes::MeshError;
-use nalgebra::{Complex, DMatrix, DVector, Point3, Vector3};
+use nalgebra::{Complex, DMatrix, Point3, Vector3};
 use rayon::prelude::*;
 
-use super::bodies::{Body, Structure};
+use super::bodies::Body;
 use super::pattern::Pattern;
 use super::radiation::moving_sand;
-use super::tool::Tool;
 use crate::design::{BodyModel, Carrier, Design, Sensor, SensorProblem, SupportKind};
 use crate::error::Error;
 use crate::result::SensorLevel;
@@ -37,41 +36,112 @@ pub struct SensorRecord {
     pub acceleration: Vec<f64>,
 }
 
-/// What moves in a shot.
-#[derive(Clone, Copy)]
-pub(super) struct Shot<'a> {
-    /// Workpiece and what it stands on.
-    pub structure: &'a Structure,
-    /// Their response.
-    pub response: &'a ModalResponse,
-    /// The tool's body, unless it is rigid.
-    pub tool: Option<&'a Tool>,
-    /// The cycle, whose tool a rigid one is.
-    pub record: &'a CycleRecord,
+/// An elastic body of a shot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Moving {
+    Block,
+    Table,
+    Tool,
 }
 
-/// The records of all sensors whose body the design has, by name, as long as the response of the workpiece.
+/// The sensors that read a body.
+pub(super) struct Sensing {
+    names: Vec<String>,
+    /// Displacement of each mode along the axis of each sensor: modes x sensors \[kg^-1/2\].
+    pub(super) shapes: DMatrix<f64>,
+}
+
+/// What sensors read of a body.
+pub(super) struct Sensed {
+    names: Vec<String>,
+    /// Acceleration along their axes on the grid of the body's response: samples x sensors \[m/s2\].
+    motion: DMatrix<f64>,
+}
+
+impl Sensing {
+    /// Those of a design on one of its bodies.
+    ///
+    /// # Errors
+    /// [`DesignError::Sensor`](crate::design::DesignError::Sensor) for a sensor that is not on its body.
+    pub(super) fn of(design: &Design, carrier: Moving, body: &Body) -> Result<Self, Error> {
+        let (mut names, mut shapes) = (Vec::new(), Vec::new());
+        for (name, sensor) in present(design) {
+            let place = match (sensor.body, carrier) {
+                (Carrier::Workpiece, Moving::Block)
+                | (Carrier::Worktable, Moving::Table)
+                | (Carrier::Tool, Moving::Tool) => (Point3::new(sensor.x, sensor.y, sensor.z), axis(sensor)),
+                (Carrier::Sand, Moving::Block) => {
+                    let law = moving_sand(design)?;
+                    let distance = off_the_sand(&law, [sensor.x, sensor.y]);
+                    if distance > 0.0 {
+                        return Err(outside(design, name, sensor, "sand's surface", distance));
+                    }
+                    let [x, y] = law.edge([sensor.x, sensor.y]);
+                    let edge = Point3::new(x, y, design.workpiece.thickness);
+                    (edge, Vector3::z() * axis(sensor).z)
+                }
+                _ => continue,
+            };
+            let pattern = Pattern::near(&body.mesh, place.0, place.1, OFF).map_err(|error| match error {
+                MeshError::Outside { distance, .. } => outside(design, name, sensor, body.name, distance),
+                other => other.into(),
+            })?;
+            names.push(name.clone());
+            shapes.push(pattern.of_modes(&body.basis.shapes));
+        }
+        let mut all = DMatrix::zeros(body.omega.len(), shapes.len());
+        all.column_iter_mut()
+            .zip(&shapes)
+            .for_each(|(mut to, shape)| to.copy_from(shape));
+        Ok(Self { names, shapes: all })
+    }
+
+    /// With what they read, samples x sensors \[m/s2\].
+    pub(super) fn sensed(self, motion: DMatrix<f64>) -> Sensed {
+        Sensed {
+            names: self.names,
+            motion,
+        }
+    }
+}
+
+impl Sensed {
+    fn of(&self, name: &str) -> Option<Vec<f64>> {
+        let number = self.names.iter().position(|own| own == name)?;
+        Some(self.motion.column(number).iter().copied().collect())
+    }
+}
+
+/// The records of all sensors whose body the design has, by name, as long as the response of the workpiece; a rigid tool is
+/// that of the cycle.
 ///
 /// # Errors
-/// [`DesignError::Sensor`](crate::design::DesignError::Sensor) for a sensor that is not on its body.
-pub(super) fn sensors(design: &Design, shot: Shot<'_>) -> Result<Vec<SensorRecord>, Error> {
-    let present: Vec<_> = design
-        .sensors
-        .iter()
-        .filter(|(_, sensor)| carries(design, sensor.body))
-        .collect();
-    let sites: Vec<Site> = present
-        .par_iter()
-        .map(|(name, sensor)| Site::of(design, shot, name, sensor))
-        .collect::<Result<_, _>>()?;
-    let interval = shot.response.step;
-    let raw = accelerations(shot, &sites)?;
-    let record = |(((name, sensor), site), raw): (((&String, &Sensor), &Site), Vec<f64>)| {
+/// Those of the filter.
+pub(super) fn sensors(
+    design: &Design,
+    (response, record): (&ModalResponse, &CycleRecord),
+    sensed: &[&Sensed],
+) -> Result<Vec<SensorRecord>, Error> {
+    let interval = response.step;
+    let of_sensor = |(name, sensor): (&String, &Sensor)| {
+        let read = sensed.iter().find_map(|sensed| sensed.of(name));
+        let rigid = read.is_none();
+        // The cycle counts downwards, the sensor upwards.
+        let raw = read.unwrap_or_else(|| falling(response, record, -axis(sensor).z));
+        let top_hz = if rigid {
+            f64::INFINITY
+        } else {
+            top_of(design, sensor.body)
+        };
+        let sand = match sensor.body {
+            Carrier::Sand => Some(moving_sand(design)?),
+            _ => None,
+        };
         let at = [sensor.x, sensor.y];
         let mut acceleration = filtered(&raw, interval, PADDING, |hz| {
-            band(sensor, site.top_hz, hz) * site.sand.map_or(Complex::from(1.0), |sand| sand.ratio(at, hz))
+            band(sensor, top_hz, hz) * sand.map_or(Complex::from(1.0), |sand| sand.ratio(at, hz))
         })?;
-        acceleration.truncate(shot.response.samples());
+        acceleration.truncate(response.samples());
         Ok(SensorRecord {
             name: name.clone(),
             body: sensor.body,
@@ -79,38 +149,12 @@ pub(super) fn sensors(design: &Design, shot: Shot<'_>) -> Result<Vec<SensorRecor
             acceleration,
         })
     };
-    present.into_par_iter().zip(&sites).zip(raw).map(record).collect()
-}
-
-/// Acceleration along the axis of every sensor on the grid of the response \[m/s2\]; a body's motion is run through once for
-/// all sensors on it.
-fn accelerations(shot: Shot<'_>, sites: &[Site]) -> Result<Vec<Vec<f64>>, Error> {
-    let mut found = vec![Vec::new(); sites.len()];
-    for carrier in [Moving::Block, Moving::Table, Moving::Tool] {
-        let on_it = |(number, site): (usize, &'_ Site)| match &site.reads {
-            Reads::Modes(of, shape) if *of == carrier => Some((number, shape.clone())),
-            _ => None,
-        };
-        let (numbers, shapes): (Vec<usize>, Vec<DVector<f64>>) = sites.iter().enumerate().filter_map(on_it).unzip();
-        let Some((response, body)) = carrier.response(shot).filter(|_| !numbers.is_empty()) else {
-            continue;
-        };
-        let motion = response.points(body, &DMatrix::from_columns(&shapes), Motion::Acceleration)?;
-        for (number, column) in numbers.into_iter().zip(motion.column_iter()) {
-            found[number] = column.as_slice().to_vec();
-        }
-    }
-    for (site, found) in sites.iter().zip(&mut found) {
-        if let Reads::Fall(share) = site.reads {
-            *found = falling(shot, share);
-        }
-    }
-    Ok(found)
+    let present: Vec<_> = present(design).collect();
+    present.into_par_iter().map(of_sensor).collect()
 }
 
 /// Acceleration of a rigid tool on the grid of the response, times a factor.
-fn falling(shot: Shot<'_>, factor: f64) -> Vec<f64> {
-    let (response, record) = (shot.response, shot.record);
+fn falling(response: &ModalResponse, record: &CycleRecord, factor: f64) -> Vec<f64> {
     // After the record the forces on the tool balance each other.
     let fall = Loads {
         interval: record.sample_interval,
@@ -119,6 +163,12 @@ fn falling(shot: Shot<'_>, factor: f64) -> Vec<f64> {
     };
     let fall = fall.sampled(response.step, response.samples(), Settings::default().taper);
     (fall * factor).as_slice().to_vec()
+}
+
+/// The sensors whose body the design has, by name.
+fn present(design: &Design) -> impl Iterator<Item = (&String, &Sensor)> {
+    let sensors = design.sensors.iter().map(|(name, sensor)| (name, sensor));
+    sensors.filter(|(_, sensor)| carries(design, sensor.body))
 }
 
 /// Names of the sensors whose body the design lacks.
@@ -141,88 +191,6 @@ fn carries(design: &Design, body: Carrier) -> bool {
 /// How far off its body a sensor may be \[m\]: less than half its base, more than the chords of a mesh are off the
 /// cylinders that they stand for.
 const OFF: f64 = 1e-3;
-
-/// An elastic body of a shot.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Moving {
-    Block,
-    Table,
-    Tool,
-}
-
-impl Moving {
-    /// The response that it is part of, and its place there.
-    fn response(self, shot: Shot<'_>) -> Option<(&ModalResponse, usize)> {
-        match self {
-            Self::Block => Some((shot.response, 0)),
-            Self::Table => Some((shot.response, 1)),
-            Self::Tool => shot.tool.map(|tool| (&tool.response, 0)),
-        }
-    }
-
-    fn body(self, shot: Shot<'_>) -> Option<&Body> {
-        match self {
-            Self::Block => Some(&shot.structure.workpiece),
-            Self::Table => shot.structure.worktable.as_ref(),
-            Self::Tool => shot.tool.map(|tool| &tool.body),
-        }
-    }
-}
-
-/// What a sensor reads.
-enum Reads {
-    /// A body, by the displacement of each of its modes along the sensor's axis.
-    Modes(Moving, DVector<f64>),
-    /// A rigid tool, whose fall in the cycle counts with this factor.
-    Fall(f64),
-}
-
-/// Where a sensor reads a shot.
-struct Site {
-    reads: Reads,
-    /// The law by which sand carries the block's motion to the sensor.
-    sand: Option<MovingSand>,
-    /// Frequency up to which that motion is part of the result \[Hz\].
-    top_hz: f64,
-}
-
-impl Site {
-    fn of(design: &Design, shot: Shot<'_>, name: &str, sensor: &Sensor) -> Result<Self, Error> {
-        let axis = axis(sensor);
-        let at = Point3::new(sensor.x, sensor.y, sensor.z);
-        let on = |carrier: Moving, at: Point3<f64>, axis: Vector3<f64>| {
-            let Some(body) = carrier.body(shot) else {
-                // The cycle counts downwards, the sensor upwards.
-                return Ok(Reads::Fall(-axis.z));
-            };
-            let pattern = Pattern::near(&body.mesh, at, axis, OFF).map_err(|error| match error {
-                MeshError::Outside { distance, .. } => outside(design, name, sensor, body.name, distance),
-                other => other.into(),
-            })?;
-            Ok::<_, Error>(Reads::Modes(carrier, pattern.of_modes(&body.basis.shapes)))
-        };
-        let (reads, sand) = match sensor.body {
-            Carrier::Workpiece => (on(Moving::Block, at, axis)?, None),
-            Carrier::Worktable => (on(Moving::Table, at, axis)?, None),
-            Carrier::Tool => (on(Moving::Tool, at, axis)?, None),
-            Carrier::Sand => {
-                let law = moving_sand(design)?;
-                let distance = off_the_sand(&law, [sensor.x, sensor.y]);
-                if distance > 0.0 {
-                    return Err(outside(design, name, sensor, "sand's surface", distance));
-                }
-                let [x, y] = law.edge([sensor.x, sensor.y]);
-                let edge = Point3::new(x, y, design.workpiece.thickness);
-                (on(Moving::Block, edge, Vector3::z() * axis.z)?, Some(law))
-            }
-        };
-        let top_hz = match (sensor.body, shot.tool) {
-            (Carrier::Tool, None) => f64::INFINITY,
-            (carrier, _) => top_of(design, carrier),
-        };
-        Ok(Self { reads, sand, top_hz })
-    }
-}
 
 /// Frequency up to which the modes of a body take part \[Hz\]; above it what they and their static corrections do is no
 /// motion of the body.

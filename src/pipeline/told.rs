@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::intervals::Clock;
 use super::microphones::{self, AtMicrophones};
 use super::missing::{self, Missing};
-use super::sensors::{self, SensorRecord};
+use super::sensors::{self, Sensed, SensorRecord};
 use super::sound::{Sound, Source};
 use super::starts::starts;
 use super::tool_radiator::tool_radiator;
@@ -96,6 +96,7 @@ pub(super) fn told(
     let Moved {
         record,
         vibration,
+        sensed,
         radiator,
         damping,
         coupling,
@@ -111,13 +112,9 @@ pub(super) fn told(
     let mut of_sensors = Timing::default();
     let (sensors, workpiece) = rayon::join(
         || {
-            let shot = sensors::Shot {
-                structure,
-                response,
-                tool: tool.as_ref(),
-                record,
-            };
-            of_sensors.time("sensors", || sensors::sensors(design, shot))
+            let of_tool = tool.iter().map(|tool| &tool.sensed);
+            let sensed: Vec<&Sensed> = sensed.iter().chain(of_tool).collect();
+            of_sensors.time("sensors", || sensors::sensors(design, (response, record), &sensed))
         },
         || {
             timing.time("radiation", || {

@@ -12,10 +12,12 @@ use std::borrow::Cow;
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::ModalBem;
 use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
-use nailnoise_acoustics::radiation::{CompactErp, Erp, ModalSpectra, radiated_energy, radiated_signals};
+use nailnoise_acoustics::radiation::{
+    CompactErp, Erp, ModalSpectra, radiated_energy, radiated_signals, sphere_efficiency,
+};
 use nailnoise_dynamics::{CycleRecord, Parameters};
 use nailnoise_fem::transient::{Loads, ModalBody, ModalResponse, ModalState, Motion, Settings, Start, respond};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Complex, DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use super::Driven;
@@ -23,6 +25,7 @@ use super::bodies::Body;
 use super::outside::open_air;
 use super::radiation::{body_spectra, by_boundary_elements, rigid_tool, skin};
 use super::radiator::damping_of;
+use super::sensors::{Moving, Sensed, Sensing};
 use super::sound::Sound;
 use super::tool_loads::{self, AXIAL, Axial, LOADS};
 use crate::design::Design;
@@ -41,6 +44,8 @@ pub struct Tool {
     pub checks: Vec<Check>,
     /// Its stiffness at cap and cylinder rim beside that of the cycle's contacts \[N/m\].
     pub stiffness: [Stiffness; 2],
+    /// What sensors on it read.
+    pub(super) sensed: Sensed,
     /// How it radiates by boundary elements, where the design asks for them.
     pub(super) bem: Option<ModalBem>,
     /// Damping ratio that this adds to its modes, where the design lets radiation damp them.
@@ -108,7 +113,8 @@ impl Tool {
             supports: DMatrix::zeros(body.omega.len(), 0),
         };
         let response = respond(&[modal], &[], &loads, &settings)?;
-        let spectra = body_spectra(design, 0, &body, &response)?;
+        let sensing = Sensing::of(design, Moving::Tool, &body)?;
+        let (spectra, motion) = body_spectra(design, 0, &body, &response, &sensing.shapes)?;
         let checks = guided.checks(parameters, record, &loads, &response)?;
         let stiffness = [
             (Axial::Cap, "cap", parameters.contacts.cap_stiffness),
@@ -120,6 +126,7 @@ impl Tool {
             contact,
         });
         Ok(Self {
+            sensed: sensing.sensed(motion),
             body,
             response,
             spectra,
@@ -151,54 +158,59 @@ impl Tool {
         let damping = self.damping.as_ref().map(std::slice::from_ref);
         let mut sound = by_boundary_elements("body", bem, (&[&self.body], damping), &self.spectra)?;
         let range = [design.analysis.range_low, design.analysis.range_high];
-        let housing = self.housing(design, air)?.vibration;
-        let rigid = rigid_tool(design, record, air)?.spectrum;
-        let as_sphere = SourceSpectrum::sum("body", "as a sphere", &[rigid, housing]);
         sound.cross_check = Some(CrossCheck {
             quantity: "the tool's body".into(),
             lw_db: sound.spectrum.level(range, Weighting::Z),
             other: "rigid motion and ERP of a sphere of its volume".into(),
-            other_lw_db: as_sphere.level(range, Weighting::Z),
+            other_lw_db: self.as_sphere(bem, design, record, air)?.level(range, Weighting::Z),
         });
         sound.uncertainty.basis += "; what is nailed neither reflects nor shades";
         Ok(sound)
     }
 
-    /// The elastic modes by their ERP into the open air times the radiation efficiency of a sphere of the tool's volume.
-    fn housing(&self, design: &Design, air: &Air) -> Result<Housing, Error> {
-        let Body {
-            omega, basis, surface, ..
-        } = &self.body;
-        // Frequencies rise, so that a free body's rigid modes come first.
-        let rigid = omega.iter().take_while(|&&omega| omega == 0.0).count();
-        let elastic = omega.len() - rigid;
+    /// How many modes are rigid: those of a free body, whose frequencies rise, come first.
+    fn rigid(&self) -> usize {
+        self.body.omega.iter().take_while(|&&omega| omega == 0.0).count()
+    }
+
+    /// The energy of [`Self::sound_as_sphere`], from the skin of the boundary elements.
+    fn as_sphere(
+        &self,
+        bem: &ModalBem,
+        design: &Design,
+        record: &CycleRecord,
+        air: &Air,
+    ) -> Result<SourceSpectrum, Error> {
+        let mut elastic = self.spectra.clone();
+        elastic.accelerations.rows_mut(0, self.rigid()).fill(Complex::default());
+        let mut housing = radiated_energy(VIBRATION, &bem.reference(), &elastic)?;
+        housing.contributions.clear();
+        for (energy, &hz) in housing.energy_density.iter_mut().zip(&housing.frequency) {
+            *energy *= sphere_efficiency(design.body.volume(), air, hz);
+        }
+        let rigid = rigid_tool(design, record, air)?.spectrum;
+        Ok(SourceSpectrum::sum("body", "as a sphere", &[rigid, housing]))
+    }
+
+    /// Rigid motion as that of the sphere of its volume, elastic modes by their ERP into the open air times the radiation
+    /// efficiency of that sphere.
+    fn sound_as_sphere(&self, design: &Design, record: &CycleRecord, air: &Air) -> Result<Sound, Error> {
+        let mut sound = rigid_tool(design, record, air)?;
+        sound.spectrum.source = "rigid motion".to_owned();
+        let (rigid, surface) = (self.rigid(), &self.body.surface);
+        let elastic = self.body.omega.len() - rigid;
         let open = open_air(surface)?;
-        let shapes = basis.shapes.columns(rigid, elastic);
+        let shapes = self.body.basis.shapes.columns(rigid, elastic);
         let erp = Erp::new(&skin(surface, shapes.as_view(), |point| open[point.face])?, air);
         let spectra = ModalSpectra {
             frequency: self.spectra.frequency.clone(),
             accelerations: self.spectra.accelerations.rows(rigid, elastic).into_owned(),
             range_hz: self.spectra.range_hz,
         };
-        let compact = CompactErp::new(erp, design.body.volume(), air)?;
-        Ok(Housing {
-            vibration: radiated_energy(VIBRATION, &compact, &spectra)?,
-            compact,
-            spectra,
-        })
-    }
-
-    /// Rigid motion as that of the sphere of its volume, elastic modes as [`Self::housing`].
-    fn sound_as_sphere(&self, design: &Design, record: &CycleRecord, air: &Air) -> Result<Sound, Error> {
-        let mut sound = rigid_tool(design, record, air)?;
-        sound.spectrum.source = "rigid motion".to_owned();
-        let Housing {
-            vibration,
-            compact,
-            spectra,
-        } = self.housing(design, air)?;
         let range = [design.analysis.range_low, design.analysis.range_high];
-        let reference = radiated_energy(VIBRATION, compact.erp(), &spectra)?;
+        let reference = radiated_energy(VIBRATION, &erp, &spectra)?;
+        let compact = CompactErp::new(erp, design.body.volume(), air)?;
+        let vibration = radiated_energy(VIBRATION, &compact, &spectra)?;
         let signals = (VIBRATION, radiated_signals(&compact, &spectra, &vibration)?);
         let rigid = sound.spectrum;
         let weighted = |part: &SourceSpectrum| rigid.energy(range, Weighting::A) + part.energy(range, Weighting::A);
@@ -227,13 +239,6 @@ impl Tool {
         sound.signals.push(signals);
         Ok(sound)
     }
-}
-
-/// The elastic modes of a body as those of a compact one.
-struct Housing {
-    vibration: SourceSpectrum,
-    compact: CompactErp,
-    spectra: ModalSpectra,
 }
 
 /// Name of the part of the source that the elastic modes radiate.

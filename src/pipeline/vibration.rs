@@ -8,6 +8,7 @@ use nailnoise_dynamics::{CouplingWork, CycleRecord, Parameters};
 use nailnoise_fem::transient::ModalResponse;
 
 use super::radiator::Radiator;
+use super::sensors::{Moving, Sensed, Sensing};
 use super::sound::Sound;
 use super::tool_radiator::tool_radiator;
 use super::{Body, Driven, Observer, Options, Structure, Tell, Tool, Watched, bodies, parameters, radiation, response};
@@ -50,6 +51,8 @@ impl Vibration {
 pub(super) struct Moved {
     pub(super) record: CycleRecord,
     pub(super) vibration: Vibration,
+    /// What sensors on workpiece and support read.
+    pub(super) sensed: Vec<Sensed>,
     /// How workpiece and support radiate.
     pub(super) radiator: Radiator,
     /// Damping ratios that radiation adds to their modes.
@@ -137,6 +140,7 @@ pub(super) fn moved(
         damping,
         response,
         spectra,
+        sensed,
         coupled,
     } = of_structure?;
     let (of_tool, of_tool_timing) = of_tool?;
@@ -158,6 +162,7 @@ pub(super) fn moved(
             spectra,
             tool,
         },
+        sensed,
         radiator,
         damping,
         coupling,
@@ -210,6 +215,8 @@ struct StructureSide {
     damping: Option<Vec<Vec<f64>>>,
     response: ModalResponse,
     spectra: Vec<ModalSpectra>,
+    /// What sensors on each body read.
+    sensed: Vec<Sensed>,
     /// The cycle of a two-way run, with work and checks of the coupling.
     coupled: Option<(CycleRecord, CouplingWork, Vec<Check>)>,
 }
@@ -257,17 +264,32 @@ fn structure_side(
             (both.response, Some((both.record, both.work, both.checks)))
         }
     };
-    let spectra = timing.time("modal spectra", || {
-        radiation::modal_spectra(design, &structure, &response)
-    })?;
+    let (spectra, sensed) = timing.time("modal spectra", || spectra_and_sensors(design, &structure, &response))?;
     Ok(StructureSide {
         structure,
         radiator,
         damping,
         response,
         spectra,
+        sensed,
         coupled,
     })
+}
+
+/// Fourier transforms of every body's modal accelerations, and what sensors on it read.
+fn spectra_and_sensors(
+    design: &Design,
+    structure: &Structure,
+    response: &ModalResponse,
+) -> Result<(Vec<ModalSpectra>, Vec<Sensed>), Error> {
+    let of_body = |(index, (body, carrier)): (usize, (&Body, Moving))| {
+        let sensing = Sensing::of(design, carrier, body)?;
+        let (spectra, motion) = radiation::body_spectra(design, index, body, response, &sensing.shapes)?;
+        Ok::<_, Error>((spectra, sensing.sensed(motion)))
+    };
+    let bodies = structure.bodies().zip([Moving::Block, Moving::Table]).enumerate();
+    let found: Vec<(ModalSpectra, Sensed)> = bodies.map(of_body).collect::<Result<_, _>>()?;
+    Ok(found.into_iter().unzip())
 }
 
 /// Workpiece and support with their modes.

@@ -17,8 +17,14 @@ use std::f64::consts::PI;
 #[derive(Debug, Clone)]
 pub struct CompactErp {
     erp: Erp,
-    /// a/c \[s\].
-    time: f64,
+    volume: f64,
+    air: Air,
+}
+
+/// Radiation efficiency of an oscillating sphere of a volume \[m3\], see [`CompactErp`].
+pub fn sphere_efficiency(volume: f64, air: &Air, hz: f64) -> f64 {
+    let ka4 = (2.0 * PI * hz * (0.75 * volume / PI).cbrt() / air.sound_speed).powi(4);
+    ka4 / (4.0 + ka4)
 }
 
 impl CompactErp {
@@ -28,21 +34,12 @@ impl CompactErp {
     /// A volume that is not positive.
     pub fn new(erp: Erp, volume: f64, air: &Air) -> Result<Self, AcousticsError> {
         positive("volume of the body [m3]", volume)?;
-        Ok(Self {
-            erp,
-            time: (0.75 * volume / PI).cbrt() / air.sound_speed,
-        })
-    }
-
-    /// The same with radiation efficiency 1.
-    pub fn erp(&self) -> &Erp {
-        &self.erp
+        Ok(Self { erp, volume, air: *air })
     }
 
     /// The sphere's radiation efficiency.
     pub fn efficiency(&self, hz: f64) -> f64 {
-        let ka4 = (2.0 * PI * hz * self.time).powi(4);
-        ka4 / (4.0 + ka4)
+        sphere_efficiency(self.volume, &self.air, hz)
     }
 }
 

@@ -31,7 +31,7 @@ mod surface;
 mod together;
 
 pub use archive::{Archive, ArchiveReader, ArchiveWriter};
-pub use compact::CompactErp;
+pub use compact::{CompactErp, sphere_efficiency};
 pub use energy::{LowRank, ModalSpectra, mode_energies, quadratic_forms, radiated_energy};
 pub use erp::Erp;
 pub(crate) use means::Means;
