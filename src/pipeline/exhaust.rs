@@ -71,6 +71,8 @@ pub(super) struct Blown {
     /// The events between which it is told apart.
     pub(super) clock: Clock,
     pub(super) heard: AtMicrophones,
+    /// End of the shot that it was taken for \[s\].
+    pub(super) end: f64,
 }
 
 /// The exhaust of a shot whose records last until `end` \[s\].
@@ -91,6 +93,7 @@ pub(super) fn blown(bench: &Bench<'_>, record: &CycleRecord, end: f64, timing: &
         exhaust,
         clock,
         heard,
+        end,
     })
 }
 

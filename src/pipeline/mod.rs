@@ -268,7 +268,7 @@ fn in_full<T: Send>(
     observer: &mut dyn Observer,
     tell: impl FnOnce(&Vibration, &CycleRecord) -> Result<T, Error> + Send,
 ) -> Result<InFull<T>, Error> {
-    let (moved, body) = moved(bench, lumped, timing, observer)?;
+    let (moved, body, blown) = moved(bench, lumped, timing, observer)?;
     let watched = Watched::over(observer);
     let [mut of_telling, mut of_exhaust] = [Timing::default(), Timing::default()];
     let (told, (more, blown)) = rayon::join(
@@ -276,7 +276,10 @@ fn in_full<T: Send>(
         || {
             rayon::join(
                 || of_telling.time("telling", || tell(&moved.vibration, &moved.record)),
-                || exhaust::blown(bench, &moved.record, moved.end(), &mut of_exhaust),
+                || match blown {
+                    Some(blown) => Ok(blown),
+                    None => exhaust::blown(bench, &moved.record, moved.end(), &mut of_exhaust),
+                },
             )
         },
     );
@@ -351,6 +354,7 @@ fn finish(
         exhaust,
         clock,
         heard,
+        ..
     } = blown;
     let notes = notes::notes(design, &record, &told, &exhaust);
     notes.iter().for_each(|note| observer.note(note));

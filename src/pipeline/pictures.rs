@@ -120,7 +120,7 @@ fn compute(
     lumped: Option<nailnoise_dynamics::CycleRecord>,
     observer: &mut dyn Observer,
 ) -> Result<Pictures, Error> {
-    let (moved, _) = moved(bench, lumped, &mut Timing::default(), observer)?;
+    let (moved, ..) = moved(bench, lumped, &mut Timing::default(), observer)?;
     let Moved {
         vibration, radiator, ..
     } = moved;

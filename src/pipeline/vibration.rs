@@ -7,6 +7,7 @@ use nailnoise_acoustics::radiation::ModalSpectra;
 use nailnoise_dynamics::{CouplingWork, CycleRecord, Parameters};
 use nailnoise_fem::transient::ModalResponse;
 
+use super::exhaust::{self, Blown};
 use super::radiator::Radiator;
 use super::sensors::{Moving, Sensed, Sensing};
 use super::sound::Sound;
@@ -65,12 +66,15 @@ impl Moved {
     /// When the last record ends \[s\].
     pub(super) fn end(&self) -> f64 {
         let Vibration { response, tool, .. } = &self.vibration;
-        let tool_end = tool.as_ref().map_or(0.0, |tool| tool.response.duration());
-        response
-            .duration()
-            .max(tool_end)
-            .max(self.record.sample_interval * self.record.len() as f64)
+        let of_tool = tool.as_ref().map(|tool| &tool.response);
+        end(&self.record, std::iter::once(response).chain(of_tool))
     }
+}
+
+/// The same of a cycle and of responses.
+fn end<'a>(record: &CycleRecord, responses: impl IntoIterator<Item = &'a ModalResponse>) -> f64 {
+    let longest = responses.into_iter().map(ModalResponse::duration).fold(0.0, f64::max);
+    longest.max(record.sample_interval * record.len() as f64)
 }
 
 /// What a stage of a run works with.
@@ -101,7 +105,8 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// Sets the bodies in motion, by the cycle given or together with one both ways; and the sound of the tool's body.
+/// Sets the bodies in motion, by the cycle given or together with one both ways; the sound of the tool's body, and that of the
+/// exhaust where there was time for it.
 ///
 /// # Errors
 /// [`Error`] of the stage that could not be computed.
@@ -110,7 +115,7 @@ pub(super) fn moved(
     lumped: Option<CycleRecord>,
     timing: &mut Timing,
     observer: &mut dyn Observer,
-) -> Result<(Moved, Sound), Error> {
+) -> Result<(Moved, Sound, Option<Blown>), Error> {
     let (design, cache) = (bench.design, bench.cache);
     // Neither workpiece with support nor the tool's body knows of the other.
     let watched = Watched::over(observer);
@@ -125,7 +130,13 @@ pub(super) fn moved(
                 BodyModel::Rigid => None,
             };
             let side = match &lumped {
-                Some(record) => ToolSide::Moved(Box::new(tool_in_motion(bench, body, record, &mut timing, &watched)?)),
+                Some(record) => {
+                    let (tool, sound) = tool_in_motion(bench, body, record, &mut timing, &watched)?;
+                    // No response is longer than that of a housing, whose flight does not decay: the end is known.
+                    let end = tool.as_ref().map(|tool| end(record, [&tool.response]));
+                    let blown = end.map(|end| exhaust::blown(bench, record, end, &mut timing));
+                    ToolSide::Moved(Box::new((tool, sound, blown.transpose()?)))
+                }
                 None => ToolSide::Still(Box::new(body)),
             };
             Ok::<_, Error>((side, timing))
@@ -150,9 +161,12 @@ pub(super) fn moved(
         (Some(record), None) => (record, None),
         (None, None) => unreachable!("a cycle is given, or comes from a coupled run"),
     };
-    let (tool, body) = match of_tool {
+    let (tool, body, blown) = match of_tool {
         ToolSide::Moved(moved) => *moved,
-        ToolSide::Still(body) => tool_in_motion(bench, *body, &record, timing, &watched)?,
+        ToolSide::Still(body) => {
+            let (tool, body) = tool_in_motion(bench, *body, &record, timing, &watched)?;
+            (tool, body, None)
+        }
     };
     let moved = Moved {
         record,
@@ -167,13 +181,14 @@ pub(super) fn moved(
         damping,
         coupling,
     };
-    Ok((moved, body))
+    let blown = blown.filter(|blown| blown.end == moved.end());
+    Ok((moved, body, blown))
 }
 
 /// The tool's side of a run: at rest while its cycle is not known.
 enum ToolSide {
     Still(Box<Option<Body>>),
-    Moved(Box<(Option<Tool>, Sound)>),
+    Moved(Box<(Option<Tool>, Sound, Option<Blown>)>),
 }
 
 /// What a cycle does to the tool's body, a rigid one without modes, and how it sounds.

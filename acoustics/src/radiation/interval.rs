@@ -5,6 +5,7 @@ use super::resistance::Resistance;
 use crate::error::AcousticsError;
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 
 /// Orders of the nested Chebyshev-Lobatto rules tried on an interval before it is halved.
 pub(super) const ORDERS: [usize; 4] = [4, 8, 16, 32];
@@ -14,6 +15,9 @@ const GAIN: f64 = 0.1;
 
 /// Points among which Leja's sequence chooses.
 const CANDIDATES: usize = 2048;
+
+/// Points of the sequence that are kept: as many as one interval has.
+const USUALLY: usize = 64;
 
 /// An interval of the frequency axis with its samples.
 #[derive(Debug, Clone)]
@@ -268,6 +272,15 @@ pub(super) fn lobatto(low: f64, high: f64, order: usize) -> impl Iterator<Item =
 /// The first points of Leja's sequence on \[-1, 1\] (Leja 1957): each where the product of the distances to those before
 /// is largest, so that a polynomial gains one order a sample and no sample is wasted.
 fn leja(count: usize) -> Vec<f64> {
+    // Every sequence begins a longer one.
+    static USUAL: LazyLock<Vec<f64>> = LazyLock::new(|| sequence(USUALLY));
+    match USUAL.get(..count) {
+        Some(points) => points.to_vec(),
+        None => sequence(count),
+    }
+}
+
+fn sequence(count: usize) -> Vec<f64> {
     let at = |i: usize| -(PI * i as f64 / CANDIDATES as f64).cos();
     let mut product = vec![0.0; CANDIDATES + 1];
     let mut points: Vec<f64> = Vec::with_capacity(count);
