@@ -122,17 +122,26 @@ impl Cache {
         decode: impl Fn(&mut dyn Read, usize) -> Result<T, E>,
         compute: impl FnOnce() -> Result<Vec<u8>, E>,
     ) -> Result<T, E> {
-        let found = self
-            .place(stage, key)
-            .and_then(|(_, digest, path)| self.undamaged(&path, entry::read_by(&path, &digest, &decode)));
-        if let Some(value) = found {
+        if let Some(value) = self.decoded(stage, key, &decode) {
             return value;
         }
         let bytes = compute()?;
-        self.keep(stage, key, |path, digest| {
-            entry::write_by(path, digest, |to| to.write_all(&bytes))
-        });
+        self.put_bytes(stage, key, &bytes);
         decode(&mut &bytes[..], bytes.len())
+    }
+
+    /// What `decode` makes of the bytes, and their number, that are kept of `stage` for the inputs in `key`; damage becomes a
+    /// note.
+    pub fn decoded<T>(&self, stage: &str, key: &Key, decode: impl FnOnce(&mut dyn Read, usize) -> T) -> Option<T> {
+        let (_, digest, path) = self.place(stage, key)?;
+        self.undamaged(&path, entry::read_by(&path, &digest, decode))
+    }
+
+    /// Keeps bytes as what `stage` gives for the inputs in `key`; trouble becomes a note.
+    pub fn put_bytes(&self, stage: &str, key: &Key, bytes: &[u8]) {
+        self.keep(stage, key, |path, digest| {
+            entry::write_by(path, digest, |to| to.write_all(bytes))
+        });
     }
 
     /// What was read; damage becomes a note.

@@ -12,6 +12,7 @@ mod intervals;
 mod microphones;
 mod missing;
 mod model;
+mod modes;
 mod notes;
 mod outline;
 mod outside;

@@ -9,10 +9,10 @@ use nailnoise_meshes::{Mesh, Surface};
 use nalgebra::{DMatrix, DVector, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::Tell;
 use super::bodies::Body;
 use super::geometry::{BodyKind, Geometry};
 use super::pattern::Pattern;
+use super::{Tell, modes};
 use crate::cache::{Cache, Key};
 use crate::design::Design;
 use crate::error::Error;
@@ -45,9 +45,6 @@ struct Prepared {
     contacts: Vec<Vec<f64>>,
 }
 
-/// Modes, and the momentum of a rise at unit speed on every degree of freedom \[kg\].
-type Modes = (ModalBasis, Vec<f64>);
-
 /// A body of a design, from the cache where it is known; `drive` tells which of its models it is, `model` makes it.
 ///
 /// # Errors
@@ -64,7 +61,7 @@ pub(super) fn body(
     let key = Key::new().with(drive).with(&design.values_where(reaches));
     let prepared: Option<Prepared> = cache.get(&stage, &key);
     if let Some(prepared) = prepared {
-        let modes: Option<Modes> = cache.get(&modes_of(kind), &Key::new().with(&prepared.identity));
+        let modes = modes::kept(cache, &modes_of(kind), &Key::new().with(&prepared.identity));
         if let Some((basis, _)) = modes {
             return Ok(prepared.with_modes(design, kind, basis));
         }
@@ -153,24 +150,30 @@ impl Model {
             loss_factor,
             ..
         } = self.geometry;
-        let (basis, momentum): Modes = cache.get_or(&modes_of(kind), Key::new().with(&identity), || {
-            let dofs = 3 * mesh.nodes.len();
-            let patterns: Vec<_> = self
-                .loads
-                .iter()
-                .chain(&self.contacts)
-                .filter(|pattern| !pattern.is_nothing())
-                .map(|pattern| pattern.dense(dofs))
-                .collect();
-            let settings = if patterns.is_empty() {
-                settings
-            } else {
-                settings.with_loads(DMatrix::from_columns(&patterns))
-            };
-            let system = assemble_with(&mesh, &materials, &constraints, &attachments)?;
-            let tell = |found: usize, of: usize| tell(found as u64, of as u64);
-            Ok::<_, Error>((modes_telling(&system, &settings, &tell)?, upward_momentum(&system)))
-        })?;
+        let (stage, key) = (modes_of(kind), Key::new().with(&identity));
+        let (basis, momentum) = match modes::kept(cache, &stage, &key) {
+            Some(modes) => modes,
+            None => {
+                let dofs = 3 * mesh.nodes.len();
+                let patterns: Vec<_> = self
+                    .loads
+                    .iter()
+                    .chain(&self.contacts)
+                    .filter(|pattern| !pattern.is_nothing())
+                    .map(|pattern| pattern.dense(dofs))
+                    .collect();
+                let settings = if patterns.is_empty() {
+                    settings
+                } else {
+                    settings.with_loads(DMatrix::from_columns(&patterns))
+                };
+                let system = assemble_with(&mesh, &materials, &constraints, &attachments)?;
+                let tell = |found: usize, of: usize| tell(found as u64, of as u64);
+                let mut modes = (modes_telling(&system, &settings, &tell)?, upward_momentum(&system));
+                modes::keep(cache, &stage, &key, &mut modes);
+                modes
+            }
+        };
         let shapes = &basis.shapes;
         let participation = |patterns: &[Pattern]| -> Vec<Vec<f64>> {
             let of_modes = |pattern: &Pattern| pattern.of_modes(shapes).as_slice().to_vec();

@@ -167,8 +167,7 @@ fn falling(response: &ModalResponse, record: &CycleRecord, factor: f64) -> Vec<f
 
 /// The sensors whose body the design has, by name.
 fn present(design: &Design) -> impl Iterator<Item = (&String, &Sensor)> {
-    let sensors = design.sensors.iter().map(|(name, sensor)| (name, sensor));
-    sensors.filter(|(_, sensor)| carries(design, sensor.body))
+    design.sensors.iter().filter(|(_, sensor)| carries(design, sensor.body))
 }
 
 /// Names of the sensors whose body the design lacks.

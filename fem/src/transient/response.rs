@@ -282,12 +282,11 @@ impl<'a> Replay<'a> {
             &self.response.loads.columns(first, count),
             0.0,
         );
-        g.gemm(
-            -1.0,
-            &rows(&self.body.supports),
-            &self.response.contact_forces.columns(first, count),
-            1.0,
-        );
+        let contact = self.response.contact_forces.columns(first, count);
+        // What has lifted off stays off for a while.
+        if contact.iter().any(|force| *force != 0.0) {
+            g.gemm(-1.0, &rows(&self.body.supports), &contact, 1.0);
+        }
         g
     }
 
