@@ -125,8 +125,8 @@ fn results_do_not_depend_on_the_cache() {
     assert_eq!(run(&[]).0, anew);
     assert_eq!(
         entries(),
-        5,
-        "modes of workpiece and worktable, what the bodies tell, their fields, and what the run left"
+        7,
+        "meshes and modes of workpiece and worktable, what the bodies tell, their fields, and what the run left"
     );
     assert_eq!(run(&[]).0, anew);
     for entry in std::fs::read_dir(&cache).unwrap() {
@@ -138,7 +138,7 @@ fn results_do_not_depend_on_the_cache() {
     }
     let (mended, told) = run(&[]);
     assert_eq!(mended, anew);
-    assert_eq!(told.matches("computed anew").count(), 4, "{told}");
+    assert_eq!(told.matches("computed anew").count(), 6, "{told}");
     assert_eq!(run(&[]).1.matches("computed anew").count(), 0);
 }
 
