@@ -113,7 +113,7 @@ fn write(path: &Path, imported: &msh::Imported, format: Format) -> Result<(), Er
         })?;
     }
     if name.ends_with(".vtu") {
-        vtu::write_mesh(path, &imported.mesh, &[], &[])?;
+        vtu::Grid::of_mesh(&imported.mesh).write(path, &[], &[])?;
     } else if name.ends_with(".msh") || name.ends_with(".msh.gz") {
         msh::write(path, &imported.mesh, format, &imported.comment)?;
     } else {

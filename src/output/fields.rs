@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use nailnoise_acoustics::levels::{Band, octaves};
 use nailnoise_acoustics::radiation::{LowRank, ModalSpectra};
-use nailnoise_meshes::vtu::{Field, write_mesh, write_series};
+use nailnoise_meshes::vtu::{Array, Field, Grid, write_series};
 use rayon::prelude::*;
 
-use super::film::{Fields, Values};
+use super::film::Fields;
 use crate::error::Error;
 use crate::moving::MovingSurface;
 use crate::pipeline::{Body, Driven};
@@ -42,11 +42,11 @@ pub(super) fn add(fields: &mut Fields, surface: &MovingSurface<'_>) {
     let bands = || nominal.iter().zip(&levels);
     let of_octave = |(nominal, levels): (&f64, &Vec<f32>)| {
         let name = format!("velocity exposure level {nominal} Hz octave [dB]");
-        Values::new(name, 1, levels.iter().copied())
+        Array::new(name, 1, levels)
     };
     fields.frame(&format!("{}.vtu", body.name), bands().map(of_octave).collect());
     let of_band = |(nominal, levels): (&f64, &Vec<f32>)| {
-        let values = Values::new("velocity exposure level [dB]", 1, levels.iter().copied());
+        let values = Array::new("velocity exposure level [dB]", 1, levels);
         (*nominal, format!("{nominal:05.0}"), values)
     };
     fields.series(&format!("{}-bands", body.name), bands().map(of_band).collect());
@@ -65,6 +65,7 @@ fn factor(spectra: &ModalSpectra, [low, high]: [f64; 2]) -> Option<LowRank> {
 /// Writes one `.vtu` a mode and the `.pvd` that lists them by frequency; returns the `.pvd`.
 pub(super) fn write_modes(folder: &Path, body: &Body) -> Result<PathBuf, Error> {
     super::create(folder)?;
+    let grid = Grid::of_mesh(&body.mesh);
     let mut series = Vec::with_capacity(body.basis.hz.len());
     for (index, (&hz, shape)) in body.basis.hz.iter().zip(body.basis.shapes.column_iter()).enumerate() {
         let file = format!("mode-{:04}.vtu", index + 1);
@@ -73,7 +74,7 @@ pub(super) fn write_modes(folder: &Path, body: &Body) -> Result<PathBuf, Error> 
             components: 3,
             values: shape.as_slice(),
         };
-        write_mesh(&folder.join(&file), &body.mesh, &[field], &[])?;
+        grid.write(&folder.join(&file), &[field], &[])?;
         series.push((hz, file));
     }
     let list = folder.join("modes.pvd");

@@ -1,59 +1,31 @@
 //! The fields of a shot as what their files are made of: surfaces once, and the values of each file.
 //!
-//! Most of the files' bytes are the surface they share, which a reader wants in each of them. What is kept from run to run is
-//! a quarter of that, and every file comes out of it to the byte.
+//! More than half of the files' bytes are the surface they share, which a reader wants in each of them. What is kept from run
+//! to run has it once, compressed, and every file comes out of it to the byte.
 
 use std::path::{Path, PathBuf};
 
-use nailnoise_meshes::vtu::{Single, Still, block};
+use nailnoise_meshes::vtu::{Array, Grid};
 use serde::{Deserialize, Serialize};
 
 use super::FIELDS;
-use crate::cache::Bytes;
 use crate::error::Error;
 
 /// Files that are rendered when they are written.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Fields {
-    stills: Vec<Still>,
+    grids: Vec<Grid>,
     files: Vec<(PathBuf, Content)>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 enum Content {
     Text(String),
-    /// A surface, by its place among the stills, with point fields.
+    /// A surface, by its place among the grids, with point fields.
     Frame {
-        still: usize,
-        fields: Vec<Values>,
+        grid: usize,
+        fields: Vec<Array>,
     },
-}
-
-/// A point field of a file, in single precision.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Values {
-    name: String,
-    components: usize,
-    block: Bytes,
-}
-
-impl Values {
-    /// Of so many components each.
-    pub(super) fn new(name: impl Into<String>, components: usize, values: impl ExactSizeIterator<Item = f32>) -> Self {
-        Self {
-            name: name.into(),
-            components,
-            block: Bytes(block(values)),
-        }
-    }
-
-    fn single(&self) -> Single<'_> {
-        Single {
-            name: &self.name,
-            components: self.components,
-            block: &self.block.0,
-        }
-    }
 }
 
 impl Fields {
@@ -80,17 +52,14 @@ impl Fields {
         bytes.clear();
         match &self.files[file].1 {
             Content::Text(text) => bytes.extend_from_slice(text.as_bytes()),
-            Content::Frame { still, fields } => {
-                let fields: Vec<Single<'_>> = fields.iter().map(Values::single).collect();
-                self.stills[*still].file(&fields, bytes)?;
-            }
+            Content::Frame { grid, fields } => self.grids[*grid].render(fields, &[], bytes)?,
         }
         Ok(())
     }
 
     /// Adds a surface that later frames show.
-    pub(super) fn show(&mut self, still: Still) {
-        self.stills.push(still);
+    pub(super) fn show(&mut self, grid: Grid) {
+        self.grids.push(grid);
     }
 
     /// Adds a text.
@@ -99,14 +68,14 @@ impl Fields {
     }
 
     /// Adds a file of the surface shown last, by its path in the folder of the fields.
-    pub(super) fn frame(&mut self, path: &str, fields: Vec<Values>) {
-        let still = self.stills.len() - 1;
+    pub(super) fn frame(&mut self, path: &str, fields: Vec<Array>) {
+        let grid = self.grids.len() - 1;
         self.files
-            .push((Path::new(FIELDS).join(path), Content::Frame { still, fields }));
+            .push((Path::new(FIELDS).join(path), Content::Frame { grid, fields }));
     }
 
     /// Adds frames of one field over time or frequency, `NAME/*.vtu`, and the list of them, `NAME.pvd`.
-    pub(super) fn series(&mut self, name: &str, frames: Vec<(f64, String, Values)>) {
+    pub(super) fn series(&mut self, name: &str, frames: Vec<(f64, String, Array)>) {
         let mut listed = Vec::with_capacity(frames.len());
         for (at, file, values) in frames {
             let path = format!("{name}/{file}.vtu");

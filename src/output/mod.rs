@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 use nailnoise_dynamics::{CycleRecord, Events};
 use nailnoise_meshes::uff::{self, Mode};
-use nailnoise_meshes::vtu::Still;
+use nailnoise_meshes::vtu::Grid;
 use nailnoise_meshes::write_atomic;
 use serde::{Deserialize, Serialize};
 
@@ -92,7 +92,7 @@ pub fn fields(surfaces: &[MovingSurface<'_>], vibration: &Vibration, events: &Ev
     let mut fields = Fields::default();
     fields.text("modes.csv", csv::modes(vibration));
     for surface in surfaces {
-        fields.show(Still::of(&surface.driven.body.surface));
+        fields.show(Grid::of_surface(&surface.driven.body.surface));
         fields::add(&mut fields, surface);
         shot::add(&mut fields, surface, events)?;
     }

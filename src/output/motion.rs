@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
-use nailnoise_meshes::vtu::{Field, write_series, write_surface};
+use nailnoise_meshes::vtu::{Field, Grid, write_series};
 
 use crate::error::Error;
 use crate::pipeline::Body;
@@ -53,7 +53,7 @@ pub(super) fn write(folder: &Path, body: &Body, mode: usize) -> Result<PathBuf, 
             components: 3,
             values: &displacement,
         };
-        write_surface(&folder.join(&file), &moved, &[field], &[])?;
+        Grid::of_surface(&moved).write(&folder.join(&file), &[field], &[])?;
         series.push((phase / hz, file));
     }
     let list = folder.join(format!("{name}.pvd"));

@@ -4,13 +4,13 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::Path;
 
-use nailnoise_meshes::vtu::{Field, write_polygons, write_series};
+use nailnoise_meshes::vtu::{Field, Grid, write_series};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::FIELDS;
 use crate::error::Error;
-use crate::pipeline::{Picture, Pictures, Series};
+use crate::pipeline::{Picture, Pictures, Series, Shape};
 
 /// Tells which design the pictures are of, and what they show.
 const INDEX: &str = "sound.json";
@@ -86,15 +86,11 @@ fn gone(path: &Path, outcome: std::io::Result<()>) -> Result<(), Error> {
 
 fn write(fields: &Path, series: &Series) -> Result<(), Error> {
     super::create(&fields.join(&series.name))?;
+    let of_shape = |shape: &Shape| Grid::of_polygons(&shape.points, &shape.polygons);
+    let grids: Vec<Grid> = series.shapes.par_iter().map(of_shape).collect();
     let of_band = |band: &Picture| {
         let file = format!("{}/{:05.0}.vtu", series.name, band.hz);
-        let shape = &series.shapes[band.shape];
-        write_polygons(
-            &fields.join(&file),
-            (&shape.points, &shape.polygons),
-            &named(&band.points),
-            &named(&band.polygons),
-        )?;
+        grids[band.shape].write(&fields.join(&file), &named(&band.points), &named(&band.polygons))?;
         Ok((band.hz, file))
     };
     let files = series

@@ -2,10 +2,11 @@
 
 use nailnoise_dynamics::Events;
 use nailnoise_fem::transient::{ModalResponse, Motion};
+use nailnoise_meshes::vtu::Array;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::film::{Fields, Values};
+use super::film::Fields;
 use crate::error::Error;
 use crate::moving::MovingSurface;
 
@@ -32,7 +33,7 @@ pub(super) fn add(fields: &mut Fields, surface: &MovingSurface<'_>, events: &Eve
         velocities
             .iter()
             .for_each(|part| values.extend(part.column(frame).iter()));
-        let values = Values::new("velocity [m/s]", 3, values.into_iter());
+        let values = Array::new("velocity [m/s]", 3, &values);
         (*sample as f64 * response.step, format!("{frame:03}"), values)
     };
     let frames = samples.par_iter().enumerate().map(frame).collect();

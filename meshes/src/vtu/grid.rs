@@ -1,0 +1,201 @@
+//! Unstructured grids: what the files of a series show of a mesh, a surface or polygons, but for the fields on it.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::array::{Array, deflated, element};
+use super::{Field, write};
+use crate::{Mesh, MeshError, Surface};
+
+/// What stands between the fields on points and those on cells.
+const BETWEEN: &str = "</PointData>\n<CellData>\n";
+
+/// What stands after the appended data.
+const END: &str = "\n</AppendedData>\n</VTKFile>\n";
+
+/// A grid as files have it: the text around the elements of its fields, and its own appended data. Fields take their places
+/// behind these, so that nothing of it depends on them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Grid {
+    points: usize,
+    cells: usize,
+    /// Whether fields are written in double precision.
+    double: bool,
+    before: String,
+    after: String,
+    #[serde(with = "serde_bytes")]
+    data: Vec<u8>,
+}
+
+impl Grid {
+    /// Of a volume mesh, in double precision; the part of each element is its cell field `part`.
+    pub fn of_mesh(mesh: &Mesh) -> Self {
+        let xyz: Vec<[f64; 3]> = mesh.nodes.iter().map(|p| [p.x, p.y, p.z]).collect();
+        let part: Vec<f64> = mesh.parts.iter().map(|&part| part as f64).collect();
+        let types: Vec<u8> = mesh.kinds.iter().map(|kind| kind.vtk_type()).collect();
+        let mut appended = Appended::default();
+        appended.add("Float64", ("part", 1), &part, f64::to_le_bytes);
+        appended.points();
+        appended.add("Float64", ("points", 3), xyz.as_flattened(), f64::to_le_bytes);
+        appended.cells(&mesh.connectivity, &mesh.offsets[1..], &types);
+        appended.grid(mesh.nodes.len(), types.len(), true)
+    }
+
+    /// Of a surface, in single precision; the patch of each face is its cell field `patch`.
+    pub fn of_surface(surface: &Surface) -> Self {
+        let faces = || surface.faces.iter();
+        let xyz: Vec<[f32; 3]> = surface
+            .points
+            .iter()
+            .map(|p| [p.x, p.y, p.z].map(|x| x as f32))
+            .collect();
+        let patch: Vec<f32> = faces().map(|face| face.patch as f32).collect();
+        let connectivity: Vec<usize> = faces().flat_map(|face| face.nodes.iter().copied()).collect();
+        let offsets = ends(faces().map(|face| face.nodes.len()));
+        let types: Vec<u8> = faces().map(|face| face.kind.vtk_type()).collect();
+        let mut appended = Appended::default();
+        appended.add("Float32", ("patch", 1), &patch, f32::to_le_bytes);
+        appended.points();
+        appended.add("Float32", ("points", 3), xyz.as_flattened(), f32::to_le_bytes);
+        appended.cells(&connectivity, &offsets, &types);
+        appended.grid(surface.points.len(), types.len(), false)
+    }
+
+    /// Of polygons, given by the numbers of their corners in order, in single precision.
+    pub fn of_polygons(corners: &[[f64; 3]], polygons: &[Vec<usize>]) -> Self {
+        let xyz: Vec<[f32; 3]> = corners.iter().map(|corner| corner.map(|x| x as f32)).collect();
+        let offsets = ends(polygons.iter().map(Vec::len));
+        let vtk_type = |polygon: &Vec<usize>| match polygon.len() {
+            3 => 5,
+            4 => 9,
+            _ => 7,
+        };
+        let types: Vec<u8> = polygons.iter().map(vtk_type).collect();
+        let mut appended = Appended::default();
+        appended.points();
+        appended.add("Float32", ("points", 3), xyz.as_flattened(), f32::to_le_bytes);
+        appended.cells(&polygons.concat(), &offsets, &types);
+        appended.grid(corners.len(), types.len(), false)
+    }
+
+    /// Writes the file that shows the grid with fields on its points and its cells.
+    ///
+    /// # Errors
+    /// [`MeshError::FieldLength`] or [`MeshError::Write`].
+    pub fn write(&self, path: &Path, points: &[Field<'_>], cells: &[Field<'_>]) -> Result<(), MeshError> {
+        let [points, cells] = [points, cells]
+            .map(|fields| -> Vec<Array> { fields.iter().map(|field| Array::of(field, self.double)).collect() });
+        let mut bytes = Vec::new();
+        self.render(&points, &cells, &mut bytes)?;
+        write(path, &bytes)
+    }
+
+    /// Appends the file that shows the grid with arrays on its points and its cells.
+    ///
+    /// # Errors
+    /// [`MeshError::FieldLength`]
+    pub fn render(&self, points: &[Array], cells: &[Array], bytes: &mut Vec<u8>) -> Result<(), MeshError> {
+        check(points, self.points)?;
+        check(cells, self.cells)?;
+        let mut offset = self.data.len();
+        let mut place = |array: &Array| {
+            let element = array.element(offset);
+            offset += array.bytes().len();
+            element
+        };
+        let text = [
+            &self.before,
+            &points.iter().map(&mut place).collect::<String>(),
+            BETWEEN,
+            &cells.iter().map(&mut place).collect::<String>(),
+            &self.after,
+        ];
+        bytes.reserve(text.iter().map(|text| text.len()).sum::<usize>() + offset + END.len());
+        text.iter().for_each(|text| bytes.extend_from_slice(text.as_bytes()));
+        bytes.extend_from_slice(&self.data);
+        points
+            .iter()
+            .chain(cells)
+            .for_each(|array| bytes.extend_from_slice(array.bytes()));
+        bytes.extend_from_slice(END.as_bytes());
+        Ok(())
+    }
+}
+
+fn check(fields: &[Array], items: usize) -> Result<(), MeshError> {
+    for field in fields {
+        let [components, found] = field.shape();
+        let expected = items * components;
+        if found != expected {
+            let name = field.name().to_owned();
+            return Err(MeshError::FieldLength { name, found, expected });
+        }
+    }
+    Ok(())
+}
+
+/// Where each cell ends in the connectivity.
+fn ends(lengths: impl Iterator<Item = usize>) -> Vec<usize> {
+    let end = |sum: &mut usize, length: usize| {
+        *sum += length;
+        Some(*sum)
+    };
+    lengths.scan(0, end).collect()
+}
+
+/// The arrays of a grid, in the order of their elements: own cell fields, points, cells.
+#[derive(Default)]
+struct Appended {
+    text: String,
+    data: Vec<u8>,
+}
+
+impl Appended {
+    fn add<T: Copy, const N: usize>(
+        &mut self,
+        kind: &str,
+        (name, components): (&str, usize),
+        values: &[T],
+        le: impl Fn(T) -> [u8; N],
+    ) {
+        self.text.push_str(&element(kind, name, components, self.data.len()));
+        self.data.append(&mut deflated(values, le));
+    }
+
+    /// Here the cell fields end.
+    fn points(&mut self) {
+        self.text.push_str("</CellData>\n<Points>\n");
+    }
+
+    /// Here the points end.
+    fn cells(&mut self, connectivity: &[usize], offsets: &[usize], types: &[u8]) {
+        self.text.push_str("</Points>\n<Cells>\n");
+        for (name, indices) in [("connectivity", connectivity), ("offsets", offsets)] {
+            if indices.iter().all(|&i| i32::try_from(i).is_ok()) {
+                self.add("Int32", (name, 1), indices, |i| (i as i32).to_le_bytes());
+            } else {
+                self.add("Int64", (name, 1), indices, |i| (i as i64).to_le_bytes());
+            }
+        }
+        self.add("UInt8", ("types", 1), types, |kind| [kind]);
+        self.text
+            .push_str("</Cells>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_");
+    }
+
+    fn grid(self, points: usize, cells: usize, double: bool) -> Grid {
+        let before = format!(
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
+             header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<UnstructuredGrid>\n\
+             <Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n<PointData>\n"
+        );
+        Grid {
+            points,
+            cells,
+            double,
+            before,
+            after: self.text,
+            data: self.data,
+        }
+    }
+}
