@@ -1,4 +1,4 @@
-//! Arrays of numbers as appended data have them.
+//! Arrays of numbers as files have them.
 //!
 //! With `compressor="vtkZLibDataCompressor"` and 64-bit headers an array of n bytes in blocks of B is
 //!
@@ -6,11 +6,14 @@
 //! [number of blocks] [B] [bytes of the last block] [bytes of each stream ...] stream stream ...
 //! ```
 //!
-//! each stream a block in zlib's format (RFC 1950; VTK file formats, XML, appended data). A last block that is full may be
-//! said to have no bytes, too; not every reader takes that.
+//! each stream a block in zlib's format (RFC 1950; VTK file formats, XML). A last block that is full may be said to have no
+//! bytes, too; not every reader takes that. In an element the numbers before the streams are one stretch of base64, the
+//! streams another.
 
 use std::io::Read as _;
 
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
 use flate2::bufread::ZlibEncoder;
 use serde::{Deserialize, Serialize};
@@ -26,6 +29,12 @@ const STORED: [u8; 3] = [0x78, 0x01, 0x01];
 
 /// Bytes of a stream beside those of its stored block: the beginning, twice the length, the checksum.
 const AROUND: usize = STORED.len() + 2 * size_of::<u16>() + size_of::<u32>();
+
+/// Bytes of a number before the streams.
+const NUMBER: usize = size_of::<u64>();
+
+/// Numbers before the sizes of the streams.
+const BEGINNING: usize = 3;
 
 /// A field as files have it: made once, copied into the file that shows it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -81,25 +90,34 @@ impl Array {
         [self.components, self.values]
     }
 
-    /// Its appended data.
-    pub(super) fn bytes(&self) -> &[u8] {
-        &self.bytes
+    /// Appends its element.
+    pub(super) fn element(&self, text: &mut Vec<u8>) {
+        let kind = if self.double { "Float64" } else { "Float32" };
+        element(text, kind, (&self.name, self.components), &self.bytes);
     }
 
-    /// Its element in the text of a file, with the place of its bytes among the appended data.
-    pub(super) fn element(&self, offset: usize) -> String {
-        let kind = if self.double { "Float64" } else { "Float32" };
-        element(kind, &self.name, self.components, offset)
+    /// About the length of its element.
+    pub(super) fn length(&self) -> usize {
+        self.bytes.len() / 3 * 4 + 256
     }
 }
 
-/// The element of an array in the text of a file.
-pub(super) fn element(kind: &str, name: &str, components: usize, offset: usize) -> String {
+/// Appends the element of an array of so many components to the text of a file.
+pub(super) fn element(text: &mut Vec<u8>, kind: &str, (name, components): (&str, usize), bytes: &[u8]) {
     let name = escaped(name);
-    format!(
-        "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"appended\" \
-         offset=\"{offset}\"/>\n"
-    )
+    let opening =
+        format!("<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">");
+    text.extend_from_slice(opening.as_bytes());
+    let blocks = bytes.first_chunk().map_or(0, |blocks| u64::from_le_bytes(*blocks));
+    let (numbers, streams) = bytes.split_at(NUMBER * (BEGINNING + blocks as usize));
+    for part in [numbers, streams] {
+        let start = text.len();
+        text.resize(start + 4 * part.len().div_ceil(3), 0);
+        // The slice has room for all.
+        let length = STANDARD.encode_slice(part, &mut text[start..]).unwrap_or_default();
+        text.truncate(start + length);
+    }
+    text.extend_from_slice(b"</DataArray>\n");
 }
 
 /// An array that is compressed. The fastest level leaves a surface 1 % larger than the best one, which takes ten times as
@@ -140,7 +158,7 @@ fn stored<T: Copy, const N: usize>(values: &[T], le: impl Fn(T) -> [u8; N]) -> V
 /// What stands before the streams, whose sizes are given.
 fn header(length: usize, streams: impl Iterator<Item = usize>) -> Vec<u8> {
     let blocks = length.div_ceil(BLOCK);
-    let beginning = [blocks, BLOCK, length - BLOCK * blocks.saturating_sub(1)];
+    let beginning: [usize; BEGINNING] = [blocks, BLOCK, length - BLOCK * blocks.saturating_sub(1)];
     let numbers = beginning.into_iter().chain(streams);
     numbers.flat_map(|number| (number as u64).to_le_bytes()).collect()
 }

@@ -11,11 +11,7 @@ use crate::{Mesh, MeshError, Surface};
 /// What stands between the fields on points and those on cells.
 const BETWEEN: &str = "</PointData>\n<CellData>\n";
 
-/// What stands after the appended data.
-const END: &str = "\n</AppendedData>\n</VTKFile>\n";
-
-/// A grid as files have it: the text around the elements of its fields, and its own appended data. Fields take their places
-/// behind these, so that nothing of it depends on them.
+/// A grid as files have it: the text around the elements of fields.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Grid {
     points: usize,
@@ -23,9 +19,8 @@ pub struct Grid {
     /// Whether fields are written in double precision.
     double: bool,
     before: String,
-    after: String,
     #[serde(with = "serde_bytes")]
-    data: Vec<u8>,
+    after: Vec<u8>,
 }
 
 impl Grid {
@@ -34,12 +29,12 @@ impl Grid {
         let xyz: Vec<[f64; 3]> = mesh.nodes.iter().map(|p| [p.x, p.y, p.z]).collect();
         let part: Vec<f64> = mesh.parts.iter().map(|&part| part as f64).collect();
         let types: Vec<u8> = mesh.kinds.iter().map(|kind| kind.vtk_type()).collect();
-        let mut appended = Appended::default();
-        appended.add("Float64", ("part", 1), &part, f64::to_le_bytes);
-        appended.points();
-        appended.add("Float64", ("points", 3), xyz.as_flattened(), f64::to_le_bytes);
-        appended.cells(&mesh.connectivity, &mesh.offsets[1..], &types);
-        appended.grid(mesh.nodes.len(), types.len(), true)
+        let mut own = Own::default();
+        own.add("Float64", ("part", 1), &part, f64::to_le_bytes);
+        own.points();
+        own.add("Float64", ("points", 3), xyz.as_flattened(), f64::to_le_bytes);
+        own.cells(&mesh.connectivity, &mesh.offsets[1..], &types);
+        own.grid(mesh.nodes.len(), types.len(), true)
     }
 
     /// Of a surface, in single precision; the patch of each face is its cell field `patch`.
@@ -54,12 +49,12 @@ impl Grid {
         let connectivity: Vec<usize> = faces().flat_map(|face| face.nodes.iter().copied()).collect();
         let offsets = ends(faces().map(|face| face.nodes.len()));
         let types: Vec<u8> = faces().map(|face| face.kind.vtk_type()).collect();
-        let mut appended = Appended::default();
-        appended.add("Float32", ("patch", 1), &patch, f32::to_le_bytes);
-        appended.points();
-        appended.add("Float32", ("points", 3), xyz.as_flattened(), f32::to_le_bytes);
-        appended.cells(&connectivity, &offsets, &types);
-        appended.grid(surface.points.len(), types.len(), false)
+        let mut own = Own::default();
+        own.add("Float32", ("patch", 1), &patch, f32::to_le_bytes);
+        own.points();
+        own.add("Float32", ("points", 3), xyz.as_flattened(), f32::to_le_bytes);
+        own.cells(&connectivity, &offsets, &types);
+        own.grid(surface.points.len(), types.len(), false)
     }
 
     /// Of polygons, given by the numbers of their corners in order, in single precision.
@@ -72,11 +67,11 @@ impl Grid {
             _ => 7,
         };
         let types: Vec<u8> = polygons.iter().map(vtk_type).collect();
-        let mut appended = Appended::default();
-        appended.points();
-        appended.add("Float32", ("points", 3), xyz.as_flattened(), f32::to_le_bytes);
-        appended.cells(&polygons.concat(), &offsets, &types);
-        appended.grid(corners.len(), types.len(), false)
+        let mut own = Own::default();
+        own.points();
+        own.add("Float32", ("points", 3), xyz.as_flattened(), f32::to_le_bytes);
+        own.cells(&polygons.concat(), &offsets, &types);
+        own.grid(corners.len(), types.len(), false)
     }
 
     /// Writes the file that shows the grid with fields on its points and its cells.
@@ -98,27 +93,13 @@ impl Grid {
     pub fn render(&self, points: &[Array], cells: &[Array], bytes: &mut Vec<u8>) -> Result<(), MeshError> {
         check(points, self.points)?;
         check(cells, self.cells)?;
-        let mut offset = self.data.len();
-        let mut place = |array: &Array| {
-            let element = array.element(offset);
-            offset += array.bytes().len();
-            element
-        };
-        let text = [
-            &self.before,
-            &points.iter().map(&mut place).collect::<String>(),
-            BETWEEN,
-            &cells.iter().map(&mut place).collect::<String>(),
-            &self.after,
-        ];
-        bytes.reserve(text.iter().map(|text| text.len()).sum::<usize>() + offset + END.len());
-        text.iter().for_each(|text| bytes.extend_from_slice(text.as_bytes()));
-        bytes.extend_from_slice(&self.data);
-        points
-            .iter()
-            .chain(cells)
-            .for_each(|array| bytes.extend_from_slice(array.bytes()));
-        bytes.extend_from_slice(END.as_bytes());
+        let of_fields: usize = points.iter().chain(cells).map(Array::length).sum();
+        bytes.reserve(self.before.len() + BETWEEN.len() + self.after.len() + of_fields);
+        bytes.extend_from_slice(self.before.as_bytes());
+        points.iter().for_each(|array| array.element(bytes));
+        bytes.extend_from_slice(BETWEEN.as_bytes());
+        cells.iter().for_each(|array| array.element(bytes));
+        bytes.extend_from_slice(&self.after);
         Ok(())
     }
 }
@@ -144,14 +125,11 @@ fn ends(lengths: impl Iterator<Item = usize>) -> Vec<usize> {
     lengths.scan(0, end).collect()
 }
 
-/// The arrays of a grid, in the order of their elements: own cell fields, points, cells.
+/// The text of a grid's own arrays, in the order of their elements: cell fields, points, cells.
 #[derive(Default)]
-struct Appended {
-    text: String,
-    data: Vec<u8>,
-}
+struct Own(Vec<u8>);
 
-impl Appended {
+impl Own {
     fn add<T: Copy, const N: usize>(
         &mut self,
         kind: &str,
@@ -159,18 +137,17 @@ impl Appended {
         values: &[T],
         le: impl Fn(T) -> [u8; N],
     ) {
-        self.text.push_str(&element(kind, name, components, self.data.len()));
-        self.data.append(&mut deflated(values, le));
+        element(&mut self.0, kind, (name, components), &deflated(values, le));
     }
 
     /// Here the cell fields end.
     fn points(&mut self) {
-        self.text.push_str("</CellData>\n<Points>\n");
+        self.0.extend_from_slice(b"</CellData>\n<Points>\n");
     }
 
     /// Here the points end.
     fn cells(&mut self, connectivity: &[usize], offsets: &[usize], types: &[u8]) {
-        self.text.push_str("</Points>\n<Cells>\n");
+        self.0.extend_from_slice(b"</Points>\n<Cells>\n");
         for (name, indices) in [("connectivity", connectivity), ("offsets", offsets)] {
             if indices.iter().all(|&i| i32::try_from(i).is_ok()) {
                 self.add("Int32", (name, 1), indices, |i| (i as i32).to_le_bytes());
@@ -179,8 +156,8 @@ impl Appended {
             }
         }
         self.add("UInt8", ("types", 1), types, |kind| [kind]);
-        self.text
-            .push_str("</Cells>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_");
+        self.0
+            .extend_from_slice(b"</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
     }
 
     fn grid(self, points: usize, cells: usize, double: bool) -> Grid {
@@ -194,8 +171,7 @@ impl Appended {
             cells,
             double,
             before,
-            after: self.text,
-            data: self.data,
+            after: self.0,
         }
     }
 }

@@ -1,10 +1,10 @@
 //! VTK XML files: `.vtu` grids with fields and the `.pvd` list that makes a series of them.
 //!
-//! The text of a file ends with the appended data, raw little-endian bytes in zlib streams, which VTK, ParaView, pyvista
-//! and meshio read: meshes in double precision, to be read back as they are; surfaces and polygons, which are pictures,
-//! in single. The files of a series repeat their surface, and a velocity is noise to a compressor. So a [`Grid`] is
-//! compressed once for all files that show it, and an [`Array`] is laid into streams that hold its bytes as they are,
-//! at the price of a copy and a checksum.
+//! Arrays stand in their elements, little-endian bytes in zlib streams in base64, which VTK, ParaView, pyvista, meshio and
+//! vtkio read (appended raw data would be a quarter shorter; vtkio does not read them): meshes in double precision, to be
+//! read back as they are; surfaces and polygons, which are pictures, in single. The files of a series repeat their surface,
+//! and a velocity is noise to a compressor. So a [`Grid`] is compressed once for all files that show it, and an [`Array`]
+//! is laid into streams that hold its bytes as they are, at the price of a copy and a checksum.
 
 mod array;
 mod grid;
