@@ -1,10 +1,29 @@
 //! The digest of everything a stage depends on.
 
+use std::io::{self, BufWriter, Write};
+
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 
 /// Digest of this program's sources: other code may compute something else from the same inputs.
 const SOURCES: &str = env!("NAILNOISE_SOURCES");
+
+/// Bytes of inputs that are digested at once: the record of a cycle has twenty million.
+const BUFFER: usize = 1 << 16;
+
+/// Takes whatever is written.
+struct Digesting<'a>(&'a mut Sha256);
+
+impl Write for Digesting<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.update(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
 
 /// Collects the inputs of a stage.
 #[derive(Debug, Clone)]
@@ -32,12 +51,13 @@ impl Key {
     /// bytes.
     #[must_use]
     pub fn with<T: Serialize + ?Sized>(mut self, value: &T) -> Self {
+        let mut buffer = BufWriter::with_capacity(BUFFER, Digesting(&mut self.0));
         // Only a type without a fixed form (a sequence of unknown length) cannot be written: a mistake in this program
         // that every test of its stage meets.
-        match postcard::to_stdvec(value) {
-            Ok(bytes) => self.0.update(bytes),
-            Err(error) => unreachable!("inputs of a stage have a fixed form: {error}"),
+        if let Err(error) = postcard::to_io(value, &mut buffer) {
+            unreachable!("inputs of a stage have a fixed form: {error}");
         }
+        drop(buffer); // what it holds is digested
         self
     }
 
