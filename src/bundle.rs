@@ -2,6 +2,7 @@
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 use std::time::Duration;
 use std::{fs, io};
 
@@ -12,7 +13,6 @@ use serde::{Deserialize, Serialize};
 use crate::cache::{Cache, Checksum, Key, checksum};
 use crate::design::Design;
 use crate::error::Error;
-use crate::moving::MovingSurface;
 use crate::output::{Fields, File};
 use crate::pipeline::{self, Observer, Options, Run, Vibration};
 use crate::report::{self, Pictures, Recording};
@@ -131,20 +131,24 @@ pub fn deliver(
     }
     let unfinished = Unfinished::within(folder)?;
     let [of_bodies, others] = unfinished.parts();
+    // The cycle's tables are the longest of all.
+    let of_cycle = OnceLock::new();
+    let beside = |record: &CycleRecord| {
+        of_cycle.get_or_init(|| output::of_cycle(record));
+    };
     let tell = |vibration: &Vibration, record: &CycleRecord| {
-        let surfaces = MovingSurface::all(vibration);
         let print = || {
-            let fields = output::fields(&surfaces, vibration, &record.events)?;
+            let fields = output::fields(vibration, &record.events)?;
             let printed = Printed::under(&of_bodies, &fields)?;
             cache.put(FIELDS, &printed.key(), &fields);
             Ok::<_, Error>(printed)
         };
-        let (printed, pictures) = rayon::join(print, || Pictures::new(design, &surfaces));
+        let (printed, pictures) = rayon::join(print, || Pictures::new(design, vibration));
         Ok((pictures, printed?))
     };
     let options = Options::default();
     let (mut run, (mut pictures, mut fields)) =
-        pipeline::run_telling(design, options, cache, observer, OF_BODIES, tell)?;
+        pipeline::run_telling(design, options, cache, observer, (OF_BODIES, tell), &beside)?;
     let mut kept = Wanted::default();
     if !of_bodies.exists() {
         match fields.wanted(folder, cache) {
@@ -158,7 +162,9 @@ pub fn deliver(
         }
     }
     observer.stage("writing files");
-    let files = files(design, &run, &pictures, draw)?;
+    let of_cycle = of_cycle.into_inner().unwrap_or_else(|| output::of_cycle(&run.record));
+    let mut files = files(design, &run, &pictures, draw)?;
+    files.extend(of_cycle);
     let json = files.iter().find(|file| file.path == Path::new(LAST));
     let bundle = Bundle {
         json: json.map_or_else(String::new, |file| {
@@ -206,9 +212,15 @@ fn key(design: &Design, draw: bool) -> Result<Key, Error> {
         .with(&draw))
 }
 
-/// All files but the fields.
+/// All files but the fields and those of the cycle.
 fn files(design: &Design, run: &Run, pictures: &Pictures, draw: bool) -> Result<Vec<File>, Error> {
-    let mut files = output::files(run)?;
+    let of_microphones = output::of_microphones(run)?;
+    let recordings = heard_at(&of_microphones, run, IN_THE_REPORT);
+    let report = || File::new("report.html", report::run(design, run, pictures, &recordings));
+    let (files, report) = rayon::join(|| output::files(run), report);
+    let mut files = files?;
+    files.extend(of_microphones);
+    files.push(report);
     if draw {
         let level = run.result.total.lwa_db;
         let level = level.map_or_else(|| "silent".to_owned(), |level| format!("L_WA,1s {level:.1} dB"));
@@ -216,11 +228,6 @@ fn files(design: &Design, run: &Run, pictures: &Pictures, draw: bool) -> Result<
         let figure = |figure: figures::Figure| File::new(format!("figures/{}.svg", figure.name), figure.svg);
         files.extend(figures::sound(&subject, design, run).into_iter().map(figure));
     }
-    let recordings = heard_at(&files, run, IN_THE_REPORT);
-    files.push(File::new(
-        "report.html",
-        report::run(design, run, pictures, &recordings),
-    ));
     Ok(files)
 }
 
@@ -313,10 +320,17 @@ impl<'a> Bring<'a> {
 
     fn bring(&self, to: &Path) -> Result<(), Error> {
         match self {
-            Self::Move(from) => fs::rename(from, to).map_err(|source| Error::Write {
-                path: to.to_owned(),
-                source,
-            }),
+            Self::Move(from) => {
+                // A file system that takes care of whoever renames over a file (ext4) first writes the new one to the disk.
+                let gone = fs::remove_file(to).or_else(|source| match source.kind() {
+                    ErrorKind::NotFound => Ok(()),
+                    _ => Err(source),
+                });
+                gone.and_then(|()| fs::rename(from, to)).map_err(|source| Error::Write {
+                    path: to.to_owned(),
+                    source,
+                })
+            }
             Self::Write(content) => output::write(to, content),
             Self::Render(fields, file) => {
                 let mut content = Vec::new();

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use nailnoise_meshes::uff::Measurement;
-use nalgebra::{Complex, Point3};
+use nalgebra::{Complex, DMatrix, Point3};
 
 use crate::pipeline::Body;
 
@@ -46,7 +46,7 @@ pub struct Pair {
 /// (Allemang and Brown, IMAC 1982) over the degrees of freedom that were measured: those not zero in all modes. A measured
 /// point is the node of the body's surface nearest to it, no farther than `reach` \[m\]; in a file without coordinates it
 /// is the node of its number less 1. None when no point is found.
-pub fn correlate(body: &Body, measurement: &Measurement, reach: f64) -> Option<Correlation> {
+pub fn correlate((body, shapes): (&Body, &DMatrix<f64>), measurement: &Measurement, reach: f64) -> Option<Correlation> {
     let by_position = !measurement.nodes.is_empty();
     let mut labels: Vec<u64> = measurement
         .modes
@@ -89,7 +89,6 @@ pub fn correlate(body: &Body, measurement: &Measurement, reach: f64) -> Option<C
         .collect();
     dofs.sort_unstable();
     dofs.dedup();
-    let shapes = &body.basis.shapes;
     let mac: Vec<Vec<f64>> = measured
         .iter()
         .map(|mode| {

@@ -149,6 +149,15 @@ pub enum Error {
         #[source]
         cause: nailnoise_acoustics::AcousticsError,
     },
+    /// Modes that the cache lost came out otherwise when they were computed once more.
+    #[error("the modes of the {body} are not those to which the cache keeps motions and radiation")]
+    #[diagnostic(help(
+        "they come from another machine or were damaged: empty it with `nailnoise cache clear` and run again"
+    ))]
+    OtherModes {
+        /// The body.
+        body: &'static str,
+    },
     /// There is no such mode.
     #[error("mode {mode} cannot be shown: the body has {modes} modes")]
     #[diagnostic(help("choose a number from the table of modes, or raise the body's top frequency in [analysis]"))]

@@ -1,6 +1,6 @@
 //! nailnoise predicts how much sound power each source of a pneumatic nailer radiates, from its design.
 //!
-//! [`design`] reads the design file, [`pipeline`] turns it into ranked sources, [`output`] makes files of them, [`moving`] shows their surfaces,
+//! [`design`] reads the design file, [`pipeline`] turns it into ranked sources, [`output`] makes files of them,
 //! [`figures`] draws them, [`report`] makes a page of them, [`bundle`] keeps all of it for the next run, [`comparison`] lays
 //! results side by side and [`commands`] is the command line over all of it. [`penetration`] compares penetration laws,
 //! [`sensitivity`] and [`study`] tell what a design's ranges do to its shot.
@@ -15,7 +15,6 @@ pub mod design;
 mod error;
 pub mod figures;
 mod interrupt;
-pub mod moving;
 pub mod output;
 pub mod penetration;
 pub mod pipeline;

@@ -9,6 +9,8 @@ use std::path::PathBuf;
 use std::time::{Duration, SystemTime};
 
 use nailnoise::cache::{Cache, Key, LIMIT};
+use nailnoise::design::Design;
+use nailnoise::pipeline::workpiece;
 
 fn folder(name: &str) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("cache").join(name);
@@ -198,4 +200,39 @@ fn threads_share_a_folder() {
         threads.into_iter().map(|thread| thread.join().unwrap()).collect()
     });
     assert!(values.iter().all(|value| *value == values[0]));
+}
+
+/// A body out of the cache moves as the one that was solved; its shapes on all nodes are read when they are wanted, computed
+/// once more where they are lost, and refused where they are not those that it moves in.
+#[test]
+fn a_kept_body_finds_its_shapes_again() {
+    let cache = Cache::at(folder("shapes"), LIMIT);
+    let design = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/small.toml")).unwrap();
+    let solved = workpiece(&design, &cache).unwrap();
+    let mut kept = workpiece(&design, &cache).unwrap();
+    assert_eq!(
+        (&kept.skin, &kept.basis, &kept.loads),
+        (&solved.skin, &solved.basis, &solved.loads)
+    );
+    let shapes = solved.shapes(&design, &cache).unwrap();
+    for (point, node) in solved.surface.volume_nodes.iter().enumerate() {
+        let on_surface = solved.skin.rows(3 * point, 3).map(f64::from);
+        let difference = (shapes.rows(3 * node, 3) - on_surface).amax();
+        assert!(
+            difference <= f64::from(f32::EPSILON) * shapes.amax(),
+            "{point}: {difference:e}"
+        );
+    }
+    assert_eq!(kept.shapes(&design, &cache).unwrap(), shapes);
+    let entries = cache.entries().unwrap();
+    let whole = entries
+        .iter()
+        .find(|entry| entry.stage == "modes of the workpiece")
+        .unwrap();
+    fs::remove_file(&whole.path).unwrap();
+    assert_eq!(kept.shapes(&design, &cache).unwrap(), shapes);
+    assert!(whole.path.exists(), "kept again");
+    kept.skin.neg_mut();
+    let error = kept.shapes(&design, &cache).unwrap_err().to_string();
+    assert!(error.contains("the modes of the workpiece are not those"), "{error}");
 }

@@ -125,8 +125,9 @@ fn results_do_not_depend_on_the_cache() {
     assert_eq!(run(&[]).0, anew);
     assert_eq!(
         entries(),
-        7,
-        "meshes and modes of workpiece and worktable, what the bodies tell, their fields, and what the run left"
+        11,
+        "meshes and modes, modes on the surface and under the sensors, of workpiece and worktable each; what the bodies tell, \
+         their fields, and what the run left"
     );
     assert_eq!(run(&[]).0, anew);
     for entry in std::fs::read_dir(&cache).unwrap() {
@@ -138,7 +139,7 @@ fn results_do_not_depend_on_the_cache() {
     }
     let (mended, told) = run(&[]);
     assert_eq!(mended, anew);
-    assert_eq!(told.matches("computed anew").count(), 6, "{told}");
+    assert_eq!(told.matches("computed anew").count(), 8, "{told}");
     assert_eq!(run(&[]).1.matches("computed anew").count(), 0);
 }
 

@@ -133,8 +133,8 @@ fn the_skin_of_a_volume_mesh_brings_its_modes() {
     .unwrap();
     let skin = nailnoise_meshes::Surface::of(&mesh);
     let boundary = Boundary::new(BoundaryMesh::of_skin(&skin), Some(0.0)).unwrap();
-    let heave = DMatrix::from_fn(3 * mesh.nodes.len(), 1, |row, _| f64::from(u8::from(row % 3 == 2)));
-    let v = boundary.project_modes(&skin, &heave).unwrap();
+    let heave = DMatrix::from_fn(3 * skin.points.len(), 1, |row, _| f64::from(u8::from(row % 3 == 2)));
+    let v = boundary.project_displacements(&heave).unwrap();
     let problem = Exterior::new(boundary, &Air::default());
     let reference = Boundary::new(block(0.05), Some(0.0)).unwrap();
     let w = reference.project_displacements(&motions(reference.mesh())).unwrap();
@@ -143,5 +143,5 @@ fn the_skin_of_a_volume_mesh_brings_its_modes() {
     let exact = flat.resistance(500.0, &w).unwrap().far_field[(2, 2)];
     // Quadrilaterals are halved along the diagonal from their first node, which differs.
     assert!((found / exact - 1.0).abs() < 2e-4, "{found} {exact}");
-    assert!(problem.boundary().project_modes(&skin, &DMatrix::zeros(3, 1)).is_err());
+    assert!(problem.boundary().project_displacements(&DMatrix::zeros(3, 1)).is_err());
 }

@@ -71,15 +71,14 @@ fn solids() -> Solids {
         })
         .unwrap()
     });
-    let modes = |mesh: &Mesh| {
-        DMatrix::from_fn(3 * mesh.nodes.len(), MODES, |row, mode| {
-            motion(mesh.nodes[row / 3], mode)[row % 3]
+    let skins = meshes.each_ref().map(Surface::of);
+    let modes = |skin: &Surface| {
+        DMatrix::from_fn(3 * skin.points.len(), MODES, |row, mode| {
+            motion(skin.points[row / 3], mode)[row % 3]
         })
     };
-    Solids {
-        skins: [Surface::of(&meshes[0]), Surface::of(&meshes[1])],
-        modes: [modes(&meshes[0]), modes(&meshes[1])],
-    }
+    let modes = skins.each_ref().map(modes);
+    Solids { skins, modes }
 }
 
 fn parts(solids: &Solids) -> [MovingPart<'_>; 2] {

@@ -44,17 +44,16 @@ impl ModalSettings {
     }
 }
 
-/// The modes of a body below a frequency, proven complete.
+/// The modes of a body below a frequency, proven complete; with nothing for `S` where their shapes are kept apart.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ModalBasis {
+pub struct ModalBasis<S = DMatrix<f64>> {
     /// Free degrees of freedom of the model.
     pub dofs: usize,
     /// Natural frequencies, ascending; 0 for rigid modes \[Hz\].
     pub hz: Vec<f64>,
     /// Shapes of the modes, then of the static corrections: 3 x nodes rows, one column a shape, phi^T M phi = 1
     /// \[kg^-1/2\].
-    #[serde(with = "matrix")]
-    pub shapes: DMatrix<f64>,
+    pub shapes: S,
     /// |K phi - lambda M phi| / |lambda M phi| of each mode; a rigid mode has no lambda to divide by, so its residual is
     /// |K phi| / |lambda_1 M phi| with the first elastic mode's lambda_1, or that of the edge when there is none. On a
     /// soft support the terms of K phi cancel, and rounding is all that is left of a residual: where 1e-6 diag(K) phi is
@@ -112,63 +111,25 @@ impl ModalWork {
     }
 }
 
-impl ModalBasis {
+impl<S> ModalBasis<S> {
+    /// With other shapes in the place of its own, which are returned beside it.
+    pub fn swap_shapes<T>(self, shapes: T) -> (ModalBasis<T>, S) {
+        let basis = ModalBasis {
+            dofs: self.dofs,
+            hz: self.hz,
+            shapes,
+            residuals: self.residuals,
+            rigid: self.rigid,
+            orthonormality: self.orthonormality,
+            sturm: self.sturm,
+            corrections: self.corrections,
+            work: self.work,
+        };
+        (basis, self.shapes)
+    }
+
     /// Frequencies of modes and corrections, in the order of the columns of [`Self::shapes`] \[Hz\].
     pub fn all_hz(&self) -> Vec<f64> {
         self.hz.iter().chain(&self.corrections).copied().collect()
-    }
-}
-
-/// A matrix as its numbers of rows and columns and its entries column by column, as one piece of bytes.
-mod matrix {
-    use std::fmt;
-
-    use nalgebra::DMatrix;
-    use serde::de::{Error as _, Visitor};
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-    pub(super) fn serialize<S: Serializer>(matrix: &DMatrix<f64>, serializer: S) -> Result<S::Ok, S::Error> {
-        (matrix.nrows(), matrix.ncols(), Entries(matrix.as_slice().to_vec())).serialize(serializer)
-    }
-
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<DMatrix<f64>, D::Error> {
-        let (rows, columns, Entries(entries)) = <(usize, usize, Entries)>::deserialize(deserializer)?;
-        if rows.checked_mul(columns) != Some(entries.len()) {
-            return Err(D::Error::custom("the entries do not fill the matrix"));
-        }
-        Ok(DMatrix::from_vec(rows, columns, entries))
-    }
-
-    struct Entries(Vec<f64>);
-
-    impl Serialize for Entries {
-        fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-            let bytes: Vec<u8> = self.0.iter().flat_map(|entry| entry.to_le_bytes()).collect();
-            serializer.serialize_bytes(&bytes)
-        }
-    }
-
-    impl<'de> Deserialize<'de> for Entries {
-        fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-            struct Bytes;
-            impl Visitor<'_> for Bytes {
-                type Value = Entries;
-
-                fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                    f.write_str("the bytes of double precision numbers")
-                }
-
-                fn visit_bytes<E: serde::de::Error>(self, bytes: &[u8]) -> Result<Entries, E> {
-                    let (entries, rest) = bytes.as_chunks::<8>();
-                    if !rest.is_empty() {
-                        return Err(E::invalid_length(bytes.len(), &self));
-                    }
-                    Ok(Entries(
-                        entries.iter().map(|entry| f64::from_le_bytes(*entry)).collect(),
-                    ))
-                }
-            }
-            deserializer.deserialize_bytes(Bytes)
-        }
     }
 }

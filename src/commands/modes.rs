@@ -79,21 +79,22 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let body = Watched::over(&mut progress).counting(("modes", "modes"), |tell| {
         pipeline::modes_of_telling(&design, kind, &cache, tell)
     })?;
+    let shapes = body.shapes(&design, &cache)?;
     cache.take_notes().iter().for_each(|note| progress.note(note));
     let correlation = match (&measurement, &arguments.mac) {
         (Some(measurement), Some(path)) => {
-            let found = correlate(&body, measurement, arguments.mac_reach);
+            let found = correlate((&body, &shapes), measurement, arguments.mac_reach);
             Some(found.ok_or_else(|| Error::NoPoint { path: path.clone() })?)
         }
         _ => None,
     };
     progress.stage("writing files");
-    let mut files = vec![output::write_modes(&folder, &body)?];
+    let mut files = vec![output::write_modes(&folder, &body, &shapes)?];
     for &mode in &arguments.animate {
         files.push(output::write_motion(&folder, &body, mode as usize - 1)?);
     }
     if arguments.uff {
-        files.push(output::write_universal(&folder, design.name(), &body)?);
+        files.push(output::write_universal(&folder, design.name(), &body, &shapes)?);
     }
     drop(progress);
     let basis = &body.basis;

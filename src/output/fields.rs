@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use nailnoise_acoustics::levels::{Band, octaves};
 use nailnoise_acoustics::radiation::{LowRank, ModalSpectra};
 use nailnoise_meshes::vtu::{Array, Field, Grid, write_series};
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::film::Fields;
 use crate::error::Error;
-use crate::moving::MovingSurface;
 use crate::pipeline::{Body, Driven};
 
 /// Levels shown below the highest of a field \[dB\]; clamped points, which do not move, stand at this floor.
@@ -26,12 +26,12 @@ const REFERENCE: f64 = 50e-9 * 50e-9;
 ///
 /// with v the velocity vector, from the coherent sum of all modes; no lower than 60 dB below the highest point. And the
 /// same as a series of the bands that ParaView steps through, `BODY-bands.pvd`.
-pub(super) fn add(fields: &mut Fields, surface: &MovingSurface<'_>) {
-    let Driven { body, spectra, .. } = surface.driven;
+pub(super) fn add(fields: &mut Fields, driven: &Driven<'_>) {
+    let Driven { body, spectra, .. } = driven;
     let factor = |octave: &Band| Some((octave.nominal_hz(), factor(spectra, [octave.low, octave.high])?));
     let (nominal, factors): (Vec<f64>, Vec<LowRank>) = octaves().par_iter().filter_map(factor).unzip();
     // phi^T C phi for each component of the vector.
-    let forms = LowRank::forms(&factors, &surface.modes);
+    let forms = LowRank::forms(&factors, &body.skin);
     let levels = |forms: Vec<f64>| {
         let energies: Vec<f64> = forms.chunks_exact(3).map(|axes| axes.iter().sum()).collect();
         let floor = energies.iter().fold(0.0, |a: f64, &b| a.max(b)) * 10f64.powf(-0.1 * SHOWN);
@@ -63,11 +63,11 @@ fn factor(spectra: &ModalSpectra, [low, high]: [f64; 2]) -> Option<LowRank> {
 }
 
 /// Writes one `.vtu` a mode and the `.pvd` that lists them by frequency; returns the `.pvd`.
-pub(super) fn write_modes(folder: &Path, body: &Body) -> Result<PathBuf, Error> {
+pub(super) fn write_modes(folder: &Path, body: &Body, shapes: &DMatrix<f64>) -> Result<PathBuf, Error> {
     super::create(folder)?;
     let grid = Grid::of_mesh(&body.mesh);
     let mut series = Vec::with_capacity(body.basis.hz.len());
-    for (index, (&hz, shape)) in body.basis.hz.iter().zip(body.basis.shapes.column_iter()).enumerate() {
+    for (index, (&hz, shape)) in body.basis.hz.iter().zip(shapes.column_iter()).enumerate() {
         let file = format!("mode-{:04}.vtu", index + 1);
         let field = Field {
             name: "mode shape [kg^-1/2]",

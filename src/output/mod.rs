@@ -17,11 +17,11 @@ use nailnoise_dynamics::{CycleRecord, Events};
 use nailnoise_meshes::uff::{self, Mode};
 use nailnoise_meshes::vtu::Grid;
 use nailnoise_meshes::write_atomic;
+use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 use crate::cache::Bytes;
 use crate::error::Error;
-use crate::moving::MovingSurface;
 use crate::pipeline::{Body, Run, Vibration};
 
 pub use columns::{Column, columns};
@@ -54,21 +54,15 @@ impl File {
     }
 }
 
-/// What a run leaves behind beside its [`fields`](fields()): `levels.csv`, `intervals.csv`, `power.csv`, `events.csv`,
-/// `log.csv`, `histories.csv`, `microphones.csv`, `microphones-bands.csv`, `microphones/*.wav`, `paraview.py`, where a
-/// source's power is evaluated twice `radiation.csv` and `radiation-modes.csv` (for the tool's body `radiation-body.csv`),
-/// where the design has sensors `sensors.csv`, `sensors-spectrum.csv` and `sensors.uff`, and last `result.json`.
+/// What a run leaves behind beside its [`fields`](fields()), [`of_cycle`] and [`of_microphones`]: `levels.csv`,
+/// `intervals.csv`, `power.csv`, `paraview.py`, where a source's power is evaluated twice `radiation.csv` and
+/// `radiation-modes.csv` (for the tool's body `radiation-body.csv`), where the design has sensors `sensors.csv`,
+/// `sensors-spectrum.csv` and `sensors.uff`, and last `result.json`.
 ///
 /// # Errors
-/// [`Error::Json`] and those of the sensors' spectra and of sound files.
+/// [`Error::Json`] and those of the sensors' spectra.
 pub fn files(run: &Run) -> Result<Vec<File>, Error> {
-    let (of_cycle, (of_sensors, of_sound)) = rayon::join(
-        || of_cycle(&run.record),
-        || rayon::join(|| sensors::files(run), || microphones::files(run)),
-    );
-    let mut files = of_cycle;
-    files.extend(of_sensors?);
-    files.extend(of_sound?);
+    let mut files = sensors::files(run)?;
     files.push(File::new("levels.csv", csv::levels(&run.result)));
     for (source, name) in [("workpiece", "radiation"), ("body", "radiation-body")] {
         let bands = csv::radiation(&run.result, source).map(|text| File::new(format!("{name}.csv"), text));
@@ -88,13 +82,13 @@ pub fn files(run: &Run) -> Result<Vec<File>, Error> {
 ///
 /// # Errors
 /// Those of the bodies' response.
-pub fn fields(surfaces: &[MovingSurface<'_>], vibration: &Vibration, events: &Events) -> Result<Fields, Error> {
+pub fn fields(vibration: &Vibration, events: &Events) -> Result<Fields, Error> {
     let mut fields = Fields::default();
     fields.text("modes.csv", csv::modes(vibration));
-    for surface in surfaces {
-        fields.show(Grid::of_surface(&surface.driven.body.surface));
-        fields::add(&mut fields, surface);
-        shot::add(&mut fields, surface, events)?;
+    for driven in vibration.driven() {
+        fields.show(Grid::of_surface(&driven.body.surface));
+        fields::add(&mut fields, &driven);
+        shot::add(&mut fields, &driven, events)?;
     }
     Ok(fields)
 }
@@ -108,6 +102,14 @@ pub fn of_cycle(record: &CycleRecord) -> Vec<File> {
     ]
 }
 
+/// `microphones.csv`, `microphones-bands.csv` and `microphones/*.wav` of a run.
+///
+/// # Errors
+/// Those of sound files.
+pub fn of_microphones(run: &Run) -> Result<Vec<File>, Error> {
+    microphones::files(run)
+}
+
 /// Writes files to `folder`.
 ///
 /// # Errors
@@ -119,12 +121,12 @@ pub fn write_files(folder: &Path, files: &[File]) -> Result<(), Error> {
         .try_for_each(|file| write(&folder.join(&file.path), &file.content.0))
 }
 
-/// Writes the mode shapes of a body to `folder/modes/BODY/`; returns the `.pvd` that lists them.
+/// Writes the mode shapes of a body, [`Body::shapes`], to `folder/modes/BODY/`; returns the `.pvd` that lists them.
 ///
 /// # Errors
 /// [`Error::Write`] or [`Error::Mesh`] with the file that could not be written.
-pub fn write_modes(folder: &Path, body: &Body) -> Result<PathBuf, Error> {
-    fields::write_modes(&folder.join("modes").join(body.name), body)
+pub fn write_modes(folder: &Path, body: &Body, shapes: &DMatrix<f64>) -> Result<PathBuf, Error> {
+    fields::write_modes(&folder.join("modes").join(body.name), body, shapes)
 }
 
 /// Writes one period of mode `mode` (from 0) of a body to `folder/modes/BODY/`; returns the `.pvd` that plays it.
@@ -140,11 +142,11 @@ pub fn write_motion(folder: &Path, body: &Body, mode: usize) -> Result<PathBuf, 
     motion::write(&folder.join("modes").join(body.name), body, mode)
 }
 
-/// Writes the skin and the modes of a body to `folder/modes/BODY/modes.uff` for modal-test software.
+/// Writes the skin and the modes of a body, [`Body::shapes`], to `folder/modes/BODY/modes.uff` for modal-test software.
 ///
 /// # Errors
 /// [`Error::Write`] or [`Error::Mesh`] with the file that could not be written.
-pub fn write_universal(folder: &Path, name: &str, body: &Body) -> Result<PathBuf, Error> {
+pub fn write_universal(folder: &Path, name: &str, body: &Body, shapes: &DMatrix<f64>) -> Result<PathBuf, Error> {
     let folder = folder.join("modes").join(body.name);
     create(&folder)?;
     let path = folder.join("modes.uff");
@@ -152,7 +154,7 @@ pub fn write_universal(folder: &Path, name: &str, body: &Body) -> Result<PathBuf
         .basis
         .hz
         .iter()
-        .zip(body.basis.shapes.column_iter())
+        .zip(shapes.column_iter())
         .map(|(&hz, shape)| Mode {
             hz,
             loss_factor: body.loss_factor,

@@ -19,9 +19,11 @@ const AMPLITUDE: f64 = 0.05;
 pub(super) fn write(folder: &Path, body: &Body, mode: usize) -> Result<PathBuf, Error> {
     let name = format!("mode-{:04}", mode + 1);
     super::create(&folder.join(&name))?;
-    let shape = body.basis.shapes.column(mode);
-    let nodes = &body.surface.volume_nodes;
-    let largest = nodes.iter().map(|n| shape.rows(3 * n, 3).norm()).fold(0.0, f64::max);
+    let shape = body.skin.column(mode).map(f64::from);
+    let points = shape.as_slice().chunks_exact(3);
+    let largest = points
+        .map(|u| u.iter().map(|u| u * u).sum::<f64>().sqrt())
+        .fold(0.0, f64::max);
     let (low, high) = body.mesh.bounds();
     let scale = AMPLITUDE * (high - low).norm() / largest;
     // A rigid mode has no period.
@@ -35,10 +37,7 @@ pub(super) fn write(folder: &Path, body: &Body, mode: usize) -> Result<PathBuf, 
     for frame in 0..FRAMES {
         let phase = frame as f64 / FRAMES as f64;
         let factor = scale * (TAU * phase).cos();
-        let displacement: Vec<f64> = nodes
-            .iter()
-            .flat_map(|n| (0..3).map(move |axis| factor * shape[3 * n + axis]))
-            .collect();
+        let displacement: Vec<f64> = shape.iter().map(|u| factor * u).collect();
         for ((p, still), u) in moved
             .points
             .iter_mut()

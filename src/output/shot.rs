@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::film::Fields;
 use crate::error::Error;
-use crate::moving::MovingSurface;
+use crate::pipeline::Driven;
 
 /// Instants shown after each event \[s\]: at once, and while the waves run through the body.
 const AROUND: [f64; 3] = [5e-5, 3e-4, 1e-3];
@@ -17,16 +17,16 @@ const AROUND: [f64; 3] = [5e-5, 3e-4, 1e-3];
 const ROWS: usize = 512;
 
 /// Adds `BODY-shot.pvd` and the `.vtu` of each instant: the velocity vector \[m/s\] on every point of the surface.
-pub(super) fn add(fields: &mut Fields, surface: &MovingSurface<'_>, events: &Events) -> Result<(), Error> {
-    let response = surface.driven.response;
+pub(super) fn add(fields: &mut Fields, driven: &Driven<'_>, events: &Events) -> Result<(), Error> {
+    let (response, skin) = (driven.response, &driven.body.skin);
     let samples = instants(events, response);
-    let velocities = response.at(surface.driven.index, &samples, Motion::Velocity)?;
+    let velocities = response.at(driven.index, &samples, Motion::Velocity)?;
     let amplitudes = velocities.map(|v| v as f32);
-    let rows = surface.modes.nrows();
+    let rows = skin.nrows();
     let starts: Vec<usize> = (0..rows).step_by(ROWS).collect();
     let velocities: Vec<DMatrix<f32>> = starts
         .into_par_iter()
-        .map(|first| surface.modes.rows(first, ROWS.min(rows - first)) * &amplitudes)
+        .map(|first| skin.rows(first, ROWS.min(rows - first)) * &amplitudes)
         .collect();
     let frame = |(frame, sample): (usize, &usize)| {
         let mut values = Vec::with_capacity(rows);
@@ -37,7 +37,7 @@ pub(super) fn add(fields: &mut Fields, surface: &MovingSurface<'_>, events: &Eve
         (*sample as f64 * response.step, format!("{frame:03}"), values)
     };
     let frames = samples.par_iter().enumerate().map(frame).collect();
-    fields.series(&format!("{}-shot", surface.driven.body.name), frames);
+    fields.series(&format!("{}-shot", driven.body.name), frames);
     Ok(())
 }
 

@@ -8,7 +8,7 @@ use nailnoise_meshes::{Mesh, Surface};
 use nalgebra::{DMatrix, DVector, Point3};
 
 use super::geometry::{BodyKind, Geometry, added_mass};
-use super::model::{Model, body};
+use super::model::{Model, Modelling, body};
 use super::pattern::{Pattern, Rectangle};
 use super::{Tell, shank, sides, springs, tool_loads};
 use crate::cache::Cache;
@@ -26,9 +26,17 @@ pub struct Body {
     pub mesh: Mesh,
     /// Its outer faces.
     pub surface: Surface,
-    /// Its modes, proven complete up to their top frequency, and static corrections: below, "modes" are both.
-    pub basis: ModalBasis,
-    /// Angular frequencies of the columns of `basis.shapes` \[rad/s\]; 0 for rigid modes.
+    /// Its modes, proven complete up to their top frequency, and static corrections: below, "modes" are both. Their shapes are
+    /// apart, see [`Body::shapes`].
+    pub basis: ModalBasis<()>,
+    /// Displacement of the surface's points, x, y and z of each, in each mode: 3 points x modes \[kg^-1/2\]. In single
+    /// precision, as radiation matrices and pictures are.
+    pub skin: DMatrix<f32>,
+    /// The shapes, where they have just been computed.
+    pub(super) shapes: Option<DMatrix<f64>>,
+    /// What makes its model.
+    pub(super) model: (BodyKind, Modelling),
+    /// Angular frequencies of the modes \[rad/s\]; 0 for rigid ones.
     pub omega: Vec<f64>,
     /// Loss factor of all modes \[-\].
     pub loss_factor: f64,
@@ -85,9 +93,7 @@ pub fn workpiece(design: &Design, cache: &Cache) -> Result<Body, Error> {
 
 /// [`workpiece`], and tells how many modes are found.
 pub(super) fn workpiece_telling(design: &Design, cache: &Cache, tell: Tell<'_>) -> Result<Body, Error> {
-    let mut block = body(design, (BodyKind::Workpiece, DRIVEN), cache, tell, || {
-        workpiece_model(design)
-    })?;
+    let mut block = body(design, (BodyKind::Workpiece, DRIVEN), cache, tell, workpiece_model)?;
     if design.support.kind == SupportKind::Sandbox {
         // Sand that moves with the base rests in the sand: its weight is not the block's.
         let weight = design.ambient.gravity * added_mass(design)?;
@@ -101,8 +107,8 @@ pub(super) fn workpiece_telling(design: &Design, cache: &Cache, tell: Tell<'_>) 
     Ok(block)
 }
 
-fn workpiece_model(design: &Design) -> Result<Model, Error> {
-    let geometry = Geometry::of(design, BodyKind::Workpiece, false)?;
+fn workpiece_model(design: &Design, kind: BodyKind) -> Result<Model, Error> {
+    let geometry = Geometry::of(design, kind, false)?;
     let (mesh, thickness) = (&geometry.mesh, design.workpiece.thickness);
     let mut loads = Vec::with_capacity(WORKPIECE_LOADS);
     let nail = [design.nail.offset_along, design.nail.offset_across];
@@ -141,13 +147,11 @@ pub fn table(design: &Design, cache: &Cache) -> Result<Body, Error> {
 
 /// [`table`], and tells how many modes are found.
 pub(super) fn table_telling(design: &Design, cache: &Cache, tell: Tell<'_>) -> Result<Body, Error> {
-    body(design, (BodyKind::Worktable, DRIVEN), cache, tell, || {
-        table_model(design)
-    })
+    body(design, (BodyKind::Worktable, DRIVEN), cache, tell, table_model)
 }
 
-fn table_model(design: &Design) -> Result<Model, Error> {
-    let geometry = Geometry::of(design, BodyKind::Worktable, false)?;
+fn table_model(design: &Design, kind: BodyKind) -> Result<Model, Error> {
+    let geometry = Geometry::of(design, kind, false)?;
     let mut contacts = contact_patterns(design, &geometry.mesh, "top")?;
     contacts.extend(springs::patterns(design, &geometry.mesh, Sprung::Worktable)?);
     Ok(Model {
@@ -167,11 +171,11 @@ pub fn tool_body(design: &Design, cache: &Cache) -> Result<Body, Error> {
 
 /// [`tool_body`], and tells how many modes are found.
 pub(super) fn tool_body_telling(design: &Design, cache: &Cache, tell: Tell<'_>) -> Result<Body, Error> {
-    body(design, (BodyKind::Tool, DRIVEN), cache, tell, || tool_model(design))
+    body(design, (BodyKind::Tool, DRIVEN), cache, tell, tool_model)
 }
 
-fn tool_model(design: &Design) -> Result<Model, Error> {
-    let geometry = Geometry::of(design, BodyKind::Tool, false)?;
+fn tool_model(design: &Design, kind: BodyKind) -> Result<Model, Error> {
+    let geometry = Geometry::of(design, kind, false)?;
     let loads = tool_loads::patterns(design, &geometry.mesh)?;
     Ok(Model {
         geometry,
@@ -190,12 +194,14 @@ pub fn modes_of(design: &Design, kind: BodyKind, cache: &Cache) -> Result<Body, 
 
 /// [`modes_of`], and tells how many modes are found.
 pub(crate) fn modes_of_telling(design: &Design, kind: BodyKind, cache: &Cache, tell: Tell<'_>) -> Result<Body, Error> {
-    body(design, (kind, "alone"), cache, tell, || {
-        Ok(Model {
-            geometry: Geometry::of(design, kind, false)?,
-            loads: Vec::new(),
-            contacts: Vec::new(),
-        })
+    body(design, (kind, "alone"), cache, tell, model_alone)
+}
+
+fn model_alone(design: &Design, kind: BodyKind) -> Result<Model, Error> {
+    Ok(Model {
+        geometry: Geometry::of(design, kind, false)?,
+        loads: Vec::new(),
+        contacts: Vec::new(),
     })
 }
 
@@ -259,8 +265,13 @@ mod tests {
             }
         }
         assert!(moved > 30, "{moved} keys moved");
-        for model in [workpiece_model, table_model, tool_model] {
-            let [a, b] = [&base, &other].map(|design| model(design).unwrap().digest(design));
+        let models: [(BodyKind, Modelling); 3] = [
+            (BodyKind::Workpiece, workpiece_model),
+            (BodyKind::Worktable, table_model),
+            (BodyKind::Tool, tool_model),
+        ];
+        for (kind, model) in models {
+            let [a, b] = [&base, &other].map(|design| model(design, kind).unwrap().digest(design));
             assert_eq!(a, b);
         }
     }

@@ -225,7 +225,8 @@ impl Default for Options {
 /// # Errors
 /// [`Error`] of the stage that could not be computed.
 pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn Observer) -> Result<Run, Error> {
-    let (run, ()) = run_telling(design, options, cache, observer, "sound of the bodies", |_, _| Ok(()))?;
+    let stage = ("sound of the bodies", |_: &Vibration, _: &CycleRecord| Ok(()));
+    let (run, ()) = run_telling(design, options, cache, observer, stage, &|_| ())?;
     Ok(run)
 }
 
@@ -296,7 +297,8 @@ fn in_full<T: Send>(
 }
 
 /// A run with what `tell` makes of its bodies in motion. Where a cycle drives them one way both are kept as `stage`, and
-/// a design whose bodies move and radiate alike needs neither modes nor motion.
+/// a design whose bodies move and radiate alike needs neither modes nor motion; where it needs them, `beside` sees the
+/// cycle's record while the bodies move.
 ///
 /// # Errors
 /// [`Error`] of the stage that could not be computed, and those of `tell`.
@@ -305,11 +307,14 @@ pub(crate) fn run_telling<T: Serialize + DeserializeOwned + Send>(
     options: Options,
     cache: &Cache,
     observer: &mut dyn Observer,
-    stage: &str,
-    tell: impl FnOnce(&Vibration, &CycleRecord) -> Result<T, Error> + Send,
+    (stage, tell): (&str, impl FnOnce(&Vibration, &CycleRecord) -> Result<T, Error> + Send),
+    beside: &(dyn Fn(&CycleRecord) + Sync),
 ) -> Result<(Run, T), Error> {
     let mut timing = Timing::default();
-    let bench = Bench::new(design, options, cache)?;
+    let bench = Bench {
+        beside,
+        ..Bench::new(design, options, cache)?
+    };
     if design.support.coupling == Coupling::TwoWay {
         let all = in_full(&bench, None, &mut timing, observer, tell)?;
         let of_bodies = (all.moved.record, all.told, all.two_way);

@@ -2,17 +2,21 @@
 //!
 //! Modes are kept under all that they are computed from: mesh, materials, supports, loads. To tell that two designs share
 //! them takes reading, checking and loading the mesh, which is half of what another shot costs. So what a mesh leaves
-//! behind is kept as well, under the values of the design alone.
+//! behind is kept as well, under the values of the design alone; with it and the modes on its surface another shot needs
+//! neither mesh nor whole shapes, which are the most of all that is kept of a body.
+
+use std::borrow::Cow;
 
 use nailnoise_fem::{ModalBasis, ModalSettings, System, assemble_with, modes_telling};
 use nailnoise_meshes::{Mesh, Surface};
 use nalgebra::{DMatrix, DVector, Vector3};
 use serde::{Deserialize, Serialize};
 
+use super::Tell;
 use super::bodies::Body;
 use super::geometry::{BodyKind, Geometry};
+use super::modes::Kept;
 use super::pattern::Pattern;
-use super::{Tell, modes};
 use crate::cache::{Cache, Key};
 use crate::design::Design;
 use crate::error::Error;
@@ -29,11 +33,15 @@ pub(super) struct Model {
     pub(super) contacts: Vec<Pattern>,
 }
 
-/// All of a body but its modes.
+/// How a model of a body is made of a design.
+pub(super) type Modelling = fn(&Design, BodyKind) -> Result<Model, Error>;
+
+/// All of a body but the shapes of its modes.
 #[derive(Serialize, Deserialize)]
 struct Prepared {
     /// See [`Body::identity`].
     identity: [u8; 32],
+    basis: ModalBasis<()>,
     mesh: Mesh,
     surface: Surface,
     loss_factor: f64,
@@ -54,38 +62,45 @@ pub(super) fn body(
     (kind, drive): (BodyKind, &str),
     cache: &Cache,
     tell: Tell<'_>,
-    model: impl FnOnce() -> Result<Model, Error>,
+    model: Modelling,
 ) -> Result<Body, Error> {
     let stage = format!("mesh of the {}", kind.name());
     let reaches = |key: &str| !BEYOND_BODIES.iter().any(|beyond| key.starts_with(beyond));
     let key = Key::new().with(drive).with(&design.values_where(reaches));
     let prepared: Option<Prepared> = cache.get(&stage, &key);
     if let Some(prepared) = prepared {
-        let modes = modes::kept(cache, &modes_of(kind), &Key::new().with(&prepared.identity));
-        if let Some((basis, _)) = modes {
-            return Ok(prepared.with_modes(design, kind, basis));
+        let skin = Kept::new(cache, kind, &prepared.identity).surface();
+        if let Some(skin) = skin.filter(|skin| skin.ncols() == prepared.lift.len()) {
+            return Ok(prepared.body(design, (kind, model), (skin, None)));
         }
     }
-    let (prepared, basis) = model()?.solve(design, cache, tell)?;
+    let (prepared, shapes) = model(design, kind)?.solve(design, cache, tell)?;
+    let skin = skin(&prepared.surface, &shapes);
+    Kept::new(cache, kind, &prepared.identity).keep_surface(&skin);
     cache.put(&stage, &key, &prepared);
-    Ok(prepared.with_modes(design, kind, basis))
-}
-
-/// Name of the stage of the modes.
-fn modes_of(kind: BodyKind) -> String {
-    format!("modes of the {}", kind.name())
+    Ok(prepared.body(design, (kind, model), (skin, Some(shapes))))
 }
 
 impl Prepared {
-    fn with_modes(self, design: &Design, kind: BodyKind, basis: ModalBasis) -> Body {
-        let columns = |columns: &[Vec<f64>]| {
-            DMatrix::from_iterator(basis.shapes.ncols(), columns.len(), columns.iter().flatten().copied())
-        };
+    fn body(
+        self,
+        design: &Design,
+        (kind, model): (BodyKind, Modelling),
+        (skin, shapes): (DMatrix<f32>, Option<DMatrix<f64>>),
+    ) -> Body {
+        let modes = skin.ncols();
+        let columns =
+            |columns: &[Vec<f64>]| DMatrix::from_iterator(modes, columns.len(), columns.iter().flatten().copied());
         let lift = DVector::from_vec(self.lift);
         Body {
             name: kind.name(),
             identity: self.identity,
-            omega: basis.all_hz().iter().map(|hz| std::f64::consts::TAU * hz).collect(),
+            omega: self
+                .basis
+                .all_hz()
+                .iter()
+                .map(|hz| std::f64::consts::TAU * hz)
+                .collect(),
             weight: &lift * -design.ambient.gravity,
             loads: columns(&self.loads),
             contacts: columns(&self.contacts),
@@ -94,9 +109,74 @@ impl Prepared {
             surface: self.surface,
             loss_factor: self.loss_factor,
             top_hz: self.top_hz,
-            basis,
+            basis: self.basis,
+            skin,
+            shapes,
+            model: (kind, model),
         }
     }
+}
+
+/// Shapes on a surface's points, see [`Body::skin`].
+fn skin(surface: &Surface, shapes: &DMatrix<f64>) -> DMatrix<f32> {
+    let nodes = &surface.volume_nodes;
+    DMatrix::from_fn(3 * nodes.len(), shapes.ncols(), |row, mode| {
+        shapes[(3 * nodes[row / 3] + row % 3, mode)] as f32
+    })
+}
+
+impl Body {
+    /// Shapes of the modes, then of the static corrections, on every node: 3 x nodes rows, one column a shape, phi^T M phi =
+    /// 1 \[kg^-1/2\]. They are read when they are wanted: a shot has enough of [`Body::skin`].
+    ///
+    /// # Errors
+    /// Those of the modal solution, where the cache no longer has them; [`Error::OtherModes`] where they then are not those
+    /// that the body moves in.
+    pub fn shapes(&self, design: &Design, cache: &Cache) -> Result<Cow<'_, DMatrix<f64>>, Error> {
+        if let Some(shapes) = &self.shapes {
+            return Ok(Cow::Borrowed(shapes));
+        }
+        let (kind, model) = self.model;
+        let shapes = match Kept::new(cache, kind, &self.identity).modes() {
+            Some((basis, _)) => basis.shapes,
+            None => model(design, kind)?.solve(design, cache, &|_, _| ())?.1,
+        };
+        // The sign of a mode is open, and modes of one frequency may be any mixture of each other.
+        if skin(&self.surface, &shapes) != self.skin {
+            return Err(Error::OtherModes { body: self.name });
+        }
+        Ok(Cow::Owned(shapes))
+    }
+
+    /// What patterns are in each mode: modes x patterns; kept, as it needs the whole shapes.
+    ///
+    /// # Errors
+    /// As [`Body::shapes`].
+    pub(super) fn participation(
+        &self,
+        design: &Design,
+        cache: &Cache,
+        patterns: &[Pattern],
+    ) -> Result<DMatrix<f64>, Error> {
+        let modes = self.omega.len();
+        if patterns.is_empty() {
+            return Ok(DMatrix::zeros(modes, 0));
+        }
+        let key = Key::new().with(&self.identity).with(patterns);
+        let stage = format!("modes under the sensors of the {}", self.name);
+        let found: Vec<Vec<f64>> = cache.get_or(&stage, key, || {
+            let shapes = self.shapes(design, cache)?;
+            Ok::<_, Error>(participation(patterns, &shapes))
+        })?;
+        let known = found.iter().flatten().copied();
+        Ok(DMatrix::from_iterator(modes, patterns.len(), known))
+    }
+}
+
+/// What patterns are in each mode, pattern by pattern.
+fn participation(patterns: &[Pattern], shapes: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    let of_modes = |pattern: &Pattern| pattern.of_modes(shapes).as_slice().to_vec();
+    patterns.iter().map(of_modes).collect()
 }
 
 impl Model {
@@ -136,8 +216,8 @@ impl Model {
         key.digest()
     }
 
-    /// The modes, and what else is known of the body then.
-    fn solve(self, design: &Design, cache: &Cache, tell: Tell<'_>) -> Result<(Prepared, ModalBasis), Error> {
+    /// The modes' shapes, and what else is known of the body then.
+    fn solve(self, design: &Design, cache: &Cache, tell: Tell<'_>) -> Result<(Prepared, DMatrix<f64>), Error> {
         let settings = self.settings(design);
         let identity = self.identity(&settings);
         let Geometry {
@@ -150,8 +230,8 @@ impl Model {
             loss_factor,
             ..
         } = self.geometry;
-        let (stage, key) = (modes_of(kind), Key::new().with(&identity));
-        let (basis, momentum) = match modes::kept(cache, &stage, &key) {
+        let kept = Kept::new(cache, kind, &identity);
+        let (basis, momentum) = match kept.modes() {
             Some(modes) => modes,
             None => {
                 let dofs = 3 * mesh.nodes.len();
@@ -169,27 +249,22 @@ impl Model {
                 };
                 let system = assemble_with(&mesh, &materials, &constraints, &attachments)?;
                 let tell = |found: usize, of: usize| tell(found as u64, of as u64);
-                let mut modes = (modes_telling(&system, &settings, &tell)?, upward_momentum(&system));
-                modes::keep(cache, &stage, &key, &mut modes);
-                modes
+                kept.keep_modes((modes_telling(&system, &settings, &tell)?, upward_momentum(&system)))
             }
         };
-        let shapes = &basis.shapes;
-        let participation = |patterns: &[Pattern]| -> Vec<Vec<f64>> {
-            let of_modes = |pattern: &Pattern| pattern.of_modes(shapes).as_slice().to_vec();
-            patterns.iter().map(of_modes).collect()
-        };
+        let (basis, shapes) = basis.swap_shapes(());
         let prepared = Prepared {
             identity,
+            basis,
             surface: Surface::of(&mesh),
             mesh,
             loss_factor,
             top_hz,
             lift: shapes.tr_mul(&DVector::from_vec(momentum)).as_slice().to_vec(),
-            loads: participation(&self.loads),
-            contacts: participation(&self.contacts),
+            loads: participation(&self.loads, &shapes),
+            contacts: participation(&self.contacts, &shapes),
         };
-        Ok((prepared, basis))
+        Ok((prepared, shapes))
     }
 }
 
@@ -243,11 +318,10 @@ mod tests {
             loads,
             contacts: Vec::new(),
         };
-        let body = body(&design, (BodyKind::Tool, "pressed"), &Cache::none(), &|_, _| (), || {
-            Ok(model)
-        })
-        .unwrap();
-        let elastic = body.omega.iter().zip(&body.loads).filter(|(omega, _)| **omega > 0.0);
+        let (prepared, _) = model.solve(&design, &Cache::none(), &|_, _| ()).unwrap();
+        let hz = prepared.basis.all_hz();
+        let omega = hz.iter().map(|hz| TAU * hz);
+        let elastic = omega.zip(&prepared.loads[0]).filter(|(omega, _)| *omega > 0.0);
         elastic.map(|(omega, p)| (p / omega).powi(2)).sum()
     }
 

@@ -104,12 +104,12 @@ impl Outline {
         place
     }
 
-    /// Displacements of all points, (3 x points) x modes, of the nodal modes of the volume behind the skin.
-    pub(super) fn motion(&self, skin: &Surface, shapes: &DMatrix<f64>) -> DMatrix<f64> {
+    /// Displacements of all points, (3 x points) x modes, of modes on the skin's points, (3 x points) x modes.
+    pub(super) fn motion(&self, skin: &Surface, modes: &DMatrix<f32>) -> DMatrix<f64> {
         let known = skin.points.len();
-        DMatrix::from_fn(3 * self.mesh.points.len(), shapes.ncols(), |row, mode| {
+        DMatrix::from_fn(3 * self.mesh.points.len(), modes.ncols(), |row, mode| {
             let (point, axis) = (row / 3, row % 3);
-            let of_skin = |n: usize| shapes[(3 * skin.volume_nodes[n] + axis, mode)];
+            let of_skin = |n: usize| f64::from(modes[(3 * n + axis, mode)]);
             match point.checked_sub(known) {
                 None => of_skin(point),
                 Some(added) => {
@@ -197,14 +197,14 @@ mod tests {
         let mesh = bored(0.0);
         let skin = Surface::of(&mesh);
         // Shifts along x and z, and a stretch: a uniform growth of the outline.
-        let shapes = DMatrix::from_fn(3 * mesh.nodes.len(), 3, |row, mode| match (mode, row % 3) {
+        let modes = DMatrix::from_fn(3 * skin.points.len(), 3, |row, mode| match (mode, row % 3) {
             (0, 0) | (1, 2) => 1.0,
-            (2, axis) => mesh.nodes[row / 3][axis],
+            (2, axis) => skin.points[row / 3][axis] as f32,
             _ => 0.0,
         });
         for floor in [None, Some(-0.5)] {
             let outline = Outline::new(&skin, floor).unwrap();
-            let motion = outline.motion(&skin, &shapes);
+            let motion = outline.motion(&skin, &modes);
             let boundary = Boundary::new(outline.mesh, floor).unwrap();
             assert_eq!(boundary.mended().flipped, 0);
             assert!(

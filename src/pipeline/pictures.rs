@@ -6,7 +6,7 @@
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{Level, ModalBem, Sounding, SurfaceBand, WholeSurface};
 use nailnoise_acoustics::levels::{Band, Weighting, third_octaves};
-use nailnoise_acoustics::radiation::{ModalSpectra, quadratic_forms, radiated_energy};
+use nailnoise_acoustics::radiation::{LowRank, ModalSpectra, quadratic_forms, radiated_energy};
 use nailnoise_acoustics::sound::{Around, BandSound, Directions, above_plane};
 use nailnoise_meshes::Surface;
 use nalgebra::{Point3, Vector3};
@@ -441,7 +441,7 @@ fn velocities(design: &Design, air: &Air, driven: Driven<'_>) -> Result<Series, 
         Vector3::zeros()
     };
     let open = outside::open_air(&body.surface)?;
-    let radiating = skin(&body.surface, body.basis.shapes.as_view(), |point| open[point.face])?;
+    let radiating = skin(&body.surface, body.skin.as_view(), |point| open[point.face])?;
     let points: Vec<_> = body
         .surface
         .quadrature(FACE_POINTS)?
@@ -451,13 +451,6 @@ fn velocities(design: &Design, air: &Air, driven: Driven<'_>) -> Result<Series, 
     let faces: Vec<usize> = (0..open.len()).filter(|&face| open[face]).collect();
     let mut areas = vec![0.0; open.len()];
     points.iter().for_each(|point| areas[point.face] += point.weight);
-    let nodal: Vec<usize> = body
-        .surface
-        .volume_nodes
-        .iter()
-        .flat_map(|n| [3 * n, 3 * n + 1, 3 * n + 2])
-        .collect();
-    let nodal = body.basis.shapes.select_rows(&nodal);
     let mut pictures = Vec::new();
     for band in bands(spectra, f64::INFINITY) {
         let Some(covariance) = spectra.velocity_covariance([band.low, band.high], |_| 1.0) else {
@@ -468,7 +461,7 @@ fn velocities(design: &Design, air: &Air, driven: Driven<'_>) -> Result<Series, 
         for (point, form) in points.iter().zip(forms) {
             normal[point.face] += form * point.weight / areas[point.face];
         }
-        let nodal = quadratic_forms(&nodal, &covariance);
+        let nodal = LowRank::forms(&[LowRank::of(&covariance)], &body.skin).swap_remove(0);
         let vectors = nodal.chunks_exact(3).map(|axes| axes.iter().sum::<f64>());
         let of_faces = faces.iter().map(|&face| normal[face]);
         pictures.push(Picture {

@@ -17,7 +17,7 @@ use nailnoise_dynamics::CycleRecord;
 use nailnoise_fem::supports::Sand;
 use nailnoise_fem::transient::{ModalResponse, Motion};
 use nailnoise_meshes::{QuadraturePoint, Surface};
-use nalgebra::{DMatrix, DMatrixView, Point3, Vector3};
+use nalgebra::{DMatrix, DMatrixView, Point3};
 
 use super::bodies::{Body, Structure};
 use super::radiator::{Flush, Radiator, absorbing_sand};
@@ -367,13 +367,13 @@ fn sand_band(source: &SourceSpectrum, sand: &AbsorbingSand, range_hz: [f64; 2]) 
 pub(super) fn radiating(body: &Body, hidden: impl Fn(&str, &Point3<f64>) -> bool) -> Result<RadiatingSurface, Error> {
     let surface = &body.surface;
     let shown = |point: &QuadraturePoint| !hidden(&surface.patches[surface.faces[point.face].patch], &point.position);
-    skin(surface, body.basis.shapes.as_view(), shown)
+    skin(surface, body.skin.as_view(), shown)
 }
 
-/// The points of a surface that are shown, with the normal displacements of modes (columns of `shapes`).
+/// The points of a surface that are shown, with the normal displacements of modes, columns as those of [`Body::skin`].
 pub(super) fn skin(
     surface: &Surface,
-    shapes: DMatrixView<'_, f64>,
+    shapes: DMatrixView<'_, f32>,
     shown: impl Fn(&QuadraturePoint) -> bool,
 ) -> Result<RadiatingSurface, Error> {
     let points: Vec<QuadraturePoint> = surface.quadrature(FACE_POINTS)?.into_iter().filter(shown).collect();
@@ -385,8 +385,8 @@ pub(super) fn skin(
                 .iter()
                 .zip(&point.shape)
                 .map(|(&node, weight)| {
-                    let dof = 3 * surface.volume_nodes[node];
-                    weight * Vector3::new(shape[dof], shape[dof + 1], shape[dof + 2]).dot(&point.normal)
+                    let moved = shape.fixed_rows::<3>(3 * node).map(f64::from);
+                    weight * moved.dot(&point.normal)
                 })
                 .sum();
         }

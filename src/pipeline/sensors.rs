@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use super::bodies::Body;
 use super::pattern::Pattern;
 use super::radiation::moving_sand;
+use crate::cache::Cache;
 use crate::design::{BodyModel, Carrier, Design, Sensor, SensorProblem, SupportKind};
 use crate::error::Error;
 use crate::result::SensorLevel;
@@ -62,9 +63,10 @@ impl Sensing {
     /// Those of a design on one of its bodies.
     ///
     /// # Errors
-    /// [`DesignError::Sensor`](crate::design::DesignError::Sensor) for a sensor that is not on its body.
-    pub(super) fn of(design: &Design, carrier: Moving, body: &Body) -> Result<Self, Error> {
-        let (mut names, mut shapes) = (Vec::new(), Vec::new());
+    /// [`DesignError::Sensor`](crate::design::DesignError::Sensor) for a sensor that is not on its body, and those of
+    /// [`Body::shapes`].
+    pub(super) fn of(design: &Design, carrier: Moving, body: &Body, cache: &Cache) -> Result<Self, Error> {
+        let (mut names, mut patterns) = (Vec::new(), Vec::new());
         for (name, sensor) in present(design) {
             let place = match (sensor.body, carrier) {
                 (Carrier::Workpiece, Moving::Block)
@@ -87,13 +89,10 @@ impl Sensing {
                 other => other.into(),
             })?;
             names.push(name.clone());
-            shapes.push(pattern.of_modes(&body.basis.shapes));
+            patterns.push(pattern);
         }
-        let mut all = DMatrix::zeros(body.omega.len(), shapes.len());
-        all.column_iter_mut()
-            .zip(&shapes)
-            .for_each(|(mut to, shape)| to.copy_from(shape));
-        Ok(Self { names, shapes: all })
+        let shapes = body.participation(design, cache, &patterns)?;
+        Ok(Self { names, shapes })
     }
 
     /// With what they read, samples x sensors \[m/s2\].

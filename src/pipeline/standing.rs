@@ -13,7 +13,7 @@ use nailnoise_acoustics::bem::{
 };
 use nailnoise_acoustics::radiation::{Archive, Sampling};
 use nailnoise_acoustics::{AcousticsError, Air};
-use nalgebra::Point3;
+use nalgebra::{DMatrix, Point3};
 
 use super::Watched;
 use super::bodies::{Body, Structure};
@@ -131,7 +131,7 @@ fn expected(levels: &[Level], low: f64) -> Vec<f64> {
 
 /// Processor time of all ranges \[s\], about.
 fn expected_seconds(levels: &[Level], low: f64, structure: &Structure) -> f64 {
-    let modes: usize = structure.bodies().map(|body| body.basis.shapes.ncols()).sum();
+    let modes: usize = structure.bodies().map(|body| body.omega.len()).sum();
     let of_frequency = |level: &Level| {
         // Most modes of a symmetric body have one parity.
         let patterns = modes.div_ceil(level.problem.boundary().copies());
@@ -264,12 +264,14 @@ fn of_boxes(design: &Design, structure: &Structure, air: &Air, share: f64) -> Re
     let on_table = design.support.kind == SupportKind::Worktable;
     let names: &[&str] = if on_table { &PATCHES } else { &ALONE };
     let own = if on_table { OF_WORKPIECE } else { ALONE.len() };
+    let modes: Vec<DMatrix<f64>> = structure.bodies().map(|body| body.skin.map(f64::from)).collect();
     let parts: Vec<MovingPart<'_>> = structure
         .bodies()
+        .zip(&modes)
         .zip([0..own, own..names.len()])
-        .map(|(body, patches)| MovingPart {
+        .map(|((body, modes), patches)| MovingPart {
             skin: &body.surface,
-            modes: &body.basis.shapes,
+            modes,
             patches,
         })
         .collect();
@@ -313,7 +315,7 @@ fn of_skin(design: &Design, body: &Body, air: &Air) -> Result<Level, Error> {
     let boundary = Boundary::new(mesh, floor(design))?;
     let patterns = Patterns {
         parity: Parity::default(),
-        velocities: boundary.project_modes(&body.surface, &body.basis.shapes)?,
+        velocities: boundary.project_displacements(&body.skin.map(f64::from))?,
     };
     let resolved = boundary.highest_hz(computed.sound_speed, a.bem_panels);
     let problem = Exterior::new(boundary, air).with_panels_per_wavelength(a.bem_panels)?;
@@ -331,7 +333,7 @@ mod tests {
     use std::f64::consts::{PI, TAU};
 
     use nailnoise_acoustics::bem::TwoEvaluations;
-    use nalgebra::{DMatrix, Vector3};
+    use nalgebra::Vector3;
 
     use super::super::bodies::{contact_grid, workpiece};
     use super::*;
@@ -371,7 +373,7 @@ mod tests {
     fn shaken(level: &Level, body: &Body, axis: Vector3<f64>, hz: f64) -> [f64; 2] {
         let rigid: Vec<usize> = (0..body.omega.len()).filter(|&j| body.omega[j] == 0.0).collect();
         assert_eq!(rigid.len(), 6);
-        let modes = body.basis.shapes.select_columns(&rigid);
+        let modes = body.skin.select_columns(&rigid).map(f64::from);
         let motion = DMatrix::from_fn(modes.nrows(), 1, |dof, _| axis[dof % 3]);
         let share = (modes.transpose() * &modes)
             .cholesky()

@@ -218,7 +218,7 @@ fn one_way(
         Some(_) => {
             let body = tool_body(design, cache)?;
             let bem = tool_radiator(design, &body, air, cache, watched)?;
-            Tool::new(design, (body, bem), parameters, &record)?.sound(design, &record, air)?
+            Tool::new(design, (body, bem), parameters, &record, cache)?.sound(design, &record, air)?
         }
         None => radiation::rigid_tool(design, &record, air)?,
     };

@@ -28,6 +28,7 @@ use super::radiator::damping_of;
 use super::sensors::{Moving, Sensed, Sensing};
 use super::sound::Sound;
 use super::tool_loads::{self, AXIAL, Axial, LOADS};
+use crate::cache::Cache;
 use crate::design::Design;
 use crate::error::Error;
 use crate::result::{Check, CrossCheck, Uncertainty};
@@ -86,6 +87,7 @@ impl Tool {
         (body, bem): (Body, Option<ModalBem>),
         parameters: &Parameters,
         record: &CycleRecord,
+        cache: &Cache,
     ) -> Result<Self, Error> {
         let guided = Guided::new(&body);
         let loads = loads(&guided, tool_loads::histories(parameters, &body.mesh, record)?, record);
@@ -113,7 +115,7 @@ impl Tool {
             supports: DMatrix::zeros(body.omega.len(), 0),
         };
         let response = respond(&[modal], &[], &loads, &settings)?;
-        let sensing = Sensing::of(design, Moving::Tool, &body)?;
+        let sensing = Sensing::of(design, Moving::Tool, &body, cache)?;
         let (spectra, motion) = body_spectra(design, 0, &body, &response, &sensing.shapes)?;
         let checks = guided.checks(parameters, record, &loads, &response)?;
         let stiffness = [
@@ -200,8 +202,8 @@ impl Tool {
         let (rigid, surface) = (self.rigid(), &self.body.surface);
         let elastic = self.body.omega.len() - rigid;
         let open = open_air(surface)?;
-        let shapes = self.body.basis.shapes.columns(rigid, elastic);
-        let erp = Erp::new(&skin(surface, shapes.as_view(), |point| open[point.face])?, air);
+        let shapes = self.body.skin.columns(rigid, elastic);
+        let erp = Erp::new(&skin(surface, shapes, |point| open[point.face])?, air);
         let spectra = ModalSpectra {
             frequency: self.spectra.frequency.clone(),
             accelerations: self.spectra.accelerations.rows(rigid, elastic).into_owned(),

@@ -65,7 +65,7 @@ pub(super) fn tool_radiator(
     let bem = cache.decoded_or(STAGE, &key, read, || {
         let levels = levels(design, body, &computed)?;
         let top_hz = levels.iter().map(|level| level.top_hz).fold(0.0, f64::max);
-        tell(&levels, body.basis.shapes.ncols(), watched);
+        tell(&levels, body.omega.len(), watched);
         let sampling = Sampling {
             range_hz: [LOWEST_SAMPLE.min(0.1 * top_hz), top_hz],
             tolerance: design.acoustics.bem_tolerance,
@@ -150,7 +150,7 @@ fn floor(design: &Design) -> Option<f64> {
 pub(super) fn level(design: &Design, body: &Body, air: &Air) -> Result<Level, Error> {
     let a = &design.acoustics;
     let outline = Outline::new(&body.surface, floor(design))?;
-    let motion = outline.motion(&body.surface, &body.basis.shapes);
+    let motion = outline.motion(&body.surface, &body.skin);
     let boundary = Boundary::new(outline.mesh, floor(design))?;
     let patterns = Patterns {
         parity: Parity::default(),

@@ -84,6 +84,8 @@ pub(super) struct Bench<'a> {
     pub(super) parameters: Parameters,
     pub(super) air: Air,
     pub(super) cache: &'a Cache,
+    /// What can be done with the cycle's record alone, while the response keeps one core and no more.
+    pub(super) beside: &'a (dyn Fn(&CycleRecord) + Sync),
     /// When the run began.
     pub(super) begin: Instant,
 }
@@ -100,6 +102,7 @@ impl<'a> Bench<'a> {
             parameters: parameters(design)?,
             air: Air::at(design.ambient.temperature, design.ambient.pressure)?,
             cache,
+            beside: &|_| (),
             begin: Instant::now(),
         })
     }
@@ -135,6 +138,7 @@ pub(super) fn moved(
                     // No response is longer than that of a housing, whose flight does not decay: the end is known.
                     let end = tool.as_ref().map(|tool| end(record, [&tool.response]));
                     let blown = end.map(|end| exhaust::blown(bench, record, end, &mut timing));
+                    (bench.beside)(record);
                     ToolSide::Moved(Box::new((tool, sound, blown.transpose()?)))
                 }
                 None => ToolSide::Still(Box::new(body)),
@@ -211,7 +215,9 @@ fn tool_in_motion(
             let bem = timing.time("radiation matrices of the tool", || {
                 tool_radiator(design, &body, air, cache, watched)
             })?;
-            Some(timing.time("tool response", || Tool::new(design, (body, bem), parameters, record))?)
+            Some(timing.time("tool response", || {
+                Tool::new(design, (body, bem), parameters, record, cache)
+            })?)
         }
         None => None,
     };
@@ -279,7 +285,7 @@ fn structure_side(
             (both.response, Some((both.record, both.work, both.checks)))
         }
     };
-    let (spectra, sensed) = timing.time("modal spectra", || spectra_and_sensors(design, &structure, &response))?;
+    let (spectra, sensed) = timing.time("modal spectra", || spectra_and_sensors(bench, &structure, &response))?;
     Ok(StructureSide {
         structure,
         radiator,
@@ -293,13 +299,13 @@ fn structure_side(
 
 /// Fourier transforms of every body's modal accelerations, and what sensors on it read.
 fn spectra_and_sensors(
-    design: &Design,
+    bench: &Bench<'_>,
     structure: &Structure,
     response: &ModalResponse,
 ) -> Result<(Vec<ModalSpectra>, Vec<Sensed>), Error> {
     let of_body = |(index, (body, carrier)): (usize, (&Body, Moving))| {
-        let sensing = Sensing::of(design, carrier, body)?;
-        let (spectra, motion) = radiation::body_spectra(design, index, body, response, &sensing.shapes)?;
+        let sensing = Sensing::of(bench.design, carrier, body, bench.cache)?;
+        let (spectra, motion) = radiation::body_spectra(bench.design, index, body, response, &sensing.shapes)?;
         Ok::<_, Error>((spectra, sensing.sensed(motion)))
     };
     let bodies = structure.bodies().zip([Moving::Block, Moving::Table]).enumerate();

@@ -24,8 +24,7 @@ use serde::{Deserialize, Serialize};
 use crate::comparison::Comparison;
 use crate::design::Design;
 use crate::figures;
-use crate::moving::MovingSurface;
-use crate::pipeline::Run;
+use crate::pipeline::{Run, Vibration};
 use crate::result::RunResult;
 
 pub use sound::Recording;
@@ -63,11 +62,11 @@ pub struct Pictures {
 
 impl Pictures {
     /// The pictures of a shot.
-    pub fn new(design: &Design, surfaces: &[MovingSurface<'_>]) -> Self {
+    pub fn new(design: &Design, vibration: &Vibration) -> Self {
         let air = Air::at(design.ambient.temperature, design.ambient.pressure).unwrap_or_default();
-        let bodies: Vec<Painted<'_>> = surfaces
-            .iter()
-            .map(|surface| Painted::new(design, surface, &air))
+        let bodies: Vec<Painted<'_>> = vibration
+            .driven()
+            .map(|driven| Painted::new(design, &driven, &air))
             .collect();
         Self {
             scene: scene::chart(&bodies).map(|view| view.markup().into_string()),

@@ -25,11 +25,9 @@ const COLOURS: [[f64; 3]; 5] = [
 /// The picture as SVG; the colour is the size of the displacement at a face's centre over the largest.
 pub(super) fn mode(body: &Body, mode: usize) -> String {
     let surface = &body.surface;
-    let shape = body.basis.shapes.column(mode);
-    let moves: Vec<Vector3<f64>> = surface
-        .volume_nodes
-        .iter()
-        .map(|&n| Vector3::new(shape[3 * n], shape[3 * n + 1], shape[3 * n + 2]))
+    let shape = body.skin.column(mode);
+    let moves: Vec<Vector3<f64>> = (0..surface.points.len())
+        .map(|point| shape.fixed_rows::<3>(3 * point).map(f64::from))
         .collect();
     let largest = moves.iter().map(Vector3::norm).fold(f64::MIN_POSITIVE, f64::max);
     let (low, high) = body.mesh.bounds();

@@ -16,7 +16,6 @@ use nalgebra::{DMatrix, DVector, Point3, Vector3};
 use rayon::prelude::*;
 
 use crate::design::{Design, SupportKind};
-use crate::moving::MovingSurface;
 use crate::pipeline::{Body, BodyKind, Driven, open_air};
 
 /// Reference energy \[J\]: 1 pW for 1 s.
@@ -40,12 +39,12 @@ pub(super) struct Painted<'a> {
 }
 
 impl<'a> Painted<'a> {
-    pub(super) fn new(design: &Design, moving: &MovingSurface<'a>, air: &Air) -> Self {
-        let Driven { body, spectra, .. } = moving.driven;
+    pub(super) fn new(design: &Design, driven: &Driven<'a>, air: &Air) -> Self {
+        let Driven { body, spectra, .. } = driven;
         let surface = &body.surface;
         // One point a face: the picture shows no finer detail, and a rule of one point exists for every shape.
         let points = surface.quadrature(1).unwrap_or_default();
-        let mut normal = normal_modes(surface, &points, &moving.modes);
+        let mut normal = normal_modes(surface, &points, &body.skin);
         // A mesh whose cavities cannot be told from its outline is shown whole.
         let open = open_air(surface).unwrap_or_else(|_| vec![true; surface.faces.len()]);
         let free: Vec<bool> = points

@@ -2,7 +2,6 @@ use super::panel::{BoundaryMesh, PanelPoint, PanelShape};
 use super::rules;
 use super::symmetry::Image;
 use crate::error::AcousticsError;
-use nailnoise_meshes::Surface;
 use nalgebra::{DMatrix, Matrix4, Point3, Vector3, Vector4};
 use std::collections::HashMap;
 
@@ -318,30 +317,6 @@ impl Boundary {
                     .sum();
             }
         }))
-    }
-}
-
-impl Boundary {
-    /// Normal components of a volume mesh's modes on its skin, as corner values; `nodal_modes` is (3 x nodes) x modes.
-    ///
-    /// # Errors
-    /// [`AcousticsError::Length`] for a skin that is not this surface's, or too few rows.
-    pub fn project_modes(&self, skin: &Surface, nodal_modes: &DMatrix<f64>) -> Result<DMatrix<f64>, AcousticsError> {
-        crate::error::same_length("points of the skin", skin.points.len(), self.mesh.points.len())?;
-        let needed = skin.volume_nodes.iter().max().map_or(0, |n| 3 * (n + 1));
-        if nodal_modes.nrows() < needed {
-            return Err(AcousticsError::Length {
-                what: "rows of the nodal modes",
-                found: nodal_modes.nrows(),
-                expected: needed,
-            });
-        }
-        let rows: Vec<usize> = skin
-            .volume_nodes
-            .iter()
-            .flat_map(|&n| [3 * n, 3 * n + 1, 3 * n + 2])
-            .collect();
-        self.project_displacements(&nodal_modes.select_rows(&rows))
     }
 }
 

@@ -5,7 +5,7 @@ use super::panel::PanelShape;
 use super::problem::Patterns;
 use super::rules;
 use super::symmetry::{Image, Parity};
-use crate::error::AcousticsError;
+use crate::error::{AcousticsError, same_length};
 use nailnoise_meshes::{FaceKind, Surface};
 use nalgebra::{DMatrix, Matrix4, Vector2, Vector3};
 use std::ops::Range;
@@ -18,7 +18,7 @@ const COVER: f64 = 1e-6;
 pub struct MovingPart<'a> {
     /// Skin of the volume mesh: flat faces with straight sides.
     pub skin: &'a Surface,
-    /// Modal displacements of the volume's nodes, (3 x nodes) x modes.
+    /// Modal displacements of the skin's points, (3 x points) x modes.
     pub modes: &'a DMatrix<f64>,
     /// Patches of the boundary that belong to it.
     pub patches: Range<usize>,
@@ -162,18 +162,9 @@ impl Boundary {
 
 /// Modal displacements of the skin's points, modes x (3 x points).
 fn by_point(part: &MovingPart<'_>) -> Result<DMatrix<f64>, AcousticsError> {
-    let needed = part.skin.volume_nodes.iter().max().map_or(0, |n| 3 * (n + 1));
-    if part.modes.nrows() < needed {
-        return Err(AcousticsError::Length {
-            what: "rows of the nodal modes",
-            found: part.modes.nrows(),
-            expected: needed,
-        });
-    }
-    let nodes = &part.skin.volume_nodes;
-    Ok(DMatrix::from_fn(part.modes.ncols(), 3 * nodes.len(), |m, i| {
-        part.modes[(3 * nodes[i / 3] + i % 3, m)]
-    }))
+    let rows = 3 * part.skin.points.len();
+    same_length("rows of the modal displacements", part.modes.nrows(), rows)?;
+    Ok(part.modes.transpose())
 }
 
 /// A face of a skin whose sides are straight.
