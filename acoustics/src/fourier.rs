@@ -43,6 +43,13 @@ pub struct Transform {
     bins: usize,
 }
 
+/// What a [`Transform`] works in: padded record, spectrum and scratch.
+pub(crate) struct Work {
+    padded: Vec<f64>,
+    spectrum: Vec<Complex<f64>>,
+    scratch: Vec<Complex<f64>>,
+}
+
 impl std::fmt::Debug for Transform {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Transform")
@@ -107,18 +114,37 @@ impl Transform {
     /// # Errors
     /// A record of another length than planned, values that are not finite.
     pub fn apply(&self, record: &[f64]) -> Result<Vec<Complex<f64>>, AcousticsError> {
+        self.apply_in(record, &mut self.work())
+    }
+
+    /// Memory for [`Self::apply_in`].
+    pub(crate) fn work(&self) -> Work {
+        Work {
+            padded: self.fft.make_input_vec(),
+            spectrum: self.fft.make_output_vec(),
+            scratch: self.fft.make_scratch_vec(),
+        }
+    }
+
+    /// [`Self::apply`] in memory that serves one record after the other.
+    pub(crate) fn apply_in(&self, record: &[f64], work: &mut Work) -> Result<Vec<Complex<f64>>, AcousticsError> {
         crate::error::same_length("record", record.len(), self.samples)?;
         finite("record", record)?;
-        let mut padded = self.fft.make_input_vec();
+        let Work {
+            padded,
+            spectrum,
+            scratch,
+        } = work;
         padded[..self.samples].copy_from_slice(record);
+        // The transform has used it up.
+        padded[self.samples..].fill(0.0);
         let start = self.samples - self.taper.len();
         for (x, w) in padded[start..self.samples].iter_mut().zip(&self.taper) {
             *x *= w;
         }
-        let mut spectrum = self.fft.make_output_vec();
-        // The only error is a wrong buffer length, and both buffers are the plan's own.
+        // The only error is a wrong buffer length, and all buffers are the plan's own.
         self.fft
-            .process(&mut padded, &mut spectrum)
+            .process_with_scratch(padded, spectrum, scratch)
             .map_err(|_| AcousticsError::Length {
                 what: "transform buffer",
                 found: padded.len(),

@@ -4,10 +4,11 @@
 mod common;
 
 use common::{disk, flat, rectangle, references};
-use nailnoise_acoustics::fourier::TransformSettings;
+use nailnoise_acoustics::fourier::{Transform, TransformSettings};
 use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
 use nailnoise_acoustics::radiation::{
-    Erp, LowRank, ModalSpectra, RadiatingSurface, Rayleigh, Sampling, radiated_energy, rigid_body_energy,
+    Erp, LowRank, ModalRadiation, ModalSpectra, RadiatingSurface, Rayleigh, Sampling, mode_energies, radiated_energy,
+    radiated_signals, rigid_body_energy,
 };
 use nailnoise_acoustics::sound::rigid_body_far_field;
 use nailnoise_acoustics::{AcousticsError, Air};
@@ -164,6 +165,69 @@ fn patches_share_the_energy() {
     assert!((sum / whole.energy([50.0, 10_000.0], Weighting::A) - 1.0).abs() < 1e-12);
     // Both modes are even in x, so the halves are alike.
     assert!((parts[0].1 / parts[1].1 - 1.0).abs() < 1e-9);
+}
+
+/// More bins than are evaluated together; the plate's records are transformed in memory that other records used before.
+#[test]
+fn many_bins_and_modes_are_those_of_each_alone() {
+    let plate = flat(
+        rectangle([-0.15, 0.15], [-0.05, 0.05], 12, 6),
+        &[&|_, _| 1.0, &|x, _| x, &|x, y| x * y],
+    );
+    let erp = Erp::new(&plate, &Air::default());
+    let (samples, dt) = (4000, 5e-5);
+    let settings = TransformSettings::default();
+    let record = |mode: usize| -> Vec<f64> {
+        let rate = 900.0 + 700.0 * mode as f64;
+        (0..samples)
+            .map(|i| (rate * i as f64 * dt).sin() * (-30.0 * i as f64 * dt).exp())
+            .collect()
+    };
+    let motion = ModalSpectra::from_accelerations(3, samples, dt, &settings, record).unwrap();
+    let bins = motion.frequency.len();
+    assert!(bins > 1000);
+    let transform = Transform::new(samples, dt, &settings).unwrap();
+    for mode in 0..3 {
+        let alone = transform.apply(&record(mode)).unwrap();
+        assert!(motion.accelerations.row(mode).iter().eq(alone.iter()), "mode {mode}");
+    }
+    let spectrum = radiated_energy("plate", &erp, &motion).unwrap();
+    let form = |bin: usize| {
+        let omega2 = (2.0 * PI * motion.frequency[bin]).powi(2);
+        let a: Vec<_> = motion.accelerations.column(bin).iter().copied().collect();
+        2.0 * erp.resistance(motion.frequency[bin]).form(&a) / omega2
+    };
+    let exact: Vec<f64> = (0..bins).map(form).collect();
+    for (bin, (found, exact)) in spectrum.energy_density.iter().zip(&exact).enumerate() {
+        assert!((found / exact - 1.0).abs() < 1e-5, "bin {bin}: {found:e} {exact:e}");
+    }
+    let weights: Vec<f64> = (0..bins).map(|bin| 1.0 + (bin % 3) as f64).collect();
+    let modes = mode_energies(&erp, &motion, &weights).unwrap();
+    let whole: f64 = exact.iter().zip(&weights).map(|(e, w)| e * w).sum();
+    assert!((modes.iter().sum::<f64>() / whole - 1.0).abs() < 1e-9);
+    let signals = radiated_signals(&erp, &motion, &spectrum).unwrap();
+    assert!(signals.mismatch() < 1e-6, "{}", signals.mismatch());
+
+    let band = [100.0, 9000.0];
+    let covariance = motion.velocity_covariance(band, |hz| 1.0 + hz).unwrap();
+    let step = motion.frequency[1] - motion.frequency[0];
+    for i in 0..3 {
+        for j in 0..3 {
+            let of_bin = |(hz, a): (&f64, nalgebra::DVectorView<'_, nalgebra::Complex<f64>>)| {
+                let inside = (band[0]..band[1]).contains(hz);
+                let density = (a[i].conj() * a[j]).re * (1.0 + hz) / (2.0 * PI * hz).powi(2);
+                if inside { 2.0 * step * density } else { 0.0 }
+            };
+            let exact: f64 = motion
+                .frequency
+                .iter()
+                .zip(motion.accelerations.column_iter())
+                .map(of_bin)
+                .sum();
+            let size = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
+            assert!((covariance[(i, j)] - exact).abs() < 1e-12 * size, "{i} {j}");
+        }
+    }
 }
 
 #[test]

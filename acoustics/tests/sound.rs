@@ -6,7 +6,7 @@ mod common;
 use common::{disk, flat, rectangle};
 use nailnoise_acoustics::radiation::{MovingSand, Rayleigh, Sampling};
 use nailnoise_acoustics::sound::{
-    Iso3744Box, SoundAbovePlane, background_correction, environmental_correction, over_time, shaken_sphere_pressure,
+    Iso3744Box, OverTime, SoundAbovePlane, background_correction, environmental_correction, shaken_sphere_pressure,
     spread_evenly,
 };
 use nailnoise_acoustics::{AcousticsError, Air};
@@ -33,7 +33,7 @@ fn a_signal_is_the_sum_of_its_bins_at_any_sampling_rate() {
     let spectrum: Vec<Complex<f64>> = (0..frequency.len())
         .map(|k| Complex::from_polar(1.0 / (1.0 + 0.01 * k as f64), 0.37 * (k * k) as f64))
         .collect();
-    let signal = over_time(&frequency, &spectrum, 4801.3, 700);
+    let signal = OverTime::new(&frequency, 4801.3, 700).signal(&spectrum);
     for (n, x) in signal.iter().enumerate() {
         let t = n as f64 / 4801.3;
         let sum: f64 = frequency
@@ -43,9 +43,9 @@ fn a_signal_is_the_sum_of_its_bins_at_any_sampling_rate() {
             .sum();
         assert!((x - sum).abs() < 1e-9 * 2.0 * df * 289.0, "{n}: {x} {sum}");
     }
-    assert_eq!(over_time(&[], &[], 48_000.0, 3), [0.0; 3]);
+    assert_eq!(OverTime::new(&[], 48_000.0, 3).signal(&[]), [0.0; 3]);
     // One period, 1/df = 0.27 s, and silence.
-    let long = over_time(&frequency, &spectrum, 4801.3, 1500);
+    let long = OverTime::new(&frequency, 4801.3, 1500).signal(&spectrum);
     assert!(
         long.iter()
             .zip(&signal)

@@ -184,15 +184,18 @@ impl ModalRadiation for BlendedRadiation {
         images
     }
 
+    fn signals(&self) -> usize {
+        2 * self.modes()
+    }
+
     /// The signals of all laws with the roots of their shares, so that energies add up exactly: boundary elements at single
     /// frequencies and every second node above, below them the other nodes. Those of one row never count together.
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let modes = self.modes();
         let shares = self.shares(frequency);
-        let [even, odd] = self.above.root_signals((frequency, &shares), accelerations);
         let mut signals = DMatrix::zeros(2 * modes, frequency.len());
-        signals.rows_mut(0, modes).copy_from(&odd);
-        signals.rows_mut(modes, modes).copy_from(&even);
+        self.above
+            .add_root_signals((frequency, &shares), accelerations, &mut signals);
         for (level, start, end) in self.runs(frequency) {
             let part = accelerations.columns(start, end - start).into_owned();
             let mut low = self.levels[level].root_signals(&frequency[start..end], &part);

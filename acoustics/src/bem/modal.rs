@@ -186,12 +186,8 @@ impl ModalBem {
         let (mut erps, mut motions) = (Vec::new(), Vec::new());
         for (pick, patterns) in chosen.iter().zip(&finest.patterns) {
             let own = pick.of(patterns);
-            let mut erp = Erp::new(
-                &finest.problem.radiating_surface(&own.velocities)?,
-                finest.problem.air(),
-            );
-            erp.add_silent_patch(REST);
-            erps.push(erp);
+            let surface = finest.problem.radiating_surface(&own.velocities)?;
+            erps.push(Erp::new(&surface, finest.problem.air()).with_silent_patch(REST));
             motions.push(own);
         }
         let limits = limits(&finest.problem, &motions, &ladder);
@@ -436,6 +432,10 @@ impl ModalRadiation for ModalBem {
         images * Complex::from(self.air.form())
     }
 
+    fn signals(&self) -> usize {
+        self.parities.iter().map(ModalRadiation::signals).sum()
+    }
+
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let frequency = &self.air.all_computed(frequency)[..];
         let parts = self.over_parities(accelerations, |_, radiation, a| radiation.root_signals(frequency, &a));
@@ -474,6 +474,10 @@ impl ModalRadiation for ModalErp<'_> {
         self.0.forms(frequency, accelerations, |radiation, frequency, a| {
             radiation.erp().energy_forms(frequency, a)
         })
+    }
+
+    fn signals(&self) -> usize {
+        self.0.parities.iter().map(|radiation| radiation.erp().signals()).sum()
     }
 
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {

@@ -84,27 +84,39 @@ impl PeakHistogram {
         self.energy[i + 1] += share * energy;
     }
 
-    /// Energy density \[J/Hz\] at rising frequencies of spectra with the given shape (per ln f, over f/f_peak).
-    pub(super) fn spread(&self, shape: impl Fn(f64) -> f64, frequency: &[f64]) -> Vec<f64> {
-        let used: Vec<usize> = (0..POINTS).filter(|&i| self.energy[i] > 0.0).collect();
-        let (Some(&low), Some(&high), Some(&first), Some(&last)) =
-            (frequency.first(), frequency.last(), used.first(), used.last())
-        else {
-            return vec![0.0; frequency.len()];
+    /// Energy density \[J/Hz\] of spectra of a shape at the frequencies it is spread over.
+    pub(super) fn spread(&self, shape: &Spreading) -> Vec<f64> {
+        let Some(stretch) = &shape.stretch else {
+            return Vec::new();
         };
-        let stretch = Stretch::new(shape, low, high, first, last);
         let mut lattice = vec![0.0; (stretch.to - stretch.from + 1) as usize];
-        for &peak in &used {
-            let energy = self.energy[peak];
+        for (peak, &energy) in self.energy.iter().enumerate().filter(|(_, energy)| **energy > 0.0) {
             let shape = stretch.around(peak);
             lattice.iter_mut().zip(shape).for_each(|(sum, g)| *sum += energy * g);
         }
-        let value = |&hz: &f64| {
-            let Stencil { first, weights } = stretch.stencil(hz);
-            let points = &lattice[first..first + 4];
+        let value = |(hz, Stencil { first, weights }): &(f64, Stencil)| {
+            let points = &lattice[*first..first + 4];
             weights.iter().zip(points).map(|(w, g)| w * g).sum::<f64>() / hz
         };
-        frequency.iter().map(value).collect()
+        shape.stencils.iter().map(value).collect()
+    }
+}
+
+/// A shape of spectra (per ln f, over f/f_peak) at rising frequencies, wherever on the lattice its peak lies.
+pub(super) struct Spreading {
+    /// None without frequencies.
+    stretch: Option<Stretch>,
+    /// Every frequency with its place.
+    stencils: Vec<(f64, Stencil)>,
+}
+
+impl Spreading {
+    pub(super) fn new(shape: impl Fn(f64) -> f64, frequency: &[f64]) -> Self {
+        let ends = frequency.first().zip(frequency.last());
+        let stretch = ends.map(|(&low, &high)| Stretch::new(shape, low, high, 0, POINTS - 1));
+        let place = |stretch: &Stretch| frequency.iter().map(|&hz| (hz, stretch.stencil(hz))).collect();
+        let stencils = stretch.as_ref().map(place).unwrap_or_default();
+        Self { stretch, stencils }
     }
 }
 

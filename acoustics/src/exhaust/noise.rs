@@ -1,4 +1,4 @@
-use super::histogram::PeakHistogram;
+use super::histogram::{PeakHistogram, Spreading};
 use super::history::{Burst, ExhaustHistory};
 use super::jet::Jet;
 use super::mixing::{MIXING_RANGE, mixing_power};
@@ -190,9 +190,12 @@ pub fn exhaust_noise(
     let parts = [
         (
             "mixing",
-            muffled(mixing.spread(|x| similarity::shape(x) / normal, &frequency)),
+            muffled(mixing.spread(&Spreading::new(|x| similarity::shape(x) / normal, &frequency))),
         ),
-        ("shock", muffled(shocks.spread(shock::shape, &frequency))),
+        (
+            "shock",
+            muffled(shocks.spread(&Spreading::new(shock::shape, &frequency))),
+        ),
         ("unsteady flow", unsteady),
     ];
     let density = (0..frequency.len())

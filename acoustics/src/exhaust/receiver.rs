@@ -1,5 +1,5 @@
 use super::directivity::MixingDirectivity;
-use super::histogram::PeakHistogram;
+use super::histogram::{PeakHistogram, Spreading};
 use super::history::Burst;
 use super::noise::ExhaustNoise;
 use super::{shock, similarity};
@@ -123,7 +123,7 @@ impl ExhaustNoise {
             }
             density
         };
-        let [mixing, shock] = paths.jet_densities(&history.mixing, &history.shocks, frequency);
+        let [mixing, shock] = paths.jets(frequency).densities(&history.mixing, &history.shocks);
         let outflow = self.spectrum.contributions.iter().find(|part| part.name == OUTFLOW);
         let outflow = outflow.map_or(vec![0.0; frequency.len()], |part| {
             let energy = frequency.iter().zip(&part.energy_density);
@@ -184,18 +184,16 @@ impl Paths {
         self.direct.length
     }
 
-    /// Energy densities of mixing and shock noise over r² at a receiver, before a muffler.
-    pub(super) fn jet_densities(&self, mixing: &[Burst], shocks: &[Burst], frequency: &[f64]) -> [Vec<f64>; 2] {
+    /// What they make of jets at some frequencies.
+    pub(super) fn jets(&self, frequency: &[f64]) -> Jets<'_> {
         let normal = similarity::total();
-        [
-            self.jets(
-                mixing,
-                |path, i| path.directivities[i],
-                |x| similarity::shape(x) / normal,
-                frequency,
-            ),
-            self.jets(shocks, |_, _| 1.0, shock::shape, frequency),
-        ]
+        let cross = self.reflected.as_ref().filter(|_| self.coherence > 0.0);
+        Jets {
+            paths: self,
+            mixing: Spreading::new(|x| similarity::shape(x) / normal, frequency),
+            shocks: Spreading::new(shock::shape, frequency),
+            interference: cross.map(|path| frequency.iter().map(|&hz| self.interference(hz, path)).collect()),
+        }
     }
 
     /// e^{-jkr}/r + e^{-jkr'}/r' \[1/m\].
@@ -211,29 +209,37 @@ impl Paths {
     fn interference(&self, hz: f64, reflected: &Path) -> f64 {
         (self.wavenumber * hz * (reflected.length - self.direct.length)).cos()
     }
+}
 
-    /// Energy density of the bursts over r² at a receiver, by the directivity of a path at [`SPEEDS`] jet speeds.
-    fn jets(
-        &self,
-        bursts: &[Burst],
-        directivity: impl Fn(&Path, usize) -> f64,
-        shape: impl Fn(f64) -> f64,
-        frequency: &[f64],
-    ) -> Vec<f64> {
-        let sum = |gain: &dyn Fn(usize) -> f64| spread(bursts, gain, &shape, frequency);
-        let (direct, r) = (&self.direct, self.direct.length);
-        let mut density = sum(&|i| directivity(direct, i) / (r * r));
-        if let Some(path) = &self.reflected {
-            let image = path.length;
-            let energies = sum(&|i| directivity(path, i) / (image * image));
-            density.iter_mut().zip(&energies).for_each(|(e, own)| *e += own);
-            if self.coherence > 0.0 {
-                let cross = sum(&|i| {
-                    2.0 * self.coherence * (directivity(direct, i) * directivity(path, i)).sqrt() / (r * image)
-                });
-                for ((e, cross), &hz) in density.iter_mut().zip(&cross).zip(frequency) {
-                    *e += cross * self.interference(hz, path);
-                }
+/// The noise of jets at a receiver, at some frequencies.
+pub(super) struct Jets<'a> {
+    paths: &'a Paths,
+    mixing: Spreading,
+    shocks: Spreading,
+    /// cos k(r' - r), where both ways are heard together.
+    interference: Option<Vec<f64>>,
+}
+
+impl Jets<'_> {
+    /// Energy densities of mixing and shock noise over r² at the receiver, before a muffler.
+    pub(super) fn densities(&self, mixing: &[Burst], shocks: &[Burst]) -> [Vec<f64>; 2] {
+        [
+            self.density(mixing, |path, i| path.directivities[i], &self.mixing),
+            self.density(shocks, |_, _| 1.0, &self.shocks),
+        ]
+    }
+
+    /// Energy density of the bursts over r² at the receiver, by the directivity of a path at [`SPEEDS`] jet speeds.
+    fn density(&self, bursts: &[Burst], directivity: impl Fn(&Path, usize) -> f64, shape: &Spreading) -> Vec<f64> {
+        let (direct, reflected) = (&self.paths.direct, &self.paths.reflected);
+        let alone = |path: &Path, i: usize| directivity(path, i) / path.length.powi(2);
+        let both = |i: usize| alone(direct, i) + reflected.as_ref().map_or(0.0, |path| alone(path, i));
+        let mut density = spread(bursts, both, shape);
+        if let Some((path, interference)) = reflected.as_ref().zip(self.interference.as_ref()) {
+            let together = |i: usize| 2.0 * self.paths.coherence * (alone(direct, i) * alone(path, i)).sqrt();
+            let cross = spread(bursts, together, shape);
+            for ((e, cross), cos) in density.iter_mut().zip(cross).zip(interference) {
+                *e += cross * cos;
             }
         }
         density
@@ -261,12 +267,12 @@ impl Floor {
 }
 
 /// Spectrum of the bursts, each with the gain of its jet speed, between the gains of [`SPEEDS`].
-fn spread(bursts: &[Burst], gain: &dyn Fn(usize) -> f64, shape: impl Fn(f64) -> f64, frequency: &[f64]) -> Vec<f64> {
+fn spread(bursts: &[Burst], gain: impl Fn(usize) -> f64, shape: &Spreading) -> Vec<f64> {
     let gains: Vec<f64> = (0..SPEEDS).map(gain).collect();
     let mut histogram = PeakHistogram::new();
     for burst in bursts {
         let gain = super::mixing::interpolate(&gains, (burst.lg_velocity - FIRST) / STEP);
         histogram.deposit(burst.peak_hz, gain * burst.energy);
     }
-    histogram.spread(shape, frequency)
+    histogram.spread(shape)
 }

@@ -6,7 +6,7 @@ use super::receiver::{Floor, Outlet, Paths};
 use crate::air::Air;
 use crate::error::{AcousticsError, positive};
 use crate::random::uniform;
-use crate::sound::over_time;
+use crate::sound::OverTime;
 use nalgebra::Complex;
 use rustfft::FftPlanner;
 use std::f64::consts::PI;
@@ -53,7 +53,7 @@ impl ExhaustNoise {
             .zip(outflow.one_signal())
             .map(|(&hz, x)| x * paths.point_source_pressure(hz) * to_pressure)
             .collect();
-        let mut signal = over_time(outflow.frequency(), &spectrum, rate, samples);
+        let mut signal = OverTime::new(outflow.frequency(), rate, samples).signal(&spectrum);
         self.add_jets(&paths, air, rate, seed, &mut signal);
         Ok(signal)
     }
@@ -65,7 +65,7 @@ impl ExhaustNoise {
         let df = rate / length as f64;
         let bins: Vec<usize> = (1..hop).filter(|&k| (low..=high).contains(&(k as f64 * df))).collect();
         let frequency: Vec<f64> = bins.iter().map(|&k| k as f64 * df).collect();
-        let passed = self.passed_at(&frequency);
+        let (passed, jets) = (self.passed_at(&frequency), paths.jets(&frequency));
         let window: Vec<f64> = (0..length)
             .map(|n| (PI * (n as f64 + 0.5) / length as f64).sin())
             .collect();
@@ -91,7 +91,7 @@ impl ExhaustNoise {
             if mixing.is_empty() && shocks.is_empty() {
                 continue;
             }
-            let [mixing, shock] = paths.jet_densities(&mixing, &shocks, &frequency);
+            let [mixing, shock] = jets.densities(&mixing, &shocks);
             let mut spectrum = vec![Complex::default(); length];
             for (i, &k) in bins.iter().enumerate() {
                 let exposure = air.impedance() / (4.0 * PI) * passed[i] * (mixing[i] + shock[i]);

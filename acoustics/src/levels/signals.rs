@@ -6,6 +6,8 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::num_complex::Complex;
+use std::f64::consts::TAU;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Samples taken of the highest bin's period: 4 let |x|² be sampled without aliasing.
@@ -36,8 +38,10 @@ pub struct PowerSignals {
     frequency: Vec<f64>,
     first: usize,
     resolution: f64,
-    /// Signals x bins, with 2 |x|² = E.
+    /// Signals x bins.
     spectra: DMatrix<Complex<f64>>,
+    /// What the signals of every bin are times, with 2 |x|² = E then.
+    factors: Vec<Complex<f64>>,
     mismatch: f64,
 }
 
@@ -58,17 +62,16 @@ impl PowerSignals {
     ///
     /// # Errors
     /// Another number of bins than the spectrum's; frequencies that are not multiples of one bin width.
-    pub fn new(spectrum: &SourceSpectrum, mut spectra: DMatrix<Complex<f64>>) -> Result<Self, AcousticsError> {
+    pub fn new(spectrum: &SourceSpectrum, spectra: DMatrix<Complex<f64>>) -> Result<Self, AcousticsError> {
         let frequency = spectrum.frequency.clone();
         same_length("bins of the signals", spectra.ncols(), frequency.len())?;
         let (first, resolution) = bins(&frequency)?;
         let (mut mismatch, mut total) = (0.0, 0.0);
-        for (mut bin, &energy) in spectra.column_iter_mut().zip(&spectrum.energy_density) {
+        let mut factors = Vec::with_capacity(frequency.len());
+        for (bin, &energy) in spectra.column_iter().zip(&spectrum.energy_density) {
             let found = 2.0 * bin.iter().map(|x| x.norm_sqr()).sum::<f64>();
-            if found > 0.0 {
-                let factor = (energy / found).sqrt();
-                bin.iter_mut().for_each(|x| *x *= factor);
-            }
+            let factor = if found > 0.0 { (energy / found).sqrt() } else { 0.0 };
+            factors.push(Complex::from(factor));
             mismatch += (energy - found).abs();
             total += energy;
         }
@@ -77,8 +80,16 @@ impl PowerSignals {
             first,
             resolution,
             spectra,
+            factors,
             mismatch: if total > 0.0 { mismatch / total } else { 0.0 },
         })
+    }
+
+    /// All signals times a factor of magnitude 1.
+    #[must_use]
+    pub(crate) fn turned(mut self, phase: Complex<f64>) -> Self {
+        self.factors.iter_mut().for_each(|factor| *factor *= phase);
+        self
     }
 
     /// Sum of |E - 2 |x|²| over the bins before they were matched, relative to the sum of E.
@@ -99,11 +110,11 @@ impl PowerSignals {
     /// One signal that stands for all where a single one is needed, as in a file of sound: in every bin the whole energy
     /// with the phase of the signals' sum. Where there is one signal, it is that.
     pub fn one_signal(&self) -> Vec<Complex<f64>> {
-        let of_bin = |bin: nalgebra::DVectorView<'_, Complex<f64>>| {
+        let of_bin = |(bin, factor): (nalgebra::DVectorView<'_, Complex<f64>>, &Complex<f64>)| {
             let amplitude = bin.iter().map(|x| x.norm_sqr()).sum::<f64>().sqrt();
-            Complex::from_polar(amplitude, bin.sum().arg())
+            Complex::from_polar(amplitude * factor.norm(), (bin.sum() * factor).arg())
         };
-        self.spectra.column_iter().map(of_bin).collect()
+        self.spectra.column_iter().zip(&self.factors).map(of_bin).collect()
     }
 
     /// A-weighted power over time and levels between neighbouring `edges` \[s\], within `range_hz`.
@@ -113,8 +124,9 @@ impl PowerSignals {
     /// energy of their own. The first interval reaches back to the history's start and the last one on to its end.
     pub fn analyse(&self, edges: &[f64], range_hz: [f64; 2]) -> SignalAnalysis {
         let work = Work::new(self, edges, range_hz);
-        let all: Vec<usize> = (0..self.signals()).collect();
-        let parts: Vec<(Vec<f64>, Vec<f64>)> = all.par_chunks(CHUNK).map(|rows| work.chunk(self, rows)).collect();
+        let first: Vec<usize> = (0..self.signals()).step_by(CHUNK).collect();
+        let rows = |&first: &usize| first..self.signals().min(first + CHUNK);
+        let parts: Vec<(Vec<f64>, Vec<f64>)> = first.par_iter().map(|first| work.chunk(self, rows(first))).collect();
         let mut power = vec![0.0; work.samples];
         let mut cut = vec![0.0; work.cuts.len()];
         for (p, c) in &parts {
@@ -240,9 +252,13 @@ impl Work {
         let before = samples / 4;
         let amplitude = |weighting: Weighting| {
             let weights = energy_weights(&signals.frequency, range, weighting);
-            let amplitude = weights.into_iter().zip(&signals.frequency).map(|(w, &hz)| {
+            let bins = weights.into_iter().zip(&signals.frequency).zip(&signals.factors);
+            let amplitude = bins.enumerate().map(|(i, ((w, &hz), factor))| {
                 let response = weighting.response(hz);
-                response / response.norm() * ((w / df).sqrt() * df)
+                // Later by the samples before t = 0.
+                let turns = (signals.first + i) * before % samples;
+                let later = Complex::from_polar((w / df).sqrt() * df, -TAU * turns as f64 / samples as f64);
+                factor * later * (response / response.norm())
             });
             amplitude.collect::<Vec<Complex<f64>>>()
         };
@@ -281,7 +297,7 @@ impl Work {
     }
 
     /// Power and cut energies of some of the signals.
-    fn chunk(&self, signals: &PowerSignals, rows: &[usize]) -> (Vec<f64>, Vec<f64>) {
+    fn chunk(&self, signals: &PowerSignals, rows: Range<usize>) -> (Vec<f64>, Vec<f64>) {
         let (mut power, mut cut) = (vec![0.0; self.samples], vec![0.0; self.cuts.len()]);
         let mut x = vec![0.0; self.samples];
         let mut spectrum = self.inverse.make_input_vec();
@@ -290,17 +306,23 @@ impl Work {
         let mut padded = vec![0.0; length(|cut| cut.transform.len())];
         let mut bins = vec![Complex::ZERO; length(|cut| cut.transform.complex_len())];
         let mut forward_scratch = vec![Complex::ZERO; length(|cut| cut.transform.get_scratch_len())];
-        for &row in rows {
+        // Neighbours in memory are taken together.
+        let count = signals.frequency.len();
+        let mut values = vec![Complex::ZERO; count * rows.len()];
+        for (bin, column) in signals.spectra.column_iter().enumerate() {
+            for (number, value) in column.rows_range(rows.clone()).iter().enumerate() {
+                values[number * count + bin] = *value;
+            }
+        }
+        for values in values.chunks_exact(count.max(1)) {
             let mut to_time = |factors: &[Complex<f64>], x: &mut [f64]| {
                 spectrum.fill(Complex::ZERO);
-                let values = signals.spectra.row(row);
-                for (i, (value, factor)) in values.iter().zip(factors).enumerate() {
-                    spectrum[signals.first + i] = value * *factor;
+                for ((to, value), factor) in spectrum[signals.first..].iter_mut().zip(values).zip(factors) {
+                    *to = value * factor;
                 }
                 // The buffers are the plan's own and the ends are zero, so the plan has nothing to refuse.
                 let done = self.inverse.process_with_scratch(&mut spectrum, x, &mut scratch);
                 debug_assert!(done.is_ok());
-                x.rotate_right(self.before);
             };
             to_time(&self.weighted, &mut x);
             power.iter_mut().zip(&x).for_each(|(p, x)| *p += x * x);

@@ -222,19 +222,20 @@ fn pieces(frequency: &[f64], range: [f64; 2], weighting: Weighting, mut add: imp
         return;
     }
     let first = frequency.partition_point(|&f| f <= low).saturating_sub(1);
+    // Number and frequency of the next edge.
+    let mut cut: Option<(i32, f64)> = None;
     for i in first..frequency.len() - 1 {
         let (f0, f1) = (frequency[i], frequency[i + 1]);
         if f0 >= high {
             break;
         }
         let (mut a, end) = (f0.max(low), f1.min(high));
-        let mut cut = if a > 0.0 {
-            band_containing(a).index + 1
-        } else {
-            i32::MIN
-        };
+        if cut.is_none() && a > 0.0 {
+            let next = band_containing(a).index + 1;
+            cut = Some((next, edge(next)));
+        }
         while a < end {
-            let b = if cut > i32::MIN { edge(cut).min(end) } else { end };
+            let b = cut.map_or(end, |(_, edge)| edge.min(end));
             let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
             let (x, w) = GAUSS3;
             let (mut lower, mut upper) = (0.0, 0.0);
@@ -245,7 +246,14 @@ fn pieces(frequency: &[f64], range: [f64; 2], weighting: Weighting, mut add: imp
                 upper += share * value;
             }
             add(i, lower, upper);
-            (a, cut) = (b, cut.saturating_add(1));
+            a = b;
+            cut = cut.map(|(number, at)| {
+                if at <= a {
+                    (number + 1, edge(number + 1))
+                } else {
+                    (number, at)
+                }
+            });
         }
     }
 }

@@ -1,7 +1,9 @@
 use super::resistance::ModalRadiation;
 use crate::error::{AcousticsError, same_length};
-use crate::fourier::{Transform, TransformSettings};
+use crate::fourier::{Transform, TransformSettings, Work};
 use crate::levels::{Contribution, SourceSpectrum};
+use faer::linalg::matmul::triangular::{self, BlockStructure};
+use faer::{Accum, Mat, MatMut, Par};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -36,7 +38,10 @@ impl ModalSpectra {
         let frequency = transform.frequencies();
         let rows: Vec<Vec<Complex<f64>>> = (0..modes)
             .into_par_iter()
-            .map(|mode| transform.apply(&record(mode)))
+            .map_init(
+                || transform.work(),
+                |work, mode| transform.apply_in(&record(mode), work),
+            )
             .collect::<Result<_, _>>()?;
         let accelerations = DMatrix::from_fn(modes, frequency.len(), |mode, bin| rows[mode][bin]);
         Ok(Self {
@@ -61,12 +66,17 @@ impl ModalSpectra {
         let transform = Transform::new(samples, sample_interval, settings)?;
         let frequency = transform.frequencies();
         let first: Vec<usize> = (0..modes).step_by(block.max(1)).collect();
-        let of_block = |first: usize| {
+        let of_block = |work: &mut Work, first: usize| {
             let records = records(first..modes.min(first + block.max(1)))?;
-            let rows = records.column_iter().map(|record| transform.apply(record.as_slice()));
+            let rows = records
+                .column_iter()
+                .map(|record| transform.apply_in(record.as_slice(), work));
             Ok::<Vec<_>, E>(rows.collect::<Result<Vec<_>, _>>()?)
         };
-        let blocks: Vec<Vec<Vec<Complex<f64>>>> = first.into_par_iter().map(of_block).collect::<Result<_, _>>()?;
+        let blocks: Vec<Vec<Vec<Complex<f64>>>> = first
+            .into_par_iter()
+            .map_init(|| transform.work(), of_block)
+            .collect::<Result<_, _>>()?;
         let rows: Vec<Vec<Complex<f64>>> = blocks.into_iter().flatten().collect();
         let accelerations = DMatrix::from_fn(rows.len(), frequency.len(), |mode, bin| rows[mode][bin]);
         Ok(Self {
@@ -92,18 +102,53 @@ impl ModalSpectra {
         }
         let step = self.frequency[1] - self.frequency[0];
         let modes = self.accelerations.nrows();
-        let mut rows = DMatrix::zeros(modes, 2 * bins.len());
-        for (column, &bin) in bins.iter().enumerate() {
-            let hz = self.frequency[bin];
-            let scale = (2.0 * step * weight(hz)).sqrt() / (TAU * hz);
-            for mode in 0..modes {
-                let a = self.accelerations[(mode, bin)];
-                rows[(mode, 2 * column)] = a.re * scale;
-                rows[(mode, 2 * column + 1)] = a.im * scale;
+        let mut covariance = DMatrix::zeros(modes, modes);
+        let lower = BlockStructure::TriangularLower;
+        let mut rows = Mat::zeros(modes, 2 * STRETCH);
+        for (number, bins) in bins.chunks(STRETCH).enumerate() {
+            for (column, &bin) in bins.iter().enumerate() {
+                let hz = self.frequency[bin];
+                let scale = (2.0 * step * weight(hz)).sqrt() / (TAU * hz);
+                for (mode, a) in self.accelerations.column(bin).iter().enumerate() {
+                    rows[(mode, 2 * column)] = a.re * scale;
+                    rows[(mode, 2 * column + 1)] = a.im * scale;
+                }
             }
+            let rows = rows.as_ref().subcols(0, 2 * bins.len());
+            triangular::matmul(
+                MatMut::from_column_major_slice_mut(covariance.as_mut_slice(), modes, modes),
+                lower,
+                if number == 0 { Accum::Replace } else { Accum::Add },
+                rows,
+                BlockStructure::Rectangular,
+                rows.transpose(),
+                BlockStructure::Rectangular,
+                1.0,
+                Par::Seq,
+            );
         }
-        Some(&rows * rows.transpose())
+        covariance.fill_upper_triangle_with_lower_triangle();
+        Some(covariance)
     }
+}
+
+/// Bins evaluated together: what an operator needs on its way stays in a cache and is freed again.
+const STRETCH: usize = 256;
+
+/// What `each` makes of the frequencies and motions of stretches of bins, in their order.
+fn by_stretches<T: Send>(
+    spectra: &ModalSpectra,
+    length: usize,
+    each: impl Fn(Range<usize>, &[f64], &DMatrix<Complex<f64>>) -> T + Sync,
+) -> Vec<T> {
+    let bins = spectra.frequency.len();
+    let starts: Vec<usize> = (0..bins).step_by(length).collect();
+    let of_stretch = |&start: &usize| {
+        let stretch = start..bins.min(start + length);
+        let motion = spectra.accelerations.columns(start, stretch.len()).into_owned();
+        each(stretch.clone(), &spectra.frequency[stretch], &motion)
+    };
+    starts.par_iter().map(of_stretch).collect()
 }
 
 /// Rows whose forms are summed while their products are at hand.
@@ -216,13 +261,20 @@ pub fn mode_energies(
 ) -> Result<Vec<f64>, AcousticsError> {
     same_length("modal spectra", spectra.accelerations.nrows(), radiation.modes())?;
     same_length("weights of the bins", weights.len(), spectra.frequency.len())?;
-    let images = radiation.images(&spectra.frequency, &spectra.accelerations);
-    let mut energies = vec![0.0; radiation.modes()];
-    let bins = spectra.accelerations.column_iter().zip(images.column_iter());
-    for ((a, image), weight) in bins.zip(weights) {
-        for ((energy, a), image) in energies.iter_mut().zip(a.iter()).zip(image.iter()) {
-            *energy += 2.0 * weight * (a.conj() * image).re;
+    let of_stretch = |stretch: Range<usize>, frequency: &[f64], motion: &DMatrix<Complex<f64>>| {
+        let images = radiation.images(frequency, motion);
+        let mut energies = vec![0.0; radiation.modes()];
+        let bins = motion.column_iter().zip(images.column_iter());
+        for ((a, image), weight) in bins.zip(&weights[stretch]) {
+            for ((energy, a), image) in energies.iter_mut().zip(a.iter()).zip(image.iter()) {
+                *energy += 2.0 * weight * (a.conj() * image).re;
+            }
         }
+        energies
+    };
+    let mut energies = vec![0.0; radiation.modes()];
+    for part in by_stretches(spectra, 2 * STRETCH, of_stretch) {
+        energies.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
     }
     Ok(energies)
 }
@@ -251,7 +303,14 @@ pub fn radiated_energy(
             high: highest,
         });
     }
-    let mut forms = radiation.energy_forms(&spectra.frequency, &spectra.accelerations) * 2.0;
+    let mut forms = DMatrix::zeros(radiation.patches().len(), spectra.frequency.len());
+    let of_stretch = |stretch: Range<usize>, frequency: &[f64], motion: &DMatrix<Complex<f64>>| {
+        (stretch, radiation.energy_forms(frequency, motion))
+    };
+    for (stretch, found) in by_stretches(spectra, STRETCH, of_stretch) {
+        forms.columns_mut(stretch.start, stretch.len()).copy_from(&found);
+    }
+    forms *= 2.0;
     let mut density = Vec::with_capacity(spectra.frequency.len());
     for mut bin in forms.column_iter_mut() {
         let total = bin.sum();

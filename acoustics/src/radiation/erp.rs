@@ -9,6 +9,7 @@ use crate::error::AcousticsError;
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use std::f64::consts::PI;
+use std::sync::OnceLock;
 
 /// Equivalent radiated power: every point radiates as in a plane wave.
 ///
@@ -22,6 +23,9 @@ use std::f64::consts::PI;
 pub struct Erp {
     patches: Vec<String>,
     resistances: Vec<DMatrix<f64>>,
+    /// The same as forms need it, and the root of all patches together, where they have been asked for.
+    packed: OnceLock<Packed>,
+    root: OnceLock<DMatrix<f64>>,
 }
 
 impl Erp {
@@ -36,19 +40,42 @@ impl Erp {
             // nalgebra's `tr_mul` is a column at a time, its product is blocked.
             part.normal_modes().transpose() * weighted
         };
+        let resistances = (0..surface.patch_names().len()).map(of_patch).collect();
+        Self::of(surface.patch_names().to_vec(), resistances)
+    }
+
+    fn of(patches: Vec<String>, resistances: Vec<DMatrix<f64>>) -> Self {
         Self {
-            patches: surface.patch_names().to_vec(),
-            resistances: (0..surface.patch_names().len()).map(of_patch).collect(),
+            patches,
+            resistances,
+            packed: OnceLock::new(),
+            root: OnceLock::new(),
         }
     }
-}
 
-impl Erp {
-    /// Adds a patch that radiates nothing, so that two operators have the same patches.
-    pub(crate) fn add_silent_patch(&mut self, name: &str) {
+    /// With one more patch that radiates nothing, so that two operators have the same patches.
+    #[must_use]
+    pub(crate) fn with_silent_patch(mut self, name: &str) -> Self {
         let modes = self.modes();
         self.patches.push(name.to_owned());
         self.resistances.push(DMatrix::zeros(modes, modes));
+        Self::of(self.patches, self.resistances)
+    }
+
+    fn packed(&self) -> &Packed {
+        self.packed.get_or_init(|| {
+            let of_patch = |r: &DMatrix<f64>| Resistance {
+                real: r.clone(),
+                imaginary: None,
+            };
+            let resistances: Vec<Resistance> = self.resistances.iter().map(of_patch).collect();
+            Packed::new(self.modes(), resistances.iter())
+        })
+    }
+
+    /// R does not depend on frequency: one root serves all.
+    fn root(&self) -> &DMatrix<f64> {
+        self.root.get_or_init(|| hermitian_root(&self.resistance(0.0)).real)
     }
 }
 
@@ -64,7 +91,7 @@ impl Archive for Erp {
         if resistances.len() != patches.len() {
             return Err(from.damaged());
         }
-        Ok(Self { patches, resistances })
+        Ok(Self::of(patches, resistances))
     }
 }
 
@@ -93,16 +120,10 @@ impl ModalRadiation for Erp {
 
     fn energy_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
         const CHUNK: usize = 64;
-        let of_patch = |r: &DMatrix<f64>| Resistance {
-            real: r.clone(),
-            imaginary: None,
-        };
-        let resistances: Vec<Resistance> = self.resistances.iter().map(of_patch).collect();
-        let packed = Packed::new(self.modes(), resistances.iter());
         let of_chunk = |first: usize| {
             let bins = CHUNK.min(frequency.len() - first);
             let motions = Motions::new(&accelerations.columns(first, bins).into_owned());
-            let found = forms(&[&packed], &motions);
+            let found = forms(&[self.packed()], &motions);
             DMatrix::from_fn(self.resistances.len(), bins, |p, b| {
                 found[p * bins + b] * (motions.scale(b) / (2.0 * PI * frequency[first + b])).powi(2)
             })
@@ -133,9 +154,7 @@ impl ModalRadiation for Erp {
     }
 
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
-        // R does not depend on frequency: one root serves all.
-        let root = hermitian_root(&self.resistance(0.0));
-        let mut signals = apply(&root.real, accelerations);
+        let mut signals = apply(self.root(), accelerations);
         for (mut bin, hz) in signals.column_iter_mut().zip(frequency) {
             bin /= Complex::from(2.0 * PI * hz);
         }

@@ -1,12 +1,19 @@
 //! Resistances in the mean over neighbouring frequencies.
 
 use super::archive::{Archive, ArchiveReader, ArchiveWriter};
-use super::resistance::{Resistance, sparse_form};
-use super::roots::{apply, hermitian_root};
+use super::packed::{Motions, Packed};
+use super::products::{forms, real_images};
+use super::resistance::Resistance;
+use super::roots::hermitian_root;
 use crate::error::AcousticsError;
+use faer::Mat;
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use std::f64::consts::PI;
+use std::ops::Range;
+
+/// Bins evaluated together.
+const CHUNK: usize = 64;
 
 /// Real resistances of every patch at a few rising frequencies, each the mean over a range around its own; between them
 /// linear in the logarithm of frequency, constant beyond the first and the last:
@@ -20,23 +27,32 @@ use std::f64::consts::PI;
 pub(crate) struct Means {
     hz: Vec<f64>,
     /// Node by node, every patch.
-    patches: Vec<Vec<Resistance>>,
+    patches: Vec<Packed>,
     /// Root of all patches together, node by node.
-    roots: Vec<DMatrix<f64>>,
+    roots: Vec<Packed>,
+}
+
+/// Bins between the same nodes.
+struct Run {
+    bins: Range<usize>,
+    nodes: Range<usize>,
+    /// Node by node, its weight at every bin times the share over omega².
+    factors: Vec<Vec<f64>>,
 }
 
 impl Means {
     /// From nodes that rise; at least one.
     pub(crate) fn new(nodes: Vec<(f64, Vec<Resistance>)>) -> Self {
         let (hz, patches): (Vec<f64>, Vec<Vec<Resistance>>) = nodes.into_iter().unzip();
-        // As files keep them: a result does not depend on whether they were kept.
-        let patches: Vec<Vec<Resistance>> = patches
-            .into_iter()
-            .map(|node| node.into_iter().map(Resistance::single).collect())
+        let modes = |node: &[Resistance]| node.first().map_or(0, |r| r.real.nrows());
+        let patches: Vec<Packed> = patches
+            .iter()
+            .map(|node| Packed::new(modes(node), node.iter()))
             .collect();
+        // Of what is kept: a result does not depend on whether it was.
         let roots = patches
             .par_iter()
-            .map(|node| hermitian_root(&sum(node)).single().real)
+            .map(|node| Packed::new(node.modes(), std::iter::once(&hermitian_root(&node.sum(1.0)))))
             .collect();
         Self { hz, patches, roots }
     }
@@ -47,34 +63,33 @@ impl Means {
     }
 
     /// Weights h_n of the nodes that count at a frequency, each with its number.
-    pub(crate) fn weights(&self, hz: f64) -> impl Iterator<Item = (usize, f64)> + use<> {
-        let above = self.hz.partition_point(|node| *node <= hz);
-        let pair = match above {
-            0 => [(0, 1.0), (0, 0.0)],
-            n if n == self.hz.len() => [(n - 1, 1.0), (0, 0.0)],
-            n => {
-                let t = (hz / self.hz[n - 1]).ln() / (self.hz[n] / self.hz[n - 1]).ln();
-                [(n - 1, 1.0 - t), (n, t)]
-            }
+    fn weights(&self, hz: f64) -> impl Iterator<Item = (usize, f64)> + use<> {
+        let nodes = self.nodes(hz);
+        let t = match self.hz[nodes.clone()] {
+            [low, high] => (hz / low).ln() / (high / low).ln(),
+            _ => 0.0,
         };
-        pair.into_iter().filter(|(_, weight)| *weight > 0.0)
+        nodes.zip([1.0 - t, t])
+    }
+
+    /// The nodes around a frequency: two, or the first or last alone beyond it.
+    fn nodes(&self, hz: f64) -> Range<usize> {
+        let above = self.hz.partition_point(|node| *node <= hz);
+        above.saturating_sub(1)..self.hz.len().min(above + 1)
     }
 
     /// R of the whole surface.
     pub(crate) fn resistance(&self, hz: f64) -> Resistance {
-        let mut whole = Resistance::zeros(self.roots.first().map_or(0, DMatrix::nrows));
+        let mut whole = Resistance::zeros(self.modes());
         for (node, weight) in self.weights(hz) {
-            self.patches[node].iter().for_each(|r| whole.add_scaled(weight, r));
+            whole.add_scaled(1.0, &self.patches[node].sum(weight));
         }
         whole
     }
 
     /// v^T R v of the whole surface for the modes of a real motion v that are not at rest.
     pub(crate) fn sparse_form(&self, hz: f64, v: &[(usize, f64)]) -> f64 {
-        let of_node = |(node, weight): (usize, f64)| {
-            let entry = |i: usize, j: usize| self.patches[node].iter().map(|r| r.real[(i, j)]).sum::<f64>();
-            weight * sparse_form(v, entry)
-        };
+        let of_node = |(node, weight): (usize, f64)| weight * self.patches[node].sparse_form(v);
         self.weights(hz).map(of_node).sum()
     }
 
@@ -83,19 +98,18 @@ impl Means {
         &self,
         (frequency, share): (&[f64], &[f64]),
         accelerations: &DMatrix<Complex<f64>>,
-        forms: &mut DMatrix<f64>,
+        to: &mut DMatrix<f64>,
     ) {
-        for (node, bins) in self.counting(frequency, share).iter().enumerate() {
-            let [re, im] = parts_of(accelerations, bins);
-            for (p, r) in self.patches[node].iter().enumerate() {
-                if r.real.iter().all(|x| *x == 0.0) {
-                    continue;
-                }
-                let (on_re, on_im) = (&r.real * &re, &r.real * &im);
-                for (column, (bin, factor)) in bins.iter().enumerate() {
-                    let form =
-                        re.column(column).dot(&on_re.column(column)) + im.column(column).dot(&on_im.column(column));
-                    forms[(p, *bin)] += factor * form;
+        for run in self.runs(frequency, share) {
+            let motions = motions(accelerations, &run);
+            let nodes: Vec<&Packed> = self.patches[run.nodes.clone()].iter().collect();
+            let mut found = forms(&nodes, &motions).into_iter();
+            for (node, factors) in nodes.iter().zip(&run.factors) {
+                for p in 0..node.matrices() {
+                    let of_bins = run.bins.clone().zip(factors).zip(&mut found).enumerate();
+                    for (motion, ((bin, factor), form)) in of_bins {
+                        to[(p, bin)] += factor * form * motions.scale(motion).powi(2);
+                    }
                 }
             }
         }
@@ -108,97 +122,173 @@ impl Means {
         accelerations: &DMatrix<Complex<f64>>,
         images: &mut DMatrix<Complex<f64>>,
     ) {
-        for (node, bins) in self.counting(frequency, share).iter().enumerate() {
-            let part = accelerations.select_columns(bins.iter().map(|(bin, _)| bin));
-            let image = apply(&sum(&self.patches[node]).real, &part);
-            for (column, (bin, factor)) in image.column_iter().zip(bins) {
-                images
-                    .column_mut(*bin)
-                    .axpy(Complex::from(*factor), &column, Complex::from(1.0));
+        for run in self.runs(frequency, share) {
+            let motions = motions(accelerations, &run);
+            for (node, factors) in self.patches[run.nodes.clone()].iter().zip(&run.factors) {
+                add(&node.dense(), &motions, (&run.bins, factors), (0, images));
             }
         }
     }
 
-    /// Signals whose squared sum is `share` times a^H (R / omega²) a: even nodes in `signals[0]`, odd ones in the other,
-    /// each modes x bins.
-    pub(crate) fn root_signals(
+    /// Adds signals whose squared sum is `share` times a^H (R / omega²) a: those of odd nodes to the first half of the rows
+    /// of `signals`, those of even ones to the other, each modes x bins.
+    pub(crate) fn add_root_signals(
         &self,
         (frequency, share): (&[f64], &[f64]),
         accelerations: &DMatrix<Complex<f64>>,
-    ) -> [DMatrix<Complex<f64>>; 2] {
-        let mut signals = [0, 1].map(|_| DMatrix::zeros(accelerations.nrows(), frequency.len()));
-        for (node, bins) in self.counting(frequency, share).iter().enumerate() {
-            let part = accelerations.select_columns(bins.iter().map(|(bin, _)| bin));
-            let signal = apply(&self.roots[node], &part);
-            for (column, (bin, factor)) in signal.column_iter().zip(bins) {
-                let scaled = column * Complex::from(factor.sqrt());
-                signals[node % 2].set_column(*bin, &scaled);
+        signals: &mut DMatrix<Complex<f64>>,
+    ) {
+        for run in self.runs(frequency, share) {
+            let motions = motions(accelerations, &run);
+            for (node, factors) in run.nodes.clone().zip(&run.factors) {
+                let first = (1 - node % 2) * self.modes();
+                let factors: Vec<f64> = factors.iter().map(|factor| factor.sqrt()).collect();
+                let root = self.roots[node].dense();
+                add(&root, &motions, (&run.bins, &factors), (first, signals));
             }
         }
-        signals
     }
 
-    /// For every node the bins at which it counts, with its weight there times the share over omega².
-    fn counting(&self, frequency: &[f64], share: &[f64]) -> Vec<Vec<(usize, f64)>> {
-        let mut bins = vec![Vec::new(); self.hz.len()];
+    /// The runs of all bins with a share.
+    fn runs(&self, frequency: &[f64], share: &[f64]) -> Vec<Run> {
+        let mut runs: Vec<Run> = Vec::new();
         for (bin, (&hz, &share)) in frequency.iter().zip(share).enumerate().filter(|(_, (_, s))| **s > 0.0) {
-            for (node, weight) in self.weights(hz) {
-                bins[node].push((bin, share * weight / (2.0 * PI * hz).powi(2)));
+            let nodes = self.nodes(hz);
+            let next = |run: &Run| run.nodes == nodes && run.bins.end == bin && run.bins.len() < CHUNK;
+            if !runs.last().is_some_and(next) {
+                let factors = vec![Vec::new(); nodes.len()];
+                let bins = bin..bin;
+                runs.push(Run { bins, nodes, factors });
+            }
+            if let Some(run) = runs.last_mut() {
+                run.bins.end = bin + 1;
+                let of_nodes = run.factors.iter_mut().zip(self.weights(hz));
+                of_nodes.for_each(|(to, (_, weight))| to.push(share * weight / (2.0 * PI * hz).powi(2)));
             }
         }
-        bins
+        runs
+    }
+
+    fn modes(&self) -> usize {
+        self.roots.first().map_or(0, Packed::modes)
     }
 }
 
-fn sum(patches: &[Resistance]) -> Resistance {
-    let mut whole = Resistance::zeros(patches.first().map_or(0, |r| r.real.nrows()));
-    patches.iter().for_each(|r| whole.add_scaled(1.0, r));
-    whole
+fn motions(accelerations: &DMatrix<Complex<f64>>, run: &Run) -> Motions {
+    Motions::new(&accelerations.columns(run.bins.start, run.bins.len()).into_owned())
 }
 
-fn parts_of(accelerations: &DMatrix<Complex<f64>>, bins: &[(usize, f64)]) -> [DMatrix<f64>; 2] {
-    let part = |of: fn(&Complex<f64>) -> f64| {
-        DMatrix::from_fn(accelerations.nrows(), bins.len(), |mode, column| {
-            of(&accelerations[(mode, bins[column].0)])
-        })
-    };
-    [part(|a| a.re), part(|a| a.im)]
+/// Adds a matrix times the motions of some bins, times a factor of each, to the rows of `to` from `first` on.
+fn add(
+    matrix: &Mat<f32>,
+    motions: &Motions,
+    (bins, factors): (&Range<usize>, &[f64]),
+    (first, to): (usize, &mut DMatrix<Complex<f64>>),
+) {
+    let [re, im] = real_images(matrix, motions);
+    for (motion, (bin, factor)) in bins.clone().zip(factors).enumerate() {
+        let factor = factor * motions.scale(motion);
+        let parts = re.col(motion).iter().zip(im.col(motion).iter());
+        for (to, (re, im)) in to.column_mut(bin).iter_mut().skip(first).zip(parts) {
+            *to += Complex::new(f64::from(*re), f64::from(*im)) * factor;
+        }
+    }
 }
 
 impl Archive for Means {
     fn write(&self, to: &mut ArchiveWriter) {
-        to.count(self.roots.first().map_or(0, DMatrix::nrows));
         to.count(self.hz.len());
         to.numbers(&self.hz);
-        for (patches, root) in self.patches.iter().zip(&self.roots) {
-            to.count(patches.len());
-            patches.iter().for_each(|r| to.hermitian(r));
-            to.hermitian(&Resistance {
-                real: root.clone(),
-                imaginary: None,
-            });
-        }
+        to.list(&self.patches);
+        to.list(&self.roots);
     }
 
     fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
-        let modes = from.count()?;
         let mut hz = Vec::new();
         for _ in 0..from.count()? {
             let [node] = from.numbers()?;
             hz.push(node);
         }
-        if hz.is_empty() {
+        let (patches, roots): (Vec<Packed>, Vec<Packed>) = (from.list()?, from.list()?);
+        let size = |of: &Packed| (of.modes(), of.matrices());
+        let Some((modes, matrices)) = patches.first().map(size) else {
+            return Err(from.damaged());
+        };
+        let alike = |of: &[Packed], matrices| of.len() == hz.len() && of.iter().all(|p| size(p) == (modes, matrices));
+        if !(alike(&patches, matrices) && alike(&roots, 1)) {
             return Err(from.damaged());
         }
-        let (mut patches, mut roots) = (Vec::new(), Vec::new());
-        for _ in 0..hz.len() {
-            let mut node = Vec::new();
-            for _ in 0..from.count()? {
-                node.push(from.hermitian(modes)?);
-            }
-            patches.push(node);
-            roots.push(from.hermitian(modes)?.real);
-        }
         Ok(Self { hz, patches, roots })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MODES: usize = 9;
+
+    fn wave(i: usize, j: usize) -> f64 {
+        ((i * 31 + j * 17) as f64 * 0.7).sin()
+    }
+
+    /// Three patches at three nodes, each semidefinite.
+    fn means() -> Means {
+        let patch = |node: usize, p: usize| {
+            let field = DMatrix::from_fn(2 * MODES, MODES, |i, j| wave(i + 5 * node, j + 3 * p));
+            Resistance {
+                real: field.transpose() * field,
+                imaginary: None,
+            }
+        };
+        let node = |n: usize| (1000.0 * 2f64.powi(n as i32), (0..3).map(|p| patch(n, p)).collect());
+        Means::new((0..3).map(node).collect())
+    }
+
+    /// Below the first node, at nodes, between them, more bins than are evaluated together, and beyond the last.
+    #[test]
+    fn forms_images_and_signals_are_those_of_the_resistance() {
+        let means = means();
+        let between = (0..100).map(|i| 1500.0 + 4.0 * f64::from(i));
+        let frequency: Vec<f64> = [500.0, 1000.0, 1001.0]
+            .into_iter()
+            .chain(between)
+            .chain([2000.0, 3000.0, 4000.0, 9000.0])
+            .collect();
+        let share: Vec<f64> = (0..frequency.len()).map(|bin| (bin % 5) as f64 / 4.0).collect();
+        let a = DMatrix::from_fn(MODES, frequency.len(), |i, b| {
+            10f64.powi((b % 7) as i32 - 3) * Complex::new(wave(i, b), wave(b, i + 2))
+        });
+        let mut forms = DMatrix::zeros(3, frequency.len());
+        means.add_forms((&frequency, &share), &a, &mut forms);
+        let mut images = DMatrix::zeros(MODES, frequency.len());
+        means.add_images((&frequency, &share), &a, &mut images);
+        let mut signals = DMatrix::zeros(2 * MODES, frequency.len());
+        means.add_root_signals((&frequency, &share), &a, &mut signals);
+        for (bin, (hz, share)) in frequency.iter().zip(&share).enumerate() {
+            let factor = share / (2.0 * PI * hz).powi(2);
+            let a = a.column(bin);
+            let image = means.resistance(*hz).real.map(Complex::from) * a * Complex::from(factor);
+            let form = a.dotc(&image).re;
+            let size = image.norm() * a.norm() + f64::MIN_POSITIVE;
+            assert!((forms.column(bin).sum() - form).abs() < 1e-6 * size, "{hz} Hz");
+            assert!((images.column(bin) - &image).norm() * a.norm() < 1e-6 * size, "{hz} Hz");
+            let power: f64 = signals.column(bin).iter().map(Complex::norm_sqr).sum();
+            assert!((power - form).abs() < 1e-5 * size, "{hz} Hz: {power:e} {form:e}");
+        }
+        // Linear in the logarithm of frequency.
+        let [low, middle, high] = [1000.0, 1000.0 * 2f64.sqrt(), 2000.0].map(|hz| means.resistance(hz).real);
+        assert!((middle - (low + high) * 0.5).norm() < 1e-12 * means.resistance(2000.0).real.norm());
+    }
+
+    #[test]
+    fn kept_and_read_back_they_are_the_same() {
+        let means = means();
+        let bytes = means.to_bytes();
+        let back = Means::from_bytes(&bytes)
+            .ok()
+            .map(|back| (back.hz, back.patches, back.roots));
+        assert_eq!(back, Some((means.hz, means.patches, means.roots)));
+        assert!(Means::from_bytes(&bytes[..bytes.len() - 4]).is_err());
     }
 }

@@ -3,6 +3,7 @@
 use super::archive::{Archive, ArchiveReader, ArchiveWriter};
 use super::resistance::Resistance;
 use crate::error::AcousticsError;
+use faer::Mat;
 use nalgebra::{Complex, DMatrix};
 
 /// Rows are filled up with zeros to a whole number of vectors.
@@ -132,6 +133,14 @@ impl Packed {
         self.summed().into_iter().map(|v| v as f32).collect()
     }
 
+    /// The real part of the sum of all matrices, both its triangles.
+    pub(super) fn dense(&self) -> Mat<f32> {
+        let row = self.sum_row();
+        Mat::from_fn(self.modes, self.modes, |i, j| {
+            row[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)]
+        })
+    }
+
     /// Diagonal of the sum of all matrices.
     pub(super) fn diagonal(&self, mode: usize) -> f64 {
         self.sparse_form(&[(mode, 1.0)])
@@ -232,10 +241,17 @@ impl Motions {
     pub(super) fn new(motion: &DMatrix<Complex<f64>>) -> Self {
         let (mut parts, mut scale) = (Vec::new(), Vec::new());
         for a in motion.column_iter() {
-            let largest = a.iter().map(|a| a.re.abs().max(a.im.abs())).fold(0.0, f64::max);
+            // Comparisons rather than `f64::max`, which heeds what is no number and is no single instruction.
+            let largest = a.iter().fold([0.0f64; 2], |[re, im], a| {
+                let (x, y) = (a.re.abs(), a.im.abs());
+                [if x > re { x } else { re }, if y > im { y } else { im }]
+            });
+            let largest = largest[0].max(largest[1]);
             let inverse = if largest > 0.0 { 1.0 / largest } else { 0.0 };
-            let part = |part: fn(&Complex<f64>) -> f64| a.iter().map(|a| (part(a) * inverse) as f32).collect();
-            parts.push([part(|a| a.re), part(|a| a.im)]);
+            parts.push([
+                a.iter().map(|a| (a.re * inverse) as f32).collect(),
+                a.iter().map(|a| (a.im * inverse) as f32).collect(),
+            ]);
             scale.push(largest);
         }
         Self {
@@ -259,6 +275,7 @@ impl Motions {
     }
 
     /// a_i* a_j of all pairs as they stand in the rows of [`Packed`] matrices, both triangles together, motion by motion.
+    #[inline(always)]
     pub(super) fn pairs(&self, skew: bool) -> Pairs {
         let stride = Packed::length(self.modes, skew);
         let mut values = vec![0.0; stride * self.len()];

@@ -1,6 +1,8 @@
 //! Products of matrices and motions in single precision, vector by vector.
 
 use super::packed::{Motions, Packed, Pairs};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, Par};
 use pulp::{Arch, Simd, WithSimd};
 
 /// Entries of rows that are multiplied before the sum goes on in double precision; those of 64 motions stay in a cache.
@@ -12,23 +14,21 @@ const COLUMNS: usize = 3;
 /// a^H M a for every matrix of every sample and all motions (times the squares of their scales): sample by sample, matrix
 /// by matrix, motion by motion.
 pub(super) fn forms(samples: &[&Packed], motions: &Motions) -> Vec<f64> {
-    let skew = samples.iter().any(|s| s.is_skew());
-    let pairs = motions.pairs(skew);
     let rows: Vec<&[f32]> = samples.iter().flat_map(|s| s.rows()).collect();
     let mut sums = vec![0.0; rows.len() * motions.len()];
     Arch::new().dispatch(Forms {
+        skew: samples.iter().any(|s| s.is_skew()),
         rows: &rows,
-        pairs: &pairs,
-        motions: motions.len(),
+        motions,
         sums: &mut sums,
     });
     sums
 }
 
 struct Forms<'a> {
+    skew: bool,
     rows: &'a [&'a [f32]],
-    pairs: &'a Pairs,
-    motions: usize,
+    motions: &'a Motions,
     sums: &'a mut [f64],
 }
 
@@ -37,18 +37,21 @@ impl WithSimd for Forms<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
+        let (pairs, motions) = (self.motions.pairs(self.skew), self.motions.len());
         let longest = self.rows.iter().map(|row| row.len()).max().unwrap_or(0);
         for start in (0..longest).step_by(PIECE) {
             for (group, rows) in self.rows.chunks(ROWS).enumerate() {
                 // Rows without an imaginary part end before the others.
                 let length = rows.iter().map(|row| row.len()).min().unwrap_or(0);
                 let even = rows.iter().all(|row| row.len() == length);
-                let sums = &mut self.sums[group * ROWS * self.motions..];
-                match <[&[f32]; ROWS]>::try_from(rows) {
-                    Ok(rows) if even => piece(simd, rows, self.pairs, start, self.motions, sums),
+                let sums = &mut self.sums[group * ROWS * motions..];
+                match *rows {
+                    [a, b, c, d] if even => piece(simd, [a, b, c, d], &pairs, start, motions, sums),
+                    [a, b, c] if even => piece(simd, [a, b, c], &pairs, start, motions, sums),
+                    [a, b] if even => piece(simd, [a, b], &pairs, start, motions, sums),
                     _ => {
-                        for (row, sums) in rows.iter().zip(sums.chunks_mut(self.motions)) {
-                            piece(simd, [*row], self.pairs, start, self.motions, sums);
+                        for (row, sums) in rows.iter().zip(sums.chunks_mut(motions)) {
+                            piece(simd, [*row], &pairs, start, motions, sums);
                         }
                     }
                 }
@@ -111,6 +114,23 @@ fn add<S: Simd, const R: usize, const C: usize>(
             sums[r * motions + motion + c] += f64::from(simd.reduce_sum_f32s(products[r][c]));
         }
     }
+}
+
+/// M a of one real matrix and all motions: real and imaginary parts, modes x motions, over the motions' scales.
+pub(super) fn real_images(matrix: &Mat<f32>, motions: &Motions) -> [Mat<f32>; 2] {
+    [0, 1].map(|part| {
+        let motion = Mat::from_fn(matrix.ncols(), motions.len(), |mode, m| motions.part(m)[part][mode]);
+        let mut image = Mat::zeros(matrix.nrows(), motions.len());
+        matmul(
+            image.as_mut(),
+            Accum::Replace,
+            matrix.as_ref(),
+            motion.as_ref(),
+            1.0,
+            Par::Seq,
+        );
+        image
+    })
 }
 
 /// M a of one matrix in the form of a row of [`Packed`] and one motion: real and imaginary parts.

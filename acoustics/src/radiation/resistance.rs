@@ -121,6 +121,11 @@ pub trait ModalRadiation: Sync {
         images
     }
 
+    /// How many signals [`Self::root_signals`] returns.
+    fn signals(&self) -> usize {
+        self.modes()
+    }
+
     /// Signals x (rows) at every frequency (columns) with |x|² = a^H (R / omega²) a for the whole surface: x = S^H a
     /// with S the Hermitian root of R / omega², smooth over frequency. Where S is interpolated the energies hold to
     /// the interpolation error.

@@ -12,10 +12,14 @@ use faer::traits::ComplexField;
 use faer::traits::math_utils::{mul_real, real};
 use faer::{Accum, Mat, Par, unzip, zip};
 use nalgebra::{Complex, DMatrix};
+use rayon::prelude::*;
 
 /// What two modes exchange counts as nothing below this share of the mean of their own resistances, none of which counts as
 /// less than this share of the largest: matrices are rounded to it where they are kept.
 const NOTHING: f64 = f32::EPSILON as f64;
+
+/// Bins whose signals are evaluated together; they are many more numbers than energies.
+const FEW: usize = 64;
 
 /// The Hermitian root of a resistance, S = S^H >= 0 with S^2 = R; its imaginary part is antisymmetric.
 ///
@@ -140,10 +144,17 @@ pub fn radiated_signals(
     spectrum: &SourceSpectrum,
 ) -> Result<PowerSignals, AcousticsError> {
     same_length("modal spectra", spectra.accelerations.nrows(), radiation.modes())?;
-    let mut signals = radiation.root_signals(&spectra.frequency, &spectra.accelerations);
+    let (rows, bins) = (radiation.signals(), spectra.frequency.len());
+    let mut signals = DMatrix::zeros(rows, bins);
+    let stretches = signals.as_mut_slice().par_chunks_mut((rows * FEW).max(1));
+    stretches.enumerate().for_each(|(number, to)| {
+        let start = number * FEW;
+        let stretch = start..bins.min(start + FEW);
+        let motion = spectra.accelerations.columns(start, stretch.len()).into_owned();
+        to.copy_from_slice(radiation.root_signals(&spectra.frequency[stretch], &motion).as_slice());
+    });
     // The phase of 1/(j omega); its magnitude is in the root of R / omega².
-    signals *= -Complex::<f64>::i();
-    PowerSignals::new(spectrum, signals)
+    Ok(PowerSignals::new(spectrum, signals)?.turned(-Complex::<f64>::i()))
 }
 
 /// S^H a at every frequency, with the root of the resistance over omega taken anew at each.

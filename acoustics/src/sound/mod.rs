@@ -3,7 +3,7 @@
 //! A source that knows phases gives the complex pressure at every place (boundary elements with
 //! [`crate::bem::Receivers`], a flush surface by [`SoundAbovePlane`], which is part of
 //! all its sound, [`FlushSound`], a shaken sphere by [`shaken_sphere_pressure`]). One
-//! that knows energies alone is [spread evenly](spread_evenly). Spectra become signals by [`over_time`].
+//! that knows energies alone is [spread evenly](spread_evenly). Spectra become signals by [`OverTime`].
 
 mod array;
 mod bands;
@@ -24,7 +24,7 @@ pub(crate) use piece::{Piece, Rows, rows};
 pub use plane::SoundAbovePlane;
 pub use sphere::{rigid_body_far_field, shaken_sphere_pressure};
 pub use spread::{Spread, spread_evenly};
-pub use time::over_time;
+pub use time::OverTime;
 
 use nalgebra::Point3;
 

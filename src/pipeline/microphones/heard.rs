@@ -8,7 +8,7 @@ use nailnoise_acoustics::exhaust::{Floor, Outlet, Recording};
 use nailnoise_acoustics::fourier::{Transform, TransformSettings};
 use nailnoise_acoustics::levels::{PowerSignals, SourceSpectrum};
 use nailnoise_acoustics::radiation::ModalSpectra;
-use nailnoise_acoustics::sound::{over_time, shaken_sphere_pressure, spread_evenly};
+use nailnoise_acoustics::sound::{OverTime, shaken_sphere_pressure, spread_evenly};
 use nailnoise_dynamics::CycleRecord;
 use nalgebra::{Complex, DMatrix, Point3, Vector3};
 use rayon::prelude::*;
@@ -74,9 +74,10 @@ impl Scene<'_> {
 
     /// A part and its signals from complex pressures, places x frequencies \[Pa s\].
     fn of_pressures(&self, frequency: &[f64], pressures: &DMatrix<Complex<f64>>) -> (Part, Vec<Vec<f64>>) {
+        let over_time = OverTime::new(frequency, f64::from(SAMPLE_RATE), self.samples);
         let signal = |row: usize| {
             let spectrum: Vec<Complex<f64>> = pressures.row(row).iter().copied().collect();
-            over_time(frequency, &spectrum, f64::from(SAMPLE_RATE), self.samples)
+            over_time.signal(&spectrum)
         };
         let part = Part {
             frequency: frequency.to_vec(),
