@@ -117,12 +117,25 @@ impl State {
 /// Views four-value lanes as the machine's vectors (of one, two or four values).
 #[inline(always)]
 fn vectors<S: Simd>(lanes: &[Lane]) -> &[S::f64s] {
+    // Longer ones (pulp's feature `x86-v4`) would leave out the end of an odd number of lanes.
+    const {
+        assert!(
+            size_of::<S::f64s>() <= size_of::<Lane>(),
+            "a vector holds more than a lane"
+        )
+    };
     S::as_simd_f64s(lanes.as_flattened()).0
 }
 
 /// As `vectors`, to write.
 #[inline(always)]
 fn vectors_mut<S: Simd>(lanes: &mut [Lane]) -> &mut [S::f64s] {
+    const {
+        assert!(
+            size_of::<S::f64s>() <= size_of::<Lane>(),
+            "a vector holds more than a lane"
+        )
+    };
     S::as_mut_simd_f64s(lanes.as_flattened_mut()).0
 }
 
