@@ -10,9 +10,10 @@ use std::process::{Command, Stdio};
 use std::time::Instant;
 
 /// What is changed, and the key that does it.
-const CHANGES: [(&str, &str); 5] = [
+const CHANGES: [(&str, &str); 6] = [
     ("exhaust's pitch", "exhaust.pitch = \"25 mm\""),
     ("exhaust's muffler", MUFFLER),
+    ("background noise", "acoustics.background_level = 70"),
     ("exhaust's holes", "exhaust.holes = 6"),
     ("ambient temperature", "ambient.temperature = \"25 degC\""),
     ("supply pressure", "supply.pressure = \"90 psig\""),
