@@ -1,6 +1,5 @@
 //! Everything a run leaves behind as one value, kept from run to run: an unchanged design is not computed again.
 
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::time::Duration;
@@ -283,12 +282,7 @@ impl Bundle {
         }
         // While files of two runs are side by side there is no result.
         let result = folder.join(LAST);
-        match fs::remove_file(&result) {
-            Err(source) if source.kind() != ErrorKind::NotFound => {
-                return Err(Error::Write { path: result, source });
-            }
-            _ => {}
-        }
+        output::gone(&result, fs::remove_file(&result))?;
         let bring = |(path, how): &(&Path, Bring<'_>)| {
             let to = folder.join(path);
             if let Some(parent) = to.parent() {
@@ -322,11 +316,8 @@ impl<'a> Bring<'a> {
         match self {
             Self::Move(from) => {
                 // A file system that takes care of whoever renames over a file (ext4) first writes the new one to the disk.
-                let gone = fs::remove_file(to).or_else(|source| match source.kind() {
-                    ErrorKind::NotFound => Ok(()),
-                    _ => Err(source),
-                });
-                gone.and_then(|()| fs::rename(from, to)).map_err(|source| Error::Write {
+                output::gone(to, fs::remove_file(to))?;
+                fs::rename(from, to).map_err(|source| Error::Write {
                     path: to.to_owned(),
                     source,
                 })

@@ -11,6 +11,7 @@ mod pictures;
 mod sensors;
 mod shot;
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use nailnoise_dynamics::{CycleRecord, Events};
@@ -171,6 +172,17 @@ pub(crate) fn create(folder: &Path) -> Result<(), Error> {
         path: folder.to_owned(),
         source,
     })
+}
+
+/// What has come of a removal; what was not there is gone as well.
+pub(crate) fn gone(path: &Path, outcome: std::io::Result<()>) -> Result<(), Error> {
+    match outcome {
+        Err(source) if source.kind() != ErrorKind::NotFound => Err(Error::Write {
+            path: path.to_owned(),
+            source,
+        }),
+        _ => Ok(()),
+    }
 }
 
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {

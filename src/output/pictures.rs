@@ -1,14 +1,13 @@
 //! The sound of a shot for ParaView: a series over the bands for each surface, plane and sphere.
 
 use std::fs;
-use std::io::ErrorKind;
 use std::path::Path;
 
 use nailnoise_meshes::vtu::{Field, Grid, write_series};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::FIELDS;
+use super::{FIELDS, gone};
 use crate::error::Error;
 use crate::pipeline::{Picture, Pictures, Series, Shape};
 
@@ -72,16 +71,6 @@ fn remove(fields: &Path) -> Result<(), Error> {
     }
     let path = fields.join(INDEX);
     gone(&path, fs::remove_file(&path))
-}
-
-fn gone(path: &Path, outcome: std::io::Result<()>) -> Result<(), Error> {
-    match outcome {
-        Err(source) if source.kind() != ErrorKind::NotFound => Err(Error::Write {
-            path: path.to_owned(),
-            source,
-        }),
-        _ => Ok(()),
-    }
 }
 
 fn write(fields: &Path, series: &Series) -> Result<(), Error> {
