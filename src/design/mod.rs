@@ -17,6 +17,7 @@ mod derived;
 mod dimension;
 mod error;
 mod groups;
+pub(crate) mod inputs;
 mod json_schema;
 mod measure;
 mod provenance;

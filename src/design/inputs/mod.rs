@@ -1,0 +1,3 @@
+//! The inputs of the stages, made from a design: the only place where a stage's fields and the design file meet.
+
+pub(crate) mod cycle;
