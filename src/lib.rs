@@ -14,6 +14,7 @@ pub mod correlation;
 pub mod design;
 mod error;
 pub mod figures;
+mod files;
 mod interrupt;
 pub mod output;
 pub mod penetration;

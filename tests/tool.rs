@@ -29,7 +29,7 @@ fn file(name: &str) -> PathBuf {
 /// Takes a mesh for the tool's body; the name of the file lives as long as the program.
 fn put(design: &mut Design, mesh: &Mesh, name: &str) {
     let path = file(name);
-    msh::write(&path, mesh, Format::Binary41, "of a test").unwrap();
+    std::fs::write(&path, msh::to_bytes(mesh, Format::Binary41, "of a test")).unwrap();
     design.body.mesh = Box::leak(path.to_string_lossy().into_owned().into_boxed_str());
     design.body.mesh_unit = 1.0;
 }

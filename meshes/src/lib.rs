@@ -6,7 +6,6 @@
 //! post-processor reads. Lengths are in metres throughout.
 #![forbid(unsafe_code)]
 
-mod atomic;
 mod block;
 mod element;
 mod error;
@@ -27,7 +26,6 @@ pub mod uff;
 pub mod vtu;
 mod worktable;
 
-pub use atomic::{replace, write_atomic};
 pub use block::{Block, block};
 pub use element::{ElementKind, FaceKind, FaceNodes};
 pub use error::MeshError;

@@ -12,12 +12,12 @@ use std::io::{self, BufReader, BufWriter, Read, Seek as _, SeekFrom, Write};
 use std::path::Path;
 use std::time::SystemTime;
 
-use nailnoise_meshes::replace;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use thiserror::Error;
 
 use super::checksum::{Checksum, Summed, checksum};
+use crate::files::replace;
 
 const MAGIC: &[u8; 18] = b"nailnoise cache 2\n";
 

@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::process::ExitCode;
 
-use nailnoise_meshes::write_atomic;
 use serde::Serialize;
 
 use super::table::table;
 use super::{Common, Progress, print, print_json};
 use crate::design::{Design, Value};
 use crate::error::Error;
+use crate::output;
 use crate::pipeline::Observer as _;
 use crate::result::DesignId;
 use crate::study::{Draw, Fate, Study, study};
@@ -47,10 +47,7 @@ pub(super) fn execute(common: &Common, design: &Design, count: usize, seed: u64)
         source,
     })?;
     let path = folder.join("draws.csv");
-    write_atomic(&path, csv(&study).as_bytes()).map_err(|source| Error::Write {
-        path: path.clone(),
-        source,
-    })?;
+    output::write(&path, csv(&study).as_bytes())?;
     let failures = failures(&study);
     let status = if failures.is_empty() {
         ExitCode::SUCCESS

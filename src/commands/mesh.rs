@@ -11,6 +11,7 @@ use serde::Serialize;
 use super::bodies::Input;
 use super::{print, print_json};
 use crate::error::Error;
+use crate::output;
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -112,14 +113,17 @@ fn write(path: &Path, imported: &msh::Imported, format: Format) -> Result<(), Er
             source,
         })?;
     }
-    if name.ends_with(".vtu") {
-        vtu::Grid::of_mesh(&imported.mesh).write(path, &[], &[])?;
-    } else if name.ends_with(".msh") || name.ends_with(".msh.gz") {
-        msh::write(path, &imported.mesh, format, &imported.comment)?;
+    let msh = || msh::to_bytes(&imported.mesh, format, &imported.comment);
+    let bytes = if name.ends_with(".vtu") {
+        vtu::Grid::of_mesh(&imported.mesh).to_bytes(&[], &[])?
+    } else if name.ends_with(".msh") {
+        msh()
+    } else if name.ends_with(".msh.gz") {
+        msh::compressed(&msh())
     } else {
         return Err(Error::Mesh(MeshError::UnknownOutput { path: path.to_owned() }));
-    }
-    Ok(())
+    };
+    output::write(path, &bytes)
 }
 
 fn text(name: &str, result: &MeshResult) -> String {

@@ -6,7 +6,6 @@ use std::process::ExitCode;
 
 use clap::Args;
 use nailnoise_dynamics::prf::{FitQuality, NAILS, PenetrationLaw, REFERENCE_SPEED, WOODS};
-use nailnoise_meshes::write_atomic;
 use serde::Serialize;
 
 use super::table::table;
@@ -14,6 +13,7 @@ use super::{print, print_json};
 use crate::design::{FORCE, LENGTH, VELOCITY, measure};
 use crate::error::Error;
 use crate::figures;
+use crate::output;
 use crate::penetration::{self, Law, PenetrationError, Resistance, law_name};
 
 #[derive(Args)]
@@ -93,10 +93,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let folder = arguments.out.clone().unwrap_or_else(|| Path::new("out").join("prf"));
     let mut files = figures::write(&folder, &[figures::penetration(&result.shared(), &laws, &labels)?])?;
     let path = folder.join("penetration.csv");
-    write_atomic(&path, csv(&laws)?.as_bytes()).map_err(|source| Error::Write {
-        path: path.clone(),
-        source,
-    })?;
+    output::write(&path, csv(&laws)?.as_bytes())?;
     files.push(path);
     result.notes.iter().for_each(|note| eprintln!("note: {note}"));
     if arguments.json {

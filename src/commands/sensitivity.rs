@@ -3,13 +3,13 @@
 use std::fmt::Write as _;
 use std::process::ExitCode;
 
-use nailnoise_meshes::write_atomic;
 use serde::Serialize;
 
 use super::table::table;
 use super::{Common, Progress, print, print_json};
 use crate::design::Design;
 use crate::error::Error;
+use crate::output;
 use crate::pipeline::Observer as _;
 use crate::result::DesignId;
 use crate::sensitivity::{self, Derivative, End, OutputSensitivity, ParameterOutcome, Sensitivity, USUAL};
@@ -50,10 +50,7 @@ pub(super) fn execute(
         source,
     })?;
     let path = folder.join("sensitivity.csv");
-    write_atomic(&path, csv(&sensitivity).as_bytes()).map_err(|source| Error::Write {
-        path: path.clone(),
-        source,
-    })?;
+    output::write(&path, csv(&sensitivity).as_bytes())?;
     if common.json {
         let design = DesignId {
             name: design.name().to_owned(),

@@ -26,13 +26,13 @@ pub(crate) use style::PALETTE;
 use std::path::{Path, PathBuf};
 
 use nailnoise_dynamics::CycleRecord;
-use nailnoise_meshes::write_atomic;
 
 pub(crate) use penetration::MOST as MOST_LAWS;
 pub use penetration::penetration;
 
 use crate::design::Values;
 use crate::error::Error;
+use crate::output;
 use crate::pipeline::Run;
 
 /// A figure.
@@ -85,10 +85,7 @@ pub fn write(folder: &Path, figures: &[Figure]) -> Result<Vec<PathBuf>, Error> {
         .iter()
         .map(|figure| {
             let path = folder.join(figure.name).with_extension("svg");
-            write_atomic(&path, figure.svg.as_bytes()).map_err(|source| Error::Write {
-                path: path.clone(),
-                source,
-            })?;
+            output::write(&path, figure.svg.as_bytes())?;
             Ok(path)
         })
         .collect()

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use nailnoise_acoustics::levels::{Band, octaves};
 use nailnoise_acoustics::radiation::{LowRank, ModalSpectra};
-use nailnoise_meshes::vtu::{Array, Field, Grid, write_series};
+use nailnoise_meshes::vtu::{self, Array, Field, Grid};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -74,10 +74,10 @@ pub(super) fn write_modes(folder: &Path, body: &Body, shapes: &DMatrix<f64>) -> 
             components: 3,
             values: shape.as_slice(),
         };
-        grid.write(&folder.join(&file), &[field], &[])?;
+        super::write(&folder.join(&file), &grid.to_bytes(&[field], &[])?)?;
         series.push((hz, file));
     }
     let list = folder.join("modes.pvd");
-    write_series(&list, &series)?;
+    super::write(&list, vtu::series(&series).as_bytes())?;
     Ok(list)
 }

@@ -17,7 +17,6 @@ use std::path::{Path, PathBuf};
 use nailnoise_dynamics::{CycleRecord, Events};
 use nailnoise_meshes::uff::{self, Mode};
 use nailnoise_meshes::vtu::Grid;
-use nailnoise_meshes::write_atomic;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
@@ -25,6 +24,7 @@ use crate::cache::Bytes;
 use crate::error::Error;
 use crate::pipeline::{Body, Run, Vibration};
 
+pub(crate) use crate::files::write;
 pub use columns::{Column, columns};
 pub use csv::EVENT_NAMES;
 pub use film::Fields;
@@ -163,7 +163,8 @@ pub fn write_universal(folder: &Path, name: &str, body: &Body, shapes: &DMatrix<
             shape: shape.data.into_slice(),
         })
         .collect();
-    uff::write(&path, &format!("{name} {}", body.name), &body.surface, &modes)?;
+    let text = uff::text(&format!("{name} {}", body.name), &body.surface, &modes)?;
+    write(&path, text.as_bytes())?;
     Ok(path)
 }
 
@@ -183,11 +184,4 @@ pub(crate) fn gone(path: &Path, outcome: std::io::Result<()>) -> Result<(), Erro
         }),
         _ => Ok(()),
     }
-}
-
-pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
-    write_atomic(path, bytes).map_err(|source| Error::Write {
-        path: path.to_owned(),
-        source,
-    })
 }

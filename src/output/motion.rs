@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
-use nailnoise_meshes::vtu::{Field, Grid, write_series};
+use nailnoise_meshes::vtu::{self, Field, Grid};
 
 use crate::error::Error;
 use crate::pipeline::Body;
@@ -52,10 +52,10 @@ pub(super) fn write(folder: &Path, body: &Body, mode: usize) -> Result<PathBuf, 
             components: 3,
             values: &displacement,
         };
-        Grid::of_surface(&moved).write(&folder.join(&file), &[field], &[])?;
+        super::write(&folder.join(&file), &Grid::of_surface(&moved).to_bytes(&[field], &[])?)?;
         series.push((phase / hz, file));
     }
     let list = folder.join(format!("{name}.pvd"));
-    write_series(&list, &series)?;
+    super::write(&list, vtu::series(&series).as_bytes())?;
     Ok(list)
 }

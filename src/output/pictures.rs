@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use nailnoise_meshes::vtu::{Field, Grid, write_series};
+use nailnoise_meshes::vtu::{self, Field, Grid};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -79,7 +79,8 @@ fn write(fields: &Path, series: &Series) -> Result<(), Error> {
     let grids: Vec<Grid> = series.shapes.par_iter().map(of_shape).collect();
     let of_band = |band: &Picture| {
         let file = format!("{}/{:05.0}.vtu", series.name, band.hz);
-        grids[band.shape].write(&fields.join(&file), &named(&band.points), &named(&band.polygons))?;
+        let bytes = grids[band.shape].to_bytes(&named(&band.points), &named(&band.polygons))?;
+        super::write(&fields.join(&file), &bytes)?;
         Ok((band.hz, file))
     };
     let files = series
@@ -87,7 +88,10 @@ fn write(fields: &Path, series: &Series) -> Result<(), Error> {
         .par_iter()
         .map(of_band)
         .collect::<Result<Vec<_>, Error>>()?;
-    Ok(write_series(&fields.join(format!("{}.pvd", series.name)), &files)?)
+    super::write(
+        &fields.join(format!("{}.pvd", series.name)),
+        vtu::series(&files).as_bytes(),
+    )
 }
 
 fn named(fields: &[(String, Vec<f64>)]) -> Vec<Field<'_>> {

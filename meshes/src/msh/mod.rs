@@ -8,6 +8,7 @@ mod build;
 mod cursor;
 mod error;
 mod raw;
+mod sections;
 mod v2;
 mod v4;
 mod write;
@@ -17,7 +18,7 @@ use std::path::Path;
 
 pub use build::Imported;
 pub use error::MshError;
-pub use write::{Format, to_bytes, write};
+pub use write::{Format, to_bytes};
 
 use crate::MeshError;
 
@@ -31,7 +32,7 @@ const LARGEST: u64 = 4 << 30;
 const IN_METRES: &str = "lengths in m";
 
 /// Reads a `.msh` file, also one compressed by gzip; `unit` is the length of one unit of the file \[m\], unless the file's
-/// comments say that its lengths are in metres, as those do that [`write()`] has written.
+/// comments say that its lengths are in metres, as those of [`to_bytes`] do.
 ///
 /// # Errors
 /// [`MeshError::Read`] or [`MeshError::Msh`].
@@ -63,7 +64,7 @@ pub fn parse(bytes: &[u8], unit: f64, name: &Path) -> Result<Imported, MeshError
     } else {
         bytes
     };
-    raw::Raw::read(bytes)
+    sections::sections(bytes)
         .and_then(|raw| raw.build(unit))
         .map_err(|problem| MeshError::Msh {
             path: name.to_owned(),
@@ -71,7 +72,8 @@ pub fn parse(bytes: &[u8], unit: f64, name: &Path) -> Result<Imported, MeshError
         })
 }
 
-fn compressed(bytes: &[u8]) -> Vec<u8> {
+/// Compresses a file by gzip, without a time stamp.
+pub fn compressed(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = flate2::GzBuilder::new()
         .mtime(0)
         .write(Vec::new(), flate2::Compression::best());

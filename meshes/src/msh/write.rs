@@ -1,10 +1,9 @@
 //! Writing `.msh` files.
 
 use std::collections::HashMap;
-use std::path::Path;
 
 use super::build::kind_of;
-use crate::{FaceKind, Mesh, MeshError, write_atomic};
+use crate::{FaceKind, Mesh};
 
 /// How a `.msh` file is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,28 +18,10 @@ pub enum Format {
     Binary41,
 }
 
-/// Writes a mesh with its parts as named volumes and its face groups as named surfaces; lengths in metres.
+/// A `.msh` file of a mesh: its parts as named volumes, its face groups as named surfaces; lengths in metres.
 ///
-/// Nodes and elements are numbered from 1 in the order of the mesh, the faces of groups after the elements. A path
-/// that ends in `.gz` is compressed. The comments hold `comment`, on one line, and that the lengths are in
-/// metres.
-///
-/// # Errors
-/// [`MeshError::Write`].
-pub fn write(path: &Path, mesh: &Mesh, format: Format, comment: &str) -> Result<(), MeshError> {
-    let bytes = to_bytes(mesh, format, comment);
-    let bytes = if path.extension().is_some_and(|end| end == "gz") {
-        super::compressed(&bytes)
-    } else {
-        bytes
-    };
-    write_atomic(path, &bytes).map_err(|source| MeshError::Write {
-        path: path.to_owned(),
-        source,
-    })
-}
-
-/// The content of the file that [`write()`] writes, uncompressed.
+/// Nodes and elements are numbered from 1 in the order of the mesh, the faces of groups after the elements. The comments
+/// hold `comment`, on one line, and that the lengths are in metres. See [`compressed`](super::compressed) for `.msh.gz`.
 pub fn to_bytes(mesh: &Mesh, format: Format, comment: &str) -> Vec<u8> {
     let mut out = Out {
         bytes: Vec::new(),

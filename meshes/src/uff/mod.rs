@@ -8,4 +8,4 @@ mod read;
 mod write;
 
 pub use read::{MeasuredMode, Measurement, UffError, read};
-pub use write::{Mode, write};
+pub use write::{Mode, text};

@@ -1,9 +1,8 @@
 //! Writing universal files.
 
 use std::fmt::Write as _;
-use std::path::Path;
 
-use crate::{FaceKind, MeshError, Surface, write_atomic};
+use crate::{FaceKind, MeshError, Surface};
 
 /// A mode to be written.
 #[derive(Clone, Copy, Debug)]
@@ -16,14 +15,14 @@ pub struct Mode<'a> {
     pub shape: &'a [f64],
 }
 
-/// Writes the skin of a body and its modes: datasets 2411 and 15 (nodes), 2412 (faces), 55 (a mode each).
+/// A universal file of the skin of a body and its modes: datasets 2411 and 15 (nodes), 2412 (faces), 55 (a mode each).
 ///
 /// The label of a node is its index in the volume mesh plus 1. Dataset 15 repeats 2411 in single precision for software
 /// that knows no other.
 ///
 /// # Errors
-/// [`MeshError::FieldLength`] or [`MeshError::Write`].
-pub fn write(path: &Path, name: &str, surface: &Surface, modes: &[Mode<'_>]) -> Result<(), MeshError> {
+/// [`MeshError::FieldLength`] for a shape that does not reach to the last node of the surface.
+pub fn text(name: &str, surface: &Surface, modes: &[Mode<'_>]) -> Result<String, MeshError> {
     let highest = surface.volume_nodes.iter().max().map_or(0, |node| 3 * node + 3);
     for mode in modes {
         if mode.shape.len() < highest {
@@ -34,14 +33,7 @@ pub fn write(path: &Path, name: &str, surface: &Surface, modes: &[Mode<'_>]) -> 
             });
         }
     }
-    write_atomic(path, text(name, surface, modes).as_bytes()).map_err(|source| MeshError::Write {
-        path: path.to_owned(),
-        source,
-    })
-}
-
-// Writing to a string cannot fail, so that the results of `writeln` are left.
-fn text(name: &str, surface: &Surface, modes: &[Mode<'_>]) -> String {
+    // Writing to a string cannot fail, so the results of `writeln` are ignored.
     let mut text = String::new();
     let label = |point: usize| surface.volume_nodes[point] + 1;
     dataset(&mut text, 2411, |text| {
@@ -115,7 +107,7 @@ fn text(name: &str, surface: &Surface, modes: &[Mode<'_>]) -> String {
             }
         });
     }
-    text
+    Ok(text)
 }
 
 /// Descriptor of a thin shell of this shape, and its nodes in order: corners and mid-sides in turn where it is parabolic.

@@ -1,11 +1,9 @@
 //! Unstructured grids: what the files of a series show of a mesh, a surface or polygons, but for the fields on it.
 
-use std::path::Path;
-
 use serde::{Deserialize, Serialize};
 
+use super::Field;
 use super::array::{Array, deflated, element};
-use super::{Field, write};
 use crate::{Mesh, MeshError, Surface};
 
 /// What stands between the fields on points and those on cells.
@@ -74,16 +72,16 @@ impl Grid {
         own.grid(corners.len(), types.len(), false)
     }
 
-    /// Writes the file that shows the grid with fields on its points and its cells.
+    /// The file that shows the grid with fields on its points and its cells.
     ///
     /// # Errors
-    /// [`MeshError::FieldLength`] or [`MeshError::Write`].
-    pub fn write(&self, path: &Path, points: &[Field<'_>], cells: &[Field<'_>]) -> Result<(), MeshError> {
+    /// [`MeshError::FieldLength`].
+    pub fn to_bytes(&self, points: &[Field<'_>], cells: &[Field<'_>]) -> Result<Vec<u8>, MeshError> {
         let [points, cells] = [points, cells]
             .map(|fields| -> Vec<Array> { fields.iter().map(|field| Array::of(field, self.double)).collect() });
         let mut bytes = Vec::new();
         self.render(&points, &cells, &mut bytes)?;
-        write(path, &bytes)
+        Ok(bytes)
     }
 
     /// Appends the file that shows the grid with arrays on its points and its cells.

@@ -10,12 +10,9 @@ mod array;
 mod grid;
 
 use std::fmt::Write;
-use std::path::Path;
 
 pub use array::Array;
 pub use grid::Grid;
-
-use crate::{MeshError, write_atomic};
 
 /// A field to be written: values item by item, `components` of each.
 #[derive(Clone, Copy, Debug)]
@@ -26,14 +23,6 @@ pub struct Field<'a> {
     pub components: usize,
     /// The values, components x nodes (or cells) of them.
     pub values: &'a [f64],
-}
-
-/// Writes a `.pvd` [`series`].
-///
-/// # Errors
-/// [`MeshError::Write`].
-pub fn write_series(path: &Path, files: &[(f64, String)]) -> Result<(), MeshError> {
-    write(path, series(files).as_bytes())
 }
 
 /// A `.pvd` series: pairs of time (or frequency) and the `.vtu` file, relative to the series' folder.
@@ -51,13 +40,6 @@ pub fn series(files: &[(f64, String)]) -> String {
     }
     text.push_str("  </Collection>\n</VTKFile>\n");
     text
-}
-
-fn write(path: &Path, bytes: &[u8]) -> Result<(), MeshError> {
-    write_atomic(path, bytes).map_err(|source| MeshError::Write {
-        path: path.to_owned(),
-        source,
-    })
 }
 
 /// A name as an attribute has it.

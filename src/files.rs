@@ -5,27 +5,32 @@ use std::io::{self, Write as _};
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use crate::error::Error;
+
 /// Files written by this process so far.
 static WRITTEN: AtomicU64 = AtomicU64::new(0);
 
 /// Writes a file whole: a temporary file beside it, sync, rename. A killed process leaves the old file or none.
 ///
 /// # Errors
-/// Those of the file system; the temporary file is removed.
-pub fn write_atomic(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    replace(path, |file| {
+/// [`Error::Write`]; the temporary file is removed.
+pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    let written = replace(path, |file| {
         file.write_all(bytes)?;
         file.sync_all()
+    });
+    written.map_err(|source| Error::Write {
+        path: path.to_owned(),
+        source,
     })
 }
 
-/// Puts what `fill` writes in the place of a file: a temporary file beside it, rename. A killed process leaves the old file
-/// or none. Without a sync in `fill` a failure of power may leave a part; that is for files whose content is verified when
-/// they are read.
+/// Replaces a file with what `fill` writes: a temporary file beside it, rename. A killed process leaves the old file or
+/// none. Without a sync in `fill` a power failure may leave a partial file; such files must be verified when they are read.
 ///
 /// # Errors
 /// Those of the file system and of `fill`; the temporary file is removed.
-pub fn replace(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
+pub(crate) fn replace(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
     let name = path
         .file_name()
         .ok_or_else(|| io::Error::from(io::ErrorKind::InvalidFilename))?;
@@ -43,4 +48,14 @@ pub fn replace(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> i
         let _ = std::fs::remove_file(&temporary);
     }
     written
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_cannot_be_replaced() {
+        assert!(write(Path::new("/"), b"").is_err());
+    }
 }

@@ -1,0 +1,120 @@
+//! The header and the sections of a `.msh` file.
+
+use super::MshError;
+use super::cursor::{Cursor, Encoding};
+use super::raw::Raw;
+use super::{v2, v4};
+
+/// Reads all sections of a file.
+pub(super) fn sections(bytes: &[u8]) -> Result<Raw, MshError> {
+    let mut cursor = Cursor::new(bytes);
+    if !matches!(cursor.open(), Ok(Some(name)) if name == "MeshFormat") {
+        return Err(MshError::NotMsh);
+    }
+    let version = header(&mut cursor)?;
+    let mut raw = Raw {
+        groups: vec![Vec::new()],
+        offsets: vec![0],
+        ..Raw::default()
+    };
+    let mut entities = v4::Entities::default();
+    let (mut has_nodes, mut has_elements) = (false, false);
+    while let Some(section) = cursor.open()? {
+        match (section.as_str(), version) {
+            ("PhysicalNames", _) => {
+                read_names(&mut cursor, &mut raw)?;
+                cursor.close()?;
+            }
+            ("Entities", Version::V4) => {
+                entities = v4::Entities::read(&mut cursor)?;
+                cursor.close()?;
+            }
+            ("Nodes", _) => {
+                has_nodes = true;
+                match version {
+                    Version::V2 => v2::nodes(&mut cursor, &mut raw)?,
+                    Version::V4 => v4::nodes(&mut cursor, &mut raw)?,
+                }
+                cursor.close()?;
+            }
+            ("Elements", _) => {
+                has_elements = true;
+                match version {
+                    Version::V2 => v2::elements(&mut cursor, &mut raw)?,
+                    Version::V4 => v4::elements(&mut cursor, &entities, &mut raw)?,
+                }
+                cursor.close()?;
+            }
+            ("Comments", _) => {
+                raw.comment = cursor.line();
+                cursor.skip_section()?;
+            }
+            _ => cursor.skip_section()?,
+        }
+    }
+    for (section, found) in [("Nodes", has_nodes), ("Elements", has_elements)] {
+        if !found {
+            return Err(MshError::NoSection { section });
+        }
+    }
+    Ok(raw)
+}
+
+fn read_names(cursor: &mut Cursor<'_>, raw: &mut Raw) -> Result<(), MshError> {
+    let count = cursor.text_integer()?;
+    let count = cursor.count("names", u64::try_from(count).unwrap_or(u64::MAX), 7)?;
+    for _ in 0..count {
+        let (dimension, number) = (cursor.text_integer()?, cursor.text_integer()?);
+        let name = cursor.quoted()?;
+        raw.names.push((dimension, number, name));
+    }
+    Ok(())
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Version {
+    V2,
+    V4,
+}
+
+fn header(cursor: &mut Cursor<'_>) -> Result<Version, MshError> {
+    let word = cursor.word()?;
+    let version = match word {
+        "2.2" | "2.1" | "2" | "2.0" => Version::V2,
+        "4.1" => Version::V4,
+        _ => {
+            let found = word.chars().take(20).collect();
+            return Err(MshError::Version { found });
+        }
+    };
+    let binary = cursor.text_integer()?;
+    let size = cursor.text_integer()?;
+    let header = |what, found: i64, expected| MshError::Header {
+        what,
+        found: found.to_string(),
+        expected,
+    };
+    match (version, size) {
+        (Version::V2, 8) | (Version::V4, 4 | 8) => {}
+        _ => return Err(header("data size", size, "numbers of 8 bytes are read")),
+    }
+    match binary {
+        0 => {}
+        1 => {
+            cursor.end_of_line();
+            let swapped = match cursor.raw_four()? {
+                [1, 0, 0, 0] => false,
+                [0, 0, 0, 1] => true,
+                found => {
+                    let found = i64::from(i32::from_le_bytes(found));
+                    return Err(header("byte order", found, "a binary 1 tells the order of bytes"));
+                }
+            };
+            let size = if size == 4 { 4 } else { 8 };
+            cursor.encoding = Encoding::Binary { swapped, size };
+        }
+        _ => return Err(header("file type", binary, "0 is text and 1 is binary")),
+    }
+    cursor.close()?;
+    Ok(version)
+}
