@@ -1,41 +1,128 @@
-//! Names the sources this program is built from, so that the cache never hands out what other code computed.
+//! Digests the code of every crate and of every stage, so that a kept result is used only by the code that made it.
+//!
+//! Comments, documentation, layout and unit tests do not count: they change no result. The digest of a crate includes
+//! those of the workspace crates it depends on, and the lock file, which fixes all other dependencies.
 
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::fs;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
+use std::str::FromStr;
 
+use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use sha2::{Digest as _, Sha256};
 
-fn main() -> io::Result<()> {
+/// Crates of the workspace, each after those that it depends on.
+const CRATES: [&str; 4] = ["dynamics", "meshes", "fem", "acoustics"];
+
+fn main() -> Result<(), Box<dyn Error>> {
     let root = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
-    let mut files = vec![root.join("Cargo.lock")];
-    for folder in ["src", "dynamics/src", "meshes/src", "fem/src", "acoustics/src"] {
-        let folder = root.join(folder);
-        println!("cargo:rerun-if-changed={}", folder.display());
-        // A published package has no other crates beside it; its version and theirs are in the lock file.
-        if folder.is_dir() {
-            collect(&folder, &mut files)?;
-        }
-    }
-    files.sort();
-    let mut digest = Sha256::new();
-    for file in files.iter().filter(|file| file.is_file()) {
-        digest.update(file.strip_prefix(&root).unwrap_or(file).to_string_lossy().as_bytes());
-        digest.update(fs::read(file)?);
-    }
-    let digest: String = digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+    let lock = fs::read(root.join("Cargo.lock")).unwrap_or_default();
     println!("cargo:rerun-if-changed=Cargo.lock");
-    println!("cargo:rustc-env=NAILNOISE_SOURCES={digest}");
+    let mut crates: BTreeMap<&str, String> = BTreeMap::new();
+    for name in CRATES {
+        let manifest = fs::read_to_string(root.join(name).join("Cargo.toml")).unwrap_or_default();
+        let mut digest = Sha256::new();
+        digest.update(&lock);
+        for (other, known) in &crates {
+            if manifest.contains(&format!("nailnoise-{other}")) {
+                digest.update(known);
+            }
+        }
+        // A published package has no other crates beside it; the lock file then holds their versions.
+        digest_code(&root, &root.join(name).join("src"), &mut digest)?;
+        crates.insert(name, emit(name, digest));
+    }
+    let mut all = Sha256::new();
+    crates.values().for_each(|known| all.update(known));
+    digest_code(&root, &root.join("src"), &mut all)?;
+    let all: String = all.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+    println!("cargo:rustc-env=NAILNOISE_SOURCES={all}");
+    for entry in fs::read_dir(root.join("src/stages"))? {
+        let path = entry?.path();
+        let stage = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let mut digest = Sha256::new();
+        digest_code(&root, &path, &mut digest)?;
+        emit(&format!("stages_{stage}"), digest);
+    }
+    println!("cargo:rerun-if-changed=src/stages");
     Ok(())
 }
 
-fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
-    for entry in fs::read_dir(folder)? {
-        let path = entry?.path();
-        if path.is_dir() {
-            collect(&path, files)?;
-        } else {
-            files.push(path);
-        }
+/// Passes a digest on to the compiler as `NAILNOISE_CODE_unit`.
+fn emit(unit: &str, digest: Sha256) -> String {
+    let digest: String = digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+    println!("cargo:rustc-env=NAILNOISE_CODE_{unit}={digest}");
+    digest
+}
+
+/// Adds the code of a file, or of all files under a folder in the order of their paths.
+fn digest_code(root: &Path, path: &Path, digest: &mut Sha256) -> Result<(), Box<dyn Error>> {
+    println!("cargo:rerun-if-changed={}", path.display());
+    if path.is_dir() {
+        let mut entries: Vec<PathBuf> = fs::read_dir(path)?
+            .map(|e| e.map(|e| e.path()))
+            .collect::<Result<_, _>>()?;
+        entries.sort();
+        return entries.iter().try_for_each(|entry| digest_code(root, entry, digest));
+    }
+    if path.extension().is_some_and(|extension| extension == "rs") {
+        digest.update(path.strip_prefix(root)?.to_string_lossy().as_bytes());
+        let text = fs::read_to_string(path)?;
+        // What is no Rust fails in the compiler, with a better message.
+        let code = TokenStream::from_str(&text).map_or(text, |tokens| significant(tokens).to_string());
+        digest.update(code);
     }
     Ok(())
+}
+
+/// Tokens without documentation and without what is compiled for tests alone.
+fn significant(tokens: TokenStream) -> TokenStream {
+    let tokens: Vec<TokenTree> = tokens.into_iter().collect();
+    let mut kept = Vec::new();
+    let mut at = 0;
+    while at < tokens.len() {
+        match attribute(&tokens[at..]) {
+            Some((length, text)) if text.starts_with("doc") => at += length,
+            Some((length, text)) if text.starts_with("cfg (test)") || text.starts_with("cfg(test)") => {
+                at += length;
+                // The item ends with its block or its semicolon.
+                let end = |tree: &TokenTree| match tree {
+                    TokenTree::Group(group) => group.delimiter() == Delimiter::Brace,
+                    TokenTree::Punct(mark) => mark.as_char() == ';',
+                    _ => false,
+                };
+                at += tokens[at..]
+                    .iter()
+                    .position(end)
+                    .map_or(tokens.len() - at, |end| end + 1);
+            }
+            _ => {
+                kept.push(match &tokens[at] {
+                    TokenTree::Group(group) => {
+                        TokenTree::Group(proc_macro2::Group::new(group.delimiter(), significant(group.stream())))
+                    }
+                    other => other.clone(),
+                });
+                at += 1;
+            }
+        }
+    }
+    kept.into_iter().collect()
+}
+
+/// The attribute at the beginning of these tokens, `#[...]` or `#![...]`: how many tokens it takes, and what it says.
+fn attribute(tokens: &[TokenTree]) -> Option<(usize, String)> {
+    let is =
+        |tree: Option<&TokenTree>, wanted: char| matches!(tree, Some(TokenTree::Punct(p)) if p.as_char() == wanted);
+    if !is(tokens.first(), '#') {
+        return None;
+    }
+    let at = if is(tokens.get(1), '!') { 2 } else { 1 };
+    match tokens.get(at)? {
+        TokenTree::Group(group) if group.delimiter() == Delimiter::Bracket => {
+            Some((at + 1, group.stream().to_string()))
+        }
+        _ => None,
+    }
 }

@@ -1,6 +1,6 @@
 //! The modes of the wood block, proven complete: `cargo run --release --example block`.
 
-use nailnoise::cache::Cache;
+use nailnoise::store::Store;
 use nailnoise::{Design, pipeline};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -8,7 +8,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .nth(1)
         .unwrap_or_else(|| "designs/n80cb.toml".to_owned());
     let design = Design::load(file)?;
-    let block = pipeline::workpiece(&design, &Cache::none())?;
+    let block = pipeline::workpiece(&design, &Store::none())?;
     let basis = &block.basis;
     let elastic = basis.hz.iter().zip(&basis.rigid).filter(|(_, rigid)| !**rigid);
     for (hz, _) in elastic.take(5) {

@@ -1,6 +1,6 @@
 //! Ranks the sources of a design: `cargo run --release --example rank designs/n80cb.toml`.
 
-use nailnoise::cache::Cache;
+use nailnoise::store::Store;
 use nailnoise::{Design, pipeline};
 
 fn main() -> Result<(), nailnoise::Error> {
@@ -11,7 +11,7 @@ fn main() -> Result<(), nailnoise::Error> {
     let run = pipeline::run(
         &design,
         pipeline::Options::default(),
-        &Cache::none(),
+        &Store::none(),
         &mut pipeline::Silent,
     )?;
     for source in &run.result.ranking {

@@ -9,13 +9,13 @@ use nailnoise_dynamics::CycleRecord;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::cache::{Cache, Checksum, Key, checksum};
 use crate::design::Design;
 use crate::error::Error;
 use crate::output::{Fields, File};
 use crate::pipeline::{self, Observer, Options, Run, Vibration};
 use crate::report::{self, Pictures, Recording};
 use crate::result::Check;
+use crate::store::{Checksum, Key, Store, checksum};
 use crate::{figures, interrupt, output};
 
 /// The file that is written last, so that a folder that holds it holds all the rest.
@@ -82,7 +82,7 @@ impl Printed {
     }
 
     /// Those that are not in their places, and what they are made of from the cache; nothing where it does not hold it.
-    fn wanted(&self, folder: &Path, cache: &Cache) -> Option<Wanted> {
+    fn wanted(&self, folder: &Path, cache: &Store) -> Option<Wanted> {
         let missing = self.missing(folder);
         if missing.is_empty() {
             cache.renew(FIELDS, &self.key());
@@ -113,7 +113,7 @@ pub fn deliver(
     folder: &Path,
     draw: bool,
     words: Words,
-    cache: &Cache,
+    cache: &Store,
     observer: &mut dyn Observer,
 ) -> Result<(Bundle, bool), Error> {
     let key = key(design, draw)?;

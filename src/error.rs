@@ -12,6 +12,12 @@ use crate::design::DesignError;
 #[derive(Debug, Error, Diagnostic)]
 #[non_exhaustive]
 pub enum Error {
+    /// An input could not be computed; its own error is reported once, where it occurred.
+    #[error("{stage} could not be computed")]
+    Upstream {
+        /// Name of the stage that failed.
+        stage: &'static str,
+    },
     /// The design file is wrong.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -206,11 +212,11 @@ pub enum Error {
     /// There is no folder for the cache, or no sense in its limit.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    NoCache(#[from] crate::cache::CacheError),
+    NoCache(#[from] crate::store::StoreError),
     /// The cache's folder could not be read or changed.
     #[error("the cache in {} cannot be used: {source}", path.display())]
     #[diagnostic(help("set NAILNOISE_CACHE to another folder"))]
-    Cache {
+    Store {
         /// The folder.
         path: PathBuf,
         /// What the system said.

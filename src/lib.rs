@@ -7,7 +7,6 @@
 #![forbid(unsafe_code)]
 
 pub mod bundle;
-pub mod cache;
 pub mod commands;
 pub mod comparison;
 pub mod correlation;
@@ -15,6 +14,7 @@ pub mod design;
 mod error;
 pub mod figures;
 mod files;
+pub mod graph;
 mod interrupt;
 pub mod output;
 pub mod penetration;
@@ -22,6 +22,8 @@ pub mod pipeline;
 pub mod report;
 pub mod result;
 pub mod sensitivity;
+pub mod stages;
+pub mod store;
 pub mod study;
 mod wording;
 

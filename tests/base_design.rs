@@ -1,7 +1,7 @@
 //! The shipped designs against the references they were taken from.
 #![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
-use nailnoise::cache::Cache;
+use nailnoise::store::Store;
 use nailnoise::{Design, pipeline};
 use nailnoise_dynamics::Parameters;
 use serde_json::Value;
@@ -67,7 +67,7 @@ fn events_of_the_base_design_are_those_of_the_reference() {
 
 #[test]
 fn the_free_block_has_the_reference_modes() {
-    let block = pipeline::workpiece(&design("n80cb"), &Cache::none()).unwrap();
+    let block = pipeline::workpiece(&design("n80cb"), &Store::none()).unwrap();
     let basis = &block.basis;
     assert_eq!(basis.rigid.iter().filter(|&&rigid| rigid).count(), 6);
     assert_eq!(basis.sturm.count, basis.hz.len());

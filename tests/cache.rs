@@ -8,9 +8,9 @@ use std::io::Read;
 use std::path::PathBuf;
 use std::time::{Duration, SystemTime};
 
-use nailnoise::cache::{Cache, Key, LIMIT};
 use nailnoise::design::Design;
 use nailnoise::pipeline::workpiece;
+use nailnoise::store::{Key, LIMIT, Store};
 
 fn folder(name: &str) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("cache").join(name);
@@ -19,7 +19,7 @@ fn folder(name: &str) -> PathBuf {
 }
 
 /// A stage that counts how often it is computed.
-fn squares(cache: &Cache, n: usize, computed: &Cell<usize>) -> Vec<f64> {
+fn squares(cache: &Store, n: usize, computed: &Cell<usize>) -> Vec<f64> {
     let value: Result<_, Infallible> = cache.get_or("squares", Key::new().with(&n), || {
         computed.set(computed.get() + 1);
         Ok((0..n).map(|i| (i * i) as f64).collect())
@@ -29,7 +29,7 @@ fn squares(cache: &Cache, n: usize, computed: &Cell<usize>) -> Vec<f64> {
 
 #[test]
 fn a_value_is_computed_once_and_comes_back_to_the_bit() {
-    let (cache, computed) = (Cache::at(folder("once"), LIMIT), Cell::new(0));
+    let (cache, computed) = (Store::at(folder("once"), LIMIT), Cell::new(0));
     let first = squares(&cache, 1000, &computed);
     assert_eq!(squares(&cache, 1000, &computed), first);
     assert_eq!(computed.get(), 1);
@@ -45,7 +45,7 @@ fn a_value_is_computed_once_and_comes_back_to_the_bit() {
 
 #[test]
 fn without_a_folder_everything_is_computed() {
-    let (cache, computed) = (Cache::none(), Cell::new(0));
+    let (cache, computed) = (Store::none(), Cell::new(0));
     squares(&cache, 10, &computed);
     squares(&cache, 10, &computed);
     assert_eq!(computed.get(), 2);
@@ -53,7 +53,7 @@ fn without_a_folder_everything_is_computed() {
 
 #[test]
 fn an_error_is_handed_on_and_nothing_kept() {
-    let cache = Cache::at(folder("error"), LIMIT);
+    let cache = Store::at(folder("error"), LIMIT);
     let value: Result<f64, &str> = cache.get_or("stage", Key::new(), || Err("no"));
     assert_eq!(value, Err("no"));
     assert!(cache.entries().unwrap().is_empty());
@@ -62,7 +62,7 @@ fn an_error_is_handed_on_and_nothing_kept() {
 /// Every way of damage at every place: cut short, one bit turned, of another format, under another name.
 #[test]
 fn damage_is_noticed_told_and_repaired() {
-    let (cache, computed) = (Cache::at(folder("damage"), LIMIT), Cell::new(0));
+    let (cache, computed) = (Store::at(folder("damage"), LIMIT), Cell::new(0));
     let expected = squares(&cache, 20, &computed);
     let path = cache.entries().unwrap().remove(0).path;
     let sound = fs::read(&path).unwrap();
@@ -100,9 +100,9 @@ fn damage_is_noticed_told_and_repaired() {
 /// The same of what is decoded while it is read, by a reader that looks at a part of it only.
 #[test]
 fn damage_of_what_is_decoded_as_it_is_read_is_noticed() {
-    let (cache, computed) = (Cache::at(folder("decoded"), LIMIT), Cell::new(0));
+    let (cache, computed) = (Store::at(folder("decoded"), LIMIT), Cell::new(0));
     let content: Vec<u8> = (0..200).collect();
-    let first = |cache: &Cache| -> Result<u8, String> {
+    let first = |cache: &Store| -> Result<u8, String> {
         let decode = |from: &mut dyn Read, length: usize| {
             let mut byte = [0];
             from.read_exact(&mut byte).map_err(|error| error.to_string())?;
@@ -139,7 +139,7 @@ fn damage_of_what_is_decoded_as_it_is_read_is_noticed() {
 
 #[test]
 fn another_type_under_the_same_name_is_computed_anew() {
-    let cache = Cache::at(folder("type"), LIMIT);
+    let cache = Store::at(folder("type"), LIMIT);
     let text: Result<String, Infallible> = cache.get_or("stage", Key::new(), || Ok("words, many words".to_owned()));
     assert_eq!(text.unwrap(), "words, many words");
     let numbers: Result<Vec<f64>, Infallible> = cache.get_or("stage", Key::new(), || Ok(vec![1.0]));
@@ -152,7 +152,7 @@ fn the_least_recently_used_go_when_the_folder_is_full() {
     let folder = folder("bound");
     let computed = Cell::new(0);
     // An entry of 100 numbers takes 867 bytes: three fit.
-    let cache = Cache::at(folder, 3000);
+    let cache = Store::at(folder, 3000);
     for n in [100, 101, 102] {
         squares(&cache, n, &computed);
         // File times of the system may be coarse.
@@ -178,7 +178,7 @@ fn a_folder_that_cannot_be_written_is_a_note() {
     let folder = folder("file");
     fs::create_dir_all(folder.parent().unwrap()).unwrap();
     fs::write(&folder, "a file where the folder should be").unwrap();
-    let (cache, computed) = (Cache::at(folder, LIMIT), Cell::new(0));
+    let (cache, computed) = (Store::at(folder, LIMIT), Cell::new(0));
     assert_eq!(squares(&cache, 3, &computed), [0.0, 1.0, 4.0]);
     assert!(!cache.take_notes().is_empty());
 }
@@ -190,7 +190,7 @@ fn threads_share_a_folder() {
         let work = |_| {
             let folder = folder.clone();
             scope.spawn(move || {
-                let (cache, computed) = (Cache::at(folder, 20_000), Cell::new(0));
+                let (cache, computed) = (Store::at(folder, 20_000), Cell::new(0));
                 (0..40).for_each(|n| drop(squares(&cache, 100 + n % 10, &computed)));
                 assert!(cache.take_notes().is_empty());
                 squares(&cache, 100, &computed)
@@ -206,7 +206,7 @@ fn threads_share_a_folder() {
 /// once more where they are lost, and refused where they are not those that it moves in.
 #[test]
 fn a_kept_body_finds_its_shapes_again() {
-    let cache = Cache::at(folder("shapes"), LIMIT);
+    let cache = Store::at(folder("shapes"), LIMIT);
     let design = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/small.toml")).unwrap();
     let solved = workpiece(&design, &cache).unwrap();
     let mut kept = workpiece(&design, &cache).unwrap();

@@ -2,10 +2,10 @@
 #![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
 use nailnoise::Design;
-use nailnoise::cache::{Cache, LIMIT};
 use nailnoise::design::{SupportKind, Value};
 use nailnoise::pipeline::{Options, Run, Silent, run, run_in_full};
 use nailnoise::result::RankedSource;
+use nailnoise::store::{LIMIT, Store};
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::exhaust::Jet;
 use std::f64::consts::PI;
@@ -27,7 +27,7 @@ fn ranked(run: &Run, source: &str) -> RankedSource {
 }
 
 fn scaled(design: &Design, workpiece_force_scale: f64) -> Run {
-    let cache = Cache::at(concat!(env!("CARGO_TARGET_TMPDIR"), "/modes").into(), LIMIT);
+    let cache = Store::at(concat!(env!("CARGO_TARGET_TMPDIR"), "/modes").into(), LIMIT);
     run(design, Options { workpiece_force_scale }, &cache, &mut Silent).unwrap()
 }
 
@@ -57,7 +57,7 @@ fn more_damping_raises_no_band_above_the_first_mode() {
     let mut damped = bonded();
     damped.wood.loss_factor *= 2.0;
     let (before, after) = (scaled(&design, 1.0), scaled(&damped, 1.0));
-    let cache = Cache::at(concat!(env!("CARGO_TARGET_TMPDIR"), "/modes").into(), LIMIT);
+    let cache = Store::at(concat!(env!("CARGO_TARGET_TMPDIR"), "/modes").into(), LIMIT);
     let block = nailnoise::pipeline::workpiece(&design, &cache).unwrap();
     let first = block.basis.hz.iter().copied().find(|&hz| hz > 1.0).unwrap();
     let (before, after) = (ranked(&before, "workpiece"), ranked(&after, "workpiece"));
@@ -175,8 +175,8 @@ fn mass_and_thrust_of_the_jets_are_those_of_the_cycle() {
 fn a_changed_design_out_of_the_cache_has_the_digits_of_one_without() {
     let folder = concat!(env!("CARGO_TARGET_TMPDIR"), "/changed");
     let _ = std::fs::remove_dir_all(folder);
-    let cache = Cache::at(folder.into(), LIMIT);
-    let digits = |design: &Design, cache: &Cache| {
+    let cache = Store::at(folder.into(), LIMIT);
+    let digits = |design: &Design, cache: &Store| {
         let told = run(design, Options::default(), cache, &mut Silent).unwrap();
         let mut value = serde_json::to_value(&told.result).unwrap();
         let stages = value["timing"].take().as_object().unwrap().len();
@@ -199,7 +199,7 @@ fn a_changed_design_out_of_the_cache_has_the_digits_of_one_without() {
         change(&mut design);
         let (found, stages) = digits(&design, &cache);
         assert_eq!(stages < all, kept, "change {number}");
-        let (expected, _) = digits(&design, &Cache::none());
+        let (expected, _) = digits(&design, &Store::none());
         assert_ne!(found, first, "change {number} changes nothing");
         assert_eq!(found, expected, "change {number}");
     }
@@ -211,7 +211,7 @@ fn a_changed_design_out_of_the_cache_has_the_digits_of_one_without() {
 fn kept_bodies_do_not_depend_on_what_their_key_leaves_out() {
     let folder = concat!(env!("CARGO_TARGET_TMPDIR"), "/left-out");
     let _ = std::fs::remove_dir_all(folder);
-    let cache = Cache::at(folder.into(), LIMIT);
+    let cache = Store::at(folder.into(), LIMIT);
     let digits = |run: &Run| {
         let mut value = serde_json::to_value(&run.result).unwrap();
         let stages = value["timing"].take().as_object().unwrap().len();

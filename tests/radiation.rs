@@ -2,13 +2,13 @@
 #![allow(clippy::unwrap_used)]
 
 use nailnoise::Design;
-use nailnoise::cache::{Cache, LIMIT};
 use nailnoise::output::{remove_others, write_pictures};
 use nailnoise::pipeline::{Options, Run, Silent, pictures, run};
 use nailnoise::result::{HeardSource, RankedSource};
+use nailnoise::store::{LIMIT, Store};
 
 fn of(design: &Design) -> Run {
-    let cache = Cache::at(concat!(env!("CARGO_TARGET_TMPDIR"), "/modes").into(), LIMIT);
+    let cache = Store::at(concat!(env!("CARGO_TARGET_TMPDIR"), "/modes").into(), LIMIT);
     run(design, Options::default(), &cache, &mut Silent).unwrap()
 }
 
@@ -208,7 +208,7 @@ fn a_workpiece_in_sand_is_evaluated_twice_and_its_pictures_hold_its_energy() {
     let named = "workpiece: power by the surface less that by the far field [dB]";
     assert!(run.result.checks.iter().any(|check| check.name == named && check.ok));
 
-    let cache = Cache::at(concat!(env!("CARGO_TARGET_TMPDIR"), "/modes").into(), LIMIT);
+    let cache = Store::at(concat!(env!("CARGO_TARGET_TMPDIR"), "/modes").into(), LIMIT);
     let found = pictures(&design, &cache, &mut Silent).unwrap();
     assert!(
         !found.checks.is_empty() && found.checks.iter().all(|check| check.ok),
@@ -253,7 +253,7 @@ fn a_workpiece_in_sand_is_evaluated_twice_and_its_pictures_hold_its_energy() {
 #[test]
 fn with_radiation_efficiency_1_pictures_show_velocities_and_say_so() {
     let design = small("[acoustics]\nmethod = \"erp\"\n[analysis]\nrange_high = \"400 Hz\"");
-    let cache = Cache::at(concat!(env!("CARGO_TARGET_TMPDIR"), "/modes").into(), LIMIT);
+    let cache = Store::at(concat!(env!("CARGO_TARGET_TMPDIR"), "/modes").into(), LIMIT);
     let found = pictures(&design, &cache, &mut Silent).unwrap();
     assert!(
         found.checks.is_empty() && found.notes[0].contains("no pressure"),

@@ -5,10 +5,10 @@ use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 use nailnoise::Design;
-use nailnoise::cache::{Cache, LIMIT};
 use nailnoise::design::{BodyModel, Carrier, Sensor, SupportKind};
 use nailnoise::pipeline::{self, BodyKind, Geometry, Options, Run, Silent};
 use nailnoise::result::RankedSource;
+use nailnoise::store::{LIMIT, Store};
 use nailnoise_acoustics::fourier::filtered;
 use nailnoise_fem::transient::Motion;
 use nailnoise_meshes::msh::{self, Format};
@@ -89,7 +89,7 @@ fn bar(stiffening: f64) -> Design {
 }
 
 fn run(design: &Design) -> Run {
-    let cache = Cache::at(file("cache"), LIMIT);
+    let cache = Store::at(file("cache"), LIMIT);
     pipeline::run(design, Options::default(), &cache, &mut Silent).unwrap()
 }
 
@@ -147,7 +147,7 @@ fn a_mesh_that_does_not_say_where_a_force_acts_is_refused_with_the_name() {
     let mut mesh = msh::read(Path::new(design.body.mesh), 1.0).unwrap().mesh;
     mesh.groups.retain(|group| group.name != "seat");
     put(&mut design, &mesh, "no-seat.msh");
-    let error = pipeline::tool_body(&design, &Cache::none())
+    let error = pipeline::tool_body(&design, &Store::none())
         .map(|_| ())
         .unwrap_err()
         .to_string();
@@ -190,7 +190,7 @@ fn the_bare_housing_has_the_reference_modes() {
     put(&mut design, &bare, "bare.msh");
     design.body.lumped = false;
     design.analysis.body_top = 2600.0 / design.analysis.mode_margin;
-    let basis = pipeline::modes_of(&design, BodyKind::Tool, &Cache::none())
+    let basis = pipeline::modes_of(&design, BodyKind::Tool, &Store::none())
         .unwrap()
         .basis;
     assert_eq!(basis.rigid.iter().filter(|&&rigid| rigid).count(), 6);
@@ -257,7 +257,7 @@ fn sensors_on_the_tool_read_its_motion_as_a_whole_at_low_frequencies_and_its_mod
 fn a_sensor_on_the_tool_reads_the_sum_of_its_modal_accelerations() {
     let (low, high) = (2.0, 1.5e3);
     let design = with_sensors(bar(0.1), [low, high]);
-    let cache = Cache::at(file("cache"), LIMIT);
+    let cache = Store::at(file("cache"), LIMIT);
     let (run, moving) = pipeline::run_in_full(&design, Options::default(), &cache, &mut Silent).unwrap();
     let tool = moving.tool.as_ref().unwrap();
     let at = Point3::new(0.0, 0.0, 0.3);
@@ -293,7 +293,7 @@ fn a_sensor_beside_the_tool_is_refused_with_its_distance_and_one_within_a_mesh_c
     let beside = |off: f64| {
         let mut design = with_sensors(bar(1.0), [1.0, 10e3]);
         design.sensors.get_mut("side").unwrap().x = 0.04 + off;
-        let cache = Cache::at(file("cache"), LIMIT);
+        let cache = Store::at(file("cache"), LIMIT);
         pipeline::run(&design, Options::default(), &cache, &mut Silent).map(|_| ())
     };
     beside(0.5e-3).unwrap();

@@ -8,8 +8,8 @@ use serde::Serialize;
 
 use super::table::table;
 use super::{print, print_json};
-use crate::cache::{Cache, Listed};
 use crate::error::Error;
+use crate::store::{Listed, Store};
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -57,9 +57,9 @@ impl From<Listed> for Row {
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
-    let cache = Cache::of_user()?;
+    let cache = Store::of_user()?;
     let folder = cache.folder().unwrap_or_else(|| "".as_ref()).to_owned();
-    let failed = |source| Error::Cache {
+    let failed = |source| Error::Store {
         path: folder.clone(),
         source,
     };

@@ -8,13 +8,13 @@ use clap::Args;
 use super::table::{decibels, table};
 use super::{Keeping, Progress, load, print, print_json, start_threads, status_of};
 use crate::bundle::deliver;
-use crate::cache::Cache;
 use crate::comparison::{Comparison, Finished, Labelled, Levels, Limit};
 use crate::error::Error;
 use crate::output;
 use crate::pipeline::Observer as _;
 use crate::report;
 use crate::result::Check;
+use crate::store::Store;
 use crate::wording::{band, change, order};
 
 #[derive(Args)]
@@ -83,7 +83,7 @@ fn finish(
     path: &Path,
     before: &[Finished],
     out: &Path,
-    cache: &Cache,
+    cache: &Store,
     progress: &mut Progress,
     checks: &mut Vec<Check>,
 ) -> Result<Finished, Error> {

@@ -27,10 +27,10 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::cache::Cache;
 use crate::design::Design;
 use crate::error::Error;
 use crate::result::Check;
+use crate::store::Store;
 use progress::Progress;
 
 /// Predicts how much sound power each source of a pneumatic nailer radiates, from its design.
@@ -116,11 +116,11 @@ struct Keeping {
 }
 
 impl Keeping {
-    fn cache(&self) -> Result<Cache, Error> {
+    fn cache(&self) -> Result<Store, Error> {
         Ok(if self.no_cache {
-            Cache::none()
+            Store::none()
         } else {
-            Cache::of_user()?
+            Store::of_user()?
         })
     }
 }

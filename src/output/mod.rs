@@ -20,9 +20,9 @@ use nailnoise_meshes::vtu::Grid;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-use crate::cache::Bytes;
 use crate::error::Error;
 use crate::pipeline::{Body, Run, Vibration};
+use crate::store::Bytes;
 
 pub(crate) use crate::files::write;
 pub use columns::{Column, columns};

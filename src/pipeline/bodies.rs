@@ -11,10 +11,10 @@ use super::geometry::{BodyKind, Geometry, added_mass};
 use super::model::{Model, Modelling, body};
 use super::pattern::{Pattern, Rectangle};
 use super::{Tell, shank, sides, springs, tool_loads};
-use crate::cache::Cache;
 use crate::design::{Design, Sprung, SupportKind};
 use crate::error::Error;
 use crate::result::Check;
+use crate::store::Store;
 
 /// A body in modal coordinates, with its geometry.
 pub struct Body {
@@ -87,12 +87,12 @@ pub(super) fn contact_grid(design: &Design) -> ContactGrid {
 ///
 /// # Errors
 /// Those of mesh, material and modal solution.
-pub fn workpiece(design: &Design, cache: &Cache) -> Result<Body, Error> {
+pub fn workpiece(design: &Design, cache: &Store) -> Result<Body, Error> {
     workpiece_telling(design, cache, &|_, _| ())
 }
 
 /// [`workpiece`], and tells how many modes are found.
-pub(super) fn workpiece_telling(design: &Design, cache: &Cache, tell: Tell<'_>) -> Result<Body, Error> {
+pub(super) fn workpiece_telling(design: &Design, cache: &Store, tell: Tell<'_>) -> Result<Body, Error> {
     let mut block = body(design, (BodyKind::Workpiece, DRIVEN), cache, tell, workpiece_model)?;
     if design.support.kind == SupportKind::Sandbox {
         // Sand that moves with the base rests in the sand: its weight is not the block's.
@@ -141,12 +141,12 @@ fn workpiece_model(design: &Design, kind: BodyKind) -> Result<Model, Error> {
 ///
 /// # Errors
 /// [`Error::NoSuchBody`] when the support is a sandbox; those of mesh, material and modal solution.
-pub fn table(design: &Design, cache: &Cache) -> Result<Body, Error> {
+pub fn table(design: &Design, cache: &Store) -> Result<Body, Error> {
     table_telling(design, cache, &|_, _| ())
 }
 
 /// [`table`], and tells how many modes are found.
-pub(super) fn table_telling(design: &Design, cache: &Cache, tell: Tell<'_>) -> Result<Body, Error> {
+pub(super) fn table_telling(design: &Design, cache: &Store, tell: Tell<'_>) -> Result<Body, Error> {
     body(design, (BodyKind::Worktable, DRIVEN), cache, tell, table_model)
 }
 
@@ -165,12 +165,12 @@ fn table_model(design: &Design, kind: BodyKind) -> Result<Model, Error> {
 ///
 /// # Errors
 /// As [`Geometry::of`], [`Error::NoLoadSurface`], and those of the modal solution.
-pub fn tool_body(design: &Design, cache: &Cache) -> Result<Body, Error> {
+pub fn tool_body(design: &Design, cache: &Store) -> Result<Body, Error> {
     tool_body_telling(design, cache, &|_, _| ())
 }
 
 /// [`tool_body`], and tells how many modes are found.
-pub(super) fn tool_body_telling(design: &Design, cache: &Cache, tell: Tell<'_>) -> Result<Body, Error> {
+pub(super) fn tool_body_telling(design: &Design, cache: &Store, tell: Tell<'_>) -> Result<Body, Error> {
     body(design, (BodyKind::Tool, DRIVEN), cache, tell, tool_model)
 }
 
@@ -188,12 +188,12 @@ fn tool_model(design: &Design, kind: BodyKind) -> Result<Model, Error> {
 ///
 /// # Errors
 /// As [`Geometry::of`], and those of the modal solution.
-pub fn modes_of(design: &Design, kind: BodyKind, cache: &Cache) -> Result<Body, Error> {
+pub fn modes_of(design: &Design, kind: BodyKind, cache: &Store) -> Result<Body, Error> {
     modes_of_telling(design, kind, cache, &|_, _| ())
 }
 
 /// [`modes_of`], and tells how many modes are found.
-pub(crate) fn modes_of_telling(design: &Design, kind: BodyKind, cache: &Cache, tell: Tell<'_>) -> Result<Body, Error> {
+pub(crate) fn modes_of_telling(design: &Design, kind: BodyKind, cache: &Store, tell: Tell<'_>) -> Result<Body, Error> {
     body(design, (kind, "alone"), cache, tell, model_alone)
 }
 

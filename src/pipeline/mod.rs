@@ -66,11 +66,11 @@ use exhaust::Blown;
 use told::{Told, TwoWay, told};
 use vibration::{Bench, Moved, moved};
 
-use crate::cache::Cache;
 pub use crate::design::inputs::cycle::{cycle_settings, parameters};
 use crate::design::{Coupling, Design};
 use crate::error::Error;
 use crate::result::{Check, DesignId, RunResult, SCHEMA, Timing};
+use crate::store::Store;
 
 /// Is told how far a run has got.
 pub trait Observer: Send {
@@ -223,7 +223,7 @@ impl Default for Options {
 ///
 /// # Errors
 /// [`Error`] of the stage that could not be computed.
-pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn Observer) -> Result<Run, Error> {
+pub fn run(design: &Design, options: Options, cache: &Store, observer: &mut dyn Observer) -> Result<Run, Error> {
     let stage = ("sound of the bodies", |_: &Vibration, _: &CycleRecord| Ok(()));
     let (run, ()) = run_telling(design, options, cache, observer, stage, &|_| ())?;
     Ok(run)
@@ -236,7 +236,7 @@ pub fn run(design: &Design, options: Options, cache: &Cache, observer: &mut dyn 
 pub fn run_in_full(
     design: &Design,
     options: Options,
-    cache: &Cache,
+    cache: &Store,
     observer: &mut dyn Observer,
 ) -> Result<(Run, Vibration), Error> {
     let mut timing = Timing::default();
@@ -304,7 +304,7 @@ fn in_full<T: Send>(
 pub(crate) fn run_telling<T: Serialize + DeserializeOwned + Send>(
     design: &Design,
     options: Options,
-    cache: &Cache,
+    cache: &Store,
     observer: &mut dyn Observer,
     (stage, tell): (&str, impl FnOnce(&Vibration, &CycleRecord) -> Result<T, Error> + Send),
     beside: &(dyn Fn(&CycleRecord) + Sync),

@@ -17,9 +17,9 @@ use super::bodies::Body;
 use super::geometry::{BodyKind, Geometry};
 use super::modes::Kept;
 use super::pattern::Pattern;
-use crate::cache::{Cache, Key};
 use crate::design::Design;
 use crate::error::Error;
+use crate::store::{Key, Store};
 
 /// Beginnings of the keys whose values reach no mesh, no mode and no pattern; [`Body::weight`] is not kept.
 pub(super) const BEYOND_BODIES: [&str; 4] = ["acoustics.", "ambient.", "exhaust.", "supply."];
@@ -60,7 +60,7 @@ struct Prepared {
 pub(super) fn body(
     design: &Design,
     (kind, drive): (BodyKind, &str),
-    cache: &Cache,
+    cache: &Store,
     tell: Tell<'_>,
     model: Modelling,
 ) -> Result<Body, Error> {
@@ -132,7 +132,7 @@ impl Body {
     /// # Errors
     /// Those of the modal solution, where the cache no longer has them; [`Error::OtherModes`] where they then are not those
     /// that the body moves in.
-    pub fn shapes(&self, design: &Design, cache: &Cache) -> Result<Cow<'_, DMatrix<f64>>, Error> {
+    pub fn shapes(&self, design: &Design, cache: &Store) -> Result<Cow<'_, DMatrix<f64>>, Error> {
         if let Some(shapes) = &self.shapes {
             return Ok(Cow::Borrowed(shapes));
         }
@@ -155,7 +155,7 @@ impl Body {
     pub(super) fn participation(
         &self,
         design: &Design,
-        cache: &Cache,
+        cache: &Store,
         patterns: &[Pattern],
     ) -> Result<DMatrix<f64>, Error> {
         let modes = self.omega.len();
@@ -217,7 +217,7 @@ impl Model {
     }
 
     /// The modes' shapes, and what else is known of the body then.
-    fn solve(self, design: &Design, cache: &Cache, tell: Tell<'_>) -> Result<(Prepared, DMatrix<f64>), Error> {
+    fn solve(self, design: &Design, cache: &Store, tell: Tell<'_>) -> Result<(Prepared, DMatrix<f64>), Error> {
         let settings = self.settings(design);
         let identity = self.identity(&settings);
         let Geometry {
@@ -318,7 +318,7 @@ mod tests {
             loads,
             contacts: Vec::new(),
         };
-        let (prepared, _) = model.solve(&design, &Cache::none(), &|_, _| ()).unwrap();
+        let (prepared, _) = model.solve(&design, &Store::none(), &|_, _| ()).unwrap();
         let hz = prepared.basis.all_hz();
         let omega = hz.iter().map(|hz| TAU * hz);
         let elastic = omega.zip(&prepared.loads[0]).filter(|(omega, _)| *omega > 0.0);

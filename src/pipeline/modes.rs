@@ -11,7 +11,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::geometry::BodyKind;
-use crate::cache::{Cache, Key};
+use crate::store::{Key, Store};
 
 /// Numbers of a shape taken at once.
 const PART: usize = 1 << 13;
@@ -21,13 +21,13 @@ pub(super) type Modes = (ModalBasis, Vec<f64>);
 
 /// The modes of a body and what is kept of them, by the digest of all that they are computed from.
 pub(super) struct Kept<'a> {
-    cache: &'a Cache,
+    cache: &'a Store,
     kind: BodyKind,
     key: Key,
 }
 
 impl<'a> Kept<'a> {
-    pub(super) fn new(cache: &'a Cache, kind: BodyKind, identity: &[u8; 32]) -> Self {
+    pub(super) fn new(cache: &'a Store, kind: BodyKind, identity: &[u8; 32]) -> Self {
         let key = Key::new().with(identity);
         Self { cache, kind, key }
     }

@@ -19,10 +19,10 @@ use super::standing::levels;
 use super::told;
 use super::vibration::{Bench, Moved, Vibration, moved};
 use super::{Driven, Observer, Options, driving, outside, tool_radiator};
-use crate::cache::Cache;
 use crate::design::{Coupling, Design};
 use crate::error::Error;
 use crate::result::{Check, Timing};
+use crate::store::Store;
 
 /// Half side of the planes \[m\].
 const HALF_SIDE: f64 = 1.0;
@@ -104,7 +104,7 @@ pub struct Picture {
 ///
 /// # Errors
 /// [`Error`] of the stage that could not be computed.
-pub fn pictures(design: &Design, cache: &Cache, observer: &mut dyn Observer) -> Result<Pictures, Error> {
+pub fn pictures(design: &Design, cache: &Store, observer: &mut dyn Observer) -> Result<Pictures, Error> {
     let mut timing = Timing::default();
     let bench = Bench::new(design, Options::default(), cache)?;
     let lumped = match design.support.coupling {

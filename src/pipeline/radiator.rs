@@ -13,9 +13,9 @@ use super::bodies::{Body, Structure};
 use super::microphones;
 use super::radiation::{moving_sand, radiating};
 use super::standing::standing;
-use crate::cache::{Cache, Key};
 use crate::design::{Design, RadiationMethod, SupportKind};
 use crate::error::Error;
+use crate::store::{Key, Store};
 
 /// Lowest frequency at which a radiation resistance is sampled \[Hz\]; below it each entry follows its own power law.
 pub(super) const LOWEST_SAMPLE: f64 = 40.0;
@@ -53,7 +53,7 @@ impl Radiator {
         design: &Design,
         structure: &Structure,
         air: &Air,
-        cache: &Cache,
+        cache: &Store,
         watched: &Watched<'_>,
     ) -> Result<Self, Error> {
         match (design.support.kind, design.acoustics.method) {
@@ -119,7 +119,7 @@ pub(super) fn flush_surface(design: &Design, body: &Body, air: &Air) -> Result<R
 
 /// Rayleigh's integral over it: the top by itself once for every air; sand that moves along in the design's own, which takes
 /// little longer than to read it would.
-fn flush_top(design: &Design, body: &Body, air: &Air, cache: &Cache, watched: &Watched<'_>) -> Result<Flush, Error> {
+fn flush_top(design: &Design, body: &Body, air: &Air, cache: &Store, watched: &Watched<'_>) -> Result<Flush, Error> {
     let sand = &design.support.sand;
     let surface = radiating(body, |patch, _| patch != "top")?;
     let absorbing = (sand.absorption_share > 0.0).then(|| absorbing_sand(design));

@@ -13,10 +13,10 @@ use rayon::prelude::*;
 use super::bodies::Body;
 use super::pattern::Pattern;
 use super::radiation::moving_sand;
-use crate::cache::Cache;
 use crate::design::{BodyModel, Carrier, Design, Sensor, SensorProblem, SupportKind};
 use crate::error::Error;
 use crate::result::SensorLevel;
+use crate::store::Store;
 
 /// Standard acceleration of gravity, in which accelerometers are read (ISO 80000-3) \[m/s2\].
 const STANDARD_GRAVITY: f64 = 9.80665;
@@ -65,7 +65,7 @@ impl Sensing {
     /// # Errors
     /// [`DesignError::Sensor`](crate::design::DesignError::Sensor) for a sensor that is not on its body, and those of
     /// [`Body::shapes`].
-    pub(super) fn of(design: &Design, carrier: Moving, body: &Body, cache: &Cache) -> Result<Self, Error> {
+    pub(super) fn of(design: &Design, carrier: Moving, body: &Body, cache: &Store) -> Result<Self, Error> {
         let (mut names, mut patterns) = (Vec::new(), Vec::new());
         for (name, sensor) in present(design) {
             let place = match (sensor.body, carrier) {

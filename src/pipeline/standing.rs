@@ -20,9 +20,9 @@ use super::bodies::{Body, Structure};
 use super::microphones::{positions, reflecting_plane};
 use super::outside::open_air_above;
 use super::radiator::{FLOOR, LOWEST_SAMPLE, MOST_SAMPLES};
-use crate::cache::{Cache, Key};
 use crate::design::{Design, SupportKind, WorktablePreset};
 use crate::error::Error;
+use crate::store::{Key, Store};
 
 /// Tops of the ranges that have a mesh of their own, over the top of all.
 const RANGES: [f64; 4] = [0.16, 0.4, 0.65, 1.0];
@@ -67,7 +67,7 @@ pub(super) fn standing(
     design: &Design,
     structure: &Structure,
     air: &Air,
-    cache: &Cache,
+    cache: &Store,
     watched: &Watched<'_>,
 ) -> Result<ModalBem, Error> {
     // Once for every air: the matrix depends on the wavelength.
@@ -363,7 +363,7 @@ mod tests {
 
     fn alone(design: &Design) -> Structure {
         Structure {
-            workpiece: workpiece(design, &Cache::none()).unwrap(),
+            workpiece: workpiece(design, &Store::none()).unwrap(),
             worktable: None,
             grid: contact_grid(design),
         }

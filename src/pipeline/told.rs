@@ -18,10 +18,10 @@ use super::starts::starts;
 use super::tool_radiator::tool_radiator;
 use super::vibration::{Bench, Moved, Vibration};
 use super::{Options, Stiffness, Tool, Watched, cycle, exhaust, radiation, response, tool_body};
-use crate::cache::Key;
 use crate::design::{Coupling, Design};
 use crate::error::Error;
 use crate::result::{Check, Starts, Timing};
+use crate::store::Key;
 
 /// What the moving bodies tell.
 #[derive(Clone, Serialize, Deserialize)]

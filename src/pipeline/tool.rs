@@ -28,10 +28,10 @@ use super::radiator::damping_of;
 use super::sensors::{Moving, Sensed, Sensing};
 use super::sound::Sound;
 use super::tool_loads::{self, AXIAL, Axial, LOADS};
-use crate::cache::Cache;
 use crate::design::Design;
 use crate::error::Error;
 use crate::result::{Check, CrossCheck, Uncertainty};
+use crate::store::Store;
 
 /// The elastic body of the tool and what the shot does to it.
 pub struct Tool {
@@ -87,7 +87,7 @@ impl Tool {
         (body, bem): (Body, Option<ModalBem>),
         parameters: &Parameters,
         record: &CycleRecord,
-        cache: &Cache,
+        cache: &Store,
     ) -> Result<Self, Error> {
         let guided = Guided::new(&body);
         let loads = loads(&guided, tool_loads::histories(parameters, &body.mesh, record)?, record);

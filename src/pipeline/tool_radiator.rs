@@ -21,9 +21,9 @@ use super::bodies::Body;
 use super::microphones::{positions, reflecting_plane, tool_height};
 use super::outline::Outline;
 use super::radiator::{FLOOR, LOWEST_SAMPLE, MOST_SAMPLES};
-use crate::cache::{Cache, Key};
 use crate::design::{Design, RadiationMethod};
 use crate::error::Error;
+use crate::store::{Key, Store};
 
 /// Name of the stage in the cache.
 const STAGE: &str = "radiation of the tool";
@@ -51,7 +51,7 @@ pub(super) fn tool_radiator(
     design: &Design,
     body: &Body,
     air: &Air,
-    cache: &Cache,
+    cache: &Store,
     watched: &Watched<'_>,
 ) -> Result<Option<ModalBem>, Error> {
     if design.acoustics.body_method == RadiationMethod::Erp {

@@ -13,10 +13,10 @@ use super::sensors::{Moving, Sensed, Sensing};
 use super::sound::Sound;
 use super::tool_radiator::tool_radiator;
 use super::{Body, Driven, Observer, Options, Structure, Tell, Tool, Watched, bodies, parameters, radiation, response};
-use crate::cache::Cache;
 use crate::design::{BodyModel, Design, SupportKind};
 use crate::error::Error;
 use crate::result::{Check, Timing};
+use crate::store::Store;
 
 /// The bodies of a shot in motion.
 pub struct Vibration {
@@ -83,7 +83,7 @@ pub(super) struct Bench<'a> {
     pub(super) options: Options,
     pub(super) parameters: Parameters,
     pub(super) air: Air,
-    pub(super) cache: &'a Cache,
+    pub(super) cache: &'a Store,
     /// What can be done with the cycle's record alone, while the response keeps one core and no more.
     pub(super) beside: &'a (dyn Fn(&CycleRecord) + Sync),
     /// When the run began.
@@ -95,7 +95,7 @@ impl<'a> Bench<'a> {
     ///
     /// # Errors
     /// Those of parameters and air.
-    pub(super) fn new(design: &'a Design, options: Options, cache: &'a Cache) -> Result<Self, Error> {
+    pub(super) fn new(design: &'a Design, options: Options, cache: &'a Store) -> Result<Self, Error> {
         Ok(Self {
             design,
             options,
@@ -314,7 +314,7 @@ fn spectra_and_sensors(
 }
 
 /// Workpiece and support with their modes.
-fn modes(design: &Design, cache: &Cache, timing: &mut Timing, watched: &Watched<'_>) -> Result<Structure, Error> {
+fn modes(design: &Design, cache: &Store, timing: &mut Timing, watched: &Watched<'_>) -> Result<Structure, Error> {
     watched.stage("modes of the bodies");
     let block = |tell: Tell<'_>| bodies::workpiece_telling(design, cache, tell);
     let block = timing.time("workpiece modes", || {

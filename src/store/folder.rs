@@ -20,7 +20,7 @@ const ABANDONED: Duration = Duration::from_secs(3600);
 /// Why there is no cache.
 #[derive(Debug, Error, Diagnostic)]
 #[non_exhaustive]
-pub enum CacheError {
+pub enum StoreError {
     /// No environment variable names a folder.
     #[error("there is no folder for the cache: neither NAILNOISE_CACHE nor XDG_CACHE_HOME nor HOME is set")]
     #[diagnostic(help("set NAILNOISE_CACHE to a folder, or go without: --no-cache"))]
@@ -35,25 +35,25 @@ pub enum CacheError {
 }
 
 /// The user's folder.
-pub(super) fn of_user() -> Result<PathBuf, CacheError> {
+pub(super) fn of_user() -> Result<PathBuf, StoreError> {
     let set = |name: &str| env::var_os(name).filter(|value: &OsString| !value.is_empty());
     let under = |name: &str, path: &str| set(name).map(|folder| Path::new(&folder).join(path));
     set("NAILNOISE_CACHE")
         .map(PathBuf::from)
         .or_else(|| under("XDG_CACHE_HOME", "nailnoise"))
         .or_else(|| under("HOME", ".cache/nailnoise"))
-        .ok_or(CacheError::NoFolder)
+        .ok_or(StoreError::NoFolder)
 }
 
 /// The user's limit \[bytes\].
-pub(super) fn limit() -> Result<u64, CacheError> {
+pub(super) fn limit() -> Result<u64, StoreError> {
     let Some(found) = env::var_os("NAILNOISE_CACHE_LIMIT") else {
         return Ok(LIMIT);
     };
     let found = found.to_string_lossy().into_owned();
     match found.trim().parse::<f64>() {
         Ok(size) if size.is_finite() && size > 0.0 => Ok((size * f64::from(1u32 << 30)) as u64),
-        _ => Err(CacheError::Limit { found }),
+        _ => Err(StoreError::Limit { found }),
     }
 }
 

@@ -22,19 +22,21 @@ use serde::de::DeserializeOwned;
 pub use bytes::Bytes;
 pub(crate) use checksum::{Checksum, checksum};
 pub use entry::Damage;
-pub use folder::{CacheError, LIMIT};
+pub use folder::{LIMIT, StoreError};
 pub use key::Key;
+
+use crate::stages::{Codec, Digest};
 
 /// Where results of expensive stages are kept, if anywhere.
 #[derive(Debug, Default)]
-pub struct Cache {
-    store: Option<Store>,
+pub struct Store {
+    place: Option<Place>,
     /// What the user should know: damaged entries, a folder that cannot be written.
     notes: Mutex<Vec<String>>,
 }
 
 #[derive(Debug)]
-struct Store {
+struct Place {
     folder: PathBuf,
     /// Bytes that all entries may take together.
     limit: u64,
@@ -53,7 +55,7 @@ pub struct Listed {
     pub used: SystemTime,
 }
 
-impl Cache {
+impl Store {
     /// Keeps nothing.
     pub fn none() -> Self {
         Self::default()
@@ -63,27 +65,27 @@ impl Cache {
     /// `$NAILNOISE_CACHE_LIMIT` GiB, else [`LIMIT`].
     ///
     /// # Errors
-    /// [`CacheError`] where the environment names no folder or no size.
-    pub fn of_user() -> Result<Self, CacheError> {
+    /// [`StoreError`] where the environment names no folder or no size.
+    pub fn of_user() -> Result<Self, StoreError> {
         Ok(Self::at(folder::of_user()?, folder::limit()?))
     }
 
     /// In this folder, with this many bytes at most.
     pub fn at(folder: PathBuf, limit: u64) -> Self {
         Self {
-            store: Some(Store { folder, limit }),
+            place: Some(Place { folder, limit }),
             notes: Mutex::default(),
         }
     }
 
     /// The folder; none when nothing is kept.
     pub fn folder(&self) -> Option<&Path> {
-        self.store.as_ref().map(|store| store.folder.as_path())
+        self.place.as_ref().map(|store| store.folder.as_path())
     }
 
     /// Bytes that all entries may take together; 0 when nothing is kept.
     pub fn limit(&self) -> u64 {
-        self.store.as_ref().map_or(0, |store| store.limit)
+        self.place.as_ref().map_or(0, |store| store.limit)
     }
 
     /// What `stage` computes from the inputs in `key`, from the cache or else by `compute`, and kept then.
@@ -166,10 +168,40 @@ impl Cache {
         };
         let written = write(&path, &digest).and_then(|()| folder::bound(&store.folder, store.limit));
         if let Err(source) = written {
-            self.note(format!(
-                "{stage} cannot be kept in {}: {source}; choose another folder with NAILNOISE_CACHE",
-                store.folder.display()
-            ));
+            self.unkept(stage, store, &source);
+        }
+    }
+
+    fn unkept(&self, stage: &str, place: &Place, source: &std::io::Error) {
+        self.note(format!(
+            "{stage} cannot be kept in {}: {source}; choose another folder with NAILNOISE_CACHE",
+            place.folder.display()
+        ));
+    }
+
+    /// The kept output of a stage; damage becomes a note.
+    pub fn load<T, C: Codec<T>>(&self, stage: &str, key: &Digest) -> Option<T> {
+        let path = self.place.as_ref()?.folder.join(entry::name(stage, key));
+        let read = |from: &mut dyn Read, length| C::read(from, length);
+        let found = self.undamaged(&path, entry::read_by(&path, key, read))?;
+        found
+            .map_err(|error| {
+                self.note(format!(
+                    "the cache entry {} {error}; it is computed anew",
+                    path.display()
+                ))
+            })
+            .ok()
+    }
+
+    /// Keeps the output of a stage; trouble becomes a note.
+    pub fn save<T, C: Codec<T>>(&self, stage: &str, key: &Digest, value: &T) {
+        let Some(place) = &self.place else { return };
+        let path = place.folder.join(entry::name(stage, key));
+        let written = entry::write_by(&path, key, |to| C::write(value, to))
+            .and_then(|()| folder::bound(&place.folder, place.limit));
+        if let Err(source) = written {
+            self.unkept(stage, place, &source);
         }
     }
 
@@ -180,8 +212,8 @@ impl Cache {
         }
     }
 
-    fn place(&self, stage: &str, key: &Key) -> Option<(&Store, [u8; 32], PathBuf)> {
-        let store = self.store.as_ref()?;
+    fn place(&self, stage: &str, key: &Key) -> Option<(&Place, [u8; 32], PathBuf)> {
+        let store = self.place.as_ref()?;
         let digest = key.clone().digest();
         let path = store.folder.join(entry::name(stage, &digest));
         Some((store, digest, path))

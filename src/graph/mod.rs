@@ -1,0 +1,207 @@
+//! Runs stages: looks their outputs up in the store, else computes and keeps them, side by side where it can; counts time.
+//!
+//! The graph contains no physics: it knows keys, codecs and inputs of stages. Within one graph every output is made once.
+
+mod timing;
+
+use std::any::Any;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use timing::Stopwatch;
+pub use timing::Timing;
+
+use crate::error::Error;
+use crate::stages::{Codec, Digest, Input, Observer, Progress, Source, Stage, Stored};
+use crate::store::{Key, Store};
+
+/// A set of stages that share a store, an observer and a clock.
+#[derive(Clone)]
+pub struct Graph {
+    context: Arc<Context>,
+    nodes: Arc<Mutex<HashMap<Digest, Arc<dyn Any + Send + Sync>>>>,
+}
+
+/// What all nodes of a graph share.
+struct Context {
+    store: Arc<Store>,
+    progress: Progress,
+    timing: Mutex<Timing>,
+}
+
+impl Graph {
+    /// An empty graph.
+    pub fn new(store: Arc<Store>, observer: Arc<dyn Observer>) -> Self {
+        Self {
+            context: Arc::new(Context {
+                store,
+                progress: Progress::to(observer),
+                timing: Mutex::default(),
+            }),
+            nodes: Arc::default(),
+        }
+    }
+
+    /// Adds a stage; its output is made when it is first read. Stages of one key share one output.
+    pub fn add<S: Stage>(&self, stage: S) -> Stored<S::Output> {
+        let key = key(&stage);
+        let mut nodes = self.nodes.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = nodes
+            .get(&key)
+            .cloned()
+            .and_then(|node| node.downcast::<Node<S>>().ok());
+        let node = known.unwrap_or_else(|| {
+            let node = Arc::new(Node {
+                stage,
+                key,
+                context: Arc::clone(&self.context),
+                state: Mutex::new(State::Pending),
+            });
+            nodes.insert(key, Arc::clone(&node) as Arc<dyn Any + Send + Sync>);
+            node
+        });
+        Stored::new(key, node)
+    }
+
+    /// The output of a stage.
+    ///
+    /// # Errors
+    /// [`Error`] of the stage or of one of its inputs.
+    pub fn get<S: Stage>(&self, stage: S) -> Result<Arc<S::Output>, Error> {
+        self.add(stage).get()
+    }
+
+    /// Makes several outputs side by side.
+    ///
+    /// # Errors
+    /// The first [`Error`] that is a cause rather than a consequence of another.
+    pub fn prepare(&self, inputs: &[&dyn Input]) -> Result<(), Error> {
+        prepare(inputs)
+    }
+
+    /// Runs work of the caller's own under a name in the timing.
+    pub fn time<T>(&self, name: &str, work: impl FnOnce() -> T) -> T {
+        self.context.time(name, work)
+    }
+
+    /// Wall time of each stage so far.
+    pub fn timing(&self) -> Timing {
+        self.context
+            .timing
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone()
+    }
+
+    /// Where progress goes.
+    pub fn progress(&self) -> &Progress {
+        &self.context.progress
+    }
+
+    /// Where outputs are kept.
+    pub fn store(&self) -> &Store {
+        &self.context.store
+    }
+}
+
+/// Digest of a stage's name, of the code that it calls and of its inputs.
+pub fn key<S: Stage>(stage: &S) -> Digest {
+    Key::empty().with(S::NAME).with(&S::CODE).with(stage).digest()
+}
+
+impl Context {
+    fn time<T>(&self, name: &str, work: impl FnOnce() -> T) -> T {
+        let (value, own) = Stopwatch::run(work);
+        self.timing
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .add(name, own);
+        value
+    }
+}
+
+/// A stage and what has become of it.
+struct Node<S: Stage> {
+    stage: S,
+    key: Digest,
+    context: Arc<Context>,
+    state: Mutex<State<S::Output>>,
+}
+
+enum State<T> {
+    Pending,
+    Done(Arc<T>),
+    Failed,
+}
+
+impl<S: Stage> Source<S::Output> for Node<S> {
+    fn get(&self) -> Result<Arc<S::Output>, Error> {
+        // A thread of a parallel loop may be needed to make what it would wait for here.
+        debug_assert!(
+            rayon::current_thread_index().is_none(),
+            "inputs are read before parallel work begins"
+        );
+        let mut state = Stopwatch::wait(|| self.state.lock().unwrap_or_else(PoisonError::into_inner));
+        match &*state {
+            State::Done(value) => return Ok(Arc::clone(value)),
+            State::Failed => return Err(Error::Upstream { stage: S::NAME }),
+            State::Pending => {}
+        }
+        match self.make() {
+            Ok(value) => {
+                let value = Arc::new(value);
+                *state = State::Done(Arc::clone(&value));
+                Ok(value)
+            }
+            Err(error) => {
+                *state = State::Failed;
+                Err(error)
+            }
+        }
+    }
+}
+
+impl<S: Stage> Node<S> {
+    /// The output from the store, else computed and kept.
+    fn make(&self) -> Result<S::Output, Error> {
+        let Context { store, progress, .. } = &*self.context;
+        if S::Codec::KEPT {
+            let found = self
+                .context
+                .time(S::NAME, || store.load::<_, S::Codec>(S::NAME, &self.key));
+            store.take_notes().iter().for_each(|note| progress.note(note));
+            if let Some(value) = found {
+                return Ok(value);
+            }
+        }
+        Stopwatch::wait(|| prepare(&self.stage.inputs()))?;
+        progress.stage(S::NAME);
+        let value = self.context.time(S::NAME, || self.stage.compute(progress))?;
+        if S::Codec::KEPT {
+            self.context
+                .time(S::NAME, || store.save::<_, S::Codec>(S::NAME, &self.key, &value));
+            store.take_notes().iter().for_each(|note| progress.note(note));
+        }
+        Ok(value)
+    }
+}
+
+/// Makes inputs side by side, each on a thread of its own: the thread pool stays free for the work within each.
+fn prepare(inputs: &[&dyn Input]) -> Result<(), Error> {
+    let Some((last, others)) = inputs.split_last() else {
+        return Ok(());
+    };
+    let results: Vec<Result<(), Error>> = std::thread::scope(|scope| {
+        let others: Vec<_> = others.iter().map(|input| scope.spawn(|| input.prepare())).collect();
+        let last = last.prepare();
+        let joined = others
+            .into_iter()
+            .map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+        joined.chain([last]).collect()
+    });
+    let (causes, consequences): (Vec<Error>, Vec<Error>) = results
+        .into_iter()
+        .filter_map(Result::err)
+        .partition(|error| !matches!(error, Error::Upstream { .. }));
+    causes.into_iter().chain(consequences).next().map_or(Ok(()), Err)
+}

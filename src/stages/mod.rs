@@ -1,0 +1,139 @@
+//! The chain from inputs to sound power: one stage a module, in the order of the data.
+//!
+//! A [`Stage`] is a value that holds all its inputs and nothing else. Its key is the digest of its name, of the code it
+//! calls and of its serialised fields, so that a kept result can be neither stale nor confused with another. A large input
+//! is a [`Stored`]: it counts by the key of the stage that makes it, and is made when it is first read.
+//!
+//! Stages know neither the design file nor the store. `design::inputs` makes their fields from a design, `chain` puts them
+//! together, and `graph` looks them up, computes, keeps and times them.
+
+mod codec;
+mod progress;
+
+use std::sync::Arc;
+
+use serde::{Serialize, Serializer};
+
+pub use codec::{Codec, NotKept, Postcard, Undecodable};
+pub use progress::{Observer, Progress, Silent, Task};
+
+use crate::error::Error;
+
+/// A step of the chain: what it needs, what it makes.
+pub trait Stage: Serialize + Send + Sync + 'static {
+    /// What it makes.
+    type Output: Send + Sync + 'static;
+    /// How the output is kept between runs: [`Postcard`], [`NotKept`], or a form of its own.
+    type Codec: Codec<Self::Output>;
+    /// Its name in the store, in progress and in the timing of a run.
+    const NAME: &'static str;
+    /// Digests of the code that it calls, see [`code!`](crate::stages::code).
+    const CODE: Code;
+
+    /// The inputs that it reads in every case; they are made side by side before [`compute`](Self::compute) is called.
+    fn inputs(&self) -> Vec<&dyn Input> {
+        Vec::new()
+    }
+
+    /// Makes the output.
+    ///
+    /// # Errors
+    /// [`Error`] of the computation, or of an input.
+    fn compute(&self, progress: &Progress) -> Result<Self::Output, Error>;
+}
+
+/// Name and digest of each unit of code that a stage calls.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Code(pub &'static [(&'static str, &'static str)]);
+
+/// The [`Code`] of a stage: the crates whose functions it calls, as `dynamics`, and the modules of `stages`, as
+/// `stages_bodies`, that make its output. The digests are made at build time (`build.rs`).
+#[allow(unused_macros)] // until the first stage is here
+macro_rules! code {
+    ($($unit:ident),* $(,)?) => {
+        $crate::stages::Code(&[$((stringify!($unit), env!(concat!("NAILNOISE_CODE_", stringify!($unit))))),*])
+    };
+}
+#[allow(unused_imports)]
+pub(crate) use code;
+
+/// Digest of all that a stage's output depends on.
+pub type Digest = [u8; 32];
+
+/// The output of a stage, made when it is first read and shared by all who read it.
+///
+/// It is serialised as the key of its stage: what depends on it depends on what it is made from, not on its bytes, whose
+/// last digits may differ between machines.
+pub struct Stored<T> {
+    key: Digest,
+    source: Arc<dyn Source<T>>,
+}
+
+/// Where a [`Stored`] value comes from.
+pub trait Source<T>: Send + Sync {
+    /// The value, looked up or computed.
+    ///
+    /// # Errors
+    /// [`Error`] of the stage that makes it.
+    fn get(&self) -> Result<Arc<T>, Error>;
+}
+
+impl<T> Stored<T> {
+    /// The output of the stage with this key.
+    pub fn new(key: Digest, source: Arc<dyn Source<T>>) -> Self {
+        Self { key, source }
+    }
+
+    /// The value. Must not be called within a parallel loop: the threads of the loop may be the ones that make it.
+    ///
+    /// # Errors
+    /// [`Error`] of the stage that makes it.
+    pub fn get(&self) -> Result<Arc<T>, Error> {
+        self.source.get()
+    }
+
+    /// Digest of all that the value depends on.
+    pub fn key(&self) -> &Digest {
+        &self.key
+    }
+}
+
+impl<T: Send + Sync + 'static> Stored<T> {
+    /// A value at hand, under a key of the caller's choice: for tests, and for callers that run a single stage.
+    pub fn ready(key: Digest, value: T) -> Self {
+        struct Ready<T>(Arc<T>);
+        impl<T: Send + Sync> Source<T> for Ready<T> {
+            fn get(&self) -> Result<Arc<T>, Error> {
+                Ok(Arc::clone(&self.0))
+            }
+        }
+        Self::new(key, Arc::new(Ready(Arc::new(value))))
+    }
+}
+
+impl<T> Clone for Stored<T> {
+    fn clone(&self) -> Self {
+        Self::new(self.key, Arc::clone(&self.source))
+    }
+}
+
+impl<T> Serialize for Stored<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_bytes(&self.key)
+    }
+}
+
+/// An input of a stage, whatever its type.
+pub trait Input: Send + Sync {
+    /// Makes the value, if it is not made yet.
+    ///
+    /// # Errors
+    /// [`Error`] of the stage that makes it.
+    fn prepare(&self) -> Result<(), Error>;
+}
+
+impl<T: Send + Sync> Input for Stored<T> {
+    fn prepare(&self) -> Result<(), Error> {
+        self.get().map(drop)
+    }
+}
