@@ -379,15 +379,15 @@ fn integration() -> Vec<Row> {
 
 const INTRODUCTION: &str = "# Conformance of bands, weightings and levels
 
-Every row is computed by the library and checked against the standard's limits by `acoustics/tests/conformance.rs`, which
-also writes this file (`NAILNOISE_UPDATE_DOCS=1 cargo test --release -p nailnoise-acoustics --test conformance`) and fails
-when it is old. The last column is the share of the tolerance used, on the side of the deviation; 100 % is the limit. Where
-a filter must attenuate by so much at least, it is the energy that passes over the energy that may. A table of a standard
-that is rounded to 0.1 dB takes up to 0.05 dB of the tolerance.
+`acoustics/tests/conformance.rs` computes every row with the library and checks it against the limits of the standard. It
+also writes this page (`NAILNOISE_UPDATE_DOCS=1 cargo test --release -p nailnoise-acoustics --test conformance`) and fails
+when the page is out of date. The last column is the share of the tolerance used, on the side of the deviation; 100 % is the
+limit. Where a standard sets a minimum attenuation, the share is the transmitted energy divided by the permitted energy. A
+table of a standard that is rounded to 0.1 dB uses up to 0.05 dB of the tolerance.
 
 The editions are IEC 61672-1:2013 and IEC 61260-1:2014. Their tables 3, 1 and F.1 agree with transcriptions published in
-open-source libraries; tables 4 and 5 of IEC 61672-1 and the bandwidth limit of IEC 61260-1 are recalled, not read from
-the standard. Limits with no bound on one side are written `inf`.
+open-source libraries. Tables 4 and 5 of IEC 61672-1 and the bandwidth limit of IEC 61260-1 are quoted from memory, not read
+from the standard. One-sided limits are marked `inf`.
 
 | clause | quantity | expected | computed | limits | used |
 |---|---|---|---|---|---|
