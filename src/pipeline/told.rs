@@ -244,7 +244,7 @@ mod tests {
     use super::*;
 
     /// What the bodies tell is not taken for that of a design with any other value, but for the keys left out: that these
-    /// do not reach the bodies is for tests/laws.rs to show.
+    /// do not reach the bodies is for tests/chain/laws.rs to show.
     #[test]
     fn every_key_but_those_of_exhaust_and_room_is_in_the_key() {
         let base = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/small.toml")).unwrap();

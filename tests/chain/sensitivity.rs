@@ -1,5 +1,4 @@
 //! Derivatives of a shot: against closed forms, against differences made by hand, and at the edges of what is allowed.
-#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
 use nailnoise::design::Value;
 use nailnoise::pipeline::{Silent, cycle_settings, parameters};

@@ -1,6 +1,6 @@
 //! The tool's body as a source: limits of its motion and of its sound, and its modes.
-#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
+use crate::common::design;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
@@ -14,10 +14,6 @@ use nailnoise_fem::transient::Motion;
 use nailnoise_meshes::msh::{self, Format};
 use nailnoise_meshes::{Block, FaceGroup, FaceRef, Mesh, Surface, block};
 use nalgebra::{Complex, Point3};
-
-fn design(name: &str) -> Design {
-    Design::load(Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).unwrap()
-}
 
 /// A file for the tests of this program.
 fn file(name: &str) -> PathBuf {

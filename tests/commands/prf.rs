@@ -1,5 +1,4 @@
 //! `nailnoise prf`: published check values, validity, files.
-#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

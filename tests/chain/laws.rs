@@ -1,5 +1,4 @@
 //! Laws of the whole chain: what any design must obey, whatever its levels.
-#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
 use nailnoise::Design;
 use nailnoise::design::{SupportKind, Value};

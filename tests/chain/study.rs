@@ -1,7 +1,6 @@
 //! A thousand designs drawn from the ranges of the N80CB: something becomes of every one.
-#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
-#[path = "../dynamics/tests/reference/mod.rs"]
+#[path = "../../dynamics/tests/reference/mod.rs"]
 mod reference;
 
 use std::sync::OnceLock;

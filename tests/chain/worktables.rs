@@ -1,5 +1,4 @@
 //! The steel table, whose tubes are tied to its plate, against one mesh of both.
-#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
 use std::path::Path;
 

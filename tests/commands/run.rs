@@ -1,33 +1,10 @@
 //! The command as a user meets it: tables, JSON, files, exit status, errors.
-#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use crate::common::{folder, json, nailnoise};
+use std::path::Path;
+use std::process::Command;
 
 use serde_json::Value;
-
-fn nailnoise(arguments: &[&str]) -> Output {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    Command::new(env!("CARGO_BIN_EXE_nailnoise"))
-        .args(arguments)
-        .current_dir(root)
-        .env("NO_COLOR", "1")
-        .env("NAILNOISE_CACHE", concat!(env!("CARGO_TARGET_TMPDIR"), "/modes"))
-        .output()
-        .unwrap()
-}
-
-/// A folder of this test's own, emptied.
-fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = std::fs::remove_dir_all(&folder);
-    folder
-}
-
-fn json(output: &Output) -> Value {
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
-}
 
 #[test]
 fn run_ranks_three_sources_and_leaves_every_file() {

@@ -1,5 +1,4 @@
 //! Setting keys of a design by name.
-#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
 use nailnoise::Design;
 use nailnoise::design::{SetError, Value};

@@ -1,5 +1,4 @@
 //! Figures of a cycle: every one drawn, marked, small, and the same each time.
-#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
 use nailnoise::pipeline::{Preset, cycle, cycle_as_published};
 use nailnoise::{Design, figures};

@@ -1,6 +1,6 @@
 //! The report, what is kept of a run, and how a design begins: through the command.
-#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
+use crate::common::{SMALL, command, folder};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,25 +8,13 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 
-const SMALL: &str = "tests/data/small.toml";
-
 /// The command with modes from the tests' common cache, or with a cache of its own.
 fn nailnoise(cache: Option<&Path>, arguments: &[&str]) -> Output {
-    let common = Path::new(env!("CARGO_TARGET_TMPDIR")).join("modes");
-    Command::new(env!("CARGO_BIN_EXE_nailnoise"))
-        .args(arguments)
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .env("NO_COLOR", "1")
-        .env("NAILNOISE_CACHE", cache.unwrap_or(&common))
-        .output()
-        .unwrap()
-}
-
-/// A folder of this test's own, emptied.
-fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = fs::remove_dir_all(&folder);
-    folder
+    let mut command = command(arguments);
+    if let Some(cache) = cache {
+        command.env("NAILNOISE_CACHE", cache);
+    }
+    command.output().unwrap()
 }
 
 fn run(cache: Option<&Path>, out: &Path, more: &[&str]) -> Output {

@@ -1,31 +1,18 @@
 //! `nailnoise cycle` in its variants: as published, with figures, sensitivities and draws.
-#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
+use crate::common::{ROOT, command, folder, json};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 
 use serde_json::Value;
 
 /// Runs the command in a folder of its own, where `out/` goes.
 fn nailnoise(name: &str, arguments: &[&str]) -> (Output, PathBuf) {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cycle").join(name);
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    let design = concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml");
-    let output = Command::new(env!("CARGO_BIN_EXE_nailnoise"))
-        .args(["cycle", design])
-        .args(arguments)
-        .current_dir(&folder)
-        .env("NO_COLOR", "1")
-        .env("NAILNOISE_CACHE", concat!(env!("CARGO_TARGET_TMPDIR"), "/modes"))
-        .output()
-        .unwrap();
+    let folder = folder(&format!("cycle/{name}"));
+    let design = format!("{ROOT}/designs/n80cb.toml");
+    let arguments = [&["cycle", &design], arguments].concat();
+    let output = command(&arguments).current_dir(&folder).output().unwrap();
     (output, folder)
-}
-
-fn json(output: &Output) -> Value {
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
 }
 
 #[test]

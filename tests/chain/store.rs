@@ -1,5 +1,4 @@
 //! What is kept between runs: found again, never trusted when damaged, bounded in size.
-#![allow(clippy::unwrap_used)]
 
 use std::cell::Cell;
 use std::convert::Infallible;

@@ -1,5 +1,4 @@
 //! From the design file to the cycle: every key of the tool reaches the model.
-#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
 use nailnoise::design::{Design, Value};
 use nailnoise::pipeline::parameters;

@@ -1,34 +1,17 @@
 //! `mesh`, `check` and `modes` as a user meets them: the user's own meshes, those that ship, and damaged ones.
-#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use crate::common::{command, folder, json};
+use std::path::Path;
+use std::process::Output;
 
 use serde_json::Value;
 
 /// Runs the command without gmsh: what ships must not need it.
 fn nailnoise(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_nailnoise"))
-        .args(arguments)
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .env("NO_COLOR", "1")
-        .env("NAILNOISE_CACHE", concat!(env!("CARGO_TARGET_TMPDIR"), "/modes"))
+    command(arguments)
         .env("NAILNOISE_GMSH", "no-such-gmsh")
         .output()
         .unwrap()
-}
-
-/// A folder of this test's own, emptied.
-fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    folder
-}
-
-fn json(output: &Output) -> Value {
-    assert!(output.status.success(), "{}", said(output));
-    serde_json::from_slice(&output.stdout).unwrap()
 }
 
 /// Both streams on one line, since messages are wrapped.

@@ -1,5 +1,4 @@
 //! The shipped designs against the references they were taken from.
-#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
 use nailnoise::store::Store;
 use nailnoise::{Design, pipeline};

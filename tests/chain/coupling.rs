@@ -1,5 +1,4 @@
 //! The two-way coupled run: what it must reproduce, keep and say.
-#![allow(clippy::unwrap_used)]
 
 use nailnoise::design::{Coupling, Design};
 use nailnoise::pipeline::{

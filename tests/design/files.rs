@@ -1,5 +1,4 @@
 //! The design file: what it reads, what it derives, what it refuses and how it says so.
-#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};

@@ -1,6 +1,6 @@
 //! Boundary elements in the whole chain, block and table above the floor; and what microphones hear of every source.
-#![allow(clippy::unwrap_used)]
 
+use crate::common::small;
 use nailnoise::Design;
 use nailnoise::output::{remove_others, write_pictures};
 use nailnoise::pipeline::{Options, Run, Silent, pictures, run};
@@ -176,11 +176,6 @@ fn every_source_is_heard_and_a_measurement_is_corrected_for_room_and_background(
     assert!((quiet.lwa_db.unwrap() - level).abs() < 1e-9);
     let loud = background(0.0).microphones.report.total;
     assert_eq!((loud.k1_db, loud.lwa_db), (None, None));
-}
-
-fn small(text: &str) -> Design {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/over.toml");
-    Design::parse(&format!("base = \"small.toml\"\n{text}\n"), beside).unwrap()
 }
 
 #[test]

@@ -1,38 +1,8 @@
 //! Designs side by side, through the command.
-#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use crate::common::{SMALL, folder, nailnoise, over};
 
 use serde_json::Value;
-
-const SMALL: &str = "tests/data/small.toml";
-
-fn nailnoise(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_nailnoise"))
-        .args(arguments)
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .env("NO_COLOR", "1")
-        .env("NAILNOISE_CACHE", concat!(env!("CARGO_TARGET_TMPDIR"), "/modes"))
-        .output()
-        .unwrap()
-}
-
-/// A folder of this test's own, emptied.
-fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    folder
-}
-
-/// A design over the small one.
-fn over(folder: &Path, name: &str, text: &str) -> String {
-    let file = folder.join(format!("{name}.toml"));
-    let base = Path::new(env!("CARGO_MANIFEST_DIR")).join(SMALL);
-    std::fs::write(&file, format!("base = {base:?}\n{text}\n")).unwrap();
-    file.to_str().unwrap().to_owned()
-}
 
 fn close(a: &Value, b: f64) {
     assert!((a.as_f64().unwrap() - b).abs() < 1e-9, "{a} is not {b}");

@@ -1,0 +1,16 @@
+//! The chain from design to sound power, through the library.
+#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod coupling;
+mod cycle;
+mod figures;
+mod laws;
+mod radiation;
+mod sensitivity;
+mod store;
+mod study;
+mod tool;
+mod worktables;

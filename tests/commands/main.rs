@@ -1,0 +1,13 @@
+//! The program as a user runs it: tables, JSON, files, exit status, messages.
+#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod compare;
+mod cycle;
+mod examples;
+mod mesh;
+mod prf;
+mod report;
+mod run;

@@ -1,0 +1,80 @@
+//! What the tests of all binaries share: shipped and small designs, folders of their own, and the command.
+#![allow(dead_code)] // each binary uses its part
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use nailnoise::Design;
+use nailnoise::store::{LIMIT, Store};
+use serde_json::Value;
+
+/// The root of the repository.
+pub(crate) const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+
+/// The small design, whose whole chain takes seconds.
+pub(crate) const SMALL: &str = "tests/data/small.toml";
+
+/// A design file of the repository, by its path from the root.
+pub(crate) fn design(path: &str) -> Design {
+    Design::load(Path::new(ROOT).join(path)).unwrap()
+}
+
+/// The small design with other keys.
+pub(crate) fn small(text: &str) -> Design {
+    let beside = Path::new(ROOT).join("tests/data/over.toml");
+    Design::parse(&format!("base = \"small.toml\"\n{text}\n"), beside).unwrap()
+}
+
+/// A folder for the files of one test, emptied.
+pub(crate) fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// A design file in a folder that changes the small design.
+pub(crate) fn over(folder: &Path, name: &str, text: &str) -> String {
+    let file = folder.join(format!("{name}.toml"));
+    let base = Path::new(ROOT).join(SMALL);
+    fs::write(&file, format!("base = {base:?}\n{text}\n")).unwrap();
+    file.to_str().unwrap().to_owned()
+}
+
+/// Where the store that all tests share stands.
+pub(crate) fn shared_folder() -> PathBuf {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join("modes")
+}
+
+/// The store that all tests share, so that the same modes are computed once.
+pub(crate) fn store() -> Store {
+    Store::at(shared_folder(), LIMIT)
+}
+
+/// The command at the root of the repository, with the store that all tests share.
+pub(crate) fn command(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_nailnoise"));
+    command
+        .args(arguments)
+        .current_dir(ROOT)
+        .env("NO_COLOR", "1")
+        .env("NAILNOISE_CACHE", shared_folder());
+    command
+}
+
+/// Runs [`command`].
+pub(crate) fn nailnoise(arguments: &[&str]) -> Output {
+    command(arguments).output().unwrap()
+}
+
+/// What a command printed on standard error.
+pub(crate) fn messages(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// The JSON value that a successful command printed.
+pub(crate) fn json(output: &Output) -> Value {
+    assert!(output.status.success(), "{}", messages(output));
+    serde_json::from_slice(&output.stdout).unwrap()
+}

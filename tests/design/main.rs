@@ -1,0 +1,9 @@
+//! The design file: what is read, refused, derived and documented.
+#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod base_design;
+mod files;
+mod set;
