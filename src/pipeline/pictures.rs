@@ -13,7 +13,7 @@ use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::microphones::reflecting_plane;
-use super::radiation::{FACE_POINTS, side_by_side, skin};
+use super::radiation::{FACE_POINTS, skin};
 use super::radiator::{Radiator, flush_surface};
 use super::standing::levels;
 use super::told;
@@ -22,6 +22,7 @@ use super::{Driven, Observer, Options, driving, outside, tool_radiator};
 use crate::design::{Coupling, Design};
 use crate::error::Error;
 use crate::result::{Check, Timing};
+use crate::stages::spectra::side_by_side;
 use crate::store::Store;
 
 /// Half side of the planes \[m\].

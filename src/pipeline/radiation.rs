@@ -1,9 +1,5 @@
 //! Sound energy of the moving surfaces: the workpiece with its support, and the tool body.
 
-use std::collections::BTreeMap;
-use std::ops::Range;
-use std::sync::{Mutex, PoisonError};
-
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::ModalBem;
 use nailnoise_acoustics::fourier::TransformSettings;
@@ -15,7 +11,6 @@ use nailnoise_acoustics::radiation::{
 use nailnoise_acoustics::sound::rigid_body_far_field;
 use nailnoise_dynamics::CycleRecord;
 use nailnoise_fem::supports::Sand;
-use nailnoise_fem::transient::{ModalResponse, Motion};
 use nailnoise_meshes::{QuadraturePoint, Surface};
 use nalgebra::{DMatrix, DMatrixView, Point3};
 
@@ -26,85 +21,14 @@ use super::sound::Sound;
 use crate::design::Design;
 use crate::error::Error;
 use crate::result::{ModeShare, Uncertainty};
+use crate::stages::spectra::side_by_side;
 
 /// Gauss points along each side of a face; the modes are quadratic on it, so their squares are integrated exactly on
 /// rectangular faces.
 pub(super) const FACE_POINTS: usize = 3;
 
-/// Modes whose motion is replayed together: their forces are one product of matrices.
-const BLOCK: usize = 32;
-
 /// Highest radiation efficiency of a plate, near coincidence.
 const HIGHEST_EFFICIENCY: f64 = 1.76;
-
-/// Fourier transforms of every body's modal accelerations.
-pub(super) fn modal_spectra(
-    design: &Design,
-    structure: &Structure,
-    response: &ModalResponse,
-) -> Result<Vec<ModalSpectra>, Error> {
-    let of_body = |(index, body): (usize, &Body)| {
-        let nothing = DMatrix::zeros(body.omega.len(), 0);
-        Ok(body_spectra(design, index, body, response, &nothing)?.0)
-    };
-    structure.bodies().enumerate().map(of_body).collect()
-}
-
-/// Fourier transforms of the modal accelerations of the body at `index` of a response, and the accelerations of some points
-/// of it on the response's grid (samples x points), given what each mode moves them by (modes x points).
-pub(super) fn body_spectra(
-    design: &Design,
-    index: usize,
-    body: &Body,
-    response: &ModalResponse,
-    points: &DMatrix<f64>,
-) -> Result<(ModalSpectra, DMatrix<f64>), Error> {
-    let settings = TransformSettings {
-        range_hz: [design.analysis.range_low, body.top_hz.min(design.analysis.range_high)],
-        ..TransformSettings::default()
-    };
-    let sum = Mutex::new(InOrder {
-        sum: DMatrix::zeros(response.samples(), points.ncols()),
-        next: 0,
-        waiting: BTreeMap::new(),
-    });
-    let spectra = ModalSpectra::from_blocks(
-        body.omega.len(),
-        BLOCK,
-        response.samples(),
-        response.step,
-        &settings,
-        |modes| {
-            let motion = response.modal(index, modes.clone(), Motion::Acceleration)?;
-            if points.ncols() > 0 {
-                let part = &motion * points.rows(modes.start, modes.len());
-                sum.lock().unwrap_or_else(PoisonError::into_inner).add(modes, part);
-            }
-            Ok::<_, Error>(motion)
-        },
-    )?;
-    let InOrder { sum, .. } = sum.into_inner().unwrap_or_else(PoisonError::into_inner);
-    Ok((spectra, sum))
-}
-
-/// A sum of parts that come in any order, taken in theirs: it does not depend on the threads.
-struct InOrder {
-    sum: DMatrix<f64>,
-    /// First mode of the part that is next.
-    next: usize,
-    /// Parts that came too early, with the mode after each.
-    waiting: BTreeMap<usize, (usize, DMatrix<f64>)>,
-}
-
-impl InOrder {
-    fn add(&mut self, modes: Range<usize>, part: DMatrix<f64>) {
-        self.waiting.insert(modes.start, (modes.end, part));
-        while let Some((end, part)) = self.waiting.remove(&self.next) {
-            self.sum += part;
-            self.next = end;
-        }
-    }
-}
 
 /// The workpiece with its support as one source.
 pub(super) fn workpiece(
@@ -220,27 +144,6 @@ fn modes_of(bodies: &[&Body], damping: Option<&[Vec<f64>]>, energies: &[f64]) ->
         });
     }
     shares
-}
-
-/// Modes of all bodies as those of one; a body with a lower top is at rest above it.
-pub(super) fn side_by_side(spectra: &[ModalSpectra]) -> ModalSpectra {
-    let modes = spectra.iter().map(|s| s.accelerations.nrows()).sum();
-    let widest = spectra.iter().max_by_key(|s| s.frequency.len());
-    let (frequency, range_hz) = widest.map_or_else(Default::default, |s| (s.frequency.clone(), s.range_hz));
-    let mut accelerations = DMatrix::zeros(modes, frequency.len());
-    let mut row = 0;
-    for s in spectra {
-        let (rows, bins) = s.accelerations.shape();
-        accelerations
-            .view_mut((row, 0), (rows, bins))
-            .copy_from(&s.accelerations);
-        row += rows;
-    }
-    ModalSpectra {
-        frequency,
-        accelerations,
-        range_hz,
-    }
 }
 
 /// Takes the difference between far field and surface out of the patches and shares it out among those that radiate, so

@@ -10,6 +10,7 @@ use nailnoise_fem::transient::{ModalResponse, Support, SupportLaw};
 use super::bodies::Structure;
 use super::radiation;
 use super::radiator::Radiator;
+use super::vibration::modal_spectra;
 use crate::design::{Design, SupportKind};
 use crate::error::Error;
 use crate::result::{RankedSource, Starts};
@@ -61,7 +62,7 @@ pub(super) fn starts(
     let range = [design.analysis.range_low, design.analysis.range_high];
     let mut levels = vec![first];
     for start in 1..design.analysis.starts {
-        let spectra = radiation::modal_spectra(design, structure, &response(start)?)?;
+        let spectra = modal_spectra(design, structure, &response(start)?)?;
         let spectrum = radiation::workpiece_energy(radiator, &spectra)?;
         levels.extend(spectrum.level(range, Weighting::A));
     }

@@ -16,7 +16,7 @@ use super::sensors::{self, Sensed, SensorRecord};
 use super::sound::{Sound, Source};
 use super::starts::starts;
 use super::tool_radiator::tool_radiator;
-use super::vibration::{Bench, Moved, Vibration};
+use super::vibration::{Bench, Moved, Vibration, modal_spectra};
 use super::{Options, Stiffness, Tool, Watched, cycle, exhaust, radiation, response, tool_body};
 use crate::design::{Coupling, Design};
 use crate::error::Error;
@@ -212,7 +212,7 @@ fn one_way(
     let record = cycle(design)?;
     let force = (options.workpiece_force_scale, 0);
     let response = response::response(design, structure, moved.damping.as_deref(), parameters, &record, force)?;
-    let spectra = radiation::modal_spectra(design, structure, &response)?;
+    let spectra = modal_spectra(design, structure, &response)?;
     let workpiece = radiation::workpiece_energy(&moved.radiator, &spectra)?;
     let body = match &moved.vibration.tool {
         Some(_) => {

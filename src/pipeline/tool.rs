@@ -23,14 +23,16 @@ use serde::{Deserialize, Serialize};
 use super::Driven;
 use super::bodies::Body;
 use super::outside::open_air;
-use super::radiation::{body_spectra, by_boundary_elements, rigid_tool, skin};
+use super::radiation::{by_boundary_elements, rigid_tool, skin};
 use super::radiator::damping_of;
 use super::sensors::{Moving, Sensed, Sensing};
 use super::sound::Sound;
 use super::tool_loads::{self, AXIAL, Axial, LOADS};
+use super::vibration::spectrum_range;
 use crate::design::Design;
 use crate::error::Error;
 use crate::result::{Check, CrossCheck, Uncertainty};
+use crate::stages::spectra::body_spectra;
 use crate::store::Store;
 
 /// The elastic body of the tool and what the shot does to it.
@@ -116,7 +118,7 @@ impl Tool {
         };
         let response = respond(&[modal], &[], &loads, &settings)?;
         let sensing = Sensing::of(design, Moving::Tool, &body, cache)?;
-        let (spectra, motion) = body_spectra(design, 0, &body, &response, &sensing.shapes)?;
+        let (spectra, motion) = body_spectra(&response, 0, spectrum_range(design, &body), &sensing.shapes)?;
         let checks = guided.checks(parameters, record, &loads, &response)?;
         let stiffness = [
             (Axial::Cap, "cap", parameters.contacts.cap_stiffness),

@@ -6,6 +6,7 @@ use nailnoise_acoustics::Air;
 use nailnoise_acoustics::radiation::ModalSpectra;
 use nailnoise_dynamics::{CouplingWork, CycleRecord, Parameters};
 use nailnoise_fem::transient::ModalResponse;
+use nalgebra::DMatrix;
 
 use super::exhaust::{self, Blown};
 use super::radiator::Radiator;
@@ -16,6 +17,7 @@ use super::{Body, Driven, Observer, Options, Structure, Tell, Tool, Watched, bod
 use crate::design::{BodyModel, Design, SupportKind};
 use crate::error::Error;
 use crate::result::{Check, Timing};
+use crate::stages::spectra::body_spectra;
 use crate::store::Store;
 
 /// The bodies of a shot in motion.
@@ -305,12 +307,30 @@ fn spectra_and_sensors(
 ) -> Result<(Vec<ModalSpectra>, Vec<Sensed>), Error> {
     let of_body = |(index, (body, carrier)): (usize, (&Body, Moving))| {
         let sensing = Sensing::of(bench.design, carrier, body, bench.cache)?;
-        let (spectra, motion) = radiation::body_spectra(bench.design, index, body, response, &sensing.shapes)?;
+        let (spectra, motion) = body_spectra(response, index, spectrum_range(bench.design, body), &sensing.shapes)?;
         Ok::<_, Error>((spectra, sensing.sensed(motion)))
     };
     let bodies = structure.bodies().zip([Moving::Block, Moving::Table]).enumerate();
     let found: Vec<(ModalSpectra, Sensed)> = bodies.map(of_body).collect::<Result<_, _>>()?;
     Ok(found.into_iter().unzip())
+}
+
+/// Range of the spectra of a body's motion \[Hz\].
+pub(super) fn spectrum_range(design: &Design, body: &Body) -> [f64; 2] {
+    [design.analysis.range_low, body.top_hz.min(design.analysis.range_high)]
+}
+
+/// Fourier transforms of every body's modal accelerations.
+pub(super) fn modal_spectra(
+    design: &Design,
+    structure: &Structure,
+    response: &ModalResponse,
+) -> Result<Vec<ModalSpectra>, Error> {
+    let of_body = |(index, body): (usize, &Body)| {
+        let nothing = DMatrix::zeros(body.omega.len(), 0);
+        Ok(body_spectra(response, index, spectrum_range(design, body), &nothing)?.0)
+    };
+    structure.bodies().enumerate().map(of_body).collect()
 }
 
 /// Workpiece and support with their modes.

@@ -17,9 +17,9 @@ use super::{Inputs, SAMPLE_RATE, tool_height};
 use crate::design::Design;
 use crate::error::Error;
 use crate::pipeline::exhaust::Exhaust;
-use crate::pipeline::radiation::side_by_side;
 use crate::pipeline::radiator::{Flush, Radiator};
 use crate::pipeline::sound::Sound;
+use crate::stages::spectra::side_by_side;
 
 /// Azimuths of the exhaust's jets: enough that the mean over them is that over all.
 const AZIMUTHS: usize = 12;
