@@ -1,6 +1,6 @@
-//! How changes of levels, bands around them and the order that follows are put into words, alike in tables and pages.
+//! Text for changes of levels, uncertainty bands and the ranking, the same in tables and pages.
 
-/// A change of a level to a tenth, with its sign: `-0.4`, `+1.2`; `0.0` for what rounds to nothing.
+/// A change of a level to a tenth of a decibel, with its sign: `-0.4`, `+1.2`; `0.0` if it rounds to zero.
 pub(crate) fn change(db: f64) -> String {
     let rounded = (10.0 * db).round() / 10.0;
     if rounded == 0.0 {
@@ -10,8 +10,8 @@ pub(crate) fn change(db: f64) -> String {
     }
 }
 
-/// How much lower and how much higher than predicted a level may be: `-4.0 .. +4.0`, to a tenth and never to nothing;
-/// `open` where there is no bound.
+/// The band around a predicted level: `-4.0 .. +4.0`. Bounds other than zero are rounded to at least a tenth; `open`
+/// means no bound.
 pub(crate) fn band([minus, plus]: [Option<f64>; 2]) -> String {
     let side = |sign: char, bound: Option<f64>| match bound {
         None => "open".to_owned(),
@@ -24,7 +24,7 @@ pub(crate) fn band([minus, plus]: [Option<f64>; 2]) -> String {
 /// A source in a ranking: its name, its level \[dB\] and the band around it \[dB\].
 pub(crate) type Placed<'a> = (&'a str, Option<f64>, [Option<f64>; 2]);
 
-/// Which neighbours of a ranking, loudest first, may change places because their bands overlap.
+/// The neighbours in a ranking, loudest first, whose order is not certain because their bands overlap.
 pub(crate) fn order(ranking: &[Placed<'_>]) -> String {
     let overlaps = |pair: &&[Placed<'_>]| {
         let [(_, Some(above), [minus, _]), (_, Some(below), [_, plus])] = pair else {
@@ -39,9 +39,9 @@ pub(crate) fn order(ranking: &[Placed<'_>]) -> String {
         .map(|pair| format!("{} and {}", pair[0].0, pair[1].0))
         .collect();
     if open.is_empty() {
-        "every place is firm: no bands of neighbours overlap".to_owned()
+        "certain, because no bands of neighbours overlap".to_owned()
     } else {
-        format!("may change places, as their bands overlap: {}", open.join("; "))
+        format!("not certain between {}, because their bands overlap", open.join("; "))
     }
 }
 
@@ -50,7 +50,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_change_that_rounds_to_nothing_has_no_sign() {
+    fn a_change_that_rounds_to_zero_has_no_sign() {
         let expected = [
             (-0.04, "0.0"),
             (0.04, "0.0"),
@@ -64,20 +64,20 @@ mod tests {
     }
 
     #[test]
-    fn a_bound_is_never_printed_as_nothing_and_a_missing_one_is_open() {
+    fn a_bound_is_not_rounded_to_zero_and_a_missing_bound_is_open() {
         assert_eq!(band([Some(4.0), Some(0.04)]), "-4.0 .. +0.1");
         assert_eq!(band([None, Some(0.0)]), "open .. 0.0");
         assert_eq!(band([None, None]), "open .. open");
     }
 
     #[test]
-    fn neighbours_change_places_where_their_bands_overlap() {
+    fn the_order_is_not_certain_where_bands_overlap() {
         let table = ("workpiece", Some(100.2), [Some(0.1), Some(0.1)]);
         let exhaust = |plus: Option<f64>| ("exhaust", Some(96.6), [Some(4.0), plus]);
         let body = ("body", Some(90.0), [None, Some(2.4)]);
-        assert!(order(&[table, exhaust(Some(3.4)), body]).starts_with("every place is firm"));
-        assert!(order(&[table, exhaust(Some(3.6)), body]).ends_with("overlap: workpiece and exhaust"));
-        assert!(order(&[table, exhaust(None), body]).ends_with("overlap: workpiece and exhaust"));
-        assert!(order(&[body, ("silent", None, [None, None])]).starts_with("every place is firm"));
+        assert!(order(&[table, exhaust(Some(3.4)), body]).starts_with("certain"));
+        assert!(order(&[table, exhaust(Some(3.6)), body]).starts_with("not certain between workpiece and exhaust,"));
+        assert!(order(&[table, exhaust(None), body]).starts_with("not certain between workpiece and exhaust,"));
+        assert!(order(&[body, ("silent", None, [None, None])]).starts_with("certain"));
     }
 }

@@ -40,19 +40,19 @@ pub(super) fn length(text: &str) -> Result<f64, String> {
     }
 }
 
-/// The user's own file in place of a body of the design.
+/// A file of the user that replaces a body of the design.
 #[derive(Args)]
 pub(super) struct Own {
-    /// Mesh (.msh) or geometry (.step) in place of the body, as if the design named it
+    /// Mesh (.msh) or geometry (.step) that replaces the body, as if the design named it
     #[arg(long, value_name = "FILE")]
     mesh: Option<PathBuf>,
-    /// Length of one unit of a mesh file that does not tell it [default: the design's, 1 mm without]
+    /// Length of one unit in a mesh file that does not state it [default: from the design, else 1 mm]
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     unit: Option<f64>,
 }
 
 impl Own {
-    /// Puts the file into the design.
+    /// Enters the file into the design.
     pub(super) fn replace(&self, design: &mut Design, kind: BodyKind) {
         let values: &mut Values = design;
         let (mesh, unit) = match kind {
@@ -84,7 +84,7 @@ pub(super) struct Input {
     /// Largest element side for a geometry that gmsh meshes
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     size: Option<f64>,
-    /// Have gmsh mesh the tool body anew, even if a mesh of its dimensions ships
+    /// Let gmsh mesh the tool body even if a mesh of its dimensions is shipped
     #[arg(long)]
     remesh: bool,
 }

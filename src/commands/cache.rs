@@ -22,9 +22,9 @@ pub(super) struct Arguments {
 
 #[derive(Subcommand, Clone, Copy)]
 enum Action {
-    /// List what is kept, last used first (what happens when nothing is said)
+    /// List the entries, last used first (default)
     List,
-    /// Read every entry, remove the damaged ones; status 1 if there were any
+    /// Read every entry and remove damaged ones; status 1 if there are any
     Verify,
     /// Remove all entries
     Clear,
@@ -91,7 +91,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             if arguments.json {
                 print_json(&serde_json::json!({"folder": folder, "sound": sound, "removed": damaged.len()}))?;
             } else {
-                print(&format!("  {sound} entries are sound, {} removed\n", damaged.len()));
+                print(&format!("  {sound} entries are intact, {} removed\n", damaged.len()));
             }
             return Ok(ExitCode::from(u8::from(!damaged.is_empty())));
         }

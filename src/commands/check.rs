@@ -41,7 +41,7 @@ struct CheckResult {
     groups: Vec<Group>,
     /// Faults that make the mesh unusable.
     faults: Vec<String>,
-    /// What the user should know.
+    /// Warnings for the user.
     warnings: Vec<String>,
     /// Mass with lumped masses \[kg\]; none without a design.
     mass: Option<f64>,
@@ -260,7 +260,7 @@ fn findings(
     }
     if quality.open_edges > 0 {
         faults.push(format!(
-            "{} edges of the skin are open or run the wrong way round",
+            "{} edges of the skin are open or wrongly oriented",
             quality.open_edges
         ));
     }
@@ -283,17 +283,17 @@ fn findings(
     }
     if quality.coincident_nodes > 0 && !tied {
         warnings.push(format!(
-            "{} nodes lie on another node: a crack, unless it is meant (gmsh: Coherence Mesh)",
+            "{} nodes coincide with another node: a crack, unless intended (gmsh: Coherence Mesh)",
             quality.coincident_nodes
         ));
     }
     if unused > 0 {
         warnings.push(format!(
-            "{unused} nodes of the file are used by no volume element; they are left out"
+            "{unused} nodes of the file belong to no volume element and are ignored"
         ));
     }
     if mesh.groups.is_empty() {
-        warnings.push("no named surface: nothing can be clamped, loaded or touched".to_owned());
+        warnings.push("no named surface: the body cannot be clamped, loaded or brought into contact".to_owned());
     }
     for part in parts {
         if let Some(waves) = part.waves.as_ref().filter(|waves| waves.elements < FEWEST) {
@@ -312,7 +312,7 @@ fn findings(
     (faults, warnings)
 }
 
-/// What the modes of a body will cost, up to `margin` times its top frequency.
+/// Cost of the modes of a body up to `margin` times its top frequency.
 pub(super) fn cost_of(geometry: &Geometry, margin: f64) -> Result<Cost, Error> {
     let mesh = &geometry.mesh;
     let (quality, volumes) = (mesh.quality()?, mesh.part_volumes()?);
@@ -320,7 +320,7 @@ pub(super) fn cost_of(geometry: &Geometry, margin: f64) -> Result<Cost, Error> {
     Ok(cost(geometry, &quality, &volumes, margin * geometry.top_hz, &thickness))
 }
 
-/// What the modes will cost.
+/// Cost of the modes.
 ///
 /// Modes by the larger of the leading terms for solids (Dupuis, Mazo and Onsager 1960) and for plates (Courant and
 /// Hilbert), N = V w^3 / (6 pi^2) sum 1/c^3 and N = A w sqrt(12)/(4 pi c_P t). With n degrees of freedom the factor L of
@@ -400,13 +400,13 @@ fn text(name: &str, result: &CheckResult) -> String {
         format!("{:.2} to {:.1} mm", q.shortest_edge * 1e3, q.longest_edge * 1e3),
     );
     if let Some(mass) = result.mass {
-        line("mass", format!("{mass:.3} kg with what is lumped on it"));
+        line("mass", format!("{mass:.3} kg including lumped masses"));
     }
     if let Some(cost) = &result.cost {
         line(
-            "modes will cost",
+            "cost of modes",
             format!(
-                "about {:.1} GB and {:.0} CPU s: {} degrees of freedom, some {:.0} modes, {}",
+                "about {:.1} GB and {:.0} CPU s: {} degrees of freedom, about {:.0} modes, {}",
                 cost.gigabytes,
                 cost.cpu_seconds,
                 cost.dofs,

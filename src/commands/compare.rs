@@ -19,13 +19,13 @@ use crate::wording::{band, change, order};
 
 #[derive(Args)]
 pub(super) struct Arguments {
-    /// Design files, or finished results (a folder with result.json, or the file); the first is the reference
+    /// Design files or finished results (a folder with result.json, or the file); the first is the reference
     #[arg(required = true, num_args = 2.., value_name = "DESIGN")]
     designs: Vec<PathBuf>,
     /// Print exactly one JSON value instead of tables
     #[arg(long)]
     json: bool,
-    /// Folder for the results of the designs that are run, each in its own [default: out]
+    /// Folder for the results of the designs that are run, one subfolder each
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
     /// Number of threads; results do not depend on it [default: all cores]
@@ -78,7 +78,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     Ok(status)
 }
 
-/// Runs a design and leaves its files in a folder of its own, as `nailnoise run` does.
+/// Runs a design and writes its files to a folder of its own, as `nailnoise run` does.
 fn finish(
     path: &Path,
     before: &[Finished],
@@ -112,7 +112,7 @@ fn free_name(name: &str, others: &[Finished]) -> String {
 
 fn text(comparison: &Comparison, bands: bool, intervals: bool) -> String {
     let designs = &comparison.designs;
-    let mut text = String::from("what differs\n\n");
+    let mut text = String::from("differences\n\n");
     let headings = |first| {
         std::iter::once(first)
             .chain(designs.iter().map(String::as_str))
@@ -130,7 +130,7 @@ fn text(comparison: &Comparison, bands: bool, intervals: bool) -> String {
         })
         .collect();
     if rows.is_empty() {
-        text.push_str("  nothing: the designs have the same values\n");
+        text.push_str("  none: the designs have the same values\n");
     } else {
         text.push_str(&table(&headings("key"), &rows));
     }
@@ -157,7 +157,7 @@ fn text(comparison: &Comparison, bands: bool, intervals: bool) -> String {
             ));
         }
     }
-    text.push_str("\nhow far each method may be off, dB (open where it gives no bound)\n\n");
+    text.push_str("\nuncertainty of each method, dB (open: no bound)\n\n");
     let bands_of = |row: &crate::comparison::SourceRow| {
         let of_each = row.uncertainty_db.iter().map(|bounds| band(*bounds));
         std::iter::once(row.source.clone()).chain(of_each).collect::<Vec<_>>()
@@ -180,7 +180,7 @@ fn text(comparison: &Comparison, bands: bool, intervals: bool) -> String {
         .collect();
     text.push_str(&table(&headings("place"), &rows));
     for (design, name) in comparison.designs.iter().enumerate() {
-        text.push_str(&format!("  {name}: {}\n", order(&comparison.placed(design))));
+        text.push_str(&format!("  {name}: ranking {}\n", order(&comparison.placed(design))));
     }
 
     text.push_str("\nthe shot\n\n");
@@ -205,7 +205,7 @@ fn text(comparison: &Comparison, bands: bool, intervals: bool) -> String {
         .collect();
     text.push_str(&table(&headings("figure"), &rows));
     if rows.len() == 1 {
-        text.push_str("  all its figures and events are the same\n");
+        text.push_str("  all figures and events are equal\n");
     }
 
     for row in &comparison.sources {

@@ -9,7 +9,7 @@ use super::{Cli, print};
 
 #[derive(Args)]
 pub(super) struct Arguments {
-    /// The shell: the text goes where that shell looks for completions
+    /// The shell; save the output where this shell looks for completions
     shell: Shell,
 }
 

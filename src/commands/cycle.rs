@@ -20,26 +20,26 @@ use crate::result::{Check, DesignId};
 pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
-    /// Compute the model as the thesis prints it: every form, or the nail alone
+    /// Compute the model as printed in the thesis: every form, or only the nail
     #[arg(long, value_name = "WHAT", value_enum, num_args = 0..=1, require_equals = true)]
     #[arg(default_missing_value = "all")]
     as_published: Option<Published>,
-    /// Drive against the law in a CSV file, depth in m and force in N a line, in place of the design's
+    /// Replace the penetration law of the design by points from a CSV file: depth in m and force in N per line
     #[arg(long, value_name = "FILE", conflicts_with_all = ["as_published", "sensitivity", "draw"])]
     penetration_table: Option<PathBuf>,
     /// Draw pressures, motion, pressure ratios, forces and energy flow as SVG
     #[arg(long)]
     figures: bool,
-    /// Rank the parameters by what their ranges do to the shot, instead of computing one
+    /// Rank the parameters by the effect of their ranges on the shot, instead of computing one shot
     #[arg(long, conflicts_with_all = ["as_published", "figures"])]
     sensitivity: bool,
-    /// Figures of the shot for --sensitivity, by name or group: speed, penetration, events, forces, masses, all
+    /// Results of the shot for --sensitivity, by name or group: speed, penetration, events, forces, masses, all
     #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "sensitivity")]
     outputs: Vec<String>,
-    /// Parameters for --sensitivity, as supply.pressure,piston.bore [default: all with a range]
+    /// Parameters for --sensitivity, for example supply.pressure,piston.bore [default: all with a range]
     #[arg(long, value_name = "KEYS", value_delimiter = ',', requires = "sensitivity")]
     parameters: Vec<String>,
-    /// Draw N designs from the ranges and count what their shots do, instead of computing one
+    /// Draw N designs from the ranges and count the outcomes of their shots, instead of computing one shot
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     #[arg(conflicts_with_all = ["as_published", "figures", "sensitivity"])]
     draw: Option<u32>,
@@ -50,9 +50,9 @@ pub(super) struct Arguments {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Published {
-    /// Every form as printed, and what the thesis does not have left out
+    /// Every form as printed, without anything that the thesis does not include
     All,
-    /// The nail alone: elastic penetration and no impact of the rod on it
+    /// Only the nail: elastic penetration, and no impact of the rod on it
     Nail,
 }
 
@@ -70,9 +70,9 @@ impl From<Published> for Preset {
 struct CycleResult<'a> {
     schema: &'static str,
     design: DesignId,
-    /// The published form computed in the place of the design's own; null for the design as it is.
+    /// The published form that replaces the one of the design; null for the design as given.
     preset: Option<Preset>,
-    /// The file of the penetration law driven against in the place of the design's own; null for the latter.
+    /// File of the penetration law that replaces the one of the design; null if there is none.
     penetration_table: Option<String>,
     outcome: Outcome,
     events: &'a Events,
@@ -81,7 +81,7 @@ struct CycleResult<'a> {
     log: &'a [LogEntry],
     checks: Vec<Check>,
     work: &'a Work,
-    /// Files of the figures that were asked for.
+    /// Files of the requested figures.
     figures: Vec<String>,
 }
 
@@ -239,7 +239,7 @@ fn energy(flow: &EnergyFlow) -> Vec<Vec<String>> {
     rows
 }
 
-/// A preset in words, behind the design's name.
+/// A preset as text, appended to the name of the design.
 fn words_of(preset: Preset) -> &'static str {
     match preset {
         Preset::PublishedAll => ", every form as published",
@@ -247,7 +247,7 @@ fn words_of(preset: Preset) -> &'static str {
     }
 }
 
-/// A serde word (`strikes_bumper`) in words.
+/// A serialised name (`strikes_bumper`) as text.
 fn words(outcome: &Outcome) -> String {
     let value = serde_json::to_value(outcome).unwrap_or_default();
     value.as_str().unwrap_or_default().replace('_', " ")

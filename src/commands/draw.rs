@@ -124,7 +124,7 @@ fn text(name: &str, study: &Study) -> String {
         .map(|(reason, count)| vec![reason.clone(), count.to_string()])
         .collect();
     if !rows.is_empty() {
-        text.push_str(&table(&["refused, not going together", "candidates"], &rows));
+        text.push_str(&table(&["refused, incompatible values", "candidates"], &rows));
     }
     text
 }

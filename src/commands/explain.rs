@@ -21,15 +21,15 @@ struct Explanation {
     schema: &'static str,
     design: String,
     digest: String,
-    /// How many values have each standing.
+    /// Number of values of each provenance.
     provenance: BTreeMap<&'static str, usize>,
     /// Estimates with their ranges, widest first.
     estimates: Vec<Estimate>,
-    /// Estimates, and values set without a source, that have no range: nobody knows how far they may be off.
+    /// Estimates, and values without a source, that have no range: their uncertainty is unknown.
     unknowns: Vec<String>,
     shot: Shot,
     bodies: Vec<BodyPlan>,
-    /// What is in the way of a run, and what to do about it.
+    /// Obstacles to a run, and their remedies.
     obstacles: Vec<String>,
 }
 
@@ -44,7 +44,7 @@ struct Estimate {
     source: String,
 }
 
-/// What the shot does: the cycle costs little enough to be computed here.
+/// Outcome of the shot: the cycle is fast enough to be computed here.
 #[derive(Serialize)]
 struct Shot {
     outcome: nailnoise_dynamics::Outcome,
@@ -56,7 +56,7 @@ struct Shot {
 #[derive(Serialize)]
 struct BodyPlan {
     body: &'static str,
-    /// Where its mesh comes from.
+    /// Origin of its mesh.
     mesh: String,
     /// Whether gmsh is needed for it.
     gmsh: bool,
@@ -131,8 +131,8 @@ fn explain(design: &Design) -> Result<Explanation, Error> {
 fn origin(geometry: &Geometry, gmsh: bool) -> String {
     match &geometry.origin {
         Origin::BuiltIn => "built in".to_owned(),
-        Origin::Parametric if gmsh => "parametric, other dimensions than those that ship: by gmsh".to_owned(),
-        Origin::Parametric => "parametric, ships".to_owned(),
+        Origin::Parametric if gmsh => "parametric, dimensions differ from the shipped mesh: by gmsh".to_owned(),
+        Origin::Parametric => "parametric, shipped mesh".to_owned(),
         Origin::File(path) if gmsh => format!("{}, by gmsh", path.display()),
         Origin::File(path) => path.display().to_string(),
     }
@@ -172,7 +172,7 @@ fn unknowns(entries: &[Entry]) -> Vec<String> {
     entries.iter().filter(open).map(|entry| entry.key.clone()).collect()
 }
 
-/// Four digits, with an exponent where zeros would fill the cell.
+/// Four digits, with an exponent for very large and very small numbers.
 fn number(value: f64) -> String {
     let rounded = format!("{value:.3e}").parse::<f64>().unwrap_or(value);
     if rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs()) {
@@ -218,9 +218,9 @@ fn text(e: &Explanation) -> String {
         .collect();
     let headings = ["body", "mesh", "gmsh", "dofs", "modes, about", "GB", "CPU s"];
     text.push_str(&table(&headings, &rows));
-    text.push_str("  the costs are those of modes that are not kept from an earlier run\n");
+    text.push_str("  costs apply to modes that are not in the cache\n");
     if !e.estimates.is_empty() {
-        text.push_str("\n  estimates, the least known first (SI)\n\n");
+        text.push_str("\n  estimates, the least certain first (SI)\n\n");
         let rows: Vec<Vec<String>> = e
             .estimates
             .iter()
@@ -237,20 +237,20 @@ fn text(e: &Explanation) -> String {
         text.push_str(&table(&["key", "value", "range", "source"], &rows));
         if e.estimates.len() > LISTED {
             text.push_str(&format!(
-                "  and {} more; --json tells all\n",
+                "  and {} more; --json lists all\n",
                 e.estimates.len() - LISTED
             ));
         }
     }
     if !e.unknowns.is_empty() {
         text.push_str(&format!(
-            "\n  unknown: {} have no range, so that nobody can tell how far they may be off: {}\n",
+            "\n  unknown uncertainty: {} have no range: {}\n",
             e.unknowns.len(),
             e.unknowns.join(", ")
         ));
     }
     for obstacle in &e.obstacles {
-        text.push_str(&format!("\n  in the way: {obstacle}\n"));
+        text.push_str(&format!("\n  obstacle: {obstacle}\n"));
     }
     text
 }

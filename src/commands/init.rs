@@ -13,7 +13,7 @@ use crate::output;
 const BASE: &str = include_str!("../../designs/n80cb.toml");
 const BASE_NAME: &str = "n80cb.toml";
 
-/// A design over it.
+/// A design based on it.
 const OWN: &str = include_str!("init.toml");
 
 #[derive(Args)]
@@ -21,7 +21,7 @@ pub(super) struct Arguments {
     /// The design file to write
     #[arg(value_name = "DESIGN", default_value = "my-tool.toml")]
     design: PathBuf,
-    /// Write every key of the base design into it, instead of a few over the base beside it
+    /// Write every key of the base design, instead of a few keys on top of a separate base file
     #[arg(long)]
     full: bool,
 }
@@ -46,14 +46,14 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         }
         put(path, OWN)?;
         print(&format!(
-            "{}: your design; take the # from what differs\n{}: what it is based on{}\n",
+            "{}: your design; remove the # from the lines that differ\n{}: its base{}\n",
             path.display(),
             base.display(),
-            if kept { " (was there already)" } else { "" }
+            if kept { " (already present)" } else { "" }
         ));
     }
     print(&format!(
-        "\n  nailnoise check {0}   what it rests on, before time is spent\n  nailnoise run {0}     its sources, ranked\n",
+        "\n  nailnoise check {0}   lists estimates and the cost of a run\n  nailnoise run {0}     ranks its sources\n",
         path.display()
     ));
     Ok(ExitCode::SUCCESS)

@@ -17,7 +17,7 @@ use crate::output;
 pub(super) struct Arguments {
     #[command(flatten)]
     input: Input,
-    /// File to write: .vtu, .msh or .msh.gz; may be given again
+    /// File to write: .vtu, .msh or .msh.gz; may be repeated
     #[arg(long, value_name = "FILE")]
     write: Vec<PathBuf>,
     /// Format of .msh files

@@ -1,7 +1,7 @@
 //! The command line: one file a command, and what they share (arguments, threads, progress, exit status).
 //!
 //! Results go to standard output, progress and warnings to standard error. Exit status: 0 done; 1 done, but a limit is
-//! not met; 2 wrong use or input; 3 a numerical check failed; 130 interrupted.
+//! not met; 2 wrong usage or input; 3 a numerical check failed; 130 interrupted.
 
 mod bodies;
 mod cache;
@@ -33,48 +33,48 @@ use crate::result::Check;
 use crate::store::Store;
 use progress::Progress;
 
-/// Predicts how much sound power each source of a pneumatic nailer radiates, from its design.
+/// Predicts the sound power of each source of a pneumatic nailer from its design.
 #[derive(Parser)]
 #[command(name = "nailnoise", version, about, max_term_width = 120)]
 #[command(
-    after_help = "Exit status: 0 done; 1 done, but a limit is not met; 2 wrong use or input; \
+    after_help = "Exit status: 0 done; 1 done, but a limit is not met; 2 wrong usage or input; \
                         3 a numerical check failed; 130 interrupted."
 )]
 struct Cli {
     #[command(subcommand)]
     command: Command,
-    /// Show no progress and no notes; warnings and errors only
+    /// Print warnings and errors only, without progress and notes
     #[arg(long, global = true)]
     quiet: bool,
 }
 
 #[derive(Subcommand)]
 enum Command {
-    /// Write a commented design to begin with
+    /// Write a commented design to start from
     Init(init::Arguments),
     /// Rank the sources of a design by their sound power
     Run(run::Arguments),
-    /// Compare designs or finished results: what differs, and what it does to the sources
+    /// Compare designs or finished results: the differences and their effect on each source
     Compare(compare::Arguments),
     /// Compute one nailing cycle: pressures, motions, forces and events
     Cycle(cycle::Arguments),
     /// Compute the vibration modes of a body
     Modes(modes::Arguments),
-    /// Build, read, convert and size the mesh of a body
+    /// Build, read or convert the mesh of a body
     Mesh(mesh::Arguments),
-    /// Explain a design, or tell whether a mesh can be trusted and what its modes will cost, before time is spent
+    /// Explain a design, or check the quality of a mesh, and estimate the cost of the computation
     Check(check::Arguments),
     /// Evaluate, compare and plot published laws of penetration resistance
     Prf(prf::Arguments),
-    /// List, verify or clear what is kept between runs
+    /// List, verify or clear cached results
     Cache(cache::Arguments),
     /// Print the JSON Schema of the design file, for editors, or of the result
     Schema(schema::Arguments),
-    /// Print what a shell completes
+    /// Print the completions for a shell
     Completions(completions::Arguments),
 }
 
-/// What every command takes.
+/// Arguments common to all commands that compute.
 #[derive(Args)]
 struct Common {
     /// Design file (TOML)
@@ -107,10 +107,10 @@ impl Common {
     }
 }
 
-/// Whether what is kept between runs is used.
+/// Whether cached results are used.
 #[derive(Args)]
 struct Keeping {
-    /// Compute everything anew, and keep nothing for later runs
+    /// Compute everything anew and store nothing in the cache
     #[arg(long)]
     no_cache: bool,
 }
@@ -171,7 +171,7 @@ pub fn main() -> ExitCode {
     })
 }
 
-/// Errors are drawn with a caret under the place in the design; without colour where nobody would see it.
+/// Prints errors with a caret under the position in the design; without colour if the output is not a terminal.
 fn install_error_style() {
     let colour = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
     // The hook can only be set once a process; a second command in the same process keeps the first style.
@@ -193,7 +193,7 @@ fn status_of(checks: &[Check]) -> ExitCode {
     let failed: Vec<&Check> = checks.iter().filter(|check| !check.ok).collect();
     for check in &failed {
         eprintln!(
-            "check failed: {} is {:.3e}, limit {:.3e}; the result is not to be trusted",
+            "check failed: {} is {:.3e}, limit {:.3e}; do not rely on the result",
             check.name, check.value, check.limit
         );
     }

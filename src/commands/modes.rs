@@ -31,13 +31,13 @@ pub(super) struct Arguments {
     /// Also write the modes as a universal file (datasets 2411, 15, 2412, 55) for modal-test software
     #[arg(long)]
     uff: bool,
-    /// Also write a period of this mode as a film for ParaView; may be given again
+    /// Also write one period of this mode as a film for ParaView; may be repeated
     #[arg(long, value_name = "MODE", value_parser = clap::value_parser!(u32).range(1..))]
     animate: Vec<u32>,
-    /// Universal file of measured modes to compare with (MAC)
+    /// Universal file of measured modes, compared by the modal assurance criterion (MAC)
     #[arg(long, value_name = "FILE")]
     mac: Option<PathBuf>,
-    /// Largest distance between a measured point and the node that stands for it
+    /// Largest distance between a measured point and the node that represents it
     #[arg(long, value_name = "LENGTH", default_value = "10 mm", value_parser = length)]
     mac_reach: f64,
 }
@@ -159,7 +159,7 @@ fn text(result: &ModesResult, body: &Body) -> String {
     text
 }
 
-/// Measured modes beside those computed.
+/// Measured modes compared with computed ones.
 fn compared(correlation: &Correlation) -> String {
     let rows: Vec<Vec<String>> = correlation
         .pairs

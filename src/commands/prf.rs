@@ -18,29 +18,29 @@ use crate::penetration::{self, Law, PenetrationError, Resistance, law_name};
 
 #[derive(Args)]
 pub(super) struct Arguments {
-    /// List the published laws, woods and nails, and do nothing else
+    /// Only list the published laws, woods and nails
     #[arg(long)]
     list: bool,
-    /// Published laws, as smooth,annular
+    /// Published laws, for example smooth,annular
     #[arg(long, value_name = "LAWS", value_delimiter = ',', requires = "wood")]
     #[arg(required_unless_present_any = ["list", "constant", "table"])]
     law: Vec<String>,
-    /// Constant forces, as "1.2 kN,900 N"
+    /// Constant forces, for example "1.2 kN,900 N"
     #[arg(long, value_name = "FORCES", value_delimiter = ',', value_parser = |text: &str| measure(text, FORCE))]
     constant: Vec<f64>,
-    /// CSV files of laws: depth in m and force in N a line
+    /// CSV files of laws: depth in m and force in N per line
     #[arg(long, value_name = "FILES", value_delimiter = ',')]
     table: Vec<PathBuf>,
-    /// Woods of the published laws, as "pine" or "poplar plywood"
+    /// Woods of the published laws, for example "pine" or "poplar plywood"
     #[arg(long, value_name = "WOODS", value_delimiter = ',', requires = "law")]
     wood: Vec<String>,
-    /// Nail sizes, as 6d,12d
+    /// Nail sizes, for example 6d,12d
     #[arg(long, value_name = "SIZES", value_delimiter = ',', required_unless_present = "list")]
     nail: Vec<String>,
     /// Penetration speed, 20 to 500 mm/min; a number alone is in m/s [default: 500 mm/min]
     #[arg(long, value_name = "SPEED", value_parser = |text: &str| measure(text, VELOCITY))]
     speed: Option<f64>,
-    /// Depths of the table, as "10 mm,25 mm" [default: tenths of the nail's length]
+    /// Depths of the table, for example "10 mm,25 mm" [default: tenths of the nail length]
     #[arg(long, value_name = "DEPTHS", value_delimiter = ',', value_parser = |text: &str| measure(text, LENGTH))]
     depth: Vec<f64>,
     /// Print exactly one JSON value instead of tables
@@ -66,7 +66,7 @@ struct CurveResult {
     law: String,
     nail: &'static str,
     length: f64,
-    /// Of a published law alone, as all that follows.
+    /// For published laws only, as are all fields below.
     wood: Option<&'static str>,
     hardness_modulus: Option<f64>,
     density: Option<f64>,
@@ -143,7 +143,7 @@ fn wood_name(law: &Resistance) -> &str {
     law.wood().map_or("", |wood| wood.name)
 }
 
-/// Names of the curves: what they do not all share.
+/// Names of the curves: the properties that differ between them.
 fn labels(laws: &[Resistance]) -> Vec<String> {
     let parts: [fn(&Resistance) -> &str; 3] = [|law| &law.name, |law| law.nail.name, wood_name];
     // A law that is of no wood does not make the woods differ.
@@ -223,7 +223,7 @@ fn evaluate(arguments: &Arguments, laws: &[Resistance], labels: &[String]) -> Re
 }
 
 impl PrfResult {
-    /// What all curves share, in words.
+    /// The properties common to all curves, as text.
     fn shared(&self) -> String {
         let one = |name: fn(&CurveResult) -> Option<&str>| {
             let mut own = self.curves.iter().filter_map(name);

@@ -19,14 +19,14 @@ pub(super) struct Arguments {
     common: Common,
     #[command(flatten)]
     keeping: Keeping,
-    /// Draw third-octave levels, levels between events and sound power over time as SVG
+    /// Draw third-octave levels, levels between events, and sound power over time as SVG
     #[arg(long)]
     figures: bool,
-    /// Leave pictures of the sound for ParaView: on the surfaces, in planes and all around, in third octaves. With boundary
-    /// elements this takes two to three times as long as a first run
+    /// Write the sound field for ParaView: on surfaces, in planes and by direction, in third octaves. With boundary
+    /// elements this takes about four times as long as a first run
     #[arg(long)]
     fields: bool,
-    /// Show the parts of each source too
+    /// Also print the parts of each source
     #[arg(long)]
     components: bool,
 }
@@ -59,17 +59,17 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             print(parts);
         }
         if unchanged {
-            print("  the design has not changed since: taken from the cache\n");
+            print("  unchanged design: result from the cache\n");
         }
         print(&format!(
-            "\n  files in {}, the report is report.html\n",
+            "\n  files in {}; open report.html for the report\n",
             folder.display()
         ));
     }
     Ok(status_of(&checks))
 }
 
-/// A run in words: the table, and the parts of its sources.
+/// A run as text: the table, and the parts of its sources.
 pub(super) fn words(run: &Run) -> [String; 2] {
     [text(&run.result), components(&run.result)]
 }
@@ -191,7 +191,7 @@ fn text(result: &RunResult) -> String {
     text.push_str("\n\n");
     text.push_str(&table(&headings, &rows));
     let placed: Vec<_> = result.ranking.iter().map(RankedSource::placed).collect();
-    text.push_str(&format!("\n  order: {}\n", order(&placed)));
+    text.push_str(&format!("\n  ranking: {}\n", order(&placed)));
     if let Some(starts) = &result.starts {
         text.push_str(&format!(
             "\n  workpiece over {} starts: {:.1} dB, standard deviation {:.2} dB\n",

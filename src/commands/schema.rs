@@ -8,12 +8,12 @@ use super::{print, print_json};
 use crate::design::json_schema;
 use crate::error::Error;
 
-/// The layout of `result.json`; the tests hold results against it.
+/// The layout of `result.json`; tests validate results against it.
 const RESULT: &str = include_str!("result.schema.json");
 
 #[derive(Args)]
 pub(super) struct Arguments {
-    /// What the schema is of
+    /// The file to describe
     #[arg(long, value_enum, default_value_t = Layout::Design)]
     of: Layout,
 }
@@ -22,7 +22,7 @@ pub(super) struct Arguments {
 enum Layout {
     /// The design file, for editors
     Design,
-    /// `result.json` and `run --json`, for programs that read them
+    /// `result.json` and the output of `run --json`, for programs that read them
     Result,
 }
 

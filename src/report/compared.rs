@@ -191,7 +191,7 @@ fn levels(c: &Comparison) -> Markup {
             } } }
         } }
         @for (place, name) in c.designs.iter().enumerate() {
-            p.quiet { (name) ": " (wording::order(&c.placed(place))) "." }
+            p.quiet { (name) ": ranking " (wording::order(&c.placed(place))) "." }
         }
     }
 }

@@ -71,7 +71,7 @@ pub(super) fn ranking(result: &RunResult) -> Markup {
                 }
             }
         } }
-        p.quiet { "Order: " (order(&result.ranking.iter().map(RankedSource::placed).collect::<Vec<_>>())) "." }
+        p.quiet { "Ranking: " (order(&result.ranking.iter().map(RankedSource::placed).collect::<Vec<_>>())) "." }
     }
 }
 

@@ -50,7 +50,7 @@ fn every_body_of_the_ready_designs_is_fit_and_needs_no_gmsh() {
     for word in [
         "worst element",
         "closed and outward",
-        "modes will cost",
+        "cost of modes",
         "housing",
         "gas_bore",
     ] {

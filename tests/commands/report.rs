@@ -226,7 +226,7 @@ fn an_unchanged_design_comes_back_whole_without_being_computed() {
     // Quiet is quiet, and another provenance is another result.
     let quiet = run(Some(&cache), &out, &["--quiet"]);
     assert!(quiet.stderr.is_empty(), "{}", String::from_utf8_lossy(&quiet.stderr));
-    assert!(String::from_utf8_lossy(&quiet.stdout).contains("has not changed"));
+    assert!(String::from_utf8_lossy(&quiet.stdout).contains("unchanged design"));
     // A damaged entry is noticed, and the digits are the same.
     let entry = fs::read_dir(&cache).unwrap().map(|entry| entry.unwrap().path());
     let entry = entry
