@@ -12,7 +12,7 @@ fn main() -> Result<(), nailnoise::Error> {
         &design,
         pipeline::Options::default(),
         &Store::none(),
-        &mut pipeline::Silent,
+        &nailnoise::stages::Progress::silent(),
     )?;
     for source in &run.result.ranking {
         match source.lwa_db {

@@ -12,9 +12,10 @@ use serde::{Deserialize, Serialize};
 use crate::design::Design;
 use crate::error::Error;
 use crate::output::{Fields, File};
-use crate::pipeline::{self, Observer, Options, Run, Vibration};
+use crate::pipeline::{self, Options, Run, Vibration};
 use crate::report::{self, Pictures, Recording};
 use crate::result::Check;
+use crate::stages::Progress;
 use crate::store::{Checksum, Key, Store, checksum};
 use crate::{figures, interrupt, output};
 
@@ -114,7 +115,7 @@ pub fn deliver(
     draw: bool,
     words: Words,
     cache: &Store,
-    observer: &mut dyn Observer,
+    progress: &Progress,
 ) -> Result<(Bundle, bool), Error> {
     let key = key(design, draw)?;
     let kept = cache.get(STAGE, &key).and_then(|bundle: Bundle| {
@@ -122,8 +123,8 @@ pub fn deliver(
         Some((bundle, fields))
     });
     if let Some((bundle, fields)) = kept {
-        cache.take_notes().iter().for_each(|note| observer.note(note));
-        observer.stage("the design has not changed: its files are those kept from the last run");
+        cache.take_notes().iter().for_each(|note| progress.note(note));
+        progress.stage("the design has not changed: its files are those kept from the last run");
         let _whole = interrupt::undisturbed();
         bundle.place(folder, &fields, None)?;
         return Ok((bundle, true));
@@ -147,20 +148,20 @@ pub fn deliver(
     };
     let options = Options::default();
     let (mut run, (mut pictures, mut fields)) =
-        pipeline::run_telling(design, options, cache, observer, (OF_BODIES, tell), &beside)?;
+        pipeline::run_telling(design, options, cache, progress, (OF_BODIES, tell), &beside)?;
     let mut kept = Wanted::default();
     if !of_bodies.exists() {
         match fields.wanted(folder, cache) {
             Some(wanted) => kept = wanted,
             None => {
-                observer.stage("the fields are no longer kept: the bodies once more");
+                progress.stage("the fields are no longer kept: the bodies once more");
                 let vibration;
-                (run, vibration) = pipeline::run_in_full(design, options, cache, observer)?;
+                (run, vibration) = pipeline::run_in_full(design, options, cache, progress)?;
                 (pictures, fields) = tell(&vibration, &run.record)?;
             }
         }
     }
-    observer.stage("writing files");
+    progress.stage("writing files");
     let of_cycle = of_cycle.into_inner().unwrap_or_else(|| output::of_cycle(&run.record));
     let mut files = files(design, &run, &pictures, draw)?;
     files.extend(of_cycle);
@@ -181,7 +182,7 @@ pub fn deliver(
         bundle.place(folder, &kept, Some(&unfinished))
     };
     let (placed, ()) = rayon::join(place, || cache.put(STAGE, &key, &bundle));
-    cache.take_notes().iter().for_each(|note| observer.note(note));
+    cache.take_notes().iter().for_each(|note| progress.note(note));
     placed?;
     Ok((bundle, false))
 }

@@ -6,14 +6,14 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::table::{decibels, table};
-use super::{Keeping, Progress, load, print, print_json, start_threads, status_of};
+use super::{Keeping, load, print, print_json, progress, start_threads, status_of};
 use crate::bundle::deliver;
 use crate::comparison::{Comparison, Finished, Labelled, Levels, Limit};
 use crate::error::Error;
 use crate::output;
-use crate::pipeline::Observer as _;
 use crate::report;
 use crate::result::Check;
+use crate::stages::Progress;
 use crate::store::Store;
 use crate::wording::{band, change, order};
 
@@ -46,19 +46,19 @@ pub(super) struct Arguments {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     start_threads(arguments.threads)?;
-    let mut progress = Progress::new();
+    let progress = progress();
     let cache = arguments.keeping.cache()?;
     let (mut results, mut checks): (Vec<Finished>, Vec<Check>) = (Vec::new(), Vec::new());
     for path in &arguments.designs {
         let mut result = match Finished::is_at(path) {
             Some(file) => Finished::read(&file)?,
-            None => finish(path, &results, &arguments.out, &cache, &mut progress, &mut checks)?,
+            None => finish(path, &results, &arguments.out, &cache, &progress, &mut checks)?,
         };
         let name = free_name(result.name(), &results);
         result.rename(name);
         results.push(result);
     }
-    drop(progress);
+    progress.end();
     let comparison = Comparison::new(&results);
     output::create(&arguments.out)?;
     let page = arguments.out.join("comparison.html");
@@ -84,7 +84,7 @@ fn finish(
     before: &[Finished],
     out: &Path,
     cache: &Store,
-    progress: &mut Progress,
+    progress: &Progress,
     checks: &mut Vec<Check>,
 ) -> Result<Finished, Error> {
     let design = load(path)?;

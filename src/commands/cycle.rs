@@ -8,12 +8,12 @@ use nailnoise_dynamics::{CycleRecord, EnergyFlow, Events, LogEntry, Outcome, Sum
 use serde::Serialize;
 
 use super::table::table;
-use super::{Common, Progress, print, print_json, status_of};
+use super::{Common, print, print_json, progress, status_of};
 use crate::error::Error;
 use crate::figures;
 use crate::output::{self, EVENT_NAMES};
 use crate::penetration;
-use crate::pipeline::{self, Observer as _, Preset};
+use crate::pipeline::{self, Preset};
 use crate::result::{Check, DesignId};
 
 #[derive(Args)]
@@ -101,7 +101,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         Some(preset) if common.out.is_none() => common.out(&design).join(preset.as_str()),
         _ => common.out(&design),
     };
-    let mut progress = Progress::new();
+    let progress = progress();
     progress.stage("nailing cycle");
     let record = match (preset, &arguments.penetration_table) {
         (Some(preset), _) => pipeline::cycle_as_published(&design, preset)?,
@@ -129,7 +129,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     } else {
         Vec::new()
     };
-    drop(progress);
+    progress.end();
     let checks: Vec<Check> = record.checks.iter().map(Check::from).collect();
     let status = status_of(&checks);
     let result = CycleResult {

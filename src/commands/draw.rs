@@ -7,11 +7,10 @@ use std::process::ExitCode;
 use serde::Serialize;
 
 use super::table::table;
-use super::{Common, Progress, print, print_json};
+use super::{Common, print, print_json, progress};
 use crate::design::{Design, Value};
 use crate::error::Error;
 use crate::output;
-use crate::pipeline::Observer as _;
 use crate::result::DesignId;
 use crate::study::{Draw, Fate, Study, study};
 
@@ -38,10 +37,10 @@ struct Failure {
 
 pub(super) fn execute(common: &Common, design: &Design, count: usize, seed: u64) -> Result<ExitCode, Error> {
     let folder = common.out(design);
-    let mut progress = Progress::new();
+    let progress = progress();
     progress.stage("drawing designs");
-    let study = study(design, count, seed, &mut progress)?;
-    drop(progress);
+    let study = study(design, count, seed, &progress)?;
+    progress.end();
     std::fs::create_dir_all(&folder).map_err(|source| Error::Write {
         path: folder.clone(),
         source,

@@ -31,7 +31,7 @@ use crate::design::Design;
 use crate::error::Error;
 use crate::result::Check;
 use crate::store::Store;
-use progress::Progress;
+use progress::progress;
 
 /// Predicts the sound power of each source of a pneumatic nailer from its design.
 #[derive(Parser)]

@@ -10,11 +10,11 @@ use serde::Serialize;
 
 use super::bodies::{BodyName, Own, length};
 use super::table::table;
-use super::{Common, Keeping, Progress, print, print_json, status_of};
+use super::{Common, Keeping, print, print_json, progress, status_of};
 use crate::correlation::{Correlation, correlate};
 use crate::error::Error;
 use crate::output;
-use crate::pipeline::{self, Body, Observer as _, Watched};
+use crate::pipeline::{self, Body};
 use crate::result::{Check, DesignId};
 
 #[derive(Args)]
@@ -72,11 +72,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let folder = common.out(&design);
     // A file that cannot be used is found before time is spent.
     let measurement = arguments.mac.as_deref().map(uff::read).transpose()?;
-    let mut progress = Progress::new();
+    let progress = progress();
     progress.stage("modes");
     let cache = arguments.keeping.cache()?;
     let kind = arguments.body.into();
-    let body = Watched::over(&mut progress).counting(("modes", "modes"), |tell| {
+    let body = progress.count(("modes", "modes"), |tell| {
         pipeline::modes_of_telling(&design, kind, &cache, tell)
     })?;
     let shapes = body.shapes(&design, &cache)?;
@@ -96,7 +96,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     if arguments.uff {
         files.push(output::write_universal(&folder, design.name(), &body, &shapes)?);
     }
-    drop(progress);
+    progress.end();
     let basis = &body.basis;
     let mode = |(index, &hz): (usize, &f64)| Mode {
         hz,

@@ -1,12 +1,13 @@
-//! Progress on standard error: a spinner or a bar where somebody looks, a line a stage where nobody does, nothing if asked.
+//! Progress on standard error: a spinner and bars on a terminal, one line a stage elsewhere, nothing with `--quiet`.
 
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
-use crate::pipeline::{Observer, Task};
+use crate::stages::{Observer, Progress, Task};
 
 /// Whether `--quiet` was given.
 static QUIET: AtomicBool = AtomicBool::new(false);
@@ -16,41 +17,39 @@ pub(super) fn silence() {
     QUIET.store(true, Ordering::Relaxed);
 }
 
+/// Progress on this process's standard error.
+pub(super) fn progress() -> Progress {
+    let quiet = QUIET.load(Ordering::Relaxed);
+    let lines = MultiProgress::new();
+    let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {
+        let bar = lines.add(ProgressBar::new_spinner());
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} {elapsed}") {
+            bar.set_style(style);
+        }
+        bar.enable_steady_tick(Duration::from_millis(100));
+        bar
+    });
+    Progress::to(Arc::new(Terminal {
+        bar,
+        lines,
+        tasks: Mutex::default(),
+        quiet,
+        since: Instant::now(),
+    }))
+}
+
 /// Shows the stages of a run while it works.
-pub(super) struct Progress {
+struct Terminal {
     bar: Option<ProgressBar>,
     /// One below the other: the stage, and a bar for each long task under way.
     lines: MultiProgress,
-    tasks: Vec<(&'static str, ProgressBar)>,
+    tasks: Mutex<Vec<(&'static str, ProgressBar)>>,
     quiet: bool,
     since: Instant,
 }
 
-impl Progress {
-    /// Progress for this process's standard error.
-    pub(super) fn new() -> Self {
-        let quiet = QUIET.load(Ordering::Relaxed);
-        let lines = MultiProgress::new();
-        let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {
-            let bar = lines.add(ProgressBar::new_spinner());
-            if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} {elapsed}") {
-                bar.set_style(style);
-            }
-            bar.enable_steady_tick(Duration::from_millis(100));
-            bar
-        });
-        Self {
-            bar,
-            lines,
-            tasks: Vec::new(),
-            quiet,
-            since: Instant::now(),
-        }
-    }
-}
-
-impl Observer for Progress {
-    fn stage(&mut self, name: &str) {
+impl Observer for Terminal {
+    fn stage(&self, name: &str) {
         match &self.bar {
             Some(bar) => bar.set_message(name.to_owned()),
             None if self.quiet => {}
@@ -58,7 +57,7 @@ impl Observer for Progress {
         }
     }
 
-    fn note(&mut self, text: &str) {
+    fn note(&self, text: &str) {
         match &self.bar {
             Some(_) => self.lines.suspend(|| eprintln!("note: {text}")),
             None if self.quiet => {}
@@ -66,7 +65,7 @@ impl Observer for Progress {
         }
     }
 
-    fn done(&mut self, items: u64, of: u64) {
+    fn done(&self, items: u64, of: u64) {
         let Some(bar) = &self.bar else { return };
         if bar.length() != Some(of) {
             if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}, {per_sec}, {eta} left") {
@@ -77,14 +76,15 @@ impl Observer for Progress {
         bar.set_position(items);
     }
 
-    fn task(&mut self, task: &Task) {
+    fn task(&self, task: &Task) {
         if self.bar.is_none() {
             return;
         }
-        let known = self.tasks.iter().position(|(name, _)| *name == task.name);
+        let mut tasks = self.tasks.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = tasks.iter().position(|(name, _)| *name == task.name);
         if task.ended {
             if let Some(known) = known {
-                let (_, bar) = self.tasks.remove(known);
+                let (_, bar) = tasks.remove(known);
                 bar.finish_and_clear();
                 self.lines.remove(&bar);
             }
@@ -92,10 +92,10 @@ impl Observer for Progress {
         }
         let known = known.unwrap_or_else(|| {
             let bar = self.lines.add(ProgressBar::no_length().with_message(task.name));
-            self.tasks.push((task.name, bar));
-            self.tasks.len() - 1
+            tasks.push((task.name, bar));
+            tasks.len() - 1
         });
-        let bar = &self.tasks[known].1;
+        let bar = &tasks[known].1;
         let of = (task.of > 0).then_some(task.of);
         if bar.length() != of || bar.position() == 0 {
             let template = match of {
@@ -112,11 +112,19 @@ impl Observer for Progress {
         }
         bar.set_position(task.done);
     }
+
+    fn end(&self) {
+        let tasks = self.tasks.lock().unwrap_or_else(PoisonError::into_inner);
+        tasks
+            .iter()
+            .map(|(_, bar)| bar)
+            .chain(&self.bar)
+            .for_each(ProgressBar::finish_and_clear);
+    }
 }
 
-impl Drop for Progress {
+impl Drop for Terminal {
     fn drop(&mut self) {
-        let tasks = self.tasks.iter().map(|(_, bar)| bar);
-        tasks.chain(&self.bar).for_each(ProgressBar::finish_and_clear);
+        self.end();
     }
 }

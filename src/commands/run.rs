@@ -5,11 +5,11 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::table::{decibels, table};
-use super::{Common, Keeping, Progress, print, status_of};
+use super::{Common, Keeping, print, progress, status_of};
 use crate::bundle::deliver;
 use crate::error::Error;
 use crate::output;
-use crate::pipeline::{self, Observer, Run};
+use crate::pipeline::{self, Run};
 use crate::result::{Component, Coupling, RankedSource, RunResult};
 use crate::wording::{band, order};
 
@@ -37,11 +37,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let design = common.load()?;
     let folder = common.out(&design);
     let cache = arguments.keeping.cache()?;
-    let mut progress = Progress::new();
-    let (bundle, unchanged) = deliver(&design, &folder, arguments.figures, words, &cache, &mut progress)?;
+    let progress = progress();
+    let (bundle, unchanged) = deliver(&design, &folder, arguments.figures, words, &cache, &progress)?;
     let mut checks = bundle.checks.clone();
     if arguments.fields {
-        let pictures = pipeline::pictures(&design, &cache, &mut progress)?;
+        let pictures = pipeline::pictures(&design, &cache, &progress)?;
         pictures.notes.iter().for_each(|note| progress.note(note));
         progress.stage("writing pictures");
         output::write_pictures(&folder, &design.digest(), &pictures)?;
@@ -49,7 +49,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     } else {
         output::remove_others(&folder, &design.digest())?;
     }
-    drop(progress);
+    progress.end();
     if common.json {
         print(&bundle.json);
     } else {

@@ -6,11 +6,10 @@ use std::process::ExitCode;
 use serde::Serialize;
 
 use super::table::table;
-use super::{Common, Progress, print, print_json};
+use super::{Common, print, print_json, progress};
 use crate::design::Design;
 use crate::error::Error;
 use crate::output;
-use crate::pipeline::Observer as _;
 use crate::result::DesignId;
 use crate::sensitivity::{self, Derivative, End, OutputSensitivity, ParameterOutcome, Sensitivity, USUAL};
 use crate::study::outcome_name;
@@ -41,10 +40,10 @@ pub(super) fn execute(
         sensitivity::choose(outputs)?
     };
     let folder = common.out(design);
-    let mut progress = Progress::new();
+    let progress = progress();
     progress.stage("sensitivity of the nailing cycle");
-    let sensitivity = sensitivity::sensitivity(design, &outputs, keys, &mut progress)?;
-    drop(progress);
+    let sensitivity = sensitivity::sensitivity(design, &outputs, keys, &progress)?;
+    progress.end();
     std::fs::create_dir_all(&folder).map_err(|source| Error::Write {
         path: folder.clone(),
         source,

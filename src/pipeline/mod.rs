@@ -37,9 +37,6 @@ mod tool_loads;
 mod tool_radiator;
 mod vibration;
 
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
-
 use nailnoise_acoustics::radiation::ModalSpectra;
 use nailnoise_dynamics::CycleRecord;
 use nailnoise_fem::transient::ModalResponse;
@@ -70,107 +67,11 @@ pub use crate::design::inputs::cycle::{cycle_settings, parameters};
 use crate::design::{Coupling, Design};
 use crate::error::Error;
 use crate::result::{Check, DesignId, RunResult, SCHEMA, Timing};
+use crate::stages::Progress;
 use crate::store::Store;
 
-/// Is told how far a run has got.
-pub trait Observer: Send {
-    /// A stage begins.
-    fn stage(&mut self, name: &str);
-    /// Something the user should know beside the result.
-    fn note(&mut self, text: &str);
-    /// So many items of the stage are done, of so many in all.
-    fn done(&mut self, _items: u64, _of: u64) {}
-    /// So much of one long task is done, beside whatever else is under way.
-    fn task(&mut self, _task: &Task) {}
-}
-
-/// How far a long task has got.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Task {
-    /// What it is.
-    pub name: &'static str,
-    /// What is counted.
-    pub items: &'static str,
-    /// How many are done.
-    pub done: u64,
-    /// How many there are, as far as is known; nobody knows of 0.
-    pub of: u64,
-    /// Whether it has come to its end, however many there were.
-    pub ended: bool,
-}
-
-/// An observer of stages that run side by side.
-pub(crate) struct Watched<'a>(Mutex<&'a mut dyn Observer>);
-
-/// Is told how many items of a task are done, and of how many.
+/// Receives how many items of a task are done, and of how many.
 pub(crate) type Tell<'a> = &'a (dyn Fn(u64, u64) + Sync);
-
-impl<'a> Watched<'a> {
-    /// The same observer for all.
-    pub(crate) fn over(observer: &'a mut dyn Observer) -> Self {
-        Self(Mutex::new(observer))
-    }
-
-    /// Runs a task with a counter of what it has done and of how many there are.
-    pub(crate) fn counting<T>(
-        &self,
-        (name, items): (&'static str, &'static str),
-        work: impl FnOnce(Tell<'_>) -> T,
-    ) -> T {
-        let tell = |done: u64, of: u64, ended: bool| {
-            self.with(|observer| {
-                observer.task(&Task {
-                    name,
-                    items,
-                    done,
-                    of,
-                    ended,
-                })
-            });
-        };
-        let value = work(&|done, of| tell(done, of, false));
-        tell(0, 0, true);
-        value
-    }
-
-    /// The same for a task whose items end one by one: `work` is given what is to be called after each, `expected` is how
-    /// many there are, as far as is known.
-    pub(crate) fn counting_each<T>(
-        &self,
-        task: (&'static str, &'static str),
-        expected: u64,
-        work: impl FnOnce(&(dyn Fn() + Sync)) -> T,
-    ) -> T {
-        let done = AtomicU64::new(0);
-        self.counting(task, |tell| {
-            work(&|| {
-                let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-                tell(done, if expected > 0 { done.max(expected) } else { 0 });
-            })
-        })
-    }
-
-    fn stage(&self, name: &str) {
-        self.with(|observer| observer.stage(name));
-    }
-
-    fn note(&self, text: &str) {
-        self.with(|observer| observer.note(text));
-    }
-
-    fn with<T>(&self, act: impl FnOnce(&mut dyn Observer) -> T) -> T {
-        act(*self.0.lock().unwrap_or_else(PoisonError::into_inner))
-    }
-}
-
-/// Listens to nothing.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Silent;
-
-impl Observer for Silent {
-    fn stage(&mut self, _: &str) {}
-    fn note(&mut self, _: &str) {}
-}
 
 /// A body with what the shot did to it.
 #[derive(Clone, Copy)]
@@ -223,9 +124,9 @@ impl Default for Options {
 ///
 /// # Errors
 /// [`Error`] of the stage that could not be computed.
-pub fn run(design: &Design, options: Options, cache: &Store, observer: &mut dyn Observer) -> Result<Run, Error> {
+pub fn run(design: &Design, options: Options, cache: &Store, progress: &Progress) -> Result<Run, Error> {
     let stage = ("sound of the bodies", |_: &Vibration, _: &CycleRecord| Ok(()));
-    let (run, ()) = run_telling(design, options, cache, observer, stage, &|_| ())?;
+    let (run, ()) = run_telling(design, options, cache, progress, stage, &|_| ())?;
     Ok(run)
 }
 
@@ -237,17 +138,17 @@ pub fn run_in_full(
     design: &Design,
     options: Options,
     cache: &Store,
-    observer: &mut dyn Observer,
+    progress: &Progress,
 ) -> Result<(Run, Vibration), Error> {
     let mut timing = Timing::default();
     let bench = Bench::new(design, options, cache)?;
     let lumped = match design.support.coupling {
-        Coupling::OneWay => Some(driving(design, &mut timing, observer)?),
+        Coupling::OneWay => Some(driving(design, &mut timing, progress)?),
         Coupling::TwoWay => None,
     };
-    let all = in_full(&bench, lumped, &mut timing, observer, |_, _| Ok(()))?;
+    let all = in_full(&bench, lumped, &mut timing, progress, |_, _| Ok(()))?;
     let of_bodies = (all.moved.record, all.told, all.two_way);
-    let run = finish(&bench, of_bodies, all.blown, timing, observer)?;
+    let run = finish(&bench, of_bodies, all.blown, timing, progress)?;
     Ok((run, all.moved.vibration))
 }
 
@@ -266,14 +167,13 @@ fn in_full<T: Send>(
     bench: &Bench<'_>,
     lumped: Option<CycleRecord>,
     timing: &mut Timing,
-    observer: &mut dyn Observer,
+    progress: &Progress,
     tell: impl FnOnce(&Vibration, &CycleRecord) -> Result<T, Error> + Send,
 ) -> Result<InFull<T>, Error> {
-    let (moved, body, blown) = moved(bench, lumped, timing, observer)?;
-    let watched = Watched::over(observer);
+    let (moved, body, blown) = moved(bench, lumped, timing, progress)?;
     let [mut of_telling, mut of_exhaust] = [Timing::default(), Timing::default()];
     let (told, (more, blown)) = rayon::join(
-        || told(bench, &moved, body, timing, &watched),
+        || told(bench, &moved, body, timing, progress),
         || {
             rayon::join(
                 || of_telling.time("telling", || tell(&moved.vibration, &moved.record)),
@@ -305,7 +205,7 @@ pub(crate) fn run_telling<T: Serialize + DeserializeOwned + Send>(
     design: &Design,
     options: Options,
     cache: &Store,
-    observer: &mut dyn Observer,
+    progress: &Progress,
     (stage, tell): (&str, impl FnOnce(&Vibration, &CycleRecord) -> Result<T, Error> + Send),
     beside: &(dyn Fn(&CycleRecord) + Sync),
 ) -> Result<(Run, T), Error> {
@@ -315,31 +215,31 @@ pub(crate) fn run_telling<T: Serialize + DeserializeOwned + Send>(
         ..Bench::new(design, options, cache)?
     };
     if design.support.coupling == Coupling::TwoWay {
-        let all = in_full(&bench, None, &mut timing, observer, tell)?;
+        let all = in_full(&bench, None, &mut timing, progress, tell)?;
         let of_bodies = (all.moved.record, all.told, all.two_way);
-        return Ok((finish(&bench, of_bodies, all.blown, timing, observer)?, all.more));
+        return Ok((finish(&bench, of_bodies, all.blown, timing, progress)?, all.more));
     }
-    let record = driving(design, &mut timing, observer)?;
+    let record = driving(design, &mut timing, progress)?;
     let key = told::key(design, options, &record);
     let mut found = None;
     let (told, more) = cache.get_or(stage, key, || {
-        let all = in_full(&bench, Some(record.clone()), &mut timing, observer, tell)?;
+        let all = in_full(&bench, Some(record.clone()), &mut timing, progress, tell)?;
         found = Some(all.blown);
         Ok::<_, Error>((all.told, all.more))
     })?;
     let blown = match found {
         Some(blown) => blown,
         None => {
-            observer.stage("exhaust");
+            progress.stage("exhaust");
             exhaust::blown(&bench, &record, told.end, &mut timing)?
         }
     };
-    Ok((finish(&bench, (record, told, None), blown, timing, observer)?, more))
+    Ok((finish(&bench, (record, told, None), blown, timing, progress)?, more))
 }
 
 /// The cycle with its own lumped workpiece.
-fn driving(design: &Design, timing: &mut Timing, observer: &mut dyn Observer) -> Result<CycleRecord, Error> {
-    observer.stage("nailing cycle");
+fn driving(design: &Design, timing: &mut Timing, progress: &Progress) -> Result<CycleRecord, Error> {
+    progress.stage("nailing cycle");
     timing.time("cycle", || cycle(design))
 }
 
@@ -349,7 +249,7 @@ fn finish(
     (record, told, two_way): (CycleRecord, Told, Option<TwoWay>),
     blown: Blown,
     mut timing: Timing,
-    observer: &mut dyn Observer,
+    progress: &Progress,
 ) -> Result<Run, Error> {
     let Bench { design, ref air, .. } = *bench;
     let sensors = told.sensors(design);
@@ -362,11 +262,11 @@ fn finish(
         ..
     } = blown;
     let notes = notes::notes(design, &record, &told, &exhaust);
-    notes.iter().for_each(|note| observer.note(note));
+    notes.iter().for_each(|note| progress.note(note));
     let range = [design.analysis.range_low, design.analysis.range_high];
     let sources = [workpiece, &jets, body];
     let (mut ranking, total) = ranking::rank(&sources, range);
-    observer.stage("microphones");
+    progress.stage("microphones");
     let microphones = timing.time("microphones", || {
         microphones::microphones(design, air, [&told.heard[0], &heard, &told.heard[1]], told.end)
     })?;

@@ -18,10 +18,11 @@ use super::radiator::{Radiator, flush_surface};
 use super::standing::levels;
 use super::told;
 use super::vibration::{Bench, Moved, Vibration, moved};
-use super::{Driven, Observer, Options, driving, outside, tool_radiator};
+use super::{Driven, Options, driving, outside, tool_radiator};
 use crate::design::{Coupling, Design};
 use crate::error::Error;
 use crate::result::{Check, Timing};
+use crate::stages::Progress;
 use crate::stages::spectra::side_by_side;
 use crate::store::Store;
 
@@ -105,28 +106,28 @@ pub struct Picture {
 ///
 /// # Errors
 /// [`Error`] of the stage that could not be computed.
-pub fn pictures(design: &Design, cache: &Store, observer: &mut dyn Observer) -> Result<Pictures, Error> {
+pub fn pictures(design: &Design, cache: &Store, progress: &Progress) -> Result<Pictures, Error> {
     let mut timing = Timing::default();
     let bench = Bench::new(design, Options::default(), cache)?;
     let lumped = match design.support.coupling {
-        Coupling::OneWay => driving(design, &mut timing, observer)?,
-        Coupling::TwoWay => return compute(&bench, None, observer),
+        Coupling::OneWay => driving(design, &mut timing, progress)?,
+        Coupling::TwoWay => return compute(&bench, None, progress),
     };
     let key = told::key(design, bench.options, &lumped);
-    cache.get_or("sound in pictures", key, || compute(&bench, Some(lumped), observer))
+    cache.get_or("sound in pictures", key, || compute(&bench, Some(lumped), progress))
 }
 
 fn compute(
     bench: &Bench<'_>,
     lumped: Option<nailnoise_dynamics::CycleRecord>,
-    observer: &mut dyn Observer,
+    progress: &Progress,
 ) -> Result<Pictures, Error> {
-    let (moved, ..) = moved(bench, lumped, &mut Timing::default(), observer)?;
+    let (moved, ..) = moved(bench, lumped, &mut Timing::default(), progress)?;
     let Moved {
         vibration, radiator, ..
     } = moved;
     let (design, air) = (bench.design, &bench.air);
-    observer.stage("sound in pictures");
+    progress.stage("sound in pictures");
     let mut pictures = match &radiator {
         Radiator::Bem(bem) => standing(design, air, bem, &vibration)?,
         Radiator::Rayleigh(of_top) => {

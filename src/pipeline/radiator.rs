@@ -8,13 +8,13 @@ use nailnoise_acoustics::radiation::{AbsorbingSand, Archive, Erp, ModalRadiation
 use nailnoise_acoustics::sound::FlushSound;
 use nalgebra::Point3;
 
-use super::Watched;
 use super::bodies::{Body, Structure};
 use super::microphones;
 use super::radiation::{moving_sand, radiating};
 use super::standing::standing;
 use crate::design::{Design, RadiationMethod, SupportKind};
 use crate::error::Error;
+use crate::stages::Progress;
 use crate::store::{Key, Store};
 
 /// Lowest frequency at which a radiation resistance is sampled \[Hz\]; below it each entry follows its own power law.
@@ -54,16 +54,16 @@ impl Radiator {
         structure: &Structure,
         air: &Air,
         cache: &Store,
-        watched: &Watched<'_>,
+        progress: &Progress,
     ) -> Result<Self, Error> {
         match (design.support.kind, design.acoustics.method) {
             (SupportKind::Sandbox, _) => {
-                let flush = flush_top(design, &structure.workpiece, air, cache, watched)?;
+                let flush = flush_top(design, &structure.workpiece, air, cache, progress)?;
                 Ok(Self::Rayleigh(Box::new(flush)))
             }
             (_, RadiationMethod::Erp) => standing_erp(design, structure, air),
             (_, RadiationMethod::Bem) => {
-                let bem = standing(design, structure, air, cache, watched)?;
+                let bem = standing(design, structure, air, cache, progress)?;
                 Ok(Self::Bem(Box::new(bem)))
             }
         }
@@ -119,7 +119,7 @@ pub(super) fn flush_surface(design: &Design, body: &Body, air: &Air) -> Result<R
 
 /// Rayleigh's integral over it: the top by itself once for every air; sand that moves along in the design's own, which takes
 /// little longer than to read it would.
-fn flush_top(design: &Design, body: &Body, air: &Air, cache: &Store, watched: &Watched<'_>) -> Result<Flush, Error> {
+fn flush_top(design: &Design, body: &Body, air: &Air, cache: &Store, progress: &Progress) -> Result<Flush, Error> {
     let sand = &design.support.sand;
     let surface = radiating(body, |patch, _| patch != "top")?;
     let absorbing = (sand.absorption_share > 0.0).then(|| absorbing_sand(design));
@@ -134,7 +134,7 @@ fn flush_top(design: &Design, body: &Body, air: &Air, cache: &Store, watched: &W
         ..Sampling::default()
     };
     let sampled = |rayleigh: &Rayleigh, sampling: &Sampling| {
-        watched.counting_each(("Rayleigh's integral", "frequencies"), 0, |one_more| {
+        progress.count_each(("Rayleigh's integral", "frequencies"), 0, |one_more| {
             FlushSound::new(rayleigh, sampling, &places, middle, one_more).map_err(Error::from)
         })
     };

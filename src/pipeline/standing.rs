@@ -15,13 +15,13 @@ use nailnoise_acoustics::radiation::{Archive, Sampling};
 use nailnoise_acoustics::{AcousticsError, Air};
 use nalgebra::{DMatrix, Point3};
 
-use super::Watched;
 use super::bodies::{Body, Structure};
 use super::microphones::{positions, reflecting_plane};
 use super::outside::open_air_above;
 use super::radiator::{FLOOR, LOWEST_SAMPLE, MOST_SAMPLES};
 use crate::design::{Design, SupportKind, WorktablePreset};
 use crate::error::Error;
+use crate::stages::Progress;
 use crate::store::{Key, Store};
 
 /// Tops of the ranges that have a mesh of their own, over the top of all.
@@ -68,7 +68,7 @@ pub(super) fn standing(
     structure: &Structure,
     air: &Air,
     cache: &Store,
-    watched: &Watched<'_>,
+    progress: &Progress,
 ) -> Result<ModalBem, Error> {
     // Once for every air: the matrix depends on the wavelength.
     let computed = Air::default();
@@ -82,12 +82,12 @@ pub(super) fn standing(
         if let Some(finest) = levels.last() {
             let seconds = expected_seconds(&levels, low, structure);
             let estimate = finest.problem.estimate();
-            watched.note(&format!(
+            progress.note(&format!(
                 "boundary elements, computed once for this structure, about {seconds:.0} s of processor time in all; \
                  finest mesh: {estimate}"
             ));
             if levels.len() == 1 {
-                watched.note(&format!(
+                progress.note(&format!(
                     "workpiece: the sides of its mesh are not those of workpiece.length, width and thickness; it radiates \
                      from its own faces, up to {:.0} Hz; {}",
                     finest.top_hz,
@@ -102,7 +102,7 @@ pub(super) fn standing(
             most_samples: MOST_SAMPLES,
         };
         let expected: f64 = expected(&levels, low).iter().sum::<f64>() + ModalBem::IN_MEAN as f64;
-        let bem = watched.counting_each(("boundary elements", "frequencies"), expected as u64, |one_more| {
+        let bem = progress.count_each(("boundary elements", "frequencies"), expected as u64, |one_more| {
             ModalBem::with_receivers_telling(levels, &sampling, &receivers, one_more)
         })?;
         Ok::<_, Error>(bem.to_bytes())

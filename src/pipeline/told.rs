@@ -17,10 +17,11 @@ use super::sound::{Sound, Source};
 use super::starts::starts;
 use super::tool_radiator::tool_radiator;
 use super::vibration::{Bench, Moved, Vibration, modal_spectra};
-use super::{Options, Stiffness, Tool, Watched, cycle, exhaust, radiation, response, tool_body};
+use super::{Options, Stiffness, Tool, cycle, exhaust, radiation, response, tool_body};
 use crate::design::{Coupling, Design};
 use crate::error::Error;
 use crate::result::{Check, Starts, Timing};
+use crate::stages::Progress;
 use crate::store::Key;
 
 /// What the moving bodies tell.
@@ -90,7 +91,7 @@ pub(super) fn told(
     moved: &Moved,
     body: Sound,
     timing: &mut Timing,
-    watched: &Watched<'_>,
+    progress: &Progress,
 ) -> Result<(Told, Option<TwoWay>), Error> {
     let design = bench.design;
     let Moved {
@@ -108,7 +109,7 @@ pub(super) fn told(
         tool,
     } = vibration;
     let damping = damping.as_deref();
-    watched.stage("radiation");
+    progress.stage("radiation");
     let mut of_sensors = Timing::default();
     let (sensors, workpiece) = rayon::join(
         || {
@@ -125,13 +126,13 @@ pub(super) fn told(
     let (sensors, workpiece) = (sensors?, workpiece?);
     timing.0.extend(of_sensors.0);
     let two_way = coupling.clone().map(|(work, checks)| {
-        watched.stage("the same one way, to compare");
-        let one_way = timing.time("one way", || one_way(bench, moved, watched))?;
+        progress.stage("the same one way, to compare");
+        let one_way = timing.time("one way", || one_way(bench, moved, progress))?;
         Ok::<_, Error>(TwoWay { work, checks, one_way })
     });
     let range = [design.analysis.range_low, design.analysis.range_high];
     let starts = if design.analysis.starts > 1 {
-        watched.stage("other starts");
+        progress.stage("other starts");
         let first = workpiece.spectrum.level(range, Weighting::A);
         timing.time("other starts", || {
             starts(design, structure, radiator, first, |start| {
@@ -195,11 +196,7 @@ pub(super) fn told(
 }
 
 /// The cycle of a coupled run with its own lumped workpiece, and the sources that it drives.
-fn one_way(
-    bench: &Bench<'_>,
-    moved: &Moved,
-    watched: &Watched<'_>,
-) -> Result<(CycleRecord, [SourceSpectrum; 3]), Error> {
+fn one_way(bench: &Bench<'_>, moved: &Moved, progress: &Progress) -> Result<(CycleRecord, [SourceSpectrum; 3]), Error> {
     let Bench {
         design,
         options,
@@ -217,7 +214,7 @@ fn one_way(
     let body = match &moved.vibration.tool {
         Some(_) => {
             let body = tool_body(design, cache)?;
-            let bem = tool_radiator(design, &body, air, cache, watched)?;
+            let bem = tool_radiator(design, &body, air, cache, progress)?;
             Tool::new(design, (body, bem), parameters, &record, cache)?.sound(design, &record, air)?
         }
         None => radiation::rigid_tool(design, &record, air)?,

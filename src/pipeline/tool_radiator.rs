@@ -16,13 +16,13 @@ use nailnoise_acoustics::bem::{Boundary, Exterior, Level, ModalBem, Parity, Patt
 use nailnoise_acoustics::radiation::{Archive, Sampling};
 use nalgebra::{Point3, Vector3};
 
-use super::Watched;
 use super::bodies::Body;
 use super::microphones::{positions, reflecting_plane, tool_height};
 use super::outline::Outline;
 use super::radiator::{FLOOR, LOWEST_SAMPLE, MOST_SAMPLES};
 use crate::design::{Design, RadiationMethod};
 use crate::error::Error;
+use crate::stages::Progress;
 use crate::store::{Key, Store};
 
 /// Name of the stage in the cache.
@@ -52,7 +52,7 @@ pub(super) fn tool_radiator(
     body: &Body,
     air: &Air,
     cache: &Store,
-    watched: &Watched<'_>,
+    progress: &Progress,
 ) -> Result<Option<ModalBem>, Error> {
     if design.acoustics.body_method == RadiationMethod::Erp {
         return Ok(None);
@@ -65,7 +65,7 @@ pub(super) fn tool_radiator(
     let bem = cache.decoded_or(STAGE, &key, read, || {
         let levels = levels(design, body, &computed)?;
         let top_hz = levels.iter().map(|level| level.top_hz).fold(0.0, f64::max);
-        tell(&levels, body.omega.len(), watched);
+        tell(&levels, body.omega.len(), progress);
         let sampling = Sampling {
             range_hz: [LOWEST_SAMPLE.min(0.1 * top_hz), top_hz],
             tolerance: design.acoustics.bem_tolerance,
@@ -74,7 +74,7 @@ pub(super) fn tool_radiator(
         };
         let expected: f64 = expected(&levels).iter().sum();
         let task = ("boundary elements of the tool", "frequencies");
-        let bem = watched.counting_each(task, expected as u64, |one_more| {
+        let bem = progress.count_each(task, expected as u64, |one_more| {
             ModalBem::with_receivers_telling(levels, &sampling, &receivers, one_more)
         })?;
         Ok::<_, Error>(bem.to_bytes())
@@ -83,7 +83,7 @@ pub(super) fn tool_radiator(
 }
 
 /// Tells what will be computed before any time is spent, and what was mended.
-fn tell(levels: &[Level], modes: usize, watched: &Watched<'_>) {
+fn tell(levels: &[Level], modes: usize, progress: &Progress) {
     let Some(finest) = levels.last() else { return };
     let of_level = |(level, frequencies): (&Level, f64)| {
         let estimate = level.problem.estimate();
@@ -96,7 +96,7 @@ fn tell(levels: &[Level], modes: usize, watched: &Watched<'_>) {
         kept + frequencies * estimate.seconds_with(modes)
     };
     let seconds: f64 = levels.iter().zip(expected(levels)).map(of_level).sum();
-    watched.note(&format!(
+    progress.note(&format!(
         "tool: boundary elements up to {:.0} Hz, computed once for this body, about {seconds:.0} s of processor time in all; \
          finest mesh: {}",
         finest.top_hz,
@@ -104,7 +104,7 @@ fn tell(levels: &[Level], modes: usize, watched: &Watched<'_>) {
     ));
     let mended = finest.problem.boundary().mended();
     if mended.flipped > 0 {
-        watched.note(&format!("tool: {mended}; look at its mesh"));
+        progress.note(&format!("tool: {mended}; look at its mesh"));
     }
 }
 

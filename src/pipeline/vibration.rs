@@ -13,10 +13,11 @@ use super::radiator::Radiator;
 use super::sensors::{Moving, Sensed, Sensing};
 use super::sound::Sound;
 use super::tool_radiator::tool_radiator;
-use super::{Body, Driven, Observer, Options, Structure, Tell, Tool, Watched, bodies, parameters, radiation, response};
+use super::{Body, Driven, Options, Structure, Tell, Tool, bodies, parameters, radiation, response};
 use crate::design::{BodyModel, Design, SupportKind};
 use crate::error::Error;
 use crate::result::{Check, Timing};
+use crate::stages::Progress;
 use crate::stages::spectra::body_spectra;
 use crate::store::Store;
 
@@ -119,24 +120,23 @@ pub(super) fn moved(
     bench: &Bench<'_>,
     lumped: Option<CycleRecord>,
     timing: &mut Timing,
-    observer: &mut dyn Observer,
+    progress: &Progress,
 ) -> Result<(Moved, Sound, Option<Blown>), Error> {
     let (design, cache) = (bench.design, bench.cache);
     // Neither workpiece with support nor the tool's body knows of the other.
-    let watched = Watched::over(observer);
     let (of_structure, of_tool) = std::thread::scope(|scope| {
         let of_tool = scope.spawn(|| {
             let mut timing = Timing::default();
             let body = match design.body.model {
                 BodyModel::Elastic => {
                     let modes = |tell: Tell<'_>| bodies::tool_body_telling(design, cache, tell);
-                    Some(timing.time("tool modes", || watched.counting(("modes of the tool", "modes"), modes))?)
+                    Some(timing.time("tool modes", || progress.count(("modes of the tool", "modes"), modes))?)
                 }
                 BodyModel::Rigid => None,
             };
             let side = match &lumped {
                 Some(record) => {
-                    let (tool, sound) = tool_in_motion(bench, body, record, &mut timing, &watched)?;
+                    let (tool, sound) = tool_in_motion(bench, body, record, &mut timing, progress)?;
                     // No response is longer than that of a housing, whose flight does not decay: the end is known.
                     let end = tool.as_ref().map(|tool| end(record, [&tool.response]));
                     let blown = end.map(|end| exhaust::blown(bench, record, end, &mut timing));
@@ -147,7 +147,7 @@ pub(super) fn moved(
             };
             Ok::<_, Error>((side, timing))
         });
-        let of_structure = structure_side(bench, lumped.as_ref(), timing, &watched);
+        let of_structure = structure_side(bench, lumped.as_ref(), timing, progress);
         let of_tool = of_tool.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         (of_structure, of_tool)
     });
@@ -170,7 +170,7 @@ pub(super) fn moved(
     let (tool, body, blown) = match of_tool {
         ToolSide::Moved(moved) => *moved,
         ToolSide::Still(body) => {
-            let (tool, body) = tool_in_motion(bench, *body, &record, timing, &watched)?;
+            let (tool, body) = tool_in_motion(bench, *body, &record, timing, progress)?;
             (tool, body, None)
         }
     };
@@ -203,7 +203,7 @@ fn tool_in_motion(
     body: Option<Body>,
     record: &CycleRecord,
     timing: &mut Timing,
-    watched: &Watched<'_>,
+    progress: &Progress,
 ) -> Result<(Option<Tool>, Sound), Error> {
     let Bench {
         design,
@@ -215,7 +215,7 @@ fn tool_in_motion(
     let tool = match body {
         Some(body) => {
             let bem = timing.time("radiation matrices of the tool", || {
-                tool_radiator(design, &body, air, cache, watched)
+                tool_radiator(design, &body, air, cache, progress)
             })?;
             Some(timing.time("tool response", || {
                 Tool::new(design, (body, bem), parameters, record, cache)
@@ -249,7 +249,7 @@ fn structure_side(
     bench: &Bench<'_>,
     lumped: Option<&CycleRecord>,
     timing: &mut Timing,
-    watched: &Watched<'_>,
+    progress: &Progress,
 ) -> Result<StructureSide, Error> {
     let Bench {
         design,
@@ -259,12 +259,12 @@ fn structure_side(
         cache,
         ..
     } = *bench;
-    let structure = modes(design, cache, timing, watched)?;
-    watched.stage("radiation matrices");
+    let structure = modes(design, cache, timing, progress)?;
+    progress.stage("radiation matrices");
     let radiator = timing.time("radiation matrices", || {
-        Radiator::new(design, &structure, air, cache, watched)
+        Radiator::new(design, &structure, air, cache, progress)
     })?;
-    cache.take_notes().iter().for_each(|note| watched.note(note));
+    cache.take_notes().iter().for_each(|note| progress.note(note));
     let damping = design
         .acoustics
         .radiation_damping
@@ -272,7 +272,7 @@ fn structure_side(
     let added = damping.as_deref();
     let (response, coupled) = match lumped {
         Some(record) => {
-            watched.stage("response of workpiece and support");
+            progress.stage("response of workpiece and support");
             let force = (options.workpiece_force_scale, 0);
             let response = timing.time("response", || {
                 response::response(design, &structure, added, parameters, record, force)
@@ -280,7 +280,7 @@ fn structure_side(
             (response, None)
         }
         None => {
-            watched.stage("nailing cycle with workpiece and support");
+            progress.stage("nailing cycle with workpiece and support");
             let both = timing.time("cycle and response", || {
                 response::coupled(design, &structure, added, parameters, 0)
             })?;
@@ -334,16 +334,16 @@ pub(super) fn modal_spectra(
 }
 
 /// Workpiece and support with their modes.
-fn modes(design: &Design, cache: &Store, timing: &mut Timing, watched: &Watched<'_>) -> Result<Structure, Error> {
-    watched.stage("modes of the bodies");
+fn modes(design: &Design, cache: &Store, timing: &mut Timing, progress: &Progress) -> Result<Structure, Error> {
+    progress.stage("modes of the bodies");
     let block = |tell: Tell<'_>| bodies::workpiece_telling(design, cache, tell);
     let block = timing.time("workpiece modes", || {
-        watched.counting(("modes of the workpiece", "modes"), block)
+        progress.count(("modes of the workpiece", "modes"), block)
     })?;
     let table = |tell: Tell<'_>| bodies::table_telling(design, cache, tell);
     let worktable = match design.support.kind {
         SupportKind::Worktable => Some(timing.time("worktable modes", || {
-            watched.counting(("modes of the worktable", "modes"), table)
+            progress.count(("modes of the worktable", "modes"), table)
         })?),
         SupportKind::Sandbox | SupportKind::Floor | SupportKind::Clamped | SupportKind::Springs => None,
     };

@@ -23,7 +23,8 @@ pub use outputs::{OUTPUTS, Output, USUAL, choose};
 
 use crate::design::{Design, Value};
 use crate::error::Error;
-use crate::pipeline::{self, Observer};
+use crate::pipeline;
+use crate::stages::Progress;
 use crate::study::{Parameter, taking_part};
 use extrapolate::{Estimate, extrapolate};
 
@@ -144,7 +145,7 @@ pub fn sensitivity(
     design: &Design,
     outputs: &[Output],
     keys: Option<&[&str]>,
-    observer: &mut dyn Observer,
+    progress: &Progress,
 ) -> Result<Sensitivity, Error> {
     let mut parameters = taking_part(design)?;
     // A derivative with respect to a whole number is none.
@@ -186,7 +187,7 @@ pub fn sensitivity(
     for batch in jobs.chunks(BATCH) {
         let of_job = |(index, x): &(usize, f64)| run(design, &parameters[*index], *x, &settings(1.0, 1.0), outputs);
         runs.par_extend(batch.par_iter().map(of_job));
-        observer.done(runs.len() as u64, jobs.len() as u64);
+        progress.done(runs.len() as u64, jobs.len() as u64);
     }
     let per_parameter: Vec<&[Run]> = runs.chunks(2 * STEPS + 2).collect();
 

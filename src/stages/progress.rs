@@ -13,6 +13,8 @@ pub trait Observer: Send + Sync {
     fn done(&self, _items: u64, _of: u64) {}
     /// A long task of a stage has advanced.
     fn task(&self, _task: &Task) {}
+    /// Nothing more is to come.
+    fn end(&self) {}
 }
 
 /// State of a long task.
@@ -62,6 +64,11 @@ impl Progress {
     /// A remark that the user should read beside the result.
     pub fn note(&self, text: &str) {
         self.0.note(text);
+    }
+
+    /// Nothing more is to come.
+    pub fn end(&self) {
+        self.0.end();
     }
 
     /// So many items of the command's own work are done, of so many.

@@ -16,7 +16,8 @@ pub use parameters::{Parameter, taking_part};
 
 use crate::design::{Conflict, Design, Value};
 use crate::error::Error;
-use crate::pipeline::{self, Observer};
+use crate::pipeline;
+use crate::stages::Progress;
 
 /// Candidates drawn at most for each design asked for, lest a design whose ranges hardly go together never ends.
 const MOST_CANDIDATES: usize = 1000;
@@ -99,7 +100,7 @@ pub fn outcome_name(outcome: Outcome) -> &'static str {
 ///
 /// # Errors
 /// As [`pipeline::parameters`].
-pub fn study(design: &Design, count: usize, seed: u64, observer: &mut dyn Observer) -> Result<Study, Error> {
+pub fn study(design: &Design, count: usize, seed: u64, progress: &Progress) -> Result<Study, Error> {
     let parameters = taking_part(design)?;
     let settings = Settings {
         sample_interval: SAMPLES,
@@ -130,7 +131,7 @@ pub fn study(design: &Design, count: usize, seed: u64, observer: &mut dyn Observ
                 Err(reason) => *study.refused.entry(reason).or_default() += 1,
             }
         }
-        observer.done(study.draws.len() as u64, count as u64);
+        progress.done(study.draws.len() as u64, count as u64);
     }
     Ok(study)
 }

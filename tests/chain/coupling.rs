@@ -1,9 +1,8 @@
 //! The two-way coupled run: what it must reproduce, keep and say.
 
 use nailnoise::design::{Coupling, Design};
-use nailnoise::pipeline::{
-    self, COUPLED_LOADS, Coupled, Options, Run, Silent, Vibration, couple, cycle_settings, parameters,
-};
+use nailnoise::pipeline::{self, COUPLED_LOADS, Coupled, Options, Run, Vibration, couple, cycle_settings, parameters};
+use nailnoise::stages::Progress;
 use nailnoise::store::Store;
 use nailnoise_dynamics::{Geometry, Parameters, simulate};
 use nailnoise_fem::transient::{ModalBody, Motion, Settings, Support, SupportLaw};
@@ -132,7 +131,7 @@ fn small(text: &str) -> Design {
 }
 
 fn run(text: &str) -> Run {
-    pipeline::run(&small(text), Options::default(), &Store::none(), &mut Silent).unwrap()
+    pipeline::run(&small(text), Options::default(), &Store::none(), &Progress::silent()).unwrap()
 }
 
 fn level(run: &Run, source: &str) -> f64 {
@@ -170,7 +169,8 @@ fn a_block_hung_free_swings_below_what_is_heard() {
     let mut design = small("");
     design.support.kind = free.support.kind;
     design.springs = free.springs.clone();
-    let (run, moving) = pipeline::run_in_full(&design, Options::default(), &Store::none(), &mut Silent).unwrap();
+    let (run, moving) =
+        pipeline::run_in_full(&design, Options::default(), &Store::none(), &Progress::silent()).unwrap();
     let failed: Vec<_> = run.result.checks.iter().filter(|check| !check.ok).collect();
     assert!(
         failed.iter().all(|check| check.name.contains("last octave")),
@@ -188,8 +188,9 @@ fn a_block_hung_free_swings_below_what_is_heard() {
 #[test]
 fn sand_at_the_sides_holds_the_block_and_sand_under_it_weighs_it_down() {
     let sand = "support.kind = \"sandbox\"\nsupport.sand.bonded = true\n";
-    let run =
-        |text: &str| pipeline::run_in_full(&small(text), Options::default(), &Store::none(), &mut Silent).unwrap();
+    let run = |text: &str| {
+        pipeline::run_in_full(&small(text), Options::default(), &Store::none(), &Progress::silent()).unwrap()
+    };
     let (alone, still) = run(sand);
     let (held, between) = run(&format!("{sand}support.sand.side_contact = 0.5"));
     let (heavy, laden) = run(&format!("{sand}support.sand.added_mass = 0.3"));
@@ -272,7 +273,8 @@ fn on_springs(stiffness: f64, damping: f64, text: &str) -> Design {
 fn a_block_on_springs_and_dashpots_swings_and_dies_as_a_mass_does() {
     let (k, c) = (2e5, 30.0);
     let design = on_springs(k, c, "analysis.duration = \"0.3 s\"\nwood.loss_factor = 0");
-    let (run, moving) = pipeline::run_in_full(&design, Options::default(), &Store::none(), &mut Silent).unwrap();
+    let (run, moving) =
+        pipeline::run_in_full(&design, Options::default(), &Store::none(), &Progress::silent()).unwrap();
     assert!(
         run.result
             .checks
@@ -328,7 +330,7 @@ fn springs_carry_both_ways_and_a_table_on_feet_closes_its_balances() {
         &on_springs(1e6, 60.0, "support.coupling = \"two-way\""),
         Options::default(),
         &Store::none(),
-        &mut Silent,
+        &Progress::silent(),
     )
     .unwrap();
     let fine = |run: &Run| {
@@ -353,7 +355,7 @@ fn springs_carry_both_ways_and_a_table_on_feet_closes_its_balances() {
     let mut table = small("support.worktable.foot = \"clamped\"");
     table.support.worktable.foot = feet.support.worktable.foot;
     table.springs = feet.springs.clone();
-    let (run, moving) = pipeline::run_in_full(&table, Options::default(), &Store::none(), &mut Silent).unwrap();
+    let (run, moving) = pipeline::run_in_full(&table, Options::default(), &Store::none(), &Progress::silent()).unwrap();
     fine(&run);
     let under = moving.structure.worktable.as_ref().unwrap();
     assert_eq!(
@@ -376,7 +378,7 @@ fn a_spring_beside_its_body_is_refused_and_so_are_springs_that_cannot_hold() {
     let mut off = on_springs(1e6, 60.0, "");
     off.springs.get_mut("corner_1").unwrap().z = -0.02;
     let error = |design: &Design| {
-        let run = pipeline::run(design, Options::default(), &Store::none(), &mut Silent);
+        let run = pipeline::run(design, Options::default(), &Store::none(), &Progress::silent());
         let error = run.map(|_| ()).unwrap_err();
         let causes = std::iter::successors(Some(&error as &dyn std::error::Error), |error| error.source());
         causes.map(|error| error.to_string()).collect::<Vec<_>>().join(": ")

@@ -2,8 +2,9 @@
 
 use nailnoise::Design;
 use nailnoise::design::{SupportKind, Value};
-use nailnoise::pipeline::{Options, Run, Silent, run, run_in_full};
+use nailnoise::pipeline::{Options, Run, run, run_in_full};
 use nailnoise::result::RankedSource;
+use nailnoise::stages::Progress;
 use nailnoise::store::{LIMIT, Store};
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::exhaust::Jet;
@@ -27,7 +28,7 @@ fn ranked(run: &Run, source: &str) -> RankedSource {
 
 fn scaled(design: &Design, workpiece_force_scale: f64) -> Run {
     let cache = Store::at(concat!(env!("CARGO_TARGET_TMPDIR"), "/modes").into(), LIMIT);
-    run(design, Options { workpiece_force_scale }, &cache, &mut Silent).unwrap()
+    run(design, Options { workpiece_force_scale }, &cache, &Progress::silent()).unwrap()
 }
 
 #[test]
@@ -176,7 +177,7 @@ fn a_changed_design_out_of_the_cache_has_the_digits_of_one_without() {
     let _ = std::fs::remove_dir_all(folder);
     let cache = Store::at(folder.into(), LIMIT);
     let digits = |design: &Design, cache: &Store| {
-        let told = run(design, Options::default(), cache, &mut Silent).unwrap();
+        let told = run(design, Options::default(), cache, &Progress::silent()).unwrap();
         let mut value = serde_json::to_value(&told.result).unwrap();
         let stages = value["timing"].take().as_object().unwrap().len();
         (value, stages)
@@ -221,7 +222,7 @@ fn kept_bodies_do_not_depend_on_what_their_key_leaves_out() {
     small.support.kind = SupportKind::Floor;
     // A chamber of 30 mm carries plane waves up to 6.7 kHz.
     small.analysis.exhaust_top = 6e3;
-    let first = run(&small, Options::default(), &cache, &mut Silent).unwrap();
+    let first = run(&small, Options::default(), &cache, &Progress::silent()).unwrap();
     let (first, all) = digits(&first);
     let (mut tried, mut taken, mut acting) = (0, 0, 0);
     for muffler in ["none", "insertion_loss", "chamber"] {
@@ -243,8 +244,8 @@ fn kept_bodies_do_not_depend_on_what_their_key_leaves_out() {
             };
             let mut design = base.clone();
             design.set(&[(entry.key.as_str(), other)]).unwrap();
-            let (found, stages) = digits(&run(&design, Options::default(), &cache, &mut Silent).unwrap());
-            let (anew, _) = run_in_full(&design, Options::default(), &cache, &mut Silent).unwrap();
+            let (found, stages) = digits(&run(&design, Options::default(), &cache, &Progress::silent()).unwrap());
+            let (anew, _) = run_in_full(&design, Options::default(), &cache, &Progress::silent()).unwrap();
             assert_eq!(found, digits(&anew).0, "{} with muffler {muffler}", entry.key);
             tried += 1;
             taken += usize::from(stages < all);

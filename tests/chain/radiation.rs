@@ -3,13 +3,14 @@
 use crate::common::small;
 use nailnoise::Design;
 use nailnoise::output::{remove_others, write_pictures};
-use nailnoise::pipeline::{Options, Run, Silent, pictures, run};
+use nailnoise::pipeline::{Options, Run, pictures, run};
 use nailnoise::result::{HeardSource, RankedSource};
+use nailnoise::stages::Progress;
 use nailnoise::store::{LIMIT, Store};
 
 fn of(design: &Design) -> Run {
     let cache = Store::at(concat!(env!("CARGO_TARGET_TMPDIR"), "/modes").into(), LIMIT);
-    run(design, Options::default(), &cache, &mut Silent).unwrap()
+    run(design, Options::default(), &cache, &Progress::silent()).unwrap()
 }
 
 fn workpiece(run: &Run) -> &RankedSource {
@@ -204,7 +205,7 @@ fn a_workpiece_in_sand_is_evaluated_twice_and_its_pictures_hold_its_energy() {
     assert!(run.result.checks.iter().any(|check| check.name == named && check.ok));
 
     let cache = Store::at(concat!(env!("CARGO_TARGET_TMPDIR"), "/modes").into(), LIMIT);
-    let found = pictures(&design, &cache, &mut Silent).unwrap();
+    let found = pictures(&design, &cache, &Progress::silent()).unwrap();
     assert!(
         !found.checks.is_empty() && found.checks.iter().all(|check| check.ok),
         "{:?}",
@@ -249,7 +250,7 @@ fn a_workpiece_in_sand_is_evaluated_twice_and_its_pictures_hold_its_energy() {
 fn with_radiation_efficiency_1_pictures_show_velocities_and_say_so() {
     let design = small("[acoustics]\nmethod = \"erp\"\n[analysis]\nrange_high = \"400 Hz\"");
     let cache = Store::at(concat!(env!("CARGO_TARGET_TMPDIR"), "/modes").into(), LIMIT);
-    let found = pictures(&design, &cache, &mut Silent).unwrap();
+    let found = pictures(&design, &cache, &Progress::silent()).unwrap();
     assert!(
         found.checks.is_empty() && found.notes[0].contains("no pressure"),
         "{:?}",

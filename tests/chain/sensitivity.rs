@@ -1,8 +1,9 @@
 //! Derivatives of a shot: against closed forms, against differences made by hand, and at the edges of what is allowed.
 
 use nailnoise::design::Value;
-use nailnoise::pipeline::{Silent, cycle_settings, parameters};
+use nailnoise::pipeline::{cycle_settings, parameters};
 use nailnoise::sensitivity::{Derivative, End, OUTPUTS, Sensitivity, choose, sensitivity};
+use nailnoise::stages::Progress;
 use nailnoise::{Design, Error};
 use nailnoise_dynamics::{CycleRecord, Outcome, Settings, simulate};
 
@@ -37,7 +38,7 @@ fn moved(design: &Design, key: &str, value: f64) -> CycleRecord {
 fn the_impact_answers_to_the_nails_density_as_momentum_says() {
     let design = design();
     let outputs = choose(&["speed", "t3", "t4"]).unwrap();
-    let s = sensitivity(&design, &outputs, Some(&["nail.density"]), &mut Silent).unwrap();
+    let s = sensitivity(&design, &outputs, Some(&["nail.density"]), &Progress::silent()).unwrap();
     let v = s
         .outputs
         .iter()
@@ -78,7 +79,7 @@ fn differences_made_by_hand_agree_within_the_error() {
     ])
     .unwrap();
     let keys = ["supply.pressure", "wood.hardness_modulus"];
-    let s = sensitivity(&design, &outputs, Some(&keys), &mut Silent).unwrap();
+    let s = sensitivity(&design, &outputs, Some(&keys), &Progress::silent()).unwrap();
     for (key, value, step) in [
         (keys[0], design.supply.pressure, 2e3),
         (keys[1], design.wood.hardness_modulus, 1e3),
@@ -120,7 +121,7 @@ fn signs_are_those_of_the_physics() {
             "wood.resistance_scale",
             "contacts.stopper_stiffness",
         ]),
-        &mut Silent,
+        &Progress::silent(),
     )
     .unwrap();
     for (output, key, sign) in [
@@ -159,7 +160,7 @@ fn at_the_edge_of_what_is_allowed_differences_are_one_sided() {
         &design,
         &choose(&["mean_drive_speed"]).unwrap(),
         Some(&keys),
-        &mut Silent,
+        &Progress::silent(),
     )
     .unwrap();
     let viscous = of(&s, "mean_drive_speed", keys[0]);
@@ -192,7 +193,7 @@ fn a_range_over_which_the_shot_changes_is_flagged() {
         &design(),
         &choose(&["speed_before_impact"]).unwrap(),
         Some(&keys),
-        &mut Silent,
+        &Progress::silent(),
     )
     .unwrap();
     assert_eq!(s.outcome, Outcome::Drives);

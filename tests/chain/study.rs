@@ -7,7 +7,8 @@ use std::sync::OnceLock;
 
 use nailnoise::Design;
 use nailnoise::design::Value;
-use nailnoise::pipeline::{self, Silent};
+use nailnoise::pipeline::{self};
+use nailnoise::stages::Progress;
 use nailnoise::study::{Draw, Fate, Study, study, taking_part};
 use nailnoise_dynamics::{Parameters, simulate};
 use rayon::prelude::*;
@@ -19,7 +20,7 @@ fn design() -> Design {
 /// The thousand designs, drawn once.
 fn thousand() -> &'static Study {
     static STUDY: OnceLock<Study> = OnceLock::new();
-    STUDY.get_or_init(|| study(&design(), 1000, 1, &mut Silent).unwrap())
+    STUDY.get_or_init(|| study(&design(), 1000, 1, &Progress::silent()).unwrap())
 }
 
 #[test]
@@ -136,7 +137,7 @@ fn ten_of_each_outcome_agree_with_the_reference() {
 fn draws_depend_on_the_seed_and_not_on_threads() {
     let draws = |seed: u64, threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let study = pool.install(|| study(&design(), 12, seed, &mut Silent).unwrap());
+        let study = pool.install(|| study(&design(), 12, seed, &Progress::silent()).unwrap());
         study
             .draws
             .iter()
@@ -164,7 +165,7 @@ fn what_is_drawn_takes_part_in_the_cycle_and_stays_in_its_range() {
     for group in ["body.", "support.sand.", "analysis.", "wood.elastic."] {
         assert!(!keys.iter().any(|key| key.starts_with(group)), "{group}");
     }
-    let study = study(&design, 30, 3, &mut Silent).unwrap();
+    let study = study(&design, 30, 3, &Progress::silent()).unwrap();
     for draw in &study.draws {
         for (parameter, value) in study.parameters.iter().zip(&draw.values) {
             let value = match value {

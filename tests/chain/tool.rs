@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 
 use nailnoise::Design;
 use nailnoise::design::{BodyModel, Carrier, Sensor, SupportKind};
-use nailnoise::pipeline::{self, BodyKind, Geometry, Options, Run, Silent};
+use nailnoise::pipeline::{self, BodyKind, Geometry, Options, Run};
 use nailnoise::result::RankedSource;
+use nailnoise::stages::Progress;
 use nailnoise::store::{LIMIT, Store};
 use nailnoise_acoustics::fourier::filtered;
 use nailnoise_fem::transient::Motion;
@@ -86,7 +87,7 @@ fn bar(stiffening: f64) -> Design {
 
 fn run(design: &Design) -> Run {
     let cache = Store::at(file("cache"), LIMIT);
-    pipeline::run(design, Options::default(), &cache, &mut Silent).unwrap()
+    pipeline::run(design, Options::default(), &cache, &Progress::silent()).unwrap()
 }
 
 fn body(run: &Run) -> RankedSource {
@@ -254,7 +255,7 @@ fn a_sensor_on_the_tool_reads_the_sum_of_its_modal_accelerations() {
     let (low, high) = (2.0, 1.5e3);
     let design = with_sensors(bar(0.1), [low, high]);
     let cache = Store::at(file("cache"), LIMIT);
-    let (run, moving) = pipeline::run_in_full(&design, Options::default(), &cache, &mut Silent).unwrap();
+    let (run, moving) = pipeline::run_in_full(&design, Options::default(), &cache, &Progress::silent()).unwrap();
     let tool = moving.tool.as_ref().unwrap();
     let at = Point3::new(0.0, 0.0, 0.3);
     let node = tool.body.mesh.nodes.iter().position(|p| (p - at).norm() < 1e-9);
@@ -290,7 +291,7 @@ fn a_sensor_beside_the_tool_is_refused_with_its_distance_and_one_within_a_mesh_c
         let mut design = with_sensors(bar(1.0), [1.0, 10e3]);
         design.sensors.get_mut("side").unwrap().x = 0.04 + off;
         let cache = Store::at(file("cache"), LIMIT);
-        pipeline::run(&design, Options::default(), &cache, &mut Silent).map(|_| ())
+        pipeline::run(&design, Options::default(), &cache, &Progress::silent()).map(|_| ())
     };
     beside(0.5e-3).unwrap();
     let error = beside(5e-3).unwrap_err().to_string();
