@@ -73,6 +73,9 @@ pub enum MeshError {
         /// Values needed.
         expected: usize,
     },
+    /// A VTK file could not be composed.
+    #[error("vtkio cannot compose the file: {0}")]
+    Vtk(#[from] vtkio::xml::Error),
     /// Writing a file failed.
     #[error("cannot write {path}: {source}; check that the folder exists and has room")]
     Write {

@@ -62,21 +62,23 @@ fn factor(spectra: &ModalSpectra, [low, high]: [f64; 2]) -> Option<LowRank> {
     Some(LowRank::of(&spectra.velocity_covariance([low, high], |_| 1.0)?))
 }
 
-/// Writes one `.vtu` a mode and the `.pvd` that lists them by frequency; returns the `.pvd`.
+/// Writes a `.vtu` for each mode and the `.pvd` that lists them by frequency; returns the `.pvd`.
 pub(super) fn write_modes(folder: &Path, body: &Body, shapes: &DMatrix<f64>) -> Result<PathBuf, Error> {
     super::create(folder)?;
     let grid = Grid::of_mesh(&body.mesh);
-    let mut series = Vec::with_capacity(body.basis.hz.len());
-    for (index, (&hz, shape)) in body.basis.hz.iter().zip(shapes.column_iter()).enumerate() {
+    let mode = |(index, &hz): (usize, &f64)| {
         let file = format!("mode-{:04}.vtu", index + 1);
-        let field = Field {
+        let shape = Field {
             name: "mode shape [kg^-1/2]",
             components: 3,
-            values: shape.as_slice(),
+            // Columns of a matrix that owns its values are contiguous.
+            values: shapes.column(index).data.into_slice(),
         };
-        super::write(&folder.join(&file), &grid.to_bytes(&[field], &[])?)?;
-        series.push((hz, file));
-    }
+        super::write(&folder.join(&file), &grid.to_bytes(&[shape], &[])?)?;
+        Ok((hz, file))
+    };
+    let series = body.basis.hz.par_iter().enumerate().map(mode);
+    let series = series.collect::<Result<Vec<_>, Error>>()?;
     let list = folder.join("modes.pvd");
     super::write(&list, vtu::series(&series).as_bytes())?;
     Ok(list)

@@ -5,7 +5,7 @@
 
 use std::path::{Path, PathBuf};
 
-use nailnoise_meshes::vtu::{Array, Grid};
+use nailnoise_meshes::vtu::{Array, Frames};
 use serde::{Deserialize, Serialize};
 
 use super::FIELDS;
@@ -14,7 +14,7 @@ use crate::error::Error;
 /// Files that are rendered when they are written.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Fields {
-    grids: Vec<Grid>,
+    grids: Vec<Frames>,
     files: Vec<(PathBuf, Content)>,
 }
 
@@ -52,13 +52,13 @@ impl Fields {
         bytes.clear();
         match &self.files[file].1 {
             Content::Text(text) => bytes.extend_from_slice(text.as_bytes()),
-            Content::Frame { grid, fields } => self.grids[*grid].render(fields, &[], bytes)?,
+            Content::Frame { grid, fields } => self.grids[*grid].render(fields, bytes)?,
         }
         Ok(())
     }
 
     /// Adds a surface that later frames show.
-    pub(super) fn show(&mut self, grid: Grid) {
+    pub(super) fn show(&mut self, grid: Frames) {
         self.grids.push(grid);
     }
 

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 use nailnoise_dynamics::{CycleRecord, Events};
 use nailnoise_meshes::uff::{self, Mode};
-use nailnoise_meshes::vtu::Grid;
+use nailnoise_meshes::vtu::{Frames, Grid};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
@@ -87,7 +87,7 @@ pub fn fields(vibration: &Vibration, events: &Events) -> Result<Fields, Error> {
     let mut fields = Fields::default();
     fields.text("modes.csv", csv::modes(vibration));
     for driven in vibration.driven() {
-        fields.show(Grid::of_surface(&driven.body.surface));
+        fields.show(Frames::of(&Grid::of_surface(&driven.body.surface))?);
         fields::add(&mut fields, &driven);
         shot::add(&mut fields, &driven, events)?;
     }

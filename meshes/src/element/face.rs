@@ -2,6 +2,8 @@
 
 use std::ops::Deref;
 
+use vtkio::model::CellType;
+
 use super::hex::quadratic;
 
 /// The largest number of nodes a face has.
@@ -63,14 +65,14 @@ impl FaceKind {
         }
     }
 
-    /// The VTK cell type number.
-    pub const fn vtk_type(self) -> u8 {
+    /// The VTK cell type.
+    pub(crate) const fn vtk_type(self) -> CellType {
         match self {
-            Self::Tri3 => 5,
-            Self::Tri6 => 22,
-            Self::Quad4 => 9,
-            Self::Quad8 => 23,
-            Self::Quad9 => 28,
+            Self::Tri3 => CellType::Triangle,
+            Self::Tri6 => CellType::QuadraticTriangle,
+            Self::Quad4 => CellType::Quad,
+            Self::Quad8 => CellType::QuadraticQuad,
+            Self::Quad9 => CellType::BiquadraticQuad,
         }
     }
 

@@ -7,6 +7,7 @@ mod tet;
 mod wedge;
 
 pub use face::{FaceKind, FaceNodes};
+use vtkio::model::CellType;
 
 /// The shape of an element and its order of interpolation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -117,15 +118,15 @@ impl ElementKind {
         }
     }
 
-    /// The VTK cell type number.
-    pub const fn vtk_type(self) -> u8 {
+    /// The VTK cell type.
+    pub(crate) const fn vtk_type(self) -> CellType {
         match self {
-            Self::Hex8 => 12,
-            Self::Hex20 => 25,
-            Self::Hex27 => 29,
-            Self::Tet4 => 10,
-            Self::Tet10 => 24,
-            Self::Wedge15 => 26,
+            Self::Hex8 => CellType::Hexahedron,
+            Self::Hex20 => CellType::QuadraticHexahedron,
+            Self::Hex27 => CellType::TriquadraticHexahedron,
+            Self::Tet4 => CellType::Tetra,
+            Self::Tet10 => CellType::QuadraticTetra,
+            Self::Wedge15 => CellType::QuadraticWedge,
         }
     }
 

@@ -1,175 +1,121 @@
-//! Unstructured grids: what the files of a series show of a mesh, a surface or polygons, but for the fields on it.
+//! Unstructured grids: meshes, surfaces and polygons with fields on them.
 
-use serde::{Deserialize, Serialize};
+use vtkio::Vtk;
+use vtkio::model::{
+    Attribute, Attributes, ByteOrder, CellType, Cells, DataArray, DataSet, IOBuffer, UnstructuredGridPiece, Version,
+    VertexNumbers,
+};
+use vtkio::xml::Compressor;
 
 use super::Field;
-use super::array::{Array, deflated, element};
 use crate::{Mesh, MeshError, Surface};
 
-/// What stands between the fields on points and those on cells.
-const BETWEEN: &str = "</PointData>\n<CellData>\n";
+/// The fastest level of zlib; the best one takes ten times as long and saves 1 % of a surface.
+const LEVEL: u32 = 1;
 
-/// A grid as files have it: the text around the elements of fields.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Grid {
-    points: usize,
-    cells: usize,
-    /// Whether fields are written in double precision.
-    double: bool,
-    before: String,
-    #[serde(with = "serde_bytes")]
-    after: Vec<u8>,
-}
+/// A grid that files show with fields on it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid(UnstructuredGridPiece);
 
 impl Grid {
     /// Of a volume mesh, in double precision; the part of each element is its cell field `part`.
     pub fn of_mesh(mesh: &Mesh) -> Self {
-        let xyz: Vec<[f64; 3]> = mesh.nodes.iter().map(|p| [p.x, p.y, p.z]).collect();
-        let part: Vec<f64> = mesh.parts.iter().map(|&part| part as f64).collect();
-        let types: Vec<u8> = mesh.kinds.iter().map(|kind| kind.vtk_type()).collect();
-        let mut own = Own::default();
-        own.add("Float64", ("part", 1), &part, f64::to_le_bytes);
-        own.points();
-        own.add("Float64", ("points", 3), xyz.as_flattened(), f64::to_le_bytes);
-        own.cells(&mesh.connectivity, &mesh.offsets[1..], &types);
-        own.grid(mesh.nodes.len(), types.len(), true)
+        let xyz: Vec<f64> = mesh.nodes.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
+        let cells = mesh.elements().map(|element| (element.nodes, element.kind.vtk_type()));
+        let part = mesh.parts.iter().map(|&part| part as f64).collect();
+        Self::new(xyz.into(), cells, Some(("part", part)))
     }
 
     /// Of a surface, in single precision; the patch of each face is its cell field `patch`.
     pub fn of_surface(surface: &Surface) -> Self {
+        let xyz = surface.points.iter().flat_map(|p| [p.x, p.y, p.z]);
         let faces = || surface.faces.iter();
-        let xyz: Vec<[f32; 3]> = surface
-            .points
-            .iter()
-            .map(|p| [p.x, p.y, p.z].map(|x| x as f32))
-            .collect();
-        let patch: Vec<f32> = faces().map(|face| face.patch as f32).collect();
-        let connectivity: Vec<usize> = faces().flat_map(|face| face.nodes.iter().copied()).collect();
-        let offsets = ends(faces().map(|face| face.nodes.len()));
-        let types: Vec<u8> = faces().map(|face| face.kind.vtk_type()).collect();
-        let mut own = Own::default();
-        own.add("Float32", ("patch", 1), &patch, f32::to_le_bytes);
-        own.points();
-        own.add("Float32", ("points", 3), xyz.as_flattened(), f32::to_le_bytes);
-        own.cells(&connectivity, &offsets, &types);
-        own.grid(surface.points.len(), types.len(), false)
+        let cells = faces().map(|face| (&*face.nodes, face.kind.vtk_type()));
+        let patch = faces().map(|face| face.patch as f64).collect();
+        Self::new(single(xyz), cells, Some(("patch", patch)))
     }
 
     /// Of polygons, given by the numbers of their corners in order, in single precision.
     pub fn of_polygons(corners: &[[f64; 3]], polygons: &[Vec<usize>]) -> Self {
-        let xyz: Vec<[f32; 3]> = corners.iter().map(|corner| corner.map(|x| x as f32)).collect();
-        let offsets = ends(polygons.iter().map(Vec::len));
-        let vtk_type = |polygon: &Vec<usize>| match polygon.len() {
-            3 => 5,
-            4 => 9,
-            _ => 7,
-        };
-        let types: Vec<u8> = polygons.iter().map(vtk_type).collect();
-        let mut own = Own::default();
-        own.points();
-        own.add("Float32", ("points", 3), xyz.as_flattened(), f32::to_le_bytes);
-        own.cells(&polygons.concat(), &offsets, &types);
-        own.grid(corners.len(), types.len(), false)
+        let cells = polygons.iter().map(|polygon| {
+            let vtk_type = match polygon.len() {
+                3 => CellType::Triangle,
+                4 => CellType::Quad,
+                _ => CellType::Polygon,
+            };
+            (&**polygon, vtk_type)
+        });
+        Self::new(single(corners.iter().flatten().copied()), cells, None)
     }
 
-    /// The file that shows the grid with fields on its points and its cells.
+    fn new<'a>(
+        points: IOBuffer,
+        cells: impl Iterator<Item = (&'a [usize], CellType)>,
+        own: Option<(&str, Vec<f64>)>,
+    ) -> Self {
+        let (mut connectivity, mut offsets, mut types) = (Vec::new(), Vec::new(), Vec::new());
+        for (nodes, vtk_type) in cells {
+            connectivity.extend(nodes.iter().map(|&node| node as u64));
+            offsets.push(connectivity.len() as u64);
+            types.push(vtk_type);
+        }
+        let cell_verts = VertexNumbers::XML { connectivity, offsets };
+        let mut grid = Self(UnstructuredGridPiece {
+            points,
+            cells: Cells { cell_verts, types },
+            data: Attributes::new(),
+        });
+        let own = own.map(|(name, values)| grid.attribute(name, 1, &values));
+        grid.0.data.cell.extend(own);
+        grid
+    }
+
+    /// The file that shows the grid with fields on its points and its cells, compressed by zlib.
     ///
     /// # Errors
     /// [`MeshError::FieldLength`].
     pub fn to_bytes(&self, points: &[Field<'_>], cells: &[Field<'_>]) -> Result<Vec<u8>, MeshError> {
-        let [points, cells] = [points, cells]
-            .map(|fields| -> Vec<Array> { fields.iter().map(|field| Array::of(field, self.double)).collect() });
+        let mut piece = self.0.clone();
+        piece.data.point = self.attributes(points, self.points())?;
+        piece
+            .data
+            .cell
+            .splice(0..0, self.attributes(cells, piece.cells.num_cells())?);
+        let file = Vtk {
+            version: Version::new_xml(1, 0),
+            title: String::new(),
+            byte_order: ByteOrder::LittleEndian,
+            data: DataSet::inline(piece),
+            file_path: None,
+        };
         let mut bytes = Vec::new();
-        self.render(&points, &cells, &mut bytes)?;
+        file.try_into_xml_format(Compressor::ZLib, LEVEL)?.write(&mut bytes)?;
         Ok(bytes)
     }
 
-    /// Appends the file that shows the grid with arrays on its points and its cells.
-    ///
-    /// # Errors
-    /// [`MeshError::FieldLength`]
-    pub fn render(&self, points: &[Array], cells: &[Array], bytes: &mut Vec<u8>) -> Result<(), MeshError> {
-        check(points, self.points)?;
-        check(cells, self.cells)?;
-        let of_fields: usize = points.iter().chain(cells).map(Array::length).sum();
-        bytes.reserve(self.before.len() + BETWEEN.len() + self.after.len() + of_fields);
-        bytes.extend_from_slice(self.before.as_bytes());
-        points.iter().for_each(|array| array.element(bytes));
-        bytes.extend_from_slice(BETWEEN.as_bytes());
-        cells.iter().for_each(|array| array.element(bytes));
-        bytes.extend_from_slice(&self.after);
-        Ok(())
+    /// Number of points.
+    pub(super) fn points(&self) -> usize {
+        self.0.num_points()
+    }
+
+    fn attributes(&self, fields: &[Field<'_>], items: usize) -> Result<Vec<Attribute>, MeshError> {
+        let attribute = |field: &Field<'_>| {
+            super::check(field.name, field.values.len(), items * field.components)?;
+            Ok(self.attribute(field.name, field.components, field.values))
+        };
+        fields.iter().map(attribute).collect()
+    }
+
+    /// A field in the precision of the points.
+    fn attribute(&self, name: &str, components: usize, values: &[f64]) -> Attribute {
+        let data = match self.0.points {
+            IOBuffer::F64(_) => values.to_vec().into(),
+            _ => single(values.iter().copied()),
+        };
+        Attribute::DataArray(DataArray::new(name, components as u32).with_buf(data))
     }
 }
 
-fn check(fields: &[Array], items: usize) -> Result<(), MeshError> {
-    for field in fields {
-        let [components, found] = field.shape();
-        let expected = items * components;
-        if found != expected {
-            let name = field.name().to_owned();
-            return Err(MeshError::FieldLength { name, found, expected });
-        }
-    }
-    Ok(())
-}
-
-/// Where each cell ends in the connectivity.
-fn ends(lengths: impl Iterator<Item = usize>) -> Vec<usize> {
-    let end = |sum: &mut usize, length: usize| {
-        *sum += length;
-        Some(*sum)
-    };
-    lengths.scan(0, end).collect()
-}
-
-/// The text of a grid's own arrays, in the order of their elements: cell fields, points, cells.
-#[derive(Default)]
-struct Own(Vec<u8>);
-
-impl Own {
-    fn add<T: Copy, const N: usize>(
-        &mut self,
-        kind: &str,
-        (name, components): (&str, usize),
-        values: &[T],
-        le: impl Fn(T) -> [u8; N],
-    ) {
-        element(&mut self.0, kind, (name, components), &deflated(values, le));
-    }
-
-    /// Here the cell fields end.
-    fn points(&mut self) {
-        self.0.extend_from_slice(b"</CellData>\n<Points>\n");
-    }
-
-    /// Here the points end.
-    fn cells(&mut self, connectivity: &[usize], offsets: &[usize], types: &[u8]) {
-        self.0.extend_from_slice(b"</Points>\n<Cells>\n");
-        for (name, indices) in [("connectivity", connectivity), ("offsets", offsets)] {
-            if indices.iter().all(|&i| i32::try_from(i).is_ok()) {
-                self.add("Int32", (name, 1), indices, |i| (i as i32).to_le_bytes());
-            } else {
-                self.add("Int64", (name, 1), indices, |i| (i as i64).to_le_bytes());
-            }
-        }
-        self.add("UInt8", ("types", 1), types, |kind| [kind]);
-        self.0
-            .extend_from_slice(b"</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
-    }
-
-    fn grid(self, points: usize, cells: usize, double: bool) -> Grid {
-        let before = format!(
-            "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
-             header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<UnstructuredGrid>\n\
-             <Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n<PointData>\n"
-        );
-        Grid {
-            points,
-            cells,
-            double,
-            before,
-            after: self.0,
-        }
-    }
+fn single(values: impl Iterator<Item = f64>) -> IOBuffer {
+    values.map(|x| x as f32).collect::<Vec<f32>>().into()
 }

@@ -1,18 +1,16 @@
-//! VTK XML files: `.vtu` grids with fields and the `.pvd` list that makes a series of them.
+//! VTK XML files: `.vtu` grids with fields, and the `.pvd` list that makes a series of them.
 //!
-//! Arrays stand in their elements, little-endian bytes in zlib streams in base64, which VTK, ParaView, pyvista, meshio and
-//! vtkio read (appended raw data would be a quarter shorter; vtkio does not read them): meshes in double precision, to be
-//! read back as they are; surfaces and polygons, which are pictures, in single. The files of a series repeat their surface,
-//! and a velocity is noise to a compressor. So a [`Grid`] is compressed once for all files that show it, and an [`Array`]
-//! is laid into streams that hold its bytes as they are, at the price of a copy and a checksum.
+//! The crate vtkio writes meshes, surfaces and polygons ([`Grid`]), compressed by zlib. The files of a film share one
+//! grid; see [`Frames`]. Meshes are in double precision, so that they are read back as they were; surfaces and polygons,
+//! which are for viewing, in single precision.
 
-mod array;
+mod frames;
 mod grid;
 
-use std::fmt::Write;
-
-pub use array::Array;
+pub use frames::{Array, Frames};
 pub use grid::Grid;
+
+use crate::MeshError;
 
 /// A field to be written: values item by item, `components` of each.
 #[derive(Clone, Copy, Debug)]
@@ -27,22 +25,26 @@ pub struct Field<'a> {
 
 /// A `.pvd` series: pairs of time (or frequency) and the `.vtu` file, relative to the series' folder.
 pub fn series(files: &[(f64, String)]) -> String {
-    let mut text = String::from(
-        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n  <Collection>\n",
-    );
-    for (time, file) in files {
+    let entry = |(time, file): &(f64, String)| {
         let file = escaped(file);
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            text,
-            r#"    <DataSet timestep="{time}" group="" part="0" file="{file}"/>"#
-        );
-    }
-    text.push_str("  </Collection>\n</VTKFile>\n");
-    text
+        format!("    <DataSet timestep=\"{time}\" group=\"\" part=\"0\" file=\"{file}\"/>\n")
+    };
+    let entries: String = files.iter().map(entry).collect();
+    format!(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n  \
+         <Collection>\n{entries}  </Collection>\n</VTKFile>\n"
+    )
 }
 
-/// A name as an attribute has it.
+/// A name as the value of an XML attribute.
 fn escaped(name: &str) -> String {
     name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
+}
+
+fn check(name: &str, found: usize, expected: usize) -> Result<(), MeshError> {
+    if found == expected {
+        return Ok(());
+    }
+    let name = name.to_owned();
+    Err(MeshError::FieldLength { name, found, expected })
 }
