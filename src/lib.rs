@@ -9,7 +9,6 @@
 pub mod bundle;
 pub mod commands;
 pub mod comparison;
-pub mod correlation;
 pub mod design;
 mod error;
 pub mod figures;

@@ -5,8 +5,10 @@
 #![forbid(unsafe_code)]
 
 mod assembly;
+mod assurance;
 mod attachments;
 mod constraints;
+mod cost;
 mod dense;
 mod eigenpairs;
 mod element;
@@ -14,6 +16,7 @@ mod error;
 mod factor;
 mod lanczos;
 mod layout;
+mod load_vector;
 mod material;
 mod modal;
 mod order;
@@ -27,9 +30,12 @@ mod symmetry;
 pub mod transient;
 
 pub use assembly::{Equations, System, assemble, assemble_with};
+pub use assurance::{Correlation, ModePair, correlate};
 pub use attachments::{Attachments, Coupling, GroundSpring, LumpedMass, Place, Tie};
 pub use constraints::Constraints;
+pub use cost::{ModalCost, ShortestWave, wall_thicknesses};
 pub use error::FemError;
+pub use load_vector::{LoadVector, Rectangle};
 pub use material::{Material, Orthotropic};
 pub use modal::{ModalBasis, ModalSettings, ModalWork, Sturm};
 pub use solve::{modes, modes_telling};

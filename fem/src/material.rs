@@ -1,6 +1,6 @@
 //! Linear elastic materials: isotropic and orthotropic with oriented axes.
 
-use nalgebra::{Matrix3, Matrix6};
+use nalgebra::{Matrix3, Matrix6, Matrix6x3, Vector3};
 
 use crate::FemError;
 
@@ -147,6 +147,24 @@ impl Material {
     /// Speed of the slowest shear wave along a material axis, sqrt(G_min / rho) \[m/s\], from which elements are sized.
     pub fn slowest_speed(&self) -> f64 {
         (self.slowest_shear / self.density).sqrt()
+    }
+
+    /// Speeds of the slowest and the fastest plane wave in the direction of the unit vector n \[m/s\]: rho c^2 are the
+    /// eigenvalues of Christoffel's matrix Gamma_ik = C_ijkl n_j n_l (Auld, *Acoustic Fields and Waves in Solids*,
+    /// section 7.C).
+    pub fn wave_speeds(&self, n: &Vector3<f64>) -> [f64; 2] {
+        // Strain of the displacement e_k e^(j n.x), in the order xx, yy, zz, yz, xz, xy.
+        let strain = Matrix6x3::new(
+            n.x, 0.0, 0.0, //
+            0.0, n.y, 0.0, //
+            0.0, 0.0, n.z, //
+            0.0, n.z, n.y, //
+            n.z, 0.0, n.x, //
+            n.y, n.x, 0.0,
+        );
+        let christoffel = strain.transpose() * self.stiffness * strain / self.density;
+        let squares = christoffel.symmetric_eigenvalues();
+        [squares.min().sqrt(), squares.max().sqrt()]
     }
 
     /// The stiffness tensor C_ijkl, which is what the displacement gradients see.

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 use std::process::ExitCode;
 
+use nailnoise_fem::ModalCost;
 use serde::Serialize;
 
-use super::check::{Cost, cost_of};
+use super::check::modal_cost;
 use super::table::table;
 use super::{print, print_json};
 use crate::design::{Design, Entry, Provenance, SupportKind};
@@ -60,7 +61,7 @@ struct BodyPlan {
     mesh: String,
     /// Whether gmsh is needed for it.
     gmsh: bool,
-    cost: Option<Cost>,
+    cost: Option<ModalCost>,
 }
 
 pub(super) fn execute(design: &Design, json: bool) -> Result<ExitCode, Error> {
@@ -94,7 +95,7 @@ fn explain(design: &Design) -> Result<Explanation, Error> {
                 body: kind.name(),
                 mesh: origin(&geometry, gmsh),
                 gmsh,
-                cost: Some(cost_of(&geometry, design.analysis.mode_margin)?),
+                cost: Some(modal_cost(&geometry, design.analysis.mode_margin)?),
             }),
             Err(error) => {
                 let help = miette::Diagnostic::help(&error).map_or_else(String::new, |help| format!("; {help}"));
@@ -204,7 +205,7 @@ fn text(e: &Explanation) -> String {
         .bodies
         .iter()
         .map(|body| {
-            let cost = |f: &dyn Fn(&Cost) -> String| body.cost.as_ref().map_or_else(|| "-".to_owned(), f);
+            let cost = |f: &dyn Fn(&ModalCost) -> String| body.cost.as_ref().map_or_else(|| "-".to_owned(), f);
             vec![
                 body.body.to_owned(),
                 body.mesh.clone(),

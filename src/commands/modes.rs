@@ -4,14 +4,13 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use nailnoise_fem::{ModalWork, Sturm};
+use nailnoise_fem::{Correlation, ModalWork, Sturm, correlate};
 use nailnoise_meshes::uff;
 use serde::Serialize;
 
 use super::bodies::{BodyName, Own, length};
 use super::table::table;
 use super::{Common, Keeping, print, print_json, progress, status_of};
-use crate::correlation::{Correlation, correlate};
 use crate::error::Error;
 use crate::output;
 use crate::pipeline::{self, Body};
@@ -83,7 +82,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     cache.take_notes().iter().for_each(|note| progress.note(note));
     let correlation = match (&measurement, &arguments.mac) {
         (Some(measurement), Some(path)) => {
-            let found = correlate((&body, &shapes), measurement, arguments.mac_reach);
+            let found = correlate(
+                (&body.basis.hz, &shapes),
+                &body.surface,
+                measurement,
+                arguments.mac_reach,
+            );
             Some(found.ok_or_else(|| Error::NoPoint { path: path.clone() })?)
         }
         _ => None,

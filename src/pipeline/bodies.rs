@@ -2,14 +2,13 @@
 //!
 //! Workpiece and worktable meet in the plane z = 0, z up; the workpiece's centre is at x = y = 0, x along the grain.
 
-use nailnoise_fem::ModalBasis;
 use nailnoise_fem::supports::{ContactGrid, GridRule};
+use nailnoise_fem::{LoadVector, ModalBasis, Rectangle};
 use nailnoise_meshes::{Mesh, Surface};
-use nalgebra::{DMatrix, DVector, Point3};
+use nalgebra::{DMatrix, DVector, Point3, Vector3};
 
 use super::geometry::{BodyKind, Geometry, added_mass};
 use super::model::{Model, Modelling, body};
-use super::pattern::{Pattern, Rectangle};
 use super::{Tell, shank, sides, springs, tool_loads};
 use crate::design::{Design, Sprung, SupportKind};
 use crate::error::Error;
@@ -113,23 +112,23 @@ fn workpiece_model(design: &Design, kind: BodyKind) -> Result<Model, Error> {
     let mut loads = Vec::with_capacity(WORKPIECE_LOADS);
     let nail = [design.nail.offset_along, design.nail.offset_across];
     for depth in shank::depths(design.nail.length) {
-        loads.push(Pattern::point(mesh, Point3::new(nail[0], nail[1], thickness - depth))?.reversed());
+        let station = Point3::new(nail[0], nail[1], thickness - depth);
+        loads.push(LoadVector::point(mesh, station, -Vector3::z(), 0.0)?);
     }
-    let nose = Rectangle {
-        centre: nail,
-        size: [design.body.nose_width, design.body.nose_depth],
-        height: thickness,
-    };
-    loads.push(Pattern::patch(mesh, "top", nose)?.reversed());
+    let nose = Rectangle::horizontal(
+        Point3::new(nail[0], nail[1], thickness),
+        [design.body.nose_width, design.body.nose_depth],
+    );
+    loads.push(LoadVector::rectangle(mesh, "top", &nose, -Vector3::z())?);
     let mut contacts = match design.support.kind {
         SupportKind::Clamped | SupportKind::Springs => Vec::new(),
         SupportKind::Worktable | SupportKind::Sandbox | SupportKind::Floor => {
-            let under = contact_patterns(design, mesh, "bottom")?;
-            let outward = under.iter().map(Pattern::reversed); // outward is down
-            outward.chain(sides::patterns(design, mesh)?).collect()
+            let mut contacts = contact_vectors(design, mesh, "bottom", -Vector3::z())?;
+            contacts.extend(sides::load_vectors(design, mesh)?);
+            contacts
         }
     };
-    contacts.extend(springs::patterns(design, mesh, Sprung::Workpiece)?);
+    contacts.extend(springs::load_vectors(design, mesh, Sprung::Workpiece)?);
     Ok(Model {
         geometry,
         loads,
@@ -152,8 +151,8 @@ pub(super) fn table_telling(design: &Design, cache: &Store, tell: Tell<'_>) -> R
 
 fn table_model(design: &Design, kind: BodyKind) -> Result<Model, Error> {
     let geometry = Geometry::of(design, kind, false)?;
-    let mut contacts = contact_patterns(design, &geometry.mesh, "top")?;
-    contacts.extend(springs::patterns(design, &geometry.mesh, Sprung::Worktable)?);
+    let mut contacts = contact_vectors(design, &geometry.mesh, "top", Vector3::z())?;
+    contacts.extend(springs::load_vectors(design, &geometry.mesh, Sprung::Worktable)?);
     Ok(Model {
         geometry,
         loads: Vec::new(),
@@ -176,7 +175,7 @@ pub(super) fn tool_body_telling(design: &Design, cache: &Store, tell: Tell<'_>) 
 
 fn tool_model(design: &Design, kind: BodyKind) -> Result<Model, Error> {
     let geometry = Geometry::of(design, kind, false)?;
-    let loads = tool_loads::patterns(design, &geometry.mesh)?;
+    let loads = tool_loads::load_vectors(design, &geometry.mesh)?;
     Ok(Model {
         geometry,
         loads,
@@ -205,26 +204,24 @@ fn model_alone(design: &Design, kind: BodyKind) -> Result<Model, Error> {
     })
 }
 
-/// Mean upward displacement of each contact cell on a face group in the plane z = 0.
-fn contact_patterns(design: &Design, mesh: &Mesh, group: &str) -> Result<Vec<Pattern>, Error> {
+/// Mean displacement along a direction of each contact cell on a face group in the plane z = 0.
+fn contact_vectors(
+    design: &Design,
+    mesh: &Mesh,
+    group: &str,
+    direction: Vector3<f64>,
+) -> Result<Vec<LoadVector>, Error> {
     let (block, contact) = (&design.workpiece, &design.support.contact);
     let size = [
         block.length / f64::from(contact.points_along),
         block.width / f64::from(contact.points_across),
     ];
     let cells = contact_grid(design);
-    let patch = |&centre: &[f64; 2]| {
-        Pattern::patch(
-            mesh,
-            group,
-            Rectangle {
-                centre,
-                size,
-                height: 0.0,
-            },
-        )
+    let cell = |&[x, y]: &[f64; 2]| {
+        let cell = Rectangle::horizontal(Point3::new(x, y, 0.0), size);
+        LoadVector::rectangle(mesh, group, &cell, direction)
     };
-    Ok(cells.points.iter().map(patch).collect::<Result<_, _>>()?)
+    Ok(cells.points.iter().map(cell).collect::<Result<_, _>>()?)
 }
 
 impl Body {

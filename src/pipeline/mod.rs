@@ -16,7 +16,6 @@ mod modes;
 mod notes;
 mod outline;
 mod outside;
-mod pattern;
 mod pictures;
 mod preset;
 mod radiation;

@@ -7,7 +7,7 @@
 
 use std::borrow::Cow;
 
-use nailnoise_fem::{ModalBasis, ModalSettings, System, assemble_with, modes_telling};
+use nailnoise_fem::{LoadVector, ModalBasis, ModalSettings, System, assemble_with, modes_telling};
 use nailnoise_meshes::{Mesh, Surface};
 use nalgebra::{DMatrix, DVector, Vector3};
 use serde::{Deserialize, Serialize};
@@ -16,21 +16,20 @@ use super::Tell;
 use super::bodies::Body;
 use super::geometry::{BodyKind, Geometry};
 use super::modes::Kept;
-use super::pattern::Pattern;
 use crate::design::Design;
 use crate::error::Error;
 use crate::store::{Key, Store};
 
-/// Beginnings of the keys whose values reach no mesh, no mode and no pattern; [`Body::weight`] is not kept.
+/// Beginnings of the keys whose values reach no mesh, no mode and no load vector; [`Body::weight`] is not kept.
 pub(super) const BEYOND_BODIES: [&str; 4] = ["acoustics.", "ambient.", "exhaust.", "supply."];
 
 /// A finite-element model before its modes are known.
 pub(super) struct Model {
     pub(super) geometry: Geometry,
     /// See [`Body::loads`].
-    pub(super) loads: Vec<Pattern>,
+    pub(super) loads: Vec<LoadVector>,
     /// See [`Body::contacts`].
-    pub(super) contacts: Vec<Pattern>,
+    pub(super) contacts: Vec<LoadVector>,
 }
 
 /// How a model of a body is made of a design.
@@ -156,7 +155,7 @@ impl Body {
         &self,
         design: &Design,
         cache: &Store,
-        patterns: &[Pattern],
+        patterns: &[LoadVector],
     ) -> Result<DMatrix<f64>, Error> {
         let modes = self.omega.len();
         if patterns.is_empty() {
@@ -174,8 +173,8 @@ impl Body {
 }
 
 /// What patterns are in each mode, pattern by pattern.
-fn participation(patterns: &[Pattern], shapes: &DMatrix<f64>) -> Vec<Vec<f64>> {
-    let of_modes = |pattern: &Pattern| pattern.of_modes(shapes).as_slice().to_vec();
+fn participation(patterns: &[LoadVector], shapes: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    let of_modes = |vector: &LoadVector| vector.participation(shapes).as_slice().to_vec();
     patterns.iter().map(of_modes).collect()
 }
 
@@ -239,7 +238,7 @@ impl Model {
                     .loads
                     .iter()
                     .chain(&self.contacts)
-                    .filter(|pattern| !pattern.is_nothing())
+                    .filter(|pattern| !pattern.is_zero())
                     .map(|pattern| pattern.dense(dofs))
                     .collect();
                 let settings = if patterns.is_empty() {
@@ -300,7 +299,7 @@ mod tests {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml");
         let mut design = Design::load(path).unwrap();
         design.analysis.mode_margin = 1.0;
-        let loads = vec![Pattern::pressure(&Surface::of(&mesh), patches, |_| true).unwrap()];
+        let loads = vec![LoadVector::pressure(&Surface::of(&mesh), patches, |_| true).unwrap()];
         let geometry = Geometry {
             kind: BodyKind::Tool,
             mesh,

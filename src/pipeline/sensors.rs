@@ -5,13 +5,13 @@ use std::f64::consts::FRAC_PI_8;
 use nailnoise_acoustics::fourier::filtered;
 use nailnoise_acoustics::radiation::MovingSand;
 use nailnoise_dynamics::CycleRecord;
+use nailnoise_fem::LoadVector;
 use nailnoise_fem::transient::{Loads, ModalResponse, Settings};
 use nailnoise_meshes::MeshError;
 use nalgebra::{Complex, DMatrix, Point3, Vector3};
 use rayon::prelude::*;
 
 use super::bodies::Body;
-use super::pattern::Pattern;
 use super::radiation::moving_sand;
 use crate::design::{BodyModel, Carrier, Design, Sensor, SensorProblem, SupportKind};
 use crate::error::Error;
@@ -66,7 +66,7 @@ impl Sensing {
     /// [`DesignError::Sensor`](crate::design::DesignError::Sensor) for a sensor that is not on its body, and those of
     /// [`Body::shapes`].
     pub(super) fn of(design: &Design, carrier: Moving, body: &Body, cache: &Store) -> Result<Self, Error> {
-        let (mut names, mut patterns) = (Vec::new(), Vec::new());
+        let (mut names, mut vectors) = (Vec::new(), Vec::new());
         for (name, sensor) in present(design) {
             let place = match (sensor.body, carrier) {
                 (Carrier::Workpiece, Moving::Block)
@@ -84,14 +84,14 @@ impl Sensing {
                 }
                 _ => continue,
             };
-            let pattern = Pattern::near(&body.mesh, place.0, place.1, OFF).map_err(|error| match error {
+            let vector = LoadVector::point(&body.mesh, place.0, place.1, OFF).map_err(|error| match error {
                 MeshError::Outside { distance, .. } => outside(design, name, sensor, body.name, distance),
                 other => other.into(),
             })?;
             names.push(name.clone());
-            patterns.push(pattern);
+            vectors.push(vector);
         }
-        let shapes = body.participation(design, cache, &patterns)?;
+        let shapes = body.participation(design, cache, &vectors)?;
         Ok(Self { names, shapes })
     }
 

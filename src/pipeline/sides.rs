@@ -2,10 +2,10 @@
 
 use nailnoise_fem::supports::{RectangularBase, Sand};
 use nailnoise_fem::transient::{Support, SupportLaw};
+use nailnoise_fem::{LoadVector, Rectangle};
 use nailnoise_meshes::{Mesh, MeshError};
 use nalgebra::{Point3, Vector3};
 
-use super::pattern::Pattern;
 use crate::design::{Design, SupportKind};
 use crate::error::Error;
 
@@ -16,8 +16,7 @@ const UP: usize = 2;
 /// A cell of a side.
 struct Cell {
     group: &'static str,
-    centre: Point3<f64>,
-    sides: [Vector3<f64>; 2],
+    place: Rectangle,
     /// Outward normal, up, and along the side.
     directions: [Vector3<f64>; 3],
     area: f64,
@@ -47,8 +46,10 @@ fn cells(design: &Design) -> Vec<Cell> {
                 let up = (row as f64 + 0.5) * tall;
                 cells.push(Cell {
                     group,
-                    centre: Point3::from(normal * distance + along * across + Vector3::z() * up),
-                    sides: [along * wide, Vector3::z() * tall],
+                    place: Rectangle {
+                        centre: Point3::from(normal * distance + along * across + Vector3::z() * up),
+                        sides: [along * wide, Vector3::z() * tall],
+                    },
                     directions: [normal, Vector3::z(), along],
                     area: wide * tall,
                 });
@@ -62,14 +63,13 @@ fn cells(design: &Design) -> Vec<Cell> {
 ///
 /// # Errors
 /// [`MeshError`] where the workpiece's mesh has no such sides.
-pub(super) fn patterns(design: &Design, mesh: &Mesh) -> Result<Vec<Pattern>, MeshError> {
+pub(super) fn load_vectors(design: &Design, mesh: &Mesh) -> Result<Vec<LoadVector>, MeshError> {
     if !is_held(design) {
         return Ok(Vec::new());
     }
     let of_cell = |cell: &Cell| {
-        let pattern =
-            |&direction: &Vector3<f64>| Pattern::panel(mesh, cell.group, (cell.centre, cell.sides), direction);
-        cell.directions.iter().map(pattern).collect::<Result<Vec<_>, _>>()
+        let along = |&direction: &Vector3<f64>| LoadVector::rectangle(mesh, cell.group, &cell.place, direction);
+        cell.directions.iter().map(along).collect::<Result<Vec<_>, _>>()
     };
     let all: Result<Vec<_>, _> = cells(design).iter().map(of_cell).collect();
     Ok(all?.concat())

@@ -1,10 +1,10 @@
 //! The user's own springs and dashpots between the bodies and the ground.
 
+use nailnoise_fem::LoadVector;
 use nailnoise_fem::transient::{Support, SupportLaw};
 use nailnoise_meshes::{Mesh, MeshError, Surface};
 use nalgebra::{Point3, Vector3};
 
-use super::pattern::Pattern;
 use crate::design::{Design, Spring, Sprung};
 use crate::error::Error;
 
@@ -46,25 +46,25 @@ fn axes(spring: &Spring) -> Vec<Axis> {
 ///
 /// # Errors
 /// [`DesignError::Spring`](crate::design::DesignError::Spring) for a spring that is not on its body.
-pub(super) fn patterns(design: &Design, mesh: &Mesh, body: Sprung) -> Result<Vec<Pattern>, Error> {
-    let mut patterns = Vec::new();
+pub(super) fn load_vectors(design: &Design, mesh: &Mesh, body: Sprung) -> Result<Vec<LoadVector>, Error> {
+    let mut vectors = Vec::new();
     let surface = Surface::of(mesh);
     for (name, spring, axes) in acting(design) {
         let at = Point3::new(spring.x, spring.y, spring.z);
         for axis in axes {
             if spring.body != body {
-                patterns.push(Pattern::nothing());
+                vectors.push(LoadVector::zero());
                 continue;
             }
-            let foot = Pattern::foot(&surface, (at, spring.radius), axis.along)?;
-            let pattern = foot.map_or_else(|| Pattern::near(mesh, at, axis.along, OFF), Ok);
-            patterns.push(pattern.map_err(|error| match error {
+            let foot = LoadVector::disc(&surface, (at, spring.radius), axis.along)?;
+            let vector = foot.map_or_else(|| LoadVector::point(mesh, at, axis.along, OFF), Ok);
+            vectors.push(vector.map_err(|error| match error {
                 MeshError::Outside { distance, .. } => design.refuse_spring(name, spring, distance).into(),
                 other => Error::from(other),
             })?);
         }
     }
-    Ok(patterns)
+    Ok(vectors)
 }
 
 /// What resists these displacements.

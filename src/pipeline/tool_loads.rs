@@ -18,10 +18,10 @@
 //! cylinder above the check-ring holes, p_r around it below them, and the plenum's pressure in the cap.
 
 use nailnoise_dynamics::{CycleRecord, Form, Geometry, Parameters, Volume};
+use nailnoise_fem::LoadVector;
 use nailnoise_meshes::{Mesh, MeshError, Surface};
 use nalgebra::{DMatrix, Point3, Vector3};
 
-use super::pattern::Pattern;
 use crate::design::Design;
 use crate::error::Error;
 
@@ -56,28 +56,29 @@ pub(super) const LOADS: usize = PLENUM + 1;
 ///
 /// # Errors
 /// [`Error::NoLoadSurface`] where a surface is not there, or not where the design has the force.
-pub(super) fn patterns(design: &Design, mesh: &Mesh) -> Result<Vec<Pattern>, Error> {
+pub(super) fn load_vectors(design: &Design, mesh: &Mesh) -> Result<Vec<LoadVector>, Error> {
     let surface = Surface::of(mesh);
     let valve = &design.head_valve;
     let (inner, outer) = (0.5 * valve.inner_diameter, 0.5 * valve.outer_diameter);
     let radius = |p: &Point3<f64>| p.x.hypot(p.y);
-    let down = |group: &'static str, what: &'static str, inside: &dyn Fn(&Point3<f64>) -> bool| match Pattern::traction(
-        &surface,
-        group,
-        -Vector3::z(),
-        inside,
-    ) {
-        Ok(Some(pattern)) => Ok(pattern),
-        Ok(None) => Err(Error::NoLoadSurface {
+    let down =
+        |group: &'static str, what: &'static str, inside: &dyn Fn(&Point3<f64>) -> bool| match LoadVector::traction(
+            &surface,
             group,
-            what,
-            known: surface.patches.join(", "),
-        }),
-        Err(MeshError::UnknownGroup { known, .. }) => Err(Error::NoLoadSurface { group, what, known }),
-        Err(error) => Err(error.into()),
-    };
+            -Vector3::z(),
+            inside,
+        ) {
+            Ok(Some(vector)) => Ok(vector),
+            Ok(None) => Err(Error::NoLoadSurface {
+                group,
+                what,
+                known: surface.patches.join(", "),
+            }),
+            Err(MeshError::UnknownGroup { known, .. }) => Err(Error::NoLoadSurface { group, what, known }),
+            Err(error) => Err(error.into()),
+        };
     let all = |_: &Point3<f64>| true;
-    let mut patterns = vec![
+    let mut vectors = vec![
         down("cap", "gas and stopper within the head valve", &|p| radius(p) < inner)?,
         down("cap", "gas and head valve", &|p| (inner..outer).contains(&radius(p)))?,
         down("seat", "gas and head valve", &all)?,
@@ -92,7 +93,7 @@ pub(super) fn patterns(design: &Design, mesh: &Mesh) -> Result<Vec<Pattern>, Err
         move |p: &Point3<f64>| (low..high).contains(&p.z)
     };
     let rings: Vec<_> = (0..RINGS).map(ring).collect();
-    patterns.extend(Pattern::pressures(&surface, &["gas_bore"], &rings)?);
+    vectors.extend(LoadVector::pressures(&surface, &["gas_bore"], &rings)?);
     let here = |names: &[&'static str]| -> Vec<&'static str> {
         let known = |name: &&str| surface.patches.iter().any(|patch| patch == name);
         names.iter().copied().filter(|name| known(name)).collect()
@@ -103,11 +104,11 @@ pub(super) fn patterns(design: &Design, mesh: &Mesh) -> Result<Vec<Pattern>, Err
         here(&["plenum"]),
     );
     let holes = bore.top - design.chambers.check_hole_position;
-    let supply = Pattern::pressure(&surface, &jacket, |p| p.z >= holes)?;
-    patterns.push(supply.plus(&Pattern::pressure(&surface, &handle, all)?));
-    patterns.push(Pattern::pressure(&surface, &jacket, |p| p.z < holes)?);
-    patterns.push(Pattern::pressure(&surface, &plenum, all)?);
-    Ok(patterns)
+    let supply = LoadVector::pressure(&surface, &jacket, |p| p.z >= holes)?;
+    vectors.push(supply.plus(&LoadVector::pressure(&surface, &handle, all)?));
+    vectors.push(LoadVector::pressure(&surface, &jacket, |p| p.z < holes)?);
+    vectors.push(LoadVector::pressure(&surface, &plenum, all)?);
+    Ok(vectors)
 }
 
 /// Extent of the cylinder's bore along the axis \[m\].

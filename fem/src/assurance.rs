@@ -1,32 +1,32 @@
-//! Computed modes held against measured ones: the modal assurance criterion.
+//! Modal assurance criterion: computed modes compared with measured ones.
 
 use std::collections::HashMap;
 
+use nailnoise_meshes::Surface;
 use nailnoise_meshes::uff::Measurement;
 use nalgebra::{Complex, DMatrix, Point3};
+use serde::Serialize;
 
-use crate::pipeline::Body;
-
-/// How measured points were found on a body, and how alike the modes are.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+/// How measured points were matched with nodes, and how similar the modes are.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Correlation {
     /// Whether points were matched by position; otherwise by number.
     pub by_position: bool,
-    /// Measured points that were found.
+    /// Number of measured points that were matched.
     pub matched: usize,
-    /// Measured points that were not.
+    /// Number of measured points that were not.
     pub unmatched: usize,
     /// Largest distance between a measured point and its node \[m\]; 0 when matched by number.
     pub farthest: f64,
     /// The best computed mode for each measured one.
-    pub pairs: Vec<Pair>,
+    pub pairs: Vec<ModePair>,
     /// MAC, a row a measured mode, a column a computed one.
     pub mac: Vec<Vec<f64>>,
 }
 
-/// A measured mode and the computed one most like it.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Pair {
+/// A measured mode and the computed mode most similar to it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ModePair {
     /// Measured frequency \[Hz\].
     pub measured_hz: f64,
     /// Number of the computed mode, from 1.
@@ -37,17 +37,23 @@ pub struct Pair {
     pub mac: f64,
 }
 
-/// Compares measured modes with those of a body,
+/// Compares measured modes with computed ones of frequencies `hz` \[Hz\], whose `shapes` are 3 nodes x modes or more:
 ///
 /// ```text
 /// MAC = |phi_m^H phi_c|^2 / ((phi_m^H phi_m) (phi_c^H phi_c))
 /// ```
 ///
-/// (Allemang and Brown, IMAC 1982) over the degrees of freedom that were measured: those not zero in all modes. A measured
-/// point is the node of the body's surface nearest to it, no farther than `reach` \[m\]; in a file without coordinates it
-/// is the node of its number less 1. None when no point is found.
-pub fn correlate((body, shapes): (&Body, &DMatrix<f64>), measurement: &Measurement, reach: f64) -> Option<Correlation> {
+/// (Allemang and Brown, IMAC 1982) over the degrees of freedom that were measured: those that are not zero in all modes.
+/// A measured point is matched with the nearest node of the surface, at most `reach` \[m\] away; in a file without
+/// coordinates, point n is node n - 1. None when no point is matched.
+pub fn correlate(
+    (hz, shapes): (&[f64], &DMatrix<f64>),
+    surface: &Surface,
+    measurement: &Measurement,
+    reach: f64,
+) -> Option<Correlation> {
     let by_position = !measurement.nodes.is_empty();
+    let nodes = shapes.nrows() / 3;
     let mut labels: Vec<u64> = measurement
         .modes
         .iter()
@@ -59,13 +65,13 @@ pub fn correlate((body, shapes): (&Body, &DMatrix<f64>), measurement: &Measureme
     let mut node_of: HashMap<u64, usize> = HashMap::new();
     for &label in &labels {
         if by_position {
-            let near = measurement.nodes.get(&label).and_then(|p| nearest(body, p));
+            let near = measurement.nodes.get(&label).and_then(|p| nearest(surface, p));
             if let Some((node, distance)) = near.filter(|(_, distance)| *distance <= reach) {
                 farthest = farthest.max(distance);
                 node_of.insert(label, node);
             }
         } else if let Some(node) = usize::try_from(label).ok().and_then(|label| label.checked_sub(1))
-            && node < body.mesh.nodes.len()
+            && node < nodes
         {
             node_of.insert(label, node);
         }
@@ -92,7 +98,7 @@ pub fn correlate((body, shapes): (&Body, &DMatrix<f64>), measurement: &Measureme
     let mac: Vec<Vec<f64>> = measured
         .iter()
         .map(|mode| {
-            (0..body.basis.hz.len())
+            (0..hz.len())
                 .map(|column| {
                     let (mut cross, mut own, mut other) = (Complex::new(0.0, 0.0), 0.0, 0.0);
                     for dof @ (label, axis) in &dofs {
@@ -114,10 +120,10 @@ pub fn correlate((body, shapes): (&Body, &DMatrix<f64>), measurement: &Measureme
         .zip(&mac)
         .filter_map(|(mode, row)| {
             let (best, &mac) = row.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
-            Some(Pair {
+            Some(ModePair {
                 measured_hz: mode.hz,
                 mode: best + 1,
-                computed_hz: body.basis.hz[best],
+                computed_hz: hz[best],
                 mac,
             })
         })
@@ -132,8 +138,8 @@ pub fn correlate((body, shapes): (&Body, &DMatrix<f64>), measurement: &Measureme
     })
 }
 
-fn nearest(body: &Body, point: &Point3<f64>) -> Option<(usize, f64)> {
-    let surface = &body.surface;
+/// Volume node of the surface point nearest to `point`, and its distance \[m\].
+fn nearest(surface: &Surface, point: &Point3<f64>) -> Option<(usize, f64)> {
     let distances = surface.points.iter().map(|p| (p - point).norm());
     let (best, distance) = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
     Some((surface.volume_nodes[best], distance))

@@ -1,70 +1,54 @@
-//! Where forces act on a finite-element body: weights on its degrees of freedom.
+//! Load vectors of a finite-element body: weights on its degrees of freedom.
 //!
-//! A pattern reads a displacement, d = sum w_i u_i, and its transpose spreads a force, so that force times d is work:
-//! what one body does to another through the same pair of patterns neither makes nor loses energy.
+//! A load vector b reads a displacement, d = b . u, and spreads a force F as b F, so that F d is work. Two bodies that
+//! exchange a force through one pair of load vectors conserve energy.
 
-use nailnoise_meshes::{FaceKind, Location, Mesh, MeshError, QuadraturePoint, Surface, SurfaceFace, gauss_legendre};
+use nailnoise_meshes::{FaceKind, Mesh, MeshError, QuadraturePoint, Surface, SurfaceFace, gauss_legendre};
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 use serde::Serialize;
 
 /// Sparse weights on the degrees of freedom 3 node + axis of a mesh.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(super) struct Pattern(Vec<(usize, f64)>);
+pub struct LoadVector(Vec<(usize, f64)>);
 
-/// A rectangle in a horizontal plane.
+/// A plane rectangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Rectangle {
-    /// Centre (x, y) \[m\].
-    pub centre: [f64; 2],
-    /// Lengths along x and y \[m\].
-    pub size: [f64; 2],
-    /// Height z of the plane \[m\].
-    pub height: f64,
+pub struct Rectangle {
+    /// Centre \[m\].
+    pub centre: Point3<f64>,
+    /// Two sides, at right angles \[m\].
+    pub sides: [Vector3<f64>; 2],
+}
+
+impl Rectangle {
+    /// In the plane z = `centre.z`, with its side lengths along x and y \[m\].
+    pub fn horizontal(centre: Point3<f64>, [length, width]: [f64; 2]) -> Self {
+        Self {
+            centre,
+            sides: [Vector3::x() * length, Vector3::y() * width],
+        }
+    }
 }
 
 /// Gauss points along each side of a rectangle: enough for a patch that covers several quadratic elements.
-const PATCH_POINTS: usize = 6;
+const RECTANGLE_POINTS: usize = 6;
 
-/// How far a face may lie off the plane of a patch \[m\].
+/// Largest distance of a face from the plane of a rectangle \[m\].
 const PLANE_TOLERANCE: f64 = 1e-6;
 
-impl Pattern {
-    /// Mean vertical displacement (z up) of a rectangle on a face group; its transpose is a uniform pressure.
+impl LoadVector {
+    /// Mean displacement along `direction` of a rectangle on a face group; the transpose is a uniform traction.
     ///
     /// # Errors
-    /// [`MeshError::Outside`] when the rectangle is not wholly on the group.
-    pub(super) fn patch(mesh: &Mesh, group: &str, rectangle: Rectangle) -> Result<Self, MeshError> {
-        let rule = gauss_legendre(PATCH_POINTS)?;
-        let mut weights = Vec::new();
-        for &(eta, w_eta) in &rule {
-            for &(xi, w_xi) in &rule {
-                let at = |axis: usize, s: f64| rectangle.centre[axis] + 0.5 * s * rectangle.size[axis];
-                let point = Point3::new(at(0, xi), at(1, eta), rectangle.height);
-                let place = mesh.locate_on(group, point, PLANE_TOLERANCE)?;
-                let share = 0.25 * w_xi * w_eta;
-                weights.extend(
-                    place
-                        .nodes
-                        .iter()
-                        .zip(&place.weights)
-                        .map(|(node, w)| (3 * node + 2, share * w)),
-                );
-            }
-        }
-        Ok(Self::gathered(weights))
-    }
-
-    /// Mean displacement along a direction of a rectangle with its own centre and sides on a face group.
-    ///
-    /// # Errors
-    /// [`MeshError::Outside`] when the rectangle is not wholly on the group.
-    pub(super) fn panel(
+    /// [`MeshError::Outside`] unless the whole rectangle lies on the group.
+    pub fn rectangle(
         mesh: &Mesh,
         group: &str,
-        (centre, sides): (Point3<f64>, [Vector3<f64>; 2]),
+        rectangle: &Rectangle,
         direction: Vector3<f64>,
     ) -> Result<Self, MeshError> {
-        let rule = gauss_legendre(PATCH_POINTS)?;
+        let Rectangle { centre, sides } = rectangle;
+        let rule = gauss_legendre(RECTANGLE_POINTS)?;
         let mut weights = Vec::new();
         for &(eta, w_eta) in &rule {
             for &(xi, w_xi) in &rule {
@@ -77,44 +61,27 @@ impl Pattern {
                 }
             }
         }
-        Ok(Self::gathered(weights))
+        Ok(Self::summed(weights))
     }
 
-    /// Vertical displacement (z up) of a point inside the body.
+    /// Displacement along a unit vector of a point that is at most `reach` \[m\] outside the mesh.
     ///
     /// # Errors
-    /// [`MeshError::Outside`] when the point is not in the mesh.
-    pub(super) fn point(mesh: &Mesh, point: Point3<f64>) -> Result<Self, MeshError> {
-        Self::along(mesh, point, Vector3::z())
-    }
-
-    /// Displacement of a point inside the body along a unit vector.
-    ///
-    /// # Errors
-    /// [`MeshError::Outside`] when the point is not in the mesh.
-    pub(super) fn along(mesh: &Mesh, point: Point3<f64>, direction: Vector3<f64>) -> Result<Self, MeshError> {
-        Ok(Self::at(&mesh.locate(point)?, direction))
-    }
-
-    /// The same for a point that may lie outside the body by `off` \[m\].
-    ///
-    /// # Errors
-    /// [`MeshError::Outside`] when it lies farther from the mesh.
-    pub(super) fn near(mesh: &Mesh, point: Point3<f64>, direction: Vector3<f64>, off: f64) -> Result<Self, MeshError> {
-        Ok(Self::at(&mesh.locate_within(point, off)?, direction))
-    }
-
-    fn at(place: &Location, direction: Vector3<f64>) -> Self {
+    /// [`MeshError::Outside`] when it is farther away.
+    pub fn point(mesh: &Mesh, point: Point3<f64>, direction: Vector3<f64>, reach: f64) -> Result<Self, MeshError> {
+        let place = mesh.locate_within(point, reach)?;
         let of_node = |(&node, &w): (&usize, &f64)| [0, 1, 2].map(|axis| (3 * node + axis, w * direction[axis]));
-        Self::gathered(place.nodes.iter().zip(&place.weights).flat_map(of_node).collect())
+        Ok(Self::summed(
+            place.nodes.iter().zip(&place.weights).flat_map(of_node).collect(),
+        ))
     }
 
-    /// Mean displacement along a unit vector of the part of a patch where `inside` holds; its transpose is a uniform
+    /// Mean displacement along a unit vector of the part of a patch where `inside` holds; the transpose is a uniform
     /// traction of total force 1. `None` where no point of the patch is inside.
     ///
     /// # Errors
     /// [`MeshError::UnknownGroup`] with the names there are.
-    pub(super) fn traction(
+    pub fn traction(
         surface: &Surface,
         patch: &str,
         direction: Vector3<f64>,
@@ -123,14 +90,15 @@ impl Pattern {
         let points = points_on(surface, &[patch], inside)?;
         let area: f64 = points.iter().map(|point| point.weight).sum();
         let weights = spread(surface, &points, |_| direction / area);
-        Ok((area > 0.0).then(|| Self::gathered(weights)))
+        Ok((area > 0.0).then(|| Self::summed(weights)))
     }
 
-    /// Mean displacement along a unit vector of the surface within a distance of a point. `None` where there is none of it.
+    /// Mean displacement along a unit vector of the surface within a radius \[m\] of a point; `None` where no face is that
+    /// near.
     ///
     /// # Errors
     /// None for a valid mesh.
-    pub(super) fn foot(
+    pub fn disc(
         surface: &Surface,
         (centre, radius): (Point3<f64>, f64),
         direction: Vector3<f64>,
@@ -147,60 +115,60 @@ impl Pattern {
         let points = points_where(surface, near, inside)?;
         let area: f64 = points.iter().map(|point| point.weight).sum();
         let weights = spread(surface, &points, |_| direction / area);
-        Ok((area > 0.0).then(|| Self::gathered(weights)))
+        Ok((area > 0.0).then(|| Self::summed(weights)))
     }
 
-    /// Volume that the parts of patches where `inside` holds sweep into the body, per unit of displacement \[m2\]; its
-    /// transpose is the force of a unit of pressure there.
+    /// Volume swept into the body by those parts of patches where `inside` holds, per unit of displacement \[m2\]; the
+    /// transpose is the force of a unit pressure there.
     ///
     /// # Errors
     /// [`MeshError::UnknownGroup`] with the names there are.
-    pub(super) fn pressure(
+    pub fn pressure(
         surface: &Surface,
         patches: &[&str],
         inside: impl Fn(&Point3<f64>) -> bool,
     ) -> Result<Self, MeshError> {
         let points = points_on(surface, patches, inside)?;
-        Ok(Self::gathered(spread(surface, &points, |point| -point.normal)))
+        Ok(Self::summed(spread(surface, &points, |point| -point.normal)))
     }
 
-    /// The same for several regions of the same patches.
+    /// [`Self::pressure`] for several regions of the same patches.
     ///
     /// # Errors
-    /// As [`Pattern::pressure`].
-    pub(super) fn pressures(
+    /// As [`Self::pressure`].
+    pub fn pressures(
         surface: &Surface,
         patches: &[&str],
         regions: &[impl Fn(&Point3<f64>) -> bool],
     ) -> Result<Vec<Self>, MeshError> {
         let wanted = numbers(surface, patches)?;
         let points = points_in(surface, |face| wanted.contains(&face.patch), regions)?;
-        let pattern = |points: Vec<QuadraturePoint>| Self::gathered(spread(surface, &points, |point| -point.normal));
-        Ok(points.into_iter().map(pattern).collect())
+        let of_region = |points: Vec<QuadraturePoint>| Self::summed(spread(surface, &points, |point| -point.normal));
+        Ok(points.into_iter().map(of_region).collect())
     }
 
-    /// The pattern that reads nothing.
-    pub(super) fn nothing() -> Self {
+    /// The zero vector.
+    pub fn zero() -> Self {
         Self(Vec::new())
     }
 
-    /// Whether it reads nothing.
-    pub(super) fn is_nothing(&self) -> bool {
+    /// Whether all weights are zero.
+    pub fn is_zero(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// The sum of two patterns.
-    pub(super) fn plus(&self, other: &Self) -> Self {
-        Self::gathered(self.0.iter().chain(&other.0).copied().collect())
+    /// The sum of two load vectors.
+    pub fn plus(&self, other: &Self) -> Self {
+        Self::summed(self.0.iter().chain(&other.0).copied().collect())
     }
 
-    /// The pattern in the opposite direction.
-    pub(super) fn reversed(&self) -> Self {
+    /// The load vector in the opposite direction.
+    pub fn reversed(&self) -> Self {
         Self(self.0.iter().map(|&(dof, w)| (dof, -w)).collect())
     }
 
-    /// As a column over all degrees of freedom.
-    pub(super) fn dense(&self, dofs: usize) -> DVector<f64> {
+    /// As a column over all `dofs` = 3 nodes degrees of freedom.
+    pub fn dense(&self, dofs: usize) -> DVector<f64> {
         let mut column = DVector::zeros(dofs);
         for &(dof, weight) in &self.0 {
             column[dof] = weight;
@@ -208,8 +176,8 @@ impl Pattern {
         column
     }
 
-    /// Value of the pattern for every mode: `shapes` is dofs x modes.
-    pub(super) fn of_modes(&self, shapes: &DMatrix<f64>) -> DVector<f64> {
+    /// Displacement that it reads in each mode, one value a column of `shapes` (dofs x modes).
+    pub fn participation(&self, shapes: &DMatrix<f64>) -> DVector<f64> {
         DVector::from_iterator(
             shapes.ncols(),
             shapes
@@ -218,8 +186,8 @@ impl Pattern {
         )
     }
 
-    /// Adds up what falls on the same degree of freedom, in rising order.
-    fn gathered(mut weights: Vec<(usize, f64)>) -> Self {
+    /// Sums the weights on each degree of freedom, in ascending order.
+    fn summed(mut weights: Vec<(usize, f64)>) -> Self {
         weights.sort_by_key(|&(dof, _)| dof);
         let mut sums: Vec<(usize, f64)> = Vec::new();
         for (dof, weight) in weights {
@@ -232,10 +200,10 @@ impl Pattern {
     }
 }
 
-/// Cells along each side of a face when only a part of it counts: its edge is found to a thirtieth of an element.
+/// Cells along each side of a face that a region covers in part: its edge is resolved to a thirtieth of an element.
 const CELLS: usize = 16;
 
-/// Points of patches where `inside` holds, each with its area: on a fine grid of every face, exact for none and all of it.
+/// Quadrature points of patches where `inside` holds; a fine grid on faces that are covered in part.
 fn points_on(
     surface: &Surface,
     patches: &[&str],
@@ -245,12 +213,12 @@ fn points_on(
     points_where(surface, |face| wanted.contains(&face.patch), inside)
 }
 
-/// Numbers of patches by name.
+/// Indices of patches by name.
 fn numbers(surface: &Surface, patches: &[&str]) -> Result<Vec<usize>, MeshError> {
     patches.iter().map(|name| surface.patch(name)).collect()
 }
 
-/// Points of the faces that are wanted where `inside` holds, as in [`points_on`].
+/// [`points_on`] for the faces that are `wanted`.
 fn points_where(
     surface: &Surface,
     wanted: impl Fn(&SurfaceFace) -> bool,
@@ -259,7 +227,7 @@ fn points_where(
     Ok(points_in(surface, wanted, &[inside])?.pop().unwrap_or_default())
 }
 
-/// The same for several regions: every face is divided once.
+/// [`points_where`] for several regions: every face is divided once.
 fn points_in(
     surface: &Surface,
     wanted: impl Fn(&SurfaceFace) -> bool,
@@ -344,6 +312,8 @@ fn spread(
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
+
     use super::*;
     use nailnoise_meshes::{Block, block};
 
@@ -357,36 +327,38 @@ mod tests {
     }
 
     #[test]
-    fn a_patch_reads_a_linear_displacement_at_its_centre() {
+    fn a_rectangle_reads_a_linear_displacement_at_its_centre() {
         let mesh = mesh();
-        let rectangle = Rectangle {
-            centre: [0.03, -0.01],
-            size: [0.11, 0.05],
-            height: 0.1,
-        };
-        let pattern = Pattern::patch(&mesh, "top", rectangle).unwrap();
+        let rectangle = Rectangle::horizontal(Point3::new(0.03, -0.01, 0.1), [0.11, 0.05]);
+        let load = LoadVector::rectangle(&mesh, "top", &rectangle, Vector3::z()).unwrap();
         let field = |p: &Point3<f64>| 1.0 + 2.0 * p.x - 3.0 * p.y;
         let u = DMatrix::from_fn(3 * mesh.nodes.len(), 1, |dof, _| {
             if dof % 3 == 2 { field(&mesh.nodes[dof / 3]) } else { 9.0 }
         });
         let expected = field(&Point3::new(0.03, -0.01, 0.1));
-        assert!((pattern.of_modes(&u)[0] - expected).abs() < 1e-12);
-        assert!((pattern.reversed().of_modes(&u)[0] + expected).abs() < 1e-12);
-        assert!((pattern.dense(u.nrows()).dot(&u.column(0)) - expected).abs() < 1e-12);
+        assert!((load.participation(&u)[0] - expected).abs() < 1e-12);
+        assert!((load.reversed().participation(&u)[0] + expected).abs() < 1e-12);
+        assert!((load.dense(u.nrows()).dot(&u.column(0)) - expected).abs() < 1e-12);
     }
 
     #[test]
-    fn a_panel_reads_a_linear_displacement_at_its_centre() {
+    fn an_upright_rectangle_reads_a_linear_displacement_at_its_centre() {
         let mesh = mesh();
         let centre = Point3::new(0.2, 0.01, 0.05);
         let sides = [Vector3::y() * 0.1, Vector3::z() * 0.06];
-        let pattern = Pattern::panel(&mesh, "x_max", (centre, sides), Vector3::new(0.0, -2.0, 1.0)).unwrap();
+        let load = LoadVector::rectangle(
+            &mesh,
+            "x_max",
+            &Rectangle { centre, sides },
+            Vector3::new(0.0, -2.0, 1.0),
+        )
+        .unwrap();
         let u = DMatrix::from_fn(3 * mesh.nodes.len(), 1, |dof, _| {
             let p = mesh.nodes[dof / 3];
             [7.0, p.y + 2.0 * p.z, 3.0 * p.y][dof % 3]
         });
         let expected = -2.0 * (centre.y + 2.0 * centre.z) + 3.0 * centre.y;
-        assert!((pattern.of_modes(&u)[0] - expected).abs() < 1e-12);
+        assert!((load.participation(&u)[0] - expected).abs() < 1e-12);
     }
 
     #[test]
@@ -395,7 +367,7 @@ mod tests {
         let surface = Surface::of(&mesh);
         let (centre, radius) = (Point3::new(0.03, -0.01, 0.1), 0.04);
         let inside = |p: &Point3<f64>| (p - centre).norm() < radius;
-        let pattern = Pattern::traction(&surface, "top", Vector3::z(), inside)
+        let load = LoadVector::traction(&surface, "top", Vector3::z(), inside)
             .unwrap()
             .unwrap();
         let u = DMatrix::from_fn(3 * mesh.nodes.len(), 1, |dof, _| {
@@ -404,26 +376,26 @@ mod tests {
         });
         let expected = 1.0 + 2.0 * centre.x - 3.0 * centre.y;
         assert!(
-            (pattern.of_modes(&u)[0] - expected).abs() < 1e-3,
+            (load.participation(&u)[0] - expected).abs() < 1e-3,
             "{}",
-            pattern.of_modes(&u)[0]
+            load.participation(&u)[0]
         );
-        let foot = Pattern::foot(&surface, (centre, radius), Vector3::z())
+        let disc = LoadVector::disc(&surface, (centre, radius), Vector3::z())
             .unwrap()
             .unwrap();
-        assert!((foot.of_modes(&u)[0] - expected).abs() < 1e-3);
+        assert!((disc.participation(&u)[0] - expected).abs() < 1e-3);
         let beside = Point3::new(0.0, 0.0, 0.2);
         assert!(
-            Pattern::foot(&surface, (beside, radius), Vector3::z())
+            LoadVector::disc(&surface, (beside, radius), Vector3::z())
                 .unwrap()
                 .is_none()
         );
         assert!(
-            Pattern::traction(&surface, "top", Vector3::z(), |_| false)
+            LoadVector::traction(&surface, "top", Vector3::z(), |_| false)
                 .unwrap()
                 .is_none()
         );
-        assert!(Pattern::traction(&surface, "lid", Vector3::z(), |_| true).is_err());
+        assert!(LoadVector::traction(&surface, "lid", Vector3::z(), |_| true).is_err());
     }
 
     #[test]
@@ -431,22 +403,22 @@ mod tests {
         let mesh = mesh();
         let surface = Surface::of(&mesh);
         let every: Vec<&str> = surface.patches.iter().map(String::as_str).collect();
-        let pattern = Pattern::pressure(&surface, &every, |_| true).unwrap();
+        let load = LoadVector::pressure(&surface, &every, |_| true).unwrap();
         // Columns: uniform shrinking by 1, shift along x.
         let u = DMatrix::from_fn(3 * mesh.nodes.len(), 2, |dof, column| match column {
             0 => -mesh.nodes[dof / 3][dof % 3] / 3.0,
             _ => f64::from(dof % 3 == 0),
         });
-        let swept = pattern.of_modes(&u);
+        let swept = load.participation(&u);
         assert!((swept[0] - 0.4 * 0.15 * 0.1).abs() < 1e-15 && swept[1].abs() < 1e-15);
-        let twice = pattern.plus(&pattern);
-        assert!((twice.of_modes(&u)[0] - 2.0 * swept[0]).abs() < 1e-15);
+        let twice = load.plus(&load);
+        assert!((twice.participation(&u)[0] - 2.0 * swept[0]).abs() < 1e-15);
     }
 
     #[test]
     fn a_point_outside_is_refused() {
         assert!(matches!(
-            Pattern::point(&mesh(), Point3::new(0.0, 0.0, 0.2)),
+            LoadVector::point(&mesh(), Point3::new(0.0, 0.0, 0.2), Vector3::z(), 0.0),
             Err(MeshError::Outside { .. })
         ));
     }
