@@ -1,7 +1,8 @@
-"""Opens the pictures of this folder in ParaView: paraview --script=paraview.py
+"""Opens the fields in this folder in ParaView: paraview --script=paraview.py
 
-The bodies of the shot by the velocity level of one octave, the loudest of the workpiece; the film of the shot beside it; and
-after `run --fields` the sound exposure level on the surface and in the planes, and the directivity, by one-third octaves.
+One view shows the velocity level of the bodies in one octave, the loudest of the workpiece. Another shows the film of the
+shot. After `run --fields`, further views show the sound exposure level on the surface and in the planes, and the
+directivity, in one-third octaves.
 """
 
 import glob

@@ -176,7 +176,7 @@ fn levels(c: &Comparison) -> Markup {
                 @for db in levels.change_db.iter().skip(1) { td.n { (change(*db)) } }
             } } }
         } }
-        p.quiet { "Behind each level the band of its method alone, dB; open where it gives no bound. No uncertainty of the design's values is in it." }
+        p.quiet { "Beside each level: the uncertainty of its method alone, dB; open means no bound. The uncertainty of the design's values is not included." }
         @for row in &c.sources {
             @let methods: Vec<&str> = row.methods.iter().flatten().map(String::as_str).collect();
             @if methods.windows(2).any(|pair| pair[0] != pair[1]) {
@@ -198,7 +198,7 @@ fn levels(c: &Comparison) -> Markup {
 
 fn inputs(c: &Comparison) -> Markup {
     html! {
-        @if c.inputs.is_empty() { p { "Nothing: the designs have the same values." } }
+        @if c.inputs.is_empty() { p { "None: the designs have the same values." } }
         @else { div.scroll { table {
             thead { tr { th { "key" } th { "unit" } @for name in &c.designs { th { (name) } } } }
             tbody { @for row in &c.inputs { tr {
@@ -229,6 +229,6 @@ fn shot(c: &Comparison) -> Markup {
                 } }
             }
         } }
-        p.quiet { "Figures and events that are the same in all designs are left out." }
+        p.quiet { "Figures and events that are equal in all designs are not listed." }
     }
 }

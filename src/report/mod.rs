@@ -175,11 +175,10 @@ fn lead(result: &RunResult) -> Markup {
         }
         p.quiet {
             "Absolute levels are predictions that have not been compared with a measurement; differences between designs \
-             of one tool are worth more than levels. What is estimated stands under " a href="#assumptions" { "Assumptions" }
-            "."
+             of one tool are more reliable than levels. " a href="#assumptions" { "Assumptions" } " lists what is estimated."
         }
         @if result.checks.iter().any(|check| !check.ok) {
-            p.alarm { "A check of this run failed: the result is not to be trusted. " a href="#checks" { "Checks" } }
+            p.alarm { "A check of this run failed. Do not rely on the result. " a href="#checks" { "Checks" } }
         }
     }
 }
@@ -198,9 +197,9 @@ fn ranking(result: &RunResult, value: &serde_json::Value) -> Markup {
         (tables::ranking(result))
         @if let Some(range) = range {
             p.quiet {
-                "Levels in dB re 1 pW s over the one-third-octave bands " (range) ", the same for all sources. The method's \
-                 band is its own uncertainty; \u{201c}open\u{201d} where it gives no bound. No uncertainty of the design's values \
-                 is in it."
+                "Levels in dB re 1 pW s over the one-third-octave bands " (range) ", the same for all sources. The \
+                 uncertainty is that of the method alone; \u{201c}open\u{201d} means no bound. The uncertainty of the design's \
+                 values is not included."
             }
         }
         @for (source, value) in result.ranking.iter().zip(value["ranking"].as_array().into_iter().flatten()) {

@@ -31,8 +31,8 @@ fn measured(report: &MicrophoneReport) -> Markup {
     html! {
         p {
             "Nine microphones by EN 12549 and ISO 3744 on a parallelepiped of half sides " (format!("{a:.2} and {b:.2} m"))
-            " and height " (format!("{c:.2} m")) " above the reflecting plane. Compare a measurement with what they find, not \
-             with the true power: nine places miss some of every source's directions."
+            " and height " (format!("{c:.2} m")) " above the reflecting plane. Compare a measurement with the level at the \
+             microphones, not with the true power: nine positions do not cover all directions of a source."
         }
         div.scroll { table {
             thead { tr { @for head in ["source", "sound carried by", "range (Hz)", "L_WA by microphones (dB)", "radiated (dB)"] { th { (head) } } } }

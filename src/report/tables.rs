@@ -41,7 +41,7 @@ pub(super) fn ranking(result: &RunResult) -> Markup {
     html! {
         div.scroll { table.ranking {
             thead { tr {
-                th { "source" } th.n { "L" sub { "WA,1s" } } th.n { "method\u{2019}s band" } th.n { "L" sub { "W,1s" } }
+                th { "source" } th.n { "L" sub { "WA,1s" } } th.n { "uncertainty of the method" } th.n { "L" sub { "W,1s" } }
                 th { "share of A-weighted energy" } th.n { "total without it" } th { "loudest band (A)" }
                 th { "loudest interval" } th { "method" }
             } }
