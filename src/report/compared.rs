@@ -16,7 +16,7 @@ const SHOWN: f64 = 50.0;
 pub(super) fn page(c: &Comparison) -> Page {
     let mut sections = vec![
         Section::new("levels", "Levels", html! { (overview(c).markup()) (levels(c)) }),
-        Section::new("differences", "What differs", inputs(c)),
+        Section::new("differences", "Differences", inputs(c)),
     ];
     let charts = |f: &dyn Fn(&SourceRow) -> Option<Chart>| html! { @for row in &c.sources { @if let Some(chart) = f(row) { (chart.markup()) } } };
     sections.push(Section::new(
