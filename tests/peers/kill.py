@@ -1,13 +1,14 @@
-"""Kills runs at random moments and looks at what they leave.
+"""Kills runs at random moments and checks the files they leave behind.
 
     kill.py NAILNOISE DESIGN [KILLS] [SEED]
 
-After every kill -9 each file in the output folder is read, a folder with result.json has all of it, and no entry of the
-cache is damaged. Kills take turns: everything computed anew; the cycle alone computed anew beside kept modes, into a
-folder that holds another design's files; nothing computed, kept files put into such a folder. Each falls at any moment of
-a run of its kind. Files take their places within milliseconds at the end of a run, where such a kill hardly ever falls: every
-second round the killer watches the folder instead, waits for the first file to change and strikes at once, or up to as
-long after it as all of them take. At the end an undisturbed run has the digits it had at the beginning.
+After every kill -9, each file in the output folder must be readable, a folder with result.json must be complete, and no
+entry of the cache may be damaged. The kills alternate between three cases: everything is computed; only the cycle is
+computed, with cached modes, into the folder of another design; nothing is computed, and cached files are restored into such
+a folder. A kill falls at a random moment of such a run. Files are put in place within milliseconds at the end of a run, so
+a random kill hardly ever falls there. In every second round, the script therefore watches the folder, waits for the first
+file to change, and kills at a random moment while the files are put in place. At the end, an undisturbed run must give the
+same digits as at the beginning.
 """
 
 import json
@@ -31,9 +32,9 @@ def result(folder: Path) -> dict:
 
 
 def readable(folder: Path) -> int:
-    """Reads every file that has its place, and tells how many they are; one that is cut off fails here."""
+    """Reads every file that is in place and returns their number; fails on a truncated file."""
     files = [file for file in folder.rglob("*") if file.is_file() and ".unfinished-" not in str(file)]
-    # A half-written file has another name and is nobody's: the next run does not look at it.
+    # A partly written file has a temporary name, and the next run ignores it.
     files = [file for file in files if not (file.name.startswith(".") and file.name.endswith(".tmp"))]
     for file in files:
         content = file.read_bytes()

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# What the command writes, read back by programs that share no code with it: every .vtu by VTK, every .uff by pyuff, every
-# .msh by gmsh. A STEP file written by gmsh becomes modes in one command, and a damaged mesh ends with status 2.
+# Reads the output of the command with programs that share no code with it: every .vtu with VTK, every .uff with pyuff,
+# every .msh with gmsh. Also computes modes from a STEP file written by gmsh, and checks that a damaged mesh ends with
+# status 2.
 # Needs gmsh and Python with vtk, pyuff and numpy; `NAILNOISE` names the program, `PYTHON` the interpreter.
 set -euo pipefail
 for tool in gmsh "${PYTHON:-python3}"; do
@@ -13,7 +14,7 @@ python=${PYTHON:-python3}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# A steel plate of 300 x 200 x 20 mm as STEP, in place of the tool's body.
+# A steel plate of 300 x 200 x 20 mm as STEP replaces the body of the tool.
 cat > "$work/plate.geo" <<'GEO'
 SetFactory("OpenCASCADE");
 Box(1) = {0, 0, 0, 300, 200, 20};
@@ -33,12 +34,12 @@ body_top = "3 kHz"
 body_element = { value = "20 mm", range = "10 .. 30 mm" }
 TOML
 "$nailnoise" modes "$work/plate.toml" --body tool --uff --animate 7 --out "$work/plate" --json > "$work/plate.json"
-# The same from the command line alone, in place of the block.
+# The same by an option of the command line, for the block.
 "$nailnoise" modes tests/data/small.toml --body workpiece --mesh "$work/plate.step" --out "$work/line" --json \
     > "$work/line.json"
 # The whole chain: fields, films and sensors.
 "$nailnoise" run tests/data/small.toml --out "$work/run" --json > "$work/run.json"
-# The program's own file as the measured one: every mode is its own best match.
+# The program's own file serves as the measured one: every mode is its own best match.
 "$nailnoise" modes "$work/plate.toml" --body tool --mac "$work/plate/modes/tool/modes.uff" --out "$work/again" --json \
     > "$work/mac.json"
 "$nailnoise" check "$work/plate.toml" --body tool --json > "$work/check.json"
@@ -52,7 +53,7 @@ for version in 22 41; do
     gmsh "$work/tool-$version.msh" -0 -v 2 -save -format msh41 -o "$work/gmsh-$version.msh"
     "$nailnoise" check "$work/gmsh-$version.msh" --unit "1 m" --json > "$work/gmsh-$version.json"
 done
-# New dimensions are meshed anew.
+# Other dimensions require a new mesh.
 cat > "$work/other.toml" <<TOML
 base = "$PWD/designs/n80cb.toml"
 body.handle_length = "160 mm"

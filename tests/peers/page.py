@@ -1,8 +1,8 @@
-"""Runs the Python blocks of a page one after the other, as a reader would paste them.
+"""Runs the Python blocks of a page in order, as a reader would paste them.
 
     page.py PAGE.md FOLDER [FROM=TO ...]
 
-FOLDER is the working folder; FROM=TO replaces a text in the blocks, as the name of a run.
+FOLDER is the working folder. FROM=TO replaces a string in the blocks, for example the name of a run.
 """
 
 import os

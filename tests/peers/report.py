@@ -2,9 +2,9 @@
 
     report.py PICTURES REPORT.html ...
 
-Asserts that nothing is asked of the network, that the console shows no error, that every chart has data and is drawn,
-that the view in space draws and turns, that every sound loads and A/B switches between two; leaves pictures of wide and narrow windows, and the
-page as printed. Chromium is the system's, else that of playwright.
+Asserts that there is no network request and no error in the console, that every chart has data and is drawn, that the 3D
+view draws and rotates, and that every sound loads and A/B switches between two. Saves screenshots of wide and narrow
+windows and the page as printed. Uses the Chromium of the system, or else that of playwright.
 """
 
 import shutil

@@ -1,4 +1,4 @@
-"""Runs the comparisons of the tutorial and holds its numbers against them.
+"""Runs the comparisons of the tutorial and checks its numbers against them.
 
     tutorial.py NAILNOISE TUTORIAL.md OUT
 """
