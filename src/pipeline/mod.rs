@@ -14,8 +14,6 @@ mod missing;
 mod model;
 mod modes;
 mod notes;
-mod outline;
-mod outside;
 mod pictures;
 mod preset;
 mod radiation;
@@ -51,7 +49,6 @@ pub use geometry::{BodyKind, Geometry, Origin, import, needs_gmsh, tool_dimensio
 pub use intervals::SoundPower;
 pub use microphones::Microphones;
 pub(crate) use microphones::SAMPLE_RATE;
-pub(crate) use outside::open_air;
 pub use pictures::{Picture, Pictures, Series, Shape, pictures};
 pub use preset::{Preset, cycle_as_published};
 pub use sensors::SensorRecord;

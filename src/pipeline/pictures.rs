@@ -8,7 +8,7 @@ use nailnoise_acoustics::bem::{Level, ModalBem, Sounding, SurfaceBand, WholeSurf
 use nailnoise_acoustics::levels::{Band, Weighting, third_octaves};
 use nailnoise_acoustics::radiation::{LowRank, ModalSpectra, quadratic_forms, radiated_energy};
 use nailnoise_acoustics::sound::{Around, BandSound, Directions, above_plane};
-use nailnoise_meshes::Surface;
+use nailnoise_meshes::{Surface, open_faces};
 use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -18,7 +18,7 @@ use super::radiator::{Radiator, flush_surface};
 use super::standing::levels;
 use super::told;
 use super::vibration::{Bench, Moved, Vibration, moved};
-use super::{Driven, Options, driving, outside, tool_radiator};
+use super::{Driven, Options, driving, tool_radiator};
 use crate::design::{Coupling, Design};
 use crate::error::Error;
 use crate::result::{Check, Timing};
@@ -442,7 +442,7 @@ fn velocities(design: &Design, air: &Air, driven: Driven<'_>) -> Result<Series, 
     } else {
         Vector3::zeros()
     };
-    let open = outside::open_air(&body.surface)?;
+    let open = open_faces(&body.surface, None)?;
     let radiating = skin(&body.surface, body.skin.as_view(), |point| open[point.face])?;
     let points: Vec<_> = body
         .surface

@@ -13,11 +13,11 @@ use nailnoise_acoustics::bem::{
 };
 use nailnoise_acoustics::radiation::{Archive, Sampling};
 use nailnoise_acoustics::{AcousticsError, Air};
+use nailnoise_meshes::open_faces;
 use nalgebra::{DMatrix, Point3};
 
 use super::bodies::{Body, Structure};
 use super::microphones::{positions, reflecting_plane};
-use super::outside::open_air_above;
 use super::radiator::{FLOOR, LOWEST_SAMPLE, MOST_SAMPLES};
 use crate::design::{Design, SupportKind, WorktablePreset};
 use crate::error::Error;
@@ -305,7 +305,7 @@ fn of_boxes(design: &Design, structure: &Structure, air: &Air, share: f64) -> Re
 /// The faces of a block's own mesh, up to the frequency that they resolve.
 fn of_skin(design: &Design, body: &Body, air: &Air) -> Result<Level, Error> {
     let (a, computed) = (&design.acoustics, Air::default());
-    let open = open_air_above(&body.surface, floor(design))?;
+    let open = open_faces(&body.surface, floor(design))?;
     let mut mesh = BoundaryMesh::of_skin(&body.surface);
     let mut open = open.into_iter();
     mesh.panels.retain(|_| open.next().unwrap_or(true));

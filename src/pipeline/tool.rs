@@ -17,12 +17,12 @@ use nailnoise_acoustics::radiation::{
 };
 use nailnoise_dynamics::{CycleRecord, Parameters};
 use nailnoise_fem::transient::{Loads, ModalBody, ModalResponse, ModalState, Motion, Settings, Start, respond};
+use nailnoise_meshes::open_faces;
 use nalgebra::{Complex, DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use super::Driven;
 use super::bodies::Body;
-use super::outside::open_air;
 use super::radiation::{by_boundary_elements, rigid_tool, skin};
 use super::radiator::damping_of;
 use super::sensors::{Moving, Sensed, Sensing};
@@ -203,7 +203,7 @@ impl Tool {
         sound.spectrum.source = "rigid motion".to_owned();
         let (rigid, surface) = (self.rigid(), &self.body.surface);
         let elastic = self.body.omega.len() - rigid;
-        let open = open_air(surface)?;
+        let open = open_faces(surface, None)?;
         let shapes = self.body.skin.columns(rigid, elastic);
         let erp = Erp::new(&skin(surface, shapes, |point| open[point.face])?, air);
         let spectra = ModalSpectra {

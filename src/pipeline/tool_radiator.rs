@@ -12,13 +12,12 @@
 use std::io::Read;
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::bem::{Boundary, Exterior, Level, ModalBem, Parity, Patterns, Receivers};
+use nailnoise_acoustics::bem::{Boundary, ClosedOutline, Exterior, Level, ModalBem, Parity, Patterns, Receivers};
 use nailnoise_acoustics::radiation::{Archive, Sampling};
 use nalgebra::{Point3, Vector3};
 
 use super::bodies::Body;
 use super::microphones::{positions, reflecting_plane, tool_height};
-use super::outline::Outline;
 use super::radiator::{FLOOR, LOWEST_SAMPLE, MOST_SAMPLES};
 use crate::design::{Design, RadiationMethod};
 use crate::error::Error;
@@ -149,7 +148,7 @@ fn floor(design: &Design) -> Option<f64> {
 /// The housing's own mesh, its nose closed, up to the frequency that it resolves.
 pub(super) fn level(design: &Design, body: &Body, air: &Air) -> Result<Level, Error> {
     let a = &design.acoustics;
-    let outline = Outline::new(&body.surface, floor(design))?;
+    let outline = ClosedOutline::new(&body.surface, floor(design))?;
     let motion = outline.motion(&body.surface, &body.skin);
     let boundary = Boundary::new(outline.mesh, floor(design))?;
     let patterns = Patterns {

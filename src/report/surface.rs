@@ -11,12 +11,12 @@
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::levels::{Band, Weighting, octaves};
 use nailnoise_acoustics::radiation::LowRank;
-use nailnoise_meshes::{QuadraturePoint, Surface};
+use nailnoise_meshes::{QuadraturePoint, Surface, open_faces};
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 use rayon::prelude::*;
 
 use crate::design::{Design, SupportKind};
-use crate::pipeline::{Body, BodyKind, Driven, open_air};
+use crate::pipeline::{Body, BodyKind, Driven};
 
 /// Reference energy \[J\]: 1 pW for 1 s.
 const REFERENCE: f64 = 1e-12;
@@ -46,7 +46,7 @@ impl<'a> Painted<'a> {
         let points = surface.quadrature(1).unwrap_or_default();
         let mut normal = normal_modes(surface, &points, &body.skin);
         // A mesh whose cavities cannot be told from its outline is shown whole.
-        let open = open_air(surface).unwrap_or_else(|_| vec![true; surface.faces.len()]);
+        let open = open_faces(surface, None).unwrap_or_else(|_| vec![true; surface.faces.len()]);
         let free: Vec<bool> = points
             .iter()
             .map(|point| {

@@ -1,46 +1,44 @@
-//! The tool's outline with its nose closed by what it stands on.
-//!
-//! Between shots and before the tool lifts off the workpiece covers the mouth of the nose. Left open its bore would be an
-//! organ pipe without losses: that of the N80CB rings at 737 Hz.
-
 use std::collections::BTreeMap;
 
-use nailnoise_acoustics::bem::{BoundaryMesh, Panel};
-use nailnoise_meshes::{FaceKind, MeshError, Surface};
+use nailnoise_meshes::{FaceKind, MeshError, Surface, open_faces};
 use nalgebra::{DMatrix, Point3, Vector3};
 
-use super::outside::open_air_above;
+use super::panel::{BoundaryMesh, Panel};
 
-/// Height of the nose's tip in the tool's coordinates \[m\].
+/// Height of the tip of the nose in the body's coordinates \[m\].
 const TIP: f64 = 0.0;
 
 /// How far from the tip's plane a point in it may be, as a share of the body's size.
 const IN_PLANE: f64 = 1e-6;
 
-/// The surface that radiates.
-pub(super) struct Outline {
-    /// The skin's points and those of the cover, and the panels that meet the open air.
-    pub(super) mesh: BoundaryMesh,
-    /// Points of the skin in whose mean motion each point of the cover takes part.
+/// The outline of a tool with its nose closed by what it stands on.
+///
+/// Before the tool lifts off the workpiece covers the mouth of the nose. With an open mouth the bore would be an organ pipe
+/// without losses: that of the N80CB has a resonance at 737 Hz.
+#[derive(Debug, Clone)]
+pub struct ClosedOutline {
+    /// The points of the skin and those of the cover, and the panels that meet the open air.
+    pub mesh: BoundaryMesh,
+    /// The points of the skin whose mean motion each point of the cover follows.
     cover: Vec<Vec<usize>>,
 }
 
-impl Outline {
-    /// The faces that meet the open air, and a flat cover of the nose that moves with its rim, where it does not stand on
-    /// the floor itself. A nose that does not end in the plane z = 0 in one simple mouth, as that of somebody's own mesh,
-    /// stays as it is.
+impl ClosedOutline {
+    /// The faces that meet the open air, and a flat cover of the mouth of the nose that moves with its rim, unless the nose
+    /// stands on the floor (its height \[m\]). The mouth stays open if the nose does not end in the plane z = 0 in one simple
+    /// rim, as in a mesh of the user's own.
     ///
     /// # Errors
-    /// Those of the surface.
-    pub(super) fn new(skin: &Surface, floor: Option<f64>) -> Result<Self, MeshError> {
-        let open = open_air_above(skin, floor)?;
+    /// [`MeshError`] of the surface.
+    pub fn new(skin: &Surface, floor: Option<f64>) -> Result<Self, MeshError> {
+        let open = open_faces(skin, floor)?;
         let of_skin = BoundaryMesh::of_skin(skin);
-        let panels = |heard: &[bool]| -> Vec<Panel> {
-            let each = of_skin.panels.iter().zip(heard);
-            each.filter(|(_, heard)| **heard).map(|(panel, _)| *panel).collect()
+        let panels = |kept: &[bool]| -> Vec<Panel> {
+            let each = of_skin.panels.iter().zip(kept);
+            each.filter(|(_, kept)| **kept).map(|(panel, _)| *panel).collect()
         };
         let size = of_skin.points.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
-        let covered = panels(&open_air_above(skin, Some(TIP))?);
+        let covered = panels(&open_faces(skin, Some(TIP))?);
         let flat = |p: &Panel| {
             p.nodes()
                 .iter()
@@ -105,7 +103,7 @@ impl Outline {
     }
 
     /// Displacements of all points, (3 x points) x modes, of modes on the skin's points, (3 x points) x modes.
-    pub(super) fn motion(&self, skin: &Surface, modes: &DMatrix<f32>) -> DMatrix<f64> {
+    pub fn motion(&self, skin: &Surface, modes: &DMatrix<f32>) -> DMatrix<f64> {
         let known = skin.points.len();
         DMatrix::from_fn(3 * self.mesh.points.len(), modes.ncols(), |row, mode| {
             let (point, axis) = (row / 3, row % 3);
@@ -168,28 +166,16 @@ fn mouth(points: &[Point3<f64>], panels: &[Panel]) -> Option<Vec<Vec<Side>>> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::outside::tests::without;
     use super::*;
-    use nailnoise_acoustics::bem::Boundary;
-    use nailnoise_meshes::{Block, Mesh, block};
+    use crate::bem::Boundary;
+    use nailnoise_meshes::{Grid, Mesh};
 
     /// A cube of 3 x 3 x 3 elements with a bore of two of them from below, its underside at a height.
     fn bored(height: f64) -> Mesh {
-        let mut mesh = block(&Block {
-            size: [3.0; 3],
-            divisions: [3; 3],
-            origin: [-1.5, -1.5, height],
-        })
-        .unwrap();
-        for level in [1.5, 0.5] {
-            let middle = Vector3::new(0.0, 0.0, height + level);
-            let bored = mesh.elements().position(|e| {
-                let mean = e.nodes[..8].iter().map(|&n| mesh.nodes[n].coords).sum::<Vector3<f64>>() / 8.0;
-                (mean - middle).norm() < 1e-9
-            });
-            mesh = without(&mesh, bored.unwrap());
-        }
-        mesh
+        let line = |from: f64| -> Vec<f64> { (0..4).map(|i| from + f64::from(i)).collect() };
+        let grid = Grid::new(line(-1.5), line(-1.5), line(height)).unwrap();
+        let bore = |[x, y, z]: [usize; 3]| x == 1 && y == 1 && z < 2;
+        grid.mesh(&["cube"], |cell| (!bore(cell)).then_some(0), |_, _, _, _| "all")
     }
 
     #[test]
@@ -203,7 +189,7 @@ mod tests {
             _ => 0.0,
         });
         for floor in [None, Some(-0.5)] {
-            let outline = Outline::new(&skin, floor).unwrap();
+            let outline = ClosedOutline::new(&skin, floor).unwrap();
             let motion = outline.motion(&skin, &modes);
             let boundary = Boundary::new(outline.mesh, floor).unwrap();
             assert_eq!(boundary.mended().flipped, 0);
@@ -229,7 +215,7 @@ mod tests {
             );
         }
         // Standing on the floor it is closed by that; elsewhere than with its tip at 0 it stays as it is.
-        let area = |skin: &Surface, floor| Outline::new(skin, floor).unwrap().mesh.area();
+        let area = |skin: &Surface, floor| ClosedOutline::new(skin, floor).unwrap().mesh.area();
         assert!((area(&skin, Some(0.0)) - 45.0).abs() < 1e-9);
         assert!((area(&Surface::of(&bored(-0.5)), None) - 62.0).abs() < 1e-9);
     }

@@ -1,9 +1,10 @@
-//! Which faces of a body meet the open air: those of its outline, not those of cavities within it.
+//! The faces of a body that meet the open air: those of its outline, not those of cavities within it.
 
 use std::f64::consts::PI;
 
-use nailnoise_meshes::{MeshError, Surface};
 use nalgebra::{Point3, Vector3};
+
+use crate::{MeshError, Surface};
 
 /// Share of the full solid angle above which a point counts as inside a closed surface.
 const INSIDE: f64 = 0.5;
@@ -11,18 +12,16 @@ const INSIDE: f64 = 0.5;
 /// How far from the floor a face on it may be, as a share of the body's size.
 const ON_FLOOR: f64 = 1e-6;
 
-/// Whether each face of a skin meets the open air.
+/// Whether each face of a skin meets the open air, for a body in free space or above a rigid floor at a height \[m\].
 ///
-/// The skin falls into closed pieces that share no point. A piece around a cavity has its normals inwards, so that the
-/// volume, the closed integral of z n_z dS, is negative; a body within another one's cavity has points at which that one's
-/// outline fills the whole solid angle. Neither is heard.
-pub(crate) fn open_air(surface: &Surface) -> Result<Vec<bool>, MeshError> {
-    open_air_above(surface, None)
-}
-
-/// The same for a body that may stand on a rigid floor at a height \[m\]: what lies on it is covered, and it closes the
-/// bores that open towards it.
-pub(crate) fn open_air_above(surface: &Surface, floor: Option<f64>) -> Result<Vec<bool>, MeshError> {
+/// The skin consists of closed pieces that share no point. The normals of a piece around a cavity point inwards, so that its
+/// volume, the closed integral of z n_z dS, is negative. At the points of a body within the cavity of another one, the
+/// outline of that one fills the whole solid angle. Neither radiates into the open air. The floor covers the faces that lie
+/// on it, and closes the bores that open towards it.
+///
+/// # Errors
+/// [`MeshError::GaussPoints`] if the surface has no quadrature rule.
+pub fn open_faces(surface: &Surface, floor: Option<f64>) -> Result<Vec<bool>, MeshError> {
     let size = surface.points.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
     let covered: Vec<bool> = surface
         .faces
@@ -46,7 +45,7 @@ pub(crate) fn open_air_above(surface: &Surface, floor: Option<f64>) -> Result<Ve
         }
     }
     let mut outline: Vec<bool> = volume.iter().map(|&v| v > 0.0).collect();
-    for (inner, heard) in outline.iter_mut().enumerate() {
+    for (inner, open) in outline.iter_mut().enumerate() {
         let Some(at) = (0..piece.len()).find(|&f| piece[f] == inner) else {
             continue;
         };
@@ -54,7 +53,7 @@ pub(crate) fn open_air_above(surface: &Surface, floor: Option<f64>) -> Result<Ve
         let within = |outer: usize| {
             outer != inner && volume[outer] > 0.0 && solid_angle(surface, &piece, outer, at) > INSIDE * 4.0 * PI
         };
-        *heard &= !(0..count).any(within);
+        *open &= !(0..count).any(within);
     }
     Ok(piece
         .iter()
@@ -113,9 +112,9 @@ fn solid_angle(surface: &Surface, piece: &[usize], wanted: usize, from: Point3<f
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use super::*;
-    use nailnoise_meshes::{Block, Mesh, block};
+    use crate::{Block, Grid, Mesh, block};
 
     fn cube(size: f64, centre: f64) -> Mesh {
         block(&Block {
@@ -126,76 +125,39 @@ pub(super) mod tests {
         .unwrap()
     }
 
+    /// A cube of n x n x n elements of which some are empty, its underside at z = `low`.
+    fn hollow(n: usize, side: f64, low: f64, empty: &[[usize; 3]]) -> Mesh {
+        let line = |from: f64| -> Vec<f64> { (0..=n).map(|i| from + side * i as f64 / n as f64).collect() };
+        let grid = Grid::new(line(-0.5 * side), line(-0.5 * side), line(low)).unwrap();
+        grid.mesh(
+            &["cube"],
+            |cell| (!empty.contains(&cell)).then_some(0),
+            |_, _, _, _| "all",
+        )
+    }
+
+    fn open_area(surface: &Surface, floor: Option<f64>) -> f64 {
+        let open = open_faces(surface, floor).unwrap();
+        let points = surface.quadrature(2).unwrap();
+        points.iter().filter(|p| open[p.face]).map(|p| p.weight).sum()
+    }
+
     #[test]
-    fn the_outline_is_heard_a_cavity_and_what_floats_in_it_are_not() {
-        // A cube with a cubic hole: of 5 x 5 x 5 elements the one in the middle is taken out.
-        let mut mesh = block(&Block {
-            size: [1.0; 3],
-            divisions: [5; 3],
-            origin: [-0.5; 3],
-        })
-        .unwrap();
-        let centre = mesh.elements().position(|e| {
-            let mean: Vector3<f64> = e.nodes[..8].iter().map(|&n| mesh.nodes[n].coords).sum::<Vector3<f64>>() / 8.0;
-            mean.norm() < 1e-9
-        });
-        mesh = without(&mesh, centre.unwrap());
+    fn the_outline_is_open_a_cavity_and_what_floats_in_it_are_not() {
+        let mut mesh = hollow(5, 1.0, -0.5, &[[2, 2, 2]]);
         mesh.join(&cube(0.1, 0.0)); // floats in the hole
         mesh.join(&cube(0.3, 2.0)); // stands beside
         let surface = Surface::of(&mesh);
-        let open = open_air(&surface).unwrap();
-        let mut area = 0.0;
-        for point in surface.quadrature(2).unwrap() {
-            if open[point.face] {
-                area += point.weight;
-            }
-        }
+        let area = open_area(&surface, None);
         assert!((area - (6.0 + 6.0 * 0.09)).abs() < 1e-12, "{area}");
         assert!((surface.area() - area - 6.0 * 0.04 - 6.0 * 0.01).abs() < 1e-12);
     }
 
     #[test]
     fn a_floor_closes_the_bores_that_open_towards_it() {
-        // A cube with a bore from below: of 3 x 3 x 3 elements the two lower ones in the middle are taken out.
-        let mut mesh = block(&Block {
-            size: [3.0; 3],
-            divisions: [3; 3],
-            origin: [-1.5, -1.5, 0.0],
-        })
-        .unwrap();
-        for height in [1.5, 0.5] {
-            let bored = mesh.elements().position(|e| {
-                let mean = e.nodes[..8].iter().map(|&n| mesh.nodes[n].coords).sum::<Vector3<f64>>() / 8.0;
-                (mean - Vector3::new(0.0, 0.0, height)).norm() < 1e-9
-            });
-            mesh = without(&mesh, bored.unwrap());
-        }
-        let surface = Surface::of(&mesh);
-        let heard = |floor: Option<f64>| -> f64 {
-            let open = open_air_above(&surface, floor).unwrap();
-            surface
-                .quadrature(2)
-                .unwrap()
-                .iter()
-                .filter(|p| open[p.face])
-                .map(|p| p.weight)
-                .sum()
-        };
-        assert!((heard(None) - (54.0 + 8.0)).abs() < 1e-12);
-        assert!((heard(Some(-0.1)) - (54.0 + 8.0)).abs() < 1e-12);
-        assert!((heard(Some(0.0)) - 45.0).abs() < 1e-12);
-    }
-
-    pub(in crate::pipeline) fn without(mesh: &Mesh, element: usize) -> Mesh {
-        let mut kept = mesh.clone();
-        let nodes = mesh.offsets[element]..mesh.offsets[element + 1];
-        let gone = nodes.len();
-        kept.connectivity.drain(nodes);
-        kept.kinds.remove(element);
-        kept.parts.remove(element);
-        kept.offsets.remove(element);
-        kept.offsets[element..].iter_mut().for_each(|o| *o -= gone);
-        kept.groups.clear(); // they name elements by their old numbers
-        kept
+        let surface = Surface::of(&hollow(3, 3.0, 0.0, &[[1, 1, 0], [1, 1, 1]]));
+        assert!((open_area(&surface, None) - (54.0 + 8.0)).abs() < 1e-12);
+        assert!((open_area(&surface, Some(-0.1)) - (54.0 + 8.0)).abs() < 1e-12);
+        assert!((open_area(&surface, Some(0.0)) - 45.0).abs() < 1e-12);
     }
 }
