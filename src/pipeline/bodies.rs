@@ -13,6 +13,7 @@ use super::{Tell, shank, sides, springs, tool_loads};
 use crate::design::{Design, Sprung, SupportKind};
 use crate::error::Error;
 use crate::result::Check;
+use crate::stages::radiation::MovingSurface;
 use crate::store::Store;
 
 /// A body in modal coordinates, with its geometry.
@@ -225,6 +226,15 @@ fn contact_vectors(
 }
 
 impl Body {
+    /// Its surface and how that moves.
+    pub(crate) fn moving_surface(&self) -> MovingSurface<'_> {
+        MovingSurface {
+            body: self.name,
+            surface: &self.surface,
+            modes: &self.skin,
+        }
+    }
+
     /// Checks of the modal solution.
     pub fn checks(&self) -> Vec<Check> {
         let worst = self.basis.residuals.iter().fold(0.0, |worst: f64, &r| worst.max(r));

@@ -4,6 +4,7 @@ use nailnoise_dynamics::{CycleRecord, Outcome};
 
 use super::exhaust::Exhaust;
 use super::told::Told;
+use crate::design::inputs::radiation::workpiece_floor;
 use crate::design::{Design, MufflerKind, SupportKind};
 use crate::result::RadiationReport;
 
@@ -50,7 +51,7 @@ fn standing(design: &Design) -> String {
         SupportKind::Springs if support.clearance > 0.0 => format!(
             "workpiece alone on its springs, its underside {:.3} m above the floor{}",
             support.clearance,
-            match super::standing::floor(design) {
+            match workpiece_floor(design) {
                 Some(_) => "",
                 None => ", which is left out of its power",
             }

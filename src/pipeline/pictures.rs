@@ -13,16 +13,16 @@ use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::microphones::reflecting_plane;
-use super::radiation::{FACE_POINTS, skin};
-use super::radiator::{Radiator, flush_surface};
-use super::standing::levels;
+use super::radiator::Radiator;
 use super::told;
 use super::vibration::{Bench, Moved, Vibration, moved};
-use super::{Driven, Options, driving, tool_radiator};
+use super::{Body, Driven, Options, driving};
+use crate::design::inputs::radiation as inputs;
 use crate::design::{Coupling, Design};
 use crate::error::Error;
 use crate::result::{Check, Timing};
 use crate::stages::Progress;
+use crate::stages::radiation::{FACE_POINTS, radiating_surface};
 use crate::stages::spectra::side_by_side;
 use crate::store::Store;
 
@@ -147,17 +147,15 @@ fn compute(
             series: Vec::new(),
         },
     };
-    if let Some((tool, bem)) = vibration
-        .tool
-        .as_ref()
-        .and_then(|tool| Some((tool, tool.bem.as_ref()?)))
+    let of_tool = vibration.tool.as_ref().zip(inputs::tool(design));
+    if let Some((tool, elements, bem)) = of_tool.and_then(|(tool, elements)| Some((tool, elements, tool.bem.as_ref()?)))
     {
         let body = Solved {
             names: ["body", "sound-tool"],
-            levels: vec![tool_radiator::level(design, &tool.body, air)?],
+            levels: vec![elements.level(&tool.body.moving_surface(), air)?],
             bem,
             spectra: &tool.spectra,
-            at: tool_radiator::nose(design),
+            at: inputs::nose(design),
         };
         let of_tool = solved(design, body)?;
         pictures.notes.extend(of_tool.notes);
@@ -266,9 +264,10 @@ fn solved(design: &Design, body: Solved<'_>) -> Result<Pictures, Error> {
 
 /// Block and table, or a block alone.
 fn standing(design: &Design, air: &Air, bem: &ModalBem, vibration: &Vibration) -> Result<Pictures, Error> {
+    let surfaces: Vec<_> = vibration.structure.bodies().map(Body::moving_surface).collect();
     let body = Solved {
         names: ["workpiece", "sound"],
-        levels: levels(design, &vibration.structure, air)?,
+        levels: inputs::workpiece_boundary_elements(design).levels(&surfaces, air)?,
         bem,
         spectra: &side_by_side(&vibration.spectra),
         at: Vector3::zeros(),
@@ -278,7 +277,8 @@ fn standing(design: &Design, air: &Air, bem: &ModalBem, vibration: &Vibration) -
 
 /// The block's top and the sand around it by Rayleigh's integral.
 fn flush(design: &Design, air: &Air, vibration: &Vibration, energy: impl Fn(&Band) -> f64) -> Result<Pictures, Error> {
-    let surface = flush_surface(design, &vibration.structure.workpiece, air)?;
+    let top = inputs::flush_top(design)?;
+    let surface = top.rayleigh(&top.surface(&vibration.structure.workpiece.moving_surface())?, air)?;
     let spectra = &vibration.spectra[0];
     let bands = bands(spectra, f64::INFINITY);
     let mut planes = planes(design);
@@ -438,12 +438,12 @@ fn sphere(prefix: &str, directions: &Directions, found: &BandSound, bands: &[Ban
 fn velocities(design: &Design, air: &Air, driven: Driven<'_>) -> Result<Series, Error> {
     let Driven { body, spectra, .. } = driven;
     let at = if body.name == "tool" {
-        tool_radiator::nose(design)
+        inputs::nose(design)
     } else {
         Vector3::zeros()
     };
     let open = open_faces(&body.surface, None)?;
-    let radiating = skin(&body.surface, body.skin.as_view(), |point| open[point.face])?;
+    let radiating = radiating_surface(&body.surface, body.skin.as_view(), |point| open[point.face])?;
     let points: Vec<_> = body
         .surface
         .quadrature(FACE_POINTS)?

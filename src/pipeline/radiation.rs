@@ -5,27 +5,21 @@ use nailnoise_acoustics::bem::ModalBem;
 use nailnoise_acoustics::fourier::TransformSettings;
 use nailnoise_acoustics::levels::{SourceSpectrum, Weighting, energy_weights};
 use nailnoise_acoustics::radiation::{
-    AbsorbingSand, Erp, ModalSpectra, MovingSand, RadiatingSurface, mode_energies, radiated_energy, radiated_signals,
-    rigid_body_energy, rigid_body_signals,
+    AbsorbingSand, Erp, ModalSpectra, mode_energies, radiated_energy, radiated_signals, rigid_body_energy,
+    rigid_body_signals,
 };
 use nailnoise_acoustics::sound::rigid_body_far_field;
 use nailnoise_dynamics::CycleRecord;
-use nailnoise_fem::supports::Sand;
-use nailnoise_meshes::{QuadraturePoint, Surface};
-use nalgebra::{DMatrix, DMatrixView, Point3};
 
 use super::bodies::{Body, Structure};
-use super::radiator::{Flush, Radiator, absorbing_sand};
+use super::radiator::{Flush, Radiator};
 use super::report::{flush_report, report, rigid_report};
 use super::sound::Sound;
 use crate::design::Design;
+use crate::design::inputs::radiation::absorbing_sand;
 use crate::error::Error;
 use crate::result::{ModeShare, Uncertainty};
 use crate::stages::spectra::side_by_side;
-
-/// Gauss points along each side of a face; the modes are quadratic on it, so their squares are integrated exactly on
-/// rectangular faces.
-pub(super) const FACE_POINTS: usize = 3;
 
 /// Highest radiation efficiency of a plate, near coincidence.
 const HIGHEST_EFFICIENCY: f64 = 1.76;
@@ -222,20 +216,6 @@ fn flush_top(
     })
 }
 
-/// The sand's surface as it moves with the block.
-pub(super) fn moving_sand(design: &Design) -> Result<MovingSand, Error> {
-    let (block, sand) = (&design.workpiece, &design.support.sand);
-    let around = |length: f64| [-0.5 * length, 0.5 * length];
-    let ground = Sand::new(sand.shear_modulus, sand.density, sand.poisson_ratio)?;
-    Ok(MovingSand {
-        footprint: [around(block.length), around(block.width)],
-        sand: [around(sand.box_length), around(sand.box_width)],
-        shear_speed: ground.shear_speed(),
-        loss_factor: sand.loss_factor,
-        to_hz: sand.moving_surface_top,
-    })
-}
-
 /// What the share of the sand's absorption decides: from that of an infinite plane of sand to none.
 fn sand_band(source: &SourceSpectrum, sand: &AbsorbingSand, range_hz: [f64; 2]) -> Uncertainty {
     let plane: Vec<f64> = source
@@ -264,51 +244,6 @@ fn sand_band(source: &SourceSpectrum, sand: &AbsorbingSand, range_hz: [f64; 2]) 
         plus: difference(0.0),
         basis: "absorption by the sand, from that of an infinite plane to none".to_owned(),
     }
-}
-
-/// The surface of a body with the normal displacements of its modes, less what is hidden.
-pub(super) fn radiating(body: &Body, hidden: impl Fn(&str, &Point3<f64>) -> bool) -> Result<RadiatingSurface, Error> {
-    let surface = &body.surface;
-    let shown = |point: &QuadraturePoint| !hidden(&surface.patches[surface.faces[point.face].patch], &point.position);
-    skin(surface, body.skin.as_view(), shown)
-}
-
-/// The points of a surface that are shown, with the normal displacements of modes, columns as those of [`Body::skin`].
-pub(super) fn skin(
-    surface: &Surface,
-    shapes: DMatrixView<'_, f32>,
-    shown: impl Fn(&QuadraturePoint) -> bool,
-) -> Result<RadiatingSurface, Error> {
-    let points: Vec<QuadraturePoint> = surface.quadrature(FACE_POINTS)?.into_iter().filter(shown).collect();
-    let mut modes = DMatrix::zeros(points.len(), shapes.ncols());
-    for (shape, mut column) in shapes.column_iter().zip(modes.column_iter_mut()) {
-        for (point, value) in points.iter().zip(column.iter_mut()) {
-            let nodes = &surface.faces[point.face].nodes;
-            *value = nodes
-                .iter()
-                .zip(&point.shape)
-                .map(|(&node, weight)| {
-                    let moved = shape.fixed_rows::<3>(3 * node).map(f64::from);
-                    weight * moved.dot(&point.normal)
-                })
-                .sum();
-        }
-    }
-    let mut patches: Vec<usize> = points.iter().map(|p| surface.faces[p.face].patch).collect();
-    let mut shown = patches.clone();
-    shown.sort_unstable();
-    shown.dedup(); // a patch that is wholly hidden has no level to show
-    for patch in &mut patches {
-        *patch = shown.partition_point(|p| p < patch);
-    }
-    Ok(RadiatingSurface::new(
-        points.iter().map(|p| p.position).collect(),
-        points.iter().map(|p| p.normal).collect(),
-        points.iter().map(|p| p.weight).collect(),
-        patches,
-        shown.iter().map(|&patch| surface.patches[patch].clone()).collect(),
-        modes,
-    )?)
 }
 
 /// A rigid tool body as the sphere of its volume in the cycle's motion: its power by the resistance of the sphere's surface,

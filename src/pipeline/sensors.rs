@@ -12,7 +12,7 @@ use nalgebra::{Complex, DMatrix, Point3, Vector3};
 use rayon::prelude::*;
 
 use super::bodies::Body;
-use super::radiation::moving_sand;
+use crate::design::inputs::radiation::moving_sand;
 use crate::design::{BodyModel, Carrier, Design, Sensor, SensorProblem, SupportKind};
 use crate::error::Error;
 use crate::result::SensorLevel;

@@ -12,10 +12,10 @@ use serde::{Deserialize, Serialize};
 use super::intervals::Clock;
 use super::microphones::{self, AtMicrophones};
 use super::missing::{self, Missing};
+use super::radiator::tool_radiation;
 use super::sensors::{self, Sensed, SensorRecord};
 use super::sound::{Sound, Source};
 use super::starts::starts;
-use super::tool_radiator::tool_radiator;
 use super::vibration::{Bench, Moved, Vibration, modal_spectra};
 use super::{Options, Stiffness, Tool, cycle, exhaust, radiation, response, tool_body};
 use crate::design::{Coupling, Design};
@@ -214,7 +214,7 @@ fn one_way(bench: &Bench<'_>, moved: &Moved, progress: &Progress) -> Result<(Cyc
     let body = match &moved.vibration.tool {
         Some(_) => {
             let body = tool_body(design, cache)?;
-            let bem = tool_radiator(design, &body, air, cache, progress)?;
+            let bem = tool_radiation(design, &body, air, cache, progress)?;
             Tool::new(design, (body, bem), parameters, &record, cache)?.sound(design, &record, air)?
         }
         None => radiation::rigid_tool(design, &record, air)?,

@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Driven;
 use super::bodies::Body;
-use super::radiation::{by_boundary_elements, rigid_tool, skin};
+use super::radiation::{by_boundary_elements, rigid_tool};
 use super::radiator::damping_of;
 use super::sensors::{Moving, Sensed, Sensing};
 use super::sound::Sound;
@@ -32,6 +32,7 @@ use super::vibration::spectrum_range;
 use crate::design::Design;
 use crate::error::Error;
 use crate::result::{Check, CrossCheck, Uncertainty};
+use crate::stages::radiation::radiating_surface;
 use crate::stages::spectra::body_spectra;
 use crate::store::Store;
 
@@ -205,7 +206,7 @@ impl Tool {
         let elastic = self.body.omega.len() - rigid;
         let open = open_faces(surface, None)?;
         let shapes = self.body.skin.columns(rigid, elastic);
-        let erp = Erp::new(&skin(surface, shapes, |point| open[point.face])?, air);
+        let erp = Erp::new(&radiating_surface(surface, shapes, |point| open[point.face])?, air);
         let spectra = ModalSpectra {
             frequency: self.spectra.frequency.clone(),
             accelerations: self.spectra.accelerations.rows(rigid, elastic).into_owned(),

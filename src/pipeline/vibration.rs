@@ -9,10 +9,9 @@ use nailnoise_fem::transient::ModalResponse;
 use nalgebra::DMatrix;
 
 use super::exhaust::{self, Blown};
-use super::radiator::Radiator;
+use super::radiator::{Radiator, tool_radiation};
 use super::sensors::{Moving, Sensed, Sensing};
 use super::sound::Sound;
-use super::tool_radiator::tool_radiator;
 use super::{Body, Driven, Options, Structure, Tell, Tool, bodies, parameters, radiation, response};
 use crate::design::{BodyModel, Design, SupportKind};
 use crate::error::Error;
@@ -215,7 +214,7 @@ fn tool_in_motion(
     let tool = match body {
         Some(body) => {
             let bem = timing.time("radiation matrices of the tool", || {
-                tool_radiator(design, &body, air, cache, progress)
+                tool_radiation(design, &body, air, cache, progress)
             })?;
             Some(timing.time("tool response", || {
                 Tool::new(design, (body, bem), parameters, record, cache)

@@ -9,6 +9,7 @@
 
 mod codec;
 mod progress;
+pub(crate) mod radiation;
 pub(crate) mod spectra;
 
 use std::sync::Arc;

@@ -2,6 +2,7 @@ use super::panel::{BoundaryMesh, Panel};
 use crate::error::AcousticsError;
 use nailnoise_meshes::{FaceKind, MeshError, subdivide};
 use nalgebra::Point3;
+use serde::Serialize;
 use std::collections::HashMap;
 
 /// Least number of panels across a stretch between two lines: the pressure bends sharply at a body's edges, and a single
@@ -9,7 +10,7 @@ use std::collections::HashMap;
 const LEAST: f64 = 2.0;
 
 /// A box with edges along the axes, part of a body.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SolidBox {
     /// Corner with the smallest coordinates \[m\].
     pub low: [f64; 3],

@@ -59,13 +59,13 @@ pub(super) struct Inputs<'a> {
 }
 
 /// Height of the tool above what it nails \[m\].
-pub(super) fn tool_height(design: &Design) -> f64 {
+pub(crate) fn tool_height(design: &Design) -> f64 {
     design.body.nose_height + design.body.barrel_height + design.body.cap_height
 }
 
 /// Height of the plane that reflects: the floor under a table, under a block on springs, or at the underside of one that
 /// lies or is clamped on it; the sand's surface \[m\].
-pub(super) fn reflecting_plane(design: &Design) -> f64 {
+pub(crate) fn reflecting_plane(design: &Design) -> f64 {
     match design.support.kind {
         SupportKind::Worktable => -design.support.worktable.height,
         SupportKind::Sandbox => design.workpiece.thickness,
@@ -81,7 +81,7 @@ fn surface(design: &Design) -> Iso3744Box {
 }
 
 /// The microphones' places \[m\], in the coordinates of the bodies.
-pub(super) fn positions(design: &Design) -> Vec<Point3<f64>> {
+pub(crate) fn positions(design: &Design) -> Vec<Point3<f64>> {
     let nail = &design.nail;
     let foot = Point3::new(nail.offset_along, nail.offset_across, reflecting_plane(design));
     surface(design).places(foot)

@@ -1,0 +1,131 @@
+//! Radiation of the tool's body by boundary elements: the faces of its housing in the open air, above a rigid floor.
+//!
+//! The workpiece is not part of the problem: it neither reflects the tool's sound nor shades it, except in sand, where its
+//! top is flush with the plane that reflects. It closes the nose everywhere. The body is taken at its place before the shot.
+//!
+//! A plane that is farther below than the tool is high is not part of the equations either. It changes the power of a small
+//! source at the height h by sin(2 k h)/(2 k h), ripples of 170 Hz below a table that would require three times as many
+//! frequencies and cancel in every band that is wider; its reflection at a microphone is the sound at the microphone's image.
+
+use nailnoise_acoustics::Air;
+use nailnoise_acoustics::bem::{Boundary, ClosedOutline, Exterior, Level, ModalBem, Parity, Patterns};
+use serde::Serialize;
+
+use super::MovingSurface;
+use super::boundary_elements::{Discretisation, LOWEST_SAMPLE, MeshRanges, Places};
+use crate::error::Error;
+use crate::stages::Progress;
+
+/// Most panels of a useful coarser mesh over those of the finest.
+const WORTH_WHILE: f64 = 0.6;
+
+/// Least number of frequencies at which a piece of a range is sampled.
+const SAMPLES: f64 = 8.0;
+
+/// Highest frequency of the coarser mesh by itself, over the top of all.
+const ALONE: f64 = 0.4;
+
+/// Boundary elements of the tool's housing.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct ToolRadiation {
+    /// Resolution.
+    pub(crate) discretisation: Discretisation,
+    /// Height of the reflecting plane in the tool's coordinates, if it is part of the equations \[m\].
+    pub(crate) floor: Option<f64>,
+    /// The microphones.
+    pub(crate) places: Places,
+}
+
+impl ToolRadiation {
+    /// The radiation matrix in standard air: it depends on the wavelength alone.
+    ///
+    /// # Errors
+    /// Those of mesh and boundary elements.
+    pub(crate) fn compute(&self, body: &MovingSurface<'_>, progress: &Progress) -> Result<ModalBem, Error> {
+        let levels = self.levels(body, &Air::default())?;
+        let top_hz = levels.iter().map(|level| level.top_hz).fold(0.0, f64::max);
+        let ranges = MeshRanges {
+            solves: solves(&levels),
+            levels,
+            lowest_hz: LOWEST_SAMPLE.min(0.1 * top_hz),
+        };
+        ranges.note("tool", SAMPLES, progress);
+        if let Some(finest) = ranges.finest() {
+            let mended = finest.problem.boundary().mended();
+            if mended.flipped > 0 {
+                progress.note(&format!("tool: {mended}; look at its mesh"));
+            }
+        }
+        ranges.solve(
+            "boundary elements of the tool",
+            &self.discretisation,
+            &self.places,
+            progress,
+        )
+    }
+
+    /// The housing's own mesh, its nose closed, up to the frequency that it resolves.
+    ///
+    /// # Errors
+    /// Those of the mesh.
+    pub(crate) fn level(&self, body: &MovingSurface<'_>, air: &Air) -> Result<Level, Error> {
+        let outline = ClosedOutline::new(body.surface, self.floor)?;
+        let motion = outline.motion(body.surface, body.modes);
+        let boundary = Boundary::new(outline.mesh, self.floor)?;
+        let patterns = Patterns {
+            parity: Parity::default(),
+            velocities: boundary.project_displacements(&motion)?,
+        };
+        let Discretisation { top_hz, panels, .. } = self.discretisation;
+        let top_hz = boundary.highest_hz(air.sound_speed, panels).min(top_hz);
+        let problem = Exterior::new(boundary, air).with_panels_per_wavelength(panels)?;
+        Ok(Level {
+            problem,
+            top_hz,
+            patterns: vec![patterns],
+        })
+    }
+
+    /// The housing's mesh, below it where that saves much a coarser one of the same surface, which resolves the same waves:
+    /// alone in the lower part of the range, in the upper part to predict the matrix between the few frequencies of the
+    /// finer.
+    fn levels(&self, body: &MovingSurface<'_>, air: &Air) -> Result<Vec<Level>, Error> {
+        let panels = self.discretisation.panels;
+        let fine = self.level(body, air)?;
+        let boundary = fine.problem.boundary();
+        let edge = air.sound_speed / (panels * fine.top_hz);
+        let worth_while = WORTH_WHILE * boundary.mesh().panels.len() as f64;
+        // A surface that cannot be coarsened is solved as it is.
+        let coarse = match boundary.coarsened(edge) {
+            Ok(coarse) if coarse.mesh().panels.len() as f64 <= worth_while => coarse,
+            _ => return Ok(vec![fine]),
+        };
+        let carried = |p: &Patterns| {
+            let velocities = coarse.carried(boundary, &p.velocities)?;
+            Ok::<_, Error>(Patterns {
+                parity: p.parity,
+                velocities,
+            })
+        };
+        let patterns: Vec<Patterns> = fine.patterns.iter().map(carried).collect::<Result<_, _>>()?;
+        let problem = Exterior::new(coarse, air).with_panels_per_wavelength(panels)?;
+        let below = Level {
+            problem,
+            top_hz: ALONE * fine.top_hz,
+            patterns,
+        };
+        Ok(vec![below, fine])
+    }
+}
+
+/// Number of frequencies that are solved on each mesh, about: alone on three pieces of the range, beside a coarser one at
+/// half as many on the last piece and in the middles of the means.
+fn solves(levels: &[Level]) -> Vec<f64> {
+    match levels {
+        [_, _] => vec![
+            4.0 * SAMPLES + ModalBem::IN_MEAN as f64,
+            0.5 * SAMPLES + ModalBem::MEANS as f64,
+        ],
+        _ => vec![3.0 * SAMPLES + ModalBem::IN_MEAN as f64; levels.len()],
+    }
+}

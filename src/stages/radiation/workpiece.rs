@@ -1,0 +1,407 @@
+//! Radiation of the workpiece and of the table that it may stand on: the surfaces that radiate, the floor, the meshes and
+//! their cost.
+//!
+//! Built-in block and table are boxes, symmetric about two planes, on meshes that get finer with frequency. A block that
+//! lies on a rigid floor or is held there has that floor instead of an underside: no sound leaves the gap between them. A
+//! block that hangs or stands on springs radiates all around, above the floor at `support.clearance`. A block of another
+//! shape (`workpiece.mesh`) radiates from the faces of its own mesh.
+
+use nailnoise_acoustics::bem::{
+    Boundary, BoundaryMesh, Exterior, Level, ModalBem, MovingPart, Parity, Patterns, Side, SolidBox,
+};
+use nailnoise_acoustics::radiation::Erp;
+use nailnoise_acoustics::{AcousticsError, Air};
+use nailnoise_meshes::open_faces;
+use nalgebra::{DMatrix, Point3};
+use serde::Serialize;
+
+use super::MovingSurface;
+use super::boundary_elements::{Discretisation, LOWEST_SAMPLE, MeshRanges, Places};
+use super::flush::{FlushTop, radiating_surface};
+use crate::error::Error;
+use crate::stages::Progress;
+
+/// Tops of the ranges that have a mesh of their own, over the top of all.
+const RANGES: [f64; 4] = [0.16, 0.4, 0.65, 1.0];
+
+/// Longest side of a panel over the largest extent of the body: at low frequencies the shape requires as much as the wave.
+const COARSEST: f64 = 1.0 / 16.0;
+
+/// Frequencies at which a range is sampled on the mesh below it, as counted on the worktables: per wavelength of the range,
+/// and beside these.
+const SAMPLES_PER_WAVELENGTH: f64 = 7.0;
+const SAMPLES_BESIDE: f64 = 10.0;
+
+/// Frequencies at which its own mesh corrects them.
+const CORRECTIONS: f64 = 9.0;
+
+/// Patches of the block on its table, and how many of them belong to the block.
+const PATCHES: [&str; 6] = [
+    "workpiece top",
+    "workpiece sides",
+    "worktable top",
+    "worktable underside",
+    "worktable edges",
+    "worktable legs",
+];
+const OF_WORKPIECE: usize = 2;
+
+/// Patches of a block alone.
+const ALONE: [&str; 3] = ["workpiece top", "workpiece sides", "workpiece underside"];
+
+/// How the radiation of the workpiece with its support is computed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) enum WorkpieceRadiation {
+    /// By boundary elements on block and table as one surface above the floor, or on a block alone.
+    BoundaryElements(WorkpieceBoundaryElements),
+    /// By the equivalent radiated power of each body.
+    Erp(Covered),
+    /// By Rayleigh's integral over the block's top, flush with the sand.
+    Rayleigh(FlushTop),
+}
+
+/// Boundary elements of the workpiece, and of the table that it may stand on.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct WorkpieceBoundaryElements {
+    /// Resolution.
+    pub(crate) discretisation: Discretisation,
+    /// The block (part 0), and where it stands on a table the table's top (part 1) and legs (part 2). Tubes are closed by
+    /// top and floor. The origin is the centre of the block's underside.
+    pub(crate) boxes: Vec<SolidBox>,
+    /// Whether the block stands on a table.
+    pub(crate) on_table: bool,
+    /// Height of the rigid floor if it is part of the equations \[m\].
+    pub(crate) floor: Option<f64>,
+    /// The microphones.
+    pub(crate) places: Places,
+}
+
+impl WorkpieceBoundaryElements {
+    /// The radiation matrix in standard air: it depends on the wavelength alone.
+    ///
+    /// # Errors
+    /// Those of [`Self::levels`] and of the boundary elements.
+    pub(crate) fn compute(&self, bodies: &[MovingSurface<'_>], progress: &Progress) -> Result<ModalBem, Error> {
+        let levels = self.levels(bodies, &Air::default())?;
+        let lowest = levels.first().map_or(0.0, |level| level.top_hz);
+        let lowest_hz = LOWEST_SAMPLE.min(0.5 * lowest);
+        let ranges = MeshRanges {
+            solves: solves(&levels, lowest_hz),
+            levels,
+            lowest_hz,
+        };
+        ranges.note("workpiece", 0.0, progress);
+        if let [only] = &ranges.levels[..] {
+            progress.note(&format!(
+                "workpiece: the sides of its mesh are not those of workpiece.length, width and thickness; it radiates from its                  own faces, up to {:.0} Hz; {}",
+                only.top_hz,
+                only.problem.boundary().mended()
+            ));
+        }
+        ranges.solve("boundary elements", &self.discretisation, &self.places, progress)
+    }
+
+    /// Largest extent of the boxes \[m\].
+    fn extent(&self) -> f64 {
+        let of_axis = |axis: usize| {
+            let low = self.boxes.iter().map(|b| b.low[axis]).fold(f64::INFINITY, f64::min);
+            let high = self
+                .boxes
+                .iter()
+                .map(|b| b.high[axis])
+                .fold(f64::NEG_INFINITY, f64::max);
+            high - low
+        };
+        (0..3).map(of_axis).fold(0.0, f64::max)
+    }
+
+    /// The surface of the bodies on meshes that get finer with frequency, with the velocities of all modes. In any air the
+    /// meshes and the wavelengths up to which they serve are those of the stored matrix.
+    ///
+    /// # Errors
+    /// [`Error::NotBoxes`] for a mesh on a table that has not the sides of the design; those of mesh and radiation.
+    pub(crate) fn levels(&self, bodies: &[MovingSurface<'_>], air: &Air) -> Result<Vec<Level>, Error> {
+        let of_boxes = RANGES.iter().map(|share| self.of_boxes(bodies, air, *share));
+        match of_boxes.collect() {
+            Err(AcousticsError::Uncovered { .. }) if !self.on_table => Ok(vec![self.of_skin(&bodies[0], air)?]),
+            Err(cause @ AcousticsError::Uncovered { .. }) => Err(Error::NotBoxes { cause }),
+            other => Ok(other?),
+        }
+    }
+
+    /// The boxes' surface up to a share of the top of all ranges.
+    fn of_boxes(&self, bodies: &[MovingSurface<'_>], air: &Air, share: f64) -> Result<Level, AcousticsError> {
+        let (fine, computed) = (&self.discretisation, Air::default());
+        let (on_table, floor) = (self.on_table, self.floor);
+        let names: &[&str] = if on_table { &PATCHES } else { &ALONE };
+        let own = if on_table { OF_WORKPIECE } else { ALONE.len() };
+        let modes: Vec<DMatrix<f64>> = bodies.iter().map(|body| body.modes.map(f64::from)).collect();
+        let parts: Vec<MovingPart<'_>> = bodies
+            .iter()
+            .zip(&modes)
+            .zip([0..own, own..names.len()])
+            .map(|((body, modes), patches)| MovingPart {
+                skin: body.surface,
+                modes,
+                patches,
+            })
+            .collect();
+        let patch = |side: Side| match (side.part, side.axis, side.upper) {
+            (0, 2, true) => 0,
+            (0, 2, false) if !on_table => 2,
+            (0, _, _) => 1,
+            (1, 2, true) => 2,
+            (1, 2, false) => 3,
+            (1, _, _) => 4,
+            _ => 5,
+        };
+        let top_hz = share * fine.top_hz;
+        let edge = (computed.sound_speed / (fine.panels * top_hz)).min(COARSEST * self.extent());
+        let mirrors = [Some(0.0); 2];
+        // A floor below the body needs no line of the grid.
+        let lowest = self.boxes.iter().map(|b| b.low[2]).fold(f64::INFINITY, f64::min);
+        let planes = [mirrors[0], mirrors[1], floor.filter(|floor| *floor >= lowest)];
+        let names = names.iter().map(|&name| name.to_owned()).collect();
+        let mesh = BoundaryMesh::of_boxes(&self.boxes, planes, edge, names, patch)?;
+        let boundary = Boundary::symmetric(mesh, mirrors, floor)?;
+        let patterns = boundary.transfer(&parts)?;
+        let problem = Exterior::new(boundary, air).with_panels_per_wavelength(fine.panels)?;
+        Ok(Level {
+            problem,
+            top_hz: top_hz * (air.sound_speed / computed.sound_speed),
+            patterns,
+        })
+    }
+
+    /// The faces of a block's own mesh, up to the frequency that they resolve.
+    fn of_skin(&self, body: &MovingSurface<'_>, air: &Air) -> Result<Level, Error> {
+        let (fine, computed) = (&self.discretisation, Air::default());
+        let open = open_faces(body.surface, self.floor)?;
+        let mut mesh = BoundaryMesh::of_skin(body.surface);
+        let mut open = open.into_iter();
+        mesh.panels.retain(|_| open.next().unwrap_or(true));
+        mesh.patches
+            .iter_mut()
+            .for_each(|name| name.insert_str(0, "workpiece "));
+        let boundary = Boundary::new(mesh, self.floor)?;
+        let patterns = Patterns {
+            parity: Parity::default(),
+            velocities: boundary.project_displacements(&body.modes.map(f64::from))?,
+        };
+        let resolved = boundary.highest_hz(computed.sound_speed, fine.panels);
+        let problem = Exterior::new(boundary, air).with_panels_per_wavelength(fine.panels)?;
+        Ok(Level {
+            problem,
+            top_hz: resolved.min(fine.top_hz) * (air.sound_speed / computed.sound_speed),
+            patterns: vec![patterns],
+        })
+    }
+}
+
+/// Number of frequencies that are solved on each mesh, about. The samples of a range follow how many more wavelengths twice
+/// the body's largest extent, or its height above the floor, holds at its top than at its bottom. They are solved on the
+/// mesh below and corrected by the range's own; the last mesh also solves the means above.
+fn solves(levels: &[Level], low: f64) -> Vec<f64> {
+    let mut from = low;
+    let mut solves = vec![0.0; levels.len()];
+    for (number, level) in levels.iter().enumerate() {
+        let boundary = level.problem.boundary();
+        let points = &boundary.mesh().points;
+        let heights = points.iter().map(|p| p.z - boundary.floor().unwrap_or(p.z));
+        let extent = heights.fold(boundary.extents().max(), f64::max);
+        let wavelengths = 2.0 * extent * (level.top_hz - from) / level.problem.air().sound_speed;
+        from = level.top_hz;
+        solves[number.saturating_sub(1)] += SAMPLES_PER_WAVELENGTH * wavelengths + SAMPLES_BESIDE;
+        if number > 0 {
+            solves[number] += CORRECTIONS;
+        }
+    }
+    if let Some(last) = solves.last_mut() {
+        *last += ModalBem::IN_MEAN as f64;
+    }
+    solves
+}
+
+/// The faces from which no sound leaves, as those where the bodies touch each other or the floor.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub(crate) struct Covered {
+    /// Half the sides of the block's underside, which covers the table's top \[m\].
+    pub(crate) half_sides: [f64; 2],
+    /// Whether the block's underside is clear of the floor; even a narrow gap radiates.
+    pub(crate) underside_open: bool,
+}
+
+impl Covered {
+    /// Equivalent radiated power of a body.
+    ///
+    /// # Errors
+    /// Those of the surface.
+    pub(crate) fn erp(&self, body: &MovingSurface<'_>, air: &Air) -> Result<Erp, Error> {
+        let hidden = |patch: &str, p: &Point3<f64>| match patch {
+            "bottom" => body.body != "workpiece" || !self.underside_open,
+            "floor" => true,
+            _ if patch.ends_with("_slave") => true, // tied to another face
+            "top" => body.body == "worktable" && p.x.abs() < self.half_sides[0] && p.y.abs() < self.half_sides[1],
+            _ => false,
+        };
+        let patches = &body.surface.patches;
+        let shown = |patch: usize, point: &Point3<f64>| !hidden(&patches[patch], point);
+        let surface = radiating_surface(body.surface, body.modes.as_view(), |point| {
+            shown(body.surface.faces[point.face].patch, &point.position)
+        })?;
+        Ok(Erp::new(&surface, air))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use std::f64::consts::{PI, TAU};
+
+    use nailnoise_acoustics::bem::TwoEvaluations;
+    use nalgebra::Vector3;
+
+    use super::*;
+    use crate::design::Design;
+    use crate::design::inputs::radiation::{FARTHEST_FLOOR, workpiece_boundary_elements as boundary_elements};
+    use crate::pipeline::{Body, workpiece};
+    use crate::store::Store;
+
+    /// The coarse design with boundary elements to 400 Hz and something changed.
+    fn small(text: &str) -> Design {
+        let text = format!("base = \"small-bem.toml\"\nnail.length = \"20 mm\"\n{text}\n");
+        Design::parse(&text, concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/over.toml")).unwrap()
+    }
+
+    /// Text of a block on a spring at a clearance.
+    fn hung(clearance: f64) -> String {
+        let zero = [
+            "x = 0",
+            "y = 0",
+            "z = 0",
+            "stiffness_x = 0",
+            "stiffness_y = 0",
+            "damping_x = 0",
+        ]
+        .join("\n");
+        format!(
+            "support.kind = \"springs\"\nsupport.clearance = {clearance}\n[springs.strap]\nbody = \"workpiece\"\n{zero}\n\
+             damping_y = 0\ndamping_z = 20\nradius = 0.02\nstiffness_z = 2500"
+        )
+    }
+
+    fn block(design: &Design) -> Body {
+        workpiece(design, &Store::none()).unwrap()
+    }
+
+    fn levels(design: &Design, block: &Body, air: &Air) -> Result<Vec<Level>, Error> {
+        boundary_elements(design).levels(&[block.moving_surface()], air)
+    }
+
+    /// Both evaluations of the resistance of a body that shakes along an axis \[kg/s\].
+    fn shaken(level: &Level, body: &Body, axis: Vector3<f64>, hz: f64) -> [f64; 2] {
+        let rigid: Vec<usize> = (0..body.omega.len()).filter(|&j| body.omega[j] == 0.0).collect();
+        assert_eq!(rigid.len(), 6);
+        let modes = body.skin.select_columns(&rigid).map(f64::from);
+        let motion = DMatrix::from_fn(modes.nrows(), 1, |dof, _| axis[dof % 3]);
+        let share = (modes.transpose() * &modes)
+            .cholesky()
+            .unwrap()
+            .solve(&(modes.transpose() * motion));
+        let pattern = |patterns: &Patterns| Patterns {
+            velocities: patterns.velocities.select_columns(&rigid) * &share,
+            ..patterns.clone()
+        };
+        let patterns: Vec<Patterns> = level.patterns.iter().map(pattern).collect();
+        let found = level.problem.resistance_parities(hz, &patterns).unwrap();
+        let surface = |two: &TwoEvaluations| two.patches.iter().map(|p| p[(0, 0)]).sum::<f64>();
+        [
+            found.iter().map(|two| two.far_field[(0, 0)]).sum(),
+            found.iter().map(surface).sum(),
+        ]
+    }
+
+    #[test]
+    fn a_block_on_the_floor_is_half_of_one_twice_as_high_in_free_space() {
+        let air = Air::default();
+        let of = |text: &str| {
+            let design = small(text);
+            let block = block(&design);
+            let finest = levels(&design, &block, &air).unwrap().pop().unwrap();
+            move |axis, hz| shaken(&finest, &block, axis, hz)
+        };
+        let held = of("support.kind = \"floor\"");
+        let free = of(&format!("workpiece.thickness = \"190.5 mm\"\n{}", hung(3.0)));
+        for (axis, hz) in [(Vector3::x(), 100.0), (Vector3::x(), 400.0), (Vector3::y(), 250.0)] {
+            for (half, whole) in held(axis, hz).into_iter().zip(free(axis, hz)) {
+                assert!((2.0 * half / whole - 1.0).abs() < 1e-3, "{hz} Hz: {half} of {whole}");
+            }
+        }
+    }
+
+    /// The force that a small shaken cube puts on the air is 1.6284 rho V a: the polarizability of a cube of no
+    /// permittivity (Sihvola et al., IEEE Trans. Antennas Propag. 52, 2226 (2004)), which obeys the same equation. It
+    /// radiates as a dipole, near the floor together with its image.
+    #[test]
+    fn a_small_cube_on_springs_radiates_as_a_dipole_and_above_a_floor_with_its_image() {
+        let air = Air::default();
+        let side: f64 = 0.06;
+        let cube = format!(
+            "workpiece.length = {side}\nworkpiece.width = {side}\nworkpiece.thickness = {side}\n\
+             support.contact.points_along = 3\nsupport.contact.points_across = 3"
+        );
+        let of = |clearance: f64| {
+            let design = small(&format!("{cube}\n{}", hung(clearance)));
+            let block = block(&design);
+            let finest = levels(&design, &block, &air).unwrap().pop().unwrap();
+            assert_eq!(finest.problem.boundary().floor().is_some(), clearance <= FARTHEST_FLOOR);
+            move |axis, hz| shaken(&finest, &block, axis, hz)
+        };
+        let [free, near] = [3.0, 0.2].map(of);
+        for hz in [50.0, 200.0] {
+            let omega = TAU * hz;
+            let force = 1.6284 * air.density * side.powi(3) * omega;
+            let dipole = omega.powi(2) * force.powi(2) / (12.0 * PI * air.density * air.sound_speed.powi(3));
+            let found = free(Vector3::z(), hz);
+            // k a = 0.11 at 200 Hz adds its square.
+            for found in found {
+                assert!((found / dipole - 1.0).abs() < 0.01, "{hz} Hz: {found} against {dipole}");
+            }
+        }
+        for hz in [100.0, 200.0, 350.0] {
+            let x = 2.0 * TAU * hz / air.sound_speed * (0.2 + 0.5 * side);
+            let image = 1.0 - 3.0 * (x.sin() / x + 2.0 * x.cos() / (x * x) - 2.0 * x.sin() / x.powi(3));
+            let found = near(Vector3::z(), hz)[0] / free(Vector3::z(), hz)[0];
+            assert!((found / image - 1.0).abs() < 0.01, "{hz} Hz: {found} against {image}");
+        }
+    }
+
+    /// A mesh that is not the block of the design's dimensions.
+    #[test]
+    fn a_block_of_another_shape_radiates_from_its_own_faces_and_is_refused_on_a_table() {
+        let air = Air::default();
+        let floor = small("support.kind = \"floor\"\nworkpiece.thickness = \"90 mm\"");
+        let block = block(&small("support.kind = \"floor\"\nworkpiece.thickness = \"90 mm\""));
+        let boxes = levels(&floor, &block, &air).unwrap().pop().unwrap();
+        let longer = small("support.kind = \"floor\"\nworkpiece.thickness = \"90 mm\"\nworkpiece.length = \"410 mm\"");
+        let own = levels(&longer, &block, &air).unwrap();
+        assert_eq!(own.len(), 1);
+        assert!(
+            own[0].problem.boundary().mended().on_floor == 0,
+            "the underside is left out before"
+        );
+        assert!(own[0].problem.boundary().stands_on_floor());
+        let names = &own[0].problem.boundary().mesh().patches;
+        assert!(names.contains(&"workpiece top".to_owned()), "{names:?}");
+        for (hz, axis) in [(100.0, Vector3::z()), (300.0, Vector3::x())] {
+            let [a, b] = [&boxes, &own[0]].map(|level| shaken(level, &block, axis, hz)[0]);
+            // The own faces are 60 mm wide.
+            assert!((b / a - 1.0).abs() < 0.04, "{hz} Hz: {b} against {a}");
+        }
+        let table = small("support.kind = \"worktable\"\nworkpiece.length = \"410 mm\"");
+        let error = levels(&table, &block, &air).unwrap_err();
+        assert!(matches!(error, Error::NotBoxes { .. }), "{error}");
+        assert_eq!(error.exit_status(), 2);
+    }
+}
