@@ -84,7 +84,16 @@ pub enum Error {
         /// Name of the part.
         part: String,
         /// The names there may be.
-        known: &'static str,
+        known: String,
+    },
+    /// A spring is not on its body.
+    #[error("the spring \"{spring}\" is {:.1} mm outside its body", distance * 1e3)]
+    #[diagnostic(help("move its x, y and z onto the body"))]
+    SpringOutside {
+        /// Its name.
+        spring: String,
+        /// Its distance from the body \[m\].
+        distance: f64,
     },
     /// The meshed tool is heavier than the tool.
     #[error("the meshed tool body weighs {meshed:.3} kg, more than `tool.mass` = {tool:.3} kg")]

@@ -39,6 +39,13 @@ pub struct Material {
     slowest_shear: f64,
 }
 
+impl serde::Serialize for Material {
+    /// As density, stiffness by columns and smallest shear modulus.
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        (self.density, self.stiffness.as_slice(), self.slowest_shear).serialize(serializer)
+    }
+}
+
 /// Tensor indices of the Voigt components.
 pub(crate) const VOIGT: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)];
 

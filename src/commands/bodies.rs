@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use nailnoise_meshes::msh::Imported;
 
+use crate::design::inputs::bodies as inputs;
 use crate::design::{Design, LENGTH, Values, kept, measure};
 use crate::error::Error;
-use crate::pipeline::{self, BodyKind, Geometry};
+use crate::stages::bodies::{BodyKind, MeshFile, Meshed};
 
 /// A body by its name on the command line.
 #[derive(Clone, Copy, ValueEnum)]
@@ -95,8 +96,8 @@ pub(super) struct Loaded {
     pub(super) name: String,
     /// The mesh.
     pub(super) imported: Imported,
-    /// What the design says of it.
-    pub(super) body: Option<(Box<Design>, Geometry)>,
+    /// The body, and the frequency below which its modes are wanted \[Hz\].
+    pub(super) body: Option<(Meshed, f64)>,
 }
 
 impl Input {
@@ -104,7 +105,7 @@ impl Input {
     pub(super) fn load(&self) -> Result<Loaded, Error> {
         let is_design = self.path.extension().is_some_and(|end| end == "toml");
         if !is_design {
-            let imported = pipeline::import(&self.path, self.own.unit.unwrap_or(1e-3), self.size)?;
+            let imported = MeshFile::new(&self.path, self.own.unit.unwrap_or(1e-3), self.size)?.import()?;
             let name = self
                 .path
                 .file_stem()
@@ -121,21 +122,11 @@ impl Input {
         if let Some(size) = self.size {
             set_size(&mut design, kind, size);
         }
-        let geometry = Geometry::of(&design, kind, self.remesh)?;
-        let imported = Imported {
-            mesh: geometry.mesh.clone(),
-            element_numbers: geometry.element_numbers.clone(),
-            node_numbers: Vec::new(),
-            unused_nodes: geometry.unused_nodes,
-            comment: match geometry.origin {
-                pipeline::Origin::Parametric => pipeline::tool_dimensions(&design).signature(),
-                _ => String::new(),
-            },
-        };
+        let meshed = inputs::geometry(&design, kind, self.remesh)?.mesh()?;
         Ok(Loaded {
             name: format!("{}: {}", design.name(), kind.name()),
-            imported,
-            body: Some((Box::new(design), geometry)),
+            imported: meshed.imported.clone(),
+            body: Some((meshed, inputs::below_hz(&design, kind))),
         })
     }
 

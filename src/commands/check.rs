@@ -12,7 +12,7 @@ use super::bodies::Input;
 use super::table::table;
 use super::{print, print_json};
 use crate::error::Error;
-use crate::pipeline::Geometry;
+use crate::stages::bodies::Meshed;
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -80,11 +80,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             .unwrap_or(element as u64)
     };
     let worst_element = number(quality.worst.element);
-    let geometry = loaded.body.as_ref().map(|(_, geometry)| geometry);
-    let margin = loaded
-        .body
-        .as_ref()
-        .map_or(1.0, |(design, _)| design.analysis.mode_margin);
+    let body = loaded.body.as_ref();
     let volumes = mesh.part_volumes()?;
     let thickness = wall_thicknesses(mesh)?;
     let longest = mesh.longest_edges();
@@ -92,10 +88,10 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         .map(|part| Part {
             name: mesh.part_names[part].clone(),
             volume: volumes[part],
-            mass: geometry.map(|geometry| volumes[part] * geometry.materials[part].density()),
+            mass: body.map(|(meshed, _)| volumes[part] * meshed.materials[part].density()),
             longest_edge: longest[part],
-            waves: geometry
-                .map(|g| ShortestWave::of_part(mesh, part, &g.materials[part], margin * g.top_hz, thickness[part])),
+            waves: body
+                .map(|(meshed, hz)| ShortestWave::of_part(mesh, part, &meshed.materials[part], *hz, thickness[part])),
         })
         .collect::<Vec<_>>();
     let groups = mesh
@@ -110,7 +106,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             }
         })
         .collect();
-    let ties = geometry.map_or(0, |geometry| geometry.attachments.ties.len());
+    let ties = body.map_or(0, |(meshed, _)| meshed.attachments.ties.len());
     let (faults, warnings) = findings(
         mesh,
         &quality,
@@ -130,9 +126,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         groups,
         faults,
         warnings,
-        mass: geometry.map(Geometry::mass).transpose()?,
-        cost: geometry
-            .map(|g| ModalCost::estimate(mesh, &g.materials, &quality, margin * g.top_hz))
+        mass: body.map(|(meshed, _)| meshed.mass()).transpose()?,
+        cost: body
+            .map(|(meshed, hz)| ModalCost::estimate(mesh, &meshed.materials, &quality, *hz))
             .transpose()?,
         quality,
     };
@@ -216,10 +212,10 @@ fn findings(
     (faults, warnings)
 }
 
-/// Cost of the modes of a body up to `margin` times its top frequency.
-pub(super) fn modal_cost(geometry: &Geometry, margin: f64) -> Result<ModalCost, MeshError> {
-    let quality = geometry.mesh.quality()?;
-    ModalCost::estimate(&geometry.mesh, &geometry.materials, &quality, margin * geometry.top_hz)
+/// Cost of the modes of a body below a frequency \[Hz\].
+pub(super) fn modal_cost(meshed: &Meshed, below_hz: f64) -> Result<ModalCost, MeshError> {
+    let mesh = &meshed.imported.mesh;
+    ModalCost::estimate(mesh, &meshed.materials, &mesh.quality()?, below_hz)
 }
 
 fn text(name: &str, result: &CheckResult) -> String {

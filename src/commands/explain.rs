@@ -9,9 +9,11 @@ use serde::Serialize;
 use super::check::modal_cost;
 use super::table::table;
 use super::{print, print_json};
+use crate::design::inputs::bodies as inputs;
 use crate::design::{Design, Entry, Provenance, SupportKind};
 use crate::error::Error;
-use crate::pipeline::{self, BodyKind, Geometry, Origin};
+use crate::pipeline;
+use crate::stages::bodies::{BodyKind, MeshSource};
 
 /// Estimates in the table.
 const LISTED: usize = 20;
@@ -89,13 +91,14 @@ fn explain(design: &Design) -> Result<Explanation, Error> {
     };
     let (mut bodies, mut obstacles) = (Vec::new(), Vec::new());
     for &kind in kinds {
-        let gmsh = pipeline::needs_gmsh(design, kind);
-        match Geometry::of(design, kind, false) {
-            Ok(geometry) => bodies.push(BodyPlan {
+        let geometry = inputs::geometry(design, kind, false);
+        let gmsh = geometry.as_ref().is_ok_and(|geometry| geometry.mesh.needs_gmsh());
+        match geometry.and_then(|geometry| Ok((geometry.mesh()?, geometry.mesh))) {
+            Ok((meshed, source)) => bodies.push(BodyPlan {
                 body: kind.name(),
-                mesh: origin(&geometry, gmsh),
+                mesh: origin(&source, gmsh),
                 gmsh,
-                cost: Some(modal_cost(&geometry, design.analysis.mode_margin)?),
+                cost: Some(modal_cost(&meshed, inputs::below_hz(design, kind))?),
             }),
             Err(error) => {
                 let help = miette::Diagnostic::help(&error).map_or_else(String::new, |help| format!("; {help}"));
@@ -129,13 +132,13 @@ fn explain(design: &Design) -> Result<Explanation, Error> {
     })
 }
 
-fn origin(geometry: &Geometry, gmsh: bool) -> String {
-    match &geometry.origin {
-        Origin::BuiltIn => "built in".to_owned(),
-        Origin::Parametric if gmsh => "parametric, dimensions differ from the shipped mesh: by gmsh".to_owned(),
-        Origin::Parametric => "parametric, shipped mesh".to_owned(),
-        Origin::File(path) if gmsh => format!("{}, by gmsh", path.display()),
-        Origin::File(path) => path.display().to_string(),
+fn origin(source: &MeshSource, gmsh: bool) -> String {
+    match source {
+        MeshSource::Block { .. } | MeshSource::Worktable(..) => "built in".to_owned(),
+        MeshSource::Tool(..) if gmsh => "parametric, dimensions differ from the shipped mesh: by gmsh".to_owned(),
+        MeshSource::Tool(..) => "parametric, shipped mesh".to_owned(),
+        MeshSource::File(file) if gmsh => format!("{}, by gmsh", file.path().display()),
+        MeshSource::File(file) => file.path().display().to_string(),
     }
 }
 

@@ -75,15 +75,13 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     progress.stage("modes");
     let cache = arguments.keeping.cache()?;
     let kind = arguments.body.into();
-    let body = progress.count(("modes", "modes"), |tell| {
-        pipeline::modes_of_telling(&design, kind, &cache, tell)
-    })?;
-    let shapes = body.shapes(&design, &cache)?;
-    cache.take_notes().iter().for_each(|note| progress.note(note));
+    let body = pipeline::modes_of(&design, kind, &cache, &progress)?;
+    let modes = body.modes()?;
+    let shapes = &modes.shapes;
     let correlation = match (&measurement, &arguments.mac) {
         (Some(measurement), Some(path)) => {
             let found = correlate(
-                (&body.basis.hz, &shapes),
+                (&body.basis.hz, shapes),
                 &body.surface,
                 measurement,
                 arguments.mac_reach,
@@ -93,12 +91,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         _ => None,
     };
     progress.stage("writing files");
-    let mut files = vec![output::write_modes(&folder, &body, &shapes)?];
+    let mut files = vec![output::write_modes(&folder, &body, shapes)?];
     for &mode in &arguments.animate {
         files.push(output::write_motion(&folder, &body, mode as usize - 1)?);
     }
     if arguments.uff {
-        files.push(output::write_universal(&folder, design.name(), &body, &shapes)?);
+        files.push(output::write_universal(&folder, design.name(), &body, shapes)?);
     }
     progress.end();
     let basis = &body.basis;

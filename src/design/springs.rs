@@ -52,6 +52,12 @@ impl Values {
         body == Sprung::Workpiece || self.support.kind == SupportKind::Worktable
     }
 
+    /// Names of the springs whose body the design lacks.
+    pub(crate) fn idle_springs(&self) -> Vec<&str> {
+        let absent = self.springs.iter().filter(|(_, spring)| !self.has(spring.body));
+        absent.map(|(name, _)| name.as_str()).collect()
+    }
+
     /// Stiffness and damping along z of all springs on a body \[N/m\], \[N s/m\].
     pub(crate) fn sprung(&self, body: Sprung) -> [f64; 2] {
         let on = self.springs.values().filter(|spring| spring.body == body);

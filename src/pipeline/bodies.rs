@@ -1,64 +1,27 @@
-//! Finite-element bodies of a design: mesh, modes, and the patterns through which forces reach them.
-//!
-//! Workpiece and worktable meet in the plane z = 0, z up; the workpiece's centre is at x = y = 0, x along the grain.
+//! The bodies of a design in a graph of stages.
 
-use nailnoise_fem::supports::{ContactGrid, GridRule};
-use nailnoise_fem::{LoadVector, ModalBasis, Rectangle};
-use nailnoise_meshes::{Mesh, Surface};
-use nalgebra::{DMatrix, DVector, Point3, Vector3};
+use std::ops::Deref;
+use std::sync::Arc;
 
-use super::geometry::{BodyKind, Geometry, added_mass};
-use super::model::{Model, Modelling, body};
-use super::{Tell, shank, sides, springs, tool_loads};
-use crate::design::{Design, Sprung, SupportKind};
+use nailnoise_fem::LoadVector;
+use nailnoise_fem::supports::ContactGrid;
+use nalgebra::{DMatrix, DVector};
+
+use crate::design::inputs::bodies::{self, BodyInputs};
+use crate::design::{Design, SupportKind};
 use crate::error::Error;
-use crate::result::Check;
+use crate::graph::Graph;
+use crate::stages::bodies::{Body, BodyKind, Discretisation, ModalModel, Modes, SensorModes, WholeModes, nail_load};
 use crate::stages::radiation::MovingSurface;
+use crate::stages::{Progress, Stored};
 use crate::store::Store;
-
-/// A body in modal coordinates, with its geometry.
-pub struct Body {
-    /// `workpiece`, `worktable` or `tool`.
-    pub name: &'static str,
-    /// Digest of all that its modes are computed from: bodies of one identity move alike.
-    pub(super) identity: [u8; 32],
-    /// Its mesh.
-    pub mesh: Mesh,
-    /// Its outer faces.
-    pub surface: Surface,
-    /// Its modes, proven complete up to their top frequency, and static corrections: below, "modes" are both. Their shapes are
-    /// apart, see [`Body::shapes`].
-    pub basis: ModalBasis<()>,
-    /// Displacement of the surface's points, x, y and z of each, in each mode: 3 points x modes \[kg^-1/2\]. In single
-    /// precision, as radiation matrices and pictures are.
-    pub skin: DMatrix<f32>,
-    /// The shapes, where they have just been computed.
-    pub(super) shapes: Option<DMatrix<f64>>,
-    /// What makes its model.
-    pub(super) model: (BodyKind, Modelling),
-    /// Angular frequencies of the modes \[rad/s\]; 0 for rigid ones.
-    pub omega: Vec<f64>,
-    /// Loss factor of all modes \[-\].
-    pub loss_factor: f64,
-    /// Frequency up to which the body's motion is part of the result \[Hz\].
-    pub top_hz: f64,
-    /// Modal momentum of the body as it rises at unit speed, Phi^T M (0, 0, 1) \[kg^1/2\].
-    pub lift: DVector<f64>,
-    /// Modal force of gravity \[N kg^-1/2\].
-    pub weight: DVector<f64>,
-    /// Generalised displacement of each load, downwards positive: modes x loads.
-    pub loads: DMatrix<f64>,
-    /// Generalised displacement of each contact cell along the body's outward normal, then of the sand's cells at its sides
-    /// and of springs to the ground: modes x supports.
-    pub contacts: DMatrix<f64>,
-}
 
 /// The bodies of a design.
 pub struct Structure {
     /// The wood block.
-    pub workpiece: Body,
+    pub workpiece: GraphBody,
     /// The worktable, when the block stands on one.
-    pub worktable: Option<Body>,
+    pub worktable: Option<GraphBody>,
     /// Cells in which the block's underside touches what it stands on.
     pub grid: ContactGrid,
 }
@@ -66,163 +29,98 @@ pub struct Structure {
 impl Structure {
     /// The bodies there are.
     pub fn bodies(&self) -> impl Iterator<Item = &Body> {
+        self.in_graph().map(|body| &**body)
+    }
+
+    /// The same with their whole modes.
+    pub(super) fn in_graph(&self) -> impl Iterator<Item = &GraphBody> {
         std::iter::once(&self.workpiece).chain(&self.worktable)
     }
 }
 
-/// Where loads act on the workpiece, in the order of the columns of [`Body::loads`]: the nail's stations, then the nose.
-pub(super) const WORKPIECE_LOADS: usize = shank::STATIONS + 1;
-
-/// Which model of a body has the loads and contacts of a shot.
-const DRIVEN: &str = "driven";
-
-/// The contact cells of the workpiece's underside.
-pub(super) fn contact_grid(design: &Design) -> ContactGrid {
-    let (block, contact) = (&design.workpiece, &design.support.contact);
-    let (along, across) = (contact.points_along as usize, contact.points_across as usize);
-    ContactGrid::new(block.length, block.width, along, across, GridRule::CellCentred)
+/// A body with the graph in which its whole modes are.
+#[derive(Clone)]
+pub struct GraphBody {
+    graph: Graph,
+    body: Arc<Body>,
+    nodes: BodyNodes,
 }
 
-/// What is nailed, free.
-///
-/// # Errors
-/// Those of mesh, material and modal solution.
-pub fn workpiece(design: &Design, cache: &Store) -> Result<Body, Error> {
-    workpiece_telling(design, cache, &|_, _| ())
+/// The stages of a body in a graph.
+#[derive(Clone)]
+pub(crate) struct BodyNodes {
+    pub(crate) modes: Stored<WholeModes>,
+    pub(crate) body: Stored<Body>,
 }
 
-/// [`workpiece`], and tells how many modes are found.
-pub(super) fn workpiece_telling(design: &Design, cache: &Store, tell: Tell<'_>) -> Result<Body, Error> {
-    let mut block = body(design, (BodyKind::Workpiece, DRIVEN), cache, tell, workpiece_model)?;
-    if design.support.kind == SupportKind::Sandbox {
-        // Sand that moves with the base rests in the sand: its weight is not the block's.
-        let weight = design.ambient.gravity * added_mass(design)?;
-        let cells = contact_grid(design).areas;
-        let area: f64 = cells.iter().sum();
-        for (cell, cell_area) in cells.iter().enumerate() {
-            let share = block.contacts.column(cell) * (weight * cell_area / area);
-            block.weight -= share;
-        }
+impl BodyNodes {
+    /// Adds the stages of a body.
+    pub(crate) fn add(graph: &Graph, inputs: BodyInputs) -> Self {
+        let kind = inputs.discretisation.geometry.kind;
+        let model = graph.add::<Discretisation>(inputs.discretisation);
+        let modes = graph.add(Modes {
+            kind,
+            model: model.clone(),
+            below_hz: inputs.below_hz,
+            residual_limit: inputs.residual_limit,
+        });
+        let body = graph.add(ModalModel {
+            kind,
+            model,
+            modes: modes.clone(),
+            loss_factor: inputs.loss_factor,
+            top_hz: inputs.top_hz,
+        });
+        Self { modes, body }
     }
-    Ok(block)
 }
 
-fn workpiece_model(design: &Design, kind: BodyKind) -> Result<Model, Error> {
-    let geometry = Geometry::of(design, kind, false)?;
-    let (mesh, thickness) = (&geometry.mesh, design.workpiece.thickness);
-    let mut loads = Vec::with_capacity(WORKPIECE_LOADS);
-    let nail = [design.nail.offset_along, design.nail.offset_across];
-    for depth in shank::depths(design.nail.length) {
-        let station = Point3::new(nail[0], nail[1], thickness - depth);
-        loads.push(LoadVector::point(mesh, station, -Vector3::z(), 0.0)?);
+impl Deref for GraphBody {
+    type Target = Body;
+
+    fn deref(&self) -> &Body {
+        &self.body
     }
-    let nose = Rectangle::horizontal(
-        Point3::new(nail[0], nail[1], thickness),
-        [design.body.nose_width, design.body.nose_depth],
-    );
-    loads.push(LoadVector::rectangle(mesh, "top", &nose, -Vector3::z())?);
-    let mut contacts = match design.support.kind {
-        SupportKind::Clamped | SupportKind::Springs => Vec::new(),
-        SupportKind::Worktable | SupportKind::Sandbox | SupportKind::Floor => {
-            let mut contacts = contact_vectors(design, mesh, "bottom", -Vector3::z())?;
-            contacts.extend(sides::load_vectors(design, mesh)?);
-            contacts
+}
+
+impl GraphBody {
+    fn new(
+        design: &Design,
+        (kind, driven): (BodyKind, bool),
+        store: &Store,
+        progress: &Progress,
+    ) -> Result<Self, Error> {
+        let graph = Graph::new(Arc::new(store.clone()), progress.observer());
+        let nodes = BodyNodes::add(&graph, bodies::body(design, kind, driven)?);
+        let body = nodes.body.get().map_err(|error| bodies::with_place(design, error))?;
+        Ok(Self { graph, body, nodes })
+    }
+
+    /// The whole modes, proven to be those of the body.
+    ///
+    /// # Errors
+    /// Those of the modal solution, where the store has lost them; [`Error::OtherModes`].
+    pub fn modes(&self) -> Result<Arc<WholeModes>, Error> {
+        let modes = self.nodes.modes.get()?;
+        self.body.shapes(&modes)?;
+        Ok(modes)
+    }
+
+    /// Displacement that load vectors read in each mode: modes x load vectors.
+    ///
+    /// # Errors
+    /// As [`Self::modes`].
+    pub(super) fn participation(&self, vectors: Vec<LoadVector>) -> Result<DMatrix<f64>, Error> {
+        if vectors.is_empty() {
+            return Ok(DMatrix::zeros(self.body.omega.len(), 0));
         }
-    };
-    contacts.extend(springs::load_vectors(design, mesh, Sprung::Workpiece)?);
-    Ok(Model {
-        geometry,
-        loads,
-        contacts,
-    })
-}
-
-/// The worktable, clamped at the floor or on springs.
-///
-/// # Errors
-/// [`Error::NoSuchBody`] when the support is a sandbox; those of mesh, material and modal solution.
-pub fn table(design: &Design, cache: &Store) -> Result<Body, Error> {
-    table_telling(design, cache, &|_, _| ())
-}
-
-/// [`table`], and tells how many modes are found.
-pub(super) fn table_telling(design: &Design, cache: &Store, tell: Tell<'_>) -> Result<Body, Error> {
-    body(design, (BodyKind::Worktable, DRIVEN), cache, tell, table_model)
-}
-
-fn table_model(design: &Design, kind: BodyKind) -> Result<Model, Error> {
-    let geometry = Geometry::of(design, kind, false)?;
-    let mut contacts = contact_vectors(design, &geometry.mesh, "top", Vector3::z())?;
-    contacts.extend(springs::load_vectors(design, &geometry.mesh, Sprung::Worktable)?);
-    Ok(Model {
-        geometry,
-        loads: Vec::new(),
-        contacts,
-    })
-}
-
-/// The tool's body, free, with what drives it: forces along the axis, then pressures on walls.
-///
-/// # Errors
-/// As [`Geometry::of`], [`Error::NoLoadSurface`], and those of the modal solution.
-pub fn tool_body(design: &Design, cache: &Store) -> Result<Body, Error> {
-    tool_body_telling(design, cache, &|_, _| ())
-}
-
-/// [`tool_body`], and tells how many modes are found.
-pub(super) fn tool_body_telling(design: &Design, cache: &Store, tell: Tell<'_>) -> Result<Body, Error> {
-    body(design, (BodyKind::Tool, DRIVEN), cache, tell, tool_model)
-}
-
-fn tool_model(design: &Design, kind: BodyKind) -> Result<Model, Error> {
-    let geometry = Geometry::of(design, kind, false)?;
-    let loads = tool_loads::load_vectors(design, &geometry.mesh)?;
-    Ok(Model {
-        geometry,
-        loads,
-        contacts: Vec::new(),
-    })
-}
-
-/// The modes of any body alone, without what drives it.
-///
-/// # Errors
-/// As [`Geometry::of`], and those of the modal solution.
-pub fn modes_of(design: &Design, kind: BodyKind, cache: &Store) -> Result<Body, Error> {
-    modes_of_telling(design, kind, cache, &|_, _| ())
-}
-
-/// [`modes_of`], and tells how many modes are found.
-pub(crate) fn modes_of_telling(design: &Design, kind: BodyKind, cache: &Store, tell: Tell<'_>) -> Result<Body, Error> {
-    body(design, (kind, "alone"), cache, tell, model_alone)
-}
-
-fn model_alone(design: &Design, kind: BodyKind) -> Result<Model, Error> {
-    Ok(Model {
-        geometry: Geometry::of(design, kind, false)?,
-        loads: Vec::new(),
-        contacts: Vec::new(),
-    })
-}
-
-/// Mean displacement along a direction of each contact cell on a face group in the plane z = 0.
-fn contact_vectors(
-    design: &Design,
-    mesh: &Mesh,
-    group: &str,
-    direction: Vector3<f64>,
-) -> Result<Vec<LoadVector>, Error> {
-    let (block, contact) = (&design.workpiece, &design.support.contact);
-    let size = [
-        block.length / f64::from(contact.points_along),
-        block.width / f64::from(contact.points_across),
-    ];
-    let cells = contact_grid(design);
-    let cell = |&[x, y]: &[f64; 2]| {
-        let cell = Rectangle::horizontal(Point3::new(x, y, 0.0), size);
-        LoadVector::rectangle(mesh, group, &cell, direction)
-    };
-    Ok(cells.points.iter().map(cell).collect::<Result<_, _>>()?)
+        let stage = SensorModes {
+            vectors,
+            body: self.nodes.body.clone(),
+            modes: self.nodes.modes.clone(),
+        };
+        Ok(self.graph.get(stage)?.shapes.clone())
+    }
 }
 
 impl Body {
@@ -234,21 +132,53 @@ impl Body {
             modes: &self.skin,
         }
     }
+}
 
-    /// Checks of the modal solution.
-    pub fn checks(&self) -> Vec<Check> {
-        let worst = self.basis.residuals.iter().fold(0.0, |worst: f64, &r| worst.max(r));
-        let missing = self.basis.sturm.count as f64 - self.basis.hz.len() as f64;
-        vec![
-            Check::at_most(format!("{}: eigen residual", self.name), worst, 1e-8),
-            Check::at_most(
-                format!("{}: orthonormality", self.name),
-                self.basis.orthonormality,
-                1e-8,
-            ),
-            Check::at_most(format!("{}: Sturm count less modes found", self.name), missing, 0.0),
-        ]
+/// Where loads act on the workpiece, in the order of the columns of [`Body::loads`]: the nail's stations, then the nose.
+pub(super) const WORKPIECE_LOADS: usize = nail_load::STATIONS + 1;
+
+/// The contact cells of the workpiece's underside.
+pub(super) fn contact_grid(design: &Design) -> ContactGrid {
+    bodies::contact_cells(design).grid()
+}
+
+/// Modal force of gravity on a body \[N kg^-1/2\].
+pub(super) fn weight(design: &Design, grid: &ContactGrid, body: &Body) -> Result<DVector<f64>, Error> {
+    let gravity = design.ambient.gravity;
+    if body.name == BodyKind::Workpiece.name() && design.support.kind == SupportKind::Sandbox {
+        Ok(body.weight_in_sand(gravity, bodies::added_sand(design)?.mass, grid))
+    } else {
+        Ok(body.weight(gravity))
     }
+}
+
+/// The workpiece, free.
+///
+/// # Errors
+/// Those of mesh, material and modal solution.
+pub fn workpiece(design: &Design, store: &Store) -> Result<GraphBody, Error> {
+    driven(design, BodyKind::Workpiece, store, &Progress::silent())
+}
+
+/// The tool's body, free, with what drives it: forces along the axis, then pressures on walls.
+///
+/// # Errors
+/// Those of mesh, material and modal solution; [`Error::NoLoadSurface`].
+pub fn tool_body(design: &Design, store: &Store) -> Result<GraphBody, Error> {
+    driven(design, BodyKind::Tool, store, &Progress::silent())
+}
+
+/// A body with the places of the shot's forces.
+pub(super) fn driven(design: &Design, kind: BodyKind, store: &Store, progress: &Progress) -> Result<GraphBody, Error> {
+    GraphBody::new(design, (kind, true), store, progress)
+}
+
+/// The modes of any body alone, without what drives it.
+///
+/// # Errors
+/// Those of mesh, material and modal solution.
+pub fn modes_of(design: &Design, kind: BodyKind, store: &Store, progress: &Progress) -> Result<GraphBody, Error> {
+    GraphBody::new(design, (kind, false), store, progress)
 }
 
 #[cfg(test)]
@@ -256,30 +186,39 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
-    use crate::pipeline::model::BEYOND_BODIES;
 
-    /// What the cache leaves out of a body's key does not reach the body.
+    /// Beginnings of keys whose values reach no mesh, no mode and no load vector.
+    const BEYOND_BODIES: [&str; 4] = ["acoustics.", "ambient.", "exhaust.", "supply."];
+
+    /// Keys of the stages of all bodies.
+    fn keys(design: &Design) -> Vec<[u8; 32]> {
+        let graph = Graph::new(Arc::new(Store::none()), Progress::silent().observer());
+        let of_body = |kind| {
+            *BodyNodes::add(&graph, bodies::body(design, kind, true).unwrap())
+                .body
+                .key()
+        };
+        BodyKind::ALL.map(of_body).to_vec()
+    }
+
     #[test]
-    fn keys_beyond_the_bodies_change_no_mesh_no_mode_and_no_pattern() {
+    fn values_beyond_the_bodies_leave_their_keys_and_the_density_of_the_wood_changes_that_of_the_workpiece() {
         let base = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml")).unwrap();
         let mut other = base.clone();
-        let mut moved = 0;
+        let mut changed = 0;
         for (key, kind, value) in base.keys() {
             if BEYOND_BODIES.iter().any(|beyond| key.starts_with(beyond)) {
                 let value = value.another(kind).unwrap_or_else(|| panic!("{key} has one value"));
                 other.set(&[(key.as_str(), value)]).unwrap();
-                moved += 1;
+                changed += 1;
             }
         }
-        assert!(moved > 30, "{moved} keys moved");
-        let models: [(BodyKind, Modelling); 3] = [
-            (BodyKind::Workpiece, workpiece_model),
-            (BodyKind::Worktable, table_model),
-            (BodyKind::Tool, tool_model),
-        ];
-        for (kind, model) in models {
-            let [a, b] = [&base, &other].map(|design| model(design, kind).unwrap().digest(design));
-            assert_eq!(a, b);
-        }
+        assert!(changed > 30, "{changed} keys changed");
+        assert_eq!(keys(&base), keys(&other));
+        let mut denser = base.clone();
+        denser.wood.density *= 1.01;
+        let [before, after] = [keys(&base), keys(&denser)];
+        assert_ne!(before[0], after[0]);
+        assert_eq!(before[1..], after[1..]);
     }
 }

@@ -7,12 +7,9 @@ mod changes;
 mod coupling;
 mod cycle;
 mod exhaust;
-mod geometry;
 mod intervals;
 mod microphones;
 mod missing;
-mod model;
-mod modes;
 mod notes;
 mod pictures;
 mod preset;
@@ -22,14 +19,10 @@ mod ranking;
 mod report;
 mod response;
 mod sensors;
-mod shank;
-mod sides;
 mod sound;
-mod springs;
 mod starts;
 mod told;
 mod tool;
-mod tool_loads;
 mod vibration;
 
 use nailnoise_acoustics::radiation::ModalSpectra;
@@ -38,12 +31,10 @@ use nailnoise_fem::transient::ModalResponse;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-pub(crate) use bodies::modes_of_telling;
-pub use bodies::{Body, Structure, modes_of, table, tool_body, workpiece};
+pub use bodies::{GraphBody, Structure, modes_of, tool_body, workpiece};
 pub use coupling::{COUPLED_LOADS, Coupled, couple};
 pub use cycle::cycle;
 pub use exhaust::exhaust_openings;
-pub use geometry::{BodyKind, Geometry, Origin, import, needs_gmsh, tool_dimensions};
 pub use intervals::SoundPower;
 pub use microphones::Microphones;
 pub(crate) use microphones::{SAMPLE_RATE, positions, reflecting_plane, tool_height};
@@ -57,15 +48,14 @@ use exhaust::Blown;
 use told::{Told, TwoWay, told};
 use vibration::{Bench, Moved, moved};
 
+pub use crate::design::inputs::bodies::geometry;
 pub use crate::design::inputs::cycle::{cycle_settings, parameters};
 use crate::design::{Coupling, Design};
 use crate::error::Error;
 use crate::result::{Check, DesignId, RunResult, SCHEMA, Timing};
 use crate::stages::Progress;
+pub use crate::stages::bodies::{Body, BodyKind};
 use crate::store::Store;
-
-/// Receives how many items of a task are done, and of how many.
-pub(crate) type Tell<'a> = &'a (dyn Fn(u64, u64) + Sync);
 
 /// A body with what the shot did to it.
 #[derive(Clone, Copy)]

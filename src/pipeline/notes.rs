@@ -162,7 +162,7 @@ pub(super) fn notes(design: &Design, record: &CycleRecord, told: &Told, exhaust:
             each.join(", ")
         ));
     }
-    let idle = super::springs::idle(design);
+    let idle = design.idle_springs();
     if !idle.is_empty() {
         notes.push(format!("springs on bodies that this design lacks: {}", idle.join(", ")));
     }

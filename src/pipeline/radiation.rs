@@ -11,7 +11,8 @@ use nailnoise_acoustics::radiation::{
 use nailnoise_acoustics::sound::rigid_body_far_field;
 use nailnoise_dynamics::CycleRecord;
 
-use super::bodies::{Body, Structure};
+use super::Body;
+use super::bodies::Structure;
 use super::radiator::{Flush, Radiator};
 use super::report::{flush_report, report, rigid_report};
 use super::sound::Sound;

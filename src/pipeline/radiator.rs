@@ -7,7 +7,8 @@ use nailnoise_acoustics::bem::ModalBem;
 use nailnoise_acoustics::radiation::{Archive, Erp, ModalRadiation};
 use nailnoise_acoustics::sound::FlushSound;
 
-use super::bodies::{Body, Structure};
+use super::Body;
+use super::bodies::Structure;
 use crate::design::Design;
 use crate::design::inputs;
 use crate::error::Error;

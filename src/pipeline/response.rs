@@ -8,14 +8,16 @@ use nailnoise_fem::supports::{RectangularBase, Sand, contact_dashpot};
 use nailnoise_fem::transient::{Loads, ModalBody, ModalResponse, Settings, Support, SupportLaw, respond};
 use nalgebra::{DMatrix, DVector};
 
-use super::bodies::{Body, Structure, WORKPIECE_LOADS};
+use super::Body;
+use super::bodies::{Structure, WORKPIECE_LOADS, weight};
 use super::coupling::{Coupled, couple};
 use super::cycle_settings;
 use super::starts::open_gaps;
-use super::{shank, sides, springs};
+use crate::design::inputs::bodies as inputs;
 use crate::design::{Design, SupportKind};
 use crate::error::Error;
 use crate::result::Check;
+use crate::stages::bodies::nail_load;
 
 /// Forces of the shot on the workpiece, and gravity as the last load.
 const LOADS: usize = WORKPIECE_LOADS + 1;
@@ -31,7 +33,7 @@ pub(super) fn coupled(
     parameters: &Parameters,
     start: u32,
 ) -> Result<Coupled, Error> {
-    let bodies = modal_bodies(structure, radiation_damping);
+    let bodies = modal_bodies(design, structure, radiation_damping)?;
     couple(
         parameters,
         design.wood.friction_share,
@@ -55,7 +57,7 @@ pub(super) fn response(
     record: &CycleRecord,
     (force_scale, start): (f64, u32),
 ) -> Result<ModalResponse, Error> {
-    let bodies = modal_bodies(structure, radiation_damping);
+    let bodies = modal_bodies(design, structure, radiation_damping)?;
     let loads = loads(design, parameters, record, force_scale)?;
     Ok(respond(
         &bodies,
@@ -74,20 +76,25 @@ fn settings(design: &Design) -> Settings {
 }
 
 /// All bodies, with the damping ratios that radiation adds.
-fn modal_bodies(structure: &Structure, radiation_damping: Option<&[Vec<f64>]>) -> Vec<ModalBody> {
-    let mut bodies: Vec<ModalBody> = structure.bodies().map(modal_body).collect();
+fn modal_bodies(
+    design: &Design,
+    structure: &Structure,
+    radiation_damping: Option<&[Vec<f64>]>,
+) -> Result<Vec<ModalBody>, Error> {
+    let of_body = |body: &Body| Ok::<_, Error>(modal_body(body, &weight(design, &structure.grid, body)?));
+    let mut bodies: Vec<ModalBody> = structure.bodies().map(of_body).collect::<Result<_, _>>()?;
     for (body, added) in bodies.iter_mut().zip(radiation_damping.unwrap_or_default()) {
         body.zeta.iter_mut().zip(added).for_each(|(zeta, added)| *zeta += added);
     }
-    bodies
+    Ok(bodies)
 }
 
 /// A body as the transient solver takes it. Loads of the shot act on the workpiece alone, gravity on every body.
-fn modal_body(body: &Body) -> ModalBody {
+fn modal_body(body: &Body, weight: &DVector<f64>) -> ModalBody {
     let modes = body.omega.len();
     let mut loads = DMatrix::zeros(modes, LOADS);
     loads.columns_mut(0, body.loads.ncols()).copy_from(&body.loads);
-    loads.set_column(LOADS - 1, &body.weight);
+    loads.set_column(LOADS - 1, weight);
     ModalBody {
         name: body.name.to_owned(),
         omega: body.omega.clone(),
@@ -101,8 +108,8 @@ fn modal_body(body: &Body) -> ModalBody {
 /// of the user to the ground.
 fn supports(design: &Design, structure: &Structure, start: u32) -> Result<Vec<Support>, Error> {
     let mut supports = cells(design, structure)?;
-    supports.extend(sides::supports(design)?);
-    supports.extend(springs::supports(design));
+    supports.extend(inputs::side_supports(design)?);
+    supports.extend(inputs::spring_supports(design));
     open_gaps(&mut supports, start);
     Ok(supports)
 }
@@ -141,11 +148,11 @@ fn cells(design: &Design, structure: &Structure) -> Result<Vec<Support>, Error> 
 ///
 /// After the record the tool is off the wood and the nail at rest: the forces of the shot go to zero, gravity stays.
 fn loads(design: &Design, parameters: &Parameters, record: &CycleRecord, force_scale: f64) -> Result<Loads, Error> {
-    let nail = shank::forces(parameters, design.wood.friction_share, record);
+    let nail = nail_load::forces(parameters, design.wood.friction_share, record);
     let mut history = DMatrix::zeros(LOADS, record.len());
-    history.rows_mut(0, shank::STATIONS).copy_from(&nail);
+    history.rows_mut(0, nail_load::STATIONS).copy_from(&nail);
     for sample in 0..record.len() {
-        history[(shank::STATIONS, sample)] = record.forces.nose[sample] + record.forces.guard[sample];
+        history[(nail_load::STATIONS, sample)] = record.forces.nose[sample] + record.forces.guard[sample];
     }
     history *= force_scale;
     history.row_mut(LOADS - 1).fill(1.0);

@@ -11,12 +11,11 @@ use nailnoise_meshes::MeshError;
 use nalgebra::{Complex, DMatrix, Point3, Vector3};
 use rayon::prelude::*;
 
-use super::bodies::Body;
+use super::bodies::GraphBody;
 use crate::design::inputs::radiation::moving_sand;
 use crate::design::{BodyModel, Carrier, Design, Sensor, SensorProblem, SupportKind};
 use crate::error::Error;
 use crate::result::SensorLevel;
-use crate::store::Store;
 
 /// Standard acceleration of gravity, in which accelerometers are read (ISO 80000-3) \[m/s2\].
 const STANDARD_GRAVITY: f64 = 9.80665;
@@ -64,8 +63,8 @@ impl Sensing {
     ///
     /// # Errors
     /// [`DesignError::Sensor`](crate::design::DesignError::Sensor) for a sensor that is not on its body, and those of
-    /// [`Body::shapes`].
-    pub(super) fn of(design: &Design, carrier: Moving, body: &Body, cache: &Store) -> Result<Self, Error> {
+    /// [`GraphBody::modes`].
+    pub(super) fn of(design: &Design, carrier: Moving, body: &GraphBody) -> Result<Self, Error> {
         let (mut names, mut vectors) = (Vec::new(), Vec::new());
         for (name, sensor) in present(design) {
             let place = match (sensor.body, carrier) {
@@ -91,7 +90,7 @@ impl Sensing {
             names.push(name.clone());
             vectors.push(vector);
         }
-        let shapes = body.participation(design, cache, &vectors)?;
+        let shapes = body.participation(vectors)?;
         Ok(Self { names, shapes })
     }
 

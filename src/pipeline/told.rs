@@ -17,7 +17,7 @@ use super::sensors::{self, Sensed, SensorRecord};
 use super::sound::{Sound, Source};
 use super::starts::starts;
 use super::vibration::{Bench, Moved, Vibration, modal_spectra};
-use super::{Options, Stiffness, Tool, cycle, exhaust, radiation, response, tool_body};
+use super::{Options, Stiffness, Tool, cycle, exhaust, radiation, response};
 use crate::design::{Coupling, Design};
 use crate::error::Error;
 use crate::result::{Check, Starts, Timing};
@@ -212,10 +212,10 @@ fn one_way(bench: &Bench<'_>, moved: &Moved, progress: &Progress) -> Result<(Cyc
     let spectra = modal_spectra(design, structure, &response)?;
     let workpiece = radiation::workpiece_energy(&moved.radiator, &spectra)?;
     let body = match &moved.vibration.tool {
-        Some(_) => {
-            let body = tool_body(design, cache)?;
+        Some(tool) => {
+            let body = tool.body.clone();
             let bem = tool_radiation(design, &body, air, cache, progress)?;
-            Tool::new(design, (body, bem), parameters, &record, cache)?.sound(design, &record, air)?
+            Tool::new(design, (body, bem), parameters, &record)?.sound(design, &record, air)?
         }
         None => radiation::rigid_tool(design, &record, air)?,
     };

@@ -21,25 +21,25 @@ use nailnoise_meshes::open_faces;
 use nalgebra::{Complex, DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
+use super::Body;
 use super::Driven;
-use super::bodies::Body;
+use super::bodies::GraphBody;
 use super::radiation::{by_boundary_elements, rigid_tool};
 use super::radiator::damping_of;
 use super::sensors::{Moving, Sensed, Sensing};
 use super::sound::Sound;
-use super::tool_loads::{self, AXIAL, Axial, LOADS};
 use super::vibration::spectrum_range;
 use crate::design::Design;
 use crate::error::Error;
 use crate::result::{Check, CrossCheck, Uncertainty};
+use crate::stages::bodies::tool_loads::{self, AXIAL, Axial, LOADS};
 use crate::stages::radiation::radiating_surface;
 use crate::stages::spectra::body_spectra;
-use crate::store::Store;
 
 /// The elastic body of the tool and what the shot does to it.
 pub struct Tool {
     /// Its modes.
-    pub body: Body,
+    pub body: GraphBody,
     /// Its response.
     pub response: ModalResponse,
     /// Fourier transforms of its modal accelerations.
@@ -87,12 +87,11 @@ impl Tool {
     /// Those of the transient solver and of the Fourier transform.
     pub(super) fn new(
         design: &Design,
-        (body, bem): (Body, Option<ModalBem>),
+        (body, bem): (GraphBody, Option<ModalBem>),
         parameters: &Parameters,
         record: &CycleRecord,
-        cache: &Store,
     ) -> Result<Self, Error> {
-        let guided = Guided::new(&body);
+        let guided = Guided::new(&body, design.ambient.gravity);
         let loads = loads(&guided, tool_loads::histories(parameters, &body.mesh, record)?, record);
         let analysis = &design.analysis;
         let settings = Settings {
@@ -118,7 +117,7 @@ impl Tool {
             supports: DMatrix::zeros(body.omega.len(), 0),
         };
         let response = respond(&[modal], &[], &loads, &settings)?;
-        let sensing = Sensing::of(design, Moving::Tool, &body, cache)?;
+        let sensing = Sensing::of(design, Moving::Tool, &body)?;
         let (spectra, motion) = body_spectra(&response, 0, spectrum_range(design, &body), &sensing.shapes)?;
         let checks = guided.checks(parameters, record, &loads, &response)?;
         let stiffness = [
@@ -264,14 +263,14 @@ struct Guided {
 impl Guided {
     /// Leaves the descent alone of all rigid motions; a force of resultant R descends the body with R/M, and pressures on
     /// closed walls have none.
-    fn new(body: &Body) -> Self {
+    fn new(body: &Body, gravity: f64) -> Self {
         let rigid: Vec<usize> = (0..body.omega.len()).filter(|&j| body.omega[j] == 0.0).collect();
         let mut descent = DVector::zeros(body.omega.len());
         rigid.iter().for_each(|&j| descent[j] = -body.lift[j]);
         let mass = descent.norm_squared();
         let mut loads = DMatrix::zeros(body.omega.len(), LOADS + 1);
         loads.columns_mut(0, LOADS).copy_from(&body.loads);
-        loads.set_column(LOADS, &body.weight);
+        loads.set_column(LOADS, &body.weight(gravity));
         let mut stray = Vec::new();
         for (load, mut column) in loads.column_iter_mut().enumerate() {
             let mut resultant = descent.dot(&column);

@@ -8,11 +8,12 @@ use nailnoise_dynamics::{CouplingWork, CycleRecord, Parameters};
 use nailnoise_fem::transient::ModalResponse;
 use nalgebra::DMatrix;
 
+use super::bodies::GraphBody;
 use super::exhaust::{self, Blown};
 use super::radiator::{Radiator, tool_radiation};
 use super::sensors::{Moving, Sensed, Sensing};
 use super::sound::Sound;
-use super::{Body, Driven, Options, Structure, Tell, Tool, bodies, parameters, radiation, response};
+use super::{Body, BodyKind, Driven, Options, Structure, Tool, bodies, parameters, radiation, response};
 use crate::design::{BodyModel, Design, SupportKind};
 use crate::error::Error;
 use crate::result::{Check, Timing};
@@ -128,8 +129,8 @@ pub(super) fn moved(
             let mut timing = Timing::default();
             let body = match design.body.model {
                 BodyModel::Elastic => {
-                    let modes = |tell: Tell<'_>| bodies::tool_body_telling(design, cache, tell);
-                    Some(timing.time("tool modes", || progress.count(("modes of the tool", "modes"), modes))?)
+                    let body = || bodies::driven(design, BodyKind::Tool, cache, progress);
+                    Some(timing.time("tool modes", body)?)
                 }
                 BodyModel::Rigid => None,
             };
@@ -192,14 +193,14 @@ pub(super) fn moved(
 
 /// The tool's side of a run: at rest while its cycle is not known.
 enum ToolSide {
-    Still(Box<Option<Body>>),
+    Still(Box<Option<GraphBody>>),
     Moved(Box<(Option<Tool>, Sound, Option<Blown>)>),
 }
 
 /// What a cycle does to the tool's body, a rigid one without modes, and how it sounds.
 fn tool_in_motion(
     bench: &Bench<'_>,
-    body: Option<Body>,
+    body: Option<GraphBody>,
     record: &CycleRecord,
     timing: &mut Timing,
     progress: &Progress,
@@ -216,9 +217,7 @@ fn tool_in_motion(
             let bem = timing.time("radiation matrices of the tool", || {
                 tool_radiation(design, &body, air, cache, progress)
             })?;
-            Some(timing.time("tool response", || {
-                Tool::new(design, (body, bem), parameters, record, cache)
-            })?)
+            Some(timing.time("tool response", || Tool::new(design, (body, bem), parameters, record))?)
         }
         None => None,
     };
@@ -304,12 +303,12 @@ fn spectra_and_sensors(
     structure: &Structure,
     response: &ModalResponse,
 ) -> Result<(Vec<ModalSpectra>, Vec<Sensed>), Error> {
-    let of_body = |(index, (body, carrier)): (usize, (&Body, Moving))| {
-        let sensing = Sensing::of(bench.design, carrier, body, bench.cache)?;
+    let of_body = |(index, (body, carrier)): (usize, (&GraphBody, Moving))| {
+        let sensing = Sensing::of(bench.design, carrier, body)?;
         let (spectra, motion) = body_spectra(response, index, spectrum_range(bench.design, body), &sensing.shapes)?;
         Ok::<_, Error>((spectra, sensing.sensed(motion)))
     };
-    let bodies = structure.bodies().zip([Moving::Block, Moving::Table]).enumerate();
+    let bodies = structure.in_graph().zip([Moving::Block, Moving::Table]).enumerate();
     let found: Vec<(ModalSpectra, Sensed)> = bodies.map(of_body).collect::<Result<_, _>>()?;
     Ok(found.into_iter().unzip())
 }
@@ -335,19 +334,14 @@ pub(super) fn modal_spectra(
 /// Workpiece and support with their modes.
 fn modes(design: &Design, cache: &Store, timing: &mut Timing, progress: &Progress) -> Result<Structure, Error> {
     progress.stage("modes of the bodies");
-    let block = |tell: Tell<'_>| bodies::workpiece_telling(design, cache, tell);
-    let block = timing.time("workpiece modes", || {
-        progress.count(("modes of the workpiece", "modes"), block)
-    })?;
-    let table = |tell: Tell<'_>| bodies::table_telling(design, cache, tell);
+    let body = |kind| bodies::driven(design, kind, cache, progress);
+    let workpiece = timing.time("workpiece modes", || body(BodyKind::Workpiece))?;
     let worktable = match design.support.kind {
-        SupportKind::Worktable => Some(timing.time("worktable modes", || {
-            progress.count(("modes of the worktable", "modes"), table)
-        })?),
+        SupportKind::Worktable => Some(timing.time("worktable modes", || body(BodyKind::Worktable))?),
         SupportKind::Sandbox | SupportKind::Floor | SupportKind::Clamped | SupportKind::Springs => None,
     };
     Ok(Structure {
-        workpiece: block,
+        workpiece,
         worktable,
         grid: bodies::contact_grid(design),
     })

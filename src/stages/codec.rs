@@ -2,6 +2,7 @@
 
 use std::io::{self, Read, Write};
 
+use nalgebra::{DMatrix, Scalar};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use thiserror::Error;
@@ -50,6 +51,152 @@ impl<T: Serialize + DeserializeOwned> Codec<T> for Postcard {
         let mut bytes = Vec::with_capacity(length);
         from.read_to_end(&mut bytes).map_err(Undecodable::new)?;
         postcard::from_bytes(&bytes).map_err(Undecodable::new)
+    }
+}
+
+/// A value whose bulk is one matrix; serde leaves the matrix out.
+pub trait HasMatrix {
+    /// Entries of the matrix.
+    type Entry: Entry;
+
+    /// The matrix.
+    fn matrix(&self) -> &DMatrix<Self::Entry>;
+
+    /// Puts the matrix into a value that was read without it.
+    fn set_matrix(&mut self, matrix: DMatrix<Self::Entry>);
+}
+
+/// Numbers with little-endian bytes of fixed length.
+pub trait Entry: Scalar + Copy {
+    /// Bytes of a number.
+    const BYTES: usize;
+
+    /// Appends the bytes of numbers.
+    fn encode(entries: &[Self], bytes: &mut Vec<u8>);
+
+    /// Appends the numbers of bytes.
+    fn decode(bytes: &[u8], entries: &mut Vec<Self>);
+}
+
+macro_rules! entry {
+    ($($number:ty),+) => {$(
+        impl Entry for $number {
+            const BYTES: usize = size_of::<Self>();
+
+            fn encode(entries: &[Self], bytes: &mut Vec<u8>) {
+                bytes.extend(entries.iter().flat_map(|entry| entry.to_le_bytes()));
+            }
+
+            fn decode(bytes: &[u8], entries: &mut Vec<Self>) {
+                let (numbers, _) = bytes.as_chunks::<{ size_of::<Self>() }>();
+                entries.extend(numbers.iter().map(|number| Self::from_le_bytes(*number)));
+            }
+        }
+    )+};
+}
+
+entry!(f32, f64);
+
+/// Numbers that are encoded or decoded at once.
+const PART: usize = 1 << 13;
+
+/// A large matrix with what belongs to it, read straight into place:
+///
+/// ```text
+/// 8 bytes  length of the head
+/// head     the value without its matrix, then the numbers of rows and columns, in the postcard format
+/// rest     the entries, column by column, little-endian
+/// ```
+pub struct WithMatrix;
+
+impl<T: HasMatrix + Serialize + DeserializeOwned> Codec<T> for WithMatrix {
+    fn write(value: &T, to: &mut dyn Write) -> io::Result<()> {
+        let matrix = value.matrix();
+        let head = postcard::to_stdvec(&(value, matrix.shape())).map_err(io::Error::other)?;
+        to.write_all(&(head.len() as u64).to_le_bytes())?;
+        to.write_all(&head)?;
+        let mut bytes = Vec::with_capacity(T::Entry::BYTES * PART);
+        for part in matrix.as_slice().chunks(PART) {
+            bytes.clear();
+            T::Entry::encode(part, &mut bytes);
+            to.write_all(&bytes)?;
+        }
+        Ok(())
+    }
+
+    fn read(from: &mut dyn Read, length: usize) -> Result<T, Undecodable> {
+        let size = T::Entry::BYTES;
+        let mut of_head = [0; 8];
+        from.read_exact(&mut of_head).map_err(Undecodable::new)?;
+        let rest = |of_head: usize| Some((of_head, length.checked_sub(8)?.checked_sub(of_head)?));
+        let lengths = usize::try_from(u64::from_le_bytes(of_head)).ok().and_then(rest);
+        let (of_head, of_entries) = lengths.ok_or_else(|| Undecodable::new("the head is too long"))?;
+        let mut head = vec![0; of_head];
+        from.read_exact(&mut head).map_err(Undecodable::new)?;
+        let (mut value, (rows, columns)): (T, (usize, usize)) =
+            postcard::from_bytes(&head).map_err(Undecodable::new)?;
+        let count = rows.checked_mul(columns).unwrap_or(usize::MAX);
+        if count.checked_mul(size) != Some(of_entries) {
+            return Err(Undecodable::new("the matrix has another size"));
+        }
+        let mut entries = Vec::with_capacity(count);
+        let mut part = vec![0; size * PART.min(count)];
+        while entries.len() < count {
+            part.truncate(size * (count - entries.len()));
+            from.read_exact(&mut part).map_err(Undecodable::new)?;
+            T::Entry::decode(&part, &mut entries);
+        }
+        value.set_matrix(DMatrix::from_vec(rows, columns, entries));
+        Ok(value)
+    }
+}
+
+/// A small matrix or vector as a field of what serde writes.
+pub mod matrix {
+    use nalgebra::{DMatrix, DVector};
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    /// Entries by columns.
+    pub trait Dense: Sized {
+        /// Rows, columns and entries.
+        fn parts(&self) -> (usize, usize, &[f64]);
+        /// Made of them; the number of entries fits.
+        fn of_parts(rows: usize, columns: usize, entries: Vec<f64>) -> Self;
+    }
+
+    impl Dense for DMatrix<f64> {
+        fn parts(&self) -> (usize, usize, &[f64]) {
+            (self.nrows(), self.ncols(), self.as_slice())
+        }
+
+        fn of_parts(rows: usize, columns: usize, entries: Vec<f64>) -> Self {
+            Self::from_vec(rows, columns, entries)
+        }
+    }
+
+    impl Dense for DVector<f64> {
+        fn parts(&self) -> (usize, usize, &[f64]) {
+            (self.nrows(), 1, self.as_slice())
+        }
+
+        fn of_parts(_: usize, _: usize, entries: Vec<f64>) -> Self {
+            Self::from_vec(entries)
+        }
+    }
+
+    /// Writes rows, columns and entries.
+    pub fn serialize<M: Dense, S: Serializer>(matrix: &M, serializer: S) -> Result<S::Ok, S::Error> {
+        matrix.parts().serialize(serializer)
+    }
+
+    /// Reads them back.
+    pub fn deserialize<'de, M: Dense, D: Deserializer<'de>>(deserializer: D) -> Result<M, D::Error> {
+        let (rows, columns, entries) = <(usize, usize, Vec<f64>)>::deserialize(deserializer)?;
+        if rows.checked_mul(columns) != Some(entries.len()) {
+            return Err(D::Error::custom("the matrix has another size"));
+        }
+        Ok(M::of_parts(rows, columns, entries))
     }
 }
 

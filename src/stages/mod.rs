@@ -7,6 +7,7 @@
 //! Stages know neither the design file nor the store. `design::inputs` makes their fields from a design, `chain` puts them
 //! together, and `graph` looks them up, computes, keeps and times them.
 
+pub mod bodies;
 mod codec;
 mod progress;
 pub(crate) mod radiation;
@@ -16,7 +17,7 @@ use std::sync::Arc;
 
 use serde::{Serialize, Serializer};
 
-pub use codec::{Codec, NotKept, Postcard, Undecodable};
+pub use codec::{Codec, Entry, HasMatrix, NotKept, Postcard, Undecodable, WithMatrix, matrix};
 pub use progress::{Observer, Progress, Silent, Task};
 
 use crate::error::Error;
@@ -50,13 +51,11 @@ pub struct Code(pub &'static [(&'static str, &'static str)]);
 
 /// The [`Code`] of a stage: the crates whose functions it calls, as `dynamics`, and the modules of `stages`, as
 /// `stages_bodies`, that make its output. The digests are made at build time (`build.rs`).
-#[allow(unused_macros)] // until the first stage is here
 macro_rules! code {
     ($($unit:ident),* $(,)?) => {
         $crate::stages::Code(&[$((stringify!($unit), env!(concat!("NAILNOISE_CODE_", stringify!($unit))))),*])
     };
 }
-#[allow(unused_imports)]
 pub(crate) use code;
 
 /// Digest of all that a stage's output depends on.

@@ -56,6 +56,11 @@ impl Progress {
         Self(Arc::new(Silent))
     }
 
+    /// Where progress goes.
+    pub fn observer(&self) -> Arc<dyn Observer> {
+        Arc::clone(&self.0)
+    }
+
     /// A stage, or a step of one, begins.
     pub fn stage(&self, name: &str) {
         self.0.stage(name);

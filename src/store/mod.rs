@@ -13,7 +13,7 @@ mod key;
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use std::time::SystemTime;
 
 use serde::Serialize;
@@ -28,14 +28,14 @@ pub use key::Key;
 use crate::stages::{Codec, Digest};
 
 /// Where results of expensive stages are kept, if anywhere.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Store {
     place: Option<Place>,
     /// What the user should know: damaged entries, a folder that cannot be written.
-    notes: Mutex<Vec<String>>,
+    notes: Arc<Mutex<Vec<String>>>,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Place {
     folder: PathBuf,
     /// Bytes that all entries may take together.
@@ -74,7 +74,7 @@ impl Store {
     pub fn at(folder: PathBuf, limit: u64) -> Self {
         Self {
             place: Some(Place { folder, limit }),
-            notes: Mutex::default(),
+            notes: Arc::default(),
         }
     }
 

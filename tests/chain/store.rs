@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::time::{Duration, SystemTime};
 
 use nailnoise::design::Design;
-use nailnoise::pipeline::workpiece;
+use nailnoise::pipeline::{Body, workpiece};
 use nailnoise::store::{Key, LIMIT, Store};
 
 fn folder(name: &str) -> PathBuf {
@@ -208,12 +208,12 @@ fn a_kept_body_finds_its_shapes_again() {
     let cache = Store::at(folder("shapes"), LIMIT);
     let design = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/small.toml")).unwrap();
     let solved = workpiece(&design, &cache).unwrap();
-    let mut kept = workpiece(&design, &cache).unwrap();
+    let kept = workpiece(&design, &cache).unwrap();
     assert_eq!(
         (&kept.skin, &kept.basis, &kept.loads),
         (&solved.skin, &solved.basis, &solved.loads)
     );
-    let shapes = solved.shapes(&design, &cache).unwrap();
+    let shapes = &solved.modes().unwrap().shapes;
     for (point, node) in solved.surface.volume_nodes.iter().enumerate() {
         let on_surface = solved.skin.rows(3 * point, 3).map(f64::from);
         let difference = (shapes.rows(3 * node, 3) - on_surface).amax();
@@ -222,16 +222,15 @@ fn a_kept_body_finds_its_shapes_again() {
             "{point}: {difference:e}"
         );
     }
-    assert_eq!(kept.shapes(&design, &cache).unwrap(), shapes);
+    assert_eq!(workpiece(&design, &cache).unwrap().modes().unwrap().shapes, *shapes);
     let entries = cache.entries().unwrap();
-    let whole = entries
-        .iter()
-        .find(|entry| entry.stage == "modes of the workpiece")
-        .unwrap();
+    let whole = entries.iter().find(|entry| entry.stage == "modes").unwrap();
     fs::remove_file(&whole.path).unwrap();
-    assert_eq!(kept.shapes(&design, &cache).unwrap(), shapes);
+    let modes = kept.modes().unwrap();
+    assert_eq!(modes.shapes, *shapes);
     assert!(whole.path.exists(), "kept again");
-    kept.skin.neg_mut();
-    let error = kept.shapes(&design, &cache).unwrap_err().to_string();
+    let mut other = Body::clone(&kept);
+    other.skin.neg_mut();
+    let error = other.shapes(&modes).unwrap_err().to_string();
     assert!(error.contains("the modes of the workpiece are not those"), "{error}");
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use nailnoise::Design;
 use nailnoise::design::{BodyModel, Carrier, Sensor, SupportKind};
-use nailnoise::pipeline::{self, BodyKind, Geometry, Options, Run};
+use nailnoise::pipeline::{self, BodyKind, Options, Run};
 use nailnoise::result::RankedSource;
 use nailnoise::stages::Progress;
 use nailnoise::store::{LIMIT, Store};
@@ -155,7 +155,8 @@ fn a_mesh_that_does_not_say_where_a_force_acts_is_refused_with_the_name() {
 fn a_sleeve_that_does_not_fit_the_barrel_is_refused_with_both_radii() {
     let mut design = design("designs/n80cb.toml");
     design.piston.bore = 0.062;
-    let error = Geometry::of(&design, BodyKind::Tool, false)
+    let error = pipeline::geometry(&design, BodyKind::Tool, false)
+        .and_then(|geometry| geometry.mesh())
         .map(|_| ())
         .unwrap_err()
         .to_string();
@@ -168,7 +169,8 @@ fn a_sleeve_that_does_not_fit_the_barrel_is_refused_with_both_radii() {
 #[test]
 fn the_bare_housing_has_the_reference_modes() {
     let mut design = design("designs/n80cb.toml");
-    let whole = Geometry::of(&design, BodyKind::Tool, false).unwrap().mesh;
+    let geometry = pipeline::geometry(&design, BodyKind::Tool, false).unwrap();
+    let whole = geometry.mesh().unwrap().imported.mesh;
     let mut bare = Mesh {
         offsets: vec![0],
         kinds: Vec::new(),
@@ -187,9 +189,8 @@ fn the_bare_housing_has_the_reference_modes() {
     put(&mut design, &bare, "bare.msh");
     design.body.lumped = false;
     design.analysis.body_top = 2600.0 / design.analysis.mode_margin;
-    let basis = pipeline::modes_of(&design, BodyKind::Tool, &Store::none())
-        .unwrap()
-        .basis;
+    let bare = pipeline::modes_of(&design, BodyKind::Tool, &Store::none(), &Progress::silent()).unwrap();
+    let basis = &bare.basis;
     assert_eq!(basis.rigid.iter().filter(|&&rigid| rigid).count(), 6);
     let reference = [624.0, 648.0, 839.0, 1024.0, 1336.0, 1402.0, 2529.0];
     for (hz, expected) in basis.hz[6..].iter().zip(reference) {
@@ -260,13 +261,7 @@ fn a_sensor_on_the_tool_reads_the_sum_of_its_modal_accelerations() {
     let at = Point3::new(0.0, 0.0, 0.3);
     let node = tool.body.mesh.nodes.iter().position(|p| (p - at).norm() < 1e-9);
     let modes = tool.response.modal(0, 0..tool.body.omega.len(), Motion::Acceleration);
-    let raw = modes.unwrap()
-        * tool
-            .body
-            .shapes(&design, &cache)
-            .unwrap()
-            .row(3 * node.unwrap() + 2)
-            .transpose();
+    let raw = modes.unwrap() * tool.body.modes().unwrap().shapes.row(3 * node.unwrap() + 2).transpose();
     let band = |hz: f64| {
         let pass = Complex::new(0.0, hz / low);
         let poles = [1.0, 2.0, 3.0, 4.0].map(|k| Complex::from_polar(1.0, PI * (2.0 * k + 3.0) / 8.0));

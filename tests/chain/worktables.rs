@@ -4,6 +4,7 @@ use std::path::Path;
 
 use nailnoise::design::{Design, WorktablePreset};
 use nailnoise::pipeline::{BodyKind, modes_of};
+use nailnoise::stages::Progress;
 use nailnoise::store::Store;
 use nailnoise_fem::{Constraints, Material, ModalSettings, assemble, modes};
 use nailnoise_meshes::{Grid, Mesh, subdivide};
@@ -59,7 +60,7 @@ fn tubes_tied_to_a_plate_vibrate_as_if_welded() {
         design.analysis.worktable_element,
         design.analysis.worktable_tube_element,
     ];
-    let tied = modes_of(&design, BodyKind::Worktable, &Store::none()).unwrap();
+    let tied = modes_of(&design, BodyKind::Worktable, &Store::none(), &Progress::silent()).unwrap();
     let table = &design.support.worktable;
     let steel = &table.steel;
     let top = [table.length, table.width, steel.top_thickness_b];

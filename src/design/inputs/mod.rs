@@ -1,4 +1,5 @@
 //! The inputs of the stages, made from a design: the only place where a stage's fields and the design file meet.
 
+pub(crate) mod bodies;
 pub(crate) mod cycle;
 pub(crate) mod radiation;

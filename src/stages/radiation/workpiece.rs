@@ -265,7 +265,7 @@ mod tests {
     use super::*;
     use crate::design::Design;
     use crate::design::inputs::radiation::{FARTHEST_FLOOR, workpiece_boundary_elements as boundary_elements};
-    use crate::pipeline::{Body, workpiece};
+    use crate::pipeline::{Body, GraphBody, workpiece};
     use crate::store::Store;
 
     /// The coarse design with boundary elements to 400 Hz and something changed.
@@ -291,7 +291,7 @@ mod tests {
         )
     }
 
-    fn block(design: &Design) -> Body {
+    fn block(design: &Design) -> GraphBody {
         workpiece(design, &Store::none()).unwrap()
     }
 

@@ -21,8 +21,8 @@ use nailnoise_dynamics::{CycleRecord, Form, Geometry, Parameters, Volume};
 use nailnoise_fem::LoadVector;
 use nailnoise_meshes::{Mesh, MeshError, Surface};
 use nalgebra::{DMatrix, Point3, Vector3};
+use serde::Serialize;
 
-use crate::design::Design;
 use crate::error::Error;
 
 /// Rings of the bore on which the pressure changes as the piston passes.
@@ -30,7 +30,7 @@ const RINGS: usize = 12;
 
 /// Loads along the axis, unit forces \[N\]; their places in the list of all loads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Axial {
+pub(crate) enum Axial {
     Roof,
     Cap,
     Rim,
@@ -41,7 +41,7 @@ pub(super) enum Axial {
 }
 
 /// Number of loads along the axis.
-pub(super) const AXIAL: usize = 7;
+pub(crate) const AXIAL: usize = 7;
 
 /// Pressures on walls, in the order of their loads behind the axial ones.
 const SUPPLY: usize = AXIAL + RINGS;
@@ -49,17 +49,25 @@ const RETURN: usize = SUPPLY + 1;
 const PLENUM: usize = RETURN + 1;
 
 /// Loads without weight.
-pub(super) const LOADS: usize = PLENUM + 1;
+pub(crate) const LOADS: usize = PLENUM + 1;
 
-/// Places of all loads on a tool body, in their order: downwards displacement for the axial ones \[1\], swept volume for
+/// Dimensions on which the places of loads on the tool's body depend.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ToolPlaces {
+    /// Inner and outer diameter of the head valve \[m\].
+    pub valve: [f64; 2],
+    /// Distance of the check-ring holes from the bore's top \[m\].
+    pub check_holes: f64,
+}
+
+/// Load vectors of all loads on a tool body, in their order: downwards displacement for the axial ones \[1\], swept volume for
 /// the pressures \[m2\].
 ///
 /// # Errors
 /// [`Error::NoLoadSurface`] where a surface is not there, or not where the design has the force.
-pub(super) fn load_vectors(design: &Design, mesh: &Mesh) -> Result<Vec<LoadVector>, Error> {
+pub(crate) fn load_vectors(places: &ToolPlaces, mesh: &Mesh) -> Result<Vec<LoadVector>, Error> {
     let surface = Surface::of(mesh);
-    let valve = &design.head_valve;
-    let (inner, outer) = (0.5 * valve.inner_diameter, 0.5 * valve.outer_diameter);
+    let [inner, outer] = places.valve.map(|diameter| 0.5 * diameter);
     let radius = |p: &Point3<f64>| p.x.hypot(p.y);
     let down =
         |group: &'static str, what: &'static str, inside: &dyn Fn(&Point3<f64>) -> bool| match LoadVector::traction(
@@ -103,7 +111,7 @@ pub(super) fn load_vectors(design: &Design, mesh: &Mesh) -> Result<Vec<LoadVecto
         here(&["supply"]),
         here(&["plenum"]),
     );
-    let holes = bore.top - design.chambers.check_hole_position;
+    let holes = bore.top - places.check_holes;
     let supply = LoadVector::pressure(&surface, &jacket, |p| p.z >= holes)?;
     vectors.push(supply.plus(&LoadVector::pressure(&surface, &handle, all)?));
     vectors.push(LoadVector::pressure(&surface, &jacket, |p| p.z < holes)?);
@@ -148,7 +156,7 @@ impl Bore {
 ///
 /// # Errors
 /// [`MeshError::UnknownGroup`] for a mesh without a bore.
-pub(super) fn histories(parameters: &Parameters, mesh: &Mesh, record: &CycleRecord) -> Result<DMatrix<f64>, MeshError> {
+pub(crate) fn histories(parameters: &Parameters, mesh: &Mesh, record: &CycleRecord) -> Result<DMatrix<f64>, MeshError> {
     let (p, g) = (parameters, Geometry::new(parameters));
     let bore = Bore::of(mesh)?;
     let within = 0.25 * std::f64::consts::PI * p.head_valve.inner_diameter.powi(2);

@@ -1,0 +1,399 @@
+//! Inputs of the finite-element bodies: geometry, materials, and the places of loads and supports.
+
+use std::path::Path;
+
+use nailnoise_fem::Material;
+use nailnoise_fem::supports::{RectangularBase, Sand};
+use nailnoise_fem::transient::{Support, SupportLaw};
+use nailnoise_meshes::{Tool, Worktable, element_size};
+use nalgebra::Matrix3;
+
+use crate::design::{self, Design, Spring, Sprung, SupportKind, TableFoot, WorktablePreset};
+use crate::error::Error;
+use crate::stages::bodies::{
+    AddedSand, BodyKind, ContactCells, Discretisation, Geometry, LoadPlaces, MeshFile, MeshSource, NailPlace,
+    PartMaterials, Remainder, SideSand, SpringFoot, ToolPlaces,
+};
+
+/// Inputs of a body's stages.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct BodyInputs {
+    /// Mesh, materials and places of loads.
+    pub(crate) discretisation: Discretisation,
+    /// Frequency below which all modes are wanted \[Hz\].
+    pub(crate) below_hz: f64,
+    /// Largest residual accepted for any mode.
+    pub(crate) residual_limit: f64,
+    /// Loss factor of all modes \[-\].
+    pub(crate) loss_factor: f64,
+    /// Frequency up to which the body's motion is part of the result \[Hz\].
+    pub(crate) top_hz: f64,
+}
+
+/// A body of a design, with the places of the shot's forces if it is `driven`.
+///
+/// # Errors
+/// [`Error::NoSuchBody`] for the worktable of a design without one; those of materials and mesh file.
+pub(crate) fn body(design: &Design, kind: BodyKind, driven: bool) -> Result<BodyInputs, Error> {
+    let places = if driven {
+        places(design, kind)
+    } else {
+        LoadPlaces::default()
+    };
+    let table = &design.support.worktable;
+    let loss_factor = match kind {
+        BodyKind::Workpiece => design.wood.loss_factor,
+        BodyKind::Worktable if table.preset == WorktablePreset::A => table.loss_factor,
+        BodyKind::Worktable => table.steel.loss_factor,
+        BodyKind::Tool => design.body.loss_factor,
+    };
+    let (top_hz, _) = limits(design, kind);
+    Ok(BodyInputs {
+        discretisation: Discretisation {
+            geometry: geometry(design, kind, false)?,
+            places,
+        },
+        below_hz: below_hz(design, kind),
+        residual_limit: design.analysis.mode_tolerance,
+        loss_factor,
+        top_hz,
+    })
+}
+
+/// Frequency below which all modes of a body are wanted \[Hz\].
+pub(crate) fn below_hz(design: &Design, kind: BodyKind) -> f64 {
+    design.analysis.mode_margin * limits(design, kind).0
+}
+
+/// Top frequency \[Hz\] and longest element side \[m\] of a body.
+fn limits(design: &Design, kind: BodyKind) -> (f64, f64) {
+    let analysis = &design.analysis;
+    match kind {
+        BodyKind::Workpiece => (analysis.workpiece_top, analysis.workpiece_element),
+        BodyKind::Worktable => (analysis.worktable_top, analysis.worktable_element),
+        BodyKind::Tool => (analysis.body_top, analysis.body_element),
+    }
+}
+
+/// Geometry and materials of a body; `remesh` has gmsh mesh the tool body even if a mesh of its dimensions ships.
+///
+/// # Errors
+/// As [`body`].
+pub fn geometry(design: &Design, kind: BodyKind, remesh: bool) -> Result<Geometry, Error> {
+    match kind {
+        BodyKind::Workpiece => workpiece(design),
+        BodyKind::Worktable => worktable(design),
+        BodyKind::Tool => tool(design, remesh),
+    }
+}
+
+fn workpiece(design: &Design) -> Result<Geometry, Error> {
+    let (block, wood, support) = (&design.workpiece, &design.wood, &design.support);
+    let material = Material::orthotropic(&constants(&wood.block_axes()), &Matrix3::identity(), wood.density)?;
+    let own = own_mesh(
+        design,
+        BodyKind::Workpiece,
+        (block.mesh, block.mesh_unit),
+        material.slowest_speed(),
+    )?;
+    let sand = match support.kind {
+        SupportKind::Sandbox => Some(added_sand(design)?).filter(|sand| sand.mass != 0.0),
+        _ => None,
+    };
+    Ok(Geometry {
+        kind: BodyKind::Workpiece,
+        mesh: own.unwrap_or(MeshSource::Block {
+            size: block_size(design),
+            element: design.analysis.workpiece_element,
+        }),
+        materials: PartMaterials::Same(material),
+        clamped: (support.kind == SupportKind::Clamped).then_some("bottom"),
+        sand,
+        remainder: None,
+    })
+}
+
+fn worktable(design: &Design) -> Result<Geometry, Error> {
+    let support = &design.support;
+    if support.kind != SupportKind::Worktable {
+        return Err(Error::NoSuchBody {
+            design: design.name().to_owned(),
+            body: "worktable",
+            support: support.kind.as_str(),
+        });
+    }
+    let (table, analysis) = (&support.worktable, &design.analysis);
+    let steel = &table.steel;
+    let wooden = table.preset == WorktablePreset::A;
+    let (top, legs) = if wooden {
+        let top = Material::orthotropic(&constants(&table.top), &Matrix3::identity(), table.top_density)?;
+        // Legs: grain (axis 1) vertical, radial axis 2 along y, tangential axis 3 along x.
+        let upright = Matrix3::new(0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0);
+        let legs = Material::orthotropic(&constants(&table.legs), &upright, table.leg_density)?;
+        (top, legs)
+    } else {
+        let material = isotropic(&steel.material)?;
+        (material.clone(), material)
+    };
+    let slowest = top.slowest_speed().min(legs.slowest_speed());
+    let built_in = || {
+        let thickness = match table.preset {
+            WorktablePreset::A => table.top_thickness,
+            WorktablePreset::B => steel.top_thickness_b,
+            WorktablePreset::C => steel.top_thickness_c,
+        };
+        let (leg, leg_element_size) = if wooden {
+            (table.leg_width, analysis.worktable_leg_element)
+        } else {
+            (steel.tube_width, analysis.worktable_tube_element)
+        };
+        let spec = Worktable {
+            top: [table.length, table.width],
+            thickness,
+            leg: [leg; 2],
+            height: table.height,
+            element_size: analysis.worktable_element,
+            leg_element_size,
+            top_layers: analysis.worktable_top_layers as usize,
+            origin: [-0.5 * table.length, -0.5 * table.width, -table.height],
+        };
+        MeshSource::Worktable(spec, (!wooden).then_some(steel.tube_wall))
+    };
+    let own = own_mesh(design, BodyKind::Worktable, (table.mesh, table.mesh_unit), slowest)?;
+    Ok(Geometry {
+        kind: BodyKind::Worktable,
+        mesh: own.unwrap_or_else(built_in),
+        materials: PartMaterials::Named(vec![("top", top), ("leg", legs.clone()), ("legs", legs)]),
+        clamped: (table.foot == TableFoot::Clamped).then_some("floor"),
+        sand: None,
+        remainder: None,
+    })
+}
+
+fn tool(design: &Design, remesh: bool) -> Result<Geometry, Error> {
+    let b = &design.body;
+    let [housing, nose, sleeve] = [isotropic(&b.housing)?, isotropic(&b.nose)?, isotropic(&b.sleeve)?];
+    let own = own_mesh(design, BodyKind::Tool, (b.mesh, b.mesh_unit), housing.slowest_speed())?;
+    // A coil of nails as a solid cylinder with its axis along y.
+    let (r, h) = (b.magazine_radius, b.magazine_height);
+    let (along, across) = (r * r / 2.0, (3.0 * r * r + h * h) / 12.0);
+    let remainder = || Remainder {
+        total: design.tool.mass,
+        shares: [
+            ("nose_tip", b.lumped_nose, [0.0; 3]),
+            ("magazine", b.lumped_magazine, [across, along, across]),
+            ("seat", 1.0 - b.lumped_nose - b.lumped_magazine, [0.0; 3]),
+        ],
+    };
+    Ok(Geometry {
+        kind: BodyKind::Tool,
+        mesh: own.unwrap_or_else(|| MeshSource::Tool(Box::new(tool_dimensions(design)), remesh)),
+        materials: PartMaterials::Named(vec![("housing", housing), ("nose", nose), ("sleeve", sleeve)]),
+        clamped: None,
+        sand: None,
+        remainder: b.lumped.then(remainder),
+    })
+}
+
+/// The tool body's dimensions and element size.
+fn tool_dimensions(design: &Design) -> Tool {
+    let b = &design.body;
+    Tool {
+        barrel_radius: b.barrel_radius,
+        barrel_wall: b.barrel_wall,
+        barrel_height: b.barrel_height,
+        cap_radius: b.cap_radius,
+        cap_wall: b.cap_wall,
+        cap_height: b.cap_height,
+        handle_radius: b.handle_radius,
+        handle_wall: b.handle_wall,
+        handle_length: b.handle_length,
+        handle_level: b.handle_level,
+        magazine_radius: b.magazine_radius,
+        magazine_wall: b.magazine_wall,
+        magazine_height: b.magazine_height,
+        magazine_offset: b.magazine_offset,
+        magazine_level: b.magazine_level,
+        arm_depth: b.arm_depth,
+        arm_height: b.arm_height,
+        arm_reach: b.arm_reach,
+        nose_width: b.nose_width,
+        nose_depth: b.nose_depth,
+        nose_wall: b.nose_wall,
+        nose_height: b.nose_height,
+        nose_overlap: b.nose_overlap,
+        sleeve_radius: design.piston.bore / 2.0,
+        sleeve_wall: b.sleeve_wall,
+        sleeve_height: b.sleeve_height,
+        sleeve_fit: b.sleeve_fit,
+        size: design.analysis.body_element,
+    }
+}
+
+fn isotropic(c: &design::Isotropic) -> Result<Material, Error> {
+    Ok(Material::isotropic(c.young_modulus, c.poisson_ratio, c.density)?)
+}
+
+fn constants(c: &design::Orthotropic) -> nailnoise_fem::Orthotropic {
+    nailnoise_fem::Orthotropic {
+        e_1: c.e1,
+        e_2: c.e2,
+        e_3: c.e3,
+        g_12: c.g12,
+        g_13: c.g13,
+        g_23: c.g23,
+        nu_12: c.nu12,
+        nu_13: c.nu13,
+        nu_23: c.nu23,
+    }
+}
+
+/// The user's own mesh in place of a body, if there is one; a solid geometry is meshed for waves of the slowest speed
+/// \[m/s\].
+fn own_mesh(
+    design: &Design,
+    kind: BodyKind,
+    (file, unit): (&str, f64),
+    slowest: f64,
+) -> Result<Option<MeshSource>, Error> {
+    if file.is_empty() {
+        return Ok(None);
+    }
+    let (_, largest) = limits(design, kind);
+    let size = element_size(below_hz(design, kind), slowest, design.analysis.elements_per_wave)?;
+    let file = MeshFile::new(Path::new(file), unit, Some(size.min(largest)))?;
+    Ok(Some(MeshSource::File(file)))
+}
+
+/// Where the shot's forces, contacts and supports act on a body.
+fn places(design: &Design, kind: BodyKind) -> LoadPlaces {
+    let on_cells = |group, outward| (contact_cells(design), group, outward);
+    match kind {
+        BodyKind::Workpiece => LoadPlaces {
+            nail: Some(NailPlace {
+                at: [design.nail.offset_along, design.nail.offset_across],
+                top: design.workpiece.thickness,
+                length: design.nail.length,
+                nose: [design.body.nose_width, design.body.nose_depth],
+            }),
+            contact: match design.support.kind {
+                SupportKind::Clamped | SupportKind::Springs => None,
+                SupportKind::Worktable | SupportKind::Sandbox | SupportKind::Floor => {
+                    Some(on_cells("bottom", [0.0, 0.0, -1.0]))
+                }
+            },
+            side_sand: side_sand(design),
+            springs: spring_feet(design, Sprung::Workpiece),
+            tool: None,
+        },
+        BodyKind::Worktable => LoadPlaces {
+            contact: Some(on_cells("top", [0.0, 0.0, 1.0])),
+            springs: spring_feet(design, Sprung::Worktable),
+            ..LoadPlaces::default()
+        },
+        BodyKind::Tool => LoadPlaces {
+            tool: Some(ToolPlaces {
+                valve: [design.head_valve.inner_diameter, design.head_valve.outer_diameter],
+                check_holes: design.chambers.check_hole_position,
+            }),
+            ..LoadPlaces::default()
+        },
+    }
+}
+
+/// Lengths of the workpiece along x, y and z \[m\].
+pub(crate) fn block_size(design: &Design) -> [f64; 3] {
+    let block = &design.workpiece;
+    [block.length, block.width, block.thickness]
+}
+
+/// Contact cells of the workpiece's underside.
+pub(crate) fn contact_cells(design: &Design) -> ContactCells {
+    let (block, contact) = (&design.workpiece, &design.support.contact);
+    ContactCells {
+        size: [block.length, block.width],
+        cells: [contact.points_along, contact.points_across],
+    }
+}
+
+/// Sand that moves with the block's base, its mass as a part of rho r_0 A.
+///
+/// # Errors
+/// Those of the base's dimensions.
+pub(crate) fn added_sand(design: &Design) -> Result<AddedSand, Error> {
+    let (block, sand) = (&design.workpiece, &design.support.sand);
+    let base = RectangularBase::new(block.length, block.width)?;
+    Ok(AddedSand {
+        mass: sand.added_mass * sand.density * base.equivalent_radius() * base.area(),
+        base: [block.length, block.width],
+    })
+}
+
+/// Sand at the sides of the block, where it holds them.
+fn side_sand(design: &Design) -> Option<SideSand> {
+    let held = design.support.kind == SupportKind::Sandbox && design.support.sand.side_contact > 0.0;
+    held.then(|| SideSand {
+        block: block_size(design),
+    })
+}
+
+/// Springs and dashpots of the sand at the sides.
+///
+/// # Errors
+/// Those of sand and base.
+pub(crate) fn side_supports(design: &Design) -> Result<Vec<Support>, Error> {
+    let Some(side_sand) = side_sand(design) else {
+        return Ok(Vec::new());
+    };
+    let s = &design.support.sand;
+    let sand = Sand::new(s.shear_modulus, s.density, s.poisson_ratio)?;
+    let base = RectangularBase::new(design.workpiece.length, design.workpiece.width)?;
+    Ok(side_sand.supports(&base, &sand, s.side_contact))
+}
+
+/// The springs whose body the design has, by name, each with its axes: direction, stiffness and damping.
+fn springs(design: &Design) -> impl Iterator<Item = (&String, &Spring, Vec<([f64; 3], f64, f64)>)> {
+    let present = design.springs.iter().filter(|(_, spring)| design.has(spring.body));
+    present.map(|(name, spring)| {
+        let axes = [
+            ([1.0, 0.0, 0.0], spring.stiffness_x, spring.damping_x),
+            ([0.0, 1.0, 0.0], spring.stiffness_y, spring.damping_y),
+            ([0.0, 0.0, -1.0], spring.stiffness_z, spring.damping_z),
+        ];
+        let acts = |(_, stiffness, damping): &(_, f64, f64)| *stiffness > 0.0 || *damping > 0.0;
+        (name, spring, axes.into_iter().filter(acts).collect())
+    })
+}
+
+/// Feet of all springs, as they act on one body.
+fn spring_feet(design: &Design, body: Sprung) -> Vec<SpringFoot> {
+    let foot = |(name, spring, axes): (&String, &Spring, Vec<([f64; 3], f64, f64)>)| SpringFoot {
+        name: name.clone(),
+        place: (spring.body == body).then_some(([spring.x, spring.y, spring.z], spring.radius)),
+        axes: axes.into_iter().map(|(axis, ..)| axis).collect(),
+    };
+    springs(design).map(foot).collect()
+}
+
+/// Stiffness and damping of all springs, in the order of their load vectors.
+pub(crate) fn spring_supports(design: &Design) -> Vec<Support> {
+    let axes = springs(design).flat_map(|(.., axes)| axes);
+    axes.map(|(_, stiffness, damping)| Support {
+        stiffness,
+        damping,
+        gap: 0.0,
+        law: SupportLaw::Bonded,
+    })
+    .collect()
+}
+
+/// An error of a body's stages with its place in the design, where it has one.
+pub(crate) fn with_place(design: &Design, error: Error) -> Error {
+    match error {
+        Error::SpringOutside { spring, distance } => match design.springs.get(&spring) {
+            Some(own) => design.refuse_spring(&spring, own, distance).into(),
+            None => Error::SpringOutside { spring, distance },
+        },
+        other => other,
+    }
+}

@@ -1,0 +1,185 @@
+//! A body in modal coordinates: all that a shot reads of it.
+
+use nailnoise_fem::supports::ContactGrid;
+use nailnoise_fem::{LoadVector, ModalBasis};
+use nailnoise_meshes::{Mesh, Surface};
+use nalgebra::{DMatrix, DVector};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
+
+use super::geometry::BodyKind;
+use super::load_places::Model;
+use super::modes::WholeModes;
+use crate::error::Error;
+use crate::result::Check;
+use crate::stages::{Code, Digest, HasMatrix, Input, Progress, Stage, Stored, WithMatrix, code, matrix};
+
+/// Reduces the finite elements of a body to its modes.
+#[derive(Serialize)]
+pub struct ModalModel {
+    /// Which body it is.
+    pub kind: BodyKind,
+    /// Its finite elements.
+    pub model: Stored<Model>,
+    /// Its modes.
+    pub modes: Stored<WholeModes>,
+    /// Loss factor of all modes \[-\].
+    pub loss_factor: f64,
+    /// Frequency up to which the body's motion is part of the result \[Hz\].
+    pub top_hz: f64,
+}
+
+/// A body in modal coordinates, with its geometry.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Body {
+    /// `workpiece`, `worktable` or `tool`.
+    #[serde(deserialize_with = "known_name")]
+    pub name: Name,
+    /// Digest of all that its modes are computed from.
+    pub(crate) identity: Digest,
+    /// Its mesh.
+    pub mesh: Mesh,
+    /// Its outer faces.
+    pub surface: Surface,
+    /// Its modes, proven complete up to their top frequency, and static corrections: below, "modes" are both.
+    pub basis: ModalBasis<()>,
+    /// Displacement of the surface's points, x, y and z of each, in each mode: 3 points x modes \[kg^-1/2\]. In single
+    /// precision, as radiation matrices and pictures are.
+    #[serde(skip)]
+    pub skin: DMatrix<f32>,
+    /// Angular frequencies of the modes \[rad/s\]; 0 for rigid ones.
+    pub omega: Vec<f64>,
+    /// Loss factor of all modes \[-\].
+    pub loss_factor: f64,
+    /// Frequency up to which the body's motion is part of the result \[Hz\].
+    pub top_hz: f64,
+    /// Modal momentum of the body as it rises at unit speed, Phi^T M (0, 0, 1) \[kg^1/2\].
+    #[serde(with = "matrix")]
+    pub lift: DVector<f64>,
+    /// Generalised displacement of each load, downwards positive: modes x loads.
+    #[serde(with = "matrix")]
+    pub loads: DMatrix<f64>,
+    /// Generalised displacement of each contact cell along the body's outward normal, then of the sand's cells at its sides
+    /// and of springs to the ground: modes x supports.
+    #[serde(with = "matrix")]
+    pub contacts: DMatrix<f64>,
+}
+
+/// Name of a body.
+type Name = &'static str;
+
+fn known_name<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Name, D::Error> {
+    let name = String::deserialize(deserializer)?;
+    let mut known = BodyKind::ALL.into_iter().map(BodyKind::name);
+    known
+        .find(|known| *known == name)
+        .ok_or_else(|| D::Error::custom("no such body"))
+}
+
+impl HasMatrix for Body {
+    type Entry = f32;
+
+    fn matrix(&self) -> &DMatrix<f32> {
+        &self.skin
+    }
+
+    fn set_matrix(&mut self, matrix: DMatrix<f32>) {
+        self.skin = matrix;
+    }
+}
+
+impl Stage for ModalModel {
+    type Output = Body;
+    type Codec = WithMatrix;
+    const NAME: &'static str = "body";
+    const CODE: Code = code!(meshes, fem, stages_bodies, stages_codec);
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        vec![&self.modes, &self.model]
+    }
+
+    fn compute(&self, _: &Progress) -> Result<Body, Error> {
+        let (modes, model) = (self.modes.get()?, self.model.get()?);
+        let (mesh, shapes) = (&model.meshed.imported.mesh, &modes.shapes);
+        let surface = Surface::of(mesh);
+        Ok(Body {
+            name: self.kind.name(),
+            identity: *self.modes.key(),
+            skin: skin(&surface, shapes),
+            omega: modes
+                .basis
+                .all_hz()
+                .iter()
+                .map(|hz| std::f64::consts::TAU * hz)
+                .collect(),
+            basis: modes.basis.clone(),
+            loss_factor: self.loss_factor,
+            top_hz: self.top_hz,
+            lift: shapes.tr_mul(&DVector::from_column_slice(&modes.momentum)),
+            loads: participation(&model.loads, shapes),
+            contacts: participation(&model.contacts, shapes),
+            mesh: mesh.clone(),
+            surface,
+        })
+    }
+}
+
+/// Shapes on a surface's points, see [`Body::skin`].
+fn skin(surface: &Surface, shapes: &DMatrix<f64>) -> DMatrix<f32> {
+    let nodes = &surface.volume_nodes;
+    DMatrix::from_fn(3 * nodes.len(), shapes.ncols(), |row, mode| {
+        shapes[(3 * nodes[row / 3] + row % 3, mode)] as f32
+    })
+}
+
+/// Displacement that load vectors read in each mode: modes x load vectors.
+pub(super) fn participation(vectors: &[LoadVector], shapes: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut all = DMatrix::zeros(shapes.ncols(), vectors.len());
+    for (vector, mut column) in vectors.iter().zip(all.column_iter_mut()) {
+        column.copy_from(&vector.participation(shapes));
+    }
+    all
+}
+
+impl Body {
+    /// Shapes on every node, of the whole modes that belong to this body.
+    ///
+    /// # Errors
+    /// [`Error::OtherModes`] where the body was kept by another machine: the sign of a mode is open, and modes of one
+    /// frequency may be any mixture of each other.
+    pub fn shapes<'a>(&self, modes: &'a WholeModes) -> Result<&'a DMatrix<f64>, Error> {
+        if skin(&self.surface, &modes.shapes) == self.skin {
+            Ok(&modes.shapes)
+        } else {
+            Err(Error::OtherModes { body: self.name })
+        }
+    }
+
+    /// Modal force of gravity \[N kg^-1/2\] for an acceleration of gravity \[m/s2\].
+    pub fn weight(&self, gravity: f64) -> DVector<f64> {
+        &self.lift * -gravity
+    }
+
+    /// The same where a mass \[kg\] of sand that moves with the base rests in the sand: its weight is evenly carried by the
+    /// contact cells.
+    pub fn weight_in_sand(&self, gravity: f64, sand: f64, grid: &ContactGrid) -> DVector<f64> {
+        let mut weight = self.weight(gravity);
+        let area: f64 = grid.areas.iter().sum();
+        for (cell, cell_area) in grid.areas.iter().enumerate() {
+            weight -= self.contacts.column(cell) * (gravity * sand * cell_area / area);
+        }
+        weight
+    }
+
+    /// Checks of the modal solution.
+    pub fn checks(&self) -> Vec<Check> {
+        let (basis, name) = (&self.basis, self.name);
+        let worst = basis.residuals.iter().fold(0.0, |worst: f64, &r| worst.max(r));
+        let missing = basis.sturm.count as f64 - basis.hz.len() as f64;
+        vec![
+            Check::at_most(format!("{name}: eigen residual"), worst, 1e-8),
+            Check::at_most(format!("{name}: orthonormality"), basis.orthonormality, 1e-8),
+            Check::at_most(format!("{name}: Sturm count less modes found"), missing, 0.0),
+        ]
+    }
+}

@@ -1,0 +1,272 @@
+//! Where forces act on a body, and its finite elements with the load vectors of these places.
+
+use nailnoise_fem::supports::{ContactGrid, GridRule, RectangularBase, Sand};
+use nailnoise_fem::transient::{Support, SupportLaw};
+use nailnoise_fem::{LoadVector, Rectangle};
+use nailnoise_meshes::{Mesh, MeshError, Surface};
+use nalgebra::{Point3, Vector3};
+use serde::Serialize;
+
+use super::geometry::{Geometry, Meshed};
+use super::nail_load;
+use super::tool_loads::{self, ToolPlaces};
+use crate::error::Error;
+use crate::stages::{Code, NotKept, Progress, Stage, code};
+
+/// The mesh of a body with its materials and load vectors.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Discretisation {
+    /// The body.
+    pub geometry: Geometry,
+    /// Where forces act on it.
+    pub places: LoadPlaces,
+}
+
+/// Finite elements of a body before its modes are known.
+#[derive(Debug, Clone)]
+pub struct Model {
+    /// Mesh, materials, supports and attachments.
+    pub meshed: Meshed,
+    /// Load vectors of the shot's forces, see [`Body::loads`](super::Body::loads).
+    pub loads: Vec<LoadVector>,
+    /// Load vectors of contacts and supports, see [`Body::contacts`](super::Body::contacts).
+    pub contacts: Vec<LoadVector>,
+}
+
+impl Stage for Discretisation {
+    type Output = Model;
+    type Codec = NotKept;
+    const NAME: &'static str = "mesh";
+    const CODE: Code = code!(meshes, fem, stages_bodies);
+
+    fn compute(&self, _: &Progress) -> Result<Model, Error> {
+        let meshed = self.geometry.mesh()?;
+        let mesh = &meshed.imported.mesh;
+        Ok(Model {
+            loads: self.places.loads(mesh)?,
+            contacts: self.places.contacts(mesh)?,
+            meshed,
+        })
+    }
+}
+
+/// Where forces act on a body; nowhere by default.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct LoadPlaces {
+    /// Nail and nose on the workpiece.
+    pub nail: Option<NailPlace>,
+    /// Forces and pressures on the tool's body.
+    pub tool: Option<ToolPlaces>,
+    /// Contact cells, the face group they lie on, and its outward normal.
+    pub contact: Option<(ContactCells, &'static str, [f64; 3])>,
+    /// Sand at the sides.
+    pub side_sand: Option<SideSand>,
+    /// Springs to the ground.
+    pub springs: Vec<SpringFoot>,
+}
+
+/// Place of the nail and of the tool's nose on the top of the workpiece.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct NailPlace {
+    /// Position (x, y) \[m\].
+    pub at: [f64; 2],
+    /// Height of the top \[m\].
+    pub top: f64,
+    /// Length of the nail \[m\].
+    pub length: f64,
+    /// Lengths of the nose along x and y \[m\].
+    pub nose: [f64; 2],
+}
+
+impl NailPlace {
+    /// Downward displacement of the nail's stations, then of the nose.
+    fn load_vectors(&self, mesh: &Mesh) -> Result<Vec<LoadVector>, MeshError> {
+        let ([x, y], down) = (self.at, -Vector3::z());
+        let station = |depth: f64| LoadVector::point(mesh, Point3::new(x, y, self.top - depth), down, 0.0);
+        let nose = Rectangle::horizontal(Point3::new(x, y, self.top), self.nose);
+        let stations = nail_load::depths(self.length).map(station).into_iter();
+        stations
+            .chain([LoadVector::rectangle(mesh, "top", &nose, down)])
+            .collect()
+    }
+}
+
+/// Cells in which the underside of the workpiece touches what it stands on.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ContactCells {
+    /// Lengths of the underside along x and y \[m\].
+    pub size: [f64; 2],
+    /// Number of cells along x and y.
+    pub cells: [u32; 2],
+}
+
+impl ContactCells {
+    /// Their centres and areas.
+    pub fn grid(&self) -> ContactGrid {
+        let ([length, width], [along, across]) = (self.size, self.cells.map(|n| n as usize));
+        ContactGrid::new(length, width, along, across, GridRule::CellCentred)
+    }
+
+    /// Mean displacement of each cell on a face group in the plane z = 0 along a direction.
+    fn load_vectors(&self, mesh: &Mesh, group: &str, direction: Vector3<f64>) -> Result<Vec<LoadVector>, MeshError> {
+        let size = [0, 1].map(|axis| self.size[axis] / f64::from(self.cells[axis]));
+        let cell = |&[x, y]: &[f64; 2]| {
+            let cell = Rectangle::horizontal(Point3::new(x, y, 0.0), size);
+            LoadVector::rectangle(mesh, group, &cell, direction)
+        };
+        self.grid().points.iter().map(cell).collect()
+    }
+}
+
+/// Sand at the sides of a block: cells in which it holds them, each in three directions.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SideSand {
+    /// Lengths of the block along x, y and z \[m\].
+    pub block: [f64; 3],
+}
+
+/// A cell of a side.
+struct SideCell {
+    group: &'static str,
+    place: Rectangle,
+    /// Outward normal, up, and along the side.
+    directions: [Vector3<f64>; 3],
+}
+
+impl SideSand {
+    /// Cells along a side and up it; the waves that sand carries at the sides are longer than the block is thick.
+    const ALONG: usize = 5;
+    const UP: usize = 2;
+
+    fn cells(&self) -> impl Iterator<Item = SideCell> {
+        let [x, y, z] = self.block;
+        let (wide, tall) = (move |length: f64| length / Self::ALONG as f64, z / Self::UP as f64);
+        let faces = [
+            ("x_min", -Vector3::x(), Vector3::y(), 0.5 * x, y),
+            ("x_max", Vector3::x(), Vector3::y(), 0.5 * x, y),
+            ("y_min", -Vector3::y(), Vector3::x(), 0.5 * y, x),
+            ("y_max", Vector3::y(), Vector3::x(), 0.5 * y, x),
+        ];
+        faces
+            .into_iter()
+            .flat_map(move |(group, normal, along, distance, length)| {
+                let places = (0..Self::UP).flat_map(|row| (0..Self::ALONG).map(move |column| (row, column)));
+                places.map(move |(row, column)| {
+                    let across = (column as f64 + 0.5) * wide(length) - 0.5 * length;
+                    let up = (row as f64 + 0.5) * tall;
+                    SideCell {
+                        group,
+                        place: Rectangle {
+                            centre: Point3::from(normal * distance + along * across + Vector3::z() * up),
+                            sides: [along * wide(length), Vector3::z() * tall],
+                        },
+                        directions: [normal, Vector3::z(), along],
+                    }
+                })
+            })
+    }
+
+    /// Springs and dashpots of the cells: those of the base per area, times the share of the sides that is `held`.
+    ///
+    /// They act both ways: the sand's own weight presses it on the sides, and a small motion takes off as much of that
+    /// pressure as it adds on its way back.
+    pub fn supports(&self, base: &RectangularBase, sand: &Sand, held: f64) -> Vec<Support> {
+        let (along, across) = base.shear_bedding(sand);
+        let shear = 0.5 * (along + across);
+        let of_cell = |cell: SideCell| {
+            let [side, height] = cell.place.sides.map(|side| side.norm());
+            let area = held * (side * height);
+            let support = |stiffness: f64, dashpot: f64| Support {
+                stiffness: stiffness * area,
+                damping: dashpot * area,
+                gap: 0.0,
+                law: SupportLaw::Bonded,
+            };
+            let tangential = support(shear, sand.shear_dashpot());
+            [
+                support(base.normal_bedding(sand), sand.normal_dashpot()),
+                tangential,
+                tangential,
+            ]
+        };
+        self.cells().flat_map(of_cell).collect()
+    }
+
+    /// Displacements that the sand resists: outwards, upwards and along the side, cell by cell.
+    fn load_vectors(&self, mesh: &Mesh) -> Result<Vec<LoadVector>, MeshError> {
+        let of_cell = |cell: SideCell| {
+            let along = |direction| LoadVector::rectangle(mesh, cell.group, &cell.place, direction);
+            cell.directions.map(along)
+        };
+        self.cells().flat_map(of_cell).collect()
+    }
+}
+
+/// Largest distance of a spring from its body \[m\], as for sensors: chords of a mesh are off the cylinders they stand for
+/// by less.
+const REACH: f64 = 1e-3;
+
+/// Where a spring to the ground acts.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SpringFoot {
+    /// Its name in the design.
+    pub name: String,
+    /// Position and radius of its foot \[m\]; none for a spring on another body.
+    pub place: Option<([f64; 3], f64)>,
+    /// Axes along which it acts; the vertical one points down, so that the spring's force carries the body.
+    pub axes: Vec<[f64; 3]>,
+}
+
+impl SpringFoot {
+    /// Displacements that it resists, one an axis; zero vectors for a spring on another body.
+    fn load_vectors(&self, mesh: &Mesh, surface: &Surface) -> Result<Vec<LoadVector>, Error> {
+        let along = |&axis: &[f64; 3]| {
+            let Some((at, radius)) = self.place else {
+                return Ok(LoadVector::zero());
+            };
+            let (at, axis) = (Point3::from(at), Vector3::from(axis));
+            let disc = LoadVector::disc(surface, (at, radius), axis)?;
+            let vector = disc.map_or_else(|| LoadVector::point(mesh, at, axis, REACH), Ok);
+            vector.map_err(|error| match error {
+                MeshError::Outside { distance, .. } => Error::SpringOutside {
+                    spring: self.name.clone(),
+                    distance,
+                },
+                other => other.into(),
+            })
+        };
+        self.axes.iter().map(along).collect()
+    }
+}
+
+impl LoadPlaces {
+    /// Load vectors of the shot's forces.
+    fn loads(&self, mesh: &Mesh) -> Result<Vec<LoadVector>, Error> {
+        let mut loads = Vec::new();
+        if let Some(nail) = &self.nail {
+            loads.extend(nail.load_vectors(mesh)?);
+        }
+        if let Some(tool) = &self.tool {
+            loads.extend(tool_loads::load_vectors(tool, mesh)?);
+        }
+        Ok(loads)
+    }
+
+    /// Load vectors of contacts and supports.
+    fn contacts(&self, mesh: &Mesh) -> Result<Vec<LoadVector>, Error> {
+        let mut contacts = Vec::new();
+        if let Some((cells, group, outward)) = self.contact {
+            contacts.extend(cells.load_vectors(mesh, group, Vector3::from(outward))?);
+        }
+        if let Some(side_sand) = &self.side_sand {
+            contacts.extend(side_sand.load_vectors(mesh)?);
+        }
+        if !self.springs.is_empty() {
+            let surface = Surface::of(mesh);
+            for spring in &self.springs {
+                contacts.extend(spring.load_vectors(mesh, &surface)?);
+            }
+        }
+        Ok(contacts)
+    }
+}
