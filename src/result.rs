@@ -185,14 +185,14 @@ pub struct MicrophoneReport {
     /// Pressure of a full-scale sample in the files of sound \[Pa\].
     pub full_scale_pa: f64,
     /// Each source alone, without room and background.
-    pub sources: Vec<HeardSource>,
+    pub sources: Vec<ReceivedSource>,
     /// All sources at once, in the design's room with its background.
     pub total: ArrayMeasurement,
 }
 
 /// A source at the microphones.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct HeardSource {
+pub struct ReceivedSource {
     /// Its name.
     pub source: String,
     /// How its sound is carried to a place.
@@ -241,7 +241,7 @@ pub struct MicrophoneLevel {
     pub peak_pa: f64,
 }
 
-/// One band of a [`HeardSource`].
+/// One band of a [`ReceivedSource`].
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct MicrophoneBand {
     /// Nominal mid-band frequency (IEC 61260-1) \[Hz\].
@@ -296,7 +296,7 @@ pub struct CrossCheck {
 }
 
 /// What a source radiates between two events, A-weighted, over the common range.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct IntervalLevel {
     /// Event at its start, `t0` to `t18`; `start` for the beginning of the record.
     pub from: String,

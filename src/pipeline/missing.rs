@@ -32,6 +32,14 @@ pub(super) struct Missing {
 }
 
 impl Missing {
+    /// Note on the part.
+    pub(super) fn note(&self) -> String {
+        format!(
+            "{} is absent above {:.0} Hz; its last octave continued would add {:.2} dB to the {}",
+            self.part, self.top_hz, self.decibels, self.source
+        )
+    }
+
     /// The check that the part is small.
     pub(super) fn check(&self) -> Check {
         let name = format!(

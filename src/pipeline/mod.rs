@@ -3,23 +3,16 @@
 //! Each stage is a function of the design and of what stands before it; none keeps state.
 
 mod bodies;
-mod changes;
 mod coupling;
 mod cycle;
-mod exhaust;
-mod intervals;
-mod microphones;
 mod missing;
-mod notes;
 mod pictures;
 mod preset;
 mod radiation;
 mod radiator;
-mod ranking;
 mod report;
 mod response;
 mod sensors;
-mod sound;
 mod starts;
 mod told;
 mod tool;
@@ -34,27 +27,29 @@ use serde::de::DeserializeOwned;
 pub use bodies::{GraphBody, Structure, modes_of, tool_body, workpiece};
 pub use coupling::{COUPLED_LOADS, Coupled, couple};
 pub use cycle::cycle;
-pub use exhaust::exhaust_openings;
-pub use intervals::SoundPower;
-pub use microphones::Microphones;
-pub(crate) use microphones::{SAMPLE_RATE, positions, reflecting_plane, tool_height};
 pub use pictures::{Picture, Pictures, Series, Shape, pictures};
 pub use preset::{Preset, cycle_as_published};
 pub use sensors::SensorRecord;
 pub use tool::{Stiffness, Tool};
 pub use vibration::Vibration;
 
-use exhaust::Blown;
 use told::{Told, TwoWay, told};
 use vibration::{Bench, Moved, moved};
 
+use crate::design::inputs;
 pub use crate::design::inputs::bodies::geometry;
 pub use crate::design::inputs::cycle::{cycle_settings, parameters};
-use crate::design::{Coupling, Design};
+use crate::design::inputs::microphones;
+use crate::design::{Coupling, Design, SupportKind};
 use crate::error::Error;
 use crate::result::{Check, DesignId, RunResult, SCHEMA, Timing};
 use crate::stages::Progress;
 pub use crate::stages::bodies::{Body, BodyKind};
+use crate::stages::exhaust::{ExhaustSource, noise};
+pub use crate::stages::microphones::Microphones;
+pub(crate) use crate::stages::microphones::SAMPLE_RATE;
+pub use crate::stages::ranking::SoundPower;
+use crate::stages::{changes, notes, ranking, sound};
 use crate::store::Store;
 
 /// A body with what the shot did to it.
@@ -132,7 +127,7 @@ pub fn run_in_full(
     };
     let all = in_full(&bench, lumped, &mut timing, progress, |_, _| Ok(()))?;
     let of_bodies = (all.moved.record, all.told, all.two_way);
-    let run = finish(&bench, of_bodies, all.blown, timing, progress)?;
+    let run = finish(&bench, of_bodies, all.exhaust, timing, progress)?;
     Ok((run, all.moved.vibration))
 }
 
@@ -141,7 +136,7 @@ struct InFull<T> {
     moved: Moved,
     told: Told,
     two_way: Option<TwoWay>,
-    blown: Blown,
+    exhaust: ExhaustSource,
     more: T,
 }
 
@@ -154,16 +149,16 @@ fn in_full<T: Send>(
     progress: &Progress,
     tell: impl FnOnce(&Vibration, &CycleRecord) -> Result<T, Error> + Send,
 ) -> Result<InFull<T>, Error> {
-    let (moved, body, blown) = moved(bench, lumped, timing, progress)?;
+    let (moved, body, exhaust) = moved(bench, lumped, timing, progress)?;
     let [mut of_telling, mut of_exhaust] = [Timing::default(), Timing::default()];
-    let (told, (more, blown)) = rayon::join(
+    let (told, (more, exhaust)) = rayon::join(
         || told(bench, &moved, body, timing, progress),
         || {
             rayon::join(
                 || of_telling.time("telling", || tell(&moved.vibration, &moved.record)),
-                || match blown {
-                    Some(blown) => Ok(blown),
-                    None => exhaust::blown(bench, &moved.record, moved.end(), &mut of_exhaust),
+                || match exhaust {
+                    Some(exhaust) => Ok(exhaust),
+                    None => of_exhaust.time("exhaust", || bench.exhaust(&moved.record, moved.end())),
                 },
             )
         },
@@ -175,7 +170,7 @@ fn in_full<T: Send>(
         told,
         two_way,
         more: more?,
-        blown: blown?,
+        exhaust: exhaust?,
     })
 }
 
@@ -201,24 +196,24 @@ pub(crate) fn run_telling<T: Serialize + DeserializeOwned + Send>(
     if design.support.coupling == Coupling::TwoWay {
         let all = in_full(&bench, None, &mut timing, progress, tell)?;
         let of_bodies = (all.moved.record, all.told, all.two_way);
-        return Ok((finish(&bench, of_bodies, all.blown, timing, progress)?, all.more));
+        return Ok((finish(&bench, of_bodies, all.exhaust, timing, progress)?, all.more));
     }
     let record = driving(design, &mut timing, progress)?;
     let key = told::key(design, options, &record);
     let mut found = None;
     let (told, more) = cache.get_or(stage, key, || {
         let all = in_full(&bench, Some(record.clone()), &mut timing, progress, tell)?;
-        found = Some(all.blown);
+        found = Some(all.exhaust);
         Ok::<_, Error>((all.told, all.more))
     })?;
-    let blown = match found {
-        Some(blown) => blown,
+    let exhaust = match found {
+        Some(exhaust) => exhaust,
         None => {
             progress.stage("exhaust");
-            exhaust::blown(&bench, &record, told.end, &mut timing)?
+            timing.time("exhaust", || bench.exhaust(&record, told.end))?
         }
     };
-    Ok((finish(&bench, (record, told, None), blown, timing, progress)?, more))
+    Ok((finish(&bench, (record, told, None), exhaust, timing, progress)?, more))
 }
 
 /// The cycle with its own lumped workpiece.
@@ -227,35 +222,70 @@ fn driving(design: &Design, timing: &mut Timing, progress: &Progress) -> Result<
     timing.time("cycle", || cycle(design))
 }
 
+/// The noise of a cycle's openings one by one, for what hears them at a place
+/// ([`ExhaustNoise::at`](nailnoise_acoustics::exhaust::ExhaustNoise::at)): exhaust holes, a muffler's outlet where there is
+/// one, trigger vent.
+///
+/// # Errors
+/// Openings, plenum or muffler that cannot be, air that leaves against a higher pressure.
+pub fn exhaust_openings(
+    design: &Design,
+    record: &CycleRecord,
+) -> Result<Vec<nailnoise_acoustics::exhaust::ExhaustNoise>, Error> {
+    Ok(noise(&inputs::exhaust::openings(design)?, record)?.1.openings)
+}
+
 /// From what bodies and exhaust tell to the result: ranking, intervals, checks and notes.
 fn finish(
     bench: &Bench<'_>,
     (record, told, two_way): (CycleRecord, Told, Option<TwoWay>),
-    blown: Blown,
+    exhaust: ExhaustSource,
     mut timing: Timing,
     progress: &Progress,
 ) -> Result<Run, Error> {
-    let Bench { design, ref air, .. } = *bench;
+    let design = bench.design;
     let sensors = told.sensors(design);
     let [workpiece, body] = &told.sources;
-    let Blown {
-        jets,
-        exhaust,
-        clock,
-        heard,
-        ..
-    } = blown;
-    let notes = notes::notes(design, &record, &told, &exhaust);
+    let ExhaustSource {
+        source: jets,
+        details: exhaust,
+        received,
+    } = exhaust;
+    let support = inputs::notes::support(design);
+    let of_notes = notes::NoteInputs {
+        support: &support,
+        in_sand: design.support.kind == SupportKind::Sandbox,
+        range_high: design.analysis.range_high,
+        radiation: [workpiece.radiation.as_ref(), body.radiation.as_ref()],
+        stiffness: told.stiffness.as_ref().map(|both| {
+            both.each_ref().map(|own| notes::ContactStiffness {
+                place: &own.place,
+                body: own.body,
+                contact: own.contact,
+            })
+        }),
+        truncations: told.missing.iter().map(missing::Missing::note).collect(),
+        ending: &told.ending,
+        idle_sensors: sensors::idle(design),
+        limited_sensors: sensors::limited(design),
+        idle_springs: design.idle_springs(),
+    };
+    let notes = notes::notes(&of_notes, &record, &inputs::exhaust::openings(design)?, &exhaust);
     notes.iter().for_each(|note| progress.note(note));
     let range = [design.analysis.range_low, design.analysis.range_high];
     let sources = [workpiece, &jets, body];
     let (mut ranking, total) = ranking::rank(&sources, range);
     progress.stage("microphones");
     let microphones = timing.time("microphones", || {
-        microphones::microphones(design, air, [&told.heard[0], &heard, &told.heard[1]], told.end)
+        let [of_workpiece, of_body] = &told.heard;
+        microphones::array(design)?.measurement(
+            &microphones::room(design),
+            [of_workpiece, &received, of_body],
+            told.end,
+        )
     })?;
-    let (powers, interval_checks) =
-        intervals::intervals(&sources, &mut ranking, &clock, told.end, design.acoustics.bem_tolerance);
+    let powers = ranking::powers(&ranking, &sources, told.end);
+    let interval_checks = ranking::interval_checks(&ranking, &sources, design.acoustics.bem_tolerance);
     let mut checks: Vec<Check> = record.checks.iter().map(Check::from).collect();
     let [of_response, of_tool] = told.checks.clone();
     checks.extend(of_response);
@@ -274,7 +304,7 @@ fn finish(
         changes::changes(both.work, (lumped, sources), (&record, &ranking, &total), range)
     });
     if let Some(starts) = &told.starts {
-        starts::widen(&mut ranking, starts);
+        ranking::widen(&mut ranking, starts);
     }
     timing.end(bench.begin);
     let result = RunResult {

@@ -13,7 +13,7 @@ use super::radiator::Radiator;
 use super::vibration::modal_spectra;
 use crate::design::{Design, SupportKind};
 use crate::error::Error;
-use crate::result::{RankedSource, Starts};
+use crate::result::Starts;
 
 /// Largest gap between block and support \[m\].
 const GAP: f64 = 1e-6;
@@ -74,20 +74,6 @@ pub(super) fn starts(
         deviation_db: (squares / (count - 1.0)).sqrt(),
         lwa_db: levels,
     }))
-}
-
-/// Widens the workpiece's uncertainty by two standard deviations of its starts.
-pub(super) fn widen(ranking: &mut [RankedSource], starts: &Starts) {
-    let spread = 2.0 * starts.deviation_db;
-    for source in ranking.iter_mut().filter(|source| source.source == "workpiece") {
-        let band = &mut source.uncertainty_db;
-        let wider = |bound: Option<f64>| bound.map(|bound| bound.hypot(spread).copysign(bound));
-        (band.minus, band.plus) = (wider(band.minus), wider(band.plus));
-        band.basis.push_str(&format!(
-            "; two standard deviations of {} starts, {spread:.1} dB, added as squares",
-            starts.lwa_db.len()
-        ));
-    }
 }
 
 #[cfg(test)]

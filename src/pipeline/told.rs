@@ -9,26 +9,29 @@ use nailnoise_dynamics::{CouplingWork, CycleRecord};
 use nailnoise_fem::transient::{Ending, ModalResponse};
 use serde::{Deserialize, Serialize};
 
-use super::intervals::Clock;
-use super::microphones::{self, AtMicrophones};
 use super::missing::{self, Missing};
-use super::radiator::tool_radiation;
+use super::radiator::{Radiator, tool_radiation};
 use super::sensors::{self, Sensed, SensorRecord};
-use super::sound::{Sound, Source};
 use super::starts::starts;
 use super::vibration::{Bench, Moved, Vibration, modal_spectra};
-use super::{Options, Stiffness, Tool, cycle, exhaust, radiation, response};
+use super::{Options, Stiffness, Tool, cycle, radiation, response};
+use crate::design::inputs;
 use crate::design::{Coupling, Design};
 use crate::error::Error;
 use crate::result::{Check, Starts, Timing};
 use crate::stages::Progress;
+use crate::stages::exhaust::noise;
+use crate::stages::intervals::EventEdges;
+use crate::stages::microphones::AtMicrophones;
+use crate::stages::sound::{Sound, SoundSource};
+use crate::stages::spectra::side_by_side;
 use crate::store::Key;
 
 /// What the moving bodies tell.
 #[derive(Clone, Serialize, Deserialize)]
 pub(super) struct Told {
     /// Workpiece with support, and tool body.
-    pub(super) sources: [Source; 2],
+    pub(super) sources: [SoundSource; 2],
     /// When the last record ends \[s\].
     pub(super) end: f64,
     /// How the response ended, in words.
@@ -156,20 +159,22 @@ pub(super) fn told(
     );
     let end = moved.end();
     let heard = timing.time("bodies at the microphones", || {
-        let inputs = microphones::Inputs {
-            radiator,
-            spectra,
-            record,
-            workpiece: &workpiece,
-            body: &body,
-            tool: tool.as_ref(),
-            end,
-        };
-        microphones::of_bodies(design, &bench.air, &inputs)
+        let array = inputs::microphones::array(design)?;
+        let radiated = &workpiece.spectrum;
+        let of_workpiece = match radiator {
+            Radiator::Bem(bem) => array.boundary_elements(bem, &side_by_side(spectra), radiated, end),
+            Radiator::Rayleigh(flush) => array.flush(&flush.sound, &spectra[0], radiated, end),
+            Radiator::Erp(_) => array.spread_evenly(inputs::microphones::workpiece_centre(design), &workpiece, end),
+        }?;
+        let of_body = match tool.as_ref().and_then(|tool| Some((tool, tool.bem.as_ref()?))) {
+            Some((tool, bem)) => array.boundary_elements(bem, &tool.spectra, &body.spectrum, end),
+            None => array.oscillating_sphere(&inputs::microphones::tool_sphere(design), record, &body, end),
+        }?;
+        Ok::<_, Error>([of_workpiece, of_body])
     })?;
-    let clock = Clock::new(&record.events, end);
+    let edges = EventEdges::new(&record.events, end);
     let sources = timing.time("intervals", || {
-        [workpiece, body].map(|sound| Source::new(sound, &clock.times, range))
+        [workpiece, body].map(|sound| SoundSource::new(sound, &edges, range))
     });
     let mut checks: [Vec<Check>; 2] = Default::default();
     structure.bodies().for_each(|body| checks[0].extend(body.checks()));
@@ -219,7 +224,7 @@ fn one_way(bench: &Bench<'_>, moved: &Moved, progress: &Progress) -> Result<(Cyc
         }
         None => radiation::rigid_tool(design, &record, air)?,
     };
-    let (exhaust, _) = exhaust::exhaust(design, &record, air)?;
+    let (exhaust, _) = noise(&inputs::exhaust::openings(design)?, &record)?;
     Ok((record, [workpiece, exhaust.spectrum, body.spectrum]))
 }
 

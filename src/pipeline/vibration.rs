@@ -9,15 +9,16 @@ use nailnoise_fem::transient::ModalResponse;
 use nalgebra::DMatrix;
 
 use super::bodies::GraphBody;
-use super::exhaust::{self, Blown};
 use super::radiator::{Radiator, tool_radiation};
 use super::sensors::{Moving, Sensed, Sensing};
 use super::sound::Sound;
 use super::{Body, BodyKind, Driven, Options, Structure, Tool, bodies, parameters, radiation, response};
+use crate::design::inputs;
 use crate::design::{BodyModel, Design, SupportKind};
 use crate::error::Error;
 use crate::result::{Check, Timing};
 use crate::stages::Progress;
+use crate::stages::exhaust::{ExhaustSource, exhaust};
 use crate::stages::spectra::body_spectra;
 use crate::store::Store;
 
@@ -109,6 +110,20 @@ impl<'a> Bench<'a> {
             begin: Instant::now(),
         })
     }
+
+    /// The exhaust of a shot whose records last until `end` \[s\].
+    ///
+    /// # Errors
+    /// Those of the acoustics.
+    pub(super) fn exhaust(&self, record: &CycleRecord, end: f64) -> Result<ExhaustSource, Error> {
+        exhaust(
+            &inputs::exhaust::openings(self.design)?,
+            &inputs::exhaust::outlet(self.design),
+            &inputs::microphones::array(self.design)?,
+            record,
+            end,
+        )
+    }
 }
 
 /// Sets the bodies in motion, by the cycle given or together with one both ways; the sound of the tool's body, and that of the
@@ -121,7 +136,7 @@ pub(super) fn moved(
     lumped: Option<CycleRecord>,
     timing: &mut Timing,
     progress: &Progress,
-) -> Result<(Moved, Sound, Option<Blown>), Error> {
+) -> Result<(Moved, Sound, Option<ExhaustSource>), Error> {
     let (design, cache) = (bench.design, bench.cache);
     // Neither workpiece with support nor the tool's body knows of the other.
     let (of_structure, of_tool) = std::thread::scope(|scope| {
@@ -139,9 +154,12 @@ pub(super) fn moved(
                     let (tool, sound) = tool_in_motion(bench, body, record, &mut timing, progress)?;
                     // No response is longer than that of a housing, whose flight does not decay: the end is known.
                     let end = tool.as_ref().map(|tool| end(record, [&tool.response]));
-                    let blown = end.map(|end| exhaust::blown(bench, record, end, &mut timing));
+                    let exhaust = end.map(|end| {
+                        let exhaust = timing.time("exhaust", || bench.exhaust(record, end))?;
+                        Ok::<_, Error>((end, exhaust))
+                    });
                     (bench.beside)(record);
-                    ToolSide::Moved(Box::new((tool, sound, blown.transpose()?)))
+                    ToolSide::Moved(Box::new((tool, sound, exhaust.transpose()?)))
                 }
                 None => ToolSide::Still(Box::new(body)),
             };
@@ -167,7 +185,7 @@ pub(super) fn moved(
         (Some(record), None) => (record, None),
         (None, None) => unreachable!("a cycle is given, or comes from a coupled run"),
     };
-    let (tool, body, blown) = match of_tool {
+    let (tool, body, exhaust) = match of_tool {
         ToolSide::Moved(moved) => *moved,
         ToolSide::Still(body) => {
             let (tool, body) = tool_in_motion(bench, *body, &record, timing, progress)?;
@@ -187,14 +205,16 @@ pub(super) fn moved(
         damping,
         coupling,
     };
-    let blown = blown.filter(|blown| blown.end == moved.end());
-    Ok((moved, body, blown))
+    let exhaust = exhaust
+        .filter(|(end, _)| *end == moved.end())
+        .map(|(_, exhaust)| exhaust);
+    Ok((moved, body, exhaust))
 }
 
 /// The tool's side of a run: at rest while its cycle is not known.
 enum ToolSide {
     Still(Box<Option<GraphBody>>),
-    Moved(Box<(Option<Tool>, Sound, Option<Blown>)>),
+    Moved(Box<(Option<Tool>, Sound, Option<(f64, ExhaustSource)>)>),
 }
 
 /// What a cycle does to the tool's body, a rigid one without modes, and how it sounds.

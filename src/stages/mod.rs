@@ -8,9 +8,16 @@
 //! together, and `graph` looks them up, computes, keeps and times them.
 
 pub mod bodies;
+pub mod changes;
 mod codec;
+pub mod exhaust;
+pub mod intervals;
+pub mod microphones;
+pub mod notes;
 mod progress;
 pub(crate) mod radiation;
+pub mod ranking;
+pub mod sound;
 pub(crate) mod spectra;
 
 use std::sync::Arc;

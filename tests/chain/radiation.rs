@@ -4,7 +4,7 @@ use crate::common::small;
 use nailnoise::Design;
 use nailnoise::output::{remove_others, write_pictures};
 use nailnoise::pipeline::{Options, Run, pictures, run};
-use nailnoise::result::{HeardSource, RankedSource};
+use nailnoise::result::{RankedSource, ReceivedSource};
 use nailnoise::stages::Progress;
 use nailnoise::store::{LIMIT, Store};
 
@@ -119,7 +119,7 @@ fn a_block_without_a_table_radiates_by_boundary_elements_too() {
 
 /// What nine microphones measure of a source is its power, to the decibels that so few directions leave open; its
 /// signals hold the exposures of its levels.
-fn as_radiated<'a>(run: &'a Run, source: &str, within_db: f64) -> &'a HeardSource {
+fn as_radiated<'a>(run: &'a Run, source: &str, within_db: f64) -> &'a ReceivedSource {
     let report = &run.microphones.report;
     let heard = report.sources.iter().find(|s| s.source == source).unwrap();
     let bias = heard.lwa_db.unwrap() - heard.true_lwa_db.unwrap();

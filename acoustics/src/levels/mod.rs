@@ -15,7 +15,7 @@ pub use bands::{Band, THIRD_OCTAVES, band_containing, octaves, third_octaves};
 pub use event::{REFERENCE_PRESSURE, exposure_level, peak_level};
 pub use filter::BandFilter;
 pub use history::{IntervalLevels, PowerHistory};
-pub use ranking::{COMMON_RANGE_HZ, RankedSource, Ranking, rank};
+pub use ranking::{COMMON_RANGE_HZ, Place, Ranking, rank};
 pub use signals::{PowerSignals, SignalAnalysis};
 pub use spectrum::{BandLevel, Contribution, SourceSpectrum, energy_weights};
 pub use weighting::Weighting;

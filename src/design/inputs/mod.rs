@@ -2,4 +2,7 @@
 
 pub(crate) mod bodies;
 pub(crate) mod cycle;
+pub(crate) mod exhaust;
+pub(crate) mod microphones;
+pub(crate) mod notes;
 pub(crate) mod radiation;

@@ -5,9 +5,9 @@ use nailnoise_acoustics::radiation::{AbsorbingSand, MovingSand};
 use nailnoise_fem::supports::Sand;
 use nalgebra::Vector3;
 
+use super::microphones::{positions, reflecting_plane, tool_height};
 use crate::design::{Design, RadiationMethod, SupportKind, WorktablePreset};
 use crate::error::Error;
-use crate::pipeline::{positions, reflecting_plane, tool_height};
 use crate::stages::radiation::{
     Covered, Discretisation, FlushTop, Places, ToolRadiation, WorkpieceBoundaryElements, WorkpieceRadiation,
 };

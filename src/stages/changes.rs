@@ -1,4 +1,4 @@
-//! What the two-way coupling changed, event by event, figure by figure, level by level.
+//! Changes of events, figures and levels from the one-way to the two-way coupled run.
 
 use nailnoise_acoustics::levels::{SourceSpectrum, Weighting, energy_level};
 use nailnoise_dynamics::{CouplingWork, CycleRecord, Summary};
@@ -6,7 +6,7 @@ use nailnoise_dynamics::{CouplingWork, CycleRecord, Summary};
 use crate::result::{Coupling, EventChange, FigureChange, LevelChange, RankedSource, Total};
 
 /// Compares record and sources of the one-way run with record and levels of the two-way one.
-pub(super) fn changes(
+pub fn changes(
     work: CouplingWork,
     (one_record, one): (&CycleRecord, &[SourceSpectrum]),
     (two_record, ranking, total): (&CycleRecord, &[RankedSource], &Total),

@@ -1,0 +1,95 @@
+//! Inputs of the exhaust: its openings, plenum and muffler, and where its jets leave the tool.
+
+use nailnoise_acoustics::exhaust::{Opening, PlenumResonance};
+use nailnoise_acoustics::muffler::{BandLosses, Lining, MufflerChain, MufflerElement};
+use nailnoise_acoustics::{AcousticsError, Air};
+
+use super::microphones::{on_axis, tool_height};
+use crate::design::{self, Design, MufflerKind};
+use crate::error::Error;
+use crate::stages::exhaust::{Muffler, Openings};
+use crate::stages::microphones::JetOutlet;
+
+/// The openings of a design.
+///
+/// # Errors
+/// Air that cannot be, holes whose area is not that of the cycle, a muffler without losses.
+pub(crate) fn openings(design: &Design) -> Result<Openings, Error> {
+    let own = &design.exhaust;
+    let holes = Opening {
+        count: own.holes as usize,
+        diameter: own.hole_diameter,
+        discharge_coefficient: design.chambers.discharge_coefficient,
+        pitch: Some(own.pitch),
+    };
+    holes.check_area(nailnoise_dynamics::Exhaust::from(own).area())?;
+    Ok(Openings {
+        air: Air::at(design.ambient.temperature, design.ambient.pressure)?,
+        range_hz: [design.analysis.range_low, design.analysis.exhaust_top],
+        holes,
+        plenum: own.plenum.resonance.then_some(PlenumResonance {
+            volume: own.plenum.volume,
+            neck_length: own.plenum.neck_length,
+            quality: own.plenum.quality,
+        }),
+        muffler: muffler(&own.muffler)?,
+        vent_area: design.trigger.vent_area,
+    })
+}
+
+/// The outlet of the jets: the top of the tool.
+pub(crate) fn outlet(design: &Design) -> JetOutlet {
+    JetOutlet {
+        position: on_axis(design, tool_height(design)),
+        thrust_share: design.exhaust.thrust_share,
+    }
+}
+
+fn muffler(own: &design::Muffler) -> Result<Option<Muffler>, AcousticsError> {
+    Ok(match own.kind {
+        MufflerKind::None => None,
+        MufflerKind::InsertionLoss => Some(Muffler::InsertionLoss(BandLosses::new(&thirds(&own.octaves))?)),
+        MufflerKind::Chamber => {
+            let lining = (own.lining_thickness > 0.0).then_some(Lining {
+                thickness: own.lining_thickness,
+                resistivity: own.lining_resistivity,
+            });
+            let element = |length, diameter, lining| MufflerElement {
+                length,
+                diameter,
+                lining,
+            };
+            Some(Muffler::Chamber {
+                chain: MufflerChain {
+                    elements: vec![
+                        element(own.chamber_length, own.chamber_diameter, None),
+                        element(own.tail_length, own.tail_diameter, lining),
+                    ],
+                    outlet_diameter: own.tail_diameter,
+                    outlet_mach: 0.0,
+                },
+                outlet_area: own.flow_area,
+            })
+        }
+    })
+}
+
+/// Octaves as third octaves: mid-band frequency \[Hz\] and insertion loss \[dB\], that of an octave in each of its three.
+fn thirds(octaves: &design::Octaves) -> Vec<(f64, f64)> {
+    let losses = [
+        octaves.hz_63,
+        octaves.hz_125,
+        octaves.hz_250,
+        octaves.hz_500,
+        octaves.hz_1000,
+        octaves.hz_2000,
+        octaves.hz_4000,
+        octaves.hz_8000,
+        octaves.hz_16000,
+    ];
+    let of_octave = |(octave, loss): (usize, &f64)| {
+        let first = 3 * octave as i32 - 13;
+        [0, 1, 2].map(|third| (1000.0 * 10f64.powf(0.1 * f64::from(first + third)), *loss))
+    };
+    losses.iter().enumerate().flat_map(of_octave).collect()
+}

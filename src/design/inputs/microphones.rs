@@ -1,0 +1,86 @@
+//! Inputs of the microphones: their positions, the reflecting plane, the room, and the tool as the sphere of its volume.
+
+use nailnoise_acoustics::Air;
+use nailnoise_acoustics::sound::Iso3744Box;
+use nalgebra::Point3;
+
+use crate::design::{Design, SupportKind};
+use crate::error::Error;
+use crate::stages::microphones::{MicrophoneArray, Room, ToolSphere};
+
+/// The microphones of a design.
+///
+/// # Errors
+/// Air that cannot be.
+pub(crate) fn array(design: &Design) -> Result<MicrophoneArray, Error> {
+    Ok(MicrophoneArray {
+        air: Air::at(design.ambient.temperature, design.ambient.pressure)?,
+        foot: foot(design),
+        centre_height: centre_height(design),
+        range_hz: [design.analysis.range_low, design.analysis.range_high],
+    })
+}
+
+/// Positions of the microphones, in the coordinates of the bodies \[m\].
+pub(crate) fn positions(design: &Design) -> Vec<Point3<f64>> {
+    Iso3744Box::around(centre_height(design)).places(foot(design).into())
+}
+
+/// Foot of the axis of driving on the reflecting plane \[m\].
+fn foot(design: &Design) -> [f64; 3] {
+    let [x, y, _] = on_axis(design, 0.0);
+    [x, y, reflecting_plane(design)]
+}
+
+/// Height of the device's centre, half the tool's height above the workpiece, above the reflecting plane \[m\].
+fn centre_height(design: &Design) -> f64 {
+    let [_, _, centre] = on_axis(design, 0.5 * tool_height(design));
+    centre - reflecting_plane(design)
+}
+
+/// The room of a design.
+pub(crate) fn room(design: &Design) -> Room {
+    Room {
+        absorption: design.acoustics.room_absorption,
+        background_level: design.acoustics.background_level,
+    }
+}
+
+/// The tool as the sphere of its volume.
+pub(crate) fn tool_sphere(design: &Design) -> ToolSphere {
+    ToolSphere {
+        centre: on_axis(design, 0.5 * tool_height(design)),
+        volume: design.body.volume(),
+    }
+}
+
+/// The middle of the workpiece \[m\].
+pub(crate) fn workpiece_centre(design: &Design) -> [f64; 3] {
+    [0.0, 0.0, 0.5 * design.workpiece.thickness]
+}
+
+/// A point on the axis of driving, `height` above the workpiece \[m\].
+pub(super) fn on_axis(design: &Design, height: f64) -> [f64; 3] {
+    let nail = &design.nail;
+    [
+        nail.offset_along,
+        nail.offset_across,
+        design.workpiece.thickness + height,
+    ]
+}
+
+/// Height of the tool above the workpiece \[m\].
+pub(crate) fn tool_height(design: &Design) -> f64 {
+    design.body.nose_height + design.body.barrel_height + design.body.cap_height
+}
+
+/// Height of the reflecting plane \[m\]: the floor under a worktable, under a block on springs, or at the underside of a
+/// block that lies or is clamped on it; the sand's surface.
+pub(crate) fn reflecting_plane(design: &Design) -> f64 {
+    match design.support.kind {
+        SupportKind::Worktable => -design.support.worktable.height,
+        SupportKind::Sandbox => design.workpiece.thickness,
+        SupportKind::Floor | SupportKind::Clamped => 0.0,
+        SupportKind::Springs => -design.support.clearance,
+    }
+}

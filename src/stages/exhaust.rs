@@ -1,0 +1,308 @@
+//! The exhaust as a source: the air that leaves through exhaust holes, muffler and trigger vent.
+
+use std::f64::consts::PI;
+
+use nailnoise_acoustics::Air;
+use nailnoise_acoustics::exhaust::{
+    ExhaustNoise, ExhaustSettings, FlowHistory, Jet, Opening, PlenumResonance, ValveNoise, exhaust_noise,
+    screech_track, valve_noise_energy,
+};
+use nailnoise_acoustics::fourier::TransformSettings;
+use nailnoise_acoustics::levels::{SourceSpectrum, energy_level};
+use nailnoise_acoustics::muffler::{self, BandLosses, MufflerChain};
+use nailnoise_dynamics::CycleRecord;
+use serde::Serialize;
+
+use super::intervals::EventEdges;
+use super::microphones::{AtMicrophones, JetOutlet, MicrophoneArray};
+use super::ranking::parts_of;
+use super::sound::{Sound, SoundSource};
+use super::{Code, Input, NotKept, Progress, Stage, Stored, code};
+use crate::error::Error;
+use crate::result::{Check, CrossCheck, Uncertainty};
+
+/// Uncertainty of the exhaust's level \[dB\]: half the 8 dB by which jet correlations and valve noise efficiencies may
+/// differ for one blow-down.
+const MODEL_BAND: f64 = 4.0;
+
+/// Largest relative difference between the mass that leaves in the cycle and that of the expanded jets.
+const MASS_GAP: f64 = 0.05;
+
+/// The openings through which air leaves, and the range in which their noise is computed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Openings {
+    /// The ambient air.
+    pub air: Air,
+    /// Analysed range \[Hz\].
+    pub range_hz: [f64; 2],
+    /// The exhaust holes.
+    pub holes: Opening,
+    /// Resonance of the plenum, where it filters the unsteady outflow.
+    pub plenum: Option<PlenumResonance>,
+    /// What the air passes behind the holes.
+    pub muffler: Option<Muffler>,
+    /// Effective area of the trigger valve's vent, its discharge coefficient included \[m²\].
+    pub vent_area: f64,
+}
+
+/// A muffler behind the exhaust holes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub enum Muffler {
+    /// One of measured insertion loss, its own flow noise included.
+    InsertionLoss(BandLosses),
+    /// An expansion chamber with a tail pipe.
+    Chamber {
+        /// Chamber and pipe; the Mach number of its outlet follows from the cycle.
+        chain: MufflerChain,
+        /// Effective area of its outlet \[m²\], where it makes a jet of its own.
+        outlet_area: f64,
+    },
+}
+
+/// Properties of the exhaust noise that stand beside its energy.
+#[derive(Debug, Clone)]
+pub struct ExhaustDetails {
+    /// Unweighted level of the jets by the efficiencies of IEC 60534-8-3, an independent estimate \[dB re 1 pW s\].
+    pub valve_noise_lw: Option<f64>,
+    /// Unweighted level of the jets by the correlations used, over all frequencies \[dB re 1 pW s\].
+    pub jets_lw: Option<f64>,
+    /// Mass that the jets carry over the mass of the cycle's flow, less one \[-\].
+    pub mass_gap: f64,
+    /// Share of the mixing energy from jet speeds outside the correlation's range \[-\].
+    pub outside_range: f64,
+    /// The single jet into which those of neighbouring holes merge, if they do.
+    pub merged: Option<Opening>,
+    /// The noise of each opening: holes, muffler's outlet where there is one, trigger vent.
+    pub openings: Vec<ExhaustNoise>,
+    /// Screech frequency of the holes' jets at every sample of the cycle \[Hz\]; none while they are subsonic.
+    pub screech: Vec<Option<f64>>,
+}
+
+impl ExhaustDetails {
+    /// Check that cycle and acoustics see the same flow.
+    pub fn check(&self) -> Check {
+        Check::at_most(
+            "exhaust: mass of the jets over the cycle's, less 1",
+            self.mass_gap,
+            MASS_GAP,
+        )
+    }
+
+    /// How long the holes' jets are choked \[s\], and the lowest screech frequency meanwhile \[Hz\].
+    pub(super) fn choked(&self, sample_interval: f64) -> Option<(f64, f64)> {
+        let choked = || self.screech.iter().flatten();
+        let lowest = choked().copied().reduce(f64::min)?;
+        Some((choked().count() as f64 * sample_interval, lowest))
+    }
+}
+
+/// The exhaust as a source: its energy over frequency and time, and its sound at the microphones.
+///
+/// Its output is not kept: to compute it takes less time than to read it would.
+#[derive(Serialize)]
+pub struct Exhaust {
+    /// The openings.
+    pub openings: Openings,
+    /// Where the jets leave the tool.
+    pub outlet: JetOutlet,
+    /// The microphones.
+    pub microphones: MicrophoneArray,
+    /// The cycle.
+    pub cycle: Stored<CycleRecord>,
+    /// End of all records of the shot \[s\].
+    pub end: Stored<f64>,
+}
+
+/// Output of [`Exhaust`].
+#[derive(Debug, Clone)]
+pub struct ExhaustSource {
+    /// Its energy over frequency and time.
+    pub source: SoundSource,
+    /// What stands beside it.
+    pub details: ExhaustDetails,
+    /// Its sound at the microphones.
+    pub received: AtMicrophones,
+}
+
+impl Stage for Exhaust {
+    type Output = ExhaustSource;
+    type Codec = NotKept;
+    const NAME: &'static str = "exhaust";
+    const CODE: Code = code!(
+        dynamics,
+        acoustics,
+        stages_exhaust,
+        stages_intervals,
+        stages_microphones,
+        stages_ranking,
+        stages_sound
+    );
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        vec![&self.cycle, &self.end]
+    }
+
+    fn compute(&self, _: &Progress) -> Result<ExhaustSource, Error> {
+        exhaust(
+            &self.openings,
+            &self.outlet,
+            &self.microphones,
+            &*self.cycle.get()?,
+            *self.end.get()?,
+        )
+    }
+}
+
+/// The exhaust of a shot whose records last until `end` \[s\].
+///
+/// # Errors
+/// Those of [`noise`] and of the microphones.
+pub fn exhaust(
+    openings: &Openings,
+    outlet: &JetOutlet,
+    microphones: &MicrophoneArray,
+    record: &CycleRecord,
+    end: f64,
+) -> Result<ExhaustSource, Error> {
+    let (sound, details) = noise(openings, record)?;
+    let edges = EventEdges::new(&record.events, end);
+    let source = SoundSource::new(sound, &edges, microphones.range_hz);
+    let received = microphones.exhaust(outlet, &details.openings, &source.spectrum, end)?;
+    Ok(ExhaustSource {
+        source,
+        details,
+        received,
+    })
+}
+
+/// The noise of exhaust holes, muffler and trigger vent from the cycle's flow.
+///
+/// # Errors
+/// Openings, plenum or muffler that cannot be, air that leaves against a higher pressure.
+pub fn noise(inputs: &Openings, record: &CycleRecord) -> Result<(Sound, ExhaustDetails), Error> {
+    let air = &inputs.air;
+    let bare = ExhaustSettings {
+        transform: TransformSettings {
+            range_hz: inputs.range_hz,
+            ..TransformSettings::default()
+        },
+        ..ExhaustSettings::default()
+    };
+    let through = |pressure: &[f64], behind: Option<&[f64]>, mass: &[f64], temperature: &[f64]| FlowHistory {
+        sample_interval: record.sample_interval,
+        mass_flow: mass.to_vec(),
+        pressure: pressure.to_vec(),
+        temperature: temperature.to_vec(),
+        back_pressure: behind.map(<[f64]>::to_vec),
+    };
+    let holes = &record.exhaust;
+    let flow = through(
+        &holes.plenum_pressure,
+        inputs.muffler.as_ref().map(|_| holes.back_pressure.as_slice()),
+        &holes.mass_flow,
+        &holes.stagnation_temperature,
+    );
+    let jets = inputs.holes.merged();
+    let settings = ExhaustSettings {
+        plenum: inputs.plenum,
+        muffler: inputs.muffler.as_ref().map(|muffler| match muffler {
+            Muffler::InsertionLoss(losses) => muffler::Muffler::InsertionLoss(losses.clone()),
+            Muffler::Chamber { chain, .. } => muffler::Muffler::Chain(MufflerChain {
+                outlet_mach: outlet_mach(record, air),
+                ..chain.clone()
+            }),
+        }),
+        ..bare.clone()
+    };
+    let noise = exhaust_noise("exhaust holes", &flow, &jets, air, &settings)?;
+    let mut parts = parts_of(&noise.spectrum);
+    let mass_gap = if noise.mass > 0.0 {
+        noise.jet_mass / noise.mass - 1.0
+    } else {
+        0.0
+    };
+    let outside_range = noise.mixing_outside_range;
+    let method = noise.spectrum.method.clone();
+    let mut jets_energy = noise.mixing_energy + noise.shock_energy;
+    let mut valve_noise = valve_noise_energy(&flow, air, &ValveNoise::default());
+    let mut openings = vec![noise];
+    if let Some(Muffler::Chamber { outlet_area, .. }) = inputs.muffler {
+        // The sound of the holes' outflow has already passed the muffler; the tail pipe adds its own jet only.
+        let tail = through(
+            &holes.back_pressure,
+            None,
+            &holes.mass_flow,
+            &holes.stagnation_temperature,
+        );
+        let outlet = ExhaustSettings {
+            unsteady_flow: false,
+            ..bare.clone()
+        };
+        let noise = exhaust_noise("muffler outlet", &tail, &round(outlet_area), air, &outlet)?;
+        jets_energy += noise.mixing_energy + noise.shock_energy;
+        valve_noise += valve_noise_energy(&tail, air, &ValveNoise::default());
+        parts.push(noise.spectrum.clone());
+        openings.push(noise);
+    }
+    let vent = &record.vent;
+    let vent = through(&vent.pressure, None, &vent.mass_flow, &vent.temperature);
+    let vent = exhaust_noise("trigger vent", &vent, &round(inputs.vent_area), air, &bare)?;
+    parts.push(vent.spectrum.clone());
+    openings.push(vent);
+    let (valve_noise_lw, jets_lw) = (energy_level(valve_noise), energy_level(jets_energy));
+    let sound = Sound {
+        spectrum: SourceSpectrum::sum("exhaust", method, &parts),
+        signals: Vec::new(),
+        openings: openings.iter().map(|opening| opening.history.clone()).collect(),
+        uncertainty: Uncertainty {
+            minus: Some(MODEL_BAND),
+            plus: Some(MODEL_BAND),
+            basis: "distance of the jet correlations from the efficiencies of IEC 60534-8-3".to_owned(),
+        },
+        cross_check: Some(CrossCheck {
+            quantity: "jets of the exhaust over all frequencies, before a muffler".into(),
+            lw_db: jets_lw,
+            other: "IEC 60534-8-3".into(),
+            other_lw_db: valve_noise_lw,
+        }),
+        radiation: None,
+    };
+    let details = ExhaustDetails {
+        valve_noise_lw,
+        jets_lw,
+        mass_gap,
+        outside_range,
+        merged: (jets != inputs.holes).then_some(jets),
+        openings,
+        screech: screech_track(&flow, &jets, air),
+    };
+    Ok((sound, details))
+}
+
+/// A round hole without contraction of this effective area \[m²\].
+fn round(effective_area: f64) -> Opening {
+    Opening {
+        count: 1,
+        diameter: (4.0 * effective_area / PI).sqrt(),
+        discharge_coefficient: 1.0,
+        pitch: None,
+    }
+}
+
+/// Mach number of the flow out of a muffler, at most 1, averaged over the mass that leaves.
+fn outlet_mach(record: &CycleRecord, air: &Air) -> f64 {
+    let flow = &record.exhaust;
+    let (mut mass, mut sum) = (0.0, 0.0);
+    for ((flow, behind), temperature) in flow
+        .mass_flow
+        .iter()
+        .zip(&flow.back_pressure)
+        .zip(&flow.stagnation_temperature)
+    {
+        if let Some(jet) = Jet::expand(*behind, *temperature, air).filter(|_| *flow > 0.0) {
+            sum += flow * jet.mach.min(1.0);
+            mass += flow;
+        }
+    }
+    if mass > 0.0 { sum / mass } else { 0.0 }
+}

@@ -1,0 +1,266 @@
+//! Virtual microphones around the device: sound power as EN 12549 would measure it, beside the power radiated.
+
+mod sources;
+
+use nailnoise_acoustics::Air;
+use nailnoise_acoustics::levels::{
+    BandLevel, SILENCE, SourceSpectrum, Weighting, energy_level, energy_weights, level_energy,
+};
+use nailnoise_acoustics::sound::{Iso3744Box, background_correction, environmental_correction};
+use nalgebra::Point3;
+use serde::{Deserialize, Serialize};
+
+use crate::error::Error;
+use crate::result::{ArrayMeasurement, MicrophoneBand, MicrophoneLevel, MicrophoneReport, ReceivedSource};
+pub use sources::{JetOutlet, ToolSphere};
+use sources::{Part, Received, samples};
+
+/// Reference exposure (20 uPa)² s \[Pa² s\] over reference energy 1 pW s and reference area 1 m²: 400 Pa s/m, which
+/// stands for the impedance of air in L_W = L_p + 10 lg S.
+const REFERENCE: f64 = 400.0;
+
+/// Sampling rate of the sound files \[1/s\].
+pub(crate) const SAMPLE_RATE: u32 = 48_000;
+
+/// Length of a sound file after the end of the shot \[s\], for the travel time and for ringing at the ends of the range.
+const TAIL: f64 = 0.05;
+
+/// Longest sound file \[s\].
+const LONGEST: f64 = 2.0;
+
+/// Name of the sum of all sources.
+const TOTAL: &str = "total";
+
+/// The microphones around a device on or above a reflecting plane.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MicrophoneArray {
+    /// The ambient air.
+    pub air: Air,
+    /// Foot of the device's axis on the reflecting plane, in the coordinates of the bodies \[m\].
+    pub foot: [f64; 3],
+    /// Height of the device's centre above the reflecting plane \[m\].
+    pub centre_height: f64,
+    /// Range in which sources are compared \[Hz\].
+    pub range_hz: [f64; 2],
+}
+
+/// The room in which a measurement is made.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Room {
+    /// Equivalent absorption area \[m²\]; 0 in the free field over the plane.
+    pub absorption: f64,
+    /// A-weighted level of the background noise \[dB re 20 uPa\]; 0 without background.
+    pub background_level: f64,
+}
+
+/// Sound of a source at the microphones.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct AtMicrophones {
+    /// Its levels.
+    pub levels: ReceivedSource,
+    /// Its pressure at 48 kHz from the trigger on, microphone by microphone \[Pa\].
+    pub signals: Vec<Vec<f64>>,
+}
+
+/// Levels and signals of all sources at the microphones.
+#[derive(Debug, Clone)]
+pub struct Microphones {
+    /// Levels, and how they compare with the power radiated.
+    pub report: MicrophoneReport,
+    /// Pressure at 48 kHz from the trigger on, source by source and of all of them (`total`), microphone by microphone
+    /// \[Pa\].
+    pub signals: Vec<(String, Vec<Vec<f64>>)>,
+}
+
+impl MicrophoneArray {
+    /// The measurement surface.
+    fn surface(&self) -> Iso3744Box {
+        Iso3744Box::around(self.centre_height)
+    }
+
+    /// Positions of the microphones, in the coordinates of the bodies \[m\].
+    pub fn positions(&self) -> Vec<Point3<f64>> {
+        self.surface().places(self.foot.into())
+    }
+
+    /// Height of the reflecting plane \[m\].
+    fn plane(&self) -> f64 {
+        self.foot[2]
+    }
+
+    /// Levels of a source at the microphones, in the range in which all are compared.
+    fn levels(&self, received: Received<'_>) -> Result<AtMicrophones, Error> {
+        let [low, high] = self.range_hz;
+        let within = [received.range[0].max(low), received.range[1].min(high)];
+        Ok(AtMicrophones {
+            levels: levels(&received, self.surface().area(), within)?,
+            signals: received.signals,
+        })
+    }
+
+    /// Levels and signals of every source and of all together, for a shot whose records last until `end` \[s\].
+    ///
+    /// # Errors
+    /// Those of the standard's corrections.
+    pub fn measurement(&self, room: &Room, all: [&AtMicrophones; 3], end: f64) -> Result<Microphones, Error> {
+        let surface = self.surface();
+        let positions = surface.positions();
+        let mut total = vec![vec![0.0; samples(end)]; positions.len()];
+        for source in all {
+            for (sum, signal) in total.iter_mut().zip(&source.signals) {
+                sum.iter_mut().zip(signal).for_each(|(sum, p)| *sum += p);
+            }
+        }
+        let sources: Vec<ReceivedSource> = all.iter().map(|source| source.levels.clone()).collect();
+        let measured = by_iso_3744(room, &self.air, &surface, &sources, &total)?;
+        let own = all
+            .iter()
+            .map(|source| (source.levels.source.clone(), source.signals.clone()));
+        let signals: Vec<(String, Vec<Vec<f64>>)> = own.chain([(TOTAL.to_owned(), total)]).collect();
+        let peaks = signals
+            .iter()
+            .flat_map(|(_, signals)| signals)
+            .map(|signal| peak(signal));
+        let report = MicrophoneReport {
+            box_m: surface.sides,
+            area_m2: surface.area(),
+            positions_m: positions.map(Into::into).to_vec(),
+            full_scale_pa: full_scale(peaks.fold(0.0, f64::max)),
+            sources,
+            total: measured,
+        };
+        Ok(Microphones { report, signals })
+    }
+}
+
+/// A source's levels at the microphones, and by the standard's surface without room and background.
+fn levels(received: &Received<'_>, area: f64, range: [f64; 2]) -> Result<ReceivedSource, Error> {
+    let exposure = |row: usize, weighting: Weighting| -> f64 {
+        let of_part = |part: &Part| -> f64 {
+            let weights = energy_weights(&part.frequency, range, weighting);
+            weights
+                .iter()
+                .zip(part.exposure.row(row).iter())
+                .map(|(w, e)| w * e)
+                .sum()
+        };
+        received.parts.iter().map(of_part).sum()
+    };
+    let levels = received
+        .signals
+        .iter()
+        .enumerate()
+        .map(|(row, signal)| MicrophoneLevel {
+            lae_db: exposure_level(exposure(row, Weighting::A)),
+            le_db: exposure_level(exposure(row, Weighting::Z)),
+            peak_pa: peak(signal),
+        });
+    // The mean exposure over the surface, as the power that an impedance of 400 Pa s/m makes of it.
+    let as_power = |part: &Part| {
+        let mean = part.exposure.row_mean().iter().map(|e| e * area / REFERENCE).collect();
+        SourceSpectrum::new("microphones", "ISO 3744", part.frequency.clone(), mean, range)
+    };
+    let parts = received.parts.iter().map(as_power).collect::<Result<Vec<_>, _>>()?;
+    let measured = SourceSpectrum::sum("microphones", "ISO 3744", &parts);
+    let whole = |b: &BandLevel| b.band.low >= range[0] * (1.0 - 1e-9) && b.band.high <= range[1] * (1.0 + 1e-9);
+    let bands = measured.band_levels(range);
+    let of_band = |(measured, radiated): (&BandLevel, &BandLevel)| MicrophoneBand {
+        hz: measured.band.nominal_hz(),
+        lw_db: measured.lw,
+        true_lw_db: radiated.lw,
+    };
+    Ok(ReceivedSource {
+        source: received.radiated.source.clone(),
+        how: received.how.to_owned(),
+        range_hz: range,
+        interpolation_error: received.interpolation_error,
+        levels: levels.collect(),
+        lwa_db: energy_level(measured.energy(range, Weighting::A)),
+        true_lwa_db: energy_level(received.radiated.energy(range, Weighting::A)),
+        bands: bands
+            .iter()
+            .zip(&received.radiated.band_levels(range))
+            .filter(|(b, _)| whole(b))
+            .map(of_band)
+            .collect(),
+    })
+}
+
+/// All sources at once by the procedure of ISO 3744, in a room with background noise.
+fn by_iso_3744(
+    room: &Room,
+    air: &Air,
+    surface: &Iso3744Box,
+    sources: &[ReceivedSource],
+    signals: &[Vec<f64>],
+) -> Result<ArrayMeasurement, Error> {
+    let sum = |level: &dyn Fn(&ReceivedSource) -> Option<f64>| -> f64 {
+        sources.iter().map(|s| level_energy(level(s))).sum()
+    };
+    let levels = (0..signals.len()).map(|row| MicrophoneLevel {
+        lae_db: energy_level(sum(&|s| s.levels[row].lae_db)),
+        le_db: energy_level(sum(&|s| s.levels[row].le_db)),
+        peak_pa: peak(&signals[row]),
+    });
+    let area = surface.area();
+    let radiated = sum(&|s| s.true_lwa_db);
+    // Energies as they stand for mean exposures: E = 400 Pa s/m x S x mean.
+    let direct = sum(&|s| s.lwa_db);
+    let (reverberant, k2) = if room.absorption > 0.0 {
+        let absorption = room.absorption;
+        (
+            4.0 * air.impedance() / absorption * radiated * area / REFERENCE,
+            environmental_correction(area, absorption)?,
+        )
+    } else {
+        (0.0, 0.0)
+    };
+    // A steady level is its own exposure level over 1 s.
+    let background = if room.background_level > 0.0 {
+        level_energy(Some(room.background_level)) * area
+    } else {
+        0.0
+    };
+    let of_tool = direct + reverberant;
+    let k1 = if background > 0.0 && of_tool > SILENCE {
+        background_correction(10.0 * ((of_tool + background) / background).log10())
+    } else {
+        Some(0.0)
+    };
+    let measured = energy_level(of_tool + background);
+    Ok(ArrayMeasurement {
+        levels: levels.collect(),
+        lpa_db: measured.map(|level| level - 10.0 * area.log10()),
+        k1_db: k1,
+        k2_db: k2,
+        lwa_db: measured.zip(k1).map(|(level, k1)| level - k1 - k2),
+        true_lwa_db: energy_level(radiated),
+    })
+}
+
+/// Level of a sound exposure \[dB re (20 uPa)² s\].
+fn exposure_level(exposure: f64) -> Option<f64> {
+    energy_level(exposure / REFERENCE)
+}
+
+fn peak(signal: &[f64]) -> f64 {
+    signal.iter().fold(0.0, |peak: f64, p| peak.max(p.abs()))
+}
+
+/// The smallest of 1, 2, 5, 10 ... Pa above a peak, from 1 mPa on.
+fn full_scale(peak: f64) -> f64 {
+    let steps = (-3..6).flat_map(|decade| [1.0, 2.0, 5.0].map(|step| step * 10f64.powi(decade)));
+    steps.into_iter().find(|scale| *scale > peak).unwrap_or(peak.max(1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn full_scale_is_a_round_pressure_above_the_peak() {
+        for (peak, scale) in [(0.0, 1e-3), (0.7, 1.0), (1.0, 2.0), (3.3, 5.0), (12.0, 20.0)] {
+            assert!((full_scale(peak) / scale - 1.0).abs() < 1e-12, "{peak}");
+        }
+    }
+}

@@ -1,0 +1,358 @@
+//! Sound of each source at the microphones: exposures over frequency, and signals.
+
+use std::f64::consts::PI;
+
+use nailnoise_acoustics::Air;
+use nailnoise_acoustics::bem::ModalBem;
+use nailnoise_acoustics::exhaust::{ExhaustNoise, Floor, Outlet, Recording};
+use nailnoise_acoustics::fourier::{Transform, TransformSettings};
+use nailnoise_acoustics::levels::{PowerSignals, SourceSpectrum};
+use nailnoise_acoustics::radiation::ModalSpectra;
+use nailnoise_acoustics::sound::{FlushSound, OverTime, shaken_sphere_pressure, spread_evenly};
+use nailnoise_dynamics::CycleRecord;
+use nalgebra::{Complex, DMatrix, Point3, Vector3};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::{AtMicrophones, LONGEST, MicrophoneArray, SAMPLE_RATE, TAIL};
+use crate::error::Error;
+use crate::stages::sound::Sound;
+
+/// Azimuths of the exhaust's jets: enough that the mean over them is that over all.
+const AZIMUTHS: usize = 12;
+
+/// Octaves over which signals fade out at the upper end of boundary elements.
+const FADE_OCTAVES: f64 = 1.0 / 3.0;
+
+/// Where the exhaust's jets leave the tool, and how they are directed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct JetOutlet {
+    /// Position \[m\].
+    pub position: [f64; 3],
+    /// Part of the jets' thrust that acts on the tool along the driving direction, positive towards the wood \[-\].
+    pub thrust_share: f64,
+}
+
+/// The tool as the sphere of its volume.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ToolSphere {
+    /// Its centre \[m\].
+    pub centre: [f64; 3],
+    /// Its volume \[m³\].
+    pub volume: f64,
+}
+
+/// A part of a source with a frequency grid of its own.
+pub(super) struct Part {
+    /// \[Hz\].
+    pub(super) frequency: Vec<f64>,
+    /// Density of the sound exposure, microphones x frequencies \[Pa² s/Hz\].
+    pub(super) exposure: DMatrix<f64>,
+}
+
+/// A source at the microphones.
+pub(super) struct Received<'a> {
+    /// The source as it is radiated.
+    pub(super) radiated: &'a SourceSpectrum,
+    /// Method by which its sound is propagated to a microphone.
+    pub(super) how: &'static str,
+    /// Range over which the sound at the microphones is given \[Hz\].
+    pub(super) range: [f64; 2],
+    /// Error of interpolated pressures over frequency, relative to the loudest mode at any microphone.
+    pub(super) interpolation_error: Option<f64>,
+    pub(super) parts: Vec<Part>,
+    /// Pressure at [`SAMPLE_RATE`] from the trigger on, microphone by microphone \[Pa\].
+    pub(super) signals: Vec<Vec<f64>>,
+}
+
+impl MicrophoneArray {
+    /// Sound of a source by boundary elements, up to their highest frequency; `end` is that of all records \[s\].
+    ///
+    /// # Errors
+    /// Those of the pressures and levels.
+    pub fn boundary_elements(
+        &self,
+        bem: &ModalBem,
+        spectra: &ModalSpectra,
+        radiated: &SourceSpectrum,
+        end: f64,
+    ) -> Result<AtMicrophones, Error> {
+        let receivers = Receivers::new(self, end);
+        let frequency = &spectra.frequency;
+        let mut pressures = bem.pressures(frequency, &spectra.accelerations)?;
+        let places = receivers.positions.len();
+        if pressures.nrows() == 2 * places {
+            // Reflections from the plane are the pressures at the microphones' images.
+            pressures = pressures.rows(0, places) + pressures.rows(places, places);
+        }
+        let to = bem.solved_hz()[1];
+        let from = to * 2f64.powf(-FADE_OCTAVES);
+        let part = Part {
+            frequency: frequency.clone(),
+            exposure: pressures.map(|p| 2.0 * p.norm_sqr()),
+        };
+        // Above, boundary elements give means over frequency only, without a phase.
+        for (mut bin, hz) in pressures.column_iter_mut().zip(frequency) {
+            let t = ((hz / from).ln() / (to / from).ln()).clamp(0.0, 1.0);
+            bin.iter_mut().for_each(|p| *p *= (0.5 * PI * t).cos());
+        }
+        let (_, signals) = receivers.of_pressures(frequency, &pressures);
+        self.levels(Received {
+            radiated,
+            how: "boundary elements",
+            range: [spectra.range_hz[0], from.min(spectra.range_hz[1])],
+            interpolation_error: Some(bem.summary.heard),
+            parts: vec![part],
+            signals,
+        })
+    }
+
+    /// Sound of the workpiece's top and of the sand around it, in an infinite plane; `end` is that of all records \[s\].
+    ///
+    /// # Errors
+    /// Those of the levels.
+    pub fn flush(
+        &self,
+        sound: &FlushSound,
+        spectra: &ModalSpectra,
+        radiated: &SourceSpectrum,
+        end: f64,
+    ) -> Result<AtMicrophones, Error> {
+        let pressures = sound
+            .heard
+            .pressures(&sound.waves, &spectra.frequency, &spectra.accelerations);
+        let (part, signals) = Receivers::new(self, end).of_pressures(&spectra.frequency, &pressures);
+        self.levels(Received {
+            radiated,
+            how: "Rayleigh's integral",
+            range: spectra.range_hz,
+            interpolation_error: Some(sound.heard.error()),
+            parts: vec![part],
+            signals,
+        })
+    }
+
+    /// Sound of a source without directivity, all of its signals from one point; `end` is that of all records \[s\].
+    ///
+    /// # Errors
+    /// A microphone at the point; those of the levels.
+    pub fn spread_evenly(&self, centre: [f64; 3], source: &Sound, end: f64) -> Result<AtMicrophones, Error> {
+        let receivers = Receivers::new(self, end);
+        let spread = |(_, signals): &(&str, PowerSignals)| receivers.spread(centre.into(), signals);
+        let parts = source.signals.iter().map(spread);
+        let (parts, signals): (Vec<Part>, Vec<_>) = parts.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
+        self.levels(Received {
+            radiated: &source.spectrum,
+            how: "spread evenly: ERP knows no directions",
+            range: source.spectrum.range_hz,
+            interpolation_error: None,
+            parts,
+            signals: sum(signals, receivers.samples),
+        })
+    }
+
+    /// Sound of the tool as an oscillating sphere, the vibration of its housing spread evenly; `end` is that of all records
+    /// \[s\].
+    ///
+    /// # Errors
+    /// A microphone inside the sphere; those of the transform and levels.
+    pub fn oscillating_sphere(
+        &self,
+        sphere: &ToolSphere,
+        record: &CycleRecord,
+        source: &Sound,
+        end: f64,
+    ) -> Result<AtMicrophones, Error> {
+        let receivers = Receivers::new(self, end);
+        let centre = sphere.centre.into();
+        let settings = TransformSettings {
+            range_hz: self.range_hz,
+            ..TransformSettings::default()
+        };
+        let acceleration = &record.tool.acceleration;
+        let transform = Transform::new(acceleration.len(), record.sample_interval, &settings)?;
+        let (frequency, motion) = (transform.frequencies(), transform.apply(acceleration)?);
+        let mut pressures = DMatrix::zeros(receivers.positions.len(), frequency.len());
+        // The cycle counts downwards.
+        let down = -Vector3::z();
+        let plane = Some(self.plane());
+        for (mut row, place) in pressures.row_iter_mut().zip(&receivers.positions) {
+            for ((p, hz), a) in row.iter_mut().zip(&frequency).zip(&motion) {
+                let unit = shaken_sphere_pressure(*hz, sphere.volume, centre, down, *place, plane, &self.air)?;
+                *p = unit * a;
+            }
+        }
+        let (rigid, of_rigid) = receivers.of_pressures(&frequency, &pressures);
+        let (mut parts, mut signals) = (vec![rigid], vec![of_rigid]);
+        for (_, vibration) in source.signals.iter().skip(1) {
+            let (part, signal) = receivers.spread(centre, vibration)?;
+            parts.push(part);
+            signals.push(signal);
+        }
+        self.levels(Received {
+            radiated: &source.spectrum,
+            how: if parts.len() > 1 {
+                "shaken sphere, vibration of the housing spread evenly"
+            } else {
+                "shaken sphere"
+            },
+            range: source.spectrum.range_hz,
+            interpolation_error: None,
+            parts,
+            signals: sum(signals, receivers.samples),
+        })
+    }
+
+    /// Sound of the exhaust's openings: jets in all directions around the tool's top, and the point source of the outflow;
+    /// `end` is that of all records \[s\].
+    ///
+    /// # Errors
+    /// A microphone at the outlet; those of the levels.
+    pub fn exhaust(
+        &self,
+        outlet: &JetOutlet,
+        openings: &[ExhaustNoise],
+        radiated: &SourceSpectrum,
+        end: f64,
+    ) -> Result<AtMicrophones, Error> {
+        let receivers = Receivers::new(self, end);
+        let outlet = Outlet {
+            position: outlet.position,
+            directions: jets(outlet.thrust_share),
+        };
+        let floor = Floor {
+            height: self.plane(),
+            coherence: 0.0,
+        };
+        let (mut parts, mut signals) = (Vec::new(), Vec::new());
+        for (number, opening) in openings.iter().enumerate() {
+            let at = |(microphone, place): (usize, &Point3<f64>)| {
+                let point: [f64; 3] = (*place).into();
+                let recording = Recording {
+                    rate: f64::from(SAMPLE_RATE),
+                    samples: receivers.samples,
+                    seed: (100 * number + microphone) as u64,
+                };
+                let received = opening.at(&outlet, point, Some(&floor), &self.air)?;
+                let signal = opening.sound_at(&outlet, point, Some(&floor), &self.air, &recording)?;
+                Ok::<_, Error>((received.exposure_density, signal))
+            };
+            let places = receivers.positions.par_iter().enumerate();
+            let (exposures, of_opening): (Vec<Vec<f64>>, Vec<Vec<f64>>) =
+                places.map(at).collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
+            let frequency = opening.spectrum.frequency.clone();
+            parts.push(Part {
+                exposure: DMatrix::from_fn(exposures.len(), frequency.len(), |i, bin| exposures[i][bin]),
+                frequency,
+            });
+            signals.push(of_opening);
+        }
+        self.levels(Received {
+            radiated,
+            how: "jets all around the tool's top",
+            range: radiated.range_hz,
+            interpolation_error: None,
+            parts,
+            signals: sum(signals, receivers.samples),
+        })
+    }
+}
+
+/// The array's positions, and the length of its records.
+struct Receivers<'a> {
+    air: &'a Air,
+    positions: Vec<Point3<f64>>,
+    /// Height of the reflecting plane \[m\].
+    plane: f64,
+    /// Samples of a signal.
+    samples: usize,
+}
+
+impl<'a> Receivers<'a> {
+    /// For a shot whose records last until `end` \[s\].
+    fn new(array: &'a MicrophoneArray, end: f64) -> Self {
+        Self {
+            air: &array.air,
+            positions: array.positions(),
+            plane: array.plane(),
+            samples: samples(end),
+        }
+    }
+
+    /// A part and its signals from complex pressures, microphones x frequencies \[Pa s\].
+    fn of_pressures(&self, frequency: &[f64], pressures: &DMatrix<Complex<f64>>) -> (Part, Vec<Vec<f64>>) {
+        let over_time = OverTime::new(frequency, f64::from(SAMPLE_RATE), self.samples);
+        let signal = |row: usize| {
+            let spectrum: Vec<Complex<f64>> = pressures.row(row).iter().copied().collect();
+            over_time.signal(&spectrum)
+        };
+        let part = Part {
+            frequency: frequency.to_vec(),
+            exposure: pressures.map(|p| 2.0 * p.norm_sqr()),
+        };
+        (part, (0..pressures.nrows()).into_par_iter().map(signal).collect())
+    }
+
+    /// A part of which only the energy is known, from a point.
+    fn spread(&self, centre: Point3<f64>, signals: &PowerSignals) -> Result<(Part, Vec<Vec<f64>>), Error> {
+        let (frequency, signal) = (signals.frequency(), signals.one_signal());
+        let mut pressures = DMatrix::zeros(self.positions.len(), frequency.len());
+        for (mut row, place) in pressures.row_iter_mut().zip(&self.positions) {
+            let spread = spread_evenly(centre, *place, self.plane, self.air)?;
+            for ((p, hz), x) in row.iter_mut().zip(frequency).zip(&signal) {
+                *p = spread.pressure(*hz, *x);
+            }
+        }
+        Ok(self.of_pressures(frequency, &pressures))
+    }
+}
+
+/// Samples of a signal for a shot whose records last until `end` \[s\].
+pub(super) fn samples(end: f64) -> usize {
+    ((end + TAIL).min(LONGEST) * f64::from(SAMPLE_RATE)).ceil() as usize
+}
+
+/// Directions of jets at equal azimuths, inclined upwards so that their mean thrust on the tool is `thrust_share`.
+fn jets(thrust_share: f64) -> Vec<[f64; 3]> {
+    let around = (1.0 - thrust_share * thrust_share).max(0.0).sqrt();
+    if around < 1e-6 {
+        return vec![[0.0, 0.0, thrust_share]];
+    }
+    let direction = |i: usize| {
+        let (sin, cos) = (2.0 * PI * (i as f64 + 0.5) / AZIMUTHS as f64).sin_cos();
+        [around * cos, around * sin, thrust_share]
+    };
+    (0..AZIMUTHS).map(direction).collect()
+}
+
+/// Sum of the parts' signals, microphone by microphone.
+fn sum(parts: Vec<Vec<Vec<f64>>>, samples: usize) -> Vec<Vec<f64>> {
+    let mut parts = parts.into_iter();
+    let mut sum = parts.next().unwrap_or_default();
+    for part in parts {
+        for (sum, signal) in sum.iter_mut().zip(part) {
+            sum.iter_mut().zip(signal).for_each(|(sum, p)| *sum += p);
+        }
+    }
+    sum.iter_mut().for_each(|signal| signal.resize(samples, 0.0));
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn jets_have_the_thrust_that_the_cycle_takes() {
+        for share in [0.0, 0.4, 1.0, -1.0] {
+            let all = jets(share);
+            let mean = |i: usize| all.iter().map(|d| d[i]).sum::<f64>() / all.len() as f64;
+            assert!(mean(0).abs() < 1e-12 && mean(1).abs() < 1e-12);
+            assert!((mean(2) - share).abs() < 1e-12);
+            assert!(
+                all.iter()
+                    .all(|d| (d.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-12)
+            );
+        }
+    }
+}

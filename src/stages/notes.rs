@@ -1,0 +1,186 @@
+//! Notes of a run: what a reader must know beside its numbers.
+
+use nailnoise_dynamics::{CycleRecord, Outcome};
+
+use super::exhaust::{ExhaustDetails, Muffler, Openings};
+use crate::result::RadiationReport;
+
+/// What the notes of a run are made from, beside cycle and exhaust.
+pub struct NoteInputs<'a> {
+    /// What the workpiece is supported by, in words.
+    pub support: &'a str,
+    /// Whether the workpiece is in sand.
+    pub in_sand: bool,
+    /// Upper end of the range in which sources are compared \[Hz\].
+    pub range_high: f64,
+    /// Radiation of workpiece and tool.
+    pub radiation: [Option<&'a RadiationReport>; 2],
+    /// Stiffness of an elastic tool body at the cycle's contacts.
+    pub stiffness: Option<[ContactStiffness<'a>; 2]>,
+    /// Parts that are absent above a frequency.
+    pub truncations: Vec<String>,
+    /// How the response ended, in words.
+    pub ending: &'a str,
+    /// Sensors on bodies that the design lacks.
+    pub idle_sensors: Vec<&'a str>,
+    /// Sensors whose band ends with the modes of their body, and the frequency of that end \[Hz\].
+    pub limited_sensors: Vec<(&'a str, f64)>,
+    /// Springs on bodies that the design lacks.
+    pub idle_springs: Vec<&'a str>,
+}
+
+/// Stiffness of the tool's body at a contact of the cycle.
+#[derive(Debug, Clone, Copy)]
+pub struct ContactStiffness<'a> {
+    /// Where.
+    pub place: &'a str,
+    /// That of the body \[N/m\].
+    pub body: f64,
+    /// That of the cycle's contact \[N/m\].
+    pub contact: f64,
+}
+
+/// Notes on one run, most important first.
+pub fn notes(
+    inputs: &NoteInputs<'_>,
+    record: &CycleRecord,
+    openings: &Openings,
+    exhaust: &ExhaustDetails,
+) -> Vec<String> {
+    let mut notes = vec![
+        match record.outcome {
+            Outcome::Drives => "the nail is driven",
+            Outcome::StrikesBumper => "the piston strikes the bumper before it stops on the wood",
+            Outcome::Underdriven => "the nail is not driven to its length",
+            Outcome::DoesNotOpen => "the head valve does not open: no shot",
+            Outcome::DoesNotRelease => "the tool does not rise far enough to release the trigger valve",
+        }
+        .to_owned(),
+    ];
+    let [workpiece, body] = inputs.radiation;
+    notes.push(match workpiece {
+        Some(report) if inputs.in_sand => flush_note(report),
+        Some(report) => radiation_note(inputs.support, report),
+        None => format!(
+            "{}: radiated power is the ERP reference (radiation efficiency 1), an estimate that is far too high at low \
+             frequencies; it follows from the surface velocity alone, of which there is no second evaluation",
+            inputs.support
+        ),
+    });
+    match inputs.stiffness {
+        None => {
+            let difference = body.and_then(|report| report.surface_difference_db);
+            let difference = difference.map_or_else(String::new, |decibels| {
+                format!(
+                    "; its power by the surface of the sphere of its volume {decibels:+.3} dB to that by the sphere's far field"
+                )
+            });
+            notes.push(format!(
+                "body: rigid motion only, without the vibration of its housing: a lower bound{difference}"
+            ));
+        }
+        Some([cap, rim]) => {
+            notes.push(match body {
+                Some(report) => radiation_note("body, without the workpiece", report),
+                None => "body: rigid motion, and vibration of its housing as ERP times the radiation efficiency of an \
+                         oscillating sphere of its volume; an estimate of which there is no second evaluation"
+                    .to_owned(),
+            });
+            notes.push(format!(
+                "body: under the forces of the head valve the housing is as stiff as {:.0} N/um at the {} (the cycle's contact: \
+                 {:.0}) and {:.0} N/um at the {} ({:.0}); this compliance is counted once, in the cycle's forces",
+                1e-6 * cap.body,
+                cap.place,
+                1e-6 * cap.contact,
+                1e-6 * rim.body,
+                rim.place,
+                1e-6 * rim.contact
+            ));
+        }
+    }
+    notes.extend(inputs.truncations.iter().cloned());
+    notes.extend(exhaust_notes(inputs.range_high, record, openings, exhaust));
+    notes.push(inputs.ending.to_owned());
+    let list = |what: &str, names: &[&str]| (!names.is_empty()).then(|| format!("{what}: {}", names.join(", ")));
+    notes.extend(list("sensors on bodies that this design lacks", &inputs.idle_sensors));
+    let limited: Vec<String> = inputs
+        .limited_sensors
+        .iter()
+        .map(|(name, hz)| format!("{name} at {hz:.0} Hz"))
+        .collect();
+    let limited: Vec<&str> = limited.iter().map(String::as_str).collect();
+    notes.extend(list("sensors whose band ends with the modes of their body", &limited));
+    notes.extend(list("springs on bodies that this design lacks", &inputs.idle_springs));
+    notes.push("the tool's later landing is not part of the shot".to_owned());
+    notes
+}
+
+/// Notes on the exhaust.
+fn exhaust_notes(range_high: f64, record: &CycleRecord, openings: &Openings, exhaust: &ExhaustDetails) -> Vec<String> {
+    let mut notes = Vec::new();
+    if let (Some(jets), Some(valve)) = (exhaust.jets_lw, exhaust.valve_noise_lw) {
+        notes.push(format!(
+            "exhaust jets, unweighted and over all frequencies: {jets:.1} dB, by the efficiencies of IEC 60534-8-3 {valve:.1} \
+             dB. Their difference is the check; the level in the ranking is lower, because it ends at {range_high:.0} Hz and is \
+             that behind the muffler, where there is one; {:.0} % of the mixing noise is from jet speeds outside the range of \
+             its correlation",
+            100.0 * exhaust.outside_range
+        ));
+    }
+    if let Some((duration, hz)) = exhaust.choked(record.sample_interval) {
+        notes.push(format!(
+            "exhaust: the holes are choked for {:.1} ms; a screech tone, if there is one, is above {:.1} kHz; its level is not \
+             predicted",
+            1e3 * duration,
+            1e-3 * hz
+        ));
+    }
+    if let Some(jet) = exhaust.merged {
+        notes.push(format!(
+            "exhaust: {} holes {:.1} mm apart, at most 3 diameters: their jets merge and sound as one of {:.1} mm",
+            openings.holes.count,
+            1e3 * openings.holes.pitch.unwrap_or_default(),
+            1e3 * jet.diameter
+        ));
+    }
+    if matches!(openings.muffler, Some(Muffler::Chamber { .. })) {
+        notes.push(
+            "muffler: plane waves between a source of given volume flow and free space, damped by the jet at its outlet; \
+             the noise of that jet itself is counted, unmuffled"
+                .to_owned(),
+        );
+    }
+    notes
+}
+
+/// Radiation of a surface by boundary elements, compared with other methods.
+fn radiation_note(what: &str, report: &RadiationReport) -> String {
+    let [least, most] = report.limit_error_db;
+    let blend = report.blend_error_db;
+    format!(
+        "{what}: boundary elements at {} frequencies up to {:.0} Hz and in the mean over neighbouring ones up to {:.0} Hz (surface \
+         {:+.2} dB to the far field), the limit of high frequencies above, {} off at the transition and {least:+.1} to \
+         {most:+.1} dB in the last three bands of boundary elements; radiation efficiency 1 over all bands would give {}",
+        report.frequencies,
+        report.solved_hz[0],
+        report.solved_hz[1],
+        report.surface_difference_db.unwrap_or(0.0),
+        blend.map_or_else(|| "nothing".to_owned(), |error| format!("{error:+.1} dB")),
+        decibels(report.erp_lwa_db),
+    )
+}
+
+/// Radiation of a workpiece in sand, compared with other methods.
+fn flush_note(report: &RadiationReport) -> String {
+    format!(
+        "workpiece in sand: Rayleigh's integral at {} frequencies, its power by the intensity on the surface {:+.3} dB to that \
+         of the waves in all directions; radiation efficiency 1 of the block's top would give {}",
+        report.frequencies,
+        report.surface_difference_db.unwrap_or(0.0),
+        decibels(report.erp_lwa_db),
+    )
+}
+
+fn decibels(level: Option<f64>) -> String {
+    level.map_or_else(|| "none".to_owned(), |level| format!("{level:.1} dB"))
+}

@@ -1,0 +1,177 @@
+//! The ranking: levels, bands and intervals of every source over the common range, and its power over time.
+
+use nailnoise_acoustics::levels::{
+    self, BandLevel as Band, Level, PowerHistory, SourceSpectrum, Weighting, level_energy,
+};
+
+use super::sound::SoundSource;
+use crate::result::{BandLevel, Check, Component, RankedSource, Starts, Total};
+
+/// Cells of the power histories \[s\].
+const CELL: f64 = 1e-4;
+
+/// Time shown before and after the records \[s\]: the finite range of frequencies spreads a sudden sound to both sides.
+const MARGIN: f64 = 0.01;
+
+/// Largest relative difference between a signal's bins and the spectrum's, beside the interpolation error of the
+/// resistance, which its root shares: 0.04 dB.
+const MISMATCH: f64 = 1e-2;
+
+/// Largest relative difference between a sum of energies and the energy of the whole.
+const ROUNDING: f64 = 1e-9;
+
+/// A source's A-weighted power over time, in the common range.
+#[derive(Debug, Clone)]
+pub struct SoundPower {
+    /// Name of the source.
+    pub source: String,
+    /// Its power; the time of the cycle.
+    pub history: PowerHistory,
+}
+
+/// Ranks the sources by A-weighted energy over `range_hz`.
+pub fn rank(sources: &[&SoundSource], range_hz: [f64; 2]) -> (Vec<RankedSource>, Total) {
+    let spectra: Vec<&SourceSpectrum> = sources.iter().map(|source| &source.spectrum).collect();
+    let ranking = levels::rank(&spectra, range_hz);
+    let ranked = |place: &levels::Place| {
+        let sound = sources[place.index];
+        RankedSource {
+            source: sound.spectrum.source.clone(),
+            lwa_db: place.lwa,
+            lw_db: place.lw,
+            share: place.share.unwrap_or(0.0),
+            method: sound.spectrum.method.clone(),
+            range_hz: sound.spectrum.range_hz,
+            lwa_own_range_db: sound.spectrum.level(sound.spectrum.range_hz, Weighting::A),
+            bands: bands(&sound.spectrum, range_hz),
+            components: components(&sound.spectrum, range_hz),
+            uncertainty_db: sound.uncertainty.clone(),
+            cross_check: sound.cross_check.clone(),
+            radiation: sound.radiation.clone(),
+            intervals: sound.intervals.clone(),
+        }
+    };
+    let total = Total {
+        lwa_db: ranking.total_lwa,
+        lw_db: ranking.total_lw,
+    };
+    (ranking.places.iter().map(ranked).collect(), total)
+}
+
+/// The bands that reach into the range.
+fn bands(spectrum: &SourceSpectrum, range_hz: [f64; 2]) -> Vec<BandLevel> {
+    let inside = |b: &&Band| b.band.high > range_hz[0] && b.band.low < range_hz[1];
+    let level = |b: &Band| BandLevel {
+        hz: b.band.nominal_hz(),
+        lw_db: b.lw,
+        lwa_db: b.lwa,
+    };
+    spectrum
+        .band_levels(range_hz)
+        .iter()
+        .filter(inside)
+        .map(level)
+        .collect()
+}
+
+fn components(spectrum: &SourceSpectrum, range_hz: [f64; 2]) -> Vec<Component> {
+    parts_of(spectrum)
+        .into_iter()
+        .map(|part| Component {
+            lwa_db: part.level(range_hz, Weighting::A),
+            lw_db: part.level(range_hz, Weighting::Z),
+            bands: bands(&part, range_hz),
+            name: part.source,
+        })
+        .collect()
+}
+
+/// The contributions of a spectrum as spectra of their own.
+pub(super) fn parts_of(spectrum: &SourceSpectrum) -> Vec<SourceSpectrum> {
+    let part = |contribution: &levels::Contribution| SourceSpectrum {
+        source: contribution.name.clone(),
+        method: spectrum.method.clone(),
+        frequency: spectrum.frequency.clone(),
+        energy_density: contribution.energy_density.clone(),
+        range_hz: spectrum.range_hz,
+        contributions: Vec::new(),
+    };
+    spectrum.contributions.iter().map(part).collect()
+}
+
+/// Power over time of the ranked sources, for records that last until `end` \[s\].
+pub fn powers(ranking: &[RankedSource], sources: &[&SoundSource], end: f64) -> Vec<SoundPower> {
+    let cells = ((end + 2.0 * MARGIN) / CELL).ceil() as usize;
+    let power = |(ranked, source): (&RankedSource, &SoundSource)| SoundPower {
+        source: ranked.source.clone(),
+        history: PowerHistory::sum(&source.histories, 0.5 * CELL - MARGIN, CELL, cells),
+    };
+    paired(ranking, sources).map(power).collect()
+}
+
+/// Checks that bands sum to each source's level and sources to the total, as relative energy.
+pub fn checks(ranking: &[RankedSource], total: &Total) -> Vec<Check> {
+    let gap = |sum: f64, whole: Level| {
+        let whole = level_energy(whole);
+        if whole > 0.0 { (sum / whole - 1.0).abs() } else { sum }
+    };
+    let mut checks: Vec<Check> = ranking
+        .iter()
+        .map(|source| {
+            let weighted: f64 = source.bands.iter().map(|band| level_energy(band.lwa_db)).sum();
+            let plain: f64 = source.bands.iter().map(|band| level_energy(band.lw_db)).sum();
+            let worst = gap(weighted, source.lwa_db).max(gap(plain, source.lw_db));
+            Check::at_most(format!("{}: bands sum to the total", source.source), worst, ROUNDING)
+        })
+        .collect();
+    let sum = ranking.iter().map(|source| level_energy(source.lwa_db)).sum();
+    checks.push(Check::at_most(
+        "sources sum to the total",
+        gap(sum, total.lwa_db),
+        ROUNDING,
+    ));
+    checks
+}
+
+/// Checks that intervals sum to each source's level, and that signals have the energy of the spectra; `tolerance` is that of
+/// interpolated resistances.
+pub fn interval_checks(ranking: &[RankedSource], sources: &[&SoundSource], tolerance: f64) -> Vec<Check> {
+    let mut checks = Vec::new();
+    for (ranked, source) in paired(ranking, sources) {
+        let total = level_energy(ranked.lwa_db);
+        let sum: f64 = source.intervals.iter().map(|level| level_energy(level.lwa_db)).sum();
+        let gap = if total > 0.0 { sum / total - 1.0 } else { sum };
+        let name = format!("{}: intervals sum to the total", ranked.source);
+        checks.push(Check::at_most(name, gap, ROUNDING));
+        for (part, mismatch) in &source.mismatches {
+            let name = format!("{part}: energy of interval signals beside the spectrum's");
+            checks.push(Check::at_most(name, *mismatch, MISMATCH + tolerance));
+        }
+    }
+    checks
+}
+
+/// Each ranked source with its analysis.
+fn paired<'a>(
+    ranking: &'a [RankedSource],
+    sources: &'a [&SoundSource],
+) -> impl Iterator<Item = (&'a RankedSource, &'a SoundSource)> {
+    ranking.iter().filter_map(|ranked| {
+        let source = sources.iter().find(|own| own.spectrum.source == ranked.source)?;
+        Some((ranked, *source))
+    })
+}
+
+/// Widens the workpiece's uncertainty by two standard deviations of its starts.
+pub fn widen(ranking: &mut [RankedSource], starts: &Starts) {
+    let spread = 2.0 * starts.deviation_db;
+    for source in ranking.iter_mut().filter(|source| source.source == "workpiece") {
+        let band = &mut source.uncertainty_db;
+        let wider = |bound: Option<f64>| bound.map(|bound| bound.hypot(spread).copysign(bound));
+        (band.minus, band.plus) = (wider(band.minus), wider(band.plus));
+        band.basis.push_str(&format!(
+            "; two standard deviations of {} starts, {spread:.1} dB, added as squares",
+            starts.lwa_db.len()
+        ));
+    }
+}
