@@ -149,6 +149,16 @@ pub enum Error {
         /// The names there are.
         known: String,
     },
+    /// A sensor that is not on its body.
+    #[error("the sensor \"{sensor}\" is {:.4} mm outside the {body}", 1e3 * distance)]
+    SensorOffBody {
+        /// Its name.
+        sensor: String,
+        /// Its body.
+        body: &'static str,
+        /// Its distance from the body \[m\].
+        distance: f64,
+    },
     /// A mesh of block or table whose sides are not those that radiate.
     #[error(
         "block and table radiate as boxes of the design's dimensions; the sides of `workpiece.mesh` or \

@@ -424,7 +424,7 @@ macro_rules! choice {
         $Choice:ident { $($(#[doc = $word_doc:literal])+ $variant:ident = $word:literal,)+ }
     ) => {
         $(#[doc = $doc])+
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
         pub enum $Choice {
             $($(#[doc = $word_doc])+ #[serde(rename = $word)] $variant,)+
         }

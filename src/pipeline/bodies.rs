@@ -4,14 +4,13 @@ use std::ops::Deref;
 use std::sync::Arc;
 
 use nailnoise_fem::LoadVector;
-use nailnoise_fem::supports::ContactGrid;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
+use crate::design::Design;
 use crate::design::inputs::bodies::{self, BodyInputs};
-use crate::design::{Design, SupportKind};
 use crate::error::Error;
 use crate::graph::Graph;
-use crate::stages::bodies::{Body, BodyKind, Discretisation, ModalModel, Modes, SensorModes, WholeModes, nail_load};
+use crate::stages::bodies::{Body, BodyKind, Discretisation, ModalModel, Modes, SensorModes, WholeModes};
 use crate::stages::radiation::MovingSurface;
 use crate::stages::{Progress, Stored};
 use crate::store::Store;
@@ -22,8 +21,6 @@ pub struct Structure {
     pub workpiece: GraphBody,
     /// The worktable, when the block stands on one.
     pub worktable: Option<GraphBody>,
-    /// Cells in which the block's underside touches what it stands on.
-    pub grid: ContactGrid,
 }
 
 impl Structure {
@@ -131,24 +128,6 @@ impl Body {
             surface: &self.surface,
             modes: &self.skin,
         }
-    }
-}
-
-/// Where loads act on the workpiece, in the order of the columns of [`Body::loads`]: the nail's stations, then the nose.
-pub(super) const WORKPIECE_LOADS: usize = nail_load::STATIONS + 1;
-
-/// The contact cells of the workpiece's underside.
-pub(super) fn contact_grid(design: &Design) -> ContactGrid {
-    bodies::contact_cells(design).grid()
-}
-
-/// Modal force of gravity on a body \[N kg^-1/2\].
-pub(super) fn weight(design: &Design, grid: &ContactGrid, body: &Body) -> Result<DVector<f64>, Error> {
-    let gravity = design.ambient.gravity;
-    if body.name == BodyKind::Workpiece.name() && design.support.kind == SupportKind::Sandbox {
-        Ok(body.weight_in_sand(gravity, bodies::added_sand(design)?.mass, grid))
-    } else {
-        Ok(body.weight(gravity))
     }
 }
 

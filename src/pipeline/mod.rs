@@ -3,19 +3,16 @@
 //! Each stage is a function of the design and of what stands before it; none keeps state.
 
 mod bodies;
-mod coupling;
 mod cycle;
-mod missing;
 mod pictures;
 mod preset;
 mod radiation;
 mod radiator;
 mod report;
-mod response;
 mod sensors;
-mod starts;
 mod told;
 mod tool;
+mod tool_sound;
 mod vibration;
 
 use nailnoise_acoustics::radiation::ModalSpectra;
@@ -24,13 +21,15 @@ use nailnoise_fem::transient::ModalResponse;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+pub use crate::stages::response::{COUPLED_LOADS, Coupled, couple};
+pub use crate::stages::sensors::SensorRecord;
+pub use crate::stages::tool_response::Stiffness;
 pub use bodies::{GraphBody, Structure, modes_of, tool_body, workpiece};
-pub use coupling::{COUPLED_LOADS, Coupled, couple};
 pub use cycle::cycle;
 pub use pictures::{Picture, Pictures, Series, Shape, pictures};
 pub use preset::{Preset, cycle_as_published};
-pub use sensors::SensorRecord;
-pub use tool::{Stiffness, Tool};
+
+pub use tool::Tool;
 pub use vibration::Vibration;
 
 use told::{Told, TwoWay, told};
@@ -49,6 +48,7 @@ use crate::stages::exhaust::{ExhaustSource, noise};
 pub use crate::stages::microphones::Microphones;
 pub(crate) use crate::stages::microphones::SAMPLE_RATE;
 pub use crate::stages::ranking::SoundPower;
+use crate::stages::truncation::Truncation;
 use crate::stages::{changes, notes, ranking, sound};
 use crate::store::Store;
 
@@ -244,7 +244,6 @@ fn finish(
     progress: &Progress,
 ) -> Result<Run, Error> {
     let design = bench.design;
-    let sensors = told.sensors(design);
     let [workpiece, body] = &told.sources;
     let ExhaustSource {
         source: jets,
@@ -264,10 +263,10 @@ fn finish(
                 contact: own.contact,
             })
         }),
-        truncations: told.missing.iter().map(missing::Missing::note).collect(),
+        truncations: told.truncations.iter().map(Truncation::note).collect(),
         ending: &told.ending,
-        idle_sensors: sensors::idle(design),
-        limited_sensors: sensors::limited(design),
+        idle_sensors: inputs::sensors::without_body(design),
+        limited_sensors: inputs::sensors::limited(design),
         idle_springs: design.idle_springs(),
     };
     let notes = notes::notes(&of_notes, &record, &inputs::exhaust::openings(design)?, &exhaust);
@@ -291,7 +290,7 @@ fn finish(
     checks.extend(of_response);
     checks.extend(two_way.iter().flat_map(|both| both.checks.clone()));
     checks.extend(of_tool);
-    checks.extend(told.missing.iter().map(missing::Missing::check));
+    checks.extend(told.truncations.iter().map(Truncation::check));
     for source in [workpiece, body] {
         let report = source.radiation.as_ref();
         checks.extend(report.and_then(|report| report::check(&source.spectrum.source, report)));
@@ -321,7 +320,7 @@ fn finish(
         events: record.events,
         coupling,
         starts: told.starts,
-        sensors: sensors.iter().map(SensorRecord::level).collect(),
+        sensors: told.sensors.iter().map(SensorRecord::level).collect(),
         microphones: microphones.report.clone(),
         checks,
         notes,
@@ -332,7 +331,7 @@ fn finish(
         record,
         powers,
         screech: exhaust.screech,
-        sensors,
+        sensors: told.sensors,
         microphones,
     })
 }

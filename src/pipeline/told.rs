@@ -9,12 +9,10 @@ use nailnoise_dynamics::{CouplingWork, CycleRecord};
 use nailnoise_fem::transient::{Ending, ModalResponse};
 use serde::{Deserialize, Serialize};
 
-use super::missing::{self, Missing};
 use super::radiator::{Radiator, tool_radiation};
-use super::sensors::{self, Sensed, SensorRecord};
-use super::starts::starts;
+use super::tool_sound::VIBRATION;
 use super::vibration::{Bench, Moved, Vibration, modal_spectra};
-use super::{Options, Stiffness, Tool, cycle, radiation, response};
+use super::{Options, SensorRecord, Stiffness, Tool, cycle, radiation};
 use crate::design::inputs;
 use crate::design::{Coupling, Design};
 use crate::error::Error;
@@ -23,8 +21,12 @@ use crate::stages::Progress;
 use crate::stages::exhaust::noise;
 use crate::stages::intervals::EventEdges;
 use crate::stages::microphones::AtMicrophones;
+use crate::stages::response;
+use crate::stages::sensors::{self, SensorMotion};
 use crate::stages::sound::{Sound, SoundSource};
 use crate::stages::spectra::side_by_side;
+use crate::stages::starts::starts;
+use crate::stages::truncation::{Part, Truncation, truncations};
 use crate::store::Key;
 
 /// What the moving bodies tell.
@@ -38,31 +40,16 @@ pub(super) struct Told {
     pub(super) ending: String,
     /// Stiffness of an elastic tool body where the cycle's contacts act.
     pub(super) stiffness: Option<[Stiffness; 2]>,
-    /// What is left out above top frequencies.
-    pub(super) missing: Vec<Missing>,
+    /// Energy that is absent above top frequencies.
+    pub(super) truncations: Vec<Truncation>,
     /// What microphones hear of the sources.
     pub(super) heard: [AtMicrophones; 2],
     /// Levels of other starts.
     pub(super) starts: Option<Starts>,
     /// Checks of modes and response, then those of the tool's body.
     pub(super) checks: [Vec<Check>; 2],
-    /// Names, intervals and accelerations of the sensors.
-    records: Vec<(String, f64, Vec<f64>)>,
-}
-
-impl Told {
-    /// What the design's sensors record.
-    pub(super) fn sensors(&self, design: &Design) -> Vec<SensorRecord> {
-        let of_sensor = |(name, interval, acceleration): &(String, f64, Vec<f64>)| {
-            Some(SensorRecord {
-                name: name.clone(),
-                body: design.sensors.iter().find(|(own, _)| *own == name)?.1.body,
-                interval: *interval,
-                acceleration: acceleration.clone(),
-            })
-        };
-        self.records.iter().filter_map(of_sensor).collect()
-    }
+    /// Signals of the sensors.
+    pub(super) sensors: Vec<SensorRecord>,
 }
 
 /// A two-way run beside the one-way run of the same design.
@@ -100,7 +87,7 @@ pub(super) fn told(
     let Moved {
         record,
         vibration,
-        sensed,
+        sensors,
         radiator,
         damping,
         coupling,
@@ -116,9 +103,13 @@ pub(super) fn told(
     let mut of_sensors = Timing::default();
     let (sensors, workpiece) = rayon::join(
         || {
-            let of_tool = tool.iter().map(|tool| &tool.sensed);
-            let sensed: Vec<&Sensed> = sensed.iter().chain(of_tool).collect();
-            of_sensors.time("sensors", || sensors::sensors(design, (response, record), &sensed))
+            let of_tool = tool.iter().map(|tool| &tool.sensors);
+            let motions: Vec<&SensorMotion> = sensors.iter().chain(of_tool).collect();
+            let grid = (response.step, response.samples());
+            of_sensors.time("sensors", || {
+                let accelerometers = inputs::sensors::accelerometers(design)?;
+                sensors::signals(&accelerometers, grid, record, &motions)
+            })
         },
         || {
             timing.time("radiation", || {
@@ -137,26 +128,34 @@ pub(super) fn told(
     let starts = if design.analysis.starts > 1 {
         progress.stage("other starts");
         let first = workpiece.spectrum.level(range, Weighting::A);
+        let shot = inputs::response::shot(design)?;
+        let bodies = shot.modal_bodies(structure.bodies(), damping);
         timing.time("other starts", || {
-            starts(design, structure, radiator, first, |start| {
-                let parameters = &bench.parameters;
-                match design.support.coupling {
-                    Coupling::OneWay => {
-                        let force = (bench.options.workpiece_force_scale, start);
-                        response::response(design, structure, damping, parameters, record, force)
-                    }
-                    Coupling::TwoWay => Ok(response::coupled(design, structure, damping, parameters, start)?.response),
-                }
+            starts(&shot, design.analysis.starts, first, |shot| {
+                let response = match design.support.coupling {
+                    Coupling::OneWay => shot.one_way(&bodies, record, bench.options.workpiece_force_scale)?,
+                    Coupling::TwoWay => shot.two_way(&bodies, &inputs::cycle::cycle_settings(design))?.response,
+                };
+                let spectra = modal_spectra(design, structure, &response)?;
+                let spectrum = radiation::workpiece_energy(radiator, &spectra)?;
+                Ok(spectrum.level(range, Weighting::A))
             })
         })?
     } else {
         None
     };
-    let mut missing = missing::above_top(design, structure, &workpiece.spectrum);
-    missing.extend(
-        tool.as_ref()
-            .and_then(|tool| missing::above_tool_top(design, tool, &body.spectrum)),
-    );
+    let parts = structure.bodies().map(|body| Part {
+        name: body.name.into(),
+        contribution: body.name.into(),
+        top_hz: body.top_hz,
+    });
+    let mut truncated = truncations(("workpiece", &workpiece.spectrum), range, parts);
+    let housing = tool.iter().map(|tool| Part {
+        name: "tool".into(),
+        contribution: VIBRATION.into(),
+        top_hz: tool.body.top_hz,
+    });
+    truncated.extend(truncations(("body", &body.spectrum), range, housing));
     let end = moved.end();
     let heard = timing.time("bodies at the microphones", || {
         let array = inputs::microphones::array(design)?;
@@ -178,7 +177,7 @@ pub(super) fn told(
     });
     let mut checks: [Vec<Check>; 2] = Default::default();
     structure.bodies().for_each(|body| checks[0].extend(body.checks()));
-    checks[0].extend(response::checks(response));
+    checks[0].extend(response::checks("response", response));
     if let Some(tool) = tool {
         checks[1].extend(tool.body.checks());
         checks[1].extend(tool.checks.iter().cloned());
@@ -188,14 +187,11 @@ pub(super) fn told(
         end,
         ending: ending(response),
         stiffness: tool.as_ref().map(|tool| tool.stiffness.clone()),
-        missing,
+        truncations: truncated,
         heard,
         starts,
         checks,
-        records: sensors
-            .into_iter()
-            .map(|sensor| (sensor.name, sensor.interval, sensor.acceleration))
-            .collect(),
+        sensors,
     };
     Ok((told, two_way.transpose()?))
 }
@@ -205,22 +201,22 @@ fn one_way(bench: &Bench<'_>, moved: &Moved, progress: &Progress) -> Result<(Cyc
     let Bench {
         design,
         options,
-        ref parameters,
         ref air,
         cache,
         ..
     } = *bench;
     let structure = &moved.vibration.structure;
     let record = cycle(design)?;
-    let force = (options.workpiece_force_scale, 0);
-    let response = response::response(design, structure, moved.damping.as_deref(), parameters, &record, force)?;
+    let shot = inputs::response::shot(design)?;
+    let bodies = shot.modal_bodies(structure.bodies(), moved.damping.as_deref());
+    let response = shot.one_way(&bodies, &record, options.workpiece_force_scale)?;
     let spectra = modal_spectra(design, structure, &response)?;
     let workpiece = radiation::workpiece_energy(&moved.radiator, &spectra)?;
     let body = match &moved.vibration.tool {
         Some(tool) => {
             let body = tool.body.clone();
             let bem = tool_radiation(design, &body, air, cache, progress)?;
-            Tool::new(design, (body, bem), parameters, &record)?.sound(design, &record, air)?
+            Tool::new(design, (body, bem), &record)?.sound(design, &record, air)?
         }
         None => radiation::rigid_tool(design, &record, air)?,
     };

@@ -4,22 +4,22 @@ use std::time::Instant;
 
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::radiation::ModalSpectra;
-use nailnoise_dynamics::{CouplingWork, CycleRecord, Parameters};
+use nailnoise_dynamics::{CouplingWork, CycleRecord};
 use nailnoise_fem::transient::ModalResponse;
-use nalgebra::DMatrix;
 
 use super::bodies::GraphBody;
 use super::radiator::{Radiator, tool_radiation};
-use super::sensors::{Moving, Sensed, Sensing};
+use super::sensors;
 use super::sound::Sound;
-use super::{Body, BodyKind, Driven, Options, Structure, Tool, bodies, parameters, radiation, response};
+use super::{Body, BodyKind, Driven, Options, Structure, Tool, bodies, radiation};
 use crate::design::inputs;
-use crate::design::{BodyModel, Design, SupportKind};
+use crate::design::{BodyModel, Carrier, Design, SupportKind};
 use crate::error::Error;
 use crate::result::{Check, Timing};
 use crate::stages::Progress;
 use crate::stages::exhaust::{ExhaustSource, exhaust};
-use crate::stages::spectra::body_spectra;
+use crate::stages::response;
+use crate::stages::sensors::{BodySensors, SensorMotion};
 use crate::store::Store;
 
 /// The bodies of a shot in motion.
@@ -56,8 +56,8 @@ impl Vibration {
 pub(super) struct Moved {
     pub(super) record: CycleRecord,
     pub(super) vibration: Vibration,
-    /// What sensors on workpiece and support read.
-    pub(super) sensed: Vec<Sensed>,
+    /// Acceleration at the sensors on workpiece and support.
+    pub(super) sensors: Vec<SensorMotion>,
     /// How workpiece and support radiate.
     pub(super) radiator: Radiator,
     /// Damping ratios that radiation adds to their modes.
@@ -85,7 +85,6 @@ fn end<'a>(record: &CycleRecord, responses: impl IntoIterator<Item = &'a ModalRe
 pub(super) struct Bench<'a> {
     pub(super) design: &'a Design,
     pub(super) options: Options,
-    pub(super) parameters: Parameters,
     pub(super) air: Air,
     pub(super) cache: &'a Store,
     /// What can be done with the cycle's record alone, while the response keeps one core and no more.
@@ -95,15 +94,14 @@ pub(super) struct Bench<'a> {
 }
 
 impl<'a> Bench<'a> {
-    /// With the cycle's parameters and the air of a design.
+    /// With the air of a design.
     ///
     /// # Errors
-    /// Those of parameters and air.
+    /// Those of the air.
     pub(super) fn new(design: &'a Design, options: Options, cache: &'a Store) -> Result<Self, Error> {
         Ok(Self {
             design,
             options,
-            parameters: parameters(design)?,
             air: Air::at(design.ambient.temperature, design.ambient.pressure)?,
             cache,
             beside: &|_| (),
@@ -175,7 +173,7 @@ pub(super) fn moved(
         damping,
         response,
         spectra,
-        sensed,
+        sensors,
         coupled,
     } = of_structure?;
     let (of_tool, of_tool_timing) = of_tool?;
@@ -200,7 +198,7 @@ pub(super) fn moved(
             spectra,
             tool,
         },
-        sensed,
+        sensors,
         radiator,
         damping,
         coupling,
@@ -226,18 +224,14 @@ fn tool_in_motion(
     progress: &Progress,
 ) -> Result<(Option<Tool>, Sound), Error> {
     let Bench {
-        design,
-        ref parameters,
-        ref air,
-        cache,
-        ..
+        design, ref air, cache, ..
     } = *bench;
     let tool = match body {
         Some(body) => {
             let bem = timing.time("radiation matrices of the tool", || {
                 tool_radiation(design, &body, air, cache, progress)
             })?;
-            Some(timing.time("tool response", || Tool::new(design, (body, bem), parameters, record))?)
+            Some(timing.time("tool response", || Tool::new(design, (body, bem), record))?)
         }
         None => None,
     };
@@ -256,8 +250,8 @@ struct StructureSide {
     damping: Option<Vec<Vec<f64>>>,
     response: ModalResponse,
     spectra: Vec<ModalSpectra>,
-    /// What sensors on each body read.
-    sensed: Vec<Sensed>,
+    /// Acceleration at the sensors on each body.
+    sensors: Vec<SensorMotion>,
     /// The cycle of a two-way run, with work and checks of the coupling.
     coupled: Option<(CycleRecord, CouplingWork, Vec<Check>)>,
 }
@@ -272,7 +266,6 @@ fn structure_side(
     let Bench {
         design,
         options,
-        ref parameters,
         ref air,
         cache,
         ..
@@ -288,49 +281,49 @@ fn structure_side(
         .radiation_damping
         .then(|| timing.time("radiation damping", || radiator.damping(&structure)));
     let added = damping.as_deref();
+    let shot = inputs::response::shot(design)?;
+    let bodies = shot.modal_bodies(structure.bodies(), added);
     let (response, coupled) = match lumped {
         Some(record) => {
             progress.stage("response of workpiece and support");
-            let force = (options.workpiece_force_scale, 0);
-            let response = timing.time("response", || {
-                response::response(design, &structure, added, parameters, record, force)
-            })?;
+            let force_scale = options.workpiece_force_scale;
+            let response = timing.time("response", || shot.one_way(&bodies, record, force_scale))?;
             (response, None)
         }
         None => {
             progress.stage("nailing cycle with workpiece and support");
             let both = timing.time("cycle and response", || {
-                response::coupled(design, &structure, added, parameters, 0)
+                shot.two_way(&bodies, &inputs::cycle::cycle_settings(design))
             })?;
             (both.response, Some((both.record, both.work, both.checks)))
         }
     };
-    let (spectra, sensed) = timing.time("modal spectra", || spectra_and_sensors(bench, &structure, &response))?;
+    let (spectra, sensors) = timing.time("modal spectra", || spectra_and_sensors(bench, &structure, &response))?;
     Ok(StructureSide {
         structure,
         radiator,
         damping,
         response,
         spectra,
-        sensed,
+        sensors,
         coupled,
     })
 }
 
-/// Fourier transforms of every body's modal accelerations, and what sensors on it read.
+/// Fourier transforms of every body's modal accelerations, and the accelerations at the sensors on it.
 fn spectra_and_sensors(
     bench: &Bench<'_>,
     structure: &Structure,
     response: &ModalResponse,
-) -> Result<(Vec<ModalSpectra>, Vec<Sensed>), Error> {
-    let of_body = |(index, (body, carrier)): (usize, (&GraphBody, Moving))| {
-        let sensing = Sensing::of(bench.design, carrier, body)?;
-        let (spectra, motion) = body_spectra(response, index, spectrum_range(bench.design, body), &sensing.shapes)?;
-        Ok::<_, Error>((spectra, sensing.sensed(motion)))
-    };
-    let bodies = structure.in_graph().zip([Moving::Block, Moving::Table]).enumerate();
-    let found: Vec<(ModalSpectra, Sensed)> = bodies.map(of_body).collect::<Result<_, _>>()?;
-    Ok(found.into_iter().unzip())
+) -> Result<(Vec<ModalSpectra>, Vec<SensorMotion>), Error> {
+    let design = bench.design;
+    let carriers = structure.in_graph().zip([Carrier::Workpiece, Carrier::Worktable]);
+    let points = carriers.map(|(body, carrier)| {
+        let shapes = sensors::shapes(design, carrier, body)?;
+        Ok((spectrum_range(design, body), shapes))
+    });
+    let points: Vec<_> = points.collect::<Result<_, Error>>()?;
+    response::modal_spectra(response, points.into_iter())
 }
 
 /// Range of the spectra of a body's motion \[Hz\].
@@ -344,11 +337,10 @@ pub(super) fn modal_spectra(
     structure: &Structure,
     response: &ModalResponse,
 ) -> Result<Vec<ModalSpectra>, Error> {
-    let of_body = |(index, body): (usize, &Body)| {
-        let nothing = DMatrix::zeros(body.omega.len(), 0);
-        Ok(body_spectra(response, index, spectrum_range(design, body), &nothing)?.0)
-    };
-    structure.bodies().enumerate().map(of_body).collect()
+    let bodies = structure
+        .bodies()
+        .map(|body| (spectrum_range(design, body), BodySensors::none(body.omega.len())));
+    Ok(response::modal_spectra(response, bodies)?.0)
 }
 
 /// Workpiece and support with their modes.
@@ -360,9 +352,5 @@ fn modes(design: &Design, cache: &Store, timing: &mut Timing, progress: &Progres
         SupportKind::Worktable => Some(timing.time("worktable modes", || body(BodyKind::Worktable))?),
         SupportKind::Sandbox | SupportKind::Floor | SupportKind::Clamped | SupportKind::Springs => None,
     };
-    Ok(Structure {
-        workpiece,
-        worktable,
-        grid: bodies::contact_grid(design),
-    })
+    Ok(Structure { workpiece, worktable })
 }

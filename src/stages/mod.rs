@@ -17,8 +17,13 @@ pub mod notes;
 mod progress;
 pub(crate) mod radiation;
 pub mod ranking;
+pub mod response;
+pub mod sensors;
 pub mod sound;
 pub(crate) mod spectra;
+pub(crate) mod starts;
+pub mod tool_response;
+pub mod truncation;
 
 use std::sync::Arc;
 

@@ -6,3 +6,5 @@ pub(crate) mod exhaust;
 pub(crate) mod microphones;
 pub(crate) mod notes;
 pub(crate) mod radiation;
+pub(crate) mod response;
+pub(crate) mod sensors;

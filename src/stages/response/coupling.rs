@@ -1,4 +1,4 @@
-//! The blow in both directions: the block's and its support's modes in the place of the cycle's lumped workpiece.
+//! Two-way coupling: the modes of workpiece and support in the place of the cycle's lumped workpiece.
 //!
 //! Cycle and structure advance by the same steps and agree at the end of each on the forces between them and on the
 //! motion these cause, so that the support's stiffness acts back on penetration, recoil and the release of the trigger.
@@ -20,8 +20,8 @@ use crate::stages::bodies::nail_load::{self, STATIONS};
 /// Loads of the shot on the workpiece in the order of a body's load participations: the nail's stations from the
 /// surface down, the nose, and gravity.
 pub const COUPLED_LOADS: usize = STATIONS + 2;
-const NOSE: usize = STATIONS;
-const GRAVITY: usize = STATIONS + 1;
+pub(super) const NOSE: usize = STATIONS;
+pub(super) const GRAVITY: usize = STATIONS + 1;
 
 /// The loads without the shot.
 const WEIGHT: [f64; COUPLED_LOADS] = {
@@ -44,7 +44,7 @@ pub struct Coupled {
     pub record: CycleRecord,
     /// The response of workpiece and support.
     pub response: ModalResponse,
-    /// How the two found each other.
+    /// Iterations of the coupling and the difference left.
     pub work: CouplingWork,
     /// Forces and work on both sides.
     pub checks: Vec<Check>,
@@ -81,9 +81,9 @@ pub fn couple(
         work: 0.0,
     };
     let (record, work) = simulate_on(parameters, settings, &mut wood)?;
-    let felt = wood.work;
+    let work_of_wood = wood.work;
     let response = wood.run.finish()?;
-    let checks = checks(&record, &response, felt);
+    let checks = checks(&record, &response, work_of_wood);
     Ok(Coupled {
         record,
         response,
@@ -113,7 +113,7 @@ struct Reading {
     nail: f64,
 }
 
-/// Workpiece and support as the cycle sees them.
+/// Workpiece and support as a workpiece of the cycle.
 struct Wood<'a> {
     bodies: &'a [ModalBody],
     supports: &'a [Support],
@@ -237,7 +237,7 @@ impl Workpiece for Wood<'_> {
 }
 
 /// Forces and work on both sides of the coupling.
-fn checks(record: &CycleRecord, response: &ModalResponse, felt: f64) -> Vec<Check> {
+fn checks(record: &CycleRecord, response: &ModalResponse, work_of_wood: f64) -> Vec<Check> {
     let (mut apart, mut largest) = (0.0f64, f64::MIN_POSITIVE);
     for sample in 0..record.len().min(response.samples()) {
         let on_wood = response.loads.column(sample);
@@ -262,12 +262,12 @@ fn checks(record: &CycleRecord, response: &ModalResponse, felt: f64) -> Vec<Chec
         ),
         Check::at_most(
             "coupling: work of cycle and wood apart, part of the work of all forces [-]",
-            (record.energy.wood - felt) / applied,
+            (record.energy.wood - work_of_wood) / applied,
             WORK_LIMIT,
         ),
         Check::at_most(
             "coupling: work of cycle and wood apart, part of the structure's energy [-]",
-            (record.energy.wood - felt) / peak,
+            (record.energy.wood - work_of_wood) / peak,
             STRUCTURE_LIMIT,
         ),
     ]

@@ -1,47 +1,55 @@
-//! Energy above the top frequency of a part, where the model has no modes.
+//! Truncation: the energy of a part above its top frequency, where the model has no modes.
 //!
-//! The part is absent there. What that leaves out is estimated by going on with the slope of its last octave.
+//! The part does not radiate there. The absent energy is estimated by continuing the slope of its last octave.
 
 use std::borrow::Cow;
 
 use nailnoise_acoustics::levels::{BandLevel, SourceSpectrum, Weighting, third_octaves};
 use serde::{Deserialize, Serialize};
 
-use super::bodies::Structure;
-use super::tool::{Tool, VIBRATION};
-use crate::design::Design;
 use crate::result::Check;
 
 /// Third-octave bands in an octave.
 const OCTAVE: usize = 3;
 
-/// Largest part of a source's A-weighted level that may be left out \[dB\].
+/// Largest truncation of a source's A-weighted level \[dB\].
 const LIMIT_DB: f64 = 0.2;
 
-/// What a part leaves out of its source.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Missing {
-    /// The part.
-    pub(super) part: Cow<'static, str>,
-    /// The source it is part of.
-    pub(super) source: Cow<'static, str>,
+/// A part of a source whose model ends at a top frequency.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Part {
+    /// Its name in results.
+    pub name: Cow<'static, str>,
+    /// Name, or beginning of the names, of its contributions to the source.
+    pub contribution: Cow<'static, str>,
     /// Its top frequency \[Hz\].
-    pub(super) top_hz: f64,
-    /// How much higher the source's A-weighted level would be \[dB\].
-    pub(super) decibels: f64,
+    pub top_hz: f64,
 }
 
-impl Missing {
-    /// Note on the part.
-    pub(super) fn note(&self) -> String {
+/// A-weighted energy that a source lacks above the top frequency of a part.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Truncation {
+    /// Name of the part.
+    pub part: Cow<'static, str>,
+    /// Name of the source.
+    pub source: Cow<'static, str>,
+    /// Top frequency of the part \[Hz\].
+    pub top_hz: f64,
+    /// How much higher the source's A-weighted level would be \[dB\].
+    pub decibels: f64,
+}
+
+impl Truncation {
+    /// Note on it.
+    pub fn note(&self) -> String {
         format!(
             "{} is absent above {:.0} Hz; its last octave continued would add {:.2} dB to the {}",
             self.part, self.top_hz, self.decibels, self.source
         )
     }
 
-    /// The check that the part is small.
-    pub(super) fn check(&self) -> Check {
+    /// The check that it is small.
+    pub fn check(&self) -> Check {
         let name = format!(
             "{} above {:.0} Hz, estimated from its last octave [dB]",
             self.part, self.top_hz
@@ -50,34 +58,23 @@ impl Missing {
     }
 }
 
-/// Parts of the source `workpiece` whose top frequency is below the analysed range.
-pub(super) fn above_top(design: &Design, structure: &Structure, workpiece: &SourceSpectrum) -> Vec<Missing> {
-    structure
-        .bodies()
-        .filter_map(|body| of_part(design, "workpiece", workpiece, (body.name, body.name), body.top_hz))
-        .collect()
+/// Truncations of a source within a range \[Hz\], by those of its parts that end below the top of the range.
+pub fn truncations(
+    source: (&'static str, &SourceSpectrum),
+    range_hz: [f64; 2],
+    parts: impl IntoIterator<Item = Part>,
+) -> Vec<Truncation> {
+    let cut = parts.into_iter().filter(|part| part.top_hz < range_hz[1]);
+    cut.map(|part| truncation(source, range_hz, part)).collect()
 }
 
-/// The tool body's vibration where its top frequency is below the analysed range.
-pub(super) fn above_tool_top(design: &Design, tool: &Tool, source: &SourceSpectrum) -> Option<Missing> {
-    of_part(design, "body", source, (VIBRATION, "tool"), tool.body.top_hz)
-}
-
-/// What is left out of the contribution of a name, which is shown as another; `None` if nothing is.
-fn of_part(
-    design: &Design,
-    source: &'static str,
-    whole: &SourceSpectrum,
-    (name, part): (&str, &'static str),
-    top_hz: f64,
-) -> Option<Missing> {
-    let high = design.analysis.range_high;
-    if top_hz >= high {
-        return None;
-    }
-    let total = whole.energy([design.analysis.range_low, high], Weighting::A);
-    // Parts are bodies, or patches named after their body.
-    let belongs = |part: &str| part == name || part.strip_prefix(name).is_some_and(|rest| rest.starts_with(' '));
+fn truncation((source, whole): (&'static str, &SourceSpectrum), range_hz: [f64; 2], part: Part) -> Truncation {
+    let total = whole.energy(range_hz, Weighting::A);
+    // Contributions are bodies, or patches named after their body.
+    let belongs = |name: &str| {
+        let rest = name.strip_prefix(&*part.contribution);
+        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(' '))
+    };
     let mut found = whole.contributions.iter().filter(|part| belongs(&part.name)).peekable();
     let energy_density = if found.peek().is_none() {
         whole.energy_density.clone()
@@ -92,18 +89,18 @@ fn of_part(
         contributions: Vec::new(),
         ..whole.clone()
     };
-    let left_out = extrapolated(&spectrum, top_hz, high);
+    let absent = extrapolated(&spectrum, part.top_hz, range_hz[1]);
     let decibels = if total > 0.0 {
-        10.0 * (1.0 + left_out / total).log10()
+        10.0 * (1.0 + absent / total).log10()
     } else {
         0.0
     };
-    Some(Missing {
-        part: part.into(),
+    Truncation {
+        part: part.name,
         source: source.into(),
-        top_hz,
+        top_hz: part.top_hz,
         decibels,
-    })
+    }
 }
 
 /// A-weighted energy between `top` and `high` if the band energies went on as in the octave below `top` \[J\].

@@ -1,0 +1,150 @@
+//! Accelerometers of a design, and their points on its bodies.
+
+use nailnoise_acoustics::radiation::MovingSand;
+use nalgebra::Vector3;
+
+use super::radiation::moving_sand;
+use crate::design::{BodyModel, Carrier, Design, Sensor, SensorProblem, SupportKind};
+use crate::error::Error;
+use crate::stages::sensors::{Accelerometer, SensorPoint};
+
+/// The sensors whose body the design has, by name.
+///
+/// # Errors
+/// [`Error::Sand`] for sand that is outside the range of its formulas.
+pub(crate) fn accelerometers(design: &Design) -> Result<Vec<Accelerometer>, Error> {
+    let accelerometer = |(name, sensor): (&String, &Sensor)| {
+        let top_hz = top_hz(design, sensor.body).unwrap_or(f64::INFINITY);
+        let sand = match sensor.body {
+            Carrier::Sand => Some((moving_sand(design)?, [sensor.x, sensor.y])),
+            Carrier::Workpiece | Carrier::Worktable | Carrier::Tool => None,
+        };
+        Ok(Accelerometer {
+            name: name.clone(),
+            body: sensor.body,
+            axis_z: axis(sensor).z,
+            band_hz: [sensor.band_low, sensor.band_high.min(top_hz)],
+            sand,
+        })
+    };
+    present(design).map(accelerometer).collect()
+}
+
+/// Points of the sensors that measure a body: those on the sand measure the edge of the workpiece.
+///
+/// # Errors
+/// [`DesignError::Sensor`](crate::design::DesignError::Sensor) for a sensor that is not on the sand.
+pub(crate) fn points(design: &Design, body: Carrier) -> Result<Vec<SensorPoint>, Error> {
+    let mut points = Vec::new();
+    for (name, sensor) in present(design) {
+        let (position, direction) = match (sensor.body, body) {
+            (Carrier::Sand, Carrier::Workpiece) => {
+                let law = moving_sand(design)?;
+                let distance = off_the_sand(&law, [sensor.x, sensor.y]);
+                if distance > 0.0 {
+                    return Err(outside(design, name, sensor, "sand's surface", distance));
+                }
+                let [x, y] = law.edge([sensor.x, sensor.y]);
+                ([x, y, design.workpiece.thickness], Vector3::z() * axis(sensor).z)
+            }
+            (own, body) if own == body => ([sensor.x, sensor.y, sensor.z], axis(sensor)),
+            _ => continue,
+        };
+        points.push(SensorPoint {
+            name: name.clone(),
+            position,
+            direction: direction.into(),
+        });
+    }
+    Ok(points)
+}
+
+/// An error with the place in the design file of the sensor that is at fault.
+pub(crate) fn located(design: &Design, error: Error) -> Error {
+    match error {
+        Error::SensorOffBody { sensor, body, distance } => match design.sensors.get(&sensor) {
+            Some(found) => outside(design, &sensor, found, body, distance),
+            None => Error::SensorOffBody { sensor, body, distance },
+        },
+        other => other,
+    }
+}
+
+/// Names of the sensors whose body the design lacks.
+pub(crate) fn without_body(design: &Design) -> Vec<&str> {
+    let absent = design
+        .sensors
+        .iter()
+        .filter(|(_, sensor)| !carries(design, sensor.body));
+    absent.map(|(name, _)| name.as_str()).collect()
+}
+
+/// Names of the sensors whose band ends with the modes of their body, and where \[Hz\].
+pub(crate) fn limited(design: &Design) -> Vec<(&str, f64)> {
+    let limited = present(design).filter_map(|(name, sensor)| {
+        let top_hz = top_hz(design, sensor.body)?;
+        (sensor.band_high > top_hz).then_some((name.as_str(), top_hz))
+    });
+    limited.collect()
+}
+
+/// The sensors whose body the design has, by name.
+fn present(design: &Design) -> impl Iterator<Item = (&String, &Sensor)> {
+    design.sensors.iter().filter(|(_, sensor)| carries(design, sensor.body))
+}
+
+fn carries(design: &Design, body: Carrier) -> bool {
+    match body {
+        Carrier::Workpiece | Carrier::Tool => true,
+        Carrier::Worktable => design.support.kind == SupportKind::Worktable,
+        Carrier::Sand => design.support.kind == SupportKind::Sandbox,
+    }
+}
+
+/// Top frequency of the modes of a body \[Hz\], above which they and their static corrections are not its motion; none for a
+/// rigid tool.
+fn top_hz(design: &Design, body: Carrier) -> Option<f64> {
+    let analysis = &design.analysis;
+    match body {
+        Carrier::Workpiece | Carrier::Sand => Some(analysis.workpiece_top),
+        Carrier::Worktable => Some(analysis.worktable_top),
+        Carrier::Tool => (design.body.model == BodyModel::Elastic).then_some(analysis.body_top),
+    }
+}
+
+fn axis(sensor: &Sensor) -> Vector3<f64> {
+    Vector3::new(sensor.along_x, sensor.along_y, sensor.along_z).normalize()
+}
+
+fn outside(design: &Design, name: &str, sensor: &Sensor, body: &'static str, distance: f64) -> Error {
+    let point = [sensor.x, sensor.y, sensor.z];
+    let problem = SensorProblem::Outside { body, point, distance };
+    design.refuse_sensor(name, problem).into()
+}
+
+/// Distance of a point from the sand around the workpiece, 0 on it \[m\].
+fn off_the_sand(law: &MovingSand, point: [f64; 2]) -> f64 {
+    let beyond = |i: usize| (law.sand[i][0] - point[i]).max(point[i] - law.sand[i][1]).max(0.0);
+    let box_gap = beyond(0).hypot(beyond(1));
+    let depth = |i: usize| (point[i] - law.footprint[i][0]).min(law.footprint[i][1] - point[i]);
+    box_gap.max(depth(0).min(depth(1)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distance_off_the_sand_is_measured_from_box_and_block() {
+        let law = MovingSand {
+            footprint: [[-0.2, 0.2], [-0.1, 0.1]],
+            sand: [[-0.3, 0.3], [-0.3, 0.3]],
+            shear_speed: 112.0,
+            loss_factor: 0.1,
+            to_hz: 800.0,
+        };
+        assert_eq!(off_the_sand(&law, [0.25, 0.0]), 0.0);
+        assert!((off_the_sand(&law, [0.15, 0.0]) - 0.05).abs() < 1e-12);
+        assert!((off_the_sand(&law, [0.33, 0.34]) - 0.05).abs() < 1e-12);
+    }
+}

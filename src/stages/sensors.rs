@@ -1,0 +1,211 @@
+//! Accelerometers on the bodies of a shot.
+
+use std::f64::consts::FRAC_PI_8;
+
+use nailnoise_acoustics::fourier::filtered;
+use nailnoise_acoustics::radiation::MovingSand;
+use nailnoise_dynamics::CycleRecord;
+use nailnoise_fem::transient::{Loads, Settings};
+use nalgebra::{Complex, DMatrix};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::design::Carrier;
+use crate::error::Error;
+use crate::result::SensorLevel;
+
+/// Standard acceleration of gravity, the unit of accelerometer readings (ISO 80000-3) \[m/s2\].
+const STANDARD_GRAVITY: f64 = 9.80665;
+
+/// Length of the transforms over that of the record; the slowest filter decays within the rest.
+const PADDING: f64 = 4.0;
+
+/// Where a sensor measures an elastic body.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SensorPoint {
+    /// Name of the sensor.
+    pub name: String,
+    /// Position \[m\].
+    pub position: [f64; 3],
+    /// Direction whose scalar product with the displacement is measured \[-\].
+    pub direction: [f64; 3],
+}
+
+/// Displacement of the modes of a body at the sensors on it.
+#[derive(Debug, Clone)]
+pub struct BodySensors {
+    /// Names of the sensors.
+    pub names: Vec<String>,
+    /// Displacement along the axis of each sensor: modes x sensors \[kg^-1/2\].
+    pub shapes: DMatrix<f64>,
+}
+
+impl BodySensors {
+    /// No sensor on a body of so many modes.
+    pub fn none(modes: usize) -> Self {
+        Self {
+            names: Vec::new(),
+            shapes: DMatrix::zeros(modes, 0),
+        }
+    }
+
+    /// The sensors with their acceleration at the samples of a response: samples x sensors \[m/s2\].
+    pub fn moving(self, acceleration: DMatrix<f64>) -> SensorMotion {
+        SensorMotion {
+            names: self.names,
+            acceleration,
+        }
+    }
+}
+
+/// Acceleration of an elastic body at the sensors on it, before their band limits.
+#[derive(Debug, Clone)]
+pub struct SensorMotion {
+    /// Names of the sensors.
+    names: Vec<String>,
+    /// Acceleration along their axes at the samples of the body's response: samples x sensors \[m/s2\].
+    acceleration: DMatrix<f64>,
+}
+
+impl SensorMotion {
+    fn of(&self, name: &str) -> Option<Vec<f64>> {
+        let column = self.names.iter().position(|own| own == name)?;
+        Some(self.acceleration.column(column).iter().copied().collect())
+    }
+}
+
+/// An accelerometer with its measuring chain.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Accelerometer {
+    /// Name in the design.
+    pub name: String,
+    /// What it is fixed to.
+    pub body: Carrier,
+    /// Component of its axis along z, upwards; on a rigid tool nothing else matters.
+    pub axis_z: f64,
+    /// Limits of its band, -3 dB, the upper one not above the modes of its body \[Hz\].
+    pub band_hz: [f64; 2],
+    /// Law and position, where the sensor is on sand beside the workpiece.
+    pub sand: Option<(MovingSand, [f64; 2])>,
+}
+
+impl Accelerometer {
+    /// Response of the measuring chain: a high-pass of first order and a Butterworth low-pass of fourth order,
+    ///
+    /// ```text
+    /// H = s_l/(1 + s_l) / prod_k (1 + 2 s_h sin((2k - 1) pi/8) + s_h^2),  k = 1, 2;  s = j f/f_limit
+    /// ```
+    ///
+    /// and of the sand between workpiece and sensor.
+    fn transfer(&self, hz: f64) -> Complex<f64> {
+        let low = Complex::new(0.0, hz / self.band_hz[0]);
+        let high = Complex::new(0.0, hz / self.band_hz[1]);
+        let section = |k: f64| 1.0 + high * (2.0 * (k * FRAC_PI_8).sin()) + high * high;
+        let sand = self.sand.map_or(Complex::from(1.0), |(law, at)| law.ratio(at, hz));
+        low / (1.0 + low) / (section(1.0) * section(3.0)) * sand
+    }
+}
+
+/// Signal of one sensor.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SensorRecord {
+    /// Name in the design.
+    pub name: String,
+    /// What it is fixed to.
+    pub body: Carrier,
+    /// Sampling interval, the first sample at t = 0 \[s\].
+    pub interval: f64,
+    /// Acceleration along its axis within its band \[m/s2\].
+    pub acceleration: Vec<f64>,
+}
+
+/// Signals of sensors on the time grid of the workpiece's response (`step` \[s\], number of `samples`). Sensors without a
+/// motion of their body are on a rigid tool, which moves as in the cycle.
+///
+/// # Errors
+/// Those of the filter.
+pub(crate) fn signals(
+    sensors: &[Accelerometer],
+    (step, samples): (f64, usize),
+    record: &CycleRecord,
+    motions: &[&SensorMotion],
+) -> Result<Vec<SensorRecord>, Error> {
+    let signal = |sensor: &Accelerometer| {
+        let elastic = motions.iter().find_map(|motion| motion.of(&sensor.name));
+        // The cycle counts downwards, the sensor upwards.
+        let raw = elastic.unwrap_or_else(|| rigid(record, (step, samples), -sensor.axis_z));
+        let mut acceleration = filtered(&raw, step, PADDING, |hz| sensor.transfer(hz))?;
+        acceleration.truncate(samples);
+        Ok(SensorRecord {
+            name: sensor.name.clone(),
+            body: sensor.body,
+            interval: step,
+            acceleration,
+        })
+    };
+    sensors.par_iter().map(signal).collect()
+}
+
+/// Acceleration of a rigid tool, times a factor.
+fn rigid(record: &CycleRecord, (step, samples): (f64, usize), factor: f64) -> Vec<f64> {
+    // After the record the forces on the tool balance each other.
+    let acceleration = Loads {
+        interval: record.sample_interval,
+        history: DMatrix::from_row_slice(1, record.len(), &record.tool.acceleration),
+        final_values: vec![0.0],
+    };
+    let acceleration = acceleration.sampled(step, samples, Settings::default().taper);
+    (acceleration * factor).as_slice().to_vec()
+}
+
+impl SensorRecord {
+    /// RMS over 1 s and peak.
+    pub fn level(&self) -> SensorLevel {
+        let energy: f64 = self.acceleration.iter().map(|a| a * a).sum::<f64>() * self.interval;
+        let peak = self.acceleration.iter().fold(0.0, |peak: f64, a| peak.max(a.abs()));
+        SensorLevel {
+            name: self.name.clone(),
+            body: self.body.as_str(),
+            rms_g: energy.sqrt() / STANDARD_GRAVITY,
+            peak_g: peak / STANDARD_GRAVITY,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn the_band_ends_three_decibels_down_and_falls_with_its_order() {
+        let sensor = |top_hz: f64| Accelerometer {
+            name: "a".to_owned(),
+            body: Carrier::Workpiece,
+            axis_z: -0.8,
+            band_hz: [2.0, top_hz],
+            sand: None,
+        };
+        let level = |hz: f64| 20.0 * sensor(5e3).transfer(hz).norm().log10();
+        assert!(level(100.0).abs() < 0.01);
+        assert!((level(2.0) + 3.0103).abs() < 1e-3 && (level(5e3) + 3.0103).abs() < 1e-3);
+        assert!((level(0.02) - level(0.2) + 20.0).abs() < 0.1);
+        assert!((level(5e5) - level(5e4) + 80.0).abs() < 0.1);
+        assert!((20.0 * sensor(4e3).transfer(4e3).norm().log10() + 3.0103).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_burst_of_one_second_has_the_rms_of_its_sine() {
+        let interval = 1e-4;
+        let record = SensorRecord {
+            name: "a".to_owned(),
+            body: Carrier::Tool,
+            interval,
+            acceleration: (0..10_000)
+                .map(|n| (TAU * 50.0 * n as f64 * interval).sin() * STANDARD_GRAVITY)
+                .collect(),
+        };
+        let level = record.level();
+        assert!((level.rms_g - 0.5_f64.sqrt()).abs() < 1e-9 && (level.peak_g - 1.0).abs() < 1e-4);
+    }
+}

@@ -1,0 +1,237 @@
+//! Response of the tool's elastic housing to the forces of the cycle.
+//!
+//! The cycle's tool moves along its axis alone, held by hand and guide; so does the body as a whole. What holds it against
+//! turning is taken as spread like its inertia, which bends nothing. Its elastic modes are free.
+//!
+//! Forces come from the cycle with their lumped contact stiffnesses, which stand for the compliance of cap and cylinder.
+//! The body gives way once more under these forces, but nothing of that goes back into them and no spring stands between:
+//! the compliance is counted once. The notes of a run tell the body's own stiffness beside the lumped one.
+
+use std::borrow::Cow;
+
+use nailnoise_dynamics::{CycleRecord, Parameters};
+use nailnoise_fem::transient::{Loads, ModalBody, ModalResponse, ModalState, Motion, Settings, Start, respond};
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+
+use crate::error::Error;
+use crate::result::Check;
+use crate::stages::bodies::Body;
+use crate::stages::bodies::tool_loads::{self, AXIAL, Axial, LOADS};
+
+/// What the response of the tool is computed from, apart from its body and the cycle.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ToolShot {
+    /// Parameters of the cycle: areas on which gas acts, the tool's mass, and stiffness of contacts.
+    pub parameters: Parameters,
+    /// Step \[s\].
+    pub step: f64,
+    /// Time simulated \[s\].
+    pub duration: f64,
+}
+
+/// Response of the tool's elastic body.
+pub struct ToolMotion {
+    /// Its response.
+    pub response: ModalResponse,
+    /// Checks of the response.
+    pub checks: Vec<Check>,
+    /// Its stiffness at cap and cylinder rim beside that of the cycle's contacts \[N/m\].
+    pub stiffness: [Stiffness; 2],
+}
+
+/// Stiffness of the tool's body at a contact of the cycle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Stiffness {
+    /// Where.
+    pub place: Cow<'static, str>,
+    /// Static force over mean displacement there, of the free body relative to its rigid motion \[N/m\].
+    pub body: f64,
+    /// The contact's in the cycle \[N/m\].
+    pub contact: f64,
+}
+
+/// Largest sum of all forces less that of the cycle's equation of motion, over its largest.
+const FORCE_LIMIT: f64 = 1e-9;
+
+/// Largest force that pressure on closed walls leaves along the axis, over the largest sum of all forces: what a mesh's
+/// approximate cylinders leave.
+const STRAY_LIMIT: f64 = 1e-4;
+
+/// Largest deviation of the body's velocity from the cycle's, over its largest: forces that jump between two samples.
+const VELOCITY_LIMIT: f64 = 5e-3;
+
+/// Largest relative deviation of the body's mass from the tool's in the cycle.
+const MASS_LIMIT: f64 = 1e-3;
+
+impl ToolShot {
+    /// The response of the tool's body to a cycle. `radiation_damping` is added to the damping ratios of its modes.
+    ///
+    /// # Errors
+    /// Those of the transient solver, and [`MeshError`](nailnoise_meshes::MeshError) for a body without a bore.
+    pub fn response(
+        &self,
+        body: &Body,
+        radiation_damping: Option<&[f64]>,
+        record: &CycleRecord,
+    ) -> Result<ToolMotion, Error> {
+        let parameters = &self.parameters;
+        let guided = Guided::new(body, parameters.ambient.gravity);
+        let loads = loads(&guided, tool_loads::histories(parameters, &body.mesh, record)?, record);
+        let settings = Settings {
+            step: self.step,
+            duration: self.duration,
+            decay: f64::INFINITY, // its flight does not decay
+            start: Start::State(vec![guided.rest(body, &loads)]),
+            require_contact: false,
+            ..Settings::default()
+        };
+        let of_radiation = |mode: usize| radiation_damping.map_or(0.0, |damping| damping[mode]);
+        let modal = ModalBody {
+            name: body.name.to_owned(),
+            omega: body.omega.clone(),
+            zeta: (0..body.omega.len())
+                .map(|j| 0.5 * body.loss_factor + of_radiation(j))
+                .collect(),
+            loads: guided.loads.clone(),
+            supports: DMatrix::zeros(body.omega.len(), 0),
+        };
+        let response = respond(&[modal], &[], &loads, &settings)?;
+        let checks = guided.checks(parameters, record, &loads, &response)?;
+        let stiffness = [
+            (Axial::Cap, "cap", parameters.contacts.cap_stiffness),
+            (Axial::Rim, "cylinder's rim", parameters.contacts.seat_stiffness),
+        ]
+        .map(|(place, name, contact)| Stiffness {
+            place: name.into(),
+            body: 1.0 / compliance(body, &guided.loads, place as usize),
+            contact,
+        });
+        Ok(ToolMotion {
+            response,
+            checks,
+            stiffness,
+        })
+    }
+}
+
+/// The body guided along its axis.
+struct Guided {
+    /// Participation of all loads and of weight: modes x (loads + 1), downwards.
+    loads: DMatrix<f64>,
+    /// Modal coordinates of a unit descent, zero for elastic modes \[kg^1/2\].
+    descent: DVector<f64>,
+    /// Its mass \[kg\].
+    mass: f64,
+    /// Force along the axis that each pressure on walls leaves before it is taken out \[m2\].
+    stray: Vec<f64>,
+}
+
+impl Guided {
+    /// Leaves the descent alone of all rigid motions; a force of resultant R descends the body with R/M, and pressures on
+    /// closed walls have none.
+    fn new(body: &Body, gravity: f64) -> Self {
+        let rigid: Vec<usize> = (0..body.omega.len()).filter(|&j| body.omega[j] == 0.0).collect();
+        let mut descent = DVector::zeros(body.omega.len());
+        rigid.iter().for_each(|&j| descent[j] = -body.lift[j]);
+        let mass = descent.norm_squared();
+        let mut loads = DMatrix::zeros(body.omega.len(), LOADS + 1);
+        loads.columns_mut(0, LOADS).copy_from(&body.loads);
+        loads.set_column(LOADS, &body.weight(gravity));
+        let mut stray = Vec::new();
+        for (load, mut column) in loads.column_iter_mut().enumerate() {
+            let mut resultant = descent.dot(&column);
+            if (AXIAL..LOADS).contains(&load) {
+                stray.push(resultant);
+                resultant = 0.0;
+            }
+            rigid.iter().for_each(|&j| column[j] = descent[j] * resultant / mass);
+        }
+        Self {
+            loads,
+            descent,
+            mass,
+            stray,
+        }
+    }
+
+    /// Force along the axis of each load per unit.
+    fn resultants(&self) -> DVector<f64> {
+        self.loads.tr_mul(&self.descent)
+    }
+
+    /// Bent as the loads at the start bend it, at rest.
+    fn rest(&self, body: &Body, loads: &Loads) -> ModalState {
+        let force = &self.loads * loads.history.column(0);
+        let mut state = ModalState::rest(body.omega.len());
+        for (j, omega) in body.omega.iter().enumerate().filter(|(_, omega)| **omega > 0.0) {
+            state.displacement[j] = force[j] / (omega * omega);
+        }
+        state
+    }
+
+    fn checks(
+        &self,
+        parameters: &Parameters,
+        record: &CycleRecord,
+        loads: &Loads,
+        response: &ModalResponse,
+    ) -> Result<Vec<Check>, Error> {
+        let (tool, mass) = (&record.tool, parameters.tool.mass);
+        let largest = |values: &[f64]| values.iter().fold(f64::MIN_POSITIVE, |a: f64, b| a.max(b.abs()));
+        let force = mass * largest(&tool.acceleration);
+        let sums = loads.history.tr_mul(&self.resultants());
+        let gap = |(sum, a): (&f64, &f64)| (sum - mass * a).abs();
+        let off = sums.iter().zip(&tool.acceleration).map(gap).fold(0.0, f64::max);
+        let stray = |sample: usize| {
+            let pressures = loads.history.column(sample);
+            let left = |(k, area): (usize, &f64)| pressures[AXIAL + k] * area;
+            self.stray.iter().enumerate().map(left).sum::<f64>().abs()
+        };
+        let stray = (0..record.len()).map(stray).fold(0.0, f64::max);
+        let fall = DMatrix::from_column_slice(self.descent.len(), 1, self.descent.as_slice()) / self.mass;
+        let velocity = response.points(0, &fall, Motion::Velocity)?;
+        let drift = |(n, v): (usize, &f64)| {
+            let sample = (n as f64 * record.sample_interval / response.step).round() as usize;
+            velocity.get(sample).map_or(0.0, |found| (found - v).abs())
+        };
+        let drift = tool.velocity.iter().enumerate().map(drift).fold(0.0, f64::max);
+        let mut checks = vec![
+            Check::at_most(
+                "tool: mass beside the cycle's",
+                (self.mass / mass - 1.0).abs(),
+                MASS_LIMIT,
+            ),
+            Check::at_most("tool: sum of forces beside the cycle's", off / force, FORCE_LIMIT),
+            Check::at_most("tool: force that closed walls leave", stray / force, STRAY_LIMIT),
+            Check::at_most(
+                "tool: velocity beside the cycle's",
+                drift / largest(&tool.velocity),
+                VELOCITY_LIMIT,
+            ),
+        ];
+        checks.extend(super::response::checks("tool", response));
+        Ok(checks)
+    }
+}
+
+/// The loads of a shot. After the record inner forces keep their values and the hand takes up what the others leave: the
+/// tool floats on; its landing is no part of the shot.
+fn loads(guided: &Guided, histories: DMatrix<f64>, record: &CycleRecord) -> Loads {
+    let mut history = DMatrix::from_element(LOADS + 1, record.len(), 1.0);
+    history.rows_mut(0, LOADS).copy_from(&histories);
+    let mut last = history.column(record.len() - 1).into_owned();
+    last[Axial::Handle as usize] -= guided.resultants().dot(&last);
+    Loads {
+        interval: record.sample_interval,
+        history,
+        final_values: last.as_slice().to_vec(),
+    }
+}
+
+/// Mean displacement under a unit of a load where it acts, of the free body relative to its rigid motion \[m/N\]:
+/// sum over elastic modes, static corrections among them, of p_j^2/omega_j^2.
+fn compliance(body: &Body, loads: &DMatrix<f64>, load: usize) -> f64 {
+    let term = |(p, omega): (&f64, &f64)| if *omega > 0.0 { (p / omega).powi(2) } else { 0.0 };
+    loads.column(load).iter().zip(&body.omega).map(term).sum()
+}
