@@ -13,7 +13,7 @@ use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use sha2::{Digest as _, Sha256};
 
 /// Crates of the workspace, each after those that it depends on.
-const CRATES: [&str; 4] = ["dynamics", "meshes", "fem", "acoustics"];
+const CRATES: [&str; 5] = ["quantities", "dynamics", "meshes", "fem", "acoustics"];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let root = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());

@@ -50,6 +50,10 @@ pub enum Error {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Penetration(#[from] crate::penetration::PenetrationError),
+    /// A penetration law cannot be evaluated.
+    #[error(transparent)]
+    #[diagnostic(help("{}", _0.remedy()))]
+    Curve(#[from] nailnoise_dynamics::prf::CurveError),
     /// A mesh could not be built.
     #[error("the mesh of a body cannot be built")]
     Mesh(#[from] nailnoise_meshes::MeshError),

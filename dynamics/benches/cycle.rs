@@ -1,6 +1,11 @@
 //! Time of one 100 ms cycle on one core.
 
-use nailnoise_dynamics::{CycleRecord, Method, Parameters, Settings, simulate};
+#[path = "../tests/common/mod.rs"]
+mod common;
+
+use nailnoise_dynamics::{CycleRecord, Method, Settings, simulate};
+
+use common::n80cb;
 
 fn main() {
     divan::main();
@@ -13,10 +18,10 @@ fn base_design(method: Method) -> CycleRecord {
         tail: 1.0,
         ..Settings::default()
     };
-    simulate(&Parameters::n80cb(), &settings).expect("the base design runs")
+    simulate(&n80cb(), &settings).expect("the base design runs")
 }
 
 #[divan::bench]
 fn published_all() -> CycleRecord {
-    simulate(&Parameters::n80cb().published_all(), &Settings::default()).expect("the published model runs")
+    simulate(&n80cb().published_all(), &Settings::default()).expect("the published model runs")
 }

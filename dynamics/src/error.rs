@@ -10,7 +10,7 @@ pub enum CycleError {
     #[error("{name} = {value} must be {rule}")]
     Value {
         /// Full name of the quantity, as in the design (`piston.mass`).
-        name: &'static str,
+        name: String,
         /// The value found.
         value: f64,
         /// What it must be.
@@ -64,7 +64,7 @@ pub enum CycleError {
         tip_gap: f64,
     },
     /// The nail is longer than the block is thick.
-    #[error("nail.length {length} m exceeds wood.thickness {thickness} m; use a shorter nail or a thicker block")]
+    #[error("nail.length {length} m exceeds workpiece.thickness {thickness} m; use a shorter nail or a thicker block")]
     NailLongerThanBlock {
         /// l_n \[m\].
         length: f64,

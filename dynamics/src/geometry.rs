@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use serde::Serialize;
 
-use crate::{Ambient, Exhaust, HeadValve, Nail, Parameters, Piston, SupportDamping, Trigger, Wood};
+use crate::{Ambient, Block, Exhaust, HeadValve, Nail, Parameters, Piston, SupportDamping, Trigger};
 
 /// Derived quantities of a design (SI).
 ///
@@ -50,7 +50,7 @@ pub struct Geometry {
 impl Geometry {
     /// Derives all quantities of `p`.
     pub fn new(p: &Parameters) -> Self {
-        let workpiece_mass = p.wood.block_mass();
+        let workpiece_mass = p.workpiece.mass(p.wood.density);
         let support_damping = match p.support.damping {
             SupportDamping::Ratio(zeta) => 2.0 * zeta * (p.support.stiffness * workpiece_mass).sqrt(),
             SupportDamping::Coefficient(c) => c,
@@ -141,10 +141,10 @@ impl Nail {
     }
 }
 
-impl Wood {
-    /// M_w, mass of the block \[kg\].
-    pub fn block_mass(&self) -> f64 {
-        self.density * self.length * self.width * self.thickness
+impl Block {
+    /// M_w, mass of the block of wood of this density \[kg/m3\] \[kg\].
+    pub fn mass(&self, density: f64) -> f64 {
+        density * self.length * self.width * self.thickness
     }
 }
 

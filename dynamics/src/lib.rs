@@ -27,8 +27,8 @@ pub use error::CycleError;
 pub use geometry::Geometry;
 pub use log::{Crossing, Direction, LogEntry, LogState};
 pub use parameters::{
-    Ambient, Chambers, Contacts, Exhaust, Form, Friction, Hand, HeadValve, Model, Nail, Parameters, Piston, Supply,
-    Support, SupportDamping, Tool, Trigger, Wood,
+    Ambient, Block, Chambers, Contacts, Exhaust, Form, Friction, Hand, HeadValve, Model, Nail, Parameters, Piston,
+    Supply, Support, SupportDamping, Tool, Trigger, Wood,
 };
 pub use record::{
     Body, Check, CycleRecord, Events, ExhaustFlow, Forces, Motion, Outcome, Summary, VentFlow, Volume, Work,

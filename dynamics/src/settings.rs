@@ -79,7 +79,11 @@ impl Settings {
             ),
         ];
         match rules.into_iter().find(|(.., ok, _)| !ok) {
-            Some((name, value, _, rule)) => Err(CycleError::Value { name, value, rule }),
+            Some((name, value, _, rule)) => Err(CycleError::Value {
+                name: name.to_owned(),
+                value,
+                rule,
+            }),
             None => Ok(()),
         }
     }

@@ -2,13 +2,17 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
 use std::sync::OnceLock;
 
-use nailnoise_dynamics::{CycleRecord, Method, Outcome, Parameters, Settings, simulate};
+use nailnoise_dynamics::{CycleRecord, Method, Outcome, Settings, simulate};
+
+use common::n80cb;
 
 fn record() -> &'static CycleRecord {
     static RECORD: OnceLock<CycleRecord> = OnceLock::new();
-    RECORD.get_or_init(|| simulate(&Parameters::n80cb(), &Settings::default()).unwrap())
+    RECORD.get_or_init(|| simulate(&n80cb(), &Settings::default()).unwrap())
 }
 
 /// To 100 ms, where the reference masses were taken.
@@ -16,7 +20,7 @@ fn long_record() -> &'static CycleRecord {
     static RECORD: OnceLock<CycleRecord> = OnceLock::new();
     RECORD.get_or_init(|| {
         simulate(
-            &Parameters::n80cb(),
+            &n80cb(),
             &Settings {
                 tail: 1.0,
                 ..Settings::default()
@@ -58,7 +62,7 @@ fn events_hold_at_a_hundredfold_tolerance() {
         relative_tolerance: 1e-2 * Settings::default().relative_tolerance,
         ..Settings::default()
     };
-    let tight = simulate(&Parameters::n80cb(), &tight).unwrap();
+    let tight = simulate(&n80cb(), &tight).unwrap();
     for (i, apart) in apart(record(), &tight).into_iter().enumerate() {
         assert!(apart < 5e-6, "t{i} moves by {apart} s");
     }
@@ -78,7 +82,7 @@ fn b11_halving_the_tolerance_moves_no_event_by_1_us() {
                 relative_tolerance: part * Settings::default().relative_tolerance,
                 ..Settings::default()
             };
-            simulate(&Parameters::n80cb(), &settings).unwrap()
+            simulate(&n80cb(), &settings).unwrap()
         };
         for (i, apart) in apart(&run(1.0), &run(0.5)).into_iter().enumerate() {
             assert!(apart < limit(i), "{method:?}: t{i} moves by {apart} s");
@@ -92,7 +96,7 @@ fn both_methods_agree() {
         method: Method::Esdirk34,
         ..Settings::default()
     };
-    let other = simulate(&Parameters::n80cb(), &settings).unwrap();
+    let other = simulate(&n80cb(), &settings).unwrap();
     for (i, apart) in apart(record(), &other).into_iter().enumerate() {
         assert!(apart < limit(i), "t{i} differs by {apart} s");
     }
@@ -173,7 +177,7 @@ fn b4_b5_penetration_and_speeds() {
 
 #[test]
 fn b5_variant_b_reaches_the_measured_speed() {
-    let mut p = Parameters::n80cb();
+    let mut p = n80cb();
     p.wood.resistance_scale = 0.78;
     p.nail.tip_gap = 0.0235;
     p.nail.head_gap = 0.0195;
@@ -233,7 +237,7 @@ fn b9_b10_return_chamber() {
 
 #[test]
 fn b14_forces_between_bodies_cancel_at_every_sample() {
-    let (p, r) = (Parameters::n80cb(), record());
+    let (p, r) = (n80cb(), record());
     let masses = [p.head_valve.mass, p.tool.mass, 2.533_531_861_958_4];
     for i in 0..r.len() {
         let moving = r.motion.moving_mass[i];
@@ -249,7 +253,7 @@ fn b14_forces_between_bodies_cancel_at_every_sample() {
 
 #[test]
 fn accelerations_follow_from_the_recorded_forces() {
-    let (p, r) = (Parameters::n80cb(), record());
+    let (p, r) = (n80cb(), record());
     let f = &r.forces;
     for i in (0..r.len()).step_by(7) {
         let piston = f.piston_gas[i] - f.bumper[i] - f.stopper[i] - f.penetration[i] - f.piston_friction[i];
@@ -299,5 +303,5 @@ fn velocity_is_the_derivative_of_position() {
 
 #[test]
 fn a_run_is_reproducible_to_the_bit() {
-    assert_eq!(record(), &simulate(&Parameters::n80cb(), &Settings::default()).unwrap());
+    assert_eq!(record(), &simulate(&n80cb(), &Settings::default()).unwrap());
 }

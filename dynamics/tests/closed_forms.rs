@@ -2,9 +2,13 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
 use nailnoise_dynamics::{
     Crossing, CycleRecord, Direction, Geometry, LogEntry, Method, Parameters, Settings, simulate,
 };
+
+use common::n80cb;
 
 fn run(p: &Parameters, method: Method, relative_tolerance: f64, end: f64) -> CycleRecord {
     let settings = Settings {
@@ -41,7 +45,7 @@ fn follows_the_tolerance(limit: f64, error: impl Fn(Method, f64) -> f64) {
 fn a_vessel_blows_down_through_a_choked_hole() {
     // The volume above a valve that cannot move, without heat, through the trigger's channel:
     // m = m_0 (1 + (gamma - 1)/2 t m'_0/m_0)^(-2/(gamma - 1)), P = P_0 (m/m_0)^gamma, until P_cr P = P_a.
-    let mut p = Parameters::n80cb();
+    let mut p = n80cb();
     p.head_valve.mass = 1e3;
     p.contacts.seat_stiffness = 1e12;
     p.chambers.above_valve = 1e-3;
@@ -75,7 +79,7 @@ fn a_vessel_blows_down_through_a_choked_hole() {
 #[test]
 fn the_piston_compresses_a_closed_volume_along_the_adiabat() {
     // Neither holes, leak nor heat below the piston: P V^gamma is constant over the whole shot.
-    let mut p = Parameters::n80cb();
+    let mut p = n80cb();
     p.chambers.wall_heat_transfer = 0.0;
     // Holes a thirtieth of a micrometre wide: nothing leaves.
     p.chambers.return_hole_area = 1e-15;
@@ -104,7 +108,7 @@ fn a_damped_contact_bounces_with_the_closed_form_of_its_restitution() {
     // Gas and spring change it in the ratio of their force to the contact's, so that the distance falls as k^(-1/2).
     // Friction would work against them and is left out.
     let restitution = |stiffness: f64| {
-        let mut p = Parameters::n80cb();
+        let mut p = n80cb();
         p.head_valve.friction.static_force = 0.0;
         p.head_valve.friction.sliding_force = 0.0;
         p.contacts.cap_stiffness = stiffness;

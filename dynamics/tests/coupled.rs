@@ -1,10 +1,14 @@
 //! The cycle on a wood outside it: a mass on a spring that another solver moves must give the lumped cycle.
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
 use nailnoise_dynamics::{
     Compliance, CycleError, CycleRecord, Geometry, Parameters, Settings, WoodForces, WoodMotion, Workpiece, simulate,
     simulate_on,
 };
+
+use common::n80cb;
 
 /// A mass on a one-sided spring and dashpot, integrated in small steps with forces that are linear over each step of
 /// the cycle: velocity Verlet with the dashpot implicit.
@@ -121,7 +125,7 @@ fn apart(a: &CycleRecord, b: &CycleRecord) -> (usize, f64) {
 
 #[test]
 fn a_mass_on_a_spring_outside_gives_the_lumped_cycle() {
-    let (parameters, settings) = (Parameters::n80cb(), Settings::default());
+    let (parameters, settings) = (n80cb(), Settings::default());
     let lumped = simulate(&parameters, &settings).unwrap();
     let mut mass = Mass::new(&parameters, settings.sample_interval);
     let (coupled, work) = simulate_on(&parameters, &settings, &mut mass).unwrap();
@@ -140,7 +144,7 @@ fn a_mass_on_a_spring_outside_gives_the_lumped_cycle() {
 
 #[test]
 fn half_the_step_brings_the_events_nearer() {
-    let parameters = Parameters::n80cb();
+    let parameters = n80cb();
     let lumped = simulate(&parameters, &Settings::default()).unwrap();
     let distance = |sample_interval: f64| {
         let settings = Settings {
@@ -188,10 +192,6 @@ impl Workpiece for Feather {
 
 #[test]
 fn a_wood_that_agrees_with_no_force_is_named() {
-    let found = simulate_on(
-        &Parameters::n80cb(),
-        &Settings::default(),
-        &mut Feather(WoodMotion::default()),
-    );
+    let found = simulate_on(&n80cb(), &Settings::default(), &mut Feather(WoodMotion::default()));
     assert!(matches!(found, Err(CycleError::Coupling { .. })), "{:?}", found.err());
 }

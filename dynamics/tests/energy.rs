@@ -2,7 +2,11 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
 use nailnoise_dynamics::{CycleRecord, Form, Geometry, Method, Parameters, Settings, simulate};
+
+use common::n80cb;
 
 fn run(p: &Parameters) -> CycleRecord {
     simulate(p, &Settings::default()).unwrap()
@@ -21,7 +25,7 @@ fn the_shot_closes_to_a_millionth_of_the_gas_energy_and_to_a_millijoule() {
             method,
             ..Settings::default()
         };
-        let r = simulate(&Parameters::n80cb(), &settings).unwrap();
+        let r = simulate(&n80cb(), &settings).unwrap();
         let e = &r.energy;
         assert!((e.gas_start - 2286.0).abs() < 1.0, "{}", e.gas_start);
         let worst = |name: &str| r.checks.iter().find(|c| c.name.starts_with(name)).unwrap();
@@ -44,7 +48,7 @@ fn the_residual_falls_with_the_tolerance() {
             relative_tolerance,
             ..Settings::default()
         };
-        let r = simulate(&Parameters::n80cb(), &settings).unwrap();
+        let r = simulate(&n80cb(), &settings).unwrap();
         r.checks
             .iter()
             .find(|c| c.name.ends_with("balance [J]") && c.name.starts_with("whole"))
@@ -57,7 +61,7 @@ fn the_residual_falls_with_the_tolerance() {
 
 #[test]
 fn the_parts_equal_the_integrals_of_the_recorded_forces() {
-    let (p, r) = (Parameters::n80cb(), run(&Parameters::n80cb()));
+    let (p, r) = (n80cb(), run(&n80cb()));
     let (e, f, g) = (&r.energy, &r.forces, Geometry::new(&p));
     let relative = |i: usize| r.piston.velocity[i] - r.tool.velocity[i];
     let close = |name: &str, value: f64, expected: f64, limit: f64| {
@@ -119,7 +123,7 @@ fn the_parts_equal_the_integrals_of_the_recorded_forces() {
 
 #[test]
 fn published_forms_state_what_they_lose() {
-    let mut p = Parameters::n80cb();
+    let mut p = n80cb();
     p.model.gas = Form::Published;
     let r = run(&p);
     assert!(r.energy.gas_residual().abs() > 1.0);
@@ -129,7 +133,7 @@ fn published_forms_state_what_they_lose() {
         "{}",
         r.energy.mechanical_residual()
     );
-    let mut p = Parameters::n80cb();
+    let mut p = n80cb();
     p.model.impact = Form::Published;
     let r = run(&p);
     // Mass that appears at speed brings its energy along.

@@ -2,14 +2,18 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
 use std::collections::HashMap;
 use std::sync::OnceLock;
 
 use nailnoise_dynamics::{Crossing, CycleError, CycleRecord, Direction, LogEntry, Parameters, Settings, simulate};
 
+use common::n80cb;
+
 fn record() -> &'static CycleRecord {
     static RECORD: OnceLock<CycleRecord> = OnceLock::new();
-    RECORD.get_or_init(|| simulate(&Parameters::n80cb(), &Settings::default()).unwrap())
+    RECORD.get_or_init(|| simulate(&n80cb(), &Settings::default()).unwrap())
 }
 
 fn of(crossing: Crossing) -> impl Iterator<Item = &'static LogEntry> {
@@ -74,7 +78,7 @@ fn every_event_that_is_a_crossing_is_in_the_log() {
 
 #[test]
 fn the_trigger_reaches_the_valve_one_delay_later() {
-    let delay = nailnoise_dynamics::Geometry::new(&Parameters::n80cb()).channel_delay;
+    let delay = nailnoise_dynamics::Geometry::new(&n80cb()).channel_delay;
     let e = &record().events;
     let close = |a: Option<f64>, b: f64| assert!((a.unwrap() - b).abs() < 1e-12, "{a:?} {b}");
     close(first(Crossing::Vent, Direction::Rising, 0.0), delay);
@@ -155,7 +159,7 @@ fn a_log_speaks_and_serialises() {
 #[test]
 fn chatter_ends_the_run_and_names_its_contact() {
     let contact = |change: fn(&mut Parameters)| {
-        let mut p = Parameters::n80cb();
+        let mut p = n80cb();
         change(&mut p);
         match simulate(&p, &Settings::default()) {
             Err(CycleError::Chatter {
@@ -175,7 +179,7 @@ fn chatter_ends_the_run_and_names_its_contact() {
     assert_eq!(contact(seat), "the head valve's seat");
     // The printed cap stiffness, 217 kHz, is no chatter. Its peak is that of a damped bounce,
     // F = v sqrt(k m) exp(-zeta phi/sqrt(1 - zeta^2)) with tan phi = sqrt(1 - zeta^2) (1 - 4 zeta^2)/(zeta (3 - 4 zeta^2)).
-    let mut printed = Parameters::n80cb();
+    let mut printed = n80cb();
     printed.contacts.cap_stiffness = 1.1e11;
     let r = simulate(&printed, &Settings::default()).unwrap();
     let hit = r.log.iter().find(|e| e.crossing == Crossing::CapContact).unwrap();
@@ -194,7 +198,7 @@ fn chatter_ends_the_run_and_names_its_contact() {
 fn a_cap_of_any_hardness_is_left_after_the_same_bounces() {
     // The valve's friction ends the bounces on an undamped cap, however short they are.
     let closings = |stiffness: f64| {
-        let mut p = Parameters::n80cb();
+        let mut p = n80cb();
         p.contacts.cap_stiffness = stiffness;
         p.contacts.valve_damping_ratio = 0.0;
         let r = simulate(&p, &Settings::default()).unwrap();
@@ -209,7 +213,7 @@ fn a_cap_of_any_hardness_is_left_after_the_same_bounces() {
 fn a_contact_that_grazes_opens_once() {
     // The damped cap lets the valve go just as the pressure presses it shut: the push touches zero and turns. Seven of
     // a thousand designs drawn from the ranges ended here in chatter of the last digits.
-    let mut p = Parameters::n80cb();
+    let mut p = n80cb();
     p.contacts.cap_stiffness = 1.1e11 * 23.0 / 24.0;
     p.contacts.valve_damping_ratio = 0.28;
     let closings = |tolerance: f64| {

@@ -2,10 +2,14 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
 use nailnoise_dynamics::{CycleError, Geometry, Outcome, Parameters, Settings, SupportDamping, simulate};
 
+use common::n80cb;
+
 fn base() -> Parameters {
-    Parameters::n80cb()
+    n80cb()
 }
 
 fn run(p: &Parameters) -> nailnoise_dynamics::CycleRecord {
@@ -148,24 +152,13 @@ fn designs_the_model_does_not_hold_for_are_named() {
         CycleError::DiameterOrder { .. }
     ));
     let negative = refused(|p| p.piston.mass = -0.131);
-    assert_eq!(
-        negative.to_string(),
-        "piston.mass = -0.131 must be a positive finite number"
+    assert_eq!(negative.to_string(), "piston.mass = -0.131 must be above zero");
+    assert!(
+        matches!(refused(|p| p.chambers.leak_area = f64::NAN), CycleError::Value { name, .. } if name == "chambers.leak_area")
     );
-    assert!(matches!(
-        refused(|p| p.chambers.leak_area = f64::NAN),
-        CycleError::Value {
-            name: "chambers.leak_area",
-            ..
-        }
-    ));
-    assert!(matches!(
-        refused(|p| p.supply.pressure = 9e4),
-        CycleError::Value {
-            name: "supply.pressure",
-            ..
-        }
-    ));
+    assert!(
+        matches!(refused(|p| p.supply.pressure = 9e4), CycleError::Value { name, .. } if name == "supply.pressure")
+    );
 }
 
 #[test]

@@ -2,18 +2,22 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
 use nailnoise_dynamics::{CycleError, CycleRecord, Geometry, Parameters, Settings, simulate};
+
+use common::n80cb;
 
 fn run(p: &Parameters) -> CycleRecord {
     simulate(p, &Settings::default()).unwrap()
 }
 
 fn base() -> CycleRecord {
-    run(&Parameters::n80cb())
+    run(&n80cb())
 }
 
 fn with_hand(mass: f64) -> Parameters {
-    let mut p = Parameters::n80cb();
+    let mut p = n80cb();
     p.hand.mass = mass;
     p
 }
@@ -35,7 +39,7 @@ fn forces_cancel(p: &Parameters, r: &CycleRecord) {
 
 #[test]
 fn options_are_off_in_the_reference_set() {
-    let (p, r) = (Parameters::n80cb(), base());
+    let (p, r) = (n80cb(), base());
     assert_eq!(
         (p.hand.mass, p.nail.magazine_friction, p.exhaust.thrust_share),
         (0.0, 0.0, 0.0)
@@ -63,7 +67,7 @@ fn a_hand_on_a_stiff_spring_is_part_of_the_tool() {
     let mut held = with_hand(0.5);
     held.hand.stiffness = 1e9;
     held.hand.damping = 2e3;
-    let mut heavy = Parameters::n80cb();
+    let mut heavy = n80cb();
     heavy.tool.mass += 0.5;
     heavy.hand.force -= 0.5 * heavy.ambient.gravity;
     // The nose's damping is a ratio of the tool's mass.
@@ -88,7 +92,7 @@ fn a_light_hand_is_a_force() {
 
 #[test]
 fn friction_in_the_magazine_slows_the_nail() {
-    let mut p = Parameters::n80cb();
+    let mut p = n80cb();
     p.nail.magazine_friction = 20.0;
     let r = run(&p);
     assert!(r.is_certified(), "{:?}", r.checks);
@@ -109,7 +113,7 @@ fn friction_in_the_magazine_slows_the_nail() {
 
 #[test]
 fn the_thrust_of_the_exhaust_is_that_of_an_ideal_nozzle() {
-    let mut p = Parameters::n80cb();
+    let mut p = n80cb();
     p.exhaust.thrust_share = -0.5;
     let r = run(&p);
     assert!(r.is_certified(), "{:?}", r.checks);
@@ -137,7 +141,7 @@ fn the_thrust_of_the_exhaust_is_that_of_an_ideal_nozzle() {
 #[test]
 fn options_out_of_range_are_named() {
     let refused = |change: fn(&mut Parameters)| {
-        let mut p = Parameters::n80cb();
+        let mut p = n80cb();
         change(&mut p);
         match simulate(&p, &Settings::default()) {
             Err(CycleError::Value { name, .. }) => name,

@@ -2,18 +2,24 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
 use nailnoise_dynamics::prf::{ForceTable, PenetrationLaw, REFERENCE_SPEED, ResistanceLaw, Specimen, TableError};
 use nailnoise_dynamics::{CycleError, CycleRecord, Parameters, Settings, simulate};
 
-fn run(law: impl Into<ResistanceLaw>) -> CycleRecord {
-    let mut p = Parameters::n80cb();
-    p.wood.law = law.into();
+use common::n80cb;
+
+fn run(table: Option<ForceTable>) -> CycleRecord {
+    let p = Parameters {
+        penetration_table: table,
+        ..n80cb()
+    };
     simulate(&p, &Settings::default()).unwrap()
 }
 
 /// The solid-wood law of the base design at `n` equal steps.
 fn sampled(n: usize) -> ForceTable {
-    let p = Parameters::n80cb();
+    let p = n80cb();
     let specimen = Specimen {
         length: p.nail.length,
         diameter: p.nail.diameter,
@@ -32,8 +38,9 @@ fn sampled(n: usize) -> ForceTable {
 
 #[test]
 fn a_constant_force_does_its_work_over_the_depth() {
-    let mut p = Parameters::n80cb();
-    p.wood.law = ResistanceLaw::Constant(1165.0);
+    let mut p = n80cb();
+    p.wood.penetration_law = ResistanceLaw::Constant;
+    p.wood.penetration_force = 1165.0;
     let r = simulate(&p, &Settings::default()).unwrap();
     assert!(r.is_certified(), "{:?}", r.checks);
     let full = (r.summary.full_penetration.unwrap() / r.sample_interval) as usize;
@@ -45,15 +52,18 @@ fn a_constant_force_does_its_work_over_the_depth() {
     );
     assert_eq!(p.penetration_resistance(1e-6), 1165.0);
     assert_eq!(p.penetration_resistance(0.0), 0.0);
-    p.wood.law = ResistanceLaw::Constant(f64::NAN);
+    p.wood.penetration_force = f64::NAN;
     let error = simulate(&p, &Settings::default()).unwrap_err();
-    assert!(matches!(error, CycleError::Value { name: "wood.law", .. }), "{error}");
+    assert!(
+        matches!(&error, CycleError::Value { name, .. } if name == "wood.penetration_force"),
+        "{error}"
+    );
 }
 
 #[test]
 fn a_fine_table_of_a_law_gives_the_cycle_of_the_law() {
-    let law = run(PenetrationLaw::SolidWood);
-    let table = run(sampled(400));
+    let law = run(None);
+    let table = run(Some(sampled(400)));
     assert!(table.is_certified(), "{:?}", table.checks);
     for (i, (a, b)) in law.events.to_array().iter().zip(table.events.to_array()).enumerate() {
         let apart = (a.unwrap() - b.unwrap()).abs();
@@ -85,7 +95,7 @@ fn a_table_passes_its_points_and_never_overshoots() {
 
 #[test]
 fn the_interpolation_converges_with_the_fineness_of_the_table() {
-    let p = Parameters::n80cb();
+    let p = n80cb();
     // Away from the turns of the law, where the slope of a monotone cubic is of first order only.
     let error = |n: usize| {
         let table = sampled(n);
@@ -106,8 +116,8 @@ fn a_table_is_read_from_csv_and_keeps_through_json() {
     let text = "\u{feff}# drive test 7\ndepth_m, force_N\n0, 0\n0.04, 1000\n\n0.09, 1.8e3\n";
     let table = ForceTable::from_csv(text).unwrap();
     assert_eq!(table.force(0.04), 1000.0);
-    let mut p = Parameters::n80cb();
-    p.wood.law = table.into();
+    let mut p = n80cb();
+    p.penetration_table = Some(table);
     let back: Parameters = serde_json::from_value(serde_json::to_value(&p).unwrap()).unwrap();
     assert_eq!(back, p);
 }
@@ -140,8 +150,8 @@ fn wrong_tables_are_named() {
         E::Lengths { depths: 1, forces: 0 }
     );
     assert!(serde_json::from_str::<ForceTable>(r#"{"depths": [0, 1, 1], "forces": [0, 1, 2]}"#).is_err());
-    let mut p = Parameters::n80cb();
-    p.wood.law = ForceTable::from_csv("0,0\n0.05,1000\n").unwrap().into();
+    let mut p = n80cb();
+    p.penetration_table = Some(ForceTable::from_csv("0,0\n0.05,1000\n").unwrap());
     let error = simulate(&p, &Settings::default()).unwrap_err();
     assert!(matches!(error, CycleError::TableTooShort { .. }), "{error}");
 }

@@ -2,10 +2,14 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
 use nailnoise_dynamics::prf::{
     HIGHEST_SPEED, LOWEST_SPEED, NAILS, PenetrationLaw, REFERENCE_SPEED, Shank, Specimen, WOODS,
 };
 use nailnoise_dynamics::{CycleError, Form, Parameters};
+
+use common::n80cb;
 
 fn specimen(wood: &str, nail: &str, shank: Shank) -> Specimen {
     let wood = WOODS.iter().find(|w| w.name == wood).unwrap();
@@ -166,10 +170,10 @@ fn speeds_and_depths_outside_the_tests_are_refused() {
 #[test]
 fn the_envelope_is_the_law_within_the_nail_and_a_spring_beyond() {
     let s = specimen("pine", "12d", Shank::Smooth);
-    let mut p = Parameters::n80cb();
+    let mut p = n80cb();
     p.wood.resistance_scale = 0.7;
     for law in PenetrationLaw::ALL {
-        p.wood.law = law.into();
+        p.wood.penetration_law = (*law).into();
         for x in [1e-3, 0.2, 0.5, 1.0] {
             let expected = 0.7 * law.force(&s, x * s.length, REFERENCE_SPEED).unwrap();
             let force = p.penetration_resistance(x * s.length);
@@ -188,7 +192,7 @@ fn the_envelope_is_the_law_within_the_nail_and_a_spring_beyond() {
 
 #[test]
 fn speed_and_slenderness_terms_take_part_in_the_solid_wood_law_only() {
-    let mut p = Parameters::n80cb();
+    let mut p = n80cb();
     let depth = 0.5 * p.nail.length;
     let root = |p: &Parameters| (p.penetration_resistance(depth) / (p.wood.hardness_modulus * p.nail.length)).sqrt();
     let published = root(&p);
@@ -198,8 +202,8 @@ fn speed_and_slenderness_terms_take_part_in_the_solid_wood_law_only() {
     let pi3 = p.nail.length * p.wood.density / p.wood.hardness_modulus;
     let expected = published + (122.91 - 115.0) * pi3 + (1.15 - 1.1) * p.nail.diameter / p.nail.length;
     assert!((root(&p) - expected).abs() < 1e-12, "{} {expected}", root(&p));
-    let mut smooth = Parameters::n80cb();
-    smooth.wood.law = PenetrationLaw::Smooth.into();
+    let mut smooth = n80cb();
+    smooth.wood.penetration_law = PenetrationLaw::Smooth.into();
     let before = smooth.penetration_resistance(depth);
     smooth.wood.speed_term = -115.0;
     assert_eq!(smooth.penetration_resistance(depth), before);

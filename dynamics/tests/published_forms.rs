@@ -2,7 +2,11 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
 use nailnoise_dynamics::{CycleRecord, Form, Geometry, Model, Outcome, Parameters, Settings, simulate};
+
+use common::n80cb;
 
 fn run(p: &Parameters) -> CycleRecord {
     simulate(
@@ -16,7 +20,7 @@ fn run(p: &Parameters) -> CycleRecord {
 }
 
 fn with(change: impl Fn(&mut Model)) -> Parameters {
-    let mut p = Parameters::n80cb();
+    let mut p = n80cb();
     change(&mut p.model);
     p
 }
@@ -31,10 +35,7 @@ fn close(value: f64, expected: f64, limit: f64) {
 
 #[test]
 fn b12_the_published_presets_strike_the_bumper_before_the_piston_stops() {
-    for p in [
-        Parameters::n80cb().published_nail_only(),
-        Parameters::n80cb().published_all(),
-    ] {
+    for p in [n80cb().published_nail_only(), n80cb().published_all()] {
         let r = run(&p);
         assert_eq!(r.outcome, Outcome::StrikesBumper);
         assert!(r.is_certified(), "{:?}", r.checks);
@@ -43,8 +44,8 @@ fn b12_the_published_presets_strike_the_bumper_before_the_piston_stops() {
 
 #[test]
 fn published_all_opens_early_and_never_reaches_the_cap() {
-    let r = run(&Parameters::n80cb().published_all());
-    let base = run(&Parameters::n80cb());
+    let r = run(&n80cb().published_all());
+    let base = run(&n80cb());
     assert_eq!(r.summary.cap_contacts, 0);
     assert!(r.events.t2 < r.events.t1);
     close(base.events.t1.unwrap() - r.events.t1.unwrap(), 2e-3, 0.5e-3);
@@ -131,7 +132,7 @@ fn c09_the_published_nail_lets_go_at_the_first_reversal() {
 fn c13_published_contacts_pull() {
     let r = run(&with(|m| m.contacts = Form::Published));
     assert!(r.forces.bumper.iter().any(|f| *f < -1.0));
-    assert!(run(&Parameters::n80cb()).forces.bumper.iter().all(|f| *f >= 0.0));
+    assert!(run(&n80cb()).forces.bumper.iter().all(|f| *f >= 0.0));
     assert!(r.is_certified(), "{:?}", r.checks);
 }
 
@@ -140,7 +141,7 @@ fn c03_c04_the_published_channel_delays_the_flow_or_loses_mass() {
     let delayed = run(&with(|m| m.delay = Form::Published));
     assert!(delayed.is_certified(), "{:?}", delayed.checks);
     // The vented flow of one delay ago, against the flow the state then gives.
-    let p = Parameters::n80cb();
+    let p = n80cb();
     let g = Geometry::new(&p);
     let lag = g.channel_delay;
     let h = delayed.sample_interval;
@@ -180,7 +181,7 @@ fn c03_c04_the_published_channel_delays_the_flow_or_loses_mass() {
 
 #[test]
 fn every_switch_changes_the_shot() {
-    let base = run(&Parameters::n80cb()).events;
+    let base = run(&n80cb()).events;
     let switches: [fn(&mut Model); 9] = [
         |m| m.gas = Form::Published,
         |m| m.valve_underside = Form::Published,

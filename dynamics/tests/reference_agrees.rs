@@ -2,9 +2,13 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
 mod reference;
 
 use nailnoise_dynamics::{CycleRecord, Method, Parameters, Settings, simulate};
+
+use common::n80cb;
 
 /// Most by which an event may differ \[s\].
 const LIMIT: f64 = 1e-6;
@@ -56,26 +60,26 @@ fn agree_within(p: &Parameters, end: f64, limit: f64) {
 
 #[test]
 fn base_design_to_the_end() {
-    agree(&Parameters::n80cb(), 0.0835);
+    agree(&n80cb(), 0.0835);
 }
 
 #[test]
 fn a_soft_wood_a_light_tool_and_a_low_pressure() {
-    let mut soft = Parameters::n80cb();
+    let mut soft = n80cb();
     soft.wood.hardness_modulus *= 0.85;
     agree(&soft, 0.030);
-    let mut light = Parameters::n80cb();
+    let mut light = n80cb();
     light.tool.mass = 3.4;
     light.contacts.nose_stiffness = 1e7;
     agree(&light, 0.045);
-    let mut low = Parameters::n80cb();
+    let mut low = n80cb();
     low.supply.pressure = 600e3;
     agree(&low, 0.045);
 }
 
 #[test]
 fn a_hand_with_mass_a_magazine_with_friction_and_a_jet_with_thrust() {
-    let mut p = Parameters::n80cb();
+    let mut p = n80cb();
     p.hand.mass = 1.2;
     p.wood.speed_term = -118.0;
     p.wood.slenderness_term = -1.12;

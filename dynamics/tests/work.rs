@@ -1,13 +1,17 @@
 //! The work of the base design, frozen: a loss of efficiency fails like a wrong answer.
 
+mod common;
+
 use nailnoise_dynamics::{Parameters, Settings, simulate};
+
+use common::n80cb;
 
 /// Part by which a count may differ: another mathematical library moves a few steps by its last digit.
 const ROUNDING: f64 = 0.01;
 
 #[test]
 fn work_of_the_base_design() {
-    let work = simulate(&Parameters::n80cb(), &Settings::default()).unwrap().work;
+    let work = simulate(&n80cb(), &Settings::default()).unwrap().work;
     let frozen = [
         ("steps", work.steps, 4678),
         ("rejected", work.rejected, 650),
@@ -31,12 +35,12 @@ fn a_record_serialises() {
         end: 1e-3,
         ..Settings::default()
     };
-    let record = simulate(&Parameters::n80cb(), &settings).unwrap();
+    let record = simulate(&n80cb(), &settings).unwrap();
     let json = serde_json::to_value(&record).unwrap();
     assert_eq!(json["outcome"], "does_not_open");
     assert_eq!(json["events"]["t0"], 0.0);
     assert_eq!(json["events"]["t18"], serde_json::Value::Null);
     assert_eq!(json["piston"]["position"].as_array().unwrap().len(), record.len());
-    let parameters: Parameters = serde_json::from_value(serde_json::to_value(Parameters::n80cb()).unwrap()).unwrap();
-    assert_eq!(parameters, Parameters::n80cb());
+    let parameters: Parameters = serde_json::from_value(serde_json::to_value(n80cb()).unwrap()).unwrap();
+    assert_eq!(parameters, n80cb());
 }

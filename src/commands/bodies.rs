@@ -5,8 +5,11 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use nailnoise_meshes::msh::Imported;
 
+use nailnoise_quantities::dimension::LENGTH;
+use nailnoise_quantities::measure;
+
 use crate::design::inputs::bodies as inputs;
-use crate::design::{Design, LENGTH, Values, kept, measure};
+use crate::design::{Design, Values};
 use crate::error::Error;
 use crate::stages::bodies::{BodyKind, MeshFile, Meshed};
 
@@ -65,7 +68,7 @@ impl Own {
             BodyKind::Tool => (&mut values.body.mesh, &mut values.body.mesh_unit),
         };
         if let Some(path) = &self.mesh {
-            *mesh = kept(&path.to_string_lossy());
+            *mesh = path.to_string_lossy().into_owned();
         }
         *unit = self.unit.unwrap_or(*unit);
     }

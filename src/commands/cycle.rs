@@ -107,7 +107,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         (Some(preset), _) => pipeline::cycle_as_published(&design, preset)?,
         (None, Some(path)) => {
             let mut parameters = pipeline::parameters(&design)?;
-            parameters.wood.law = penetration::table(path)?.into();
+            parameters.penetration_table = Some(penetration::table(path)?);
             simulate(&parameters, &pipeline::cycle_settings(&design))?
         }
         (None, None) => pipeline::cycle(&design)?,

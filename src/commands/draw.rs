@@ -161,7 +161,8 @@ fn csv(study: &Study) -> String {
                 Value::Number(value) => write!(text, ",{value:e}"),
                 Value::Count(count) => write!(text, ",{count}"),
                 Value::Switch(on) => write!(text, ",{on}"),
-                Value::Choice(word) | Value::File(word) => write!(text, ",{word}"),
+                Value::Choice(word) => write!(text, ",{word}"),
+                Value::File(path) => write!(text, ",{path}"),
             };
         }
         text.push('\n');

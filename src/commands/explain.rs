@@ -147,7 +147,7 @@ fn estimates(entries: &[Entry]) -> Vec<Estimate> {
         .iter()
         .filter(|entry| entry.provenance == Provenance::Estimated)
         .filter_map(|entry| {
-            let (value, range) = (serde_json::to_value(entry.value).ok()?.as_f64()?, entry.range?);
+            let (value, range) = (serde_json::to_value(&entry.value).ok()?.as_f64()?, entry.range?);
             Some(Estimate {
                 key: entry.key.clone(),
                 value,
@@ -170,7 +170,7 @@ fn unknowns(entries: &[Entry]) -> Vec<String> {
             Provenance::Design => entry.source.is_empty(),
             _ => false,
         };
-        let number = serde_json::to_value(entry.value).is_ok_and(|value| value.is_number());
+        let number = serde_json::to_value(&entry.value).is_ok_and(|value| value.is_number());
         unsure && number && entry.range.is_none()
     };
     entries.iter().filter(open).map(|entry| entry.key.clone()).collect()

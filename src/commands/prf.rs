@@ -5,16 +5,19 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use nailnoise_dynamics::prf::{FitQuality, NAILS, PenetrationLaw, REFERENCE_SPEED, WOODS};
+use nailnoise_dynamics::prf::{
+    CurveError, CurveLaw, FitQuality, NAILS, PenetrationCurve, PenetrationLaw, REFERENCE_SPEED, WOODS,
+};
 use serde::Serialize;
 
 use super::table::table;
 use super::{print, print_json};
-use crate::design::{FORCE, LENGTH, VELOCITY, measure};
 use crate::error::Error;
 use crate::figures;
 use crate::output;
-use crate::penetration::{self, Law, PenetrationError, Resistance, law_name};
+use crate::penetration::{self, PenetrationError};
+use nailnoise_quantities::dimension::{FORCE, LENGTH, VELOCITY};
+use nailnoise_quantities::measure;
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -108,7 +111,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
 }
 
 /// Every law for every nail, the published ones in every wood.
-fn resistances(arguments: &Arguments) -> Result<Vec<Resistance>, PenetrationError> {
+fn resistances(arguments: &Arguments) -> Result<Vec<PenetrationCurve>, PenetrationError> {
     let speed = arguments.speed.unwrap_or(REFERENCE_SPEED);
     let nails: Vec<_> = arguments
         .nail
@@ -120,39 +123,39 @@ fn resistances(arguments: &Arguments) -> Result<Vec<Resistance>, PenetrationErro
         for wood in &arguments.wood {
             for nail in &nails {
                 let (law, wood) = (penetration::law(law)?, penetration::wood(wood)?);
-                all.push(Resistance::new(law, wood, nail, speed)?);
+                all.push(PenetrationCurve::new(law, wood, nail, speed)?);
             }
         }
     }
     for force in &arguments.constant {
         for nail in &nails {
-            all.push(Resistance::constant(*force, nail)?);
+            all.push(PenetrationCurve::constant(*force, nail)?);
         }
     }
     for path in &arguments.table {
         let table = penetration::table(path)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         for nail in &nails {
-            all.push(Resistance::tabulated(&name, table.clone(), nail)?);
+            all.push(PenetrationCurve::tabulated(&name, table.clone(), nail)?);
         }
     }
     Ok(all)
 }
 
-fn wood_name(law: &Resistance) -> &str {
+fn wood_name(law: &PenetrationCurve) -> &str {
     law.wood().map_or("", |wood| wood.name)
 }
 
 /// Names of the curves: the properties that differ between them.
-fn labels(laws: &[Resistance]) -> Vec<String> {
-    let parts: [fn(&Resistance) -> &str; 3] = [|law| &law.name, |law| law.nail.name, wood_name];
+fn labels(laws: &[PenetrationCurve]) -> Vec<String> {
+    let parts: [fn(&PenetrationCurve) -> &str; 3] = [|law| &law.name, |law| law.nail.name, wood_name];
     // A law that is of no wood does not make the woods differ.
-    let differ = |name: fn(&Resistance) -> &str| {
+    let differ = |name: fn(&PenetrationCurve) -> &str| {
         let mut own = laws.iter().map(name).filter(|name| !name.is_empty());
         let first = own.next();
         own.any(|name| Some(name) != first)
     };
-    let label = |law: &Resistance| {
+    let label = |law: &PenetrationCurve| {
         let own: Vec<&str> = parts
             .iter()
             .filter(|name| differ(**name))
@@ -168,14 +171,14 @@ fn labels(laws: &[Resistance]) -> Vec<String> {
     laws.iter().map(label).collect()
 }
 
-fn evaluate(arguments: &Arguments, laws: &[Resistance], labels: &[String]) -> Result<PrfResult, PenetrationError> {
+fn evaluate(arguments: &Arguments, laws: &[PenetrationCurve], labels: &[String]) -> Result<PrfResult, CurveError> {
     let mut curves = Vec::new();
     let mut notes: Vec<String> = Vec::new();
     for (law, label) in laws.iter().zip(labels) {
         let length = law.nail.length;
         let specimen = match &law.law {
-            Law::Published { specimen, .. } => Some(specimen),
-            Law::Constant(_) | Law::Tabulated(_) => None,
+            CurveLaw::Published { specimen, .. } => Some(specimen),
+            CurveLaw::Constant(_) | CurveLaw::Tabulated(_) => None,
         };
         let depths = match arguments.depth.as_slice() {
             [] => (1..=10).map(|tenth| length * f64::from(tenth) / 10.0).collect(),
@@ -198,7 +201,7 @@ fn evaluate(arguments: &Arguments, laws: &[Resistance], labels: &[String]) -> Re
             density: specimen.map(|s| s.density),
             diameter: specimen.map(|s| s.diameter),
             fit: law.quality(),
-            rows: depths.into_iter().map(row).collect::<Result<_, PenetrationError>>()?,
+            rows: depths.into_iter().map(row).collect::<Result<_, CurveError>>()?,
             work: law.work(length)?,
         });
         for note in law.notes() {
@@ -299,7 +302,7 @@ fn text(result: &PrfResult, tenths: bool) -> String {
 
 /// `penetration.csv`: force, its band of one standard error where a fit is published, and work, every 0.5 % of the
 /// nail's length.
-fn csv(laws: &[Resistance]) -> Result<String, PenetrationError> {
+fn csv(laws: &[PenetrationCurve]) -> Result<String, CurveError> {
     let mut text = String::from("law,wood,nail,depth_m,force_n,force_low_n,force_high_n,work_j\n");
     for law in laws {
         for step in 0..=200 {
@@ -324,7 +327,7 @@ fn list() -> ExitCode {
                 format!("{:.2}", 100.0 * fit.r_squared),
                 format!("{:.5}", fit.standard_error),
             ];
-            [law_name(law).to_owned()]
+            [law.as_str().to_owned()]
                 .into_iter()
                 .chain(numbers)
                 .chain([format!("{:.5}", fit.mean_absolute_error)])
@@ -374,7 +377,7 @@ fn list_json() -> Result<ExitCode, Error> {
     let laws: Vec<Law> = PenetrationLaw::ALL
         .into_iter()
         .map(|law| Law {
-            name: law_name(law),
+            name: law.as_str(),
             coefficients: law.coefficients(),
             fit: law.fit_quality(),
         })

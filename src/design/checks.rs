@@ -2,11 +2,12 @@
 //!
 //! Each rule reads plain values, so that a design changed by a program can be checked as well as a file.
 
-use super::dimension::*;
-use super::error::{Short, show};
-use super::groups::*;
-use super::springs::Sprung;
 use nailnoise_acoustics::muffler::plane_wave_limit;
+use nailnoise_quantities::dimension::*;
+
+use super::groups::*;
+use super::show::{Short, show};
+use super::springs::Sprung;
 
 /// Compression up to which the printed polynomial of the closing spring (Eq. 4.60) holds \[m\].
 const SPRING_LIMIT: f64 = 5e-3;

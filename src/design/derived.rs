@@ -5,9 +5,9 @@
 
 use std::f64::consts::PI;
 
-use nailnoise_dynamics as dynamics;
+use nailnoise_quantities::Dimension;
+use nailnoise_quantities::dimension::*;
 
-use super::dimension::*;
 use super::groups::*;
 
 /// Relative difference up to which a given derived quantity agrees with the computed one.
@@ -52,67 +52,41 @@ macro_rules! derived {
 }
 
 derived! {
-    "piston.area" "A_1" AREA "Area of the piston's upper side." ["piston.bore"] |v| piston(v).area();
-    "piston.rod_area" "A_r" AREA "Area of the rod." ["piston.rod_diameter"] |v| piston(v).rod_area();
+    "piston.area" "A_1" AREA "Area of the piston's upper side." ["piston.bore"] |v| v.piston.area();
+    "piston.rod_area" "A_r" AREA "Area of the rod." ["piston.rod_diameter"] |v| v.piston.rod_area();
     "piston.lower_area" "A_2" AREA "Area of the piston's lower side, A_1 - A_r."
-        ["piston.bore", "piston.rod_diameter"] |v| piston(v).lower_area();
+        ["piston.bore", "piston.rod_diameter"] |v| v.piston.lower_area();
     "head_valve.control_area" "A_h1" AREA "Area of the head valve's upper side."
-        ["head_valve.outer_diameter", "head_valve.inner_diameter"] |v| head_valve(v).control_area();
+        ["head_valve.outer_diameter", "head_valve.inner_diameter"] |v| v.head_valve.control_area();
     "head_valve.supply_area" "A_h2" AREA "Area of the head valve's underside outside the seat."
-        ["head_valve.outer_diameter", "head_valve.seat_diameter"] |v| head_valve(v).supply_area();
+        ["head_valve.outer_diameter", "head_valve.seat_diameter"] |v| v.head_valve.supply_area();
     "head_valve.cylinder_area" "A_h3" AREA "Area of the head valve's underside inside the seat, A_h1 - A_h2."
-        ["head_valve.seat_diameter", "head_valve.inner_diameter"] |v| head_valve(v).cylinder_area();
+        ["head_valve.seat_diameter", "head_valve.inner_diameter"] |v| v.head_valve.cylinder_area();
     "exhaust.area" "A_ma" AREA "Area of all exhaust holes." ["exhaust.holes", "exhaust.hole_diameter"]
-        |v| exhaust(v).area();
+        |v| v.exhaust.area();
     "trigger.delay" "tau" TIME "Delay of the trigger channel, L_ch/c."
-        ["trigger.channel_length", "ambient.temperature"] |v| trigger(v).delay(&ambient(v));
+        ["trigger.channel_length", "ambient.temperature"] |v| v.trigger.delay(&v.ambient);
     "trigger.fill_attenuation" "phi_in" NUMBER "Attenuation of the trigger channel at supply pressure (Eq. 4.50)."
         ["trigger.channel_length", "trigger.channel_diameter"]
-        |v| trigger(v).attenuation(v.supply.pressure, &ambient(v));
+        |v| v.trigger.attenuation(v.supply.pressure, &v.ambient);
     "trigger.vent_attenuation" "phi_out" NUMBER "Attenuation of the trigger channel at ambient pressure (Eq. 4.50)."
         ["trigger.channel_length", "trigger.channel_diameter"]
-        |v| trigger(v).attenuation(v.ambient.pressure, &ambient(v));
+        |v| v.trigger.attenuation(v.ambient.pressure, &v.ambient);
     "nail.mass" "M_n" MASS "Mass of the nail."
         ["nail.length", "nail.diameter", "nail.head_diameter", "nail.head_thickness", "nail.density"]
-        |v| nail(v).mass();
+        |v| v.nail.mass();
     "workpiece.mass" "M_w" MASS "Mass of the workpiece."
         ["workpiece.length", "workpiece.width", "workpiece.thickness", "wood.density"]
-        |v| dynamics::Wood::from(v).block_mass();
+        |v| v.workpiece.mass(v.wood.density);
     "support.sand.shear_speed" "V_s" VELOCITY "Shear wave speed of the sand, sqrt(G_0/rho)."
         ["support.sand.shear_modulus", "support.sand.density"] |v| v.support.sand.shear_speed();
     "body.volume" "V" VOLUME "Volume of air that the tool body displaces."
         ["body.barrel_radius", "body.cap_radius", "body.handle_radius", "body.magazine_radius", "body.nose_width"]
         |v| v.body.volume();
     "ambient.density" "rho_0" DENSITY "Density of the air, P_a/(R T_a)."
-        ["ambient.pressure", "ambient.gas_constant", "ambient.temperature"] |v| ambient(v).density();
+        ["ambient.pressure", "ambient.gas_constant", "ambient.temperature"] |v| v.ambient.density();
     "ambient.sound_speed" "c_0" VELOCITY "Speed of sound, sqrt(gamma R T_a)."
-        ["ambient.heat_capacity_ratio", "ambient.gas_constant", "ambient.temperature"] |v| ambient(v).sound_speed();
-}
-
-// The cycle holds the formulas of its own parameters.
-
-fn piston(v: &Values) -> dynamics::Piston {
-    (&v.piston).into()
-}
-
-fn head_valve(v: &Values) -> dynamics::HeadValve {
-    (&v.head_valve).into()
-}
-
-fn exhaust(v: &Values) -> dynamics::Exhaust {
-    (&v.exhaust).into()
-}
-
-fn trigger(v: &Values) -> dynamics::Trigger {
-    (&v.trigger).into()
-}
-
-fn nail(v: &Values) -> dynamics::Nail {
-    (&v.nail).into()
-}
-
-fn ambient(v: &Values) -> dynamics::Ambient {
-    (&v.ambient).into()
+        ["ambient.heat_capacity_ratio", "ambient.gas_constant", "ambient.temperature"] |v| v.ambient.sound_speed();
 }
 
 impl Sand {

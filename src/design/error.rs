@@ -1,17 +1,18 @@
 //! What is wrong with a design, where, and what to do about it.
 
-use std::fmt::{self, Display};
+use std::fmt::Display;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use miette::{Diagnostic, LabeledSpan, Severity, SourceCode};
+use nailnoise_quantities::dimension::LENGTH;
+use nailnoise_quantities::{Dimension, UnitError};
 
 use super::checks::Conflict;
-use super::dimension::{Dimension, LENGTH};
+use super::place::Place;
 use super::sensors::SensorProblem;
-use super::source::Place;
+use super::show::show;
 use super::springs::Sprung;
-use super::units::UnitError;
 
 /// Why a design cannot be used. As a [`Diagnostic`] it shows the place and the remedy.
 #[derive(Debug, thiserror::Error)]
@@ -605,26 +606,4 @@ fn nearest_design(path: &Path) -> Option<PathBuf> {
         }
     }
     best.map(|(_, name)| folder.join(name))
-}
-
-/// A number to six significant digits, without a tail of zeros.
-pub(crate) struct Short(pub(crate) f64);
-
-impl Display for Short {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Ok(rounded) = format!("{:.5e}", self.0).parse::<f64>() else {
-            return write!(f, "{}", self.0);
-        };
-        if rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs()) {
-            write!(f, "{rounded}")
-        } else {
-            write!(f, "{rounded:e}")
-        }
-    }
-}
-
-/// The value with a readable unit of its dimension: 0.06 m is "60 mm".
-pub(crate) fn show(value: f64, dimension: Dimension) -> String {
-    let (scale, unit) = dimension.readable();
-    format!("{} {unit}", Short(value * scale)).trim_end().to_owned()
 }

@@ -1,10 +1,16 @@
 //! Every key of the design file, group by group.
 //!
-//! Symbols are those of Z. Nili Ahmadabadi, "Noise source identification and dynamic modeling of a pneumatic nailing
-//! device" (ETS Montreal, 2016), ch. 4, where it has one.
+//! The groups of the nailing cycle are declared by [`nailnoise_dynamics`]; here stand those that only the structures and
+//! the sound use. Symbols are those of Z. Nili Ahmadabadi, "Noise source identification and dynamic modeling of a pneumatic
+//! nailing device" (ETS Montreal, 2016), ch. 4, where it has one.
 
-use super::dimension::*;
-use super::schema::{Kind, any, choice, component, fraction, gas_pressure, group, nonnegative, positive};
+use nailnoise_dynamics as dynamics;
+pub use nailnoise_dynamics::{
+    Ambient, Chambers, Contacts, Form, Friction, Hand, HeadValve, Model, Piston, Supply, Tool, Trigger,
+};
+use nailnoise_quantities::dimension::*;
+use nailnoise_quantities::{Kind, any, choice, fraction, group, nonnegative, positive};
+
 use super::sensors::Sensor;
 use super::springs::Spring;
 
@@ -38,125 +44,11 @@ group! {
 }
 
 group! {
-    /// Compressed-air supply.
-    Supply {
-        /// Supply pressure, absolute; a unit that ends in g (psig, barg) is a gauge pressure.
-        pressure: f64 = gas_pressure(), "P_sup";
-        /// Flow area of the hose and its fitting; flow is this times the discharge coefficient of the holes.
-        hose_area: f64 = nonnegative(AREA), "A_sup";
-    }
-}
-
-group! {
-    /// Coulomb friction that falls from its static to its sliding value, and a viscous part.
-    Friction {
-        /// Static friction.
-        static_force: f64 = nonnegative(FORCE), "F_s";
-        /// Sliding friction.
-        sliding_force: f64 = nonnegative(FORCE), "F_d";
-        /// Viscous friction coefficient.
-        viscous: f64 = nonnegative(DAMPING), "beta";
-    }
-}
-
-group! {
-    /// Piston with its driver rod.
-    Piston {
-        /// Mass of piston and rod.
-        mass: f64 = positive(MASS), "M_p";
-        /// Travel from the upper stopper to the bumper.
-        stroke: f64 = positive(LENGTH), "L";
-        /// Bore of the cylinder.
-        bore: f64 = positive(LENGTH), "d_c";
-        /// Diameter of the driver rod.
-        rod_diameter: f64 = positive(LENGTH), "d_r";
-    }
-    groups {
-        friction: Friction,
-    }
-}
-
-group! {
-    /// Head valve: a ring that shuts the cylinder's top, or opens it to the supply and shuts the exhaust.
-    HeadValve {
-        /// Mass of the valve.
-        mass: f64 = positive(MASS), "M_h";
-        /// Full lift, from the cylinder's seat to the cap.
-        lift: f64 = positive(LENGTH), "L_h";
-        /// Outer diameter of the ring; A_h1 = pi/4 (outer^2 - inner^2).
-        outer_diameter: f64 = positive(LENGTH), "D_o";
-        /// Diameter of the seat on the cylinder; A_h2 = pi/4 (outer^2 - seat^2).
-        seat_diameter: f64 = positive(LENGTH), "D_s";
-        /// Inner diameter of the ring.
-        inner_diameter: f64 = positive(LENGTH), "D_i";
-        /// Lift at which the intake opens.
-        intake_lap: f64 = nonnegative(LENGTH), "Y_he0";
-        /// Lift at which the exhaust shuts; at most the intake's, or air passes from supply to exhaust.
-        exhaust_lap: f64 = nonnegative(LENGTH), "Y_he1";
-        /// Seat angle of the intake.
-        intake_angle: f64 = positive(ANGLE), "theta_0";
-        /// Seat angle of the exhaust.
-        exhaust_angle: f64 = positive(ANGLE), "theta_1";
-        /// Diameter of the exhaust's seat.
-        exhaust_seat_diameter: f64 = positive(LENGTH), "d_ps";
-        /// Compression of the closing spring with the valve shut.
-        spring_preload: f64 = nonnegative(LENGTH), "y_sp";
-    }
-    groups {
-        friction: Friction,
-    }
-}
-
-group! {
-    /// Gas volumes, the holes between them, and their walls.
-    Chambers {
-        /// Dead volume above the piston.
-        above_piston: f64 = positive(VOLUME), "V_01";
-        /// Dead volume below the piston when it stands on the bumper.
-        below_piston: f64 = positive(VOLUME), "V_02";
-        /// Return volume around the cylinder.
-        return_volume: f64 = positive(VOLUME), "V_r";
-        /// Dead volume above the open head valve.
-        above_valve: f64 = positive(VOLUME), "V_0h";
-        /// Volume on the supply side: handle and cylinder jacket.
-        supply_volume: f64 = positive(VOLUME), "V_ext";
-        /// Area of the check-ring holes from above the piston to the return volume.
-        check_hole_area: f64 = nonnegative(AREA), "A_1r";
-        /// Piston travel that uncovers the check-ring holes.
-        check_hole_position: f64 = positive(LENGTH), "y_rh";
-        /// Area of the open holes at the cylinder's foot to the return volume.
-        return_hole_area: f64 = nonnegative(AREA), "A_2r";
-        /// Area of the leak past the rod, from below the piston to the atmosphere.
-        leak_area: f64 = nonnegative(AREA), "A_lk2";
-        /// Discharge coefficient of all holes, those of the exhaust included.
-        discharge_coefficient: f64 = fraction(), "C_d";
-        /// Heat transfer between gas and walls.
-        wall_heat_transfer: f64 = nonnegative(HEAT_TRANSFER), "h_w";
-        /// Wall of the volume above the piston, without the cylinder's bore.
-        wall_above_piston: f64 = nonnegative(AREA), "A_w10";
-        /// Wall of the volume below the piston, without the cylinder's bore.
-        wall_below_piston: f64 = nonnegative(AREA), "A_w20";
-        /// Wall of the return volume.
-        wall_return: f64 = nonnegative(AREA), "A_wr";
-        /// Wall of the volume above the head valve.
-        wall_above_valve: f64 = nonnegative(AREA), "A_wh";
-        /// Wall of the supply side.
-        wall_supply: f64 = nonnegative(AREA), "A_wx";
-    }
-}
-
-group! {
     /// Exhaust holes behind the head valve; A_ma = n pi d^2/4.
-    Exhaust {
-        /// Number of holes.
-        holes: u32 = Kind::Count, "n";
-        /// Diameter of one hole.
-        hole_diameter: f64 = positive(LENGTH), "d";
+    Exhaust = cycle: dynamics::Exhaust {
         /// Distance of neighbouring holes, centre to centre. More than 3 d, each hole's jet sounds for itself; nearer,
         /// the jets merge and sound as one of the same area. Without effect for one hole.
         pitch: f64 = positive(LENGTH), "";
-        /// Part of the jets' thrust that acts on the tool along the driving direction, positive towards the wood.
-        thrust_share: f64 = component(), "";
     }
     groups {
         plenum: Plenum,
@@ -241,72 +133,12 @@ group! {
 }
 
 group! {
-    /// Trigger valve, and the channel from it to the volume above the head valve.
-    Trigger {
-        /// Length of the channel.
-        channel_length: f64 = positive(LENGTH), "L_ch";
-        /// Diameter of the channel.
-        channel_diameter: f64 = positive(LENGTH), "D_ch";
-        /// Effective area, C_d included, of the vent to the atmosphere.
-        vent_area: f64 = positive(AREA), "C A_tv";
-        /// Effective area, C_d included, of the fill from the supply side.
-        fill_area: f64 = positive(AREA), "C A_tvin";
-    }
-}
-
-group! {
     /// The nail, and where it stands under the rod.
-    Nail {
-        /// Length with the head.
-        length: f64 = positive(LENGTH), "l_n";
-        /// Diameter of the shank.
-        diameter: f64 = positive(LENGTH), "D";
-        /// Diameter of the head.
-        head_diameter: f64 = positive(LENGTH), "D_h";
-        /// Thickness of the head.
-        head_thickness: f64 = positive(LENGTH), "t_h";
-        /// Density of the steel.
-        density: f64 = positive(DENSITY), "rho_n";
-        /// Piston travel at which the rod strikes the nail's head.
-        head_gap: f64 = positive(LENGTH), "y_pbin";
-        /// Piston travel at which the nail's tip touches the wood.
-        tip_gap: f64 = positive(LENGTH), "y_pbp";
-        /// Friction of magazine and guide on the nail while the rod drives it.
-        magazine_friction: f64 = nonnegative(FORCE), "";
+    Nail = cycle: dynamics::Nail {
         /// Where the nail is driven: distance from the block's centre along its length.
         offset_along: f64 = any(LENGTH), "";
         /// Where the nail is driven: distance from the block's centre across its width.
         offset_across: f64 = any(LENGTH), "";
-    }
-}
-
-choice! {
-    /// A law of penetration resistance.
-    PenetrationLaw {
-        /// Smooth shank, Eq. 2.2.
-        Smooth = "smooth",
-        /// Annular shank, Eq. 2.2.
-        Annular = "annular",
-        /// Helical shank, Eq. 2.2.
-        Helical = "helical",
-        /// All shanks, Eq. 2.2.
-        General = "general",
-        /// General law without its last term (Table 2-8).
-        Reduced1 = "reduced1",
-        /// General law without its last two terms.
-        Reduced2 = "reduced2",
-        /// General law without its last three terms.
-        Reduced3 = "reduced3",
-        /// General law without its last four terms.
-        Reduced4 = "reduced4",
-        /// General law without its last five terms.
-        Reduced5 = "reduced5",
-        /// General law without its last six terms.
-        Reduced6 = "reduced6",
-        /// Solid wood, Eq. 4.59.
-        SolidWood = "solid_wood",
-        /// The same force at every depth.
-        Constant = "constant",
     }
 }
 
@@ -346,25 +178,7 @@ group! {
 
 group! {
     /// The wood of the workpiece.
-    Wood {
-        /// Density.
-        density: f64 = positive(DENSITY), "rho_w";
-        /// Hardness modulus; also the stiffness k_w of the wood under the nail's head.
-        hardness_modulus: f64 = positive(STIFFNESS), "H_M";
-        /// Law of penetration resistance.
-        penetration_law: PenetrationLaw = PenetrationLaw::KIND, "F_r";
-        /// Coefficient of the speed term of the solid-wood law, at its reference speed.
-        speed_term: f64 = any(VELOCITY_SQUARED), "C8 v_ref^2";
-        /// Coefficient of the slenderness term D/l_n of the solid-wood law.
-        slenderness_term: f64 = any(NUMBER), "C9";
-        /// Force of the constant law; unused with the others.
-        penetration_force: f64 = nonnegative(FORCE), "";
-        /// Multiplier on the penetration law.
-        resistance_scale: f64 = nonnegative(NUMBER), "Fr_scale";
-        /// Multiplier on the stiffness under the nail's head, k_w = scale H_M.
-        head_stiffness_scale: f64 = nonnegative(NUMBER), "kw_scale";
-        /// Unloading stiffness of the seated nail.
-        unloading_stiffness: f64 = positive(STIFFNESS), "k_u";
+    Wood = cycle: dynamics::Wood {
         /// Share of the resistance at full depth that is friction along the shank; the rest acts at the tip.
         friction_share: f64 = fraction(), "";
         /// Direction of driving relative to the growth rings.
@@ -403,68 +217,12 @@ group! {
 
 group! {
     /// The block of wood that is nailed.
-    Workpiece {
-        /// Length, along the grain.
-        length: f64 = positive(LENGTH), "L";
-        /// Width.
-        width: f64 = positive(LENGTH), "W";
-        /// Thickness, in the direction of driving.
-        thickness: f64 = positive(LENGTH), "H";
+    Workpiece = block: dynamics::Block {
         /// Mesh (.msh) or geometry (.step) in place of the block, for the modes and the response: the length centred on
         /// x = 0, the width on y = 0, z up from the underside; with the surfaces `top` and `bottom`.
-        mesh: &'static str = Kind::File, "";
+        mesh: String = Kind::File, "";
         /// Length of one unit of that file.
         mesh_unit: f64 = positive(LENGTH), "";
-    }
-}
-
-group! {
-    /// Lumped contacts: springs and dampers that act in compression only.
-    Contacts {
-        /// Stiffness of the bumper under the piston.
-        bumper_stiffness: f64 = positive(STIFFNESS), "k_pb";
-        /// Damping of the bumper.
-        bumper_damping: f64 = nonnegative(DAMPING), "beta_pb";
-        /// Stiffness of the upper stopper.
-        stopper_stiffness: f64 = positive(STIFFNESS), "k_ps";
-        /// Damping of the upper stopper.
-        stopper_damping: f64 = nonnegative(DAMPING), "beta_ps";
-        /// Stiffness of the head valve on the cap.
-        cap_stiffness: f64 = positive(STIFFNESS), "k_hc1";
-        /// Stiffness of the head valve on the cylinder's seat.
-        seat_stiffness: f64 = positive(STIFFNESS), "k_hc2";
-        /// Damping ratio of both head-valve contacts, on the valve's mass.
-        valve_damping_ratio: f64 = nonnegative(NUMBER), "zeta_hc";
-        /// Stiffness of the nose on the wood.
-        nose_stiffness: f64 = positive(STIFFNESS), "k_wsn";
-        /// Damping ratio of the nose contact, on the tool's mass.
-        nose_damping_ratio: f64 = nonnegative(NUMBER), "zeta_wsn";
-        /// Stiffness of the guard's spring.
-        guard_stiffness: f64 = positive(STIFFNESS), "k_sg";
-        /// Guard travel: rise of the tool off the wood at which the trigger valve is released.
-        guard_travel: f64 = positive(LENGTH), "y_msg";
-    }
-}
-
-group! {
-    /// The tool without its moving parts.
-    Tool {
-        /// Mass of the tool without piston and head valve.
-        mass: f64 = positive(MASS), "M_g";
-    }
-}
-
-group! {
-    /// The hand that holds the tool.
-    Hand {
-        /// Constant push towards the wood.
-        force: f64 = nonnegative(FORCE), "F_hm";
-        /// Mass of hand and arm that the push acts on; 0 where it acts on the tool itself.
-        mass: f64 = nonnegative(MASS), "m_m";
-        /// Stiffness between the hand's mass and the tool; unused without the mass.
-        stiffness: f64 = positive(STIFFNESS), "k_m";
-        /// Damping between the hand's mass and the tool; unused without the mass.
-        damping: f64 = nonnegative(DAMPING), "c_m";
     }
 }
 
@@ -567,7 +325,7 @@ group! {
         /// Mesh (.msh) or geometry (.step) in place of the table, z = 0 at its upper face; with the parts `top` and `leg`
         /// and the surfaces `top` and, if it is clamped, `floor`. Bodies meshed apart are tied: the nodes of a surface `NAME_slave` follow
         /// those of `NAME_master`.
-        mesh: &'static str = Kind::File, "";
+        mesh: String = Kind::File, "";
         /// Length of one unit of that file.
         mesh_unit: f64 = positive(LENGTH), "";
     }
@@ -742,7 +500,7 @@ group! {
         /// surfaces `nose_tip`, `magazine` and `seat`; the nodes of a surface `NAME_slave` follow those of `NAME_master`.
         /// Forces of the shot act on `cap`, `seat`, `bumper_seat`, `gas_bore`, `nose_tip` and `handle`, and where there are
         /// such, gas on `supply`, `plenum`, `sleeve_outside` and `barrel_inside`.
-        mesh: &'static str = Kind::File, "";
+        mesh: String = Kind::File, "";
         /// Length of one unit of that file.
         mesh_unit: f64 = positive(LENGTH), "";
     }
@@ -750,24 +508,6 @@ group! {
         housing: Isotropic,
         nose: Isotropic,
         sleeve: Isotropic,
-    }
-}
-
-group! {
-    /// Surrounding air and gravity.
-    Ambient {
-        /// Absolute pressure.
-        pressure: f64 = positive(PRESSURE), "P_a";
-        /// Temperature.
-        temperature: f64 = positive(TEMPERATURE), "T_a";
-        /// Specific gas constant of air.
-        gas_constant: f64 = positive(GAS_CONSTANT), "R";
-        /// Ratio of specific heats.
-        heat_capacity_ratio: f64 = positive(NUMBER), "gamma";
-        /// Dynamic viscosity.
-        viscosity: f64 = positive(VISCOSITY), "mu";
-        /// Acceleration of gravity.
-        gravity: f64 = nonnegative(ACCELERATION), "g";
     }
 }
 
@@ -854,51 +594,5 @@ group! {
         cycle_tolerance: f64 = positive(NUMBER), "";
         /// Largest relative residual of a mode.
         mode_tolerance: f64 = positive(NUMBER), "";
-    }
-}
-
-choice! {
-    /// Which form of one part of the physics is used.
-    Form {
-        /// The corrected form.
-        Corrected = "corrected",
-        /// As printed in the thesis.
-        Published = "published",
-    }
-}
-
-group! {
-    /// Which form of the physics is used, corrected or as published, and widths that smooth it.
-    Model {
-        /// Gas: balances of mass and energy, or the published isothermal polytropic law.
-        gas: Form = Form::KIND, "thermo";
-        /// Head valve: the pressure above the piston acts on its underside and it sweeps all volumes, or neither.
-        valve_underside: Form = Form::KIND, "hvp1";
-        /// Nail: elasto-plastic penetration, or resistance that ends at full depth and at the first reversal.
-        nail: Form = Form::KIND, "nailmode";
-        /// Rod on nail: a plastic impact that keeps momentum, or a mass that jumps at constant velocity.
-        impact: Form = Form::KIND, "jump";
-        /// Contacts: compression only, or dampers that may pull.
-        contacts: Form = Form::KIND, "clampc";
-        /// Intake and exhaust: flow both ways, or one way.
-        intake: Form = Form::KIND, "bidir";
-        /// Trigger channel: only the switching is delayed, or the flow is.
-        delay: Form = Form::KIND, "delaymode";
-        /// Trigger channel: the same flow at both ends, or the supply side loses the undelayed one.
-        channel: Form = Form::KIND, "chcons";
-        /// Supply hose: refills the supply side, or is absent.
-        refill: Form = Form::KIND, "refill";
-        /// Polytropic exponent of the published gas law.
-        polytropic: f64 = positive(NUMBER), "alpha";
-        /// Exponent of inflow in the published gas law.
-        polytropic_inflow: f64 = positive(NUMBER), "alpha_in";
-        /// Exponent of outflow in the published gas law.
-        polytropic_outflow: f64 = positive(NUMBER), "alpha_out";
-        /// Velocity over which friction turns its sign.
-        friction_velocity: f64 = positive(VELOCITY), "v_0";
-        /// Velocity over which friction falls from static to sliding.
-        stribeck_velocity: f64 = positive(VELOCITY), "v_st";
-        /// Relative pressure difference below which an orifice is linearised.
-        orifice_linear: f64 = positive(NUMBER), "1 - P_d/P_u";
     }
 }

@@ -1,10 +1,10 @@
 //! The design file's schema for editors, from the same declarations that read it.
 
+use nailnoise_quantities::{Group, GroupSpec, KeySpec, Kind};
 use serde_json::{Map, Value, json};
 
 use super::groups::Values;
 use super::provenance::Provenance;
-use super::schema::{Group, GroupSpec, KeySpec, Kind};
 
 /// A JSON Schema (draft 2020-12) of the design file: completion, descriptions and first checks in an editor that knows
 /// TOML schemas. Units and limits are checked by this program alone.
@@ -33,7 +33,7 @@ pub fn json_schema() -> Value {
 }
 
 fn group(spec: &GroupSpec) -> Value {
-    let keys = spec.keys.iter().map(|spec| (spec.name.to_owned(), key(spec)));
+    let keys = spec.keys().map(|spec| (spec.name.to_owned(), key(spec)));
     let groups = spec.groups.iter().map(|(name, spec)| ((*name).to_owned(), group(spec)));
     let lists = spec.lists.iter().map(|(name, spec)| {
         let members = json!({"type": "object", "description": spec.description(), "additionalProperties": group(spec)});

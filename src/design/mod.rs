@@ -14,52 +14,45 @@
 
 mod checks;
 mod derived;
-mod dimension;
 mod error;
 mod groups;
 pub(crate) mod inputs;
 mod json_schema;
-mod measure;
+mod lists;
+mod place;
 mod provenance;
-mod quantity;
 mod reference;
 mod resolve;
-mod schema;
 mod sensors;
 mod set;
 mod settings;
+mod show;
 mod source;
 mod springs;
 mod suggest;
-mod units;
 
 use std::fmt::Write as _;
 use std::ops::{Deref, DerefMut};
 use std::path::{Path, PathBuf};
 
+use nailnoise_quantities::Group;
 use sha2::{Digest as _, Sha256};
 
 pub use checks::Conflict;
 pub use derived::{AGREEMENT, DERIVED, Derived};
-pub use dimension::Dimension;
-pub(crate) use dimension::{FORCE, LENGTH, VELOCITY};
 pub use error::{DesignError, Warning};
 pub use groups::*;
 pub use json_schema::json_schema;
-pub(crate) use measure::measure;
+pub use nailnoise_quantities::{Dimension, GroupSpec, KeySpec, Kind, Sign, UnitError, Value};
+pub use place::Place;
 pub use provenance::Provenance;
 pub use reference::reference;
-pub use schema::{GroupSpec, KeySpec, Kind, Sign, Value};
 pub use sensors::{Carrier, Sensor, SensorProblem};
 pub use set::SetError;
-pub use source::Place;
 pub use springs::{Spring, Sprung};
-pub use units::UnitError;
 
 use resolve::{Record, Records, Resolved};
-pub(crate) use schema::kept;
 
-use schema::Group;
 use source::File;
 
 /// A design: every quantity in SI units, and where each comes from.
@@ -167,8 +160,8 @@ impl Design {
                 Value::Count(count) => writeln!(text, "{key}={count}"),
                 Value::Switch(on) => writeln!(text, "{key}={on}"),
                 Value::Choice(word) => writeln!(text, "{key}={word}"),
-                Value::File("") => writeln!(text, "{key}="),
-                Value::File(path) => writeln!(text, "{key}={}", content(path)),
+                Value::File(path) if path.is_empty() => writeln!(text, "{key}="),
+                Value::File(path) => writeln!(text, "{key}={}", content(&path)),
             };
         });
         hexadecimal(&Sha256::digest(text))
@@ -185,8 +178,8 @@ impl Design {
             // Writing to a string cannot fail.
             let _ = match value {
                 Value::Number(value) => writeln!(text, "{key}={:x}", value.to_bits()),
-                Value::File("") => writeln!(text, "{key}="),
-                Value::File(path) => writeln!(text, "{key}={}", content(path)),
+                Value::File(path) if path.is_empty() => writeln!(text, "{key}="),
+                Value::File(path) => writeln!(text, "{key}={}", content(&path)),
                 other => writeln!(text, "{key}={other:?}"),
             };
         });
@@ -261,4 +254,18 @@ impl DerefMut for Design {
     fn deref_mut(&mut self) -> &mut Values {
         &mut self.values
     }
+}
+
+/// Another value of a key of this kind; none where only one is possible.
+#[cfg(test)]
+pub(crate) fn another(value: &Value, kind: Kind) -> Option<Value> {
+    Some(match (kind, value) {
+        (_, Value::Number(0.0)) => Value::Number(1e-3),
+        (_, Value::Number(number)) => Value::Number(number * (1.0 - 1e-6)),
+        (_, Value::Count(count)) => Value::Count(count + 1),
+        (_, Value::Switch(on)) => Value::Switch(!on),
+        (Kind::Choice(words), Value::Choice(word)) => Value::Choice(words.iter().find(|other| *other != word)?),
+        (_, Value::File(_)) => Value::File(concat!(env!("CARGO_MANIFEST_DIR"), "/README.md").to_owned()),
+        _ => return None,
+    })
 }

@@ -2,9 +2,10 @@
 
 use std::fmt::Write as _;
 
+use nailnoise_quantities::{Group, GroupSpec, Kind, MEMBER, dotted};
+
 use super::derived::DERIVED;
 use super::groups::Values;
-use super::schema::{Group, GroupSpec, Kind, MEMBER, dotted};
 
 /// All groups and keys of the design file as Markdown: key, what may stand there, symbol, description.
 pub fn reference() -> String {
@@ -32,10 +33,10 @@ pub fn reference() -> String {
 
 fn section(text: &mut String, path: &str, group: &GroupSpec) {
     let _ = writeln!(text, "\n## `[{path}]`\n\n{}\n", group.description());
-    if !group.keys.is_empty() {
+    if group.keys().next().is_some() {
         text.push_str("| key | holds | symbol | description |\n|---|---|---|---|\n");
     }
-    for key in group.keys {
+    for key in group.keys() {
         let _ = writeln!(
             text,
             "| `{}` | {} | {} | {} |",

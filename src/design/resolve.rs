@@ -2,16 +2,18 @@
 
 use std::collections::{BTreeSet, HashMap};
 
+use nailnoise_quantities::dimension::NUMBER;
+use nailnoise_quantities::{Dimension, Group, KeySpec, Kind, Measured, Sign, Value, dotted, members};
+
 use super::derived::AGREEMENT;
-use super::dimension::{Dimension, NUMBER};
-use super::error::{DesignError, Warning, show};
+use super::error::{DesignError, Warning};
 use super::groups::Values;
+use super::place::Place;
 use super::provenance::Provenance;
-use super::quantity::Measured;
-use super::schema::{Group, KeySpec, Kind, Sign, Value, dotted, members};
 use super::sensors::SensorProblem;
 use super::settings::{Given, GivenDerived, Layer, Setting};
-use super::source::{File, Place};
+use super::show::show;
+use super::source::File;
 use super::springs::Sprung;
 
 /// What the files say about one key, the nearest file last.
@@ -75,7 +77,7 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
     }
     let found = records
         .iter()
-        .map(|(key, record)| (key.clone(), record.value))
+        .map(|(key, record)| (key.clone(), record.value.clone()))
         .collect();
     let values = Values::build("", &found).map_err(|key| missing(key, 1, "a value".to_owned(), chain))?;
     if let Some(conflict) = values.conflict() {
@@ -358,7 +360,8 @@ fn shown(value: Value, spec: &KeySpec) -> String {
         Value::Number(value) => show(value, limits(spec.kind).0),
         Value::Count(count) => count.to_string(),
         Value::Switch(on) => on.to_string(),
-        Value::Choice(word) | Value::File(word) => word.to_owned(),
+        Value::Choice(word) => word.to_owned(),
+        Value::File(path) => path,
     }
 }
 

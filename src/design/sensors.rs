@@ -1,9 +1,9 @@
 //! Virtual sensors: accelerometers at any point of a body, in any direction, with the band limit of a real one.
 
-use super::dimension::{FREQUENCY, LENGTH};
-use super::error::Short;
-use super::groups::Values;
-use super::schema::{any, choice, component, group, positive};
+use nailnoise_quantities::dimension::{FREQUENCY, LENGTH};
+use nailnoise_quantities::{any, choice, component, group, positive};
+
+use super::show::{Short, show};
 
 choice! {
     /// What a sensor is fixed to.
@@ -76,7 +76,7 @@ pub enum SensorProblem {
 }
 
 fn mm(length: f64) -> String {
-    super::error::show(length, LENGTH)
+    show(length, LENGTH)
 }
 
 impl SensorProblem {
@@ -105,26 +105,5 @@ impl SensorProblem {
                     .to_owned()
             }
         }
-    }
-}
-
-impl Values {
-    /// The first sensor whose own values do not go together, with its name.
-    pub(crate) fn sensor_problem(&self) -> Option<(&str, SensorProblem)> {
-        let nyquist = 0.5 / self.analysis.time_step;
-        self.sensors.iter().find_map(|(name, sensor)| {
-            let (low, high) = (sensor.band_low, sensor.band_high);
-            let still = [sensor.along_x, sensor.along_y, sensor.along_z]
-                .iter()
-                .all(|c| *c == 0.0);
-            let problem = if still {
-                SensorProblem::NoDirection
-            } else if low >= high || high >= nyquist {
-                SensorProblem::Band { low, high, nyquist }
-            } else {
-                return None;
-            };
-            Some((name.as_str(), problem))
-        })
     }
 }

@@ -2,8 +2,9 @@
 
 use std::collections::HashMap;
 
+use nailnoise_quantities::{Group, Kind, Value};
+
 use super::groups::Values;
-use super::schema::{Group, Kind, Value};
 use super::suggest;
 
 /// Why a key cannot be set. The values are then as they were.
@@ -60,8 +61,8 @@ impl Values {
                     nearest: suggest::key(&Self::SPEC, key),
                 });
             };
-            check(key, *kind, *value)?;
-            *held = *value;
+            check(key, *kind, value)?;
+            *held = value.clone();
         }
         // Every key has been visited and every change is of its key's kind, so that nothing can be missing.
         let found = values.into_iter().map(|(key, (_, value))| (key, value)).collect();
@@ -72,18 +73,18 @@ impl Values {
     }
 }
 
-fn check(key: &str, kind: Kind, value: Value) -> Result<(), SetError> {
+fn check(key: &str, kind: Kind, value: &Value) -> Result<(), SetError> {
     let wrong = |expected| {
         Err(SetError::WrongKind {
             key: key.to_owned(),
-            value,
+            value: value.clone(),
             expected,
         })
     };
     match (kind, value) {
-        (Kind::Quantity { sign, .. }, Value::Number(number)) if !sign.allows(number) => Err(SetError::OutsideLimits {
+        (Kind::Quantity { sign, .. }, Value::Number(number)) if !sign.allows(*number) => Err(SetError::OutsideLimits {
             key: key.to_owned(),
-            value: number,
+            value: *number,
             allowed: sign.describe(),
         }),
         (Kind::Count, Value::Count(0)) => Err(SetError::OutsideLimits {
@@ -95,7 +96,7 @@ fn check(key: &str, kind: Kind, value: Value) -> Result<(), SetError> {
         | (Kind::Count, Value::Count(_))
         | (Kind::Switch, Value::Switch(_))
         | (Kind::File, Value::File(_)) => Ok(()),
-        (Kind::Choice(words), Value::Choice(word)) if words.contains(&word) => Ok(()),
+        (Kind::Choice(words), Value::Choice(word)) if words.contains(word) => Ok(()),
         (Kind::Quantity { .. }, _) => wrong("a quantity"),
         (Kind::Count, _) => wrong("a whole number"),
         (Kind::Switch, _) => wrong("true or false"),

@@ -2,20 +2,22 @@
 
 use std::ops::Range;
 
+use nailnoise_quantities::dimension::NUMBER;
+use nailnoise_quantities::{
+    self as quantities, Dimension, GroupSpec, KeySpec, Kind, Measured, QuantityError, Value, dotted,
+};
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
 use super::derived::Derived;
-use super::dimension::{Dimension, NUMBER};
 use super::error::DesignError;
+use super::place::Place;
 use super::provenance::Provenance;
-use super::quantity::{self, Measured, QuantityError};
-use super::schema::{GroupSpec, KeySpec, Kind, Value, dotted, kept};
-use super::source::{File, Place};
+use super::source::File;
 use super::suggest;
 
 /// What stands beside a key before gauge pressures are made absolute.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(crate) enum Given {
     Quantity(Measured),
     Other(Value),
@@ -137,7 +139,7 @@ impl Reader<'_> {
             }
         }
         let nearest = suggest::key(self.root, &full);
-        let keys = spec.keys.iter().map(|key| key.name);
+        let keys = spec.keys().map(|key| key.name);
         let known = keys
             .chain(spec.groups.iter().map(|(name, _)| *name))
             .map(str::to_owned)
@@ -249,7 +251,7 @@ impl Field<'_> {
                 Some(word) => Given::Other(Value::Choice(word)),
                 None => return Err(self.wrong_kind(value, one_of(words))),
             },
-            (Kind::File, DeValue::String(name)) if name.is_empty() => Given::Other(Value::File("")),
+            (Kind::File, DeValue::String(name)) if name.is_empty() => Given::Other(Value::File(String::new())),
             (Kind::File, DeValue::String(name)) => {
                 let path = self.file.beside(name);
                 if let Err(source) = std::fs::metadata(&path) {
@@ -260,7 +262,7 @@ impl Field<'_> {
                         at,
                     });
                 }
-                Given::Other(Value::File(kept(&path.to_string_lossy())))
+                Given::Other(Value::File(path.to_string_lossy().into_owned()))
             }
             (Kind::File, _) => return Err(self.wrong_kind(value, "as the name of a file in quotes".to_owned())),
             (Kind::Count, _) => return Err(self.wrong_kind(value, "as a whole number".to_owned())),
@@ -278,7 +280,7 @@ impl Field<'_> {
     ) -> Result<Measured, DesignError> {
         let si = match value.get_ref() {
             DeValue::String(text) => {
-                return quantity::quantity(text, dimension, gauge)
+                return quantities::quantity(text, dimension, gauge)
                     .map_err(|error| self.quantity(error, text, dimension, value.span()));
             }
             DeValue::Float(float) => float.as_str().parse().unwrap_or(f64::NAN),
@@ -312,7 +314,7 @@ impl Field<'_> {
             }
         };
         let ends = match value.get_ref() {
-            DeValue::String(text) => quantity::range(text, dimension, gauge)
+            DeValue::String(text) => quantities::range(text, dimension, gauge)
                 .map_err(|error| self.quantity(error, text, dimension, value.span()))?,
             DeValue::Array(ends) => self.ends(ends, value, dimension, gauge)?,
             _ => return Err(self.wrong_kind(value, RANGE.to_owned())),

@@ -1,6 +1,5 @@
-//! Design files as text, the places in them, and the chain of files that one inherits from.
+//! Design files as text, and the chain of files that one inherits from.
 
-use std::fmt;
 use std::fs;
 use std::ops::Range;
 use std::path::{Component, Path, PathBuf};
@@ -11,45 +10,13 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::error::DesignError;
+use super::place::Place;
 
 /// The text of one design file.
 #[derive(Debug)]
 pub(crate) struct File {
     path: PathBuf,
     text: Arc<str>,
-}
-
-/// A place in a design file: what an error points at.
-#[derive(Debug, Clone)]
-pub struct Place {
-    pub(crate) source: NamedSource<Arc<str>>,
-    pub(crate) span: Range<usize>,
-    line: usize,
-    column: usize,
-}
-
-impl Place {
-    /// The file as it was named.
-    pub fn file(&self) -> &str {
-        self.source.name()
-    }
-
-    /// Line, from 1.
-    pub fn line(&self) -> usize {
-        self.line
-    }
-
-    /// Column in characters, from 1.
-    pub fn column(&self) -> usize {
-        self.column
-    }
-}
-
-/// `file:line:column`.
-impl fmt::Display for Place {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}:{}", self.file(), self.line, self.column)
-    }
 }
 
 impl File {

@@ -1,8 +1,7 @@
 //! Springs and dashpots to the ground: a support of the user's own.
 
-use super::dimension::{DAMPING, LENGTH, STIFFNESS};
-use super::groups::{SupportKind, TableFoot, Values};
-use super::schema::{any, choice, group, nonnegative};
+use nailnoise_quantities::dimension::{DAMPING, LENGTH, STIFFNESS};
+use nailnoise_quantities::{any, choice, group, nonnegative};
 
 choice! {
     /// What a spring holds.
@@ -43,36 +42,5 @@ group! {
         damping_y: f64 = nonnegative(DAMPING), "c_y";
         /// Dashpot along z.
         damping_z: f64 = nonnegative(DAMPING), "c_z";
-    }
-}
-
-impl Values {
-    /// Whether the design has this body.
-    pub(crate) fn has(&self, body: Sprung) -> bool {
-        body == Sprung::Workpiece || self.support.kind == SupportKind::Worktable
-    }
-
-    /// Names of the springs whose body the design lacks.
-    pub(crate) fn idle_springs(&self) -> Vec<&str> {
-        let absent = self.springs.iter().filter(|(_, spring)| !self.has(spring.body));
-        absent.map(|(name, _)| name.as_str()).collect()
-    }
-
-    /// Stiffness and damping along z of all springs on a body \[N/m\], \[N s/m\].
-    pub(crate) fn sprung(&self, body: Sprung) -> [f64; 2] {
-        let on = self.springs.values().filter(|spring| spring.body == body);
-        on.fold([0.0; 2], |[k, c], spring| {
-            [k + spring.stiffness_z, c + spring.damping_z]
-        })
-    }
-
-    /// The body that stands on springs alone and has none along z, and the key that says so.
-    pub(crate) fn not_carried(&self) -> Option<(Sprung, &'static str)> {
-        let (body, key) = match (self.support.kind, self.support.worktable.foot) {
-            (SupportKind::Springs, _) => (Sprung::Workpiece, "support.kind"),
-            (SupportKind::Worktable, TableFoot::Springs) => (Sprung::Worktable, "support.worktable.foot"),
-            _ => return None,
-        };
-        (self.sprung(body)[0] == 0.0).then_some((body, key))
     }
 }

@@ -1,6 +1,6 @@
 //! The known name that is most like an unknown one.
 
-use super::schema::{GroupSpec, dotted};
+use nailnoise_quantities::{GroupSpec, dotted};
 
 /// Edits that still count as a slip of the finger, for a name of this length.
 fn tolerance(name: &str) -> usize {

@@ -1,9 +1,10 @@
 //! Penetration laws over depth, published ones with a band of one standard error.
 
+use nailnoise_dynamics::prf::{CurveError, PenetrationCurve};
+
 use super::Figure;
 use super::sheet::{Curve, Panel, Sheet};
 use super::style::PALETTE;
-use crate::penetration::{PenetrationError, Resistance};
 
 /// Points of a curve.
 const POINTS: usize = 400;
@@ -14,8 +15,8 @@ pub(crate) const MOST: usize = PALETTE.len();
 /// Compares laws over depth; `labels` name them, `subject` says what they share. Laws beyond the eighth are not drawn.
 ///
 /// # Errors
-/// As [`Resistance::force`].
-pub fn penetration(subject: &str, laws: &[Resistance], labels: &[String]) -> Result<Figure, PenetrationError> {
+/// As [`PenetrationCurve::force`].
+pub fn penetration(subject: &str, laws: &[PenetrationCurve], labels: &[String]) -> Result<Figure, CurveError> {
     let mut axes: Vec<Vec<f64>> = Vec::new();
     let mut ordinates = Vec::new();
     for law in laws.iter().take(MOST) {

@@ -187,7 +187,7 @@ mod tests {
         let mut changed = 0;
         for (key, kind, value) in base.keys() {
             if BEYOND_BODIES.iter().any(|beyond| key.starts_with(beyond)) {
-                let value = value.another(kind).unwrap_or_else(|| panic!("{key} has one value"));
+                let value = crate::design::another(&value, kind).unwrap_or_else(|| panic!("{key} has one value"));
                 other.set(&[(key.as_str(), value)]).unwrap();
                 changed += 1;
             }

@@ -252,7 +252,7 @@ mod tests {
         let mut left_out = Vec::new();
         for (key, kind, value) in &keys {
             let mut design = base.clone();
-            let other = value.another(*kind).unwrap_or_else(|| panic!("{key} has one value"));
+            let other = crate::design::another(value, *kind).unwrap_or_else(|| panic!("{key} has one value"));
             design.set(&[(key.as_str(), other)]).unwrap();
             if digest(&design) == digest(&base) {
                 left_out.push(key.as_str());

@@ -164,7 +164,7 @@ fn candidate(
     let changes: Vec<(&str, Value)> = parameters
         .iter()
         .map(|p| p.key.as_str())
-        .zip(values.iter().copied())
+        .zip(values.iter().cloned())
         .collect();
     let mut drawn = design.clone();
     drawn.set(&changes).map_err(|error| error.to_string())?;

@@ -55,7 +55,7 @@ fn a_thousand_designs_have_an_outcome_and_none_fails_in_the_solver() {
 fn parameters(design: &Design, study: &Study, draw: &Draw) -> Parameters {
     let mut design = design.clone();
     let keys = study.parameters.iter().map(|p| p.key.as_str());
-    let changes: Vec<_> = keys.zip(draw.values.iter().copied()).collect();
+    let changes: Vec<_> = keys.zip(draw.values.iter().cloned()).collect();
     design.set(&changes).unwrap();
     pipeline::parameters(&design).unwrap()
 }

@@ -27,7 +27,7 @@ fn file(name: &str) -> PathBuf {
 fn put(design: &mut Design, mesh: &Mesh, name: &str) {
     let path = file(name);
     std::fs::write(&path, msh::to_bytes(mesh, Format::Binary41, "of a test")).unwrap();
-    design.body.mesh = Box::leak(path.to_string_lossy().into_owned().into_boxed_str());
+    design.body.mesh = path.to_string_lossy().into_owned();
     design.body.mesh_unit = 1.0;
 }
 
@@ -141,7 +141,7 @@ fn a_soft_body_sounds_and_its_rigid_motion_stays() {
 #[test]
 fn a_mesh_that_does_not_say_where_a_force_acts_is_refused_with_the_name() {
     let mut design = bar(1.0);
-    let mut mesh = msh::read(Path::new(design.body.mesh), 1.0).unwrap().mesh;
+    let mut mesh = msh::read(Path::new(&design.body.mesh), 1.0).unwrap().mesh;
     mesh.groups.retain(|group| group.name != "seat");
     put(&mut design, &mesh, "no-seat.msh");
     let error = pipeline::tool_body(&design, &Store::none())

@@ -146,7 +146,7 @@ fn the_n80cb_holds_its_primary_quantities() {
         let entry = &entries[*key];
         // "45 deg" needs pi, and what stands in decimal units is the same binary number.
         let slack = if key.ends_with("angle") { 1e-15 } else { 0.0 };
-        let own = number(entry.value);
+        let own = number(entry.value.clone());
         assert!((own - value).abs() <= slack * value, "{key} is {own}, not {value}");
         if entry.provenance == Provenance::Constant {
             continue;
@@ -239,7 +239,7 @@ fn a_bare_value_keeps_range_and_note_and_becomes_the_designs_own() {
         (Provenance::Estimated, Provenance::Design)
     );
     assert_eq!(
-        (own.value, own.range, &own.note),
+        (own.value.clone(), own.range, &own.note),
         (Value::Number(120.0), base.range, &base.note)
     );
     assert_eq!((own.file.as_str(), own.line), ("designs/over.toml", 2));
@@ -252,7 +252,10 @@ fn a_table_replaces_only_what_it_gives() {
         "hand.force = { range = \"100 .. 120 N\", note = \"a scale\" }",
     ));
     let own = &own["hand.force"];
-    assert_eq!((own.value, own.range), (Value::Number(110.0), Some([100.0, 120.0])));
+    assert_eq!(
+        (own.value.clone(), own.range),
+        (Value::Number(110.0), Some([100.0, 120.0]))
+    );
     assert_eq!((own.provenance, own.note.as_str()), (Provenance::Estimated, "a scale"));
     let own = entries(&changed(
         "hand.force = { value = 115, provenance = \"published: EN 12549\" }",

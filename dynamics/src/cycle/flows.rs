@@ -131,7 +131,7 @@ impl System {
         let share = self.p.exhaust.thrust_share;
         let thrust = if share != 0.0 && mass.value() > 0.0 {
             let holes = self.p.chambers.discharge_coefficient * self.exhaust_area;
-            match self.p.exhaust.muffler_area {
+            match self.p.muffler_area {
                 // The air leaves the tool at the muffler's end.
                 Some(area) => self.air.thrust(behind, ambient.pressure) * (share * area),
                 None => self.air.thrust(plenum, ambient.pressure) * (share * holes),
@@ -239,7 +239,7 @@ impl System {
 
     /// Area of the muffler with the coefficient of the holes, A_s = (C A_s)/C_d \[m2\].
     fn muffler(&self) -> Option<f64> {
-        let area = self.p.exhaust.muffler_area?;
+        let area = self.p.muffler_area?;
         Some(area / self.p.chambers.discharge_coefficient)
     }
 

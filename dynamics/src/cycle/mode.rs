@@ -3,6 +3,8 @@
 //! The right-hand side is smooth for a fixed mode, whatever the state, so a step may run past an event and be cut back
 //! to it: no force or flow has a branch on the sign of a gap.
 
+use super::real::Real;
+use super::state::{V_W, Y_W};
 use super::wood::DrivenWood;
 
 /// A contact that pushes with F = k u + c u' while closed.
@@ -98,5 +100,23 @@ pub(crate) struct Mode {
 impl Mode {
     pub(crate) fn closed(&self, contact: Contact) -> bool {
         self.closed[contact as usize]
+    }
+
+    /// Position and velocity of the wood under the nose.
+    #[inline]
+    pub(crate) fn seat_motion<S: Real>(&self, y: &[S]) -> (S, S) {
+        match &self.wood {
+            None => (y[Y_W], y[V_W]),
+            Some(wood) => wood.seat_motion(y[Y_W]),
+        }
+    }
+
+    /// Position and velocity of the wood that holds the nail.
+    #[inline]
+    pub(crate) fn nail_motion<S: Real>(&self, y: &[S]) -> (S, S) {
+        match &self.wood {
+            None => (y[Y_W], y[V_W]),
+            Some(wood) => wood.nail_motion(y[Y_W]),
+        }
     }
 }

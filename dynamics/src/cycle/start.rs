@@ -1,12 +1,13 @@
 //! The state before the shot: valve closed, tool pressed on the wood, everything at rest.
 
+use nailnoise_quantities::{Kind, Sign, Value};
+
 use super::forces::{SPRING, SPRING_LIMIT};
 use super::mode::{Channel, Contact, Mode, NailState, Penetration};
 use super::state::*;
 use super::system::System;
 use super::wood::DrivenWood;
-use crate::prf::ResistanceLaw;
-use crate::{CycleError, Parameters, WoodMotion};
+use crate::{CycleError, Parameters, SupportDamping, WoodMotion};
 
 /// Refuses designs the model does not hold for.
 pub(crate) fn check(p: &Parameters) -> Result<(), CycleError> {
@@ -68,7 +69,7 @@ pub(crate) fn check(p: &Parameters) -> Result<(), CycleError> {
             tip_gap: p.nail.tip_gap,
         });
     }
-    if let ResistanceLaw::Tabulated(table) = &p.wood.law
+    if let Some(table) = &p.penetration_table
         && table.last_depth() < p.nail.length * (1.0 - 1e-9)
     {
         return Err(CycleError::TableTooShort {
@@ -76,171 +77,63 @@ pub(crate) fn check(p: &Parameters) -> Result<(), CycleError> {
             length: p.nail.length,
         });
     }
-    if p.nail.length > p.wood.thickness {
+    if p.nail.length > p.workpiece.thickness {
         return Err(CycleError::NailLongerThanBlock {
             length: p.nail.length,
-            thickness: p.wood.thickness,
+            thickness: p.workpiece.thickness,
         });
     }
     Ok(())
 }
 
 fn check_numbers(p: &Parameters) -> Result<(), CycleError> {
+    let mut problem = None;
+    let mut check = |name: &str, value: f64, allowed: bool, rule: &'static str| {
+        if !allowed && problem.is_none() {
+            let name = name.to_owned();
+            problem = Some(CycleError::Value { name, value, rule });
+        }
+    };
+    p.visit(&mut |name, spec, value| match (spec.kind, value) {
+        // Unused without the hand's mass; see below.
+        _ if name == "hand.stiffness" => {}
+        (Kind::Quantity { sign, .. }, Value::Number(value)) => check(name, value, sign.allows(value), sign.describe()),
+        (Kind::Count, Value::Count(count)) => check(name, f64::from(count), count > 0, "above zero"),
+        _ => {}
+    });
+    let damping = match p.support.damping {
+        SupportDamping::Ratio(x) | SupportDamping::Coefficient(x) => x,
+    };
     let positive = [
-        ("supply.pressure", p.supply.pressure),
-        ("piston.mass", p.piston.mass),
-        ("piston.stroke", p.piston.stroke),
-        ("piston.bore", p.piston.bore),
-        ("piston.rod_diameter", p.piston.rod_diameter),
-        ("head_valve.mass", p.head_valve.mass),
-        ("head_valve.lift", p.head_valve.lift),
-        ("head_valve.outer_diameter", p.head_valve.outer_diameter),
-        ("head_valve.inner_diameter", p.head_valve.inner_diameter),
-        ("head_valve.seat_diameter", p.head_valve.seat_diameter),
-        ("head_valve.intake_angle", p.head_valve.intake_angle),
-        ("head_valve.exhaust_angle", p.head_valve.exhaust_angle),
-        ("head_valve.exhaust_seat_diameter", p.head_valve.exhaust_seat_diameter),
-        ("chambers.above_piston", p.chambers.above_piston),
-        ("chambers.below_piston", p.chambers.below_piston),
-        ("chambers.return_volume", p.chambers.return_volume),
-        ("chambers.above_valve", p.chambers.above_valve),
-        ("chambers.supply_volume", p.chambers.supply_volume),
         ("chambers.return_hole_area", p.chambers.return_hole_area),
         ("chambers.discharge_coefficient", p.chambers.discharge_coefficient),
-        ("exhaust.holes", f64::from(p.exhaust.holes)),
-        ("exhaust.hole_diameter", p.exhaust.hole_diameter),
-        ("trigger.channel_length", p.trigger.channel_length),
-        ("trigger.channel_diameter", p.trigger.channel_diameter),
-        ("trigger.vent_area", p.trigger.vent_area),
-        ("trigger.fill_area", p.trigger.fill_area),
-        ("nail.length", p.nail.length),
-        ("nail.diameter", p.nail.diameter),
-        ("nail.head_diameter", p.nail.head_diameter),
-        ("nail.density", p.nail.density),
-        ("nail.head_gap", p.nail.head_gap),
-        ("wood.hardness_modulus", p.wood.hardness_modulus),
-        ("wood.density", p.wood.density),
-        ("wood.length", p.wood.length),
-        ("wood.width", p.wood.width),
-        ("wood.thickness", p.wood.thickness),
         ("wood.head_stiffness_scale", p.wood.head_stiffness_scale),
-        ("wood.unloading_stiffness", p.wood.unloading_stiffness),
-        ("contacts.bumper_stiffness", p.contacts.bumper_stiffness),
-        ("contacts.stopper_stiffness", p.contacts.stopper_stiffness),
-        ("contacts.cap_stiffness", p.contacts.cap_stiffness),
-        ("contacts.seat_stiffness", p.contacts.seat_stiffness),
-        ("contacts.nose_stiffness", p.contacts.nose_stiffness),
-        ("contacts.guard_stiffness", p.contacts.guard_stiffness),
-        ("contacts.guard_travel", p.contacts.guard_travel),
-        ("tool.mass", p.tool.mass),
         ("support.stiffness", p.support.stiffness),
-        ("ambient.pressure", p.ambient.pressure),
-        ("ambient.temperature", p.ambient.temperature),
-        ("ambient.gas_constant", p.ambient.gas_constant),
-        ("ambient.viscosity", p.ambient.viscosity),
-        ("model.polytropic", p.model.polytropic),
-        ("model.polytropic_inflow", p.model.polytropic_inflow),
-        ("model.polytropic_outflow", p.model.polytropic_outflow),
-        ("model.friction_velocity", p.model.friction_velocity),
-        ("model.stribeck_velocity", p.model.stribeck_velocity),
-        ("model.orifice_linear", p.model.orifice_linear),
-    ];
-    let damping = match p.support.damping {
-        crate::SupportDamping::Ratio(x) | crate::SupportDamping::Coefficient(x) => x,
-    };
-    let not_negative = [
-        ("supply.hose_area", p.supply.hose_area),
-        ("piston.friction.static_force", p.piston.friction.static_force),
-        ("piston.friction.sliding_force", p.piston.friction.sliding_force),
-        ("piston.friction.viscous", p.piston.friction.viscous),
-        ("head_valve.friction.static_force", p.head_valve.friction.static_force),
-        ("head_valve.friction.sliding_force", p.head_valve.friction.sliding_force),
-        ("head_valve.friction.viscous", p.head_valve.friction.viscous),
-        ("head_valve.intake_lap", p.head_valve.intake_lap),
-        ("head_valve.exhaust_lap", p.head_valve.exhaust_lap),
-        ("head_valve.spring_preload", p.head_valve.spring_preload),
-        ("chambers.check_hole_area", p.chambers.check_hole_area),
-        ("chambers.check_hole_position", p.chambers.check_hole_position),
-        ("chambers.leak_area", p.chambers.leak_area),
-        ("chambers.wall_heat_transfer", p.chambers.wall_heat_transfer),
-        ("chambers.wall_above_piston", p.chambers.wall_above_piston),
-        ("chambers.wall_below_piston", p.chambers.wall_below_piston),
-        ("chambers.wall_return", p.chambers.wall_return),
-        ("chambers.wall_above_valve", p.chambers.wall_above_valve),
-        ("chambers.wall_supply", p.chambers.wall_supply),
-        ("nail.head_thickness", p.nail.head_thickness),
-        ("nail.tip_gap", p.nail.tip_gap),
-        ("wood.resistance_scale", p.wood.resistance_scale),
-        ("contacts.bumper_damping", p.contacts.bumper_damping),
-        ("contacts.stopper_damping", p.contacts.stopper_damping),
-        ("contacts.valve_damping_ratio", p.contacts.valve_damping_ratio),
-        ("contacts.nose_damping_ratio", p.contacts.nose_damping_ratio),
-        ("nail.magazine_friction", p.nail.magazine_friction),
-        ("hand.force", p.hand.force),
-        ("hand.mass", p.hand.mass),
-        ("hand.damping", p.hand.damping),
-        ("support.damping", damping),
-        ("ambient.gravity", p.ambient.gravity),
     ];
     for (name, value) in positive {
-        if !(value > 0.0 && value.is_finite()) {
-            return Err(CycleError::Value {
-                name,
-                value,
-                rule: "a positive finite number",
-            });
-        }
+        check(name, value, Sign::Positive.allows(value), Sign::Positive.describe());
     }
-    for (name, value) in not_negative {
-        if !(value >= 0.0 && value.is_finite()) {
-            return Err(CycleError::Value {
-                name,
-                value,
-                rule: "a finite number that is not negative",
-            });
-        }
-    }
-    let finite = [
-        ("wood.speed_term", p.wood.speed_term),
-        ("wood.slenderness_term", p.wood.slenderness_term),
-    ];
-    for (name, value) in finite {
-        if !value.is_finite() {
-            return Err(CycleError::Value {
-                name,
-                value,
-                rule: "a finite number",
-            });
-        }
-    }
-    if let ResistanceLaw::Constant(value) = p.wood.law
-        && !(value >= 0.0 && value.is_finite())
-    {
-        return Err(CycleError::Value {
-            name: "wood.law",
-            value,
-            rule: "a constant force that is finite and not negative",
-        });
+    check(
+        "support.damping",
+        damping,
+        Sign::NonNegative.allows(damping),
+        Sign::NonNegative.describe(),
+    );
+    if let Some(problem) = problem {
+        return Err(problem);
     }
     if p.hand.mass > 0.0 && !(p.hand.stiffness > 0.0 && p.hand.stiffness.is_finite()) {
         return Err(CycleError::Value {
-            name: "hand.stiffness",
+            name: "hand.stiffness".to_owned(),
             value: p.hand.stiffness,
             rule: "a positive finite number where hand.mass is given",
         });
     }
-    if !(-1.0..=1.0).contains(&p.exhaust.thrust_share) {
-        return Err(CycleError::Value {
-            name: "exhaust.thrust_share",
-            value: p.exhaust.thrust_share,
-            rule: "from -1 (all thrust up) to 1 (all thrust towards the wood)",
-        });
-    }
-    if let Some(area) = p.exhaust.muffler_area
+    if let Some(area) = p.muffler_area
         && !(area > 0.0 && area.is_finite())
     {
         return Err(CycleError::Value {
-            name: "exhaust.muffler_area",
+            name: "muffler_area".to_owned(),
             value: area,
             rule: "a positive finite number, or absent where there is no muffler",
         });
@@ -248,7 +141,7 @@ fn check_numbers(p: &Parameters) -> Result<(), CycleError> {
     let gamma = p.ambient.heat_capacity_ratio;
     if !(gamma > 1.0 && gamma.is_finite()) {
         return Err(CycleError::Value {
-            name: "ambient.heat_capacity_ratio",
+            name: "ambient.heat_capacity_ratio".to_owned(),
             value: gamma,
             rule: "above 1",
         });
@@ -256,7 +149,7 @@ fn check_numbers(p: &Parameters) -> Result<(), CycleError> {
     if p.supply.pressure < p.ambient.pressure {
         let rule = "at least ambient.pressure; give it as absolute pressure";
         return Err(CycleError::Value {
-            name: "supply.pressure",
+            name: "supply.pressure".to_owned(),
             value: p.supply.pressure,
             rule,
         });

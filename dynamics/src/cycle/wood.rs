@@ -4,7 +4,6 @@
 //! time since the window began. That time is carried as a state, in the place of the lumped wood's position, so that
 //! every force and every margin stays a function of the state.
 
-use super::mode::Mode;
 use super::real::Real;
 use super::state::*;
 use crate::WoodMotion;
@@ -89,6 +88,18 @@ impl DrivenWood {
         self.free_nail.at(y[Y_W]).0
     }
 
+    /// Position and velocity under the nose.
+    #[inline]
+    pub(crate) fn seat_motion<S: Real>(&self, clock: S) -> (S, S) {
+        self.seat.at(clock)
+    }
+
+    /// Position and velocity of the wood that holds the nail.
+    #[inline]
+    pub(crate) fn nail_motion<S: Real>(&self, clock: S) -> (S, S) {
+        self.nail.at(clock)
+    }
+
     /// Position, velocity and acceleration under the nose.
     pub(crate) fn seat_at(&self, clock: f64) -> [f64; 3] {
         let (position, velocity) = self.seat.at(clock);
@@ -99,26 +110,6 @@ impl DrivenWood {
     /// Force of the support.
     pub(crate) fn support_at(&self, clock: f64) -> f64 {
         self.support[0] + (self.support[1] - self.support[0]) * (clock / self.length)
-    }
-}
-
-impl Mode {
-    /// Position and velocity of the wood under the nose.
-    #[inline]
-    pub(crate) fn seat_motion<S: Real>(&self, y: &[S]) -> (S, S) {
-        match &self.wood {
-            None => (y[Y_W], y[V_W]),
-            Some(wood) => wood.seat.at(y[Y_W]),
-        }
-    }
-
-    /// Position and velocity of the wood that holds the nail.
-    #[inline]
-    pub(crate) fn nail_motion<S: Real>(&self, y: &[S]) -> (S, S) {
-        match &self.wood {
-            None => (y[Y_W], y[V_W]),
-            Some(wood) => wood.nail.at(y[Y_W]),
-        }
     }
 }
 

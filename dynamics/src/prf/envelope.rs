@@ -28,7 +28,7 @@ impl Envelope {
             hardness_modulus: p.wood.hardness_modulus,
             density: p.wood.density,
         };
-        let law = Resistance::new(&p.wood, &specimen);
+        let law = Resistance::new(p, &specimen);
         Self {
             seated: if p.model.nail == Form::Corrected {
                 law.force(p.nail.length)

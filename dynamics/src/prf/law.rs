@@ -1,5 +1,6 @@
 //! The published laws and their evaluation.
 
+use nailnoise_quantities::choice;
 use serde::{Deserialize, Serialize};
 
 use super::tables::{FitQuality, coefficients, fit_quality};
@@ -7,32 +8,32 @@ use super::{HIGHEST_SPEED, LOWEST_SPEED};
 use crate::CycleError;
 use crate::cycle::Real;
 
-/// A published law of the penetration resistance force.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum PenetrationLaw {
-    /// Smooth shank in plywood (Table 2-6).
-    Smooth,
-    /// Annular shank in plywood (Table 2-6).
-    Annular,
-    /// Helical shank in plywood (Table 2-6).
-    Helical,
-    /// All shanks in plywood (Table 2-6).
-    General,
-    /// General law without C9 (Table 2-8).
-    Reduced1,
-    /// General law up to C7 (Table 2-8).
-    Reduced2,
-    /// General law up to C6 (Table 2-8).
-    Reduced3,
-    /// General law up to C5 (Table 2-8).
-    Reduced4,
-    /// General law up to C4 (Table 2-8).
-    Reduced5,
-    /// General law up to C3 (Table 2-8).
-    Reduced6,
-    /// Solid wood (Eq. 4.59).
-    SolidWood,
+choice! {
+    /// A published law of the penetration resistance force.
+    PenetrationLaw {
+        /// Smooth shank in plywood (Table 2-6).
+        Smooth = "smooth",
+        /// Annular shank in plywood (Table 2-6).
+        Annular = "annular",
+        /// Helical shank in plywood (Table 2-6).
+        Helical = "helical",
+        /// All shanks in plywood (Table 2-6).
+        General = "general",
+        /// General law without C9 (Table 2-8).
+        Reduced1 = "reduced1",
+        /// General law up to C7 (Table 2-8).
+        Reduced2 = "reduced2",
+        /// General law up to C6 (Table 2-8).
+        Reduced3 = "reduced3",
+        /// General law up to C5 (Table 2-8).
+        Reduced4 = "reduced4",
+        /// General law up to C4 (Table 2-8).
+        Reduced5 = "reduced5",
+        /// General law up to C3 (Table 2-8).
+        Reduced6 = "reduced6",
+        /// Solid wood (Eq. 4.59).
+        SolidWood = "solid_wood",
+    }
 }
 
 /// A nail in a wood: what the laws depend on besides depth and speed.
@@ -50,21 +51,6 @@ pub struct Specimen {
 }
 
 impl PenetrationLaw {
-    /// All laws, in the order of the tables.
-    pub const ALL: [Self; 11] = [
-        Self::Smooth,
-        Self::Annular,
-        Self::Helical,
-        Self::General,
-        Self::Reduced1,
-        Self::Reduced2,
-        Self::Reduced3,
-        Self::Reduced4,
-        Self::Reduced5,
-        Self::Reduced6,
-        Self::SolidWood,
-    ];
-
     /// The coefficients C0..C9 of Eq. 2.2; C8 \[-\] multiplies Pi3. Dropped terms are zero.
     pub fn coefficients(self) -> [f64; 10] {
         coefficients(self)

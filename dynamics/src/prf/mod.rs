@@ -9,12 +9,14 @@
 
 mod envelope;
 mod law;
+mod penetration_curve;
 mod resistance;
 mod table;
 mod tables;
 
 pub use envelope::Envelope;
 pub use law::{PenetrationLaw, Specimen};
+pub use penetration_curve::{CurveError, CurveLaw, PenetrationCurve};
 pub use resistance::ResistanceLaw;
 pub use table::{ForceTable, TableError};
 pub use tables::{FitQuality, NAILS, NailSize, SLENDERNESS_TERM, SPEED_TERM, Shank, WOODS, WoodKind};

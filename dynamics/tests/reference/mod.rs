@@ -87,7 +87,7 @@ impl Model {
             let resistance = 32.0 * air.viscosity / ch.channel_diameter.powi(2);
             (-resistance * r * air.temperature * ch.channel_length / (2.0 * pressure * c)).exp()
         };
-        let mw = p.wood.density * p.wood.length * p.wood.width * p.wood.thickness;
+        let mw = p.workpiece.mass(p.wood.density);
         let n = &p.nail;
         Self {
             a1: disc(p.piston.bore),

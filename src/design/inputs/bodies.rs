@@ -93,7 +93,7 @@ fn workpiece(design: &Design) -> Result<Geometry, Error> {
     let own = own_mesh(
         design,
         BodyKind::Workpiece,
-        (block.mesh, block.mesh_unit),
+        (&block.mesh, block.mesh_unit),
         material.slowest_speed(),
     )?;
     let sand = match support.kind {
@@ -159,7 +159,7 @@ fn worktable(design: &Design) -> Result<Geometry, Error> {
         };
         MeshSource::Worktable(spec, (!wooden).then_some(steel.tube_wall))
     };
-    let own = own_mesh(design, BodyKind::Worktable, (table.mesh, table.mesh_unit), slowest)?;
+    let own = own_mesh(design, BodyKind::Worktable, (&table.mesh, table.mesh_unit), slowest)?;
     Ok(Geometry {
         kind: BodyKind::Worktable,
         mesh: own.unwrap_or_else(built_in),
@@ -173,7 +173,7 @@ fn worktable(design: &Design) -> Result<Geometry, Error> {
 fn tool(design: &Design, remesh: bool) -> Result<Geometry, Error> {
     let b = &design.body;
     let [housing, nose, sleeve] = [isotropic(&b.housing)?, isotropic(&b.nose)?, isotropic(&b.sleeve)?];
-    let own = own_mesh(design, BodyKind::Tool, (b.mesh, b.mesh_unit), housing.slowest_speed())?;
+    let own = own_mesh(design, BodyKind::Tool, (&b.mesh, b.mesh_unit), housing.slowest_speed())?;
     // A coil of nails as a solid cylinder with its axis along y.
     let (r, h) = (b.magazine_radius, b.magazine_height);
     let (along, across) = (r * r / 2.0, (3.0 * r * r + h * h) / 12.0);

@@ -22,7 +22,7 @@ pub(crate) fn openings(design: &Design) -> Result<Openings, Error> {
         discharge_coefficient: design.chambers.discharge_coefficient,
         pitch: Some(own.pitch),
     };
-    holes.check_area(nailnoise_dynamics::Exhaust::from(own).area())?;
+    holes.check_area(own.area())?;
     Ok(Openings {
         air: Air::at(design.ambient.temperature, design.ambient.pressure)?,
         range_hz: [design.analysis.range_low, design.analysis.exhaust_top],

@@ -1,6 +1,6 @@
 //! Units as engineers write them: "N s/mm", "kg/m3", "W/(m2 K)", "psig".
 
-use super::dimension::*;
+use crate::dimension::*;
 
 /// A unit: a quantity of `x` units is `x * factor * 10^exponent + offset` in SI.
 ///

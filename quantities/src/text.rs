@@ -1,41 +1,60 @@
 //! A quantity as text: a number with its unit, converted to SI.
 
-use super::dimension::{Dimension, NUMBER, PRESSURE};
-use super::units::{Unit, UnitError};
+use crate::dimension::{Dimension, NUMBER, PRESSURE};
+use crate::units::{Unit, UnitError};
 
 /// A quantity in SI; a gauge pressure still counts from the ambient pressure.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Measured {
-    pub(crate) si: f64,
-    pub(crate) gauge: bool,
+pub struct Measured {
+    /// Value in the SI unit of its dimension.
+    pub si: f64,
+    /// Whether it is a gauge pressure.
+    pub gauge: bool,
 }
 
 impl Measured {
     /// The absolute value, with ambient pressure `ambient` [Pa].
-    pub(crate) fn absolute(self, ambient: f64) -> f64 {
+    pub fn absolute(self, ambient: f64) -> f64 {
         if self.gauge { self.si + ambient } else { self.si }
     }
 }
 
 /// Why a text is not the quantity that was asked for.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum QuantityError {
-    /// No number, or something behind it that is no unit's beginning.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum QuantityError {
+    /// No number, or a number followed by something that cannot begin a unit.
+    #[error("not a number with a unit")]
     Number,
     /// Infinite, too large for a double, or not a number.
+    #[error("the number is not finite")]
     NotFinite,
     /// A number alone where a dimension is expected.
+    #[error("the unit is missing")]
     NoUnit,
     /// A unit that cannot be read.
+    #[error(transparent)]
     Unit(UnitError),
     /// A unit of another dimension.
-    Dimension { unit: String, found: Dimension },
+    #[error("`{unit}` is {found}")]
+    Dimension {
+        /// The unit given.
+        unit: String,
+        /// Its dimension.
+        found: Dimension,
+    },
     /// A gauge pressure where only absolute ones make sense.
-    Gauge { unit: String },
+    #[error("`{unit}` is a unit of gauge pressure")]
+    Gauge {
+        /// The unit given.
+        unit: String,
+    },
 }
 
-/// Reads "763.2 kPa" as a quantity of `dimension`; `gauge` says whether a gauge pressure may stand there.
-pub(crate) fn quantity(text: &str, dimension: Dimension, gauge: bool) -> Result<Measured, QuantityError> {
+/// Reads "763.2 kPa" as a quantity of `dimension`; `gauge` permits gauge pressures.
+///
+/// # Errors
+/// A [`QuantityError`] that says what is wrong with the text.
+pub fn quantity(text: &str, dimension: Dimension, gauge: bool) -> Result<Measured, QuantityError> {
     let (number, unit) = split(text)?;
     let (unit, text) = (Unit::parse(unit).map_err(QuantityError::Unit)?, unit);
     if text.is_empty() && dimension != NUMBER {
@@ -45,7 +64,10 @@ pub(crate) fn quantity(text: &str, dimension: Dimension, gauge: bool) -> Result<
 }
 
 /// Reads "0.129 .. 0.133 kg": two quantities, where a unit at the end serves both.
-pub(crate) fn range(text: &str, dimension: Dimension, gauge: bool) -> Result<[Measured; 2], QuantityError> {
+///
+/// # Errors
+/// As [`quantity`].
+pub fn range(text: &str, dimension: Dimension, gauge: bool) -> Result<[Measured; 2], QuantityError> {
     let (low, high) = text.split_once("..").ok_or(QuantityError::Number)?;
     let (_, shared) = split(high)?;
     let (number, own) = split(low)?;
@@ -131,8 +153,8 @@ fn split(text: &str) -> Result<(&str, &str), QuantityError> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::dimension::*;
     use super::*;
+    use crate::dimension::*;
 
     #[test]
     fn decimal_units_round_once() {

@@ -1,13 +1,13 @@
 //! Quantities given on the command line.
 
-use super::dimension::Dimension;
-use super::quantity::{QuantityError, quantity};
+use crate::dimension::Dimension;
+use crate::text::{QuantityError, quantity};
 
 /// Reads "500 mm/min" as a quantity of `dimension` in SI units; a number alone is in SI units.
 ///
 /// # Errors
 /// What is wrong with the text, with the units that may stand there.
-pub(crate) fn measure(text: &str, dimension: Dimension) -> Result<f64, String> {
+pub fn measure(text: &str, dimension: Dimension) -> Result<f64, String> {
     if let Ok(number) = text.trim().parse::<f64>()
         && number.is_finite()
     {
@@ -29,8 +29,8 @@ pub(crate) fn measure(text: &str, dimension: Dimension) -> Result<f64, String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::dimension::{LENGTH, VELOCITY};
     use super::*;
+    use crate::dimension::{LENGTH, VELOCITY};
 
     #[test]
     fn numbers_are_si_and_units_are_converted() {

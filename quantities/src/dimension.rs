@@ -51,7 +51,7 @@ impl Dimension {
     }
 
     /// Factor and unit in which a person reads a value of this dimension.
-    pub(crate) fn readable(self) -> (f64, String) {
+    pub fn readable(self) -> (f64, String) {
         match self {
             LENGTH => (1e3, "mm".to_owned()),
             AREA => (1e6, "mm2".to_owned()),
@@ -104,7 +104,7 @@ struct Named {
 macro_rules! dimensions {
     ($($constant:ident = [$($exponent:literal),+] $name:literal, $unit:literal, $examples:literal;)+) => {
         $(#[doc = concat!("Dimension of ", $name, ", in SI `", $unit, "`.")]
-        pub(crate) const $constant: Dimension = Dimension::new($($exponent),+);)+
+        pub const $constant: Dimension = Dimension::new($($exponent),+);)+
         const NAMED: &[Named] = &[$(Named { dimension: $constant, name: $name, unit: $unit, examples: $examples }),+];
     };
 }

@@ -1,0 +1,161 @@
+//! Groups of quantities: one declaration per key.
+//!
+//! [`group!`](crate::group!) turns a declaration into the struct that a program reads, and into the [`GroupSpec`] by which
+//! a file is read, checked and documented. Nothing about a key stands anywhere else.
+
+use std::collections::BTreeMap;
+
+use crate::spec::{GroupSpec, KeySpec};
+use crate::value::Value;
+
+/// Values by the full names of their keys.
+pub type Found = BTreeMap<String, Value>;
+
+/// Names of the members of the list `list` among full names of keys, which must be in alphabetical order.
+pub fn members<'a>(keys: impl Iterator<Item = &'a String>, list: &str) -> Vec<String> {
+    let mut names: Vec<String> = keys
+        .filter_map(|key| key.strip_prefix(list)?.strip_prefix('.')?.split('.').next())
+        .map(str::to_owned)
+        .collect();
+    names.dedup();
+    names
+}
+
+/// A group of quantities as a program reads it.
+pub trait Group: Sized {
+    /// Declaration of the group.
+    const SPEC: GroupSpec;
+    /// The group at `path` with the values found for each key's full name.
+    ///
+    /// # Errors
+    /// The full name of the first key without a value of its kind.
+    fn build(path: &str, found: &Found) -> Result<Self, String>;
+    /// Calls `f` with the full name, declaration and value of every key.
+    fn visit(&self, path: &str, f: &mut dyn FnMut(&str, &'static KeySpec, Value));
+}
+
+/// The declaration of a key and its symbol, where it has one, for its documentation.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! key_doc {
+    ($kind:expr, "") => {
+        concat!("\nDeclared as `", stringify!($kind), "`.")
+    };
+    ($kind:expr, $symbol:tt) => {
+        concat!("\nDeclared as `", stringify!($kind), "`, symbol ", $symbol, ".")
+    };
+}
+
+/// Declares a group: documentation, then `name: type = kind, "symbol";` for each key, then the groups and the lists
+/// within it.
+///
+/// `Outer = part: Inner { ... }` declares a group whose keys are those of the group `Inner` and its own. The struct holds
+/// the inner group as the field `part` and dereferences to it, so that the keys of both read alike.
+///
+/// The struct derives `serde` traits; the crate that declares it depends on `serde`.
+#[macro_export]
+macro_rules! group {
+    (
+        $(#[doc = $doc:literal])+
+        $Group:ident $(= $part:ident: $Part:ty)? {
+            $($(#[doc = $key_doc:literal])+ $key:ident: $ty:ty = $kind:expr, $symbol:tt;)*
+        }
+        $(groups { $($sub:ident: $Sub:ident,)+ })?
+        $(lists { $($list:ident: $Item:ident,)+ })?
+    ) => {
+        $(#[doc = $doc])+
+        #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+        #[serde(deny_unknown_fields)]
+        pub struct $Group {
+            $(#[doc = concat!("Keys of [`", stringify!($Part), "`].")] pub $part: $Part,)?
+            $($(#[doc = $key_doc])+ #[doc = $crate::key_doc!($kind, $symbol)] pub $key: $ty,)*
+            $($(#[doc = concat!("See [`", stringify!($Sub), "`].")] pub $sub: $Sub,)+)?
+            $($(
+                #[doc = concat!("By name; see [`", stringify!($Item), "`].")]
+                pub $list: std::collections::BTreeMap<String, $Item>,
+            )+)?
+        }
+
+        $(
+            impl std::ops::Deref for $Group {
+                type Target = $Part;
+
+                fn deref(&self) -> &$Part {
+                    &self.$part
+                }
+            }
+
+            impl std::ops::DerefMut for $Group {
+                fn deref_mut(&mut self) -> &mut $Part {
+                    &mut self.$part
+                }
+            }
+        )?
+
+        impl $crate::Group for $Group {
+            const SPEC: $crate::GroupSpec = $crate::GroupSpec {
+                doc: &[$($doc),+],
+                part: {
+                    const PART: &[&$crate::GroupSpec] = &[$(&<$Part as $crate::Group>::SPEC)?];
+                    match PART {
+                        [part, ..] => Some(*part),
+                        [] => None,
+                    }
+                },
+                own_keys: &[$($crate::KeySpec {
+                    name: stringify!($key),
+                    symbol: $symbol,
+                    doc: &[$($key_doc),+],
+                    kind: $kind,
+                }),*],
+                groups: &[$($((stringify!($sub), &<$Sub as $crate::Group>::SPEC)),+)?],
+                lists: &[$($((stringify!($list), &<$Item as $crate::Group>::SPEC)),+)?],
+            };
+
+            fn build(path: &str, found: &$crate::Found) -> Result<Self, String> {
+                Ok(Self {
+                    $($part: $crate::Group::build(path, found)?,)?
+                    $($key: {
+                        let name = $crate::dotted(path, stringify!($key));
+                        found.get(&name).and_then($crate::Held::from_value).ok_or(name)?
+                    },)*
+                    $($($sub: $crate::Group::build(
+                        &$crate::dotted(path, stringify!($sub)),
+                        found,
+                    )?,)+)?
+                    $($($list: {
+                        let list = $crate::dotted(path, stringify!($list));
+                        $crate::members(found.keys(), &list)
+                            .into_iter()
+                            .map(|name| {
+                                let path = $crate::dotted(&list, &name);
+                                Ok((name, $crate::Group::build(&path, found)?))
+                            })
+                            .collect::<Result<_, String>>()?
+                    },)+)?
+                })
+            }
+
+            fn visit(
+                &self,
+                path: &str,
+                f: &mut dyn FnMut(&str, &'static $crate::KeySpec, $crate::Value),
+            ) {
+                $(<$Part as $crate::Group>::visit(&self.$part, path, f);)?
+                $(if let Some(spec) = <Self as $crate::Group>::SPEC.key(stringify!($key)) {
+                    let name = $crate::dotted(path, stringify!($key));
+                    f(&name, spec, $crate::Held::to_value(&self.$key));
+                })*
+                $($($crate::Group::visit(
+                    &self.$sub,
+                    &$crate::dotted(path, stringify!($sub)),
+                    f,
+                );)+)?
+                $($(for (name, member) in &self.$list {
+                    let list = $crate::dotted(path, stringify!($list));
+                    $crate::Group::visit(member, &$crate::dotted(&list, name), f);
+                })+)?
+            }
+        }
+    };
+}

@@ -1,0 +1,19 @@
+#![doc = include_str!("../README.md")]
+
+pub mod dimension;
+mod group;
+mod kind;
+mod measure;
+mod spec;
+mod text;
+mod units;
+mod value;
+
+pub use dimension::Dimension;
+pub use group::{Found, Group, members};
+pub use kind::{Kind, Sign, any, component, fraction, gas_pressure, nonnegative, positive};
+pub use measure::measure;
+pub use spec::{GroupSpec, KeySpec, MEMBER, dotted};
+pub use text::{Measured, QuantityError, quantity, range};
+pub use units::UnitError;
+pub use value::{Held, Value};

@@ -1,0 +1,123 @@
+//! Declarations of keys and groups, as data.
+
+use crate::kind::Kind;
+
+/// A key of the design file.
+#[derive(Debug)]
+pub struct KeySpec {
+    /// Its name in its group.
+    pub name: &'static str,
+    /// Symbol in Nili Ahmadabadi (2016) or in the field; empty where there is none.
+    pub symbol: &'static str,
+    /// Description, one line of text an element.
+    pub doc: &'static [&'static str],
+    /// What it holds.
+    pub kind: Kind,
+}
+
+impl KeySpec {
+    /// The description on one line.
+    pub fn description(&self) -> String {
+        join(self.doc)
+    }
+
+    /// SI unit of the key; empty for numbers, counts, switches and choices.
+    pub fn unit(&self) -> String {
+        match self.kind {
+            Kind::Quantity { dimension, .. } => dimension.unit(),
+            _ => String::new(),
+        }
+    }
+}
+
+/// A group of the design file.
+#[derive(Debug)]
+pub struct GroupSpec {
+    /// Description, one line of text an element.
+    pub doc: &'static [&'static str],
+    /// A group whose keys stand in this one as well, before its own.
+    pub part: Option<&'static GroupSpec>,
+    /// Its own keys, in the order they are declared.
+    pub own_keys: &'static [KeySpec],
+    /// The groups within it, by name.
+    pub groups: &'static [(&'static str, &'static GroupSpec)],
+    /// Lists within it: groups of one declaration, as many as a design names, each under a name of its own.
+    pub lists: &'static [(&'static str, &'static GroupSpec)],
+}
+
+impl GroupSpec {
+    /// The description on one line.
+    pub fn description(&self) -> String {
+        join(self.doc)
+    }
+
+    /// The keys in the group itself: those of its part, then its own.
+    pub fn keys(&self) -> impl Iterator<Item = &'static KeySpec> + use<> {
+        let part = self.part.map_or(&[][..], |part| part.own_keys);
+        part.iter().chain(self.own_keys)
+    }
+
+    /// The key of this name in the group itself.
+    pub fn key(&self, name: &str) -> Option<&'static KeySpec> {
+        self.keys().find(|key| key.name == name)
+    }
+
+    /// The group of this name in the group itself.
+    pub fn group(&self, name: &str) -> Option<&'static GroupSpec> {
+        self.groups
+            .iter()
+            .find(|(own, _)| *own == name)
+            .map(|(_, group)| *group)
+    }
+
+    /// The declaration of the members of the list of this name in the group itself.
+    pub fn list(&self, name: &str) -> Option<&'static GroupSpec> {
+        self.lists
+            .iter()
+            .find(|(own, _)| *own == name)
+            .map(|(_, member)| *member)
+    }
+
+    /// Calls `f` with the full name and declaration of every key, groups after the keys beside them; the members of a
+    /// list stand under `*`.
+    pub fn each_key(&self, path: &str, f: &mut dyn FnMut(&str, &'static KeySpec)) {
+        self.each_key_of(path, &|_| vec![MEMBER.to_owned()], f);
+    }
+
+    /// The same, with the members of each list as `names` gives them.
+    pub fn each_key_of(
+        &self,
+        path: &str,
+        names: &dyn Fn(&str) -> Vec<String>,
+        f: &mut dyn FnMut(&str, &'static KeySpec),
+    ) {
+        for key in self.keys() {
+            f(&dotted(path, key.name), key);
+        }
+        for (name, group) in self.groups {
+            group.each_key_of(&dotted(path, name), names, f);
+        }
+        for (list, member) in self.lists {
+            let list = dotted(path, list);
+            for name in names(&list) {
+                member.each_key_of(&dotted(&list, &name), names, f);
+            }
+        }
+    }
+}
+
+/// Stands for the name that a design gives a member of a list.
+pub const MEMBER: &str = "NAME";
+
+/// The name of a key or group within the group `path`; the root's path is empty.
+pub fn dotted(path: &str, name: &str) -> String {
+    if path.is_empty() {
+        name.to_owned()
+    } else {
+        format!("{path}.{name}")
+    }
+}
+
+fn join(doc: &[&str]) -> String {
+    doc.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,82 @@
+//! Values of keys, and the types that hold them.
+
+/// The value of a key.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[serde(untagged)]
+pub enum Value {
+    /// A quantity in SI units.
+    Number(f64),
+    /// A whole number above zero.
+    Count(u32),
+    /// A switch.
+    Switch(bool),
+    /// The chosen word.
+    Choice(&'static str),
+    /// A file, relative to the working folder; empty for none.
+    File(String),
+}
+
+/// A type that a key may have.
+pub trait Held: Sized {
+    /// The value as this type, if it is of this kind.
+    fn from_value(value: &Value) -> Option<Self>;
+    /// This value, whatever its type.
+    fn to_value(&self) -> Value;
+}
+
+macro_rules! held {
+    ($($ty:ty => $variant:ident),+) => {$(
+        impl Held for $ty {
+            fn from_value(value: &Value) -> Option<Self> {
+                if let Value::$variant(value) = value { Some(value.clone()) } else { None }
+            }
+            fn to_value(&self) -> Value {
+                Value::$variant(self.clone())
+            }
+        }
+    )+};
+}
+held!(f64 => Number, u32 => Count, bool => Switch, String => File);
+
+/// Declares a choice between words: documentation, then `Variant = "word"` for each.
+#[macro_export]
+macro_rules! choice {
+    (
+        $(#[doc = $doc:literal])+
+        $Choice:ident { $($(#[doc = $word_doc:literal])+ $variant:ident = $word:literal,)+ }
+    ) => {
+        $(#[doc = $doc])+
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+        pub enum $Choice {
+            $($(#[doc = $word_doc])+ #[serde(rename = $word)] $variant,)+
+        }
+
+        impl $Choice {
+            /// All of them, in the order of their declaration.
+            pub const ALL: &'static [Self] = &[$(Self::$variant),+];
+            /// Their words.
+            pub const WORDS: &'static [&'static str] = &[$($word),+];
+            /// What a key of this type holds.
+            pub const KIND: $crate::Kind = $crate::Kind::Choice(Self::WORDS);
+
+            /// Its word.
+            pub fn as_str(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $word,)+
+                }
+            }
+        }
+
+        impl $crate::Held for $Choice {
+            fn from_value(value: &$crate::Value) -> Option<Self> {
+                match value {
+                    $crate::Value::Choice(word) => Self::ALL.iter().copied().find(|own| own.as_str() == *word),
+                    _ => None,
+                }
+            }
+            fn to_value(&self) -> $crate::Value {
+                $crate::Value::Choice(self.as_str())
+            }
+        }
+    };
+}

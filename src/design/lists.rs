@@ -1,0 +1,55 @@
+//! What the sensors and springs of a design amount to.
+
+use super::groups::{SupportKind, TableFoot, Values};
+use super::sensors::SensorProblem;
+use super::springs::Sprung;
+
+impl Values {
+    /// Whether the design has this body.
+    pub(crate) fn has(&self, body: Sprung) -> bool {
+        body == Sprung::Workpiece || self.support.kind == SupportKind::Worktable
+    }
+
+    /// Names of the springs whose body the design lacks.
+    pub(crate) fn idle_springs(&self) -> Vec<&str> {
+        let absent = self.springs.iter().filter(|(_, spring)| !self.has(spring.body));
+        absent.map(|(name, _)| name.as_str()).collect()
+    }
+
+    /// Stiffness and damping along z of all springs on a body \[N/m\], \[N s/m\].
+    pub(crate) fn sprung(&self, body: Sprung) -> [f64; 2] {
+        let on = self.springs.values().filter(|spring| spring.body == body);
+        on.fold([0.0; 2], |[k, c], spring| {
+            [k + spring.stiffness_z, c + spring.damping_z]
+        })
+    }
+
+    /// The body that stands on springs alone and has none along z, and the key that says so.
+    pub(crate) fn not_carried(&self) -> Option<(Sprung, &'static str)> {
+        let (body, key) = match (self.support.kind, self.support.worktable.foot) {
+            (SupportKind::Springs, _) => (Sprung::Workpiece, "support.kind"),
+            (SupportKind::Worktable, TableFoot::Springs) => (Sprung::Worktable, "support.worktable.foot"),
+            _ => return None,
+        };
+        (self.sprung(body)[0] == 0.0).then_some((body, key))
+    }
+
+    /// The first sensor whose own values do not go together, with its name.
+    pub(crate) fn sensor_problem(&self) -> Option<(&str, SensorProblem)> {
+        let nyquist = 0.5 / self.analysis.time_step;
+        self.sensors.iter().find_map(|(name, sensor)| {
+            let (low, high) = (sensor.band_low, sensor.band_high);
+            let still = [sensor.along_x, sensor.along_y, sensor.along_z]
+                .iter()
+                .all(|c| *c == 0.0);
+            let problem = if still {
+                SensorProblem::NoDirection
+            } else if low >= high || high >= nyquist {
+                SensorProblem::Band { low, high, nyquist }
+            } else {
+                return None;
+            };
+            Some((name.as_str(), problem))
+        })
+    }
+}

@@ -1,0 +1,27 @@
+//! Numbers as a person reads them.
+
+use std::fmt::{self, Display};
+
+use nailnoise_quantities::Dimension;
+
+/// A number to six significant digits, without a tail of zeros.
+pub(crate) struct Short(pub(crate) f64);
+
+impl Display for Short {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Ok(rounded) = format!("{:.5e}", self.0).parse::<f64>() else {
+            return write!(f, "{}", self.0);
+        };
+        if rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs()) {
+            write!(f, "{rounded}")
+        } else {
+            write!(f, "{rounded:e}")
+        }
+    }
+}
+
+/// The value with a readable unit of its dimension: 0.06 m is "60 mm".
+pub(crate) fn show(value: f64, dimension: Dimension) -> String {
+    let (scale, unit) = dimension.readable();
+    format!("{} {unit}", Short(value * scale)).trim_end().to_owned()
+}
