@@ -43,7 +43,7 @@ fn report(name: &str, mesh: Duration, assembly: (System, Duration), top_hz: f64)
         settings.block = block[0];
     }
     settings.mirrors = !std::env::args().any(|a| a == "--whole");
-    let (basis, solution) = timed(|| modes(&system, &settings).expect("modes of a sound model"));
+    let (basis, solution) = timed(|| modes(&system, &settings, &|_, _| ()).expect("modes of a sound model"));
     let total = (mesh + assembly + solution).as_secs_f64();
     let worst = basis.residuals.iter().fold(0.0, |a: f64, &b| a.max(b));
     println!(

@@ -61,7 +61,7 @@ fn solve(
         }
     }
     let system = assemble(mesh, &[Material::isotropic(e, nu, rho)?], &constraints)?;
-    let basis = modes(&system, &ModalSettings::below(top_hz))?;
+    let basis = modes(&system, &ModalSettings::below(top_hz), &|_, _| ())?;
     let mut input = String::from("*NODE, NSET=NALL\n");
     for (node, p) in mesh.nodes.iter().enumerate() {
         writeln!(input, "{}, {:.12e}, {:.12e}, {:.12e}", node + 1, p.x, p.y, p.z)?;

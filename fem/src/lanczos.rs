@@ -79,12 +79,13 @@ struct Ritz {
     residual: Vec<f64>,
 }
 
-/// Finds the `target.count` negative eigenpairs; `apply` maps Z to sigma (K - sigma M)^-1 Z, and `tell` is told after every
-/// step how many Ritz values are negative. The order must exceed the count by five blocks at least. None when an eigenvalue lies so near sigma that others would lose their digits.
+/// Finds the `target.count` negative eigenpairs; `apply` maps Z to sigma (K - sigma M)^-1 Z, and `progress` is called after
+/// every step with the number of negative Ritz values. The order must exceed the count by five blocks at least. None when
+/// an eigenvalue lies so near sigma that others would lose their digits.
 pub(crate) fn lanczos(
     mass: &CscMatrix<f64>,
     target: &Target,
-    mut tell: impl FnMut(usize),
+    mut progress: impl FnMut(usize),
     mut apply: impl FnMut(&Mat<f64>) -> Result<Mat<f64>, FemError>,
 ) -> Result<Option<Pairs>, FemError> {
     let n = mass.nrows();
@@ -99,9 +100,9 @@ pub(crate) fn lanczos(
         steps += 1;
         basis.extend(w)?;
         let full = basis.size + block > limit;
-        // The count of the band matrix costs little and tells whether the full check can succeed at all.
+        // The count of the band matrix costs little and shows whether the full check can succeed at all.
         let negative = negative_pivots(basis.t.as_ref(), basis.band);
-        tell(negative);
+        progress(negative);
         let due = basis.size >= next_check && negative >= target.count;
         if !(full || due) {
             continue;

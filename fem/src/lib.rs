@@ -1,8 +1,12 @@
-//! Finite-element modal models of the bodies and their transient response.
+//! Modes and transient response of solid bodies by finite elements.
 //!
 //! A mesh with a [`Material`] for each part and [`Constraints`] assembles to a [`System`] K, M; [`modes`] solves
 //! K phi = lambda M phi for all modes below a frequency and proves by a Sturm count that none is missing.
 #![forbid(unsafe_code)]
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
 
 mod assembly;
 mod assurance;
@@ -38,5 +42,5 @@ pub use error::FemError;
 pub use load_vector::{LoadVector, Rectangle};
 pub use material::{Material, Orthotropic};
 pub use modal::{ModalBasis, ModalSettings, ModalWork, Sturm};
-pub use solve::{modes, modes_telling};
+pub use solve::{Progress, modes};
 pub use symmetry::mirror_planes;

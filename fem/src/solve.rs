@@ -22,6 +22,10 @@ const ATTEMPTS: usize = 6;
 /// bodies have a solution; it changes what modes above the top contribute by its square, 1e-4, at most.
 const SHIFT_FRACTION: f64 = 0.01;
 
+/// Called with the number of modes found and the number of modes there are in the sectors factorised so far, from several
+/// threads; both start again from zero when the edge is moved.
+pub type Progress<'a> = dyn Fn(usize, usize) + Sync + 'a;
+
 /// Solves K phi = lambda M phi for all modes below `settings.top_hz`.
 ///
 /// K - sigma M = L D L^T with sigma = (2 pi top)^2 gives the number of modes below, by the signs of D, and then drives
@@ -35,20 +39,7 @@ const SHIFT_FRACTION: f64 = 0.01;
 /// # Errors
 /// [`FemError::NotPositive`], [`FemError::LoadRows`]; [`FemError::Pivot`], [`FemError::Probe`],
 /// [`FemError::NotConverged`] or [`FemError::Incomplete`] when the numerics fail, never a basis with a mode missing.
-pub fn modes(system: &System, settings: &ModalSettings) -> Result<ModalBasis, FemError> {
-    modes_telling(system, settings, &|_, _| ())
-}
-
-/// The same, and tells on the way how many modes the iteration has found and how many there are as far as is known: all
-/// once every sector has been factorised. They come from several threads, and begin anew with another edge.
-///
-/// # Errors
-/// As [`modes`].
-pub fn modes_telling(
-    system: &System,
-    settings: &ModalSettings,
-    tell: &(dyn Fn(usize, usize) + Sync),
-) -> Result<ModalBasis, FemError> {
+pub fn modes(system: &System, settings: &ModalSettings, progress: &Progress<'_>) -> Result<ModalBasis, FemError> {
     if !(settings.top_hz.is_finite() && settings.top_hz > 0.0) {
         return Err(FemError::NotPositive {
             what: "the top frequency [Hz]",
@@ -63,7 +54,7 @@ pub fn modes_telling(
     } else {
         whole(system)?
     };
-    let solve = |sectors: &[Sector]| Problem::new(system, sectors, settings, loads.as_ref(), tell)?.solve();
+    let solve = |sectors: &[Sector]| Problem::new(system, sectors, settings, loads.as_ref(), progress)?.solve();
     match solve(&sectors) {
         // A symmetry that almost holds.
         Err(FemError::Residual { .. }) if sectors.len() > 1 => solve(&whole(system)?),
@@ -79,19 +70,19 @@ struct Problem<'a> {
     settings: &'a ModalSettings,
     /// On the equations.
     loads: Option<&'a Mat<f64>>,
-    tell: &'a (dyn Fn(usize, usize) + Sync),
+    progress: &'a Progress<'a>,
 }
 
-/// Modes found in all sectors.
-struct Found<'a> {
+/// Modes found so far in all sectors.
+struct Counter<'a> {
     found: AtomicUsize,
     count: AtomicUsize,
-    tell: &'a (dyn Fn(usize, usize) + Sync),
+    progress: &'a Progress<'a>,
 }
 
-impl Found<'_> {
-    fn tell(&self) {
-        (self.tell)(self.found.load(Ordering::Relaxed), self.count.load(Ordering::Relaxed));
+impl Counter<'_> {
+    fn report(&self) {
+        (self.progress)(self.found.load(Ordering::Relaxed), self.count.load(Ordering::Relaxed));
     }
 }
 
@@ -109,7 +100,7 @@ impl<'a> Problem<'a> {
         sectors: &'a [Sector],
         settings: &'a ModalSettings,
         loads: Option<&'a Mat<f64>>,
-        tell: &'a (dyn Fn(usize, usize) + Sync),
+        progress: &'a Progress<'a>,
     ) -> Result<Self, FemError> {
         let symbolic = sectors.par_iter().map(|sector| Symbolic::new(&sector.stiffness));
         Ok(Self {
@@ -118,7 +109,7 @@ impl<'a> Problem<'a> {
             symbolic: symbolic.collect::<Result<_, _>>()?,
             settings,
             loads,
-            tell,
+            progress,
         })
     }
 
@@ -170,16 +161,16 @@ impl<'a> Problem<'a> {
 
     /// The modes below the edge, refined; none when the edge falls on a mode of some sector.
     fn below(&self, edge: f64, last: bool, work: &mut ModalWork) -> Result<Option<Vec<Solution<'_>>>, FemError> {
-        let so_far = Found {
+        let counter = Counter {
             found: AtomicUsize::new(0),
             count: AtomicUsize::new(0),
-            tell: self.tell,
+            progress: self.progress,
         };
         let found: Vec<_> = (self.sectors, &self.symbolic)
             .into_par_iter()
             .map(|(sector, symbolic)| {
                 let mut work = ModalWork::default();
-                let solution = self.sector_below(sector, symbolic, edge, &so_far, &mut work);
+                let solution = self.sector_below(sector, symbolic, edge, &counter, &mut work);
                 (solution, work)
             })
             .collect();
@@ -208,7 +199,7 @@ impl<'a> Problem<'a> {
         sector: &Sector,
         symbolic: &'s Symbolic,
         edge: f64,
-        so_far: &Found<'_>,
+        counter: &Counter<'_>,
         work: &mut ModalWork,
     ) -> Result<Option<Solution<'s>>, FemError> {
         let pencil = sector.pencil();
@@ -217,8 +208,8 @@ impl<'a> Problem<'a> {
         let Some(count) = factor.negative_eigenvalues() else {
             return Ok(None);
         };
-        so_far.count.fetch_add(count, Ordering::Relaxed);
-        let vectors = find(pencil, self.settings, &factor, (edge, count), so_far, work)?;
+        counter.count.fetch_add(count, Ordering::Relaxed);
+        let vectors = find(pencil, self.settings, &factor, (edge, count), counter, work)?;
         Ok(vectors.map(|vectors| Solution {
             pairs: Eigenpairs::new(pencil, vectors, edge, edge),
             count,
@@ -288,7 +279,7 @@ fn find(
     settings: &ModalSettings,
     factor: &Factor<'_>,
     (edge, count): (f64, usize),
-    so_far: &Found<'_>,
+    counter: &Counter<'_>,
     work: &mut ModalWork,
 ) -> Result<Option<Mat<f64>>, FemError> {
     let n = pencil.mass.nrows();
@@ -308,13 +299,13 @@ fn find(
         max_vectors,
     };
     let mut before = 0;
-    let tell = |found: usize| {
+    let report = |found: usize| {
         // A restart keeps what counts, and rounding may lose one for a step.
-        so_far.found.fetch_add(found.saturating_sub(before), Ordering::Relaxed);
+        counter.found.fetch_add(found.saturating_sub(before), Ordering::Relaxed);
         before = before.max(found);
-        so_far.tell();
+        counter.report();
     };
-    let found = lanczos(pencil.mass, &target, tell, |z| {
+    let found = lanczos(pencil.mass, &target, report, |z| {
         let mut x = z.clone();
         factor.solve(x.as_mut());
         x *= Scale(edge);

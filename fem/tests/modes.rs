@@ -31,7 +31,7 @@ fn elastic(basis: &ModalBasis) -> &[f64] {
 
 #[test]
 fn free_workpiece_has_six_rigid_and_the_known_elastic_modes() {
-    let basis = modes(&free_workpiece([20, 8, 5]), &ModalSettings::below(5e3)).unwrap();
+    let basis = modes(&free_workpiece([20, 8, 5]), &ModalSettings::below(5e3), &|_, _| ()).unwrap();
     assert_complete(&basis);
     assert_eq!(basis.rigid.iter().filter(|r| **r).count(), 6);
     assert!(basis.hz[..6].iter().all(|&f| f == 0.0));
@@ -42,7 +42,7 @@ fn free_workpiece_has_six_rigid_and_the_known_elastic_modes() {
 
 #[test]
 fn clamped_worktable_has_the_known_modes() {
-    let basis = modes(&clamped_table(0.045), &ModalSettings::below(650.0)).unwrap();
+    let basis = modes(&clamped_table(0.045), &ModalSettings::below(650.0), &|_, _| ()).unwrap();
     assert_complete(&basis);
     assert!(basis.rigid.iter().all(|r| !r));
     assert_hz(&basis.hz, &[115.0, 115.0, 155.0, 480.0, 583.0, 604.0], 0.01);
@@ -51,8 +51,8 @@ fn clamped_worktable_has_the_known_modes() {
 #[test]
 fn a_basis_of_two_decades_keeps_its_residuals_and_the_low_modes() {
     let (wide, narrow) = (
-        modes(&clamped_table(0.06), &ModalSettings::below(6e3)).unwrap(),
-        modes(&clamped_table(0.06), &ModalSettings::below(650.0)).unwrap(),
+        modes(&clamped_table(0.06), &ModalSettings::below(6e3), &|_, _| ()).unwrap(),
+        modes(&clamped_table(0.06), &ModalSettings::below(650.0), &|_, _| ()).unwrap(),
     );
     assert_complete(&wide);
     assert!(wide.hz.len() > 150 && narrow.hz.len() < 10);
@@ -75,6 +75,7 @@ fn free_beam_lies_just_below_euler() {
     let basis = modes(
         &isotropic([1.0, 0.02, 0.01], [40, 2, 1], 200e9, 0.0, 8000.0),
         &ModalSettings::below(300.0),
+        &|_, _| (),
     );
     let basis = basis.unwrap();
     assert_complete(&basis);
@@ -102,6 +103,7 @@ fn rod_without_poisson_has_the_exact_longitudinal_mode() {
     let basis = modes(
         &isotropic([1.0, 0.05, 0.04], [12, 1, 1], 200e9, 0.0, 8000.0),
         &ModalSettings::below(6e3),
+        &|_, _| (),
     )
     .unwrap();
     assert_complete(&basis);
@@ -117,7 +119,12 @@ fn rod_without_poisson_has_the_exact_longitudinal_mode() {
 fn cube_has_the_lame_mode_as_a_pair() {
     // f = c_s / (sqrt(2) L) whatever nu; one in each of the three planes, of which two are independent.
     let (l, e, nu, rho) = (0.1, 200e9, 0.3, 8000.0);
-    let basis = modes(&isotropic([l; 3], [4; 3], e, nu, rho), &ModalSettings::below(23e3)).unwrap();
+    let basis = modes(
+        &isotropic([l; 3], [4; 3], e, nu, rho),
+        &ModalSettings::below(23e3),
+        &|_, _| (),
+    )
+    .unwrap();
     assert_complete(&basis);
     let c_s = (e / (2.0 * (1.0 + nu)) / rho).sqrt();
     let lame = c_s / (2.0_f64.sqrt() * l);
@@ -137,6 +144,7 @@ fn a_square_prism_returns_its_bending_pairs_as_pairs() {
     let basis = modes(
         &isotropic([0.02, 0.02, 0.2], [2, 2, 8], 200e9, 0.3, 8000.0),
         &ModalSettings::below(20e3),
+        &|_, _| (),
     )
     .unwrap();
     assert_complete(&basis);
@@ -164,6 +172,7 @@ fn simply_supported_thick_plate_meets_nafems_fv52_on_its_mesh() {
     let basis = modes(
         &assemble(&mesh, &[material], &constraints).unwrap(),
         &ModalSettings::below(210.0),
+        &|_, _| (),
     )
     .unwrap();
     assert_complete(&basis);
@@ -185,7 +194,7 @@ fn basis_does_not_depend_on_the_threads() {
             let system = free_workpiece([10, 4, 3]);
             let mut loads = DMatrix::zeros(system.equations.dofs(), 1);
             loads[(2, 0)] = 1.0;
-            modes(&system, &ModalSettings::below(5e3).with_loads(loads)).unwrap()
+            modes(&system, &ModalSettings::below(5e3).with_loads(loads), &|_, _| ()).unwrap()
         })
     };
     assert_eq!(solve(1), solve(3));
@@ -193,7 +202,7 @@ fn basis_does_not_depend_on_the_threads() {
 
 #[test]
 fn work_is_as_frozen() {
-    let basis = modes(&free_workpiece([10, 4, 3]), &ModalSettings::below(6e3)).unwrap();
+    let basis = modes(&free_workpiece([10, 4, 3]), &ModalSettings::below(6e3), &|_, _| ()).unwrap();
     insta::assert_json_snapshot!(basis.work);
 }
 
@@ -202,13 +211,14 @@ fn a_small_basis_restarts_and_finds_the_same_modes() {
     let system = free_workpiece([10, 4, 3]);
     let settings = ModalSettings::below(6e3);
     let (long, short) = (
-        modes(&system, &settings).unwrap(),
+        modes(&system, &settings, &|_, _| ()).unwrap(),
         modes(
             &system,
             &ModalSettings {
                 max_vectors: 100,
                 ..settings
             },
+            &|_, _| (),
         )
         .unwrap(),
     );
@@ -224,11 +234,11 @@ fn blocks_narrower_than_a_multiplicity_still_find_it_all() {
         block: 1,
         ..ModalSettings::below(10e3)
     };
-    let basis = modes(&system, &settings).unwrap();
+    let basis = modes(&system, &settings, &|_, _| ()).unwrap();
     assert_complete(&basis);
     assert_hz(
         &basis.hz[6..],
-        &modes(&system, &ModalSettings::below(10e3)).unwrap().hz[6..],
+        &modes(&system, &ModalSettings::below(10e3), &|_, _| ()).unwrap().hz[6..],
         1e-10,
     );
 }
@@ -237,23 +247,23 @@ fn blocks_narrower_than_a_multiplicity_still_find_it_all() {
 fn a_body_smaller_than_the_blocks_is_solved_exactly() {
     // 60 degrees of freedom, all modes wanted: the basis fills the space.
     let system = isotropic([0.1; 3], [1; 3], 200e9, 0.3, 8000.0);
-    let basis = modes(&system, &ModalSettings::below(1e6)).unwrap();
+    let basis = modes(&system, &ModalSettings::below(1e6), &|_, _| ()).unwrap();
     assert_eq!(basis.hz.len(), 60);
     assert_complete(&basis);
 }
 
 #[test]
 fn no_mode_below_the_edge_is_an_empty_basis() {
-    let basis = modes(&clamped_table(0.09), &ModalSettings::below(10.0)).unwrap();
+    let basis = modes(&clamped_table(0.09), &ModalSettings::below(10.0), &|_, _| ()).unwrap();
     assert!(basis.hz.is_empty() && basis.sturm.count == 0);
 }
 
 #[test]
 fn an_edge_on_a_mode_moves_up_and_takes_it_in() {
     let system = free_workpiece([8, 3, 2]);
-    let first = modes(&system, &ModalSettings::below(2e3)).unwrap();
+    let first = modes(&system, &ModalSettings::below(2e3), &|_, _| ()).unwrap();
     assert_eq!(first.hz.len(), 7);
-    let on_it = modes(&system, &ModalSettings::below(first.hz[6])).unwrap();
+    let on_it = modes(&system, &ModalSettings::below(first.hz[6]), &|_, _| ()).unwrap();
     assert!(on_it.sturm.upper_hz > first.hz[6] && on_it.sturm.upper_hz < 1.01 * first.hz[6]);
     assert_eq!(on_it.hz.len(), 7);
 }
@@ -286,8 +296,8 @@ fn modes_and_corrections_give_the_static_deflection() {
         .for_each(|(i, j, value)| k[(i, j)] = *value);
     k.fill_upper_triangle_with_lower_triangle();
     let exact = k.cholesky().unwrap().solve(&f).dot(&f);
-    let truncated = modes(&system, &ModalSettings::below(4e3)).unwrap();
-    let corrected = modes(&system, &ModalSettings::below(4e3).with_loads(load.clone())).unwrap();
+    let truncated = modes(&system, &ModalSettings::below(4e3), &|_, _| ()).unwrap();
+    let corrected = modes(&system, &ModalSettings::below(4e3).with_loads(load.clone()), &|_, _| ()).unwrap();
     let (without, with) = (flexibility(&truncated) / exact, flexibility(&corrected) / exact);
     assert!(without < 0.9, "the modes alone carry {without}");
     assert!((with - 1.0).abs() < 1e-6, "with the correction {with}");
@@ -305,7 +315,7 @@ fn corrections_are_orthogonal_to_the_modes_and_to_each_other() {
     // A load that depends on the others adds no shape.
     let sum = loads.column(0) + loads.column(1) * 2.0;
     loads.set_column(3, &sum);
-    let basis = modes(&system, &ModalSettings::below(4e3).with_loads(loads)).unwrap();
+    let basis = modes(&system, &ModalSettings::below(4e3).with_loads(loads), &|_, _| ()).unwrap();
     assert_eq!(basis.corrections.len(), 3);
     let phi = system.equations.restrict(&basis.shapes).unwrap();
     let product = |a: &nalgebra_sparse::CscMatrix<f64>| {
@@ -338,16 +348,16 @@ fn corrections_are_orthogonal_to_the_modes_and_to_each_other() {
 fn unusable_requests_are_refused() {
     let system = free_workpiece([1, 1, 1]);
     assert!(matches!(
-        modes(&system, &ModalSettings::below(0.0)),
+        modes(&system, &ModalSettings::below(0.0), &|_, _| ()),
         Err(FemError::NotPositive { .. })
     ));
     assert!(matches!(
-        modes(&system, &ModalSettings::below(f64::NAN)),
+        modes(&system, &ModalSettings::below(f64::NAN), &|_, _| ()),
         Err(FemError::NotPositive { .. })
     ));
     let loads = DMatrix::zeros(5, 1);
     assert!(matches!(
-        modes(&system, &ModalSettings::below(1e3).with_loads(loads)),
+        modes(&system, &ModalSettings::below(1e3).with_loads(loads), &|_, _| ()),
         Err(FemError::LoadRows { .. })
     ));
 }

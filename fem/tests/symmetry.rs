@@ -21,7 +21,7 @@ fn solve(system: &System, top_hz: f64, mirrors: bool) -> ModalBasis {
         mirrors,
         ..ModalSettings::below(top_hz).with_loads(loads)
     };
-    modes(system, &settings).unwrap()
+    modes(system, &settings, &|_, _| ()).unwrap()
 }
 
 /// Receptance at the loaded node far below the elastic modes, from modes and static corrections.
@@ -85,7 +85,7 @@ fn a_soft_spring_at_a_face_breaks_its_plane_only() {
         ..Attachments::default()
     };
     let system = assemble_with(&mesh, &[pine_block()], &Constraints::free(), &attachments).unwrap();
-    let basis = modes(&system, &ModalSettings::below(3e3)).unwrap();
+    let basis = modes(&system, &ModalSettings::below(3e3), &|_, _| ()).unwrap();
     assert_eq!(basis.work.sectors, 4);
 }
 
@@ -95,7 +95,13 @@ fn a_mesh_that_is_not_symmetric_stays_whole() {
     let inner = mesh.nodes.len() / 3;
     mesh.nodes[inner] += Vector3::new(1e-5, 2e-5, 3e-5);
     let system = assemble(&mesh, &[pine_block()], &Constraints::free()).unwrap();
-    assert_eq!(modes(&system, &ModalSettings::below(3e3)).unwrap().work.sectors, 1);
+    assert_eq!(
+        modes(&system, &ModalSettings::below(3e3), &|_, _| ())
+            .unwrap()
+            .work
+            .sectors,
+        1
+    );
 }
 
 #[test]
@@ -109,6 +115,6 @@ fn sectors_do_not_depend_on_the_threads() {
 
 #[test]
 fn the_work_in_sectors_is_as_frozen() {
-    let basis = modes(&free_workpiece(DIVISIONS), &ModalSettings::below(8e3)).unwrap();
+    let basis = modes(&free_workpiece(DIVISIONS), &ModalSettings::below(8e3), &|_, _| ()).unwrap();
     insta::assert_json_snapshot!(basis.work);
 }

@@ -166,7 +166,12 @@ fn a_modal_sum_converges_to_the_full_matrices_marched_by_newmark() {
     for (node, weight) in place.nodes.iter().zip(&place.weights) {
         load[3 * node + 2] += weight;
     }
-    let basis = modes(&system, &ModalSettings::below(12e3).with_loads(load.clone())).unwrap();
+    let basis = modes(
+        &system,
+        &ModalSettings::below(12e3).with_loads(load.clone()),
+        &|_, _| (),
+    )
+    .unwrap();
     let shapes = basis.shapes.clone();
     let at = shapes.tr_mul(&load);
     let (duration, fine) = (3e-3f64, 1e-6f64);

@@ -1,10 +1,14 @@
-//! Finite-element meshes: built-in mesher, skin, quality and VTK output.
+//! Finite-element meshes: structured meshers, surfaces, quality checks and files.
 //!
-//! A [`Mesh`] holds nodes, elements with a part each, and named groups of element faces. [`block()`] and
-//! [`worktable()`] build structured quadratic meshes of the two wooden bodies; [`Surface`] is the skin through which a
-//! body radiates; [`locate`] finds the nodes and weights that carry a value to any point; [`vtu`] writes what a
-//! post-processor reads. Lengths are in metres throughout.
+//! A [`Mesh`] holds nodes, elements with a part each, and named groups of element faces. [`block()`], [`worktable()`] and
+//! [`tool()`] build meshes of second order, [`gmsh`] meshes STEP files. [`Surface`] holds the outer faces with their
+//! normals; [`Mesh::locate`] finds the nodes and weights that carry a value to any point. [`msh`], [`vtu`] and [`uff`]
+//! exchange files with gmsh, ParaView and modal-test software. All lengths are in metres.
 #![forbid(unsafe_code)]
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
 
 mod block;
 mod element;

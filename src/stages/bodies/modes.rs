@@ -1,6 +1,6 @@
 //! Whole modes of a body: their shapes on every node, in double precision.
 
-use nailnoise_fem::{ModalBasis, ModalSettings, System, assemble_with, modes_telling};
+use nailnoise_fem::{ModalBasis, ModalSettings, System, assemble_with, modes};
 use nalgebra::{DMatrix, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -81,7 +81,7 @@ impl Stage for Modes {
             BodyKind::Tool => "modes of the tool",
         };
         let basis = progress.count((task, "modes"), |report| {
-            modes_telling(&system, &settings, &|found, of| report(found as u64, of as u64))
+            modes(&system, &settings, &|found, of| report(found as u64, of as u64))
         })?;
         let (basis, shapes) = basis.swap_shapes(());
         Ok(WholeModes {
