@@ -265,10 +265,8 @@ pub enum AcousticsError {
         lowest: f64,
     },
     /// Bytes that should hold radiation matrices do not.
-    #[error("the bytes are not those of radiation matrices (at byte {at} of {length}); compute them again")]
+    #[error("these {length} bytes do not hold radiation matrices; compute them again")]
     Damaged {
-        /// Where reading stopped.
-        at: usize,
         /// Number of bytes.
         length: usize,
     },

@@ -7,9 +7,11 @@
 
 mod air;
 pub mod bem;
+mod blocks;
 mod error;
 pub mod exhaust;
 pub mod fourier;
+mod interpolation;
 pub mod levels;
 pub mod muffler;
 pub mod radiation;

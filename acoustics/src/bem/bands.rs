@@ -10,9 +10,8 @@ use super::symmetry::Image;
 use crate::error::AcousticsError;
 use crate::levels::{Band, Weighting, energy_weights};
 use crate::radiation::ModalSpectra;
-use crate::sound::{Around, BandSound, Piece, Rows, bins_of, groups, of_bins, rows, squares};
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, Par};
+use crate::sound::{Around, BandSound, Field, Fields, bins_of, groups, of_bins, squares};
+use faer::Mat;
 use nalgebra::{Complex, DMatrix, Point3, Vector3};
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -114,10 +113,7 @@ impl Sounding {
             for group in groups(mine, |_| false) {
                 let piece = whole.piece(group, around)?;
                 result.around.samples += piece.samples();
-                let quantities = 2 * chosen.len() + whole.patterns.len();
-                for quantity in 0..quantities {
-                    result.around.error = result.around.error.max(piece.error(quantity));
-                }
+                result.around.error = result.around.error.max(piece.error());
                 for band in group {
                     let at = result.bands.len();
                     let surface = SurfaceBand {
@@ -166,29 +162,26 @@ impl<'a> Whole<'a> {
     }
 
     /// Pressure on the surface per unit of acceleration, around it and in the far field: parity by parity each.
-    fn piece(&self, group: &[Band], around: &Around<'_>) -> Result<Piece, AcousticsError> {
+    fn piece(&self, group: &[Band], around: &Around<'_>) -> Result<Fields, AcousticsError> {
         let (radius, origin) = self.problem.reach();
         let speed = self.problem.air().sound_speed;
         let range = [group[0].low, group[group.len() - 1].high];
         let travel: Vec<f64> = around.points.iter().map(|p| (p - origin).norm()).collect();
-        Piece::new(range, (radius, speed), |hz| {
+        Fields::new(range, (radius, speed), |hz| {
             let omega = 2.0 * PI * hz;
             let per_acceleration = Complex::new(0.0, -1.0 / omega);
             let solutions = self.problem.solve_parities(hz, &self.patterns)?;
             let all: Vec<(&DMatrix<f64>, &SurfacePressure)> =
                 self.patterns.iter().map(|p| &p.velocities).zip(&solutions).collect();
-            let scaled = |mut m: Rows, turn: &dyn Fn(usize) -> Complex<f64>| {
-                for i in 0..m.nrows() {
-                    let factor = per_acceleration * turn(i);
-                    (0..m.ncols()).for_each(|j| m[(i, j)] *= factor);
-                }
-                m
+            let scaled = |m: Mat<Complex<f64>>, turn: &dyn Fn(usize) -> Complex<f64>| {
+                let factors: Vec<Complex<f64>> = (0..m.nrows()).map(|i| per_acceleration * turn(i)).collect();
+                Field::from_fn(m.nrows(), m.ncols(), |i, j| m[(i, j)] * factors[i])
             };
             let after = |way: f64| Complex::from_polar(1.0, omega / speed * way);
             let mut quantities = Vec::new();
             for solution in &solutions {
                 // Sound from all over the surface, and by the floor: as far again as the body reaches.
-                quantities.push(scaled(rows(&solution.pressure), &|_| after(radius)));
+                quantities.push(&solution.pressure * (per_acceleration * after(radius)));
             }
             for m in self.problem.around(around.points, &all) {
                 quantities.push(scaled(m, &|i| after(travel[i])));
@@ -203,7 +196,7 @@ impl<'a> Whole<'a> {
     /// Adds up a band.
     fn band(
         &self,
-        piece: &Piece,
+        piece: &Fields,
         band: &Band,
         spectra: &ModalSpectra,
         around: &mut BandSound,
@@ -218,14 +211,14 @@ impl<'a> Whole<'a> {
                 let frequency: Vec<f64> = bins.iter().map(|&b| spectra.frequency[b]).collect();
                 let weights: Vec<f64> = bins.iter().map(|&b| 2.0 * weights[b]).collect();
                 let motion = of_bins(spectra, bins);
-                let accelerations: Vec<Rows> = self
+                let accelerations: Vec<Field> = self
                     .chosen
                     .iter()
                     .map(|pick| combined(&pick.combination.dense(), &motion))
                     .collect();
-                let carried = |quantity: usize| -> Vec<Rows> {
+                let carried = |quantity: usize| -> Vec<Field> {
                     let first = quantity * self.chosen.len();
-                    let of_parity = |(c, a): (usize, &Rows)| piece.carried(first + c, &frequency, a);
+                    let of_parity = |(c, a): (usize, &Field)| piece.product(first + c, &frequency, a);
                     accelerations.iter().enumerate().map(of_parity).collect()
                 };
                 let sound = [1, 2].map(|quantity| squares(&sum(carried(quantity).into_iter()), &weights));
@@ -253,7 +246,7 @@ impl<'a> Whole<'a> {
         total
     }
 
-    fn on_surface(&self, pressure: &[Rows], accelerations: &[Rows], hz: &[f64], weights: &[f64]) -> SurfaceBand {
+    fn on_surface(&self, pressure: &[Field], accelerations: &[Field], hz: &[f64], weights: &[f64]) -> SurfaceBand {
         let (bins, radius) = (hz.len(), self.problem.reach().0);
         // The pressure is ahead by the time over the body's reach; the velocity follows it.
         let turn: Vec<Complex<f64>> = hz
@@ -263,12 +256,12 @@ impl<'a> Whole<'a> {
                 Complex::from_polar(1.0, omega / self.problem.air().sound_speed * radius) / Complex::new(0.0, omega)
             })
             .collect();
-        let velocity: Vec<Rows> = self
+        let velocity: Vec<Field> = self
             .patterns
             .iter()
             .zip(accelerations)
             .map(|(p, a)| {
-                let turned = Mat::from_fn(a.nrows(), bins, |i, b| a[(i, b)] * turn[b]);
+                let turned = Field::from_fn(a.nrows(), bins, |i, b| a[(i, b)] * turn[b]);
                 combined(&p.velocities, &turned)
             })
             .collect();
@@ -279,12 +272,12 @@ impl<'a> Whole<'a> {
             velocity: Vec::with_capacity(self.surface.panels.len()),
         };
         for &image in &self.images {
-            let whole = |parts: &[Rows]| {
+            let whole = |parts: &[Field]| {
                 let signed = self
                     .patterns
                     .iter()
                     .zip(parts)
-                    .map(|(p, part)| faer::Scale(Complex::from(p.parity.sign(image))) * part);
+                    .map(|(p, part)| part * Complex::from(p.parity.sign(image)));
                 sum(signed)
             };
             let (p, v) = (whole(pressure), whole(&velocity));
@@ -316,23 +309,16 @@ impl<'a> Whole<'a> {
 }
 
 /// Their sum.
-fn sum(parts: impl Iterator<Item = Rows>) -> Rows {
-    parts.reduce(|sum, part| sum + part).unwrap_or_else(Mat::new)
+fn sum(parts: impl Iterator<Item = Field>) -> Field {
+    parts
+        .reduce(|sum, part| sum + part)
+        .unwrap_or_else(|| Field::zeros(0, 0))
 }
 
 /// A real matrix times complex columns.
-fn combined(by: &DMatrix<f64>, columns: &Rows) -> Rows {
-    let by = Mat::from_fn(by.nrows(), by.ncols(), |i, j| Complex::from(by[(i, j)]));
-    let mut product = Mat::zeros(by.nrows(), columns.ncols());
-    matmul(
-        product.as_mut(),
-        Accum::Replace,
-        by.as_ref(),
-        columns.as_ref(),
-        Complex::from(1.0),
-        Par::Seq,
-    );
-    product
+fn combined(by: &DMatrix<f64>, columns: &Field) -> Field {
+    let [re, im] = [columns.map(|z| z.re), columns.map(|z| z.im)].map(|part| by * part);
+    re.zip_map(&im, Complex::new)
 }
 
 fn panels(boundary: &Boundary) -> Vec<(Vec<usize>, f64, [[f64; 4]; 4])> {

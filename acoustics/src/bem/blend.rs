@@ -1,9 +1,7 @@
-use crate::error::AcousticsError;
-use crate::radiation::{
-    Archive, ArchiveReader, ArchiveWriter, Erp, Means, ModalRadiation, Resistance, SampledRadiation,
-};
+use crate::radiation::{Erp, Means, ModalRadiation, Resistance, SampledRadiation};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// Octaves below the top of boundary elements at single frequencies over which these give way to means.
@@ -11,7 +9,7 @@ const FADING: f64 = 1.0 / 12.0;
 
 /// Radiation resistance from boundary elements on meshes that get finer with frequency, above them from means of boundary
 /// elements over neighbouring frequencies, and from the limit of high frequencies at last.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct BlendedRadiation {
     /// Each from where the one before ends.
     levels: Vec<SampledRadiation>,
@@ -206,31 +204,5 @@ impl ModalRadiation for BlendedRadiation {
             to += low;
         }
         signals
-    }
-}
-
-impl Archive for BlendedRadiation {
-    fn write(&self, to: &mut ArchiveWriter) {
-        to.list(&self.levels);
-        self.above.write(to);
-        to.count(self.solved);
-        self.limit.write(to);
-        self.erp.write(to);
-    }
-
-    fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
-        let levels: Vec<SampledRadiation> = from.list()?;
-        if levels.is_empty() {
-            return Err(from.damaged());
-        }
-        let above = Above {
-            means: Means::read(from)?,
-            solved: from.count()?,
-            limit: Means::read(from)?,
-        };
-        if above.solved == 0 {
-            return Err(from.damaged());
-        }
-        Ok(Self::new(levels, above, Erp::read(from)?))
     }
 }

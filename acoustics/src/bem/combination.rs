@@ -1,17 +1,17 @@
-use crate::error::AcousticsError;
-use crate::radiation::{Archive, ArchiveReader, ArchiveWriter};
 use nalgebra::{Complex, DMatrix};
+use serde::{Deserialize, Serialize};
 
 /// T of a parity: the motion of its independent modes for the motion of all modes.
 ///
 /// An independent mode stands for itself, most others have another parity: few columns are more than one entry.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Combination {
     /// Numbers of the independent modes.
     independent: Vec<usize>,
     /// Numbers of the modes that combine from them.
     dependent: Vec<usize>,
     /// Independent modes x dependent ones.
+    #[serde(with = "crate::blocks")]
     of_dependent: DMatrix<f64>,
     modes: usize,
 }
@@ -86,31 +86,5 @@ impl Combination {
             dense.set_column(mode, &column);
         }
         dense
-    }
-}
-
-impl Archive for Combination {
-    fn write(&self, to: &mut ArchiveWriter) {
-        to.count(self.modes);
-        for numbers in [&self.independent, &self.dependent] {
-            to.count(numbers.len());
-            numbers.iter().for_each(|number| to.count(*number));
-        }
-        self.of_dependent.write(to);
-    }
-
-    fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
-        let modes = from.count()?;
-        let mut numbers = || {
-            let count = from.count()?;
-            (0..count).map(|_| from.count()).collect::<Result<Vec<_>, _>>()
-        };
-        let (independent, dependent) = (numbers()?, numbers()?);
-        let of_dependent = DMatrix::read(from)?;
-        let known = independent.iter().chain(&dependent).all(|mode| *mode < modes);
-        if !known || of_dependent.shape() != (independent.len(), dependent.len()) {
-            return Err(from.damaged());
-        }
-        Ok(Self::new(modes, independent, dependent, of_dependent))
     }
 }

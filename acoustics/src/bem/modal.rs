@@ -7,12 +7,10 @@ use super::receivers::{Heard, HeardModes, Receivers};
 use super::solver::Solver;
 use crate::air::Air;
 use crate::error::{AcousticsError, same_length};
-use crate::radiation::{
-    Archive, ArchiveReader, ArchiveWriter, Correction, Erp, Means, ModalRadiation, ROUND, Resistance, SampledRadiation,
-    Sampling,
-};
+use crate::radiation::{Erp, Means, ModalRadiation, ROUND, Resistance, SampledRadiation, Sampling};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Name of the last patch of [`ModalBem`]: what the far field's power has beyond that of the surface's intensity.
 const REST: &str = "far field less surface";
@@ -42,7 +40,7 @@ impl Level {
 }
 
 /// What the sampling of a radiation matrix found.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Frequencies solved on the mesh of their range.
     pub samples: usize,
@@ -64,7 +62,7 @@ pub struct Summary {
 /// ```text
 /// R = sum_c T_c^T R_c T_c
 /// ```
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ModalBem {
     patches: Vec<String>,
     modes: usize,
@@ -83,7 +81,7 @@ pub struct ModalBem {
 /// ```text
 /// R(f; rho, c) = (rho c)/(rho0 c0) R0(f c0/c)        p/a (f; rho, c) = rho/rho0 (p/a)0 (f c0/c)
 /// ```
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 struct AirScale {
     /// c/c0.
     speed: f64,
@@ -126,7 +124,7 @@ impl ModalBem {
 
     /// Samples R(f) from `sampling.range_hz[0]` on, on meshes that get finer; the upper end of the range is the last
     /// level's. The mesh below shows how R(f) runs in a level's range, its own mesh corrects that at fewer frequencies
-    /// ([`SampledRadiation::together`] tells how errors are judged). Half an octave more is solved on the last mesh in the
+    /// ([`SampledRadiation::of_parities`] says how errors are judged). Half an octave more is solved on the last mesh in the
     /// mean over a few frequencies. A mesh below that resolves the same waves, as that of
     /// [`Boundary::coarsened`](super::Boundary::coarsened), is asked for most of them, as it differs by the shape alone.
     /// Above that the limit of high frequencies holds: flat faces by Rayleigh's integral, what is curved or small against
@@ -218,15 +216,16 @@ impl ModalBem {
             let solver = Solver::new(level, (kept_to, !follows), &chosen, receivers, tell)?;
             let predictor = coarser.as_ref().unwrap_or(&solver);
             let at = |solver: &Solver<'_>, hz: f64| Ok(solver.at(hz)?.resistances.clone());
-            let mut found = SampledRadiation::together("BEM", &counts, &patches, &range, |hz| at(predictor, hz))?;
+            let mut found =
+                SampledRadiation::of_parities("BEM", &counts, &patches, (&range, &[]), |hz| at(predictor, hz))?;
             let round = if follows { FEW } else { ROUND };
             let correction = match &coarser {
                 Some(_) => SampledRadiation::correct(&mut found, (&range, round), |hz| at(&solver, hz))?,
-                None => Correction::default(),
+                None => None,
             };
             for (c, found) in found.into_iter().enumerate().filter(|(c, _)| counts[*c] > 0) {
                 summary.interpolation = summary.interpolation.max(found.interpolation_error());
-                samples[c].push(solver.heard(c, &found, predictor, &correction)?);
+                samples[c].push(solver.heard(c, &found, predictor, correction.as_ref())?);
                 ranges[c].push(found.with_roots());
             }
             solver.report(&mut summary);
@@ -496,42 +495,4 @@ fn stacked(parts: &[DMatrix<Complex<f64>>], bins: usize) -> DMatrix<Complex<f64>
         row += part.nrows();
     }
     signals
-}
-
-impl Archive for ModalBem {
-    fn write(&self, to: &mut ArchiveWriter) {
-        to.texts(&self.patches);
-        to.count(self.modes);
-        to.list(&self.combinations);
-        to.list(&self.parities);
-        to.count(self.summary.samples);
-        let s = &self.summary;
-        to.numbers(&[s.interpolation, s.difference_db, s.asymmetry, s.heard]);
-        self.heard.write(to);
-    }
-
-    fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
-        let patches = from.texts()?;
-        let modes = from.count()?;
-        let combinations = from.list()?;
-        let parities = from.list()?;
-        let samples = from.count()?;
-        let [interpolation, difference_db, asymmetry, heard] = from.numbers()?;
-        let hearing = HeardModes::read(from)?;
-        Ok(Self {
-            patches,
-            modes,
-            combinations,
-            parities,
-            heard: hearing,
-            summary: Summary {
-                samples,
-                interpolation,
-                difference_db,
-                asymmetry,
-                heard,
-            },
-            air: AirScale::NONE,
-        })
-    }
 }

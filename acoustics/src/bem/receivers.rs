@@ -1,8 +1,9 @@
 use super::blend::BlendedRadiation;
 use super::problem::{Exterior, Patterns, SurfacePressure};
 use crate::error::AcousticsError;
-use crate::radiation::{Archive, ArchiveReader, ArchiveWriter, SampledRadiation};
+use crate::radiation::SampledRadiation;
 use nalgebra::{Complex, DMatrix, Point3};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// Points around a body at which its sound is wanted.
@@ -50,11 +51,11 @@ pub(super) fn heard(
 }
 
 /// What receivers hear of one parity: samples beside those of its radiation matrix, range by range.
-#[derive(Debug, Clone)]
-pub(super) struct HeardParity(pub(super) Vec<Vec<Heard>>);
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct HeardParity(#[serde(with = "crate::blocks")] pub(super) Vec<Vec<Heard>>);
 
 /// What receivers hear of a body's modes.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct HeardModes {
     receivers: usize,
     sound_speed: f64,
@@ -119,45 +120,5 @@ impl HeardModes {
 
     pub(super) fn receivers(&self) -> usize {
         self.receivers
-    }
-}
-
-impl Archive for HeardParity {
-    fn write(&self, to: &mut ArchiveWriter) {
-        to.count(self.0.len());
-        self.0.iter().for_each(|range| to.list(range));
-    }
-
-    fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
-        let ranges = from.count()?;
-        Ok(Self((0..ranges).map(|_| from.list()).collect::<Result<_, _>>()?))
-    }
-}
-
-impl Archive for HeardModes {
-    fn write(&self, to: &mut ArchiveWriter) {
-        to.count(self.receivers);
-        to.numbers(&[self.sound_speed, self.error]);
-        self.distances.iter().for_each(|d| to.numbers(d));
-        to.list(&self.parities);
-    }
-
-    fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
-        let receivers = from.count()?;
-        let [sound_speed, error] = from.numbers()?;
-        let mut distances: [Vec<f64>; 2] = Default::default();
-        for of_path in &mut distances {
-            for _ in 0..receivers {
-                let [distance] = from.numbers()?;
-                of_path.push(distance);
-            }
-        }
-        Ok(Self {
-            receivers,
-            sound_speed,
-            distances,
-            parities: from.list()?,
-            error,
-        })
     }
 }

@@ -3,7 +3,8 @@ use super::modal::{Level, Summary};
 use super::problem::{Exterior, Patterns};
 use super::receivers::{Heard, Receivers, heard};
 use crate::error::AcousticsError;
-use crate::radiation::{Correction, Resistance, SampledRadiation};
+use crate::interpolation::Grid;
+use crate::radiation::{Resistance, SampledRadiation};
 use nalgebra::Complex;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -70,17 +71,20 @@ impl<'a> Solver<'a> {
         parity: usize,
         found: &SampledRadiation,
         predictor: &Self,
-        correction: &Correction,
+        correction: Option<&Grid>,
     ) -> Result<Vec<Heard>, AcousticsError> {
         let at = |hz: f64| {
             let mut heard = predictor.at(hz)?.heard[parity].clone();
-            for (node, weight) in correction.weights(hz) {
+            let terms = correction
+                .into_iter()
+                .flat_map(|grid| grid.weighted(hz).map(|(node, w)| (grid.hz()[node], w)));
+            for (node, weight) in terms {
                 let weight = Complex::from(weight);
                 heard += (&self.at(node)?.heard[parity] - &predictor.at(node)?.heard[parity]) * weight;
             }
             Ok(heard)
         };
-        found.samples_hz().into_iter().map(at).collect()
+        found.samples_hz().iter().map(|&hz| at(hz)).collect()
     }
 
     /// Everything at one frequency.

@@ -1,13 +1,12 @@
-use super::archive::{Archive, ArchiveReader, ArchiveWriter};
 use super::packed::{Motions, Packed};
 use super::products::forms;
 use super::resistance::{ModalRadiation, Resistance, sparse_form};
-use super::roots::{apply, hermitian_root};
+use super::root::{apply, hermitian_root};
 use super::surface::RadiatingSurface;
 use crate::air::Air;
-use crate::error::AcousticsError;
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
@@ -19,12 +18,15 @@ use std::sync::OnceLock;
 ///
 /// The limit of high frequencies and the sigma = 1 reference. Not a bound: sigma reaches 1.8 near coincidence, and at
 /// low frequencies it overestimates by orders of magnitude.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Erp {
     patches: Vec<String>,
+    #[serde(with = "crate::blocks")]
     resistances: Vec<DMatrix<f64>>,
     /// The same as forms need it, and the root of all patches together, where they have been asked for.
+    #[serde(skip)]
     packed: OnceLock<Packed>,
+    #[serde(skip)]
     root: OnceLock<DMatrix<f64>>,
 }
 
@@ -76,22 +78,6 @@ impl Erp {
     /// R does not depend on frequency: one root serves all.
     fn root(&self) -> &DMatrix<f64> {
         self.root.get_or_init(|| hermitian_root(&self.resistance(0.0)).real)
-    }
-}
-
-impl Archive for Erp {
-    fn write(&self, to: &mut ArchiveWriter) {
-        to.texts(&self.patches);
-        to.list(&self.resistances);
-    }
-
-    fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
-        let patches = from.texts()?;
-        let resistances: Vec<DMatrix<f64>> = from.list()?;
-        if resistances.len() != patches.len() {
-            return Err(from.damaged());
-        }
-        Ok(Self::of(patches, resistances))
     }
 }
 

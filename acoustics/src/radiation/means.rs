@@ -1,14 +1,13 @@
 //! Resistances in the mean over neighbouring frequencies.
 
-use super::archive::{Archive, ArchiveReader, ArchiveWriter};
 use super::packed::{Motions, Packed};
 use super::products::{forms, real_images};
 use super::resistance::Resistance;
-use super::roots::hermitian_root;
-use crate::error::AcousticsError;
+use super::root::hermitian_root;
 use faer::Mat;
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::ops::Range;
 
@@ -23,7 +22,7 @@ const CHUNK: usize = 64;
 /// ```
 ///
 /// so that R stays positive semidefinite, and no more than two of them count at a frequency.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Means {
     hz: Vec<f64>,
     /// Node by node, every patch.
@@ -195,36 +194,10 @@ fn add(
     }
 }
 
-impl Archive for Means {
-    fn write(&self, to: &mut ArchiveWriter) {
-        to.count(self.hz.len());
-        to.numbers(&self.hz);
-        to.list(&self.patches);
-        to.list(&self.roots);
-    }
-
-    fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
-        let mut hz = Vec::new();
-        for _ in 0..from.count()? {
-            let [node] = from.numbers()?;
-            hz.push(node);
-        }
-        let (patches, roots): (Vec<Packed>, Vec<Packed>) = (from.list()?, from.list()?);
-        let size = |of: &Packed| (of.modes(), of.matrices());
-        let Some((modes, matrices)) = patches.first().map(size) else {
-            return Err(from.damaged());
-        };
-        let alike = |of: &[Packed], matrices| of.len() == hz.len() && of.iter().all(|p| size(p) == (modes, matrices));
-        if !(alike(&patches, matrices) && alike(&roots, 1)) {
-            return Err(from.damaged());
-        }
-        Ok(Self { hz, patches, roots })
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::radiation::Archive;
 
     const MODES: usize = 9;
 

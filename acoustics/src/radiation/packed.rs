@@ -1,21 +1,21 @@
 //! Hermitian matrices in single precision, in which they are kept, and what they make of motions.
 
-use super::archive::{Archive, ArchiveReader, ArchiveWriter};
 use super::resistance::Resistance;
-use crate::error::AcousticsError;
 use faer::Mat;
 use nalgebra::{Complex, DMatrix};
+use serde::{Deserialize, Serialize};
 
 /// Rows are filled up with zeros to a whole number of vectors.
 const LANES: usize = 16;
 
 /// Hermitian matrices of one size: of each the upper triangle, column by column, and where some have an imaginary part
 /// behind it that one's without its diagonal.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Packed {
     modes: usize,
     skew: bool,
     matrices: usize,
+    #[serde(with = "crate::blocks")]
     values: Vec<f32>,
 }
 
@@ -122,6 +122,21 @@ impl Packed {
         self.values.iter_mut().for_each(|v| *v *= factor);
     }
 
+    /// What it has more than `other`: all rows, one behind the other.
+    pub(super) fn less(&self, other: &Self) -> Vec<f64> {
+        let pairs = self.values.iter().zip(&other.values);
+        pairs.map(|(a, b)| f64::from(*a) - f64::from(*b)).collect()
+    }
+
+    /// Adds factors times such rows.
+    pub(super) fn add<'a>(&mut self, terms: impl Iterator<Item = (f64, &'a [f64])>) {
+        let mut sums: Vec<f64> = self.values.iter().map(|v| f64::from(*v)).collect();
+        for (factor, rows) in terms {
+            sums.iter_mut().zip(rows).for_each(|(sum, v)| *sum += factor * v);
+        }
+        self.values.iter_mut().zip(sums).for_each(|(v, sum)| *v = sum as f32);
+    }
+
     /// Adds matrices of nothing until there are so many.
     pub(super) fn add_silent(&mut self, matrices: usize) {
         self.matrices = self.matrices.max(matrices);
@@ -160,31 +175,6 @@ impl Packed {
     }
 }
 
-impl Archive for Packed {
-    fn write(&self, to: &mut ArchiveWriter) {
-        to.count(self.modes);
-        to.count(usize::from(self.skew));
-        to.count(self.matrices);
-        to.singles(&self.values);
-    }
-
-    fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
-        let (modes, skew, matrices) = (from.count()?, from.count()? != 0, from.count()?);
-        let pairs = modes.checked_mul(modes + 1).and_then(|n| n.checked_add(LANES));
-        let fits = pairs.and_then(|n| n.checked_mul(matrices)).is_some();
-        if !fits {
-            return Err(from.damaged());
-        }
-        let values = from.singles(matrices * Self::length(modes, skew))?;
-        Ok(Self {
-            modes,
-            skew,
-            matrices,
-            values,
-        })
-    }
-}
-
 /// The sum of some matrices in the order of a row, not rounded.
 pub(super) fn whole(modes: usize, matrices: &[Resistance]) -> Vec<f64> {
     let pairs = modes * (modes + 1) / 2;
@@ -208,24 +198,28 @@ pub(super) fn diagonal(modes: usize, row: &[f64]) -> impl Iterator<Item = f64> {
     (0..modes).map(|i| row[i * (i + 3) / 2])
 }
 
-/// The largest of `size`, which tells of the entry at each of the `length` places of a row, over `scale` of both its modes.
-pub(super) fn largest(scale: &[f64], length: usize, size: impl Fn(usize) -> f64) -> f64 {
-    let modes = scale.len();
-    let pairs = modes * (modes + 1) / 2;
-    let (mut worst, mut at) = (0.0f64, 0);
-    let mut triangle = |diagonal: usize| {
+/// Square of the Frobenius norm of the Hermitian matrix in a row, each entry over the root of `scale` of both its modes.
+pub(super) fn square_norm(scale: &[f64], row: &[f64]) -> f64 {
+    let mut entries = row.iter();
+    let mut sum = 0.0;
+    for diagonal in [1, 0] {
         for (j, sj) in scale.iter().enumerate() {
-            for si in &scale[..j + diagonal] {
-                worst = worst.max(size(at) / (si * sj));
-                at += 1;
+            for ((i, si), entry) in scale[..j + diagonal].iter().enumerate().zip(&mut entries) {
+                sum += if i == j { 1.0 } else { 2.0 } * entry * entry / (si * sj);
             }
         }
-    };
-    triangle(1);
-    if length > pairs {
-        triangle(0);
     }
-    worst
+    sum
+}
+
+/// `factor` times the sum of some rows that stand one behind the other.
+pub(super) fn sum_of_rows(rows: &[f64], count: usize, factor: f64) -> Vec<f64> {
+    let length = rows.len() / count.max(1);
+    let mut sum = vec![0.0; length];
+    for row in rows.chunks_exact(length.max(1)) {
+        sum.iter_mut().zip(row).for_each(|(sum, v)| *sum += factor * v);
+    }
+    sum
 }
 
 /// Motions in single precision, each scaled to its largest amplitude.

@@ -181,8 +181,8 @@ impl Rayleigh {
             .moving
             .as_ref()
             .map_or_else(Vec::new, |sand| sand.fade_hz().to_vec());
-        let (modes, patches) = (self.displacement.ncols(), self.patches.clone());
-        SampledRadiation::with_kinks(method, modes, patches, (sampling, &kinks), |hz| {
+        let modes = self.displacement.ncols();
+        SampledRadiation::new(method, modes, &self.patches, (sampling, &kinks), |hz| {
             let resistance = self.resistance(hz);
             tell();
             resistance

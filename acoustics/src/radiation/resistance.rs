@@ -116,7 +116,7 @@ pub trait ModalRadiation: Sync {
         for (bin, &hz) in frequency.iter().enumerate() {
             let r = self.resistance(hz).scaled((std::f64::consts::TAU * hz).powi(-2));
             let a = accelerations.columns(bin, 1).into_owned();
-            images.set_column(bin, &super::roots::image(&r, &a).column(0));
+            images.set_column(bin, &super::root::image(&r, &a).column(0));
         }
         images
     }
@@ -130,6 +130,6 @@ pub trait ModalRadiation: Sync {
     /// with S the Hermitian root of R / omega², smooth over frequency. Where S is interpolated the energies hold to
     /// the interpolation error.
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
-        super::roots::one_by_one(self, frequency, accelerations)
+        super::root::one_by_one(self, frequency, accelerations)
     }
 }

@@ -1,29 +1,29 @@
 //! A radiation resistance sampled over frequency and interpolated.
 
-mod air;
 mod evaluate;
-mod file;
 
-use super::interval::{Interval, ORDERS, check_range, gained, lobatto};
 use super::packed::{self, Packed};
 use super::resistance::Resistance;
-use super::roots::hermitian_root;
-use crate::error::{AcousticsError, positive};
+use super::root::hermitian_root;
+use crate::error::AcousticsError;
+use crate::interpolation::{Grid, Interval, Piece, Plan, Run, field_misfit, pieces, sample};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
-use std::f64::consts::PI;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// Samples that are added to an interval at a time and computed in parallel.
+pub(crate) const ROUND: usize = 4;
 
 /// Where and how finely a radiation resistance is sampled over frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sampling {
     /// Lowest and highest sample \[Hz\]. Below the lowest every entry follows its own power law.
     pub range_hz: [f64; 2],
-    /// Largest interpolation error, relative to sqrt(R_ii R_jj): of any entry R_ij, or root mean square over them where
-    /// [`SampledRadiation::together`] takes the samples.
+    /// Largest interpolation error: root mean square over the entries R_ij, each relative to sqrt(R_ii R_jj).
     pub tolerance: f64,
     /// A mode that radiates less than this share of the best radiator at a frequency is judged against that share: its
-    /// resistance is a small difference of large numbers, and the motion hardly sounds.
+    /// resistance is a small difference of large numbers, and its motion is hardly audible.
     pub floor: f64,
     /// Most samples taken.
     pub most_samples: usize,
@@ -41,229 +41,217 @@ impl Default for Sampling {
     }
 }
 
+impl Sampling {
+    fn plan(&self, round: usize) -> Plan {
+        Plan {
+            tolerance: self.tolerance,
+            round,
+            most_samples: self.most_samples,
+            near_zero: false,
+        }
+    }
+}
+
 /// A radiation resistance sampled at a few frequencies and interpolated between them.
 ///
-/// Q = R / omega² is interpolated entrywise by Chebyshev polynomials on intervals of the frequency axis, of one octave
-/// at first; rules are nested, so that raising the order keeps the samples taken. Below the lowest sample f_0
+/// Q = R / omega² is interpolated entrywise by polynomials on intervals of the frequency axis. Below the lowest sample f_0
 ///
 /// ```text
 /// R_ij(f) = R_ij(f_0) (f/f_0)^{(n_i + n_j)/2}      n_i = 2, 4, 6: the slope of R_ii at f_0, rounded to even
 /// ```
 ///
 /// which keeps R positive semidefinite.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SampledRadiation {
     method: String,
     modes: usize,
     patches: Vec<String>,
-    intervals: Vec<Interval>,
-    samples: Vec<Sample>,
+    grid: Grid,
+    /// R of every patch at the samples, in single precision: a result does not depend on whether it was cached.
+    samples: Vec<Packed>,
     slopes: Vec<f64>,
-    error: f64,
-    /// Hermitian roots of the samples' whole R that intervals use, where they have been taken.
+    /// Hermitian roots of the whole R at the samples that intervals use, where they have been computed.
     roots: Vec<Option<Packed>>,
 }
 
-/// R of every patch at one frequency, in single precision: a result does not depend on whether it was kept.
-#[derive(Debug, Clone)]
-pub(super) struct Sample {
-    hz: f64,
+/// One resistance at one frequency while it is sampled.
+struct Sample {
     patches: Packed,
+    /// Q of all patches together as a row of a packed matrix, not rounded.
+    whole: Vec<f64>,
 }
 
 impl Sample {
-    pub(super) fn new(hz: f64, patches: &[Resistance]) -> Self {
-        let modes = patches.first().map_or(0, |r| r.real.nrows());
-        Self {
-            hz,
-            patches: Packed::new(modes, patches.iter()),
-        }
+    fn new(hz: f64, modes: usize, patches: &[Resistance]) -> Self {
+        let mut whole = packed::whole(modes, patches);
+        whole.iter_mut().for_each(|r| *r *= per_omega2(hz));
+        let patches = Packed::new(modes, patches.iter());
+        Self { patches, whole }
     }
+}
 
-    pub(super) fn hz(&self) -> f64 {
-        self.hz
-    }
-
-    /// 1 / omega².
-    fn inverse(&self) -> f64 {
-        (2.0 * PI * self.hz).powi(-2)
-    }
-
-    /// Q of one patch.
-    fn patch(&self, patch: usize) -> Resistance {
-        self.patches.matrix(patch, self.inverse())
-    }
-
-    /// Q of all patches together.
-    pub(super) fn whole(&self) -> Resistance {
-        self.patches.sum(self.inverse())
-    }
+/// 1 / omega².
+fn per_omega2(hz: f64) -> f64 {
+    (TAU * hz).powi(-2)
 }
 
 impl SampledRadiation {
     /// Samples `resistance`, which returns R(f) of every patch, until the tolerance is met; frequencies in parallel.
+    /// Intervals end at `kinks` \[Hz\], which no polynomial follows.
     ///
     /// # Errors
     /// An empty range, a tolerance that is not positive, or [`AcousticsError::Unresolved`].
     pub fn new(
-        method: impl Into<String>,
-        modes: usize,
-        patches: Vec<String>,
-        sampling: &Sampling,
-        resistance: impl Fn(f64) -> Vec<Resistance> + Sync,
-    ) -> Result<Self, AcousticsError> {
-        Self::with_kinks(method, modes, patches, (sampling, &[]), resistance)
-    }
-
-    /// The same for a resistance with kinks at some frequencies \[Hz\], which no polynomial follows: intervals end there.
-    ///
-    /// # Errors
-    /// As [`Self::new`].
-    pub fn with_kinks(
-        method: impl Into<String>,
-        modes: usize,
-        patches: Vec<String>,
-        (sampling, kinks): (&Sampling, &[f64]),
-        resistance: impl Fn(f64) -> Vec<Resistance> + Sync,
-    ) -> Result<Self, AcousticsError> {
-        let [low, high] = sampling.range_hz;
-        positive("interpolation tolerance", sampling.tolerance)?;
-        check_range(sampling.range_hz)?;
-        let octaves = (high / low).log2().ceil().max(1.0) as usize;
-        let edge = |i: usize| {
-            if i == octaves {
-                high
-            } else {
-                low * (high / low).powf(i as f64 / octaves as f64)
-            }
-        };
-        let mut edges: Vec<f64> = (0..=octaves).map(edge).collect();
-        edges.extend(kinks.iter().filter(|&&hz| low < hz && hz < high));
-        edges.sort_by(f64::total_cmp);
-        edges.dedup();
-        let mut pending: Vec<(f64, f64, usize)> = edges.windows(2).map(|ends| (ends[0], ends[1], 0)).collect();
-        let (mut samples, mut index) = (Vec::<Sample>::new(), BTreeMap::<u64, usize>::new());
-        let mut wholes = Vec::<Vec<f64>>::new();
-        let (mut intervals, mut error) = (Vec::new(), 0.0f64);
-        while !pending.is_empty() {
-            let mut wanted: Vec<f64> = pending.iter().flat_map(|&(a, b, o)| lobatto(a, b, ORDERS[o])).collect();
-            wanted.retain(|hz| !index.contains_key(&hz.to_bits()));
-            wanted.sort_by(f64::total_cmp);
-            wanted.dedup();
-            // Judged before they are rounded.
-            let take = |&hz: &f64| {
-                let patches = resistance(hz);
-                (Sample::new(hz, &patches), packed::whole(modes, &patches))
-            };
-            for (sample, whole) in wanted.par_iter().map(take).collect::<Vec<_>>() {
-                index.insert(sample.hz.to_bits(), samples.len());
-                samples.push(sample);
-                wholes.push(whole);
-            }
-            let judged: Vec<(Interval, f64)> = pending
-                .par_iter()
-                .map(|&(low, high, order)| {
-                    let nodes = lobatto(low, high, ORDERS[order]);
-                    let nodes = nodes.map(|hz| index[&hz.to_bits()]).collect();
-                    let interval = Interval::chebyshev(low, high, nodes);
-                    let whole = |s: usize| (&wholes[s][..], samples[s].inverse());
-                    let error = interval.error(whole, modes, sampling.floor);
-                    (interval, error)
-                })
-                .collect();
-            let mut next = Vec::new();
-            for ((interval, estimate), (low, high, order)) in judged.into_iter().zip(pending) {
-                if estimate <= sampling.tolerance {
-                    error = error.max(estimate);
-                    intervals.push(interval);
-                } else if samples.len() >= sampling.most_samples {
-                    let (hz, samples, tolerance) = ((low * high).sqrt(), samples.len(), sampling.tolerance);
-                    return Err(AcousticsError::Unresolved {
-                        hz,
-                        error: estimate,
-                        samples,
-                        tolerance,
-                    });
-                } else if order + 1 < ORDERS.len() {
-                    next.push((low, high, order + 1));
-                } else {
-                    let middle = 0.5 * (low + high);
-                    next.extend([(low, middle, 1), (middle, high, 1)]);
-                }
-            }
-            pending = next;
-        }
-        intervals.sort_by(|a, b| a.low.total_cmp(&b.low));
-        Ok(Self::of(&method.into(), modes, &patches, intervals, samples, error))
-    }
-
-    /// From intervals that rise.
-    pub(super) fn of(
         method: &str,
         modes: usize,
         patches: &[String],
-        intervals: Vec<Interval>,
-        samples: Vec<Sample>,
-        error: f64,
-    ) -> Self {
-        Self {
+        (sampling, kinks): (&Sampling, &[f64]),
+        resistance: impl Fn(f64) -> Vec<Resistance> + Sync,
+    ) -> Result<Self, AcousticsError> {
+        let solve = |hz: f64| Ok(vec![resistance(hz)]);
+        let mut found = Self::of_parities(method, &[modes], patches, (sampling, kinks), solve)?;
+        Ok(found.swap_remove(0))
+    }
+
+    /// Samples several resistances that one solution gives together, as those of all parities of a body: `solve` returns
+    /// R(f) of each and of every patch, `modes` counts the modes of each.
+    ///
+    /// The error is judged over all entries of all resistances together, with every mode scaled to the same power. Single
+    /// entries of weak modes near a narrow resonance of the air may have a larger error.
+    ///
+    /// # Errors
+    /// As [`Self::new`], and those of `solve`.
+    pub fn of_parities(
+        method: &str,
+        modes: &[usize],
+        patches: &[String],
+        (sampling, kinks): (&Sampling, &[f64]),
+        solve: impl Fn(f64) -> Result<Vec<Vec<Resistance>>, AcousticsError> + Sync,
+    ) -> Result<Vec<Self>, AcousticsError> {
+        let take = |hz: f64| {
+            let solved = solve(hz)?;
+            let of_parity = |(patches, modes): (&Vec<Resistance>, &usize)| Sample::new(hz, *modes, patches);
+            Ok(solved.iter().zip(modes).map(of_parity).collect::<Vec<_>>())
+        };
+        let misfit = |interval: &Interval, samples: &[Vec<Sample>]| {
+            let whole = |parity: usize, node: usize| &samples[node][parity].whole[..];
+            misfit(interval, modes, sampling.floor, whole, whole)
+        };
+        let pieces = pieces(sampling.range_hz, kinks)?;
+        let (grid, samples) = sample(&pieces, &sampling.plan(ROUND), take, misfit)?;
+        let mut found: Vec<Vec<Packed>> = modes.iter().map(|_| Vec::new()).collect();
+        for sample in samples {
+            found
+                .iter_mut()
+                .zip(sample)
+                .for_each(|(to, sample)| to.push(sample.patches));
+        }
+        let of_parity = |(samples, &modes): (Vec<Packed>, &usize)| Self {
             method: method.to_owned(),
             modes,
             patches: patches.to_vec(),
-            slopes: low_slopes(&intervals[0], &samples, modes),
-            intervals,
+            slopes: low_slopes(&grid, &samples, modes),
+            grid: grid.clone(),
             samples,
-            error,
             roots: Vec::new(),
-        }
+        };
+        Ok(found.into_iter().zip(modes).map(of_parity).collect())
     }
 
-    pub(super) fn intervals(&self) -> &[Interval] {
-        &self.intervals
-    }
-
-    pub(super) fn whole_sample(&self, sample: usize) -> Resistance {
-        self.whole(sample)
-    }
-
-    /// Adds to every sample what `accurate` samples differ from those at the same frequencies, interpolated on `coarser`
-    /// intervals through the first nodes of the `own` ones.
-    pub(super) fn add_differences(&mut self, own: &[Interval], coarser: &[Interval], accurate: &[Sample], error: f64) {
-        let mut differences: Vec<Vec<Vec<Resistance>>> = Vec::new();
-        for (own, coarser) in own.iter().zip(coarser) {
-            let of_node = |(&cheap, &node): (&usize, &usize)| {
-                let difference = |patch: usize| {
-                    let mut d = accurate[node].patch(patch);
-                    d.add_scaled(-1.0, &self.samples[cheap].patch(patch));
-                    d
-                };
-                (0..self.patches.len()).map(difference).collect::<Vec<_>>()
+    /// Corrects resistances that [`SampledRadiation::of_parities`] sampled with a cheap model by what an accurate one gives
+    /// at the first few of the same frequencies. The difference is interpolated like the resistance itself, until it is
+    /// known to the tolerance, relative to the resistance; being small it needs fewer frequencies, `round` at a time.
+    /// Returns where the accurate model was evaluated.
+    ///
+    /// # Errors
+    /// Those of `solve`.
+    pub(crate) fn correct(
+        found: &mut [Self],
+        (sampling, round): (&Sampling, usize),
+        solve: impl Fn(f64) -> Result<Vec<Vec<Resistance>>, AcousticsError> + Sync,
+    ) -> Result<Option<Grid>, AcousticsError> {
+        let Some(first) = found.first() else { return Ok(None) };
+        let modes: Vec<usize> = found.iter().map(|f| f.modes).collect();
+        let piece = |cheap: &Interval| Piece {
+            range: [cheap.low, cheap.high],
+            complete: Some(cheap.nodes.len()),
+        };
+        let pieces: Vec<Piece> = first.grid.intervals().iter().map(piece).collect();
+        let index = |hz: f64| found[0].grid.hz().iter().position(|own| *own == hz);
+        let take = |hz: f64| {
+            let of_parity = |(patches, cheap): (&Vec<Resistance>, &Self)| {
+                let accurate = Sample::new(hz, cheap.modes, patches);
+                let difference = index(hz).map_or_else(Vec::new, |i| accurate.patches.less(&cheap.samples[i]));
+                let whole_difference = packed::sum_of_rows(&difference, patches.len(), per_omega2(hz));
+                (accurate.whole, difference, whole_difference)
             };
-            differences.push(own.nodes.iter().zip(&coarser.nodes).map(of_node).collect());
-        }
-        for sample in &mut self.samples {
-            let place = coarser.iter().position(|i| sample.hz <= i.high);
-            let Some(place) = place.or(coarser.len().checked_sub(1)) else {
-                continue;
-            };
-            let mut patches: Vec<Resistance> = (0..self.patches.len()).map(|patch| sample.patch(patch)).collect();
-            for (weight, of_node) in coarser[place].weights(sample.hz).iter().zip(&differences[place]) {
-                for (q, difference) in patches.iter_mut().zip(of_node) {
-                    q.add_scaled(*weight, difference);
-                }
+            Ok(solve(hz)?.iter().zip(found.iter()).map(of_parity).collect::<Vec<_>>())
+        };
+        let plan = Plan {
+            near_zero: true,
+            ..sampling.plan(round)
+        };
+        let (grid, differences) = sample(&pieces, &plan, take, |interval, samples| {
+            let whole = |parity: usize, node: usize| &samples[node][parity].0[..];
+            let difference = |parity: usize, node: usize| &samples[node][parity].2[..];
+            misfit(interval, &modes, sampling.floor, difference, whole)
+        })?;
+        for (parity, found) in found.iter_mut().enumerate() {
+            for (sample, &hz) in found.samples.iter_mut().zip(found.grid.hz()) {
+                let weighted = grid.weighted(hz).map(|(node, weight)| {
+                    let factor = weight * per_omega2(grid.hz()[node]) / per_omega2(hz);
+                    (factor, &differences[node][parity].1[..])
+                });
+                sample.add(weighted);
             }
-            let omega2 = (2.0 * PI * sample.hz).powi(2);
-            let patches: Vec<Resistance> = patches.into_iter().map(|q| q.scaled(omega2)).collect();
-            *sample = Sample::new(sample.hz, &patches);
+            found.grid.error += grid.error;
+            found.slopes = low_slopes(&found.grid, &found.samples, found.modes);
         }
-        self.error += error;
-        self.slopes = low_slopes(&self.intervals[0], &self.samples, self.modes);
+        Ok(Some(grid))
     }
 
-    /// With the roots that signals need, which are then kept beside the resistances rather than taken for every motion.
+    /// In an air in which every wavelength has its frequency times `speed`, and times `factor` at each frequency \[Hz\] of
+    /// that air: R(f) = factor(f) R0(f/speed).
+    ///
+    /// Named `method` then. The factor is interpolated with R; the error of that adds to
+    /// [`SampledRadiation::interpolation_error`].
+    #[must_use]
+    pub(crate) fn in_air(mut self, method: &str, speed: f64, factor: impl Fn(f64) -> f64) -> Self {
+        self.method = method.to_owned();
+        self.grid.stretch(speed);
+        self.roots.resize(self.samples.len(), None);
+        for ((sample, root), &hz) in self.samples.iter_mut().zip(&mut self.roots).zip(self.grid.hz()) {
+            sample.scale(factor(hz));
+            root.iter_mut().for_each(|root| root.scale(factor(hz).sqrt()));
+        }
+        self.grid.error += self.grid.error_of_factor(factor);
+        self
+    }
+
+    /// This up to its highest frequency, `above` from there on, with the indices of the samples of `above` that come after
+    /// its own, in their order; patches that `above` lacks are silent there.
+    pub(crate) fn continued(mut self, mut above: Self) -> (Self, Vec<usize>) {
+        let taken = self.grid.extend(&above.grid);
+        self.roots.resize(self.samples.len(), None);
+        above.roots.resize(above.samples.len(), None);
+        for &number in &taken {
+            let mut sample = above.samples[number].clone();
+            sample.add_silent(self.patches.len());
+            self.samples.push(sample);
+            self.roots.push(above.roots[number].take());
+        }
+        (self, taken)
+    }
+
+    /// With the roots that signals need, which are then stored rather than computed for every motion.
     #[must_use]
     pub fn with_roots(mut self) -> Self {
-        let used = |sample: usize| self.intervals.iter().any(|interval| interval.nodes.contains(&sample));
+        let used = |sample: usize| {
+            self.grid
+                .intervals()
+                .iter()
+                .any(|interval| interval.nodes.contains(&sample))
+        };
         self.roots = (0..self.samples.len())
             .into_par_iter()
             .map(|sample| used(sample).then(|| self.root(sample)))
@@ -273,86 +261,47 @@ impl SampledRadiation {
 
     /// Frequencies sampled \[Hz\], rising.
     pub fn sampled_hz(&self) -> Vec<f64> {
-        let mut hz: Vec<f64> = self.samples.iter().map(|s| s.hz).collect();
+        let mut hz = self.samples_hz().to_vec();
         hz.sort_by(f64::total_cmp);
         hz
     }
 
-    /// Estimated largest interpolation error, relative to sqrt(R_ii R_jj), see [`Sampling::tolerance`].
+    /// Estimated interpolation error, see [`Sampling::tolerance`].
     pub fn interpolation_error(&self) -> f64 {
-        self.error
+        self.grid.error
     }
 
     /// Frequencies in the order of the samples \[Hz\].
-    pub(crate) fn samples_hz(&self) -> Vec<f64> {
-        self.samples.iter().map(|s| s.hz).collect()
+    pub(crate) fn samples_hz(&self) -> &[f64] {
+        self.grid.hz()
     }
 
-    /// Its interpolation error, judged as that of R, relative to the largest entry in the interval. A row may be zero
-    /// but for rounding, as in a mirror plane that a mode is odd about.
+    /// Estimated interpolation error of a field known at the same samples, relative to the largest entry in an interval.
     pub(crate) fn error_of(&self, samples: &[DMatrix<Complex<f64>>]) -> f64 {
-        let size = |m: &DMatrix<Complex<f64>>| m.iter().map(|z| z.norm()).fold(0.0, f64::max);
-        let mut worst: f64 = 0.0;
-        for interval in &self.intervals {
-            let largest = interval.nodes.iter().map(|&n| size(&samples[n])).fold(0.0, f64::max);
-            let misfit = |interval: &Interval| {
-                let defect = |weights: Vec<f64>| {
-                    let mut sum = samples[interval.nodes[0]].scale(0.0);
-                    for (weight, &node) in weights.into_iter().zip(&interval.nodes) {
-                        sum += samples[node].scale(weight);
-                    }
-                    size(&sum)
-                };
-                interval.together(interval.defects().into_iter().map(defect)) / largest
-            };
-            if largest > 0.0 {
-                worst = worst.max(gained(misfit(interval), interval.sooner().as_ref().map(misfit)));
-            }
-        }
-        worst
+        self.grid
+            .error_of(|interval| field_misfit(interval, |node| &samples[node]))
     }
 
-    fn lowest(&self) -> f64 {
-        self.intervals[0].low
-    }
-
-    fn interval(&self, hz: f64) -> usize {
-        self.intervals
-            .partition_point(|i| i.high <= hz)
-            .min(self.intervals.len() - 1)
-    }
-
-    /// What each mode's amplitude is multiplied by to evaluate the lowest sample's Q at a lower frequency.
+    /// Factor on the amplitude of a mode that evaluates the lowest sample's Q at a lower frequency.
     fn low_factor(&self, hz: f64, mode: usize) -> f64 {
-        (hz / self.lowest()).powf(0.5 * self.slopes[mode] - 1.0)
+        (hz / self.grid.lowest_hz()).powf(0.5 * self.slopes[mode] - 1.0)
     }
 
-    /// Q of a sample, all patches together.
-    fn whole(&self, sample: usize) -> Resistance {
-        self.samples[sample].whole()
-    }
-
-    /// The Hermitian root of its R.
+    /// The Hermitian root of R at a sample.
     fn root(&self, sample: usize) -> Packed {
-        let root = hermitian_root(&self.samples[sample].patches.sum(1.0));
+        let root = hermitian_root(&self.samples[sample].sum(1.0));
         Packed::new(self.modes, std::iter::once(&root))
-    }
-
-    /// Index of the sample at the lowest frequency.
-    fn lowest_sample(&self) -> usize {
-        self.intervals[0].nodes[0]
     }
 }
 
 /// Power laws of the diagonal of R at the lowest sample, rounded to even numbers from 2 up.
-fn low_slopes(interval: &Interval, samples: &[Sample], modes: usize) -> Vec<f64> {
-    let diagonal = |s: &Sample, i: usize| s.inverse() * s.patches.diagonal(i);
-    let mut rising = interval.nodes.clone();
-    rising.sort_by(|&a, &b| samples[a].hz.total_cmp(&samples[b].hz));
-    let (first, second) = (&samples[rising[0]], &samples[rising[1]]);
-    let slope = |i: usize| {
-        let ratio = diagonal(second, i) / diagonal(first, i);
-        let slope = 2.0 + ratio.ln() / (second.hz / first.hz).ln();
+fn low_slopes(grid: &Grid, samples: &[Packed], modes: usize) -> Vec<f64> {
+    let mut rising = grid.intervals()[0].nodes.clone();
+    rising.sort_by(|&a, &b| grid.hz()[a].total_cmp(&grid.hz()[b]));
+    let (first, second) = (rising[0], rising[1]);
+    let octaves = (grid.hz()[second] / grid.hz()[first]).ln();
+    let slope = |mode: usize| {
+        let slope = (samples[second].diagonal(mode) / samples[first].diagonal(mode)).ln() / octaves;
         if slope.is_finite() {
             (2.0 * (slope / 2.0).round()).max(2.0)
         } else {
@@ -360,4 +309,45 @@ fn low_slopes(interval: &Interval, samples: &[Sample], modes: usize) -> Vec<f64>
         }
     };
     (0..modes).map(slope).collect()
+}
+
+/// Distance of the test samples from the interpolant through the others, all parities together, at the worst of their
+/// frequencies, with modes scaled to the same radiated power:
+///
+/// ```text
+/// ||S D S|| / ||S Q S||        S_ii = Q_ii^-1/2, no smaller resistance counted than `floor` of the largest
+/// ```
+///
+/// This is the root mean square error of one mode's energy where modes are many and radiate independently.
+fn misfit<'a>(
+    interval: &Interval,
+    modes: &[usize],
+    floor: f64,
+    value: impl Fn(usize, usize) -> &'a [f64] + Sync,
+    whole: impl Fn(usize, usize) -> &'a [f64] + Sync,
+) -> f64 {
+    let at = |(weights, &test): (Vec<f64>, &usize)| {
+        let of_parity = |(parity, &modes): (usize, &usize)| {
+            let mut defect = Vec::new();
+            for (weight, &node) in weights
+                .iter()
+                .zip(&interval.nodes)
+                .filter(|(weight, _)| **weight != 0.0)
+            {
+                let row = value(parity, node);
+                defect.resize(row.len().max(defect.len()), 0.0);
+                defect.iter_mut().zip(row).for_each(|(d, v)| *d += weight * v);
+            }
+            let whole = whole(parity, test);
+            let largest = packed::diagonal(modes, whole).fold(f64::MIN_POSITIVE, f64::max);
+            let scale: Vec<f64> = packed::diagonal(modes, whole).map(|q| q.max(floor * largest)).collect();
+            [&defect, whole].map(|row| packed::square_norm(&scale, row))
+        };
+        let sums = modes.iter().enumerate().map(of_parity);
+        let [defect, whole] = sums.fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d]);
+        (defect / whole.max(f64::MIN_POSITIVE)).sqrt()
+    };
+    let defects: Vec<Vec<f64>> = interval.defects();
+    let tests: Vec<(Vec<f64>, &usize)> = defects.into_iter().zip(interval.test_nodes()).collect();
+    tests.into_par_iter().map(at).reduce(|| 0.0, f64::max)
 }

@@ -1,26 +1,28 @@
 //! The power of a flush surface once more: from the intensity on the surface, beside that of the spherical waves it sends.
 
-use super::archive::{Archive, ArchiveReader, ArchiveWriter};
 use super::energy::ModalSpectra;
 use super::kernel::sinc;
+use super::packed::Packed;
 use super::rayleigh::Rayleigh;
 use super::resistance::{ModalRadiation, Resistance};
-use super::roots::image;
+use super::root::image;
 use super::sources::Grid;
 use crate::error::{AcousticsError, same_length};
 use crate::levels::{Band, Weighting, energy_weights};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// Resistances by the intensity on a flush surface at one frequency of each of some bands, see
 /// [`Rayleigh::surface_resistance`].
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceEvaluations {
     bands: Vec<Band>,
     /// Where they were taken \[Hz\].
     hz: Vec<f64>,
-    resistances: Vec<Resistance>,
+    /// One matrix each.
+    resistances: Vec<Packed>,
 }
 
 impl SurfaceEvaluations {
@@ -30,11 +32,11 @@ impl SurfaceEvaluations {
             .into_iter()
             .filter(|b| b.hz <= top_hz * (1.0 + 1e-9))
             .collect();
-        // As they are kept in files: a result does not depend on whether they were.
-        let resistances = bands
-            .par_iter()
-            .map(|band| surface.surface_resistance(band.hz).single())
-            .collect();
+        let at = |band: &Band| {
+            let r = surface.surface_resistance(band.hz);
+            Packed::new(r.real.nrows(), std::iter::once(&r))
+        };
+        let resistances = bands.par_iter().map(at).collect();
         let hz = bands.iter().map(|band| band.hz).collect();
         Self { bands, hz, resistances }
     }
@@ -44,8 +46,8 @@ impl SurfaceEvaluations {
     #[must_use]
     pub(crate) fn in_air(mut self, speed: f64, factor: impl Fn(f64) -> f64) -> Self {
         self.hz.iter_mut().for_each(|hz| *hz *= speed);
-        let taken = self.resistances.into_iter().zip(&self.hz);
-        self.resistances = taken.map(|(r, &hz)| r.scaled(factor(hz))).collect();
+        let taken = self.resistances.iter_mut().zip(&self.hz);
+        taken.for_each(|(r, &hz)| r.scale(factor(hz)));
         self
     }
 
@@ -80,9 +82,9 @@ impl SurfaceEvaluations {
     ) -> Result<Vec<Option<f64>>, AcousticsError> {
         same_length("modal spectra", spectra.accelerations.nrows(), radiation.modes())?;
         for r in &self.resistances {
-            same_length("rows of a resistance", r.real.nrows(), radiation.modes())?;
+            same_length("rows of a resistance", r.modes(), radiation.modes())?;
         }
-        let ratio = |((band, hz), surface): ((&Band, &f64), &Resistance)| {
+        let ratio = |((band, hz), surface): ((&Band, &f64), &Packed)| {
             let weights = energy_weights(&spectra.frequency, [band.low, band.high], Weighting::Z);
             let bins: Vec<usize> = (0..weights.len()).filter(|&bin| weights[bin] != 0.0).collect();
             let motion = DMatrix::from_fn(radiation.modes(), bins.len(), |mode, b| {
@@ -97,7 +99,7 @@ impl SurfaceEvaluations {
                     .sum()
             };
             let waves = energy(&radiation.resistance(*hz));
-            (waves > 0.0).then(|| energy(surface) / waves)
+            (waves > 0.0).then(|| energy(&surface.matrix(0, 1.0)) / waves)
         };
         let taken = self.bands.par_iter().zip(&self.hz).zip(&self.resistances);
         Ok(taken.map(ratio).collect())
@@ -174,31 +176,4 @@ fn own_pairs(k: f64, [x, y]: [&[f64]; 2], sources: &DMatrix<f64>) -> DMatrix<f64
         result += sources.rows(start, columns).transpose() * felt;
     }
     result
-}
-
-impl Archive for SurfaceEvaluations {
-    fn write(&self, to: &mut ArchiveWriter) {
-        to.count(self.resistances.first().map_or(0, |r| r.real.nrows()));
-        to.count(self.bands.len());
-        for ((band, hz), r) in self.bands.iter().zip(&self.hz).zip(&self.resistances) {
-            to.numbers(&[f64::from(band.index), *hz]);
-            to.hermitian(r);
-        }
-    }
-
-    fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
-        let modes = from.count()?;
-        let (mut bands, mut taken, mut resistances) = (Vec::new(), Vec::new(), Vec::new());
-        for _ in 0..from.count()? {
-            let [index, hz] = from.numbers()?;
-            bands.push(Band::new(index as i32));
-            taken.push(hz);
-            resistances.push(from.hermitian(modes)?);
-        }
-        Ok(Self {
-            bands,
-            hz: taken,
-            resistances,
-        })
-    }
 }

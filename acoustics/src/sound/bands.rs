@@ -1,10 +1,9 @@
 //! Energies of a shot's sound in frequency bands, at points and per solid angle.
 
-use super::piece::{Piece, Rows, rows};
+use super::fields::{Field, Fields};
 use crate::error::AcousticsError;
 use crate::levels::{Band, Weighting, energy_weights};
 use crate::radiation::{ModalSpectra, Rayleigh};
-use faer::Mat;
 use nalgebra::{Complex, DMatrix, Point3, Vector3};
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -83,14 +82,14 @@ pub(crate) fn bins_of(weights: &[f64]) -> Vec<usize> {
 }
 
 /// Modal accelerations at some bins.
-pub(crate) fn of_bins(spectra: &ModalSpectra, bins: &[usize]) -> Rows {
-    Mat::from_fn(spectra.accelerations.nrows(), bins.len(), |mode, b| {
+pub(crate) fn of_bins(spectra: &ModalSpectra, bins: &[usize]) -> Field {
+    Field::from_fn(spectra.accelerations.nrows(), bins.len(), |mode, b| {
         spectra.accelerations[(mode, bins[b])]
     })
 }
 
 /// Sum over the bins (columns) of w |x|², row by row.
-pub(crate) fn squares(values: &Rows, weights: &[f64]) -> Vec<f64> {
+pub(crate) fn squares(values: &Field, weights: &[f64]) -> Vec<f64> {
     let of_row = |row: usize| {
         weights
             .iter()
@@ -120,16 +119,16 @@ pub fn above_plane(
     let mut number = 0;
     for group in groups(bands, kinked) {
         let range = [group[0].low, group[group.len() - 1].high];
-        let piece = Piece::new(range, (path, speed), |hz| {
+        let fields = Fields::new(range, (path, speed), |hz| {
             let mut heard = surface.pressure_at(hz, around.points)?;
             for (mut row, r) in heard.row_iter_mut().zip(&travel) {
                 let turn = Complex::from_polar(1.0, 2.0 * PI * hz * r / speed);
                 row.iter_mut().for_each(|p| *p *= turn);
             }
-            Ok(vec![rows(&heard), rows(&surface.far_field_at(hz, around.directions))])
+            Ok(vec![heard, surface.far_field_at(hz, around.directions)])
         })?;
-        result.samples += piece.samples();
-        result.error = result.error.max(piece.error(0)).max(piece.error(1));
+        result.samples += fields.samples();
+        result.error = result.error.max(fields.error());
         for band in group {
             let weights = energy_weights(&spectra.frequency, [band.low, band.high], Weighting::Z);
             let bins = bins_of(&weights);
@@ -137,7 +136,7 @@ pub fn above_plane(
                 let frequency: Vec<f64> = bins.iter().map(|&b| spectra.frequency[b]).collect();
                 let weights: Vec<f64> = bins.iter().map(|&b| 2.0 * weights[b]).collect();
                 let motion = of_bins(spectra, bins);
-                [0, 1].map(|quantity| squares(&piece.carried(quantity, &frequency, &motion), &weights))
+                [0, 1].map(|field| squares(&fields.product(field, &frequency, &motion), &weights))
             };
             for [heard, far] in bins.par_chunks(CHUNK).map(of_chunk).collect::<Vec<_>>() {
                 result.add(number, &heard, (&far, 1.0 / surface.air().impedance()));

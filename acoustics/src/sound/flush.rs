@@ -1,10 +1,9 @@
 use super::SoundAbovePlane;
 use crate::air::Air;
 use crate::error::AcousticsError;
-use crate::radiation::{
-    AbsorbingSand, Archive, ArchiveReader, ArchiveWriter, Rayleigh, SampledRadiation, Sampling, SurfaceEvaluations,
-};
+use crate::radiation::{AbsorbingSand, Rayleigh, SampledRadiation, Sampling, SurfaceEvaluations};
 use nalgebra::Point3;
+use serde::{Deserialize, Serialize};
 
 /// A surface flush in a plane: how it radiates, the same by the intensity on it, and what places hear of it.
 ///
@@ -17,7 +16,7 @@ use nalgebra::Point3;
 /// Sand that absorbs multiplies R by its factor g(f) and p by the root of it. Sand that moves has a wavenumber of its own;
 /// it is computed in every air, up to where it comes to rest, and [continued](FlushSound::continued) by the surface alone.
 /// That is a matter of long waves, for which the surface's points are carried to a tenth of their number.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct FlushSound {
     /// Its resistance, by spherical waves.
     pub waves: SampledRadiation,
@@ -66,11 +65,7 @@ impl FlushSound {
         let factor = |hz: f64| density * speed * left(hz);
         let method = Rayleigh::method(absorbing.is_some(), false);
         let waves = self.waves.in_air(method, speed, factor);
-        let heard: Vec<f64> = waves
-            .samples_hz()
-            .into_iter()
-            .map(|hz| density * left(hz).sqrt())
-            .collect();
+        let heard: Vec<f64> = waves.samples_hz().iter().map(|&hz| density * left(hz).sqrt()).collect();
         Self {
             heard: self.heard.in_air(speed, &heard),
             waves,
@@ -87,21 +82,5 @@ impl FlushSound {
             surface: self.surface.continued(above.surface),
             heard: self.heard.continued(above.heard, &taken),
         }
-    }
-}
-
-impl Archive for FlushSound {
-    fn write(&self, to: &mut ArchiveWriter) {
-        self.waves.write(to);
-        self.surface.write(to);
-        self.heard.write(to);
-    }
-
-    fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
-        Ok(Self {
-            waves: SampledRadiation::read(from)?,
-            surface: SurfaceEvaluations::read(from)?,
-            heard: SoundAbovePlane::read(from)?,
-        })
     }
 }

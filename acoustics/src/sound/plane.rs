@@ -1,16 +1,18 @@
 use crate::error::AcousticsError;
-use crate::radiation::{Archive, ArchiveReader, ArchiveWriter, Rayleigh, SampledRadiation};
+use crate::radiation::{Rayleigh, SampledRadiation};
 use nalgebra::{Complex, DMatrix, Point3};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// What places above an infinite rigid plane hear of the modes of a surface flush in it.
 ///
 /// Pressures are computed at the frequencies at which the surface's resistance is sampled, freed of the travel time from
 /// `origin`, and interpolated like it.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SoundAbovePlane {
     /// Places x modes at every sample.
+    #[serde(with = "crate::blocks")]
     samples: Vec<DMatrix<Complex<f64>>>,
     distances: Vec<f64>,
     sound_speed: f64,
@@ -88,33 +90,5 @@ impl SoundAbovePlane {
             }
         }
         pressures
-    }
-}
-
-impl Archive for SoundAbovePlane {
-    fn write(&self, to: &mut ArchiveWriter) {
-        to.list(&self.samples);
-        to.count(self.distances.len());
-        to.numbers(&self.distances);
-        to.numbers(&[self.sound_speed, self.error]);
-    }
-
-    fn read(from: &mut ArchiveReader<'_>) -> Result<Self, AcousticsError> {
-        let samples: Vec<DMatrix<Complex<f64>>> = from.list()?;
-        let mut distances = Vec::new();
-        for _ in 0..from.count()? {
-            let [distance] = from.numbers()?;
-            distances.push(distance);
-        }
-        let [sound_speed, error] = from.numbers()?;
-        if samples.iter().any(|sample| sample.nrows() != distances.len()) {
-            return Err(from.damaged());
-        }
-        Ok(Self {
-            samples,
-            distances,
-            sound_speed,
-            error,
-        })
     }
 }

@@ -1,11 +1,11 @@
 //! Energies and signals of motions from a sampled radiation resistance.
 
-use super::SampledRadiation;
+use super::{Run, SampledRadiation, per_omega2};
 use crate::radiation::packed::{Motions, Packed};
 use crate::radiation::products::{forms, image};
 use crate::radiation::resistance::{ModalRadiation, Resistance};
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatMut, MatRef, Par};
+use faer::{Accum, Mat, Par};
 use nalgebra::{Complex, ComplexField, DMatrix};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -26,61 +26,52 @@ impl ModalRadiation for SampledRadiation {
     }
 
     fn highest_hz(&self) -> f64 {
-        self.intervals.last().map_or(0.0, |i| i.high)
+        self.grid.highest_hz()
     }
 
     fn resistance(&self, hz: f64) -> Resistance {
-        let omega2 = (2.0 * PI * hz).powi(2);
-        if hz < self.lowest() {
-            let mut result = self.whole(self.lowest_sample()).scaled(omega2);
-            let scale = |m: &mut DMatrix<f64>| {
-                for j in 0..self.modes {
-                    for i in 0..self.modes {
-                        m[(i, j)] *= self.low_factor(hz, i) * self.low_factor(hz, j);
-                    }
-                }
-            };
-            scale(&mut result.real);
-            result.imaginary.as_mut().map(scale);
-            return result;
-        }
         let mut result = Resistance::zeros(self.modes);
-        let interval = &self.intervals[self.interval(hz)];
-        for (node, weight) in interval.nodes.iter().zip(interval.weights(hz)) {
-            result.add_scaled(omega2 * weight, &self.whole(*node));
+        for (node, weight) in self.grid.weighted(hz) {
+            let factor = weight * (hz / self.grid.hz()[node]).powi(2);
+            result.add_scaled(1.0, &self.samples[node].sum(factor));
+        }
+        if hz < self.grid.lowest_hz() {
+            let factors: Vec<f64> = (0..self.modes).map(|mode| self.low_factor(hz, mode)).collect();
+            for m in std::iter::once(&mut result.real).chain(&mut result.imaginary) {
+                for (mut column, factor) in m.column_iter_mut().zip(&factors) {
+                    column.iter_mut().zip(&factors).for_each(|(r, f)| *r *= f * factor);
+                }
+            }
         }
         result
     }
 
     fn sparse_forms(&self, motions: &[(f64, Vec<(usize, f64)>)]) -> Vec<f64> {
         let form = |(hz, v): &(f64, Vec<(usize, f64)>)| {
-            let of_sample = |sample: usize, v: &[(usize, f64)]| {
-                let sample = &self.samples[sample];
-                (hz / sample.hz).powi(2) * sample.patches.sparse_form(v)
-            };
-            if *hz < self.lowest() {
-                let scaled: Vec<(usize, f64)> = v.iter().map(|&(i, a)| (i, a * self.low_factor(*hz, i))).collect();
-                return of_sample(self.lowest_sample(), &scaled);
+            let mut v = v.clone();
+            if *hz < self.grid.lowest_hz() {
+                v.iter_mut().for_each(|(mode, a)| *a *= self.low_factor(*hz, *mode));
             }
-            let interval = &self.intervals[self.interval(*hz)];
-            let parts = interval.nodes.iter().zip(interval.weights(*hz));
-            parts.map(|(node, weight)| weight * of_sample(*node, v)).sum()
+            let of_node = |(node, weight): (usize, f64)| {
+                weight * (hz / self.grid.hz()[node]).powi(2) * self.samples[node].sparse_form(&v)
+            };
+            self.grid.weighted(*hz).map(of_node).sum()
         };
         motions.par_iter().map(form).collect()
     }
 
     fn energy_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
         let patches = self.patches.len();
-        let evaluate = |&(at, start, end): &Run| {
-            let hz = &frequency[start..end];
-            let motions = Motions::new(&self.in_the_law(at, hz, accelerations, start));
-            let nodes = self.nodes(at);
-            let samples: Vec<&Packed> = nodes.iter().map(|&node| &self.samples[node].patches).collect();
+        let evaluate = |run: &Run| {
+            let hz = &frequency[run.bins.clone()];
+            let motions = Motions::new(&self.motion(run, frequency, accelerations));
+            let nodes = self.grid.nodes(run.interval);
+            let samples: Vec<&Packed> = nodes.iter().map(|&node| &self.samples[node]).collect();
             let found = forms(&samples, &motions);
             let mut result = DMatrix::zeros(patches, hz.len());
             for (bin, mut result) in result.column_iter_mut().enumerate() {
-                for (n, (node, weight)) in nodes.iter().zip(self.weights(at, hz[bin])).enumerate() {
-                    let factor = weight * self.samples[*node].inverse();
+                for (n, (node, weight)) in nodes.iter().zip(self.grid.weights(run.interval, hz[bin])).enumerate() {
+                    let factor = weight * per_omega2(self.grid.hz()[*node]);
                     for (p, result) in result.iter_mut().enumerate() {
                         *result += factor * found[(n * patches + p) * hz.len() + bin];
                     }
@@ -89,18 +80,15 @@ impl ModalRadiation for SampledRadiation {
             }
             result
         };
-        side_by_side(patches, frequency.len(), &self.runs(frequency), evaluate)
+        side_by_side(patches, frequency.len(), &self.grid.runs(frequency), evaluate)
     }
 
     fn images(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
-        let runs = self.runs(frequency);
-        let rows = self.rows_of(&runs, |sample| Cow::Owned(self.samples[sample].patches.sum_row()));
+        let runs = self.grid.runs(frequency);
+        let rows = self.rows_of(&runs, |sample| Cow::Owned(self.samples[sample].sum_row()));
         let evaluate = |run: &Run| {
-            let hz = &frequency[run.1..run.2];
-            let mut images = self.carried(&rows, 2, run, frequency, accelerations);
-            if run.0.is_none() {
-                self.follow_the_law(hz, &mut images);
-            }
+            let mut images = self.products(&rows, 2, run, frequency, accelerations);
+            self.extrapolate(run, frequency, &mut images);
             images
         };
         side_by_side(self.modes, frequency.len(), &runs, evaluate)
@@ -109,23 +97,20 @@ impl ModalRadiation for SampledRadiation {
     /// S is interpolated as Q is, entry by entry with the same polynomials; below the lowest sample it is D S(f_0) with
     /// the power laws D on the diagonal, whose energy is exact.
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
-        let runs = self.runs(frequency);
-        let kept = |sample: usize| self.roots.get(sample).and_then(Option::as_ref);
-        let row = |sample: usize| match kept(sample) {
+        let runs = self.grid.runs(frequency);
+        let stored = |sample: usize| self.roots.get(sample).and_then(Option::as_ref);
+        let row = |sample: usize| match stored(sample) {
             Some(root) => Cow::Borrowed(root.row(0)),
             None => Cow::Owned(self.root(sample).row(0).to_vec()),
         };
         let rows = self.rows_of(&runs, row);
-        let evaluate = |run: &Run| self.carried(&rows, 1, run, frequency, accelerations);
+        let evaluate = |run: &Run| self.products(&rows, 1, run, frequency, accelerations);
         side_by_side(self.modes, frequency.len(), &runs, evaluate)
     }
 }
 
 /// A row of [`Packed`] form for every sample that is wanted, by its number.
 type Rows<'a> = BTreeMap<usize, Cow<'a, [f32]>>;
-
-/// Bins that one interval serves, none below the lowest sample: the interval, the first bin and the one after the last.
-type Run = (Option<usize>, usize, usize);
 
 /// The blocks of all runs, evaluated in parallel, in the order of their bins.
 fn side_by_side<T: ComplexField>(
@@ -136,119 +121,76 @@ fn side_by_side<T: ComplexField>(
 ) -> DMatrix<T> {
     let blocks: Vec<DMatrix<T>> = runs.par_iter().map(evaluate).collect();
     let mut all = DMatrix::zeros(rows, bins);
-    for (&(_, start, end), block) in runs.iter().zip(&blocks) {
-        all.columns_mut(start, end - start).copy_from(block);
+    for (run, block) in runs.iter().zip(&blocks) {
+        all.columns_mut(run.bins.start, run.bins.len()).copy_from(block);
     }
     all
 }
 
 impl SampledRadiation {
-    /// A quantity linear in the modes' accelerations (modes x bins), sampled beside R at all frequencies (rows x modes
-    /// each), between them, rows x bins; below the lowest sample every mode's amplitude follows the power law of its
-    /// resistance.
+    /// A quantity linear in the modes' accelerations (modes x bins), known at the samples of R (rows x modes each), between
+    /// them, rows x bins. Below the lowest sample every mode's amplitude follows the power law of its resistance.
     pub(crate) fn interpolated(
         &self,
         frequency: &[f64],
         samples: &[DMatrix<Complex<f64>>],
         accelerations: &DMatrix<Complex<f64>>,
     ) -> DMatrix<Complex<f64>> {
-        let rows = samples.first().map_or(0, DMatrix::nrows);
-        let evaluate = |&(at, start, end): &Run| {
-            let motion = self.in_the_law(at, &frequency[start..end], accelerations, start);
-            let of_node = |node: usize| {
-                let sample = MatRef::from_column_major_slice(samples[node].as_slice(), rows, self.modes);
-                let mut of_node = DMatrix::zeros(rows, end - start);
-                matmul(
-                    MatMut::from_column_major_slice_mut(of_node.as_mut_slice(), rows, end - start),
-                    Accum::Replace,
-                    sample,
-                    MatRef::from_column_major_slice(motion.as_slice(), self.modes, end - start),
-                    Complex::ONE,
-                    Par::Seq,
-                );
-                of_node
-            };
-            match at {
-                None => of_node(self.lowest_sample()),
-                Some(i) => self.intervals[i].blend(&frequency[start..end], of_node),
-            }
+        let evaluate = |run: &Run| {
+            let motion = self.motion(run, frequency, accelerations);
+            self.grid.product(
+                run.interval,
+                &frequency[run.bins.clone()],
+                |node| &samples[node],
+                &motion,
+            )
         };
-        side_by_side(rows, frequency.len(), &self.runs(frequency), evaluate)
+        let rows = samples.first().map_or(0, DMatrix::nrows);
+        side_by_side(rows, frequency.len(), &self.grid.runs(frequency), evaluate)
     }
 
-    /// The motion at some bins from `start` on, below the lowest sample by the power laws of the modes.
-    fn in_the_law(
-        &self,
-        at: Option<usize>,
-        frequency: &[f64],
-        accelerations: &DMatrix<Complex<f64>>,
-        start: usize,
-    ) -> DMatrix<Complex<f64>> {
-        let mut motion = accelerations.columns(start, frequency.len()).into_owned();
-        if at.is_none() {
-            self.follow_the_law(frequency, &mut motion);
-        }
+    /// The motion at the bins of a run, below the lowest sample by the power laws of the modes.
+    fn motion(&self, run: &Run, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+        let mut motion = accelerations.columns(run.bins.start, run.bins.len()).into_owned();
+        self.extrapolate(run, frequency, &mut motion);
         motion
     }
 
-    /// Multiplies every mode's amplitude by what its power law says below the lowest sample.
-    fn follow_the_law(&self, frequency: &[f64], motion: &mut DMatrix<Complex<f64>>) {
-        for (mut bin, &hz) in motion.column_iter_mut().zip(frequency) {
-            for (mode, a) in bin.iter_mut().enumerate() {
-                *a *= self.low_factor(hz, mode);
+    /// Multiplies every mode's amplitude by its power law where a run lies below the lowest sample.
+    fn extrapolate(&self, run: &Run, frequency: &[f64], motion: &mut DMatrix<Complex<f64>>) {
+        if run.interval.is_none() {
+            for (mut bin, &hz) in motion.column_iter_mut().zip(&frequency[run.bins.clone()]) {
+                bin.iter_mut()
+                    .enumerate()
+                    .for_each(|(mode, a)| *a *= self.low_factor(hz, mode));
             }
         }
-    }
-
-    /// Runs of bins that share an interval, cut into chunks: the interval and the bins' half-open range. No interval
-    /// is below the lowest sample.
-    fn runs(&self, frequency: &[f64]) -> Vec<Run> {
-        const CHUNK: usize = 64;
-        let place = |&hz: &f64| (hz >= self.lowest()).then(|| self.interval(hz));
-        let mut runs: Vec<Run> = Vec::new();
-        for (bin, at) in frequency.iter().map(place).enumerate() {
-            match runs.last_mut() {
-                Some((last, start, end)) if *last == at && bin - *start < CHUNK => *end = bin + 1,
-                _ => runs.push((at, bin, bin + 1)),
-            }
-        }
-        runs
-    }
-
-    /// Samples of an interval; the lowest one, without.
-    fn nodes(&self, at: Option<usize>) -> Vec<usize> {
-        at.map_or_else(|| vec![self.lowest_sample()], |i| self.intervals[i].nodes.clone())
-    }
-
-    /// Their weights at a frequency.
-    fn weights(&self, at: Option<usize>, hz: f64) -> Vec<f64> {
-        at.map_or_else(|| vec![1.0], |i| self.intervals[i].weights(hz))
     }
 
     /// The rows of all samples that some runs need.
     fn rows_of<'a>(&self, runs: &[Run], row: impl Fn(usize) -> Cow<'a, [f32]> + Sync) -> Rows<'a> {
-        let mut wanted: Vec<usize> = runs.iter().flat_map(|run| self.nodes(run.0)).collect();
+        let mut wanted: Vec<usize> = runs.iter().flat_map(|run| self.grid.nodes(run.interval)).collect();
         wanted.sort_unstable();
         wanted.dedup();
         wanted.par_iter().map(|&sample| (sample, row(sample))).collect()
     }
 
     /// M a for the bins of a run, with M / omega^power interpolated between rows of matrices.
-    fn carried(
+    fn products(
         &self,
         rows: &Rows<'_>,
         power: i32,
-        &(at, start, end): &Run,
+        run: &Run,
         frequency: &[f64],
         accelerations: &DMatrix<Complex<f64>>,
     ) -> DMatrix<Complex<f64>> {
-        let hz = &frequency[start..end];
-        let motions = Motions::new(&self.in_the_law(at, hz, accelerations, start));
-        let nodes = self.nodes(at);
+        let hz = &frequency[run.bins.clone()];
+        let motions = Motions::new(&self.motion(run, frequency, accelerations));
+        let nodes = self.grid.nodes(run.interval);
         let rows: Vec<&[f32]> = nodes.iter().map(|node| &*rows[node]).collect();
         // Sand that moves in a part of the range only has an imaginary part in some samples.
         let length = rows.iter().map(|row| row.len()).max().unwrap_or(0);
-        let skew = nodes.iter().any(|&node| self.samples[node].patches.is_skew());
+        let skew = nodes.iter().any(|&node| self.samples[node].is_skew());
         let mut samples = Mat::<f32>::zeros(length, nodes.len());
         for (row, column) in rows.iter().zip(samples.col_iter_mut()) {
             column.iter_mut().zip(*row).for_each(|(to, v)| *to = *v);
@@ -256,8 +198,8 @@ impl SampledRadiation {
         // Relative to omega^power at the bin, which single precision holds.
         let mut weights = Mat::<f32>::zeros(nodes.len(), hz.len());
         for (bin, &f) in hz.iter().enumerate() {
-            for (n, (node, weight)) in nodes.iter().zip(self.weights(at, f)).enumerate() {
-                weights[(n, bin)] = (weight * (f / self.samples[*node].hz).powi(power)) as f32;
+            for (n, (node, weight)) in nodes.iter().zip(self.grid.weights(run.interval, f)).enumerate() {
+                weights[(n, bin)] = (weight * (f / self.grid.hz()[*node]).powi(power)) as f32;
             }
         }
         let mut matrices = Mat::<f32>::zeros(length, hz.len());
@@ -269,17 +211,17 @@ impl SampledRadiation {
             1.0,
             Par::Seq,
         );
-        let mut carried = DMatrix::zeros(self.modes, hz.len());
-        for (bin, mut carried) in carried.column_iter_mut().enumerate() {
+        let mut products = DMatrix::zeros(self.modes, hz.len());
+        for (bin, mut product) in products.column_iter_mut().enumerate() {
             let Some(row) = matrices.col(bin).try_as_col_major() else {
                 continue;
             };
             let scale = motions.scale(bin) / (2.0 * PI * hz[bin]).powi(power);
             let [re, im] = image(self.modes, skew, row.as_slice(), motions.part(bin));
-            for (to, (re, im)) in carried.iter_mut().zip(re.into_iter().zip(im)) {
+            for (to, (re, im)) in product.iter_mut().zip(re.into_iter().zip(im)) {
                 *to = Complex::new(f64::from(re), f64::from(im)) * scale;
             }
         }
-        carried
+        products
     }
 }

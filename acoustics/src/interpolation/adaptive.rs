@@ -1,0 +1,128 @@
+//! Samples chosen one round after the other, until the interpolant predicts them.
+
+use super::grid::Grid;
+use super::interval::{Interval, MOST, extrapolated, leja_hz};
+use crate::error::{AcousticsError, positive};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Widest interval of one polynomial, as a ratio of frequencies: over a wider one, the small values at its lower end are
+/// lost beside those at its upper end.
+const WIDEST: f64 = 4.0;
+
+/// How finely to sample.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Plan {
+    /// Largest estimated error.
+    pub(crate) tolerance: f64,
+    /// Samples added to an interval at a time.
+    pub(crate) round: usize,
+    /// Most samples in all.
+    pub(crate) most_samples: usize,
+    /// Whether zero is a first approximation, as of a small correction.
+    pub(crate) near_zero: bool,
+}
+
+/// A range of frequencies \[Hz\], both ends included.
+pub(crate) type Range = [f64; 2];
+
+/// An interval to be sampled.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Piece {
+    pub(crate) range: Range,
+    /// Number of samples with which it is complete whatever their error; without, it is halved where too many are needed.
+    pub(crate) complete: Option<usize>,
+}
+
+/// Intervals of a range, none wider than a factor of four, which end where the quantity has a kink.
+///
+/// # Errors
+/// An empty range.
+pub(crate) fn pieces([low, high]: Range, kinks: &[f64]) -> Result<Vec<Piece>, AcousticsError> {
+    if !(low > 0.0 && high > low && high.is_finite()) {
+        let nyquist = f64::INFINITY;
+        return Err(AcousticsError::Range { low, high, nyquist });
+    }
+    let count = ((high / low).ln() / WIDEST.ln()).ceil().max(1.0) as usize;
+    let edge = |i: usize| low * (high / low).powf(i as f64 / count as f64);
+    let mut edges: Vec<f64> = (1..count).map(edge).chain([low, high]).collect();
+    edges.extend(kinks.iter().filter(|&&hz| low < hz && hz < high));
+    edges.sort_by(f64::total_cmp);
+    edges.dedup();
+    let piece = |ends: &[f64]| Piece {
+        range: [ends[0], ends[1]],
+        complete: None,
+    };
+    Ok(edges.windows(2).map(piece).collect())
+}
+
+/// Samples of every piece, where `take` gives the sample at a frequency and `misfit` how far the test samples of an interval
+/// are from the interpolant through the others, relative to what is sampled.
+///
+/// Each piece begins with two rounds of Leja's sequence. Rounds are added until the last one lies within the tolerance of
+/// what the polynomial without it says. The polynomial through all of them is closer; [`Grid::error`] takes that gain to be
+/// as large as the one before, and a factor of ten at most.
+///
+/// # Errors
+/// A tolerance that is not positive, [`AcousticsError::Unresolved`], those of `take`.
+pub(crate) fn sample<T: Send + Sync>(
+    pieces: &[Piece],
+    plan: &Plan,
+    take: impl Fn(f64) -> Result<T, AcousticsError> + Sync,
+    misfit: impl Fn(&Interval, &[T]) -> f64 + Sync,
+) -> Result<(Grid, Vec<T>), AcousticsError> {
+    let tolerance = positive("interpolation tolerance", plan.tolerance)?;
+    let (mut all_hz, mut samples, mut index) = (Vec::<f64>::new(), Vec::<T>::new(), BTreeMap::<u64, usize>::new());
+    let (mut intervals, mut largest) = (Vec::new(), 0.0f64);
+    let begin = |piece: &Piece| (*piece, 2 * plan.round, None);
+    let mut pending: Vec<(Piece, usize, Option<f64>)> = pieces.iter().map(begin).collect();
+    while !pending.is_empty() {
+        let nodes = |piece: &Piece, count: usize| leja_hz(piece.range, count.min(piece.complete.unwrap_or(count)));
+        let mut wanted: Vec<f64> = pending
+            .iter()
+            .flat_map(|(piece, count, _)| nodes(piece, *count))
+            .collect();
+        wanted.retain(|hz| !index.contains_key(&hz.to_bits()));
+        wanted.sort_by(f64::total_cmp);
+        wanted.dedup();
+        // One frequency at a time on a thread: they take equally long.
+        let taken: Vec<_> = wanted.par_iter().with_max_len(1).map(|&hz| take(hz)).collect();
+        for (hz, taken) in wanted.into_iter().zip(taken) {
+            index.insert(hz.to_bits(), samples.len());
+            samples.push(taken?);
+            all_hz.push(hz);
+        }
+        let judge = |(piece, count, before): &(Piece, usize, Option<f64>)| {
+            let nodes: Vec<usize> = nodes(piece, *count).iter().map(|hz| index[&hz.to_bits()]).collect();
+            let interval = Interval::new(piece.range, nodes, plan.round);
+            let zero = || misfit(&interval.tested_by(interval.nodes.len()), &samples);
+            let before = before.or_else(|| plan.near_zero.then(zero));
+            let found = misfit(&interval, &samples);
+            (interval, found, extrapolated(found, before))
+        };
+        let judged: Vec<(Interval, f64, f64)> = pending.par_iter().map(judge).collect();
+        let mut next = Vec::new();
+        for ((interval, found, error), (piece, count, _)) in judged.into_iter().zip(pending) {
+            let [low, high] = piece.range;
+            if error <= tolerance || piece.complete.is_some_and(|complete| count >= complete) {
+                largest = largest.max(error);
+                intervals.push(interval);
+            } else if samples.len() >= plan.most_samples {
+                let (hz, samples) = ((low * high).sqrt(), samples.len());
+                return Err(AcousticsError::Unresolved {
+                    hz,
+                    error,
+                    samples,
+                    tolerance,
+                });
+            } else if count + plan.round <= MOST {
+                next.push((piece, count + plan.round, Some(found)));
+            } else {
+                let halves = [[low, 0.5 * (low + high)], [0.5 * (low + high), high]];
+                next.extend(halves.map(|range| begin(&Piece { range, ..piece })));
+            }
+        }
+        pending = next;
+    }
+    Ok((Grid::new(all_hz, intervals, largest), samples))
+}

@@ -1,0 +1,144 @@
+//! The polynomial through the samples of one interval of the frequency axis.
+
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+use std::sync::LazyLock;
+
+/// Points among which Leja's sequence chooses.
+const CANDIDATES: usize = 2048;
+
+/// Largest ratio by which a round of samples is taken to reduce the error.
+const GAIN: f64 = 0.1;
+
+/// An interval of the frequency axis with samples at the first points of Leja's sequence.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct Interval {
+    pub(crate) low: f64,
+    pub(crate) high: f64,
+    /// Indices of its samples, in the order of the sequence.
+    pub(crate) nodes: Vec<usize>,
+    /// Their frequencies \[Hz\].
+    hz: Vec<f64>,
+    /// Their barycentric weights.
+    weights: Vec<f64>,
+    /// Number of last samples that test the interpolant through those before them.
+    tests: usize,
+}
+
+impl Interval {
+    pub(super) fn new([low, high]: [f64; 2], nodes: Vec<usize>, tests: usize) -> Self {
+        let x = &leja()[..nodes.len()];
+        let weight = |j: usize| {
+            let others = x.iter().enumerate().filter(|(i, _)| *i != j);
+            // The interval's logarithmic capacity is 1/2: products stay near one.
+            1.0 / others.map(|(_, xi)| 2.0 * (x[j] - xi)).product::<f64>()
+        };
+        Self {
+            low,
+            high,
+            hz: leja_hz([low, high], x.len()),
+            weights: (0..x.len()).map(weight).collect(),
+            nodes,
+            tests,
+        }
+    }
+
+    /// All frequencies times `by`.
+    pub(super) fn stretch(&mut self, by: f64) {
+        let ends = [&mut self.low, &mut self.high];
+        ends.into_iter().chain(&mut self.hz).for_each(|hz| *hz *= by);
+    }
+
+    /// The same samples, of which the last `tests` test the others; all of them test zero.
+    pub(super) fn tested_by(&self, tests: usize) -> Self {
+        Self { tests, ..self.clone() }
+    }
+
+    /// The same samples under other indices.
+    pub(super) fn with_nodes(&self, nodes: Vec<usize>) -> Self {
+        Self { nodes, ..self.clone() }
+    }
+
+    /// The interval before its last round of samples, if there were at least two rounds before it.
+    pub(super) fn before(&self) -> Option<Self> {
+        let fewer = self.nodes.len() - self.tests;
+        (fewer > self.tests).then(|| Self::new([self.low, self.high], self.nodes[..fewer].to_vec(), self.tests))
+    }
+
+    /// Frequencies of the samples \[Hz\], in their order.
+    pub(crate) fn samples_hz(&self) -> &[f64] {
+        &self.hz
+    }
+
+    /// Samples that test the others.
+    pub(crate) fn test_nodes(&self) -> &[usize] {
+        &self.nodes[self.nodes.len() - self.tests..]
+    }
+
+    /// Weights of the samples at a frequency \[Hz\]; they sum to one.
+    pub(crate) fn weights(&self, hz: f64) -> Vec<f64> {
+        if let Some(hit) = self.hz.iter().position(|&node| node == hz) {
+            return (0..self.hz.len()).map(|i| f64::from(u8::from(i == hit))).collect();
+        }
+        let terms: Vec<f64> = self.hz.iter().zip(&self.weights).map(|(x, w)| w / (hz - x)).collect();
+        let sum: f64 = terms.iter().sum();
+        terms.into_iter().map(|t| t / sum).collect()
+    }
+
+    /// Differences between the test samples and the interpolant through the others: weights of all samples for each.
+    pub(crate) fn defects(&self) -> Vec<Vec<f64>> {
+        let count = self.nodes.len();
+        let others = Self::new([self.low, self.high], self.nodes[..count - self.tests].to_vec(), 0);
+        let defect = |j: usize| {
+            let own = others.weights(self.hz[j]);
+            let mut weights: Vec<f64> = own.into_iter().map(|w| -w).collect();
+            weights.resize(count, 0.0);
+            weights[j] = 1.0;
+            weights
+        };
+        (count - self.tests..count).map(defect).collect()
+    }
+}
+
+/// Error with a round's samples, from the misfit `found` without them and the misfit one round before: a round is taken to
+/// reduce the error by as much as the one before it did, and at most by [`GAIN`].
+pub(super) fn extrapolated(found: f64, before: Option<f64>) -> f64 {
+    found * before.map_or(1.0, |before| (found / before).clamp(GAIN, 1.0))
+}
+
+/// Most samples of an interval.
+pub(super) const MOST: usize = 96;
+
+/// Leja's sequence on \[-1, 1\] (Leja 1957): each point where the product of the distances to those before is largest, so
+/// that each sample raises the order of the polynomial by one and none is wasted.
+fn leja() -> &'static [f64] {
+    static POINTS: LazyLock<Vec<f64>> = LazyLock::new(|| {
+        let at = |i: usize| -(PI * i as f64 / CANDIDATES as f64).cos();
+        let mut product = vec![0.0; CANDIDATES + 1];
+        let mut points: Vec<f64> = Vec::with_capacity(MOST);
+        for next in 0..MOST {
+            let best = match next {
+                0 => 0,
+                1 => CANDIDATES,
+                _ => (0..=CANDIDATES).fold(0, |best, i| if product[i] > product[best] { i } else { best }),
+            };
+            let x = at(best);
+            for (i, p) in product.iter_mut().enumerate() {
+                *p += (at(i) - x).abs().ln();
+            }
+            points.push(x);
+        }
+        points
+    });
+    &POINTS
+}
+
+/// The first frequencies of Leja's sequence on an interval; the ends are exact.
+pub(super) fn leja_hz([low, high]: [f64; 2], count: usize) -> Vec<f64> {
+    let place = |x: &f64| match *x {
+        -1.0 => low,
+        1.0 => high,
+        x => 0.5 * (low + high) + 0.5 * (high - low) * x,
+    };
+    leja()[..count].iter().map(place).collect()
+}
