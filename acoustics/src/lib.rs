@@ -13,10 +13,13 @@ pub mod exhaust;
 pub mod fourier;
 mod interpolation;
 pub mod levels;
+mod matrix;
 pub mod muffler;
+mod quadrature;
 pub mod radiation;
 pub mod random;
 pub mod sound;
+mod trig;
 
 pub use air::{Air, GAS_CONSTANT, HEAT_RATIO};
 pub use error::AcousticsError;

@@ -2,7 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use nailnoise_acoustics::bem::{
-    Boundary, BoundaryMesh, Exterior, Level, ModalBem, MovingPart, Parity, Patterns, Receivers, SolidBox, Sounding,
+    BandFields, Boundary, BoundaryMesh, Exterior, MeshRange, ModalBem, MovingPart, Parity, Patterns, Receivers,
+    SolidBox,
 };
 use nailnoise_acoustics::levels::{Band, Weighting, energy_weights};
 use nailnoise_acoustics::radiation::{Archive, ModalRadiation, ModalSpectra, Sampling, mode_energies};
@@ -174,13 +175,13 @@ fn a_surface_that_the_volumes_do_not_cover_is_refused() {
     assert!(matches!(error, AcousticsError::Uncovered { .. }), "{error}");
 }
 
-fn level(solids: &Solids, edge: f64, per_wavelength: f64) -> Level {
+fn level(solids: &Solids, edge: f64, per_wavelength: f64) -> MeshRange {
     let boundary = boundary([Some(0.0); 2], edge);
     let patterns = boundary.transfer(&parts(solids)).unwrap();
     let problem = Exterior::new(boundary, &Air::default())
         .with_panels_per_wavelength(per_wavelength)
         .unwrap();
-    Level {
+    MeshRange {
         top_hz: problem.estimate().highest_hz,
         problem,
         patterns,
@@ -361,7 +362,7 @@ fn pictures_of_bands_hold_the_power_of_the_matrix() {
     // From 350 Hz to 1122 Hz, on two meshes that meet where two bands do.
     let bands: Vec<Band> = (-4..=0).map(Band::new).collect();
     let levels = || {
-        let coarse = Level {
+        let coarse = MeshRange {
             top_hz: bands[1].high,
             ..level(&solids, 0.08, 6.0)
         };
@@ -386,7 +387,7 @@ fn pictures_of_bands_hold_the_power_of_the_matrix() {
         frequency,
         accelerations,
     };
-    let found = Sounding::new(levels(), &bands, &spectra, &around).unwrap();
+    let found = BandFields::new(levels(), &bands, &spectra, &around).unwrap();
     println!("{} frequencies, error {:.1e}", found.around.samples, found.around.error);
     assert!(found.around.error < 1e-2);
 

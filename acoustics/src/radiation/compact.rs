@@ -1,5 +1,6 @@
 use super::erp::Erp;
-use super::resistance::{ModalRadiation, Resistance};
+use super::operator::ModalRadiation;
+use super::resistance::Resistance;
 use crate::air::Air;
 use crate::error::{AcousticsError, positive};
 use nalgebra::{Complex, DMatrix};

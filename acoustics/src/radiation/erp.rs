@@ -1,9 +1,11 @@
+use super::hermitian_root::hermitian_root;
+use super::operator::ModalRadiation;
 use super::packed::{Motions, Packed};
 use super::products::forms;
-use super::resistance::{ModalRadiation, Resistance, sparse_form};
-use super::root::{apply, hermitian_root};
+use super::resistance::Resistance;
 use super::surface::RadiatingSurface;
 use crate::air::Air;
+use crate::matrix::real_product;
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -124,15 +126,12 @@ impl ModalRadiation for Erp {
     }
 
     fn sparse_forms(&self, motions: &[(f64, Vec<(usize, f64)>)]) -> Vec<f64> {
-        let form = |(_, v): &(f64, Vec<(usize, f64)>)| {
-            let entry = |i: usize, j: usize| self.resistances.iter().map(|r| r[(i, j)]).sum::<f64>();
-            sparse_form(v, entry)
-        };
-        motions.iter().map(form).collect()
+        let whole = self.resistance(0.0);
+        motions.iter().map(|(_, v)| whole.sparse_form(v)).collect()
     }
 
     fn images(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
-        let mut images = apply(&self.resistance(0.0).real, accelerations);
+        let mut images = real_product(&self.resistance(0.0).real, accelerations);
         for (mut bin, hz) in images.column_iter_mut().zip(frequency) {
             bin /= Complex::from((2.0 * PI * hz).powi(2));
         }
@@ -140,7 +139,7 @@ impl ModalRadiation for Erp {
     }
 
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
-        let mut signals = apply(self.root(), accelerations);
+        let mut signals = real_product(self.root(), accelerations);
         for (mut bin, hz) in signals.column_iter_mut().zip(frequency) {
             bin /= Complex::from(2.0 * PI * hz);
         }

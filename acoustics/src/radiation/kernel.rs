@@ -1,6 +1,6 @@
 //! Rayleigh's kernel and the waves of its points, pair by pair.
 
-use crate::bem::trig::sin_cos;
+use crate::trig::sin_cos;
 use pulp::{Arch, Simd, WithSimd};
 
 /// K_b = sin(k r_b)/(k r_b), r_b the distance of a point of a plane from others with the coordinates `x` and `y`.

@@ -1,9 +1,9 @@
 //! Resistances in the mean over neighbouring frequencies.
 
+use super::hermitian_root::hermitian_root;
 use super::packed::{Motions, Packed};
 use super::products::{forms, real_images};
 use super::resistance::Resistance;
-use super::root::hermitian_root;
 use faer::Mat;
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;

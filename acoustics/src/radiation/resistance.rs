@@ -1,3 +1,4 @@
+use crate::matrix::real_product;
 use nalgebra::{Complex, DMatrix};
 
 /// Modal radiation resistance R(f) of one frequency: Hermitian, positive semidefinite, modes x modes.
@@ -59,6 +60,21 @@ impl Resistance {
         }
     }
 
+    /// v^T Re(R) v for the modes of a real motion v that are not at rest.
+    pub(crate) fn sparse_form(&self, v: &[(usize, f64)]) -> f64 {
+        let row = |&(i, a): &(usize, f64)| a * v.iter().map(|&(j, b)| self.real[(i, j)] * b).sum::<f64>();
+        v.iter().map(row).sum()
+    }
+
+    /// R times all columns of a motion.
+    pub(crate) fn product(&self, motion: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+        let mut product = real_product(&self.real, motion);
+        if let Some(imaginary) = &self.imaginary {
+            product += real_product(imaginary, motion) * Complex::<f64>::i();
+        }
+        product
+    }
+
     /// The zero resistance of so many modes.
     pub fn zeros(modes: usize) -> Self {
         Self {
@@ -68,68 +84,6 @@ impl Resistance {
     }
 }
 
-/// v^T R v by the entries of a real R, for those of v that are not zero.
-pub(super) fn sparse_form(v: &[(usize, f64)], entry: impl Fn(usize, usize) -> f64) -> f64 {
-    let row = |&(i, a): &(usize, f64)| a * v.iter().map(|&(j, b)| entry(i, j) * b).sum::<f64>();
-    v.iter().map(row).sum()
-}
-
 fn add_scaled(to: &mut DMatrix<f64>, factor: f64, from: &DMatrix<f64>) {
     to.iter_mut().zip(from.iter()).for_each(|(a, b)| *a += factor * b);
-}
-
-/// A radiation operator reduced to modal coordinates.
-pub trait ModalRadiation: Sync {
-    /// Label of the operator, shown beside every result.
-    fn method(&self) -> &str;
-
-    /// Number of modes.
-    fn modes(&self) -> usize;
-
-    /// Names of the surface patches, whose resistances add up to the whole.
-    fn patches(&self) -> &[String];
-
-    /// Highest frequency the operator was computed for \[Hz\].
-    fn highest_hz(&self) -> f64;
-
-    /// Resistance R(f) of the whole surface at the frequency `hz`.
-    fn resistance(&self, hz: f64) -> Resistance;
-
-    /// v^T R(f) v of the whole surface for each frequency \[Hz\] and the modes of a real motion v that are not at rest, each
-    /// once.
-    fn sparse_forms(&self, motions: &[(f64, Vec<(usize, f64)>)]) -> Vec<f64> {
-        let form = |(hz, v): &(f64, Vec<(usize, f64)>)| {
-            let r = self.resistance(*hz).real;
-            let row = |&(i, a): &(usize, f64)| a * v.iter().map(|&(j, b)| r[(i, j)] * b).sum::<f64>();
-            v.iter().map(row).sum()
-        };
-        motions.iter().map(form).collect()
-    }
-
-    /// a^H (R_p / omega²) a for every patch p (rows) and frequency (columns), with the modal accelerations a in the
-    /// columns of `accelerations` (modes x frequencies).
-    fn energy_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64>;
-
-    /// (R / omega²) a for the whole surface at every frequency (columns), modes x frequencies.
-    fn images(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
-        let mut images = DMatrix::zeros(accelerations.nrows(), frequency.len());
-        for (bin, &hz) in frequency.iter().enumerate() {
-            let r = self.resistance(hz).scaled((std::f64::consts::TAU * hz).powi(-2));
-            let a = accelerations.columns(bin, 1).into_owned();
-            images.set_column(bin, &super::root::image(&r, &a).column(0));
-        }
-        images
-    }
-
-    /// How many signals [`Self::root_signals`] returns.
-    fn signals(&self) -> usize {
-        self.modes()
-    }
-
-    /// Signals x (rows) at every frequency (columns) with |x|² = a^H (R / omega²) a for the whole surface: x = S^H a
-    /// with S the Hermitian root of R / omega², smooth over frequency. Where S is interpolated the energies hold to
-    /// the interpolation error.
-    fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
-        super::root::one_by_one(self, frequency, accelerations)
-    }
 }

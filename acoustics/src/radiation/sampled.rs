@@ -2,9 +2,9 @@
 
 mod evaluate;
 
+use super::hermitian_root::hermitian_root;
 use super::packed::{self, Packed};
 use super::resistance::Resistance;
-use super::root::hermitian_root;
 use crate::error::AcousticsError;
 use crate::interpolation::{Grid, Interval, Piece, Plan, Run, field_misfit, pieces, sample};
 use nalgebra::{Complex, DMatrix};

@@ -1,10 +1,10 @@
 //! Sand around a flush block: what it absorbs and what it radiates.
 
-use super::quadrature::gauss_legendre;
 use super::sources::{Grid, extent};
 use super::spherical_waves::Follower;
 use crate::air::Air;
 use crate::error::{AcousticsError, positive};
+use crate::quadrature::gauss_legendre;
 use nalgebra::{Complex, DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

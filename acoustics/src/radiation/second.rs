@@ -1,12 +1,12 @@
 //! The power of a flush surface once more: from the intensity on the surface, beside that of the spherical waves it sends.
 
-use super::energy::ModalSpectra;
 use super::kernel::sinc;
+use super::operator::ModalRadiation;
 use super::packed::Packed;
 use super::rayleigh::Rayleigh;
-use super::resistance::{ModalRadiation, Resistance};
-use super::root::image;
+use super::resistance::Resistance;
 use super::sources::Grid;
+use super::spectra::ModalSpectra;
 use crate::error::{AcousticsError, same_length};
 use crate::levels::{Band, Weighting, energy_weights};
 use nalgebra::{Complex, DMatrix};
@@ -91,7 +91,7 @@ impl SurfaceEvaluations {
                 spectra.accelerations[(mode, bins[b])] * weights[bins[b]].sqrt()
             });
             let energy = |r: &Resistance| -> f64 {
-                let images = image(r, &motion);
+                let images = r.product(&motion);
                 motion
                     .iter()
                     .zip(images.iter())

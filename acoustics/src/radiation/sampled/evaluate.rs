@@ -1,9 +1,10 @@
 //! Energies and signals of motions from a sampled radiation resistance.
 
 use super::{Run, SampledRadiation, per_omega2};
+use crate::radiation::operator::ModalRadiation;
 use crate::radiation::packed::{Motions, Packed};
 use crate::radiation::products::{forms, image};
-use crate::radiation::resistance::{ModalRadiation, Resistance};
+use crate::radiation::resistance::Resistance;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 use nalgebra::{Complex, ComplexField, DMatrix};

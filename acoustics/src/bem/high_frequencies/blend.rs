@@ -1,0 +1,208 @@
+use crate::radiation::{Erp, Means, ModalRadiation, Resistance, SampledRadiation};
+use nalgebra::{Complex, DMatrix};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// Octaves below the top of boundary elements at single frequencies over which these give way to means.
+const FADING: f64 = 1.0 / 12.0;
+
+/// Radiation resistance from boundary elements on meshes that get finer with frequency, above them from means of boundary
+/// elements over neighbouring frequencies, and from the limit of high frequencies at last.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct BlendedRadiation {
+    /// Each from where the one before ends.
+    levels: Vec<SampledRadiation>,
+    above: Means,
+    /// How many of the nodes above are of boundary elements; the others are of the limit.
+    solved: usize,
+    /// The limit as far as boundary elements reach.
+    limit: Means,
+    erp: Erp,
+    from_hz: f64,
+    to_hz: f64,
+}
+
+/// What a body radiates above the range of its boundary elements at single frequencies.
+pub(crate) struct Above {
+    /// Means of boundary elements and then of the limit.
+    pub(crate) means: Means,
+    /// How many of them are of boundary elements.
+    pub(crate) solved: usize,
+    /// The limit as far as boundary elements reach.
+    pub(crate) limit: Means,
+}
+
+impl BlendedRadiation {
+    /// Joins ranges of boundary elements, rising, each beginning where the one before ends, with what is above.
+    pub(crate) fn new(levels: Vec<SampledRadiation>, above: Above, erp: Erp) -> Self {
+        let to_hz = levels.last().map_or(0.0, ModalRadiation::highest_hz);
+        Self {
+            levels,
+            above: above.means,
+            solved: above.solved,
+            limit: above.limit,
+            erp,
+            from_hz: to_hz * 2f64.powf(-FADING),
+            to_hz,
+        }
+    }
+
+    /// The ranges of boundary elements at single frequencies.
+    pub(crate) fn levels(&self) -> &[SampledRadiation] {
+        &self.levels
+    }
+
+    /// The equivalent radiated power.
+    pub(crate) fn erp(&self) -> &Erp {
+        &self.erp
+    }
+
+    /// Where boundary elements at single frequencies begin to give way to means, and where they end \[Hz\].
+    pub(crate) fn solved_hz(&self) -> [f64; 2] {
+        [self.from_hz, self.to_hz]
+    }
+
+    /// Where boundary elements in the mean give way to the limit: beginning and end \[Hz\].
+    pub(crate) fn blend_hz(&self) -> [f64; 2] {
+        let node = |n: usize| self.above.hz().get(n).or(self.above.hz().last()).map_or(0.0, |hz| *hz);
+        [node(self.solved - 1), node(self.solved)]
+    }
+
+    /// The lowest frequency at which the limit is known \[Hz\].
+    pub(crate) fn limit_from_hz(&self) -> f64 {
+        self.limit.hz()[0]
+    }
+
+    /// Energy forms of the limit alone, as far as boundary elements reach.
+    pub(crate) fn limit_alone(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
+        let mut forms = DMatrix::zeros(self.patches().len(), frequency.len());
+        let all = vec![1.0; frequency.len()];
+        self.limit.add_forms((frequency, &all), accelerations, &mut forms);
+        forms
+    }
+
+    /// Share of the means: 0 up to where they begin, 1 above boundary elements at single frequencies, sin² of the
+    /// logarithmic frequency between.
+    fn share(&self, hz: f64) -> f64 {
+        let t = ((hz / self.from_hz).ln() / (self.to_hz / self.from_hz).ln()).clamp(0.0, 1.0);
+        (0.5 * PI * t).sin().powi(2)
+    }
+
+    fn shares(&self, frequency: &[f64]) -> Vec<f64> {
+        frequency.iter().map(|&hz| self.share(hz)).collect()
+    }
+
+    fn level_at(&self, hz: f64) -> usize {
+        let last = self.levels.len() - 1;
+        self.levels.iter().position(|l| hz <= l.highest_hz()).unwrap_or(last)
+    }
+
+    /// Runs of bins below the end of the blend that share a level: the level and the bins' half-open range.
+    pub(crate) fn runs(&self, frequency: &[f64]) -> Vec<(usize, usize, usize)> {
+        let mut runs: Vec<(usize, usize, usize)> = Vec::new();
+        for (bin, &hz) in frequency.iter().enumerate().filter(|(_, hz)| **hz < self.to_hz) {
+            let level = self.level_at(hz);
+            match runs.last_mut() {
+                Some((last, _, end)) if *last == level && *end == bin => *end = bin + 1,
+                _ => runs.push((level, bin, bin + 1)),
+            }
+        }
+        runs
+    }
+}
+
+impl ModalRadiation for BlendedRadiation {
+    fn method(&self) -> &str {
+        "BEM"
+    }
+
+    fn modes(&self) -> usize {
+        self.erp.modes()
+    }
+
+    fn patches(&self) -> &[String] {
+        self.erp.patches()
+    }
+
+    fn highest_hz(&self) -> f64 {
+        f64::INFINITY
+    }
+
+    fn resistance(&self, hz: f64) -> Resistance {
+        let share = self.share(hz);
+        let mut whole = Resistance::zeros(self.modes());
+        if share < 1.0 {
+            whole.add_scaled(1.0 - share, &self.levels[self.level_at(hz)].resistance(hz));
+        }
+        if share > 0.0 {
+            whole.add_scaled(share, &self.above.resistance(hz));
+        }
+        whole
+    }
+
+    fn sparse_forms(&self, motions: &[(f64, Vec<(usize, f64)>)]) -> Vec<f64> {
+        let form = |motion: &(f64, Vec<(usize, f64)>)| {
+            let (hz, one) = (motion.0, std::slice::from_ref(motion));
+            let of = |radiation: &dyn ModalRadiation| radiation.sparse_forms(one).iter().sum::<f64>();
+            let share = self.share(hz);
+            let low = (share < 1.0).then(|| (1.0 - share) * of(&self.levels[self.level_at(hz)]));
+            let high = (share > 0.0).then(|| share * self.above.sparse_form(hz, &motion.1));
+            low.unwrap_or(0.0) + high.unwrap_or(0.0)
+        };
+        motions.par_iter().map(form).collect()
+    }
+
+    fn energy_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
+        let mut forms = DMatrix::zeros(self.patches().len(), frequency.len());
+        self.above
+            .add_forms((frequency, &self.shares(frequency)), accelerations, &mut forms);
+        for (level, start, end) in self.runs(frequency) {
+            let part = accelerations.columns(start, end - start).into_owned();
+            let low = self.levels[level].energy_forms(&frequency[start..end], &part);
+            for (bin, from) in (start..end).zip(low.column_iter()) {
+                forms.column_mut(bin).axpy(1.0 - self.share(frequency[bin]), &from, 1.0);
+            }
+        }
+        forms
+    }
+
+    fn images(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+        let mut images = DMatrix::zeros(self.modes(), frequency.len());
+        self.above
+            .add_images((frequency, &self.shares(frequency)), accelerations, &mut images);
+        for (level, start, end) in self.runs(frequency) {
+            let part = accelerations.columns(start, end - start).into_owned();
+            let low = self.levels[level].images(&frequency[start..end], &part);
+            for (bin, from) in (start..end).zip(low.column_iter()) {
+                let share = Complex::from(1.0 - self.share(frequency[bin]));
+                images.column_mut(bin).axpy(share, &from, Complex::from(1.0));
+            }
+        }
+        images
+    }
+
+    fn signals(&self) -> usize {
+        2 * self.modes()
+    }
+
+    /// The signals of all laws with the roots of their shares, so that energies add up exactly: boundary elements at single
+    /// frequencies and every second node above, below them the other nodes. Those of one row never count together.
+    fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+        let modes = self.modes();
+        let shares = self.shares(frequency);
+        let mut signals = DMatrix::zeros(2 * modes, frequency.len());
+        self.above
+            .add_root_signals((frequency, &shares), accelerations, &mut signals);
+        for (level, start, end) in self.runs(frequency) {
+            let part = accelerations.columns(start, end - start).into_owned();
+            let mut low = self.levels[level].root_signals(&frequency[start..end], &part);
+            for (mut bin, &hz) in low.column_iter_mut().zip(&frequency[start..end]) {
+                bin *= Complex::from((1.0 - self.share(hz)).sqrt());
+            }
+            let mut to = signals.view_mut((0, start), (modes, end - start));
+            to += low;
+        }
+        signals
+    }
+}

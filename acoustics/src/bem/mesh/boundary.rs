@@ -1,0 +1,417 @@
+use crate::bem::mesh::panel::{BoundaryMesh, PanelPoint, PanelShape};
+use crate::bem::mesh::rules;
+use crate::bem::mesh::symmetry::Image;
+use crate::error::AcousticsError;
+use nalgebra::{DMatrix, Matrix4, Point3, Vector3, Vector4};
+use std::collections::HashMap;
+
+/// A surface that has been found fit for the exterior problem: closed (or open only on the floor, on which it then
+/// stands), with normals into the air, above the floor.
+///
+/// Where body and air are symmetric about planes of constant x or y, the part on the upper side of those planes is all
+/// that is needed; it is open in them.
+#[derive(Clone, Debug)]
+pub struct Boundary {
+    mesh: BoundaryMesh,
+    planes: [Option<f64>; 3],
+    original: Vec<usize>,
+    node: Vec<usize>,
+    /// Planes in which each unknown lies, a bit an axis.
+    in_planes: Vec<u8>,
+    nodes: usize,
+    mended: Mended,
+}
+
+/// What was changed in a surface to make it fit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Mended {
+    /// Panels whose normal was turned round.
+    pub flipped: usize,
+    /// Panels left out because they lie on the floor or in a mirror plane.
+    pub on_floor: usize,
+    /// Panels of all.
+    pub panels: usize,
+}
+
+impl std::fmt::Display for Mended {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "of {} panels, {} turned round (their normals pointed into the body), {} left out (they lie on the floor)",
+            self.panels, self.flipped, self.on_floor
+        )
+    }
+}
+
+impl Boundary {
+    /// Checks `mesh` above a rigid floor in the plane z = `floor` \[m\], or in free space.
+    ///
+    /// Panels whose normal points into the body are turned, panels in the floor's plane are left out; both are counted
+    /// in [`Boundary::mended`].
+    ///
+    /// # Errors
+    /// [`AcousticsError::OpenSurface`], [`AcousticsError::TangledSurface`], [`AcousticsError::FloorThroughBody`],
+    /// [`AcousticsError::DegeneratePanel`].
+    pub fn new(mesh: BoundaryMesh, floor: Option<f64>) -> Result<Self, AcousticsError> {
+        Self::symmetric(mesh, [None; 2], floor)
+    }
+
+    /// As [`Boundary::new`], for a body that is symmetric about the planes x = `mirrors[0]` and y = `mirrors[1]` \[m\]:
+    /// `mesh` is the part above them.
+    ///
+    /// # Errors
+    /// Those of [`Boundary::new`], and [`AcousticsError::MirrorThroughPart`].
+    pub fn symmetric(
+        mesh: BoundaryMesh,
+        mirrors: [Option<f64>; 2],
+        floor: Option<f64>,
+    ) -> Result<Self, AcousticsError> {
+        let mut mesh = mesh;
+        let planes = [mirrors[0], mirrors[1], floor];
+        let panels = mesh.panels.len();
+        let size = extent(&mesh);
+        let tolerance = 1e-6 * size;
+        let mut original: Vec<usize> = (0..panels).collect();
+        for (axis, plane) in planes.iter().enumerate() {
+            let &Some(plane) = plane else { continue };
+            let used = mesh
+                .panels
+                .iter()
+                .flat_map(|p| p.nodes())
+                .map(|&n| mesh.points[n][axis]);
+            let (lowest, highest) = used.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), z| (a.min(z), b.max(z)));
+            if lowest < plane - tolerance {
+                return Err(if axis == 2 {
+                    AcousticsError::FloorThroughBody {
+                        floor: plane,
+                        lowest,
+                        highest,
+                    }
+                } else {
+                    let axis = ["x", "y"][axis];
+                    AcousticsError::MirrorThroughPart { axis, plane, lowest }
+                });
+            }
+            let flat = |p: usize| {
+                mesh.panels[p]
+                    .nodes()
+                    .iter()
+                    .all(|&n| (mesh.points[n][axis] - plane).abs() <= tolerance)
+            };
+            original.retain(|&p| !flat(p));
+        }
+        mesh.panels = original.iter().map(|&p| mesh.panels[p]).collect();
+        for (p, &panel) in original.iter().enumerate() {
+            let area = mesh.panel_area(p);
+            if area.is_nan() || area <= 1e-14 * size * size {
+                return Err(AcousticsError::DegeneratePanel { panel, area });
+            }
+        }
+        let in_planes = |n: usize| -> u8 {
+            let inside = |axis: &usize| planes[*axis].is_some_and(|z| (mesh.points[n][*axis] - z).abs() <= tolerance);
+            (0..3).filter(inside).map(|axis| 1 << axis).sum()
+        };
+        let masks: Vec<u8> = (0..mesh.points.len()).map(in_planes).collect();
+        let neighbours = neighbours(&mesh, &masks)?;
+        let flipped = orient(&mut mesh, &neighbours, floor.unwrap_or(0.0));
+        let mut node = vec![usize::MAX; mesh.points.len()];
+        let mut in_planes = Vec::new();
+        for panel in &mesh.panels {
+            for &n in panel.corners() {
+                if node[n] == usize::MAX {
+                    node[n] = in_planes.len();
+                    in_planes.push(masks[n]);
+                }
+            }
+        }
+        Ok(Self {
+            nodes: in_planes.len(),
+            mended: Mended {
+                flipped,
+                on_floor: panels - original.len(),
+                panels,
+            },
+            mesh,
+            planes,
+            original,
+            node,
+            in_planes,
+        })
+    }
+
+    /// The surface with its panels turned outward and those on the floor left out.
+    pub fn mesh(&self) -> &BoundaryMesh {
+        &self.mesh
+    }
+
+    /// Height of the rigid floor \[m\].
+    pub fn floor(&self) -> Option<f64> {
+        self.planes[2]
+    }
+
+    /// Position of the planes of constant x and y about which the body is symmetric \[m\].
+    pub fn mirrors(&self) -> [Option<f64>; 2] {
+        [self.planes[0], self.planes[1]]
+    }
+
+    /// How many parts like this one the whole body has.
+    pub fn copies(&self) -> usize {
+        1 << self.mirrors().iter().flatten().count()
+    }
+
+    pub(crate) fn planes(&self) -> &[Option<f64>; 3] {
+        &self.planes
+    }
+
+    /// All images in floor and mirror planes, the surface itself first.
+    pub(crate) fn images(&self) -> Vec<Image> {
+        Image::all(&self.planes)
+    }
+
+    /// A coordinate of an image's point.
+    pub(crate) fn mirrored(&self, image: Image, axis: usize, x: f64) -> f64 {
+        match self.planes[axis] {
+            Some(plane) if image.sign_along(axis) < 0.0 => 2.0 * plane - x,
+            _ => x,
+        }
+    }
+
+    /// Number of each panel in the mesh that was given.
+    pub fn original(&self) -> &[usize] {
+        &self.original
+    }
+
+    /// What was changed.
+    pub fn mended(&self) -> Mended {
+        self.mended
+    }
+
+    /// Number of pressure unknowns: the panels' corners.
+    pub fn nodes(&self) -> usize {
+        self.nodes
+    }
+
+    /// Number of values that describe a normal velocity: the corners of every panel, panel by panel.
+    pub fn velocity_values(&self) -> usize {
+        self.mesh.panels.iter().map(|p| p.corners().len()).sum()
+    }
+
+    /// The pressure unknown at a point of the mesh; none at mid-sides.
+    pub fn node_of(&self, point: usize) -> Option<usize> {
+        (self.node[point] != usize::MAX).then(|| self.node[point])
+    }
+
+    /// Numbers the pressure unknowns in the order in which these panels, all of the surface, come to them.
+    pub(crate) fn number_nodes<'a>(&mut self, panels: impl Iterator<Item = &'a usize>) {
+        let (mut number, mut in_planes) = (vec![usize::MAX; self.node.len()], Vec::with_capacity(self.nodes));
+        for &panel in panels {
+            for &point in self.mesh.panels[panel].corners() {
+                if number[point] == usize::MAX {
+                    number[point] = in_planes.len();
+                    in_planes.push(self.in_planes[self.node[point]]);
+                }
+            }
+        }
+        (self.node, self.in_planes) = (number, in_planes);
+    }
+
+    /// Whether the surface ends on the floor.
+    pub fn stands_on_floor(&self) -> bool {
+        self.in_planes.iter().any(|mask| mask & 4 != 0)
+    }
+
+    /// Planes in which an unknown lies, a bit an axis.
+    pub(crate) fn in_planes(&self, node: usize) -> u8 {
+        self.in_planes[node]
+    }
+
+    /// Highest frequency at which every panel's edges measure at most 1/`per_wavelength` of a wave \[Hz\].
+    pub fn highest_hz(&self, sound_speed: f64, per_wavelength: f64) -> f64 {
+        sound_speed / (per_wavelength * self.mesh.longest_edge())
+    }
+
+    /// Extents of the box around the whole body, x, y, z \[m\].
+    pub fn extents(&self) -> Vector3<f64> {
+        let mut low = Vector3::repeat(f64::INFINITY);
+        let mut high = -low;
+        for &n in self.mesh.panels.iter().flat_map(|p| p.corners()) {
+            low = low.inf(&self.mesh.points[n].coords);
+            high = high.sup(&self.mesh.points[n].coords);
+        }
+        for (axis, mirror) in self.mirrors().into_iter().enumerate() {
+            low[axis] = mirror.map_or(low[axis], |plane| 2.0 * plane - high[axis]);
+        }
+        high - low
+    }
+
+    /// Half the middle one of the surface's three extents \[m\]: the cap L_c of the coupling parameter.
+    pub fn half_width(&self) -> f64 {
+        let extents = self.extents();
+        0.5 * (extents.sum() - extents.min() - extents.max())
+    }
+
+    /// Normal velocities as corner values of every panel, from functions of the point: the best fit in the mean square
+    /// on each panel by itself, which keeps the panel's volume flow.
+    ///
+    /// `velocity(panel, xi, point, values)` writes one value per pattern; the result is velocity values x patterns.
+    pub fn project(
+        &self,
+        patterns: usize,
+        mut velocity: impl FnMut(usize, [f64; 2], &PanelPoint, &mut [f64]),
+    ) -> DMatrix<f64> {
+        let mut result = DMatrix::zeros(self.velocity_values(), patterns);
+        let mut values = vec![0.0; patterns];
+        let mut row = 0;
+        for (p, panel) in self.mesh.panels.iter().enumerate() {
+            let corners = panel.corners().len();
+            let mut mass = Matrix4::<f64>::identity();
+            mass.view_mut((0, 0), (corners, corners)).fill(0.0);
+            let mut moments = DMatrix::<f64>::zeros(4, patterns);
+            for (xi, w) in rules::fine(panel.kind()) {
+                let point = self.mesh.point_at(p, xi);
+                let dw = w * point.area_vector().norm();
+                velocity(p, xi, &point, &mut values);
+                let n = panel.kind().linear().at(xi).n;
+                for i in 0..corners {
+                    for j in 0..corners {
+                        mass[(i, j)] += dw * n[i] * n[j];
+                    }
+                    for (m, v) in values.iter().enumerate() {
+                        moments[(i, m)] += dw * n[i] * v;
+                    }
+                }
+            }
+            let lu = mass.lu();
+            for m in 0..patterns {
+                let b = Vector4::from_column_slice(moments.column(m).as_slice());
+                let x = lu.solve(&b).unwrap_or_else(Vector4::zeros);
+                for i in 0..corners {
+                    result[(row + i, m)] = x[i];
+                }
+            }
+            row += corners;
+        }
+        result
+    }
+
+    /// Normal components of displacement fields given at the mesh's points, (3 x points) x modes, as corner values.
+    ///
+    /// # Errors
+    /// [`AcousticsError::Length`] for another number of rows.
+    pub fn project_displacements(&self, fields: &DMatrix<f64>) -> Result<DMatrix<f64>, AcousticsError> {
+        crate::error::same_length(
+            "rows of the modal displacements",
+            fields.nrows(),
+            3 * self.mesh.points.len(),
+        )?;
+        Ok(self.project(fields.ncols(), |p, xi, point, values| {
+            let panel = &self.mesh.panels[p];
+            let shape = panel.kind().at(xi);
+            let normal = point.area_vector().normalize();
+            for (m, value) in values.iter_mut().enumerate() {
+                *value = panel
+                    .nodes()
+                    .iter()
+                    .zip(shape.n)
+                    .map(|(&node, n)| n * (0..3).map(|c| normal[c] * fields[(3 * node + c, m)]).sum::<f64>())
+                    .sum();
+            }
+        }))
+    }
+}
+
+fn extent(mesh: &BoundaryMesh) -> f64 {
+    let Some(first) = mesh.points.first() else { return 0.0 };
+    mesh.points
+        .iter()
+        .map(|p: &Point3<f64>| (p - first).norm())
+        .fold(0.0, f64::max)
+}
+
+/// A panel beyond an edge, and whether it runs along it in the same direction (its normal then points the other way).
+type Beyond = (usize, bool);
+
+/// The panel beyond every edge of every panel.
+fn neighbours(mesh: &BoundaryMesh, in_planes: &[u8]) -> Result<Vec<Vec<Beyond>>, AcousticsError> {
+    let mut edges: HashMap<(usize, usize), Vec<(usize, bool)>> = HashMap::new();
+    for (p, panel) in mesh.panels.iter().enumerate() {
+        let c = panel.corners();
+        for k in 0..c.len() {
+            let (a, b) = (c[k], c[(k + 1) % c.len()]);
+            edges.entry((a.min(b), a.max(b))).or_default().push((p, a < b));
+        }
+    }
+    let mut result = vec![Vec::new(); mesh.panels.len()];
+    let mut open: Vec<(usize, usize)> = Vec::new();
+    for (&(a, b), users) in &edges {
+        match users[..] {
+            [(p, forward), (q, other)] if p != q => {
+                result[p].push((q, forward == other));
+                result[q].push((p, forward == other));
+            }
+            [_] if in_planes[a] & in_planes[b] != 0 => {}
+            [_] => open.push((a, b)),
+            _ => {
+                let middle = nalgebra::center(&mesh.points[a], &mesh.points[b]);
+                return Err(AcousticsError::TangledSurface {
+                    panels: users.len(),
+                    at: middle.into(),
+                });
+            }
+        }
+    }
+    if let Some(&(a, b)) = open.iter().min() {
+        return Err(AcousticsError::OpenSurface {
+            edges: open.len(),
+            at: nalgebra::center(&mesh.points[a], &mesh.points[b]).into(),
+        });
+    }
+    Ok(result)
+}
+
+/// Turns panels until all normals point out of the bodies; returns how many were turned.
+fn orient(mesh: &mut BoundaryMesh, neighbours: &[Vec<Beyond>], base: f64) -> usize {
+    let mut turned: Vec<Option<bool>> = vec![None; mesh.panels.len()];
+    for seed in 0..mesh.panels.len() {
+        if turned[seed].is_some() {
+            continue;
+        }
+        turned[seed] = Some(false);
+        let (mut body, mut next) = (vec![seed], 0);
+        while next < body.len() {
+            let p = body[next];
+            next += 1;
+            for &(q, same) in &neighbours[p] {
+                if turned[q].is_none() {
+                    turned[q] = Some(turned[p].unwrap_or(false) != same);
+                    body.push(q);
+                }
+            }
+        }
+        // V = closed integral of (z - z_0) n_z dS; what lies in the plane z_0 adds nothing.
+        let volume: f64 = body
+            .iter()
+            .map(|&p| {
+                let sign = if turned[p] == Some(true) { -1.0 } else { 1.0 };
+                let moment = |(xi, w): ([f64; 2], f64)| {
+                    let point = mesh.point_at(p, xi);
+                    w * (point.position.z - base) * point.area_vector().z
+                };
+                sign * rules::fine(mesh.panels[p].kind()).into_iter().map(moment).sum::<f64>()
+            })
+            .sum();
+        if volume < 0.0 {
+            for &p in &body {
+                turned[p] = turned[p].map(|t| !t);
+            }
+        }
+    }
+    let mut count = 0;
+    for (panel, turned) in mesh.panels.iter_mut().zip(turned) {
+        if turned == Some(true) {
+            panel.flip();
+            count += 1;
+        }
+    }
+    count
+}

@@ -1,0 +1,152 @@
+use crate::bem::mesh::panel::{BoundaryMesh, Panel};
+use crate::error::AcousticsError;
+use nailnoise_meshes::{FaceKind, MeshError, subdivide};
+use nalgebra::Point3;
+use serde::Serialize;
+use std::collections::HashMap;
+
+/// Least number of panels across a stretch between two lines: the pressure bends sharply at a body's edges, and a single
+/// panel across the side of a plate loses 6 % of what it radiates when it shakes in its plane.
+const LEAST: f64 = 2.0;
+
+/// A box with edges along the axes, part of a body.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SolidBox {
+    /// Corner with the smallest coordinates \[m\].
+    pub low: [f64; 3],
+    /// Corner with the largest coordinates \[m\].
+    pub high: [f64; 3],
+    /// Number of the part it belongs to.
+    pub part: usize,
+}
+
+/// A side of a part: outward along an axis, or against it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Side {
+    /// Number of the part.
+    pub part: usize,
+    /// Axis of the normal.
+    pub axis: usize,
+    /// Whether the normal points along the axis.
+    pub upper: bool,
+}
+
+impl BoundaryMesh {
+    /// The surface of a union of boxes in rectangles whose sides measure at most `edge` \[m\]; where boxes touch, nothing
+    /// is left of their sides. Lines of the grid run through every side of every box, and
+    /// at least two rectangles lie between neighbouring lines.
+    ///
+    /// Of a body that is symmetric about planes, or stands on a floor, only what lies above those `planes` \[m\] is
+    /// meshed. `patch` numbers the sides within `patches`.
+    ///
+    /// # Errors
+    /// [`AcousticsError::Mesh`] for sides or edges that are not positive.
+    pub fn of_boxes(
+        boxes: &[SolidBox],
+        planes: [Option<f64>; 3],
+        edge: f64,
+        patches: Vec<String>,
+        patch: impl Fn(Side) -> usize,
+    ) -> Result<Self, AcousticsError> {
+        let mut lines: [Vec<f64>; 3] = Default::default();
+        for (axis, line) in lines.iter_mut().enumerate() {
+            *line = grid_line(boxes, axis, planes[axis], edge)?;
+        }
+        let cells = [0, 1, 2].map(|axis| lines[axis].len() - 1);
+        let part_of = |cell: [usize; 3]| {
+            let centre = [0, 1, 2].map(|a| 0.5 * (lines[a][cell[a]] + lines[a][cell[a] + 1]));
+            let holds = |b: &&SolidBox| (0..3).all(|a| b.low[a] < centre[a] && centre[a] < b.high[a]);
+            boxes.iter().find(holds).map(|b| b.part)
+        };
+        let mut mesh = Self {
+            patches,
+            ..Self::default()
+        };
+        let mut point_of: HashMap<[usize; 3], usize> = HashMap::new();
+        let all = (0..cells[2]).flat_map(|k| (0..cells[1]).flat_map(move |j| (0..cells[0]).map(move |i| [i, j, k])));
+        for cell in all {
+            let Some(part) = part_of(cell) else { continue };
+            for axis in 0..3 {
+                for upper in [false, true] {
+                    let beyond = if upper {
+                        (cell[axis] + 1 < cells[axis]).then(|| cell[axis] + 1)
+                    } else {
+                        cell[axis].checked_sub(1)
+                    };
+                    let covered = match beyond {
+                        Some(index) => {
+                            let mut next = cell;
+                            next[axis] = index;
+                            part_of(next).is_some()
+                        }
+                        None => !upper && planes[axis].is_some(),
+                    };
+                    if covered {
+                        continue;
+                    }
+                    let nodes = corners(cell, axis, upper).map(|corner| {
+                        *point_of.entry(corner).or_insert_with(|| {
+                            let at = [0, 1, 2].map(|a| lines[a][corner[a]]);
+                            mesh.points.push(Point3::from(at));
+                            mesh.points.len() - 1
+                        })
+                    });
+                    let side = Side { part, axis, upper };
+                    mesh.panels.extend(Panel::new(FaceKind::Quad4, &nodes, patch(side)));
+                }
+            }
+        }
+        Ok(mesh)
+    }
+}
+
+/// Grid lines across an axis: all sides of boxes above the plane, with stretches divided.
+fn grid_line(boxes: &[SolidBox], axis: usize, plane: Option<f64>, edge: f64) -> Result<Vec<f64>, AcousticsError> {
+    let mut ends = Vec::with_capacity(2 * boxes.len() + 1);
+    for b in boxes {
+        let value = b.high[axis] - b.low[axis];
+        if !(value.is_finite() && value > 0.0) {
+            return Err(MeshError::Dimension {
+                what: "a side of a box",
+                value,
+            }
+            .into());
+        }
+        ends.extend([b.low[axis], b.high[axis]]);
+    }
+    ends.extend(plane);
+    ends.sort_by(f64::total_cmp);
+    let tolerance = 1e-9 * (ends.last().unwrap_or(&0.0) - ends.first().unwrap_or(&0.0)).max(edge);
+    ends.dedup_by(|a, b| *a - *b <= tolerance);
+    if let Some(plane) = plane {
+        ends.retain(|end| *end >= plane - tolerance);
+    }
+    let mut line: Vec<f64> = ends.first().copied().into_iter().collect();
+    for pair in ends.windows(2) {
+        line.extend(subdivide(pair[0], pair[1], edge.min((pair[1] - pair[0]) / LEAST))?);
+    }
+    match line.len() {
+        0 | 1 => Err(MeshError::Dimension {
+            what: "the part of the boxes above the planes",
+            value: 0.0,
+        }
+        .into()),
+        _ => Ok(line),
+    }
+}
+
+/// Grid indices of the corners of a cell's side, outward by the right-hand rule.
+fn corners(cell: [usize; 3], axis: usize, upper: bool) -> [[usize; 3]; 4] {
+    let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+    let mut order = [(0, 0), (1, 0), (1, 1), (0, 1)];
+    if !upper {
+        order.swap(1, 3);
+    }
+    order.map(|(a, b)| {
+        let mut corner = cell;
+        corner[axis] += usize::from(upper);
+        corner[u] += a;
+        corner[v] += b;
+        corner
+    })
+}

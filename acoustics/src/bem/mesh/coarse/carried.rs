@@ -1,0 +1,133 @@
+//! Velocities of a surface carried over to a coarser one.
+
+use super::curved::{Curved, Found, Nearest};
+use crate::bem::mesh::boundary::Boundary;
+use crate::bem::mesh::panel::PanelShape;
+use crate::bem::mesh::rules;
+use crate::error::{AcousticsError, same_length};
+use nailnoise_meshes::FaceKind;
+use nalgebra::{DMatrix, Matrix3, Vector3};
+use rayon::prelude::*;
+
+/// Cosine of the angle between normals up to which a panel takes up what a point gives, if there is one.
+const ALIKE: f64 = 0.5;
+
+/// What a panel of the finer surface gives to one of the coarser: moments of its corner functions by corner functions.
+type Given = (usize, [[f64; 4]; 3]);
+
+impl Boundary {
+    /// Normal velocities of the surface `finer` (corner values of its panels x patterns, see [`Boundary::project`]) on this
+    /// one of triangles, see [`Boundary::coarsened`].
+    ///
+    /// Each point x of the finer surface gives its volume flow v dS to the nearest place xi of the panel nearest to it that
+    /// looks the same way; on every panel the velocity is linear and has the moments of what it was given,
+    ///
+    /// ```text
+    /// int N_i v dS = sum_x N_i(xi(x)) v(x) dS(x)
+    /// ```
+    ///
+    /// so that the volume flow of all is that of the finer surface, and its first moments are within a panel's.
+    ///
+    /// # Errors
+    /// Velocities of another length; [`AcousticsError::Length`] for panels that are no triangles.
+    pub fn carried(&self, finer: &Self, velocities: &DMatrix<f64>) -> Result<DMatrix<f64>, AcousticsError> {
+        same_length(
+            "rows of the normal velocities",
+            velocities.nrows(),
+            finer.velocity_values(),
+        )?;
+        let panels = self.mesh().panels.len();
+        same_length("corners of triangles", self.velocity_values(), 3 * panels)?;
+        let surface = Nearest::new(
+            (0..panels)
+                .flat_map(|p| Curved::of(self.mesh(), p))
+                .map(|(_, curved)| curved)
+                .collect(),
+        );
+        let given: Vec<Vec<Given>> = (0..finer.mesh().panels.len())
+            .into_par_iter()
+            .map(|p| finer.given(p, &surface))
+            .collect();
+        let mut moments = DMatrix::<f64>::zeros(3 * panels, velocities.ncols());
+        let mut first = 0;
+        for (panel, given) in finer.mesh().panels.iter().zip(&given) {
+            let corners = panel.corners().len();
+            for (to, block) in given {
+                for mode in 0..velocities.ncols() {
+                    for (i, row) in block.iter().enumerate() {
+                        let own = (0..corners).map(|j| row[j] * velocities[(first + j, mode)]);
+                        moments[(3 * to + i, mode)] += own.sum::<f64>();
+                    }
+                }
+            }
+            first += corners;
+        }
+        for p in 0..panels {
+            let mut mass = Matrix3::<f64>::zeros();
+            for (xi, w) in rules::fine(self.mesh().panels[p].kind()) {
+                let dw = w * self.mesh().point_at(p, xi).area_vector().norm();
+                let n = FaceKind::Tri3.at(xi).n;
+                mass += Matrix3::from_fn(|i, j| dw * n[i] * n[j]);
+            }
+            let inverse = mass.try_inverse().unwrap_or_else(Matrix3::zeros);
+            for mode in 0..velocities.ncols() {
+                let b = Vector3::from_fn(|i, _| moments[(3 * p + i, mode)]);
+                moments.fixed_view_mut::<3, 1>(3 * p, mode).copy_from(&(inverse * b));
+            }
+        }
+        Ok(moments)
+    }
+
+    /// What the panel gives to those of a coarser surface.
+    fn given(&self, panel: usize, surface: &Nearest) -> Vec<Given> {
+        let kind = self.mesh().panels[panel].kind();
+        let mut given: Vec<Given> = Vec::new();
+        for (xi, w) in quarters(kind) {
+            let point = self.mesh().point_at(panel, xi);
+            let area = point.area_vector();
+            let (dw, normal, place) = (w * area.norm(), area.normalize(), point.position.coords);
+            let alike = surface.find(&place, |n| n.dot(&normal) > ALIKE);
+            let Some(Found {
+                triangle, xi: there, ..
+            }) = alike.or_else(|| surface.find(&place, |_| true))
+            else {
+                continue;
+            };
+            let (own, theirs) = (kind.linear().at(xi).n, FaceKind::Tri3.at(there).n);
+            let slot = given
+                .iter()
+                .position(|(known, _)| *known == triangle)
+                .unwrap_or_else(|| {
+                    given.push((triangle, [[0.0; 4]; 3]));
+                    given.len() - 1
+                });
+            for (row, theirs) in given[slot].1.iter_mut().zip(theirs) {
+                row.iter_mut()
+                    .zip(own)
+                    .for_each(|(value, own)| *value += dw * theirs * own);
+            }
+        }
+        given
+    }
+}
+
+/// The rule of a panel on its quarters: there are borders of larger panels within it.
+fn quarters(kind: FaceKind) -> Vec<([f64; 2], f64)> {
+    let of_all = rules::fine(kind);
+    let quarter = |[[x, y], [a, b], [c, d]]: [[f64; 2]; 3]| {
+        let part = move |&([r, s], w): &([f64; 2], f64)| ([x + a * r + c * s, y + b * r + d * s], 0.25 * w);
+        of_all.iter().map(part).collect::<Vec<_>>()
+    };
+    let all: [[[f64; 2]; 3]; 4] = if kind.corners() == 3 {
+        let (across, up) = ([0.5, 0.0], [0.0, 0.5]);
+        [
+            [[0.0, 0.0], across, up],
+            [[0.5, 0.0], across, up],
+            [[0.0, 0.5], across, up],
+            [[0.5, 0.5], [-0.5, 0.0], [0.0, -0.5]],
+        ]
+    } else {
+        [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(|middle| [middle, [0.5, 0.0], [0.0, 0.5]])
+    };
+    all.into_iter().flat_map(quarter).collect()
+}

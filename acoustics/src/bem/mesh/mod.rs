@@ -1,0 +1,9 @@
+//! The boundary as panels: checks, mirror planes, quadrature rules, boxes, and coarser meshes of the same surface.
+
+pub(crate) mod boundary;
+pub(crate) mod boxes;
+pub(crate) mod coarse;
+pub(crate) mod outline;
+pub(crate) mod panel;
+pub(crate) mod rules;
+pub(crate) mod symmetry;

@@ -1,0 +1,88 @@
+use crate::matrix::real_product;
+use nalgebra::{Complex, DMatrix};
+use serde::{Deserialize, Serialize};
+
+/// T of a parity: the motion of its independent modes for the motion of all modes.
+///
+/// An independent mode stands for itself, most others have another parity: few columns are more than one entry.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Combination {
+    /// Numbers of the independent modes.
+    independent: Vec<usize>,
+    /// Numbers of the modes that combine from them.
+    dependent: Vec<usize>,
+    /// Independent modes x dependent ones.
+    #[serde(with = "crate::blocks")]
+    of_dependent: DMatrix<f64>,
+    modes: usize,
+}
+
+impl Combination {
+    /// Of so many modes.
+    pub(crate) fn new(
+        modes: usize,
+        independent: Vec<usize>,
+        dependent: Vec<usize>,
+        of_dependent: DMatrix<f64>,
+    ) -> Self {
+        Self {
+            independent,
+            dependent,
+            of_dependent,
+            modes,
+        }
+    }
+
+    /// T a for every column of `motion` (modes x columns).
+    pub(crate) fn of(&self, motion: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+        let mut of = motion.select_rows(&self.independent);
+        if !self.dependent.is_empty() {
+            let dependent = motion.select_rows(&self.dependent);
+            of += real_product(&self.of_dependent, &dependent);
+        }
+        of
+    }
+
+    /// Adds T^T x for every column of `x` (independent modes x columns).
+    pub(crate) fn add_transposed(&self, x: &DMatrix<Complex<f64>>, to: &mut DMatrix<Complex<f64>>) {
+        for (mut to, x) in to.column_iter_mut().zip(x.column_iter()) {
+            self.independent
+                .iter()
+                .zip(x.iter())
+                .for_each(|(&mode, x)| to[mode] += x);
+        }
+        if !self.dependent.is_empty() {
+            let of = real_product(&self.of_dependent.transpose(), x);
+            for (&mode, of) in self.dependent.iter().zip(of.row_iter()) {
+                let mut row = to.row_mut(mode);
+                row += of;
+            }
+        }
+    }
+
+    /// T v for the modes of a real motion v that are not at rest; again without those at rest, in rising order.
+    pub(crate) fn of_sparse(&self, motion: &[(usize, f64)]) -> Vec<(usize, f64)> {
+        let mut of = vec![0.0; self.independent.len()];
+        for &(mode, v) in motion {
+            if let Some(row) = self.independent.iter().position(|own| *own == mode) {
+                of[row] += v;
+            } else if let Some(column) = self.dependent.iter().position(|own| *own == mode) {
+                let column = self.of_dependent.column(column);
+                of.iter_mut().zip(column.iter()).for_each(|(of, t)| *of += t * v);
+            }
+        }
+        of.into_iter().enumerate().filter(|(_, v)| *v != 0.0).collect()
+    }
+
+    /// T as it stands.
+    pub(crate) fn dense(&self) -> DMatrix<f64> {
+        let mut dense = DMatrix::zeros(self.independent.len(), self.modes);
+        for (row, &mode) in self.independent.iter().enumerate() {
+            dense[(row, mode)] = 1.0;
+        }
+        for (&mode, column) in self.dependent.iter().zip(self.of_dependent.column_iter()) {
+            dense.set_column(mode, &column);
+        }
+        dense
+    }
+}

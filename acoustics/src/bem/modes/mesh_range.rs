@@ -1,0 +1,22 @@
+use crate::bem::solver::problem::{Exterior, Patterns};
+
+/// A mesh of the body and the frequency up to which it is used.
+#[derive(Debug)]
+pub struct MeshRange {
+    /// The exterior problem.
+    pub problem: Exterior,
+    /// Highest frequency \[Hz\].
+    pub top_hz: f64,
+    /// Normal velocities of all modes by parity, the same parities in the same order on every level.
+    pub patterns: Vec<Patterns>,
+}
+
+impl MeshRange {
+    /// Highest frequency that its mesh resolves \[Hz\].
+    pub fn resolved_hz(&self) -> f64 {
+        let problem = &self.problem;
+        problem
+            .boundary()
+            .highest_hz(problem.air().sound_speed, problem.panels_per_wavelength())
+    }
+}

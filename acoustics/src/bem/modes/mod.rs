@@ -1,0 +1,10 @@
+//! Modes of a body over frequency: radiation matrices, pressures at receivers, and fields band by band.
+
+pub(crate) mod band_fields;
+pub(crate) mod combination;
+pub(crate) mod independent;
+pub(crate) mod mesh_range;
+pub(crate) mod modal;
+pub(crate) mod range_solver;
+pub(crate) mod receivers;
+pub(crate) mod summary;

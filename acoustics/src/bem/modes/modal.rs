@@ -1,0 +1,463 @@
+use crate::air::Air;
+use crate::bem::high_frequencies::above::{Ladder, limits};
+use crate::bem::high_frequencies::blend::{Above, BlendedRadiation};
+use crate::bem::modes::combination::Combination;
+use crate::bem::modes::independent::independent;
+use crate::bem::modes::mesh_range::MeshRange;
+use crate::bem::modes::range_solver::RangeSolver;
+use crate::bem::modes::receivers::{Heard, HeardModes, Receivers};
+use crate::bem::modes::summary::Summary;
+use crate::error::{AcousticsError, same_length};
+use crate::radiation::{Erp, Means, ModalRadiation, ROUND, Resistance, SampledRadiation, Sampling};
+use nalgebra::{Complex, DMatrix};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// Name of the last patch of [`ModalBem`]: what the far field's power has beyond that of the surface's intensity.
+const REST: &str = "far field less surface";
+
+/// Frequencies of a round in which a mesh corrects a coarser one that follows the same waves.
+const FEW: usize = 2;
+
+/// Modal radiation of a body by boundary elements: R(f) of every parity with respect to the mirror planes.
+///
+/// Modes of different parity do not radiate together. Within a parity, R is sampled for those modes alone that are
+/// independent there; the others are combinations of them:
+///
+/// ```text
+/// R = sum_c T_c^T R_c T_c
+/// ```
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct ModalBem {
+    patches: Vec<String>,
+    modes: usize,
+    /// T_c.
+    combinations: Vec<Combination>,
+    parities: Vec<BlendedRadiation>,
+    heard: HeardModes,
+    /// What the sampling found.
+    pub summary: Summary,
+    air: AirScale,
+}
+
+/// What another air than that of the computation changes. At the same wavenumber k = omega/c the boundary sees the same
+/// wave:
+///
+/// ```text
+/// R(f; rho, c) = (rho c)/(rho0 c0) R0(f c0/c)        p/a (f; rho, c) = rho/rho0 (p/a)0 (f c0/c)
+/// ```
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+struct AirScale {
+    /// c/c0.
+    speed: f64,
+    /// rho/rho0.
+    density: f64,
+}
+
+impl AirScale {
+    const NONE: Self = Self {
+        speed: 1.0,
+        density: 1.0,
+    };
+
+    /// Where R was computed for what it is at a frequency \[Hz\].
+    fn computed(&self, hz: f64) -> f64 {
+        hz / self.speed
+    }
+
+    fn all_computed(&self, frequency: &[f64]) -> Vec<f64> {
+        frequency.iter().map(|&hz| self.computed(hz)).collect()
+    }
+
+    /// Factor on R.
+    fn resistance(&self) -> f64 {
+        self.density * self.speed
+    }
+
+    /// Factor on R / omega².
+    fn form(&self) -> f64 {
+        self.density / self.speed
+    }
+}
+
+impl ModalBem {
+    /// Frequencies solved above the range in which every single one is known, see [`ModalBem::new`].
+    pub const IN_MEAN: usize = Ladder::COUNT;
+
+    /// Ranges of these.
+    pub const MEANS: usize = Ladder::MEANS;
+
+    /// Samples R(f) from `sampling.range_hz[0]` on, on meshes that get finer; the upper end of the range is the last
+    /// level's. The mesh below shows how R(f) runs in a level's range, its own mesh corrects that at fewer frequencies
+    /// ([`SampledRadiation::of_parities`] says how errors are judged). Half an octave more is solved on the last mesh in the
+    /// mean over a few frequencies. A mesh below that resolves the same waves, as that of
+    /// [`Boundary::coarsened`](crate::bem::Boundary::coarsened), is asked for most of them, as it differs by the shape alone.
+    /// Above that the limit of high frequencies holds: flat faces by Rayleigh's integral, what is curved or small against
+    /// the wave by the equivalent radiated power.
+    ///
+    /// # Errors
+    /// [`AcousticsError::TooCoarse`], [`AcousticsError::Unresolved`], lengths that do not fit, no level.
+    pub fn new(levels: Vec<MeshRange>, sampling: &Sampling) -> Result<Self, AcousticsError> {
+        Self::with_receivers(levels, sampling, &Receivers::default())
+    }
+
+    /// The same, with the pressure of every mode at receivers.
+    ///
+    /// # Errors
+    /// Those of [`ModalBem::new`]; receivers below the floor or too close to the surface.
+    pub fn with_receivers(
+        levels: Vec<MeshRange>,
+        sampling: &Sampling,
+        receivers: &Receivers,
+    ) -> Result<Self, AcousticsError> {
+        Self::with_receivers_telling(levels, sampling, receivers, &|| ())
+    }
+
+    /// The same; `tell` is called whenever one more frequency has been solved.
+    ///
+    /// # Errors
+    /// Those of [`ModalBem::with_receivers`].
+    pub fn with_receivers_telling(
+        levels: Vec<MeshRange>,
+        sampling: &Sampling,
+        receivers: &Receivers,
+        tell: &(dyn Fn() + Sync),
+    ) -> Result<Self, AcousticsError> {
+        let Some(finest) = levels.last() else {
+            return Err(AcousticsError::Length {
+                what: "meshes of the boundary",
+                found: 0,
+                expected: 1,
+            });
+        };
+        for level in &levels {
+            level.problem.check_resolution(level.top_hz)?;
+            same_length("parities of a level", level.patterns.len(), finest.patterns.len())?;
+            let values = level.problem.boundary().velocity_values();
+            for p in &level.patterns {
+                same_length("rows of the normal velocities", p.velocities.nrows(), values)?;
+            }
+        }
+        let mut patches = finest.problem.boundary().mesh().patches.clone();
+        patches.push(REST.to_owned());
+        let modes = finest.patterns.first().map_or(0, |p| p.velocities.ncols());
+        let chosen = independent(finest);
+        let mut ranges: Vec<Vec<SampledRadiation>> = vec![Vec::new(); chosen.len()];
+        let mut samples: Vec<Vec<Vec<Heard>>> = vec![Vec::new(); chosen.len()];
+        let mut hearing = HeardModes::new(receivers, &finest.problem);
+        let ladder = Ladder::new(finest.top_hz);
+        let (mut erps, mut motions) = (Vec::new(), Vec::new());
+        for (pick, patterns) in chosen.iter().zip(&finest.patterns) {
+            let own = pick.of(patterns);
+            let surface = finest.problem.radiating_surface(&own.velocities)?;
+            erps.push(Erp::new(&surface, finest.problem.air()).with_silent_patch(REST));
+            motions.push(own);
+        }
+        let limits = limits(&finest.problem, &motions, &ladder);
+        let mut summary = Summary {
+            samples: 0,
+            interpolation: 0.0,
+            difference_db: 0.0,
+            asymmetry: 0.0,
+            heard: 0.0,
+        };
+        let counts: Vec<usize> = chosen.iter().map(|pick| pick.modes.len()).collect();
+        let tops: Vec<f64> = levels.iter().map(|level| level.top_hz).collect();
+        let resolved: Vec<f64> = levels.iter().map(MeshRange::resolved_hz).collect();
+        let mut low = sampling.range_hz[0];
+        let mut coarser: Option<RangeSolver<'_>> = None;
+        let mut alike: Option<RangeSolver<'_>> = None;
+        for (number, level) in levels.into_iter().enumerate() {
+            let range = Sampling {
+                range_hz: [low, level.top_hz],
+                ..*sampling
+            };
+            low = level.top_hz;
+            // It serves the next range too, and the means above the last.
+            let next = tops.get(number + 1).copied();
+            let last = number + 2 == tops.len() && next.is_some_and(|next| resolved[number] >= next);
+            let kept_to = next.filter(|_| !last).unwrap_or(ladder.solved_to_hz());
+            let follows = coarser.as_ref().is_some_and(|coarser| coarser.follows(level.top_hz));
+            let solver = RangeSolver::new(level, (kept_to, !follows), &chosen, receivers, tell)?;
+            let predictor = coarser.as_ref().unwrap_or(&solver);
+            let at = |solver: &RangeSolver<'_>, hz: f64| Ok(solver.at(hz)?.resistances.clone());
+            let mut found =
+                SampledRadiation::of_parities("BEM", &counts, &patches, (&range, &[]), |hz| at(predictor, hz))?;
+            let round = if follows { FEW } else { ROUND };
+            let correction = match &coarser {
+                Some(_) => SampledRadiation::correct(&mut found, (&range, round), |hz| at(&solver, hz))?,
+                None => None,
+            };
+            for (c, found) in found.into_iter().enumerate().filter(|(c, _)| counts[*c] > 0) {
+                summary.interpolation = summary.interpolation.max(found.interpolation_error());
+                samples[c].push(solver.heard(c, &found, predictor, correction.as_ref())?);
+                ranges[c].push(found.with_roots());
+            }
+            solver.report(&mut summary);
+            alike = coarser.replace(solver).filter(|_| follows);
+        }
+        let mut nodes: Vec<Vec<(f64, Vec<Resistance>)>> = vec![Vec::new(); chosen.len()];
+        if let Some(solver) = &coarser {
+            let ranges = ladder.solved();
+            let means = match &alike {
+                Some(alike) => solver.means_beside(alike, &ranges)?,
+                None => solver.means(&ranges)?,
+            };
+            for (hz, means) in means {
+                nodes
+                    .iter_mut()
+                    .zip(means)
+                    .for_each(|(nodes, mean)| nodes.push((hz, mean)));
+            }
+        }
+        let (mut combinations, mut parities) = (Vec::new(), Vec::new());
+        let limits = nodes.into_iter().zip(limits);
+        for ((((pick, ranges), samples), erp), (mut nodes, limit)) in
+            chosen.into_iter().zip(ranges).zip(samples).zip(erps).zip(limits)
+        {
+            if !pick.modes.is_empty() {
+                hearing.push(&ranges, samples);
+                combinations.push(pick.combination);
+                let solved = nodes.len();
+                nodes.extend(limit.above);
+                let above = Above {
+                    means: Means::new(nodes),
+                    solved,
+                    limit: Means::new(limit.below),
+                };
+                parities.push(BlendedRadiation::new(ranges, above, erp));
+            }
+        }
+        summary.heard = hearing.error();
+        Ok(Self {
+            patches,
+            modes,
+            combinations,
+            parities,
+            heard: hearing,
+            summary,
+            air: AirScale::NONE,
+        })
+    }
+
+    /// Fourier transform of the pressure at the receivers, receivers x bins \[Pa s\], for transforms of the modal
+    /// accelerations, modes x bins \[m/s\]. It ends where boundary elements at single frequencies do, at the end of
+    /// [`ModalBem::solved_hz`].
+    ///
+    /// # Errors
+    /// A number of modes that differs from the body's.
+    pub fn pressures(
+        &self,
+        frequency: &[f64],
+        accelerations: &DMatrix<Complex<f64>>,
+    ) -> Result<DMatrix<Complex<f64>>, AcousticsError> {
+        same_length("modal spectra", accelerations.nrows(), self.modes)?;
+        let frequency = &self.air.all_computed(frequency)[..];
+        let of_parities = self.over_parities(accelerations, |parity, radiation, a| {
+            self.heard.pressures(parity, radiation, frequency, &a)
+        });
+        let nothing = DMatrix::zeros(self.heard.receivers(), frequency.len());
+        Ok(of_parities.into_iter().fold(nothing, |sum, part| sum + part) * Complex::from(self.air.density))
+    }
+
+    /// In `air`, when it was computed in the air `computed`: exact, as nothing but the wavelength and rho c enters. What was
+    /// given as frequencies, as the upper end of the range, then stands for the same wavelengths.
+    #[must_use]
+    pub fn in_air(mut self, computed: &Air, air: &Air) -> Self {
+        self.air = AirScale {
+            speed: air.sound_speed / computed.sound_speed,
+            density: air.density / computed.density,
+        };
+        self
+    }
+
+    /// The equivalent radiated power of the same surface.
+    pub fn reference(&self) -> ModalErp<'_> {
+        ModalErp(self)
+    }
+
+    /// Where boundary elements give way to the limit: beginning and end of the blend \[Hz\].
+    pub fn blend_hz(&self) -> [f64; 2] {
+        let computed = self.parities.first().map_or([0.0; 2], BlendedRadiation::blend_hz);
+        computed.map(|hz| hz * self.air.speed)
+    }
+
+    /// Where boundary elements at single frequencies begin to give way to means over neighbouring frequencies, and where
+    /// they end \[Hz\]: up to there phases are known.
+    pub fn solved_hz(&self) -> [f64; 2] {
+        let computed = self.parities.first().map_or([0.0; 2], BlendedRadiation::solved_hz);
+        computed.map(|hz| hz * self.air.speed)
+    }
+
+    /// Where both boundary elements and the limit are known, so that they can be compared \[Hz\].
+    pub fn compared_hz(&self) -> [f64; 2] {
+        let from = self.parities.first().map_or(0.0, BlendedRadiation::limit_from_hz);
+        [from * self.air.speed, Ladder::new(self.solved_hz()[1]).solved_to_hz()]
+    }
+
+    /// The limit alone in the units of [`ModalRadiation::energy_forms`], all patches together, at frequencies within
+    /// [`ModalBem::compared_hz`].
+    pub fn limit_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> Vec<f64> {
+        let hz = self.air.all_computed(frequency);
+        let of_parities = self.over_parities(accelerations, |_, radiation, a| radiation.limit_alone(&hz, &a));
+        let at = |bin: usize| of_parities.iter().map(|forms| forms.column(bin).sum()).sum::<f64>();
+        (0..frequency.len()).map(|bin| at(bin) * self.air.form()).collect()
+    }
+
+    /// Whether a patch is the difference between far field and surface.
+    pub fn is_rest(patch: &str) -> bool {
+        patch == REST
+    }
+
+    /// What `each` makes of every parity and of the motion of its independent modes; parities beside each other.
+    fn over_parities<T: Send>(
+        &self,
+        accelerations: &DMatrix<Complex<f64>>,
+        each: impl Fn(usize, &BlendedRadiation, DMatrix<Complex<f64>>) -> T + Sync,
+    ) -> Vec<T> {
+        let parities = self.combinations.par_iter().zip(&self.parities).with_max_len(1);
+        let of_parity = |(parity, (t, radiation)): (usize, (&Combination, &BlendedRadiation))| {
+            each(parity, radiation, t.of(accelerations))
+        };
+        parities.enumerate().map(of_parity).collect()
+    }
+
+    /// The energy forms of all parities together, patches x frequencies.
+    fn forms(
+        &self,
+        frequency: &[f64],
+        accelerations: &DMatrix<Complex<f64>>,
+        each: impl Fn(&BlendedRadiation, &[f64], &DMatrix<Complex<f64>>) -> DMatrix<f64> + Sync,
+    ) -> DMatrix<f64> {
+        let computed = &self.air.all_computed(frequency)[..];
+        let of_parities = self.over_parities(accelerations, |_, radiation, a| each(radiation, computed, &a));
+        let nothing = DMatrix::zeros(self.patches.len(), frequency.len());
+        of_parities.into_iter().fold(nothing, |sum, part| sum + part) * self.air.form()
+    }
+
+    fn whole(&self, of: impl Fn(&BlendedRadiation) -> Resistance) -> Resistance {
+        let mut whole = Resistance::zeros(self.modes);
+        for (t, radiation) in self.combinations.iter().zip(&self.parities) {
+            let t = t.dense();
+            whole.real += t.transpose() * of(radiation).real * t;
+        }
+        whole
+    }
+}
+
+impl ModalRadiation for ModalBem {
+    fn method(&self) -> &str {
+        "BEM"
+    }
+
+    fn modes(&self) -> usize {
+        self.modes
+    }
+
+    fn patches(&self) -> &[String] {
+        &self.patches
+    }
+
+    fn highest_hz(&self) -> f64 {
+        f64::INFINITY
+    }
+
+    fn resistance(&self, hz: f64) -> Resistance {
+        let hz = self.air.computed(hz);
+        self.whole(|radiation| radiation.resistance(hz).scaled(self.air.resistance()))
+    }
+
+    fn sparse_forms(&self, motions: &[(f64, Vec<(usize, f64)>)]) -> Vec<f64> {
+        let mut sums = vec![0.0; motions.len()];
+        for (t, radiation) in self.combinations.iter().zip(&self.parities) {
+            let own = motions.iter().map(|(hz, v)| (self.air.computed(*hz), t.of_sparse(v)));
+            let own: Vec<(usize, _)> = own.enumerate().filter(|(_, (_, v))| !v.is_empty()).collect();
+            let (places, own): (Vec<usize>, Vec<_>) = own.into_iter().unzip();
+            for (place, form) in places.into_iter().zip(radiation.sparse_forms(&own)) {
+                sums[place] += form * self.air.resistance();
+            }
+        }
+        sums
+    }
+
+    fn energy_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
+        self.forms(frequency, accelerations, |radiation, frequency, a| {
+            radiation.energy_forms(frequency, a)
+        })
+    }
+
+    fn images(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+        let mut images = DMatrix::zeros(self.modes, frequency.len());
+        let frequency = &self.air.all_computed(frequency)[..];
+        let of_parities = self.over_parities(accelerations, |_, radiation, a| radiation.images(frequency, &a));
+        for (t, image) in self.combinations.iter().zip(&of_parities) {
+            t.add_transposed(image, &mut images);
+        }
+        images * Complex::from(self.air.form())
+    }
+
+    fn signals(&self) -> usize {
+        self.parities.iter().map(ModalRadiation::signals).sum()
+    }
+
+    fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+        let frequency = &self.air.all_computed(frequency)[..];
+        let parts = self.over_parities(accelerations, |_, radiation, a| radiation.root_signals(frequency, &a));
+        stacked(&parts, frequency.len()) * Complex::from(self.air.form().sqrt())
+    }
+}
+
+/// The equivalent radiated power of a body, see [`ModalBem::reference`].
+#[derive(Debug, Clone, Copy)]
+pub struct ModalErp<'a>(&'a ModalBem);
+
+impl ModalRadiation for ModalErp<'_> {
+    fn method(&self) -> &str {
+        "ERP"
+    }
+
+    fn modes(&self) -> usize {
+        self.0.modes
+    }
+
+    fn patches(&self) -> &[String] {
+        &self.0.patches
+    }
+
+    fn highest_hz(&self) -> f64 {
+        f64::INFINITY
+    }
+
+    fn resistance(&self, hz: f64) -> Resistance {
+        let hz = self.0.air.computed(hz);
+        self.0
+            .whole(|radiation| radiation.erp().resistance(hz).scaled(self.0.air.resistance()))
+    }
+
+    fn energy_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
+        self.0.forms(frequency, accelerations, |radiation, frequency, a| {
+            radiation.erp().energy_forms(frequency, a)
+        })
+    }
+
+    fn signals(&self) -> usize {
+        self.0.parities.iter().map(|radiation| radiation.erp().signals()).sum()
+    }
+
+    fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+        let frequency = &self.0.air.all_computed(frequency)[..];
+        let of_parity = |_, radiation: &BlendedRadiation, a| radiation.erp().root_signals(frequency, &a);
+        let parts = self.0.over_parities(accelerations, of_parity);
+        stacked(&parts, frequency.len()) * Complex::from(self.0.air.form().sqrt())
+    }
+}
+
+fn stacked(parts: &[DMatrix<Complex<f64>>], bins: usize) -> DMatrix<Complex<f64>> {
+    let mut signals = DMatrix::zeros(parts.iter().map(DMatrix::nrows).sum(), bins);
+    let mut row = 0;
+    for part in parts {
+        signals.rows_mut(row, part.nrows()).copy_from(part);
+        row += part.nrows();
+    }
+    signals
+}

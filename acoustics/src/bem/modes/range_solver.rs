@@ -1,0 +1,181 @@
+use crate::bem::modes::independent::Independent;
+use crate::bem::modes::mesh_range::MeshRange;
+use crate::bem::modes::receivers::{Heard, Receivers, heard};
+use crate::bem::modes::summary::Summary;
+use crate::bem::solver::problem::{Exterior, Patterns};
+use crate::error::AcousticsError;
+use crate::interpolation::Grid;
+use crate::radiation::{Resistance, SampledRadiation};
+use nalgebra::Complex;
+use rayon::prelude::*;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// R of every parity and patch, and what is heard of every parity.
+pub(crate) struct Solved {
+    pub(crate) resistances: Vec<Vec<Resistance>>,
+    heard: Vec<Heard>,
+}
+
+/// Middle of a range of frequencies \[Hz\], and the mean R of every parity and patch over it.
+pub(crate) type Mean = (f64, Vec<Vec<Resistance>>);
+
+/// One level's solutions, shared by its parities: the kernels of a frequency serve all of them.
+pub(crate) struct RangeSolver<'a> {
+    problem: Exterior,
+    /// Highest frequency at which the mesh has as many panels per wavelength as are asked for \[Hz\].
+    resolved_hz: f64,
+    patterns: Vec<Patterns>,
+    receivers: &'a Receivers,
+    /// Is told of every frequency solved.
+    tell: &'a (dyn Fn() + Sync),
+    solved: Mutex<HashMap<u64, Arc<Solved>>>,
+    worst: Mutex<(f64, f64)>,
+}
+
+impl<'a> RangeSolver<'a> {
+    /// For frequencies up to `highest_hz`, which may lie above the range that the mesh resolves well; `keeping` what close
+    /// panels have in common at all of them, which pays where many are solved.
+    pub(crate) fn new(
+        level: MeshRange,
+        (highest_hz, keeping): (f64, bool),
+        chosen: &[Independent],
+        receivers: &'a Receivers,
+        tell: &'a (dyn Fn() + Sync),
+    ) -> Result<Self, AcousticsError> {
+        let per_wavelength = level.problem.panels_per_wavelength() * (level.top_hz / highest_hz).min(1.0);
+        let resolved_hz = level.resolved_hz();
+        let mut problem = level.problem.with_panels_per_wavelength(per_wavelength)?;
+        if keeping {
+            problem = problem.with_near_field_kept(highest_hz);
+        }
+        Ok(Self {
+            problem,
+            resolved_hz,
+            patterns: chosen.iter().zip(&level.patterns).map(|(pick, p)| pick.of(p)).collect(),
+            receivers,
+            tell,
+            solved: Mutex::default(),
+            worst: Mutex::default(),
+        })
+    }
+
+    /// Whether it follows the waves of a range up to `top_hz` as well as that range's own mesh, so that the two differ by
+    /// the shape alone, smoothly over frequency.
+    pub(crate) fn follows(&self, top_hz: f64) -> bool {
+        self.resolved_hz >= top_hz * (1.0 - 1e-9)
+    }
+
+    /// What is heard of a parity at the samples of its radiation matrix: as the `predictor` says, corrected.
+    pub(crate) fn heard(
+        &self,
+        parity: usize,
+        found: &SampledRadiation,
+        predictor: &Self,
+        correction: Option<&Grid>,
+    ) -> Result<Vec<Heard>, AcousticsError> {
+        let at = |hz: f64| {
+            let mut heard = predictor.at(hz)?.heard[parity].clone();
+            let terms = correction
+                .into_iter()
+                .flat_map(|grid| grid.weighted(hz).map(|(node, w)| (grid.hz()[node], w)));
+            for (node, weight) in terms {
+                let weight = Complex::from(weight);
+                heard += (&self.at(node)?.heard[parity] - &predictor.at(node)?.heard[parity]) * weight;
+            }
+            Ok(heard)
+        };
+        found.samples_hz().iter().map(|&hz| at(hz)).collect()
+    }
+
+    /// Everything at one frequency.
+    pub(crate) fn at(&self, hz: f64) -> Result<Arc<Solved>, AcousticsError> {
+        let known = self
+            .solved
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .get(&hz.to_bits())
+            .cloned();
+        if let Some(known) = known {
+            return Ok(known);
+        }
+        let solutions = self.problem.solve_parities(hz, &self.patterns)?;
+        let two = self.problem.two_evaluations(&self.patterns, &solutions)?;
+        let mut all = Vec::new();
+        for (patterns, solution) in self.patterns.iter().zip(&solutions) {
+            all.push(heard(&self.problem, self.receivers, patterns, solution)?);
+        }
+        {
+            let mut worst = self.worst.lock().unwrap_or_else(PoisonError::into_inner);
+            let loudest = two.iter().map(|t| t.far_field.amax()).fold(0.0, f64::max);
+            for t in &two {
+                worst.0 = worst.0.max(t.difference_within(1e-3 * loudest));
+                worst.1 = worst.1.max(t.asymmetry * t.far_field.amax() / loudest);
+            }
+        }
+        (self.tell)();
+        let solution = Arc::new(Solved {
+            resistances: two
+                .iter()
+                .map(|t| t.split().into_iter().map(Resistance::single).collect())
+                .collect(),
+            heard: all,
+        });
+        let mut solved = self.solved.lock().unwrap_or_else(PoisonError::into_inner);
+        Ok(solved.entry(hz.to_bits()).or_insert(solution).clone())
+    }
+
+    /// Mean resistance of every parity and patch over several ranges, each given by its middle and its frequencies \[Hz\].
+    pub(crate) fn means(&self, ranges: &[(f64, Vec<f64>)]) -> Result<Vec<Mean>, AcousticsError> {
+        let all: Vec<f64> = ranges.iter().flat_map(|(_, hz)| hz).copied().collect();
+        // One frequency at a time on a thread: they take equally long.
+        all.par_iter()
+            .with_max_len(1)
+            .try_for_each(|&hz| self.at(hz).map(|_| ()))?;
+        let of_range = |(middle, hz): &(f64, Vec<f64>)| {
+            let mut mean: Vec<Vec<Resistance>> = Vec::new();
+            for &hz in hz {
+                let solved = self.at(hz)?;
+                if mean.is_empty() {
+                    let zeros = |r: &Resistance| Resistance::zeros(r.real.nrows());
+                    mean = solved
+                        .resistances
+                        .iter()
+                        .map(|c| c.iter().map(zeros).collect())
+                        .collect();
+                }
+                for (to, from) in mean.iter_mut().flatten().zip(solved.resistances.iter().flatten()) {
+                    to.add_scaled(1.0, from);
+                }
+            }
+            let scaled = |r: Resistance| r.scaled(1.0 / hz.len() as f64);
+            let mean = mean.into_iter().map(|c| c.into_iter().map(scaled).collect());
+            Ok((*middle, mean.collect()))
+        };
+        ranges.iter().map(of_range).collect()
+    }
+
+    /// The same by this one in the middle of each range and by a coarser one that follows the same waves at all its
+    /// frequencies: their difference is that of the middle.
+    pub(crate) fn means_beside(&self, coarser: &Self, ranges: &[(f64, Vec<f64>)]) -> Result<Vec<Mean>, AcousticsError> {
+        let mut means = coarser.means(ranges)?;
+        let middles: Vec<(f64, Vec<f64>)> = ranges.iter().map(|(middle, _)| (*middle, vec![*middle])).collect();
+        let differences = self.means(&middles)?.into_iter().zip(coarser.means(&middles)?);
+        for ((_, mean), ((_, own), (_, theirs))) in means.iter_mut().zip(differences) {
+            let differences = own.iter().flatten().zip(theirs.iter().flatten());
+            for (mean, (own, theirs)) in mean.iter_mut().flatten().zip(differences) {
+                mean.add_scaled(1.0, own);
+                mean.add_scaled(-1.0, theirs);
+            }
+        }
+        Ok(means)
+    }
+
+    /// What it found so far, for the summary.
+    pub(crate) fn report(&self, summary: &mut Summary) {
+        let worst = *self.worst.lock().unwrap_or_else(PoisonError::into_inner);
+        summary.samples += self.solved.lock().unwrap_or_else(PoisonError::into_inner).len();
+        summary.difference_db = summary.difference_db.max(worst.0);
+        summary.asymmetry = summary.asymmetry.max(worst.1);
+    }
+}

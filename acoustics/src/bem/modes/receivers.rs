@@ -1,0 +1,124 @@
+use crate::bem::high_frequencies::blend::BlendedRadiation;
+use crate::bem::solver::problem::{Exterior, Patterns, SurfacePressure};
+use crate::error::AcousticsError;
+use crate::radiation::SampledRadiation;
+use nalgebra::{Complex, DMatrix, Point3};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// Points around a body at which its sound is wanted.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Receivers {
+    /// Positions \[m\].
+    pub points: Vec<Point3<f64>>,
+    /// The middle of what sounds \[m\]: the travel time from here, and from its image in the floor, is taken out before
+    /// pressures are interpolated over frequency.
+    pub origin: Point3<f64>,
+}
+
+impl Receivers {
+    /// Distances to the origin, and to its image in the floor \[m\].
+    fn distances(&self, floor: Option<f64>) -> [Vec<f64>; 2] {
+        let image = |z: f64| Point3::new(self.origin.x, self.origin.y, 2.0 * z - self.origin.z);
+        let origins = [self.origin, floor.map_or(self.origin, image)];
+        origins.map(|from| self.points.iter().map(|p| (p - from).norm()).collect())
+    }
+}
+
+/// Pressure at receivers per unit of every pattern's acceleration, less the travel times: receivers x patterns, what
+/// comes directly above what comes by the floor.
+pub(crate) type Heard = DMatrix<Complex<f64>>;
+
+/// The pressure at receivers with the travel times taken out.
+pub(crate) fn heard(
+    problem: &Exterior,
+    receivers: &Receivers,
+    patterns: &Patterns,
+    solution: &SurfacePressure,
+) -> Result<Heard, AcousticsError> {
+    let (count, omega) = (receivers.points.len(), 2.0 * PI * solution.hz);
+    let k = omega / problem.air().sound_speed;
+    let mut all = Heard::zeros(2 * count, patterns.velocities.ncols());
+    let parts = problem.pressure_at(&receivers.points, &patterns.velocities, solution)?;
+    let distances = receivers.distances(problem.boundary().floor());
+    for (half, (part, distances)) in parts.iter().zip(&distances).enumerate() {
+        for (i, r) in distances.iter().enumerate() {
+            let turn = Complex::from_polar(1.0, k * r) / Complex::new(0.0, omega);
+            all.row_mut(half * count + i).copy_from(&(part.row(i) * turn));
+        }
+    }
+    Ok(all)
+}
+
+/// What receivers hear of one parity: samples beside those of its radiation matrix, range by range.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct HeardParity(#[serde(with = "crate::blocks")] pub(crate) Vec<Vec<Heard>>);
+
+/// What receivers hear of a body's modes.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct HeardModes {
+    receivers: usize,
+    sound_speed: f64,
+    distances: [Vec<f64>; 2],
+    parities: Vec<HeardParity>,
+    error: f64,
+}
+
+impl HeardModes {
+    pub(crate) fn new(receivers: &Receivers, problem: &Exterior) -> Self {
+        Self {
+            receivers: receivers.points.len(),
+            sound_speed: problem.air().sound_speed,
+            distances: receivers.distances(problem.boundary().floor()),
+            parities: Vec::new(),
+            error: 0.0,
+        }
+    }
+
+    /// Adds a parity with the ranges of its radiation matrix.
+    pub(crate) fn push(&mut self, ranges: &[SampledRadiation], samples: Vec<Vec<Heard>>) {
+        for (range, samples) in ranges.iter().zip(&samples) {
+            self.error = self.error.max(range.error_of(samples));
+        }
+        self.parities.push(HeardParity(samples));
+    }
+
+    /// Estimated interpolation error over frequency, relative to the loudest mode at the receivers.
+    pub(crate) fn error(&self) -> f64 {
+        self.error
+    }
+
+    /// The pressure of one parity, receivers x bins \[Pa s\], for accelerations \[m/s\]; nothing above boundary elements'
+    /// range.
+    pub(crate) fn pressures(
+        &self,
+        parity: usize,
+        radiation: &BlendedRadiation,
+        frequency: &[f64],
+        accelerations: &DMatrix<Complex<f64>>,
+    ) -> DMatrix<Complex<f64>> {
+        let mut pressures = DMatrix::zeros(self.receivers, frequency.len());
+        if self.receivers == 0 {
+            return pressures;
+        }
+        for (level, start, end) in radiation.runs(frequency) {
+            let (range, samples) = (&radiation.levels()[level], &self.parities[parity].0[level]);
+            let motion = accelerations.columns(start, end - start).into_owned();
+            let found = range.interpolated(&frequency[start..end], samples, &motion);
+            for (bin, p) in (start..end).zip(found.column_iter()) {
+                let k = 2.0 * PI * frequency[bin] / self.sound_speed;
+                for i in 0..self.receivers {
+                    let turned = |half: usize| {
+                        p[half * self.receivers + i] * Complex::from_polar(1.0, -k * self.distances[half][i])
+                    };
+                    pressures[(i, bin)] = turned(0) + turned(1);
+                }
+            }
+        }
+        pressures
+    }
+
+    pub(crate) fn receivers(&self) -> usize {
+        self.receivers
+    }
+}

@@ -1,0 +1,16 @@
+use serde::{Deserialize, Serialize};
+
+/// What the sampling of a radiation matrix found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// Frequencies solved on the mesh of their range.
+    pub samples: usize,
+    /// Largest interpolation error over frequency, root mean square of the entries R_ij relative to sqrt(R_ii R_jj).
+    pub interpolation: f64,
+    /// Largest difference between the power by surface and by far field of a mode within 30 dB of the loudest \[dB\].
+    pub difference_db: f64,
+    /// Largest asymmetry of R, relative to its largest entry.
+    pub asymmetry: f64,
+    /// Interpolation error of the pressure at the receivers, relative to the loudest mode at any of them.
+    pub heard: f64,
+}

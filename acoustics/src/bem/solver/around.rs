@@ -1,0 +1,210 @@
+//! Pressure around the body for several parities at once, and where points around it may stand.
+#![allow(clippy::needless_range_loop)] // indices are those of the equations, several arrays at once
+
+use crate::bem::solver::far_field::{Radiated, Source};
+use crate::bem::solver::problem::Exterior;
+use crate::trig::{green, load};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatRef, Par};
+use nalgebra::{Complex, Point3, Vector3};
+use pulp::{Arch, Simd, WithSimd};
+use std::f64::consts::PI;
+
+/// Points worked on at once.
+const CHUNK: usize = 32;
+
+/// Most parities.
+const PARITIES: usize = 4;
+
+impl Exterior {
+    /// Whether the pressure at each point can be evaluated: it lies above the floor, outside the body, and off its
+    /// surface by the longest edge of a panel.
+    ///
+    /// Inside a closed surface the solid angle is whole, int d . n / (4 pi r³) dS = 1.
+    pub fn is_clear(&self, points: &[Point3<f64>]) -> Vec<bool> {
+        let images = self.imaged();
+        let needed = self.boundary().mesh().longest_edge();
+        let floor = self.boundary().floor().unwrap_or(f64::NEG_INFINITY);
+        let clear = |point: &Point3<f64>| {
+            let mut angle = 0.0;
+            let mut nearest = f64::INFINITY;
+            for (y, area) in images.iter().flatten() {
+                let d = y - point.coords;
+                let r = d.norm();
+                nearest = nearest.min(r);
+                angle += d.dot(area) / (4.0 * PI * r.powi(3));
+            }
+            point.z >= floor && nearest >= needed && angle < 0.5
+        };
+        points.iter().map(clear).collect()
+    }
+
+    /// Radius of the body around the middle of its foot on the floor, or around its centre in free space, and that
+    /// middle \[m\].
+    pub fn reach(&self) -> (f64, Point3<f64>) {
+        let (_, origin, radius) = self.quadrature();
+        (radius, Point3::from(origin))
+    }
+
+    /// Positions and vector areas of all quadrature points of each image, the surface itself first.
+    fn imaged(&self) -> Vec<Vec<(Vector3<f64>, Vector3<f64>)>> {
+        let boundary = self.boundary();
+        let (sources, origin, _) = self.quadrature();
+        let of_image = |image| {
+            let place = |source: &Source| {
+                let at = source.position + origin;
+                (
+                    Vector3::from_fn(|axis, _| boundary.mirrored(image, axis, at[axis])),
+                    Vector3::from_fn(|axis, _| image.sign_along(axis) * source.area[axis]),
+                )
+            };
+            sources.iter().map(place).collect()
+        };
+        boundary.images().into_iter().map(of_image).collect()
+    }
+
+    /// Complex pressure at points that are [clear](Exterior::is_clear) for every pattern of several parities of one
+    /// frequency, for each parity points x patterns \[Pa s/m for velocities in m/s\]: as [`Exterior::pressure_at`], at the
+    /// cost of one parity.
+    pub(crate) fn around(&self, points: &[Point3<f64>], all: &[Radiated<'_>]) -> Vec<Mat<Complex<f64>>> {
+        let boundary = self.boundary();
+        let nodes = boundary.nodes();
+        let (sources, _, _) = self.quadrature();
+        let images = self.imaged();
+        let omega = 2.0 * PI * all.first().map_or(0.0, |(_, solution)| solution.hz);
+        let k = omega / self.air().sound_speed;
+        let on_flow = omega * self.air().density;
+        let signs: Vec<Vec<f64>> = all
+            .iter()
+            .map(|(_, s)| {
+                boundary
+                    .images()
+                    .into_iter()
+                    .map(|image| s.parity.sign(image))
+                    .collect()
+            })
+            .collect();
+        // Real and imaginary part of the pressure, and omega rho v_n at the points of the far rule.
+        let fields: Vec<[Mat<f64>; 3]> = all
+            .iter()
+            .map(|(v, s)| {
+                let p = &s.pressure;
+                let flow = |i: usize, m: usize| {
+                    let source = &sources[i];
+                    let corner = |j: usize| source.phi[j] * v[(source.first_value + j, m)];
+                    on_flow * (0..source.corners).map(corner).sum::<f64>()
+                };
+                [
+                    Mat::from_fn(nodes, p.ncols(), |i, m| p[(i, m)].re),
+                    Mat::from_fn(nodes, p.ncols(), |i, m| p[(i, m)].im),
+                    Mat::from_fn(sources.len(), v.ncols(), flow),
+                ]
+            })
+            .collect();
+        let mut result: Vec<Mat<Complex<f64>>> = all.iter().map(|(v, _)| Mat::zeros(points.len(), v.ncols())).collect();
+        let mut on_p = vec![[0, 1].map(|_| vec![0.0; nodes * CHUNK]); all.len()];
+        let mut on_v = vec![[0, 1].map(|_| vec![0.0; sources.len() * CHUNK]); all.len()];
+        for start in (0..points.len()).step_by(CHUNK) {
+            let chunk = &points[start..points.len().min(start + CHUNK)];
+            // A last chunk that is not full repeats its last point.
+            let place = |axis: usize| std::array::from_fn(|i| chunk[i.min(chunk.len() - 1)][axis]);
+            on_p.iter_mut().flatten().for_each(|part| part.fill(0.0));
+            Arch::new().dispatch(Waves {
+                sources: &sources,
+                images: &images,
+                signs: &signs,
+                k,
+                points: [0, 1, 2].map(place),
+                on_p: &mut on_p,
+                on_v: &mut on_v,
+            });
+            for (((to, fields), on_p), on_v) in result.iter_mut().zip(&fields).zip(&on_p).zip(&on_v) {
+                let modes = to.ncols();
+                let mut sums = [0, 1].map(|_| Mat::<f64>::zeros(CHUNK, modes));
+                let of = |m: &Vec<f64>, by: &Mat<f64>, factor: f64, to: &mut Mat<f64>| {
+                    let m = MatRef::from_column_major_slice(m, CHUNK, by.nrows());
+                    matmul(to.as_mut(), Accum::Add, m, by.as_ref(), factor, Par::Seq);
+                };
+                let [re, im, flow] = fields;
+                // (a + jb)(p + jq) + j (c + jd) f
+                of(&on_p[0], re, 1.0, &mut sums[0]);
+                of(&on_p[1], im, -1.0, &mut sums[0]);
+                of(&on_v[1], flow, -1.0, &mut sums[0]);
+                of(&on_p[0], im, 1.0, &mut sums[1]);
+                of(&on_p[1], re, 1.0, &mut sums[1]);
+                of(&on_v[0], flow, 1.0, &mut sums[1]);
+                for row in 0..chunk.len() {
+                    for mode in 0..modes {
+                        to[(start + row, mode)] = Complex::new(sums[0][(row, mode)], sums[1][(row, mode)]);
+                    }
+                }
+            }
+        }
+        result
+    }
+}
+
+/// dG/dn and G with all images at a chunk of points, for every parity.
+struct Waves<'a> {
+    sources: &'a [Source],
+    images: &'a [Vec<(Vector3<f64>, Vector3<f64>)>],
+    /// Signs of the images, parity by parity.
+    signs: &'a [Vec<f64>],
+    k: f64,
+    points: [[f64; CHUNK]; 3],
+    /// By corner functions: parity, real and imaginary part, unknown, point.
+    on_p: &'a mut [[Vec<f64>; 2]],
+    /// Parity, real and imaginary part, source, point.
+    on_v: &'a mut [[Vec<f64>; 2]],
+}
+
+impl WithSimd for Waves<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let (lanes, k) = (S::F64_LANES, simd.splat_f64s(self.k));
+        let (zero, scale) = (simd.splat_f64s(0.0), simd.splat_f64s(0.25 / PI));
+        for (number, source) in self.sources.iter().enumerate() {
+            for first in (0..CHUNK).step_by(lanes) {
+                let x = [0, 1, 2].map(|axis| load::<S>(&self.points[axis], first));
+                let mut sums = [[zero; 4]; PARITIES];
+                for (image, of_image) in self.images.iter().enumerate() {
+                    let (y, area) = &of_image[number];
+                    let d = [0, 1, 2].map(|axis| simd.sub_f64s(x[axis], simd.splat_f64s(y[axis])));
+                    let mut r2 = simd.mul_f64s(d[0], d[0]);
+                    let mut along = simd.mul_f64s(d[0], simd.splat_f64s(area[0]));
+                    for axis in 1..3 {
+                        r2 = simd.mul_add_e_f64s(d[axis], d[axis], r2);
+                        along = simd.mul_add_e_f64s(d[axis], simd.splat_f64s(area[axis]), along);
+                    }
+                    let [g_re, g_im, h_re, h_im] = green(simd, r2, k, scale);
+                    let slope = [simd.mul_f64s(h_re, along), simd.mul_f64s(h_im, along)];
+                    for parity in 0..self.signs.len() {
+                        let sign = simd.splat_f64s(self.signs[parity][image]);
+                        let sum = &mut sums[parity];
+                        sum[0] = simd.mul_add_e_f64s(sign, slope[0], sum[0]);
+                        sum[1] = simd.mul_add_e_f64s(sign, slope[1], sum[1]);
+                        sum[2] = simd.mul_add_e_f64s(sign, g_re, sum[2]);
+                        sum[3] = simd.mul_add_e_f64s(sign, g_im, sum[3]);
+                    }
+                }
+                for parity in 0..self.signs.len() {
+                    let sum = sums[parity];
+                    for part in 0..2 {
+                        for j in 0..source.corners {
+                            let at = source.nodes[j] * CHUNK + first;
+                            let to = &mut self.on_p[parity][part][at..at + lanes];
+                            let to = &mut S::as_mut_simd_f64s(to).0[0];
+                            *to = simd.mul_add_e_f64s(simd.splat_f64s(source.phi[j]), sum[part], *to);
+                        }
+                        let at = number * CHUNK + first;
+                        let to = &mut self.on_v[parity][part][at..at + lanes];
+                        let weight = simd.splat_f64s(source.weight);
+                        S::as_mut_simd_f64s(to).0[0] = simd.mul_f64s(weight, sum[2 + part]);
+                    }
+                }
+            }
+        }
+    }
+}

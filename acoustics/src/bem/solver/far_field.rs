@@ -1,0 +1,463 @@
+#![allow(clippy::needless_range_loop)] // indices are those of the equations, several arrays at once
+
+use crate::bem::mesh::panel::PanelShape;
+use crate::bem::mesh::rules;
+use crate::bem::operators::blocks::{Block, N, W, X, fields};
+use crate::bem::operators::far::corner_values;
+use crate::bem::solver::problem::{Exterior, SurfacePressure};
+use crate::error::{AcousticsError, same_length};
+use crate::quadrature::gauss_legendre;
+use crate::trig::{load, load3, sin_cos};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatRef, Par};
+use nailnoise_meshes::FaceKind;
+use nalgebra::{DMatrix, Vector3};
+use pulp::{Arch, Simd, WithSimd};
+use rustfft::num_complex::Complex;
+use std::f64::consts::PI;
+
+/// Directions worked on at once.
+const CHUNK: usize = 48;
+
+/// A quadrature point: position, vector area, area, unknowns and velocity values with their corner functions.
+pub(crate) struct Source {
+    pub(crate) position: Vector3<f64>,
+    pub(crate) area: Vector3<f64>,
+    pub(crate) weight: f64,
+    pub(crate) corners: usize,
+    pub(crate) nodes: [usize; 4],
+    pub(crate) first_value: usize,
+    pub(crate) phi: [f64; 4],
+}
+
+/// A pressure on the surface with the velocities that cause it.
+pub(crate) type Radiated<'a> = (&'a DMatrix<f64>, &'a SurfacePressure);
+
+impl Exterior {
+    /// Radiation resistance R (patterns x patterns) from the far field of the surface's pressure and velocity:
+    ///
+    /// ```text
+    /// p -> e^{-jkr}/(4 pi r) F(d)     F(d) = int e^{jk d.y} (jk d.n p + j omega rho v_n) dS
+    /// R = 1/(16 pi² rho c) Re int F^H F dOmega
+    /// ```
+    ///
+    /// with the images in floor and mirror planes and the half space above the floor. Symmetric and positive
+    /// semidefinite by construction, and independent of [`Exterior::impedance`], which integrates the intensity on the surface.
+    ///
+    /// # Errors
+    /// Patterns or pressures of another length.
+    pub fn far_field_resistance(
+        &self,
+        velocities: &DMatrix<f64>,
+        solution: &SurfacePressure,
+    ) -> Result<DMatrix<f64>, AcousticsError> {
+        let mut all = self.far_field_resistances(&[(velocities, solution)])?;
+        Ok(all.pop().unwrap_or_default())
+    }
+
+    /// The same for solutions of one frequency, whose waves are evaluated once.
+    pub(crate) fn far_field_resistances(&self, all: &[Radiated<'_>]) -> Result<Vec<DMatrix<f64>>, AcousticsError> {
+        let boundary = self.boundary();
+        for (velocities, solution) in all {
+            let values = boundary.velocity_values();
+            same_length("rows of the normal velocities", velocities.nrows(), values)?;
+            same_length("rows of the pressure", solution.pressure.nrows(), boundary.nodes())?;
+        }
+        let hz = all.first().map_or(0.0, |(_, solution)| solution.hz);
+        let k = 2.0 * PI * hz / self.air().sound_speed;
+        let (_, _, radius) = self.quadrature();
+        let planes = boundary.planes().map(|plane| plane.is_some());
+        let directions = directions(k * radius, planes);
+        let mut totals: Vec<Mat<f64>> = all.iter().map(|(v, _)| Mat::zeros(v.ncols(), v.ncols())).collect();
+        self.in_directions(all, k, &directions, |chunk, parts| {
+            for (part, total) in parts.iter().zip(&mut totals) {
+                part.add_power(chunk, k, self.air().impedance(), total);
+            }
+        });
+        Ok(totals.iter().map(resistance).collect())
+    }
+
+    /// Evaluates the waves of chunks of directions at all points; `each` sees what every part radiates there.
+    fn in_directions(
+        &self,
+        all: &[Radiated<'_>],
+        k: f64,
+        directions: &[(Vector3<f64>, f64)],
+        mut each: impl FnMut(&[(Vector3<f64>, f64)], &[Radiating]),
+    ) {
+        let boundary = self.boundary();
+        let (_, origin, _) = self.quadrature();
+        let planes = boundary.planes().map(|plane| plane.is_some());
+        let (n, points) = (
+            boundary.nodes(),
+            self.blocks().iter().map(|b| b.corners * b.width).sum(),
+        );
+        let mut parts: Vec<Radiating> = all.iter().map(|a| Radiating::new(self, a, planes, points)).collect();
+        let odd: Vec<[bool; 3]> = all
+            .iter()
+            .map(|(_, s)| [0, 1, 2].map(|axis| s.parity.is_odd(axis)))
+            .collect();
+        let mut corners = Vec::new();
+        for chunk in directions.chunks(CHUNK) {
+            let rows = chunk.len();
+            parts.iter_mut().for_each(|part| part.clear(n, points, rows));
+            for (row, (d, _)) in chunk.iter().enumerate() {
+                let mut first = 0;
+                for block in self.blocks() {
+                    corners.clear();
+                    corners.resize(2 * all.len() * block.corners * block.width, 0.0);
+                    Arch::new().dispatch(Waves {
+                        block,
+                        direction: [k * d.x, k * d.y, k * d.z],
+                        origin: [origin.x, origin.y, origin.z],
+                        planes,
+                        odd: &odd,
+                        corners: &mut corners,
+                        first,
+                        points,
+                        row,
+                        to: &mut parts,
+                    });
+                    for (part, corners) in parts.iter_mut().zip(corners.chunks(2 * block.corners * block.width)) {
+                        part.add_corners(block, corners, row);
+                    }
+                    first += block.corners * block.width;
+                }
+            }
+            each(chunk, &parts);
+        }
+    }
+
+    /// Far field F of every pattern of several parities in some directions, for each parity directions x patterns
+    /// \[Pa s for velocities in m/s\]: p -> e^{-jkr}/(4 pi r) F, r the distance to the origin of [`Exterior::quadrature`].
+    pub(crate) fn far_fields(&self, all: &[Radiated<'_>], directions: &[Vector3<f64>]) -> Vec<Mat<Complex<f64>>> {
+        let hz = all.first().map_or(0.0, |(_, solution)| solution.hz);
+        let k = 2.0 * PI * hz / self.air().sound_speed;
+        let count = |a: &Radiated<'_>| a.0.ncols();
+        let mut fields: Vec<Mat<Complex<f64>>> = all.iter().map(|a| Mat::zeros(directions.len(), count(a))).collect();
+        let directions: Vec<(Vector3<f64>, f64)> = directions.iter().map(|d| (*d, 1.0)).collect();
+        let mut first = 0;
+        self.in_directions(all, k, &directions, |chunk, parts| {
+            for (part, to) in parts.iter().zip(&mut fields) {
+                let field = part.field(chunk.len(), k, self.air().impedance());
+                for row in 0..chunk.len() {
+                    for mode in 0..to.ncols() {
+                        to[(first + row, mode)] = Complex::new(field[(mode, row)], field[(mode, chunk.len() + row)]);
+                    }
+                }
+            }
+            first += chunk.len();
+        });
+        fields
+    }
+
+    /// All quadrature points relative to an origin (the body's centre, or its foot on the floor), the origin, and the
+    /// radius around it that holds them.
+    pub(crate) fn quadrature(&self) -> (Vec<Source>, Vector3<f64>, f64) {
+        let mut sources = Vec::new();
+        for block in self.blocks() {
+            let rule = rules::far(block.corners);
+            let kind = if block.corners == 3 {
+                FaceKind::Tri3
+            } else {
+                FaceKind::Quad4
+            };
+            for f in 0..block.panels.len() {
+                for (b, (xi, _)) in rule.iter().enumerate() {
+                    let get = |field: usize| block.points[(b * fields(block.corners) + field) * block.width + f];
+                    let shape = kind.at(*xi);
+                    sources.push(Source {
+                        position: Vector3::new(get(X), get(X + 1), get(X + 2)),
+                        area: Vector3::new(get(N), get(N + 1), get(N + 2)),
+                        weight: get(W),
+                        corners: block.corners,
+                        nodes: block.local[f].map(|l| block.nodes[l]),
+                        first_value: block.first_value[f],
+                        phi: std::array::from_fn(|j| shape.n[j]),
+                    });
+                }
+            }
+        }
+        let mut low = Vector3::repeat(f64::INFINITY);
+        let mut high = -low;
+        for source in &sources {
+            low = low.inf(&source.position);
+            high = high.sup(&source.position);
+        }
+        let mut origin = 0.5 * (low + high);
+        for (axis, plane) in self.boundary().planes().iter().enumerate() {
+            origin[axis] = plane.unwrap_or(origin[axis]);
+        }
+        let mut radius: f64 = 0.0;
+        for source in &mut sources {
+            source.position -= origin;
+            radius = radius.max(source.position.norm());
+        }
+        (sources, origin, radius)
+    }
+}
+
+/// The far field of the patterns of one parity. With both mirrors and a floor, waves are real but for a power of j, which
+/// one of real and imaginary part is left out.
+struct Radiating {
+    /// Real and imaginary part of the pressure one below the other, 2 patterns x unknowns.
+    pressure: Mat<f64>,
+    /// Velocities at the points of the far rule, patterns x points.
+    velocities: Mat<f64>,
+    /// Which of real and imaginary part waves have.
+    parts: Vec<usize>,
+    /// Unknowns x directions and points x directions, for each part.
+    on_p: [Mat<f64>; 2],
+    on_v: [Vec<f64>; 2],
+}
+
+impl Radiating {
+    fn new(problem: &Exterior, (velocities, solution): &Radiated<'_>, planes: [bool; 3], points: usize) -> Self {
+        let (n, modes) = (solution.pressure.nrows(), velocities.ncols());
+        let at_points: Vec<Mat<f64>> = problem
+            .blocks()
+            .iter()
+            .map(|b| crate::bem::solver::problem::of_block(b, velocities))
+            .collect();
+        let mut all = Mat::zeros(modes, points);
+        let mut first = 0;
+        for block in at_points {
+            all.as_mut().subcols_mut(first, block.ncols()).copy_from(&block);
+            first += block.ncols();
+        }
+        let odd = (0..3).filter(|&axis| solution.parity.is_odd(axis)).count();
+        Self {
+            pressure: Mat::from_fn(2 * modes, n, |row, node| {
+                let p = solution.pressure[(node, row % modes)];
+                if row < modes { p.re } else { p.im }
+            }),
+            velocities: all,
+            parts: if planes == [true; 3] { vec![odd % 2] } else { vec![0, 1] },
+            on_p: [Mat::new(), Mat::new()],
+            on_v: [Vec::new(), Vec::new()],
+        }
+    }
+
+    fn clear(&mut self, n: usize, points: usize, rows: usize) {
+        for &part in &self.parts {
+            self.on_p[part] = Mat::zeros(n, rows);
+            self.on_v[part].resize(points * rows, 0.0);
+        }
+    }
+
+    fn add_corners(&mut self, block: &Block, corners: &[f64], row: usize) {
+        let size = block.corners * block.width;
+        for &part in &self.parts {
+            let mut to = self.on_p[part].col_mut(row);
+            for j in 0..block.corners {
+                let from = &corners[part * size + j * block.width..];
+                for (value, local) in from.iter().zip(&block.local) {
+                    to[block.nodes[local[j]]] += value;
+                }
+            }
+        }
+    }
+
+    /// F of all patterns in the directions of a chunk, patterns x 2 directions: real parts, then imaginary ones.
+    fn field(&self, rows: usize, k: f64, impedance: f64) -> Mat<f64> {
+        let modes = self.velocities.nrows();
+        let mut field = Mat::<f64>::zeros(modes, 2 * rows);
+        for &part in &self.parts {
+            let mut from_p = Mat::<f64>::zeros(2 * modes, rows);
+            let mut from_v = Mat::<f64>::zeros(modes, rows);
+            matmul(
+                from_p.as_mut(),
+                Accum::Replace,
+                self.pressure.as_ref(),
+                self.on_p[part].as_ref(),
+                1.0,
+                Par::Seq,
+            );
+            let on_v = MatRef::from_column_major_slice(&self.on_v[part], self.velocities.ncols(), rows);
+            matmul(
+                from_v.as_mut(),
+                Accum::Replace,
+                self.velocities.as_ref(),
+                on_v,
+                1.0,
+                Par::Seq,
+            );
+            for row in 0..rows {
+                for m in 0..modes {
+                    let flow = Complex::new(0.0, k * impedance * from_v[(m, row)]);
+                    let all = Complex::new(from_p[(m, row)], from_p[(modes + m, row)]) + flow;
+                    let all = if part == 0 { all } else { all * Complex::i() };
+                    field[(m, row)] += all.re;
+                    field[(m, rows + row)] += all.im;
+                }
+            }
+        }
+        field
+    }
+
+    /// Adds the power of all patterns in the directions of a chunk.
+    fn add_power(&self, chunk: &[(Vector3<f64>, f64)], k: f64, impedance: f64, total: &mut Mat<f64>) {
+        let rows = chunk.len();
+        let mut field = self.field(rows, k, impedance);
+        for (row, (_, w)) in chunk.iter().enumerate() {
+            let root = (w / impedance).sqrt() / (4.0 * PI);
+            for column in [row, rows + row] {
+                field.col_mut(column).iter_mut().for_each(|f| *f *= root);
+            }
+        }
+        matmul(
+            total.as_mut(),
+            Accum::Add,
+            field.as_ref(),
+            field.transpose(),
+            1.0,
+            Par::Seq,
+        );
+    }
+}
+
+/// R from the sum over the directions, symmetric to the bit.
+fn resistance(total: &Mat<f64>) -> DMatrix<f64> {
+    let modes = total.nrows();
+    DMatrix::from_fn(modes, modes, |i, j| total[(i.min(j), i.max(j))])
+}
+
+/// e^{jk d.y} with its images at the points of a block: one direction, all parities.
+struct Waves<'a> {
+    block: &'a Block,
+    /// k d.
+    direction: [f64; 3],
+    origin: [f64; 3],
+    planes: [bool; 3],
+    odd: &'a [[bool; 3]],
+    /// k d . n e^{jk d.y} by corner functions: parity, part, corner, panel.
+    corners: &'a mut [f64],
+    /// First point of the block among all.
+    first: usize,
+    /// Points of all blocks.
+    points: usize,
+    row: usize,
+    to: &'a mut [Radiating],
+}
+
+impl WithSimd for Waves<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        match self.block.corners {
+            3 => self.run::<S, 3>(simd),
+            _ => self.run::<S, 4>(simd),
+        }
+    }
+}
+
+/// A factor of e^{jk d.y}, with its image along one axis: f(t) and its derivative, t = k d_a y_a.
+///
+/// e^{jt} alone, 2 cos t with the image of a field that continues evenly across the plane t = 0, 2j sin t with that of
+/// one that changes its sign.
+#[inline(always)]
+fn standing<S: Simd>(simd: S, t: S::f64s, plane: bool, odd: bool) -> [[S::f64s; 2]; 2] {
+    let (sine, cosine) = sin_cos(simd, t);
+    let (zero, two) = (simd.splat_f64s(0.0), simd.splat_f64s(2.0));
+    let less = simd.neg_f64s(sine);
+    match (plane, odd) {
+        (false, _) => [[cosine, sine], [less, cosine]],
+        (true, false) => [[simd.mul_f64s(two, cosine), zero], [simd.mul_f64s(two, less), zero]],
+        (true, true) => [[zero, simd.mul_f64s(two, sine)], [zero, simd.mul_f64s(two, cosine)]],
+    }
+}
+
+#[inline(always)]
+fn times<S: Simd>(simd: S, a: [S::f64s; 2], b: [S::f64s; 2]) -> [S::f64s; 2] {
+    [
+        simd.negate_mul_add_e_f64s(a[1], b[1], simd.mul_f64s(a[0], b[0])),
+        simd.mul_add_e_f64s(a[0], b[1], simd.mul_f64s(a[1], b[0])),
+    ]
+}
+
+impl Waves<'_> {
+    #[inline(always)]
+    fn run<S: Simd, const E: usize>(self, simd: S) {
+        let phi = corner_values::<E>();
+        let (width, lanes) = (self.block.width, S::F64_LANES);
+        let size = E * width;
+        let zero = simd.splat_f64s(0.0);
+        for chunk in 0..width / lanes {
+            for b in 0..E {
+                let start = b * fields(E) * width + chunk * lanes;
+                let y = load3::<S>(&self.block.points, start + X * width, width);
+                let n = load3::<S>(&self.block.points, start + N * width, width);
+                let w = load::<S>(&self.block.points, start + W * width);
+                // Value and slope of either sign, axis by axis.
+                let mut waves = [[[[zero; 2]; 2]; 2]; 3];
+                for c in 0..3 {
+                    let (d, from) = (simd.splat_f64s(self.direction[c]), simd.splat_f64s(self.origin[c]));
+                    let t = simd.mul_f64s(d, simd.sub_f64s(y[c], from));
+                    waves[c][0] = standing(simd, t, self.planes[c], false);
+                    waves[c][1] = standing(simd, t, self.planes[c], true);
+                }
+                for p in 0..self.odd.len() {
+                    let odd = self.odd[p];
+                    let [x, y, z] = [
+                        waves[0][usize::from(odd[0])],
+                        waves[1][usize::from(odd[1])],
+                        waves[2][usize::from(odd[2])],
+                    ];
+                    let xy = times(simd, x[0], y[0]);
+                    let value = times(simd, xy, z[0]);
+                    let by_x = times(simd, times(simd, x[1], y[0]), z[0]);
+                    let by_y = times(simd, times(simd, x[0], y[1]), z[0]);
+                    let by_z = times(simd, xy, z[1]);
+                    let by = [by_x, by_y, by_z];
+                    let mut slope = [zero; 2];
+                    for c in 0..3 {
+                        let along = simd.mul_f64s(simd.splat_f64s(self.direction[c]), n[c]);
+                        slope[0] = simd.mul_add_e_f64s(along, by[c][0], slope[0]);
+                        slope[1] = simd.mul_add_e_f64s(along, by[c][1], slope[1]);
+                    }
+                    for index in 0..self.to[p].parts.len() {
+                        let part = self.to[p].parts[index];
+                        let at = self.row * self.points + self.first + b * width + chunk * lanes;
+                        let to = &mut self.to[p].on_v[part][at..at + lanes];
+                        S::as_mut_simd_f64s(to).0[0] = simd.mul_f64s(value[part], w);
+                        for j in 0..E {
+                            let start = (2 * p + part) * size + j * width + chunk * lanes;
+                            let to = &mut S::as_mut_simd_f64s(&mut self.corners[start..start + lanes]).0[0];
+                            *to = simd.mul_add_e_f64s(simd.splat_f64s(phi[b][j]), slope[part], *to);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Directions and weights that integrate the squared far field of a body of size k a over the unit sphere, or over its
+/// half above the floor: spherical harmonics up to k a + 4 (k a)^{1/3} + 4 (Wiscombe 1980, rounded up). With mirror
+/// planes only the directions above them are listed, the others contribute as much.
+fn directions(ka: f64, planes: [bool; 3]) -> Vec<(Vector3<f64>, f64)> {
+    let order = (ka + 4.0 * ka.cbrt() + 4.0).ceil() as usize;
+    let around = (2 * order + 1).next_multiple_of(4);
+    let copies: f64 = planes[..2]
+        .iter()
+        .map(|mirror| if *mirror { 2.0 } else { 1.0 })
+        .product();
+    let mut result = Vec::new();
+    for (z, w) in gauss_legendre((order + 1).next_multiple_of(2)) {
+        if planes[2] && z < 0.0 {
+            continue;
+        }
+        let r = (1.0 - z * z).sqrt();
+        for i in 0..around {
+            // Half a step off the planes, so that every direction has its images.
+            let (sine, cosine) = (2.0 * PI * (i as f64 + 0.5) / around as f64).sin_cos();
+            if planes[0] && cosine < 0.0 || planes[1] && sine < 0.0 {
+                continue;
+            }
+            let weight = copies * w * 2.0 * PI / around as f64;
+            result.push((Vector3::new(r * cosine, r * sine, z), weight));
+        }
+    }
+    result
+}

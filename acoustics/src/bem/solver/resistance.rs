@@ -1,0 +1,210 @@
+use crate::bem::mesh::panel::PanelShape;
+use crate::bem::solver::far_field::Radiated;
+use crate::bem::solver::problem::{Exterior, Patterns, SurfacePressure};
+use crate::error::AcousticsError;
+use crate::radiation::{RadiatingSurface, Resistance};
+use nalgebra::{DMatrix, Point3};
+
+/// Radiation resistance at one frequency, evaluated twice.
+#[derive(Clone, Debug)]
+pub struct TwoEvaluations {
+    /// Frequency \[Hz\].
+    pub hz: f64,
+    /// From the far field: symmetric and positive semidefinite \[kg/s for velocities in m/s\].
+    pub far_field: DMatrix<f64>,
+    /// From the intensity on the surface, patch by patch, symmetric part.
+    pub patches: Vec<DMatrix<f64>>,
+    /// Largest |R_ij - R_ji| of the surface's evaluation, relative to the largest entry of R. Reciprocity makes it zero;
+    /// the discretisation does not.
+    pub asymmetry: f64,
+    /// Largest difference of a pattern's power between the two \[dB\], among patterns within 30 dB of the loudest.
+    pub difference_db: f64,
+}
+
+impl TwoEvaluations {
+    /// Largest difference between the two evaluations \[dB\] among patterns whose resistance is above `floor`.
+    pub(crate) fn difference_within(&self, floor: f64) -> f64 {
+        let surface = |i: usize| self.patches.iter().map(|p| p[(i, i)]).sum::<f64>();
+        let far = self.far_field.diagonal();
+        let difference = |i: usize| (10.0 * (surface(i) / far[i]).log10()).abs();
+        (0..far.len())
+            .filter(|&i| far[i] > floor)
+            .map(difference)
+            .fold(0.0, f64::max)
+    }
+
+    /// R of every patch from the surface, and last what the far field has beyond their sum: together the far field's R.
+    pub fn split(&self) -> Vec<Resistance> {
+        let mut rest = self.far_field.clone();
+        self.patches.iter().for_each(|p| rest -= p);
+        let part = |real: &DMatrix<f64>| Resistance {
+            real: real.clone(),
+            imaginary: None,
+        };
+        self.patches.iter().chain([&rest]).map(part).collect()
+    }
+}
+
+/// What a frequency of a surface costs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// Pressure unknowns.
+    pub unknowns: usize,
+    /// Panels.
+    pub panels: usize,
+    /// Memory of one frequency \[bytes\], times the number of threads.
+    pub bytes: f64,
+    /// Memory that all frequencies share, with [`Exterior::with_near_field_kept`] \[bytes\].
+    pub bytes_kept: f64,
+    /// Time of one frequency and a single pattern on one core \[s\], the same.
+    pub seconds: f64,
+    /// Time that every further pattern of the whole body adds to it \[s\].
+    pub seconds_per_pattern: f64,
+    /// Time on one core of what all frequencies share \[s\].
+    pub seconds_kept: f64,
+    /// Highest frequency the mesh resolves \[Hz\].
+    pub highest_hz: f64,
+    /// Lowest frequency at which a method without the coupled derivative equation can fail \[Hz\], see
+    /// [`Exterior::lowest_resonance`].
+    pub irregular_hz: f64,
+}
+
+impl Estimate {
+    /// Time of one frequency on one core with so many patterns in every parity \[s\].
+    pub fn seconds_with(&self, patterns: usize) -> f64 {
+        self.seconds + self.seconds_per_pattern * patterns as f64
+    }
+}
+
+impl std::fmt::Display for Estimate {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "{} panels, {} unknowns: about {:.1} s (with a hundred modes) and {:.0} MB a frequency, {:.0} MB for all; \
+             resolved up to {:.0} Hz; irregular frequencies of the inside from about {:.0} Hz (coupled formulation)",
+            self.panels,
+            self.unknowns,
+            self.seconds_with(100),
+            self.bytes / 1e6,
+            self.bytes_kept / 1e6,
+            self.highest_hz,
+            self.irregular_hz
+        )
+    }
+}
+
+impl Exterior {
+    /// Radiation resistance for `velocities` (corner values x patterns) at `hz`, from the surface and from the far field.
+    ///
+    /// # Errors
+    /// See [`Exterior::solve`].
+    pub fn resistance(&self, hz: f64, velocities: &DMatrix<f64>) -> Result<TwoEvaluations, AcousticsError> {
+        let solution = self.solve(hz, velocities)?;
+        let far_field = self.far_field_resistance(velocities, &solution)?;
+        self.evaluated_twice(velocities, &solution, far_field)
+    }
+
+    /// The same for patterns of several parities, which radiate independently.
+    ///
+    /// # Errors
+    /// See [`Exterior::solve`].
+    pub fn resistance_parities(&self, hz: f64, patterns: &[Patterns]) -> Result<Vec<TwoEvaluations>, AcousticsError> {
+        let solutions = self.solve_parities(hz, patterns)?;
+        self.two_evaluations(patterns, &solutions)
+    }
+
+    /// Both evaluations of solutions of one frequency, parity by parity.
+    pub(crate) fn two_evaluations(
+        &self,
+        patterns: &[Patterns],
+        solutions: &[SurfacePressure],
+    ) -> Result<Vec<TwoEvaluations>, AcousticsError> {
+        let all: Vec<Radiated<'_>> = patterns.iter().map(|p| &p.velocities).zip(solutions).collect();
+        let far_fields = self.far_field_resistances(&all)?.into_iter();
+        all.iter()
+            .zip(far_fields)
+            .map(|((velocities, solution), far_field)| self.evaluated_twice(velocities, solution, far_field))
+            .collect()
+    }
+
+    fn evaluated_twice(
+        &self,
+        velocities: &DMatrix<f64>,
+        solution: &SurfacePressure,
+        far_field: DMatrix<f64>,
+    ) -> Result<TwoEvaluations, AcousticsError> {
+        let hz = solution.hz;
+        let raw: Vec<DMatrix<f64>> = self
+            .impedance(velocities, solution)?
+            .into_iter()
+            .map(|z| z.map(|z| z.re))
+            .collect();
+        let whole = raw
+            .iter()
+            .fold(DMatrix::zeros(velocities.ncols(), velocities.ncols()), |sum, r| sum + r);
+        let largest = far_field.amax().max(f64::MIN_POSITIVE);
+        let mut two = TwoEvaluations {
+            hz,
+            asymmetry: (&whole - whole.transpose()).amax() / largest,
+            difference_db: 0.0,
+            patches: raw.iter().map(|r| (r + r.transpose()) * 0.5).collect(),
+            far_field,
+        };
+        two.difference_db = two.difference_within(1e-3 * two.far_field.amax());
+        Ok(two)
+    }
+
+    /// Memory, time and limits, before any is spent. Times are those of one core at about 3 GHz with AVX2, as measured
+    /// by `benches/bem.rs`: for a pair of points 8 ns an image and 9 ns a parity, 7 us a shape of close pairs (1 us once
+    /// it is kept, which takes 250 us), 45 GFlop/s for factors and 35 for patterns in single precision.
+    pub fn estimate(&self) -> Estimate {
+        let boundary = self.boundary();
+        let mesh = boundary.mesh();
+        let (n, values) = (boundary.nodes() as f64, boundary.velocity_values() as f64);
+        let (parities, images) = (boundary.copies() as f64, boundary.images().len() as f64);
+        let far = 0.5 * values * values * (8e-9 * images + 9e-9 * parities);
+        let (close, shapes) = (self.close_pairs() as f64, self.close_shapes() as f64);
+        let kept = self.near().costly() as f64;
+        let factorisation = parities * 8.0 / 3.0 * n.powi(3) / 45e9;
+        // B v, the solution and the far field for each pattern.
+        let pattern = parities * (4.0 * n * values + 8.0 * n * n + 8e3 * values) / 35e9;
+        let is_kept = self.near().is_kept();
+        Estimate {
+            unknowns: boundary.nodes(),
+            panels: mesh.panels.len(),
+            bytes: parities * 16.0 * n * n,
+            bytes_kept: self.near().bytes_kept(),
+            seconds: far + if is_kept { 1e-6 } else { 7e-6 } * shapes + 1e-6 * close + factorisation,
+            seconds_per_pattern: pattern,
+            seconds_kept: if is_kept { 0.0 } else { 250e-6 * kept },
+            highest_hz: boundary.highest_hz(self.air().sound_speed, self.panels_per_wavelength()),
+            irregular_hz: self.lowest_resonance(),
+        }
+    }
+
+    /// The surface with its modes at quadrature points, for the operators that need no equation solved. With mirror
+    /// planes every point stands for its images too.
+    pub(crate) fn radiating_surface(&self, velocities: &DMatrix<f64>) -> Result<RadiatingSurface, AcousticsError> {
+        let mesh = self.boundary().mesh();
+        let (mut points, mut normals, mut weights, mut patch) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let (mut rows, mut first) = (Vec::new(), 0);
+        for (p, panel) in mesh.panels.iter().enumerate() {
+            let corners = panel.corners().len();
+            for (xi, w) in crate::bem::mesh::rules::fine(panel.kind()) {
+                let point = mesh.point_at(p, xi);
+                let area = point.area_vector();
+                points.push(Point3::from(point.position));
+                normals.push(area.normalize());
+                weights.push(w * area.norm() * self.boundary().copies() as f64);
+                patch.push(panel.patch);
+                rows.push((first, corners, panel.kind().linear().at(xi).n));
+            }
+            first += corners;
+        }
+        let modes = DMatrix::from_fn(points.len(), velocities.ncols(), |i, m| {
+            let (first, corners, n) = rows[i];
+            (0..corners).map(|j| n[j] * velocities[(first + j, m)]).sum()
+        });
+        RadiatingSurface::new(points, normals, weights, patch, mesh.patches.clone(), modes)
+    }
+}

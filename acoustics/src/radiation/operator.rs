@@ -1,0 +1,62 @@
+use super::hermitian_root::hermitian_root;
+use super::resistance::Resistance;
+use nalgebra::{Complex, DMatrix};
+use std::f64::consts::TAU;
+
+/// A radiation operator reduced to modal coordinates.
+pub trait ModalRadiation: Sync {
+    /// Label of the operator, shown beside every result.
+    fn method(&self) -> &str;
+
+    /// Number of modes.
+    fn modes(&self) -> usize;
+
+    /// Names of the surface patches, whose resistances add up to the whole.
+    fn patches(&self) -> &[String];
+
+    /// Highest frequency the operator was computed for \[Hz\].
+    fn highest_hz(&self) -> f64;
+
+    /// Resistance R(f) of the whole surface at the frequency `hz`.
+    fn resistance(&self, hz: f64) -> Resistance;
+
+    /// v^T R(f) v of the whole surface for each frequency \[Hz\] and the modes of a real motion v that are not at rest, each
+    /// once.
+    fn sparse_forms(&self, motions: &[(f64, Vec<(usize, f64)>)]) -> Vec<f64> {
+        let form = |(hz, v): &(f64, Vec<(usize, f64)>)| self.resistance(*hz).sparse_form(v);
+        motions.iter().map(form).collect()
+    }
+
+    /// a^H (R_p / omega²) a for every patch p (rows) and frequency (columns), with the modal accelerations a in the
+    /// columns of `accelerations` (modes x frequencies).
+    fn energy_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64>;
+
+    /// (R / omega²) a for the whole surface at every frequency (columns), modes x frequencies.
+    fn images(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+        let mut images = DMatrix::zeros(accelerations.nrows(), frequency.len());
+        for (bin, &hz) in frequency.iter().enumerate() {
+            let r = self.resistance(hz).scaled((TAU * hz).powi(-2));
+            let a = accelerations.columns(bin, 1).into_owned();
+            images.set_column(bin, &r.product(&a).column(0));
+        }
+        images
+    }
+
+    /// How many signals [`Self::root_signals`] returns.
+    fn signals(&self) -> usize {
+        self.modes()
+    }
+
+    /// Signals x (rows) at every frequency (columns) with |x|² = a^H (R / omega²) a for the whole surface: x = S^H a
+    /// with S the Hermitian root of R / omega², smooth over frequency. Where S is interpolated the energies hold to
+    /// the interpolation error.
+    fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+        let mut signals = DMatrix::zeros(accelerations.nrows(), frequency.len());
+        for (bin, &hz) in frequency.iter().enumerate() {
+            let root = hermitian_root(&self.resistance(hz)).scaled(1.0 / (TAU * hz));
+            let a = accelerations.columns(bin, 1).into_owned();
+            signals.set_column(bin, &root.product(&a).column(0));
+        }
+        signals
+    }
+}

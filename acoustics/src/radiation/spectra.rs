@@ -1,0 +1,134 @@
+use crate::error::AcousticsError;
+use crate::fourier::{Transform, TransformSettings, Work};
+use faer::linalg::matmul::triangular::{self, BlockStructure};
+use faer::{Accum, Mat, MatMut, Par};
+use nalgebra::{Complex, DMatrix};
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+/// Bins whose products are summed at once.
+const STRETCH: usize = 256;
+
+/// Fourier transforms of modal accelerations on the bins of the analysed range.
+#[derive(Debug, Clone)]
+pub struct ModalSpectra {
+    /// Frequencies of the bins \[Hz\].
+    pub frequency: Vec<f64>,
+    /// A(f): modes x bins; unit of the modal acceleration times seconds.
+    pub accelerations: DMatrix<Complex<f64>>,
+    /// Analysed range \[Hz\].
+    pub range_hz: [f64; 2],
+}
+
+impl ModalSpectra {
+    /// Transforms the acceleration records of `modes` modes, `samples` long at `sample_interval` \[s\].
+    ///
+    /// Records are asked for one mode at a time, in parallel, so that no more than one per thread need exist.
+    ///
+    /// # Errors
+    /// See [`Transform::new`] and [`Transform::apply`].
+    pub fn from_accelerations(
+        modes: usize,
+        samples: usize,
+        sample_interval: f64,
+        settings: &TransformSettings,
+        record: impl Fn(usize) -> Vec<f64> + Sync,
+    ) -> Result<Self, AcousticsError> {
+        let transform = Transform::new(samples, sample_interval, settings)?;
+        let frequency = transform.frequencies();
+        let rows: Vec<Vec<Complex<f64>>> = (0..modes)
+            .into_par_iter()
+            .map_init(
+                || transform.work(),
+                |work, mode| transform.apply_in(&record(mode), work),
+            )
+            .collect::<Result<_, _>>()?;
+        let accelerations = DMatrix::from_fn(modes, frequency.len(), |mode, bin| rows[mode][bin]);
+        Ok(Self {
+            frequency,
+            accelerations,
+            range_hz: settings.range_hz,
+        })
+    }
+
+    /// The same from records of several modes at once, samples x modes, each history contiguous: `block` modes at a time.
+    ///
+    /// # Errors
+    /// As [`Self::from_accelerations`], and those of `records`.
+    pub fn from_blocks<E: From<AcousticsError> + Send>(
+        modes: usize,
+        block: usize,
+        samples: usize,
+        sample_interval: f64,
+        settings: &TransformSettings,
+        records: impl Fn(Range<usize>) -> Result<DMatrix<f64>, E> + Sync,
+    ) -> Result<Self, E> {
+        let transform = Transform::new(samples, sample_interval, settings)?;
+        let frequency = transform.frequencies();
+        let first: Vec<usize> = (0..modes).step_by(block.max(1)).collect();
+        let of_block = |work: &mut Work, first: usize| {
+            let records = records(first..modes.min(first + block.max(1)))?;
+            let rows = records
+                .column_iter()
+                .map(|record| transform.apply_in(record.as_slice(), work));
+            Ok::<Vec<_>, E>(rows.collect::<Result<Vec<_>, _>>()?)
+        };
+        let blocks: Vec<Vec<Vec<Complex<f64>>>> = first
+            .into_par_iter()
+            .map_init(|| transform.work(), of_block)
+            .collect::<Result<_, _>>()?;
+        let rows: Vec<Vec<Complex<f64>>> = blocks.into_iter().flatten().collect();
+        let accelerations = DMatrix::from_fn(rows.len(), frequency.len(), |mode, bin| rows[mode][bin]);
+        Ok(Self {
+            frequency,
+            accelerations,
+            range_hz: settings.range_hz,
+        })
+    }
+
+    /// Covariance C of the modal velocities in a band, modes x modes, with a weight w(f) of every frequency:
+    ///
+    /// ```text
+    /// C = 2 int w Re(a a^H) / omega^2 df
+    /// ```
+    ///
+    /// so that phi^T C phi is 2 int w |v|^2 df where the modes move by phi. None when fewer than two bins lie in the band.
+    pub fn velocity_covariance(&self, [low, high]: [f64; 2], weight: impl Fn(f64) -> f64) -> Option<DMatrix<f64>> {
+        let bins: Vec<usize> = (0..self.frequency.len())
+            .filter(|&k| (low..high).contains(&self.frequency[k]))
+            .collect();
+        if bins.len() < 2 {
+            return None;
+        }
+        let step = self.frequency[1] - self.frequency[0];
+        let modes = self.accelerations.nrows();
+        let mut covariance = DMatrix::zeros(modes, modes);
+        let lower = BlockStructure::TriangularLower;
+        let mut rows = Mat::zeros(modes, 2 * STRETCH);
+        for (number, bins) in bins.chunks(STRETCH).enumerate() {
+            for (column, &bin) in bins.iter().enumerate() {
+                let hz = self.frequency[bin];
+                let scale = (2.0 * step * weight(hz)).sqrt() / (TAU * hz);
+                for (mode, a) in self.accelerations.column(bin).iter().enumerate() {
+                    rows[(mode, 2 * column)] = a.re * scale;
+                    rows[(mode, 2 * column + 1)] = a.im * scale;
+                }
+            }
+            let rows = rows.as_ref().subcols(0, 2 * bins.len());
+            triangular::matmul(
+                MatMut::from_column_major_slice_mut(covariance.as_mut_slice(), modes, modes),
+                lower,
+                if number == 0 { Accum::Replace } else { Accum::Add },
+                rows,
+                BlockStructure::Rectangular,
+                rows.transpose(),
+                BlockStructure::Rectangular,
+                1.0,
+                Par::Seq,
+            );
+        }
+        covariance.fill_upper_triangle_with_lower_triangle();
+        Some(covariance)
+    }
+}
