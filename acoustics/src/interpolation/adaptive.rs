@@ -6,9 +6,9 @@ use crate::error::{AcousticsError, positive};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Widest interval of one polynomial, as a ratio of frequencies: over a wider one, the small values at its lower end are
-/// lost beside those at its upper end.
-const WIDEST: f64 = 4.0;
+/// Widest useful interval of one polynomial, as a ratio of frequencies: over a wider one, the small values at its lower end
+/// are lost beside those at its upper end.
+pub(crate) const WIDEST: f64 = 4.0;
 
 /// How finely to sample.
 #[derive(Debug, Clone, Copy)]
@@ -34,16 +34,16 @@ pub(crate) struct Piece {
     pub(crate) complete: Option<usize>,
 }
 
-/// Intervals of a range, none wider than a factor of four, which end where the quantity has a kink.
+/// Intervals of a range, none wider than a ratio of frequencies, which end where the quantity has a kink.
 ///
 /// # Errors
 /// An empty range.
-pub(crate) fn pieces([low, high]: Range, kinks: &[f64]) -> Result<Vec<Piece>, AcousticsError> {
+pub(crate) fn pieces([low, high]: Range, widest: f64, kinks: &[f64]) -> Result<Vec<Piece>, AcousticsError> {
     if !(low > 0.0 && high > low && high.is_finite()) {
         let nyquist = f64::INFINITY;
         return Err(AcousticsError::Range { low, high, nyquist });
     }
-    let count = ((high / low).ln() / WIDEST.ln()).ceil().max(1.0) as usize;
+    let count = ((high / low).ln() / widest.ln()).ceil().max(1.0) as usize;
     let edge = |i: usize| low * (high / low).powf(i as f64 / count as f64);
     let mut edges: Vec<f64> = (1..count).map(edge).chain([low, high]).collect();
     edges.extend(kinks.iter().filter(|&&hz| low < hz && hz < high));

@@ -12,6 +12,6 @@ mod adaptive;
 mod grid;
 mod interval;
 
-pub(crate) use adaptive::{Piece, Plan, pieces, sample};
+pub(crate) use adaptive::{Piece, Plan, WIDEST, pieces, sample};
 pub(crate) use grid::{Grid, Run, field_misfit};
 pub(crate) use interval::Interval;

@@ -6,7 +6,7 @@ use super::hermitian_root::hermitian_root;
 use super::packed::{self, Packed};
 use super::resistance::Resistance;
 use crate::error::AcousticsError;
-use crate::interpolation::{Grid, Interval, Piece, Plan, Run, field_misfit, pieces, sample};
+use crate::interpolation::{Grid, Interval, Piece, Plan, Run, WIDEST, field_misfit, pieces, sample};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -14,6 +14,10 @@ use std::f64::consts::TAU;
 
 /// Samples that are added to an interval at a time and computed in parallel.
 pub(crate) const ROUND: usize = 4;
+
+/// Widest interval where signals are interpolated to the tolerance too, as a ratio of frequencies: the root of R varies
+/// faster than R.
+const OCTAVE: f64 = 2.0;
 
 /// Where and how finely a radiation resistance is sampled over frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -109,7 +113,8 @@ impl SampledRadiation {
         resistance: impl Fn(f64) -> Vec<Resistance> + Sync,
     ) -> Result<Self, AcousticsError> {
         let solve = |hz: f64| Ok(vec![resistance(hz)]);
-        let mut found = Self::of_parities(method, &[modes], patches, (sampling, kinks), solve)?;
+        let pieces = pieces(sampling.range_hz, OCTAVE, kinks)?;
+        let mut found = Self::of_pieces(method, &[modes], patches, (sampling, &pieces), solve)?;
         Ok(found.swap_remove(0))
     }
 
@@ -125,7 +130,18 @@ impl SampledRadiation {
         method: &str,
         modes: &[usize],
         patches: &[String],
-        (sampling, kinks): (&Sampling, &[f64]),
+        sampling: &Sampling,
+        solve: impl Fn(f64) -> Result<Vec<Vec<Resistance>>, AcousticsError> + Sync,
+    ) -> Result<Vec<Self>, AcousticsError> {
+        let pieces = pieces(sampling.range_hz, WIDEST, &[])?;
+        Self::of_pieces(method, modes, patches, (sampling, &pieces), solve)
+    }
+
+    fn of_pieces(
+        method: &str,
+        modes: &[usize],
+        patches: &[String],
+        (sampling, pieces): (&Sampling, &[Piece]),
         solve: impl Fn(f64) -> Result<Vec<Vec<Resistance>>, AcousticsError> + Sync,
     ) -> Result<Vec<Self>, AcousticsError> {
         let take = |hz: f64| {
@@ -137,8 +153,7 @@ impl SampledRadiation {
             let whole = |parity: usize, node: usize| &samples[node][parity].whole[..];
             misfit(interval, modes, sampling.floor, whole, whole)
         };
-        let pieces = pieces(sampling.range_hz, kinks)?;
-        let (grid, samples) = sample(&pieces, &sampling.plan(ROUND), take, misfit)?;
+        let (grid, samples) = sample(pieces, &sampling.plan(ROUND), take, misfit)?;
         let mut found: Vec<Vec<Packed>> = modes.iter().map(|_| Vec::new()).collect();
         for sample in samples {
             found

@@ -1,7 +1,7 @@
 //! Fields per unit of the modes' accelerations over a range of frequencies.
 
 use crate::error::AcousticsError;
-use crate::interpolation::{Grid, Piece, Plan, field_misfit, pieces, sample};
+use crate::interpolation::{Grid, Piece, Plan, WIDEST, field_misfit, pieces, sample};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -50,7 +50,7 @@ impl Fields {
             most_samples: MOST,
             near_zero: false,
         };
-        let pieces: Vec<Piece> = pieces([low, high], &parts)?;
+        let pieces: Vec<Piece> = pieces([low, high], WIDEST, &parts)?;
         let (grid, samples) = sample(&pieces, &plan, at, |interval, samples: &[Vec<Field>]| {
             let of_field = |field: usize| field_misfit(interval, |node| &samples[node][field]);
             (0..samples[0].len())

@@ -181,8 +181,7 @@ impl ModalBem {
             let solver = RangeSolver::new(level, (kept_to, !follows), &chosen, receivers, tell)?;
             let predictor = coarser.as_ref().unwrap_or(&solver);
             let at = |solver: &RangeSolver<'_>, hz: f64| Ok(solver.at(hz)?.resistances.clone());
-            let mut found =
-                SampledRadiation::of_parities("BEM", &counts, &patches, (&range, &[]), |hz| at(predictor, hz))?;
+            let mut found = SampledRadiation::of_parities("BEM", &counts, &patches, &range, |hz| at(predictor, hz))?;
             let round = if follows { FEW } else { ROUND };
             let correction = match &coarser {
                 Some(_) => SampledRadiation::correct(&mut found, (&range, round), |hz| at(&solver, hz))?,
