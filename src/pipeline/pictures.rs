@@ -4,7 +4,7 @@
 //! computed when they are asked for, and kept then.
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::bem::{Level, ModalBem, Sounding, SurfaceBand, WholeSurface};
+use nailnoise_acoustics::bem::{BandFields, MeshRange, ModalBem, SurfaceBand, WholeSurface};
 use nailnoise_acoustics::levels::{Band, Weighting, third_octaves};
 use nailnoise_acoustics::radiation::{LowRank, ModalSpectra, quadratic_forms, radiated_energy};
 use nailnoise_acoustics::sound::{Around, BandSound, Directions, above_plane};
@@ -179,7 +179,7 @@ fn bands(spectra: &ModalSpectra, top: f64) -> Vec<Band> {
 struct Solved<'a> {
     /// Its source, and the beginning of its pictures' names.
     names: [&'static str; 2],
-    levels: Vec<Level>,
+    levels: Vec<MeshRange>,
     bem: &'a ModalBem,
     spectra: &'a ModalSpectra,
     /// Where its axes begin in those of the workpiece.
@@ -216,7 +216,7 @@ fn solved(design: &Design, body: Solved<'_>) -> Result<Pictures, Error> {
     let foot = levels
         .first()
         .map_or_else(Point3::origin, |level| level.problem.reach().1);
-    let found = Sounding::new(levels, &bands, spectra, &around)?;
+    let found = BandFields::new(levels, &bands, spectra, &around)?;
     let energies: Vec<f64> = bands
         .iter()
         .map(|b| radiated.energy([b.low, b.high], Weighting::Z))
@@ -339,7 +339,7 @@ const PRESSURE: &str = "sound exposure level [dB re (20 uPa)2 s]";
 const MOTION: &str = "velocity exposure level [dB re (50 nm/s)2 s]";
 
 /// Pressure, intensity and velocity on the surface.
-fn on_surface(prefix: &str, found: &Sounding, bands: &[Band], at: Vector3<f64>) -> Series {
+fn on_surface(prefix: &str, found: &BandFields, bands: &[Band], at: Vector3<f64>) -> Series {
     let shape = |surface: &WholeSurface| Shape {
         points: surface.points.iter().map(|p| (p + at).into()).collect(),
         polygons: surface.panels.clone(),
