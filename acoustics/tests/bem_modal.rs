@@ -203,7 +203,7 @@ fn the_sampled_matrix_is_that_of_the_whole_body() {
         points: vec![Point3::new(0.7, 0.2, 0.5), Point3::new(-0.5, -0.6, 0.1)],
         origin: Point3::origin(),
     };
-    let bem = ModalBem::with_receivers(levels, &sampling, &receivers).unwrap();
+    let bem = ModalBem::new(levels, &sampling, &receivers, &|| ()).unwrap();
     println!("{:?}, to {top:.0} Hz", bem.summary);
     // Of single modes, at six panels a wavelength of the coarser mesh.
     assert!(bem.summary.difference_db < 0.7 && bem.summary.asymmetry < 1e-2);
@@ -401,7 +401,7 @@ fn pictures_of_bands_hold_the_power_of_the_matrix() {
         points: points.clone(),
         origin: Point3::origin(),
     };
-    let bem = ModalBem::with_receivers(levels(), &sampling, &receivers).unwrap();
+    let bem = ModalBem::new(levels(), &sampling, &receivers, &|| ()).unwrap();
     let forms = bem.energy_forms(&spectra.frequency, &spectra.accelerations);
     let heard = bem.pressures(&spectra.frequency, &spectra.accelerations).unwrap();
     for (number, (band, surface)) in bands.iter().zip(&found.bands).enumerate() {

@@ -93,10 +93,13 @@ fn a_small_piston_radiates_what_its_pressure_pulse_carries() {
     let record: Vec<f64> = (0..n).map(wave).collect();
     let piston = Rayleigh::new(&flat(disk(radius, 4, 8), &[&|_, _| 1.0]), &air).unwrap();
     let radiation = piston
-        .sampled(&Sampling {
-            range_hz: [40.0, 8000.0],
-            ..Sampling::default()
-        })
+        .sampled(
+            &Sampling {
+                range_hz: [40.0, 8000.0],
+                ..Sampling::default()
+            },
+            &|| (),
+        )
         .unwrap();
     let settings = TransformSettings {
         range_hz: [10.0, 8000.0],
@@ -124,7 +127,7 @@ fn spectrum(factor: f64) -> SourceSpectrum {
     let surface = RadiatingSurface::new(points, normals, weights, patch, names, flat.normal_modes().clone()).unwrap();
     let radiation = Rayleigh::new(&surface, &air)
         .unwrap()
-        .sampled(&Sampling::default())
+        .sampled(&Sampling::default(), &|| ())
         .unwrap();
     let record = |mode: usize| {
         let (w, dt) = (2.0 * PI * [310.0, 1480.0][mode], 1e-5);
@@ -234,10 +237,13 @@ fn many_bins_and_modes_are_those_of_each_alone() {
 fn impossible_combinations_are_named() {
     let air = Air::default();
     let surface = flat(rectangle([0.0, 0.3], [0.0, 0.3], 8, 8), &[&|_, _| 1.0]);
-    let radiation = Rayleigh::new(&surface, &air).unwrap().sampled(&Sampling {
-        range_hz: [40.0, 2000.0],
-        ..Sampling::default()
-    });
+    let radiation = Rayleigh::new(&surface, &air).unwrap().sampled(
+        &Sampling {
+            range_hz: [40.0, 2000.0],
+            ..Sampling::default()
+        },
+        &|| (),
+    );
     let radiation = radiation.unwrap();
     let spectra = |modes: usize| {
         let settings = TransformSettings::default();

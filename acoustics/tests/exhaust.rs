@@ -386,19 +386,3 @@ fn impossible_openings_are_named() {
     let result = exhaust_noise("e", &short, &HOLES, &Air::default(), &ExhaustSettings::default());
     assert!(matches!(result, Err(AcousticsError::Length { .. })));
 }
-
-#[test]
-#[ignore = "prints the cost of one analysis"]
-fn cost_of_one_analysis() {
-    let history = blow_down(3e-4, &HOLES, 7e5, 4e-6, 0.108);
-    for _ in 0..5 {
-        let start = std::time::Instant::now();
-        let noise = noise(&history, &HOLES);
-        println!(
-            "{} samples, {} bins: {:?}",
-            history.mass_flow.len(),
-            noise.spectrum.frequency.len(),
-            start.elapsed()
-        );
-    }
-}

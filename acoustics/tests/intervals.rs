@@ -180,7 +180,7 @@ fn intervals_of_a_sampled_resistance_sum_to_its_energy() {
             range_hz: [100.0, 5000.0],
             ..Sampling::default()
         };
-        let sampled = rayleigh.sampled(&sampling).unwrap();
+        let sampled = rayleigh.sampled(&sampling, &|| ()).unwrap();
         let spectrum = radiated_energy("plate", &sampled, &motion).unwrap();
         let signals = radiated_signals(&sampled, &motion, &spectrum).unwrap();
         assert!(signals.mismatch() < 1e-4, "{}", signals.mismatch());
@@ -315,57 +315,4 @@ fn a_history_is_divided_by_time_and_loses_nothing() {
     assert!(history.energies_between(&[1.0]).is_empty());
     let sum = PowerHistory::sum(&[history.clone(), history], -0.75, 0.5, 8);
     assert_eq!(sum.power, [8.0, 8.0, 4.0, 4.0, 16.0, 16.0, 2.0, 2.0]);
-}
-
-/// Prints what 250 modes and 3000 bins cost: roots, signals and 19 intervals with their cuts.
-#[test]
-#[ignore = "prints the cost of one analysis"]
-fn cost_of_intervals() {
-    let (modes, samples) = (250, 8000);
-    let shapes: Vec<Box<dyn Fn(f64, f64) -> f64>> = (0..modes)
-        .map(|m| {
-            let (i, j) = (f64::from(m / 16), f64::from(m % 16));
-            Box::new(move |x: f64, y: f64| (i * PI * (x / 0.3 + 0.5)).cos() * (j * PI * (y / 0.1 + 0.5)).cos()) as _
-        })
-        .collect();
-    let borrowed: Vec<&dyn Fn(f64, f64) -> f64> = shapes.iter().map(AsRef::as_ref).collect();
-    let surface = flat(rectangle([-0.15, 0.15], [-0.05, 0.05], 36, 36), &borrowed);
-    let settings = TransformSettings {
-        range_hz: [50.0, 9500.0],
-        ..TransformSettings::default()
-    };
-    let pulse = accelerations(modes as usize);
-    let motion = ModalSpectra::from_accelerations(modes as usize, samples, 2e-5, &settings, |mode| {
-        let mut record = pulse(mode);
-        record.resize(samples, 0.0);
-        record
-    })
-    .unwrap();
-    let sampling = Sampling {
-        range_hz: [40.0, 9500.0],
-        ..Sampling::default()
-    };
-    let clock = std::time::Instant::now();
-    let sampled = Rayleigh::new(&surface, &Air::default())
-        .unwrap()
-        .sampled(&sampling)
-        .unwrap();
-    let sampled_at = clock.elapsed().as_secs_f64();
-    let spectrum = radiated_energy("plate", &sampled, &motion).unwrap();
-    let energy_at = clock.elapsed().as_secs_f64();
-    let signals = radiated_signals(&sampled, &motion, &spectrum).unwrap();
-    let signals_at = clock.elapsed().as_secs_f64();
-    let edges: Vec<f64> = (0..20).map(|i| 0.008 * f64::from(i)).collect();
-    let analysis = signals.analyse(&edges, [50.0, 9500.0]);
-    println!(
-        "{} bins, {} samples of R: sampling {sampled_at:.2} s, energy {:.2} s, roots and signals {:.2} s, intervals {:.2} s; \
-         mismatch {:.1e}, sum {:.1e}",
-        spectrum.frequency.len(),
-        sampled.sampled_hz().len(),
-        energy_at - sampled_at,
-        signals_at - energy_at,
-        clock.elapsed().as_secs_f64() - signals_at,
-        signals.mismatch(),
-        sum(&analysis.intervals) / spectrum.energy([50.0, 9500.0], Weighting::A) - 1.0
-    );
 }

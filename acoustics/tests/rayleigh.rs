@@ -165,10 +165,13 @@ fn sampling_keeps_its_tolerance() {
     let rayleigh = Rayleigh::new(&block(40, 24), &Air::default()).unwrap();
     for (tolerance, samples) in [(1e-2, 93), (1e-4, 129), (1e-7, 153)] {
         let sampled = rayleigh
-            .sampled(&Sampling {
-                tolerance,
-                ..Sampling::default()
-            })
+            .sampled(
+                &Sampling {
+                    tolerance,
+                    ..Sampling::default()
+                },
+                &|| (),
+            )
             .unwrap();
         assert!(sampled.interpolation_error() <= tolerance);
         let mut worst: f64 = 0.0;
@@ -194,10 +197,13 @@ fn sampling_keeps_its_tolerance() {
 fn entries_keep_their_slope_below_the_lowest_sample() {
     let rayleigh = Rayleigh::new(&block(40, 24), &Air::default()).unwrap();
     let sampled = rayleigh
-        .sampled(&Sampling {
-            range_hz: [40.0, 500.0],
-            ..Sampling::default()
-        })
+        .sampled(
+            &Sampling {
+                range_hz: [40.0, 500.0],
+                ..Sampling::default()
+            },
+            &|| (),
+        )
         .unwrap();
     let (exact, found) = (whole(&rayleigh, 10.0).real, sampled.resistance(10.0).real);
     // A monopole f², a dipole f⁴: the block is small against the wave, kL = 0.3 at 40 Hz.
@@ -215,7 +221,7 @@ fn energy_forms_equal_the_resistance() {
     let surface = block(40, 24);
     let sampled = Rayleigh::new(&surface, &air)
         .unwrap()
-        .sampled(&Sampling::default())
+        .sampled(&Sampling::default(), &|| ())
         .unwrap();
     let erp = Erp::new(&surface, &air);
     let hz: Vec<f64> = (0..700).map(|i| 12.0 + 14.0 * f64::from(i)).collect();
@@ -239,49 +245,16 @@ fn energy_forms_equal_the_resistance() {
 }
 
 #[test]
-#[ignore = "prints the cost of a block's radiation"]
-fn cost_of_a_block() {
-    let modes: Vec<Box<dyn Fn(f64, f64) -> f64>> = (0..170)
-        .map(|i| {
-            let (m, n) = (f64::from(i % 17), f64::from(i / 17));
-            Box::new(move |x: f64, y: f64| {
-                (m * PI * (x + 0.2032) / 0.4064).cos() * (n * PI * (y + 0.0762) / 0.1524).cos()
-            }) as Box<dyn Fn(f64, f64) -> f64>
-        })
-        .collect();
-    let modes: Vec<&dyn Fn(f64, f64) -> f64> = modes.iter().map(AsRef::as_ref).collect();
-    let surface = flat(rectangle([-0.2032, 0.2032], [-0.0762, 0.0762], 60, 24), &modes);
-    let rayleigh = Rayleigh::new(&surface, &Air::default()).unwrap();
-    for hz in [100.0, 1000.0, 10_000.0] {
-        let start = std::time::Instant::now();
-        rayleigh.resistance(hz);
-        let waves = start.elapsed();
-        let start = std::time::Instant::now();
-        let difference = difference(&rayleigh, hz);
-        println!(
-            "{hz} Hz: spherical waves {waves:.1?}, both {:.1?}, {difference:.1e}",
-            start.elapsed()
-        );
-    }
-    let start = std::time::Instant::now();
-    let sampled = rayleigh.sampled(&Sampling::default()).unwrap();
-    let (samples, error) = (sampled.sampled_hz().len(), sampled.interpolation_error());
-    println!("{samples} samples, error {error:.1e}, {:.1?}", start.elapsed());
-    let hz: Vec<f64> = (6..3000).map(|i| 3.3 * f64::from(i)).collect();
-    let a = DMatrix::from_fn(170, hz.len(), |i, j| {
-        Complex::new((i * j) as f64 % 7.0, (i + j) as f64 % 5.0)
-    });
-    let start = std::time::Instant::now();
-    let forms = sampled.energy_forms(&hz, &a);
-    println!("{} bins {:.1?} ({})", hz.len(), start.elapsed(), forms[(0, 100)]);
-}
-
-#[test]
 fn results_do_not_depend_on_threads() {
     let rayleigh = Rayleigh::new(&block(40, 24), &Air::default()).unwrap();
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| rayleigh.sampled(&Sampling::default()).unwrap().resistance(777.0))
+        pool.install(|| {
+            rayleigh
+                .sampled(&Sampling::default(), &|| ())
+                .unwrap()
+                .resistance(777.0)
+        })
     };
     assert_eq!(run(1), run(3));
 }
@@ -318,7 +291,7 @@ fn other_surfaces_are_refused() {
     };
     let error = Rayleigh::new(&block(24, 16), &Air::default())
         .unwrap()
-        .sampled(&narrow)
+        .sampled(&narrow, &|| ())
         .unwrap_err();
     assert!(matches!(error, AcousticsError::Unresolved { .. }));
 }

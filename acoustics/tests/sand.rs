@@ -103,10 +103,13 @@ fn moving_sand_gives_a_hermitian_resistance() {
     let names = moving.patches();
     assert_eq!(names, ["top", "sand"]);
     let sampled = moving
-        .sampled(&Sampling {
-            range_hz: [40.0, 3000.0],
-            ..Sampling::default()
-        })
+        .sampled(
+            &Sampling {
+                range_hz: [40.0, 3000.0],
+                ..Sampling::default()
+            },
+            &|| (),
+        )
         .unwrap();
     let hz = [30.0, 333.0, 1400.0, 2500.0];
     let a = DMatrix::from_fn(2, 4, |i, j| Complex::from_polar(1.0 + i as f64, (i * (j + 1)) as f64));
@@ -134,7 +137,7 @@ fn a_kept_resistance_radiates_as_the_computed_one() {
         tolerance: 1e-3,
         ..Sampling::default()
     };
-    let sampled = moving.sampled(&sampling).unwrap();
+    let sampled = moving.sampled(&sampling, &|| ()).unwrap();
     let bytes = sampled.clone().with_roots().to_bytes();
     let kept = SampledRadiation::from_bytes(&bytes).unwrap();
     let hz: Vec<f64> = (1..20).map(|k| 45.0 * f64::from(k)).collect();
@@ -164,7 +167,7 @@ fn sand_that_no_longer_moves_radiates_nothing() {
 #[test]
 fn moving_sand_is_resolved_over_the_whole_range() {
     let moving = block().with_moving_sand(sand()).unwrap();
-    let sampled = moving.sampled(&Sampling::default()).unwrap();
+    let sampled = moving.sampled(&Sampling::default(), &|| ()).unwrap();
     assert!(sampled.interpolation_error() <= 1e-3);
     println!("{} samples", sampled.sampled_hz().len());
     for hz in [77.0, 640.0, 1111.0, 1300.0, 1450.0, 5000.0] {
@@ -232,7 +235,7 @@ fn a_shot_has_the_same_power_by_surface_and_by_far_field() {
         range_hz: [80.0, 2000.0],
         ..Sampling::default()
     };
-    let waves = surface.sampled(&sampling).unwrap();
+    let waves = surface.sampled(&sampling, &|| ()).unwrap();
     let twice = SurfaceEvaluations::new(&surface, 2000.0);
     assert_eq!(twice.bands().last().unwrap().nominal_hz(), 2000.0);
     for (band, ratio) in twice.bands().iter().zip(twice.ratios(&waves, &spectra).unwrap()) {
@@ -446,7 +449,7 @@ fn pictures_of_bands_hold_the_power_and_what_microphones_hear() {
         range_hz: [80.0, 2000.0],
         ..Sampling::default()
     };
-    let waves = surface.sampled(&sampling).unwrap();
+    let waves = surface.sampled(&sampling, &|| ()).unwrap();
     let radiated = radiated_energy("block", &waves, &spectra).unwrap();
     let bands: Vec<Band> = (-9..=2).map(Band::new).collect();
     let directions = Directions::new(16, 48, true);

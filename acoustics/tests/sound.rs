@@ -122,7 +122,7 @@ fn pressures_between_samples_are_interpolated_like_the_resistance() {
         range_hz: [50.0, 2000.0],
         ..Sampling::default()
     };
-    let sampled = surface.sampled(&sampling).unwrap();
+    let sampled = surface.sampled(&sampling, &|| ()).unwrap();
     let places = [Point3::new(1.0, 0.3, 0.6), Point3::new(0.0, 0.0, 1.2)];
     let heard = SoundAbovePlane::new(&surface, &sampled, &places, Point3::origin()).unwrap();
     assert!(heard.error() < 1e-3, "{}", heard.error());

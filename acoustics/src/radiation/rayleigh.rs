@@ -159,22 +159,15 @@ impl Rayleigh {
         (&self.sources.points, &self.sources.strengths)
     }
 
-    /// The resistance over a range of frequencies, sampled as finely as `sampling` asks.
+    /// The resistance over a range of frequencies, sampled as finely as `sampling` asks; `progress` is called after each
+    /// frequency.
     ///
     /// # Errors
     /// An empty range, or a tolerance that the allowed number of samples cannot meet.
-    pub fn sampled(&self, sampling: &Sampling) -> Result<SampledRadiation, AcousticsError> {
-        self.sampled_telling(sampling, &|| ())
-    }
-
-    /// The same; `tell` is called whenever one more frequency has been sampled.
-    ///
-    /// # Errors
-    /// Those of [`Rayleigh::sampled`].
-    pub fn sampled_telling(
+    pub fn sampled(
         &self,
         sampling: &Sampling,
-        tell: &(dyn Fn() + Sync),
+        progress: &(dyn Fn() + Sync),
     ) -> Result<SampledRadiation, AcousticsError> {
         let method = Self::method(self.absorbing.is_some(), self.moving.is_some());
         let kinks = self
@@ -184,7 +177,7 @@ impl Rayleigh {
         let modes = self.displacement.ncols();
         SampledRadiation::new(method, modes, &self.patches, (sampling, &kinks), |hz| {
             let resistance = self.resistance(hz);
-            tell();
+            progress();
             resistance
         })
     }

@@ -31,8 +31,8 @@ impl FlushSound {
     /// then stays in that band.
     pub const WIDEST: f64 = 1.122_018_454_301_963_3;
 
-    /// Sampled as finely as `sampling` asks, at `places` above the plane, freed of the travel time from `origin`; `tell`
-    /// is called whenever one more frequency has been sampled.
+    /// Sampled as finely as `sampling` asks, at `places` above the plane, freed of the travel time from `origin`; `progress`
+    /// is called after each frequency sampled.
     ///
     /// # Errors
     /// Those of [`Rayleigh::sampled`] and [`SoundAbovePlane::new`].
@@ -41,10 +41,10 @@ impl FlushSound {
         sampling: &Sampling,
         places: &[Point3<f64>],
         origin: Point3<f64>,
-        tell: &(dyn Fn() + Sync),
+        progress: &(dyn Fn() + Sync),
     ) -> Result<Self, AcousticsError> {
         let few = surface.up_to(sampling.range_hz[1]);
-        let waves = few.sampled_telling(sampling, tell)?;
+        let waves = few.sampled(sampling, progress)?;
         let heard_of = if places.iter().all(|place| few.is_far(place)) {
             &few
         } else {

@@ -95,33 +95,16 @@ impl ModalBem {
     /// Above that the limit of high frequencies holds: flat faces by Rayleigh's integral, what is curved or small against
     /// the wave by the equivalent radiated power.
     ///
-    /// # Errors
-    /// [`AcousticsError::TooCoarse`], [`AcousticsError::Unresolved`], lengths that do not fit, no level.
-    pub fn new(levels: Vec<MeshRange>, sampling: &Sampling) -> Result<Self, AcousticsError> {
-        Self::with_receivers(levels, sampling, &Receivers::default())
-    }
-
-    /// The same, with the pressure of every mode at receivers.
+    /// Pressures of every mode are sampled at `receivers`; `progress` is called after each frequency solved.
     ///
     /// # Errors
-    /// Those of [`ModalBem::new`]; receivers below the floor or too close to the surface.
-    pub fn with_receivers(
+    /// [`AcousticsError::TooCoarse`], [`AcousticsError::Unresolved`], lengths that do not fit, no level; receivers below the
+    /// floor or too close to the surface.
+    pub fn new(
         levels: Vec<MeshRange>,
         sampling: &Sampling,
         receivers: &Receivers,
-    ) -> Result<Self, AcousticsError> {
-        Self::with_receivers_telling(levels, sampling, receivers, &|| ())
-    }
-
-    /// The same; `tell` is called whenever one more frequency has been solved.
-    ///
-    /// # Errors
-    /// Those of [`ModalBem::with_receivers`].
-    pub fn with_receivers_telling(
-        levels: Vec<MeshRange>,
-        sampling: &Sampling,
-        receivers: &Receivers,
-        tell: &(dyn Fn() + Sync),
+        progress: &(dyn Fn() + Sync),
     ) -> Result<Self, AcousticsError> {
         let Some(finest) = levels.last() else {
             return Err(AcousticsError::Length {
@@ -178,7 +161,7 @@ impl ModalBem {
             let last = number + 2 == tops.len() && next.is_some_and(|next| resolved[number] >= next);
             let kept_to = next.filter(|_| !last).unwrap_or(ladder.solved_to_hz());
             let follows = coarser.as_ref().is_some_and(|coarser| coarser.follows(level.top_hz));
-            let solver = RangeSolver::new(level, (kept_to, !follows), &chosen, receivers, tell)?;
+            let solver = RangeSolver::new(level, (kept_to, !follows), &chosen, receivers, progress)?;
             let predictor = coarser.as_ref().unwrap_or(&solver);
             let at = |solver: &RangeSolver<'_>, hz: f64| Ok(solver.at(hz)?.resistances.clone());
             let mut found = SampledRadiation::of_parities("BEM", &counts, &patches, &range, |hz| at(predictor, hz))?;

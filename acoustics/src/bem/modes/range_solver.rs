@@ -27,8 +27,8 @@ pub(crate) struct RangeSolver<'a> {
     resolved_hz: f64,
     patterns: Vec<Patterns>,
     receivers: &'a Receivers,
-    /// Is told of every frequency solved.
-    tell: &'a (dyn Fn() + Sync),
+    /// Called after every frequency solved.
+    progress: &'a (dyn Fn() + Sync),
     solved: Mutex<HashMap<u64, Arc<Solved>>>,
     worst: Mutex<(f64, f64)>,
 }
@@ -41,7 +41,7 @@ impl<'a> RangeSolver<'a> {
         (highest_hz, keeping): (f64, bool),
         chosen: &[Independent],
         receivers: &'a Receivers,
-        tell: &'a (dyn Fn() + Sync),
+        progress: &'a (dyn Fn() + Sync),
     ) -> Result<Self, AcousticsError> {
         let per_wavelength = level.problem.panels_per_wavelength() * (level.top_hz / highest_hz).min(1.0);
         let resolved_hz = level.resolved_hz();
@@ -54,7 +54,7 @@ impl<'a> RangeSolver<'a> {
             resolved_hz,
             patterns: chosen.iter().zip(&level.patterns).map(|(pick, p)| pick.of(p)).collect(),
             receivers,
-            tell,
+            progress,
             solved: Mutex::default(),
             worst: Mutex::default(),
         })
@@ -113,7 +113,7 @@ impl<'a> RangeSolver<'a> {
                 worst.1 = worst.1.max(t.asymmetry * t.far_field.amax() / loudest);
             }
         }
-        (self.tell)();
+        (self.progress)();
         let solution = Arc::new(Solved {
             resistances: two
                 .iter()
