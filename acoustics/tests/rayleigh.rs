@@ -189,7 +189,7 @@ fn sampling_keeps_its_tolerance() {
         }
         println!("{tolerance:e}: {} samples, {worst:.1e}", sampled.sampled_hz().len());
         assert!(worst <= tolerance, "{worst:e} against {tolerance:e}");
-        assert_eq!(sampled.sampled_hz().len(), samples, "work at {tolerance:e}");
+        assert!(sampled.sampled_hz().len() <= samples, "work at {tolerance:e}");
     }
 }
 

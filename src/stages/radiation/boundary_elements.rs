@@ -1,6 +1,6 @@
 //! Boundary elements of a body on several meshes: what is solved, what it costs, and the radiation matrix.
 
-use nailnoise_acoustics::bem::{Level, ModalBem, Receivers};
+use nailnoise_acoustics::bem::{MeshRange, ModalBem, Receivers};
 use nailnoise_acoustics::radiation::Sampling;
 use nalgebra::Point3;
 use serde::Serialize;
@@ -62,7 +62,7 @@ impl Places {
 
 /// The meshes of a body, and about how often each of them is solved.
 pub(super) struct MeshRanges {
-    pub(super) levels: Vec<Level>,
+    pub(super) levels: Vec<MeshRange>,
     /// Number of frequencies that are solved on each mesh, about.
     pub(super) solves: Vec<f64>,
     /// Lowest frequency that is solved \[Hz\].
@@ -71,13 +71,13 @@ pub(super) struct MeshRanges {
 
 impl MeshRanges {
     /// The finest mesh.
-    pub(super) fn finest(&self) -> Option<&Level> {
+    pub(super) fn finest(&self) -> Option<&MeshRange> {
         self.levels.last()
     }
 
     /// Processor time \[s\], about. Operators are stored for all frequencies if there are more than `few` of them.
     fn seconds(&self, few: f64) -> f64 {
-        let of_mesh = |(level, solves): (&Level, &f64)| {
+        let of_mesh = |(level, solves): (&MeshRange, &f64)| {
             let estimate = level.problem.estimate();
             let modes = level.patterns.first().map_or(0, |patterns| patterns.velocities.ncols());
             // Most modes of a symmetric body have one parity.
@@ -124,7 +124,7 @@ impl MeshRanges {
         };
         let expected = self.solves.iter().sum::<f64>() as u64;
         Ok(progress.count_each((task, "frequencies"), expected, |solved| {
-            ModalBem::with_receivers_telling(self.levels, &sampling, &places.receivers(), solved)
+            ModalBem::new(self.levels, &sampling, &places.receivers(), solved)
         })?)
     }
 }

@@ -8,7 +8,7 @@
 //! frequencies and cancel in every band that is wider; its reflection at a microphone is the sound at the microphone's image.
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::bem::{Boundary, ClosedOutline, Exterior, Level, ModalBem, Parity, Patterns};
+use nailnoise_acoustics::bem::{Boundary, ClosedOutline, Exterior, MeshRange, ModalBem, Parity, Patterns};
 use serde::Serialize;
 
 use super::MovingSurface;
@@ -68,7 +68,7 @@ impl ToolRadiation {
     ///
     /// # Errors
     /// Those of the mesh.
-    pub(crate) fn level(&self, body: &MovingSurface<'_>, air: &Air) -> Result<Level, Error> {
+    pub(crate) fn level(&self, body: &MovingSurface<'_>, air: &Air) -> Result<MeshRange, Error> {
         let outline = ClosedOutline::new(body.surface, self.floor)?;
         let motion = outline.motion(body.surface, body.modes);
         let boundary = Boundary::new(outline.mesh, self.floor)?;
@@ -79,7 +79,7 @@ impl ToolRadiation {
         let Discretisation { top_hz, panels, .. } = self.discretisation;
         let top_hz = boundary.highest_hz(air.sound_speed, panels).min(top_hz);
         let problem = Exterior::new(boundary, air).with_panels_per_wavelength(panels)?;
-        Ok(Level {
+        Ok(MeshRange {
             problem,
             top_hz,
             patterns: vec![patterns],
@@ -89,7 +89,7 @@ impl ToolRadiation {
     /// The housing's mesh, below it where that saves much a coarser one of the same surface, which resolves the same waves:
     /// alone in the lower part of the range, in the upper part to predict the matrix between the few frequencies of the
     /// finer.
-    fn levels(&self, body: &MovingSurface<'_>, air: &Air) -> Result<Vec<Level>, Error> {
+    fn levels(&self, body: &MovingSurface<'_>, air: &Air) -> Result<Vec<MeshRange>, Error> {
         let panels = self.discretisation.panels;
         let fine = self.level(body, air)?;
         let boundary = fine.problem.boundary();
@@ -109,7 +109,7 @@ impl ToolRadiation {
         };
         let patterns: Vec<Patterns> = fine.patterns.iter().map(carried).collect::<Result<_, _>>()?;
         let problem = Exterior::new(coarse, air).with_panels_per_wavelength(panels)?;
-        let below = Level {
+        let below = MeshRange {
             problem,
             top_hz: ALONE * fine.top_hz,
             patterns,
@@ -120,7 +120,7 @@ impl ToolRadiation {
 
 /// Number of frequencies that are solved on each mesh, about: alone on three pieces of the range, beside a coarser one at
 /// half as many on the last piece and in the middles of the means.
-fn solves(levels: &[Level]) -> Vec<f64> {
+fn solves(levels: &[MeshRange]) -> Vec<f64> {
     match levels {
         [_, _] => vec![
             4.0 * SAMPLES + ModalBem::IN_MEAN as f64,

@@ -7,7 +7,7 @@
 //! shape (`workpiece.mesh`) radiates from the faces of its own mesh.
 
 use nailnoise_acoustics::bem::{
-    Boundary, BoundaryMesh, Exterior, Level, ModalBem, MovingPart, Parity, Patterns, Side, SolidBox,
+    Boundary, BoundaryMesh, Exterior, MeshRange, ModalBem, MovingPart, Parity, Patterns, Side, SolidBox,
 };
 use nailnoise_acoustics::radiation::Erp;
 use nailnoise_acoustics::{AcousticsError, Air};
@@ -120,7 +120,7 @@ impl WorkpieceBoundaryElements {
     ///
     /// # Errors
     /// [`Error::NotBoxes`] for a mesh on a table that has not the sides of the design; those of mesh and radiation.
-    pub(crate) fn levels(&self, bodies: &[MovingSurface<'_>], air: &Air) -> Result<Vec<Level>, Error> {
+    pub(crate) fn levels(&self, bodies: &[MovingSurface<'_>], air: &Air) -> Result<Vec<MeshRange>, Error> {
         let of_boxes = RANGES.iter().map(|share| self.of_boxes(bodies, air, *share));
         match of_boxes.collect() {
             Err(AcousticsError::Uncovered { .. }) if !self.on_table => Ok(vec![self.of_skin(&bodies[0], air)?]),
@@ -130,7 +130,7 @@ impl WorkpieceBoundaryElements {
     }
 
     /// The boxes' surface up to a share of the top of all ranges.
-    fn of_boxes(&self, bodies: &[MovingSurface<'_>], air: &Air, share: f64) -> Result<Level, AcousticsError> {
+    fn of_boxes(&self, bodies: &[MovingSurface<'_>], air: &Air, share: f64) -> Result<MeshRange, AcousticsError> {
         let (fine, computed) = (&self.discretisation, Air::default());
         let (on_table, floor) = (self.on_table, self.floor);
         let names: &[&str] = if on_table { &PATCHES } else { &ALONE };
@@ -166,7 +166,7 @@ impl WorkpieceBoundaryElements {
         let boundary = Boundary::symmetric(mesh, mirrors, floor)?;
         let patterns = boundary.transfer(&parts)?;
         let problem = Exterior::new(boundary, air).with_panels_per_wavelength(fine.panels)?;
-        Ok(Level {
+        Ok(MeshRange {
             problem,
             top_hz: top_hz * (air.sound_speed / computed.sound_speed),
             patterns,
@@ -174,7 +174,7 @@ impl WorkpieceBoundaryElements {
     }
 
     /// The faces of a block's own mesh, up to the frequency that they resolve.
-    fn of_skin(&self, body: &MovingSurface<'_>, air: &Air) -> Result<Level, Error> {
+    fn of_skin(&self, body: &MovingSurface<'_>, air: &Air) -> Result<MeshRange, Error> {
         let (fine, computed) = (&self.discretisation, Air::default());
         let open = open_faces(body.surface, self.floor)?;
         let mut mesh = BoundaryMesh::of_skin(body.surface);
@@ -190,7 +190,7 @@ impl WorkpieceBoundaryElements {
         };
         let resolved = boundary.highest_hz(computed.sound_speed, fine.panels);
         let problem = Exterior::new(boundary, air).with_panels_per_wavelength(fine.panels)?;
-        Ok(Level {
+        Ok(MeshRange {
             problem,
             top_hz: resolved.min(fine.top_hz) * (air.sound_speed / computed.sound_speed),
             patterns: vec![patterns],
@@ -201,7 +201,7 @@ impl WorkpieceBoundaryElements {
 /// Number of frequencies that are solved on each mesh, about. The samples of a range follow how many more wavelengths twice
 /// the body's largest extent, or its height above the floor, holds at its top than at its bottom. They are solved on the
 /// mesh below and corrected by the range's own; the last mesh also solves the means above.
-fn solves(levels: &[Level], low: f64) -> Vec<f64> {
+fn solves(levels: &[MeshRange], low: f64) -> Vec<f64> {
     let mut from = low;
     let mut solves = vec![0.0; levels.len()];
     for (number, level) in levels.iter().enumerate() {
@@ -295,12 +295,12 @@ mod tests {
         workpiece(design, &Store::none()).unwrap()
     }
 
-    fn levels(design: &Design, block: &Body, air: &Air) -> Result<Vec<Level>, Error> {
+    fn levels(design: &Design, block: &Body, air: &Air) -> Result<Vec<MeshRange>, Error> {
         boundary_elements(design).levels(&[block.moving_surface()], air)
     }
 
     /// Both evaluations of the resistance of a body that shakes along an axis \[kg/s\].
-    fn shaken(level: &Level, body: &Body, axis: Vector3<f64>, hz: f64) -> [f64; 2] {
+    fn shaken(level: &MeshRange, body: &Body, axis: Vector3<f64>, hz: f64) -> [f64; 2] {
         let rigid: Vec<usize> = (0..body.omega.len()).filter(|&j| body.omega[j] == 0.0).collect();
         assert_eq!(rigid.len(), 6);
         let modes = body.skin.select_columns(&rigid).map(f64::from);
