@@ -21,6 +21,8 @@ pub(crate) struct Plan {
     pub(crate) most_samples: usize,
     /// Whether zero is a first approximation, as of a small correction.
     pub(crate) near_zero: bool,
+    /// Whether the last round itself must lie within the tolerance, whatever it gains over the one before.
+    pub(crate) cautious: bool,
 }
 
 /// A range of frequencies \[Hz\], both ends included.
@@ -98,6 +100,7 @@ pub(crate) fn sample<T: Send + Sync>(
             let zero = || misfit(&interval.tested_by(interval.nodes.len()), &samples);
             let before = before.or_else(|| plan.near_zero.then(zero));
             let found = misfit(&interval, &samples);
+            let before = before.filter(|_| !plan.cautious);
             (interval, found, extrapolated(found, before))
         };
         let judged: Vec<(Interval, f64, f64)> = pending.par_iter().map(judge).collect();

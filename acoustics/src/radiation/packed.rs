@@ -198,18 +198,17 @@ pub(super) fn diagonal(modes: usize, row: &[f64]) -> impl Iterator<Item = f64> {
     (0..modes).map(|i| row[i * (i + 3) / 2])
 }
 
-/// Square of the Frobenius norm of the Hermitian matrix in a row, each entry over the root of `scale` of both its modes.
-pub(super) fn square_norm(scale: &[f64], row: &[f64]) -> f64 {
+/// Visits the squares of all entries of the Hermitian matrix in a row, each entry over the root of `scale` of both its
+/// modes: how often the entry occurs in the matrix, then its square. Real parts come first, then imaginary ones.
+pub(super) fn scaled_squares(scale: &[f64], row: &[f64], mut visit: impl FnMut(f64, f64)) {
     let mut entries = row.iter();
-    let mut sum = 0.0;
     for diagonal in [1, 0] {
         for (j, sj) in scale.iter().enumerate() {
             for ((i, si), entry) in scale[..j + diagonal].iter().enumerate().zip(&mut entries) {
-                sum += if i == j { 1.0 } else { 2.0 } * entry * entry / (si * sj);
+                visit(if i == j { 1.0 } else { 2.0 }, entry * entry / (si * sj));
             }
         }
     }
-    sum
 }
 
 /// `factor` times the sum of some rows that stand one behind the other.

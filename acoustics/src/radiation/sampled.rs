@@ -12,6 +12,15 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
+/// How the errors of all entries make one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Norm {
+    /// The largest.
+    Largest,
+    /// The root of their mean square.
+    MeanSquare,
+}
+
 /// Samples that are added to an interval at a time and computed in parallel.
 pub(crate) const ROUND: usize = 4;
 
@@ -24,7 +33,8 @@ const OCTAVE: f64 = 2.0;
 pub struct Sampling {
     /// Lowest and highest sample \[Hz\]. Below the lowest every entry follows its own power law.
     pub range_hz: [f64; 2],
-    /// Largest interpolation error: root mean square over the entries R_ij, each relative to sqrt(R_ii R_jj).
+    /// Largest interpolation error, relative to sqrt(R_ii R_jj): of any entry R_ij, or root mean square over them where
+    /// [`SampledRadiation::of_parities`] takes the samples. Below 2e-7 it is not met: samples are kept in single precision.
     pub tolerance: f64,
     /// A mode that radiates less than this share of the best radiator at a frequency is judged against that share: its
     /// resistance is a small difference of large numbers, and its motion is hardly audible.
@@ -52,6 +62,7 @@ impl Sampling {
             round,
             most_samples: self.most_samples,
             near_zero: false,
+            cautious: false,
         }
     }
 }
@@ -114,7 +125,7 @@ impl SampledRadiation {
     ) -> Result<Self, AcousticsError> {
         let solve = |hz: f64| Ok(vec![resistance(hz)]);
         let pieces = pieces(sampling.range_hz, OCTAVE, kinks)?;
-        let mut found = Self::of_pieces(method, &[modes], patches, (sampling, &pieces), solve)?;
+        let mut found = Self::of_pieces(method, &[modes], patches, (sampling, &pieces, Norm::Largest), solve)?;
         Ok(found.swap_remove(0))
     }
 
@@ -134,14 +145,14 @@ impl SampledRadiation {
         solve: impl Fn(f64) -> Result<Vec<Vec<Resistance>>, AcousticsError> + Sync,
     ) -> Result<Vec<Self>, AcousticsError> {
         let pieces = pieces(sampling.range_hz, WIDEST, &[])?;
-        Self::of_pieces(method, modes, patches, (sampling, &pieces), solve)
+        Self::of_pieces(method, modes, patches, (sampling, &pieces, Norm::MeanSquare), solve)
     }
 
     fn of_pieces(
         method: &str,
         modes: &[usize],
         patches: &[String],
-        (sampling, pieces): (&Sampling, &[Piece]),
+        (sampling, pieces, norm): (&Sampling, &[Piece], Norm),
         solve: impl Fn(f64) -> Result<Vec<Vec<Resistance>>, AcousticsError> + Sync,
     ) -> Result<Vec<Self>, AcousticsError> {
         let take = |hz: f64| {
@@ -151,9 +162,13 @@ impl SampledRadiation {
         };
         let misfit = |interval: &Interval, samples: &[Vec<Sample>]| {
             let whole = |parity: usize, node: usize| &samples[node][parity].whole[..];
-            misfit(interval, modes, sampling.floor, whole, whole)
+            misfit(interval, modes, (sampling.floor, norm), whole, whole)
         };
-        let (grid, samples) = sample(pieces, &sampling.plan(ROUND), take, misfit)?;
+        let plan = Plan {
+            cautious: norm == Norm::Largest,
+            ..sampling.plan(ROUND)
+        };
+        let (grid, samples) = sample(pieces, &plan, take, misfit)?;
         let mut found: Vec<Vec<Packed>> = modes.iter().map(|_| Vec::new()).collect();
         for sample in samples {
             found
@@ -204,12 +219,13 @@ impl SampledRadiation {
         };
         let plan = Plan {
             near_zero: true,
+            cautious: false,
             ..sampling.plan(round)
         };
         let (grid, differences) = sample(&pieces, &plan, take, |interval, samples| {
             let whole = |parity: usize, node: usize| &samples[node][parity].0[..];
             let difference = |parity: usize, node: usize| &samples[node][parity].2[..];
-            misfit(interval, &modes, sampling.floor, difference, whole)
+            misfit(interval, &modes, (sampling.floor, Norm::MeanSquare), difference, whole)
         })?;
         for (parity, found) in found.iter_mut().enumerate() {
             for (sample, &hz) in found.samples.iter_mut().zip(found.grid.hz()) {
@@ -333,11 +349,12 @@ fn low_slopes(grid: &Grid, samples: &[Packed], modes: usize) -> Vec<f64> {
 /// ||S D S|| / ||S Q S||        S_ii = Q_ii^-1/2, no smaller resistance counted than `floor` of the largest
 /// ```
 ///
-/// This is the root mean square error of one mode's energy where modes are many and radiate independently.
+/// This is the root mean square error of one mode's energy where modes are many and radiate independently. In the norm of the
+/// largest entry it is max |(S D S)_ij|, the error of any pair of modes.
 fn misfit<'a>(
     interval: &Interval,
     modes: &[usize],
-    floor: f64,
+    (floor, norm): (f64, Norm),
     value: impl Fn(usize, usize) -> &'a [f64] + Sync,
     whole: impl Fn(usize, usize) -> &'a [f64] + Sync,
 ) -> f64 {
@@ -356,11 +373,22 @@ fn misfit<'a>(
             let whole = whole(parity, test);
             let largest = packed::diagonal(modes, whole).fold(f64::MIN_POSITIVE, f64::max);
             let scale: Vec<f64> = packed::diagonal(modes, whole).map(|q| q.max(floor * largest)).collect();
-            [&defect, whole].map(|row| packed::square_norm(&scale, row))
+            let (mut sums, mut largest) = ([0.0; 2], 0.0f64);
+            packed::scaled_squares(&scale, &defect, |times, square| {
+                sums[0] += times * square;
+                largest = largest.max(square);
+            });
+            packed::scaled_squares(&scale, whole, |times, square| sums[1] += times * square);
+            (sums, largest)
         };
-        let sums = modes.iter().enumerate().map(of_parity);
-        let [defect, whole] = sums.fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d]);
-        (defect / whole.max(f64::MIN_POSITIVE)).sqrt()
+        let found = modes.iter().enumerate().map(of_parity);
+        let ([defect, whole], largest) = found.fold(([0.0; 2], 0.0f64), |([a, b], largest), ([c, d], other)| {
+            ([a + c, b + d], largest.max(other))
+        });
+        match norm {
+            Norm::Largest => largest.sqrt(),
+            Norm::MeanSquare => (defect / whole.max(f64::MIN_POSITIVE)).sqrt(),
+        }
     };
     let defects: Vec<Vec<f64>> = interval.defects();
     let tests: Vec<(Vec<f64>, &usize)> = defects.into_iter().zip(interval.test_nodes()).collect();

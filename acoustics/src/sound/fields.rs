@@ -49,6 +49,7 @@ impl Fields {
             round: ROUND,
             most_samples: MOST,
             near_zero: false,
+            cautious: false,
         };
         let pieces: Vec<Piece> = pieces([low, high], WIDEST, &parts)?;
         let (grid, samples) = sample(&pieces, &plan, at, |interval, samples: &[Vec<Field>]| {
