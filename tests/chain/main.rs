@@ -7,6 +7,7 @@ mod common;
 mod coupling;
 mod cycle;
 mod figures;
+mod graph;
 mod laws;
 mod radiation;
 mod sensitivity;
