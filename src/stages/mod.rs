@@ -4,12 +4,13 @@
 //! calls and of its serialised fields, so that a kept result can be neither stale nor confused with another. A large input
 //! is a [`Stored`]: it counts by the key of the stage that makes it, and is made when it is first read.
 //!
-//! Stages know neither the design file nor the store. `design::inputs` makes their fields from a design, `chain` puts them
+//! Stages know neither the design file nor the store. `design::inputs` makes their fields from a design, `pipeline` puts them
 //! together, and `graph` looks them up, computes, keeps and times them.
 
 pub mod bodies;
 pub mod changes;
 mod codec;
+pub mod cycle;
 pub mod exhaust;
 pub mod intervals;
 pub mod microphones;

@@ -9,6 +9,7 @@ mod cycle;
 mod figures;
 mod graph;
 mod laws;
+mod layering;
 mod radiation;
 mod sensitivity;
 mod store;

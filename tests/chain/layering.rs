@@ -1,0 +1,286 @@
+//! The layering of the source: imports form no circle, stages know neither store nor commands, and a stage's key digests
+//! the code of all that it imports.
+//!
+//! The tests read `use` lines, as `rustfmt` writes them; paths written out in expressions are not seen.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::common::ROOT;
+
+/// A module as its path from the crate's root: `["stages", "cycle"]`.
+type Module = Vec<String>;
+
+/// The files of a crate by module.
+fn files(source: &Path) -> BTreeMap<Module, PathBuf> {
+    let mut found = BTreeMap::new();
+    let mut folders = vec![source.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(&folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                let relative = path.strip_prefix(source).unwrap().with_extension("");
+                let mut module: Module = relative
+                    .iter()
+                    .map(|part| part.to_string_lossy().into_owned())
+                    .collect();
+                if ["mod", "lib", "main"].contains(&module.last().unwrap().as_str()) {
+                    module.pop();
+                }
+                found.insert(module, path);
+            }
+        }
+    }
+    found
+}
+
+/// The paths of the `use` lines of a file, its tests left out.
+fn uses(path: &Path) -> Vec<Vec<String>> {
+    let text = fs::read_to_string(path).unwrap();
+    let code = text.split("#[cfg(test)]").next().unwrap();
+    let statements = code.split(';').filter_map(|statement| {
+        let lines = statement.lines().map(str::trim);
+        let line: String = lines
+            .skip_while(|line| !line.starts_with("use ") && !(line.starts_with("pub") && line.contains(" use ")))
+            .collect();
+        line.split_once("use ")
+            .map(|(_, path)| path.replace(char::is_whitespace, ""))
+    });
+    statements.flat_map(|path| expanded(&path)).collect()
+}
+
+/// `a::{b, c::d}` as `a::b` and `a::c::d`.
+fn expanded(path: &str) -> Vec<Vec<String>> {
+    let Some(open) = path.find('{') else {
+        let path = path
+            .split("as")
+            .next()
+            .filter(|_| path.contains("::as"))
+            .unwrap_or(path);
+        return vec![
+            path.split("::")
+                .filter(|part| !part.is_empty())
+                .map(str::to_owned)
+                .collect(),
+        ];
+    };
+    let (head, inner) = (&path[..open], path[open + 1..].trim_end_matches('}'));
+    let (mut depth, mut from, mut parts) = (0, 0, Vec::new());
+    for (at, mark) in inner.char_indices() {
+        match mark {
+            '{' => depth += 1,
+            '}' => depth -= 1,
+            ',' if depth == 0 => {
+                parts.push(inner[from..at].to_owned());
+                from = at + 1;
+            }
+            _ => {}
+        }
+    }
+    let mut last = inner[from..].to_owned();
+    // The closing braces that belong to the last part were cut off with this group's own.
+    last.extend(std::iter::repeat_n(
+        '}',
+        last.matches('{').count().saturating_sub(last.matches('}').count()),
+    ));
+    parts.push(last);
+    let nonempty = parts.iter().filter(|part| !part.is_empty());
+    nonempty.flat_map(|part| expanded(&format!("{head}{part}"))).collect()
+}
+
+/// The modules of the same crate that a module imports from.
+fn imports(module: &Module, path: &Path, files: &BTreeMap<Module, PathBuf>) -> BTreeSet<Module> {
+    let mut found = BTreeSet::new();
+    for used in uses(path) {
+        let mut at = match used[0].as_str() {
+            "crate" => Module::new(),
+            "super" | "self" => module.clone(),
+            _ => continue,
+        };
+        for part in &used {
+            match part.as_str() {
+                "crate" | "self" => {}
+                "super" => drop(at.pop()),
+                part => at.push(part.to_owned()),
+            }
+        }
+        while !at.is_empty() && !files.contains_key(&at) {
+            at.pop();
+        }
+        if at != *module {
+            found.insert(at);
+        }
+    }
+    found
+}
+
+/// A file that only gathers its folder's modules.
+fn gathers(path: &Path) -> bool {
+    ["mod.rs", "lib.rs", "main.rs"].contains(&path.file_name().unwrap().to_str().unwrap())
+}
+
+/// A circle of imports, if there is one.
+fn circle(graph: &BTreeMap<Module, BTreeSet<Module>>) -> Option<Vec<Module>> {
+    let mut done = BTreeSet::new();
+    fn visit<'a>(
+        at: &'a Module,
+        graph: &'a BTreeMap<Module, BTreeSet<Module>>,
+        path: &mut Vec<&'a Module>,
+        done: &mut BTreeSet<&'a Module>,
+    ) -> Option<Vec<Module>> {
+        if let Some(from) = path.iter().position(|&module| module == at) {
+            return Some(path[from..].iter().map(|&module| module.clone()).collect());
+        }
+        if !done.insert(at) {
+            return None;
+        }
+        path.push(at);
+        let found = graph
+            .get(at)
+            .into_iter()
+            .flatten()
+            .find_map(|next| visit(next, graph, path, done));
+        path.pop();
+        found
+    }
+    graph
+        .keys()
+        .find_map(|module| visit(module, graph, &mut Vec::new(), &mut done))
+}
+
+fn assert_no_circle(source: &str) {
+    let files = files(&Path::new(ROOT).join(source));
+    let own = files.iter().filter(|(_, path)| !gathers(path));
+    let graph = own.map(|(module, path)| {
+        let imported = imports(module, path, &files);
+        let imported = imported.into_iter().filter(|other| !gathers(&files[other])).collect();
+        (module.clone(), imported)
+    });
+    assert_eq!(circle(&graph.collect()), None, "imports of {source} form a circle");
+}
+
+#[test]
+fn imports_of_dynamics_form_no_circle() {
+    assert_no_circle("dynamics/src");
+}
+
+#[test]
+fn imports_of_meshes_form_no_circle() {
+    assert_no_circle("meshes/src");
+}
+
+#[test]
+fn imports_of_fem_form_no_circle() {
+    assert_no_circle("fem/src");
+}
+
+#[test]
+fn imports_of_acoustics_form_no_circle() {
+    assert_no_circle("acoustics/src");
+}
+
+#[test]
+fn imports_of_the_program_form_no_circle() {
+    assert_no_circle("src");
+}
+
+#[test]
+fn a_circle_would_be_found() {
+    let module = |name: &str| vec![name.to_owned()];
+    let graph = BTreeMap::from([
+        (module("a"), BTreeSet::from([module("b")])),
+        (module("b"), BTreeSet::from([module("c")])),
+        (module("c"), BTreeSet::from([module("b")])),
+    ]);
+    assert_eq!(circle(&graph), Some(vec![module("b"), module("c")]));
+}
+
+/// Modules of the program that no stage may import from.
+const ABOVE_STAGES: [&str; 7] = ["store", "graph", "chain", "commands", "report", "output", "study"];
+
+#[test]
+fn stages_know_neither_store_nor_graph_nor_commands() {
+    let files = files(&Path::new(ROOT).join("src"));
+    for (module, path) in files
+        .iter()
+        .filter(|(module, _)| module.first().is_some_and(|first| first == "stages"))
+    {
+        for other in imports(module, path, &files) {
+            let first = other.first().map_or("", String::as_str);
+            assert!(
+                !ABOVE_STAGES.contains(&first),
+                "{} imports from {first}",
+                path.display()
+            );
+        }
+        let sees_designs = uses(path).iter().any(|used| used.join("::") == "crate::design::Design");
+        assert!(!sees_designs, "{} takes a whole design", path.display());
+    }
+}
+
+/// The units of code that a `code![...]` names.
+fn named_units(text: &str) -> Vec<BTreeSet<String>> {
+    let lists = text.split("code![").skip(1).filter_map(|rest| rest.split(']').next());
+    lists
+        .map(|list| {
+            list.split(',')
+                .map(|unit| unit.trim().to_owned())
+                .filter(|unit| !unit.is_empty())
+                .collect()
+        })
+        .collect()
+}
+
+/// Modules of `stages` that hold no physics: their code reaches no result.
+const WITHOUT_PHYSICS: [&str; 3] = ["stages_codec", "stages_progress", "stages_mod"];
+
+#[test]
+fn the_code_in_a_stages_key_is_that_of_all_it_imports() {
+    let files = files(&Path::new(ROOT).join("src"));
+    // What each unit of src/stages imports: crates of the workspace and other units.
+    let mut imported: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for (module, path) in files
+        .iter()
+        .filter(|(module, _)| module.len() > 1 && module[0] == "stages")
+    {
+        let units = imported.entry(format!("stages_{}", module[1])).or_default();
+        for used in uses(path) {
+            if let Some(name) = used[0].strip_prefix("nailnoise_") {
+                units.insert(name.to_owned());
+            }
+        }
+        for other in imports(module, path, &files) {
+            if other.len() > 1 && other[0] == "stages" {
+                units.insert(format!("stages_{}", other[1]));
+            }
+        }
+    }
+    let mut stages = 0;
+    for (module, path) in files
+        .iter()
+        .filter(|(module, _)| module.len() > 1 && module[0] == "stages")
+    {
+        let text = fs::read_to_string(path).unwrap();
+        for named in named_units(&text) {
+            stages += 1;
+            let own = format!("stages_{}", module[1]);
+            let mut needed = BTreeSet::from([own.clone()]);
+            let mut open = vec![own];
+            while let Some(unit) = open.pop() {
+                for next in imported.get(&unit).into_iter().flatten() {
+                    if needed.insert(next.clone()) {
+                        open.push(next.clone());
+                    }
+                }
+            }
+            needed.retain(|unit| !WITHOUT_PHYSICS.contains(&unit.as_str()));
+            // The digest of a crate includes those of the crates below it.
+            let missing: Vec<_> = needed.difference(&named).collect();
+            assert!(missing.is_empty(), "{}: code![...] lacks {missing:?}", path.display());
+        }
+    }
+    assert!(stages > 0);
+}
