@@ -320,7 +320,7 @@ fn csv(laws: &[PenetrationCurve]) -> Result<String, CurveError> {
 
 fn list() -> ExitCode {
     let laws: Vec<Vec<String>> = PenetrationLaw::ALL
-        .into_iter()
+        .iter()
         .map(|law| {
             let fit = law.fit_quality();
             let numbers = [
@@ -375,7 +375,7 @@ fn list_json() -> Result<ExitCode, Error> {
         fit: FitQuality,
     }
     let laws: Vec<Law> = PenetrationLaw::ALL
-        .into_iter()
+        .iter()
         .map(|law| Law {
             name: law.as_str(),
             coefficients: law.coefficients(),

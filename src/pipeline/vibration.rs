@@ -212,8 +212,11 @@ pub(super) fn moved(
 /// The tool's side of a run: at rest while its cycle is not known.
 enum ToolSide {
     Still(Box<Option<GraphBody>>),
-    Moved(Box<(Option<Tool>, Sound, Option<(f64, ExhaustSource)>)>),
+    Moved(Box<ToolInMotion>),
 }
+
+/// The elastic tool, its sound, and the exhaust with the end of the records that it was computed for \[s\].
+type ToolInMotion = (Option<Tool>, Sound, Option<(f64, ExhaustSource)>);
 
 /// What a cycle does to the tool's body, a rigid one without modes, and how it sounds.
 fn tool_in_motion(

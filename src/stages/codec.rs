@@ -135,7 +135,7 @@ impl<T: HasMatrix + Serialize + DeserializeOwned> Codec<T> for WithMatrix {
         from.read_exact(&mut head).map_err(Undecodable::new)?;
         let (mut value, (rows, columns)): (T, (usize, usize)) =
             postcard::from_bytes(&head).map_err(Undecodable::new)?;
-        let count = rows.checked_mul(columns).unwrap_or(usize::MAX);
+        let count = rows.saturating_mul(columns);
         if count.checked_mul(size) != Some(of_entries) {
             return Err(Undecodable::new("the matrix has another size"));
         }

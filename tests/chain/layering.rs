@@ -44,7 +44,7 @@ fn uses(path: &Path) -> Vec<Vec<String>> {
     let statements = code.split(';').filter_map(|statement| {
         let lines = statement.lines().map(str::trim);
         let line: String = lines
-            .skip_while(|line| !line.starts_with("use ") && !(line.starts_with("pub") && line.contains(" use ")))
+            .skip_while(|line| !(line.starts_with("use ") || line.starts_with("pub") && line.contains(" use ")))
             .collect();
         line.split_once("use ")
             .map(|(_, path)| path.replace(char::is_whitespace, ""))

@@ -106,7 +106,7 @@ fn workpiece(design: &Design) -> Result<Geometry, Error> {
             size: block_size(design),
             element: design.analysis.workpiece_element,
         }),
-        materials: PartMaterials::Same(material),
+        materials: PartMaterials::Same(Box::new(material)),
         clamped: (support.kind == SupportKind::Clamped).then_some("bottom"),
         sand,
         remainder: None,
@@ -351,8 +351,11 @@ pub(crate) fn side_supports(design: &Design) -> Result<Vec<Support>, Error> {
     Ok(side_sand.supports(&base, &sand, s.side_contact))
 }
 
-/// The springs whose body the design has, by name, each with its axes: direction, stiffness and damping.
-fn springs(design: &Design) -> impl Iterator<Item = (&String, &Spring, Vec<([f64; 3], f64, f64)>)> {
+/// An axis of a spring: direction, stiffness \[N/m\] and damping \[N s/m\].
+type SpringAxis = ([f64; 3], f64, f64);
+
+/// The springs whose body the design has, by name, each with its axes.
+fn springs(design: &Design) -> impl Iterator<Item = (&String, &Spring, Vec<SpringAxis>)> {
     let present = design.springs.iter().filter(|(_, spring)| design.has(spring.body));
     present.map(|(name, spring)| {
         let axes = [
@@ -367,7 +370,7 @@ fn springs(design: &Design) -> impl Iterator<Item = (&String, &Spring, Vec<([f64
 
 /// Feet of all springs, as they act on one body.
 fn spring_feet(design: &Design, body: Sprung) -> Vec<SpringFoot> {
-    let foot = |(name, spring, axes): (&String, &Spring, Vec<([f64; 3], f64, f64)>)| SpringFoot {
+    let foot = |(name, spring, axes): (&String, &Spring, Vec<SpringAxis>)| SpringFoot {
         name: name.clone(),
         place: (spring.body == body).then_some(([spring.x, spring.y, spring.z], spring.radius)),
         axes: axes.into_iter().map(|(axis, ..)| axis).collect(),

@@ -90,7 +90,7 @@ pub struct MeshFile {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum PartMaterials {
     /// One material for all parts.
-    Same(Material),
+    Same(Box<Material>),
     /// By the name of the part; the first also for the part of a mesh that has only one, whatever its name.
     Named(Vec<(&'static str, Material)>),
 }
@@ -223,7 +223,7 @@ impl PartMaterials {
     /// One material a part.
     fn of(&self, mesh: &Mesh) -> Result<Vec<Material>, Error> {
         let named = match self {
-            Self::Same(material) => return Ok(vec![material.clone(); mesh.part_names.len()]),
+            Self::Same(material) => return Ok(vec![(**material).clone(); mesh.part_names.len()]),
             Self::Named(named) => named,
         };
         let of_part = |name: &String| match named.iter().find(|(known, _)| known == name) {
