@@ -1,4 +1,5 @@
 //! Parameters of the base design, read from its file.
+#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
 use std::path::Path;
 
