@@ -43,7 +43,7 @@ pub trait Stage: Serialize + Send + Sync + 'static {
     type Codec: Codec<Self::Output>;
     /// Its name in the store, in progress and in the timing of a run.
     const NAME: &'static str;
-    /// Digests of the code that it calls, see [`code!`](crate::stages::code).
+    /// Digests of the code that it calls, made by the macro `code!`.
     const CODE: Code;
 
     /// The inputs that it reads in every case; they are made side by side before [`compute`](Self::compute) is called.

@@ -78,7 +78,7 @@ fn limits(design: &Design, kind: BodyKind) -> (f64, f64) {
 /// Geometry and materials of a body; `remesh` has gmsh mesh the tool body even if a mesh of its dimensions ships.
 ///
 /// # Errors
-/// As [`body`].
+/// As `body`.
 pub fn geometry(design: &Design, kind: BodyKind, remesh: bool) -> Result<Geometry, Error> {
     match kind {
         BodyKind::Workpiece => workpiece(design),

@@ -1,7 +1,7 @@
 //! Response of workpiece and support to a shot: modal bodies on supports that can lose contact.
 //!
 //! One way, the cycle has a lumped workpiece of its own, and its forces on the wood drive the bodies. Two-way, cycle and
-//! bodies are computed together (see [`coupling`]).
+//! bodies are computed together (see `coupling`).
 
 mod coupling;
 
