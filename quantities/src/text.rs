@@ -13,7 +13,7 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// The absolute value, with ambient pressure `ambient` [Pa].
+    /// The absolute value, with ambient pressure `ambient` \[Pa\].
     pub fn absolute(self, ambient: f64) -> f64 {
         if self.gauge { self.si + ambient } else { self.si }
     }
