@@ -93,7 +93,8 @@ impl WorkpieceBoundaryElements {
         ranges.note("workpiece", 0.0, progress);
         if let [only] = &ranges.levels[..] {
             progress.note(&format!(
-                "workpiece: the sides of its mesh are not those of workpiece.length, width and thickness; it radiates from its                  own faces, up to {:.0} Hz; {}",
+                "workpiece: the sides of its mesh are not those of workpiece.length, width and thickness; it radiates from its \
+                 own faces, up to {:.0} Hz; {}",
                 only.top_hz,
                 only.problem.boundary().mended()
             ));
