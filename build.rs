@@ -45,6 +45,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         digest_code(&root, &path, &mut digest)?;
         emit(&format!("stages_{stage}"), digest);
     }
+    for exports in ["output", "report"] {
+        let mut digest = Sha256::new();
+        digest_code(&root, &root.join("src").join(exports), &mut digest)?;
+        emit(exports, digest);
+    }
     println!("cargo:rerun-if-changed=src/stages");
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! Sound exposure levels around the exhaust of one shot, 1 m away and above a floor:
 //! `cargo run --release --example around_the_exhaust designs/n80cb.toml`.
 
-use nailnoise::{Design, pipeline};
+use nailnoise::{Design, chain};
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::exhaust::{Floor, Outlet};
 use nailnoise_acoustics::levels::Weighting;
@@ -12,7 +12,7 @@ fn main() -> Result<(), nailnoise::Error> {
         .unwrap_or_else(|| "designs/n80cb.toml".to_owned());
     let design = Design::load(path)?;
     let air = Air::at(design.ambient.temperature, design.ambient.pressure)?;
-    let openings = pipeline::exhaust_openings(&design, &pipeline::cycle(&design)?)?;
+    let openings = chain::exhaust_openings(&design, &chain::cycle(&design)?)?;
     // No direction of the jets is published; here they blow to the front, 1.2 m above the floor.
     let outlet = Outlet {
         position: [0.0, 0.0, 1.2],

@@ -1,14 +1,18 @@
 //! The modes of the wood block, proven complete: `cargo run --release --example block`.
 
-use nailnoise::store::Store;
-use nailnoise::{Design, pipeline};
+use nailnoise::Design;
+use nailnoise::chain::BodyStages;
+use nailnoise::graph::Graph;
+use nailnoise::stages::bodies::BodyKind;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let file = std::env::args()
         .nth(1)
         .unwrap_or_else(|| "designs/n80cb.toml".to_owned());
     let design = Design::load(file)?;
-    let block = pipeline::workpiece(&design, &Store::none())?;
+    let block = BodyStages::add(&Graph::default(), &design, BodyKind::Workpiece, true)?
+        .body
+        .get()?;
     let basis = &block.basis;
     let elastic = basis.hz.iter().zip(&basis.rigid).filter(|(_, rigid)| !**rigid);
     for (hz, _) in elastic.take(5) {

@@ -1,6 +1,6 @@
 //! What supply pressure does to the shot and to its exhaust: `cargo run --release --example pressure`.
 
-use nailnoise::{Design, pipeline};
+use nailnoise::{Design, chain};
 use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -11,8 +11,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("kPa  m/s  mm  g of air  dB(A) of the exhaust");
     for kilopascal in [650.0, 700.0, 750.0, 800.0, 850.0] {
         design.supply.pressure = 1e3 * kilopascal;
-        let record = pipeline::cycle(&design)?;
-        let openings = pipeline::exhaust_openings(&design, &record)?;
+        let record = chain::cycle(&design)?;
+        let openings = chain::exhaust_openings(&design, &record)?;
         let parts: Vec<SourceSpectrum> = openings.into_iter().map(|opening| opening.spectrum).collect();
         let exhaust = SourceSpectrum::sum("exhaust", "all openings", &parts);
         let (shot, level) = (&record.summary, exhaust.level([50.0, 10_000.0], Weighting::A));

@@ -1,19 +1,14 @@
 //! Ranks the sources of a design: `cargo run --release --example rank designs/n80cb.toml`.
 
-use nailnoise::store::Store;
-use nailnoise::{Design, pipeline};
+use nailnoise::chain::{self, Options};
+use nailnoise::{Design, graph::Graph};
 
 fn main() -> Result<(), nailnoise::Error> {
     let path = std::env::args()
         .nth(1)
         .unwrap_or_else(|| "designs/n80cb.toml".to_owned());
     let design = Design::load(path)?;
-    let run = pipeline::run(
-        &design,
-        pipeline::Options::default(),
-        &Store::none(),
-        &nailnoise::stages::Progress::silent(),
-    )?;
+    let run = chain::run(&Graph::default(), &design, Options::default())?;
     for source in &run.result.ranking {
         match source.lwa_db {
             Some(level) => println!("{:<10} {level:6.1} dB(A)  {}", source.source, source.method),

@@ -1,21 +1,23 @@
 //! Everything a run leaves behind as one value, kept from run to run: an unchanged design is not computed again.
 
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
+use std::sync::Arc;
 use std::time::Duration;
-use std::{fs, io};
+use std::{fs, io, thread};
 
-use nailnoise_dynamics::CycleRecord;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::chain::{Chain, Options, Run};
 use crate::design::Design;
+use crate::design::inputs::{self, located};
 use crate::error::Error;
-use crate::output::{Fields, File};
-use crate::pipeline::{self, Options, Run, Vibration};
-use crate::report::{self, Pictures, Recording};
+use crate::graph::{Graph, first_cause};
+use crate::output::{BodyFields, Fields, File};
+use crate::report::{self, BodyPictures, Pictures, Recording};
 use crate::result::Check;
-use crate::stages::Progress;
+use crate::stages::{Digest, Postcard, Progress, Stage, Stored};
 use crate::store::{Checksum, Key, Store, checksum};
 use crate::{figures, interrupt, output};
 
@@ -28,10 +30,9 @@ const UNFINISHED: &str = ".unfinished-";
 /// The microphone whose sound the report holds: in front of the device, half way up.
 const IN_THE_REPORT: usize = 1;
 
-/// Names of the stages in the cache.
-const STAGE: &str = "run";
-const OF_BODIES: &str = "sound and pictures of the bodies";
-const FIELDS: &str = "fields of the bodies";
+/// Names of the entries in the store: all files of a run, and the checksums of the files of its fields.
+const RUN: &str = "run";
+const CHECKSUMS: &str = "checksums of fields";
 
 /// Age at which an unfinished folder is nobody's.
 const ABANDONED: Duration = Duration::from_secs(3600);
@@ -46,17 +47,21 @@ pub struct Bundle {
     /// The checks.
     pub checks: Vec<Check>,
     files: Vec<File>,
-    fields: Printed,
+    fields: FieldFiles,
 }
 
 /// Paths and checksums of the files of [`Fields`]. They are most of a run's bytes and the same in all runs whose bodies move
-/// alike: what they are made of is kept once under these checksums, and they are left alone where they are in place.
+/// alike: what they are made of is kept once, and they are left alone where they are in place.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct Printed(Vec<(PathBuf, Checksum)>);
+struct FieldFiles {
+    /// Key of the fields in the store.
+    key: Digest,
+    files: Vec<(PathBuf, Checksum)>,
+}
 
-impl Printed {
+impl FieldFiles {
     /// Writes all files under a folder that nobody looks at yet.
-    fn under(folder: &Path, fields: &Fields) -> Result<Self, Error> {
+    fn write(folder: &Path, key: Digest, fields: &Fields) -> Result<Self, Error> {
         let write = |bytes: &mut Vec<u8>, file: usize| {
             let path = fields.path(file);
             fields.render(file, bytes)?;
@@ -64,11 +69,10 @@ impl Printed {
             Ok((path.to_owned(), checksum(bytes)))
         };
         let files = (0..fields.len()).into_par_iter().map_init(Vec::new, write);
-        Ok(Self(files.collect::<Result<_, Error>>()?))
-    }
-
-    fn key(&self) -> Key {
-        Key::new().with(&self.0)
+        Ok(Self {
+            key,
+            files: files.collect::<Result<_, Error>>()?,
+        })
     }
 
     /// Those that are not in their places under a folder.
@@ -78,19 +82,22 @@ impl Printed {
             let read = fs::File::open(folder.join(path)).and_then(|mut file| io::copy(&mut file, bytes));
             read.is_ok() && checksum(bytes) == *expected
         };
-        let there: Vec<bool> = self.0.par_iter().map_init(Vec::new, there).collect();
+        let there: Vec<bool> = self.files.par_iter().map_init(Vec::new, there).collect();
         (0..there.len()).filter(|&file| !there[file]).collect()
     }
 
-    /// Those that are not in their places, and what they are made of from the cache; nothing where it does not hold it.
-    fn wanted(&self, folder: &Path, cache: &Store) -> Option<Wanted> {
+    /// Those that are not in their places, and what they are made of from the store; nothing where it has lost that.
+    fn wanted(&self, folder: &Path, store: &Store) -> Option<Wanted> {
         let missing = self.missing(folder);
         if missing.is_empty() {
-            cache.renew(FIELDS, &self.key());
+            store.renew(BodyFields::NAME, &self.key);
             return Some(Wanted::default());
         }
-        let fields: Fields = cache.get(FIELDS, &self.key())?;
-        Some(Wanted { missing, fields })
+        let fields = store.load::<Fields, Postcard>(BodyFields::NAME, &self.key)?;
+        Some(Wanted {
+            missing,
+            fields: Arc::new(fields),
+        })
     }
 }
 
@@ -98,32 +105,32 @@ impl Printed {
 #[derive(Default)]
 struct Wanted {
     missing: Vec<usize>,
-    fields: Fields,
+    fields: Arc<Fields>,
 }
 
-/// How a run is told in words: the table, and the parts of the sources.
+/// A run in words: the table, and the parts of the sources.
 pub type Words = fn(&Run) -> [String; 2];
 
-/// Runs a design and leaves its files in `folder`: every file whole, `result.json` last. Nothing is computed when the
-/// cache holds what this very design gives; the flag tells whether it did.
+/// Runs a design and leaves its files in `folder`: every file whole, `result.json` last. Nothing is computed when the store
+/// holds what this very design gives; the flag says whether it did.
 ///
 /// # Errors
-/// Those of [`pipeline::run`], and [`Error::Write`] with the file that could not be written.
+/// Those of [`Chain::run`], and [`Error::Write`] with the file that could not be written.
 pub fn deliver(
     design: &Design,
     folder: &Path,
     draw: bool,
     words: Words,
-    cache: &Store,
+    store: &Store,
     progress: &Progress,
 ) -> Result<(Bundle, bool), Error> {
     let key = key(design, draw)?;
-    let kept = cache.get(STAGE, &key).and_then(|bundle: Bundle| {
-        let fields = bundle.fields.wanted(folder, cache)?;
+    let kept = store.load::<Bundle, Postcard>(RUN, &key).and_then(|bundle| {
+        let fields = bundle.fields.wanted(folder, store)?;
         Some((bundle, fields))
     });
+    store.take_notes().iter().for_each(|note| progress.note(note));
     if let Some((bundle, fields)) = kept {
-        cache.take_notes().iter().for_each(|note| progress.note(note));
         progress.stage("the design has not changed: its files are those kept from the last run");
         let _whole = interrupt::undisturbed();
         bundle.place(folder, &fields, None)?;
@@ -131,38 +138,13 @@ pub fn deliver(
     }
     let unfinished = Unfinished::within(folder)?;
     let [of_bodies, others] = unfinished.parts();
-    // The cycle's tables are the longest of all.
-    let of_cycle = OnceLock::new();
-    let beside = |record: &CycleRecord| {
-        of_cycle.get_or_init(|| output::of_cycle(record));
-    };
-    let tell = |vibration: &Vibration, record: &CycleRecord| {
-        let print = || {
-            let fields = output::fields(vibration, &record.events)?;
-            let printed = Printed::under(&of_bodies, &fields)?;
-            cache.put(FIELDS, &printed.key(), &fields);
-            Ok::<_, Error>(printed)
-        };
-        let (printed, pictures) = rayon::join(print, || Pictures::new(design, vibration));
-        Ok((pictures, printed?))
-    };
-    let options = Options::default();
-    let (mut run, (mut pictures, mut fields)) =
-        pipeline::run_telling(design, options, cache, progress, (OF_BODIES, tell), &beside)?;
-    let mut kept = Wanted::default();
-    if !of_bodies.exists() {
-        match fields.wanted(folder, cache) {
-            Some(wanted) => kept = wanted,
-            None => {
-                progress.stage("the fields are no longer kept: the bodies once more");
-                let vibration;
-                (run, vibration) = pipeline::run_in_full(design, options, cache, progress)?;
-                (pictures, fields) = tell(&vibration, &run.record)?;
-            }
-        }
-    }
+    let Made {
+        run,
+        pictures,
+        fields: (fields, wanted),
+        of_cycle,
+    } = made(design, folder, &of_bodies, store, progress).map_err(|error| located(design, error))?;
     progress.stage("writing files");
-    let of_cycle = of_cycle.into_inner().unwrap_or_else(|| output::of_cycle(&run.record));
     let mut files = files(design, &run, &pictures, draw)?;
     files.extend(of_cycle);
     let json = files.iter().find(|file| file.path == Path::new(LAST));
@@ -179,16 +161,85 @@ pub fn deliver(
         let write = |file: &File| write_plain(&others.join(&file.path), &file.content.0);
         bundle.files.par_iter().try_for_each(write)?;
         let _whole = interrupt::undisturbed();
-        bundle.place(folder, &kept, Some(&unfinished))
+        bundle.place(folder, &wanted, Some(&unfinished))
     };
-    let (placed, ()) = rayon::join(place, || cache.put(STAGE, &key, &bundle));
-    cache.take_notes().iter().for_each(|note| progress.note(note));
+    let (placed, ()) = rayon::join(place, || store.save::<_, Postcard>(RUN, &key, &bundle));
+    store.take_notes().iter().for_each(|note| progress.note(note));
     placed?;
     Ok((bundle, false))
 }
 
+/// A run with what its files are made of.
+struct Made {
+    run: Run,
+    pictures: Arc<Pictures>,
+    fields: (FieldFiles, Wanted),
+    /// Files of the cycle.
+    of_cycle: Vec<File>,
+}
+
+/// Runs a design and the exports of its bodies side by side. Files of fields that are new are written under `unfinished`.
+fn made(design: &Design, folder: &Path, unfinished: &Path, store: &Store, progress: &Progress) -> Result<Made, Error> {
+    let graph = Graph::new(Arc::new(store.clone()), progress.observer());
+    let chain = Chain::new(&graph, design, Options::default())?;
+    let pictures = graph.add(BodyPictures {
+        moving: chain.moving.clone(),
+        surroundings: inputs::exports::surroundings(design)?,
+    });
+    let fields = graph.add(BodyFields {
+        moving: chain.moving.clone(),
+        cycle: chain.cycle.clone(),
+    });
+    thread::scope(|scope| {
+        // The cycle's tables are the longest of all.
+        let of_cycle = scope.spawn(|| chain.cycle.get().map(|record| output::of_cycle(&record)));
+        let files = scope.spawn(|| field_files(&fields, folder, unfinished, store));
+        let mut outputs = chain.outputs();
+        outputs.push(&pictures);
+        let prepared = graph.prepare(&outputs);
+        let of_cycle = of_cycle.join().unwrap_or_else(|panic| resume_unwind(panic));
+        let files = files.join().unwrap_or_else(|panic| resume_unwind(panic));
+        match (prepared, of_cycle, files) {
+            (Ok(()), Ok(of_cycle), Ok(fields)) => Ok(Made {
+                run: chain.run(design)?,
+                pictures: pictures.get()?,
+                fields,
+                of_cycle,
+            }),
+            (prepared, of_cycle, files) => {
+                first_cause([prepared.err(), of_cycle.err(), files.err()].into_iter().flatten())?;
+                unreachable!("one of them has failed")
+            }
+        }
+    })
+}
+
+/// Paths and checksums of the files of fields, and those that are to be rendered. What the store does not know is rendered
+/// at once under `unfinished`.
+fn field_files(
+    fields: &Stored<Fields>,
+    folder: &Path,
+    unfinished: &Path,
+    store: &Store,
+) -> Result<(FieldFiles, Wanted), Error> {
+    let key = fields.key();
+    if let Some(files) = store.load::<FieldFiles, Postcard>(CHECKSUMS, key) {
+        let missing = files.missing(folder);
+        let fields = if missing.is_empty() {
+            store.renew(BodyFields::NAME, key);
+            Arc::default()
+        } else {
+            fields.get()?
+        };
+        return Ok((files, Wanted { missing, fields }));
+    }
+    let files = FieldFiles::write(unfinished, *key, &*fields.get()?)?;
+    store.save::<_, Postcard>(CHECKSUMS, key, &files);
+    Ok((files, Wanted::default()))
+}
+
 /// Everything the files depend on: all values, what is said about them, and which files are asked for.
-fn key(design: &Design, draw: bool) -> Result<Key, Error> {
+fn key(design: &Design, draw: bool) -> Result<Digest, Error> {
     let entries: Vec<_> = design
         .entries()
         .into_iter()
@@ -209,7 +260,8 @@ fn key(design: &Design, draw: bool) -> Result<Key, Error> {
         .with(design.name())
         .with(&design.digest())
         .with(&entries)
-        .with(&draw))
+        .with(&draw)
+        .digest())
 }
 
 /// All files but the fields and those of the cycle.
@@ -271,7 +323,7 @@ impl Bundle {
         let differing = self.files.par_iter().filter(wanted);
         let mut tasks: Vec<(&Path, Bring<'_>)> = differing.map(task).collect();
         if of_bodies.exists() {
-            let paths = self.fields.0.iter().map(|(path, _)| path.as_path());
+            let paths = self.fields.files.iter().map(|(path, _)| path.as_path());
             tasks.extend(paths.map(|path| (path, Bring::Move(of_bodies.join(path)))));
         } else {
             let of_fields = |&file: &usize| (fields.fields.path(file), Bring::Render(&fields.fields, file));

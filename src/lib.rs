@@ -1,12 +1,13 @@
 //! nailnoise predicts how much sound power each source of a pneumatic nailer radiates, from its design.
 //!
-//! [`design`] reads the design file, [`pipeline`] turns it into ranked sources, [`output`] makes files of them,
+//! [`design`] reads the design file, [`chain`] turns it into ranked sources, [`output`] makes files of them,
 //! [`figures`] draws them, [`report`] makes a page of them, [`bundle`] keeps all of it for the next run, [`comparison`] lays
 //! results side by side and [`commands`] is the command line over all of it. [`penetration`] compares penetration laws,
 //! [`sensitivity`] and [`study`] tell what a design's ranges do to its shot.
 #![forbid(unsafe_code)]
 
 pub mod bundle;
+pub mod chain;
 pub mod commands;
 pub mod comparison;
 pub mod design;
@@ -17,7 +18,6 @@ pub mod graph;
 mod interrupt;
 pub mod output;
 pub mod penetration;
-pub mod pipeline;
 pub mod report;
 pub mod result;
 pub mod sensitivity;

@@ -264,12 +264,6 @@ pub enum AcousticsError {
         /// Lowest coordinate along the axis \[m\].
         lowest: f64,
     },
-    /// Bytes that should hold radiation matrices do not.
-    #[error("these {length} bytes do not hold radiation matrices; compute them again")]
-    Damaged {
-        /// Number of bytes.
-        length: usize,
-    },
     /// A panel lies on no face of the mesh that moves it.
     #[error(
         "the faces of the volume mesh cover {share:.6} of panel {panel} near {at:?} m; body and boundary mesh must have \

@@ -35,8 +35,10 @@ mod matrix;
 pub mod muffler;
 mod quadrature;
 pub mod radiation;
+pub mod radiator;
 pub mod random;
 pub mod sound;
+pub mod sound_fields;
 mod trig;
 
 pub use air::{Air, GAS_CONSTANT, HEAT_RATIO};

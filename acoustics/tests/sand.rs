@@ -6,7 +6,7 @@ mod common;
 use common::{flat, rectangle};
 use nailnoise_acoustics::levels::{Band, Weighting};
 use nailnoise_acoustics::radiation::{
-    AbsorbingSand, Archive, ModalRadiation, ModalSpectra, MovingSand, Rayleigh, Resistance, SampledRadiation, Sampling,
+    AbsorbingSand, ModalRadiation, ModalSpectra, MovingSand, Rayleigh, Resistance, SampledRadiation, Sampling,
     SurfaceEvaluations, radiated_energy,
 };
 use nailnoise_acoustics::sound::{Around, Directions, FlushSound, SoundAbovePlane, above_plane};
@@ -138,8 +138,8 @@ fn a_kept_resistance_radiates_as_the_computed_one() {
         ..Sampling::default()
     };
     let sampled = moving.sampled(&sampling, &|| ()).unwrap();
-    let bytes = sampled.clone().with_roots().to_bytes();
-    let kept = SampledRadiation::from_bytes(&bytes).unwrap();
+    let bytes = postcard::to_stdvec(&sampled.clone().with_roots()).unwrap();
+    let kept: SampledRadiation = postcard::from_bytes(&bytes).unwrap();
     let hz: Vec<f64> = (1..20).map(|k| 45.0 * f64::from(k)).collect();
     let modes = sampled.modes();
     let a = DMatrix::from_fn(modes, hz.len(), |i, k| {
@@ -153,7 +153,7 @@ fn a_kept_resistance_radiates_as_the_computed_one() {
     close(kept.root_signals(&hz, &a), sampled.root_signals(&hz, &a));
     assert!(whole(&moving, 300.0).imaginary.is_some());
     for end in (0..bytes.len()).step_by(1 + bytes.len() / 300) {
-        assert!(SampledRadiation::from_bytes(&bytes[..end]).is_err());
+        assert!(postcard::from_bytes::<SampledRadiation>(&bytes[..end]).is_err());
     }
 }
 
@@ -244,9 +244,9 @@ fn a_shot_has_the_same_power_by_surface_and_by_far_field() {
             assert!(off.abs() < 1e-3, "{:.0} Hz: {off:e}", band.hz);
         }
     }
-    let bytes = twice.to_bytes();
-    assert_eq!(SurfaceEvaluations::from_bytes(&bytes).unwrap(), twice);
-    assert!(SurfaceEvaluations::from_bytes(&bytes[..bytes.len() - 9]).is_err());
+    let bytes = postcard::to_stdvec(&twice).unwrap();
+    assert_eq!(postcard::from_bytes::<SurfaceEvaluations>(&bytes).unwrap(), twice);
+    assert!(postcard::from_bytes::<SurfaceEvaluations>(&bytes[..bytes.len() - 9]).is_err());
     // A surface that sends out half of it is found out.
     let half = AbsorbingSand {
         resistivity: 2.5e5,
@@ -286,7 +286,7 @@ fn moving_sand_in_another_air_beside_what_is_known_of_the_surface_alone() {
             ..Sampling::default()
         };
         let found = FlushSound::new(surface, &sampling, &places, Point3::origin(), &|| ()).unwrap();
-        FlushSound::from_bytes(&found.to_bytes()).unwrap()
+        postcard::from_bytes::<FlushSound>(&postcard::to_stdvec(&found).unwrap()).unwrap()
     };
     let alone = sampled(&on_block(&standard), 4000.0 * FlushSound::WIDEST);
     let found = sampled(&exact, sand().to_hz).continued(alone.in_air(&standard, &cold, Some(absorbing)));

@@ -1,6 +1,6 @@
 //! The wood as a structure outside the cycle: what the cycle asks of it.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::CycleError;
 
@@ -69,7 +69,7 @@ pub trait Workpiece {
 }
 
 /// Work of a coupled run, and how well the two sides agree.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct CouplingWork {
     /// Steps taken together.
     pub steps: usize,

@@ -9,12 +9,14 @@ use serde::Serialize;
 
 use super::table::table;
 use super::{Common, print, print_json, progress, status_of};
+use crate::chain;
+use crate::design::inputs::cycle::{cycle_settings, parameters};
 use crate::error::Error;
 use crate::figures;
 use crate::output::{self, EVENT_NAMES};
 use crate::penetration;
-use crate::pipeline::{self, Preset};
 use crate::result::{Check, DesignId};
+use crate::stages::cycle::Preset;
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -104,13 +106,13 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let progress = progress();
     progress.stage("nailing cycle");
     let record = match (preset, &arguments.penetration_table) {
-        (Some(preset), _) => pipeline::cycle_as_published(&design, preset)?,
+        (Some(preset), _) => chain::cycle_as_published(&design, preset)?,
         (None, Some(path)) => {
-            let mut parameters = pipeline::parameters(&design)?;
+            let mut parameters = parameters(&design)?;
             parameters.penetration_table = Some(penetration::table(path)?);
-            simulate(&parameters, &pipeline::cycle_settings(&design))?
+            simulate(&parameters, &cycle_settings(&design))?
         }
-        (None, None) => pipeline::cycle(&design)?,
+        (None, None) => chain::cycle(&design)?,
     };
     let penetration_table = arguments
         .penetration_table

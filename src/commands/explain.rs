@@ -9,10 +9,10 @@ use serde::Serialize;
 use super::check::modal_cost;
 use super::table::table;
 use super::{print, print_json};
+use crate::chain;
 use crate::design::inputs::bodies as inputs;
 use crate::design::{Design, Entry, Provenance, SupportKind};
 use crate::error::Error;
-use crate::pipeline;
 use crate::stages::bodies::{BodyKind, MeshSource};
 
 /// Estimates in the table.
@@ -82,7 +82,7 @@ fn explain(design: &Design) -> Result<Explanation, Error> {
     for entry in &entries {
         *provenance.entry(entry.provenance.as_str()).or_insert(0) += 1;
     }
-    let record = pipeline::cycle(design)?;
+    let record = chain::cycle(design)?;
     let kinds: &[BodyKind] = match design.support.kind {
         SupportKind::Worktable => &[BodyKind::Workpiece, BodyKind::Worktable, BodyKind::Tool],
         SupportKind::Sandbox | SupportKind::Floor | SupportKind::Clamped | SupportKind::Springs => {

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use clap::Args;
 use nailnoise_fem::{Correlation, ModalWork, Sturm, correlate};
@@ -11,10 +12,13 @@ use serde::Serialize;
 use super::bodies::{BodyName, Own, length};
 use super::table::table;
 use super::{Common, Keeping, print, print_json, progress, status_of};
+use crate::chain::BodyStages;
+use crate::design::inputs;
 use crate::error::Error;
+use crate::graph::Graph;
 use crate::output;
-use crate::pipeline::{self, Body};
 use crate::result::{Check, DesignId};
+use crate::stages::bodies::Body;
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -75,9 +79,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     progress.stage("modes");
     let cache = arguments.keeping.cache()?;
     let kind = arguments.body.into();
-    let body = pipeline::modes_of(&design, kind, &cache, &progress)?;
-    let modes = body.modes()?;
-    let shapes = &modes.shapes;
+    let graph = Graph::new(Arc::new(cache), progress.observer());
+    let stages = BodyStages::add(&graph, &design, kind, false)?;
+    let body = stages.body.get().map_err(|error| inputs::located(&design, error))?;
+    let modes = stages.modes.get()?;
+    let shapes = body.shapes(&modes)?;
     let correlation = match (&measurement, &arguments.mac) {
         (Some(measurement), Some(path)) => {
             let found = correlate(
@@ -96,7 +102,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         files.push(output::write_motion(&folder, &body, mode as usize - 1)?);
     }
     if arguments.uff {
-        files.push(output::write_universal(&folder, design.name(), &body, shapes)?);
+        files.push(output::write_universal(
+            &folder,
+            design.name(),
+            (&body, stages.loss_factor),
+            shapes,
+        )?);
     }
     progress.end();
     let basis = &body.basis;

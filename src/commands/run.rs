@@ -1,15 +1,17 @@
 //! `nailnoise run`: the ranked sources of a design.
 
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use clap::Args;
 
 use super::table::{decibels, table};
 use super::{Common, Keeping, print, progress, status_of};
 use crate::bundle::deliver;
+use crate::chain::{Chain, Options, Run};
 use crate::error::Error;
+use crate::graph::Graph;
 use crate::output;
-use crate::pipeline::{self, Run};
 use crate::result::{Component, Coupling, RankedSource, RunResult};
 use crate::wording::{band, order};
 
@@ -41,11 +43,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let (bundle, unchanged) = deliver(&design, &folder, arguments.figures, words, &cache, &progress)?;
     let mut checks = bundle.checks.clone();
     if arguments.fields {
-        let pictures = pipeline::pictures(&design, &cache, &progress)?;
-        pictures.notes.iter().for_each(|note| progress.note(note));
-        progress.stage("writing pictures");
-        output::write_pictures(&folder, &design.digest(), &pictures)?;
-        checks.extend(pictures.checks);
+        let graph = Graph::new(Arc::new(cache), progress.observer());
+        let fields = Chain::new(&graph, &design, Options::default())?.fields.get()?;
+        fields.notes.iter().for_each(|note| progress.note(note));
+        progress.stage("writing sound fields");
+        output::write_sound_fields(&folder, &design.digest(), &fields)?;
+        checks.extend(fields.checks.iter().cloned());
     } else {
         output::remove_others(&folder, &design.digest())?;
     }

@@ -16,7 +16,7 @@ mod checks;
 mod derived;
 mod error;
 mod groups;
-pub(crate) mod inputs;
+pub mod inputs;
 mod json_schema;
 mod lists;
 mod place;
@@ -165,25 +165,6 @@ impl Design {
             };
         });
         hexadecimal(&Sha256::digest(text))
-    }
-
-    /// The keys for which `reaches` holds with their values to the last bit and the content of files, as the inputs of a
-    /// stage of the cache.
-    pub(crate) fn values_where(&self, reaches: impl Fn(&str) -> bool) -> String {
-        let mut text = String::new();
-        self.values.visit("", &mut |key, _, value| {
-            if !reaches(key) {
-                return;
-            }
-            // Writing to a string cannot fail.
-            let _ = match value {
-                Value::Number(value) => writeln!(text, "{key}={:x}", value.to_bits()),
-                Value::File(path) if path.is_empty() => writeln!(text, "{key}="),
-                Value::File(path) => writeln!(text, "{key}={}", content(&path)),
-                other => writeln!(text, "{key}={other:?}"),
-            };
-        });
-        text
     }
 
     /// Every key with its kind and value, for tests that move all of them.

@@ -3,7 +3,7 @@
 use super::decibels::colour;
 use super::sheet::{Curve, Panel};
 use super::{Figure, Shot};
-use crate::pipeline::SoundPower;
+use crate::stages::ranking::SoundPower;
 
 /// Levels shown below the highest \[dB\].
 const SHOWN: f64 = 60.0;

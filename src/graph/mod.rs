@@ -1,25 +1,26 @@
 //! Runs stages: looks their outputs up in the store, else computes and keeps them, side by side where it can; counts time.
 //!
-//! The graph contains no physics: it knows keys, codecs and inputs of stages. Within one graph every output is made once.
+//! The graph contains no physics: it knows keys, codecs and inputs of stages. Within one graph every output is made once,
+//! as long as somebody holds it: an output is freed when nothing that is still to be made reads it.
 
 mod timing;
 
 use std::any::Any;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 use timing::Stopwatch;
-pub use timing::Timing;
 
 use crate::error::Error;
-use crate::stages::{Codec, Digest, Input, Observer, Progress, Source, Stage, Stored};
+use crate::result::Timing;
+use crate::stages::{Codec, Digest, Input, Observer, Progress, Silent, Source, Stage, Stored};
 use crate::store::{Key, Store};
 
 /// A set of stages that share a store, an observer and a clock.
 #[derive(Clone)]
 pub struct Graph {
     context: Arc<Context>,
-    nodes: Arc<Mutex<HashMap<Digest, Arc<dyn Any + Send + Sync>>>>,
+    nodes: Arc<Mutex<HashMap<Digest, Weak<dyn Any + Send + Sync>>>>,
 }
 
 /// What all nodes of a graph share.
@@ -48,16 +49,16 @@ impl Graph {
         let mut nodes = self.nodes.lock().unwrap_or_else(PoisonError::into_inner);
         let known = nodes
             .get(&key)
-            .cloned()
+            .and_then(Weak::upgrade)
             .and_then(|node| node.downcast::<Node<S>>().ok());
         let node = known.unwrap_or_else(|| {
             let node = Arc::new(Node {
-                stage,
                 key,
                 context: Arc::clone(&self.context),
-                state: Mutex::new(State::Pending),
+                state: Mutex::new(State::Pending(stage)),
             });
-            nodes.insert(key, Arc::clone(&node) as Arc<dyn Any + Send + Sync>);
+            let any: Arc<dyn Any + Send + Sync> = Arc::clone(&node) as _;
+            nodes.insert(key, Arc::downgrade(&any));
             node
         });
         Stored::new(key, node)
@@ -80,7 +81,7 @@ impl Graph {
     }
 
     /// Runs work of the caller's own under a name in the timing.
-    pub fn time<T>(&self, name: &str, work: impl FnOnce() -> T) -> T {
+    pub fn time<T>(&self, name: &'static str, work: impl FnOnce() -> T) -> T {
         self.context.time(name, work)
     }
 
@@ -104,13 +105,20 @@ impl Graph {
     }
 }
 
+impl Default for Graph {
+    /// An empty graph that keeps nothing and reports no progress.
+    fn default() -> Self {
+        Self::new(Arc::default(), Arc::new(Silent))
+    }
+}
+
 /// Digest of a stage's name, of the code that it calls and of its inputs.
 pub fn key<S: Stage>(stage: &S) -> Digest {
     Key::empty().with(S::NAME).with(&S::CODE).with(stage).digest()
 }
 
 impl Context {
-    fn time<T>(&self, name: &str, work: impl FnOnce() -> T) -> T {
+    fn time<T>(&self, name: &'static str, work: impl FnOnce() -> T) -> T {
         let (value, own) = Stopwatch::run(work);
         self.timing
             .lock()
@@ -122,15 +130,15 @@ impl Context {
 
 /// A stage and what has become of it.
 struct Node<S: Stage> {
-    stage: S,
     key: Digest,
     context: Arc<Context>,
-    state: Mutex<State<S::Output>>,
+    state: Mutex<State<S>>,
 }
 
-enum State<T> {
-    Pending,
-    Done(Arc<T>),
+enum State<S: Stage> {
+    /// With the inputs, which are let go once the output is made.
+    Pending(S),
+    Done(Arc<S::Output>),
     Failed,
 }
 
@@ -142,12 +150,12 @@ impl<S: Stage> Source<S::Output> for Node<S> {
             "inputs are read before parallel work begins"
         );
         let mut state = Stopwatch::wait(|| self.state.lock().unwrap_or_else(PoisonError::into_inner));
-        match &*state {
+        let made = match &*state {
             State::Done(value) => return Ok(Arc::clone(value)),
             State::Failed => return Err(Error::Upstream { stage: S::NAME }),
-            State::Pending => {}
-        }
-        match self.make() {
+            State::Pending(stage) => self.make(stage),
+        };
+        match made {
             Ok(value) => {
                 let value = Arc::new(value);
                 *state = State::Done(Arc::clone(&value));
@@ -163,7 +171,7 @@ impl<S: Stage> Source<S::Output> for Node<S> {
 
 impl<S: Stage> Node<S> {
     /// The output from the store, else computed and kept.
-    fn make(&self) -> Result<S::Output, Error> {
+    fn make(&self, stage: &S) -> Result<S::Output, Error> {
         let Context { store, progress, .. } = &*self.context;
         if S::Codec::KEPT {
             let found = self
@@ -174,9 +182,9 @@ impl<S: Stage> Node<S> {
                 return Ok(value);
             }
         }
-        Stopwatch::wait(|| prepare(&self.stage.inputs()))?;
+        Stopwatch::wait(|| prepare(&stage.inputs()))?;
         progress.stage(S::NAME);
-        let value = self.context.time(S::NAME, || self.stage.compute(progress))?;
+        let value = self.context.time(S::NAME, || stage.compute(progress))?;
         if S::Codec::KEPT {
             self.context
                 .time(S::NAME, || store.save::<_, S::Codec>(S::NAME, &self.key, &value));
@@ -199,9 +207,15 @@ fn prepare(inputs: &[&dyn Input]) -> Result<(), Error> {
             .map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
         joined.chain([last]).collect()
     });
-    let (causes, consequences): (Vec<Error>, Vec<Error>) = results
-        .into_iter()
-        .filter_map(Result::err)
-        .partition(|error| !matches!(error, Error::Upstream { .. }));
+    first_cause(results.into_iter().filter_map(Result::err))
+}
+
+/// Fails with the first error that is a cause rather than a consequence of another, if there are errors.
+///
+/// # Errors
+/// That one.
+pub(crate) fn first_cause(errors: impl Iterator<Item = Error>) -> Result<(), Error> {
+    let (causes, consequences): (Vec<Error>, Vec<Error>) =
+        errors.partition(|error| !matches!(error, Error::Upstream { .. }));
     causes.into_iter().chain(consequences).next().map_or(Ok(()), Err)
 }

@@ -3,38 +3,6 @@
 use std::cell::Cell;
 use std::time::{Duration, Instant};
 
-use serde::{Serialize, Serializer, ser::SerializeMap};
-
-/// Wall time of each stage \[s\], in the order in which they ended; some run side by side.
-#[derive(Debug, Clone, Default)]
-pub struct Timing(Vec<(String, f64)>);
-
-impl Timing {
-    /// Adds time to a stage.
-    pub fn add(&mut self, stage: &str, time: Duration) {
-        let seconds = time.as_secs_f64();
-        match self.0.iter_mut().find(|(known, _)| known == stage) {
-            Some((_, sum)) => *sum += seconds,
-            None => self.0.push((stage.to_owned(), seconds)),
-        }
-    }
-
-    /// Stages and their times \[s\].
-    pub fn stages(&self) -> impl Iterator<Item = (&str, f64)> {
-        self.0.iter().map(|(stage, seconds)| (stage.as_str(), *seconds))
-    }
-}
-
-impl Serialize for Timing {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(self.0.len()))?;
-        for (stage, seconds) in &self.0 {
-            map.serialize_entry(stage, seconds)?;
-        }
-        map.end()
-    }
-}
-
 thread_local! {
     /// Time that this thread has spent waiting for other stages within the present one.
     static WAITED: Cell<Duration> = const { Cell::new(Duration::ZERO) };

@@ -8,8 +8,9 @@ use rayon::prelude::*;
 
 use super::columns::columns;
 use super::digits::{exponential, fixed};
-use crate::pipeline::{Driven, Run, Vibration};
+use crate::chain::Run;
 use crate::result::{RadiationReport, RunResult};
+use crate::stages::spectra::Driven;
 
 /// Rows of a long table written beside each other.
 const BLOCK: usize = 128;
@@ -65,15 +66,15 @@ pub(super) fn radiation(result: &RunResult, source: &str) -> Option<String> {
 }
 
 /// `modes.csv`: every mode of every body that takes part, rigid motions among them, with the damping of the material.
-pub(super) fn modes(vibration: &Vibration) -> String {
+pub(super) fn modes(moving: &[Driven]) -> String {
     let mut text = String::from("body,mode,frequency [Hz],loss factor [-],eigen residual [-]\n");
-    for Driven { body, .. } in vibration.driven() {
+    for Driven { body, loss_factor, .. } in moving {
         let basis = &body.basis;
         for (number, (hz, residual)) in basis.hz.iter().zip(&basis.residuals).enumerate() {
             let (hz, eta) = if basis.rigid[number] {
                 (0.0, 0.0)
             } else {
-                (*hz, body.loss_factor)
+                (*hz, *loss_factor)
             };
             let _ = writeln!(text, "{},{},{hz:.3},{eta},{residual:.1e}", body.name, number + 1);
         }

@@ -10,7 +10,8 @@ use rayon::prelude::*;
 
 use super::film::Fields;
 use crate::error::Error;
-use crate::pipeline::{Body, Driven};
+use crate::stages::bodies::Body;
+use crate::stages::spectra::Driven;
 
 /// Levels shown below the highest of a field \[dB\]; clamped points, which do not move, stand at this floor.
 const SHOWN: f64 = 60.0;
@@ -26,8 +27,8 @@ const REFERENCE: f64 = 50e-9 * 50e-9;
 ///
 /// with v the velocity vector, from the coherent sum of all modes; no lower than 60 dB below the highest point. And the
 /// same as a series of the bands that ParaView steps through, `BODY-bands.pvd`.
-pub(super) fn add(fields: &mut Fields, driven: &Driven<'_>) {
-    let Driven { body, spectra, .. } = driven;
+pub(super) fn add(fields: &mut Fields, driven: &Driven) {
+    let (body, spectra) = (&driven.body, &driven.motion.spectra);
     let factor = |octave: &Band| Some((octave.nominal_hz(), factor(spectra, [octave.low, octave.high])?));
     let (nominal, factors): (Vec<f64>, Vec<LowRank>) = octaves().par_iter().filter_map(factor).unzip();
     // phi^T C phi for each component of the vector.

@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 
 use super::File;
 use super::csv::optional;
+use crate::chain::Run;
 use crate::error::Error;
-use crate::pipeline::{Run, SAMPLE_RATE};
 use crate::result::MicrophoneReport;
+use crate::stages::microphones::SAMPLE_RATE;
 
 /// Largest sample of 24 bits: full scale.
 const FULL: f64 = 8_388_607.0;

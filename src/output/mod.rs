@@ -7,9 +7,9 @@ mod fields;
 mod film;
 mod microphones;
 mod motion;
-mod pictures;
 mod sensors;
 mod shot;
+mod sound_fields;
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -20,8 +20,11 @@ use nailnoise_meshes::vtu::{Frames, Grid};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
+use crate::chain::Run;
 use crate::error::Error;
-use crate::pipeline::{Body, Run, Vibration};
+use crate::stages::bodies::Body;
+use crate::stages::spectra::{Driven, MovingBody};
+use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, code};
 use crate::store::Bytes;
 
 pub(crate) use crate::files::write;
@@ -29,7 +32,7 @@ pub use columns::{Column, columns};
 pub use csv::EVENT_NAMES;
 pub use film::Fields;
 pub(crate) use microphones::sound;
-pub use pictures::{remove_others, write_pictures};
+pub use sound_fields::{remove_others, write_sound_fields};
 
 /// The folder of the fields in that of a run.
 const FIELDS: &str = "fields";
@@ -55,7 +58,7 @@ impl File {
     }
 }
 
-/// What a run leaves behind beside its [`fields`](fields()), [`of_cycle`] and [`of_microphones`]: `levels.csv`,
+/// What a run leaves behind beside its [fields](BodyFields), [`of_cycle`] and [`of_microphones`]: `levels.csv`,
 /// `intervals.csv`, `power.csv`, `paraview.py`, where a source's power is evaluated twice `radiation.csv` and
 /// `radiation-modes.csv` (for the tool's body `radiation-body.csv`), where the design has sensors `sensors.csv`,
 /// `sensors-spectrum.csv` and `sensors.uff`, and last `result.json`.
@@ -83,15 +86,50 @@ pub fn files(run: &Run) -> Result<Vec<File>, Error> {
 ///
 /// # Errors
 /// Those of the bodies' response.
-pub fn fields(vibration: &Vibration, events: &Events) -> Result<Fields, Error> {
+fn fields(moving: &[Driven], events: &Events) -> Result<Fields, Error> {
     let mut fields = Fields::default();
-    fields.text("modes.csv", csv::modes(vibration));
-    for driven in vibration.driven() {
+    fields.text("modes.csv", csv::modes(moving));
+    for driven in moving {
         fields.show(Frames::of(&Grid::of_surface(&driven.body.surface))?);
-        fields::add(&mut fields, &driven);
-        shot::add(&mut fields, &driven, events)?;
+        fields::add(&mut fields, driven);
+        shot::add(&mut fields, driven, events)?;
     }
     Ok(fields)
+}
+
+/// Makes the files of the bodies in motion: their modes, and their vibration for ParaView.
+#[derive(Serialize)]
+pub struct BodyFields {
+    /// The bodies.
+    pub moving: Vec<MovingBody>,
+    /// The cycle, whose events the films show.
+    pub cycle: Stored<CycleRecord>,
+}
+
+impl Stage for BodyFields {
+    type Output = Fields;
+    type Codec = Postcard;
+    const NAME: &'static str = "fields of the bodies";
+    const CODE: Code = code!(
+        dynamics,
+        meshes,
+        fem,
+        acoustics,
+        stages_bodies,
+        stages_response,
+        stages_spectra,
+        output
+    );
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        let moving = self.moving.iter().flat_map(MovingBody::inputs);
+        moving.chain([&self.cycle as &dyn Input]).collect()
+    }
+
+    fn compute(&self, _: &Progress) -> Result<Fields, Error> {
+        let moving: Vec<Driven> = self.moving.iter().map(MovingBody::get).collect::<Result<_, _>>()?;
+        fields(&moving, &self.cycle.get()?.events)
+    }
 }
 
 /// `events.csv`, `log.csv` and `histories.csv` of a cycle.
@@ -147,7 +185,12 @@ pub fn write_motion(folder: &Path, body: &Body, mode: usize) -> Result<PathBuf, 
 ///
 /// # Errors
 /// [`Error::Write`] or [`Error::Mesh`] with the file that could not be written.
-pub fn write_universal(folder: &Path, name: &str, body: &Body, shapes: &DMatrix<f64>) -> Result<PathBuf, Error> {
+pub fn write_universal(
+    folder: &Path,
+    name: &str,
+    (body, loss_factor): (&Body, f64),
+    shapes: &DMatrix<f64>,
+) -> Result<PathBuf, Error> {
     let folder = folder.join("modes").join(body.name);
     create(&folder)?;
     let path = folder.join("modes.uff");
@@ -158,7 +201,7 @@ pub fn write_universal(folder: &Path, name: &str, body: &Body, shapes: &DMatrix<
         .zip(shapes.column_iter())
         .map(|(&hz, shape)| Mode {
             hz,
-            loss_factor: body.loss_factor,
+            loss_factor,
             // Columns of a matrix that owns its values are contiguous.
             shape: shape.data.into_slice(),
         })

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use nailnoise_meshes::vtu::{self, Field, Grid};
 
 use crate::error::Error;
-use crate::pipeline::Body;
+use crate::stages::bodies::Body;
 
 /// Instants of a period.
 const FRAMES: usize = 24;

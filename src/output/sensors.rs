@@ -6,8 +6,9 @@ use nailnoise_acoustics::fourier::{Transform, TransformSettings};
 
 use super::File;
 use super::digits::{exponential, fixed};
+use crate::chain::Run;
 use crate::error::Error;
-use crate::pipeline::{Run, SensorRecord};
+use crate::stages::sensors::SensorRecord;
 
 /// Lowest frequency of the spectra \[Hz\].
 const SPECTRUM_FROM: f64 = 5.0;

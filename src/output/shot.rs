@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::film::Fields;
 use crate::error::Error;
-use crate::pipeline::Driven;
+use crate::stages::spectra::Driven;
 
 /// Instants shown after each event \[s\]: at once, and while the waves run through the body.
 const AROUND: [f64; 3] = [5e-5, 3e-4, 1e-3];
@@ -17,8 +17,8 @@ const AROUND: [f64; 3] = [5e-5, 3e-4, 1e-3];
 const ROWS: usize = 512;
 
 /// Adds `BODY-shot.pvd` and the `.vtu` of each instant: the velocity vector \[m/s\] on every point of the surface.
-pub(super) fn add(fields: &mut Fields, driven: &Driven<'_>, events: &Events) -> Result<(), Error> {
-    let (response, skin) = (driven.response, &driven.body.skin);
+pub(super) fn add(fields: &mut Fields, driven: &Driven, events: &Events) -> Result<(), Error> {
+    let (response, skin) = (&*driven.vibration.response, &driven.body.skin);
     let samples = instants(events, response);
     let velocities = response.at(driven.index, &samples, Motion::Velocity)?;
     let amplitudes = velocities.map(|v| v as f32);

@@ -6,8 +6,8 @@ use serde_json::{Value, json};
 
 use super::chart::{Chart, colour, curve, decibel, ink};
 use super::cycle::event_marks;
-use crate::pipeline::SoundPower;
 use crate::result::{RankedSource, RunResult};
+use crate::stages::ranking::SoundPower;
 
 /// Levels shown below the highest \[dB\].
 const SHOWN: f64 = 50.0;

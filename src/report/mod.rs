@@ -18,19 +18,22 @@ mod surface;
 mod tables;
 
 use maud::{Markup, PreEscaped, html};
-use nailnoise_acoustics::Air;
 use serde::{Deserialize, Serialize};
 
+use crate::chain::Run;
 use crate::comparison::Comparison;
 use crate::design::Design;
+use crate::error::Error;
 use crate::figures;
-use crate::pipeline::{Run, Vibration};
 use crate::result::RunResult;
+use crate::stages::spectra::{Driven, MovingBody};
+use crate::stages::{Code, Input, Postcard, Progress, Stage, code};
 
 pub use sound::Recording;
 
 use page::{Page, Section};
 use surface::Painted;
+pub use surface::Surroundings;
 
 /// Keys of a result that the report shows in a form of their own.
 const SHOWN: [&str; 13] = [
@@ -60,19 +63,43 @@ pub struct Pictures {
     modes: String,
 }
 
-impl Pictures {
-    /// The pictures of a shot.
-    pub fn new(design: &Design, vibration: &Vibration) -> Self {
-        let air = Air::at(design.ambient.temperature, design.ambient.pressure).unwrap_or_default();
-        let bodies: Vec<Painted<'_>> = vibration
-            .driven()
-            .map(|driven| Painted::new(design, &driven, &air))
-            .collect();
-        Self {
+/// Makes the parts of a report that show the bodies in motion.
+#[derive(Serialize)]
+pub struct BodyPictures {
+    /// The bodies.
+    pub moving: Vec<MovingBody>,
+    /// What they stand in and on.
+    pub surroundings: Surroundings,
+}
+
+impl Stage for BodyPictures {
+    type Output = Pictures;
+    type Codec = Postcard;
+    const NAME: &'static str = "pictures of the bodies";
+    const CODE: Code = code!(
+        dynamics,
+        meshes,
+        fem,
+        acoustics,
+        stages_bodies,
+        stages_response,
+        stages_spectra,
+        report
+    );
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        self.moving.iter().flat_map(MovingBody::inputs).collect()
+    }
+
+    fn compute(&self, _: &Progress) -> Result<Pictures, Error> {
+        let moving: Vec<Driven> = self.moving.iter().map(MovingBody::get).collect::<Result<_, _>>()?;
+        let paint = |driven| Painted::new(&self.surroundings, driven);
+        let bodies: Vec<Painted<'_>> = moving.iter().map(paint).collect();
+        Ok(Pictures {
             scene: scene::chart(&bodies).map(|view| view.markup().into_string()),
             sources: bodies.iter().map(|painted| painted.source().to_owned()).collect(),
             modes: modes::section(&bodies).into_string(),
-        }
+        })
     }
 }
 
@@ -220,8 +247,7 @@ fn origin(result: &RunResult) -> Markup {
     let total = result.timing.whole();
     let stages: Vec<String> = result
         .timing
-        .0
-        .iter()
+        .stages()
         .filter(|stage| stage.1 >= 0.05)
         .map(|(stage, seconds)| format!("{stage} {seconds:.1} s"))
         .collect();

@@ -40,7 +40,7 @@ pub(super) fn section(bodies: &[Painted<'_>]) -> Markup {
             thead { tr { th { "body" } th.n { "mode" } th.n { "frequency" } th.n { "alone, L" sub { "WA,1s" } " dB" } th.n { "loss factor" } } }
             tbody { @for (painted, mode) in modes.iter().take(LISTED) { tr {
                 td { (painted.body.name) } td.n { (mode + 1) } td.n { (name(painted, *mode)) }
-                td.n { (super::tables::decibels(level(painted.modes[*mode]))) } td.n { (painted.body.loss_factor) }
+                td.n { (super::tables::decibels(level(painted.modes[*mode]))) } td.n { (painted.loss_factor) }
             } } }
         } }
         p.quiet { (modes.len()) " modes in all: " a href="#checks" { "their number is proven by a Sturm count" } "." }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use nalgebra::Vector3;
 
-use crate::pipeline::Body;
+use crate::stages::bodies::Body;
 
 /// Size of a picture \[px\].
 const WIDTH: f64 = 260.0;

@@ -14,16 +14,33 @@ use nailnoise_acoustics::radiation::LowRank;
 use nailnoise_meshes::{QuadraturePoint, Surface, open_faces};
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 use rayon::prelude::*;
+use serde::Serialize;
 
-use crate::design::{Design, SupportKind};
-use crate::pipeline::{Body, BodyKind, Driven};
+use crate::design::SupportKind;
+use crate::stages::bodies::{Body, BodyKind};
+use crate::stages::spectra::Driven;
 
 /// Reference energy \[J\]: 1 pW for 1 s.
 const REFERENCE: f64 = 1e-12;
 
+/// What the bodies stand in and on.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Surroundings {
+    /// What supports the workpiece.
+    pub support: SupportKind,
+    /// Half the sides of the workpiece's underside \[m\].
+    pub half_sides: [f64; 2],
+    /// Position of the tool's nose, where its axes begin \[m\].
+    pub nose: [f64; 3],
+    /// The ambient air.
+    pub air: Air,
+}
+
 /// A body's surface with what its faces would radiate.
 pub(super) struct Painted<'a> {
     pub(super) body: &'a Body,
+    /// Loss factor of its modes \[-\].
+    pub(super) loss_factor: f64,
     /// Where its origin lies in the room \[m\].
     pub(super) origin: Vector3<f64>,
     /// Whether each face radiates into the air, rather than standing on or in something.
@@ -39,8 +56,8 @@ pub(super) struct Painted<'a> {
 }
 
 impl<'a> Painted<'a> {
-    pub(super) fn new(design: &Design, driven: &Driven<'a>, air: &Air) -> Self {
-        let Driven { body, spectra, .. } = driven;
+    pub(super) fn new(around: &Surroundings, driven: &'a Driven) -> Self {
+        let (body, spectra) = (&*driven.body, &driven.motion.spectra);
         let surface = &body.surface;
         // One point a face: the picture shows no finer detail, and a rule of one point exists for every shape.
         let points = surface.quadrature(1).unwrap_or_default();
@@ -51,7 +68,7 @@ impl<'a> Painted<'a> {
             .iter()
             .map(|point| {
                 let patch = &surface.patches[surface.faces[point.face].patch];
-                open[point.face] && !covered(design, body.name, patch, &point.position)
+                open[point.face] && !covered(around, body.name, patch, &point.position)
             })
             .collect();
         let tool = body.name == BodyKind::Tool.name();
@@ -61,7 +78,7 @@ impl<'a> Painted<'a> {
                 normal.column_mut(mode).fill(0.0);
             }
         }
-        let impedance = air.impedance();
+        let impedance = around.air.impedance();
         let modes = normal.ncols();
         let (mut whole, mut alone) = (vec![0.0; points.len()], DVector::zeros(modes));
         let [from, to] = spectra.range_hz;
@@ -98,15 +115,10 @@ impl<'a> Painted<'a> {
                 .sum();
             *energy *= impedance * area;
         }
-        // The tool's axes begin at the tip of its nose, which stands on the block.
-        let nose = Vector3::new(
-            design.nail.offset_along,
-            design.nail.offset_across,
-            design.workpiece.thickness,
-        );
         Self {
             body,
-            origin: if tool { nose } else { Vector3::zeros() },
+            loss_factor: driven.loss_factor,
+            origin: if tool { around.nose.into() } else { Vector3::zeros() },
             free,
             range_hz: spectra.range_hz,
             whole,
@@ -157,12 +169,12 @@ fn normal_modes(surface: &Surface, points: &[QuadraturePoint], modes: &DMatrix<f
 }
 
 /// Where no sound gets out: on the support, under the block, in the sand, under the feet, at welds.
-fn covered(design: &Design, body: &str, patch: &str, p: &Point3<f64>) -> bool {
-    let half = [0.5 * design.workpiece.length, 0.5 * design.workpiece.width];
+fn covered(around: &Surroundings, body: &str, patch: &str, p: &Point3<f64>) -> bool {
+    let half = around.half_sides;
     match (body, patch) {
         (_, patch) if patch.ends_with("_slave") => true, // tied to another face
-        ("workpiece", patch) if design.support.kind == SupportKind::Sandbox => patch != "top",
-        ("workpiece", "bottom") => design.support.kind != SupportKind::Springs,
+        ("workpiece", patch) if around.support == SupportKind::Sandbox => patch != "top",
+        ("workpiece", "bottom") => around.support != SupportKind::Springs,
         (_, "floor") => true,
         ("worktable", "top") => p.x.abs() < half[0] && p.y.abs() < half[1],
         _ => false,

@@ -21,9 +21,9 @@ use serde::Serialize;
 
 pub use outputs::{OUTPUTS, Output, USUAL, choose};
 
+use crate::design::inputs::cycle::{cycle_settings, parameters as cycle_parameters};
 use crate::design::{Design, Value};
 use crate::error::Error;
-use crate::pipeline;
 use crate::stages::Progress;
 use crate::study::{Parameter, taking_part};
 use extrapolate::{Estimate, extrapolate};
@@ -162,14 +162,14 @@ pub fn sensitivity(
         }
         parameters.retain(|parameter| keys.contains(&parameter.key.as_str()));
     }
-    let close = pipeline::cycle_settings(design);
+    let close = cycle_settings(design);
     let settings = |tolerance: f64, interval: f64| Settings {
         relative_tolerance: close.relative_tolerance * CLOSER * tolerance,
         sample_interval: close.sample_interval.min(SAMPLES) * interval,
         ..close.clone()
     };
-    let base = simulate(&pipeline::parameters(design)?, &settings(1.0, 1.0))?;
-    let check = simulate(&pipeline::parameters(design)?, &settings(0.5, 0.62))?;
+    let base = simulate(&cycle_parameters(design)?, &settings(1.0, 1.0))?;
+    let check = simulate(&cycle_parameters(design)?, &settings(0.5, 0.62))?;
     let read = |record: &CycleRecord| outputs.iter().map(|output| output.of(record)).collect::<Vec<_>>();
     let (values, checked) = (read(&base), read(&check));
     let noise: Vec<f64> = values
@@ -265,7 +265,7 @@ fn run(design: &Design, parameter: &Parameter, x: f64, settings: &Settings, outp
     if let Some(conflict) = moved.conflict() {
         return Run::Refused(conflict.to_string());
     }
-    let shot = match pipeline::parameters(&moved) {
+    let shot = match cycle_parameters(&moved) {
         Ok(shot) => shot,
         Err(error) => return Run::Refused(error.to_string()),
     };

@@ -15,6 +15,17 @@ pub struct Cycle {
     pub settings: Settings,
 }
 
+impl Cycle {
+    /// The same with the forms that the thesis printed.
+    #[must_use]
+    pub fn published(self, preset: Preset) -> Self {
+        Self {
+            parameters: preset.apply(self.parameters),
+            ..self
+        }
+    }
+}
+
 impl Stage for Cycle {
     type Output = CycleRecord;
     /// Computing the record takes less time than reading its 20 MB.
@@ -24,5 +35,34 @@ impl Stage for Cycle {
 
     fn compute(&self, _: &Progress) -> Result<CycleRecord, Error> {
         Ok(simulate(&self.parameters, &self.settings)?)
+    }
+}
+
+/// A published form of the model, put in the place of the forms that the design chooses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Preset {
+    /// Every form as published: gas, valve, nail, impact, contacts, intake, trigger channel and refill; without the
+    /// leak and the damping that the thesis does not have, and with the seat diameter its valve balance needs.
+    PublishedAll,
+    /// The published nail alone: elastic penetration, and no impact of the rod on the nail.
+    PublishedNailOnly,
+}
+
+impl Preset {
+    /// Its name, as in the output.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::PublishedAll => "published_all",
+            Self::PublishedNailOnly => "published_nail_only",
+        }
+    }
+
+    /// The parameters with the published forms.
+    pub fn apply(self, parameters: Parameters) -> Parameters {
+        match self {
+            Self::PublishedAll => parameters.published_all(),
+            Self::PublishedNailOnly => parameters.published_nail_only(),
+        }
     }
 }

@@ -4,7 +4,7 @@
 //! calls and of its serialised fields, so that a kept result can be neither stale nor confused with another. A large input
 //! is a [`Stored`]: it counts by the key of the stage that makes it, and is made when it is first read.
 //!
-//! Stages know neither the design file nor the store. `design::inputs` makes their fields from a design, `pipeline` puts them
+//! Stages know neither the design file nor the store. `design::inputs` makes their fields from a design, `chain` puts them
 //! together, and `graph` looks them up, computes, keeps and times them.
 
 pub mod bodies;
@@ -16,13 +16,15 @@ pub mod intervals;
 pub mod microphones;
 pub mod notes;
 mod progress;
-pub(crate) mod radiation;
+pub mod radiation;
 pub mod ranking;
 pub mod response;
 pub mod sensors;
 pub mod sound;
-pub(crate) mod spectra;
-pub(crate) mod starts;
+pub mod sound_fields;
+pub mod sources;
+pub mod spectra;
+pub mod starts;
 pub mod tool_response;
 pub mod truncation;
 

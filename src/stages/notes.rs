@@ -3,6 +3,7 @@
 use nailnoise_dynamics::{CycleRecord, Outcome};
 
 use super::exhaust::{ExhaustDetails, Muffler, Openings};
+use super::tool_response::Stiffness;
 use crate::result::RadiationReport;
 
 /// What the notes of a run are made from, beside cycle and exhaust.
@@ -16,7 +17,7 @@ pub struct NoteInputs<'a> {
     /// Radiation of workpiece and tool.
     pub radiation: [Option<&'a RadiationReport>; 2],
     /// Stiffness of an elastic tool body at the cycle's contacts.
-    pub stiffness: Option<[ContactStiffness<'a>; 2]>,
+    pub stiffness: Option<&'a [Stiffness; 2]>,
     /// Parts that are absent above a frequency.
     pub truncations: Vec<String>,
     /// How the response ended, in words.
@@ -27,17 +28,6 @@ pub struct NoteInputs<'a> {
     pub limited_sensors: Vec<(&'a str, f64)>,
     /// Springs on bodies that the design lacks.
     pub idle_springs: Vec<&'a str>,
-}
-
-/// Stiffness of the tool's body at a contact of the cycle.
-#[derive(Debug, Clone, Copy)]
-pub struct ContactStiffness<'a> {
-    /// Where.
-    pub place: &'a str,
-    /// That of the body \[N/m\].
-    pub body: f64,
-    /// That of the cycle's contact \[N/m\].
-    pub contact: f64,
 }
 
 /// Notes on one run, most important first.

@@ -1,6 +1,7 @@
 //! Accelerometers on the bodies of a shot.
 
 use std::f64::consts::FRAC_PI_8;
+use std::sync::Arc;
 
 use nailnoise_acoustics::fourier::filtered;
 use nailnoise_acoustics::radiation::MovingSand;
@@ -10,6 +11,9 @@ use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::response::Vibration;
+use super::spectra::{BodyMotion, SensorMotion};
+use super::{Code, Input, Postcard, Progress, Stage, Stored, code};
 use crate::design::Carrier;
 use crate::error::Error;
 use crate::result::SensorLevel;
@@ -19,60 +23,6 @@ const STANDARD_GRAVITY: f64 = 9.80665;
 
 /// Length of the transforms over that of the record; the slowest filter decays within the rest.
 const PADDING: f64 = 4.0;
-
-/// Where a sensor measures an elastic body.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct SensorPoint {
-    /// Name of the sensor.
-    pub name: String,
-    /// Position \[m\].
-    pub position: [f64; 3],
-    /// Direction whose scalar product with the displacement is measured \[-\].
-    pub direction: [f64; 3],
-}
-
-/// Displacement of the modes of a body at the sensors on it.
-#[derive(Debug, Clone)]
-pub struct BodySensors {
-    /// Names of the sensors.
-    pub names: Vec<String>,
-    /// Displacement along the axis of each sensor: modes x sensors \[kg^-1/2\].
-    pub shapes: DMatrix<f64>,
-}
-
-impl BodySensors {
-    /// No sensor on a body of so many modes.
-    pub fn none(modes: usize) -> Self {
-        Self {
-            names: Vec::new(),
-            shapes: DMatrix::zeros(modes, 0),
-        }
-    }
-
-    /// The sensors with their acceleration at the samples of a response: samples x sensors \[m/s2\].
-    pub fn moving(self, acceleration: DMatrix<f64>) -> SensorMotion {
-        SensorMotion {
-            names: self.names,
-            acceleration,
-        }
-    }
-}
-
-/// Acceleration of an elastic body at the sensors on it, before their band limits.
-#[derive(Debug, Clone)]
-pub struct SensorMotion {
-    /// Names of the sensors.
-    names: Vec<String>,
-    /// Acceleration along their axes at the samples of the body's response: samples x sensors \[m/s2\].
-    acceleration: DMatrix<f64>,
-}
-
-impl SensorMotion {
-    fn of(&self, name: &str) -> Option<Vec<f64>> {
-        let column = self.names.iter().position(|own| own == name)?;
-        Some(self.acceleration.column(column).iter().copied().collect())
-    }
-}
 
 /// An accelerometer with its measuring chain.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -119,12 +69,59 @@ pub struct SensorRecord {
     pub acceleration: Vec<f64>,
 }
 
+/// Signals of all sensors of a shot.
+#[derive(Serialize)]
+pub struct Sensors {
+    /// The sensors.
+    pub accelerometers: Vec<Accelerometer>,
+    /// The cycle.
+    pub cycle: Stored<CycleRecord>,
+    /// Response of workpiece and support, whose samples the signals share.
+    pub vibration: Stored<Vibration>,
+    /// Motions of the elastic bodies.
+    pub motions: Vec<Stored<BodyMotion>>,
+}
+
+impl Stage for Sensors {
+    type Output = Vec<SensorRecord>;
+    type Codec = Postcard;
+    const NAME: &'static str = "sensors";
+    const CODE: Code = code!(
+        dynamics,
+        meshes,
+        fem,
+        acoustics,
+        stages_bodies,
+        stages_response,
+        stages_sensors,
+        stages_spectra
+    );
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        let motions = self.motions.iter().map(|motion| motion as &dyn Input);
+        motions.chain([&self.cycle as &dyn Input, &self.vibration]).collect()
+    }
+
+    fn compute(&self, _: &Progress) -> Result<Vec<SensorRecord>, Error> {
+        let (record, vibration) = (self.cycle.get()?, self.vibration.get()?);
+        let motions: Vec<Arc<BodyMotion>> = self.motions.iter().map(Stored::get).collect::<Result<_, _>>()?;
+        let motions: Vec<&SensorMotion> = motions.iter().map(|motion| &motion.sensors).collect();
+        let response = &vibration.response;
+        signals(
+            &self.accelerometers,
+            (response.step, response.samples()),
+            &record,
+            &motions,
+        )
+    }
+}
+
 /// Signals of sensors on the time grid of the workpiece's response (`step` \[s\], number of `samples`). Sensors without a
 /// motion of their body are on a rigid tool, which moves as in the cycle.
 ///
 /// # Errors
 /// Those of the filter.
-pub(crate) fn signals(
+fn signals(
     sensors: &[Accelerometer],
     (step, samples): (f64, usize),
     record: &CycleRecord,

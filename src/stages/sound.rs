@@ -2,6 +2,7 @@
 
 use nailnoise_acoustics::exhaust::ExhaustHistory;
 use nailnoise_acoustics::levels::{IntervalLevels, PowerHistory, PowerSignals, SourceSpectrum};
+use nailnoise_acoustics::radiator::RadiatedSound;
 use serde::{Deserialize, Serialize};
 
 use super::intervals::EventEdges;
@@ -21,6 +22,19 @@ pub struct Sound {
     pub cross_check: Option<CrossCheck>,
     /// Comparisons of the radiated power of a surface.
     pub radiation: Option<RadiationReport>,
+}
+
+impl From<RadiatedSound> for Sound {
+    fn from(radiated: RadiatedSound) -> Self {
+        Self {
+            spectrum: radiated.spectrum,
+            signals: radiated.signals,
+            openings: Vec::new(),
+            uncertainty: radiated.uncertainty,
+            cross_check: None,
+            radiation: radiated.report,
+        }
+    }
 }
 
 /// A source whose energy over time has been analysed, without its signals.

@@ -1,18 +1,147 @@
-//! Fourier transforms of the modal accelerations of a body.
+//! Motion of a body in a shot: Fourier transforms of its modal accelerations, and its acceleration at sensors.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use nailnoise_acoustics::fourier::TransformSettings;
 use nailnoise_acoustics::radiation::ModalSpectra;
 use nailnoise_fem::transient::{ModalResponse, Motion};
 use nalgebra::DMatrix;
+use serde::Serialize;
 
+use super::bodies::{Body, BodySensors};
+use super::response::Vibration;
+use super::{Code, Input, NotKept, Progress, Stage, Stored, code};
 use crate::error::Error;
 
 /// Modes whose motion is computed together: their forces are one matrix product.
 const BLOCK: usize = 32;
+
+/// Analyses the motion of one body of a response. Its output is not kept: it is an intermediate of hundreds of megabytes.
+#[derive(Clone, Serialize)]
+pub struct BodyAnalysis {
+    /// The response.
+    pub vibration: Stored<Vibration>,
+    /// Place of the body in it.
+    pub index: usize,
+    /// Range of the spectra \[Hz\].
+    pub range_hz: [f64; 2],
+    /// Sensors on the body.
+    pub sensors: Option<Stored<BodySensors>>,
+}
+
+/// A body in motion, for exports.
+#[derive(Clone, Serialize)]
+pub struct MovingBody {
+    /// The body.
+    pub body: Stored<Body>,
+    /// Loss factor of its modes \[-\].
+    pub loss_factor: f64,
+    /// The response that it is part of.
+    pub vibration: Stored<Vibration>,
+    /// Its place in that response.
+    pub index: usize,
+    /// Its motion.
+    pub motion: Stored<BodyMotion>,
+}
+
+impl MovingBody {
+    /// What the stage of an export waits for.
+    pub fn inputs(&self) -> [&dyn Input; 3] {
+        [&self.body, &self.vibration, &self.motion]
+    }
+
+    /// The body with its motion.
+    ///
+    /// # Errors
+    /// [`Error`] of the stages that make it.
+    pub fn get(&self) -> Result<Driven, Error> {
+        Ok(Driven {
+            body: self.body.get()?,
+            loss_factor: self.loss_factor,
+            vibration: self.vibration.get()?,
+            index: self.index,
+            motion: self.motion.get()?,
+        })
+    }
+}
+
+/// A body with its motion in a shot.
+#[derive(Debug, Clone)]
+pub struct Driven {
+    /// The body.
+    pub body: Arc<Body>,
+    /// Loss factor of its modes \[-\].
+    pub loss_factor: f64,
+    /// The response that it is part of.
+    pub vibration: Arc<Vibration>,
+    /// Its place in that response.
+    pub index: usize,
+    /// Its motion.
+    pub motion: Arc<BodyMotion>,
+}
+
+/// Motion of a body.
+#[derive(Debug)]
+pub struct BodyMotion {
+    /// Fourier transforms of its modal accelerations.
+    pub spectra: ModalSpectra,
+    /// Its acceleration at the sensors on it.
+    pub sensors: SensorMotion,
+}
+
+/// Acceleration of an elastic body at the sensors on it, before their band limits.
+#[derive(Debug, Clone)]
+pub struct SensorMotion {
+    /// Names of the sensors.
+    pub names: Vec<String>,
+    /// Acceleration along their axes at the samples of the body's response: samples x sensors \[m/s2\].
+    pub acceleration: DMatrix<f64>,
+}
+
+impl SensorMotion {
+    pub(super) fn of(&self, name: &str) -> Option<Vec<f64>> {
+        let column = self.names.iter().position(|own| own == name)?;
+        Some(self.acceleration.column(column).iter().copied().collect())
+    }
+}
+
+impl Stage for BodyAnalysis {
+    type Output = BodyMotion;
+    type Codec = NotKept;
+    const NAME: &'static str = "modal spectra";
+    const CODE: Code = code!(
+        dynamics,
+        meshes,
+        fem,
+        acoustics,
+        stages_bodies,
+        stages_response,
+        stages_spectra
+    );
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        let sensors = self.sensors.iter().map(|sensors| sensors as &dyn Input);
+        sensors.chain([&self.vibration as &dyn Input]).collect()
+    }
+
+    fn compute(&self, _: &Progress) -> Result<BodyMotion, Error> {
+        let response = &self.vibration.get()?.response;
+        let (names, shapes) = match &self.sensors {
+            Some(sensors) => {
+                let sensors = sensors.get()?;
+                (sensors.names.clone(), sensors.shapes.clone())
+            }
+            None => (Vec::new(), DMatrix::zeros(response.modes(self.index)?, 0)),
+        };
+        let (spectra, acceleration) = body_spectra(response, self.index, self.range_hz, &shapes)?;
+        Ok(BodyMotion {
+            spectra,
+            sensors: SensorMotion { names, acceleration },
+        })
+    }
+}
 
 /// Spectra within `range_hz` of the modal accelerations of the body at `index` of a response, and the accelerations of points
 /// of that body at the response's samples (samples x points), given the displacement of each mode there (`points`, modes x
@@ -20,7 +149,7 @@ const BLOCK: usize = 32;
 ///
 /// # Errors
 /// Those of the response and of the Fourier transform.
-pub(crate) fn body_spectra(
+fn body_spectra(
     response: &ModalResponse,
     index: usize,
     range_hz: [f64; 2],
@@ -70,26 +199,5 @@ impl OrderedSum {
             self.sum += term;
             self.next = end;
         }
-    }
-}
-
-/// The spectra of several bodies as those of one; above the top frequency of a body its modes are at rest.
-pub(crate) fn side_by_side(spectra: &[ModalSpectra]) -> ModalSpectra {
-    let modes = spectra.iter().map(|s| s.accelerations.nrows()).sum();
-    let widest = spectra.iter().max_by_key(|s| s.frequency.len());
-    let (frequency, range_hz) = widest.map_or_else(Default::default, |s| (s.frequency.clone(), s.range_hz));
-    let mut accelerations = DMatrix::zeros(modes, frequency.len());
-    let mut row = 0;
-    for s in spectra {
-        let (rows, bins) = s.accelerations.shape();
-        accelerations
-            .view_mut((row, 0), (rows, bins))
-            .copy_from(&s.accelerations);
-        row += rows;
-    }
-    ModalSpectra {
-        frequency,
-        accelerations,
-        range_hz,
     }
 }

@@ -4,40 +4,68 @@
 //! change when and how it lands, and so its vibration. The response is computed for several such starts; their spread is part
 //! of the level's uncertainty.
 
-use nailnoise_fem::transient::SupportLaw;
+use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
+use serde::Serialize;
 
-use super::response::Shot;
+use super::sources::SurfaceSource;
+use super::{Code, Input, Postcard, Progress, Stage, Stored, code};
 use crate::error::Error;
 use crate::result::Starts;
 
-/// A-weighted levels of the workpiece for `count` starts, `first` being that of start 0 \[dB\]; none for fewer than two starts,
-/// or for a workpiece that cannot lose contact. `level` computes that of another start.
-///
-/// # Errors
-/// Those of `level`.
-pub(crate) fn starts(
-    shot: &Shot,
-    count: u32,
-    first: Option<f64>,
-    level: impl Fn(&Shot) -> Result<Option<f64>, Error>,
-) -> Result<Option<Starts>, Error> {
-    let unilateral = shot
-        .supports
-        .iter()
-        .any(|support| support.law == SupportLaw::Unilateral);
-    let (Some(first), true) = (first, unilateral && count > 1) else {
-        return Ok(None);
-    };
-    let mut levels = vec![first];
-    for start in 1..count {
-        levels.extend(level(&shot.with_start(start))?);
+/// A-weighted levels of the workpiece for several starts.
+#[derive(Serialize)]
+pub struct OtherStarts {
+    /// The workpiece of the run, whose start is the first.
+    pub first: Stored<SurfaceSource>,
+    /// Energies of the other starts.
+    pub others: Vec<Stored<SourceSpectrum>>,
+    /// Range in which sources are compared \[Hz\].
+    pub range_hz: [f64; 2],
+}
+
+impl Stage for OtherStarts {
+    /// None for a silent workpiece.
+    type Output = Option<Starts>;
+    type Codec = Postcard;
+    const NAME: &'static str = "other starts";
+    const CODE: Code = code!(
+        dynamics,
+        meshes,
+        fem,
+        acoustics,
+        stages_bodies,
+        stages_intervals,
+        stages_microphones,
+        stages_radiation,
+        stages_response,
+        stages_sound,
+        stages_sources,
+        stages_spectra,
+        stages_starts,
+        stages_truncation
+    );
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        // The others one after the other, so that no more than one motion is in memory.
+        vec![&self.first]
     }
-    let count = levels.len() as f64;
-    let mean = levels.iter().sum::<f64>() / count;
-    let squares: f64 = levels.iter().map(|level| (level - mean).powi(2)).sum();
-    Ok(Some(Starts {
-        mean_lwa_db: mean,
-        deviation_db: (squares / (count - 1.0)).sqrt(),
-        lwa_db: levels,
-    }))
+
+    fn compute(&self, _: &Progress) -> Result<Option<Starts>, Error> {
+        let level = |spectrum: &SourceSpectrum| spectrum.level(self.range_hz, Weighting::A);
+        let Some(first) = level(&self.first.get()?.source.spectrum) else {
+            return Ok(None);
+        };
+        let mut levels = vec![first];
+        for other in &self.others {
+            levels.extend(level(&*other.get()?));
+        }
+        let count = levels.len() as f64;
+        let mean = levels.iter().sum::<f64>() / count;
+        let squares: f64 = levels.iter().map(|level| (level - mean).powi(2)).sum();
+        Ok(Some(Starts {
+            mean_lwa_db: mean,
+            deviation_db: (squares / (count - 1.0)).sqrt(),
+            lwa_db: levels,
+        }))
+    }
 }

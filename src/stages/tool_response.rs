@@ -8,12 +8,15 @@
 //! the compliance is counted once. The notes of a run tell the body's own stiffness beside the lumped one.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use nailnoise_dynamics::{CycleRecord, Parameters};
 use nailnoise_fem::transient::{Loads, ModalBody, ModalResponse, ModalState, Motion, Settings, Start, respond};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
+use super::response::Vibration;
+use super::{Code, Input, NotKept, Postcard, Progress, Stage, Stored, code};
 use crate::error::Error;
 use crate::result::Check;
 use crate::stages::bodies::Body;
@@ -30,14 +33,97 @@ pub struct ToolShot {
     pub duration: f64,
 }
 
-/// Response of the tool's elastic body.
-pub struct ToolMotion {
+/// Response of the tool's elastic body to a cycle.
+#[derive(Serialize)]
+pub struct ToolResponse {
+    /// Forces and duration.
+    pub shot: ToolShot,
+    /// The body.
+    pub body: Stored<Body>,
+    /// Its loss factor \[-\].
+    pub loss_factor: f64,
+    /// Damping ratio that radiation adds to each of its modes, where it damps them \[-\].
+    pub radiation_damping: Option<Stored<Vec<Vec<f64>>>>,
+    /// The cycle.
+    pub cycle: Stored<CycleRecord>,
+}
+
+impl Stage for ToolResponse {
+    type Output = Vibration;
+    /// An intermediate of outputs that are kept.
+    type Codec = NotKept;
+    const NAME: &'static str = "response of the tool";
+    const CODE: Code = code!(
+        dynamics,
+        meshes,
+        fem,
+        stages_bodies,
+        stages_response,
+        stages_tool_response
+    );
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        let damping = self.radiation_damping.iter().map(|damping| damping as &dyn Input);
+        damping.chain([&self.body as &dyn Input, &self.cycle]).collect()
+    }
+
+    fn compute(&self, _: &Progress) -> Result<Vibration, Error> {
+        let (body, record) = (self.body.get()?, self.cycle.get()?);
+        let damping = self.radiation_damping.as_ref().map(Stored::get).transpose()?;
+        let damping = damping
+            .as_deref()
+            .and_then(|damping| damping.first())
+            .map(Vec::as_slice);
+        self.shot.response(&body, self.loss_factor, damping, &record)
+    }
+}
+
+/// Checks of the tool's body and of its response, and the body's stiffness.
+#[derive(Serialize)]
+pub struct ToolReport {
+    /// Forces and duration.
+    pub shot: ToolShot,
+    /// The body.
+    pub body: Stored<Body>,
     /// Its response.
-    pub response: ModalResponse,
-    /// Checks of the response.
+    pub vibration: Stored<Vibration>,
+}
+
+/// Output of [`ToolReport`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ToolChecks {
+    /// Checks of modes and response.
     pub checks: Vec<Check>,
-    /// Its stiffness at cap and cylinder rim beside that of the cycle's contacts \[N/m\].
+    /// Stiffness of the body at cap and cylinder rim beside that of the cycle's contacts.
     pub stiffness: [Stiffness; 2],
+}
+
+impl Stage for ToolReport {
+    type Output = ToolChecks;
+    type Codec = Postcard;
+    const NAME: &'static str = "checks of the tool";
+    const CODE: Code = code!(
+        dynamics,
+        meshes,
+        fem,
+        stages_bodies,
+        stages_response,
+        stages_tool_response
+    );
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        vec![&self.body, &self.vibration]
+    }
+
+    fn compute(&self, _: &Progress) -> Result<ToolChecks, Error> {
+        let body = self.body.get()?;
+        let mut checks = body.checks();
+        checks.extend(self.vibration.get()?.checks.iter().cloned());
+        Ok(ToolChecks {
+            checks,
+            stiffness: self.shot.stiffness(&body),
+        })
+    }
 }
 
 /// Stiffness of the tool's body at a contact of the cycle.
@@ -65,16 +151,18 @@ const VELOCITY_LIMIT: f64 = 5e-3;
 const MASS_LIMIT: f64 = 1e-3;
 
 impl ToolShot {
-    /// The response of the tool's body to a cycle. `radiation_damping` is added to the damping ratios of its modes.
+    /// The response of the tool's body to a cycle. `radiation_damping` is added to the damping ratios that its loss factor
+    /// gives its modes.
     ///
     /// # Errors
     /// Those of the transient solver, and [`MeshError`](nailnoise_meshes::MeshError) for a body without a bore.
-    pub fn response(
+    fn response(
         &self,
         body: &Body,
+        loss_factor: f64,
         radiation_damping: Option<&[f64]>,
         record: &CycleRecord,
-    ) -> Result<ToolMotion, Error> {
+    ) -> Result<Vibration, Error> {
         let parameters = &self.parameters;
         let guided = Guided::new(body, parameters.ambient.gravity);
         let loads = loads(&guided, tool_loads::histories(parameters, &body.mesh, record)?, record);
@@ -91,26 +179,30 @@ impl ToolShot {
             name: body.name.to_owned(),
             omega: body.omega.clone(),
             zeta: (0..body.omega.len())
-                .map(|j| 0.5 * body.loss_factor + of_radiation(j))
+                .map(|j| 0.5 * loss_factor + of_radiation(j))
                 .collect(),
             loads: guided.loads.clone(),
             supports: DMatrix::zeros(body.omega.len(), 0),
         };
         let response = respond(&[modal], &[], &loads, &settings)?;
-        let checks = guided.checks(parameters, record, &loads, &response)?;
-        let stiffness = [
-            (Axial::Cap, "cap", parameters.contacts.cap_stiffness),
-            (Axial::Rim, "cylinder's rim", parameters.contacts.seat_stiffness),
+        Ok(Vibration {
+            checks: guided.checks(parameters, record, &loads, &response)?,
+            response: Arc::new(response),
+        })
+    }
+
+    /// Stiffness of the body at the cycle's contacts.
+    fn stiffness(&self, body: &Body) -> [Stiffness; 2] {
+        let Parameters { ambient, contacts, .. } = &self.parameters;
+        let guided = Guided::new(body, ambient.gravity);
+        [
+            (Axial::Cap, "cap", contacts.cap_stiffness),
+            (Axial::Rim, "cylinder's rim", contacts.seat_stiffness),
         ]
         .map(|(place, name, contact)| Stiffness {
             place: name.into(),
             body: 1.0 / compliance(body, &guided.loads, place as usize),
             contact,
-        });
-        Ok(ToolMotion {
-            response,
-            checks,
-            stiffness,
         })
     }
 }

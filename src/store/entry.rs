@@ -8,12 +8,10 @@
 //! The name is the stage, a hyphen, and the digest of the inputs in hexadecimal digits.
 
 use std::fs::File;
-use std::io::{self, BufReader, BufWriter, Read, Seek as _, SeekFrom, Write};
+use std::io::{self, BufReader, Read, Seek as _, SeekFrom, Write};
 use std::path::Path;
 use std::time::SystemTime;
 
-use serde::Serialize;
-use serde::de::DeserializeOwned;
 use thiserror::Error;
 
 use super::checksum::{Checksum, Summed, checksum};
@@ -49,9 +47,6 @@ pub enum Damage {
     /// Its bytes are not those that were written.
     #[error("is damaged: its content does not match its checksum")]
     Altered,
-    /// The bytes are those written, but no value of the type expected.
-    #[error("holds something else ({0})")]
-    Undecodable(#[from] postcard::Error),
 }
 
 /// The file's name.
@@ -65,21 +60,6 @@ pub(super) fn name(stage: &str, digest: &[u8; 32]) -> String {
 
 fn hexadecimal(digest: &[u8; 32]) -> String {
     digest.iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-/// The value, if there is one.
-pub(super) fn read<T: DeserializeOwned + Send>(path: &Path, inputs: &[u8; 32]) -> Result<Option<T>, Damage> {
-    let Some((mut file, length, of_content)) = open(path, inputs)? else {
-        return Ok(None);
-    };
-    let mut content = Vec::with_capacity(length);
-    file.read_to_end(&mut content)?;
-    let (value, sum) = rayon::join(|| postcard::from_bytes(&content), || checksum(&content));
-    if sum != of_content {
-        return Err(Damage::Altered);
-    }
-    used(&file);
-    Ok(Some(value?))
 }
 
 /// What `decode` makes of the value's bytes, and their number, as they are read, if there are any; nobody sees what it makes
@@ -128,15 +108,6 @@ pub(super) fn renew(path: &Path) {
 fn used(file: &File) {
     // The time tells the order in which entries go; where it cannot be set they go in the order they came.
     let _ = file.set_modified(SystemTime::now());
-}
-
-/// Writes a value.
-pub(super) fn write<T: Serialize>(path: &Path, inputs: &[u8; 32], value: &T) -> io::Result<()> {
-    write_by(path, inputs, |to| {
-        let mut buffer = BufWriter::with_capacity(BUFFER, to);
-        postcard::to_io(value, &mut buffer).map_err(io::Error::other)?;
-        buffer.flush()
-    })
 }
 
 /// Writes the bytes that `fill` gives, without a copy of them in memory. There is no sync: an entry that a failure of power

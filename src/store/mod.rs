@@ -16,9 +16,6 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::SystemTime;
 
-use serde::Serialize;
-use serde::de::DeserializeOwned;
-
 pub use bytes::Bytes;
 pub(crate) use checksum::{Checksum, checksum};
 pub use entry::Damage;
@@ -88,64 +85,6 @@ impl Store {
         self.place.as_ref().map_or(0, |store| store.limit)
     }
 
-    /// What `stage` computes from the inputs in `key`, from the cache or else by `compute`, and kept then.
-    ///
-    /// # Errors
-    /// Those of `compute`; trouble with the cache itself becomes a note.
-    pub fn get_or<T: Serialize + DeserializeOwned + Send, E>(
-        &self,
-        stage: &str,
-        key: Key,
-        compute: impl FnOnce() -> Result<T, E>,
-    ) -> Result<T, E> {
-        if let Some(value) = self.get(stage, &key) {
-            return Ok(value);
-        }
-        let value = compute()?;
-        self.put(stage, &key, &value);
-        Ok(value)
-    }
-
-    /// What is kept of `stage` for the inputs in `key`; damage becomes a note.
-    pub fn get<T: DeserializeOwned + Send>(&self, stage: &str, key: &Key) -> Option<T> {
-        let (_, digest, path) = self.place(stage, key)?;
-        self.undamaged(&path, entry::read(&path, &digest))
-    }
-
-    /// What `decode` makes of the bytes, and their number, that `stage` computes from the inputs in `key`, from the cache or
-    /// else by `compute`, and kept then: what is large is never in memory as bytes when it comes from the cache.
-    ///
-    /// # Errors
-    /// Those of `compute` and `decode`; trouble with the cache itself becomes a note.
-    pub fn decoded_or<T, E>(
-        &self,
-        stage: &str,
-        key: &Key,
-        decode: impl Fn(&mut dyn Read, usize) -> Result<T, E>,
-        compute: impl FnOnce() -> Result<Vec<u8>, E>,
-    ) -> Result<T, E> {
-        if let Some(value) = self.decoded(stage, key, &decode) {
-            return value;
-        }
-        let bytes = compute()?;
-        self.put_bytes(stage, key, &bytes);
-        decode(&mut &bytes[..], bytes.len())
-    }
-
-    /// What `decode` makes of the bytes, and their number, that are kept of `stage` for the inputs in `key`; damage becomes a
-    /// note.
-    pub fn decoded<T>(&self, stage: &str, key: &Key, decode: impl FnOnce(&mut dyn Read, usize) -> T) -> Option<T> {
-        let (_, digest, path) = self.place(stage, key)?;
-        self.undamaged(&path, entry::read_by(&path, &digest, decode))
-    }
-
-    /// Keeps bytes as what `stage` gives for the inputs in `key`; trouble becomes a note.
-    pub fn put_bytes(&self, stage: &str, key: &Key, bytes: &[u8]) {
-        self.keep(stage, key, |path, digest| {
-            entry::write_by(path, digest, |to| to.write_all(bytes))
-        });
-    }
-
     /// What was read; damage becomes a note.
     fn undamaged<T>(&self, path: &Path, found: Result<Option<T>, Damage>) -> Option<T> {
         found.unwrap_or_else(|damage| {
@@ -155,21 +94,6 @@ impl Store {
             ));
             None
         })
-    }
-
-    /// Keeps what `stage` gives for the inputs in `key`; trouble becomes a note.
-    pub fn put<T: Serialize>(&self, stage: &str, key: &Key, value: &T) {
-        self.keep(stage, key, |path, digest| entry::write(path, digest, value));
-    }
-
-    fn keep(&self, stage: &str, key: &Key, write: impl FnOnce(&Path, &[u8; 32]) -> std::io::Result<()>) {
-        let Some((store, digest, path)) = self.place(stage, key) else {
-            return;
-        };
-        let written = write(&path, &digest).and_then(|()| folder::bound(&store.folder, store.limit));
-        if let Err(source) = written {
-            self.unkept(stage, store, &source);
-        }
     }
 
     fn unkept(&self, stage: &str, place: &Place, source: &std::io::Error) {
@@ -206,17 +130,10 @@ impl Store {
     }
 
     /// An entry that is of use though nobody reads it counts as used.
-    pub fn renew(&self, stage: &str, key: &Key) {
-        if let Some((_, _, path)) = self.place(stage, key) {
-            entry::renew(&path);
+    pub fn renew(&self, stage: &str, key: &Digest) {
+        if let Some(place) = &self.place {
+            entry::renew(&place.folder.join(entry::name(stage, key)));
         }
-    }
-
-    fn place(&self, stage: &str, key: &Key) -> Option<(&Place, [u8; 32], PathBuf)> {
-        let store = self.place.as_ref()?;
-        let digest = key.clone().digest();
-        let path = store.folder.join(entry::name(stage, &digest));
-        Some((store, digest, path))
     }
 
     /// Takes what there is to tell the user.

@@ -14,9 +14,9 @@ use serde::Serialize;
 
 pub use parameters::{Parameter, taking_part};
 
+use crate::design::inputs::cycle::{cycle_settings, parameters as cycle_parameters};
 use crate::design::{Conflict, Design, Value};
 use crate::error::Error;
-use crate::pipeline;
 use crate::stages::Progress;
 
 /// Candidates drawn at most for each design asked for, lest a design whose ranges hardly go together never ends.
@@ -99,12 +99,12 @@ pub fn outcome_name(outcome: Outcome) -> &'static str {
 /// where a thousand candidates for each were not enough.
 ///
 /// # Errors
-/// As [`pipeline::parameters`].
+/// As [`parameters`](cycle_parameters).
 pub fn study(design: &Design, count: usize, seed: u64, progress: &Progress) -> Result<Study, Error> {
     let parameters = taking_part(design)?;
     let settings = Settings {
         sample_interval: SAMPLES,
-        ..pipeline::cycle_settings(design)
+        ..cycle_settings(design)
     };
     let mut study = Study {
         seed,
@@ -171,7 +171,7 @@ fn candidate(
     if let Some(conflict) = drawn.conflict() {
         return Err(keys(&conflict));
     }
-    let shot = pipeline::parameters(&drawn).map_err(|error| error.to_string())?;
+    let shot = cycle_parameters(&drawn).map_err(|error| error.to_string())?;
     let fate = match simulate(&shot, settings) {
         Ok(record) => Fate::Shot {
             outcome: record.outcome,

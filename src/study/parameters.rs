@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
+use crate::design::inputs::cycle::parameters as cycle_parameters;
 use crate::design::{Design, Value};
 use crate::error::Error;
-use crate::pipeline;
 
 /// A key with a range that takes part in the cycle.
 #[derive(Debug, Clone, Serialize)]
@@ -43,9 +43,9 @@ impl Parameter {
 /// to the cycle is nothing.
 ///
 /// # Errors
-/// As [`pipeline::parameters`].
+/// As [`parameters`](cycle_parameters).
 pub fn taking_part(design: &Design) -> Result<Vec<Parameter>, Error> {
-    let base = pipeline::parameters(design)?;
+    let base = cycle_parameters(design)?;
     let mut found = Vec::new();
     for entry in design.entries() {
         let Some(range) = entry.range.filter(|range| range[0] < range[1]) else {
@@ -67,7 +67,7 @@ pub fn taking_part(design: &Design) -> Result<Vec<Parameter>, Error> {
         let other = if range[0] == value { range[1] } else { range[0] };
         let mut changed = design.clone();
         let moved = changed.set(&[(parameter.key.as_str(), parameter.hold(other))]).is_ok()
-            && pipeline::parameters(&changed).is_ok_and(|parameters| parameters != base);
+            && cycle_parameters(&changed).is_ok_and(|parameters| parameters != base);
         if moved {
             found.push(parameter);
         }

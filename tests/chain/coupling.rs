@@ -1,11 +1,15 @@
 //! The two-way coupled run: what it must reproduce, keep and say.
 
+use std::sync::Arc;
+
+use crate::common::{run_with_chain, try_run};
+use nailnoise::chain::Run;
+use nailnoise::design::inputs::cycle::{cycle_settings, parameters};
 use nailnoise::design::{Coupling, Design};
-use nailnoise::pipeline::{self, COUPLED_LOADS, Coupled, Options, Run, Vibration, couple, cycle_settings, parameters};
-use nailnoise::stages::Progress;
+use nailnoise::stages::response::{COUPLED_LOADS, Coupled, couple};
 use nailnoise::store::Store;
 use nailnoise_dynamics::{Geometry, Parameters, simulate};
-use nailnoise_fem::transient::{ModalBody, Motion, Settings, Support, SupportLaw};
+use nailnoise_fem::transient::{ModalBody, ModalResponse, Motion, Settings, Support, SupportLaw};
 use nalgebra::DMatrix;
 
 fn design() -> Design {
@@ -131,7 +135,7 @@ fn small(text: &str) -> Design {
 }
 
 fn run(text: &str) -> Run {
-    pipeline::run(&small(text), Options::default(), &Store::none(), &Progress::silent()).unwrap()
+    run_with_chain(&small(text), Store::none()).0
 }
 
 fn level(run: &Run, source: &str) -> f64 {
@@ -169,15 +173,14 @@ fn a_block_hung_free_swings_below_what_is_heard() {
     let mut design = small("");
     design.support.kind = free.support.kind;
     design.springs = free.springs.clone();
-    let (run, moving) =
-        pipeline::run_in_full(&design, Options::default(), &Store::none(), &Progress::silent()).unwrap();
+    let (run, chain) = run_with_chain(&design, Store::none());
     let failed: Vec<_> = run.result.checks.iter().filter(|check| !check.ok).collect();
     assert!(
         failed.iter().all(|check| check.name.contains("last octave")),
         "{failed:?}"
     );
     let stiffness: f64 = design.springs.values().map(|spring| spring.stiffness_z).sum();
-    let mass = moving.structure.workpiece.lift.norm_squared();
+    let mass = chain.structure[0].body.get().unwrap().lift.norm_squared();
     let hz = (stiffness / mass).sqrt() / std::f64::consts::TAU;
     assert!((hz - 5.0).abs() < 0.05, "{hz} Hz");
     let table = self::run("");
@@ -189,28 +192,24 @@ fn a_block_hung_free_swings_below_what_is_heard() {
 fn sand_at_the_sides_holds_the_block_and_sand_under_it_weighs_it_down() {
     let sand = "support.kind = \"sandbox\"\nsupport.sand.bonded = true\n";
     let run = |text: &str| {
-        pipeline::run_in_full(&small(text), Options::default(), &Store::none(), &Progress::silent()).unwrap()
+        let (run, chain) = run_with_chain(&small(text), Store::none());
+        (run, Arc::clone(&chain.vibration.get().unwrap().response))
     };
     let (alone, still) = run(sand);
     let (held, between) = run(&format!("{sand}support.sand.side_contact = 0.5"));
     let (heavy, laden) = run(&format!("{sand}support.sand.added_mass = 0.3"));
-    let carried = |vibration: &Vibration, cells: std::ops::Range<usize>| -> f64 {
-        vibration
-            .response
-            .contact_forces
-            .column(0)
-            .rows(cells.start, cells.len())
-            .sum()
+    let carried = |response: &ModalResponse, cells: std::ops::Range<usize>| -> f64 {
+        response.contact_forces.column(0).rows(cells.start, cells.len()).sum()
     };
     let cells = 65;
     let whole = carried(&still, 0..cells);
-    assert_eq!(between.response.contact_forces.nrows(), cells + 3 * 40);
+    assert_eq!(between.contact_forces.nrows(), cells + 3 * 40);
     // The sides take a part of the static load off the base.
     let base = carried(&between, 0..cells);
     assert!(base < 0.9 * whole && base > 0.3 * whole, "{base} of {whole} N");
     // Sand under the block adds inertia, not weight.
     assert!((carried(&laden, 0..cells) - whole).abs() < 1e-6 * whole);
-    assert!(!still.response.start[0].displacement.is_empty());
+    assert!(!still.start[0].displacement.is_empty());
     let peak = |run: &Run| {
         run.result
             .sensors
@@ -273,19 +272,19 @@ fn on_springs(stiffness: f64, damping: f64, text: &str) -> Design {
 fn a_block_on_springs_and_dashpots_swings_and_dies_as_a_mass_does() {
     let (k, c) = (2e5, 30.0);
     let design = on_springs(k, c, "analysis.duration = \"0.3 s\"\nwood.loss_factor = 0");
-    let (run, moving) =
-        pipeline::run_in_full(&design, Options::default(), &Store::none(), &Progress::silent()).unwrap();
+    let (run, chain) = run_with_chain(&design, Store::none());
     assert!(
         run.result
             .checks
             .iter()
             .all(|check| check.ok || check.name.contains("last octave"))
     );
-    let body = &moving.structure.workpiece;
+    let (body, vibration) = (chain.structure[0].body.get().unwrap(), chain.vibration.get().unwrap());
+    let response = &vibration.response;
     let mass = body.lift.norm_squared();
     let rise = DMatrix::from_column_slice(body.lift.len(), 1, body.lift.as_slice()) / mass;
-    let velocity = moving.response.points(0, &rise, Motion::Velocity).unwrap();
-    let h = moving.response.step;
+    let velocity = response.points(0, &rise, Motion::Velocity).unwrap();
+    let h = response.step;
     let from = ((run.record.sample_interval * run.record.len() as f64 + 0.01) / h) as usize;
     // Zeros with the sign rising, between samples by a straight line, and the peak behind each.
     let mut zeros = Vec::new();
@@ -318,7 +317,7 @@ fn a_block_on_springs_and_dashpots_swings_and_dies_as_a_mass_does() {
     );
     // Weight and seated tool rest on the springs.
     let parameters = parameters(&design).unwrap();
-    let held: f64 = moving.response.contact_forces.column(0).iter().sum();
+    let held: f64 = response.contact_forces.column(0).iter().sum();
     let seat = run.record.forces.nose[0] + run.record.forces.guard[0];
     let weight = mass * parameters.ambient.gravity + seat;
     assert!((held - weight).abs() < 1e-3 * weight, "{held} {weight} N");
@@ -326,13 +325,9 @@ fn a_block_on_springs_and_dashpots_swings_and_dies_as_a_mass_does() {
 
 #[test]
 fn springs_carry_both_ways_and_a_table_on_feet_closes_its_balances() {
-    let (two_way, coupled) = pipeline::run_in_full(
-        &on_springs(1e6, 60.0, "support.coupling = \"two-way\""),
-        Options::default(),
-        &Store::none(),
-        &Progress::silent(),
-    )
-    .unwrap();
+    let coupled = on_springs(1e6, 60.0, "support.coupling = \"two-way\"");
+    let (two_way, chain) = run_with_chain(&coupled, Store::none());
+    let coupled = chain.vibration.get().unwrap();
     let fine = |run: &Run| {
         let failed: Vec<_> = run.result.checks.iter().filter(|check| !check.ok).collect();
         assert!(
@@ -355,9 +350,9 @@ fn springs_carry_both_ways_and_a_table_on_feet_closes_its_balances() {
     let mut table = small("support.worktable.foot = \"clamped\"");
     table.support.worktable.foot = feet.support.worktable.foot;
     table.springs = feet.springs.clone();
-    let (run, moving) = pipeline::run_in_full(&table, Options::default(), &Store::none(), &Progress::silent()).unwrap();
+    let (run, chain) = run_with_chain(&table, Store::none());
     fine(&run);
-    let under = moving.structure.worktable.as_ref().unwrap();
+    let (under, vibration) = (chain.structure[1].body.get().unwrap(), chain.vibration.get().unwrap());
     assert_eq!(
         under.omega.iter().filter(|omega| **omega == 0.0).count(),
         6,
@@ -365,7 +360,7 @@ fn springs_carry_both_ways_and_a_table_on_feet_closes_its_balances() {
     );
     let contact = &table.support.contact;
     let cells = (contact.points_along * contact.points_across) as usize;
-    let at_rest = moving.response.contact_forces.column(0);
+    let at_rest = vibration.response.contact_forces.column(0);
     assert_eq!(at_rest.len(), cells + 12);
     let gravity = table.ambient.gravity;
     let feet: f64 = (0..4).map(|foot| at_rest[cells + 3 * foot + 2]).sum();
@@ -379,8 +374,7 @@ fn a_spring_beside_its_body_is_refused_and_so_are_springs_that_cannot_hold() {
     let mut off = on_springs(1e6, 60.0, "");
     off.springs.get_mut("corner_1").unwrap().z = -0.02;
     let error = |design: &Design| {
-        let run = pipeline::run(design, Options::default(), &Store::none(), &Progress::silent());
-        let error = run.map(|_| ()).unwrap_err();
+        let error = try_run(design, Store::none()).map(|_| ()).unwrap_err();
         let causes = std::iter::successors(Some(&error as &dyn std::error::Error), |error| error.source());
         causes.map(|error| error.to_string()).collect::<Vec<_>>().join(": ")
     };

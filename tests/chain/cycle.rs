@@ -1,7 +1,7 @@
 //! From the design file to the cycle: every key of the tool reaches the model.
 
+use nailnoise::design::inputs::cycle::parameters;
 use nailnoise::design::{Design, Value};
-use nailnoise::pipeline::parameters;
 
 /// Groups whose numbers are the cycle's.
 const GROUPS: &[&str] = &[

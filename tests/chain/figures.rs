@@ -1,6 +1,7 @@
 //! Figures of a cycle: every one drawn, marked, small, and the same each time.
 
-use nailnoise::pipeline::{Preset, cycle, cycle_as_published};
+use nailnoise::chain::{cycle, cycle_as_published};
+use nailnoise::stages::cycle::Preset;
 use nailnoise::{Design, figures};
 
 fn design() -> Design {

@@ -1,10 +1,11 @@
 //! Laws of the whole chain: what any design must obey, whatever its levels.
 
+use crate::common::{body, graph, run_with_chain, store};
 use nailnoise::Design;
+use nailnoise::chain::{self, Options, Run};
 use nailnoise::design::{SupportKind, Value};
-use nailnoise::pipeline::{Options, Run, run, run_in_full};
 use nailnoise::result::RankedSource;
-use nailnoise::stages::Progress;
+use nailnoise::stages::bodies::BodyKind;
 use nailnoise::store::{LIMIT, Store};
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::exhaust::Jet;
@@ -27,8 +28,7 @@ fn ranked(run: &Run, source: &str) -> RankedSource {
 }
 
 fn scaled(design: &Design, workpiece_force_scale: f64) -> Run {
-    let cache = Store::at(concat!(env!("CARGO_TARGET_TMPDIR"), "/modes").into(), LIMIT);
-    run(design, Options { workpiece_force_scale }, &cache, &Progress::silent()).unwrap()
+    chain::run(&graph(store()), design, Options { workpiece_force_scale }).unwrap()
 }
 
 #[test]
@@ -57,8 +57,7 @@ fn more_damping_raises_no_band_above_the_first_mode() {
     let mut damped = bonded();
     damped.wood.loss_factor *= 2.0;
     let (before, after) = (scaled(&design, 1.0), scaled(&damped, 1.0));
-    let cache = Store::at(concat!(env!("CARGO_TARGET_TMPDIR"), "/modes").into(), LIMIT);
-    let block = nailnoise::pipeline::workpiece(&design, &cache).unwrap();
+    let block = body(&design, BodyKind::Workpiece, true, store()).body.get().unwrap();
     let first = block.basis.hz.iter().copied().find(|&hz| hz > 1.0).unwrap();
     let (before, after) = (ranked(&before, "workpiece"), ranked(&after, "workpiece"));
     let mut compared = 0;
@@ -80,7 +79,7 @@ fn more_supply_pressure_drives_faster_and_blows_more_air() {
     let design = small();
     let mut raised = small();
     raised.supply.pressure *= 1.1;
-    let [before, after] = [&design, &raised].map(|d| nailnoise::pipeline::cycle(d).unwrap());
+    let [before, after] = [&design, &raised].map(|d| chain::cycle(d).unwrap());
     let drive = |r: &nailnoise_dynamics::CycleRecord| r.events.t9.unwrap() - r.events.t6.unwrap();
     assert!(drive(&after) < drive(&before));
     assert!(after.summary.exhaust_mass > before.summary.exhaust_mass);
@@ -147,7 +146,7 @@ fn every_source_is_told_apart_by_events_and_its_intervals_sum_to_it() {
 fn mass_and_thrust_of_the_jets_are_those_of_the_cycle() {
     let mut design = small();
     design.exhaust.thrust_share = 1.0;
-    let record = nailnoise::pipeline::cycle(&design).unwrap();
+    let record = chain::cycle(&design).unwrap();
     let air = Air::at(design.ambient.temperature, design.ambient.pressure).unwrap();
     let d = design.exhaust.hole_diameter;
     let area = design.chambers.discharge_coefficient * f64::from(design.exhaust.holes) * 0.25 * PI * d * d;
@@ -176,17 +175,12 @@ fn a_changed_design_out_of_the_cache_has_the_digits_of_one_without() {
     let folder = concat!(env!("CARGO_TARGET_TMPDIR"), "/changed");
     let _ = std::fs::remove_dir_all(folder);
     let cache = Store::at(folder.into(), LIMIT);
-    let digits = |design: &Design, cache: &Store| {
-        let told = run(design, Options::default(), cache, &Progress::silent()).unwrap();
-        let mut value = serde_json::to_value(&told.result).unwrap();
-        let stages = value["timing"].take().as_object().unwrap().len();
-        (value, stages)
-    };
+    let digits = |design: &Design, cache: &Store| digits(&run_with_chain(design, cache.clone()).0);
     let base = small();
-    let (first, all) = digits(&base, &cache);
-    let (again, few) = digits(&base, &cache);
+    let (first, moved) = digits(&base, &cache);
+    let (again, moved_again) = digits(&base, &cache);
     assert_eq!(again, first);
-    assert!(few < all, "the bodies are computed again");
+    assert!(moved && !moved_again, "the bodies are computed again");
     type Change = (fn(&mut Design), bool);
     let changes: [Change; 4] = [
         (|d| d.exhaust.pitch *= 2.0, true),
@@ -197,33 +191,27 @@ fn a_changed_design_out_of_the_cache_has_the_digits_of_one_without() {
     for (number, (change, kept)) in changes.into_iter().enumerate() {
         let mut design = small();
         change(&mut design);
-        let (found, stages) = digits(&design, &cache);
-        assert_eq!(stages < all, kept, "change {number}");
+        let (found, moved) = digits(&design, &cache);
+        assert_eq!(!moved, kept, "change {number}");
         let (expected, _) = digits(&design, &Store::none());
         assert_ne!(found, first, "change {number} changes nothing");
         assert_eq!(found, expected, "change {number}");
     }
 }
 
-/// Every key that what is kept of the bodies does not depend on, for each kind of muffler: the result has every digit of
-/// one whose bodies were set in motion again.
+/// Every key of exhaust and room, for each kind of muffler: a run that takes the motion of the bodies from the store has every
+/// digit of one without a store.
 #[test]
-fn kept_bodies_do_not_depend_on_what_their_key_leaves_out() {
+fn a_kept_motion_serves_other_exhausts_and_rooms() {
     let folder = concat!(env!("CARGO_TARGET_TMPDIR"), "/left-out");
     let _ = std::fs::remove_dir_all(folder);
-    let cache = Store::at(folder.into(), LIMIT);
-    let digits = |run: &Run| {
-        let mut value = serde_json::to_value(&run.result).unwrap();
-        let stages = value["timing"].take().as_object().unwrap().len();
-        (value, stages)
-    };
+    let cache = || Store::at(folder.into(), LIMIT);
     let mut small = small();
     // The worktable is in the key like everything else; a block on the floor moves in a tenth of the time.
     small.support.kind = SupportKind::Floor;
     // A chamber of 30 mm carries plane waves up to 6.7 kHz.
     small.analysis.exhaust_top = 6e3;
-    let first = run(&small, Options::default(), &cache, &Progress::silent()).unwrap();
-    let (first, all) = digits(&first);
+    let (first, _) = digits(&run_with_chain(&small, cache()).0);
     let (mut tried, mut taken, mut acting) = (0, 0, 0);
     for muffler in ["none", "insertion_loss", "chamber"] {
         let mut base = small.clone();
@@ -244,11 +232,11 @@ fn kept_bodies_do_not_depend_on_what_their_key_leaves_out() {
             };
             let mut design = base.clone();
             design.set(&[(entry.key.as_str(), other)]).unwrap();
-            let (found, stages) = digits(&run(&design, Options::default(), &cache, &Progress::silent()).unwrap());
-            let (anew, _) = run_in_full(&design, Options::default(), &cache, &Progress::silent()).unwrap();
+            let (found, moved) = digits(&run_with_chain(&design, cache()).0);
+            let (anew, _) = run_with_chain(&design, Store::none());
             assert_eq!(found, digits(&anew).0, "{} with muffler {muffler}", entry.key);
             tried += 1;
-            taken += usize::from(stages < all);
+            taken += usize::from(!moved);
             acting += usize::from(found["ranking"] != first["ranking"] || found["microphones"] != first["microphones"]);
         }
     }
@@ -257,4 +245,11 @@ fn kept_bodies_do_not_depend_on_what_their_key_leaves_out() {
         tried > 35 && taken > 25 && acting > 15,
         "{tried} tried, {taken} taken, {acting} act"
     );
+}
+
+/// A result without its timing, and whether workpiece and support were set in motion for it.
+fn digits(run: &Run) -> (serde_json::Value, bool) {
+    let mut value = serde_json::to_value(&run.result).unwrap();
+    let timing = value["timing"].take();
+    (value, timing.get("response of workpiece and support").is_some())
 }

@@ -1,17 +1,10 @@
 //! Boundary elements in the whole chain, block and table above the floor; and what microphones hear of every source.
 
-use crate::common::small;
+use crate::common::{run as of, run_with_chain, small, store};
 use nailnoise::Design;
-use nailnoise::output::{remove_others, write_pictures};
-use nailnoise::pipeline::{Options, Run, pictures, run};
+use nailnoise::chain::Run;
+use nailnoise::output::{remove_others, write_sound_fields};
 use nailnoise::result::{RankedSource, ReceivedSource};
-use nailnoise::stages::Progress;
-use nailnoise::store::{LIMIT, Store};
-
-fn of(design: &Design) -> Run {
-    let cache = Store::at(concat!(env!("CARGO_TARGET_TMPDIR"), "/modes").into(), LIMIT);
-    run(design, Options::default(), &cache, &Progress::silent()).unwrap()
-}
 
 fn workpiece(run: &Run) -> &RankedSource {
     run.result.ranking.iter().find(|s| s.source == "workpiece").unwrap()
@@ -204,8 +197,7 @@ fn a_workpiece_in_sand_is_evaluated_twice_and_its_pictures_hold_its_energy() {
     let named = "workpiece: power by the surface less that by the far field [dB]";
     assert!(run.result.checks.iter().any(|check| check.name == named && check.ok));
 
-    let cache = Store::at(concat!(env!("CARGO_TARGET_TMPDIR"), "/modes").into(), LIMIT);
-    let found = pictures(&design, &cache, &Progress::silent()).unwrap();
+    let found = run_with_chain(&design, store()).1.fields.get().unwrap();
     assert!(
         !found.checks.is_empty() && found.checks.iter().all(|check| check.ok),
         "{:?}",
@@ -233,7 +225,7 @@ fn a_workpiece_in_sand_is_evaluated_twice_and_its_pictures_hold_its_energy() {
 
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("pictures");
     let _ = std::fs::remove_dir_all(&folder);
-    write_pictures(&folder, "this", &found).unwrap();
+    write_sound_fields(&folder, "this", &found).unwrap();
     let list = std::fs::read_to_string(folder.join("fields/sound-sphere.pvd")).unwrap();
     assert!(
         list.contains("timestep=\"63\"") && list.contains("sound-sphere/00315.vtu"),
@@ -249,8 +241,7 @@ fn a_workpiece_in_sand_is_evaluated_twice_and_its_pictures_hold_its_energy() {
 #[test]
 fn with_radiation_efficiency_1_pictures_show_velocities_and_say_so() {
     let design = small("[acoustics]\nmethod = \"erp\"\n[analysis]\nrange_high = \"400 Hz\"");
-    let cache = Store::at(concat!(env!("CARGO_TARGET_TMPDIR"), "/modes").into(), LIMIT);
-    let found = pictures(&design, &cache, &Progress::silent()).unwrap();
+    let found = run_with_chain(&design, store()).1.fields.get().unwrap();
     assert!(
         found.checks.is_empty() && found.notes[0].contains("no pressure"),
         "{:?}",

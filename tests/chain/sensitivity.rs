@@ -1,7 +1,7 @@
 //! Derivatives of a shot: against closed forms, against differences made by hand, and at the edges of what is allowed.
 
 use nailnoise::design::Value;
-use nailnoise::pipeline::{cycle_settings, parameters};
+use nailnoise::design::inputs::cycle::{cycle_settings, parameters};
 use nailnoise::sensitivity::{Derivative, End, OUTPUTS, Sensitivity, choose, sensitivity};
 use nailnoise::stages::Progress;
 use nailnoise::{Design, Error};

@@ -1,15 +1,16 @@
 //! What is kept between runs: found again, never trusted when damaged, bounded in size.
 
 use std::cell::Cell;
-use std::convert::Infallible;
 use std::fs;
-use std::io::Read;
+use std::io::{self, Read, Write};
 use std::path::PathBuf;
 use std::time::{Duration, SystemTime};
 
+use crate::common::body;
 use nailnoise::design::Design;
-use nailnoise::pipeline::{Body, workpiece};
-use nailnoise::store::{Key, LIMIT, Store};
+use nailnoise::stages::bodies::{Body, BodyKind};
+use nailnoise::stages::{Codec, Digest, Postcard, Undecodable};
+use nailnoise::store::{LIMIT, Store};
 
 fn folder(name: &str) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("cache").join(name);
@@ -19,11 +20,14 @@ fn folder(name: &str) -> PathBuf {
 
 /// A stage that counts how often it is computed.
 fn squares(cache: &Store, n: usize, computed: &Cell<usize>) -> Vec<f64> {
-    let value: Result<_, Infallible> = cache.get_or("squares", Key::new().with(&n), || {
+    let mut key = Digest::default();
+    key[..8].copy_from_slice(&(n as u64).to_le_bytes());
+    cache.load::<_, Postcard>("squares", &key).unwrap_or_else(|| {
         computed.set(computed.get() + 1);
-        Ok((0..n).map(|i| (i * i) as f64).collect())
-    });
-    value.unwrap()
+        let value = (0..n).map(|i| (i * i) as f64).collect();
+        cache.save::<_, Postcard>("squares", &key, &value);
+        value
+    })
 }
 
 #[test]
@@ -48,14 +52,6 @@ fn without_a_folder_everything_is_computed() {
     squares(&cache, 10, &computed);
     squares(&cache, 10, &computed);
     assert_eq!(computed.get(), 2);
-}
-
-#[test]
-fn an_error_is_handed_on_and_nothing_kept() {
-    let cache = Store::at(folder("error"), LIMIT);
-    let value: Result<f64, &str> = cache.get_or("stage", Key::new(), || Err("no"));
-    assert_eq!(value, Err("no"));
-    assert!(cache.entries().unwrap().is_empty());
 }
 
 /// Every way of damage at every place: cut short, one bit turned, of another format, under another name.
@@ -96,28 +92,42 @@ fn damage_is_noticed_told_and_repaired() {
     assert!(cache.verify().unwrap().is_empty());
 }
 
+/// Bytes of which a reader looks at the first only.
+struct First(Vec<u8>);
+
+impl Codec<Self> for First {
+    fn write(value: &Self, to: &mut dyn Write) -> io::Result<()> {
+        to.write_all(&value.0)
+    }
+
+    fn read(from: &mut dyn Read, length: usize) -> Result<Self, Undecodable> {
+        let mut byte = [0];
+        from.read_exact(&mut byte).map_err(Undecodable::new)?;
+        if length == 200 {
+            Ok(Self(byte.to_vec()))
+        } else {
+            Err(Undecodable::new("another length"))
+        }
+    }
+}
+
+const KEY: Digest = [7; 32];
+
 /// The same of what is decoded while it is read, by a reader that looks at a part of it only.
 #[test]
 fn damage_of_what_is_decoded_as_it_is_read_is_noticed() {
     let (cache, computed) = (Store::at(folder("decoded"), LIMIT), Cell::new(0));
     let content: Vec<u8> = (0..200).collect();
-    let first = |cache: &Store| -> Result<u8, String> {
-        let decode = |from: &mut dyn Read, length: usize| {
-            let mut byte = [0];
-            from.read_exact(&mut byte).map_err(|error| error.to_string())?;
-            if length == content.len() {
-                Ok(byte[0])
-            } else {
-                Err("another length".to_owned())
-            }
-        };
-        cache.decoded_or("bytes", &Key::new(), decode, || {
+    let first = |cache: &Store| {
+        cache.load::<First, First>("bytes", &KEY).unwrap_or_else(|| {
             computed.set(computed.get() + 1);
-            Ok(content.clone())
+            let value = First(content.clone());
+            cache.save::<_, First>("bytes", &KEY, &value);
+            value
         })
     };
-    assert_eq!(first(&cache), Ok(0));
-    assert_eq!(first(&cache), Ok(0));
+    assert_eq!(first(&cache).0[0], 0);
+    assert_eq!(first(&cache).0[0], 0);
     assert_eq!(computed.get(), 1);
     let path = cache.entries().unwrap().remove(0).path;
     let sound = fs::read(&path).unwrap();
@@ -127,7 +137,7 @@ fn damage_of_what_is_decoded_as_it_is_read_is_noticed() {
         turned[place] ^= 1 << (place % 8);
         for bytes in [&turned[..], &sound[..place]] {
             fs::write(&path, bytes).unwrap();
-            assert_eq!(first(&cache), Ok(0));
+            assert_eq!(first(&cache).0[0], 0);
             cases += 1;
             assert_eq!(computed.get(), 1 + cases, "a damaged entry was believed");
             assert_eq!(cache.take_notes().len(), 1);
@@ -137,12 +147,10 @@ fn damage_of_what_is_decoded_as_it_is_read_is_noticed() {
 }
 
 #[test]
-fn another_type_under_the_same_name_is_computed_anew() {
+fn another_type_under_the_same_name_is_not_read() {
     let cache = Store::at(folder("type"), LIMIT);
-    let text: Result<String, Infallible> = cache.get_or("stage", Key::new(), || Ok("words, many words".to_owned()));
-    assert_eq!(text.unwrap(), "words, many words");
-    let numbers: Result<Vec<f64>, Infallible> = cache.get_or("stage", Key::new(), || Ok(vec![1.0]));
-    assert_eq!(numbers.unwrap(), [1.0]);
+    cache.save::<_, Postcard>("stage", &KEY, &"words, many words".to_owned());
+    assert_eq!(cache.load::<Vec<f64>, Postcard>("stage", &KEY), None);
     assert_eq!(cache.take_notes().len(), 1);
 }
 
@@ -207,13 +215,15 @@ fn threads_share_a_folder() {
 fn a_kept_body_finds_its_shapes_again() {
     let cache = Store::at(folder("shapes"), LIMIT);
     let design = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/small.toml")).unwrap();
-    let solved = workpiece(&design, &cache).unwrap();
-    let kept = workpiece(&design, &cache).unwrap();
+    let workpiece = || body(&design, BodyKind::Workpiece, true, cache.clone());
+    let solved = workpiece().body.get().unwrap();
+    let kept = workpiece().body.get().unwrap();
     assert_eq!(
         (&kept.skin, &kept.basis, &kept.loads),
         (&solved.skin, &solved.basis, &solved.loads)
     );
-    let shapes = &solved.modes().unwrap().shapes;
+    let first = workpiece().modes.get().unwrap();
+    let shapes = &first.shapes;
     for (point, node) in solved.surface.volume_nodes.iter().enumerate() {
         let on_surface = solved.skin.rows(3 * point, 3).map(f64::from);
         let difference = (shapes.rows(3 * node, 3) - on_surface).amax();
@@ -222,11 +232,11 @@ fn a_kept_body_finds_its_shapes_again() {
             "{point}: {difference:e}"
         );
     }
-    assert_eq!(workpiece(&design, &cache).unwrap().modes().unwrap().shapes, *shapes);
+    assert_eq!(*solved.shapes(&first).unwrap(), *shapes);
     let entries = cache.entries().unwrap();
     let whole = entries.iter().find(|entry| entry.stage == "modes").unwrap();
     fs::remove_file(&whole.path).unwrap();
-    let modes = kept.modes().unwrap();
+    let modes = workpiece().modes.get().unwrap();
     assert_eq!(modes.shapes, *shapes);
     assert!(whole.path.exists(), "kept again");
     let mut other = Body::clone(&kept);

@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 
 use nailnoise::Design;
 use nailnoise::design::Value;
-use nailnoise::pipeline::{self};
+use nailnoise::design::inputs::cycle as inputs;
 use nailnoise::stages::Progress;
 use nailnoise::study::{Draw, Fate, Study, study, taking_part};
 use nailnoise_dynamics::{Parameters, simulate};
@@ -57,7 +57,7 @@ fn parameters(design: &Design, study: &Study, draw: &Draw) -> Parameters {
     let keys = study.parameters.iter().map(|p| p.key.as_str());
     let changes: Vec<_> = keys.zip(draw.values.iter().cloned()).collect();
     design.set(&changes).unwrap();
-    pipeline::parameters(&design).unwrap()
+    inputs::parameters(&design).unwrap()
 }
 
 /// What the reference says became of a shot.
@@ -90,7 +90,7 @@ const LIMIT_REST: f64 = 50e-6;
 
 /// In what a design drawn, with a part of the tolerance, differs from the reference with a step of `step` \[s\].
 fn differences(design: &Design, p: &Parameters, draw: &Draw, (step, part): (f64, f64)) -> Vec<String> {
-    let mut settings = pipeline::cycle_settings(design);
+    let mut settings = inputs::cycle_settings(design);
     settings.relative_tolerance *= part;
     let record = simulate(p, &settings).ok();
     let end = record.as_ref().map_or(settings.end, |r| r.time(r.len() - 1));

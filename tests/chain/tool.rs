@@ -1,14 +1,15 @@
 //! The tool's body as a source: limits of its motion and of its sound, and its modes.
 
-use crate::common::design;
+use crate::common::{self, design, graph, run_with_chain, try_run};
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 use nailnoise::Design;
+use nailnoise::chain::{BodyStages, Run};
+use nailnoise::design::inputs::bodies::geometry;
 use nailnoise::design::{BodyModel, Carrier, Sensor, SupportKind};
-use nailnoise::pipeline::{self, BodyKind, Options, Run};
 use nailnoise::result::RankedSource;
-use nailnoise::stages::Progress;
+use nailnoise::stages::bodies::BodyKind;
 use nailnoise::store::{LIMIT, Store};
 use nailnoise_acoustics::fourier::filtered;
 use nailnoise_fem::transient::Motion;
@@ -87,7 +88,7 @@ fn bar(stiffening: f64) -> Design {
 
 fn run(design: &Design) -> Run {
     let cache = Store::at(file("cache"), LIMIT);
-    pipeline::run(design, Options::default(), &cache, &Progress::silent()).unwrap()
+    run_with_chain(design, cache).0
 }
 
 fn body(run: &Run) -> RankedSource {
@@ -144,7 +145,8 @@ fn a_mesh_that_does_not_say_where_a_force_acts_is_refused_with_the_name() {
     let mut mesh = msh::read(Path::new(&design.body.mesh), 1.0).unwrap().mesh;
     mesh.groups.retain(|group| group.name != "seat");
     put(&mut design, &mesh, "no-seat.msh");
-    let error = pipeline::tool_body(&design, &Store::none())
+    let error = BodyStages::add(&graph(Store::none()), &design, BodyKind::Tool, true)
+        .and_then(|stages| stages.body.get())
         .map(|_| ())
         .unwrap_err()
         .to_string();
@@ -155,7 +157,7 @@ fn a_mesh_that_does_not_say_where_a_force_acts_is_refused_with_the_name() {
 fn a_sleeve_that_does_not_fit_the_barrel_is_refused_with_both_radii() {
     let mut design = design("designs/n80cb.toml");
     design.piston.bore = 0.062;
-    let error = pipeline::geometry(&design, BodyKind::Tool, false)
+    let error = geometry(&design, BodyKind::Tool, false)
         .and_then(|geometry| geometry.mesh())
         .map(|_| ())
         .unwrap_err()
@@ -169,7 +171,7 @@ fn a_sleeve_that_does_not_fit_the_barrel_is_refused_with_both_radii() {
 #[test]
 fn the_bare_housing_has_the_reference_modes() {
     let mut design = design("designs/n80cb.toml");
-    let geometry = pipeline::geometry(&design, BodyKind::Tool, false).unwrap();
+    let geometry = geometry(&design, BodyKind::Tool, false).unwrap();
     let whole = geometry.mesh().unwrap().imported.mesh;
     let mut bare = Mesh {
         offsets: vec![0],
@@ -189,7 +191,10 @@ fn the_bare_housing_has_the_reference_modes() {
     put(&mut design, &bare, "bare.msh");
     design.body.lumped = false;
     design.analysis.body_top = 2600.0 / design.analysis.mode_margin;
-    let bare = pipeline::modes_of(&design, BodyKind::Tool, &Store::none(), &Progress::silent()).unwrap();
+    let bare = common::body(&design, BodyKind::Tool, false, Store::none())
+        .body
+        .get()
+        .unwrap();
     let basis = &bare.basis;
     assert_eq!(basis.rigid.iter().filter(|&&rigid| rigid).count(), 6);
     let reference = [624.0, 648.0, 839.0, 1024.0, 1336.0, 1402.0, 2529.0];
@@ -256,19 +261,30 @@ fn a_sensor_on_the_tool_reads_the_sum_of_its_modal_accelerations() {
     let (low, high) = (2.0, 1.5e3);
     let design = with_sensors(bar(0.1), [low, high]);
     let cache = Store::at(file("cache"), LIMIT);
-    let (run, moving) = pipeline::run_in_full(&design, Options::default(), &cache, &Progress::silent()).unwrap();
-    let tool = moving.tool.as_ref().unwrap();
+    let (run, chain) = run_with_chain(&design, cache);
+    let (stages, tool) = (
+        chain.tool.as_ref().unwrap(),
+        chain.moving.last().unwrap().get().unwrap(),
+    );
+    let response = &tool.vibration.response;
     let at = Point3::new(0.0, 0.0, 0.3);
     let node = tool.body.mesh.nodes.iter().position(|p| (p - at).norm() < 1e-9);
-    let modes = tool.response.modal(0, 0..tool.body.omega.len(), Motion::Acceleration);
-    let raw = modes.unwrap() * tool.body.modes().unwrap().shapes.row(3 * node.unwrap() + 2).transpose();
+    let modes = response.modal(0, 0..tool.body.omega.len(), Motion::Acceleration);
+    let raw = modes.unwrap()
+        * stages
+            .modes
+            .get()
+            .unwrap()
+            .shapes
+            .row(3 * node.unwrap() + 2)
+            .transpose();
     let band = |hz: f64| {
         let pass = Complex::new(0.0, hz / low);
         let poles = [1.0, 2.0, 3.0, 4.0].map(|k| Complex::from_polar(1.0, PI * (2.0 * k + 3.0) / 8.0));
         let product: Complex<f64> = poles.iter().map(|pole| Complex::new(0.0, hz / high) - pole).product();
         pass / (1.0 + pass) / product
     };
-    let expected = filtered(raw.as_slice(), tool.response.step, 4.0, band).unwrap();
+    let expected = filtered(raw.as_slice(), response.step, 4.0, band).unwrap();
     let found = &run.sensors[0];
     assert_eq!(found.name, "cap");
     let largest = expected.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
@@ -286,7 +302,7 @@ fn a_sensor_beside_the_tool_is_refused_with_its_distance_and_one_within_a_mesh_c
         let mut design = with_sensors(bar(1.0), [1.0, 10e3]);
         design.sensors.get_mut("side").unwrap().x = 0.04 + off;
         let cache = Store::at(file("cache"), LIMIT);
-        pipeline::run(&design, Options::default(), &cache, &Progress::silent()).map(|_| ())
+        try_run(&design, cache).map(|_| ())
     };
     beside(0.5e-3).unwrap();
     let error = beside(5e-3).unwrap_err().to_string();

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use crate::common::body;
 use nailnoise::design::{Design, WorktablePreset};
-use nailnoise::pipeline::{BodyKind, modes_of};
-use nailnoise::stages::Progress;
+use nailnoise::stages::bodies::BodyKind;
 use nailnoise::store::Store;
 use nailnoise_fem::{Constraints, Material, ModalSettings, assemble, modes};
 use nailnoise_meshes::{Grid, Mesh, subdivide};
@@ -60,7 +60,10 @@ fn tubes_tied_to_a_plate_vibrate_as_if_welded() {
         design.analysis.worktable_element,
         design.analysis.worktable_tube_element,
     ];
-    let tied = modes_of(&design, BodyKind::Worktable, &Store::none(), &Progress::silent()).unwrap();
+    let tied = body(&design, BodyKind::Worktable, false, Store::none())
+        .body
+        .get()
+        .unwrap();
     let table = &design.support.worktable;
     let steel = &table.steel;
     let top = [table.length, table.width, steel.top_thickness_b];

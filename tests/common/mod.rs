@@ -4,9 +4,14 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::Arc;
 
-use nailnoise::Design;
+use nailnoise::chain::{BodyStages, Chain, Options, Run};
+use nailnoise::graph::Graph;
+use nailnoise::stages::Silent;
+use nailnoise::stages::bodies::BodyKind;
 use nailnoise::store::{LIMIT, Store};
+use nailnoise::{Design, Error};
 use serde_json::Value;
 
 /// The root of the repository.
@@ -50,6 +55,32 @@ pub(crate) fn shared_folder() -> PathBuf {
 /// The store that all tests share, so that the same modes are computed once.
 pub(crate) fn store() -> Store {
     Store::at(shared_folder(), LIMIT)
+}
+
+/// A graph with a store.
+pub(crate) fn graph(store: Store) -> Graph {
+    Graph::new(Arc::new(store), Arc::new(Silent))
+}
+
+/// Runs a design with a store; its chain holds the motions.
+pub(crate) fn try_run(design: &Design, store: Store) -> Result<(Run, Chain), Error> {
+    let chain = Chain::new(&graph(store), design, Options::default())?;
+    Ok((chain.run(design)?, chain))
+}
+
+/// A run that succeeds, with its chain.
+pub(crate) fn run_with_chain(design: &Design, store: Store) -> (Run, Chain) {
+    try_run(design, store).unwrap()
+}
+
+/// A run that succeeds, with the store that all tests share.
+pub(crate) fn run(design: &Design) -> Run {
+    run_with_chain(design, store()).0
+}
+
+/// The stages of a body of a design.
+pub(crate) fn body(design: &Design, kind: BodyKind, driven: bool, store: Store) -> BodyStages {
+    BodyStages::add(&graph(store), design, kind, driven).unwrap()
 }
 
 /// The command at the root of the repository, with the store that all tests share.

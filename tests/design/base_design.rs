@@ -1,7 +1,9 @@
 //! The shipped designs against the references they were taken from.
 
+use crate::common::body;
+use nailnoise::stages::bodies::BodyKind;
 use nailnoise::store::Store;
-use nailnoise::{Design, pipeline};
+use nailnoise::{Design, chain};
 
 fn design(name: &str) -> Design {
     Design::load(format!("{}/designs/{name}.toml", env!("CARGO_MANIFEST_DIR"))).unwrap()
@@ -15,7 +17,7 @@ const EVENTS: [f64; 18] = [
 
 #[test]
 fn events_of_the_base_design_are_those_of_the_reference() {
-    let record = pipeline::cycle(&design("n80cb")).unwrap();
+    let record = chain::cycle(&design("n80cb")).unwrap();
     assert!(record.is_certified());
     for (k, (time, expected)) in record.events.to_array().iter().skip(1).zip(EVENTS).enumerate() {
         let limit = if [2, 10, 11, 18].contains(&(k + 1)) {
@@ -30,7 +32,10 @@ fn events_of_the_base_design_are_those_of_the_reference() {
 
 #[test]
 fn the_free_block_has_the_reference_modes() {
-    let block = pipeline::workpiece(&design("n80cb"), &Store::none()).unwrap();
+    let block = body(&design("n80cb"), BodyKind::Workpiece, true, Store::none())
+        .body
+        .get()
+        .unwrap();
     let basis = &block.basis;
     assert_eq!(basis.rigid.iter().filter(|&&rigid| rigid).count(), 6);
     assert_eq!(basis.sturm.count, basis.hz.len());

@@ -8,7 +8,6 @@
 //!
 //! R / omega² is what is sampled and interpolated: it stays finite at f = 0.
 
-mod archive;
 mod compact;
 mod covariance;
 mod energy;
@@ -30,7 +29,6 @@ mod sphere;
 mod spherical_waves;
 mod surface;
 
-pub use archive::Archive;
 pub use compact::{CompactErp, sphere_efficiency};
 pub use covariance::{LowRank, quadratic_forms};
 pub use energy::{mode_energies, radiated_energy, radiated_signals};
@@ -45,4 +43,5 @@ pub use sand::{AbsorbingSand, MovingSand, miki_admittance};
 pub use second::SurfaceEvaluations;
 pub use spectra::ModalSpectra;
 pub use sphere::{rigid_body_energy, rigid_body_signals};
+pub(crate) use surface::FACE_POINTS;
 pub use surface::RadiatingSurface;

@@ -4,6 +4,7 @@ use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::{Accum, Mat, MatMut, Par};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
@@ -22,6 +23,30 @@ pub struct ModalSpectra {
 }
 
 impl ModalSpectra {
+    /// The spectra of several bodies as those of one; above the top frequency of a body its modes are at rest.
+    pub fn side_by_side<'a>(bodies: &[&'a Self]) -> Cow<'a, Self> {
+        if let [only] = bodies {
+            return Cow::Borrowed(only);
+        }
+        let modes = bodies.iter().map(|s| s.accelerations.nrows()).sum();
+        let widest = bodies.iter().max_by_key(|s| s.frequency.len());
+        let (frequency, range_hz) = widest.map_or_else(Default::default, |s| (s.frequency.clone(), s.range_hz));
+        let mut accelerations = DMatrix::zeros(modes, frequency.len());
+        let mut row = 0;
+        for s in bodies {
+            let (rows, bins) = s.accelerations.shape();
+            accelerations
+                .view_mut((row, 0), (rows, bins))
+                .copy_from(&s.accelerations);
+            row += rows;
+        }
+        Cow::Owned(Self {
+            frequency,
+            accelerations,
+            range_hz,
+        })
+    }
+
     /// Transforms the acceleration records of `modes` modes, `samples` long at `sample_interval` \[s\].
     ///
     /// Records are asked for one mode at a time, in parallel, so that no more than one per thread need exist.

@@ -1,6 +1,10 @@
 use crate::error::{AcousticsError, finite, same_length};
 use nailnoise_meshes::{QuadraturePoint, Surface};
-use nalgebra::{DMatrix, Point3, Vector3};
+use nalgebra::{DMatrix, DMatrixView, Point3, Vector3};
+
+/// Gauss points along each side of a face; the modes are quadratic on it, so their squares are integrated exactly on
+/// rectangular faces.
+pub(crate) const FACE_POINTS: usize = 3;
 
 /// A surface as the radiation operators see it: quadrature points and the modes' normal displacements there.
 #[derive(Debug, Clone)]
@@ -60,58 +64,47 @@ impl RadiatingSurface {
         })
     }
 
-    /// Patches of a mesh's skin with `order` x `order` Gauss points on every face; no names mean all patches.
-    ///
-    /// `nodal_modes`: modal displacements of the volume's nodes, (3 x nodes) x modes. The normal component is formed
-    /// per face, because a node on an edge has no single normal.
+    /// The points of a surface that are `shown`, with the normal displacements of modes, given the displacement of the
+    /// surface's points in each, (3 x points) x modes. The normal component is formed per face, because a node on an edge has
+    /// no single normal.
     ///
     /// # Errors
-    /// An unknown patch, an order the mesh has no rule for, a number of rows that does not fit the mesh's nodes.
-    pub fn of_skin(
-        skin: &Surface,
-        patches: &[&str],
-        order: usize,
-        nodal_modes: &DMatrix<f64>,
+    /// A number of rows that does not fit the surface's points; those of the surface.
+    pub fn of_faces(
+        surface: &Surface,
+        shapes: DMatrixView<'_, f32>,
+        shown: impl Fn(&QuadraturePoint) -> bool,
     ) -> Result<Self, AcousticsError> {
-        let nodes = skin.volume_nodes.iter().max().map_or(0, |&n| n + 1);
-        if nodal_modes.nrows() < 3 * nodes || !nodal_modes.nrows().is_multiple_of(3) {
-            let found = nodal_modes.nrows();
-            return Err(AcousticsError::Length {
-                what: "rows of the nodal modes",
-                found,
-                expected: 3 * nodes,
-            });
-        }
-        let wanted: Vec<usize> = match patches {
-            [] => (0..skin.patches.len()).collect(),
-            names => names.iter().map(|name| skin.patch(name)).collect::<Result<_, _>>()?,
-        };
-        let patch_of = |face: usize| wanted.iter().position(|&p| p == skin.faces[face].patch);
-        let quadrature = skin.quadrature(order)?;
-        let (points, patch): (Vec<&QuadraturePoint>, Vec<usize>) = quadrature
-            .iter()
-            .filter_map(|q| patch_of(q.face).map(|p| (q, p)))
-            .unzip();
-        let mut normal_modes = DMatrix::zeros(points.len(), nodal_modes.ncols());
-        for (mode, mut column) in normal_modes.column_iter_mut().enumerate() {
-            let phi = nodal_modes.column(mode);
-            for (value, q) in column.iter_mut().zip(&points) {
-                let corners = skin.faces[q.face].nodes.iter().zip(&q.shape);
-                *value = corners
-                    .map(|(&corner, shape)| {
-                        let row = 3 * skin.volume_nodes[corner];
-                        shape * (q.normal.x * phi[row] + q.normal.y * phi[row + 1] + q.normal.z * phi[row + 2])
+        same_length("rows of the modes", shapes.nrows(), 3 * surface.points.len())?;
+        let points: Vec<QuadraturePoint> = surface.quadrature(FACE_POINTS)?.into_iter().filter(shown).collect();
+        let mut modes = DMatrix::zeros(points.len(), shapes.ncols());
+        for (shape, mut column) in shapes.column_iter().zip(modes.column_iter_mut()) {
+            for (point, value) in points.iter().zip(column.iter_mut()) {
+                let nodes = &surface.faces[point.face].nodes;
+                *value = nodes
+                    .iter()
+                    .zip(&point.shape)
+                    .map(|(&node, weight)| {
+                        let moved = shape.fixed_rows::<3>(3 * node).map(f64::from);
+                        weight * moved.dot(&point.normal)
                     })
                     .sum();
             }
         }
+        let mut patches: Vec<usize> = points.iter().map(|p| surface.faces[p.face].patch).collect();
+        let mut shown = patches.clone();
+        shown.sort_unstable();
+        shown.dedup(); // a patch that is wholly hidden has no level to show
+        for patch in &mut patches {
+            *patch = shown.partition_point(|p| p < patch);
+        }
         Self::new(
-            points.iter().map(|q| q.position).collect(),
-            points.iter().map(|q| q.normal).collect(),
-            points.iter().map(|q| q.weight).collect(),
-            patch,
-            wanted.iter().map(|&p| skin.patches[p].clone()).collect(),
-            normal_modes,
+            points.iter().map(|p| p.position).collect(),
+            points.iter().map(|p| p.normal).collect(),
+            points.iter().map(|p| p.weight).collect(),
+            patches,
+            shown.iter().map(|&patch| surface.patches[patch].clone()).collect(),
+            modes,
         )
     }
 

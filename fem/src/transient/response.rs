@@ -125,6 +125,14 @@ impl ModalResponse {
         self.step * (self.samples() - 1) as f64
     }
 
+    /// Number of modes of a body.
+    ///
+    /// # Errors
+    /// [`TransientError::Size`] for a body that does not exist.
+    pub fn modes(&self, body: usize) -> Result<usize, TransientError> {
+        Ok(self.body(body)?.modes())
+    }
+
     /// Motion of a range of one body's modes: samples x modes, so that the history of one mode is contiguous.
     ///
     /// # Errors

@@ -391,7 +391,7 @@ pub(crate) fn spring_supports(design: &Design) -> Vec<Support> {
 }
 
 /// An error of a body's stages with its place in the design, where it has one.
-pub(crate) fn with_place(design: &Design, error: Error) -> Error {
+pub(crate) fn located(design: &Design, error: Error) -> Error {
     match error {
         Error::SpringOutside { spring, distance } => match design.springs.get(&spring) {
             Some(own) => design.refuse_spring(&spring, own, distance).into(),

@@ -1,9 +1,10 @@
 //! Inputs of the exhaust: its openings, plenum and muffler, and where its jets leave the tool.
 
+use nailnoise_acoustics::AcousticsError;
 use nailnoise_acoustics::exhaust::{Opening, PlenumResonance};
 use nailnoise_acoustics::muffler::{BandLosses, Lining, MufflerChain, MufflerElement};
-use nailnoise_acoustics::{AcousticsError, Air};
 
+use super::air;
 use super::microphones::{on_axis, tool_height};
 use crate::design::{self, Design, MufflerKind};
 use crate::error::Error;
@@ -24,7 +25,7 @@ pub(crate) fn openings(design: &Design) -> Result<Openings, Error> {
     };
     holes.check_area(own.area())?;
     Ok(Openings {
-        air: Air::at(design.ambient.temperature, design.ambient.pressure)?,
+        air: air(design)?,
         range_hz: [design.analysis.range_low, design.analysis.exhaust_top],
         holes,
         plenum: own.plenum.resonance.then_some(PlenumResonance {

@@ -1,9 +1,10 @@
 //! Inputs of the microphones: their positions, the reflecting plane, the room, and the tool as the sphere of its volume.
 
-use nailnoise_acoustics::Air;
 use nailnoise_acoustics::sound::Iso3744Box;
+use nailnoise_acoustics::sound_fields::Cuts;
 use nalgebra::Point3;
 
+use super::air;
 use crate::design::{Design, SupportKind};
 use crate::error::Error;
 use crate::stages::microphones::{MicrophoneArray, Room, ToolSphere};
@@ -14,7 +15,7 @@ use crate::stages::microphones::{MicrophoneArray, Room, ToolSphere};
 /// Air that cannot be.
 pub(crate) fn array(design: &Design) -> Result<MicrophoneArray, Error> {
     Ok(MicrophoneArray {
-        air: Air::at(design.ambient.temperature, design.ambient.pressure)?,
+        air: air(design)?,
         foot: foot(design),
         centre_height: centre_height(design),
         range_hz: [design.analysis.range_low, design.analysis.range_high],
@@ -51,6 +52,15 @@ pub(crate) fn tool_sphere(design: &Design) -> ToolSphere {
     ToolSphere {
         centre: on_axis(design, 0.5 * tool_height(design)),
         volume: design.body.volume(),
+    }
+}
+
+/// Planes in which the sound field is shown.
+pub(crate) fn cuts(design: &Design) -> Cuts {
+    Cuts {
+        axis: [design.nail.offset_along, design.nail.offset_across],
+        low: reflecting_plane(design),
+        top: design.workpiece.thickness,
     }
 }
 

@@ -1,10 +1,29 @@
 //! The inputs of the stages, made from a design: the only place where a stage's fields and the design file meet.
 
-pub(crate) mod bodies;
-pub(crate) mod cycle;
+use nailnoise_acoustics::Air;
+
+use super::Design;
+use crate::error::Error;
+
+pub mod bodies;
+pub mod cycle;
 pub(crate) mod exhaust;
+pub(crate) mod exports;
 pub(crate) mod microphones;
 pub(crate) mod notes;
 pub(crate) mod radiation;
 pub(crate) mod response;
 pub(crate) mod sensors;
+
+/// The ambient air of a design.
+///
+/// # Errors
+/// Air that cannot be.
+pub(crate) fn air(design: &Design) -> Result<Air, Error> {
+    Ok(Air::at(design.ambient.temperature, design.ambient.pressure)?)
+}
+
+/// An error of a stage with its place in the design file, where it has one.
+pub(crate) fn located(design: &Design, error: Error) -> Error {
+    sensors::located(design, bodies::located(design, error))
+}

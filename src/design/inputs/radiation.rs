@@ -9,7 +9,7 @@ use super::microphones::{positions, reflecting_plane, tool_height};
 use crate::design::{Design, RadiationMethod, SupportKind, WorktablePreset};
 use crate::error::Error;
 use crate::stages::radiation::{
-    Covered, Discretisation, FlushTop, Places, ToolRadiation, WorkpieceBoundaryElements, WorkpieceRadiation,
+    Covered, FlushTop, Places, Resolution, ToolRadiation, WorkpieceBoundaryElements, WorkpieceRadiation,
 };
 
 /// Highest underside of a hung block whose floor is part of the equations \[m\]. The floor at the height h changes the power
@@ -41,7 +41,7 @@ pub(crate) fn workpiece_boundary_elements(design: &Design) -> WorkpieceBoundaryE
         _ => 0.0,
     };
     WorkpieceBoundaryElements {
-        discretisation: discretisation(design),
+        resolution: resolution(design),
         boxes: boxes(design),
         on_table: design.support.kind == SupportKind::Worktable,
         floor,
@@ -67,7 +67,7 @@ pub(crate) fn tool(design: &Design) -> Option<ToolRadiation> {
     let floor = (-plane < height).then_some(plane);
     let microphones = positions(design).into_iter().map(|point| point - nose);
     Some(ToolRadiation {
-        discretisation: discretisation(design),
+        resolution: resolution(design),
         floor,
         places: Places::new(microphones, floor.is_none().then_some(plane), 0.5 * height),
     })
@@ -87,7 +87,7 @@ pub(crate) fn flush_top(design: &Design) -> Result<FlushTop, Error> {
     let sand = &design.support.sand;
     let moving = sand.moving_surface.then(|| moving_sand(design)).transpose()?;
     Ok(FlushTop {
-        range_high: design.analysis.range_high,
+        top_hz: design.analysis.workpiece_top.min(design.analysis.range_high),
         places: Places::new(positions(design).into_iter(), None, design.workpiece.thickness),
         absorbing: absorbing_sand(design),
         moving,
@@ -119,9 +119,9 @@ pub(crate) fn moving_sand(design: &Design) -> Result<MovingSand, Error> {
     })
 }
 
-fn discretisation(design: &Design) -> Discretisation {
+fn resolution(design: &Design) -> Resolution {
     let acoustics = &design.acoustics;
-    Discretisation {
+    Resolution {
         top_hz: acoustics.bem_top,
         panels: acoustics.bem_panels,
         tolerance: acoustics.bem_tolerance,

@@ -6,7 +6,8 @@ use nalgebra::Vector3;
 use super::radiation::moving_sand;
 use crate::design::{BodyModel, Carrier, Design, Sensor, SensorProblem, SupportKind};
 use crate::error::Error;
-use crate::stages::sensors::{Accelerometer, SensorPoint};
+use crate::stages::bodies::SensorPoint;
+use crate::stages::sensors::Accelerometer;
 
 /// The sensors whose body the design has, by name.
 ///

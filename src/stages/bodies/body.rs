@@ -12,7 +12,7 @@ use super::load_places::Model;
 use super::modes::WholeModes;
 use crate::error::Error;
 use crate::result::Check;
-use crate::stages::{Code, Digest, HasMatrix, Input, Progress, Stage, Stored, WithMatrix, code, matrix};
+use crate::stages::{Code, HasMatrix, Input, Progress, Stage, Stored, WithMatrix, code, matrix};
 
 /// Reduces the finite elements of a body to its modes.
 #[derive(Serialize)]
@@ -23,10 +23,6 @@ pub struct ModalModel {
     pub model: Stored<Model>,
     /// Its modes.
     pub modes: Stored<WholeModes>,
-    /// Loss factor of all modes \[-\].
-    pub loss_factor: f64,
-    /// Frequency up to which the body's motion is part of the result \[Hz\].
-    pub top_hz: f64,
 }
 
 /// A body in modal coordinates, with its geometry.
@@ -35,8 +31,6 @@ pub struct Body {
     /// `workpiece`, `worktable` or `tool`.
     #[serde(deserialize_with = "known_name")]
     pub name: Name,
-    /// Digest of all that its modes are computed from.
-    pub(crate) identity: Digest,
     /// Its mesh.
     pub mesh: Mesh,
     /// Its outer faces.
@@ -49,10 +43,6 @@ pub struct Body {
     pub skin: DMatrix<f32>,
     /// Angular frequencies of the modes \[rad/s\]; 0 for rigid ones.
     pub omega: Vec<f64>,
-    /// Loss factor of all modes \[-\].
-    pub loss_factor: f64,
-    /// Frequency up to which the body's motion is part of the result \[Hz\].
-    pub top_hz: f64,
     /// Modal momentum of the body as it rises at unit speed, Phi^T M (0, 0, 1) \[kg^1/2\].
     #[serde(with = "matrix")]
     pub lift: DVector<f64>,
@@ -63,6 +53,17 @@ pub struct Body {
     /// and of springs to the ground: modes x supports.
     #[serde(with = "matrix")]
     pub contacts: DMatrix<f64>,
+}
+
+/// The moving surface of a body.
+#[derive(Clone, Copy)]
+pub struct MovingSurface<'a> {
+    /// `workpiece`, `worktable` or `tool`.
+    pub body: &'static str,
+    /// Its outer faces.
+    pub surface: &'a Surface,
+    /// Displacement of the surface's points in each mode, (3 x points) x modes \[kg^-1/2\].
+    pub modes: &'a DMatrix<f32>,
 }
 
 /// Name of a body.
@@ -104,7 +105,6 @@ impl Stage for ModalModel {
         let surface = Surface::of(mesh);
         Ok(Body {
             name: self.kind.name(),
-            identity: *self.modes.key(),
             skin: skin(&surface, shapes),
             omega: modes
                 .basis
@@ -113,8 +113,6 @@ impl Stage for ModalModel {
                 .map(|hz| std::f64::consts::TAU * hz)
                 .collect(),
             basis: modes.basis.clone(),
-            loss_factor: self.loss_factor,
-            top_hz: self.top_hz,
             lift: shapes.tr_mul(&DVector::from_column_slice(&modes.momentum)),
             loads: participation(&model.loads, shapes),
             contacts: participation(&model.contacts, shapes),
@@ -169,6 +167,15 @@ impl Body {
             weight -= self.contacts.column(cell) * (gravity * sand * cell_area / area);
         }
         weight
+    }
+
+    /// Its surface and how that moves.
+    pub fn moving_surface(&self) -> MovingSurface<'_> {
+        MovingSurface {
+            body: self.name,
+            surface: &self.surface,
+            modes: &self.skin,
+        }
     }
 
     /// Checks of the modal solution.

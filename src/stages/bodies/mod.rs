@@ -13,9 +13,9 @@ pub(crate) mod nail_load;
 mod sensor_modes;
 pub(crate) mod tool_loads;
 
-pub use body::{Body, ModalModel};
+pub use body::{Body, ModalModel, MovingSurface};
 pub use geometry::{AddedSand, BodyKind, Geometry, MeshFile, MeshSource, Meshed, PartMaterials, Remainder};
 pub use load_places::{ContactCells, Discretisation, LoadPlaces, Model, NailPlace, SideSand, SpringFoot};
 pub use modes::{Modes, WholeModes};
-pub use sensor_modes::{SensorModes, SensorShapes};
+pub use sensor_modes::{BodySensors, SensorModes, SensorPoint};
 pub use tool_loads::ToolPlaces;

@@ -1,6 +1,7 @@
 //! Displacement of sensors in each mode.
 
 use nailnoise_fem::LoadVector;
+use nailnoise_meshes::MeshError;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
@@ -9,39 +10,74 @@ use super::modes::WholeModes;
 use crate::error::Error;
 use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, code, matrix};
 
+/// How far off its body a sensor may be \[m\]: less than half its base, more than the chords of a mesh are off the
+/// cylinders that they stand for.
+const OFF: f64 = 1e-3;
+
+/// Where a sensor measures an elastic body.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SensorPoint {
+    /// Name of the sensor.
+    pub name: String,
+    /// Position \[m\].
+    pub position: [f64; 3],
+    /// Direction whose scalar product with the displacement is measured \[-\].
+    pub direction: [f64; 3],
+}
+
+/// Displacement of the modes of a body at the sensors on it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BodySensors {
+    /// Names of the sensors.
+    pub names: Vec<String>,
+    /// Displacement along the axis of each sensor: modes x sensors \[kg^-1/2\].
+    #[serde(with = "matrix")]
+    pub shapes: DMatrix<f64>,
+}
+
 /// Evaluates the modes of a body at sensors. The result is kept, because it takes the whole shapes.
 #[derive(Serialize)]
 pub struct SensorModes {
-    /// Load vectors of the sensors.
-    pub vectors: Vec<LoadVector>,
+    /// Where the sensors are.
+    pub points: Vec<SensorPoint>,
     /// The body.
     pub body: Stored<Body>,
     /// Its whole modes.
     pub modes: Stored<WholeModes>,
 }
 
-/// Displacement along the axis of each sensor in each mode.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct SensorShapes {
-    /// Modes x sensors \[kg^-1/2\].
-    #[serde(with = "matrix")]
-    pub shapes: DMatrix<f64>,
-}
-
 impl Stage for SensorModes {
-    type Output = SensorShapes;
+    type Output = BodySensors;
     type Codec = Postcard;
     const NAME: &'static str = "sensor modes";
-    const CODE: Code = code!(fem, stages_bodies);
+    const CODE: Code = code!(meshes, fem, stages_bodies);
 
     fn inputs(&self) -> Vec<&dyn Input> {
         vec![&self.body, &self.modes]
     }
 
-    fn compute(&self, _: &Progress) -> Result<SensorShapes, Error> {
+    fn compute(&self, _: &Progress) -> Result<BodySensors, Error> {
         let (body, modes) = (self.body.get()?, self.modes.get()?);
-        Ok(SensorShapes {
-            shapes: participation(&self.vectors, body.shapes(&modes)?),
+        let vectors: Vec<LoadVector> = self
+            .points
+            .iter()
+            .map(|point| load_vector(point, &body))
+            .collect::<Result<_, _>>()?;
+        Ok(BodySensors {
+            names: self.points.iter().map(|point| point.name.clone()).collect(),
+            shapes: participation(&vectors, body.shapes(&modes)?),
         })
     }
+}
+
+/// The load vector that reads the displacement at a point.
+fn load_vector(point: &SensorPoint, body: &Body) -> Result<LoadVector, Error> {
+    LoadVector::point(&body.mesh, point.position.into(), point.direction.into(), OFF).map_err(|error| match error {
+        MeshError::Outside { distance, .. } => Error::SensorOffBody {
+            sensor: point.name.clone(),
+            body: body.name,
+            distance,
+        },
+        other => other.into(),
+    })
 }

@@ -3,12 +3,11 @@
 use std::f64::consts::PI;
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::bem::ModalBem;
 use nailnoise_acoustics::exhaust::{ExhaustNoise, Floor, Outlet, Recording};
 use nailnoise_acoustics::fourier::{Transform, TransformSettings};
 use nailnoise_acoustics::levels::{PowerSignals, SourceSpectrum};
-use nailnoise_acoustics::radiation::ModalSpectra;
-use nailnoise_acoustics::sound::{FlushSound, OverTime, shaken_sphere_pressure, spread_evenly};
+use nailnoise_acoustics::radiator::Pressures;
+use nailnoise_acoustics::sound::{OverTime, shaken_sphere_pressure, spread_evenly};
 use nailnoise_dynamics::CycleRecord;
 use nalgebra::{Complex, DMatrix, Point3, Vector3};
 use rayon::prelude::*;
@@ -20,9 +19,6 @@ use crate::stages::sound::Sound;
 
 /// Azimuths of the exhaust's jets: enough that the mean over them is that over all.
 const AZIMUTHS: usize = 12;
-
-/// Octaves over which signals fade out at the upper end of boundary elements.
-const FADE_OCTAVES: f64 = 1.0 / 3.0;
 
 /// Where the exhaust's jets leave the tool, and how they are directed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -66,67 +62,36 @@ pub(super) struct Received<'a> {
 }
 
 impl MicrophoneArray {
-    /// Sound of a source by boundary elements, up to their highest frequency; `end` is that of all records \[s\].
+    /// Sound of a source from its pressures at the microphones, or at the microphones and their images; `end` is that of all
+    /// records \[s\].
     ///
     /// # Errors
-    /// Those of the pressures and levels.
-    pub fn boundary_elements(
-        &self,
-        bem: &ModalBem,
-        spectra: &ModalSpectra,
-        radiated: &SourceSpectrum,
-        end: f64,
-    ) -> Result<AtMicrophones, Error> {
+    /// Those of the levels.
+    pub fn pressures(&self, found: Pressures, radiated: &SourceSpectrum, end: f64) -> Result<AtMicrophones, Error> {
         let receivers = Receivers::new(self, end);
-        let frequency = &spectra.frequency;
-        let mut pressures = bem.pressures(frequency, &spectra.accelerations)?;
+        let frequency = &found.frequency;
+        let mut pressures = found.values;
         let places = receivers.positions.len();
         if pressures.nrows() == 2 * places {
             // Reflections from the plane are the pressures at the microphones' images.
             pressures = pressures.rows(0, places) + pressures.rows(places, places);
         }
-        let to = bem.solved_hz()[1];
-        let from = to * 2f64.powf(-FADE_OCTAVES);
         let part = Part {
             frequency: frequency.clone(),
             exposure: pressures.map(|p| 2.0 * p.norm_sqr()),
         };
-        // Above, boundary elements give means over frequency only, without a phase.
-        for (mut bin, hz) in pressures.column_iter_mut().zip(frequency) {
-            let t = ((hz / from).ln() / (to / from).ln()).clamp(0.0, 1.0);
-            bin.iter_mut().for_each(|p| *p *= (0.5 * PI * t).cos());
+        if let Some([from, to]) = found.fade_hz {
+            for (mut bin, hz) in pressures.column_iter_mut().zip(frequency) {
+                let t = ((hz / from).ln() / (to / from).ln()).clamp(0.0, 1.0);
+                bin.iter_mut().for_each(|p| *p *= (0.5 * PI * t).cos());
+            }
         }
         let (_, signals) = receivers.of_pressures(frequency, &pressures);
         self.levels(Received {
             radiated,
-            how: "boundary elements",
-            range: [spectra.range_hz[0], from.min(spectra.range_hz[1])],
-            interpolation_error: Some(bem.summary.heard),
-            parts: vec![part],
-            signals,
-        })
-    }
-
-    /// Sound of the workpiece's top and of the sand around it, in an infinite plane; `end` is that of all records \[s\].
-    ///
-    /// # Errors
-    /// Those of the levels.
-    pub fn flush(
-        &self,
-        sound: &FlushSound,
-        spectra: &ModalSpectra,
-        radiated: &SourceSpectrum,
-        end: f64,
-    ) -> Result<AtMicrophones, Error> {
-        let pressures = sound
-            .heard
-            .pressures(&sound.waves, &spectra.frequency, &spectra.accelerations);
-        let (part, signals) = Receivers::new(self, end).of_pressures(&spectra.frequency, &pressures);
-        self.levels(Received {
-            radiated,
-            how: "Rayleigh's integral",
-            range: spectra.range_hz,
-            interpolation_error: Some(sound.heard.error()),
+            how: found.method,
+            range: found.range_hz,
+            interpolation_error: Some(found.interpolation_error),
             parts: vec![part],
             signals,
         })

@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::stages::Progress;
 
 /// Lowest frequency at which a radiation resistance is sampled \[Hz\]; below it each entry follows its own power law.
-pub(crate) const LOWEST_SAMPLE: f64 = 40.0;
+pub(super) const LOWEST_SAMPLE: f64 = 40.0;
 
 /// A mode that radiates less than this share of the best radiator is interpolated as accurately as that share requires.
 const FLOOR: f64 = 1e-2;
@@ -19,27 +19,27 @@ const MOST_SAMPLES: usize = 100;
 
 /// How finely boundary elements resolve space and frequency.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub(crate) struct Discretisation {
+pub struct Resolution {
     /// Highest frequency of boundary elements in standard air \[Hz\].
-    pub(crate) top_hz: f64,
+    pub top_hz: f64,
     /// Panels per wavelength.
-    pub(crate) panels: f64,
+    pub panels: f64,
     /// Tolerance of the interpolation over frequency, relative to sqrt(R_ii R_jj).
-    pub(crate) tolerance: f64,
+    pub tolerance: f64,
 }
 
 /// The places at which the pressure of every mode is wanted, in the coordinates of the body \[m\].
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct Places {
+pub struct Places {
     /// The microphones, and behind them their images in the reflecting plane if that is not part of the equations.
-    pub(crate) points: Vec<[f64; 3]>,
+    pub points: Vec<[f64; 3]>,
     /// The middle of the body.
-    pub(crate) origin: [f64; 3],
+    pub origin: [f64; 3],
 }
 
 impl Places {
     /// Microphones, with their images in a plane at a height if the plane is not part of the equations.
-    pub(crate) fn new(microphones: impl Iterator<Item = Point3<f64>>, image_in: Option<f64>, middle: f64) -> Self {
+    pub fn new(microphones: impl Iterator<Item = Point3<f64>>, image_in: Option<f64>, middle: f64) -> Self {
         let mut points: Vec<[f64; 3]> = microphones.map(Into::into).collect();
         if let Some(plane) = image_in {
             points.extend_from_within(..);
@@ -111,14 +111,14 @@ impl MeshRanges {
     pub(super) fn solve(
         self,
         task: &'static str,
-        discretisation: &Discretisation,
+        resolution: &Resolution,
         places: &Places,
         progress: &Progress,
     ) -> Result<ModalBem, Error> {
         let top_hz = self.levels.iter().map(|level| level.top_hz).fold(0.0, f64::max);
         let sampling = Sampling {
             range_hz: [self.lowest_hz, top_hz],
-            tolerance: discretisation.tolerance,
+            tolerance: resolution.tolerance,
             floor: FLOOR,
             most_samples: MOST_SAMPLES,
         };

@@ -1,25 +1,18 @@
 //! Radiation of the moving bodies per unit of modal motion, before the motion is known.
+//!
+//! What costs time depends on the wavelength alone: it is computed in standard air and kept ([`WorkpieceMatrix`],
+//! [`ToolMatrix`], [`FlushMatrix`]). [`WorkpieceRadiator`] and [`ToolRadiator`] take it over to the ambient air.
 
 mod boundary_elements;
 mod flush;
+mod matrices;
+mod radiators;
 mod tool;
 mod workpiece;
 
-use nailnoise_meshes::Surface;
-use nalgebra::DMatrix;
-
-pub(crate) use boundary_elements::{Discretisation, Places};
-pub(crate) use flush::{FACE_POINTS, FlushTop, radiating_surface};
-pub(crate) use tool::ToolRadiation;
-pub(crate) use workpiece::{Covered, WorkpieceBoundaryElements, WorkpieceRadiation};
-
-/// The moving surface of a body.
-#[derive(Clone, Copy)]
-pub(crate) struct MovingSurface<'a> {
-    /// `workpiece`, `worktable` or `tool`.
-    pub(crate) body: &'static str,
-    /// Its outer faces.
-    pub(crate) surface: &'a Surface,
-    /// Displacement of the surface's points in each mode, (3 x points) x modes \[kg^-1/2\].
-    pub(crate) modes: &'a DMatrix<f32>,
-}
+pub use boundary_elements::{Places, Resolution};
+pub use flush::{FlushTop, top_of};
+pub use matrices::{FlushMatrix, ToolMatrix, WorkpieceMatrix};
+pub use radiators::{RadiationDamping, ToolRadiator, WorkpieceMethod, WorkpieceRadiator};
+pub use tool::ToolRadiation;
+pub use workpiece::{Covered, WorkpieceBoundaryElements, WorkpieceRadiation};

@@ -11,10 +11,10 @@ use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{Boundary, ClosedOutline, Exterior, MeshRange, ModalBem, Parity, Patterns};
 use serde::Serialize;
 
-use super::MovingSurface;
-use super::boundary_elements::{Discretisation, LOWEST_SAMPLE, MeshRanges, Places};
+use super::boundary_elements::{LOWEST_SAMPLE, MeshRanges, Places, Resolution};
 use crate::error::Error;
 use crate::stages::Progress;
+use crate::stages::bodies::MovingSurface;
 
 /// Most panels of a useful coarser mesh over those of the finest.
 const WORTH_WHILE: f64 = 0.6;
@@ -27,13 +27,13 @@ const ALONE: f64 = 0.4;
 
 /// Boundary elements of the tool's housing.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct ToolRadiation {
+pub struct ToolRadiation {
     /// Resolution.
-    pub(crate) discretisation: Discretisation,
+    pub resolution: Resolution,
     /// Height of the reflecting plane in the tool's coordinates, if it is part of the equations \[m\].
-    pub(crate) floor: Option<f64>,
+    pub floor: Option<f64>,
     /// The microphones.
-    pub(crate) places: Places,
+    pub places: Places,
 }
 
 impl ToolRadiation {
@@ -41,7 +41,7 @@ impl ToolRadiation {
     ///
     /// # Errors
     /// Those of mesh and boundary elements.
-    pub(crate) fn compute(&self, body: &MovingSurface<'_>, progress: &Progress) -> Result<ModalBem, Error> {
+    pub fn compute(&self, body: &MovingSurface<'_>, progress: &Progress) -> Result<ModalBem, Error> {
         let levels = self.levels(body, &Air::default())?;
         let top_hz = levels.iter().map(|level| level.top_hz).fold(0.0, f64::max);
         let ranges = MeshRanges {
@@ -58,7 +58,7 @@ impl ToolRadiation {
         }
         ranges.solve(
             "boundary elements of the tool",
-            &self.discretisation,
+            &self.resolution,
             &self.places,
             progress,
         )
@@ -68,7 +68,7 @@ impl ToolRadiation {
     ///
     /// # Errors
     /// Those of the mesh.
-    pub(crate) fn level(&self, body: &MovingSurface<'_>, air: &Air) -> Result<MeshRange, Error> {
+    pub fn level(&self, body: &MovingSurface<'_>, air: &Air) -> Result<MeshRange, Error> {
         let outline = ClosedOutline::new(body.surface, self.floor)?;
         let motion = outline.motion(body.surface, body.modes);
         let boundary = Boundary::new(outline.mesh, self.floor)?;
@@ -76,7 +76,7 @@ impl ToolRadiation {
             parity: Parity::default(),
             velocities: boundary.project_displacements(&motion)?,
         };
-        let Discretisation { top_hz, panels, .. } = self.discretisation;
+        let Resolution { top_hz, panels, .. } = self.resolution;
         let top_hz = boundary.highest_hz(air.sound_speed, panels).min(top_hz);
         let problem = Exterior::new(boundary, air).with_panels_per_wavelength(panels)?;
         Ok(MeshRange {
@@ -90,7 +90,7 @@ impl ToolRadiation {
     /// alone in the lower part of the range, in the upper part to predict the matrix between the few frequencies of the
     /// finer.
     fn levels(&self, body: &MovingSurface<'_>, air: &Air) -> Result<Vec<MeshRange>, Error> {
-        let panels = self.discretisation.panels;
+        let panels = self.resolution.panels;
         let fine = self.level(body, air)?;
         let boundary = fine.problem.boundary();
         let edge = air.sound_speed / (panels * fine.top_hz);

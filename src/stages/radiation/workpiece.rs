@@ -9,17 +9,17 @@
 use nailnoise_acoustics::bem::{
     Boundary, BoundaryMesh, Exterior, MeshRange, ModalBem, MovingPart, Parity, Patterns, Side, SolidBox,
 };
-use nailnoise_acoustics::radiation::Erp;
+use nailnoise_acoustics::radiation::{Erp, RadiatingSurface};
 use nailnoise_acoustics::{AcousticsError, Air};
 use nailnoise_meshes::open_faces;
 use nalgebra::{DMatrix, Point3};
 use serde::Serialize;
 
-use super::MovingSurface;
-use super::boundary_elements::{Discretisation, LOWEST_SAMPLE, MeshRanges, Places};
-use super::flush::{FlushTop, radiating_surface};
+use super::boundary_elements::{LOWEST_SAMPLE, MeshRanges, Places, Resolution};
+use super::flush::FlushTop;
 use crate::error::Error;
 use crate::stages::Progress;
+use crate::stages::bodies::MovingSurface;
 
 /// Tops of the ranges that have a mesh of their own, over the top of all.
 const RANGES: [f64; 4] = [0.16, 0.4, 0.65, 1.0];
@@ -51,7 +51,7 @@ const ALONE: [&str; 3] = ["workpiece top", "workpiece sides", "workpiece undersi
 
 /// How the radiation of the workpiece with its support is computed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) enum WorkpieceRadiation {
+pub enum WorkpieceRadiation {
     /// By boundary elements on block and table as one surface above the floor, or on a block alone.
     BoundaryElements(WorkpieceBoundaryElements),
     /// By the equivalent radiated power of each body.
@@ -62,18 +62,18 @@ pub(crate) enum WorkpieceRadiation {
 
 /// Boundary elements of the workpiece, and of the table that it may stand on.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct WorkpieceBoundaryElements {
+pub struct WorkpieceBoundaryElements {
     /// Resolution.
-    pub(crate) discretisation: Discretisation,
+    pub resolution: Resolution,
     /// The block (part 0), and where it stands on a table the table's top (part 1) and legs (part 2). Tubes are closed by
     /// top and floor. The origin is the centre of the block's underside.
-    pub(crate) boxes: Vec<SolidBox>,
+    pub boxes: Vec<SolidBox>,
     /// Whether the block stands on a table.
-    pub(crate) on_table: bool,
+    pub on_table: bool,
     /// Height of the rigid floor if it is part of the equations \[m\].
-    pub(crate) floor: Option<f64>,
+    pub floor: Option<f64>,
     /// The microphones.
-    pub(crate) places: Places,
+    pub places: Places,
 }
 
 impl WorkpieceBoundaryElements {
@@ -81,7 +81,7 @@ impl WorkpieceBoundaryElements {
     ///
     /// # Errors
     /// Those of [`Self::levels`] and of the boundary elements.
-    pub(crate) fn compute(&self, bodies: &[MovingSurface<'_>], progress: &Progress) -> Result<ModalBem, Error> {
+    pub fn compute(&self, bodies: &[MovingSurface<'_>], progress: &Progress) -> Result<ModalBem, Error> {
         let levels = self.levels(bodies, &Air::default())?;
         let lowest = levels.first().map_or(0.0, |level| level.top_hz);
         let lowest_hz = LOWEST_SAMPLE.min(0.5 * lowest);
@@ -99,7 +99,7 @@ impl WorkpieceBoundaryElements {
                 only.problem.boundary().mended()
             ));
         }
-        ranges.solve("boundary elements", &self.discretisation, &self.places, progress)
+        ranges.solve("boundary elements", &self.resolution, &self.places, progress)
     }
 
     /// Largest extent of the boxes \[m\].
@@ -121,7 +121,7 @@ impl WorkpieceBoundaryElements {
     ///
     /// # Errors
     /// [`Error::NotBoxes`] for a mesh on a table that has not the sides of the design; those of mesh and radiation.
-    pub(crate) fn levels(&self, bodies: &[MovingSurface<'_>], air: &Air) -> Result<Vec<MeshRange>, Error> {
+    pub fn levels(&self, bodies: &[MovingSurface<'_>], air: &Air) -> Result<Vec<MeshRange>, Error> {
         let of_boxes = RANGES.iter().map(|share| self.of_boxes(bodies, air, *share));
         match of_boxes.collect() {
             Err(AcousticsError::Uncovered { .. }) if !self.on_table => Ok(vec![self.of_skin(&bodies[0], air)?]),
@@ -132,7 +132,7 @@ impl WorkpieceBoundaryElements {
 
     /// The boxes' surface up to a share of the top of all ranges.
     fn of_boxes(&self, bodies: &[MovingSurface<'_>], air: &Air, share: f64) -> Result<MeshRange, AcousticsError> {
-        let (fine, computed) = (&self.discretisation, Air::default());
+        let (fine, computed) = (&self.resolution, Air::default());
         let (on_table, floor) = (self.on_table, self.floor);
         let names: &[&str] = if on_table { &PATCHES } else { &ALONE };
         let own = if on_table { OF_WORKPIECE } else { ALONE.len() };
@@ -176,7 +176,7 @@ impl WorkpieceBoundaryElements {
 
     /// The faces of a block's own mesh, up to the frequency that they resolve.
     fn of_skin(&self, body: &MovingSurface<'_>, air: &Air) -> Result<MeshRange, Error> {
-        let (fine, computed) = (&self.discretisation, Air::default());
+        let (fine, computed) = (&self.resolution, Air::default());
         let open = open_faces(body.surface, self.floor)?;
         let mut mesh = BoundaryMesh::of_skin(body.surface);
         let mut open = open.into_iter();
@@ -225,11 +225,11 @@ fn solves(levels: &[MeshRange], low: f64) -> Vec<f64> {
 
 /// The faces from which no sound leaves, as those where the bodies touch each other or the floor.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub(crate) struct Covered {
+pub struct Covered {
     /// Half the sides of the block's underside, which covers the table's top \[m\].
-    pub(crate) half_sides: [f64; 2],
+    pub half_sides: [f64; 2],
     /// Whether the block's underside is clear of the floor; even a narrow gap radiates.
-    pub(crate) underside_open: bool,
+    pub underside_open: bool,
 }
 
 impl Covered {
@@ -237,7 +237,7 @@ impl Covered {
     ///
     /// # Errors
     /// Those of the surface.
-    pub(crate) fn erp(&self, body: &MovingSurface<'_>, air: &Air) -> Result<Erp, Error> {
+    pub fn erp(&self, body: &MovingSurface<'_>, air: &Air) -> Result<Erp, Error> {
         let hidden = |patch: &str, p: &Point3<f64>| match patch {
             "bottom" => body.body != "workpiece" || !self.underside_open,
             "floor" => true,
@@ -247,7 +247,7 @@ impl Covered {
         };
         let patches = &body.surface.patches;
         let shown = |patch: usize, point: &Point3<f64>| !hidden(&patches[patch], point);
-        let surface = radiating_surface(body.surface, body.modes.as_view(), |point| {
+        let surface = RadiatingSurface::of_faces(body.surface, body.modes.as_view(), |point| {
             shown(body.surface.faces[point.face].patch, &point.position)
         })?;
         Ok(Erp::new(&surface, air))
@@ -259,15 +259,17 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use std::f64::consts::{PI, TAU};
+    use std::sync::Arc;
 
     use nailnoise_acoustics::bem::TwoEvaluations;
     use nalgebra::Vector3;
 
     use super::*;
+    use crate::chain::BodyStages;
     use crate::design::Design;
     use crate::design::inputs::radiation::{FARTHEST_FLOOR, workpiece_boundary_elements as boundary_elements};
-    use crate::pipeline::{Body, GraphBody, workpiece};
-    use crate::store::Store;
+    use crate::graph::Graph;
+    use crate::stages::bodies::{Body, BodyKind};
 
     /// The coarse design with boundary elements to 400 Hz and something changed.
     fn small(text: &str) -> Design {
@@ -292,8 +294,9 @@ mod tests {
         )
     }
 
-    fn block(design: &Design) -> GraphBody {
-        workpiece(design, &Store::none()).unwrap()
+    fn block(design: &Design) -> Arc<Body> {
+        let stages = BodyStages::add(&Graph::default(), design, BodyKind::Workpiece, true).unwrap();
+        stages.body.get().unwrap()
     }
 
     fn levels(design: &Design, block: &Body, air: &Air) -> Result<Vec<MeshRange>, Error> {

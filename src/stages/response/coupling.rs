@@ -5,6 +5,8 @@
 //! The nail's force acts along its embedded shank, and the motion the nail feels is the mean of the wood's with the
 //! same weights: the power that leaves the cycle is the power that reaches the wood.
 
+use std::sync::Arc;
+
 use nailnoise_dynamics::prf::Envelope;
 use nailnoise_dynamics::{
     Compliance, CouplingWork, CycleRecord, Parameters, Settings as CycleSettings, WoodForces, WoodMotion, Workpiece,
@@ -43,7 +45,7 @@ pub struct Coupled {
     /// The cycle; its workpiece is the surface under the nose, its support that of the block.
     pub record: CycleRecord,
     /// The response of workpiece and support.
-    pub response: ModalResponse,
+    pub response: Arc<ModalResponse>,
     /// Iterations of the coupling and the difference left.
     pub work: CouplingWork,
     /// Forces and work on both sides.
@@ -86,7 +88,7 @@ pub fn couple(
     let checks = checks(&record, &response, work_of_wood);
     Ok(Coupled {
         record,
-        response,
+        response: Arc::new(response),
         work,
         checks,
     })

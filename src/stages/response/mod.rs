@@ -1,191 +1,185 @@
 //! Response of workpiece and support to a shot: modal bodies on supports that can lose contact.
 //!
-//! One way, the cycle has a lumped workpiece of its own, and its forces on the wood drive the bodies. Two-way, cycle and
-//! bodies are computed together (see `coupling`).
+//! One way, the cycle has a lumped workpiece of its own, and its forces on the wood drive the bodies: [`Response`]. Two-way,
+//! cycle and bodies are computed together: [`CoupledResponse`], of whose output [`CoupledCycle`], [`CoupledVibration`] and
+//! [`CouplingReport`] hand on what others read.
 
 mod coupling;
+mod shot;
+mod two_way;
 
-use nailnoise_acoustics::radiation::ModalSpectra;
-use nailnoise_dynamics::{CycleRecord, Parameters, Settings as CycleSettings};
-use nailnoise_fem::transient::{Loads, ModalBody, ModalResponse, Settings, Support, SupportLaw, respond};
-use nalgebra::{DMatrix, DVector};
-use serde::Serialize;
+use std::sync::Arc;
+
+use nailnoise_dynamics::CycleRecord;
+use nailnoise_fem::transient::{Ending, ModalBody, ModalResponse};
+use serde::{Deserialize, Serialize};
 
 pub use coupling::{COUPLED_LOADS, Coupled, couple};
+pub use shot::Shot;
+pub use two_way::{CoupledCycle, CoupledResponse, CoupledVibration, CouplingReport, Reported};
 
-use super::bodies::{Body, ContactCells, nail_load};
-use super::sensors::{BodySensors, SensorMotion};
-use super::spectra::body_spectra;
+use super::bodies::Body;
+use super::{Code, Input, NotKept, Postcard, Progress, Stage, Stored, code};
 use crate::error::Error;
 use crate::result::Check;
 
-/// Largest gap that [`open_gaps`] opens \[m\].
-const GAP: f64 = 1e-6;
-
-/// What a response is computed from, apart from the bodies and the cycle.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Shot {
-    /// Parameters of the cycle. One way, they give gravity, the nail's length and the penetration resistance over depth.
-    pub parameters: Parameters,
-    /// Share of the penetration resistance at full depth that is friction along the shank.
-    pub friction_share: f64,
-    /// Springs and dashpots, in the order of the columns of [`Body::contacts`].
-    pub supports: Vec<Support>,
-    /// Mass of sand \[kg\] that moves with the base of the workpiece, and the contact cells that carry its weight.
-    pub added_sand: Option<(f64, ContactCells)>,
-    /// Step \[s\].
-    pub step: f64,
-    /// Longest time simulated \[s\].
-    pub duration: f64,
-    /// Number of the start, which sets the gaps of supports that can lose contact; 0 for none.
-    pub start: u32,
+/// Motion of one or several bodies in a shot.
+#[derive(Debug)]
+pub struct Vibration {
+    /// Forces and motion.
+    pub response: Arc<ModalResponse>,
+    /// Checks of the response.
+    pub checks: Vec<Check>,
 }
 
-impl Shot {
-    /// The same from another start.
-    #[must_use]
-    pub fn with_start(&self, start: u32) -> Self {
-        Self { start, ..self.clone() }
+/// Workpiece and support as a response reads them.
+#[derive(Clone, Serialize)]
+pub struct Structure {
+    /// The workpiece, and the worktable if there is one.
+    pub bodies: Vec<Stored<Body>>,
+    /// Loss factor of the modes of each \[-\].
+    pub loss_factors: Vec<f64>,
+    /// Damping ratio that radiation adds to each mode of each body, where it damps them \[-\].
+    pub radiation_damping: Option<Stored<Vec<Vec<f64>>>>,
+}
+
+impl Structure {
+    fn inputs(&self) -> Vec<&dyn Input> {
+        let bodies = self.bodies.iter().map(|body| body as &dyn Input);
+        let damping = self.radiation_damping.iter().map(|damping| damping as &dyn Input);
+        bodies.chain(damping).collect()
     }
 
-    /// Response to the forces of a cycle on the wood, times `force_scale`.
-    ///
-    /// # Errors
-    /// Those of the transient solver.
-    pub fn one_way(
-        &self,
-        bodies: &[ModalBody],
-        record: &CycleRecord,
-        force_scale: f64,
-    ) -> Result<ModalResponse, Error> {
-        let loads = self.loads(record, force_scale);
-        Ok(respond(bodies, &self.opened(), &loads, &self.settings())?)
-    }
-
-    /// Cycle and response together, each acting on the other.
-    ///
-    /// # Errors
-    /// Those of the cycle and of the transient solver, and that the two do not agree.
-    pub fn two_way(&self, bodies: &[ModalBody], cycle: &CycleSettings) -> Result<Coupled, Error> {
-        let transient = self.settings();
-        couple(
-            &self.parameters,
-            self.friction_share,
-            cycle,
-            bodies,
-            &self.opened(),
-            &transient,
-        )
-    }
-
-    /// Bodies as the transient solver takes them, the workpiece first. Loads of the shot act on the workpiece alone, gravity
-    /// on every body. `radiation_damping` is added to the damping ratios, mode by mode and body by body.
-    pub(crate) fn modal_bodies<'a>(
-        &self,
-        bodies: impl Iterator<Item = &'a Body>,
-        radiation_damping: Option<&[Vec<f64>]>,
-    ) -> Vec<ModalBody> {
-        let modal = |(index, body): (usize, &Body)| self.modal_body(body, index == 0);
-        let mut bodies: Vec<ModalBody> = bodies.enumerate().map(modal).collect();
-        for (body, added) in bodies.iter_mut().zip(radiation_damping.unwrap_or_default()) {
-            body.zeta.iter_mut().zip(added).for_each(|(zeta, added)| *zeta += added);
+    /// The bodies as the transient solver takes them, the workpiece first.
+    fn modal_bodies(&self, shot: &Shot) -> Result<Vec<ModalBody>, Error> {
+        let mut bodies = Vec::new();
+        for (index, (body, loss_factor)) in self.bodies.iter().zip(&self.loss_factors).enumerate() {
+            bodies.push(shot.modal_body(&*body.get()?, *loss_factor, index == 0));
         }
-        bodies
-    }
-
-    fn modal_body(&self, body: &Body, workpiece: bool) -> ModalBody {
-        let gravity = self.parameters.ambient.gravity;
-        let weight = match self.added_sand {
-            Some((sand, cells)) if workpiece => body.weight_in_sand(gravity, sand, &cells.grid()),
-            _ => body.weight(gravity),
-        };
-        let modes = body.omega.len();
-        let mut loads = DMatrix::zeros(modes, COUPLED_LOADS);
-        loads.columns_mut(0, body.loads.ncols()).copy_from(&body.loads);
-        loads.set_column(coupling::GRAVITY, &weight);
-        ModalBody {
-            name: body.name.to_owned(),
-            omega: body.omega.clone(),
-            zeta: vec![0.5 * body.loss_factor; modes],
-            loads,
-            supports: body.contacts.clone(),
+        if let Some(damping) = &self.radiation_damping {
+            for (body, added) in bodies.iter_mut().zip(damping.get()?.iter()) {
+                body.zeta.iter_mut().zip(added).for_each(|(zeta, added)| *zeta += added);
+            }
         }
-    }
-
-    fn settings(&self) -> Settings {
-        Settings {
-            step: self.step,
-            duration: self.duration,
-            ..Settings::default()
-        }
-    }
-
-    /// The supports with the gaps of this start.
-    fn opened(&self) -> Vec<Support> {
-        let mut supports = self.supports.clone();
-        open_gaps(&mut supports, self.start);
-        supports
-    }
-
-    /// Loads of the shot: the nail's stations, nose with guard spring, gravity.
-    ///
-    /// After the record the tool is off the wood and the nail at rest: the forces of the shot go to zero, gravity stays.
-    fn loads(&self, record: &CycleRecord, force_scale: f64) -> Loads {
-        let nail = nail_load::forces(&self.parameters, self.friction_share, record);
-        let mut history = DMatrix::zeros(COUPLED_LOADS, record.len());
-        history.rows_mut(0, nail_load::STATIONS).copy_from(&nail);
-        for sample in 0..record.len() {
-            history[(coupling::NOSE, sample)] = record.forces.nose[sample] + record.forces.guard[sample];
-        }
-        history *= force_scale;
-        history.row_mut(coupling::GRAVITY).fill(1.0);
-        let mut final_values = DVector::zeros(COUPLED_LOADS);
-        final_values[coupling::GRAVITY] = 1.0;
-        Loads {
-            interval: record.sample_interval,
-            history,
-            final_values: final_values.as_slice().to_vec(),
-        }
+        Ok(bodies)
     }
 }
 
-/// Opens the unilateral supports by gaps of 0 to 1 um that depend on the start alone; start 0 has none.
-fn open_gaps(supports: &mut [Support], start: u32) {
-    if start == 0 {
-        return;
+/// Response of workpiece and support to the forces of a cycle.
+#[derive(Serialize)]
+pub struct Response {
+    /// Supports, loads and duration.
+    pub shot: Shot,
+    /// The bodies.
+    pub structure: Structure,
+    /// The cycle.
+    pub cycle: Stored<CycleRecord>,
+    /// Factor on the forces of the shot on the workpiece \[-\].
+    pub force_scale: f64,
+}
+
+impl Stage for Response {
+    type Output = Vibration;
+    /// An intermediate of outputs that are kept.
+    type Codec = NotKept;
+    const NAME: &'static str = "response of workpiece and support";
+    const CODE: Code = code!(dynamics, meshes, fem, stages_bodies, stages_response);
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        let mut inputs = self.structure.inputs();
+        inputs.push(&self.cycle);
+        inputs
     }
-    // A linear congruence (Knuth's MMIX), high bits.
-    let mut state = u64::from(start);
-    let mut next = || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1u64 << 53) as f64
-    };
-    next();
-    for support in supports
-        .iter_mut()
-        .filter(|support| support.law == SupportLaw::Unilateral)
-    {
-        support.gap += GAP * next();
+
+    fn compute(&self, _: &Progress) -> Result<Vibration, Error> {
+        let bodies = self.structure.modal_bodies(&self.shot)?;
+        let response = self.shot.one_way(&bodies, &*self.cycle.get()?, self.force_scale)?;
+        Ok(Vibration {
+            checks: checks("response", &response),
+            response: Arc::new(response),
+        })
     }
 }
 
-/// Spectra of the modal accelerations of every body of a response within its range \[Hz\], and the acceleration at the
-/// sensors on it.
-///
-/// # Errors
-/// Those of the Fourier transform.
-pub(crate) fn modal_spectra(
-    response: &ModalResponse,
-    bodies: impl Iterator<Item = ([f64; 2], BodySensors)>,
-) -> Result<(Vec<ModalSpectra>, Vec<SensorMotion>), Error> {
-    let of_body = |(index, (range_hz, points)): (usize, ([f64; 2], BodySensors))| {
-        let (spectra, acceleration) = body_spectra(response, index, range_hz, &points.shapes)?;
-        Ok::<_, Error>((spectra, points.moving(acceleration)))
-    };
-    let all: Vec<_> = bodies.enumerate().map(of_body).collect::<Result<_, _>>()?;
-    Ok(all.into_iter().unzip())
+/// End of all records of a shot.
+#[derive(Serialize)]
+pub struct End {
+    /// The cycle.
+    pub cycle: Stored<CycleRecord>,
+    /// The longest response; that of an elastic tool where there is one, because its flight does not decay.
+    pub longest: Stored<Vibration>,
+}
+
+impl Stage for End {
+    /// Time \[s\].
+    type Output = f64;
+    type Codec = Postcard;
+    const NAME: &'static str = "end of the records";
+    const CODE: Code = code!(dynamics, meshes, fem, stages_bodies, stages_response);
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        vec![&self.cycle, &self.longest]
+    }
+
+    fn compute(&self, _: &Progress) -> Result<f64, Error> {
+        let record = self.cycle.get()?;
+        let of_cycle = record.sample_interval * record.len() as f64;
+        Ok(self.longest.get()?.response.duration().max(of_cycle))
+    }
+}
+
+/// Checks of bodies and response, and how the response ended.
+#[derive(Serialize)]
+pub struct ResponseReport {
+    /// The bodies.
+    pub bodies: Vec<Stored<Body>>,
+    /// Their response.
+    pub vibration: Stored<Vibration>,
+}
+
+/// Output of [`ResponseReport`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ResponseChecks {
+    /// Checks of modes and response.
+    pub checks: Vec<Check>,
+    /// How the response ended, in words.
+    pub ending: String,
+}
+
+impl Stage for ResponseReport {
+    type Output = ResponseChecks;
+    type Codec = Postcard;
+    const NAME: &'static str = "checks of the response";
+    const CODE: Code = code!(dynamics, meshes, fem, stages_bodies, stages_response);
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        let bodies = self.bodies.iter().map(|body| body as &dyn Input);
+        bodies.chain([&self.vibration as &dyn Input]).collect()
+    }
+
+    fn compute(&self, _: &Progress) -> Result<ResponseChecks, Error> {
+        let mut checks = Vec::new();
+        for body in &self.bodies {
+            checks.extend(body.get()?.checks());
+        }
+        let vibration = self.vibration.get()?;
+        checks.extend(vibration.checks.iter().cloned());
+        Ok(ResponseChecks {
+            checks,
+            ending: ending(&vibration.response),
+        })
+    }
+}
+
+fn ending(response: &ModalResponse) -> String {
+    let end = response.duration();
+    match response.ending {
+        Ending::Decayed { level, .. } if level == f64::NEG_INFINITY => {
+            format!("response ended at {end:.3} s, all of its energy gone")
+        }
+        Ending::Decayed { level, .. } => format!("response ended at {end:.3} s, its energy {level:.0} dB down"),
+        Ending::Duration { level, .. } => format!("response cut at {end:.3} s, its energy {level:.0} dB down"),
+    }
 }
 
 /// Checks of a response, under the name of what responds.
@@ -197,37 +191,4 @@ pub(crate) fn checks(of: &str, response: &ModalResponse) -> Vec<Check> {
         ok: c.ok,
     };
     response.checks.iter().map(check).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn gaps_open_unilateral_supports_alone_and_differ_by_start() {
-        let support = |law| Support {
-            stiffness: 1.0,
-            damping: 0.0,
-            gap: 0.0,
-            law,
-        };
-        let all = || {
-            vec![
-                support(SupportLaw::Unilateral),
-                support(SupportLaw::Bonded),
-                support(SupportLaw::Unilateral),
-            ]
-        };
-        let opened = |start| {
-            let mut supports = all();
-            open_gaps(&mut supports, start);
-            supports
-        };
-        assert_eq!(opened(0), all());
-        let (one, two) = (opened(1), opened(2));
-        assert_eq!(one[1], all()[1]);
-        assert!(one[0].gap > 0.0 && one[0].gap <= GAP && one[0].gap != one[2].gap);
-        assert_ne!(one, two);
-        assert_eq!(one, opened(1));
-    }
 }

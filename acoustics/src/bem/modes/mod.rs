@@ -7,4 +7,5 @@ pub(crate) mod mesh_range;
 pub(crate) mod modal;
 pub(crate) mod range_solver;
 pub(crate) mod receivers;
+mod shared;
 pub(crate) mod summary;

@@ -6,12 +6,14 @@ use crate::bem::modes::independent::independent;
 use crate::bem::modes::mesh_range::MeshRange;
 use crate::bem::modes::range_solver::RangeSolver;
 use crate::bem::modes::receivers::{Heard, HeardModes, Receivers};
+use crate::bem::modes::shared;
 use crate::bem::modes::summary::Summary;
 use crate::error::{AcousticsError, same_length};
 use crate::radiation::{Erp, Means, ModalRadiation, ROUND, Resistance, SampledRadiation, Sampling};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Name of the last patch of [`ModalBem`]: what the far field's power has beyond that of the surface's intensity.
 const REST: &str = "far field less surface";
@@ -33,8 +35,11 @@ pub struct ModalBem {
     modes: usize,
     /// T_c.
     combinations: Vec<Combination>,
-    parities: Vec<BlendedRadiation>,
-    heard: HeardModes,
+    // Shared, so that the same matrix in another air takes no memory.
+    #[serde(with = "shared")]
+    parities: Arc<Vec<BlendedRadiation>>,
+    #[serde(with = "shared")]
+    heard: Arc<HeardModes>,
     /// What the sampling found.
     pub summary: Summary,
     air: AirScale,
@@ -215,8 +220,8 @@ impl ModalBem {
             patches,
             modes,
             combinations,
-            parities,
-            heard: hearing,
+            parities: Arc::new(parities),
+            heard: Arc::new(hearing),
             summary,
             air: AirScale::NONE,
         })
@@ -245,12 +250,14 @@ impl ModalBem {
     /// In `air`, when it was computed in the air `computed`: exact, as nothing but the wavelength and rho c enters. What was
     /// given as frequencies, as the upper end of the range, then stands for the same wavelengths.
     #[must_use]
-    pub fn in_air(mut self, computed: &Air, air: &Air) -> Self {
-        self.air = AirScale {
-            speed: air.sound_speed / computed.sound_speed,
-            density: air.density / computed.density,
-        };
-        self
+    pub fn in_air(&self, computed: &Air, air: &Air) -> Self {
+        Self {
+            air: AirScale {
+                speed: air.sound_speed / computed.sound_speed,
+                density: air.density / computed.density,
+            },
+            ..self.clone()
+        }
     }
 
     /// The equivalent radiated power of the same surface.
@@ -297,7 +304,11 @@ impl ModalBem {
         accelerations: &DMatrix<Complex<f64>>,
         each: impl Fn(usize, &BlendedRadiation, DMatrix<Complex<f64>>) -> T + Sync,
     ) -> Vec<T> {
-        let parities = self.combinations.par_iter().zip(&self.parities).with_max_len(1);
+        let parities = self
+            .combinations
+            .par_iter()
+            .zip(self.parities.par_iter())
+            .with_max_len(1);
         let of_parity = |(parity, (t, radiation)): (usize, (&Combination, &BlendedRadiation))| {
             each(parity, radiation, t.of(accelerations))
         };
@@ -319,7 +330,7 @@ impl ModalBem {
 
     fn whole(&self, of: impl Fn(&BlendedRadiation) -> Resistance) -> Resistance {
         let mut whole = Resistance::zeros(self.modes);
-        for (t, radiation) in self.combinations.iter().zip(&self.parities) {
+        for (t, radiation) in self.combinations.iter().zip(self.parities.iter()) {
             let t = t.dense();
             whole.real += t.transpose() * of(radiation).real * t;
         }
@@ -351,7 +362,7 @@ impl ModalRadiation for ModalBem {
 
     fn sparse_forms(&self, motions: &[(f64, Vec<(usize, f64)>)]) -> Vec<f64> {
         let mut sums = vec![0.0; motions.len()];
-        for (t, radiation) in self.combinations.iter().zip(&self.parities) {
+        for (t, radiation) in self.combinations.iter().zip(self.parities.iter()) {
             let own = motions.iter().map(|(hz, v)| (self.air.computed(*hz), t.of_sparse(v)));
             let own: Vec<(usize, _)> = own.enumerate().filter(|(_, (_, v))| !v.is_empty()).collect();
             let (places, own): (Vec<usize>, Vec<_>) = own.into_iter().unzip();

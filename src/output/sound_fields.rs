@@ -1,17 +1,18 @@
-//! The sound of a shot for ParaView: a series over the bands for each surface, plane and sphere.
+//! The sound field of a shot for ParaView: a series over the bands for each surface, plane and sphere.
 
 use std::fs;
 use std::path::Path;
 
+use nailnoise_acoustics::sound_fields::{BandField, FieldSeries, FieldShape};
 use nailnoise_meshes::vtu::{self, Field, Grid};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::{FIELDS, gone};
 use crate::error::Error;
-use crate::pipeline::{Picture, Pictures, Series, Shape};
+use crate::stages::sound_fields::Fields;
 
-/// Tells which design the pictures are of, and what they show.
+/// Names the design of the fields, and what they show.
 const INDEX: &str = "sound.json";
 
 /// `fields/sound.json`.
@@ -23,28 +24,28 @@ struct Index {
     series: Vec<String>,
 }
 
-/// Writes the pictures of a design's sound to `folder/fields`: for each series `NAME.pvd` and the `.vtu` of each band, and
+/// Writes the sound fields of a design to `folder/fields`: for each series `NAME.pvd` and the `.vtu` of each band, and
 /// last `sound.json`, which names them.
 ///
 /// # Errors
 /// [`Error::Write`] or [`Error::Mesh`] with the file that could not be written.
-pub fn write_pictures(folder: &Path, digest: &str, pictures: &Pictures) -> Result<(), Error> {
+pub fn write_sound_fields(folder: &Path, digest: &str, found: &Fields) -> Result<(), Error> {
     let fields = folder.join(FIELDS);
     remove(&fields)?;
     super::create(&fields)?;
-    pictures.series.iter().try_for_each(|series| write(&fields, series))?;
+    found.series.iter().try_for_each(|series| write(&fields, series))?;
     let index = Index {
         design: digest.to_owned(),
-        method: pictures.method.clone(),
-        notes: pictures.notes.clone(),
-        series: pictures.series.iter().map(|series| series.name.clone()).collect(),
+        method: found.method.clone(),
+        notes: found.notes.clone(),
+        series: found.series.iter().map(|series| series.name.clone()).collect(),
     };
     let mut json = serde_json::to_vec_pretty(&index).map_err(Error::Json)?;
     json.push(b'\n');
     super::write(&fields.join(INDEX), &json)
 }
 
-/// Removes the pictures in a folder unless they are those of the design with this digest.
+/// Removes the sound fields in a folder unless they are those of the design with this digest.
 ///
 /// # Errors
 /// [`Error::Write`] with what could not be removed.
@@ -73,11 +74,11 @@ fn remove(fields: &Path) -> Result<(), Error> {
     gone(&path, fs::remove_file(&path))
 }
 
-fn write(fields: &Path, series: &Series) -> Result<(), Error> {
+fn write(fields: &Path, series: &FieldSeries) -> Result<(), Error> {
     super::create(&fields.join(&series.name))?;
-    let of_shape = |shape: &Shape| Grid::of_polygons(&shape.points, &shape.polygons);
+    let of_shape = |shape: &FieldShape| Grid::of_polygons(&shape.points, &shape.polygons);
     let grids: Vec<Grid> = series.shapes.par_iter().map(of_shape).collect();
-    let of_band = |band: &Picture| {
+    let of_band = |band: &BandField| {
         let file = format!("{}/{:05.0}.vtu", series.name, band.hz);
         let bytes = grids[band.shape].to_bytes(&named(&band.points), &named(&band.polygons))?;
         super::write(&fields.join(&file), &bytes)?;

@@ -1,0 +1,183 @@
+//! A body, or several as one surface, by boundary elements up to their highest frequency and the limit of high frequencies
+//! above.
+
+use super::{
+    MovingBody, Pressures, RadiatedSound, RadiationBand, RadiationReport, Radiator, Uncertainty, damping_ratios,
+    mode_shares, motions,
+};
+use crate::bem::ModalBem;
+use crate::error::AcousticsError;
+use crate::levels::{BandLevel, SourceSpectrum, Weighting, energy_level, energy_weights};
+use crate::radiation::{ModalSpectra, mode_energies, radiated_energy, radiated_signals};
+
+/// Last bands of boundary elements by which the limit is judged.
+const JUDGED: usize = 3;
+
+/// Octaves over which pressures fade out at the upper end of boundary elements.
+const FADE_OCTAVES: f64 = 1.0 / 3.0;
+
+impl Radiator for ModalBem {
+    fn energy(&self, source: &str, motions: &[&ModalSpectra]) -> Result<SourceSpectrum, AcousticsError> {
+        radiated_energy(source, self, &ModalSpectra::side_by_side(motions))
+    }
+
+    fn sound(&self, source: &'static str, bodies: &[MovingBody<'_>]) -> Result<RadiatedSound, AcousticsError> {
+        let together = ModalSpectra::side_by_side(&motions(bodies));
+        let mut spectrum = radiated_energy(source, self, &together)?;
+        let erp = radiated_energy(source, &self.reference(), &together)?;
+        let surface = share_out(&mut spectrum);
+        let weights = energy_weights(&spectrum.frequency, spectrum.range_hz, Weighting::A);
+        let energies = mode_energies(self, &together, &weights)?;
+        let mut report = report(self, &together, [&spectrum, &surface, &erp]);
+        report.modes = mode_shares(bodies, &energies);
+        let signals = vec![(source, radiated_signals(self, &together, &spectrum)?)];
+        Ok(RadiatedSound {
+            uncertainty: uncertainty(self, &spectrum, together.range_hz, &report),
+            spectrum,
+            signals,
+            report: Some(report),
+        })
+    }
+
+    fn damping(&self, omega: &[&[f64]]) -> Vec<Vec<f64>> {
+        let mut rest = damping_ratios(self, &omega.concat());
+        let of_body = |omega: &&[f64]| {
+            let tail = rest.split_off(omega.len());
+            std::mem::replace(&mut rest, tail)
+        };
+        omega.iter().map(of_body).collect()
+    }
+
+    fn pressures(&self, motions: &[&ModalSpectra]) -> Result<Option<Pressures>, AcousticsError> {
+        let together = ModalSpectra::side_by_side(motions);
+        let to = self.solved_hz()[1];
+        let from = to * 2f64.powf(-FADE_OCTAVES);
+        Ok(Some(Pressures {
+            method: "boundary elements",
+            values: ModalBem::pressures(self, &together.frequency, &together.accelerations)?,
+            frequency: together.frequency.clone(),
+            fade_hz: Some([from, to]),
+            range_hz: [together.range_hz[0], from.min(together.range_hz[1])],
+            interpolation_error: self.summary.heard,
+        }))
+    }
+}
+
+/// The difference of both evaluations, and what the limit of high frequencies may be off above the boundary elements: what it
+/// is above them where they meet, it may be above the truth beyond.
+fn uncertainty(bem: &ModalBem, source: &SourceSpectrum, range: [f64; 2], report: &RadiationReport) -> Uncertainty {
+    let above = |factor: f64| {
+        let join = bem.blend_hz()[0].clamp(range[0], range[1]);
+        let (low, high) = (
+            source.energy([range[0], join], Weighting::A),
+            source.energy([join, range[1]], Weighting::A),
+        );
+        10.0 * ((low + factor * high) / (low + high)).log10()
+    };
+    let [mut least, mut most] = report.limit_error_db;
+    if let Some(error) = report.blend_error_db {
+        (least, most) = (least.min(error), most.max(error));
+    }
+    let evaluations = report.surface_difference_db.map_or(0.0, f64::abs);
+    Uncertainty {
+        minus: Some(evaluations - above(10f64.powf(-most.max(0.0) / 10.0)).min(0.0)),
+        plus: Some(evaluations + above(10f64.powf(-least.min(0.0) / 10.0)).max(0.0)),
+        basis: format!(
+            "power by surface and by far field, and above {:.0} Hz the limit of high frequencies, {least:+.1} to {most:+.1} dB \
+             off in the last bands of boundary elements",
+            bem.blend_hz()[0]
+        ),
+    }
+}
+
+/// Takes the difference between far field and surface out of the patches and shares it out among those that radiate, so
+/// that they sum to the far field's power; returns the surface's.
+fn share_out(source: &mut SourceSpectrum) -> SourceSpectrum {
+    let mut surface = source.clone();
+    surface.contributions.clear();
+    let (rest, mut patches): (Vec<_>, Vec<_>) = source
+        .contributions
+        .drain(..)
+        .partition(|part| ModalBem::is_rest(&part.name));
+    for bin in 0..source.energy_density.len() {
+        let rest: f64 = rest.iter().map(|part| part.energy_density[bin]).sum();
+        surface.energy_density[bin] = (source.energy_density[bin] - rest).max(0.0);
+        let giving: f64 = patches.iter().map(|part| part.energy_density[bin].max(0.0)).sum();
+        for part in &mut patches {
+            let e = &mut part.energy_density[bin];
+            *e += if giving > 0.0 { rest * e.max(0.0) / giving } else { 0.0 };
+        }
+    }
+    patches.retain(|part| part.energy_density.iter().any(|e| *e != 0.0));
+    source.contributions = patches;
+    surface
+}
+
+/// The report of one source: its power by the far field, by the surface, with radiation efficiency 1, and by the limit of
+/// high frequencies where boundary elements are known too.
+fn report(bem: &ModalBem, together: &ModalSpectra, [far_field, surface, erp]: [&SourceSpectrum; 3]) -> RadiationReport {
+    let range = far_field.range_hz;
+    let [from, to] = bem.blend_hz();
+    let solved = [range[0], from.min(range[1])];
+    let level = |spectrum: &SourceSpectrum, range: [f64; 2]| energy_level(spectrum.energy(range, Weighting::A));
+    let difference = level(surface, solved)
+        .zip(level(far_field, solved))
+        .map(|(surface, far_field)| surface - far_field);
+    let bands = far_field.band_levels(range);
+    let (by_surface, by_erp) = (surface.band_levels(range), erp.band_levels(range));
+    let inside = |b: &BandLevel| b.band.high > range[0] && b.band.low < range[1];
+    let rows = bands.iter().zip(&by_surface).zip(&by_erp);
+    let limit = limit(bem, together, far_field);
+    let compared = bem.compared_hz();
+    let within = |[low, high]: [f64; 2]| low >= compared[0].max(range[0]) && high <= compared[1].min(range[1]);
+    let error = |[low, high]: [f64; 2]| {
+        let energies = [&limit, far_field].map(|spectrum| spectrum.energy([low, high], Weighting::Z));
+        (within([low, high]) && energies.iter().all(|e| *e > 0.0)).then(|| 10.0 * (energies[0] / energies[1]).log10())
+    };
+    let edges = |band: &BandLevel| [band.band.low, band.band.high];
+    let judged = bands.iter().rev().filter_map(|band| error(edges(band))).take(JUDGED);
+    let ends = judged.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], error| {
+        [least.min(error), most.max(error)]
+    });
+    RadiationReport {
+        join_hz: [from, to],
+        solved_hz: [bem.solved_hz()[1], compared[1]],
+        frequencies: bem.summary.samples,
+        interpolation_error: bem.summary.interpolation,
+        surface_difference_db: difference,
+        limit_error_db: if ends[0] <= ends[1] { ends } else { [0.0; 2] },
+        blend_error_db: error([compared[1] * 2f64.powf(-1.0 / 3.0), compared[1]]),
+        erp_lwa_db: level(erp, range),
+        modes: Vec::new(),
+        bands: rows
+            .filter(|((far, _), _)| inside(far))
+            .map(|((far, surface), erp)| RadiationBand {
+                hz: far.band.nominal_hz(),
+                lw_db: far.lw,
+                surface_lw_db: if far.band.high <= from { surface.lw } else { None },
+                erp_lw_db: erp.lw,
+                limit_lw_db: far.lw.zip(error(edges(far))).map(|(lw, error)| lw + error),
+            })
+            .collect(),
+    }
+}
+
+/// The power by the limit of high frequencies alone, zero where it is not compared with boundary elements.
+fn limit(bem: &ModalBem, together: &ModalSpectra, far_field: &SourceSpectrum) -> SourceSpectrum {
+    let [from, to] = bem.compared_hz();
+    // A bin on either side holds the ends.
+    let inside: Vec<usize> = (0..together.frequency.len())
+        .filter(|&bin| (0.95 * from..1.05 * to).contains(&together.frequency[bin]))
+        .collect();
+    let hz: Vec<f64> = inside.iter().map(|&bin| together.frequency[bin]).collect();
+    let forms = bem.limit_forms(&hz, &together.accelerations.select_columns(&inside));
+    let mut energy_density = vec![0.0; together.frequency.len()];
+    for (bin, form) in inside.into_iter().zip(forms) {
+        energy_density[bin] = 2.0 * form;
+    }
+    SourceSpectrum {
+        energy_density,
+        contributions: Vec::new(),
+        ..far_field.clone()
+    }
+}

@@ -1,0 +1,165 @@
+//! What vibrating structures radiate: power with a second evaluation beside it, and pressures at receivers.
+//!
+//! A [`Radiator`] is one or several bodies with their surroundings: [`ModalBem`](crate::bem::ModalBem), a surface
+//! [flush with sand](FlushRadiator), or bodies of radiation efficiency 1 ([`SeparateBodies`]). A tool that moves as a rigid
+//! body radiates as the [sphere](RigidSphere) of its volume.
+
+mod boundary_elements;
+mod flush;
+mod report;
+mod separate;
+mod sphere;
+
+pub use flush::FlushRadiator;
+pub use report::{ModeShare, RadiationBand, RadiationReport, Uncertainty};
+pub use separate::SeparateBodies;
+pub use sphere::RigidSphere;
+
+use crate::error::AcousticsError;
+use crate::levels::{PowerSignals, SourceSpectrum};
+use crate::radiation::{ModalRadiation, ModalSpectra};
+use nalgebra::{Complex, DMatrix};
+use std::f64::consts::TAU;
+
+/// One or several bodies that radiate together, as the workpiece and the table under it.
+///
+/// Motions are given body by body, in the order in which the radiator was made of them.
+pub trait Radiator: Send + Sync {
+    /// Energy spectrum of the source `source`.
+    ///
+    /// # Errors
+    /// A number of modes that differs from the bodies', a range beyond the radiator's.
+    fn energy(&self, source: &str, motions: &[&ModalSpectra]) -> Result<SourceSpectrum, AcousticsError>;
+
+    /// Energy spectrum and signals of the source `source`, with the second evaluation of its power where there is one.
+    ///
+    /// # Errors
+    /// As [`Self::energy`].
+    fn sound(&self, source: &'static str, bodies: &[MovingBody<'_>]) -> Result<RadiatedSound, AcousticsError>;
+
+    /// Damping ratio that radiation adds to each mode of each body, given the angular frequencies of its modes \[rad/s\],
+    /// see [`damping_ratios`].
+    fn damping(&self, omega: &[&[f64]]) -> Vec<Vec<f64>>;
+
+    /// Pressures at the receivers of the radiator; none where only its power is known.
+    ///
+    /// # Errors
+    /// As [`Self::energy`].
+    fn pressures(&self, motions: &[&ModalSpectra]) -> Result<Option<Pressures>, AcousticsError>;
+}
+
+/// A body in motion.
+#[derive(Debug, Clone, Copy)]
+pub struct MovingBody<'a> {
+    /// Its name.
+    pub name: &'static str,
+    /// Angular frequencies of its modes, then of its static corrections \[rad/s\].
+    pub omega: &'a [f64],
+    /// How many of these are modes.
+    pub modes: usize,
+    /// Damping ratio that radiation adds to each, where it damps them \[-\].
+    pub damping: Option<&'a [f64]>,
+    /// Fourier transforms of the modal accelerations.
+    pub spectra: &'a ModalSpectra,
+}
+
+/// The sound of a radiator.
+pub struct RadiatedSound {
+    /// Energy over frequency, with the parts of the surface as contributions.
+    pub spectrum: SourceSpectrum,
+    /// The same energy over time: parts of the source with their names.
+    pub signals: Vec<(&'static str, PowerSignals)>,
+    /// Uncertainty of the method.
+    pub uncertainty: Uncertainty,
+    /// The second evaluation of its power.
+    pub report: Option<RadiationReport>,
+}
+
+/// Pressures at receivers.
+pub struct Pressures {
+    /// How they are computed.
+    pub method: &'static str,
+    /// \[Hz\].
+    pub frequency: Vec<f64>,
+    /// Fourier transform of the pressure, receivers x frequencies \[Pa s\].
+    pub values: DMatrix<Complex<f64>>,
+    /// Frequencies over which they give way to means without a phase, where they do \[Hz\].
+    pub fade_hz: Option<[f64; 2]>,
+    /// Range in which they hold \[Hz\].
+    pub range_hz: [f64; 2],
+    /// Error of the interpolation over frequency, relative to the loudest mode at any receiver \[-\].
+    pub interpolation_error: f64,
+}
+
+/// Damping ratio that radiation adds to modes of these angular frequencies \[rad/s\], for modal masses of 1 and zero for
+/// rigid modes:
+///
+/// ```text
+/// zeta_j = R_jj(omega_j) / (2 omega_j)
+/// ```
+pub fn damping_ratios(radiation: &dyn ModalRadiation, omega: &[f64]) -> Vec<f64> {
+    let lowest = TAU;
+    let motion = |(j, w): (usize, &f64)| {
+        let hz = (w.max(lowest) / TAU).min(radiation.highest_hz());
+        (hz, vec![(j, 1.0)])
+    };
+    let motions: Vec<(f64, Vec<(usize, f64)>)> = omega.iter().enumerate().map(motion).collect();
+    let ratio = |(r, w): (f64, &f64)| if *w > lowest { (r / (2.0 * w)).max(0.0) } else { 0.0 };
+    let resistances = radiation.sparse_forms(&motions);
+    resistances.into_iter().zip(omega).map(ratio).collect()
+}
+
+/// What each mode adds to the energy of all bodies, given the energies of all modes; the static corrections of a body count
+/// as one.
+fn mode_shares(bodies: &[MovingBody<'_>], energies: &[f64]) -> Vec<ModeShare> {
+    let total: f64 = energies.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+    let mut energies = energies.iter();
+    let mut shares = Vec::new();
+    for body in bodies {
+        let mut rest = 0.0;
+        for (number, (omega, energy)) in body.omega.iter().zip(&mut energies).enumerate() {
+            if number >= body.modes {
+                rest += energy;
+                continue;
+            }
+            shares.push(ModeShare {
+                body: body.name.into(),
+                mode: Some(number + 1),
+                hz: Some(omega / TAU),
+                radiation_damping: body.damping.map(|damping| damping[number]),
+                share: energy / total,
+            });
+        }
+        shares.push(ModeShare {
+            body: body.name.into(),
+            mode: None,
+            hz: None,
+            radiation_damping: None,
+            share: rest / total,
+        });
+    }
+    shares
+}
+
+/// The motions of moving bodies.
+fn motions<'a>(bodies: &[MovingBody<'a>]) -> Vec<&'a ModalSpectra> {
+    bodies.iter().map(|body| body.spectra).collect()
+}
+
+impl Radiator for Box<dyn Radiator> {
+    fn energy(&self, source: &str, motions: &[&ModalSpectra]) -> Result<SourceSpectrum, AcousticsError> {
+        self.as_ref().energy(source, motions)
+    }
+
+    fn sound(&self, source: &'static str, bodies: &[MovingBody<'_>]) -> Result<RadiatedSound, AcousticsError> {
+        self.as_ref().sound(source, bodies)
+    }
+
+    fn damping(&self, omega: &[&[f64]]) -> Vec<Vec<f64>> {
+        self.as_ref().damping(omega)
+    }
+
+    fn pressures(&self, motions: &[&ModalSpectra]) -> Result<Option<Pressures>, AcousticsError> {
+        self.as_ref().pressures(motions)
+    }
+}

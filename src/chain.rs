@@ -1,0 +1,724 @@
+//! The chain from a design to ranked sources: which stage reads which, from top to bottom.
+//!
+//! [`Chain::new`] adds the stages of a design to a graph without computing any. [`Chain::run`] makes the outputs that a
+//! result needs, side by side, and ranks the sources.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use nailnoise_acoustics::Air;
+use nailnoise_acoustics::bem::ModalBem;
+use nailnoise_acoustics::exhaust::ExhaustNoise;
+use nailnoise_acoustics::levels::SourceSpectrum;
+use nailnoise_acoustics::radiator::Radiator;
+use nailnoise_dynamics::CycleRecord;
+
+use crate::design::inputs::bodies::BodyInputs;
+use crate::design::inputs::{self, located};
+use crate::design::{BodyModel, Carrier, Coupling, Design, SupportKind};
+use crate::error::Error;
+use crate::graph::Graph;
+use crate::result::{Check, DesignId, RunResult, SCHEMA, Starts};
+use crate::stages::bodies::{Body, BodyKind, BodySensors, Discretisation, ModalModel, Modes, SensorModes, WholeModes};
+use crate::stages::cycle::{Cycle, Preset};
+use crate::stages::exhaust::{Exhaust, ExhaustSource, noise};
+use crate::stages::microphones::Microphones;
+use crate::stages::radiation::{
+    FlushMatrix, RadiationDamping, ToolMatrix, ToolRadiator, WorkpieceMatrix, WorkpieceMethod, WorkpieceRadiation,
+    WorkpieceRadiator,
+};
+use crate::stages::ranking::SoundPower;
+use crate::stages::response::{
+    Coupled, CoupledCycle, CoupledResponse, CoupledVibration, CouplingReport, End, Reported, Response, ResponseChecks,
+    ResponseReport, Structure, Vibration,
+};
+use crate::stages::sensors::{SensorRecord, Sensors};
+use crate::stages::sound_fields::{FieldMethod, Fields, SoundFields, ToolField};
+use crate::stages::sources::{
+    BodyEnergy, BodySound, BodySource, Housing, SurfaceSource, WorkpieceEnergy, WorkpieceSource,
+};
+use crate::stages::spectra::{BodyAnalysis, BodyMotion, MovingBody};
+use crate::stages::starts::OtherStarts;
+use crate::stages::tool_response::{ToolChecks, ToolReport, ToolResponse};
+use crate::stages::truncation::Truncation;
+use crate::stages::{Input, Progress, Stage, Stored, changes, notes, ranking};
+
+/// What a run may change about the physics without being another design; for studies and tests of laws.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Factor on the forces of the shot on the workpiece, where a cycle drives it one way \[-\].
+    pub workpiece_force_scale: f64,
+}
+
+impl Default for Options {
+    /// The design as it is.
+    fn default() -> Self {
+        Self {
+            workpiece_force_scale: 1.0,
+        }
+    }
+}
+
+/// The stages of a body.
+#[derive(Clone)]
+pub struct BodyStages {
+    /// Its modes with their shapes on every node.
+    pub modes: Stored<WholeModes>,
+    /// The body in modal coordinates.
+    pub body: Stored<Body>,
+    /// Loss factor of all modes \[-\].
+    pub loss_factor: f64,
+    /// Frequency up to which its motion is part of the result \[Hz\].
+    pub top_hz: f64,
+}
+
+impl BodyStages {
+    /// Adds the stages of a body of a design, with the places of the shot's forces if it is `driven`.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`] for the worktable of a design without one; those of materials and mesh file.
+    pub fn add(graph: &Graph, design: &Design, kind: BodyKind, driven: bool) -> Result<Self, Error> {
+        let BodyInputs {
+            discretisation,
+            below_hz,
+            residual_limit,
+            loss_factor,
+            top_hz,
+        } = inputs::bodies::body(design, kind, driven)?;
+        let model = graph.add::<Discretisation>(discretisation);
+        let modes = graph.add(Modes {
+            kind,
+            model: model.clone(),
+            below_hz,
+            residual_limit,
+        });
+        let body = graph.add(ModalModel {
+            kind,
+            model,
+            modes: modes.clone(),
+        });
+        Ok(Self {
+            modes,
+            body,
+            loss_factor,
+            top_hz,
+        })
+    }
+
+    /// Displacement of the body's modes at a design's sensors on it; none without sensors.
+    fn sensors(&self, graph: &Graph, design: &Design, carrier: Carrier) -> Result<Option<Stored<BodySensors>>, Error> {
+        let points = inputs::sensors::points(design, carrier)?;
+        let stage = |points| SensorModes {
+            points,
+            body: self.body.clone(),
+            modes: self.modes.clone(),
+        };
+        Ok((!points.is_empty()).then(|| graph.add(stage(points))))
+    }
+}
+
+/// The stages of a design's shot.
+pub struct Chain {
+    graph: Graph,
+    begin: Instant,
+    /// The nailing cycle.
+    pub cycle: Stored<CycleRecord>,
+    /// Workpiece, and worktable if there is one.
+    pub structure: Vec<BodyStages>,
+    /// The tool's body, unless it is rigid.
+    pub tool: Option<BodyStages>,
+    /// Response of workpiece and support.
+    pub vibration: Stored<Vibration>,
+    /// All elastic bodies in motion: the workpiece, what it stands on, the tool.
+    pub moving: Vec<MovingBody>,
+    /// End of all records \[s\].
+    pub end: Stored<f64>,
+    /// The workpiece with its support as a source.
+    pub workpiece: Stored<SurfaceSource>,
+    /// The exhaust as a source.
+    pub exhaust: Stored<ExhaustSource>,
+    /// The tool's body as a source.
+    pub body: Stored<SurfaceSource>,
+    /// Signals of the sensors.
+    pub sensors: Stored<Vec<SensorRecord>>,
+    /// Sound fields for inspection.
+    pub fields: Stored<Fields>,
+    starts: Option<Stored<Option<Starts>>>,
+    response_report: Stored<ResponseChecks>,
+    tool_report: Option<Stored<ToolChecks>>,
+    coupling: Option<OneWay>,
+}
+
+/// A two-way coupled shot beside the one-way shot of the same design.
+struct OneWay {
+    report: Stored<Reported>,
+    cycle: Stored<CycleRecord>,
+    workpiece: Stored<SourceSpectrum>,
+    exhaust: Stored<ExhaustSource>,
+    body: Stored<SourceSpectrum>,
+}
+
+/// What sets workpiece and support in motion, and the cycle that goes with it.
+struct Driven {
+    cycle: Stored<CycleRecord>,
+    vibration: Stored<Vibration>,
+    coupled: Option<Stored<Coupled>>,
+}
+
+impl Chain {
+    /// Adds the stages of a design to a graph.
+    ///
+    /// # Errors
+    /// Values of the design from which no inputs can be made.
+    #[expect(clippy::too_many_lines, reason = "the chain reads from top to bottom")]
+    pub fn new(graph: &Graph, design: &Design, options: Options) -> Result<Self, Error> {
+        let (begin, air) = (Instant::now(), inputs::air(design)?);
+        let two_way = design.support.coupling == Coupling::TwoWay;
+        let lumped = graph.add(cycle_stage(design)?);
+
+        // Bodies: the tool and what it stands on do not affect each other.
+        let on_table = design.support.kind == SupportKind::Worktable;
+        let kinds = [BodyKind::Workpiece, BodyKind::Worktable];
+        let kinds = kinds.into_iter().take(if on_table { 2 } else { 1 });
+        let structure = kinds
+            .map(|kind| BodyStages::add(graph, design, kind, true))
+            .collect::<Result<Vec<_>, _>>()?;
+        let bodies: Vec<Stored<Body>> = structure.iter().map(|stages| stages.body.clone()).collect();
+        let elastic = design.body.model == BodyModel::Elastic;
+        let tool = elastic
+            .then(|| BodyStages::add(graph, design, BodyKind::Tool, true))
+            .transpose()?;
+
+        // Radiation per unit of modal motion, and the damping that it adds to the modes.
+        let (radiator, field_method) = workpiece_radiation(graph, design, &bodies, air)?;
+        let damps = design.acoustics.radiation_damping;
+        let radiation_damping = damps.then(|| {
+            graph.add(RadiationDamping {
+                radiator: radiator.clone(),
+                bodies: bodies.clone(),
+            })
+        });
+        let tool_elements = tool.as_ref().zip(inputs::radiation::tool(design));
+        let tool_matrix = tool_elements.map(|(stages, elements)| {
+            let body = stages.body.clone();
+            let matrix = graph.add(ToolMatrix {
+                elements: elements.clone(),
+                body,
+            });
+            (elements, graph.add(ToolRadiator { matrix, air }))
+        });
+        let tool_radiator = tool_matrix.as_ref().map(|(_, radiator)| radiator.clone());
+        let tool_damping = tool.as_ref().zip(tool_radiator.clone()).filter(|_| damps);
+        let tool_damping = tool_damping.map(|(stages, radiator)| {
+            graph.add(RadiationDamping {
+                radiator,
+                bodies: vec![stages.body.clone()],
+            })
+        });
+
+        // Motion: of workpiece and support for each start and coupling, of the tool for each cycle.
+        let shot = inputs::response::shot(design)?;
+        let driven_bodies = Structure {
+            bodies: bodies.clone(),
+            loss_factors: structure.iter().map(|stages| stages.loss_factor).collect(),
+            radiation_damping: radiation_damping.clone(),
+        };
+        let driven = |start: u32, two_way: bool| {
+            let (shot, structure) = (shot.with_start(start), driven_bodies.clone());
+            if two_way {
+                let both = graph.add(CoupledResponse {
+                    shot,
+                    structure,
+                    cycle: inputs::cycle::cycle_settings(design),
+                });
+                Driven {
+                    cycle: graph.add(CoupledCycle(both.clone())),
+                    vibration: graph.add(CoupledVibration(both.clone())),
+                    coupled: Some(both),
+                }
+            } else {
+                let response = Response {
+                    shot,
+                    structure,
+                    cycle: lumped.clone(),
+                    force_scale: options.workpiece_force_scale,
+                };
+                Driven {
+                    cycle: lumped.clone(),
+                    vibration: graph.add(response),
+                    coupled: None,
+                }
+            }
+        };
+        let range_hz = [design.analysis.range_low, design.analysis.range_high];
+        let within = |top_hz: f64| [range_hz[0], top_hz.min(range_hz[1])];
+        let carriers = [Carrier::Workpiece, Carrier::Worktable];
+        let on_structure = structure.iter().zip(carriers);
+        let on_structure = on_structure.map(|(stages, carrier)| stages.sensors(graph, design, carrier));
+        let on_structure = on_structure.collect::<Result<Vec<_>, _>>()?;
+        let analysed = |vibration: &Stored<Vibration>, with_sensors: bool| -> Vec<Stored<BodyMotion>> {
+            let bodies = structure.iter().zip(&on_structure).enumerate();
+            let motion = bodies.map(|(index, (stages, sensors))| BodyAnalysis {
+                vibration: vibration.clone(),
+                index,
+                range_hz: within(stages.top_hz),
+                sensors: sensors.clone().filter(|_| with_sensors),
+            });
+            motion.map(|stage| graph.add(stage)).collect()
+        };
+        let tool_shot = inputs::response::tool(design)?;
+        let on_tool = match &tool {
+            Some(stages) => stages.sensors(graph, design, Carrier::Tool)?,
+            None => None,
+        };
+        let tool_in = |cycle: &Stored<CycleRecord>| {
+            tool.as_ref().map(|stages| {
+                let vibration = graph.add(ToolResponse {
+                    shot: tool_shot.clone(),
+                    body: stages.body.clone(),
+                    loss_factor: stages.loss_factor,
+                    radiation_damping: tool_damping.clone(),
+                    cycle: cycle.clone(),
+                });
+                let motion = graph.add(BodyAnalysis {
+                    vibration: vibration.clone(),
+                    index: 0,
+                    range_hz: within(stages.top_hz),
+                    sensors: on_tool.clone(),
+                });
+                (vibration, motion)
+            })
+        };
+        let Driven {
+            cycle,
+            vibration,
+            coupled,
+        } = driven(0, two_way);
+        let motions = analysed(&vibration, true);
+        let tool_motion = tool_in(&cycle);
+
+        // Sources.
+        let longest = tool_motion.as_ref().map_or(&vibration, |(vibration, _)| vibration);
+        let end = graph.add(End {
+            cycle: cycle.clone(),
+            longest: longest.clone(),
+        });
+        let microphones = inputs::microphones::array(design)?;
+        let workpiece = graph.add(WorkpieceSource {
+            radiator: radiator.clone(),
+            bodies: bodies.clone(),
+            top_hz: structure.iter().map(|stages| stages.top_hz).collect(),
+            radiation_damping,
+            motions: motions.clone(),
+            cycle: cycle.clone(),
+            end: end.clone(),
+            microphones: microphones.clone(),
+            centre: inputs::microphones::workpiece_centre(design),
+        });
+        let openings = inputs::exhaust::openings(design)?;
+        let exhaust_of = |cycle: &Stored<CycleRecord>, end: &Stored<f64>| Exhaust {
+            openings: openings.clone(),
+            outlet: inputs::exhaust::outlet(design),
+            microphones: microphones.clone(),
+            cycle: cycle.clone(),
+            end: end.clone(),
+        };
+        let exhaust = graph.add(exhaust_of(&cycle, &end));
+        let body_sound = |cycle: &Stored<CycleRecord>, motion: Option<Stored<BodyMotion>>| BodySound {
+            housing: tool.as_ref().zip(motion).map(|(stages, motion)| Housing {
+                body: stages.body.clone(),
+                top_hz: stages.top_hz,
+                motion,
+                radiator: tool_radiator.clone(),
+                radiation_damping: tool_damping.clone(),
+            }),
+            volume: design.body.volume(),
+            air,
+            range_hz,
+            cycle: cycle.clone(),
+        };
+        let of_tool = tool_motion.as_ref().map(|(_, motion)| motion.clone());
+        let body = graph.add(BodySource {
+            sound: body_sound(&cycle, of_tool.clone()),
+            end: end.clone(),
+            microphones: microphones.clone(),
+            sphere: inputs::microphones::tool_sphere(design),
+        });
+
+        // What stands beside them: sensors, other starts, checks, the same shot one way, fields.
+        let sensors = graph.add(Sensors {
+            accelerometers: inputs::sensors::accelerometers(design)?,
+            cycle: cycle.clone(),
+            vibration: vibration.clone(),
+            motions: motions.iter().chain(&of_tool).cloned().collect(),
+        });
+        let energy = |vibration: &Stored<Vibration>| {
+            graph.add(WorkpieceEnergy {
+                radiator: radiator.clone(),
+                motions: analysed(vibration, false),
+            })
+        };
+        let scatters = shot.can_lose_contact() && design.analysis.starts > 1;
+        let starts = scatters.then(|| {
+            let others = (1..design.analysis.starts).map(|start| energy(&driven(start, two_way).vibration));
+            graph.add(OtherStarts {
+                first: workpiece.clone(),
+                others: others.collect(),
+                range_hz,
+            })
+        });
+        let response_report = graph.add(ResponseReport {
+            bodies: bodies.clone(),
+            vibration: vibration.clone(),
+        });
+        let tool_report = tool.as_ref().zip(tool_motion.as_ref()).map(|(stages, (vibration, _))| {
+            graph.add(ToolReport {
+                shot: tool_shot.clone(),
+                body: stages.body.clone(),
+                vibration: vibration.clone(),
+            })
+        });
+        let coupling = coupled.map(|both| {
+            let one_way = driven(0, false);
+            let motion = tool_in(&lumped).map(|(_, motion)| motion);
+            OneWay {
+                report: graph.add(CouplingReport(both)),
+                workpiece: energy(&one_way.vibration),
+                exhaust: graph.add(exhaust_of(&lumped, &end)),
+                body: graph.add(BodyEnergy {
+                    sound: body_sound(&lumped, motion),
+                }),
+                cycle: lumped.clone(),
+            }
+        });
+        let of_field = tool.as_ref().zip(of_tool.clone());
+        let fields = graph.add(SoundFields {
+            method: field_method,
+            bodies,
+            motions: motions.clone(),
+            tool: of_field.map(|(stages, motion)| ToolField {
+                body: stages.body.clone(),
+                motion,
+                elements: tool_matrix,
+                nose: inputs::radiation::nose(design).into(),
+            }),
+            air,
+            cuts: inputs::microphones::cuts(design),
+        });
+        let of_structure = structure.iter().zip(motions).enumerate();
+        let of_structure = of_structure.map(|(index, (stages, motion))| MovingBody {
+            body: stages.body.clone(),
+            loss_factor: stages.loss_factor,
+            vibration: vibration.clone(),
+            index,
+            motion,
+        });
+        let of_tool = tool.as_ref().zip(tool_motion);
+        let of_tool = of_tool.map(|(stages, (vibration, motion))| MovingBody {
+            body: stages.body.clone(),
+            loss_factor: stages.loss_factor,
+            vibration,
+            index: 0,
+            motion,
+        });
+        Ok(Self {
+            moving: of_structure.chain(of_tool).collect(),
+            graph: graph.clone(),
+            begin,
+            cycle,
+            structure,
+            tool,
+            vibration,
+            end,
+            workpiece,
+            exhaust,
+            body,
+            sensors,
+            fields,
+            starts,
+            response_report,
+            tool_report,
+            coupling,
+        })
+    }
+
+    /// Everything that the result of a run reads.
+    pub fn outputs(&self) -> Vec<&dyn Input> {
+        let mut all: Vec<&dyn Input> = vec![
+            &self.workpiece,
+            &self.body,
+            &self.exhaust,
+            &self.sensors,
+            &self.response_report,
+        ];
+        all.extend(self.starts.iter().map(|starts| starts as &dyn Input));
+        all.extend(self.tool_report.iter().map(|report| report as &dyn Input));
+        if let Some(one_way) = &self.coupling {
+            let sources: [&dyn Input; 4] = [&one_way.report, &one_way.workpiece, &one_way.exhaust, &one_way.body];
+            all.extend(sources);
+        }
+        all
+    }
+
+    /// Makes the outputs of the stages and ranks the sources. `design` is that of which the chain was made.
+    ///
+    /// # Errors
+    /// [`Error`] of the stage that could not be computed.
+    pub fn run(&self, design: &Design) -> Result<Run, Error> {
+        self.ranked(design).map_err(|error| located(design, error))
+    }
+
+    fn ranked(&self, design: &Design) -> Result<Run, Error> {
+        self.graph.prepare(&self.outputs())?;
+        let progress = self.graph.progress();
+        let (record, end) = (self.cycle.get()?, *self.end.get()?);
+        let (workpiece, body, exhaust) = (self.workpiece.get()?, self.body.get()?, self.exhaust.get()?);
+        let (response, sensors) = (self.response_report.get()?, self.sensors.get()?);
+        let tool = self.tool_report.as_ref().map(Stored::get).transpose()?;
+        let starts = match &self.starts {
+            Some(starts) => Option::clone(&*starts.get()?),
+            None => None,
+        };
+        let truncations: Vec<&Truncation> = workpiece.truncations.iter().chain(&body.truncations).collect();
+        let notes = notes::notes(
+            &notes::NoteInputs {
+                support: &inputs::notes::support(design),
+                in_sand: design.support.kind == SupportKind::Sandbox,
+                range_high: design.analysis.range_high,
+                radiation: [&workpiece, &body].map(|source| source.source.radiation.as_ref()),
+                stiffness: tool.as_ref().map(|tool| &tool.stiffness),
+                truncations: truncations.iter().map(|truncation| truncation.note()).collect(),
+                ending: &response.ending,
+                idle_sensors: inputs::sensors::without_body(design),
+                limited_sensors: inputs::sensors::limited(design),
+                idle_springs: design.idle_springs(),
+            },
+            &record,
+            &inputs::exhaust::openings(design)?,
+            &exhaust.details,
+        );
+        notes.iter().for_each(|note| progress.note(note));
+        let range_hz = [design.analysis.range_low, design.analysis.range_high];
+        let sources = [&workpiece.source, &exhaust.source, &body.source];
+        let (mut ranking, total) = ranking::rank(&sources, range_hz);
+        let microphones = self.graph.time("microphones", || {
+            let room = inputs::microphones::room(design);
+            let received = [&workpiece.received, &exhaust.received, &body.received];
+            inputs::microphones::array(design)?.measurement(&room, received, end)
+        })?;
+        let powers = ranking::powers(&ranking, &sources, end);
+        let interval_checks = ranking::interval_checks(&ranking, &sources, design.acoustics.bem_tolerance);
+        let coupling = self.coupling.as_ref().map(|one_way| {
+            let report = one_way.report.get()?;
+            let lumped = [
+                SourceSpectrum::clone(&*one_way.workpiece.get()?),
+                one_way.exhaust.get()?.source.spectrum.clone(),
+                SourceSpectrum::clone(&*one_way.body.get()?),
+            ];
+            let (before, after) = ((&*one_way.cycle.get()?, &lumped[..]), (&*record, &ranking[..], &total));
+            let changes = changes::changes(report.work, before, after, range_hz);
+            Ok::<_, Error>((changes, report.checks.clone()))
+        });
+        let (coupling, coupling_checks) = coupling.transpose()?.unzip();
+        let mut checks: Vec<Check> = record.checks.iter().map(Check::from).collect();
+        checks.extend(response.checks.iter().cloned());
+        checks.extend(coupling_checks.into_iter().flatten());
+        checks.extend(tool.iter().flat_map(|tool| tool.checks.clone()));
+        checks.extend(truncations.iter().map(|truncation| truncation.check()));
+        checks.extend([&workpiece, &body].into_iter().filter_map(|source| source.check()));
+        checks.extend(ranking::checks(&ranking, &total));
+        checks.extend(interval_checks);
+        checks.push(exhaust.details.check());
+        if let Some(starts) = &starts {
+            ranking::widen(&mut ranking, starts);
+        }
+        let mut timing = self.graph.timing();
+        timing.end(self.begin.elapsed());
+        let result = RunResult {
+            schema: SCHEMA,
+            design: DesignId {
+                name: design.name().to_owned(),
+                digest: design.digest(),
+            },
+            inputs: design.entries().into_iter().map(Into::into).collect(),
+            ranking,
+            total,
+            outcome: record.outcome,
+            cycle: record.summary.clone(),
+            events: record.events,
+            coupling,
+            starts,
+            sensors: sensors.iter().map(SensorRecord::level).collect(),
+            microphones: microphones.report.clone(),
+            checks,
+            notes,
+            timing,
+        };
+        Ok(Run {
+            result,
+            record,
+            powers,
+            screech: exhaust.details.screech.clone(),
+            sensors,
+            microphones,
+        })
+    }
+}
+
+/// The workpiece with its support as a radiator, and how its sound field is computed.
+fn workpiece_radiation(
+    graph: &Graph,
+    design: &Design,
+    bodies: &[Stored<Body>],
+    air: Air,
+) -> Result<(Stored<Box<dyn Radiator>>, FieldMethod), Error> {
+    let radiator = |method| {
+        graph.add(WorkpieceRadiator {
+            method,
+            bodies: bodies.to_vec(),
+            air,
+        })
+    };
+    Ok(match inputs::radiation::workpiece(design)? {
+        WorkpieceRadiation::BoundaryElements(elements) => {
+            let matrix: Stored<ModalBem> = graph.add(WorkpieceMatrix {
+                elements: elements.clone(),
+                bodies: bodies.to_vec(),
+            });
+            let field = FieldMethod::BoundaryElements(elements, matrix.clone());
+            (radiator(WorkpieceMethod::BoundaryElements(matrix)), field)
+        }
+        WorkpieceRadiation::Erp(covered) => (radiator(WorkpieceMethod::Erp(covered)), FieldMethod::Erp),
+        WorkpieceRadiation::Rayleigh(top) => {
+            let alone = graph.add(FlushMatrix {
+                places: top.places.clone(),
+                top_hz: top.top_hz,
+                air: FlushMatrix::computed_air(&air),
+                body: bodies[0].clone(),
+            });
+            let radiator = radiator(WorkpieceMethod::Rayleigh(top.clone(), alone));
+            (radiator.clone(), FieldMethod::Rayleigh(top, radiator))
+        }
+    })
+}
+
+/// A result with the histories behind it.
+pub struct Run {
+    /// The ranked sources with events, checks and notes.
+    pub result: RunResult,
+    /// The nailing cycle.
+    pub record: Arc<CycleRecord>,
+    /// A-weighted sound power of every source over time, loudest source first.
+    pub powers: Vec<SoundPower>,
+    /// Screech frequency of the exhaust's jets at every sample of the cycle \[Hz\]; none while they are subsonic.
+    pub screech: Vec<Option<f64>>,
+    /// Signals of the design's sensors, by name.
+    pub sensors: Arc<Vec<SensorRecord>>,
+    /// Sound at microphones around the device, source by source.
+    pub microphones: Microphones,
+}
+
+/// Predicts and ranks the sound power of a design's sources.
+///
+/// # Errors
+/// [`Error`] of the stage that could not be computed.
+pub fn run(graph: &Graph, design: &Design, options: Options) -> Result<Run, Error> {
+    Chain::new(graph, design, options)?.run(design)
+}
+
+/// Computes the nailing cycle of a design.
+///
+/// # Errors
+/// [`Error::Cycle`] when the design cannot be computed.
+pub fn cycle(design: &Design) -> Result<CycleRecord, Error> {
+    cycle_stage(design)?.compute(&Progress::silent())
+}
+
+/// Computes the nailing cycle of a design in a published form.
+///
+/// # Errors
+/// As [`cycle`].
+pub fn cycle_as_published(design: &Design, preset: Preset) -> Result<CycleRecord, Error> {
+    cycle_stage(design)?.published(preset).compute(&Progress::silent())
+}
+
+fn cycle_stage(design: &Design) -> Result<Cycle, Error> {
+    Ok(Cycle {
+        parameters: inputs::cycle::parameters(design)?,
+        settings: inputs::cycle::cycle_settings(design),
+    })
+}
+
+/// The noise of a cycle's openings one by one, from which the sound at any place follows
+/// ([`ExhaustNoise::at`]): exhaust holes, a muffler's outlet where there is one, trigger vent.
+///
+/// # Errors
+/// Openings, plenum or muffler that cannot be, air that leaves against a higher pressure.
+pub fn exhaust_openings(design: &Design, record: &CycleRecord) -> Result<Vec<ExhaustNoise>, Error> {
+    Ok(noise(&inputs::exhaust::openings(design)?, record)?.1.openings)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::stages::Digest;
+
+    /// Beginnings of keys whose values reach no mesh, no mode and no load vector.
+    const BEYOND_BODIES: [&str; 4] = ["acoustics.", "ambient.", "exhaust.", "supply."];
+
+    /// Keys of the stages of all bodies.
+    fn keys(design: &Design) -> Vec<Digest> {
+        let graph = Graph::default();
+        let of_body = |kind| *BodyStages::add(&graph, design, kind, true).unwrap().body.key();
+        BodyKind::ALL.map(of_body).to_vec()
+    }
+
+    #[test]
+    fn values_beyond_the_bodies_leave_their_keys_and_the_density_of_the_wood_changes_that_of_the_workpiece() {
+        let base = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml")).unwrap();
+        let mut other = base.clone();
+        let mut changed = 0;
+        for (key, kind, value) in base.keys() {
+            if BEYOND_BODIES.iter().any(|beyond| key.starts_with(beyond)) {
+                let value = crate::design::another(&value, kind).unwrap_or_else(|| panic!("{key} has one value"));
+                other.set(&[(key.as_str(), value)]).unwrap();
+                changed += 1;
+            }
+        }
+        assert!(changed > 30, "{changed} keys changed");
+        assert_eq!(keys(&base), keys(&other));
+        let mut denser = base.clone();
+        denser.wood.density *= 1.01;
+        let [before, after] = [keys(&base), keys(&denser)];
+        assert_ne!(before[0], after[0]);
+        assert_eq!(before[1..], after[1..]);
+    }
+
+    /// Keys of the radiation matrices depend on surfaces and modes alone.
+    #[test]
+    fn damping_contact_and_forces_leave_the_radiation_matrices() {
+        let base = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/small-bem.toml")).unwrap();
+        let matrix = |design: &Design| {
+            let graph = Graph::default();
+            let chain = Chain::new(&graph, design, Options::default()).unwrap();
+            let bodies: Vec<_> = chain.structure.iter().map(|stages| stages.body.clone()).collect();
+            match workpiece_radiation(&graph, design, &bodies, inputs::air(design).unwrap())
+                .unwrap()
+                .1
+            {
+                FieldMethod::BoundaryElements(_, matrix) => *matrix.key(),
+                FieldMethod::Rayleigh(..) | FieldMethod::Erp => panic!("boundary elements"),
+            }
+        };
+        let mut other = base.clone();
+        other.wood.loss_factor *= 2.0;
+        other.support.contact.stiffness_per_area *= 2.0;
+        other.supply.pressure *= 1.1;
+        other.ambient.temperature += 5.0;
+        assert_eq!(matrix(&base), matrix(&other));
+        other.workpiece.length *= 1.01;
+        assert_ne!(matrix(&base), matrix(&other));
+    }
+}

@@ -1,0 +1,130 @@
+//! The bodies as radiators in the ambient air, and the damping that radiation adds to their modes.
+
+use nailnoise_acoustics::Air;
+use nailnoise_acoustics::bem::ModalBem;
+use nailnoise_acoustics::radiation::Erp;
+use nailnoise_acoustics::radiator::{FlushRadiator, Radiator, SeparateBodies};
+use nailnoise_acoustics::sound::FlushSound;
+use serde::Serialize;
+
+use super::flush::{FlushTop, top_of};
+use super::matrices::FlushMatrix;
+use super::workpiece::Covered;
+use crate::error::Error;
+use crate::stages::bodies::Body;
+use crate::stages::{Code, Input, NotKept, Postcard, Progress, Stage, Stored, code};
+
+/// How the workpiece with its support radiates, with what is known of it in standard air.
+#[derive(Serialize)]
+pub enum WorkpieceMethod {
+    /// By boundary elements.
+    BoundaryElements(Stored<ModalBem>),
+    /// By the equivalent radiated power of each body.
+    Erp(Covered),
+    /// By Rayleigh's integral over the block's top, flush with the sand.
+    Rayleigh(FlushTop, Stored<FlushSound>),
+}
+
+/// Workpiece and support as a radiator in the ambient air.
+#[derive(Serialize)]
+pub struct WorkpieceRadiator {
+    /// The method.
+    pub method: WorkpieceMethod,
+    /// The bodies.
+    pub bodies: Vec<Stored<Body>>,
+    /// The ambient air.
+    pub air: Air,
+}
+
+impl Stage for WorkpieceRadiator {
+    type Output = Box<dyn Radiator>;
+    type Codec = NotKept;
+    const NAME: &'static str = "radiation in the ambient air";
+    const CODE: Code = code!(meshes, fem, acoustics, stages_bodies, stages_radiation);
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        match &self.method {
+            WorkpieceMethod::BoundaryElements(matrix) => vec![matrix],
+            WorkpieceMethod::Erp(_) => self.bodies.iter().map(|body| body as &dyn Input).collect(),
+            WorkpieceMethod::Rayleigh(_, alone) => vec![alone, &self.bodies[0]],
+        }
+    }
+
+    fn compute(&self, progress: &Progress) -> Result<Box<dyn Radiator>, Error> {
+        let air = &self.air;
+        Ok(match &self.method {
+            WorkpieceMethod::BoundaryElements(matrix) => Box::new(matrix.get()?.in_air(&Air::default(), air)),
+            WorkpieceMethod::Erp(covered) => {
+                let mut parts = Vec::new();
+                for body in &self.bodies {
+                    let body = body.get()?;
+                    parts.push((body.name, covered.erp(&body.moving_surface(), air)?));
+                }
+                Box::new(SeparateBodies(parts))
+            }
+            WorkpieceMethod::Rayleigh(top, alone) => {
+                let surface = top_of(&self.bodies[0].get()?.moving_surface())?;
+                let computed = FlushMatrix::computed_air(air);
+                let alone = FlushSound::clone(&*alone.get()?);
+                Box::new(FlushRadiator {
+                    sound: top.in_sand(alone, &surface, (&computed, air), progress)?,
+                    erp: Erp::new(&surface, air),
+                    sand: top.absorbing,
+                })
+            }
+        })
+    }
+}
+
+/// The tool's housing as a radiator in the ambient air.
+#[derive(Serialize)]
+pub struct ToolRadiator {
+    /// Its boundary elements in standard air.
+    pub matrix: Stored<ModalBem>,
+    /// The ambient air.
+    pub air: Air,
+}
+
+impl Stage for ToolRadiator {
+    type Output = ModalBem;
+    type Codec = NotKept;
+    const NAME: &'static str = "radiation of the tool in the ambient air";
+    const CODE: Code = code!(meshes, fem, acoustics, stages_bodies, stages_radiation);
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        vec![&self.matrix]
+    }
+
+    fn compute(&self, _: &Progress) -> Result<ModalBem, Error> {
+        Ok(self.matrix.get()?.in_air(&Air::default(), &self.air))
+    }
+}
+
+/// Damping ratio that radiation adds to each mode of each body \[-\].
+#[derive(Serialize)]
+#[serde(bound = "")]
+pub struct RadiationDamping<R> {
+    /// How the bodies radiate.
+    pub radiator: Stored<R>,
+    /// The bodies.
+    pub bodies: Vec<Stored<Body>>,
+}
+
+impl<R: Radiator + 'static> Stage for RadiationDamping<R> {
+    /// Bodies x modes.
+    type Output = Vec<Vec<f64>>;
+    type Codec = Postcard;
+    const NAME: &'static str = "radiation damping";
+    const CODE: Code = code!(meshes, fem, acoustics, stages_bodies, stages_radiation);
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        let bodies = self.bodies.iter().map(|body| body as &dyn Input);
+        bodies.chain([&self.radiator as &dyn Input]).collect()
+    }
+
+    fn compute(&self, _: &Progress) -> Result<Vec<Vec<f64>>, Error> {
+        let bodies: Vec<_> = self.bodies.iter().map(Stored::get).collect::<Result<_, _>>()?;
+        let omega: Vec<&[f64]> = bodies.iter().map(|body| body.omega.as_slice()).collect();
+        Ok(self.radiator.get()?.damping(&omega))
+    }
+}

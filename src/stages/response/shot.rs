@@ -1,0 +1,189 @@
+//! What a shot does to workpiece and support: supports, loads, duration.
+
+use nailnoise_dynamics::{CycleRecord, Parameters, Settings as CycleSettings};
+use nailnoise_fem::transient::{Loads, ModalBody, ModalResponse, Settings, Support, SupportLaw, respond};
+use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
+
+use super::coupling::{self, COUPLED_LOADS, Coupled, couple};
+use crate::error::Error;
+use crate::stages::bodies::{Body, ContactCells, nail_load};
+
+/// Largest gap that [`open_gaps`] opens \[m\].
+const GAP: f64 = 1e-6;
+
+/// What a response is computed from, apart from the bodies and the cycle.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Shot {
+    /// Parameters of the cycle. One way, they give gravity, the nail's length and the penetration resistance over depth.
+    pub parameters: Parameters,
+    /// Share of the penetration resistance at full depth that is friction along the shank.
+    pub friction_share: f64,
+    /// Springs and dashpots, in the order of the columns of [`Body::contacts`].
+    pub supports: Vec<Support>,
+    /// Mass of sand \[kg\] that moves with the base of the workpiece, and the contact cells that carry its weight.
+    pub added_sand: Option<(f64, ContactCells)>,
+    /// Step \[s\].
+    pub step: f64,
+    /// Longest time simulated \[s\].
+    pub duration: f64,
+    /// Number of the start, which sets the gaps of supports that can lose contact; 0 for none.
+    pub start: u32,
+}
+
+impl Shot {
+    /// Whether the workpiece can lose contact with its support.
+    pub fn can_lose_contact(&self) -> bool {
+        self.supports
+            .iter()
+            .any(|support| support.law == SupportLaw::Unilateral)
+    }
+
+    /// The same from another start.
+    #[must_use]
+    pub fn with_start(&self, start: u32) -> Self {
+        Self { start, ..self.clone() }
+    }
+
+    /// Response to the forces of a cycle on the wood, times `force_scale`.
+    ///
+    /// # Errors
+    /// Those of the transient solver.
+    pub fn one_way(
+        &self,
+        bodies: &[ModalBody],
+        record: &CycleRecord,
+        force_scale: f64,
+    ) -> Result<ModalResponse, Error> {
+        let loads = self.loads(record, force_scale);
+        Ok(respond(bodies, &self.opened(), &loads, &self.settings())?)
+    }
+
+    /// Cycle and response together, each acting on the other.
+    ///
+    /// # Errors
+    /// Those of the cycle and of the transient solver, and that the two do not agree.
+    pub fn two_way(&self, bodies: &[ModalBody], cycle: &CycleSettings) -> Result<Coupled, Error> {
+        let transient = self.settings();
+        couple(
+            &self.parameters,
+            self.friction_share,
+            cycle,
+            bodies,
+            &self.opened(),
+            &transient,
+        )
+    }
+
+    /// A body with its loss factor as the transient solver takes it. Loads of the shot act on the workpiece alone, gravity on
+    /// every body.
+    pub(super) fn modal_body(&self, body: &Body, loss_factor: f64, workpiece: bool) -> ModalBody {
+        let gravity = self.parameters.ambient.gravity;
+        let weight = match self.added_sand {
+            Some((sand, cells)) if workpiece => body.weight_in_sand(gravity, sand, &cells.grid()),
+            _ => body.weight(gravity),
+        };
+        let modes = body.omega.len();
+        let mut loads = DMatrix::zeros(modes, COUPLED_LOADS);
+        loads.columns_mut(0, body.loads.ncols()).copy_from(&body.loads);
+        loads.set_column(coupling::GRAVITY, &weight);
+        ModalBody {
+            name: body.name.to_owned(),
+            omega: body.omega.clone(),
+            zeta: vec![0.5 * loss_factor; modes],
+            loads,
+            supports: body.contacts.clone(),
+        }
+    }
+
+    fn settings(&self) -> Settings {
+        Settings {
+            step: self.step,
+            duration: self.duration,
+            ..Settings::default()
+        }
+    }
+
+    /// The supports with the gaps of this start.
+    fn opened(&self) -> Vec<Support> {
+        let mut supports = self.supports.clone();
+        open_gaps(&mut supports, self.start);
+        supports
+    }
+
+    /// Loads of the shot: the nail's stations, nose with guard spring, gravity.
+    ///
+    /// After the record the tool is off the wood and the nail at rest: the forces of the shot go to zero, gravity stays.
+    fn loads(&self, record: &CycleRecord, force_scale: f64) -> Loads {
+        let nail = nail_load::forces(&self.parameters, self.friction_share, record);
+        let mut history = DMatrix::zeros(COUPLED_LOADS, record.len());
+        history.rows_mut(0, nail_load::STATIONS).copy_from(&nail);
+        for sample in 0..record.len() {
+            history[(coupling::NOSE, sample)] = record.forces.nose[sample] + record.forces.guard[sample];
+        }
+        history *= force_scale;
+        history.row_mut(coupling::GRAVITY).fill(1.0);
+        let mut final_values = DVector::zeros(COUPLED_LOADS);
+        final_values[coupling::GRAVITY] = 1.0;
+        Loads {
+            interval: record.sample_interval,
+            history,
+            final_values: final_values.as_slice().to_vec(),
+        }
+    }
+}
+
+/// Opens the unilateral supports by gaps of 0 to 1 um that depend on the start alone; start 0 has none.
+fn open_gaps(supports: &mut [Support], start: u32) {
+    if start == 0 {
+        return;
+    }
+    // A linear congruence (Knuth's MMIX), high bits.
+    let mut state = u64::from(start);
+    let mut next = || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    next();
+    for support in supports
+        .iter_mut()
+        .filter(|support| support.law == SupportLaw::Unilateral)
+    {
+        support.gap += GAP * next();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gaps_open_unilateral_supports_alone_and_differ_by_start() {
+        let support = |law| Support {
+            stiffness: 1.0,
+            damping: 0.0,
+            gap: 0.0,
+            law,
+        };
+        let all = || {
+            vec![
+                support(SupportLaw::Unilateral),
+                support(SupportLaw::Bonded),
+                support(SupportLaw::Unilateral),
+            ]
+        };
+        let opened = |start| {
+            let mut supports = all();
+            open_gaps(&mut supports, start);
+            supports
+        };
+        assert_eq!(opened(0), all());
+        let (one, two) = (opened(1), opened(2));
+        assert_eq!(one[1], all()[1]);
+        assert!(one[0].gap > 0.0 && one[0].gap <= GAP && one[0].gap != one[2].gap);
+        assert_ne!(one, two);
+        assert_eq!(one, opened(1));
+    }
+}

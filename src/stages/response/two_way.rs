@@ -1,0 +1,115 @@
+//! Stages of the two-way coupled response.
+
+use std::sync::Arc;
+
+use nailnoise_dynamics::{CouplingWork, CycleRecord, Settings};
+use serde::{Deserialize, Serialize};
+
+use super::coupling::Coupled;
+use super::shot::Shot;
+use super::{Structure, Vibration, checks};
+use crate::error::Error;
+use crate::result::Check;
+use crate::stages::{Code, Input, NotKept, Postcard, Progress, Stage, Stored, code};
+
+/// Cycle and response of workpiece and support together, each acting on the other.
+#[derive(Serialize)]
+pub struct CoupledResponse {
+    /// Parameters of the cycle, supports and duration.
+    pub shot: Shot,
+    /// The bodies.
+    pub structure: Structure,
+    /// Settings of the cycle.
+    pub cycle: Settings,
+}
+
+impl Stage for CoupledResponse {
+    type Output = Coupled;
+    /// An intermediate of outputs that are kept.
+    type Codec = NotKept;
+    const NAME: &'static str = "nailing cycle with workpiece and support";
+    const CODE: Code = code!(dynamics, meshes, fem, stages_bodies, stages_response);
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        self.structure.inputs()
+    }
+
+    fn compute(&self, _: &Progress) -> Result<Coupled, Error> {
+        self.shot
+            .two_way(&self.structure.modal_bodies(&self.shot)?, &self.cycle)
+    }
+}
+
+/// The cycle of a coupled response.
+#[derive(Serialize)]
+pub struct CoupledCycle(pub Stored<Coupled>);
+
+impl Stage for CoupledCycle {
+    type Output = CycleRecord;
+    type Codec = NotKept;
+    const NAME: &'static str = "nailing cycle of the coupled response";
+    const CODE: Code = code!(dynamics, meshes, fem, stages_bodies, stages_response);
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        vec![&self.0]
+    }
+
+    fn compute(&self, _: &Progress) -> Result<CycleRecord, Error> {
+        Ok(self.0.get()?.record.clone())
+    }
+}
+
+/// The motion of a coupled response.
+#[derive(Serialize)]
+pub struct CoupledVibration(pub Stored<Coupled>);
+
+impl Stage for CoupledVibration {
+    type Output = Vibration;
+    type Codec = NotKept;
+    const NAME: &'static str = "motion of the coupled response";
+    const CODE: Code = code!(dynamics, meshes, fem, stages_bodies, stages_response);
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        vec![&self.0]
+    }
+
+    fn compute(&self, _: &Progress) -> Result<Vibration, Error> {
+        let response = Arc::clone(&self.0.get()?.response);
+        Ok(Vibration {
+            checks: checks("response", &response),
+            response,
+        })
+    }
+}
+
+/// How cycle and structure of a coupled response found each other.
+#[derive(Serialize)]
+pub struct CouplingReport(pub Stored<Coupled>);
+
+/// Output of [`CouplingReport`].
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Reported {
+    /// Iterations and the difference left.
+    pub work: CouplingWork,
+    /// Forces and work on both sides.
+    pub checks: Vec<Check>,
+}
+
+impl Stage for CouplingReport {
+    type Output = Reported;
+    type Codec = Postcard;
+    const NAME: &'static str = "checks of the coupling";
+    const CODE: Code = code!(dynamics, meshes, fem, stages_bodies, stages_response);
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        vec![&self.0]
+    }
+
+    fn compute(&self, _: &Progress) -> Result<Reported, Error> {
+        let both = self.0.get()?;
+        Ok(Reported {
+            work: both.work,
+            checks: both.checks.clone(),
+        })
+    }
+}

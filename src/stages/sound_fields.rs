@@ -1,0 +1,247 @@
+//! The sound field of a shot for inspection, one-third octave by one-third octave.
+
+use std::sync::Arc;
+
+use nailnoise_acoustics::Air;
+use nailnoise_acoustics::bem::ModalBem;
+use nailnoise_acoustics::radiation::ModalSpectra;
+use nailnoise_acoustics::radiator::Radiator;
+use nailnoise_acoustics::sound_fields::{
+    Cuts, FieldSeries, SolvedSurface, SoundField, boundary_element_field, flush_field, velocity_field,
+};
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use super::bodies::Body;
+use super::radiation::{FlushTop, ToolRadiation, WorkpieceBoundaryElements, top_of};
+use super::spectra::BodyMotion;
+use super::{Code, Input, Postcard, Progress, Stage, Stored, code};
+use crate::error::Error;
+use crate::result::Check;
+
+/// Largest difference of the energy in a field from the source's \[dB\].
+const DIFFERENCE: f64 = 0.1;
+
+/// Computes the sound field of workpiece and tool, and the velocity of all surfaces. The output is kept, but not with a run:
+/// pressures in thousands of places are a hundred times what levels need.
+#[derive(Serialize)]
+pub struct SoundFields {
+    /// How the field of the workpiece is computed.
+    pub method: FieldMethod,
+    /// Workpiece and support.
+    pub bodies: Vec<Stored<Body>>,
+    /// Motion of each.
+    pub motions: Vec<Stored<BodyMotion>>,
+    /// The elastic tool.
+    pub tool: Option<ToolField>,
+    /// The ambient air.
+    pub air: Air,
+    /// Planes in which the field is shown.
+    pub cuts: Cuts,
+}
+
+/// How the field of the workpiece with its support is computed.
+#[derive(Serialize)]
+pub enum FieldMethod {
+    /// By boundary elements, given their matrix in standard air.
+    BoundaryElements(WorkpieceBoundaryElements, Stored<ModalBem>),
+    /// By Rayleigh's integral, given the workpiece as a radiator.
+    Rayleigh(FlushTop, Stored<Box<dyn Radiator>>),
+    /// The equivalent radiated power has no field.
+    Erp,
+}
+
+/// The elastic tool and its field.
+#[derive(Serialize)]
+pub struct ToolField {
+    /// The body.
+    pub body: Stored<Body>,
+    /// Its motion.
+    pub motion: Stored<BodyMotion>,
+    /// Boundary elements and their matrix in the ambient air, where the design asks for them.
+    pub elements: Option<(ToolRadiation, Stored<ModalBem>)>,
+    /// Position of its nose \[m\].
+    pub nose: [f64; 3],
+}
+
+/// Output of [`SoundFields`].
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Fields {
+    /// How the workpiece's sound is computed.
+    pub method: String,
+    /// What the fields show and what they do not.
+    pub notes: Vec<String>,
+    /// Whether they hold the energy of the source.
+    pub checks: Vec<Check>,
+    /// Surfaces with fields.
+    pub series: Vec<FieldSeries>,
+}
+
+impl Stage for SoundFields {
+    type Output = Fields;
+    type Codec = Postcard;
+    const NAME: &'static str = "sound fields";
+    const CODE: Code = code!(
+        dynamics,
+        meshes,
+        fem,
+        acoustics,
+        stages_bodies,
+        stages_radiation,
+        stages_response,
+        stages_sound_fields,
+        stages_spectra
+    );
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        let bodies = self.bodies.iter().map(|body| body as &dyn Input);
+        let motions = self.motions.iter().map(|motion| motion as &dyn Input);
+        let mut inputs: Vec<&dyn Input> = bodies.chain(motions).collect();
+        match &self.method {
+            FieldMethod::BoundaryElements(_, matrix) => inputs.push(matrix),
+            FieldMethod::Rayleigh(_, radiator) => inputs.push(radiator),
+            FieldMethod::Erp => {}
+        }
+        if let Some(tool) = &self.tool {
+            inputs.extend([&tool.body as &dyn Input, &tool.motion]);
+            inputs.extend(tool.elements.iter().map(|(_, matrix)| matrix as &dyn Input));
+        }
+        inputs
+    }
+
+    fn compute(&self, _: &Progress) -> Result<Fields, Error> {
+        let bodies: Vec<Arc<Body>> = self.bodies.iter().map(Stored::get).collect::<Result<_, _>>()?;
+        let motions: Vec<Arc<BodyMotion>> = self.motions.iter().map(Stored::get).collect::<Result<_, _>>()?;
+        let mut fields = self.workpiece(&bodies, &motions)?;
+        if let Some(tool) = &self.tool {
+            self.add_tool(tool, &mut fields)?;
+        }
+        for (body, motion) in bodies.iter().zip(&motions) {
+            fields.series.push(self.velocity(body, motion, Vector3::zeros())?);
+        }
+        if let Some(ToolField { body, motion, nose, .. }) = &self.tool {
+            fields
+                .series
+                .push(self.velocity(&*body.get()?, &*motion.get()?, (*nose).into())?);
+        }
+        Ok(fields)
+    }
+}
+
+impl SoundFields {
+    /// Field of the workpiece with its support.
+    fn workpiece(&self, bodies: &[Arc<Body>], motions: &[Arc<BodyMotion>]) -> Result<Fields, Error> {
+        let air = &self.air;
+        let spectra: Vec<&ModalSpectra> = motions.iter().map(|motion| &motion.spectra).collect();
+        Ok(match &self.method {
+            FieldMethod::BoundaryElements(elements, matrix) => {
+                let surfaces: Vec<_> = bodies.iter().map(|body| body.moving_surface()).collect();
+                let bem = matrix.get()?.in_air(&Air::default(), air);
+                let body = SolvedSurface {
+                    source: "workpiece",
+                    prefix: "sound",
+                    levels: elements.levels(&surfaces, air)?,
+                    bem: &bem,
+                    spectra: &ModalSpectra::side_by_side(&spectra),
+                    at: Vector3::zeros(),
+                };
+                self.solved(body, elements.floor)?
+            }
+            FieldMethod::Rayleigh(top, radiator) => {
+                let radiated = radiator.get()?.energy("workpiece", &spectra)?;
+                let surface = top.rayleigh(&top_of(&bodies[0].moving_surface())?, air)?;
+                let field = flush_field("sound", &surface, spectra[0], &radiated, &self.cuts)?;
+                Fields {
+                    method: "Rayleigh's integral".to_owned(),
+                    notes: vec![
+                        format!(
+                            "workpiece in sand by Rayleigh's integral at {} frequencies; error of the field between them \
+                             {:.1e} of its largest value; absorbing sand takes the same share of the sound in every direction",
+                            field.samples, field.error
+                        ),
+                        "the pressure is that of the workpiece and the sand that moves with it alone: no exhaust, no tool; on \
+                         the surface itself Rayleigh's integral is not evaluated"
+                            .to_owned(),
+                    ],
+                    checks: checks("workpiece", &field),
+                    series: field.series,
+                }
+            }
+            FieldMethod::Erp => Fields {
+                method: "equivalent radiated power".to_owned(),
+                notes: vec![
+                    "the workpiece radiates with efficiency 1 (acoustics.method = \"erp\"): this method gives no pressure and \
+                     no directivity, so the fields show the velocity of its surfaces and the energy that this velocity would \
+                     radiate; boundary elements (acoustics.method = \"bem\") give all of them"
+                        .to_owned(),
+                ],
+                checks: Vec::new(),
+                series: Vec::new(),
+            },
+        })
+    }
+
+    /// Adds the field of the tool, where it is solved by boundary elements.
+    fn add_tool(&self, tool: &ToolField, fields: &mut Fields) -> Result<(), Error> {
+        let Some((elements, matrix)) = &tool.elements else {
+            return Ok(());
+        };
+        let body = SolvedSurface {
+            source: "body",
+            prefix: "sound-tool",
+            levels: vec![elements.level(&tool.body.get()?.moving_surface(), &self.air)?],
+            bem: &*matrix.get()?,
+            spectra: &tool.motion.get()?.spectra,
+            at: tool.nose.into(),
+        };
+        let of_tool = self.solved(body, elements.floor)?;
+        fields.notes.extend(of_tool.notes);
+        fields.checks.extend(of_tool.checks);
+        fields.series.extend(of_tool.series);
+        Ok(())
+    }
+
+    /// Field by boundary elements, above a floor that is part of the equations.
+    fn solved(&self, body: SolvedSurface<'_>, floor: Option<f64>) -> Result<Fields, Error> {
+        let source = body.source;
+        let field = boundary_element_field(body, &self.cuts)?;
+        Ok(Fields {
+            method: "boundary elements".to_owned(),
+            notes: vec![format!(
+                "{source} by boundary elements at {} frequencies, in the bands up to {:.0} Hz that lie below the end of single \
+                 frequencies; error of the field between them {:.1e} of its largest value; the pressure is that of this source \
+                 alone, {}",
+                field.samples,
+                field.highest_hz,
+                field.error,
+                if floor.is_some() {
+                    "above a rigid floor"
+                } else {
+                    "in free space"
+                }
+            )],
+            checks: checks(source, &field),
+            series: field.series,
+        })
+    }
+
+    fn velocity(&self, body: &Body, motion: &BodyMotion, at: Vector3<f64>) -> Result<FieldSeries, Error> {
+        let name = format!("velocity-{}", body.name);
+        Ok(velocity_field(
+            &name,
+            (&body.surface, &body.skin),
+            &motion.spectra,
+            &self.air,
+            at,
+        )?)
+    }
+}
+
+/// Checks that a field holds the energy of its source.
+fn checks(source: &str, field: &SoundField) -> Vec<Check> {
+    let check = |(what, decibels): &(&str, f64)| {
+        let name = format!("pictures: {what} less the energy of the {source} in these bands [dB]");
+        Check::at_most(name, *decibels, DIFFERENCE)
+    };
+    field.balances.iter().map(check).collect()
+}

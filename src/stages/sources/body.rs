@@ -1,0 +1,310 @@
+//! The tool's body as a source: rigid, or elastic by boundary elements or as the sphere of its volume.
+
+use nailnoise_acoustics::Air;
+use nailnoise_acoustics::bem::ModalBem;
+use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
+use nailnoise_acoustics::radiation::{
+    CompactErp, Erp, ModalSpectra, RadiatingSurface, radiated_energy, radiated_signals, sphere_efficiency,
+};
+use nailnoise_acoustics::radiator::{MovingBody, Radiator, RigidSphere};
+use nailnoise_dynamics::CycleRecord;
+use nailnoise_meshes::open_faces;
+use nalgebra::Complex;
+use serde::Serialize;
+
+use super::SurfaceSource;
+use crate::error::Error;
+use crate::result::{CrossCheck, Uncertainty};
+use crate::stages::bodies::Body;
+use crate::stages::intervals::EventEdges;
+use crate::stages::microphones::{MicrophoneArray, ToolSphere};
+use crate::stages::sound::{Sound, SoundSource};
+use crate::stages::spectra::BodyMotion;
+use crate::stages::truncation::{Part, truncations};
+use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, code};
+
+/// Name of the source.
+const NAME: &str = "body";
+
+/// Name of the part of the source that the elastic modes radiate.
+const VIBRATION: &str = "housing";
+
+/// What the sound of the tool's body is computed from.
+#[derive(Clone, Serialize)]
+pub struct BodySound {
+    /// Its elastic housing; none for a rigid body.
+    pub housing: Option<Housing>,
+    /// Its volume \[m³\].
+    pub volume: f64,
+    /// The ambient air.
+    pub air: Air,
+    /// Range in which sources are compared \[Hz\].
+    pub range_hz: [f64; 2],
+    /// The cycle.
+    pub cycle: Stored<CycleRecord>,
+}
+
+/// An elastic housing in motion.
+#[derive(Clone, Serialize)]
+pub struct Housing {
+    /// The body.
+    pub body: Stored<Body>,
+    /// Frequency up to which its motion is part of the result \[Hz\].
+    pub top_hz: f64,
+    /// Its motion.
+    pub motion: Stored<BodyMotion>,
+    /// How it radiates by boundary elements, where the design asks for them.
+    pub radiator: Option<Stored<ModalBem>>,
+    /// Damping ratio that radiation adds to its modes, where it damps them \[-\].
+    pub radiation_damping: Option<Stored<Vec<Vec<f64>>>>,
+}
+
+impl BodySound {
+    fn inputs(&self) -> Vec<&dyn Input> {
+        let mut inputs: Vec<&dyn Input> = vec![&self.cycle];
+        if let Some(housing) = &self.housing {
+            inputs.extend([&housing.body as &dyn Input, &housing.motion]);
+            inputs.extend(housing.radiator.iter().map(|radiator| radiator as &dyn Input));
+            inputs.extend(housing.radiation_damping.iter().map(|damping| damping as &dyn Input));
+        }
+        inputs
+    }
+
+    /// Its sound.
+    fn sound(&self) -> Result<Sound, Error> {
+        let record = self.cycle.get()?;
+        let Some(housing) = &self.housing else {
+            return Ok(self.rigid(&record).sound_twice(NAME)?.into());
+        };
+        let (body, motion) = (housing.body.get()?, housing.motion.get()?);
+        match &housing.radiator {
+            Some(bem) => {
+                let damping = housing.radiation_damping.as_ref().map(Stored::get).transpose()?;
+                let damping = damping.as_ref().map(|all| all[0].as_slice());
+                self.by_boundary_elements(&*bem.get()?, &body, (damping, &motion.spectra), &record)
+            }
+            None => self.as_sphere(&body, &motion.spectra, &record),
+        }
+    }
+
+    fn rigid<'a>(&'a self, record: &'a CycleRecord) -> RigidSphere<'a> {
+        RigidSphere {
+            acceleration: &record.tool.acceleration,
+            sample_interval: record.sample_interval,
+            volume: self.volume,
+            air: &self.air,
+            range_hz: self.range_hz,
+        }
+    }
+
+    /// By boundary elements, beside the sound of a sphere.
+    fn by_boundary_elements(
+        &self,
+        bem: &ModalBem,
+        body: &Body,
+        (damping, spectra): (Option<&[f64]>, &ModalSpectra),
+        record: &CycleRecord,
+    ) -> Result<Sound, Error> {
+        let moving = MovingBody {
+            name: body.name,
+            omega: &body.omega,
+            modes: body.basis.hz.len(),
+            damping,
+            spectra,
+        };
+        let mut sound = Sound::from(bem.sound(NAME, &[moving])?);
+        let sphere = self.energy_as_sphere(bem, body, spectra, record)?;
+        sound.cross_check = Some(CrossCheck {
+            quantity: "the tool's body".into(),
+            lw_db: sound.spectrum.level(self.range_hz, Weighting::Z),
+            other: "rigid motion and ERP of a sphere of its volume".into(),
+            other_lw_db: sphere.level(self.range_hz, Weighting::Z),
+        });
+        sound.uncertainty.basis += "; what is nailed neither reflects nor shades";
+        Ok(sound)
+    }
+
+    /// The energy of [`Self::as_sphere`], from the surface of the boundary elements.
+    fn energy_as_sphere(
+        &self,
+        bem: &ModalBem,
+        body: &Body,
+        spectra: &ModalSpectra,
+        record: &CycleRecord,
+    ) -> Result<SourceSpectrum, Error> {
+        let mut elastic = spectra.clone();
+        elastic
+            .accelerations
+            .rows_mut(0, rigid_modes(body))
+            .fill(Complex::default());
+        let mut housing = radiated_energy(VIBRATION, &bem.reference(), &elastic)?;
+        housing.contributions.clear();
+        for (energy, &hz) in housing.energy_density.iter_mut().zip(&housing.frequency) {
+            *energy *= sphere_efficiency(self.volume, &self.air, hz);
+        }
+        let rigid = self.rigid(record).sound(NAME)?.spectrum;
+        Ok(SourceSpectrum::sum(NAME, "as a sphere", &[rigid, housing]))
+    }
+
+    /// Rigid motion as that of the sphere of its volume, elastic modes by their ERP into the open air times the radiation
+    /// efficiency of that sphere.
+    fn as_sphere(&self, body: &Body, spectra: &ModalSpectra, record: &CycleRecord) -> Result<Sound, Error> {
+        let mut sound = Sound::from(self.rigid(record).sound(NAME)?);
+        sound.spectrum.source = "rigid motion".to_owned();
+        let (rigid, surface) = (rigid_modes(body), &body.surface);
+        let elastic = body.omega.len() - rigid;
+        let open = open_faces(surface, None)?;
+        let shapes = body.skin.columns(rigid, elastic);
+        let erp = Erp::new(
+            &RadiatingSurface::of_faces(surface, shapes, |point| open[point.face])?,
+            &self.air,
+        );
+        let spectra = ModalSpectra {
+            frequency: spectra.frequency.clone(),
+            accelerations: spectra.accelerations.rows(rigid, elastic).into_owned(),
+            range_hz: spectra.range_hz,
+        };
+        let reference = radiated_energy(VIBRATION, &erp, &spectra)?;
+        let compact = CompactErp::new(erp, self.volume, &self.air)?;
+        let vibration = radiated_energy(VIBRATION, &compact, &spectra)?;
+        let signals = (VIBRATION, radiated_signals(&compact, &spectra, &vibration)?);
+        let rigid = sound.spectrum;
+        let range = self.range_hz;
+        let weighted = |part: &SourceSpectrum| rigid.energy(range, Weighting::A) + part.energy(range, Weighting::A);
+        let (here, above) = (weighted(&vibration), weighted(&reference));
+        sound.cross_check = Some(CrossCheck {
+            quantity: "vibration of the housing".into(),
+            lw_db: vibration.level(range, Weighting::Z),
+            other: "ERP, radiation efficiency 1".into(),
+            other_lw_db: reference.level(range, Weighting::Z),
+        });
+        sound.uncertainty = Uncertainty {
+            minus: None,
+            plus: (here > 0.0).then(|| 10.0 * (above / here).log10()),
+            basis: "radiation efficiency of the housing's vibration: that of an oscillating sphere of the tool's volume is \
+                    taken; up to 1"
+                .to_owned(),
+        };
+        let source_range = spectra.range_hz;
+        sound.spectrum = SourceSpectrum::sum(
+            NAME,
+            "rigid motion, ERP of the housing as compact body",
+            &[rigid, vibration],
+        );
+        sound.spectrum.range_hz = source_range;
+        sound.signals[0].0 = "rigid motion";
+        sound.signals.push(signals);
+        Ok(sound)
+    }
+}
+
+/// How many modes are rigid: those of a free body, whose frequencies rise, come first.
+fn rigid_modes(body: &Body) -> usize {
+    body.omega.iter().take_while(|&&omega| omega == 0.0).count()
+}
+
+/// Sound of the tool's body.
+#[derive(Serialize)]
+pub struct BodySource {
+    /// What it is computed from.
+    pub sound: BodySound,
+    /// End of all records \[s\].
+    pub end: Stored<f64>,
+    /// The microphones.
+    pub microphones: MicrophoneArray,
+    /// The tool as the sphere of its volume.
+    pub sphere: ToolSphere,
+}
+
+impl Stage for BodySource {
+    type Output = SurfaceSource;
+    type Codec = Postcard;
+    const NAME: &'static str = "sound of the tool's body";
+    const CODE: Code = code!(
+        dynamics,
+        meshes,
+        fem,
+        acoustics,
+        stages_bodies,
+        stages_intervals,
+        stages_microphones,
+        stages_radiation,
+        stages_response,
+        stages_sound,
+        stages_sources,
+        stages_spectra,
+        stages_truncation
+    );
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        let mut inputs = self.sound.inputs();
+        inputs.push(&self.end);
+        inputs
+    }
+
+    fn compute(&self, _: &Progress) -> Result<SurfaceSource, Error> {
+        let sound = self.sound.sound()?;
+        let (record, end) = (self.sound.cycle.get()?, *self.end.get()?);
+        let housing = self.sound.housing.as_ref();
+        let by_pressures = housing.and_then(|housing| Some((housing.radiator.as_ref()?, &housing.motion)));
+        let pressures = match by_pressures {
+            Some((bem, motion)) => Radiator::pressures(&*bem.get()?, &[&motion.get()?.spectra])?,
+            None => None,
+        };
+        let received = match pressures {
+            Some(pressures) => self.microphones.pressures(pressures, &sound.spectrum, end)?,
+            None => self
+                .microphones
+                .oscillating_sphere(&self.sphere, &record, &sound, end)?,
+        };
+        let range = self.microphones.range_hz;
+        let parts = housing.map(|housing| Part {
+            name: "tool".into(),
+            contribution: VIBRATION.into(),
+            top_hz: housing.top_hz,
+        });
+        let truncations = truncations((NAME, &sound.spectrum), range, parts);
+        let edges = EventEdges::new(&record.events, end);
+        Ok(SurfaceSource {
+            source: SoundSource::new(sound, &edges, range),
+            received,
+            truncations,
+        })
+    }
+}
+
+/// Energy of the tool's body over frequency alone.
+#[derive(Serialize)]
+pub struct BodyEnergy {
+    /// What it is computed from.
+    pub sound: BodySound,
+}
+
+impl Stage for BodyEnergy {
+    type Output = SourceSpectrum;
+    type Codec = Postcard;
+    const NAME: &'static str = "energy of the tool's body";
+    const CODE: Code = code!(
+        dynamics,
+        meshes,
+        fem,
+        acoustics,
+        stages_bodies,
+        stages_intervals,
+        stages_microphones,
+        stages_radiation,
+        stages_response,
+        stages_sound,
+        stages_sources,
+        stages_spectra,
+        stages_truncation
+    );
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        self.sound.inputs()
+    }
+
+    fn compute(&self, _: &Progress) -> Result<SourceSpectrum, Error> {
+        Ok(self.sound.sound()?.spectrum)
+    }
+}

@@ -1,0 +1,151 @@
+//! The workpiece with its support as one source.
+
+use std::sync::Arc;
+
+use nailnoise_acoustics::levels::SourceSpectrum;
+use nailnoise_acoustics::radiation::ModalSpectra;
+use nailnoise_acoustics::radiator::{MovingBody, Radiator};
+use nailnoise_dynamics::CycleRecord;
+use serde::Serialize;
+
+use super::SurfaceSource;
+use crate::error::Error;
+use crate::stages::bodies::Body;
+use crate::stages::intervals::EventEdges;
+use crate::stages::microphones::MicrophoneArray;
+use crate::stages::sound::{Sound, SoundSource};
+use crate::stages::spectra::BodyMotion;
+use crate::stages::truncation::{Part, truncations};
+use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, code};
+
+/// Name of the source.
+const NAME: &str = "workpiece";
+
+/// Sound of the workpiece with its support.
+#[derive(Serialize)]
+pub struct WorkpieceSource {
+    /// How it radiates.
+    pub radiator: Stored<Box<dyn Radiator>>,
+    /// The bodies.
+    pub bodies: Vec<Stored<Body>>,
+    /// Frequency up to which the motion of each is part of the result \[Hz\].
+    pub top_hz: Vec<f64>,
+    /// Damping ratio that radiation adds to each mode of each body, where it damps them \[-\].
+    pub radiation_damping: Option<Stored<Vec<Vec<f64>>>>,
+    /// Motion of each body.
+    pub motions: Vec<Stored<BodyMotion>>,
+    /// The cycle, whose events separate the intervals.
+    pub cycle: Stored<CycleRecord>,
+    /// End of all records \[s\].
+    pub end: Stored<f64>,
+    /// The microphones.
+    pub microphones: MicrophoneArray,
+    /// Middle of the workpiece, from which its sound spreads where only its power is known \[m\].
+    pub centre: [f64; 3],
+}
+
+impl Stage for WorkpieceSource {
+    type Output = SurfaceSource;
+    type Codec = Postcard;
+    const NAME: &'static str = "sound of the workpiece";
+    const CODE: Code = code!(
+        dynamics,
+        meshes,
+        fem,
+        acoustics,
+        stages_bodies,
+        stages_intervals,
+        stages_microphones,
+        stages_response,
+        stages_sound,
+        stages_sources,
+        stages_spectra,
+        stages_truncation
+    );
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        let bodies = self.bodies.iter().map(|body| body as &dyn Input);
+        let motions = self.motions.iter().map(|motion| motion as &dyn Input);
+        let damping = self.radiation_damping.iter().map(|damping| damping as &dyn Input);
+        let others: [&dyn Input; 3] = [&self.radiator, &self.cycle, &self.end];
+        bodies.chain(motions).chain(damping).chain(others).collect()
+    }
+
+    fn compute(&self, _: &Progress) -> Result<SurfaceSource, Error> {
+        let (radiator, end) = (self.radiator.get()?, *self.end.get()?);
+        let bodies: Vec<Arc<Body>> = self.bodies.iter().map(Stored::get).collect::<Result<_, _>>()?;
+        let motions: Vec<Arc<BodyMotion>> = self.motions.iter().map(Stored::get).collect::<Result<_, _>>()?;
+        let damping = self.radiation_damping.as_ref().map(Stored::get).transpose()?;
+        let moving: Vec<MovingBody<'_>> = bodies
+            .iter()
+            .zip(&motions)
+            .enumerate()
+            .map(|(index, (body, motion))| MovingBody {
+                name: body.name,
+                omega: &body.omega,
+                modes: body.basis.hz.len(),
+                damping: damping.as_ref().map(|all| all[index].as_slice()),
+                spectra: &motion.spectra,
+            })
+            .collect();
+        let sound = Sound::from(radiator.sound(NAME, &moving)?);
+        let spectra: Vec<&ModalSpectra> = motions.iter().map(|motion| &motion.spectra).collect();
+        let received = match radiator.pressures(&spectra)? {
+            Some(pressures) => self.microphones.pressures(pressures, &sound.spectrum, end)?,
+            None => self.microphones.spread_evenly(self.centre, &sound, end)?,
+        };
+        let range = self.microphones.range_hz;
+        let parts = bodies.iter().zip(&self.top_hz).map(|(body, top_hz)| Part {
+            name: body.name.into(),
+            contribution: body.name.into(),
+            top_hz: *top_hz,
+        });
+        let truncations = truncations((NAME, &sound.spectrum), range, parts);
+        let edges = EventEdges::new(&self.cycle.get()?.events, end);
+        Ok(SurfaceSource {
+            source: SoundSource::new(sound, &edges, range),
+            received,
+            truncations,
+        })
+    }
+}
+
+/// Energy of the workpiece with its support over frequency alone.
+#[derive(Serialize)]
+pub struct WorkpieceEnergy {
+    /// How it radiates.
+    pub radiator: Stored<Box<dyn Radiator>>,
+    /// Motion of each body.
+    pub motions: Vec<Stored<BodyMotion>>,
+}
+
+impl Stage for WorkpieceEnergy {
+    type Output = SourceSpectrum;
+    type Codec = Postcard;
+    const NAME: &'static str = "energy of the workpiece";
+    const CODE: Code = code!(
+        dynamics,
+        meshes,
+        fem,
+        acoustics,
+        stages_bodies,
+        stages_intervals,
+        stages_microphones,
+        stages_response,
+        stages_sound,
+        stages_sources,
+        stages_spectra,
+        stages_truncation
+    );
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        let motions = self.motions.iter().map(|motion| motion as &dyn Input);
+        motions.chain([&self.radiator as &dyn Input]).collect()
+    }
+
+    fn compute(&self, _: &Progress) -> Result<SourceSpectrum, Error> {
+        let motions: Vec<Arc<BodyMotion>> = self.motions.iter().map(Stored::get).collect::<Result<_, _>>()?;
+        let spectra: Vec<&ModalSpectra> = motions.iter().map(|motion| &motion.spectra).collect();
+        Ok(self.radiator.get()?.energy(NAME, &spectra)?)
+    }
+}
