@@ -116,7 +116,13 @@ impl Stage for BodyFields {
         fem,
         acoustics,
         stages_bodies,
+        stages_intervals,
+        stages_microphones,
+        stages_radiation,
         stages_response,
+        stages_sensors,
+        stages_sound,
+        stages_sound_fields,
         stages_spectra,
         output
     );

@@ -82,8 +82,16 @@ impl Stage for BodyPictures {
         fem,
         acoustics,
         stages_bodies,
+        stages_intervals,
+        stages_microphones,
+        stages_radiation,
         stages_response,
+        stages_sensors,
+        stages_sound,
+        stages_sound_fields,
         stages_spectra,
+        output,
+        stages_ranking,
         report
     );
 

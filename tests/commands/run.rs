@@ -102,8 +102,9 @@ fn results_do_not_depend_on_the_cache() {
     assert_eq!(run(&[]).0, anew);
     assert_eq!(
         entries(),
-        9,
-        "modes, body and sensor modes of workpiece and worktable each; results of the bodies, their fields, files of the run"
+        16,
+        "modes, body and sensor modes of workpiece and worktable each; end, two sources, sensors, checks, pictures and fields \
+         of the bodies, checksums of their files, files of the run"
     );
     assert_eq!(run(&[]).0, anew);
     for entry in std::fs::read_dir(&cache).unwrap() {
@@ -113,9 +114,9 @@ fn results_do_not_depend_on_the_cache() {
         bytes[middle] ^= 1;
         std::fs::write(&path, bytes).unwrap();
     }
-    let (mended, told) = run(&[]);
-    assert_eq!(mended, anew);
-    assert_eq!(told.matches("computed anew").count(), 8, "{told}");
+    let (repaired, notes) = run(&[]);
+    assert_eq!(repaired, anew);
+    assert_eq!(notes.matches("computed anew").count(), 16, "{notes}");
     assert_eq!(run(&[]).1.matches("computed anew").count(), 0);
 }
 

@@ -93,7 +93,7 @@ impl Stage for ModalModel {
     type Output = Body;
     type Codec = WithMatrix;
     const NAME: &'static str = "body";
-    const CODE: Code = code!(meshes, fem, stages_bodies, stages_codec);
+    const CODE: Code = code!(meshes, fem, stages_bodies);
 
     fn inputs(&self) -> Vec<&dyn Input> {
         vec![&self.modes, &self.model]

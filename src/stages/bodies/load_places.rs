@@ -8,7 +8,7 @@ use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 
 use super::geometry::{Geometry, Meshed};
-use super::nail_load;
+use super::nail_stations;
 use super::tool_loads::{self, ToolPlaces};
 use crate::error::Error;
 use crate::stages::{Code, NotKept, Progress, Stage, code};
@@ -84,7 +84,7 @@ impl NailPlace {
         let ([x, y], down) = (self.at, -Vector3::z());
         let station = |depth: f64| LoadVector::point(mesh, Point3::new(x, y, self.top - depth), down, 0.0);
         let nose = Rectangle::horizontal(Point3::new(x, y, self.top), self.nose);
-        let stations = nail_load::depths(self.length).map(station).into_iter();
+        let stations = nail_stations::depths(self.length).map(station).into_iter();
         stations
             .chain([LoadVector::rectangle(mesh, "top", &nose, down)])
             .collect()

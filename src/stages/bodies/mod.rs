@@ -9,7 +9,7 @@ mod body;
 mod geometry;
 mod load_places;
 mod modes;
-pub(crate) mod nail_load;
+mod nail_stations;
 mod sensor_modes;
 pub(crate) mod tool_loads;
 
@@ -17,5 +17,6 @@ pub use body::{Body, ModalModel, MovingSurface};
 pub use geometry::{AddedSand, BodyKind, Geometry, MeshFile, MeshSource, Meshed, PartMaterials, Remainder};
 pub use load_places::{ContactCells, Discretisation, LoadPlaces, Model, NailPlace, SideSand, SpringFoot};
 pub use modes::{Modes, WholeModes};
+pub(crate) use nail_stations::STATIONS;
 pub use sensor_modes::{BodySensors, SensorModes, SensorPoint};
 pub use tool_loads::ToolPlaces;

@@ -50,7 +50,7 @@ impl Stage for Modes {
     type Output = WholeModes;
     type Codec = WithMatrix;
     const NAME: &'static str = "modes";
-    const CODE: Code = code!(fem, stages_bodies, stages_codec);
+    const CODE: Code = code!(meshes, fem, stages_bodies);
 
     fn inputs(&self) -> Vec<&dyn Input> {
         vec![&self.model]

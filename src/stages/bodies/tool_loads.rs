@@ -1,32 +1,14 @@
-//! What acts on the tool's body: where, and how strongly at every sample of the cycle.
-//!
-//! Gas pressures p are taken over the ambient one. The cycle's rod, piston and head valve leave no area over at uniform
-//! pressure, A_1 = A_2 + A_r and A_h1 = A_h2 + A_h3, so that nothing is lost by it. Along the axis, down,
-//!
-//! ```text
-//! roof within the valve   - p_1 A_i + F_st                                    A_i = pi/4 D_i^2
-//! roof above the valve    - p_h A_h1 + F_hc - F_s + F_fh + thrust
-//! cylinder's rim          p_1 (A_i + A_h3 - A_1) + p_ext A_h2 + F_seat
-//! floor of the cylinder   p_2 A_2 + F_b
-//! cylinder's bore         F_fp, evenly
-//! nose                    - F_n - F_e + F_mag
-//! handle                  F_hm, evenly
-//! ```
-//!
-//! and weight: their sum is the force on the tool in the cycle's equation of motion. Beside them gas presses on walls
-//! without moving the whole: p_1 and p_2 on the bore on both sides of the piston, p_ext within the handle and around the
-//! cylinder above the check-ring holes, p_r around it below them, and the plenum's pressure in the cap.
+//! Where forces and pressures act on the tool's body.
 
-use nailnoise_dynamics::{CycleRecord, Form, Geometry, Parameters, Volume};
 use nailnoise_fem::LoadVector;
 use nailnoise_meshes::{Mesh, MeshError, Surface};
-use nalgebra::{DMatrix, Point3, Vector3};
+use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 
 use crate::error::Error;
 
 /// Rings of the bore on which the pressure changes as the piston passes.
-const RINGS: usize = 12;
+pub(crate) const RINGS: usize = 12;
 
 /// Loads along the axis, unit forces \[N\]; their places in the list of all loads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,9 +26,9 @@ pub(crate) enum Axial {
 pub(crate) const AXIAL: usize = 7;
 
 /// Pressures on walls, in the order of their loads behind the axial ones.
-const SUPPLY: usize = AXIAL + RINGS;
-const RETURN: usize = SUPPLY + 1;
-const PLENUM: usize = RETURN + 1;
+pub(crate) const SUPPLY: usize = AXIAL + RINGS;
+pub(crate) const RETURN: usize = SUPPLY + 1;
+pub(crate) const PLENUM: usize = RETURN + 1;
 
 /// Loads without weight.
 pub(crate) const LOADS: usize = PLENUM + 1;
@@ -121,13 +103,17 @@ pub(crate) fn load_vectors(places: &ToolPlaces, mesh: &Mesh) -> Result<Vec<LoadV
 
 /// Extent of the cylinder's bore along the axis \[m\].
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Bore {
+pub(crate) struct Bore {
     bottom: f64,
     top: f64,
 }
 
 impl Bore {
-    fn of(mesh: &Mesh) -> Result<Self, MeshError> {
+    /// The bore of a tool's mesh.
+    ///
+    /// # Errors
+    /// [`MeshError::UnknownGroup`] for a mesh without a bore.
+    pub(crate) fn of(mesh: &Mesh) -> Result<Self, MeshError> {
         let heights = mesh.group_nodes("gas_bore")?.into_iter().map(|node| mesh.nodes[node].z);
         let ends = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), z| (a.min(z), b.max(z)));
         Ok(Self {
@@ -145,57 +131,11 @@ impl Bore {
     }
 
     /// Share of a ring above the piston after a travel \[m\] from the bore's top.
-    fn above(&self, ring: usize, travel: f64) -> f64 {
+    pub(crate) fn above(&self, ring: usize, travel: f64) -> f64 {
         let length = (self.top - self.bottom) / RINGS as f64;
         let high = self.bottom + length * (ring + 1) as f64;
         ((high - (self.top - travel)) / length).clamp(0.0, 1.0)
     }
-}
-
-/// Forces \[N\] and pressures \[Pa\] of all loads: loads x samples.
-///
-/// # Errors
-/// [`MeshError::UnknownGroup`] for a mesh without a bore.
-pub(crate) fn histories(parameters: &Parameters, mesh: &Mesh, record: &CycleRecord) -> Result<DMatrix<f64>, MeshError> {
-    let (p, g) = (parameters, Geometry::new(parameters));
-    let bore = Bore::of(mesh)?;
-    let within = 0.25 * std::f64::consts::PI * p.head_valve.inner_diameter.powi(2);
-    // As published, nothing acts on the valve's underside: the ambient pressure on it is not balanced.
-    let underside = match p.model.valve_underside {
-        Form::Corrected => g.valve_cylinder_area,
-        Form::Published => 0.0,
-    };
-    let ambient = p.ambient.pressure;
-    let unbalanced = ambient * (g.valve_control_area - g.valve_supply_area - underside);
-    let f = &record.forces;
-    let mut histories = DMatrix::zeros(LOADS, record.len());
-    for (n, mut column) in histories.column_iter_mut().enumerate() {
-        let over = |volume: &Volume| volume.pressure[n] - ambient;
-        let (above, below) = (over(&record.above_piston), over(&record.below_piston));
-        let (control, supply) = (over(&record.above_valve), over(&record.supply));
-        let mut axial = |place: Axial, force: f64| column[place as usize] = force;
-        axial(Axial::Roof, f.stopper[n] - above * within);
-        axial(
-            Axial::Cap,
-            f.cap[n] - f.spring[n] + f.valve_friction[n] + f.thrust[n] - control * g.valve_control_area - unbalanced,
-        );
-        axial(
-            Axial::Rim,
-            f.seat[n] + above * (within + underside - g.piston_area) + supply * g.valve_supply_area,
-        );
-        axial(Axial::Floor, f.bumper[n] + below * g.ring_area);
-        axial(Axial::Bore, f.piston_friction[n]);
-        axial(Axial::Nose, f.magazine[n] - f.nose[n] - f.guard[n]);
-        axial(Axial::Handle, f.hand[n]);
-        for ring in 0..RINGS {
-            let share = bore.above(ring, record.motion.piston_travel[n]);
-            column[AXIAL + ring] = share * above + (1.0 - share) * below;
-        }
-        column[SUPPLY] = supply;
-        column[RETURN] = over(&record.return_volume);
-        column[PLENUM] = record.exhaust.plenum_pressure[n] - ambient;
-    }
-    Ok(histories)
 }
 
 #[cfg(test)]

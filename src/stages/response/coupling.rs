@@ -15,9 +15,10 @@ use nailnoise_dynamics::{
 use nailnoise_fem::transient::{Driven, ModalBody, ModalResponse, Settings, Support};
 use nalgebra::DVectorView;
 
+use super::nail_force;
 use crate::error::Error;
 use crate::result::Check;
-use crate::stages::bodies::nail_load::{self, STATIONS};
+use crate::stages::bodies::STATIONS;
 
 /// Loads of the shot on the workpiece in the order of a body's load participations: the nail's stations from the
 /// surface down, the nose, and gravity.
@@ -136,7 +137,7 @@ struct Wood<'a> {
 
 impl Wood<'_> {
     fn shares(&self, depth: f64) -> [f64; STATIONS] {
-        nail_load::shares(&self.envelope, self.length, self.friction_share, depth)
+        nail_force::shares(&self.envelope, self.length, self.friction_share, depth)
     }
 
     fn loads(&self, forces: &WoodForces) -> [f64; COUPLED_LOADS] {

@@ -5,6 +5,7 @@
 //! [`CouplingReport`] hand on what others read.
 
 mod coupling;
+mod nail_force;
 mod shot;
 mod two_way;
 

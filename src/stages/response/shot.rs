@@ -6,8 +6,9 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::coupling::{self, COUPLED_LOADS, Coupled, couple};
+use super::nail_force;
 use crate::error::Error;
-use crate::stages::bodies::{Body, ContactCells, nail_load};
+use crate::stages::bodies::{Body, ContactCells, STATIONS};
 
 /// Largest gap that [`open_gaps`] opens \[m\].
 const GAP: f64 = 1e-6;
@@ -115,9 +116,9 @@ impl Shot {
     ///
     /// After the record the tool is off the wood and the nail at rest: the forces of the shot go to zero, gravity stays.
     fn loads(&self, record: &CycleRecord, force_scale: f64) -> Loads {
-        let nail = nail_load::forces(&self.parameters, self.friction_share, record);
+        let nail = nail_force::forces(&self.parameters, self.friction_share, record);
         let mut history = DMatrix::zeros(COUPLED_LOADS, record.len());
-        history.rows_mut(0, nail_load::STATIONS).copy_from(&nail);
+        history.rows_mut(0, STATIONS).copy_from(&nail);
         for sample in 0..record.len() {
             history[(coupling::NOSE, sample)] = record.forces.nose[sample] + record.forces.guard[sample];
         }

@@ -7,6 +7,8 @@
 //! The body gives way once more under these forces, but nothing of that goes back into them and no spring stands between:
 //! the compliance is counted once. The notes of a run tell the body's own stiffness beside the lumped one.
 
+mod forces;
+
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -20,7 +22,7 @@ use super::{Code, Input, NotKept, Postcard, Progress, Stage, Stored, code};
 use crate::error::Error;
 use crate::result::Check;
 use crate::stages::bodies::Body;
-use crate::stages::bodies::tool_loads::{self, AXIAL, Axial, LOADS};
+use crate::stages::bodies::tool_loads::{AXIAL, Axial, LOADS};
 
 /// What the response of the tool is computed from, apart from its body and the cycle.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -165,7 +167,7 @@ impl ToolShot {
     ) -> Result<Vibration, Error> {
         let parameters = &self.parameters;
         let guided = Guided::new(body, parameters.ambient.gravity);
-        let loads = loads(&guided, tool_loads::histories(parameters, &body.mesh, record)?, record);
+        let loads = loads(&guided, forces::histories(parameters, &body.mesh, record)?, record);
         let settings = Settings {
             step: self.step,
             duration: self.duration,

@@ -16,17 +16,10 @@ use nailnoise_dynamics::prf::Envelope;
 use nailnoise_dynamics::{CycleRecord, Parameters};
 use nalgebra::DMatrix;
 
-/// Number of stations from the surface to the depth of a fully driven tip; 7.5 mm apart for a 12d nail, finer than the
-/// elements.
-pub(crate) const STATIONS: usize = 12;
-
-/// Depths of the stations below the surface \[m\].
-pub(crate) fn depths(nail_length: f64) -> [f64; STATIONS] {
-    std::array::from_fn(|k| nail_length * k as f64 / (STATIONS - 1) as f64)
-}
+use crate::stages::bodies::STATIONS;
 
 /// Downward force on the wood at each station: stations x samples \[N\]. Each column sums to F_pen.
-pub(crate) fn forces(parameters: &Parameters, friction_share: f64, record: &CycleRecord) -> DMatrix<f64> {
+pub(super) fn forces(parameters: &Parameters, friction_share: f64, record: &CycleRecord) -> DMatrix<f64> {
     let length = parameters.nail.length;
     let envelope = parameters.penetration_envelope();
     let full_friction = friction_share * envelope.shank(length);
@@ -42,7 +35,7 @@ pub(crate) fn forces(parameters: &Parameters, friction_share: f64, record: &Cycl
 }
 
 /// Shares of the stations in F_pen with the tip at a depth; all of it acts at the surface before it is in.
-pub(crate) fn shares(envelope: &Envelope, length: f64, friction_share: f64, depth: f64) -> [f64; STATIONS] {
+pub(super) fn shares(envelope: &Envelope, length: f64, friction_share: f64, depth: f64) -> [f64; STATIONS] {
     let mut shares = [0.0; STATIONS];
     if depth > 0.0 && envelope.shank(depth) + envelope.head(depth) > 0.0 {
         let full_friction = friction_share * envelope.shank(length);
