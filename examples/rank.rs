@@ -1,6 +1,7 @@
 //! Ranks the sources of a design: `cargo run --release --example rank designs/n80cb.toml`.
 
-use nailnoise::chain::{self, Options};
+use nailnoise::chain::Options;
+use nailnoise::run::run;
 use nailnoise::{Design, graph::Graph};
 
 fn main() -> Result<(), nailnoise::Error> {
@@ -8,7 +9,7 @@ fn main() -> Result<(), nailnoise::Error> {
         .nth(1)
         .unwrap_or_else(|| "designs/n80cb.toml".to_owned());
     let design = Design::load(path)?;
-    let run = chain::run(&Graph::default(), &design, Options::default())?;
+    let run = run(&Graph::default(), &design, Options::default())?;
     for source in &run.result.ranking {
         match source.lwa_db {
             Some(level) => println!("{:<10} {level:6.1} dB(A)  {}", source.source, source.method),

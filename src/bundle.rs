@@ -9,7 +9,7 @@ use std::{fs, io, thread};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::chain::{Chain, Options, Run};
+use crate::chain::{Chain, Options};
 use crate::design::Design;
 use crate::design::inputs::{self, located};
 use crate::error::Error;
@@ -17,6 +17,7 @@ use crate::graph::{Graph, first_cause};
 use crate::output::{BodyFields, Fields, File};
 use crate::report::{self, BodyPictures, Pictures, Recording};
 use crate::result::Check;
+use crate::run::Run;
 use crate::stages::{Digest, Postcard, Progress, Stage, Stored};
 use crate::store::{Checksum, Key, Store, checksum};
 use crate::{figures, interrupt, output};

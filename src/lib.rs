@@ -1,6 +1,6 @@
 //! nailnoise predicts how much sound power each source of a pneumatic nailer radiates, from its design.
 //!
-//! [`design`] reads the design file, [`chain`] turns it into ranked sources, [`output`] makes files of them,
+//! [`design`] reads the design file, [`chain`] puts its stages together, [`run`] ranks its sources, [`output`] makes files of them,
 //! [`figures`] draws them, [`report`] makes a page of them, [`bundle`] keeps all of it for the next run, [`comparison`] lays
 //! results side by side and [`commands`] is the command line over all of it. [`penetration`] compares penetration laws,
 //! [`sensitivity`] and [`study`] tell what a design's ranges do to its shot.
@@ -20,6 +20,7 @@ pub mod output;
 pub mod penetration;
 pub mod report;
 pub mod result;
+pub mod run;
 pub mod sensitivity;
 pub mod stages;
 pub mod store;

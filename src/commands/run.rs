@@ -8,11 +8,12 @@ use clap::Args;
 use super::table::{decibels, table};
 use super::{Common, Keeping, print, progress, status_of};
 use crate::bundle::deliver;
-use crate::chain::{Chain, Options, Run};
+use crate::chain::{Chain, Options};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::output;
 use crate::result::{Component, Coupling, RankedSource, RunResult};
+use crate::run::Run;
 use crate::wording::{band, order};
 
 #[derive(Args)]

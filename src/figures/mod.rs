@@ -30,10 +30,10 @@ use nailnoise_dynamics::CycleRecord;
 pub(crate) use penetration::MOST as MOST_LAWS;
 pub use penetration::penetration;
 
-use crate::chain::Run;
 use crate::design::Values;
 use crate::error::Error;
 use crate::output;
+use crate::run::Run;
 
 /// A figure.
 #[derive(Debug, Clone, PartialEq)]

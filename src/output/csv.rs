@@ -8,8 +8,8 @@ use rayon::prelude::*;
 
 use super::columns::columns;
 use super::digits::{exponential, fixed};
-use crate::chain::Run;
 use crate::result::{RadiationReport, RunResult};
+use crate::run::Run;
 use crate::stages::spectra::Driven;
 
 /// Rows of a long table written beside each other.

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use super::File;
 use super::csv::optional;
-use crate::chain::Run;
 use crate::error::Error;
 use crate::result::MicrophoneReport;
+use crate::run::Run;
 use crate::stages::microphones::SAMPLE_RATE;
 
 /// Largest sample of 24 bits: full scale.

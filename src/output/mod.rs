@@ -20,8 +20,8 @@ use nailnoise_meshes::vtu::{Frames, Grid};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-use crate::chain::Run;
 use crate::error::Error;
+use crate::run::Run;
 use crate::stages::bodies::Body;
 use crate::stages::spectra::{Driven, MovingBody};
 use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, code};

@@ -6,8 +6,8 @@ use nailnoise_acoustics::fourier::{Transform, TransformSettings};
 
 use super::File;
 use super::digits::{exponential, fixed};
-use crate::chain::Run;
 use crate::error::Error;
+use crate::run::Run;
 use crate::stages::sensors::SensorRecord;
 
 /// Lowest frequency of the spectra \[Hz\].

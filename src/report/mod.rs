@@ -20,12 +20,12 @@ mod tables;
 use maud::{Markup, PreEscaped, html};
 use serde::{Deserialize, Serialize};
 
-use crate::chain::Run;
 use crate::comparison::Comparison;
 use crate::design::Design;
 use crate::error::Error;
 use crate::figures;
 use crate::result::RunResult;
+use crate::run::Run;
 use crate::stages::spectra::{Driven, MovingBody};
 use crate::stages::{Code, Input, Postcard, Progress, Stage, code};
 

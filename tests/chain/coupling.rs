@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use crate::common::{run_with_chain, try_run};
-use nailnoise::chain::Run;
 use nailnoise::design::inputs::cycle::{cycle_settings, parameters};
 use nailnoise::design::{Coupling, Design};
+use nailnoise::run::Run;
 use nailnoise::stages::response::{COUPLED_LOADS, Coupled, couple};
 use nailnoise::store::Store;
 use nailnoise_dynamics::{Geometry, Parameters, simulate};

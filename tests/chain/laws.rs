@@ -2,9 +2,10 @@
 
 use crate::common::{body, graph, run_with_chain, store};
 use nailnoise::Design;
-use nailnoise::chain::{self, Options, Run};
+use nailnoise::chain::{self, Options};
 use nailnoise::design::{SupportKind, Value};
 use nailnoise::result::RankedSource;
+use nailnoise::run::{Run, run};
 use nailnoise::stages::bodies::BodyKind;
 use nailnoise::store::{LIMIT, Store};
 use nailnoise_acoustics::Air;
@@ -28,7 +29,7 @@ fn ranked(run: &Run, source: &str) -> RankedSource {
 }
 
 fn scaled(design: &Design, workpiece_force_scale: f64) -> Run {
-    chain::run(&graph(store()), design, Options { workpiece_force_scale }).unwrap()
+    run(&graph(store()), design, Options { workpiece_force_scale }).unwrap()
 }
 
 #[test]

@@ -2,9 +2,9 @@
 
 use crate::common::{run as of, run_with_chain, small, store};
 use nailnoise::Design;
-use nailnoise::chain::Run;
 use nailnoise::output::{remove_others, write_sound_fields};
 use nailnoise::result::{RankedSource, ReceivedSource};
+use nailnoise::run::Run;
 
 fn workpiece(run: &Run) -> &RankedSource {
     run.result.ranking.iter().find(|s| s.source == "workpiece").unwrap()

@@ -5,10 +5,11 @@ use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 use nailnoise::Design;
-use nailnoise::chain::{BodyStages, Run};
+use nailnoise::chain::BodyStages;
 use nailnoise::design::inputs::bodies::geometry;
 use nailnoise::design::{BodyModel, Carrier, Sensor, SupportKind};
 use nailnoise::result::RankedSource;
+use nailnoise::run::Run;
 use nailnoise::stages::bodies::BodyKind;
 use nailnoise::store::{LIMIT, Store};
 use nailnoise_acoustics::fourier::filtered;

@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::Arc;
 
-use nailnoise::chain::{BodyStages, Chain, Options, Run};
+use nailnoise::chain::{BodyStages, Chain, Options};
 use nailnoise::graph::Graph;
+use nailnoise::run::Run;
 use nailnoise::stages::Silent;
 use nailnoise::stages::bodies::BodyKind;
 use nailnoise::store::{LIMIT, Store};

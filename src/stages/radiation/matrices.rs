@@ -6,13 +6,14 @@ use nailnoise_acoustics::radiation::Rayleigh;
 use nailnoise_acoustics::sound::FlushSound;
 use serde::Serialize;
 
+use super::CODE;
 use super::boundary_elements::Places;
 use super::flush::{sampled, sampling_to, top_of};
 use super::tool::ToolRadiation;
 use super::workpiece::WorkpieceBoundaryElements;
 use crate::error::Error;
 use crate::stages::bodies::Body;
-use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, code};
+use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored};
 
 /// Boundary elements of workpiece and worktable as one surface, or of a workpiece alone.
 #[derive(Serialize)]
@@ -27,7 +28,7 @@ impl Stage for WorkpieceMatrix {
     type Output = ModalBem;
     type Codec = Postcard;
     const NAME: &'static str = "radiation of workpiece and worktable";
-    const CODE: Code = code!(meshes, fem, acoustics, stages_bodies, stages_radiation);
+    const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
         self.bodies.iter().map(|body| body as &dyn Input).collect()
@@ -53,7 +54,7 @@ impl Stage for ToolMatrix {
     type Output = ModalBem;
     type Codec = Postcard;
     const NAME: &'static str = "radiation of the tool";
-    const CODE: Code = code!(meshes, fem, acoustics, stages_bodies, stages_radiation);
+    const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
         vec![&self.body]
@@ -90,7 +91,7 @@ impl Stage for FlushMatrix {
     type Output = FlushSound;
     type Codec = Postcard;
     const NAME: &'static str = "radiation of the workpiece in a plane";
-    const CODE: Code = code!(meshes, fem, acoustics, stages_bodies, stages_radiation);
+    const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
         vec![&self.body]

@@ -16,3 +16,8 @@ pub use matrices::{FlushMatrix, ToolMatrix, WorkpieceMatrix};
 pub use radiators::{RadiationDamping, ToolRadiator, WorkpieceMethod, WorkpieceRadiator};
 pub use tool::ToolRadiation;
 pub use workpiece::{Covered, WorkpieceBoundaryElements, WorkpieceRadiation};
+
+use super::{Code, code};
+
+/// Code that the stages of this module call.
+const CODE: Code = code!(meshes, fem, acoustics, stages_bodies, stages_radiation);

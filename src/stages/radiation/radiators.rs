@@ -7,12 +7,13 @@ use nailnoise_acoustics::radiator::{FlushRadiator, Radiator, SeparateBodies};
 use nailnoise_acoustics::sound::FlushSound;
 use serde::Serialize;
 
+use super::CODE;
 use super::flush::{FlushTop, top_of};
 use super::matrices::FlushMatrix;
 use super::workpiece::Covered;
 use crate::error::Error;
 use crate::stages::bodies::Body;
-use crate::stages::{Code, Input, NotKept, Postcard, Progress, Stage, Stored, code};
+use crate::stages::{Code, Input, NotKept, Postcard, Progress, Stage, Stored};
 
 /// How the workpiece with its support radiates, with what is known of it in standard air.
 #[derive(Serialize)]
@@ -40,7 +41,7 @@ impl Stage for WorkpieceRadiator {
     type Output = Box<dyn Radiator>;
     type Codec = NotKept;
     const NAME: &'static str = "radiation in the ambient air";
-    const CODE: Code = code!(meshes, fem, acoustics, stages_bodies, stages_radiation);
+    const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
         match &self.method {
@@ -89,7 +90,7 @@ impl Stage for ToolRadiator {
     type Output = ModalBem;
     type Codec = NotKept;
     const NAME: &'static str = "radiation of the tool in the ambient air";
-    const CODE: Code = code!(meshes, fem, acoustics, stages_bodies, stages_radiation);
+    const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
         vec![&self.matrix]
@@ -115,7 +116,7 @@ impl<R: Radiator + 'static> Stage for RadiationDamping<R> {
     type Output = Vec<Vec<f64>>;
     type Codec = Postcard;
     const NAME: &'static str = "radiation damping";
-    const CODE: Code = code!(meshes, fem, acoustics, stages_bodies, stages_radiation);
+    const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
         let bodies = self.bodies.iter().map(|body| body as &dyn Input);

@@ -24,6 +24,9 @@ use super::{Code, Input, NotKept, Postcard, Progress, Stage, Stored, code};
 use crate::error::Error;
 use crate::result::Check;
 
+/// Code that the stages of this module call.
+const CODE: Code = code!(dynamics, meshes, fem, stages_bodies, stages_response);
+
 /// Motion of one or several bodies in a shot.
 #[derive(Debug)]
 pub struct Vibration {
@@ -84,7 +87,7 @@ impl Stage for Response {
     /// An intermediate of outputs that are kept.
     type Codec = NotKept;
     const NAME: &'static str = "response of workpiece and support";
-    const CODE: Code = code!(dynamics, meshes, fem, stages_bodies, stages_response);
+    const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
         let mut inputs = self.structure.inputs();
@@ -116,7 +119,7 @@ impl Stage for End {
     type Output = f64;
     type Codec = Postcard;
     const NAME: &'static str = "end of the records";
-    const CODE: Code = code!(dynamics, meshes, fem, stages_bodies, stages_response);
+    const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
         vec![&self.cycle, &self.longest]
@@ -151,7 +154,7 @@ impl Stage for ResponseReport {
     type Output = ResponseChecks;
     type Codec = Postcard;
     const NAME: &'static str = "checks of the response";
-    const CODE: Code = code!(dynamics, meshes, fem, stages_bodies, stages_response);
+    const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
         let bodies = self.bodies.iter().map(|body| body as &dyn Input);

@@ -7,10 +7,10 @@ use serde::{Deserialize, Serialize};
 
 use super::coupling::Coupled;
 use super::shot::Shot;
-use super::{Structure, Vibration, checks};
+use super::{CODE, Structure, Vibration, checks};
 use crate::error::Error;
 use crate::result::Check;
-use crate::stages::{Code, Input, NotKept, Postcard, Progress, Stage, Stored, code};
+use crate::stages::{Code, Input, NotKept, Postcard, Progress, Stage, Stored};
 
 /// Cycle and response of workpiece and support together, each acting on the other.
 #[derive(Serialize)]
@@ -28,7 +28,7 @@ impl Stage for CoupledResponse {
     /// An intermediate of outputs that are kept.
     type Codec = NotKept;
     const NAME: &'static str = "nailing cycle with workpiece and support";
-    const CODE: Code = code!(dynamics, meshes, fem, stages_bodies, stages_response);
+    const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
         self.structure.inputs()
@@ -48,7 +48,7 @@ impl Stage for CoupledCycle {
     type Output = CycleRecord;
     type Codec = NotKept;
     const NAME: &'static str = "nailing cycle of the coupled response";
-    const CODE: Code = code!(dynamics, meshes, fem, stages_bodies, stages_response);
+    const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
         vec![&self.0]
@@ -67,7 +67,7 @@ impl Stage for CoupledVibration {
     type Output = Vibration;
     type Codec = NotKept;
     const NAME: &'static str = "motion of the coupled response";
-    const CODE: Code = code!(dynamics, meshes, fem, stages_bodies, stages_response);
+    const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
         vec![&self.0]
@@ -99,7 +99,7 @@ impl Stage for CouplingReport {
     type Output = Reported;
     type Codec = Postcard;
     const NAME: &'static str = "checks of the coupling";
-    const CODE: Code = code!(dynamics, meshes, fem, stages_bodies, stages_response);
+    const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
         vec![&self.0]

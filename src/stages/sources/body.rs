@@ -12,7 +12,7 @@ use nailnoise_meshes::open_faces;
 use nalgebra::Complex;
 use serde::Serialize;
 
-use super::SurfaceSource;
+use super::{CODE, SurfaceSource};
 use crate::error::Error;
 use crate::result::{CrossCheck, Uncertainty};
 use crate::stages::bodies::Body;
@@ -21,7 +21,7 @@ use crate::stages::microphones::{MicrophoneArray, ToolSphere};
 use crate::stages::sound::{Sound, SoundSource};
 use crate::stages::spectra::BodyMotion;
 use crate::stages::truncation::{Part, truncations};
-use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, code};
+use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored};
 
 /// Name of the source.
 const NAME: &str = "body";
@@ -220,21 +220,7 @@ impl Stage for BodySource {
     type Output = SurfaceSource;
     type Codec = Postcard;
     const NAME: &'static str = "sound of the tool's body";
-    const CODE: Code = code!(
-        dynamics,
-        meshes,
-        fem,
-        acoustics,
-        stages_bodies,
-        stages_intervals,
-        stages_microphones,
-        stages_radiation,
-        stages_response,
-        stages_sound,
-        stages_sources,
-        stages_spectra,
-        stages_truncation
-    );
+    const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
         let mut inputs = self.sound.inputs();
@@ -284,21 +270,7 @@ impl Stage for BodyEnergy {
     type Output = SourceSpectrum;
     type Codec = Postcard;
     const NAME: &'static str = "energy of the tool's body";
-    const CODE: Code = code!(
-        dynamics,
-        meshes,
-        fem,
-        acoustics,
-        stages_bodies,
-        stages_intervals,
-        stages_microphones,
-        stages_radiation,
-        stages_response,
-        stages_sound,
-        stages_sources,
-        stages_spectra,
-        stages_truncation
-    );
+    const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
         self.sound.inputs()

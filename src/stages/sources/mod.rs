@@ -11,7 +11,25 @@ pub use workpiece::{WorkpieceEnergy, WorkpieceSource};
 use super::microphones::AtMicrophones;
 use super::sound::SoundSource;
 use super::truncation::Truncation;
+use super::{Code, code};
 use crate::result::Check;
+
+/// Code that the stages of this module call.
+const CODE: Code = code!(
+    dynamics,
+    meshes,
+    fem,
+    acoustics,
+    stages_bodies,
+    stages_intervals,
+    stages_microphones,
+    stages_radiation,
+    stages_response,
+    stages_sound,
+    stages_sources,
+    stages_spectra,
+    stages_truncation
+);
 
 /// Largest difference between the two evaluations of the A-weighted level \[dB\].
 const DIFFERENCE: f64 = 0.1;

@@ -8,7 +8,7 @@ use nailnoise_acoustics::radiator::{MovingBody, Radiator};
 use nailnoise_dynamics::CycleRecord;
 use serde::Serialize;
 
-use super::SurfaceSource;
+use super::{CODE, SurfaceSource};
 use crate::error::Error;
 use crate::stages::bodies::Body;
 use crate::stages::intervals::EventEdges;
@@ -16,7 +16,7 @@ use crate::stages::microphones::MicrophoneArray;
 use crate::stages::sound::{Sound, SoundSource};
 use crate::stages::spectra::BodyMotion;
 use crate::stages::truncation::{Part, truncations};
-use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, code};
+use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored};
 
 /// Name of the source.
 const NAME: &str = "workpiece";
@@ -48,20 +48,7 @@ impl Stage for WorkpieceSource {
     type Output = SurfaceSource;
     type Codec = Postcard;
     const NAME: &'static str = "sound of the workpiece";
-    const CODE: Code = code!(
-        dynamics,
-        meshes,
-        fem,
-        acoustics,
-        stages_bodies,
-        stages_intervals,
-        stages_microphones,
-        stages_response,
-        stages_sound,
-        stages_sources,
-        stages_spectra,
-        stages_truncation
-    );
+    const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
         let bodies = self.bodies.iter().map(|body| body as &dyn Input);
@@ -123,20 +110,7 @@ impl Stage for WorkpieceEnergy {
     type Output = SourceSpectrum;
     type Codec = Postcard;
     const NAME: &'static str = "energy of the workpiece";
-    const CODE: Code = code!(
-        dynamics,
-        meshes,
-        fem,
-        acoustics,
-        stages_bodies,
-        stages_intervals,
-        stages_microphones,
-        stages_response,
-        stages_sound,
-        stages_sources,
-        stages_spectra,
-        stages_truncation
-    );
+    const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
         let motions = self.motions.iter().map(|motion| motion as &dyn Input);

@@ -24,6 +24,16 @@ use crate::result::Check;
 use crate::stages::bodies::Body;
 use crate::stages::bodies::tool_loads::{AXIAL, Axial, LOADS};
 
+/// Code that the stages of this module call.
+const CODE: Code = code!(
+    dynamics,
+    meshes,
+    fem,
+    stages_bodies,
+    stages_response,
+    stages_tool_response
+);
+
 /// What the response of the tool is computed from, apart from its body and the cycle.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ToolShot {
@@ -55,14 +65,7 @@ impl Stage for ToolResponse {
     /// An intermediate of outputs that are kept.
     type Codec = NotKept;
     const NAME: &'static str = "response of the tool";
-    const CODE: Code = code!(
-        dynamics,
-        meshes,
-        fem,
-        stages_bodies,
-        stages_response,
-        stages_tool_response
-    );
+    const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
         let damping = self.radiation_damping.iter().map(|damping| damping as &dyn Input);
@@ -104,14 +107,7 @@ impl Stage for ToolReport {
     type Output = ToolChecks;
     type Codec = Postcard;
     const NAME: &'static str = "checks of the tool";
-    const CODE: Code = code!(
-        dynamics,
-        meshes,
-        fem,
-        stages_bodies,
-        stages_response,
-        stages_tool_response
-    );
+    const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
         vec![&self.body, &self.vibration]

@@ -1,0 +1,166 @@
+//! A run: the outputs of the chain, the ranking of the sources, checks and notes.
+
+use std::sync::Arc;
+
+use nailnoise_acoustics::levels::SourceSpectrum;
+use nailnoise_dynamics::CycleRecord;
+
+use crate::chain::{Chain, Options};
+use crate::design::inputs::{self, located};
+use crate::design::{Design, SupportKind};
+use crate::error::Error;
+use crate::graph::Graph;
+use crate::result::{Check, DesignId, RunResult, SCHEMA};
+use crate::stages::microphones::Microphones;
+use crate::stages::ranking::SoundPower;
+use crate::stages::sensors::SensorRecord;
+use crate::stages::truncation::Truncation;
+use crate::stages::{Input, Stored, changes, notes, ranking};
+
+/// A result with the histories behind it.
+pub struct Run {
+    /// The ranked sources with events, checks and notes.
+    pub result: RunResult,
+    /// The nailing cycle.
+    pub record: Arc<CycleRecord>,
+    /// A-weighted sound power of every source over time, loudest source first.
+    pub powers: Vec<SoundPower>,
+    /// Screech frequency of the exhaust's jets at every sample of the cycle \[Hz\]; none while they are subsonic.
+    pub screech: Vec<Option<f64>>,
+    /// Signals of the design's sensors, by name.
+    pub sensors: Arc<Vec<SensorRecord>>,
+    /// Sound at microphones around the device, source by source.
+    pub microphones: Microphones,
+}
+
+/// Predicts and ranks the sound power of a design's sources.
+///
+/// # Errors
+/// [`Error`] of the stage that could not be computed.
+pub fn run(graph: &Graph, design: &Design, options: Options) -> Result<Run, Error> {
+    Chain::new(graph, design, options)?.run(design)
+}
+
+impl Chain {
+    /// Everything that the result of a run reads.
+    pub fn outputs(&self) -> Vec<&dyn Input> {
+        let mut all: Vec<&dyn Input> = vec![
+            &self.workpiece,
+            &self.body,
+            &self.exhaust,
+            &self.sensors,
+            &self.response_report,
+        ];
+        all.extend(self.starts.iter().map(|starts| starts as &dyn Input));
+        all.extend(self.tool_report.iter().map(|report| report as &dyn Input));
+        if let Some(one_way) = &self.one_way {
+            let sources: [&dyn Input; 4] = [&one_way.report, &one_way.workpiece, &one_way.exhaust, &one_way.body];
+            all.extend(sources);
+        }
+        all
+    }
+
+    /// Makes the outputs of the stages and ranks the sources. `design` is that of which the chain was made.
+    ///
+    /// # Errors
+    /// [`Error`] of the stage that could not be computed.
+    pub fn run(&self, design: &Design) -> Result<Run, Error> {
+        self.ranked(design).map_err(|error| located(design, error))
+    }
+
+    fn ranked(&self, design: &Design) -> Result<Run, Error> {
+        self.graph.prepare(&self.outputs())?;
+        let progress = self.graph.progress();
+        let (record, end) = (self.cycle.get()?, *self.end.get()?);
+        let (workpiece, body, exhaust) = (self.workpiece.get()?, self.body.get()?, self.exhaust.get()?);
+        let (response, sensors) = (self.response_report.get()?, self.sensors.get()?);
+        let tool = self.tool_report.as_ref().map(Stored::get).transpose()?;
+        let starts = match &self.starts {
+            Some(starts) => Option::clone(&*starts.get()?),
+            None => None,
+        };
+        let truncations: Vec<&Truncation> = workpiece.truncations.iter().chain(&body.truncations).collect();
+        let notes = notes::notes(
+            &notes::NoteInputs {
+                support: &inputs::notes::support(design),
+                in_sand: design.support.kind == SupportKind::Sandbox,
+                range_high: design.analysis.range_high,
+                radiation: [&workpiece, &body].map(|source| source.source.radiation.as_ref()),
+                stiffness: tool.as_ref().map(|tool| &tool.stiffness),
+                truncations: truncations.iter().map(|truncation| truncation.note()).collect(),
+                ending: &response.ending,
+                idle_sensors: inputs::sensors::without_body(design),
+                limited_sensors: inputs::sensors::limited(design),
+                idle_springs: design.idle_springs(),
+            },
+            &record,
+            &inputs::exhaust::openings(design)?,
+            &exhaust.details,
+        );
+        notes.iter().for_each(|note| progress.note(note));
+        let range_hz = [design.analysis.range_low, design.analysis.range_high];
+        let sources = [&workpiece.source, &exhaust.source, &body.source];
+        let (mut ranking, total) = ranking::rank(&sources, range_hz);
+        let microphones = self.graph.time("microphones", || {
+            let room = inputs::microphones::room(design);
+            let received = [&workpiece.received, &exhaust.received, &body.received];
+            inputs::microphones::array(design)?.measurement(&room, received, end)
+        })?;
+        let powers = ranking::powers(&ranking, &sources, end);
+        let interval_checks = ranking::interval_checks(&ranking, &sources, design.acoustics.bem_tolerance);
+        let coupling = self.one_way.as_ref().map(|one_way| {
+            let report = one_way.report.get()?;
+            let lumped = [
+                SourceSpectrum::clone(&*one_way.workpiece.get()?),
+                one_way.exhaust.get()?.source.spectrum.clone(),
+                SourceSpectrum::clone(&*one_way.body.get()?),
+            ];
+            let (before, after) = ((&*one_way.cycle.get()?, &lumped[..]), (&*record, &ranking[..], &total));
+            let changes = changes::changes(report.work, before, after, range_hz);
+            Ok::<_, Error>((changes, report.checks.clone()))
+        });
+        let (coupling, coupling_checks) = coupling.transpose()?.unzip();
+        let mut checks: Vec<Check> = record.checks.iter().map(Check::from).collect();
+        checks.extend(response.checks.iter().cloned());
+        checks.extend(coupling_checks.into_iter().flatten());
+        checks.extend(tool.iter().flat_map(|tool| tool.checks.clone()));
+        checks.extend(truncations.iter().map(|truncation| truncation.check()));
+        checks.extend([&workpiece, &body].into_iter().filter_map(|source| source.check()));
+        checks.extend(ranking::checks(&ranking, &total));
+        checks.extend(interval_checks);
+        checks.push(exhaust.details.check());
+        if let Some(starts) = &starts {
+            ranking::widen(&mut ranking, starts);
+        }
+        let mut timing = self.graph.timing();
+        timing.end(self.begin.elapsed());
+        let result = RunResult {
+            schema: SCHEMA,
+            design: DesignId {
+                name: design.name().to_owned(),
+                digest: design.digest(),
+            },
+            inputs: design.entries().into_iter().map(Into::into).collect(),
+            ranking,
+            total,
+            outcome: record.outcome,
+            cycle: record.summary.clone(),
+            events: record.events,
+            coupling,
+            starts,
+            sensors: sensors.iter().map(SensorRecord::level).collect(),
+            microphones: microphones.report.clone(),
+            checks,
+            notes,
+            timing,
+        };
+        Ok(Run {
+            result,
+            record,
+            powers,
+            screech: exhaust.details.screech.clone(),
+            sensors,
+            microphones,
+        })
+    }
+}
