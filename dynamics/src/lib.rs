@@ -1,13 +1,4 @@
-//! The nailing cycle of a pneumatic nailer: gas, motion, contacts and events.
-//!
-//! [`simulate`] turns [`Parameters`] (primary quantities only, SI) into a [`CycleRecord`]: every pressure, motion,
-//! force and flow of one shot on a uniform time grid, the events t0..t18, and the checks that certify it.
-//!
-//! The model is that of Nili Ahmadabadi, "Noise source identification and dynamic modeling of a pneumatic nailing
-//! device" (ETS Montreal, 2016), ch. 4, in a corrected form: mass and energy balances for five gas volumes, the
-//! contacts only push, the nail is an elasto-plastic element and the rod meets it in a plastic impact.
-
-#![warn(missing_docs)]
+#![doc = include_str!("../README.md")]
 
 mod cycle;
 mod energy;

@@ -1,6 +1,6 @@
 //! A thousand designs drawn from the ranges of the N80CB: something becomes of every one.
 
-#[path = "../../dynamics/tests/reference/mod.rs"]
+#[path = "../../dynamics/tests/cycle/reference/mod.rs"]
 mod reference;
 
 use std::sync::OnceLock;

@@ -19,7 +19,7 @@ pub use law::{PenetrationLaw, Specimen};
 pub use penetration_curve::{CurveError, CurveLaw, PenetrationCurve};
 pub use resistance::ResistanceLaw;
 pub use table::{ForceTable, TableError};
-pub use tables::{FitQuality, NAILS, NailSize, SLENDERNESS_TERM, SPEED_TERM, Shank, WOODS, WoodKind};
+pub use tables::{FitQuality, NAILS, NailSize, Shank, WOODS, WoodKind};
 
 /// Slowest penetration speed of the tests behind the laws, 20 mm/min \[m/s\].
 pub const LOWEST_SPEED: f64 = 20e-3 / 60.0;

@@ -161,7 +161,7 @@ impl ForceTable {
     }
 
     /// Depth of the last point \[m\].
-    pub fn last_depth(&self) -> f64 {
+    pub(crate) fn last_depth(&self) -> f64 {
         self.depths[self.depths.len() - 1]
     }
 

@@ -6,10 +6,10 @@ use super::{PenetrationLaw, REFERENCE_SPEED};
 
 /// Published speed term C8 v_ref^2 of the solid-wood law (Eq. 4.59), which prints it with v_ref hidden in it (C-23)
 /// \[m2/s2\].
-pub const SPEED_TERM: f64 = -122.91;
+const SPEED_TERM: f64 = -122.91;
 
 /// Published slenderness term C9 of the solid-wood law (Eq. 4.59) \[-\].
-pub const SLENDERNESS_TERM: f64 = -1.15;
+const SLENDERNESS_TERM: f64 = -1.15;
 
 /// Coefficients C0..C9 of Eq. 2.2: Table 2-6, Table 2-8, Eq. 4.59.
 pub(super) fn coefficients(law: PenetrationLaw) -> [f64; 10] {

@@ -1,23 +1,14 @@
 //! The event log: complete, in order, and the only source of t0..t18.
 
-#![allow(clippy::unwrap_used)]
-
-mod common;
-
 use std::collections::HashMap;
-use std::sync::OnceLock;
 
-use nailnoise_dynamics::{Crossing, CycleError, CycleRecord, Direction, LogEntry, Parameters, Settings, simulate};
+use nailnoise_dynamics::{Crossing, CycleError, Direction, LogEntry, Parameters, Settings, simulate};
 
-use common::n80cb;
-
-fn record() -> &'static CycleRecord {
-    static RECORD: OnceLock<CycleRecord> = OnceLock::new();
-    RECORD.get_or_init(|| simulate(&n80cb(), &Settings::default()).unwrap())
-}
+use crate::common::n80cb;
+use crate::{BASE, run};
 
 fn of(crossing: Crossing) -> impl Iterator<Item = &'static LogEntry> {
-    record().log.iter().filter(move |e| e.crossing == crossing)
+    BASE.log.iter().filter(move |e| e.crossing == crossing)
 }
 
 fn first(crossing: Crossing, direction: Direction, after: f64) -> Option<f64> {
@@ -28,7 +19,7 @@ fn first(crossing: Crossing, direction: Direction, after: f64) -> Option<f64> {
 
 #[test]
 fn entries_are_in_order_and_alternate() {
-    let log = &record().log;
+    let log = &BASE.log;
     assert!(log.windows(2).all(|pair| pair[0].time <= pair[1].time));
     let mut last = HashMap::new();
     for entry in log {
@@ -39,10 +30,10 @@ fn entries_are_in_order_and_alternate() {
 }
 
 #[test]
-fn every_event_that_is_a_crossing_is_in_the_log() {
+fn every_event_is_a_logged_crossing() {
     use Crossing as C;
     use Direction::{Falling, Rising};
-    let e = &record().events;
+    let e = &BASE.events;
     let (t6, t9, t12) = (e.t6.unwrap(), e.t9.unwrap(), e.t12.unwrap());
     let expected = [
         (e.t0, first(C::Trigger, Rising, 0.0)),
@@ -79,7 +70,7 @@ fn every_event_that_is_a_crossing_is_in_the_log() {
 #[test]
 fn the_trigger_reaches_the_valve_one_delay_later() {
     let delay = nailnoise_dynamics::Geometry::new(&n80cb()).channel_delay;
-    let e = &record().events;
+    let e = &BASE.events;
     let close = |a: Option<f64>, b: f64| assert!((a.unwrap() - b).abs() < 1e-12, "{a:?} {b}");
     close(first(Crossing::Vent, Direction::Rising, 0.0), delay);
     close(first(Crossing::Vent, Direction::Falling, 0.0), e.t12.unwrap() + delay);
@@ -87,8 +78,8 @@ fn the_trigger_reaches_the_valve_one_delay_later() {
 }
 
 #[test]
-fn states_are_those_of_the_record() {
-    let r = record();
+fn logged_states_lie_between_the_samples_of_the_record() {
+    let r = &*BASE;
     for entry in &r.log {
         let i = (entry.time / r.sample_interval).floor() as usize;
         // Samples on either side bound smooth quantities to within their change over one interval.
@@ -110,25 +101,33 @@ fn states_are_those_of_the_record() {
 }
 
 #[test]
-fn contacts_and_choking_are_those_of_the_record() {
-    let r = record();
-    let s = &r.summary;
+fn the_log_and_the_summary_count_the_same_contacts() {
     let count = |crossing| of(crossing).filter(|e| e.is_rising()).count();
-    assert_eq!(count(Crossing::CapContact), s.cap_contacts);
-    assert_eq!(count(Crossing::SeatContact), s.seat_contacts);
+    assert_eq!(count(Crossing::CapContact), BASE.summary.cap_contacts);
+    assert_eq!(count(Crossing::SeatContact), BASE.summary.seat_contacts);
     assert_eq!((count(Crossing::NailDriven), count(Crossing::NoseContact)), (1, 0));
-    let at = |t: f64| (t / r.sample_interval) as usize;
-    let pushes = |crossing, force: &[f64]| {
+}
+
+#[test]
+fn contact_forces_begin_and_end_at_the_logged_times() {
+    let r = &*BASE;
+    for (crossing, force) in [
+        (Crossing::BumperContact, &r.forces.bumper),
+        (Crossing::StopperContact, &r.forces.stopper),
+        (Crossing::CapContact, &r.forces.cap),
+        (Crossing::SeatContact, &r.forces.seat),
+    ] {
         for entry in of(crossing) {
-            let i = at(entry.time);
+            let i = (entry.time / r.sample_interval) as usize;
             let (before, after) = (force[i - 1].abs() > 0.0, force[i + 2].abs() > 0.0);
             assert_eq!((before, after), (!entry.is_rising(), entry.is_rising()), "{entry:?}");
         }
-    };
-    pushes(Crossing::BumperContact, &r.forces.bumper);
-    pushes(Crossing::StopperContact, &r.forces.stopper);
-    pushes(Crossing::CapContact, &r.forces.cap);
-    pushes(Crossing::SeatContact, &r.forces.seat);
+    }
+}
+
+#[test]
+fn the_exhaust_is_choked_between_the_logged_times() {
+    let r = &*BASE;
     let (from, to) = (
         first(Crossing::HolesChoked, Direction::Rising, 0.0).unwrap(),
         first(Crossing::HolesChoked, Direction::Falling, 0.0).unwrap(),
@@ -137,17 +136,18 @@ fn contacts_and_choking_are_those_of_the_record() {
         assert_eq!(r.exhaust.choked[i], r.time(i) >= from && r.time(i) < to, "{i}");
     }
     let share = (to - from) / (r.events.t17.unwrap() - r.events.t13.unwrap());
-    assert!((share - s.exhaust_choked_fraction.unwrap()).abs() < 5e-4);
+    assert!((share - r.summary.exhaust_choked_fraction.unwrap()).abs() < 5e-4);
 }
 
 #[test]
-fn a_log_speaks_and_serialises() {
-    let e = record()
-        .log
-        .iter()
-        .find(|e| e.crossing == Crossing::BumperContact)
-        .unwrap();
+fn an_entry_is_described_in_words() {
+    let e = of(Crossing::BumperContact).next().unwrap();
     assert_eq!(e.crossing.describe(e.direction), "the piston meets the bumper");
+}
+
+#[test]
+fn an_entry_serialises() {
+    let e = of(Crossing::BumperContact).next().unwrap();
     let json = serde_json::to_value(e).unwrap();
     assert_eq!(
         (&json["crossing"], &json["direction"]),
@@ -157,7 +157,7 @@ fn a_log_speaks_and_serialises() {
 }
 
 #[test]
-fn chatter_ends_the_run_and_names_its_contact() {
+fn chatter_ends_the_run_with_an_error_that_names_the_contact() {
     let contact = |change: fn(&mut Parameters)| {
         let mut p = n80cb();
         change(&mut p);
@@ -177,11 +177,15 @@ fn chatter_ends_the_run_and_names_its_contact() {
         p.contacts.valve_damping_ratio = 0.0;
     };
     assert_eq!(contact(seat), "the head valve's seat");
-    // The printed cap stiffness, 217 kHz, is no chatter. Its peak is that of a damped bounce,
+}
+
+#[test]
+fn the_printed_cap_stiffness_does_not_chatter_and_gives_the_force_of_a_damped_bounce() {
+    // The valve vibrates on the cap at 217 kHz. The peak force of a damped bounce is
     // F = v sqrt(k m) exp(-zeta phi/sqrt(1 - zeta^2)) with tan phi = sqrt(1 - zeta^2) (1 - 4 zeta^2)/(zeta (3 - 4 zeta^2)).
     let mut printed = n80cb();
     printed.contacts.cap_stiffness = 1.1e11;
-    let r = simulate(&printed, &Settings::default()).unwrap();
+    let r = run(&printed);
     let hit = r.log.iter().find(|e| e.crossing == Crossing::CapContact).unwrap();
     let zeta = printed.contacts.valve_damping_ratio;
     let root = (1.0 - zeta * zeta).sqrt();
@@ -195,13 +199,13 @@ fn chatter_ends_the_run_and_names_its_contact() {
 }
 
 #[test]
-fn a_cap_of_any_hardness_is_left_after_the_same_bounces() {
+fn the_number_of_bounces_does_not_depend_on_the_stiffness_of_a_hard_cap() {
     // The valve's friction ends the bounces on an undamped cap, however short they are.
     let closings = |stiffness: f64| {
         let mut p = n80cb();
         p.contacts.cap_stiffness = stiffness;
         p.contacts.valve_damping_ratio = 0.0;
-        let r = simulate(&p, &Settings::default()).unwrap();
+        let r = run(&p);
         assert!(r.is_certified());
         (r.summary.cap_contacts, r.summary.seat_contacts)
     };

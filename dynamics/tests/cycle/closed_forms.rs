@@ -1,14 +1,10 @@
 //! Parts of a shot that have a closed form, and the order at which they are approached.
 
-#![allow(clippy::unwrap_used)]
-
-mod common;
-
 use nailnoise_dynamics::{
     Crossing, CycleRecord, Direction, Geometry, LogEntry, Method, Parameters, Settings, simulate,
 };
 
-use common::n80cb;
+use crate::common::n80cb;
 
 fn run(p: &Parameters, method: Method, relative_tolerance: f64, end: f64) -> CycleRecord {
     let settings = Settings {

@@ -1,20 +1,9 @@
-//! Options the source does not have: off by default, and lawful where they are on.
-
-#![allow(clippy::unwrap_used)]
-
-mod common;
+//! Options beyond the source: they are off by default and obey the balances.
 
 use nailnoise_dynamics::{CycleError, CycleRecord, Geometry, Parameters, Settings, simulate};
 
-use common::n80cb;
-
-fn run(p: &Parameters) -> CycleRecord {
-    simulate(p, &Settings::default()).unwrap()
-}
-
-fn base() -> CycleRecord {
-    run(&n80cb())
-}
+use crate::common::n80cb;
+use crate::{BASE, internal_forces_cancel, run};
 
 fn with_hand(mass: f64) -> Parameters {
     let mut p = n80cb();
@@ -22,24 +11,9 @@ fn with_hand(mass: f64) -> Parameters {
     p
 }
 
-/// Momentum of the four bodies against the forces from outside, at every sample.
-fn forces_cancel(p: &Parameters, r: &CycleRecord) {
-    let masses = [p.head_valve.mass, p.tool.mass, Geometry::new(p).workpiece_mass];
-    for i in 0..r.len() {
-        let moving = r.motion.moving_mass[i];
-        let inertia = moving * r.piston.acceleration[i]
-            + masses[0] * r.head_valve.acceleration[i]
-            + masses[1] * r.tool.acceleration[i]
-            + masses[2] * r.workpiece.acceleration[i];
-        let weight = (moving + masses.iter().sum::<f64>()) * p.ambient.gravity;
-        let outer = r.forces.hand[i] + r.forces.thrust[i] - r.forces.support[i] + weight;
-        assert!((inertia - outer).abs() < 1e-6, "sample {i}: {inertia} N, {outer} N");
-    }
-}
-
 #[test]
-fn options_are_off_in_the_reference_set() {
-    let (p, r) = (n80cb(), base());
+fn options_are_off_in_the_base_design() {
+    let (p, r) = (n80cb(), &*BASE);
     assert_eq!(
         (p.hand.mass, p.nail.magazine_friction, p.exhaust.thrust_share),
         (0.0, 0.0, 0.0)
@@ -49,15 +23,15 @@ fn options_are_off_in_the_reference_set() {
 }
 
 #[test]
-fn a_hand_with_mass_holds_the_tool_down() {
+fn a_hand_with_mass_lowers_the_rise_of_the_tool() {
     let p = with_hand(1.5);
     let r = run(&p);
     assert!(r.is_certified(), "{:?}", r.checks);
-    forces_cancel(&p, &r);
+    internal_forces_cancel(&p, &r);
     // In equilibrium before the shot the hand pushes with its constant force.
     assert!((r.forces.hand[0] - p.hand.force).abs() < 1e-9);
     let rise = |r: &CycleRecord| r.tool.position[0] - r.tool.position.iter().copied().fold(f64::INFINITY, f64::min);
-    assert!(rise(&r) < 0.9 * rise(&base()), "{} {}", rise(&r), rise(&base()));
+    assert!(rise(&r) < 0.9 * rise(&BASE), "{} {}", rise(&r), rise(&BASE));
     assert!(r.energy.hand_damping > 0.1);
 }
 
@@ -83,7 +57,7 @@ fn a_hand_on_a_stiff_spring_is_part_of_the_tool() {
 fn a_light_hand_is_a_force() {
     let mut p = with_hand(1e-3);
     p.hand.damping = 1.0;
-    let (a, b) = (run(&p).events.to_array(), base().events.to_array());
+    let (a, b) = (run(&p).events.to_array(), BASE.events.to_array());
     for (i, (a, b)) in a.iter().zip(b).enumerate() {
         let apart = (a.unwrap() - b.unwrap()).abs();
         assert!(apart < 1e-4, "t{i}: {apart} s");
@@ -96,8 +70,8 @@ fn friction_in_the_magazine_slows_the_nail() {
     p.nail.magazine_friction = 20.0;
     let r = run(&p);
     assert!(r.is_certified(), "{:?}", r.checks);
-    forces_cancel(&p, &r);
-    assert!(r.summary.mean_drive_speed < base().summary.mean_drive_speed);
+    internal_forces_cancel(&p, &r);
+    assert!(r.summary.mean_drive_speed < BASE.summary.mean_drive_speed);
     // The constant force over the travel with the nail.
     let at = |t: f64| r.motion.piston_travel[(t / r.sample_interval).round() as usize];
     let travel = at(r.events.t9.unwrap()) - at(r.events.t5.unwrap());
@@ -106,7 +80,13 @@ fn friction_in_the_magazine_slows_the_nail() {
         (friction / (20.0 * travel) - 1.0).abs() < 5e-3,
         "{friction} J over {travel} m"
     );
-    // It acts while the rod drives the nail and no longer.
+}
+
+#[test]
+fn friction_in_the_magazine_acts_only_while_the_rod_drives_the_nail() {
+    let mut p = n80cb();
+    p.nail.magazine_friction = 20.0;
+    let r = run(&p);
     let driven = |i: usize| r.motion.moving_mass[i] > p.piston.mass;
     assert!((0..r.len()).all(|i| driven(i) || r.forces.magazine[i] == 0.0));
 }
@@ -117,7 +97,7 @@ fn the_thrust_of_the_exhaust_is_that_of_an_ideal_nozzle() {
     p.exhaust.thrust_share = -0.5;
     let r = run(&p);
     assert!(r.is_certified(), "{:?}", r.checks);
-    forces_cancel(&p, &r);
+    internal_forces_cancel(&p, &r);
     let g: f64 = p.ambient.heat_capacity_ratio;
     let (rg, pa) = (p.ambient.gas_constant, p.ambient.pressure);
     let area = p.chambers.discharge_coefficient * Geometry::new(&p).exhaust_area;
@@ -134,12 +114,19 @@ fn the_thrust_of_the_exhaust_is_that_of_an_ideal_nozzle() {
         tried[usize::from(exit > pa)] += 1;
     }
     assert!(tried.iter().all(|n| *n > 100), "{tried:?}");
-    let lifted = |r: &CycleRecord| r.tool.position[r.len() - 1];
-    assert!(lifted(&r) < lifted(&base()), "thrust up lifts the tool");
 }
 
 #[test]
-fn options_out_of_range_are_named() {
+fn upward_thrust_lifts_the_tool() {
+    let mut p = n80cb();
+    p.exhaust.thrust_share = -0.5;
+    let r = run(&p);
+    let lifted = |r: &CycleRecord| r.tool.position[r.len() - 1];
+    assert!(lifted(&r) < lifted(&BASE));
+}
+
+#[test]
+fn an_option_out_of_range_is_refused_by_name() {
     let refused = |change: fn(&mut Parameters)| {
         let mut p = n80cb();
         change(&mut p);

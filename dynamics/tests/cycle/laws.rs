@@ -1,24 +1,13 @@
-//! Laws the cycle obeys whatever the design, and designs it refuses.
+//! Laws that hold for every design, and designs that are refused.
 
-#![allow(clippy::unwrap_used)]
+use nailnoise_dynamics::{CycleError, CycleRecord, Geometry, Outcome, Parameters, Settings, SupportDamping, simulate};
 
-mod common;
-
-use nailnoise_dynamics::{CycleError, Geometry, Outcome, Parameters, Settings, SupportDamping, simulate};
-
-use common::n80cb;
-
-fn base() -> Parameters {
-    n80cb()
-}
-
-fn run(p: &Parameters) -> nailnoise_dynamics::CycleRecord {
-    simulate(p, &Settings::default()).unwrap()
-}
+use crate::common::n80cb;
+use crate::{BASE, run};
 
 #[test]
 fn derived_quantities_equal_the_reference_set() {
-    let g = Geometry::new(&base());
+    let g = Geometry::new(&n80cb());
     let close = |name, value: f64, expected: f64, part: f64| {
         assert!(
             (value / expected - 1.0).abs() < part,
@@ -41,18 +30,18 @@ fn derived_quantities_equal_the_reference_set() {
 
 #[test]
 fn more_supply_pressure_drives_faster_and_exhausts_more() {
-    let mut p = base();
+    let mut p = n80cb();
     p.supply.pressure *= 1.1;
-    let (low, high) = (run(&base()), run(&p));
-    let drive = |r: &nailnoise_dynamics::CycleRecord| r.events.t9.unwrap() - r.events.t6.unwrap();
-    assert!(drive(&high) < drive(&low));
+    let (low, high) = (&*BASE, run(&p));
+    let drive = |r: &CycleRecord| r.events.t9.unwrap() - r.events.t6.unwrap();
+    assert!(drive(&high) < drive(low));
     assert!(high.summary.exhaust_mass > low.summary.exhaust_mass);
     assert!(high.is_certified(), "{:?}", high.checks);
 }
 
 #[test]
 fn b13_without_air_nothing_moves() {
-    let mut p = base();
+    let mut p = n80cb();
     p.supply.pressure = p.ambient.pressure;
     let r = simulate(
         &p,
@@ -72,23 +61,23 @@ fn b13_without_air_nothing_moves() {
 
 #[test]
 fn every_outcome_occurs() {
-    assert_eq!(run(&base()).outcome, Outcome::Drives);
-    let mut soft = base();
+    assert_eq!(BASE.outcome, Outcome::Drives);
+    let mut soft = n80cb();
     soft.wood.hardness_modulus *= 0.9;
     assert_eq!(run(&soft).outcome, Outcome::StrikesBumper);
-    let mut hard = base();
+    let mut hard = n80cb();
     hard.wood.hardness_modulus *= 1.3;
     assert_eq!(run(&hard).outcome, Outcome::Underdriven);
-    let mut stuck = base();
+    let mut stuck = n80cb();
     stuck.head_valve.seat_diameter = 0.0655;
     assert_eq!(run(&stuck).outcome, Outcome::DoesNotOpen);
-    let mut heavy = base();
+    let mut heavy = n80cb();
     heavy.hand.force = 1500.0;
     assert_eq!(run(&heavy).outcome, Outcome::DoesNotRelease);
 }
 
 #[test]
-fn robustness_set_keeps_order_and_speed() {
+fn moderate_changes_keep_the_order_of_the_events_and_the_drive_speed() {
     let changes: [fn(&mut Parameters); 8] = [
         |p| p.chambers.supply_volume = 0.9e-3,
         |p| p.chambers.return_volume = 0.24e-3,
@@ -100,7 +89,7 @@ fn robustness_set_keeps_order_and_speed() {
         |p| p.ambient.pressure = 98e3,
     ];
     for (i, change) in changes.iter().enumerate() {
-        let mut p = base();
+        let mut p = n80cb();
         change(&mut p);
         let r = run(&p);
         assert_eq!(r.outcome, Outcome::Drives, "{i}");
@@ -114,7 +103,7 @@ fn robustness_set_keeps_order_and_speed() {
 
 #[test]
 fn a_sandbox_support_is_given_by_stiffness_and_dashpot() {
-    let mut p = base();
+    let mut p = n80cb();
     p.support.stiffness = 1.76e7;
     p.support.damping = SupportDamping::Coefficient(2.8e5 * 0.4064 * 0.1524);
     let r = run(&p);
@@ -123,13 +112,13 @@ fn a_sandbox_support_is_given_by_stiffness_and_dashpot() {
 }
 
 fn refused(change: impl Fn(&mut Parameters)) -> CycleError {
-    let mut p = base();
+    let mut p = n80cb();
     change(&mut p);
     simulate(&p, &Settings::default()).unwrap_err()
 }
 
 #[test]
-fn designs_the_model_does_not_hold_for_are_named() {
+fn a_design_outside_the_validity_of_the_model_is_refused_with_its_cause() {
     assert!(matches!(
         refused(|p| p.head_valve.lift = 0.005),
         CycleError::SpringRange { .. }
@@ -151,6 +140,10 @@ fn designs_the_model_does_not_hold_for_are_named() {
         refused(|p| p.piston.rod_diameter = 0.07),
         CycleError::DiameterOrder { .. }
     ));
+}
+
+#[test]
+fn a_value_out_of_range_is_refused_by_name() {
     let negative = refused(|p| p.piston.mass = -0.131);
     assert_eq!(negative.to_string(), "piston.mass = -0.131 must be above zero");
     assert!(
@@ -162,7 +155,7 @@ fn designs_the_model_does_not_hold_for_are_named() {
 }
 
 #[test]
-fn a_piston_that_nothing_stops_is_a_dry_fire() {
+fn a_piston_without_resistance_is_a_dry_fire() {
     let error = refused(|p| {
         p.wood.resistance_scale = 0.0;
         p.wood.head_stiffness_scale = 1e-6;

@@ -1,0 +1,9 @@
+//! Tests of the penetration resistance laws.
+#![allow(clippy::unwrap_used)]
+
+#[path = "../common/mod.rs"]
+mod common;
+mod envelope;
+mod law;
+mod resistance;
+mod table;
