@@ -87,7 +87,7 @@ fn in_db(found: &[f64], exact: &[f64]) -> Vec<f64> {
 }
 
 #[test]
-fn a_quarter_of_the_panels_radiate_as_all_of_a_sphere() {
+fn a_quarter_of_the_panels_of_a_sphere_radiate_the_same_power() {
     let fine = Boundary::new(sphere(1.0, 9, true), None).unwrap();
     let coarse = fine.coarsened(0.42).unwrap();
     let count = coarse.mesh().panels.len();
@@ -169,7 +169,7 @@ fn pulsating(x: f64) -> f64 {
 }
 
 #[test]
-fn what_stands_on_the_floor_still_does() {
+fn a_coarsened_body_keeps_its_contact_with_the_floor() {
     let half = octants(&[[1, 1, 1], [-1, 1, 1], [1, -1, 1], [-1, -1, 1]], 12, false);
     let fine = Boundary::new(half, Some(0.0)).unwrap();
     let coarse = fine.coarsened(0.42).unwrap();
@@ -188,7 +188,7 @@ fn what_stands_on_the_floor_still_does() {
 
 /// The surface is that of its mesh alone, and so are its numbers.
 #[test]
-fn it_is_always_the_same() {
+fn coarsening_is_reproducible() {
     let coarse = || {
         let fine = Boundary::new(sphere(1.0, 6, true), None).unwrap();
         let coarse = fine.coarsened(0.5).unwrap();

@@ -68,7 +68,7 @@ fn reciprocal_symmetric_and_positive() {
 }
 
 #[test]
-fn flipped_normals_are_mended_and_counted() {
+fn flipped_normals_are_corrected_and_counted() {
     let mut mesh = sphere(1.0, 2, true);
     let straight = Boundary::new(mesh.clone(), None).unwrap();
     assert_eq!(
@@ -95,7 +95,7 @@ fn flipped_normals_are_mended_and_counted() {
 }
 
 #[test]
-fn unfit_surfaces_are_refused_with_numbers() {
+fn open_or_degenerate_surfaces_are_refused_with_numbers() {
     let mut open = block(0.05);
     open.panels.pop();
     let error = Boundary::new(open, None).unwrap_err();
@@ -124,7 +124,7 @@ fn unfit_surfaces_are_refused_with_numbers() {
 }
 
 #[test]
-fn the_skin_of_a_volume_mesh_brings_its_modes() {
+fn the_surface_of_a_volume_mesh_carries_its_modes() {
     let mesh = nailnoise_meshes::block(&nailnoise_meshes::Block {
         size: [0.4, 0.15, 0.1],
         divisions: [8, 3, 2],

@@ -1,5 +1,8 @@
-//! A block on a slab, meshed apart as volumes: one closed surface, its velocities and its radiation matrix.
+//! Radiation of a block on a slab with independent volume meshes: closed surface, velocities, sampled matrix.
 #![allow(clippy::unwrap_used)]
+
+use std::f64::consts::TAU;
+use std::sync::LazyLock;
 
 use nailnoise_acoustics::bem::{
     BandFields, Boundary, BoundaryMesh, Exterior, MeshRange, ModalBem, MovingPart, Parity, Patterns, Receivers,
@@ -110,7 +113,7 @@ fn boxes_make_one_closed_surface() {
 }
 
 #[test]
-fn velocities_keep_their_flow_on_meshes_of_any_fineness() {
+fn velocities_of_second_order_are_transferred_exactly_to_any_mesh() {
     let solids = solids();
     for edge in [0.15, 0.04, 0.011] {
         let whole = boundary([None; 2], edge);
@@ -128,7 +131,7 @@ fn velocities_keep_their_flow_on_meshes_of_any_fineness() {
 }
 
 #[test]
-fn parities_add_up_to_the_whole() {
+fn parities_sum_to_the_whole() {
     let solids = solids();
     let quarter = boundary([Some(0.0); 2], 0.04);
     let found = quarter.transfer(&parts(&solids)).unwrap();
@@ -145,7 +148,13 @@ fn parities_add_up_to_the_whole() {
         }
     });
     assert!((sum - &exact).amax() < 1e-12 * exact.amax());
-    // Heave is even, sway along x odd in x.
+}
+
+#[test]
+fn heave_is_even_and_sway_is_odd() {
+    let quarter = boundary([Some(0.0); 2], 0.04);
+    let found = quarter.transfer(&parts(&solids())).unwrap();
+    // Sway along x is odd in x.
     let size = |mode: usize| {
         found
             .iter()
@@ -188,75 +197,145 @@ fn level(solids: &Solids, edge: f64, per_wavelength: f64) -> MeshRange {
     }
 }
 
-#[test]
-fn the_sampled_matrix_is_that_of_the_whole_body() {
+/// The radiation matrix of both solids, sampled on two meshes, beside a single mesh of the whole body.
+struct Sampled {
+    bem: ModalBem,
+    /// Highest frequency of the finer mesh \[Hz\].
+    top_hz: f64,
+    /// Modal velocities on the whole body.
+    velocities: DMatrix<f64>,
+    /// Points of the receivers.
+    points: Vec<Point3<f64>>,
+}
+
+static SAMPLED: LazyLock<Sampled> = LazyLock::new(|| {
     let solids = solids();
     let levels = vec![level(&solids, 0.05, 6.0), level(&solids, 0.036, 6.0)];
-    let top = levels[1].top_hz;
+    let top_hz = levels[1].top_hz;
     let sampling = Sampling {
-        range_hz: [40.0, top],
+        range_hz: [40.0, top_hz],
         tolerance: 1e-2,
         floor: 1e-4,
         most_samples: 200,
     };
+    let points = vec![Point3::new(0.7, 0.2, 0.5), Point3::new(-0.5, -0.6, 0.1)];
     let receivers = Receivers {
-        points: vec![Point3::new(0.7, 0.2, 0.5), Point3::new(-0.5, -0.6, 0.1)],
+        points: points.clone(),
         origin: Point3::origin(),
     };
-    let bem = ModalBem::new(levels, &sampling, &receivers, &|| ()).unwrap();
-    println!("{:?}, to {top:.0} Hz", bem.summary);
-    // Of single modes, at six panels a wavelength of the coarser mesh.
-    assert!(bem.summary.difference_db < 0.7 && bem.summary.asymmetry < 1e-2);
+    Sampled {
+        bem: ModalBem::new(levels, &sampling, &receivers, &|| ()).unwrap(),
+        top_hz,
+        velocities: whole().transfer(&parts(&solids)).unwrap().remove(0).velocities,
+        points,
+    }
+});
 
-    let whole = boundary([None; 2], 0.036);
-    let v = whole.transfer(&parts(&solids)).unwrap().remove(0).velocities;
-    let exterior = Exterior::new(whole, &Air::default());
-    // What was computed in one air holds in any other.
-    let cold = Air::at(253.0, 80e3).unwrap();
-    let in_cold = bem.clone().in_air(&Air::default(), &cold);
-    let exterior_in_cold = Exterior::new(boundary([None; 2], 0.036), &cold);
-    assert!((in_cold.blend_hz()[1] / bem.blend_hz()[1] - (253.0f64 / 293.15).sqrt()).abs() < 1e-9);
-    for (hz, bem, exterior) in [
-        (60.0, &bem, &exterior),
-        (333.0, &bem, &exterior),
-        (0.7 * top, &bem, &exterior),
-        (333.0, &in_cold, &exterior_in_cold),
-    ] {
-        let found = bem.resistance(hz).real;
-        let exact = exterior.resistance(hz, &v).unwrap().far_field;
-        let mut worst: f64 = 0.0;
-        for i in 0..2 * MODES {
-            for j in 0..2 * MODES {
-                let scale = (exact[(i, i)] * exact[(j, j)]).sqrt().max(1e-3 * exact.amax());
-                worst = worst.max((found[(i, j)] - exact[(i, j)]).abs() / scale);
+/// Cold air at low pressure.
+static COLD: LazyLock<Air> = LazyLock::new(|| Air::at(253.0, 80e3).unwrap());
+
+/// The matrix of [`SAMPLED`] carried over to cold air.
+static IN_COLD: LazyLock<ModalBem> = LazyLock::new(|| SAMPLED.bem.clone().in_air(&Air::default(), &COLD));
+
+/// The whole body without symmetry, as fine as the finer mesh of [`SAMPLED`].
+fn whole() -> Boundary {
+    boundary([None; 2], 0.036)
+}
+
+/// Both airs, with the frequencies \[Hz\] at which the sampled matrix is compared with the whole body.
+fn compared() -> [(&'static ModalBem, Exterior, Vec<f64>); 2] {
+    let top = SAMPLED.top_hz;
+    [
+        (
+            &SAMPLED.bem,
+            Exterior::new(whole(), &Air::default()),
+            vec![60.0, 333.0, 0.7 * top],
+        ),
+        (&IN_COLD, Exterior::new(whole(), &COLD), vec![333.0]),
+    ]
+}
+
+/// Frequencies \[Hz\] and amplitudes of all modes.
+static MOTION: LazyLock<(Vec<f64>, DMatrix<Complex<f64>>)> = LazyLock::new(|| {
+    let frequency: Vec<f64> = (0..60).map(|i| 20.0 * 1.1f64.powi(i)).collect();
+    let amplitudes = DMatrix::from_fn(2 * MODES, frequency.len(), |i, j| {
+        Complex::new(
+            (1.0 + i as f64 * 0.7 + j as f64).sin(),
+            (i as f64 - 0.3 * j as f64).cos(),
+        )
+    });
+    (frequency, amplitudes)
+});
+
+/// Asserts, bin by bin, that `value` over v^H R v / omega^2 is 1 within `tolerance`.
+fn equals_the_form(of: &dyn ModalRadiation, tolerance: f64, value: impl Fn(usize) -> f64) {
+    let (frequency, a) = &*MOTION;
+    for (bin, hz) in frequency.iter().enumerate() {
+        let form = of.resistance(*hz).form(a.column(bin).as_slice()) / (TAU * hz).powi(2);
+        let value = value(bin);
+        assert!((value / form - 1.0).abs() < tolerance, "{hz} Hz: {value:e} {form:e}");
+    }
+}
+
+#[test]
+fn meshes_of_two_finenesses_agree_and_the_matrix_is_symmetric() {
+    // For single modes, at six panels a wavelength of the coarser mesh.
+    let summary = &SAMPLED.bem.summary;
+    assert!(summary.difference_db < 0.7 && summary.asymmetry < 1e-2, "{summary:?}");
+}
+
+#[test]
+fn the_sampled_matrix_equals_that_of_the_whole_body_in_any_air() {
+    for (bem, exterior, frequencies) in compared() {
+        for hz in frequencies {
+            let found = bem.resistance(hz).real;
+            let exact = exterior.resistance(hz, &SAMPLED.velocities).unwrap().far_field;
+            let mut worst: f64 = 0.0;
+            for i in 0..2 * MODES {
+                for j in 0..2 * MODES {
+                    let scale = (exact[(i, i)] * exact[(j, j)]).sqrt().max(1e-3 * exact.amax());
+                    worst = worst.max((found[(i, j)] - exact[(i, j)]).abs() / scale);
+                }
+            }
+            // The coarser mesh at its top frequency, 1144 Hz, has six panels a wavelength.
+            assert!(worst < 5e-2, "{hz} Hz: {worst:e}");
+        }
+    }
+}
+
+#[test]
+fn the_sampled_pressures_equal_those_of_the_whole_body_in_any_air() {
+    for (bem, exterior, frequencies) in compared() {
+        for hz in frequencies {
+            let solution = exterior.solve(hz, &SAMPLED.velocities).unwrap();
+            let [direct, by_floor] = exterior
+                .pressure_at(&SAMPLED.points, &SAMPLED.velocities, &solution)
+                .unwrap();
+            let exact = (direct + by_floor) / Complex::new(0.0, TAU * hz);
+            let largest = |m: DMatrix<Complex<f64>>| m.iter().map(|z| z.norm()).fold(0.0, f64::max);
+            let scale = largest(exact.clone());
+            for mode in 0..2 * MODES {
+                let a = DMatrix::from_fn(2 * MODES, 1, |i, _| Complex::from(f64::from(u8::from(i == mode))));
+                let found = bem.pressures(&[hz], &a).unwrap();
+                let off = largest(found - exact.columns(mode, 1)) / scale;
+                assert!(off < 3e-2, "{hz} Hz, mode {mode}: {off:e}");
             }
         }
-        println!("{hz:.0} Hz: {worst:.1e}");
-        // One mode at a time: what receivers hear of it, beside the field of the whole body.
-        let solution = exterior.solve(hz, &v).unwrap();
-        let [direct, by_floor] = exterior.pressure_at(&receivers.points, &v, &solution).unwrap();
-        let exact = (direct + by_floor) / Complex::new(0.0, std::f64::consts::TAU * hz);
-        let scale = exact.iter().map(|z| z.norm()).fold(0.0, f64::max);
-        let mut off: f64 = 0.0;
-        for mode in 0..2 * MODES {
-            let a = DMatrix::from_fn(2 * MODES, 1, |i, _| Complex::from(f64::from(u8::from(i == mode))));
-            let found = bem.pressures(&[hz], &a).unwrap();
-            off = off.max(
-                (found - exact.columns(mode, 1))
-                    .iter()
-                    .map(|z| z.norm())
-                    .fold(0.0, f64::max)
-                    / scale,
-            );
-        }
-        println!("{hz:.0} Hz, at receivers: {off:.1e}");
-        assert!(off < 3e-2, "{hz} Hz: {off:e}");
-        // The coarser mesh at its top frequency, 1144 Hz, has six panels a wavelength.
-        assert!(worst < 5e-2, "{hz} Hz: {worst:e}");
     }
-    // Radiation efficiency 1 is rho c int v_i v_j dS: heave of all that faces up or down. The limit above the range tends
-    // to it; half an octave above, flat faces ripple around it.
-    for (bem, air) in [(&bem, Air::default()), (&in_cold, cold)] {
+}
+
+#[test]
+fn frequencies_scale_with_the_speed_of_sound() {
+    let scale = IN_COLD.blend_hz()[1] / SAMPLED.bem.blend_hz()[1];
+    assert!((scale - (253.0f64 / 293.15).sqrt()).abs() < 1e-9);
+}
+
+#[test]
+fn heave_has_radiation_efficiency_1_at_high_frequencies() {
+    // Radiation efficiency 1 is rho c int v_i v_j dS over all that faces up or down. Half an octave above the range the
+    // resistance of flat faces oscillates around it.
+    let top = SAMPLED.top_hz;
+    for (bem, air) in [(&SAMPLED.bem, Air::default()), (&*IN_COLD, *COLD)] {
         let heave = |of: &dyn ModalRadiation, hz: f64| -> f64 {
             let r = of.resistance(hz).real;
             let pairs = [(0, 0), (0, MODES), (MODES, 0), (MODES, MODES)];
@@ -266,11 +345,14 @@ fn the_sampled_matrix_is_that_of_the_whole_body() {
         assert!((heave(&bem.reference(), 2.0 * top) / exact - 1.0).abs() < 1e-9);
         for (hz, within) in [(2.0 * top, 0.05), (10e3, 0.01)] {
             let limit = heave(bem, hz);
-            println!("{hz:.0} Hz: heave {:.4} of radiation efficiency 1", limit / exact);
-            assert!((limit / exact - 1.0).abs() < within, "{limit:e} {exact:e}");
+            assert!((limit / exact - 1.0).abs() < within, "{hz} Hz: {limit:e} {exact:e}");
         }
     }
-    // Where both are known the limit is what it is above, and means are those of single frequencies nearby.
+}
+
+#[test]
+fn solution_and_high_frequency_limit_are_compared_where_both_are_known() {
+    let bem = &SAMPLED.bem;
     let compared = bem.compared_hz();
     assert!(compared[0] < bem.solved_hz()[0] && bem.solved_hz()[1] < bem.blend_hz()[0]);
     assert!(bem.blend_hz()[0] < compared[1] && compared[1] < bem.blend_hz()[1]);
@@ -278,103 +360,127 @@ fn the_sampled_matrix_is_that_of_the_whole_body() {
     let unit = DMatrix::<Complex<f64>>::identity(2 * MODES, 2 * MODES);
     let limit: f64 = bem.limit_forms(&[hz; 2 * MODES], &unit).iter().sum();
     let mean = bem.energy_forms(&[hz; 2 * MODES], &unit).sum();
-    println!("limit over mean, all modes {:+.2} dB", 10.0 * (limit / mean).log10());
-    // The gap under the slab is a third of a wave high, too narrow for the limit.
-    assert!((10.0 * (limit / mean).log10()).abs() < 3.0);
-    let finer = Exterior::new(boundary([None; 2], 0.036), &Air::default());
+    // The gap under the slab is a third of a wavelength high, too narrow for the limit.
+    let decibels = 10.0 * (limit / mean).log10();
+    assert!(decibels.abs() < 3.0, "{decibels} dB");
+}
+
+#[test]
+fn a_mean_over_frequency_is_close_to_single_frequencies() {
+    let finer = Exterior::new(whole(), &Air::default());
     let finer = finer.with_panels_per_wavelength(5.0).unwrap();
-    let next = finer.resistance(1.06 * top, &v).unwrap().far_field.trace();
-    let mean = bem.resistance(1.06 * top).real.trace();
-    println!("mean over single frequency {:+.2} dB", 10.0 * (mean / next).log10());
-    assert!((10.0 * (mean / next).log10()).abs() < 0.5);
+    let hz = 1.06 * SAMPLED.top_hz;
+    let single = finer.resistance(hz, &SAMPLED.velocities).unwrap().far_field.trace();
+    let decibels = 10.0 * (SAMPLED.bem.resistance(hz).real.trace() / single).log10();
+    assert!(decibels.abs() < 0.5, "{decibels} dB");
+}
 
-    let frequency: Vec<f64> = (0..60).map(|i| 20.0 * 1.1f64.powi(i)).collect();
-    let a = DMatrix::from_fn(2 * MODES, frequency.len(), |i, j| {
-        Complex::new(
-            (1.0 + i as f64 * 0.7 + j as f64).sin(),
-            (i as f64 - 0.3 * j as f64).cos(),
-        )
-    });
-    let forms = bem.energy_forms(&frequency, &a);
-    let signals = bem.root_signals(&frequency, &a);
-    for (bin, hz) in frequency.iter().enumerate() {
-        let direct = bem.resistance(*hz).form(a.column(bin).as_slice()) / (std::f64::consts::TAU * hz).powi(2);
-        let sum = forms.column(bin).sum();
-        assert!((sum / direct - 1.0).abs() < 1e-5, "{hz} Hz: {sum:e} {direct:e}");
-        let root: f64 = signals.column(bin).iter().map(Complex::norm_sqr).sum();
-        assert!((root / direct - 1.0).abs() < 3e-2, "{hz} Hz: {root:e} {direct:e}");
+#[test]
+fn energy_forms_equal_the_form_of_the_resistance() {
+    let (frequency, a) = &*MOTION;
+    for bem in [&SAMPLED.bem, &*IN_COLD] {
+        let forms = bem.energy_forms(frequency, a);
+        equals_the_form(bem, 1e-5, |bin| forms.column(bin).sum());
     }
-    let forms_in_cold = in_cold.energy_forms(&frequency, &a);
-    let signals_in_cold = in_cold.root_signals(&frequency, &a);
-    let images = in_cold.images(&frequency, &a);
-    let erp = in_cold.reference();
-    let erp_forms = erp.energy_forms(&frequency, &a);
-    for (bin, hz) in frequency.iter().enumerate() {
-        let omega2 = (std::f64::consts::TAU * hz).powi(2);
-        let a = a.column(bin);
-        let direct = in_cold.resistance(*hz).form(a.as_slice()) / omega2;
-        let root: f64 = signals_in_cold.column(bin).iter().map(Complex::norm_sqr).sum();
-        let image = a.dotc(&images.column(bin)).re;
-        let of_erp = erp.resistance(*hz).form(a.as_slice()) / omega2;
-        assert!((forms_in_cold.column(bin).sum() / direct - 1.0).abs() < 1e-5, "{hz} Hz");
-        assert!((root / direct - 1.0).abs() < 3e-2, "{hz} Hz: {root:e} {direct:e}");
-        assert!((image / direct - 1.0).abs() < 1e-5, "{hz} Hz: {image:e} {direct:e}");
-        assert!((erp_forms.column(bin).sum() / of_erp - 1.0).abs() < 1e-5, "{hz} Hz");
-    }
+}
 
-    // Modes sum to the whole.
+#[test]
+fn energy_forms_of_radiation_efficiency_1_equal_the_form_of_its_resistance() {
+    let (frequency, a) = &*MOTION;
+    let reference = IN_COLD.reference();
+    let forms = reference.energy_forms(frequency, a);
+    equals_the_form(&reference, 1e-5, |bin| forms.column(bin).sum());
+}
+
+#[test]
+fn root_signals_carry_the_energy_of_the_resistance() {
+    let (frequency, a) = &*MOTION;
+    for bem in [&SAMPLED.bem, &*IN_COLD] {
+        let signals = bem.root_signals(frequency, a);
+        equals_the_form(bem, 3e-2, |bin| signals.column(bin).iter().map(Complex::norm_sqr).sum());
+    }
+}
+
+#[test]
+fn images_times_the_motion_equal_the_form_of_the_resistance() {
+    let (frequency, a) = &*MOTION;
+    let images = IN_COLD.images(frequency, a);
+    equals_the_form(&*IN_COLD, 1e-5, |bin| a.column(bin).dotc(&images.column(bin)).re);
+}
+
+#[test]
+fn energies_of_the_modes_sum_to_the_whole() {
+    let (frequency, a) = &*MOTION;
     let spectra = ModalSpectra {
         range_hz: [frequency[0], frequency[frequency.len() - 1]],
         accelerations: a.clone(),
         frequency: frequency.clone(),
     };
     let weights: Vec<f64> = (0..frequency.len()).map(|bin| 1.0 + bin as f64).collect();
-    let modes = mode_energies(&bem, &spectra, &weights).unwrap();
+    let modes = mode_energies(&SAMPLED.bem, &spectra, &weights).unwrap();
+    let forms = SAMPLED.bem.energy_forms(frequency, a);
     let whole: f64 = weights
         .iter()
         .zip(forms.column_iter())
         .map(|(w, form)| 2.0 * w * form.sum())
         .sum();
     assert!((modes.iter().sum::<f64>() / whole - 1.0).abs() < 1e-6);
+}
 
-    // Kept and read back it is the same to the bit; anything else is refused.
-    let bytes = postcard::to_stdvec(&bem).unwrap();
-    let back: ModalBem = postcard::from_bytes(&bytes).unwrap();
-    assert_eq!(back.energy_forms(&frequency, &a), forms);
-    assert_eq!(back.root_signals(&frequency, &a), signals);
+#[test]
+fn a_matrix_is_read_back_bit_by_bit() {
+    let (frequency, a) = &*MOTION;
+    let bem = &SAMPLED.bem;
+    let back: ModalBem = postcard::from_bytes(&postcard::to_stdvec(bem).unwrap()).unwrap();
+    assert_eq!(back.energy_forms(frequency, a), bem.energy_forms(frequency, a));
+    assert_eq!(back.root_signals(frequency, a), bem.root_signals(frequency, a));
     assert_eq!(back.summary, bem.summary);
     assert_eq!(
-        back.pressures(&frequency, &a).unwrap(),
-        bem.pressures(&frequency, &a).unwrap()
+        back.pressures(frequency, a).unwrap(),
+        bem.pressures(frequency, a).unwrap()
     );
+}
+
+#[test]
+fn a_matrix_that_is_cut_short_is_refused() {
+    let bytes = postcard::to_stdvec(&SAMPLED.bem).unwrap();
     for end in [0, 7, bytes.len() / 2, bytes.len() - 1] {
         assert!(postcard::from_bytes::<ModalBem>(&bytes[..end]).is_err());
     }
 }
 
-/// Energies of a shot on the surface, around the body and in the far field, beside those of its radiation matrix.
-#[test]
-fn pictures_of_bands_hold_the_power_of_the_matrix() {
+/// Band fields of a shot, with the same energies from the sampled radiation matrix.
+struct Shot {
+    bands: Vec<Band>,
+    spectra: ModalSpectra,
+    directions: Directions,
+    fields: BandFields,
+    bem: ModalBem,
+}
+
+/// Two meshes that meet where two bands do.
+fn two_meshes(bands: &[Band]) -> Vec<MeshRange> {
     let solids = solids();
-    // From 350 Hz to 1122 Hz, on two meshes that meet where two bands do.
-    let bands: Vec<Band> = (-4..=0).map(Band::new).collect();
-    let levels = || {
-        let coarse = MeshRange {
-            top_hz: bands[1].high,
-            ..level(&solids, 0.08, 6.0)
-        };
-        vec![coarse, level(&solids, 0.05, 6.0)]
+    let coarse = MeshRange {
+        top_hz: bands[1].high,
+        ..level(&solids, 0.08, 6.0)
     };
-    let points = vec![
+    vec![coarse, level(&solids, 0.05, 6.0)]
+}
+
+fn points_around() -> Vec<Point3<f64>> {
+    vec![
         Point3::new(0.7, 0.2, 0.5),
         Point3::new(-0.5, -0.6, -0.1),
         Point3::new(0.0, 0.0, 0.16),
-    ];
+    ]
+}
+
+static SHOT: LazyLock<Shot> = LazyLock::new(|| {
+    // From 350 Hz to 1122 Hz.
+    let bands: Vec<Band> = (-4..=0).map(Band::new).collect();
+    let points = points_around();
     let directions = Directions::new(12, 32, true);
-    let around = Around {
-        points: &points,
-        directions: &directions.vectors,
-    };
     let frequency: Vec<f64> = (0..100).map(|i| 340.0 + 8.0 * f64::from(i)).collect();
     let accelerations = DMatrix::from_fn(2 * MODES, frequency.len(), |i, j| {
         Complex::from_polar(1.0 + (i as f64).sin(), (0.3 * i as f64 + 0.07) * j as f64)
@@ -384,10 +490,11 @@ fn pictures_of_bands_hold_the_power_of_the_matrix() {
         frequency,
         accelerations,
     };
-    let found = BandFields::new(levels(), &bands, &spectra, &around).unwrap();
-    println!("{} frequencies, error {:.1e}", found.around.samples, found.around.error);
-    assert!(found.around.error < 1e-2);
-
+    let around = Around {
+        points: &points,
+        directions: &directions.vectors,
+    };
+    let fields = BandFields::new(two_meshes(&bands), &bands, &spectra, &around).unwrap();
     let sampling = Sampling {
         range_hz: [200.0, 1144.0],
         tolerance: 1e-3,
@@ -395,58 +502,91 @@ fn pictures_of_bands_hold_the_power_of_the_matrix() {
         most_samples: 200,
     };
     let receivers = Receivers {
-        points: points.clone(),
+        points,
         origin: Point3::origin(),
     };
-    let bem = ModalBem::new(levels(), &sampling, &receivers, &|| ()).unwrap();
-    let forms = bem.energy_forms(&spectra.frequency, &spectra.accelerations);
-    let heard = bem.pressures(&spectra.frequency, &spectra.accelerations).unwrap();
-    for (number, (band, surface)) in bands.iter().zip(&found.bands).enumerate() {
-        // Means are part of the matrix from a twelfth of an octave below its last mesh's top on.
-        if band.high > bem.solved_hz()[0] {
+    let bem = ModalBem::new(two_meshes(&bands), &sampling, &receivers, &|| ()).unwrap();
+    Shot {
+        bands,
+        spectra,
+        directions,
+        fields,
+        bem,
+    }
+});
+
+/// Asserts for each band that `found` is the energy of `bin` over the band.
+fn equals_band_energies(found: impl Fn(usize) -> f64, bin: impl Fn(usize) -> f64) {
+    for (number, band) in SHOT.bands.iter().enumerate() {
+        // Means over frequency begin a twelfth of an octave below the top of the last mesh.
+        if band.high > SHOT.bem.solved_hz()[0] {
             continue;
         }
-        let weights = energy_weights(&spectra.frequency, [band.low, band.high], Weighting::Z);
-        let energy =
-            |bin: &dyn Fn(usize) -> f64| weights.iter().enumerate().map(|(b, w)| 2.0 * w * bin(b)).sum::<f64>();
-        let near = |found: f64, exact: f64, what: &str| {
-            let decibels = 10.0 * (found / exact).log10();
-            println!("{:.0} Hz, {what}: {decibels:+.4} dB", band.hz);
-            assert!(decibels.abs() < 0.01, "{:.0} Hz, {what}: {decibels} dB", band.hz);
-        };
-        let mesh = &found.surfaces[surface.surface];
-        let left: f64 = surface.intensity.iter().zip(&mesh.areas).map(|(i, a)| i * a).sum();
-        near(
-            left,
-            energy(&|b| forms.column(b).rows(0, PATCHES.len()).sum()),
-            "intensity over the surface",
-        );
-        let far: f64 = found
-            .around
-            .directivity
-            .column(number)
-            .iter()
-            .zip(&directions.weights)
-            .map(|(e, w)| e * w)
-            .sum();
-        near(
-            far,
-            energy(&|b| forms.column(b).sum()),
-            "directivity over the half sphere",
-        );
-        for point in 0..points.len() {
-            let exact = energy(&|b| heard[(point, b)].norm_sqr());
-            near(found.around.exposure[(point, number)], exact, "pressure at a point");
-        }
+        let weights = energy_weights(&SHOT.spectra.frequency, [band.low, band.high], Weighting::Z);
+        let exact: f64 = weights.iter().enumerate().map(|(b, w)| 2.0 * w * bin(b)).sum();
+        let decibels = 10.0 * (found(number) / exact).log10();
+        assert!(decibels.abs() < 0.01, "{:.0} Hz: {decibels} dB", band.hz);
     }
+}
 
-    // A point inside, one below the floor, one too close to a corner.
-    let exterior = &levels()[1].problem;
-    let near = [
+fn shot_forms() -> DMatrix<f64> {
+    SHOT.bem
+        .energy_forms(&SHOT.spectra.frequency, &SHOT.spectra.accelerations)
+}
+
+#[test]
+fn band_fields_are_sampled_within_their_tolerance() {
+    let around = &SHOT.fields.around;
+    assert!(around.error < 1e-2, "{}", around.error);
+}
+
+#[test]
+fn the_intensity_over_the_surface_sums_to_the_energy_of_each_band() {
+    let forms = shot_forms();
+    let left = |number: usize| {
+        let surface = &SHOT.fields.bands[number];
+        let mesh = &SHOT.fields.surfaces[surface.surface];
+        surface.intensity.iter().zip(&mesh.areas).map(|(i, a)| i * a).sum()
+    };
+    equals_band_energies(left, |bin| forms.column(bin).rows(0, PATCHES.len()).sum());
+}
+
+#[test]
+fn the_directivity_sums_to_the_energy_of_each_band() {
+    let forms = shot_forms();
+    let far = |number: usize| {
+        let directivity = SHOT.fields.around.directivity.column(number);
+        directivity
+            .iter()
+            .zip(&SHOT.directions.weights)
+            .map(|(e, w)| e * w)
+            .sum()
+    };
+    equals_band_energies(far, |bin| forms.column(bin).sum());
+}
+
+#[test]
+fn the_exposure_at_a_point_is_that_of_the_sampled_pressure() {
+    let pressures = SHOT
+        .bem
+        .pressures(&SHOT.spectra.frequency, &SHOT.spectra.accelerations)
+        .unwrap();
+    for point in 0..points_around().len() {
+        equals_band_energies(
+            |number| SHOT.fields.around.exposure[(point, number)],
+            |bin| pressures[(point, bin)].norm_sqr(),
+        );
+    }
+}
+
+#[test]
+fn a_point_inside_below_the_floor_or_too_close_is_not_clear() {
+    let exterior = level(&solids(), 0.05, 6.0).problem;
+    let points = [
         Point3::new(0.0, 0.0, 0.02),
         Point3::new(0.5, 0.0, -0.11),
         Point3::new(0.1, 0.0, 0.09),
-        points[0],
+        points_around()[0],
     ];
-    assert_eq!(exterior.is_clear(&near), [false, false, false, true]);
+    assert_eq!(exterior.is_clear(&points), [false, false, false, true]);
 }

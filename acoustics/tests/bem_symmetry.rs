@@ -47,7 +47,7 @@ fn cut(mesh: BoundaryMesh, mirrors: [bool; 2], floor: Option<f64>) -> Exterior {
 }
 
 #[test]
-fn the_quarters_radiate_what_the_whole_does() {
+fn quarters_with_symmetry_radiate_the_power_of_the_whole() {
     // Above the floor, standing on it, and in free space; below and above the first inner resonance.
     for (low, floor) in [(0.05, Some(0.0)), (0.0, Some(0.0)), (0.05, None)] {
         let whole = cuboid([-HIGH[0], -HIGH[1], low], HIGH, 0.05, true);
@@ -88,7 +88,7 @@ fn the_quarters_radiate_what_the_whole_does() {
 }
 
 #[test]
-fn what_is_kept_of_close_pairs_is_what_they_are() {
+fn stored_integrals_of_close_pairs_equal_computed_ones() {
     let v = |boundary: &Boundary| {
         boundary.project(3, |_, _, point, values| {
             velocity(point.position, point.area_vector().normalize(), values);

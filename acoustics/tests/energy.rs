@@ -81,7 +81,7 @@ fn the_rigid_bodys_far_field_carries_the_power_of_its_surface() {
 }
 
 #[test]
-fn a_small_piston_radiates_what_its_pressure_pulse_carries() {
+fn a_small_piston_radiates_the_energy_of_its_pressure_pulse() {
     // p = rho0 S a(t - r/c)/(2 pi r): E = rho0 S² / (2 pi c0) int a² dt.
     let air = Air::default();
     let radius = 1e-3;
@@ -154,7 +154,7 @@ fn doubled_forces_raise_every_band_by_20_lg_2() {
 }
 
 #[test]
-fn no_motion_is_silence() {
+fn no_motion_radiates_nothing() {
     let silent = spectrum(0.0);
     assert_eq!(silent.level([50.0, 10_000.0], Weighting::A), None);
 }
@@ -172,7 +172,7 @@ fn patches_share_the_energy() {
 
 /// More bins than are evaluated together; the plate's records are transformed in memory that other records used before.
 #[test]
-fn many_bins_and_modes_are_those_of_each_alone() {
+fn many_bins_and_modes_give_the_energies_of_each_alone() {
     let plate = flat(
         rectangle([-0.15, 0.15], [-0.05, 0.05], 12, 6),
         &[&|_, _| 1.0, &|x, _| x, &|x, y| x * y],
@@ -234,7 +234,7 @@ fn many_bins_and_modes_are_those_of_each_alone() {
 }
 
 #[test]
-fn impossible_combinations_are_named() {
+fn inconsistent_inputs_are_refused_by_name() {
     let air = Air::default();
     let surface = flat(rectangle([0.0, 0.3], [0.0, 0.3], 8, 8), &[&|_, _| 1.0]);
     let radiation = Rayleigh::new(&surface, &air).unwrap().sampled(

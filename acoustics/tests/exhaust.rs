@@ -302,7 +302,7 @@ fn the_plenum_filters_the_unsteady_flow_only() {
 }
 
 #[test]
-fn no_outflow_is_silence() {
+fn no_outflow_makes_no_sound() {
     let still = |flow: f64| FlowHistory {
         back_pressure: None,
         sample_interval: 4e-6,
@@ -358,7 +358,7 @@ fn the_cross_check_is_within_the_specified_band() {
 }
 
 #[test]
-fn impossible_openings_are_named() {
+fn impossible_openings_are_refused_by_name() {
     let history = blow_down(3e-4, &HOLES, 7e5, 4e-6, 0.01);
     let run = |opening: Opening| {
         exhaust_noise("e", &history, &opening, &Air::default(), &ExhaustSettings::default()).unwrap_err()

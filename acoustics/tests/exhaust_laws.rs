@@ -47,7 +47,7 @@ fn audible(noise: &ExhaustNoise) -> f64 {
 }
 
 #[test]
-fn more_pressure_is_more_noise() {
+fn more_pressure_makes_more_noise() {
     let opening = holes(7, 5e-3);
     let pressures = [1.1e5, 1.3e5, 1.6e5, 2.0e5, 2.5e5, 3.2e5, 4.0e5, 5.0e5, 6.5e5, 8.0e5];
     let levels: Vec<f64> = pressures
@@ -65,7 +65,7 @@ fn more_pressure_is_more_noise() {
 }
 
 #[test]
-fn smaller_holes_move_the_same_energy_up() {
+fn smaller_holes_move_the_same_energy_to_higher_frequencies() {
     let (one, four) = (noise(&holes(1, 12e-3), 3e5), noise(&holes(4, 6e-3), 3e5));
     let total = |n: &ExhaustNoise| n.mixing_energy + n.shock_energy;
     assert!((total(&one) / total(&four) - 1.0).abs() < 1e-12);
@@ -152,7 +152,7 @@ fn shock_noise_stays_below_a_percent_of_the_flow() {
 }
 
 #[test]
-fn impossible_flows_are_named() {
+fn impossible_flows_are_refused_by_name() {
     let (air, settings) = (Air::default(), ExhaustSettings::default());
     let run = |history: &FlowHistory, opening: &Opening| exhaust_noise("exhaust", history, opening, &air, &settings);
     let good = steady(&holes(7, 5e-3), 3e5);
@@ -181,7 +181,7 @@ fn impossible_flows_are_named() {
 }
 
 #[test]
-fn holes_that_stand_close_sound_as_one_jet_of_their_area() {
+fn holes_close_together_radiate_as_one_jet_of_their_area() {
     let near = Opening {
         pitch: Some(12e-3),
         ..holes(5, 5e-3)
@@ -201,7 +201,7 @@ fn holes_that_stand_close_sound_as_one_jet_of_their_area() {
 }
 
 #[test]
-fn back_pressure_quietens_the_jets() {
+fn back_pressure_lowers_the_noise_of_the_jets() {
     let opening = holes(7, 5e-3);
     let free = steady(&opening, 3e5);
     let mut held = free.clone();

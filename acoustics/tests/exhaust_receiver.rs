@@ -198,7 +198,7 @@ fn jets_that_fan_out_share_the_energy() {
 }
 
 #[test]
-fn impossible_places_are_named() {
+fn impossible_places_are_refused_by_name() {
     let (noise, air) = (noise(), Air::default());
     let floor = Floor {
         height: 0.0,
@@ -242,7 +242,7 @@ fn impossible_places_are_named() {
 }
 
 #[test]
-fn a_recording_of_a_blow_down_holds_the_expected_exposure() {
+fn a_signal_of_a_blow_down_has_the_expected_exposure() {
     let (air, noise) = (Air::default(), noise());
     let outlet = Outlet {
         position: [0.0, 0.0, 1.0],

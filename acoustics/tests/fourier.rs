@@ -74,7 +74,7 @@ fn the_taper_ends_the_record_at_rest() {
 }
 
 #[test]
-fn impossible_transforms_are_named() {
+fn impossible_transforms_are_refused_by_name() {
     let make = |n, dt, low, high| Transform::new(n, dt, &settings(low, high, 0.0)).unwrap_err();
     assert!(matches!(
         make(4, 1e-5, 20.0, 1000.0),

@@ -209,7 +209,7 @@ fn intervals_of_the_sphere_sum_to_its_energy() {
 }
 
 #[test]
-fn sound_falls_into_the_interval_that_makes_it() {
+fn sound_belongs_to_the_interval_in_which_it_arises() {
     let erp = Erp::new(&plate(), &Air::default());
     let motion = spectra(4);
     let spectrum = radiated_energy("plate", &erp, &motion).unwrap();

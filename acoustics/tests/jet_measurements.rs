@@ -111,7 +111,7 @@ fn choked_jets_with_shock_noise_agree_with_the_fit_to_measured_millimetre_jets()
 
 /// The whole way from a flow to a microphone, for a nozzle so large that its sound lies inside the range.
 #[test]
-fn a_microphone_beside_a_steady_jet_reads_what_was_measured() {
+fn a_microphone_beside_a_steady_jet_has_the_measured_level() {
     let air = Air::default();
     let (ratio, diameter, seconds): (f64, f64, f64) = (1.6, 40e-3, 0.2);
     let opening = Opening {

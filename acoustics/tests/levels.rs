@@ -133,7 +133,7 @@ fn a_tone_takes_the_weighting_of_its_frequency() {
 }
 
 #[test]
-fn silence_has_no_level() {
+fn zero_energy_has_no_level() {
     let silent = SourceSpectrum::silent("exhaust", "given", [20.0, 20_000.0]);
     assert_eq!(silent.level([50.0, 10_000.0], Weighting::A), None);
     assert!(
@@ -153,7 +153,7 @@ fn silence_has_no_level() {
 }
 
 #[test]
-fn a_sum_holds_its_parts() {
+fn a_sum_contains_its_parts() {
     let (mut one, mut two) = (ripple(), ripple());
     one.source = "one".into();
     two.source = "two".into();
@@ -170,7 +170,7 @@ fn a_sum_holds_its_parts() {
 }
 
 #[test]
-fn impossible_spectra_are_named() {
+fn impossible_spectra_are_refused_by_name() {
     let make = |f: &[f64], e: &[f64]| SourceSpectrum::new("s", "m", f.to_vec(), e.to_vec(), [0.0, 1.0]).unwrap_err();
     assert!(matches!(
         make(&[1.0, 2.0], &[1.0]),

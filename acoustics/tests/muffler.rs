@@ -204,7 +204,7 @@ fn the_outlets_jet_damps_the_resonance() {
 }
 
 #[test]
-fn mufflers_outside_their_range_are_named() {
+fn mufflers_outside_their_range_are_refused_by_name() {
     let air = Air::default();
     let chain = chamber(0.1, 0.03, 0.01);
     let highest = chain.elements[0].highest_hz(&air);

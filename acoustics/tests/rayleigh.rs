@@ -260,7 +260,7 @@ fn results_do_not_depend_on_threads() {
 }
 
 #[test]
-fn other_surfaces_are_refused() {
+fn surfaces_that_are_not_plane_are_refused() {
     let mut points = rectangle([0.0, 1.0], [0.0, 1.0], 3, 3);
     let flat_one = flat(points.clone(), &[&|_, _| 1.0]);
     let tilted = RadiatingSurface::new(

@@ -130,7 +130,7 @@ fn moving_sand_gives_a_hermitian_resistance() {
 /// What is kept in a file gives the energies and signals of what was computed, to single precision, phase lags included;
 /// any other bytes are refused.
 #[test]
-fn a_kept_resistance_radiates_as_the_computed_one() {
+fn a_stored_resistance_radiates_the_same_power() {
     let moving = block().with_moving_sand(sand()).unwrap();
     let sampling = Sampling {
         range_hz: [60.0, 900.0],
@@ -264,7 +264,7 @@ fn a_shot_has_the_same_power_by_surface_and_by_far_field() {
 
 /// Sand that moves in its own air, continued by the surface alone out of another air, is both solved in that air together.
 #[test]
-fn moving_sand_in_another_air_beside_what_is_known_of_the_surface_alone() {
+fn moving_sand_in_another_air_agrees_with_the_surface_alone() {
     let (standard, cold) = (Air::default(), Air::at(258.15, 85_000.0).unwrap());
     let on_block = |air: &Air| {
         let surface = flat(
@@ -337,7 +337,7 @@ fn moving_sand_in_another_air_beside_what_is_known_of_the_surface_alone() {
 /// In any air the sound of block and sand, which few sources make below the sand's limit, is that of all points of the
 /// block, mode by mode: modes that bend as well as those that do not, in two parities and mixed.
 #[test]
-fn sand_moves_in_cold_and_hot_air_as_all_points_of_the_block_say() {
+fn moving_sand_in_cold_and_hot_air_agrees_with_all_points_of_the_block() {
     let bend = |x: f64, y: f64| (7.0 * x).cos() * (20.0 * y).cos() - 0.2;
     let twist = |x: f64, y: f64| (11.0 * x).sin() * (15.0 * y).sin();
     let mixed = |x: f64, y: f64| (23.0 * x + 0.4).cos() * (31.0 * y - 0.2).cos();
@@ -443,7 +443,7 @@ fn sand_moves_in_cold_and_hot_air_as_all_points_of_the_block_say() {
 }
 
 #[test]
-fn pictures_of_bands_hold_the_power_and_what_microphones_hear() {
+fn band_fields_have_the_power_and_the_pressures_at_microphones() {
     let (surface, spectra) = (lossy(), shot());
     let sampling = Sampling {
         range_hz: [80.0, 2000.0],

@@ -83,7 +83,7 @@ fn every_face_takes_its_own_normal() {
 }
 
 #[test]
-fn impossible_requests_are_named() {
+fn impossible_requests_are_refused_by_name() {
     let mesh = mesh();
     let skin = Surface::of(&mesh);
     let short = rigid_modes(&skin).rows(0, 30).into_owned();

@@ -55,7 +55,7 @@ fn a_signal_is_the_sum_of_its_bins_at_any_sampling_rate() {
 }
 
 #[test]
-fn a_piston_is_heard_on_its_axis_as_the_closed_form_has_it() {
+fn the_pressure_on_the_axis_of_a_piston_has_its_closed_form() {
     // |p| = 2 rho c v |sin(k/2 (sqrt(z² + a²) - z))|, Rayleigh 1896.
     let air = Air::default();
     let a = 0.1;
@@ -138,7 +138,7 @@ fn pressures_between_samples_are_interpolated_like_the_resistance() {
 }
 
 #[test]
-fn a_shaken_sphere_is_heard_with_the_power_of_its_resistance() {
+fn the_pressures_around_an_oscillating_sphere_carry_the_power_of_its_resistance() {
     let air = Air::default();
     let volume = 4e-3;
     let a: f64 = (3.0 * volume / (4.0 * PI)).cbrt();

@@ -5,7 +5,7 @@
 //! other work on the machine does not count; set RAYON_NUM_THREADS=1 for one core. `-- --only 34 13 8` runs the free block
 //! with these divisions alone, `-- --block 8` sets the vectors of a Lanczos block, `-- --whole` leaves mirror planes unused.
 
-#[path = "../tests/bodies/mod.rs"]
+#[path = "../tests/common/bodies.rs"]
 mod bodies;
 
 use std::time::{Duration, Instant};

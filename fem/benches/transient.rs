@@ -1,7 +1,7 @@
 //! Time of a transient run of 0.3 s at 4 us with 65 contact points, and of its replay.
 
-#[path = "../tests/transient_case/mod.rs"]
-mod transient_case;
+#[path = "../tests/common/block_on_table.rs"]
+mod block_on_table;
 
 use divan::Bencher;
 use nailnoise_fem::transient::{Motion, Settings, SupportLaw, respond};
@@ -22,19 +22,19 @@ const SIZES: [(usize, usize); 2] = [(100, 200), (160, 500)];
 
 #[divan::bench(args = SIZES, sample_count = 3)]
 fn unilateral(bencher: Bencher, (block, table): (usize, usize)) {
-    let case = transient_case::block_on_table(block, table, SupportLaw::Unilateral);
+    let case = block_on_table::block_on_table(block, table, SupportLaw::Unilateral);
     bencher.bench_local(|| respond(&case.bodies, &case.supports, &case.loads, &full()));
 }
 
 #[divan::bench(args = SIZES, sample_count = 3)]
 fn bonded(bencher: Bencher, (block, table): (usize, usize)) {
-    let case = transient_case::block_on_table(block, table, SupportLaw::Bonded);
+    let case = block_on_table::block_on_table(block, table, SupportLaw::Bonded);
     bencher.bench_local(|| respond(&case.bodies, &case.supports, &case.loads, &full()));
 }
 
 #[divan::bench(sample_count = 3)]
 fn replay_500_modes(bencher: Bencher) {
-    let case = transient_case::block_on_table(160, 500, SupportLaw::Unilateral);
+    let case = block_on_table::block_on_table(160, 500, SupportLaw::Unilateral);
     let Ok(response) = respond(&case.bodies, &case.supports, &case.loads, &full()) else {
         return;
     };

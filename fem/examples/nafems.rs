@@ -4,7 +4,7 @@
 //! For each benchmark `FOLDER/NAME.inp` is CalculiX's input and `FOLDER/NAME.csv` our frequencies in Hz;
 //! `tests/peers/calculix.py` runs the other program and compares.
 
-#[path = "../tests/kinds/mod.rs"]
+#[path = "../tests/common/kinds.rs"]
 mod kinds;
 
 use std::f64::consts::FRAC_PI_2;

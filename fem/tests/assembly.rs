@@ -1,6 +1,7 @@
 //! Laws of the assembled matrices.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+#[path = "common/bodies.rs"]
 mod bodies;
 
 use bodies::{free_workpiece, pine_block, workpiece};
@@ -213,7 +214,7 @@ fn held_degrees_of_freedom_are_eliminated() {
 }
 
 #[test]
-fn wrong_models_are_refused() {
+fn inconsistent_models_are_refused() {
     let mesh = workpiece([1, 1, 1]);
     let materials = [pine_block(), pine_block()];
     assert!(matches!(

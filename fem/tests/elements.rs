@@ -1,7 +1,9 @@
 //! Every element kind: patch tests on distorted meshes, and manufactured solutions with the orders of theory.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+#[path = "common/bodies.rs"]
 mod bodies;
+#[path = "common/kinds.rs"]
 mod kinds;
 
 use std::f64::consts::PI;

@@ -1,6 +1,7 @@
 //! Modes against closed forms and published figures, and the laws every basis obeys.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+#[path = "common/bodies.rs"]
 mod bodies;
 
 use std::f64::consts::TAU;

@@ -1,6 +1,7 @@
 //! Curved elements against exact solutions of elastic spheres.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+#[path = "common/kinds.rs"]
 mod kinds;
 
 use std::f64::consts::{FRAC_PI_4, TAU};

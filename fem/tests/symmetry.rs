@@ -1,6 +1,7 @@
 //! Mirror planes change what a solution costs and nothing else.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+#[path = "common/bodies.rs"]
 mod bodies;
 
 use bodies::{PINE, clamped_table, free_workpiece, pine_block, workpiece};

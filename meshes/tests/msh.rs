@@ -1,4 +1,4 @@
-//! `.msh` files as gmsh writes them, and 100 that are damaged.
+//! `.msh` files as gmsh writes them, and damaged ones.
 #![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
 use std::path::{Path, PathBuf};
@@ -22,8 +22,8 @@ fn parse(bytes: &[u8]) -> Result<Imported, MshError> {
     })
 }
 
-/// A unit cube: volume, area, flat sides, closed skin, and Jacobians that are the same all over each element, which
-/// they would not be were a mid-side node in another's place.
+/// Asserts that the mesh is a unit cube: volume, area, flat sides, closed skin, and a constant Jacobian in each element,
+/// which shows that every mid-side node has its place.
 fn is_a_cube(mesh: &Mesh, name: &str) {
     let quality = mesh.quality().unwrap();
     assert!((quality.volume - 1.0).abs() < 1e-12, "{name}: {quality:?}");
@@ -52,19 +52,24 @@ fn is_a_cube(mesh: &Mesh, name: &str) {
 }
 
 #[test]
-fn every_kind_of_element_stands_in_vtk_order() {
+fn every_kind_of_element_is_read_in_the_node_order_of_vtk() {
     for name in ["tet4", "hex8", "hex20", "hex27", "wedge15"] {
         is_a_cube(&read(&format!("{name}.msh")).mesh, name);
     }
 }
 
 #[test]
-fn every_version_and_encoding_holds_the_same_mesh() {
-    let first = read("tet10-41-text.msh");
-    is_a_cube(&first.mesh, "tet10");
-    assert_eq!(first.mesh.part_names, ["lower", "upper"]);
-    let volumes = first.mesh.part_volumes().unwrap();
+fn named_volume_groups_become_parts() {
+    let mesh = read("tet10-41-text.msh").mesh;
+    is_a_cube(&mesh, "tet10");
+    assert_eq!(mesh.part_names, ["lower", "upper"]);
+    let volumes = mesh.part_volumes().unwrap();
     assert!(volumes.iter().all(|volume| (volume - 0.5).abs() < 1e-12), "{volumes:?}");
+}
+
+#[test]
+fn every_version_and_encoding_gives_the_same_mesh() {
+    let first = read("tet10-41-text.msh");
     for name in ["tet10-41-binary.msh", "tet10-22-text.msh", "tet10-22-binary.msh"] {
         let other = read(name).mesh;
         // Text holds 16 digits.
@@ -134,15 +139,38 @@ fn text(change: impl FnOnce(String) -> String) -> Result<Imported, MshError> {
     parse(change(good.to_owned()).as_bytes())
 }
 
+/// Asserts for each case (text, replacement, message) that the file with the replacement is refused with the message.
+fn refused(cases: &[(&str, &str, &str)]) {
+    for (from, to, expected) in cases {
+        let error = text(|t| {
+            assert!(t.contains(from), "{from}");
+            t.replacen(from, to, 1)
+        })
+        .expect_err(to)
+        .to_string();
+        assert!(error.contains(expected), "{from} -> {to}: {error}");
+    }
+}
+
 #[test]
-fn what_is_wrong_is_named() {
+fn the_correct_file_is_read_with_its_element_numbers() {
     assert_eq!(text(|t| t).unwrap().element_numbers, [11, 12]);
-    let cases: Vec<(&str, &str, &str)> = vec![
+}
+
+#[test]
+fn an_unknown_header_is_refused() {
+    refused(&[
         ("2.2 0 8", "3.1 0 8", "format version 3.1"),
         ("2.2 0 8", "4 0 8", "format version 4;"),
         ("2.2 0 8", "2.2 0 4", "data size 4"),
         ("2.2 0 8", "2.2 2 8", "file type 2"),
         ("$MeshFormat\n", "ply\n", "no .msh file"),
+    ]);
+}
+
+#[test]
+fn a_wrong_element_is_named_by_its_number() {
+    refused(&[
         ("12 4 2 7 1 2 3 4 5", "12 4 2 7 1 2 3 4 6", "element 12 hangs on node 6"),
         (
             "12 4 2 7 1 2 3 4 5",
@@ -159,8 +187,26 @@ fn what_is_wrong_is_named() {
             "12 4 2 7 1 2 3 4 2",
             "element 12 uses node 2 twice",
         ),
+        (
+            "13 2 2 9 1 1 3 2",
+            "13 2 2 9 1 1 3 5",
+            "element 13 of the surface group \"base\" lies on no volume",
+        ),
+        ("11 4 2 7 1", "11 4 99 7 1", "tags"),
+    ]);
+}
+
+#[test]
+fn an_unsupported_kind_of_element_is_named() {
+    refused(&[
         ("12 4 2 7 1 2 3 4 5", "12 7 2 7 1 2 3 4 5 1", "pyramid of 5 nodes"),
         ("12 4 2 7 1 2 3 4 5", "12 99 2 7 1 2 3 4 5", "gmsh type 99"),
+    ]);
+}
+
+#[test]
+fn an_element_without_a_named_volume_group_is_refused() {
+    refused(&[
         (
             "12 4 2 7 1 2 3 4 5",
             "12 4 2 8 1 2 3 4 5",
@@ -168,10 +214,16 @@ fn what_is_wrong_is_named() {
           groups are: surface \"base\", volume \"one\", volume 8 without a name",
         ),
         (
-            "13 2 2 9 1 1 3 2",
-            "13 2 2 9 1 1 3 5",
-            "element 13 of the surface group \"base\" lies on no volume",
+            "3 7 \"one\"",
+            "2 7 \"one\"",
+            "element 11 belongs to no named volume group",
         ),
+    ]);
+}
+
+#[test]
+fn a_wrong_node_is_named_by_its_number_or_line() {
+    refused(&[
         ("5 1 1 1\n", "5 1 nan 1\n", "node 5 lies at (1, NaN, 1)"),
         ("5 1 1 1\n", "5 1 inf 1\n", "node 5 lies at (1, inf, 1)"),
         ("5 1 1 1\n", "4 1 1 1\n", "node 4 is given twice"),
@@ -180,6 +232,12 @@ fn what_is_wrong_is_named() {
             "5 1 one 1\n",
             "line 15, in $Nodes: found \"one\", expected a number",
         ),
+    ]);
+}
+
+#[test]
+fn a_count_that_does_not_match_its_section_is_refused() {
+    refused(&[
         ("$Nodes\n5\n", "$Nodes\n6\n", "$EndNodes"),
         (
             "$Nodes\n5\n",
@@ -193,37 +251,46 @@ fn what_is_wrong_is_named() {
             "$Elements\n4000000000\n",
             "announces 4000000000 elements",
         ),
-        ("11 4 2 7 1", "11 4 99 7 1", "tags"),
-        ("3 7 \"one\"", "3 7 one", "a name in double quotes"),
-        ("$EndElements\n", "", "ends within $Elements"),
-        (
-            "3 7 \"one\"",
-            "2 7 \"one\"",
-            "element 11 belongs to no named volume group",
-        ),
-    ];
-    for (from, to, expected) in cases {
-        let error = text(|t| {
-            assert!(t.contains(from), "{from}");
-            t.replacen(from, to, 1)
-        })
-        .expect_err(to)
-        .to_string();
-        assert!(error.contains(expected), "{from} -> {to}: {error}");
-    }
-    let no_elements = text(|t| t.split("$Elements").next().unwrap().to_owned()).unwrap_err();
-    assert!(no_elements.to_string().contains("no $Elements"), "{no_elements}");
-    let unnamed = text(|t| t.replace("$PhysicalNames\n2\n2 9 \"base\"\n3 7 \"one\"\n$EndPhysicalNames\n", ""));
-    let unnamed = unnamed.unwrap_err().to_string();
+    ]);
+}
+
+#[test]
+fn a_group_name_needs_quotes() {
+    refused(&[("3 7 \"one\"", "3 7 one", "a name in double quotes")]);
+}
+
+#[test]
+fn a_section_without_its_end_is_refused() {
+    refused(&[("$EndElements\n", "", "ends within $Elements")]);
+}
+
+#[test]
+fn a_file_without_elements_is_refused() {
+    let error = text(|t| t.split("$Elements").next().unwrap().to_owned()).unwrap_err();
+    assert!(error.to_string().contains("no $Elements"), "{error}");
+}
+
+#[test]
+fn groups_without_a_name_are_listed() {
+    let error = text(|t| t.replace("$PhysicalNames\n2\n2 9 \"base\"\n3 7 \"one\"\n$EndPhysicalNames\n", ""));
+    let error = error.unwrap_err().to_string();
     assert!(
-        unnamed.contains("surface 9 without a name, volume 7 without a name"),
-        "{unnamed}"
+        error.contains("surface 9 without a name, volume 7 without a name"),
+        "{error}"
     );
-    let prism = msh::read(&sample("wedge18.msh"), 1.0).unwrap_err().to_string();
+}
+
+#[test]
+fn a_prism_with_face_nodes_is_refused_with_the_option_of_gmsh_that_avoids_it() {
+    let error = msh::read(&sample("wedge18.msh"), 1.0).unwrap_err().to_string();
     assert!(
-        prism.contains("prism of 18 nodes") && prism.contains("SecondOrderIncomplete"),
-        "{prism}"
+        error.contains("prism of 18 nodes") && error.contains("SecondOrderIncomplete"),
+        "{error}"
     );
+}
+
+#[test]
+fn a_missing_file_is_an_error() {
     let absent = msh::read(&sample("absent.msh"), 1.0).unwrap_err();
     assert!(matches!(absent, MeshError::Read { .. }), "{absent}");
 }
@@ -315,7 +382,7 @@ fn damaged_files_cause_no_panic() {
         for seed in 0..100 {
             tried += 1;
             match parse(&damaged(&bytes, seed)) {
-                // What is read all the same (a coordinate or a blank has changed) can be looked at without a panic.
+                // Changes of a coordinate or a blank are read; the quality check must not panic.
                 Ok(built) => drop(built.mesh.quality()),
                 Err(error) => {
                     refused += 1;

@@ -1,4 +1,4 @@
-//! Universal files: what is written is read back, and what is damaged is named.
+//! Universal files: what is written is read back, and damage is an error that names it.
 #![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
 use std::path::PathBuf;
@@ -7,7 +7,7 @@ use nailnoise_meshes::uff::{self, Mode, UffError};
 use nailnoise_meshes::{Block, Surface, block};
 use nalgebra::Complex;
 
-/// A file of this test's own.
+/// A file for one test, deleted at its end.
 struct Scratch(PathBuf);
 
 impl Scratch {
@@ -60,14 +60,20 @@ fn written(name: &str) -> (Scratch, Surface, Vec<Vec<f64>>) {
 }
 
 #[test]
-fn nodes_and_modes_are_read_back() {
-    let (file, surface, shapes) = written("back");
+fn nodes_are_read_back() {
+    let (file, surface, _) = written("nodes");
     let read = uff::read(&file.0).unwrap();
     assert_eq!(read.nodes.len(), surface.points.len());
     for (point, &node) in surface.points.iter().zip(&surface.volume_nodes) {
         // Sixteen digits after the point.
         assert!((read.nodes[&(node as u64 + 1)] - point).norm() < 1e-15);
     }
+}
+
+#[test]
+fn modes_are_read_back() {
+    let (file, surface, shapes) = written("modes");
+    let read = uff::read(&file.0).unwrap();
     assert_eq!(read.modes.len(), 3);
     for ((mode, shape), hz) in read.modes.iter().zip(&shapes).zip([0.0, 1483.25, 9876.5]) {
         assert!((mode.hz - hz).abs() <= 1e-5 * hz);
@@ -94,7 +100,7 @@ fn a_shape_that_is_too_short_is_refused() {
 }
 
 #[test]
-fn complex_modes_of_a_test_are_read_in_hertz() {
+fn measured_complex_modes_are_read_with_their_frequency_in_hertz() {
     let text = "    -1\n    55\na\nNONE\nNONE\nNONE\nNONE\n         1         3         2         8         5         3\n         \
                 2         6         1         1\n -6.28319E+00  6.28319D+02  0.0 0.0 0.0 0.0\n        17\n  1.0 0.5 0.0 0.0 \
                 -1.0 0.25\n    -1\n";
@@ -105,29 +111,46 @@ fn complex_modes_of_a_test_are_read_in_hertz() {
     assert_eq!(read.modes[0].shape, [(17, expected)]);
 }
 
+/// The text of a correct file.
+fn good(name: &str) -> String {
+    std::fs::read_to_string(&written(name).0.0).unwrap()
+}
+
 #[test]
-fn what_is_wrong_is_named() {
-    let (file, ..) = written("wrong");
-    let good = std::fs::read_to_string(&file.0).unwrap();
-    let read = |text: &str| uff::read(&Scratch::holding("case", text).0);
-    let cut = &good[..good.len() / 2];
-    assert!(matches!(read(cut), Err(UffError::Truncated { .. })));
+fn a_truncated_file_is_refused() {
+    let good = good("truncated");
+    let file = Scratch::holding("cut", &good[..good.len() / 2]);
+    assert!(matches!(uff::read(&file.0), Err(UffError::Truncated { .. })));
+}
+
+#[test]
+fn a_file_without_modes_is_refused() {
+    let good = good("geometry");
     let geometry = good.split("    -1\n    55\n").next().unwrap();
-    assert!(matches!(read(geometry), Err(UffError::NoModes { .. })));
-    assert!(matches!(read("no universal file"), Err(UffError::NoModes { .. })));
+    for text in [geometry, "no universal file"] {
+        let file = Scratch::holding("modeless", text);
+        assert!(matches!(uff::read(&file.0), Err(UffError::NoModes { .. })));
+    }
+}
+
+#[test]
+fn a_missing_file_is_an_error() {
+    let absent = Scratch::new("absent");
+    assert!(matches!(uff::read(&absent.0), Err(UffError::Read { .. })));
+}
+
+#[test]
+fn a_wrong_line_is_named_with_its_number_and_text() {
+    let good = good("line");
     let line = good.lines().position(|line| line.contains("mode 1 at")).unwrap();
     let mut lines: Vec<&str> = good.lines().collect();
     lines[line + 3] = "  one hertz";
-    let error = read(&lines.join("\n")).unwrap_err();
+    let error = uff::read(&Scratch::holding("wrong", &lines.join("\n")).0).unwrap_err();
     assert!(
         matches!(error, UffError::Line { line: at, dataset: 55, .. } if at == line + 4),
         "{error}"
     );
     assert!(error.to_string().contains("one hertz"), "{error}");
-    assert!(matches!(
-        uff::read(&file.0.with_file_name("absent.uff")),
-        Err(UffError::Read { .. })
-    ));
 }
 
 #[test]

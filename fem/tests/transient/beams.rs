@@ -1,7 +1,5 @@
 //! Beams under a blow: modal sums against closed forms, and against the full matrices marched by Newmark's method.
 
-#![allow(clippy::unwrap_used)]
-
 use std::f64::consts::PI;
 
 use nailnoise_fem::transient::{Loads, ModalBody, ModalResponse, Motion, Settings, Start, respond};
@@ -142,7 +140,7 @@ fn beams_under_a_blow_follow_duhamel_with_order_two() {
 }
 
 #[test]
-fn a_free_beam_takes_up_the_whole_impulse() {
+fn a_free_beam_receives_the_whole_impulse() {
     let (response, _) = Beam::free(5).respond(0.0, 5e-6, 4e-3);
     // The blow's impulse is 2 T/pi, all of it in the translation of mass 1.
     let velocity = response.end[0].velocity[0];
