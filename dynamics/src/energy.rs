@@ -1,4 +1,4 @@
-//! Where the energy of a shot comes from and goes to.
+//! Energy balance of a shot.
 
 use serde::Serialize;
 
@@ -11,11 +11,11 @@ use serde::Serialize;
 ///                     + nail_impact + nail_left + contacts + wood + hand_damping
 /// ```
 /// U is the internal energy of the gas, E the kinetic and elastic energy of bodies, springs and contacts. The energies
-/// of flows are enthalpies c_p T m of where the flow comes from, counted from 0 K, so that a kilogram of air at ambient
-/// temperature carries 294 kJ whichever way it goes.
+/// of flows are enthalpies c_p T m at the temperature of their origin, counted from 0 K: a kilogram of air at ambient
+/// temperature carries 294 kJ in either direction.
 ///
 /// The published forms of gas law, channel and valve underside do not keep energy (C-02, C-03, C-06); the flow is
-/// still stated for them, and the residuals say what is lost.
+/// still stated for them, and the residuals are the energy that is lost.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct EnergyFlow {
     /// Internal energy of the gas in all volumes at the trigger pull.
@@ -52,13 +52,13 @@ pub struct EnergyFlow {
     pub magazine_friction: f64,
     /// Work of the rod on the wood through the nail.
     pub penetration: f64,
-    /// Lost in the impact of the rod on the nail; in the published form, gained with the mass that appears at speed.
+    /// Energy lost in the impact of the rod on the nail; the published form gains energy with the mass of the nail.
     pub nail_impact: f64,
-    /// Carried off by the nail when the rod leaves it.
+    /// Kinetic energy of the nail when the rod leaves it.
     pub nail_left: f64,
     /// Dissipated in the contacts.
     pub contacts: ContactEnergy,
-    /// Work on a wood that is driven from outside the cycle; 0 where the wood is a lumped mass of its own.
+    /// Work on an external workpiece; 0 where the workpiece is a lumped mass of the cycle.
     pub wood: f64,
     /// Dissipated between hand and tool.
     pub hand_damping: f64,
@@ -72,8 +72,8 @@ pub struct EnergyFlow {
     pub elastic_end: f64,
 }
 
-/// Energy dissipated in each contact: in its dashpot, and of its spring what is left when it opens still compressed
-/// \[J\].
+/// Energy dissipated in each contact \[J\]: by its dashpot, and what is left in its spring if it opens while
+/// compressed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct ContactEnergy {
     /// Piston on the bumper.
@@ -98,7 +98,7 @@ impl ContactEnergy {
 }
 
 impl EnergyFlow {
-    /// All that is dissipated in the mechanics, the work on the wood included.
+    /// Energy dissipated in the mechanics, with the work of penetration \[J\].
     pub fn dissipated(&self) -> f64 {
         self.piston_friction
             + self.valve_friction
@@ -110,7 +110,7 @@ impl EnergyFlow {
             + self.hand_damping
     }
 
-    /// What the balance of the gas lacks.
+    /// Residual of the gas balance \[J\].
     pub fn gas_residual(&self) -> f64 {
         self.gas_start + self.supply + self.wall_heat
             - self.exhaust
@@ -121,14 +121,14 @@ impl EnergyFlow {
             - self.gas_end
     }
 
-    /// What the balance of the mechanics lacks.
+    /// Residual of the mechanical balance \[J\].
     pub fn mechanical_residual(&self) -> f64 {
         let work = self.piston_work + self.valve_work + self.atmosphere + self.hand + self.gravity + self.thrust;
         let stored = self.kinetic_end - self.kinetic_start + self.elastic_end - self.elastic_start;
         work - self.dissipated() - self.wood - stored
     }
 
-    /// What the balance of the whole shot lacks.
+    /// Residual of the balance of the whole shot \[J\].
     pub fn residual(&self) -> f64 {
         self.gas_residual() + self.mechanical_residual()
     }

@@ -1,4 +1,4 @@
-//! What can be wrong with a cycle.
+//! Errors of a cycle.
 
 use thiserror::Error;
 

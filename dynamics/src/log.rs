@@ -1,11 +1,11 @@
-//! What happened in a shot, in order.
+//! The log of a shot: everything that happens, in order.
 
 use serde::Serialize;
 
 /// Something that begins, ends, or passes a level.
 ///
-/// A rising entry is the beginning: a contact pushes, a passage opens, a flow chokes, a level is exceeded, a motion turns
-/// from up to down (y points down). A falling entry is the end.
+/// A rising entry is the beginning: a contact pushes, a passage opens, a flow chokes, a level is exceeded, a motion
+/// turns from up to down (y points down). A falling entry is the end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[repr(usize)]

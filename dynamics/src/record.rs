@@ -1,4 +1,4 @@
-//! What a cycle leaves behind: histories on a uniform grid, events, outcome, checks and work counters.
+//! The result of a cycle: histories on a uniform grid, events, outcome, checks and work counters.
 
 use serde::Serialize;
 
@@ -20,7 +20,7 @@ pub struct CycleRecord {
     pub tool: Body,
     /// Workpiece.
     pub workpiece: Body,
-    /// Motion of parts against each other.
+    /// Relative motion of parts.
     pub motion: Motion,
     /// Volume 1, above the piston.
     pub above_piston: Volume,
@@ -42,11 +42,11 @@ pub struct CycleRecord {
     pub events: Events,
     /// Every contact, opening, choking change, reversal and trigger action, and the levels that define the events.
     pub log: Vec<LogEntry>,
-    /// What the shot did.
+    /// Outcome of the shot.
     pub outcome: Outcome,
     /// Figures of the shot.
     pub summary: Summary,
-    /// Where the energy of the shot came from and went to.
+    /// Energy balance of the shot.
     pub energy: EnergyFlow,
     /// Checks of the run, each with its limit.
     pub checks: Vec<Check>,
@@ -242,7 +242,7 @@ impl Events {
     }
 }
 
-/// What a shot did.
+/// Outcome of a shot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
@@ -250,7 +250,7 @@ pub enum Outcome {
     Drives,
     /// The piston strikes the bumper before it stops on the wood.
     StrikesBumper,
-    /// The piston stops before the nail is in to its length.
+    /// The piston stops before the nail has reached its full depth.
     Underdriven,
     /// The head valve does not open the intake.
     DoesNotOpen,
@@ -258,7 +258,7 @@ pub enum Outcome {
     DoesNotRelease,
 }
 
-/// Figures of a shot (SI); a figure of a phase that does not occur is `None`.
+/// Key figures of a shot (SI); a figure of a phase that does not occur is `None`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Summary {
     /// Piston speed before the rod meets the nail \[m/s\].
@@ -267,7 +267,7 @@ pub struct Summary {
     pub speed_after_impact: Option<f64>,
     /// Mean speed of the piston over the nail's length in the wood, from t6 \[m/s\].
     pub mean_drive_speed: Option<f64>,
-    /// Time at which the nail is in to its length \[s\].
+    /// Time at which the nail reaches its full depth \[s\].
     pub full_penetration: Option<f64>,
     /// Deepest nail tip depth z_max \[m\].
     pub penetration: f64,

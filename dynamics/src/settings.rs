@@ -15,7 +15,7 @@ pub enum Method {
     Esdirk34,
 }
 
-/// How a cycle is integrated and recorded. The physics stands in [`Parameters`](crate::Parameters).
+/// How a cycle is integrated and recorded. The physics is in [`Parameters`](crate::Parameters).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Settings {
@@ -25,7 +25,7 @@ pub struct Settings {
     pub relative_tolerance: f64,
     /// Interval of the recorded samples \[s\].
     pub sample_interval: f64,
-    /// Duration after the trigger pull beyond which no cycle is followed \[s\].
+    /// Longest duration of a cycle, from the trigger pull \[s\].
     pub end: f64,
     /// Recording after t18 \[s\].
     pub tail: f64,
@@ -44,7 +44,7 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Refuses settings nothing can be computed with.
+    /// Refuses settings with which no cycle can be computed.
     pub(crate) fn check(&self) -> Result<(), CycleError> {
         let rules = [
             (

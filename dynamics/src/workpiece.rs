@@ -1,4 +1,4 @@
-//! The wood as a structure outside the cycle: what the cycle asks of it.
+//! The interface between the cycle and an external workpiece.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +9,7 @@ use crate::CycleError;
 pub struct WoodForces {
     /// F_pen, of the rod through the nail \[N\].
     pub nail: f64,
-    /// z_max, deepest depth of the nail's tip so far: where along the nail F_pen acts \[m\].
+    /// z_max, deepest depth of the tip of the nail so far, which determines where F_pen acts \[m\].
     pub depth: f64,
     /// F_n + F_e, of nose and guard spring \[N\].
     pub seat: f64,
@@ -21,14 +21,13 @@ pub struct WoodMotion {
     /// Position \[m\] and velocity \[m/s\] of the surface under the nose, the work-conjugates of
     /// [`WoodForces::seat`].
     pub seat: [f64; 2],
-    /// The same of what holds the nail: its velocity is that which gives with [`WoodForces::nail`] the nail's power on
-    /// the wood.
+    /// Position and velocity of the wood that holds the nail, the work-conjugates of [`WoodForces::nail`].
     pub nail: [f64; 2],
     /// Force of the support on the wood, up \[N\].
     pub support: f64,
 }
 
-/// What forces at the end of a step do to the motion there, within the step.
+/// Derivative of the motion at the end of a step with respect to the forces there.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Compliance {
     /// Positions of nail and seat (rows) by the forces of nail and seat (columns) \[m/N\].
@@ -39,32 +38,32 @@ pub struct Compliance {
 
 /// A workpiece on its support, outside the cycle.
 ///
-/// It advances by steps of the cycle's sample interval, in each of which the forces on it are linear in time. The cycle
-/// asks as often as it needs how the wood would move under trial forces at the end of a step, and then accepts some.
+/// It advances by steps of the sample interval of the cycle; within a step the forces are linear in time. The cycle
+/// tries forces at the end of a step as often as it needs, and then accepts one set of them.
 pub trait Workpiece {
-    /// What can go wrong.
+    /// Error of the structure.
     type Error: From<CycleError>;
 
-    /// Brings the wood to rest under its own weight and the force \[N\] of the seated tool; its motion there.
+    /// Brings the wood to rest under its weight and the force \[N\] of the seated tool; returns its motion.
     ///
     /// # Errors
-    /// That there is no such rest.
+    /// There is no state of rest.
     fn start(&mut self, seat: f64) -> Result<WoodMotion, Self::Error>;
 
-    /// Compliance with the nail's tip at a depth \[m\]; it only speeds the search for the forces up, so that of a wood
-    /// free of its support will do.
+    /// Compliance with the tip of the nail at a depth \[m\]. It only accelerates the search for the forces; the
+    /// compliance of the unsupported wood is sufficient.
     fn compliance(&self, depth: f64) -> Compliance;
 
-    /// Motion at the end of the present step if these are the forces there.
+    /// Motion at the end of the current step under trial forces there.
     ///
     /// # Errors
-    /// That the structure cannot follow.
+    /// The structure cannot compute the step.
     fn trial(&mut self, forces: &WoodForces) -> Result<WoodMotion, Self::Error>;
 
-    /// Ends the present step with these forces; the motion there.
+    /// Completes the current step with these forces; returns the motion at its end.
     ///
     /// # Errors
-    /// That the structure cannot follow.
+    /// The structure cannot compute the step.
     fn accept(&mut self, forces: &WoodForces) -> Result<WoodMotion, Self::Error>;
 }
 

@@ -1,4 +1,4 @@
-//! What is fixed to a mesh: other bodies meshed apart, lumped masses, springs to ground.
+//! Attachments of a mesh: separately meshed bodies, lumped masses, springs to the ground.
 
 use nailnoise_meshes::Location;
 use nalgebra::{Matrix3, Point3};
@@ -17,7 +17,7 @@ pub struct Attachments {
 /// A tied interface: each node of the slave group moves with the master element behind it.
 ///
 /// u(x_s) = sum of N_a(x_s) u_a over the nodes of the element behind the nearest master face, where the shape functions
-/// are those of the volume, carried on beyond the face if the surfaces do not quite meet. They reproduce every linear
+/// are those of the volume, extrapolated beyond the face if the surfaces do not quite meet. They reproduce every linear
 /// field, so the interface neither strains under rigid motion nor needs a stiffness; the slave's degrees of freedom are
 /// eliminated. The finer of the two meshes should be the slave: what the master's field cannot follow is not tied.
 #[derive(Clone, Debug, PartialEq)]

@@ -26,10 +26,11 @@ impl ModalCost {
     /// The cost of all modes below `hz` of a mesh with one material a part and this quality.
     ///
     /// Modes by the larger of the leading terms for solids (Dupuis, Mazo and Onsager 1960) and for plates (Courant and
-    /// Hilbert), N = V w^3 / (6 pi^2) sum 1/c^3 and N = A w sqrt(12)/(4 pi c_P t). With n degrees of freedom the factor L
-    /// of a nested dissection holds 28 n^(4/3) values for a compact body and 28 n lg2 n for thin walls; Lanczos takes
-    /// s = 4 N solves and keeps as many vectors. The work is 6 L^2/n operations for two factors, 4 L s to solve, 4 n s^2 to
-    /// keep the vectors orthogonal. Mirror planes divide n and N by the number of sectors, and multiply the work by it.
+    /// Hilbert), N = V w^3 / (6 pi^2) sum 1/c^3 and N = A w sqrt(12)/(4 pi c_P t). With n degrees of freedom the factor
+    /// L of a nested dissection holds 28 n^(4/3) values for a compact body and 28 n lg2 n for thin walls; Lanczos takes
+    /// s = 4 N solves and keeps as many vectors. The work is 6 L^2/n operations for two factors, 4 L s to solve, 4 n
+    /// s^2 to keep the vectors orthogonal. Mirror planes divide n and N by the number of sectors, and multiply the work
+    /// by it.
     ///
     /// # Errors
     /// [`MeshError`] of the quadrature, never for a valid mesh.
@@ -114,15 +115,15 @@ pub struct ShortestWave {
 }
 
 impl ShortestWave {
-    /// The shortest waves along all element sides of a part with walls of this thickness \[m\], in a solid and in a wall
-    /// (Cremer, Heckl and Petersson, *Structure-Borne Sound*, section 3.3),
+    /// The shortest waves along all element sides of a part with walls of this thickness \[m\], in a solid and in a
+    /// wall (Cremer, Heckl and Petersson, *Structure-Borne Sound*, section 3.3),
     ///
     /// ```text
     /// lambda_S = c_S / f,   lambda_B = sqrt(1.8 c_L t / f),
     /// ```
     ///
-    /// with c_S and c_L of [`Material::wave_speeds`] in the direction of the side, so that long elements along a grain do
-    /// not count as coarse.
+    /// with the wave speeds c_S and c_L of the material in the direction of the side, so that long elements along a
+    /// grain do not count as coarse.
     pub fn of_part(mesh: &Mesh, part: usize, material: &Material, hz: f64, thickness: f64) -> Self {
         let mut worst = Self {
             hz,

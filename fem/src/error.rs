@@ -133,7 +133,7 @@ pub enum FemError {
         nodes: usize,
     },
     /// A node follows two masters.
-    #[error("node {node} of face group \"{group}\" is tied already; let it be slave of one interface or mass only")]
+    #[error("node {node} of face group \"{group}\" is tied already; make it the slave of one interface or mass only")]
     TiedTwice {
         /// The node.
         node: usize,

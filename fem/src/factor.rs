@@ -53,8 +53,8 @@ impl Symbolic {
         self.supernodal.len_val()
     }
 
-    /// A factor of A that serves for solves: L L^T if A is positive definite, else L D L^T, else L U with pivoting, each
-    /// tried when a pivot or the probe of the one before it fails.
+    /// A factor of A that serves for solves: L L^T if A is positive definite, else L D L^T, else L U with pivoting,
+    /// each tried when a pivot or the probe of the one before it fails.
     pub(crate) fn best(&self, a: &CscMatrix<f64>, shift: f64, values: Vec<f64>) -> Result<Factor<'_>, FemError> {
         self.cholesky(a, shift, values)
             .or_else(|_| self.indefinite(a, shift, Vec::new()))
@@ -101,7 +101,7 @@ impl Symbolic {
         self.finish(a, shift, values, false)
     }
 
-    /// L D L^T = A for an indefinite A. There is no pivoting, so the probe stands guard over its stability.
+    /// L D L^T = A for an indefinite A. There is no pivoting; the probe checks its stability.
     pub(crate) fn indefinite(&self, a: &CscMatrix<f64>, shift: f64, values: Vec<f64>) -> Result<Factor<'_>, FemError> {
         let request =
             factorize_supernodal_numeric_ldlt_scratch::<usize, f64>(&self.supernodal, PAR, Default::default());

@@ -75,14 +75,15 @@ impl Cliques {
     }
 }
 
-/// Where every node pair stands in the two matrices; built once, values are scattered into it.
+/// Position of every node pair in the two matrices; it is built once, and values are scattered into it.
 pub(crate) struct Layout {
     pub(crate) dof_of: Vec<usize>,
     /// Equation of each axis of each node, or none.
     equation: Vec<[Option<usize>; 3]>,
     /// Neighbours of each node that come after it, itself first.
     later: Graph,
-    /// For each entry of `later`: entries before it in the columns of the stiffness, and in that of each axis of the mass.
+    /// For each entry of `later`: entries before it in the columns of the stiffness, and in that of each axis of the
+    /// mass.
     before: Vec<[usize; 4]>,
     /// How the mass of a node couples with others across axes.
     mixing: Vec<Mixing>,

@@ -159,7 +159,7 @@ impl Material {
     /// Speeds of the slowest and the fastest plane wave in the direction of the unit vector n \[m/s\]: rho c^2 are the
     /// eigenvalues of Christoffel's matrix Gamma_ik = C_ijkl n_j n_l (Auld, *Acoustic Fields and Waves in Solids*,
     /// section 7.C).
-    pub fn wave_speeds(&self, n: &Vector3<f64>) -> [f64; 2] {
+    pub(crate) fn wave_speeds(&self, n: &Vector3<f64>) -> [f64; 2] {
         // Strain of the displacement e_k e^(j n.x), in the order xx, yy, zz, yz, xz, xy.
         let strain = Matrix6x3::new(
             n.x, 0.0, 0.0, //

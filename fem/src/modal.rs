@@ -44,7 +44,7 @@ impl ModalSettings {
     }
 }
 
-/// The modes of a body below a frequency, proven complete; with nothing for `S` where their shapes are kept apart.
+/// The modes of a body below a frequency, proven complete; `S` is `()` where the shapes are stored separately.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModalBasis<S = DMatrix<f64>> {
     /// Free degrees of freedom of the model.
@@ -56,8 +56,8 @@ pub struct ModalBasis<S = DMatrix<f64>> {
     pub shapes: S,
     /// |K phi - lambda M phi| / |lambda M phi| of each mode; a rigid mode has no lambda to divide by, so its residual is
     /// |K phi| / |lambda_1 M phi| with the first elastic mode's lambda_1, or that of the edge when there is none. On a
-    /// soft support the terms of K phi cancel, and rounding is all that is left of a residual: where 1e-6 diag(K) phi is
-    /// larger than lambda M phi, it takes that one's place.
+    /// soft support the terms of K phi cancel, and rounding is all that is left of a residual: where 1e-6 diag(K) phi
+    /// is larger than lambda M phi, it takes that one's place.
     pub residuals: Vec<f64>,
     /// Whether a mode moves the body without straining it.
     pub rigid: Vec<bool>,
@@ -67,9 +67,9 @@ pub struct ModalBasis<S = DMatrix<f64>> {
     pub sturm: Sturm,
     /// Rayleigh frequencies of the static corrections for the load patterns asked for, ascending \[Hz\].
     ///
-    /// Corrections are residual vectors: what the modes left out contribute to the static response to the loads. They are
-    /// orthogonal to the modes and to each other with respect to M and K, mass-normalised, and so are taken as further
-    /// modes with these frequencies, which lie above those of the modes.
+    /// Corrections are residual vectors: what the modes left out contribute to the static response to the loads. They
+    /// are orthogonal to the modes and to each other with respect to M and K, mass-normalised, and so are taken as
+    /// further modes with these frequencies, which lie above those of the modes.
     pub corrections: Vec<f64>,
     /// What the solution cost.
     pub work: ModalWork,
@@ -112,7 +112,7 @@ impl ModalWork {
 }
 
 impl<S> ModalBasis<S> {
-    /// With other shapes in the place of its own, which are returned beside it.
+    /// Replaces the shapes; returns the basis with the new shapes, and the old ones.
     pub fn swap_shapes<T>(self, shapes: T) -> (ModalBasis<T>, S) {
         let basis = ModalBasis {
             dofs: self.dofs,

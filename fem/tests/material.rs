@@ -1,4 +1,4 @@
-//! Elastic constants: what is refused, and how they turn.
+//! Elastic constants: refused values, rotation of the axes.
 
 #[path = "common/bodies.rs"]
 mod bodies;

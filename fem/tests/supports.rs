@@ -1,4 +1,5 @@
 //! Sand and contact grids.
+#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
 use nailnoise_fem::supports::{
     ContactGrid, GridRule, RectangularBase, Sand, contact_dashpot, sand_shear_modulus_angular, sand_shear_modulus_round,

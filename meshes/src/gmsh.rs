@@ -9,7 +9,7 @@ use crate::msh::{self, Imported};
 use crate::{FaceGroup, FaceRef, Mesh, MeshError, Surface};
 
 /// Name of the environment variable that names the program.
-pub const PROGRAM: &str = "NAILNOISE_GMSH";
+const PROGRAM: &str = "NAILNOISE_GMSH";
 
 /// What gmsh can be asked to mesh.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,7 +92,7 @@ fn start(command: &mut Command) -> Result<std::process::Output, MeshError> {
         })
 }
 
-/// Runs a script in a folder of its own and reads the mesh.
+/// Runs a script in a temporary folder and reads the mesh.
 pub(crate) fn run(job: &Job<'_>) -> Result<Imported, MeshError> {
     let folder = Folder::new()?;
     let at = |name: &str| folder.0.join(name);

@@ -1,13 +1,13 @@
-//! Mid-side nodes that fold an element are put back on its straight edges.
+//! Moves mid-side nodes that fold an element to the middle of its straight edges.
 
 use crate::{Mesh, POOR};
 
 impl Mesh {
-    /// Makes the edges straight of every element whose Jacobians are poor (ratio below [`POOR`]) until none is left that
-    /// straight edges would help; returns the number of edges.
+    /// Makes the edges straight of every element whose Jacobians are poor (ratio below [`POOR`]) until none is left
+    /// that straight edges would help; returns the number of edges.
     ///
-    /// A mesher that bends the sides of an element onto a curved surface may fold it where a wall is thin. A chord stands
-    /// off its arc by l^2/(8 r), some hundredths of a millimetre.
+    /// A mesher that bends the sides of an element onto a curved surface may fold it where a wall is thin. A chord
+    /// stands off its arc by l^2/(8 r), some hundredths of a millimetre.
     pub fn straighten(&mut self) -> usize {
         let mut straight = 0;
         // Each pass bends neighbours less; one that still changes an edge is followed by another.

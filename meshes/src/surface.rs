@@ -46,7 +46,7 @@ pub struct QuadraturePoint {
     pub position: Point3<f64>,
     /// Outward unit normal.
     pub normal: Vector3<f64>,
-    /// Area it stands for \[m^2\].
+    /// Area it represents \[m^2\].
     pub weight: f64,
     /// Values of the face's shape functions here, in the order of [`SurfaceFace::nodes`]; zero beyond its nodes.
     pub shape: [f64; 9],

@@ -1,14 +1,15 @@
-//! The worktable of steel: a plate on hollow legs, meshed apart and to be tied.
+//! The steel worktable: a plate on hollow legs, meshed separately, to be tied.
 
 use crate::worktable::{checked, legs, lines};
 use crate::{Grid, Mesh, MeshError, Worktable, subdivide};
 
-/// Meshes a worktable on square tubes of this `wall` \[m\], one element through the wall and no longer than `leg_element_size`
-/// along and across it, open below and at the plate.
+/// Meshes a worktable on square tubes of this `wall` \[m\], one element through the wall and no longer than
+/// `leg_element_size` along and across it, open below and at the plate.
 ///
-/// Plate and legs share no nodes: the legs' upper ends, the group `weld_slave`, are to be tied to the plate's underside,
-/// `weld_master`, so that no wall draws its lines across the plate. The plate's own lines run along the legs' outlines:
-/// without them the first plate mode comes out 2 % higher. Parts `top` and `leg`; the other groups are `top`, `sides`, `leg_sides` (inside too) and `floor`.
+/// Plate and legs share no nodes: the legs' upper ends, the group `weld_slave`, are to be tied to the plate's
+/// underside, `weld_master`, so that no wall draws its lines across the plate. The plate's own lines run along the
+/// legs' outlines: without them the first plate mode comes out 2 % higher. Parts `top` and `leg`; the other groups are
+/// `top`, `sides`, `leg_sides` (inside too) and `floor`.
 ///
 /// # Errors
 /// As [`worktable`](crate::worktable()), and [`MeshError::DoesNotFit`] when two walls fill a leg.

@@ -22,8 +22,8 @@ fn parse(bytes: &[u8]) -> Result<Imported, MshError> {
     })
 }
 
-/// Asserts that the mesh is a unit cube: volume, area, flat sides, closed skin, and a constant Jacobian in each element,
-/// which shows that every mid-side node has its place.
+/// Asserts that the mesh is a unit cube: volume, area, flat sides, closed skin, and a constant Jacobian in each
+/// element, which shows that every mid-side node has its place.
 fn is_a_cube(mesh: &Mesh, name: &str) {
     let quality = mesh.quality().unwrap();
     assert!((quality.volume - 1.0).abs() < 1e-12, "{name}: {quality:?}");
@@ -164,14 +164,18 @@ fn an_unknown_header_is_refused() {
         ("2.2 0 8", "4 0 8", "format version 4;"),
         ("2.2 0 8", "2.2 0 4", "data size 4"),
         ("2.2 0 8", "2.2 2 8", "file type 2"),
-        ("$MeshFormat\n", "ply\n", "no .msh file"),
+        ("$MeshFormat\n", "ply\n", "not a .msh file"),
     ]);
 }
 
 #[test]
 fn a_wrong_element_is_named_by_its_number() {
     refused(&[
-        ("12 4 2 7 1 2 3 4 5", "12 4 2 7 1 2 3 4 6", "element 12 hangs on node 6"),
+        (
+            "12 4 2 7 1 2 3 4 5",
+            "12 4 2 7 1 2 3 4 6",
+            "element 12 refers to node 6",
+        ),
         (
             "12 4 2 7 1 2 3 4 5",
             "12 4 2 7 1 2 3 1 4",
@@ -242,7 +246,7 @@ fn a_count_that_does_not_match_its_section_is_refused() {
         (
             "$Nodes\n5\n",
             "$Nodes\n4\n",
-            "$Nodes goes on where its counts say that it ends",
+            "$Nodes continues beyond the end given by its counts",
         ),
         ("$Nodes\n5\n", "$Nodes\n999999999999\n", "announces 999999999999 nodes"),
         ("$Nodes\n5\n", "$Nodes\n-5\n", "announces"),

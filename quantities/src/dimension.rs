@@ -4,7 +4,7 @@ use std::fmt;
 
 /// Exponents of length, mass, time, temperature and plane angle.
 ///
-/// The angle is kept apart from a plain number, so that a degree where a ratio belongs is found.
+/// The angle has its own dimension, so that a degree in place of a ratio is an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Dimension {
     length: i8,

@@ -1,7 +1,7 @@
 //! Groups of quantities: one declaration per key.
 //!
-//! [`group!`](crate::group!) turns a declaration into the struct that a program reads, and into the [`GroupSpec`] by which
-//! a file is read, checked and documented. Nothing about a key stands anywhere else.
+//! [`group!`](crate::group!) turns a declaration into the struct that a program reads, and into the [`GroupSpec`] by
+//! which a file is read, checked and documented. This is the only place where a key is declared.
 
 use std::collections::BTreeMap;
 
@@ -49,8 +49,8 @@ macro_rules! key_doc {
 /// Declares a group: documentation, then `name: type = kind, "symbol";` for each key, then the groups and the lists
 /// within it.
 ///
-/// `Outer = part: Inner { ... }` declares a group whose keys are those of the group `Inner` and its own. The struct holds
-/// the inner group as the field `part` and dereferences to it, so that the keys of both read alike.
+/// `Outer = part: Inner { ... }` declares a group whose keys are those of the group `Inner` and its own. The struct
+/// holds the inner group as the field `part` and dereferences to it, so that the keys of both read alike.
 ///
 /// The struct derives `serde` traits; the crate that declares it depends on `serde`.
 #[macro_export]

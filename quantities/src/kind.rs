@@ -44,7 +44,7 @@ impl Sign {
 /// What a key holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
-    /// A physical quantity, kept in SI units.
+    /// A physical quantity, stored in SI units.
     Quantity {
         /// Its dimension; the unit in the file must have it.
         dimension: Dimension,

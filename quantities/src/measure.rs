@@ -6,7 +6,7 @@ use crate::text::{QuantityError, quantity};
 /// Reads "500 mm/min" as a quantity of `dimension` in SI units; a number alone is in SI units.
 ///
 /// # Errors
-/// What is wrong with the text, with the units that may stand there.
+/// The fault of the text, with the units that are allowed.
 pub fn measure(text: &str, dimension: Dimension) -> Result<f64, String> {
     if let Ok(number) = text.trim().parse::<f64>()
         && number.is_finite()

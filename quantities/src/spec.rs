@@ -35,13 +35,13 @@ impl KeySpec {
 pub struct GroupSpec {
     /// Description, one line of text an element.
     pub doc: &'static [&'static str],
-    /// A group whose keys stand in this one as well, before its own.
+    /// A group whose keys this one contains, before its own.
     pub part: Option<&'static GroupSpec>,
     /// Its own keys, in the order they are declared.
     pub own_keys: &'static [KeySpec],
     /// The groups within it, by name.
     pub groups: &'static [(&'static str, &'static GroupSpec)],
-    /// Lists within it: groups of one declaration, as many as a design names, each under a name of its own.
+    /// Lists within it: groups of one declaration; a design gives any number of them, each with a name.
     pub lists: &'static [(&'static str, &'static GroupSpec)],
 }
 

@@ -53,7 +53,7 @@ pub enum QuantityError {
 /// Reads "763.2 kPa" as a quantity of `dimension`; `gauge` permits gauge pressures.
 ///
 /// # Errors
-/// A [`QuantityError`] that says what is wrong with the text.
+/// A [`QuantityError`] with the fault of the text.
 pub fn quantity(text: &str, dimension: Dimension, gauge: bool) -> Result<Measured, QuantityError> {
     let (number, unit) = split(text)?;
     let (unit, text) = (Unit::parse(unit).map_err(QuantityError::Unit)?, unit);

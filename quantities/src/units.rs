@@ -4,7 +4,7 @@ use crate::dimension::*;
 
 /// A unit: a quantity of `x` units is `x * factor * 10^exponent + offset` in SI.
 ///
-/// Powers of ten are kept apart, so that "763.2 kPa" is the same binary number as 763200 Pa.
+/// Powers of ten are stored separately, so that "763.2 kPa" is the same binary number as 763200 Pa.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Unit {
     pub(crate) dimension: Dimension,

@@ -101,7 +101,11 @@ fn a_damaged_mesh_ends_with_status_2_and_the_element_the_groups_or_the_version()
             "18 4 2 7 1 4 3 2 1",
             "element 18 has the same nodes as element 17",
         ),
-        ("18 4 2 7 1 2 3 4 5", "18 4 2 7 1 2 3 4 6", "element 18 hangs on node 6"),
+        (
+            "18 4 2 7 1 2 3 4 5",
+            "18 4 2 7 1 2 3 4 6",
+            "element 18 refers to node 6",
+        ),
         ("2.2 0 8", "3.0 0 8", "format version 3.0"),
         (
             "3 7 \"block\"",
@@ -189,7 +193,7 @@ fn a_hundred_damaged_meshes_end_with_a_message_and_never_a_panic() {
 }
 
 #[test]
-fn a_mesh_goes_out_and_comes_back_in_its_own_unit() {
+fn an_exported_mesh_is_read_back_in_its_own_unit() {
     let folder = folder("round-trip");
     for (format, end) in [("text22", "msh"), ("binary41", "msh.gz")] {
         let path = folder.join(format!("table.{end}"));

@@ -5,7 +5,7 @@
 //! ```text
 //! w = w_free + C F,    F = F(w)
 //! ```
-//! with the cycle's forces F at the end of the step, on the left as the structure answers them, on the right as the
+//! with the cycle's forces F at the end of the step, on the left as the response of the structure, on the right as the
 //! cycle gives them when it is integrated through the step with the wood so moved, all its events located. The forces
 //! are found by Newton's method on F - F(w_free + C F) = 0 with
 //!

@@ -120,7 +120,7 @@ impl Op for Equations<'_> {
 /// The right-hand side.
 pub(crate) struct Rates<'a, 's>(&'a Equations<'s>);
 
-/// The initial state; every segment starts from a state of its own, so it is never asked for a value that is used.
+/// The initial state; it is never used, because every segment starts from its own state.
 pub(crate) struct Start<'a, 's>(&'a Equations<'s>);
 
 macro_rules! same_shape {

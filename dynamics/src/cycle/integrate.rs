@@ -64,7 +64,7 @@ pub(crate) struct Cycle<'s> {
     pub(crate) y: State,
     /// Where the present window of a coupled run ends.
     pub(crate) window: Option<f64>,
-    /// Whether what happens is kept, or only tried.
+    /// Whether the step is accepted or only a trial.
     pub(crate) recording: bool,
     /// Times at which the channel switches.
     venting: f64,
@@ -103,7 +103,7 @@ pub(crate) fn integrate(system: &System, settings: &Settings) -> Result<Run, Cyc
 }
 
 impl<'s> Cycle<'s> {
-    /// A cycle before the trigger pull, on a wood of its own or on one at rest outside it.
+    /// A cycle before the trigger pull, on its own lumped workpiece or on an external one at rest.
     pub(crate) fn new(
         system: &'s System,
         settings: &'s Settings,
@@ -147,7 +147,7 @@ impl<'s> Cycle<'s> {
 
     /// Ends the record.
     pub(crate) fn finish(mut self, problem: &Problem<'s>) -> Run {
-        // The last sample stands at the end itself where the grid meets it.
+        // The last sample is at the end itself if the end is on the grid.
         let (t, y, mode) = (self.t, self.y, self.mode);
         let recorder = &mut self.run.recorder;
         if !self.run.landed && recorder.next_time() <= t * (1.0 + 4.0 * f64::EPSILON) {

@@ -41,8 +41,8 @@ pub fn simulate(parameters: &Parameters, settings: &Settings) -> Result<CycleRec
     Ok(summary::record(&system, run))
 }
 
-/// Computes one nailing cycle like [`simulate`] on a wood that a structure outside it moves, in both directions: the
-/// structure feels the cycle's forces, the cycle the structure's motion, and both agree on them at every sample.
+/// Computes one nailing cycle like [`simulate`] on an external workpiece, coupled in both directions: the forces of the
+/// cycle act on the structure, its motion acts on the cycle, and both agree at every sample.
 ///
 /// The record then has the surface under the nose as its workpiece and the structure's support as its support.
 ///

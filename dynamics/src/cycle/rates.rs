@@ -110,7 +110,7 @@ impl System {
         rate[THRUST_WORK] = thrust * y[V_G];
         let mut mass = self.moving_mass(mode) + p.head_valve.mass + p.tool.mass;
         if mode.wood.is_some() {
-            // What the bodies of the cycle stand on is the wood itself.
+            // The bodies of the cycle rest on the wood itself.
             rate[SUPPORT_IMPULSE] = f.penetration + seat;
             rate[WOOD_WORK] = f.penetration * mode.nail_motion(y).1 + seat * mode.seat_motion(y).1;
         } else {

@@ -72,8 +72,8 @@ pub(crate) fn margins(system: &System, mode: &Mode, y: &State) -> [f64; SLOTS] {
         };
         let pad = system.pads[contact as usize];
         let push = u + pad.damping / pad.stiffness * rate;
-        // Closing needs overlap and a pushing force; a contact that still overlaps but is being let go stays open.
-        // Published contacts may pull, so only overlap counts (C-13).
+        // Closing needs overlap and a pushing force; a contact that overlaps while its force falls below zero stays
+        // open. Published contacts may pull, so only overlap counts (C-13).
         let push = if p.model.contacts == Form::Published { u } else { push };
         margin[contact as usize] = if mode.closed(contact) { push } else { -u.min(push) };
     }
@@ -130,9 +130,9 @@ pub(crate) fn margins(system: &System, mode: &Mode, y: &State) -> [f64; SLOTS] {
 /// Margins that are no more than the rounding of what they are computed from; a condition is watched once it has held
 /// by more.
 ///
-/// A contact whose damping makes it let go just as it is pressed shut again grazes: its push touches zero and turns. The
-/// overlap, 1e-9 m on a cap of 1e11 N/m, is the difference of positions of centimetres, so that the last digits of these
-/// would open and close the contact thousands of times before the push has risen out of them.
+/// A contact whose damping makes it let go just as it is pressed shut again grazes: its push touches zero and turns.
+/// The overlap, 1e-9 m on a cap of 1e11 N/m, is the difference of positions of centimetres, so that the last digits of
+/// these would open and close the contact thousands of times before the push has risen out of them.
 pub(crate) fn noise(system: &System) -> [f64; SLOTS] {
     let mut noise = [0.0; SLOTS];
     noise[..Contact::COUNT].fill(16.0 * f64::EPSILON * system.p.piston.stroke);

@@ -7,7 +7,8 @@ use super::system::System;
 /// Size of what has no error weight: the integrals, the hand where it has no mass, the wood where it is driven.
 const UNWEIGHTED: f64 = 1e30;
 
-/// Absolute tolerances: every state has a characteristic size, its error is kept to the tolerance times that size.
+/// Absolute tolerances: every state has a characteristic size, and its error is limited to the tolerance times that
+/// size.
 ///
 /// Relative weights would not do: a nose contact of 5e8 N/m needs the position of the body to 1e-10 m wherever it
 /// stands, and a gas energy of 1 kJ must not loosen that of 1 J.

@@ -1,4 +1,4 @@
-//! Motion of the wood where a structure outside the cycle says how it moves.
+//! Motion of the wood that an external structure prescribes.
 //!
 //! Over one window of the coupled run the wood's surface under the nose and the nail's hold in it follow cubics in the
 //! time since the window began. That time is carried as a state, in the place of the lumped wood's position, so that
@@ -71,8 +71,9 @@ impl DrivenWood {
     /// Gap margin of an open nose and its rate.
     ///
     /// A nose that comes down on the wood with a dashpot starts with a force, which drives the wood away from it: asked
-    /// of the motion with that force, neither touch nor gap would be consistent. So touch is asked of the motion without
-    /// it, as for the contact of the bodies on their support; the difference is of the order of the window squared.
+    /// of the motion with that force, neither touch nor gap would be consistent. So touch is asked of the motion
+    /// without it, as for the contact of the bodies on their support; the difference is of the order of the window
+    /// squared.
     pub(crate) fn seat_gap(&self, y: &State) -> (f64, f64) {
         let cubic = if self.open_at_start {
             &self.free_seat

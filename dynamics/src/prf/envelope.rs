@@ -1,4 +1,4 @@
-//! What the wood answers to a nail driven ever deeper.
+//! Resistance of the wood to a nail as a function of its deepest penetration.
 
 use super::Specimen;
 use super::resistance::Resistance;
@@ -9,8 +9,8 @@ use crate::{Form, Parameters};
 /// ```text
 /// E(z) = F_r(min(z, l_n)) + k_w max(0, z - l_n),   k_w = scale H_M
 /// ```
-/// with F_r the design's law times its scale, a published one at [`REFERENCE_SPEED`](super::REFERENCE_SPEED). In the published form of the nail F_r is lost
-/// where the head meets the wood: E(z) = k_w (z - l_n) for z > l_n (C-09).
+/// with F_r the design's law times its scale, a published one at [`REFERENCE_SPEED`](super::REFERENCE_SPEED). In the
+/// published form of the nail F_r is lost where the head meets the wood: E(z) = k_w (z - l_n) for z > l_n (C-09).
 #[derive(Debug, Clone)]
 pub struct Envelope {
     law: Resistance,

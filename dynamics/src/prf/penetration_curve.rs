@@ -3,8 +3,8 @@
 //! ```text
 //! F_r = H_M NL max(0, root(x))^2,  x = y/NL        W(y) = integral of F_r from 0 to y
 //! ```
-//! Nili Ahmadabadi (2016), Eq. 2.2 and 4.59. The standard error of the estimate SEE belongs to the root, so that F_r lies
-//! between H_M NL (root - SEE)^2 and H_M NL (root + SEE)^2.
+//! Nili Ahmadabadi (2016), Eq. 2.2 and 4.59. The standard error of the estimate SEE belongs to the root, so that F_r
+//! lies between H_M NL (root - SEE)^2 and H_M NL (root + SEE)^2.
 
 use thiserror::Error;
 
@@ -262,7 +262,7 @@ impl PenetrationCurve {
             } else {
                 f64::from(2 + 2 * (i % 2))
             };
-            // The force begins with a step at the surface: the first point stands just below it.
+            // The force has a step at the surface: the first point lies just below it.
             sum += weight * self.force((h * f64::from(i)).clamp(depth * 1e-12, depth))?;
         }
         Ok(sum * h / 3.0)
@@ -276,7 +276,7 @@ impl PenetrationCurve {
         }
     }
 
-    /// Restrictions of the law that a reader of its numbers must know.
+    /// Restrictions that limit the use of the law.
     pub fn notes(&self) -> Vec<String> {
         let CurveLaw::Published { law, wood, .. } = &self.law else {
             return Vec::new();

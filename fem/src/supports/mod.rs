@@ -1,4 +1,4 @@
-//! What bodies stand on: contact grids, table contact, sand.
+//! Supports of bodies: contact grids, contact with a table, sand.
 
 mod grid;
 mod sand;

@@ -141,7 +141,7 @@ impl Sand {
 
     /// Lysmer's analogue velocity V_La = 3.4 V_s/(pi (1 - nu)) [m/s] (Gazetas, 1991, Foundation Engineering Handbook,
     /// ch. 15): the apparent speed of the compression-extension waves that a vibrating footing sends down.
-    pub fn lysmer_speed(&self) -> f64 {
+    fn lysmer_speed(&self) -> f64 {
         3.4 * self.shear_speed() / (PI * (1.0 - self.poisson))
     }
 

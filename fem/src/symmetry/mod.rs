@@ -1,15 +1,15 @@
 //! Mirror symmetry: the eigenproblem falls into one for each combination of even and odd.
 //!
 //! A mirror plane maps the unknowns onto each other, q -> S q, with S a permutation with signs. Where S^T K S = K and
-//! S^T M S = M for k planes, every mode can be chosen even or odd in each of them, and with the orthonormal basis T_c of
-//! the vectors of one combination c
+//! S^T M S = M for k planes, every mode can be chosen even or odd in each of them, and with the orthonormal basis T_c
+//! of the vectors of one combination c
 //!
 //! ```text
 //! K_c = T_c^T K T_c,   M_c = T_c^T M T_c,   phi = T_c phi_c,   c = 1 .. 2^k
 //! ```
 //!
-//! are 2^k independent problems with 1/2^k of the unknowns each. Together the T_c are a square orthogonal matrix, so that
-//! inertia and orthogonality carry over: no mode is lost or found twice, and pairs whose frequencies coincide by
+//! are 2^k independent problems with 1/2^k of the unknowns each. Together the T_c are a square orthogonal matrix, so
+//! that inertia and orthogonality carry over: no mode is lost or found twice, and pairs whose frequencies coincide by
 //! symmetry fall into different sectors.
 
 mod mirror;
@@ -30,7 +30,7 @@ pub use mirror::mirror_planes;
 /// of the modes on the full matrices are checked afterwards all the same.
 const ASYMMETRY: f64 = 1e-11;
 
-/// One of the independent problems K_c, M_c, in an order of elimination of its own.
+/// One of the independent problems K_c, M_c, with its own order of elimination.
 pub(crate) struct Sector {
     pub(crate) stiffness: CscMatrix<f64>,
     pub(crate) mass: CscMatrix<f64>,
@@ -158,7 +158,7 @@ impl Orbits {
         }
         let orbit = |e: usize| number[node(self.first[e])];
         let mut edges: Vec<Vec<usize>> = vec![Vec::new(); members.len()];
-        // One unknown of a node stands for the others: elements couple all of them.
+        // One unknown of a node represents the others: elements couple all of them.
         let leads = |e: usize| e == 0 || node(e) != node(e - 1);
         for j in (0..self.first.len()).filter(|&j| leads(j)) {
             for &i in system.stiffness.col(j).row_indices() {

@@ -64,7 +64,7 @@ pub struct Driven<'a> {
 }
 
 impl<'a> Driven<'a> {
-    /// At rest with loads that a run of its own would start from.
+    /// At rest under the initial loads of an independent run.
     ///
     /// # Errors
     /// As [`respond`](super::respond).

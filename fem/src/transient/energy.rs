@@ -51,7 +51,7 @@ impl EnergyHistory {
 
     /// Largest violation of the balance over the largest energy in play, which is the peak of kinetic energy or of the
     /// loads' work, whichever is greater \[1\].
-    pub fn imbalance(&self) -> f64 {
+    pub(crate) fn imbalance(&self) -> f64 {
         let (mut worst, mut scale): (f64, f64) = (0.0, 0.0);
         for k in 0..self.time.len() {
             let dissipated: f64 = self.dissipated.iter().map(|e| e[k]).sum();

@@ -5,7 +5,7 @@ use thiserror::Error;
 /// A transient run that cannot start or cannot go on; the text names the remedy.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum TransientError {
-    /// An array does not have the size that the others ask for.
+    /// An array does not have the size that the others require.
     #[error("{what}: {found} given where {expected} are needed; make all arrays of a body and of the loads agree")]
     Size {
         /// The array, with its body's name where it has one.

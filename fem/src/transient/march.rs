@@ -12,7 +12,7 @@ use super::response::{Check, Ending, MARK, ModalResponse, Work};
 use super::statics::{Equilibrium, equilibrium};
 use super::system::{System, any_unilateral, validate};
 
-/// Response of one or two bodies to applied loads, on supports that may let go.
+/// Response of one or two bodies to applied loads, on supports that can open.
 ///
 /// Every mode follows forces that are linear over a step exactly; the support forces at the end of a step are implicit
 /// in it. After the loads' record ends each load goes smoothly to its final value, and the run goes on until

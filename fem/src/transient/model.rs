@@ -35,7 +35,7 @@ impl ModalBody {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SupportLaw {
-    /// f = max(0, k d + c d') while d > 0, else 0: pushes only, and lets go.
+    /// f = max(0, k d + c d') while d > 0, else 0: the support pushes only and can open.
     Unilateral,
     /// f = k d + c d' always: glued, linear.
     Bonded,
@@ -82,7 +82,7 @@ impl Loads {
     }
 
     /// Time of the last sample \[s\].
-    pub fn record_end(&self) -> f64 {
+    pub(crate) fn record_end(&self) -> f64 {
         self.interval * self.history.ncols().saturating_sub(1) as f64
     }
 

@@ -107,7 +107,7 @@ pub struct ModalResponse {
     /// Work counters.
     pub work: Work,
     pub(super) bodies: Vec<ModalBody>,
-    /// State at every [`MARK`]th sample, one per body, from which [`Self::at`] goes on.
+    /// State at every [`MARK`]th sample, one per body, from which [`Self::at`] continues.
     pub(super) marks: Vec<Vec<ModalState>>,
 }
 

@@ -38,7 +38,7 @@ const MAX_ITERATIONS: usize = 100;
 ///   [ P_z                         eps   ] [ dz     ] = [ -grad_z                ],
 ///   dq_e = -Omega^-2 (grad_e + P_e lambda).
 ///
-/// Rigid motions that no support feels are left out; eps only keeps the step finite while too few supports touch.
+/// Rigid motions that no support resists are left out; eps only keeps the step finite while too few supports touch.
 pub(super) fn equilibrium(
     bodies: &[ModalBody],
     supports: &[Support],
@@ -77,7 +77,7 @@ struct Problem<'a> {
     /// Indices of rigid and elastic modes.
     rigid: Vec<usize>,
     elastic: Vec<usize>,
-    /// Orthonormal rigid motions that supports feel: rigid modes x coordinates.
+    /// Orthonormal rigid motions that supports resist: rigid modes x coordinates.
     held: DMatrix<f64>,
     /// z coordinates x supports.
     p_z: DMatrix<f64>,

@@ -383,7 +383,7 @@ fn contact_rate(bodies: &[ModalBody], supports: &[Support], settings: &Settings)
     })
 }
 
-/// Whether any support can let go.
+/// Whether any support can open.
 pub(super) fn any_unilateral(supports: &[Support]) -> bool {
     supports.iter().any(|s| s.law == SupportLaw::Unilateral)
 }

@@ -41,12 +41,12 @@ pub struct Imported {
     pub node_numbers: Vec<u64>,
     /// Nodes in the file that no volume element uses; they are left out.
     pub unused_nodes: usize,
-    /// First line of the file's comments, without what it says of the unit; empty if it has none.
+    /// First line of the comments of the file without the unit; empty if there is none.
     pub comment: String,
 }
 
 impl Raw {
-    /// Makes a mesh; lengths are multiplied by `scale` unless the file says that they are in metres.
+    /// Makes a mesh; lengths are multiplied by `scale` unless a comment of the file gives metres as the unit.
     pub(super) fn build(self, scale: f64) -> Result<Imported, MshError> {
         let (scale, comment) = match self.comment.strip_suffix(super::IN_METRES) {
             Some(rest) => (1.0, rest.trim_end_matches([';', ' ']).to_owned()),
@@ -288,7 +288,7 @@ impl Raw {
     }
 }
 
-/// Corners of a face in rising order, by which two elements know that they share it.
+/// Corners of a face in ascending order, the same for both elements that share it.
 fn corner_key(corners: impl Iterator<Item = usize>) -> [usize; 4] {
     let mut key = [usize::MAX; 4];
     for (slot, node) in key.iter_mut().zip(corners) {

@@ -1,4 +1,4 @@
-//! Words and bytes of a `.msh` file, with the section they stand in for messages.
+//! Words and bytes of a `.msh` file, with the section they are in for messages.
 
 use super::MshError;
 

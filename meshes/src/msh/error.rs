@@ -5,9 +5,9 @@
 #[non_exhaustive]
 pub enum MshError {
     /// The file does not begin as a `.msh` file does.
-    #[error("it does not begin with $MeshFormat: it is no .msh file; write one with gmsh -format msh41")]
+    #[error("it does not begin with $MeshFormat: it is not a .msh file; write one with gmsh -format msh41")]
     NotMsh,
-    /// A version this reader does not know.
+    /// A version that is not supported.
     #[error(
         "it has format version {found}; versions 2.2 and 4.1 are read: convert it with \
          gmsh FILE.msh -save -format msh41 -o NEW.msh"
@@ -43,7 +43,7 @@ pub enum MshError {
         section: String,
         /// The word found.
         found: String,
-        /// What should stand there.
+        /// What was expected.
         expected: &'static str,
     },
     /// A count is larger than what the rest of the file can hold.
@@ -58,8 +58,8 @@ pub enum MshError {
         /// Bytes left in the file.
         bytes: usize,
     },
-    /// A section ends elsewhere than its count says.
-    #[error("${section} goes on where its counts say that it ends (byte {byte}); the counts are wrong")]
+    /// A section does not end where its count requires.
+    #[error("${section} continues beyond the end given by its counts (byte {byte}); the counts are wrong")]
     SectionEnd {
         /// The section.
         section: String,
@@ -106,8 +106,8 @@ pub enum MshError {
         /// The earlier one.
         first: u64,
     },
-    /// An element hangs on a node that does not exist.
-    #[error("element {element} hangs on node {node}, which does not exist; save all nodes")]
+    /// An element refers to a node that does not exist.
+    #[error("element {element} refers to node {node}, which does not exist; save all nodes")]
     DanglingElement {
         /// The element.
         element: u64,
@@ -152,7 +152,7 @@ pub enum MshError {
         /// Surface elements found.
         surfaces: usize,
     },
-    /// Volume elements stand in no named group.
+    /// Volume elements belong to no named group.
     #[error(
         "element {element} belongs to no named volume group; the named groups are: {known}. \
          Give every volume one (gmsh: Physical Volume(\"housing\") = {{...}};)"
@@ -163,7 +163,7 @@ pub enum MshError {
         /// The groups there are, comma separated, or `none`.
         known: String,
     },
-    /// A volume element stands in two named groups.
+    /// A volume element belongs to two named groups.
     #[error("element {element} belongs to the volume groups \"{first}\" and \"{second}\"; a part has one material")]
     TwoGroups {
         /// The element.

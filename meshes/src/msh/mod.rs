@@ -28,11 +28,11 @@ const GZIP: [u8; 2] = [0x1f, 0x8b];
 /// The largest file that is read, compressed or not \[byte\].
 const LARGEST: u64 = 4 << 30;
 
-/// How a file that is written here says what its unit is; the format has no place for it but the comments.
+/// Comment that gives the unit in files written here; the format has no other place for it.
 const IN_METRES: &str = "lengths in m";
 
-/// Reads a `.msh` file, also one compressed by gzip; `unit` is the length of one unit of the file \[m\], unless the file's
-/// comments say that its lengths are in metres, as those of [`to_bytes`] do.
+/// Reads a `.msh` file, also one compressed by gzip; `unit` is the length of one unit of the file \[m\], unless the
+/// file's comments say that its lengths are in metres, as those of [`to_bytes`] do.
 ///
 /// # Errors
 /// [`MeshError::Read`] or [`MeshError::Msh`].

@@ -1,4 +1,4 @@
-//! A `.msh` file as it stands: numbered nodes, elements with their groups, names of groups.
+//! The content of a `.msh` file: numbered nodes, elements with their groups, names of groups.
 
 use super::MshError;
 
@@ -17,7 +17,7 @@ pub(super) struct Raw {
     pub(super) kinds: Vec<&'static Kind>,
     /// Index into `groups` of each element.
     pub(super) group: Vec<usize>,
-    /// Physical groups that elements stand in, each set once; `groups[0]` is the empty set.
+    /// Sets of physical groups of the elements, each set once; `groups[0]` is the empty set.
     pub(super) groups: Vec<Vec<i64>>,
     /// Start of each element's nodes in `nodes_of`, and the end: one entry more than elements.
     pub(super) offsets: Vec<usize>,

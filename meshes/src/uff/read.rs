@@ -46,7 +46,7 @@ pub enum UffError {
         dataset: u64,
         /// What is expected.
         expected: &'static str,
-        /// What stands there.
+        /// The text found.
         found: String,
     },
     /// A dataset has no end.

@@ -1,8 +1,8 @@
 //! Films: files that share one grid, with other fields in each.
 //!
-//! vtkio writes the grid, once for all frames; the fields are put into its file here, because vtkio compresses every file
-//! anew, number by number. Processor time and size of sixty frames of the velocity on 45 602 points: 0.13 s and 73 MB here
-//! (0.1 s of it is the grid); with vtkio 8 s and 69 MB compressed, 0.7 s and 176 MB uncompressed.
+//! vtkio writes the grid, once for all frames; the fields are put into its file here, because vtkio compresses every
+//! file anew, number by number. Processor time and size of sixty frames of the velocity on 45 602 points: 0.13 s and 73
+//! MB here (0.1 s of it is the grid); with vtkio 8 s and 69 MB compressed, 0.7 s and 176 MB uncompressed.
 //!
 //! With `compressor="vtkZLibDataCompressor"` and 64-bit headers an array of n bytes in blocks of B is
 //!
@@ -21,14 +21,15 @@ use serde::{Deserialize, Serialize};
 use super::{Grid, check, escaped};
 use crate::MeshError;
 
-/// Bytes of a block: VTK's own choice, a multiple of the size of a number, and no more than a stored block of DEFLATE holds.
+/// Bytes of a block: VTK's own choice, a multiple of the size of a number, and no more than a stored block of DEFLATE
+/// holds.
 const BLOCK: usize = 1 << 15;
 
-/// What precedes the bytes of a stored block: zlib's header (DEFLATE in a window of 32 KiB, fastest) and the mark of a last
-/// block that is stored (RFC 1951, 3.2.4).
+/// What precedes the bytes of a stored block: zlib's header (DEFLATE in a window of 32 KiB, fastest) and the mark of a
+/// last block that is stored (RFC 1951, 3.2.4).
 const STORED: [u8; 3] = [0x78, 0x01, 0x01];
 
-/// Bytes of a stream beside those of its stored block: the mark, the length twice, the checksum.
+/// Bytes of a stream besides those of its stored block: the mark, the length twice, the checksum.
 const OVERHEAD: usize = STORED.len() + 2 * size_of::<u16>() + size_of::<u32>();
 
 /// A field in single precision, with its values as bytes, little-endian.
