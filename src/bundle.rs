@@ -276,10 +276,10 @@ fn files(design: &Design, run: &Run, pictures: &Pictures, draw: bool) -> Result<
     files.push(report);
     if draw {
         let level = run.result.total.lwa_db;
-        let level = level.map_or_else(|| "silent".to_owned(), |level| format!("L_WA,1s {level:.1} dB"));
+        let level = level.map_or_else(|| "silent".to_owned(), |level| format!("L_{{WA,1s}} {level:.1} dB"));
         let subject = format!("{}: one shot, {level}", design.name());
-        let figure = |figure: figures::Figure| File::new(format!("figures/{}.svg", figure.name), figure.svg);
-        files.extend(figures::sound(&subject, design, run).into_iter().map(figure));
+        let figure = |chart: &figures::Chart| File::new(format!("figures/{}.svg", chart.name), chart.svg());
+        files.extend(figures::sound(&subject, run).iter().map(figure));
     }
     Ok(files)
 }

@@ -3,228 +3,143 @@
 //! Each bar begins where the one above it ends, so that inputs build up to the right and losses lead back to what is
 //! left at the end.
 
-use nailnoise_dynamics::EnergyFlow;
-use plotters::style::RGBColor;
+use nailnoise_dynamics::{CycleRecord, EnergyFlow};
 
-use super::canvas::{Anchor, Canvas, draw};
-use super::scale::{Scale, ticks};
-use super::style::*;
-use super::{Figure, Shot};
+use super::GREY;
+use super::chart::{Axis, Chart, Panel, Series, Shape};
 
 /// Part of the largest level below which terms are drawn together.
 const SMALL: f64 = 1e-3;
 
-/// Left edge of the bars: the terms' names stand before it.
-const BARS: i32 = 52 * MM;
-/// Right edge of the bars: their values stand behind it.
-const END: i32 = RIGHT - 20 * MM;
-/// Height of a row, and of the bar in it.
-const ROW: i32 = 5 * MM;
-const BAR: i32 = 3 * MM + MM / 2;
-/// Room for the heading, over a panel, and for its axis.
-const HEADING: i32 = 7 * MM;
-const OVER: i32 = 7 * MM;
-const FOOT: i32 = 12 * MM;
+/// A step of a cascade: its name, and the energy that comes in (positive) or goes out \[J\].
+type Term = (&'static str, f64);
 
-/// A step of a cascade.
-struct Term {
-    name: &'static str,
-    /// Energy that comes in (positive) or goes out \[J\].
-    energy: f64,
-    /// Whether it is held at the start or end, rather than flowing.
-    stored: bool,
-}
-
-struct Cascade {
-    title: &'static str,
-    terms: Vec<Term>,
-}
-
-pub(super) fn figure(shot: &Shot<'_>) -> Figure {
-    let cascades = [gas(&shot.record.energy), mechanics(&shot.record.energy)];
-    let height = |cascade: &Cascade| OVER + ROW * cascade.terms.len() as i32 + FOOT;
-    let total = HEADING + cascades.iter().map(height).sum::<i32>();
-    let svg = draw(total, |canvas| {
-        canvas.bold("Energy flow", [LEFT, 4 * MM], Anchor::Start, INK);
-        canvas.text(shot.subject, [RIGHT, 4 * MM], Anchor::End, GREY);
-        let mut top = HEADING;
-        for (letter, cascade) in ["a", "b"].into_iter().zip(&cascades) {
-            canvas.bold(letter, [3 * MM, top + 3 * MM], Anchor::Start, INK);
-            canvas.text(cascade.title, [LEFT, top + 3 * MM], Anchor::Start, INK);
-            cascade.paint(canvas, top + OVER);
-            top += height(cascade);
-        }
-    });
-    Figure { name: "energy", svg }
-}
-
-fn stored(name: &'static str, energy: f64) -> Term {
-    Term {
-        name,
-        energy,
-        stored: true,
+/// The chart of the energy flow of a nailing cycle. `subject` says what it is of.
+pub fn energy(subject: &str, record: &CycleRecord) -> Chart {
+    Chart {
+        name: "energy".to_owned(),
+        title: "Energy flow",
+        subject: subject.to_owned(),
+        caption:
+            "Energy of the gas (enthalpies are counted from 0 K), and of the mechanics that its work drives. Each bar \
+                  begins where the one above it ends."
+                .to_owned(),
+        panels: vec![gas(&record.energy), mechanics(&record.energy)],
+        events: Vec::new(),
     }
 }
 
-fn flow(name: &'static str, energy: f64) -> Term {
-    Term {
-        name,
-        energy,
-        stored: false,
-    }
-}
-
-fn gas(e: &EnergyFlow) -> Cascade {
-    let mut terms = vec![
-        flow("hose, enthalpy in", e.supply),
-        flow("heat from the walls", e.wall_heat),
-        flow("work on the piston", -e.piston_work),
-        flow("work on the head valve", -e.valve_work),
-        flow("exhaust, enthalpy out", -e.exhaust),
-        flow("trigger vent, enthalpy out", -e.vent),
-        flow("leak, enthalpy out", -e.leak),
+fn gas(e: &EnergyFlow) -> Panel {
+    let flows = vec![
+        ("hose, enthalpy in", e.supply),
+        ("heat from the walls", e.wall_heat),
+        ("work on the piston", -e.piston_work),
+        ("work on the head valve", -e.valve_work),
+        ("exhaust, enthalpy out", -e.exhaust),
+        ("trigger vent, enthalpy out", -e.vent),
+        ("leak, enthalpy out", -e.leak),
     ];
-    gather(&mut terms, e.gas_start, e.gas_residual());
-    terms.insert(0, stored("gas at the start", e.gas_start));
-    terms.push(stored("gas at the end", -e.gas_end));
-    Cascade {
-        title: "Gas; enthalpies are counted from 0 K",
-        terms,
-    }
+    let flows = gather(flows, e.gas_start, e.gas_residual());
+    cascade(
+        "Energy of the gas",
+        ("gas at the start", e.gas_start),
+        flows,
+        ("gas at the end", -e.gas_end),
+    )
 }
 
-fn mechanics(e: &EnergyFlow) -> Cascade {
+fn mechanics(e: &EnergyFlow) -> Panel {
     let c = &e.contacts;
-    let mut terms = vec![
-        flow("gas on the piston", e.piston_work),
-        flow("gas on the head valve", e.valve_work),
-        flow("air on the rod", e.atmosphere),
-        flow("hand", e.hand),
-        flow("gravity", e.gravity),
-        flow("thrust of the exhaust", e.thrust),
-        flow("nail into the wood", -e.penetration),
-        flow("rod on nail, impact", -e.nail_impact),
-        flow("left with the nail", -e.nail_left),
-        flow("friction of the piston", -e.piston_friction),
-        flow("friction of the head valve", -e.valve_friction),
-        flow("friction in the magazine", -e.magazine_friction),
-        flow("bumper", -c.bumper),
-        flow("stopper", -c.stopper),
-        flow("head valve on the cap", -c.cap),
-        flow("head valve on its seat", -c.seat),
-        flow("nose on the wood", -c.nose),
-        flow("support", -c.support),
-        flow("damping in the hand", -e.hand_damping),
+    let flows = vec![
+        ("gas on the piston", e.piston_work),
+        ("gas on the head valve", e.valve_work),
+        ("air on the rod", e.atmosphere),
+        ("hand", e.hand),
+        ("gravity", e.gravity),
+        ("thrust of the exhaust", e.thrust),
+        ("nail into the wood", -e.penetration),
+        ("rod on nail, impact", -e.nail_impact),
+        ("left with the nail", -e.nail_left),
+        ("friction of the piston", -e.piston_friction),
+        ("friction of the head valve", -e.valve_friction),
+        ("friction in the magazine", -e.magazine_friction),
+        ("bumper", -c.bumper),
+        ("stopper", -c.stopper),
+        ("head valve on the cap", -c.cap),
+        ("head valve on its seat", -c.seat),
+        ("nose on the wood", -c.nose),
+        ("support", -c.support),
+        ("damping in the hand", -e.hand_damping),
     ];
     let largest = e.piston_work.abs().max(e.penetration.abs());
-    gather(&mut terms, largest, e.mechanical_residual());
-    let (start, end) = (e.kinetic_start + e.elastic_start, e.kinetic_end + e.elastic_end);
-    terms.insert(0, stored("springs and motion at the start", start));
-    terms.push(stored("springs and motion at the end", -end));
-    Cascade {
-        title: "Mechanics",
-        terms,
-    }
+    let flows = gather(flows, largest, e.mechanical_residual());
+    let start = ("springs and motion at the start", e.kinetic_start + e.elastic_start);
+    let end = ("springs and motion at the end", -(e.kinetic_end + e.elastic_end));
+    cascade("Mechanical energy", start, flows, end)
 }
 
 /// Draws small terms together, so that the cascade still closes. What a published form does not keep is a term of its
 /// own; the rounding of a form that keeps energy is too small to be one.
-fn gather(terms: &mut Vec<Term>, largest: f64, residual: f64) {
+fn gather(flows: Vec<Term>, largest: f64, residual: f64) -> Vec<Term> {
     let small = |energy: f64| energy.abs() < SMALL * largest;
-    let rest: f64 = terms
-        .iter()
-        .map(|term| term.energy)
-        .filter(|energy| small(*energy))
-        .sum();
-    terms.retain(|term| !small(term.energy));
+    let (rest, mut flows): (Vec<Term>, Vec<Term>) = flows.into_iter().partition(|(_, energy)| small(*energy));
+    let rest: f64 = rest.iter().map(|(_, energy)| energy).sum();
     if rest != 0.0 {
-        terms.push(flow("all others", rest));
+        flows.push(("all others", rest));
     }
     if !small(residual) {
-        terms.push(flow("not kept by the model", -residual));
+        flows.push(("not kept by the model", -residual));
     }
+    flows
 }
 
-impl Cascade {
-    fn paint(&self, canvas: &mut Canvas<'_>, top: i32) {
-        let mut level = 0.0;
-        let bars: Vec<[f64; 2]> = self
-            .terms
-            .iter()
-            .map(|term| {
-                let from = level;
-                level += term.energy;
-                [from, level]
-            })
-            .collect();
-        let low = bars.iter().flatten().copied().fold(0.0, f64::min);
-        let high = bars.iter().flatten().copied().fold(0.0, f64::max);
-        let values = if high > low { [low, high] } else { [0.0, 1.0] };
-        let x = Scale {
-            values,
-            units: [BARS, END],
-        };
-        let bottom = top + ROW * self.terms.len() as i32;
-        let (round, decimals) = ticks(values, 6);
-        for value in &round {
-            let at = x.at(*value);
-            canvas.path([[at, top], [at, bottom]], FAINT, HAIR);
-            canvas.path([[at, bottom], [at, bottom + TICK]], INK, FRAME);
-            let text = minus(format!("{value:.decimals$}"));
-            canvas.text(&text, [at, bottom + 3 * MM], Anchor::Middle, INK);
-        }
-        canvas.text(
-            "Energy (J)",
-            [(BARS + END) / 2, bottom + 7 * MM + MM / 2],
-            Anchor::Middle,
-            INK,
-        );
-        for (row, (term, bar)) in self.terms.iter().zip(&bars).enumerate() {
-            let middle = top + ROW * row as i32 + ROW / 2;
-            let [from, to] = bar.map(|value| x.at(value));
-            canvas.text(term.name, [BARS - 2 * MM, middle], Anchor::End, INK);
-            let (left, right) = (from.min(to), from.max(to));
-            canvas.rectangle(
-                [left, middle - BAR / 2],
-                [right.max(left + FRAME as i32), middle + BAR / 2],
-                term.colour(),
-                1.0,
-            );
-            if row + 1 < self.terms.len() {
-                canvas.path([[to, middle + BAR / 2], [to, middle + ROW - BAR / 2]], GREY, HAIR);
-            }
-            canvas.text(&term.value(), [right + MM, middle], Anchor::Start, INK);
-        }
-        canvas.path([[BARS, top], [BARS, bottom], [END, bottom]], INK, FRAME);
-    }
-}
-
-impl Term {
-    fn colour(&self) -> RGBColor {
-        match (self.stored, self.energy >= 0.0) {
-            (true, _) => PALETTE[7],
-            (false, true) => PALETTE[0],
-            (false, false) => PALETTE[1],
-        }
-    }
-
-    /// The energy with three digits; a flow with its sign.
-    fn value(&self) -> String {
-        let size = self.energy.abs();
-        let decimals = if size > 0.0 {
-            (2 - size.log10().floor() as i32).clamp(0, 3) as usize
-        } else {
+/// The panel of a cascade between what is stored at the start and at the end.
+fn cascade(label: &str, start: Term, flows: Vec<Term>, end: Term) -> Panel {
+    let empty = |name: &str, colour| Series::over(name, colour, Shape::Spans(Vec::new()), []);
+    let mut series = [empty("stored", GREY), empty("in", 0), empty("out", 1)];
+    let terms: Vec<Term> = std::iter::once(start).chain(flows).chain([end]).collect();
+    let (mut level, mut ends) = (0.0f64, [0.0f64; 2]);
+    for (row, (_, energy)) in terms.iter().enumerate() {
+        let stored = row == 0 || row + 1 == terms.len();
+        let own = &mut series[if stored {
             0
-        };
-        minus(if self.stored {
-            format!("{size:.decimals$}")
+        } else if *energy >= 0.0 {
+            1
         } else {
-            format!("{:+.decimals$}", self.energy)
-        })
+            2
+        }];
+        if let Shape::Spans(from) = &mut own.shape {
+            from.push(level);
+        }
+        level += energy;
+        own.x.push(level);
+        own.y.push(row as f64);
+        own.notes
+            .push(note(if stored { energy.abs() } else { *energy }, !stored));
+        ends = [ends[0].min(level), ends[1].max(level)];
+    }
+    let [low, high] = ends;
+    Panel {
+        // Values stand behind the bars.
+        x: Axis::new(
+            "Energy",
+            "J",
+            [low, (high + 0.12 * (high - low)).max(f64::MIN_POSITIVE)],
+        ),
+        y: Axis::categories(label, "", terms.iter().map(|(name, _)| (*name).to_owned()).collect()),
+        height: 5 * terms.len() as u32,
+        series: series.into(),
     }
 }
 
-/// With the sign that is as wide as a plus.
-fn minus(text: String) -> String {
+/// An energy with three digits; with its sign where it is a flow.
+fn note(energy: f64, flow: bool) -> String {
+    let size = energy.abs().max(f64::MIN_POSITIVE).log10().floor() as i32;
+    let decimals = (2 - size).clamp(0, 3) as usize;
+    let text = if flow {
+        format!("{energy:+.decimals$}")
+    } else {
+        format!("{energy:.decimals$}")
+    };
     text.replace('-', "\u{2212}")
 }

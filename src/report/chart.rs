@@ -1,46 +1,183 @@
 //! Charts of a page: data for plotly.js, short enough for a file that is sent by mail.
-
-use std::sync::LazyLock;
+//!
+//! Written as JSON: the types of the plotly crate lack the base of a bar and the data behind its label.
 
 use maud::{Markup, PreEscaped, html};
-use plotters::style::RGBColor;
 use serde_json::{Value, json};
 
-use crate::figures;
+use crate::figures::{Axis, Chart, Event, PALETTE, Panel, Series, Shape, subscripts};
 
-/// The colours of the figures, as a page writes them.
-static INKS: LazyLock<[String; 8]> =
-    LazyLock::new(|| figures::PALETTE.map(|RGBColor(red, green, blue)| format!("#{red:02X}{green:02X}{blue:02X}")));
+/// Rows over a chart on which the symbols of events take turns.
+const ROWS: usize = 3;
 
-/// Points of a curve are thinned to the extremes of so many columns.
-const COLUMNS: usize = 900;
-
-/// A chart of the page.
-pub(super) struct Chart {
+/// A drawing by plotly.js.
+pub(super) struct Plot {
     /// Its name in the page.
     pub(super) id: String,
-    /// What it shows, as a caption.
-    pub(super) caption: String,
+    /// What it shows, for screen readers.
+    pub(super) description: String,
     /// Curves and bars.
     pub(super) data: Vec<Value>,
     /// Axes.
     pub(super) layout: Value,
     /// Height \[px\].
     pub(super) height: u32,
-    /// Charts of one group are zoomed along x together.
+    /// Plots of one group are zoomed along x together.
     pub(super) group: &'static str,
 }
 
-impl Chart {
-    /// The chart as part of the page.
+impl Plot {
+    /// The plot as part of the page.
     pub(super) fn markup(&self) -> Markup {
         html! {
-            figure.chart {
-                div.plot id={ "chart-" (self.id) } data-group=(self.group) style={ "height:" (self.height) "px" } role="img"
-                    aria-label=(self.caption) {}
-                (data(&format!("chart-{}-data", self.id), &json!({ "data": self.data, "layout": self.layout })))
-                figcaption { (self.caption) }
+            div.plot id={ "chart-" (self.id) } data-group=(self.group) style={ "height:" (self.height) "px" } role="img"
+                aria-label=(self.description) {}
+            (data(&format!("chart-{}-data", self.id), &json!({ "data": self.data, "layout": self.layout })))
+        }
+    }
+}
+
+/// A chart as part of the page: a plot for each panel.
+pub(super) fn markup(chart: &Chart) -> Markup {
+    html! {
+        figure.chart {
+            @for (index, panel) in chart.panels.iter().enumerate() { (plot(chart, index, panel).markup()) }
+            figcaption { (chart.caption) }
+        }
+    }
+}
+
+fn plot(chart: &Chart, index: usize, panel: &Panel) -> Plot {
+    let mut layout = json!({
+        "xaxis": axis(&panel.x), "yaxis": axis(&panel.y), "barmode": "group",
+        "hovermode": if panel.x.categories.is_empty() { "closest" } else { "x unified" },
+    });
+    if !panel.y.categories.is_empty() {
+        layout["yaxis"]["autorange"] = json!("reversed");
+        layout["yaxis"]["title"]["standoff"] = json!(12);
+        layout["barmode"] = json!("overlay");
+    }
+    let mut data: Vec<Value> = panel.series.iter().flat_map(|series| traces(panel, series)).collect();
+    // The last trace is drawn on top, and bars stand in the order of their traces.
+    if !panel.series.iter().any(|series| matches!(series.shape, Shape::Bars(_))) {
+        data.reverse();
+        layout["legend"] = json!({ "traceorder": "reversed" });
+    }
+    mark_events(&mut layout, &chart.events);
+    Plot {
+        id: if index == 0 {
+            chart.name.clone()
+        } else {
+            format!("{}-{}", chart.name, index + 1)
+        },
+        description: subscripts(&format!("{}: {}", panel.y.title(), chart.caption), "", ""),
+        data,
+        layout,
+        height: 160 + 3 * panel.height,
+        group: if chart.events.is_empty() { "" } else { "time" },
+    }
+}
+
+fn axis(axis: &Axis) -> Value {
+    let title = json!({ "text": subscripts(&axis.title(), "<sub>", "</sub>") });
+    if axis.categories.is_empty() {
+        return json!({ "title": title, "range": axis.range.map(short) });
+    }
+    let ticks: Vec<&String> = axis.ticks.iter().map(|&place| &axis.categories[place]).collect();
+    json!({ "title": title, "type": "category", "tickmode": "array", "tickvals": ticks, "categoryarray": axis.categories })
+}
+
+/// Marks the events over a chart in time.
+fn mark_events(layout: &mut Value, events: &[Event]) {
+    let line = |event: &Event| {
+        json!({
+            "type": "line", "xref": "x", "yref": "paper", "x0": event.at, "x1": event.at, "y0": 0, "y1": 1,
+            "line": { "color": "#b8b8b8", "width": 0.8 }, "layer": "below",
+        })
+    };
+    let name = |(place, event): (usize, &Event)| {
+        json!({
+            "xref": "x", "yref": "paper", "x": event.at, "y": 1.0, "yshift": 2 + 11 * (place % ROWS) as i64,
+            "yanchor": "bottom", "showarrow": false, "text": event.symbol, "font": { "size": 11, "color": "#555" },
+            "hovertext": format!("{}: {}, {:.2} ms", event.symbol, event.name, event.at),
+        })
+    };
+    if !events.is_empty() {
+        layout["shapes"] = events.iter().map(line).collect();
+        layout["annotations"] = events.iter().enumerate().map(name).collect();
+        layout["margin"] = json!({ "t": 48 });
+    }
+}
+
+/// A series as traces of plotly.
+fn traces(panel: &Panel, series: &Series) -> Vec<Value> {
+    let numbers = |values: &[f64]| values.iter().copied().map(short).collect::<Vec<_>>();
+    let names = |axis: &Axis, values: &[f64]| match axis.categories.as_slice() {
+        [] => numbers(values),
+        names => values.iter().map(|&place| json!(names[place as usize])).collect(),
+    };
+    let (x, y, color) = (
+        names(&panel.x, &series.x),
+        names(&panel.y, &series.y),
+        colour(series.colour),
+    );
+    let line = |more: Value| {
+        let mut style = json!({ "color": color, "width": 1.6 });
+        style
+            .as_object_mut()
+            .into_iter()
+            .for_each(|style| style.extend(more.as_object().cloned().unwrap_or_default()));
+        json!({ "type": "scatter", "mode": "lines", "name": series.name, "x": x, "y": y, "line": style })
+    };
+    match &series.shape {
+        Shape::Line => vec![line(json!({}))],
+        Shape::Broad => vec![line(json!({ "width": 5 }))],
+        Shape::Dashed => vec![line(json!({ "dash": "dash", "width": 1.2 }))],
+        Shape::Steps => {
+            let mut steps = line(json!({ "shape": "hvh", "width": 2 }));
+            steps["mode"] = json!("lines+markers");
+            vec![steps]
+        }
+        Shape::Band(lower) => {
+            let back = |values: &[f64]| values.iter().rev().copied().map(short).collect::<Vec<_>>();
+            vec![json!({
+                "type": "scatter", "mode": "lines", "fill": "toself", "fillcolor": format!("{color}21"), "hoverinfo": "skip",
+                "x": ([x, back(&series.x)].concat()), "y": ([y, back(lower)].concat()), "line": { "width": 0 }, "showlegend": false,
+            })]
+        }
+        // Bars stand on the lower end of the axis: a level has no zero of its own.
+        Shape::Bars(marks) => {
+            let floor = panel.y.range[0];
+            let above = |values: &[f64]| {
+                let height = |value: &f64| short((value - floor).max(0.0));
+                values.iter().map(height).collect::<Vec<_>>()
+            };
+            let mut traces = vec![json!({
+                "type": "bar", "name": series.name, "offsetgroup": series.name, "x": x, "base": floor, "y": above(&series.y),
+                "customdata": series.notes, "hovertemplate": "%{customdata}", "marker": { "color": color },
+            })];
+            if !marks.is_empty() {
+                let base: Vec<Value> = marks.iter().map(|mark| short(mark - 0.1)).collect();
+                let thin: Vec<f64> = marks
+                    .iter()
+                    .map(|mark| if *mark > floor { 0.2 } else { f64::NAN })
+                    .collect();
+                traces.push(json!({
+                    "type": "bar", "offsetgroup": series.name, "x": x, "base": base, "y": numbers(&thin), "hoverinfo": "skip",
+                    "marker": { "color": "#222" }, "showlegend": false,
+                }));
             }
+            traces
+        }
+        Shape::Spans(from) => {
+            // To the right, where the text has its place.
+            let lower: Vec<f64> = series.x.iter().zip(from).map(|(to, from)| from.min(*to)).collect();
+            let lengths: Vec<f64> = series.x.iter().zip(from).map(|(to, from)| (to - from).abs()).collect();
+            vec![json!({
+                "type": "bar", "orientation": "h", "name": series.name, "base": numbers(&lower), "x": numbers(&lengths), "y": y,
+                "text": series.notes, "textposition": "outside", "cliponaxis": false, "hovertemplate": "%{y}: %{text} J",
+                "marker": { "color": color },
+            })]
         }
     }
 }
@@ -52,18 +189,14 @@ fn data(id: &str, value: &Value) -> Markup {
     html! { script type="application/json" id=(id) { (PreEscaped(text)) } }
 }
 
-/// The colour at a place of the figures' palette.
-pub(super) fn ink(place: usize) -> &'static str {
-    &INKS[place]
-}
-
-/// Colour of a source.
-pub(super) fn colour(source: &str, place: usize) -> &'static str {
-    ink(figures::in_palette(source, place))
+/// The colour at a place of the palette.
+pub(super) fn colour(place: usize) -> String {
+    let [red, green, blue] = PALETTE[place];
+    format!("#{red:02X}{green:02X}{blue:02X}")
 }
 
 /// A number with five digits; null where it is none.
-pub(super) fn short(value: f64) -> Value {
+fn short(value: f64) -> Value {
     let rounded = format!("{value:.4e}").parse::<f64>().ok().filter(|v| v.is_finite());
     rounded.map_or(Value::Null, |value| {
         if value.fract() == 0.0 && value.abs() < 1e9 {
@@ -74,62 +207,9 @@ pub(super) fn short(value: f64) -> Value {
     })
 }
 
-/// A level with two decimals; null for silence.
-pub(super) fn decibel(level: Option<f64>) -> Value {
-    level.map_or(Value::Null, |level| json!((100.0 * level).round() / 100.0))
-}
-
-/// A curve, thinned so that every peak stays.
-pub(super) fn curve(name: &str, colour: &str, x: &[f64], y: &[f64]) -> Value {
-    let kept = thin(y);
-    let of = |values: &[f64]| kept.iter().map(|&index| short(values[index])).collect::<Vec<_>>();
-    json!({
-        "type": "scatter", "mode": "lines", "name": name, "x": of(x), "y": of(y),
-        "line": { "color": colour, "width": 1.6 },
-    })
-}
-
-/// Indices of the first, last, lowest and highest of every column.
-fn thin(y: &[f64]) -> Vec<usize> {
-    let column = y.len().div_ceil(COLUMNS).max(1);
-    if column < 3 {
-        return (0..y.len()).collect();
-    }
-    let mut kept = Vec::with_capacity(4 * COLUMNS);
-    for first in (0..y.len()).step_by(column) {
-        let last = (first + column).min(y.len()) - 1;
-        let by = |a: &usize, b: &usize| y[*a].total_cmp(&y[*b]);
-        let mut own = [
-            first,
-            (first..=last).min_by(by).unwrap_or(first),
-            (first..=last).max_by(by).unwrap_or(first),
-        ];
-        own.sort_unstable();
-        for index in own {
-            if kept.last() != Some(&index) {
-                kept.push(index);
-            }
-        }
-    }
-    if kept.last() != Some(&(y.len() - 1)) {
-        kept.push(y.len() - 1);
-    }
-    kept
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_spike_of_one_sample_stays() {
-        let mut y = vec![0.0; 20_000];
-        y[12_345] = 7.0;
-        y[777] = -3.0;
-        let kept = thin(&y);
-        assert!(kept.contains(&12_345) && kept.contains(&777) && kept.contains(&19_999));
-        assert!(kept.len() <= 4 * COLUMNS && kept.windows(2).all(|pair| pair[0] < pair[1]));
-    }
 
     #[test]
     fn data_cannot_end_its_element() {

@@ -1,13 +1,12 @@
 //! The report of a comparison.
 
 use maud::{Markup, html};
-use serde_json::{Value, json};
 
-use super::chart::{Chart, decibel, ink};
-use super::levels::{highest, range};
+use super::chart::{colour, markup};
 use super::page::{Page, Section};
 use super::tables::{decibels, plain};
 use crate::comparison::{Comparison, Labelled, Levels, SourceRow, ValueRow};
+use crate::figures::{Axis, BLACK, Chart, Panel, Series, Shape};
 use crate::wording;
 
 /// Levels shown below the highest \[dB\].
@@ -15,10 +14,10 @@ const SHOWN: f64 = 50.0;
 
 pub(super) fn page(c: &Comparison) -> Page {
     let mut sections = vec![
-        Section::new("levels", "Levels", html! { (overview(c).markup()) (levels(c)) }),
+        Section::new("levels", "Levels", html! { (markup(&overview(c))) (levels(c)) }),
         Section::new("differences", "Differences", inputs(c)),
     ];
-    let charts = |f: &dyn Fn(&SourceRow) -> Option<Chart>| html! { @for row in &c.sources { @if let Some(chart) = f(row) { (chart.markup()) } } };
+    let charts = |f: &dyn Fn(&SourceRow) -> Option<Chart>| html! { @for row in &c.sources { @if let Some(chart) = f(row) { (markup(&chart)) } } };
     sections.push(Section::new(
         "bands",
         "Bands",
@@ -38,10 +37,6 @@ pub(super) fn page(c: &Comparison) -> Page {
     }
 }
 
-fn colour(place: usize) -> &'static str {
-    ink(place % 6)
-}
-
 fn change(db: Option<f64>) -> String {
     db.map_or_else(
         || "\u{2013}".to_owned(),
@@ -56,7 +51,7 @@ fn lead(c: &Comparison) -> Markup {
                 span.number { (decibels(c.total.level_db[place])) }
                 span.unit { "dB" }
                 span.what {
-                    span.dot style={ "background:" (colour(place)) } {} (name)
+                    span.dot style={ "background:" (colour(place % BLACK)) } {} (name)
                     @if place > 0 { ", " (change(c.total.change_db[place])) " dB" } @else { ", reference" }
                 }
             }
@@ -77,82 +72,74 @@ fn lead(c: &Comparison) -> Markup {
 
 /// Levels of all sources and the total by design.
 fn overview(c: &Comparison) -> Chart {
-    let mut names: Vec<&str> = c.sources.iter().map(|row| row.source.as_str()).collect();
-    names.push("total");
-    let rows: Vec<&Levels> = c.sources.iter().map(|row| &row.levels).chain([&c.total]).collect();
-    let scale = range(highest(rows.iter().flat_map(|row| row.level_db.iter().copied())), 40.0);
+    let rows = c.sources.iter().map(|row| (row.source.as_str(), &row.levels));
+    let panel = bars(
+        c,
+        "Source",
+        "",
+        "L_{WA,1s}",
+        rows.chain([("total", &c.total)]).collect(),
+    );
+    let caption = "A-weighted levels of each source and of all together, dB re 1 pW s. The bars stand on the lower edge of \
+                   the axis: a level has no zero of its own.";
+    chart(c, "overview".to_owned(), caption.to_owned(), panel)
+}
+
+fn chart(c: &Comparison, name: String, caption: String, panel: Panel) -> Chart {
     Chart {
-        id: "overview".to_owned(),
-        caption:
-            "A-weighted levels of each source and of all together, dB re 1 pW s. The bars stand on the lower edge of \
-                  the axis: a level has no zero of its own."
-                .to_owned(),
-        data: bars(
-            c,
-            &names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>(),
-            &rows,
-            &scale,
-        ),
-        layout: json!({
-            "barmode": "group", "xaxis": { "type": "category" },
-            "yaxis": { "title": { "text": "L<sub>WA,1s</sub> (dB)" }, "range": scale },
-        }),
-        height: 360,
-        group: "",
+        name,
+        title: "Compared",
+        subject: c.designs.join(", "),
+        caption,
+        panels: vec![panel],
+        events: Vec::new(),
     }
 }
 
 /// One series of bars a design over the labels.
-fn bars(c: &Comparison, labels: &[String], rows: &[&Levels], scale: &Value) -> Vec<Value> {
-    let floor = scale[0].as_f64().unwrap_or(0.0);
+fn bars(c: &Comparison, x: &str, unit: &'static str, y: &str, rows: Vec<(&str, &Levels)>) -> Panel {
     let series = |(place, name): (usize, &String)| {
-        let above = rows
-            .iter()
-            .map(|row| decibel(row.level_db[place].map(|db| db - floor).filter(|height| *height > 0.0)));
-        let told = rows.iter().map(|row| {
+        let note = |(_, row): &(&str, &Levels)| {
             format!(
                 "{} dB, change {}",
                 decibels(row.level_db[place]),
                 change(row.change_db[place])
             )
-        });
-        json!({
-            "type": "bar", "name": name, "x": labels, "base": floor, "y": above.collect::<Vec<_>>(),
-            "customdata": told.collect::<Vec<_>>(), "hovertemplate": "%{x}: %{customdata}",
-            "marker": { "color": colour(place) },
-        })
+        };
+        let levels = rows.iter().map(|(_, row)| row.level_db[place]);
+        Series {
+            notes: rows.iter().map(note).collect(),
+            ..Series::over(name, place % BLACK, Shape::Bars(Vec::new()), levels)
+        }
     };
-    c.designs.iter().enumerate().map(series).collect()
+    let series: Vec<Series> = c.designs.iter().enumerate().map(series).collect();
+    Panel {
+        x: Axis::categories(x, unit, rows.iter().map(|(label, _)| (*label).to_owned()).collect()),
+        y: Axis::levels(y, "dB", SHOWN, &series),
+        height: 70,
+        series,
+    }
 }
 
+/// Levels of a source in its bands or intervals; none where it is silent in all of them.
 fn labelled(c: &Comparison, row: &SourceRow, kind: &str, own: &[Labelled]) -> Option<Chart> {
-    let top = own
-        .iter()
-        .flat_map(|l| l.levels.level_db.iter().copied())
-        .flatten()
-        .reduce(f64::max)?;
-    let (scale, labels) = (
-        range(top, SHOWN),
-        own.iter().map(|l| l.label.clone()).collect::<Vec<_>>(),
-    );
-    let rows: Vec<&Levels> = own.iter().map(|l| &l.levels).collect();
-    let title = if kind == "bands" {
-        "Mid-band frequency (Hz)"
+    own.iter()
+        .flat_map(|l| &l.levels.level_db)
+        .find(|level| level.is_some())?;
+    let (x, unit) = if kind == "bands" {
+        ("Mid-band frequency", "Hz")
     } else {
-        "Interval between events"
+        ("Interval between events", "")
     };
-    Some(Chart {
-        id: format!("{kind}-{}", row.source.replace(' ', "-")),
-        caption: format!("{}: A-weighted levels, dB re 1 pW s.", row.source),
-        data: bars(c, &labels, &rows, &scale),
-        layout: json!({
-            "barmode": "group", "title": { "text": row.source, "font": { "size": 14 } },
-            "xaxis": { "type": "category", "title": { "text": title }, "tickangle": -45 },
-            "yaxis": { "title": { "text": "L<sub>WA,1s</sub> (dB)" }, "range": scale },
-        }),
-        height: 360,
-        group: "",
-    })
+    let rows = own.iter().map(|l| (l.label.as_str(), &l.levels)).collect();
+    let panel = bars(c, x, unit, &format!("{}, L_{{WA,1s}}", row.source), rows);
+    let caption = format!("{}: A-weighted levels, dB re 1 pW s.", row.source);
+    Some(chart(
+        c,
+        format!("{kind}-{}", row.source.replace(' ', "-")),
+        caption,
+        panel,
+    ))
 }
 
 fn levels(c: &Comparison) -> Markup {

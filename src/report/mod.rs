@@ -7,8 +7,6 @@
 mod assumptions;
 mod chart;
 mod compared;
-mod cycle;
-mod levels;
 mod modes;
 mod page;
 mod picture;
@@ -104,7 +102,8 @@ impl Stage for BodyPictures {
         let paint = |driven| Painted::new(&self.surroundings, driven);
         let bodies: Vec<Painted<'_>> = moving.iter().map(paint).collect();
         Ok(Pictures {
-            scene: scene::chart(&bodies).map(|view| view.markup().into_string()),
+            scene: scene::chart(&bodies)
+                .map(|view| html! { figure.chart { (view.markup()) figcaption { (view.description) } } }.into_string()),
             sources: bodies.iter().map(|painted| painted.source().to_owned()).collect(),
             modes: modes::section(&bodies).into_string(),
         })
@@ -113,13 +112,13 @@ impl Stage for BodyPictures {
 
 /// The report of a run, with the pictures and sounds that belong to it.
 pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Recording]) -> String {
-    let result = &run.result;
+    let (result, subject) = (&run.result, run.result.design.name.as_str());
     let value = serde_json::to_value(result).unwrap_or_default();
     let mut sections = vec![Section::new("ranking", "Ranking", ranking(result, &value))];
     sections.push(Section::new(
         "levels",
         "Levels",
-        html! { (levels::bands(result).markup()) (levels::intervals(result).markup()) },
+        html! { @for chart in figures::levels(subject, result) { (chart::markup(&chart)) } },
     ));
     sections.push(Section::new(
         "sound",
@@ -149,20 +148,21 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
         "Loudest modes",
         html! { (PreEscaped(&pictures.modes)) },
     ));
-    let energy = figures::energy(&format!("{}: one shot", result.design.name), design, &run.record);
+    let mut cycle = figures::cycle(subject, design, &run.record);
+    let energy = cycle.pop();
     sections.push(Section::new(
         "cycle",
         "Nailing cycle",
         html! {
-            (levels::power(&run.powers, &run.record.events).markup())
-            @for chart in cycle::charts(&run.record) { (chart.markup()) }
+            (chart::markup(&figures::power(subject, &run.record, &run.powers)))
+            @for chart in &cycle { (chart::markup(chart)) }
             div.columns { (tables::events(&run.record)) (tables::figures(&value["cycle"])) }
         },
     ));
     sections.push(Section::new(
         "energy",
         "Energy flow",
-        html! { figure.drawing { (PreEscaped(energy.svg)) } },
+        html! { @if let Some(chart) = &energy { (chart::markup(chart)) } },
     ));
     if !result.sensors.is_empty() {
         sections.push(Section::new(

@@ -3,7 +3,7 @@
 use nailnoise_acoustics::levels::octaves;
 use serde_json::{Value, json};
 
-use super::chart::Chart;
+use super::chart::Plot;
 use super::surface::{Painted, level};
 
 /// Levels shown below the highest \[dB\].
@@ -16,7 +16,7 @@ struct Triangles {
 }
 
 /// A view of all bodies that turns with the mouse; none where there is no surface.
-pub(super) fn chart(bodies: &[Painted<'_>]) -> Option<Chart> {
+pub(super) fn chart(bodies: &[Painted<'_>]) -> Option<Plot> {
     let mut data = Vec::new();
     let mut coloured: Vec<(&Painted<'_>, Triangles)> = Vec::new();
     for painted in bodies {
@@ -82,9 +82,9 @@ pub(super) fn chart(bodies: &[Painted<'_>]) -> Option<Chart> {
     }
     let high = top(&|painted| painted.whole.clone());
     let hidden = json!({ "visible": false });
-    Some(Chart {
+    Some(Plot {
         id: "surfaces".to_owned(),
-        caption: format!(
+        description: format!(
             "Where the surfaces move so that they can sound: A-weighted equivalent radiated energy per area, dB re 1 pW s/m\u{b2}, \
              at radiation efficiency 1 whatever the method of the ranking; how much of it leaves as sound is there. Taken \
              over {}; octaves are cut at these ends. Drag to turn, scroll to come closer, choose an octave on the left. \

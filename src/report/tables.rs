@@ -4,6 +4,8 @@ use maud::{Markup, html};
 use nailnoise_dynamics::CycleRecord;
 use serde_json::Value;
 
+use super::chart::colour;
+use crate::figures::in_palette;
 use crate::output::EVENT_NAMES;
 use crate::result::{RankedSource, RunResult};
 use crate::wording::{band, order};
@@ -48,14 +50,14 @@ pub(super) fn ranking(result: &RunResult) -> Markup {
             tbody {
                 @for (place, source) in result.ranking.iter().enumerate() {
                     tr {
-                        td { span.dot style={ "background:" (super::chart::colour(&source.source, place)) } {} (source.source) }
+                        td { span.dot style={ "background:" (colour(in_palette(&source.source, place))) } {} (source.source) }
                         td.n { b { (decibels(source.lwa_db)) } }
                         td.n { (band(source.uncertainty_db.bounds()).replace('-', "\u{2212}")) }
                         td.n { (decibels(source.lw_db)) }
                         td { div.share {
                             div.bar style={
                                 "width:" (format!("{:.1}%", 100.0 * source.share)) ";background:"
-                                (super::chart::colour(&source.source, place))
+                                (colour(in_palette(&source.source, place)))
                             } {}
                             span { (format!("{:.1} %", 100.0 * source.share)) }
                         } }

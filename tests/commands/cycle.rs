@@ -42,7 +42,7 @@ fn published_forms_strike_the_bumper_and_say_what_they_are() {
 fn figures_are_written_and_listed() {
     let (output, folder) = nailnoise("figures", &["--figures", "--json"]);
     let figures = json(&output)["figures"].as_array().unwrap().clone();
-    assert_eq!(figures.len(), 5);
+    assert_eq!(figures.len(), 6);
     for figure in figures {
         let path = folder.join(figure.as_str().unwrap());
         assert!(

@@ -23,7 +23,7 @@ async () => {
     : typeof values.length === "number" ? Array.from(values).filter((v) => Number.isFinite(+v) && v !== null).length : 0;
   return [...document.querySelectorAll(".plot")].map((plot) => ({
     id: plot.id,
-    values: plot.data.map((trace) => Math.max(finite(trace.y), finite(trace.intensity), finite(trace.z))),
+    values: plot.data.map((trace) => Math.max(finite(trace.x), finite(trace.y), finite(trace.intensity), finite(trace.z))),
     drawn: plot.querySelectorAll(".main-svg, canvas").length,
     width: plot.getBoundingClientRect().width,
     scene: !!plot.layout.scene,

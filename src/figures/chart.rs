@@ -1,0 +1,295 @@
+//! The model of a chart: axes, series and events, before a renderer draws them on paper or on a page.
+
+use nailnoise_dynamics::Events;
+
+use crate::output::EVENT_NAMES;
+
+/// A long line is thinned to the extremes of so many columns.
+const COLUMNS: usize = 900;
+
+/// Panels below each other that show one subject. `_{...}` in a text is a subscript.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chart {
+    /// Name of its file, without extension, and of its place in a page.
+    pub name: String,
+    /// Heading.
+    pub title: &'static str,
+    /// The design, and what it did.
+    pub subject: String,
+    /// What it shows, in sentences.
+    pub caption: String,
+    /// Panels, from the top.
+    pub panels: Vec<Panel>,
+    /// Events on a horizontal axis of time, in order.
+    pub events: Vec<Event>,
+}
+
+/// A pair of axes with its series.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Panel {
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
+    /// Height of the axes in print \[mm\].
+    pub height: u32,
+    /// Series; the first lies on top.
+    pub series: Vec<Series>,
+}
+
+/// A linear axis, or one of categories.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// The quantity.
+    pub label: String,
+    /// Its unit; empty where it has none.
+    pub unit: &'static str,
+    /// Values at the ends, in the unit; category `i` takes `i..i + 1`. The first category is on top of a vertical axis.
+    pub range: [f64; 2],
+    /// Names of the categories; none on a linear axis.
+    pub categories: Vec<String>,
+    /// Categories that have a tick.
+    pub ticks: Vec<usize>,
+}
+
+/// Data with an entry in the legend.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// Entry in the legend; no entry where it is empty.
+    pub name: String,
+    /// Place of its colour in the palette.
+    pub colour: usize,
+    /// How it is drawn.
+    pub shape: Shape,
+    /// Abscissas in the unit of the axis, rising; places of categories.
+    pub x: Vec<f64>,
+    /// Ordinates in the unit of the axis; a gap where they are not finite.
+    pub y: Vec<f64>,
+    /// What is said of each point, beside it or under the pointer; may be empty.
+    pub notes: Vec<String>,
+}
+
+/// How a series is drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Shape {
+    /// A line through the points.
+    Line,
+    /// A broad line through the points.
+    Broad,
+    /// A dashed line through the points.
+    Dashed,
+    /// A horizontal line over each category.
+    Steps,
+    /// A bar from the lower end of the axis for each category, beside those of other series. Lines across the bars mark
+    /// these ordinates, of which there may be none.
+    Bars(Vec<f64>),
+    /// The area between the points and these ordinates.
+    Band(Vec<f64>),
+    /// Horizontal bars from these abscissas to `x` in the categories `y` of the vertical axis, each joined to the next.
+    Spans(Vec<f64>),
+}
+
+/// An event on an axis of time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Event {
+    /// Its time, in the unit of the axis.
+    pub at: f64,
+    /// Its symbol.
+    pub symbol: String,
+    /// What happens.
+    pub name: &'static str,
+}
+
+impl Axis {
+    /// A linear axis.
+    pub(crate) fn new(label: impl Into<String>, unit: &'static str, range: [f64; 2]) -> Self {
+        Self {
+            label: label.into(),
+            unit,
+            range,
+            categories: Vec::new(),
+            ticks: Vec::new(),
+        }
+    }
+
+    /// An axis that holds zero and the ordinates of all series, with a margin of 5 % where it does not end at zero.
+    pub(crate) fn around(label: impl Into<String>, unit: &'static str, series: &[Series]) -> Self {
+        let values = series.iter().flat_map(|series| series.y.iter().copied());
+        let [low, high] = ends(values).unwrap_or([0.0, 1.0]).map(|end| 1.05 * end);
+        let [low, high] = [low.min(0.0), high.max(0.0)];
+        Self::new(label, unit, if low < high { [low, high] } else { [0.0, 1.0] })
+    }
+
+    /// An axis of levels that ends above the highest of all series, with `shown` dB below its upper end.
+    pub(crate) fn levels(label: impl Into<String>, unit: &'static str, shown: f64, series: &[Series]) -> Self {
+        let highest = ends(series.iter().flat_map(|series| series.y.iter().copied())).map_or(0.0, |[_, high]| high);
+        let end = 5.0 * ((highest + 1.0) / 5.0).ceil();
+        Self::new(label, unit, [end - shown, end])
+    }
+
+    /// An axis of categories, each with a tick.
+    pub(crate) fn categories(label: impl Into<String>, unit: &'static str, categories: Vec<String>) -> Self {
+        Self {
+            ticks: (0..categories.len()).collect(),
+            range: [0.0, categories.len().max(1) as f64],
+            categories,
+            ..Self::new(label, unit, [0.0; 2])
+        }
+    }
+
+    /// Label and unit.
+    pub(crate) fn title(&self) -> String {
+        match self.unit {
+            "" => self.label.clone(),
+            unit => format!("{} ({unit})", self.label),
+        }
+    }
+}
+
+impl Series {
+    /// A line, thinned so that every peak stays.
+    pub(crate) fn line(name: impl Into<String>, colour: usize, x: &[f64], y: &[f64]) -> Self {
+        let kept = thin(y);
+        let of = |values: &[f64]| kept.iter().map(|&index| values[index]).collect();
+        Self {
+            x: of(x),
+            y: of(y),
+            ..Self::over(name, colour, Shape::Line, [])
+        }
+    }
+
+    /// A value for each category; a gap where there is none.
+    pub(crate) fn over(
+        name: impl Into<String>,
+        colour: usize,
+        shape: Shape,
+        values: impl IntoIterator<Item = Option<f64>>,
+    ) -> Self {
+        let y: Vec<f64> = values.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect();
+        Self {
+            name: name.into(),
+            colour,
+            shape,
+            x: (0..y.len()).map(|place| place as f64).collect(),
+            y,
+            notes: Vec::new(),
+        }
+    }
+
+    /// A dashed grey line over the whole axis.
+    pub(crate) fn rule(name: impl Into<String>, axis: &Axis, value: f64) -> Self {
+        Self {
+            x: axis.range.to_vec(),
+            y: vec![value; 2],
+            ..Self::over(name, super::GREY, Shape::Dashed, [])
+        }
+    }
+}
+
+/// The events that take place, in ms.
+pub(crate) fn events(events: &Events) -> Vec<Event> {
+    let times = events.to_array();
+    let taking_place = times
+        .iter()
+        .zip(EVENT_NAMES)
+        .enumerate()
+        .filter_map(|(index, (time, name))| {
+            Some(Event {
+                at: 1e3 * (*time)?,
+                symbol: symbol(&format!("t{index}")),
+                name,
+            })
+        });
+    let mut events: Vec<Event> = taking_place.collect();
+    // In a published form t2 may come before t1.
+    events.sort_by(|a, b| a.at.total_cmp(&b.at));
+    events
+}
+
+/// `t13` with its number as subscript; other names as they are.
+pub(crate) fn symbol(event: &str) -> String {
+    let subscript = |digit: char| char::from_u32(0x2080 + digit.to_digit(10)?);
+    match event
+        .strip_prefix('t')
+        .map(|number| number.chars().map(subscript).collect())
+    {
+        Some(Some(number)) => ["t".to_owned(), number].concat(),
+        _ => event.to_owned(),
+    }
+}
+
+/// A text whose subscripts `_{...}` stand between two marks.
+pub(crate) fn subscripts(text: &str, before: &str, after: &str) -> String {
+    let mut parts = text.split("_{");
+    let first = parts.next().unwrap_or_default().to_owned();
+    parts.fold(first, |text, part| match part.split_once('}') {
+        Some((below, rest)) if !below.contains('<') => [&text, before, below, after, rest].concat(),
+        _ => [&text, "_{", part].concat(),
+    })
+}
+
+/// Least and greatest finite value.
+fn ends(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+    let finite = values.filter(|value| value.is_finite());
+    finite
+        .map(|value| [value; 2])
+        .reduce(|[low, high], [value, _]| [low.min(value), high.max(value)])
+}
+
+/// Indices of the first, lowest and highest of every column, and of the last.
+fn thin(y: &[f64]) -> Vec<usize> {
+    let column = y.len().div_ceil(COLUMNS).max(1);
+    if column < 3 {
+        return (0..y.len()).collect();
+    }
+    let mut kept = Vec::with_capacity(3 * COLUMNS + 1);
+    for first in (0..y.len()).step_by(column) {
+        let own = first..(first + column).min(y.len());
+        let by = |a: &usize, b: &usize| y[*a].total_cmp(&y[*b]);
+        kept.extend([
+            first,
+            own.clone().min_by(by).unwrap_or(first),
+            own.max_by(by).unwrap_or(first),
+        ]);
+    }
+    kept.extend(y.len().checked_sub(1));
+    kept.sort_unstable();
+    kept.dedup();
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_spike_of_one_sample_stays() {
+        let mut y = vec![0.0; 20_000];
+        y[12_345] = 7.0;
+        y[777] = -3.0;
+        let kept = thin(&y);
+        assert!(kept.contains(&12_345) && kept.contains(&777) && kept.contains(&19_999));
+        assert!(kept.len() <= 3 * COLUMNS + 1 && kept.windows(2).all(|pair| pair[0] < pair[1]));
+    }
+
+    #[test]
+    fn an_axis_holds_zero_and_every_finite_value() {
+        let range = |y: &[f64]| {
+            let series = Series::over("", 0, Shape::Line, y.iter().copied().map(Some));
+            Axis::around("", "", &[series]).range
+        };
+        assert_eq!(range(&[1.0, f64::NAN, 2.0]), [0.0, 2.1]);
+        assert_eq!(range(&[-1.0, 1.0]), [-1.05, 1.05]);
+        assert_eq!(range(&[]), [0.0, 1.0]);
+    }
+
+    #[test]
+    fn subscripts_end_where_they_are_closed() {
+        assert_eq!(subscripts("L_{WA} of {a}, b_{c", "<", ">"), "L<WA> of {a}, b_{c");
+    }
+
+    #[test]
+    fn numbers_of_events_are_subscripts() {
+        assert_eq!(["t13", "end", "total"].map(symbol), ["t₁₃", "end", "total"]);
+    }
+}

@@ -1,0 +1,172 @@
+//! Charts of levels: third-octave bands of the sources and of the exhaust's parts, intervals between events, power over
+//! time.
+
+use nailnoise_acoustics::levels::{energy_level, level_energy};
+use nailnoise_dynamics::CycleRecord;
+
+use super::BLACK;
+use super::chart::{Axis, Chart, Panel, Series, Shape, events, symbol};
+use super::cycle::time_axis;
+use crate::result::{BandLevel, IntervalLevel, RunResult};
+use crate::stages::ranking::SoundPower;
+
+/// Levels shown below the highest \[dB\].
+pub(crate) const SHOWN: f64 = 60.0;
+
+/// Place of a source in the palette, the same in every chart; what has none of its own takes the others in turn.
+pub(crate) fn in_palette(source: &str, place: usize) -> usize {
+    match source {
+        "workpiece" => 0,
+        "exhaust" => 1,
+        "body" => 2,
+        _ => 3 + place % 3,
+    }
+}
+
+/// The charts of a result's levels: `bands` of each source, `exhaust` with its parts (none where there is no exhaust),
+/// and `intervals` between events. `subject` says what they are of.
+pub fn levels(subject: &str, result: &RunResult) -> Vec<Chart> {
+    let chart = |name: &str, title, caption: &str, panels| Chart {
+        name: name.to_owned(),
+        title,
+        subject: subject.to_owned(),
+        caption: caption.to_owned(),
+        panels,
+        events: Vec::new(),
+    };
+    let weighted = |band: &BandLevel| band.lwa_db;
+    let mut charts = vec![chart(
+        "bands",
+        "Level of each source",
+        "One-third-octave levels of each source, A-weighted and unweighted, dB re 1 pW s. A click on a name hides it.",
+        vec![
+            bands("L_{WA,1s} per 1/3 octave", result, sources(result, weighted)),
+            bands("L_{W,1s} per 1/3 octave", result, sources(result, |band| band.lw_db)),
+        ],
+    )];
+    if let Some(exhaust) = result.ranking.iter().find(|source| source.source == "exhaust") {
+        let parts = exhaust.components.iter().enumerate();
+        let audible = parts.filter(|(_, part)| part.lwa_db.is_some());
+        let steps = |name: &str, colour, bands: &[BandLevel]| {
+            Series::over(name, colour, Shape::Steps, bands.iter().map(weighted))
+        };
+        let mut series: Vec<Series> = audible
+            .map(|(place, part)| steps(&part.name, place % BLACK, &part.bands))
+            .collect();
+        series.push(steps("exhaust", BLACK, &exhaust.bands));
+        charts.push(chart(
+            "exhaust",
+            "Parts of the exhaust",
+            "A-weighted one-third-octave levels of the parts of the exhaust, dB re 1 pW s.",
+            vec![bands("L_{WA,1s} per 1/3 octave", result, series)],
+        ));
+    }
+    charts.push(chart(
+        "intervals",
+        "Level between events",
+        "A-weighted levels of the energy radiated between neighbouring events, dB re 1 pW s; lines across the bars: levels \
+         of the signal cut at both events, as a measurement finds them. The energies of a source's intervals sum to its \
+         total.",
+        vec![intervals(result)],
+    ));
+    charts
+}
+
+/// A panel of one-third-octave bands with a tick per octave.
+fn bands(label: &str, result: &RunResult, series: Vec<Series>) -> Panel {
+    let bands = result.ranking.first().map_or(&[][..], |source| &source.bands);
+    let octave = |place: &usize| (10.0 * (bands[*place].hz / 1000.0).log10()).round() as i32 % 3 == 0;
+    let names = bands.iter().map(|band| band.hz.to_string()).collect();
+    Panel {
+        x: Axis {
+            ticks: (0..bands.len()).filter(octave).collect(),
+            ..Axis::categories("Mid-band frequency", "Hz", names)
+        },
+        y: Axis::levels(label, "dB", SHOWN, &series),
+        height: 62,
+        series,
+    }
+}
+
+/// A level of each source in each band, and their energy sum.
+fn sources(result: &RunResult, level: fn(&BandLevel) -> Option<f64>) -> Vec<Series> {
+    let bands = result.ranking.first().map_or(0, |source| source.bands.len());
+    let sum = |band: usize| {
+        let levels = result.ranking.iter().filter_map(|source| source.bands.get(band));
+        energy_level(levels.map(|band| level_energy(level(band))).sum())
+    };
+    let own = result.ranking.iter().enumerate().map(|(place, source)| {
+        let levels = source.bands.iter().map(level);
+        Series::over(&source.source, in_palette(&source.source, place), Shape::Steps, levels)
+    });
+    own.chain([Series::over("total", BLACK, Shape::Steps, (0..bands).map(sum))])
+        .collect()
+}
+
+/// Bars are the energy radiated in an interval. Intervals of no length are left out.
+fn intervals(result: &RunResult) -> Panel {
+    let lasting = |interval: &&IntervalLevel| interval.to_s > interval.from_s;
+    let of = |intervals: &[IntervalLevel], value: &dyn Fn(&IntervalLevel) -> Option<f64>| -> Vec<Option<f64>> {
+        intervals.iter().filter(lasting).map(value).collect()
+    };
+    let note = |interval: &IntervalLevel| {
+        let level = interval
+            .lwa_db
+            .map_or_else(|| "silent".to_owned(), |db| format!("{db:.1} dB"));
+        format!("{level}, {:.2} ms", 1e3 * (interval.to_s - interval.from_s))
+    };
+    let bars = |(place, source): (usize, &crate::result::RankedSource)| {
+        let cut = of(&source.intervals, &|interval| interval.lwa_cut_db);
+        let marks = Shape::Bars(cut.into_iter().map(|level| level.unwrap_or(f64::NAN)).collect());
+        let levels = of(&source.intervals, &|interval| interval.lwa_db);
+        Series {
+            notes: source.intervals.iter().filter(lasting).map(note).collect(),
+            ..Series::over(&source.source, in_palette(&source.source, place), marks, levels)
+        }
+    };
+    let series: Vec<Series> = result.ranking.iter().enumerate().map(bars).collect();
+    let first = result.ranking.first().map_or(&[][..], |source| &source.intervals);
+    // Open where the record begins and ends.
+    let event = |name: &str| {
+        if name.starts_with('t') {
+            symbol(name)
+        } else {
+            String::new()
+        }
+    };
+    let name = |interval: &IntervalLevel| format!("{}\u{2013}{}", event(&interval.from), event(&interval.to));
+    let names = first.iter().filter(lasting).map(name).collect();
+    Panel {
+        x: Axis::categories("Interval between events (lines: signal cut at both events)", "", names),
+        y: Axis::levels("L_{WA,1s} in the interval", "dB", SHOWN, &series),
+        height: 80,
+        series,
+    }
+}
+
+/// A-weighted sound power of every source over time. `subject` says what it is of.
+pub fn power(subject: &str, record: &CycleRecord, powers: &[SoundPower]) -> Chart {
+    let curve = |(place, power): (usize, &SoundPower)| {
+        let history = &power.history;
+        let time = |cell: usize| 1e3 * (history.start + cell as f64 * history.sample_interval);
+        let times: Vec<f64> = (0..history.power.len()).map(time).collect();
+        // The level of a power re 1 pW is that of its energy in 1 s re 1 pW s.
+        let level = |watts: &f64| energy_level(*watts).unwrap_or(f64::NAN);
+        let levels: Vec<f64> = history.power.iter().map(level).collect();
+        Series::line(&power.source, in_palette(&power.source, place), &times, &levels)
+    };
+    let series: Vec<Series> = powers.iter().enumerate().map(curve).collect();
+    Chart {
+        name: "power".to_owned(),
+        title: "Sound power over time",
+        subject: subject.to_owned(),
+        caption: "A-weighted sound power of each source over the shot, means over 0.1 ms.".to_owned(),
+        panels: vec![Panel {
+            x: time_axis(record),
+            y: Axis::levels("A-weighted sound power level", "dB re 1 pW", SHOWN, &series),
+            height: 88,
+            series,
+        }],
+        events: events(&record.events),
+    }
+}
