@@ -6,6 +6,7 @@ use std::borrow::Cow;
 use std::time::Duration;
 
 pub use nailnoise_acoustics::radiator::{ModeShare, RadiationBand, RadiationReport, Uncertainty};
+pub use nailnoise_quantities::Check;
 use serde::{Deserialize, Serialize, Serializer};
 
 /// Version of the layout of [`RunResult`]; it changes when a reader of the old layout would misread the new one.
@@ -336,42 +337,6 @@ pub struct Total {
     pub lwa_db: Option<f64>,
     /// The same without weighting.
     pub lw_db: Option<f64>,
-}
-
-/// A check of a run: a number that must stay within its limit.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Check {
-    /// What is checked, with unit.
-    pub name: String,
-    /// Value found.
-    pub value: f64,
-    /// Largest value allowed.
-    pub limit: f64,
-    /// Whether `value` is within `limit`; never true for NaN.
-    pub ok: bool,
-}
-
-impl Check {
-    /// A check that holds when `|value| <= limit`.
-    pub fn at_most(name: impl Into<String>, value: f64, limit: f64) -> Self {
-        Self {
-            name: name.into(),
-            value,
-            limit,
-            ok: value.abs() <= limit,
-        }
-    }
-}
-
-impl From<&nailnoise_dynamics::Check> for Check {
-    fn from(check: &nailnoise_dynamics::Check) -> Self {
-        Self {
-            name: check.name.to_owned(),
-            value: check.value,
-            limit: check.limit,
-            ok: check.ok,
-        }
-    }
 }
 
 /// Wall time of each stage \[s\], in the order in which they ended, without that of the stages it waits for; some run side

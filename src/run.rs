@@ -10,7 +10,7 @@ use crate::design::inputs::{self, located};
 use crate::design::{Design, SupportKind};
 use crate::error::Error;
 use crate::graph::Graph;
-use crate::result::{Check, DesignId, RunResult, SCHEMA};
+use crate::result::{DesignId, RunResult, SCHEMA};
 use crate::stages::microphones::Microphones;
 use crate::stages::ranking::SoundPower;
 use crate::stages::sensors::SensorRecord;
@@ -120,7 +120,7 @@ impl Chain {
             Ok::<_, Error>((changes, report.checks.clone()))
         });
         let (coupling, coupling_checks) = coupling.transpose()?.unzip();
-        let mut checks: Vec<Check> = record.checks.iter().map(Check::from).collect();
+        let mut checks = record.checks.clone();
         checks.extend(response.checks.iter().cloned());
         checks.extend(coupling_checks.into_iter().flatten());
         checks.extend(tool.iter().flat_map(|tool| tool.checks.clone()));

@@ -21,8 +21,6 @@ pub use parameters::{
     Ambient, Block, Chambers, Contacts, Exhaust, Form, Friction, Hand, HeadValve, Model, Nail, Parameters, Piston,
     Supply, Support, SupportDamping, Tool, Trigger, Wood,
 };
-pub use record::{
-    Body, Check, CycleRecord, Events, ExhaustFlow, Forces, Motion, Outcome, Summary, VentFlow, Volume, Work,
-};
+pub use record::{Body, CycleRecord, Events, ExhaustFlow, Forces, Motion, Outcome, Summary, VentFlow, Volume, Work};
 pub use settings::{Method, Settings};
 pub use workpiece::{Compliance, CouplingWork, WoodForces, WoodMotion, Workpiece};

@@ -1,5 +1,6 @@
 //! The result of a cycle: histories on a uniform grid, events, outcome, checks and work counters.
 
+use nailnoise_quantities::Check;
 use serde::Serialize;
 
 use crate::{EnergyFlow, LogEntry};
@@ -303,19 +304,6 @@ pub struct Summary {
     pub cap_contacts: usize,
     /// Contacts of the head valve with its seat after it has left it.
     pub seat_contacts: usize,
-}
-
-/// A check of a run.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Check {
-    /// What is checked, with unit.
-    pub name: &'static str,
-    /// Value found.
-    pub value: f64,
-    /// Largest value allowed.
-    pub limit: f64,
-    /// Whether `value` is within `limit`.
-    pub ok: bool,
 }
 
 /// Work of the integrator, reproducible from run to run.

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod check;
 pub mod dimension;
 mod group;
 mod kind;
@@ -9,6 +10,7 @@ mod text;
 mod units;
 mod value;
 
+pub use check::Check;
 pub use dimension::Dimension;
 pub use group::{Found, Group, members};
 pub use kind::{Kind, Sign, any, component, fraction, gas_pressure, nonnegative, positive};

@@ -91,10 +91,7 @@ fn finish(
     progress.note(&format!("design {}", design.name()));
     let name = free_name(design.name(), before);
     let (bundle, _) = deliver(&design, &out.join(&name), false, super::run::words, cache, progress)?;
-    checks.extend(bundle.checks.into_iter().map(|check| Check {
-        name: format!("{name}: {}", check.name),
-        ..check
-    }));
+    checks.extend(bundle.checks.into_iter().map(|check| check.of(&name)));
     Finished::parse(&out.join(&name), &bundle.json)
 }
 

@@ -81,7 +81,7 @@ struct CycleResult<'a> {
     summary: &'a Summary,
     energy: &'a EnergyFlow,
     log: &'a [LogEntry],
-    checks: Vec<Check>,
+    checks: &'a [Check],
     work: &'a Work,
     /// Files of the requested figures.
     figures: Vec<String>,
@@ -132,8 +132,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         Vec::new()
     };
     progress.end();
-    let checks: Vec<Check> = record.checks.iter().map(Check::from).collect();
-    let status = status_of(&checks);
+    let status = status_of(&record.checks);
     let result = CycleResult {
         schema: "nailnoise-cycle/1",
         design: DesignId {
@@ -147,7 +146,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         summary: &record.summary,
         energy: &record.energy,
         log: &record.log,
-        checks,
+        checks: &record.checks,
         work: &record.work,
         figures: figures.iter().map(|file| file.display().to_string()).collect(),
     };
@@ -200,7 +199,7 @@ fn text(form: &str, result: &CycleResult<'_>, record: &CycleRecord) -> String {
         .map(|check| {
             let verdict = if check.ok { "ok" } else { "FAILED" };
             vec![
-                check.name.clone(),
+                check.name.to_string(),
                 format!("{:.2e}", check.value),
                 format!("{:.0e}", check.limit),
                 verdict.to_owned(),

@@ -81,7 +81,7 @@ fn a_rigid_block_on_a_rigid_support_gives_the_lumped_cycle() {
         .record
         .checks
         .iter()
-        .map(|check| (check.name.to_owned(), check.ok));
+        .map(|check| (check.name.to_string(), check.ok));
     let checks = checks.chain(found.response.checks.iter().map(|check| (check.name.clone(), check.ok)));
     for (name, ok) in checks.chain(found.checks.iter().map(|check| (check.name.clone(), check.ok))) {
         assert!(ok, "{name}");

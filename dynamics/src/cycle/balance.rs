@@ -1,11 +1,13 @@
 //! Conservation: mass, gas energy, momentum and the whole shot's energy.
 
+use nailnoise_quantities::Check;
+
 use super::forces::SPRING;
 use super::mode::{Contact, Mode, NailState};
 use super::state::*;
 use super::switching::is_nail;
 use super::system::System;
-use crate::{Check, ContactEnergy, EnergyFlow, Form};
+use crate::{ContactEnergy, EnergyFlow, Form};
 
 /// Largest residual of the whole shot's energy \[J\], and as a part of the gas energy at the start \[-\].
 const SHOT_LIMIT: f64 = 1e-3;
@@ -223,30 +225,28 @@ impl Balance {
     /// The balances that the forms in use obey: published gas law, channel and valve underside break some (C-02, C-03,
     /// C-06).
     pub(crate) fn checks(&self, system: &System) -> Vec<Check> {
-        let check = |name, value: f64, limit: f64| Check {
-            name,
-            value,
-            limit,
-            ok: value <= limit,
-        };
         let m = &system.p.model;
         let holds = |forms: &[Form]| forms.iter().all(|form| *form == Form::Corrected);
         let mut checks = Vec::new();
         if holds(&[m.channel]) {
-            checks.push(check("mass balance [kg]", self.worst_mass, 1e-12));
+            checks.push(Check::at_most("mass balance [kg]", self.worst_mass, 1e-12));
         }
         if holds(&[m.channel, m.gas]) {
-            checks.push(check("gas energy balance [J]", self.worst_gas, 1e-6));
+            checks.push(Check::at_most("gas energy balance [J]", self.worst_gas, 1e-6));
         }
         if holds(&[m.channel, m.gas, m.valve_underside]) {
-            checks.push(check("whole-shot energy balance [J]", self.worst_shot, SHOT_LIMIT));
-            checks.push(check(
+            checks.push(Check::at_most(
+                "whole-shot energy balance [J]",
+                self.worst_shot,
+                SHOT_LIMIT,
+            ));
+            checks.push(Check::at_most(
                 "whole-shot energy balance, part of the gas energy at the start [-]",
                 self.worst_shot / self.start.gas,
                 SHOT_PART,
             ));
         }
-        checks.push(check("momentum balance [N s]", self.worst_momentum, 1e-9));
+        checks.push(Check::at_most("momentum balance [N s]", self.worst_momentum, 1e-9));
         checks
     }
 }

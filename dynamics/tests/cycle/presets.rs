@@ -85,7 +85,7 @@ fn c02_the_published_gas_law_does_not_conserve_mass() {
     close(speed(&r), 24.95, 0.01);
     close(excess(&p, &r), 0.32e-3, 0.01e-3);
     // Energy is not a quantity of this law, mass flow and momentum are.
-    let names: Vec<&str> = r.checks.iter().map(|c| c.name).collect();
+    let names: Vec<&str> = r.checks.iter().map(|c| &*c.name).collect();
     assert_eq!(names, ["mass balance [kg]", "momentum balance [N s]"]);
     assert!(r.is_certified());
 }

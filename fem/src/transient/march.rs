@@ -1,5 +1,6 @@
 //! The march in time.
 
+use nailnoise_quantities::Check;
 use nalgebra::DMatrix;
 use pulp::Arch;
 
@@ -8,7 +9,7 @@ use super::energy::{EnergyHistory, Ledger, elastic_energy};
 use super::error::TransientError;
 use super::kernels::{Lane, State, combine, finish, lanes, predict, project};
 use super::model::{Loads, ModalBody, ModalState, Settings, Start, Support, SupportLaw};
-use super::response::{Check, Ending, MARK, ModalResponse, Work};
+use super::response::{Ending, MARK, ModalResponse, Work};
 use super::statics::{Equilibrium, equilibrium};
 use super::system::{System, any_unilateral, validate};
 
@@ -366,18 +367,12 @@ impl<'a> Run<'a> {
                 duration: last as f64 * self.settings.step,
             });
         }
-        let check = |name: &str, value: f64, limit: f64| Check {
-            name: name.to_owned(),
-            value,
-            limit,
-            ok: value.is_finite() && value <= limit,
-        };
         let least = self.contact_least_lost();
         let checks = vec![
-            check("contact energy", self.energy.imbalance(), 1e-4),
-            check("contact force law", self.contact.law_error, 1e-9),
-            check("force balance between bodies", self.momentum_error, 1e-9),
-            check("contact gains no energy", least, 1e-4),
+            Check::at_most("contact energy", self.energy.imbalance(), 1e-4),
+            Check::at_most("contact force law", self.contact.law_error, 1e-9),
+            Check::at_most("force balance between bodies", self.momentum_error, 1e-9),
+            Check::at_most("contact gains no energy", least, 1e-4),
         ];
         let unilateral = any_unilateral(self.supports);
         Ok(ModalResponse {

@@ -57,4 +57,4 @@ pub use energy::EnergyHistory;
 pub use error::TransientError;
 pub use march::respond;
 pub use model::{Loads, ModalBody, ModalState, Settings, Start, Support, SupportLaw};
-pub use response::{Check, Ending, ModalResponse, Motion, Work};
+pub use response::{Ending, ModalResponse, Motion, Work};

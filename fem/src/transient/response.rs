@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use nailnoise_quantities::Check;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -30,19 +31,6 @@ pub enum Ending {
         /// As in `Decayed`.
         over_equilibrium: bool,
     },
-}
-
-/// A quantity checked at run time against its limit.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Check {
-    /// What is checked.
-    pub name: String,
-    /// Value found \[1\].
-    pub value: f64,
-    /// Largest value allowed \[1\].
-    pub limit: f64,
-    /// Whether the value is within the limit.
-    pub ok: bool,
 }
 
 /// Work counters of a run.

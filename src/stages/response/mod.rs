@@ -188,11 +188,5 @@ fn ending(response: &ModalResponse) -> String {
 
 /// Checks of a response, under the name of what responds.
 pub(crate) fn checks(of: &str, response: &ModalResponse) -> Vec<Check> {
-    let check = |c: &nailnoise_fem::transient::Check| Check {
-        name: format!("{of}: {}", c.name),
-        value: c.value,
-        limit: c.limit,
-        ok: c.ok,
-    };
-    response.checks.iter().map(check).collect()
+    response.checks.iter().map(|check| check.clone().of(of)).collect()
 }
