@@ -1,32 +1,33 @@
 //! Linear elastic materials: isotropic and orthotropic with oriented axes.
 
+use nailnoise_quantities::dimension::{NUMBER, PRESSURE};
+use nailnoise_quantities::{any, group, positive};
 use nalgebra::{Matrix3, Matrix6, Matrix6x3, Vector3};
 
 use crate::FemError;
 
-/// Elastic constants of an orthotropic material in its own axes 1, 2, 3 (for wood L, R, T).
-///
-/// nu_ij is the contraction along j per extension along i under a stress along i, so that nu_ij / E_i = nu_ji / E_j.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Orthotropic {
-    /// Young's modulus along 1 \[Pa\].
-    pub e_1: f64,
-    /// Young's modulus along 2 \[Pa\].
-    pub e_2: f64,
-    /// Young's modulus along 3 \[Pa\].
-    pub e_3: f64,
-    /// Shear modulus in the plane 1-2 \[Pa\].
-    pub g_12: f64,
-    /// Shear modulus in the plane 1-3 \[Pa\].
-    pub g_13: f64,
-    /// Shear modulus in the plane 2-3 \[Pa\].
-    pub g_23: f64,
-    /// Poisson ratio 1-2.
-    pub nu_12: f64,
-    /// Poisson ratio 1-3.
-    pub nu_13: f64,
-    /// Poisson ratio 2-3.
-    pub nu_23: f64,
+group! {
+    /// An orthotropic solid: axis 1 along the grain, 2 and 3 across it.
+    Orthotropic {
+        /// Young's modulus along axis 1.
+        e1: f64 = positive(PRESSURE), "E_1";
+        /// Young's modulus along axis 2.
+        e2: f64 = positive(PRESSURE), "E_2";
+        /// Young's modulus along axis 3.
+        e3: f64 = positive(PRESSURE), "E_3";
+        /// Shear modulus in the plane of axes 1 and 2.
+        g12: f64 = positive(PRESSURE), "G_12";
+        /// Shear modulus in the plane of axes 1 and 3.
+        g13: f64 = positive(PRESSURE), "G_13";
+        /// Shear modulus in the plane of axes 2 and 3.
+        g23: f64 = positive(PRESSURE), "G_23";
+        /// Contraction along axis 2 for a pull along axis 1.
+        nu12: f64 = any(NUMBER), "nu_12";
+        /// Contraction along axis 3 for a pull along axis 1.
+        nu13: f64 = any(NUMBER), "nu_13";
+        /// Contraction along axis 3 for a pull along axis 2.
+        nu23: f64 = any(NUMBER), "nu_23";
+    }
 }
 
 /// A linear elastic material in global axes.
@@ -60,15 +61,15 @@ impl Material {
         }
         let g = e / (2.0 * (1.0 + nu));
         let constants = Orthotropic {
-            e_1: e,
-            e_2: e,
-            e_3: e,
-            g_12: g,
-            g_13: g,
-            g_23: g,
-            nu_12: nu,
-            nu_13: nu,
-            nu_23: nu,
+            e1: e,
+            e2: e,
+            e3: e,
+            g12: g,
+            g13: g,
+            g23: g,
+            nu12: nu,
+            nu13: nu,
+            nu23: nu,
         };
         Self::orthotropic(&constants, &Matrix3::identity(), density)
     }
@@ -76,6 +77,7 @@ impl Material {
     /// An orthotropic material; the columns of `axes` are its directions 1, 2, 3 in global coordinates. A left-handed
     /// set is as good as a right-handed one, since the material is its own mirror image.
     ///
+    /// nu_ij is the contraction along j per extension along i under a stress along i, so that nu_ij / E_i = nu_ji / E_j.
     /// The compliance in material axes is (Lekhnitskii, *Theory of Elasticity of an Anisotropic Body*, section 3)
     /// S_ii = 1 / E_i,  S_ij = -nu_ij / E_i,  S_44 = 1 / G_23, S_55 = 1 / G_13, S_66 = 1 / G_12,
     /// and the stiffness in global axes C_ijkl = Q_ip Q_jq Q_kr Q_ls C'_pqrs with Q = `axes` and C' = S^-1.
@@ -85,12 +87,12 @@ impl Material {
     pub fn orthotropic(constants: &Orthotropic, axes: &Matrix3<f64>, density: f64) -> Result<Self, FemError> {
         let c = constants;
         let positive = [
-            ("Young's modulus E_1", c.e_1),
-            ("Young's modulus E_2", c.e_2),
-            ("Young's modulus E_3", c.e_3),
-            ("shear modulus G_12", c.g_12),
-            ("shear modulus G_13", c.g_13),
-            ("shear modulus G_23", c.g_23),
+            ("Young's modulus E_1", c.e1),
+            ("Young's modulus E_2", c.e2),
+            ("Young's modulus E_3", c.e3),
+            ("shear modulus G_12", c.g12),
+            ("shear modulus G_13", c.g13),
+            ("shear modulus G_23", c.g23),
             ("density", density),
         ];
         for (what, value) in positive {
@@ -104,15 +106,15 @@ impl Material {
             return Err(FemError::Axes { deviation });
         }
         let normal = Matrix3::new(
-            1.0 / c.e_1,
-            -c.nu_12 / c.e_1,
-            -c.nu_13 / c.e_1,
-            -c.nu_12 / c.e_1,
-            1.0 / c.e_2,
-            -c.nu_23 / c.e_2,
-            -c.nu_13 / c.e_1,
-            -c.nu_23 / c.e_2,
-            1.0 / c.e_3,
+            1.0 / c.e1,
+            -c.nu12 / c.e1,
+            -c.nu13 / c.e1,
+            -c.nu12 / c.e1,
+            1.0 / c.e2,
+            -c.nu23 / c.e2,
+            -c.nu13 / c.e1,
+            -c.nu23 / c.e2,
+            1.0 / c.e3,
         );
         let scale = Matrix3::from_diagonal(&normal.diagonal().map(|s| 1.0 / s.sqrt()));
         let eigenvalue = (scale * normal * scale).symmetric_eigenvalues().min();
@@ -126,7 +128,7 @@ impl Material {
         local
             .fixed_view_mut::<3, 3>(0, 0)
             .copy_from(&((inverse + inverse.transpose()) / 2.0));
-        for (k, g) in [c.g_23, c.g_13, c.g_12].into_iter().enumerate() {
+        for (k, g) in [c.g23, c.g13, c.g12].into_iter().enumerate() {
             local[(3 + k, 3 + k)] = g;
         }
         let stiffness = if *axes == Matrix3::identity() {
@@ -137,7 +139,7 @@ impl Material {
         Ok(Self {
             density,
             stiffness,
-            slowest_shear: c.g_12.min(c.g_13).min(c.g_23),
+            slowest_shear: c.g12.min(c.g13).min(c.g23),
         })
     }
 

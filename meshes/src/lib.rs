@@ -43,6 +43,6 @@ pub use open_surface::open_faces;
 pub use quality::{Jacobian, POOR, Quality};
 pub use size::{element_size, subdivide};
 pub use surface::{QuadraturePoint, Surface, SurfaceFace};
-pub use tool::{Tool, tool, tool_ships};
+pub use tool::{Tool, ToolDimensions, tool, tool_ships};
 pub use tubes::tube_worktable;
 pub use worktable::{Worktable, worktable};

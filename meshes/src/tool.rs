@@ -2,6 +2,9 @@
 
 use std::path::Path;
 
+use nailnoise_quantities::dimension::LENGTH;
+use nailnoise_quantities::{Group, Value, group, nonnegative, positive};
+
 use crate::MeshError;
 use crate::gmsh::{self, Job};
 use crate::msh::{self, Imported};
@@ -12,85 +15,88 @@ const SCRIPT: &str = include_str!("../geo/tool.geo");
 /// Meshes that ship. Their first words say of which dimensions they are; `data/make.sh` writes them.
 const SHIPPED: [&[u8]; 1] = [include_bytes!("../data/tool-n80cb.msh.gz")];
 
-macro_rules! tool {
-    ($($(#[doc = $doc:literal])+ $name:ident,)+) => {
-        /// Dimensions of the tool body, all in m: barrel with cap on a hollow nose, hollow handle, coil-magazine can, sleeve.
-        ///
-        /// z up from the nose's tip, the handle along +x.
-        #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-        pub struct Tool {
-            $($(#[doc = $doc])+ pub $name: f64,)+
-        }
-
-        impl Tool {
-            /// Name and value \[m\] of every dimension.
-            pub fn dimensions(&self) -> Vec<(&'static str, f64)> {
-                vec![$((stringify!($name), self.$name),)+]
-            }
-        }
-    };
+group! {
+    /// Dimensions of the tool body: barrel with cap on a hollow nose, hollow handle, coil-magazine can, cylinder sleeve; z up
+    /// from the nose's tip, the handle along +x.
+    ToolDimensions {
+        /// Outer radius of the barrel.
+        barrel_radius: f64 = positive(LENGTH), "";
+        /// Wall of the barrel, its floor and its roof.
+        barrel_wall: f64 = positive(LENGTH), "";
+        /// Height of the barrel.
+        barrel_height: f64 = positive(LENGTH), "";
+        /// Outer radius of the cap on the barrel.
+        cap_radius: f64 = positive(LENGTH), "";
+        /// Wall of the cap, closed on both sides.
+        cap_wall: f64 = positive(LENGTH), "";
+        /// Height of the cap.
+        cap_height: f64 = positive(LENGTH), "";
+        /// Length of the handle.
+        handle_length: f64 = positive(LENGTH), "";
+        /// Outer radius of the handle.
+        handle_radius: f64 = positive(LENGTH), "";
+        /// Wall of the handle's tube and its outer end.
+        handle_wall: f64 = positive(LENGTH), "";
+        /// Height of the handle's axis over the nose's tip.
+        handle_level: f64 = positive(LENGTH), "";
+        /// Outer radius of the magazine.
+        magazine_radius: f64 = positive(LENGTH), "";
+        /// Wall of the magazine, closed on both sides.
+        magazine_wall: f64 = positive(LENGTH), "";
+        /// Height (axial length) of the magazine.
+        magazine_height: f64 = positive(LENGTH), "";
+        /// Distance of the magazine's axis, which lies along y, from that of the barrel.
+        magazine_offset: f64 = positive(LENGTH), "";
+        /// Height of the magazine's axis, and of the arm that joins it to the nose, over the nose's tip.
+        magazine_level: f64 = positive(LENGTH), "";
+        /// Depth of the arm, along y.
+        arm_depth: f64 = positive(LENGTH), "";
+        /// Height of the arm.
+        arm_height: f64 = positive(LENGTH), "";
+        /// Distance to which the arm reaches into the magazine, from the barrel's axis.
+        arm_reach: f64 = positive(LENGTH), "";
+        /// Width of the steel nose.
+        nose_width: f64 = positive(LENGTH), "";
+        /// Depth of the steel nose.
+        nose_depth: f64 = positive(LENGTH), "";
+        /// Height of the steel nose.
+        nose_height: f64 = positive(LENGTH), "";
+        /// Wall of the nose, which is open below.
+        nose_wall: f64 = positive(LENGTH), "";
+        /// Length of the nose that sits in the barrel's floor, above its height.
+        nose_overlap: f64 = positive(LENGTH), "";
+        /// Wall of the cylinder sleeve, whose inner radius is half the piston's bore.
+        sleeve_wall: f64 = positive(LENGTH), "";
+        /// Height of the sleeve, which stands on the barrel's floor.
+        sleeve_height: f64 = positive(LENGTH), "";
+        /// Length of the sleeve's upper end that a fit holds in the barrel; 0 when the sleeve stands free.
+        sleeve_fit: f64 = nonnegative(LENGTH), "";
+    }
 }
 
-tool! {
-    /// Outer radius of the barrel.
-    barrel_radius,
-    /// Wall, floor and roof of the barrel.
-    barrel_wall,
-    /// Height of the barrel.
-    barrel_height,
-    /// Outer radius of the cap.
-    cap_radius,
-    /// Wall of the cap.
-    cap_wall,
-    /// Height of the cap.
-    cap_height,
-    /// Outer radius of the handle.
-    handle_radius,
-    /// Wall of the handle.
-    handle_wall,
-    /// Length of the handle.
-    handle_length,
-    /// Height of the handle's axis.
-    handle_level,
-    /// Outer radius of the magazine.
-    magazine_radius,
-    /// Wall of the magazine.
-    magazine_wall,
-    /// Axial length of the magazine.
-    magazine_height,
-    /// Distance of the magazine's axis from the barrel's.
-    magazine_offset,
-    /// Height of the magazine's axis.
-    magazine_level,
-    /// Depth of the arm between nose and magazine.
-    arm_depth,
-    /// Height of the arm.
-    arm_height,
-    /// Distance from the barrel's axis to which the arm reaches.
-    arm_reach,
-    /// Width of the nose.
-    nose_width,
-    /// Depth of the nose.
-    nose_depth,
-    /// Wall of the nose.
-    nose_wall,
-    /// Height of the nose.
-    nose_height,
-    /// Length of the nose within the barrel's floor.
-    nose_overlap,
-    /// Inner radius of the sleeve.
-    sleeve_radius,
-    /// Wall of the sleeve.
-    sleeve_wall,
-    /// Height of the sleeve.
-    sleeve_height,
-    /// Length of the sleeve's upper end that a fit holds in the barrel; 0 when it stands free.
-    sleeve_fit,
-    /// Largest side of an element.
-    size,
+group! {
+    /// The tool body as it is meshed.
+    Tool {
+        ..dimensions: ToolDimensions;
+        /// Inner radius of the sleeve.
+        sleeve_radius: f64 = positive(LENGTH), "";
+        /// Largest side of an element.
+        size: f64 = positive(LENGTH), "";
+    }
 }
 
 impl Tool {
+    /// Name and value \[m\] of every dimension.
+    pub fn dimensions(&self) -> Vec<(&'static str, f64)> {
+        let mut dimensions = Vec::new();
+        self.visit("", &mut |_, spec, value| {
+            if let Value::Number(metres) = value {
+                dimensions.push((spec.name, metres));
+            }
+        });
+        dimensions
+    }
+
     /// All dimensions in one line of text, to a nanometre: what a mesh was made for.
     pub fn signature(&self) -> String {
         let mut words = vec!["tool".to_owned()];

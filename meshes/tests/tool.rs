@@ -1,48 +1,29 @@
 //! The shipped mesh of the body of the tool.
 #![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
+#[path = "../../tests/common/base_design.rs"]
+mod base_design;
 mod common;
 
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-use common::{area, close};
 use nailnoise_meshes::msh::Imported;
 use nailnoise_meshes::{Tool, tool};
+use nailnoise_quantities::dimension::LENGTH;
+use nailnoise_quantities::positive;
+
+use base_design::{group, number};
+use common::{area, close};
 
 const MM: f64 = 1e-3;
 
 /// The N80CB, as its design has it.
 fn n80cb() -> Tool {
     Tool {
-        barrel_radius: 37.0 * MM,
-        barrel_wall: 4.5 * MM,
-        barrel_height: 190.0 * MM,
-        cap_radius: 46.0 * MM,
-        cap_wall: 5.0 * MM,
-        cap_height: 45.0 * MM,
-        handle_radius: 20.0 * MM,
-        handle_wall: 3.5 * MM,
-        handle_length: 170.0 * MM,
-        handle_level: 270.0 * MM,
-        magazine_radius: 55.0 * MM,
-        magazine_wall: 3.0 * MM,
-        magazine_height: 70.0 * MM,
-        magazine_offset: 75.0 * MM,
-        magazine_level: 75.0 * MM,
-        arm_depth: 12.0 * MM,
-        arm_height: 30.0 * MM,
-        arm_reach: 39.0 * MM,
-        nose_width: 20.0 * MM,
-        nose_depth: 30.0 * MM,
-        nose_wall: 6.0 * MM,
-        nose_height: 110.0 * MM,
-        nose_overlap: 2.0 * MM,
-        sleeve_radius: 30.0 * MM,
-        sleeve_wall: 2.0 * MM,
-        sleeve_height: 150.0 * MM,
-        sleeve_fit: 10.0 * MM,
-        size: 18.0 * MM,
+        dimensions: group("body"),
+        sleeve_radius: number("piston.bore", positive(LENGTH)) / 2.0,
+        size: number("analysis.body_element", positive(LENGTH)),
     }
 }
 
@@ -102,9 +83,7 @@ fn the_signature_contains_every_dimension() {
         let words: Vec<&str> = signature.split(' ').collect();
         assert!(words[k + 1].starts_with(name), "{name}");
     }
-    let other = Tool {
-        sleeve_wall: 2.000_001 * MM,
-        ..n80cb()
-    };
+    let mut other = n80cb();
+    other.dimensions.sleeve_wall += 1e-6 * MM;
     assert_ne!(other.signature(), signature);
 }

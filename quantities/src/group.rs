@@ -5,8 +5,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::spec::{GroupSpec, KeySpec};
-use crate::value::Value;
+use crate::spec::{GroupSpec, KeySpec, dotted};
+use crate::value::{Held, Value};
 
 /// Values by the full names of their keys.
 pub type Found = BTreeMap<String, Value>;
@@ -34,6 +34,26 @@ pub trait Group: Sized {
     fn visit(&self, path: &str, f: &mut dyn FnMut(&str, &'static KeySpec, Value));
 }
 
+/// The value of the key `name` of the group at `path`, or its full name if there is none of its kind.
+#[doc(hidden)]
+pub fn read_key<T: Held>(path: &str, name: &str, found: &Found) -> Result<T, String> {
+    let name = dotted(path, name);
+    found.get(&name).and_then(T::from_value).ok_or(name)
+}
+
+/// Calls `f` for the key `name` of the group `G` at `path`.
+#[doc(hidden)]
+pub fn visit_key<G: Group, T: Held>(
+    path: &str,
+    name: &str,
+    value: &T,
+    f: &mut dyn FnMut(&str, &'static KeySpec, Value),
+) {
+    if let Some(spec) = G::SPEC.key(name) {
+        f(&dotted(path, name), spec, value.to_value());
+    }
+}
+
 /// The declaration of a key and its symbol, where it has one, for its documentation.
 #[doc(hidden)]
 #[macro_export]
@@ -49,16 +69,20 @@ macro_rules! key_doc {
 /// Declares a group: documentation, then `name: type = kind, "symbol";` for each key, then the groups and the lists
 /// within it.
 ///
-/// `Outer = part: Inner { ... }` declares a group whose keys are those of the group `Inner` and its own. The struct
-/// holds the inner group as the field `part` and dereferences to it, so that the keys of both read alike.
+/// The line `..part: Inner;` among the keys puts the keys of the group `Inner` in this place. The struct holds the inner
+/// group as the field `part` and dereferences to it, so that the keys of both read alike.
 ///
 /// The struct derives `serde` traits; the crate that declares it depends on `serde`.
 #[macro_export]
 macro_rules! group {
     (
         $(#[doc = $doc:literal])+
-        $Group:ident $(= $part:ident: $Part:ty)? {
+        $Group:ident {
             $($(#[doc = $key_doc:literal])+ $key:ident: $ty:ty = $kind:expr, $symbol:tt;)*
+            $(
+                ..$part:ident: $Part:ty;
+                $($(#[doc = $late_doc:literal])+ $late:ident: $late_ty:ty = $late_kind:expr, $late_symbol:tt;)*
+            )?
         }
         $(groups { $($sub:ident: $Sub:ident,)+ })?
         $(lists { $($list:ident: $Item:ident,)+ })?
@@ -67,8 +91,11 @@ macro_rules! group {
         #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
         #[serde(deny_unknown_fields)]
         pub struct $Group {
-            $(#[doc = concat!("Keys of [`", stringify!($Part), "`].")] pub $part: $Part,)?
             $($(#[doc = $key_doc])+ #[doc = $crate::key_doc!($kind, $symbol)] pub $key: $ty,)*
+            $(
+                #[doc = concat!("Keys of [`", stringify!($Part), "`].")] pub $part: $Part,
+                $($(#[doc = $late_doc])+ #[doc = $crate::key_doc!($late_kind, $late_symbol)] pub $late: $late_ty,)*
+            )?
             $($(#[doc = concat!("See [`", stringify!($Sub), "`].")] pub $sub: $Sub,)+)?
             $($(
                 #[doc = concat!("By name; see [`", stringify!($Item), "`].")]
@@ -95,30 +122,34 @@ macro_rules! group {
         impl $crate::Group for $Group {
             const SPEC: $crate::GroupSpec = $crate::GroupSpec {
                 doc: &[$($doc),+],
-                part: {
-                    const PART: &[&$crate::GroupSpec] = &[$(&<$Part as $crate::Group>::SPEC)?];
-                    match PART {
-                        [part, ..] => Some(*part),
-                        [] => None,
-                    }
-                },
-                own_keys: &[$($crate::KeySpec {
-                    name: stringify!($key),
-                    symbol: $symbol,
-                    doc: &[$($key_doc),+],
-                    kind: $kind,
-                }),*],
+                keys: &[
+                    &[$($crate::KeySpec {
+                        name: stringify!($key),
+                        symbol: $symbol,
+                        doc: &[$($key_doc),+],
+                        kind: $kind,
+                    }),*],
+                    $(
+                        <$Part as $crate::Group>::SPEC.only_keys(),
+                        &[$($crate::KeySpec {
+                            name: stringify!($late),
+                            symbol: $late_symbol,
+                            doc: &[$($late_doc),+],
+                            kind: $late_kind,
+                        }),*],
+                    )?
+                ],
                 groups: &[$($((stringify!($sub), &<$Sub as $crate::Group>::SPEC)),+)?],
                 lists: &[$($((stringify!($list), &<$Item as $crate::Group>::SPEC)),+)?],
             };
 
             fn build(path: &str, found: &$crate::Found) -> Result<Self, String> {
                 Ok(Self {
-                    $($part: $crate::Group::build(path, found)?,)?
-                    $($key: {
-                        let name = $crate::dotted(path, stringify!($key));
-                        found.get(&name).and_then($crate::Held::from_value).ok_or(name)?
-                    },)*
+                    $($key: $crate::read_key(path, stringify!($key), found)?,)*
+                    $(
+                        $part: $crate::Group::build(path, found)?,
+                        $($late: $crate::read_key(path, stringify!($late), found)?,)*
+                    )?
                     $($($sub: $crate::Group::build(
                         &$crate::dotted(path, stringify!($sub)),
                         found,
@@ -141,11 +172,11 @@ macro_rules! group {
                 path: &str,
                 f: &mut dyn FnMut(&str, &'static $crate::KeySpec, $crate::Value),
             ) {
-                $(<$Part as $crate::Group>::visit(&self.$part, path, f);)?
-                $(if let Some(spec) = <Self as $crate::Group>::SPEC.key(stringify!($key)) {
-                    let name = $crate::dotted(path, stringify!($key));
-                    f(&name, spec, $crate::Held::to_value(&self.$key));
-                })*
+                $($crate::visit_key::<Self, _>(path, stringify!($key), &self.$key, f);)*
+                $(
+                    $crate::Group::visit(&self.$part, path, f);
+                    $($crate::visit_key::<Self, _>(path, stringify!($late), &self.$late, f);)*
+                )?
                 $($($crate::Group::visit(
                     &self.$sub,
                     &$crate::dotted(path, stringify!($sub)),

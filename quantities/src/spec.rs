@@ -35,10 +35,9 @@ impl KeySpec {
 pub struct GroupSpec {
     /// Description, one line of text an element.
     pub doc: &'static [&'static str],
-    /// A group whose keys this one contains, before its own.
-    pub part: Option<&'static GroupSpec>,
-    /// Its own keys, in the order they are declared.
-    pub own_keys: &'static [KeySpec],
+    /// The keys in the group itself, in their order: its own, or its own before the part, those of the part, and its own
+    /// after it.
+    pub keys: &'static [&'static [KeySpec]],
     /// The groups within it, by name.
     pub groups: &'static [(&'static str, &'static GroupSpec)],
     /// Lists within it: groups of one declaration; a design gives any number of them, each with a name.
@@ -51,10 +50,16 @@ impl GroupSpec {
         join(self.doc)
     }
 
-    /// The keys in the group itself: those of its part, then its own.
+    /// The keys in the group itself, in their order.
     pub fn keys(&self) -> impl Iterator<Item = &'static KeySpec> + use<> {
-        let part = self.part.map_or(&[][..], |part| part.own_keys);
-        part.iter().chain(self.own_keys)
+        self.keys.iter().copied().flatten()
+    }
+
+    /// The keys of a group without a part.
+    #[doc(hidden)]
+    pub const fn only_keys(&self) -> &'static [KeySpec] {
+        assert!(self.keys.len() == 1, "the part of a group has no part of its own");
+        self.keys[0]
     }
 
     /// The key of this name in the group itself.

@@ -1,13 +1,14 @@
 //! Every key of the design file, group by group.
 //!
-//! The groups of the nailing cycle are declared by [`nailnoise_dynamics`]; here stand those that only the structures and
-//! the sound use. Symbols are those of Z. Nili Ahmadabadi, "Noise source identification and dynamic modeling of a pneumatic
+//! Each group is declared beside the physics that uses it: those of the nailing cycle in [`nailnoise_dynamics`], the tool
+//! body's dimensions in [`nailnoise_meshes`], orthotropic solids in [`nailnoise_fem`], all others here. Symbols are those of Z. Nili Ahmadabadi, "Noise source identification and dynamic modeling of a pneumatic
 //! nailing device" (ETS Montreal, 2016), ch. 4, where it has one.
 
 use nailnoise_dynamics as dynamics;
 pub use nailnoise_dynamics::{
     Ambient, Chambers, Contacts, Form, Friction, Hand, HeadValve, Model, Piston, Supply, Tool, Trigger,
 };
+pub use nailnoise_fem::Orthotropic;
 use nailnoise_quantities::dimension::*;
 use nailnoise_quantities::{Kind, any, choice, fraction, group, nonnegative, positive};
 
@@ -45,7 +46,8 @@ group! {
 
 group! {
     /// Exhaust holes behind the head valve; A_ma = n pi d^2/4.
-    Exhaust = cycle: dynamics::Exhaust {
+    Exhaust {
+        ..cycle: dynamics::Exhaust;
         /// Distance of neighbouring holes, centre to centre. More than 3 d, each hole's jet sounds for itself; nearer,
         /// the jets merge and sound as one of the same area. Without effect for one hole.
         pitch: f64 = positive(LENGTH), "";
@@ -134,7 +136,8 @@ group! {
 
 group! {
     /// The nail, and where it stands under the rod.
-    Nail = cycle: dynamics::Nail {
+    Nail {
+        ..cycle: dynamics::Nail;
         /// Where the nail is driven: distance from the block's centre along its length.
         offset_along: f64 = any(LENGTH), "";
         /// Where the nail is driven: distance from the block's centre across its width.
@@ -153,32 +156,9 @@ choice! {
 }
 
 group! {
-    /// An orthotropic solid: axis 1 along the grain, 2 and 3 across it.
-    Orthotropic {
-        /// Young's modulus along axis 1.
-        e1: f64 = positive(PRESSURE), "E_1";
-        /// Young's modulus along axis 2.
-        e2: f64 = positive(PRESSURE), "E_2";
-        /// Young's modulus along axis 3.
-        e3: f64 = positive(PRESSURE), "E_3";
-        /// Shear modulus in the plane of axes 1 and 2.
-        g12: f64 = positive(PRESSURE), "G_12";
-        /// Shear modulus in the plane of axes 1 and 3.
-        g13: f64 = positive(PRESSURE), "G_13";
-        /// Shear modulus in the plane of axes 2 and 3.
-        g23: f64 = positive(PRESSURE), "G_23";
-        /// Contraction along axis 2 for a pull along axis 1.
-        nu12: f64 = any(NUMBER), "nu_12";
-        /// Contraction along axis 3 for a pull along axis 1.
-        nu13: f64 = any(NUMBER), "nu_13";
-        /// Contraction along axis 3 for a pull along axis 2.
-        nu23: f64 = any(NUMBER), "nu_23";
-    }
-}
-
-group! {
     /// The wood of the workpiece.
-    Wood = cycle: dynamics::Wood {
+    Wood {
+        ..cycle: dynamics::Wood;
         /// Share of the resistance at full depth that is friction along the shank; the rest acts at the tip.
         friction_share: f64 = fraction(), "";
         /// Direction of driving relative to the growth rings.
@@ -217,7 +197,8 @@ group! {
 
 group! {
     /// The block of wood that is nailed.
-    Workpiece = block: dynamics::Block {
+    Workpiece {
+        ..block: dynamics::Block;
         /// Mesh (.msh) or geometry (.step) in place of the block, for the modes and the response: the length centred on
         /// x = 0, the width on y = 0, z up from the underside; with the surfaces `top` and `bottom`.
         mesh: String = Kind::File, "";
@@ -435,58 +416,7 @@ group! {
     Body {
         /// What of it sounds: rigid motion and vibration, or rigid motion alone, a lower bound.
         model: BodyModel = BodyModel::KIND, "";
-        /// Outer radius of the barrel.
-        barrel_radius: f64 = positive(LENGTH), "";
-        /// Wall of the barrel, its floor and its roof.
-        barrel_wall: f64 = positive(LENGTH), "";
-        /// Height of the barrel.
-        barrel_height: f64 = positive(LENGTH), "";
-        /// Outer radius of the cap on the barrel.
-        cap_radius: f64 = positive(LENGTH), "";
-        /// Wall of the cap, closed on both sides.
-        cap_wall: f64 = positive(LENGTH), "";
-        /// Height of the cap.
-        cap_height: f64 = positive(LENGTH), "";
-        /// Length of the handle.
-        handle_length: f64 = positive(LENGTH), "";
-        /// Outer radius of the handle.
-        handle_radius: f64 = positive(LENGTH), "";
-        /// Wall of the handle's tube and its outer end.
-        handle_wall: f64 = positive(LENGTH), "";
-        /// Height of the handle's axis over the nose's tip.
-        handle_level: f64 = positive(LENGTH), "";
-        /// Outer radius of the magazine.
-        magazine_radius: f64 = positive(LENGTH), "";
-        /// Wall of the magazine, closed on both sides.
-        magazine_wall: f64 = positive(LENGTH), "";
-        /// Height (axial length) of the magazine.
-        magazine_height: f64 = positive(LENGTH), "";
-        /// Distance of the magazine's axis, which lies along y, from that of the barrel.
-        magazine_offset: f64 = positive(LENGTH), "";
-        /// Height of the magazine's axis, and of the arm that joins it to the nose, over the nose's tip.
-        magazine_level: f64 = positive(LENGTH), "";
-        /// Depth of the arm, along y.
-        arm_depth: f64 = positive(LENGTH), "";
-        /// Height of the arm.
-        arm_height: f64 = positive(LENGTH), "";
-        /// Distance to which the arm reaches into the magazine, from the barrel's axis.
-        arm_reach: f64 = positive(LENGTH), "";
-        /// Width of the steel nose.
-        nose_width: f64 = positive(LENGTH), "";
-        /// Depth of the steel nose.
-        nose_depth: f64 = positive(LENGTH), "";
-        /// Height of the steel nose.
-        nose_height: f64 = positive(LENGTH), "";
-        /// Wall of the nose, which is open below.
-        nose_wall: f64 = positive(LENGTH), "";
-        /// Length of the nose that sits in the barrel's floor, above its height.
-        nose_overlap: f64 = positive(LENGTH), "";
-        /// Wall of the cylinder sleeve, whose inner radius is half the piston's bore.
-        sleeve_wall: f64 = positive(LENGTH), "";
-        /// Height of the sleeve, which stands on the barrel's floor.
-        sleeve_height: f64 = positive(LENGTH), "";
-        /// Length of the sleeve's upper end that a fit holds in the barrel; 0 when the sleeve stands free.
-        sleeve_fit: f64 = nonnegative(LENGTH), "";
+        ..dimensions: nailnoise_meshes::ToolDimensions;
         /// Whether what the geometry lacks of the tool's mass (head valve, nails, fittings) is lumped on it.
         lumped: bool = Kind::Switch, "";
         /// Share of the lumped mass on the nose's tip; what nose and magazine leave rests on the sleeve's seat.

@@ -8,27 +8,27 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Pine, axes 1 = L, 2 = R, 3 = T.
 pub const PINE: Orthotropic = Orthotropic {
-    e_1: 11.7e9,
-    e_2: 1.22e9,
-    e_3: 0.749e9,
-    g_12: 1.08e9,
-    g_13: 0.948e9,
-    g_23: 0.133e9,
-    nu_12: 0.33,
-    nu_13: 0.35,
-    nu_23: 0.43,
+    e1: 11.7e9,
+    e2: 1.22e9,
+    e3: 0.749e9,
+    g12: 1.08e9,
+    g13: 0.948e9,
+    g23: 0.133e9,
+    nu12: 0.33,
+    nu13: 0.35,
+    nu23: 0.43,
 };
 
 pub const PLYWOOD: Orthotropic = Orthotropic {
-    e_1: 8e9,
-    e_2: 6e9,
-    e_3: 0.7e9,
-    g_12: 0.7e9,
-    g_13: 0.2e9,
-    g_23: 0.15e9,
-    nu_12: 0.1,
-    nu_13: 0.3,
-    nu_23: 0.3,
+    e1: 8e9,
+    e2: 6e9,
+    e3: 0.7e9,
+    g12: 0.7e9,
+    g13: 0.2e9,
+    g23: 0.15e9,
+    nu12: 0.1,
+    nu13: 0.3,
+    nu23: 0.3,
 };
 
 /// Pine with x = L, y = T, z = R.

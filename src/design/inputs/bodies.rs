@@ -89,7 +89,7 @@ pub fn geometry(design: &Design, kind: BodyKind, remesh: bool) -> Result<Geometr
 
 fn workpiece(design: &Design) -> Result<Geometry, Error> {
     let (block, wood, support) = (&design.workpiece, &design.wood, &design.support);
-    let material = Material::orthotropic(&constants(&wood.block_axes()), &Matrix3::identity(), wood.density)?;
+    let material = Material::orthotropic(&wood.block_axes(), &Matrix3::identity(), wood.density)?;
     let own = own_mesh(
         design,
         BodyKind::Workpiece,
@@ -126,10 +126,10 @@ fn worktable(design: &Design) -> Result<Geometry, Error> {
     let steel = &table.steel;
     let wooden = table.preset == WorktablePreset::A;
     let (top, legs) = if wooden {
-        let top = Material::orthotropic(&constants(&table.top), &Matrix3::identity(), table.top_density)?;
+        let top = Material::orthotropic(&table.top, &Matrix3::identity(), table.top_density)?;
         // Legs: grain (axis 1) vertical, radial axis 2 along y, tangential axis 3 along x.
         let upright = Matrix3::new(0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0);
-        let legs = Material::orthotropic(&constants(&table.legs), &upright, table.leg_density)?;
+        let legs = Material::orthotropic(&table.legs, &upright, table.leg_density)?;
         (top, legs)
     } else {
         let material = isotropic(&steel.material)?;
@@ -197,55 +197,15 @@ fn tool(design: &Design, remesh: bool) -> Result<Geometry, Error> {
 
 /// The tool body's dimensions and element size.
 fn tool_dimensions(design: &Design) -> Tool {
-    let b = &design.body;
     Tool {
-        barrel_radius: b.barrel_radius,
-        barrel_wall: b.barrel_wall,
-        barrel_height: b.barrel_height,
-        cap_radius: b.cap_radius,
-        cap_wall: b.cap_wall,
-        cap_height: b.cap_height,
-        handle_radius: b.handle_radius,
-        handle_wall: b.handle_wall,
-        handle_length: b.handle_length,
-        handle_level: b.handle_level,
-        magazine_radius: b.magazine_radius,
-        magazine_wall: b.magazine_wall,
-        magazine_height: b.magazine_height,
-        magazine_offset: b.magazine_offset,
-        magazine_level: b.magazine_level,
-        arm_depth: b.arm_depth,
-        arm_height: b.arm_height,
-        arm_reach: b.arm_reach,
-        nose_width: b.nose_width,
-        nose_depth: b.nose_depth,
-        nose_wall: b.nose_wall,
-        nose_height: b.nose_height,
-        nose_overlap: b.nose_overlap,
+        dimensions: design.body.dimensions.clone(),
         sleeve_radius: design.piston.bore / 2.0,
-        sleeve_wall: b.sleeve_wall,
-        sleeve_height: b.sleeve_height,
-        sleeve_fit: b.sleeve_fit,
         size: design.analysis.body_element,
     }
 }
 
 fn isotropic(c: &design::Isotropic) -> Result<Material, Error> {
     Ok(Material::isotropic(c.young_modulus, c.poisson_ratio, c.density)?)
-}
-
-fn constants(c: &design::Orthotropic) -> nailnoise_fem::Orthotropic {
-    nailnoise_fem::Orthotropic {
-        e_1: c.e1,
-        e_2: c.e2,
-        e_3: c.e3,
-        g_12: c.g12,
-        g_13: c.g13,
-        g_23: c.g23,
-        nu_12: c.nu12,
-        nu_13: c.nu13,
-        nu_23: c.nu23,
-    }
 }
 
 /// The user's own mesh in place of a body, if there is one; a solid geometry is meshed for waves of the slowest speed
