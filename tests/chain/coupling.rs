@@ -165,10 +165,10 @@ fn every_support_carries_a_coupled_run_that_closes_its_balances() {
     }
 }
 
-/// The block of `designs/n80cb-free.toml` on the coarse mesh: it swings at 5 Hz, far below what is heard, and every check
-/// closes.
+/// The block of `designs/n80cb-free.toml` on the coarse mesh: it swings at 5 Hz, far below what is heard, and every
+/// check closes.
 #[test]
-fn a_block_hung_free_swings_below_what_is_heard() {
+fn a_suspended_block_swings_below_the_audible_range() {
     let free = Design::load("designs/n80cb-free.toml").unwrap();
     let mut design = small("");
     design.support.kind = free.support.kind;
@@ -189,7 +189,7 @@ fn a_block_hung_free_swings_below_what_is_heard() {
 }
 
 #[test]
-fn sand_at_the_sides_holds_the_block_and_sand_under_it_weighs_it_down() {
+fn sand_at_the_sides_adds_stiffness_and_sand_below_adds_mass() {
     let sand = "support.kind = \"sandbox\"\nsupport.sand.bonded = true\n";
     let run = |text: &str| {
         let (run, chain) = run_with_chain(&small(text), Store::none());
@@ -269,7 +269,7 @@ fn on_springs(stiffness: f64, damping: f64, text: &str) -> Design {
 
 /// After the shot: q = a e^(-c t/2M) cos(omega t + phase), omega^2 = k/M - (c/2M)^2, M from the mesh and its density.
 #[test]
-fn a_block_on_springs_and_dashpots_swings_and_dies_as_a_mass_does() {
+fn a_block_on_springs_and_dashpots_decays_like_a_damped_mass() {
     let (k, c) = (2e5, 30.0);
     let design = on_springs(k, c, "analysis.duration = \"0.3 s\"\nwood.loss_factor = 0");
     let (run, chain) = run_with_chain(&design, Store::none());

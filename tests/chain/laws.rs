@@ -1,4 +1,4 @@
-//! Laws of the whole chain: what any design must obey, whatever its levels.
+//! Laws of the whole chain that hold for every design.
 
 use crate::common::{body, graph, run_with_chain, store};
 use nailnoise::Design;
@@ -11,6 +11,7 @@ use nailnoise::store::{LIMIT, Store};
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::exhaust::Jet;
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 
 fn small() -> Design {
     Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/small.toml")).unwrap()
@@ -44,7 +45,7 @@ fn twice_the_force_is_six_decibels_of_the_workpiece_and_of_nothing_else() {
 }
 
 #[test]
-fn a_workpiece_without_forces_is_silent() {
+fn a_workpiece_without_forces_radiates_nothing() {
     let run = scaled(&bonded(), 0.0);
     let workpiece = ranked(&run, "workpiece");
     assert_eq!((workpiece.lwa_db, workpiece.lw_db), (None, None));
@@ -86,55 +87,63 @@ fn more_supply_pressure_drives_faster_and_blows_more_air() {
     assert!(after.summary.exhaust_mass > before.summary.exhaust_mass);
 }
 
+static SMALL_RUN: LazyLock<Run> = LazyLock::new(|| scaled(&small(), 1.0));
+
+fn power(level: Option<f64>) -> f64 {
+    level.map_or(0.0, |db| 10f64.powf(db / 10.0))
+}
+
 #[test]
-fn every_source_is_told_apart_by_events_and_its_intervals_sum_to_it() {
-    let run = scaled(&small(), 1.0);
-    let power = |level: Option<f64>| level.map_or(0.0, |db| 10f64.powf(db / 10.0));
-    let occurring = run.result.events.to_array().iter().flatten().count();
-    for source in &run.result.ranking {
-        assert_eq!(
-            source.intervals.len(),
-            occurring,
-            "each event begins an interval, the last one ends the shot"
-        );
+fn each_event_begins_an_interval_and_the_last_one_ends_with_the_shot() {
+    let occurring = SMALL_RUN.result.events.to_array().iter().flatten().count();
+    for source in &SMALL_RUN.result.ranking {
+        let intervals = &source.intervals;
+        assert_eq!(intervals.len(), occurring);
         assert!(
-            source
-                .intervals
+            intervals
                 .windows(2)
                 .all(|pair| pair[0].to == pair[1].from && pair[0].to_s == pair[1].from_s)
         );
-        assert_eq!(source.intervals[0].from, "t0");
-        assert_eq!(source.intervals[occurring - 1].to, "end");
+        assert_eq!(intervals[0].from, "t0");
+        assert_eq!(intervals[occurring - 1].to, "end");
+    }
+}
+
+#[test]
+fn the_intervals_of_every_source_sum_to_it() {
+    for source in &SMALL_RUN.result.ranking {
         let sum: f64 = source.intervals.iter().map(|interval| power(interval.lwa_db)).sum();
-        // Intervals below the threshold of silence have no level to add.
+        // Intervals below the lowest level shown do not contribute.
         assert!((sum / power(source.lwa_db) - 1.0).abs() < 1e-9, "{}", source.source);
-        let history = &run
-            .powers
-            .iter()
-            .find(|power| power.source == source.source)
-            .unwrap()
-            .history;
-        let over_time = 10.0 * (history.total() / 1e-12).log10();
+    }
+}
+
+#[test]
+fn the_power_of_every_source_over_time_sums_to_it() {
+    for source in &SMALL_RUN.result.ranking {
+        let history = SMALL_RUN.powers.iter().find(|power| power.source == source.source);
+        let over_time = 10.0 * (history.unwrap().history.total() / 1e-12).log10();
         assert!(
             (over_time - source.lwa_db.unwrap()).abs() < 0.01,
             "{}: {over_time}",
             source.source
         );
     }
-    // The exhaust sounds after it opens; the workpiece before.
-    let between = |source: &str, event: &str| {
-        let ranked = ranked(&run, source);
-        power(
-            ranked
-                .intervals
-                .iter()
-                .find(|interval| interval.from == event)
-                .unwrap()
-                .lwa_db,
-        ) / power(ranked.lwa_db)
+}
+
+#[test]
+fn the_workpiece_sounds_at_the_end_of_the_drive_and_the_exhaust_in_the_return_stroke() {
+    let share = |source: &str, event: &str| {
+        let ranked = ranked(&SMALL_RUN, source);
+        let interval = ranked.intervals.iter().find(|interval| interval.from == event).unwrap();
+        power(interval.lwa_db) / power(ranked.lwa_db)
     };
-    assert!(between("exhaust", "t14") > 0.3 && between("workpiece", "t9") > 0.1);
-    let exhaust = ranked(&run, "exhaust");
+    assert!(share("exhaust", "t14") > 0.3 && share("workpiece", "t9") > 0.1);
+}
+
+#[test]
+fn the_exhaust_has_its_uncertainty_and_a_cross_check() {
+    let exhaust = ranked(&SMALL_RUN, "exhaust");
     assert_eq!(
         (exhaust.uncertainty_db.minus, exhaust.uncertainty_db.plus),
         (Some(4.0), Some(4.0))
@@ -142,7 +151,7 @@ fn every_source_is_told_apart_by_events_and_its_intervals_sum_to_it() {
     assert!(exhaust.cross_check.unwrap().other_lw_db.is_some());
 }
 
-/// The cycle's thrust is that of the convergent holes; the jets expand on behind them, to a little more where choked.
+/// The thrust of the cycle is that of convergent holes; choked jets expand further behind them and have slightly more.
 #[test]
 fn mass_and_thrust_of_the_jets_are_those_of_the_cycle() {
     let mut design = small();
@@ -169,10 +178,10 @@ fn mass_and_thrust_of_the_jets_are_those_of_the_cycle() {
     assert!((0.99..1.06).contains(&thrust), "{thrust}");
 }
 
-/// What is kept of one design never reaches another: a run out of a full cache has every digit of a run without one, timing
-/// aside, whether the change reaches the bodies or not.
+/// Cached results of one design never reach another: a run with a full cache has the digits of a run without one,
+/// whether or not the change affects the bodies.
 #[test]
-fn a_changed_design_out_of_the_cache_has_the_digits_of_one_without() {
+fn a_changed_design_has_the_same_digits_with_and_without_the_cache() {
     let folder = concat!(env!("CARGO_TARGET_TMPDIR"), "/changed");
     let _ = std::fs::remove_dir_all(folder);
     let cache = Store::at(folder.into(), LIMIT);
@@ -200,10 +209,10 @@ fn a_changed_design_out_of_the_cache_has_the_digits_of_one_without() {
     }
 }
 
-/// Every key of exhaust and room, for each kind of muffler: a run that takes the motion of the bodies from the store has every
-/// digit of one without a store.
+/// Every key of exhaust and room, for each kind of muffler: a run that takes the motion of the bodies from the store
+/// has every digit of one without a store.
 #[test]
-fn a_kept_motion_serves_other_exhausts_and_rooms() {
+fn a_cached_motion_is_reused_for_other_exhausts_and_rooms() {
     let folder = concat!(env!("CARGO_TARGET_TMPDIR"), "/left-out");
     let _ = std::fs::remove_dir_all(folder);
     let cache = || Store::at(folder.into(), LIMIT);

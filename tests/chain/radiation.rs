@@ -1,49 +1,85 @@
-//! Boundary elements in the whole chain, block and table above the floor; and what microphones hear of every source.
+//! Radiation and microphones in the whole chain.
 
-use crate::common::{run as of, run_with_chain, small, store};
+use std::sync::{Arc, LazyLock};
+
+use crate::common::{design, folder, run as of, run_with_chain, small, store};
 use nailnoise::Design;
 use nailnoise::output::{remove_others, write_sound_fields};
-use nailnoise::result::{RankedSource, ReceivedSource};
+use nailnoise::result::{RadiationReport, RankedSource, ReceivedSource};
 use nailnoise::run::Run;
+use nailnoise::stages::sound_fields::Fields;
 
 fn workpiece(run: &Run) -> &RankedSource {
     run.result.ranking.iter().find(|s| s.source == "workpiece").unwrap()
 }
 
-#[test]
-fn block_and_table_radiate_as_one_surface() {
-    let design = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/small-bem.toml")).unwrap();
-    let first = of(&design);
-    let source = workpiece(&first);
-    let report = source.radiation.as_ref().unwrap();
-    assert_eq!(source.method, "BEM");
-    assert!(first.result.checks.iter().all(|check| check.ok));
-    // Two evaluations of the power.
-    assert!(report.surface_difference_db.unwrap().abs() < 0.1);
-    // Modes and patches sum to the source.
-    let shares: f64 = report.modes.iter().map(|mode| mode.share).sum();
+static BLOCK_ON_TABLE: LazyLock<Run> = LazyLock::new(|| of(&design("tests/data/small-bem.toml")));
+
+fn radiation(run: &Run) -> &RadiationReport {
+    workpiece(run).radiation.as_ref().unwrap()
+}
+
+/// Asserts that the surface and the far field give the same power.
+fn is_evaluated_twice(run: &Run, within_db: f64) {
+    assert_eq!(workpiece(run).method, "BEM");
+    assert!(radiation(run).surface_difference_db.unwrap().abs() < within_db);
+    let named = "workpiece: power by the surface less that by the far field [dB]";
+    assert!(run.result.checks.iter().any(|check| check.name == named && check.ok));
+}
+
+fn mode_shares_sum_to_one(run: &Run) {
+    let shares: f64 = radiation(run).modes.iter().map(|mode| mode.share).sum();
     assert!((shares - 1.0).abs() < 1e-9, "{shares}");
+}
+
+/// Level of radiation efficiency 1 less the level at 100 Hz \[dB\].
+fn deficit_at_100_hz(run: &Run) -> f64 {
+    let low = radiation(run).bands.iter().find(|band| band.hz == 100.0).unwrap();
+    low.erp_lw_db.unwrap() - low.lw_db.unwrap()
+}
+
+#[test]
+fn block_and_table_radiate_as_one_surface_with_the_same_power_on_it_and_far_away() {
+    is_evaluated_twice(&BLOCK_ON_TABLE, 0.1);
+    assert!(BLOCK_ON_TABLE.result.checks.iter().all(|check| check.ok));
+}
+
+#[test]
+fn modes_and_patches_sum_to_the_source() {
+    mode_shares_sum_to_one(&BLOCK_ON_TABLE);
+    let source = workpiece(&BLOCK_ON_TABLE);
     let energy = |db: Option<f64>| db.map_or(0.0, |db| 10f64.powf(0.1 * db));
     let parts: f64 = source.components.iter().map(|part| energy(part.lw_db)).sum();
     assert!((parts / energy(source.lw_db) - 1.0).abs() < 1e-6);
-    // A body much smaller than the wave radiates far less than with radiation efficiency 1.
-    let low = report.bands.iter().find(|band| band.hz == 100.0).unwrap();
-    assert!(low.lw_db.unwrap() < low.erp_lw_db.unwrap() - 6.0, "{low:?}");
+}
 
-    let heard = as_radiated(&first, "workpiece", 3.0);
-    assert_eq!(heard.how, "boundary elements");
+#[test]
+fn a_body_smaller_than_the_wavelength_radiates_less_than_with_radiation_efficiency_1() {
+    let deficit = deficit_at_100_hz(&BLOCK_ON_TABLE);
+    assert!(deficit > 6.0, "{deficit} dB");
+}
 
-    // Another shot on the same structure takes the matrices from the cache; what they give is the same to the bit.
-    let again = of(&design);
-    assert_eq!(workpiece(&again).lwa_db, source.lwa_db);
+#[test]
+fn microphones_receive_block_and_table_by_boundary_elements() {
+    let received = as_radiated(&BLOCK_ON_TABLE, "workpiece", 3.0);
+    assert_eq!(received.how, "boundary elements");
+}
+
+#[test]
+fn another_run_with_cached_matrices_has_the_same_bits() {
+    let (first, again) = (&*BLOCK_ON_TABLE, of(&design("tests/data/small-bem.toml")));
+    assert_eq!(workpiece(&again).lwa_db, workpiece(first).lwa_db);
     assert_eq!(again.microphones.signals, first.microphones.signals);
 }
 
-/// Everywhere but in sand the workpiece is one problem of boundary elements, whose power is known twice.
-#[test]
-fn a_block_without_a_table_radiates_by_boundary_elements_too() {
+/// The design of block and table with other keys.
+fn without_table(text: &str) -> Design {
     let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/over.toml");
-    let with = |text: &str| Design::parse(&format!("base = \"small-bem.toml\"\n{text}\n"), beside).unwrap();
+    Design::parse(&format!("base = \"small-bem.toml\"\n{text}\n"), beside).unwrap()
+}
+
+/// Blocks without a table, each with the words of its note: on the floor, clamped, hung low, hung high.
+static WITHOUT_TABLE: LazyLock<[(&str, Run); 4]> = LazyLock::new(|| {
     let springs: String = ["a", "b"]
         .map(|name| {
             let x = if name == "a" { -0.15 } else { 0.15 };
@@ -54,42 +90,64 @@ fn a_block_without_a_table_radiates_by_boundary_elements_too() {
         })
         .concat();
     let hung = |clearance: f64| format!("support.kind = \"springs\"\nsupport.clearance = {clearance}\n{springs}");
-    let supports = [
-        ("support.kind = \"floor\"".to_owned(), "on a rigid floor"),
-        ("support.kind = \"clamped\"".to_owned(), "held on a rigid floor"),
-        (hung(0.3), "0.300 m above the floor"),
-        (hung(1.5), "1.500 m above the floor, which is left out of its power"),
-    ];
-    let mut short = Vec::new();
-    for (text, told) in &supports {
-        let run = of(&with(text));
-        let source = workpiece(&run);
-        let report = source.radiation.as_ref().unwrap();
-        assert_eq!(source.method, "BEM", "{told}");
-        assert!(report.surface_difference_db.unwrap().abs() < 0.1, "{told}");
-        let named = "workpiece: power by the surface less that by the far field [dB]";
-        assert!(
-            run.result.checks.iter().any(|check| check.name == named && check.ok),
-            "{told}"
-        );
+    [
+        ("on a rigid floor", "support.kind = \"floor\"".to_owned()),
+        ("held on a rigid floor", "support.kind = \"clamped\"".to_owned()),
+        ("0.300 m above the floor", hung(0.3)),
+        ("1.500 m above the floor, which is left out of its power", hung(1.5)),
+    ]
+    .map(|(note, text)| (note, of(&without_table(&text))))
+});
+
+#[test]
+fn without_a_table_surface_and_far_field_give_the_same_power() {
+    for (_, run) in &*WITHOUT_TABLE {
+        is_evaluated_twice(run, 0.1);
+        mode_shares_sum_to_one(run);
+    }
+}
+
+#[test]
+fn without_a_table_a_note_names_the_place_of_the_block() {
+    for (place, run) in &*WITHOUT_TABLE {
         let notes = &run.result.notes;
         assert!(
             notes
                 .iter()
-                .any(|note| note.contains(told) && note.contains("boundary elements")),
+                .any(|note| note.contains(place) && note.contains("boundary elements")),
             "{notes:?}"
         );
-        let shares: f64 = report.modes.iter().map(|mode| mode.share).sum();
-        assert!((shares - 1.0).abs() < 1e-9, "{told}: {shares}");
-        let low = report.bands.iter().find(|band| band.hz == 100.0).unwrap();
-        assert!(low.lw_db.unwrap() < low.erp_lw_db.unwrap() - 10.0, "{told}: {low:?}");
-        assert_eq!(as_radiated(&run, "workpiece", 4.0).how, "boundary elements");
-        short.push(low.erp_lw_db.unwrap() - low.lw_db.unwrap());
-        // The rigid tool is evaluated twice, too.
+    }
+}
+
+#[test]
+fn without_a_table_low_frequencies_radiate_less_than_with_radiation_efficiency_1() {
+    for (place, run) in &*WITHOUT_TABLE {
+        let deficit = deficit_at_100_hz(run);
+        assert!(deficit > 10.0, "{place}: {deficit} dB");
+    }
+}
+
+#[test]
+fn without_a_table_microphones_receive_the_block_by_boundary_elements() {
+    for (_, run) in &*WITHOUT_TABLE {
+        assert_eq!(as_radiated(run, "workpiece", 4.0).how, "boundary elements");
+    }
+}
+
+#[test]
+fn top_and_underside_of_a_hung_block_short_circuit_each_other() {
+    let [floor, _, low, high] = WITHOUT_TABLE.each_ref().map(|(_, run)| deficit_at_100_hz(run));
+    assert!(low > floor + 10.0 && high > floor + 10.0, "{floor} {low} {high}");
+}
+
+#[test]
+fn surface_and_far_field_of_the_rigid_tool_give_the_same_power_in_each_band() {
+    for (_, run) in &*WITHOUT_TABLE {
         let body = run.result.ranking.iter().find(|s| s.source == "body").unwrap();
-        let twice = body.radiation.as_ref().unwrap();
-        assert!(twice.surface_difference_db.unwrap().abs() < 1e-5);
-        for band in &twice.bands {
+        let report = body.radiation.as_ref().unwrap();
+        assert!(report.surface_difference_db.unwrap().abs() < 1e-5);
+        for band in &report.bands {
             assert!(
                 (band.lw_db.unwrap() - band.surface_lw_db.unwrap()).abs() < 1e-5,
                 "{band:?}"
@@ -97,11 +155,11 @@ fn a_block_without_a_table_radiates_by_boundary_elements_too() {
             assert!(band.erp_lw_db.unwrap() > band.lw_db.unwrap() - 2.0, "{band:?}");
         }
     }
-    // Top and underside of a hung block short-circuit each other.
-    assert!(short[2] > short[0] + 10.0 && short[3] > short[0] + 10.0, "{short:?}");
+}
 
-    // Radiation efficiency 1 remains to be asked for, and says what it lacks.
-    let estimate = of(&with("support.kind = \"floor\"\nacoustics.method = \"erp\""));
+#[test]
+fn with_radiation_efficiency_1_a_note_states_that_there_is_no_second_evaluation() {
+    let estimate = of(&without_table("support.kind = \"floor\"\nacoustics.method = \"erp\""));
     assert!(workpiece(&estimate).radiation.is_none());
     let notes = &estimate.result.notes;
     assert!(
@@ -110,16 +168,16 @@ fn a_block_without_a_table_radiates_by_boundary_elements_too() {
     );
 }
 
-/// What nine microphones measure of a source is its power, to the decibels that so few directions leave open; its
-/// signals hold the exposures of its levels.
+/// Asserts that nine microphones measure the power of a source within the uncertainty of so few directions, and that
+/// its signals have the exposures of its levels.
 fn as_radiated<'a>(run: &'a Run, source: &str, within_db: f64) -> &'a ReceivedSource {
     let report = &run.microphones.report;
-    let heard = report.sources.iter().find(|s| s.source == source).unwrap();
-    let bias = heard.lwa_db.unwrap() - heard.true_lwa_db.unwrap();
+    let received = report.sources.iter().find(|s| s.source == source).unwrap();
+    let bias = received.lwa_db.unwrap() - received.true_lwa_db.unwrap();
     assert!(bias.abs() < within_db, "{source}: {bias} dB");
     let (_, signals) = run.microphones.signals.iter().find(|(name, _)| name == source).unwrap();
-    assert_eq!((heard.levels.len(), signals.len()), (9, 9));
-    for (level, signal) in heard.levels.iter().zip(signals) {
+    assert_eq!((received.levels.len(), signals.len()), (9, 9));
+    for (level, signal) in received.levels.iter().zip(signals) {
         let peak = signal.iter().fold(0.0f64, |peak, p| peak.max(p.abs()));
         assert!(peak > 0.0 && peak <= level.peak_pa && peak < report.full_scale_pa);
         // Jets are drawn at random, and reach to 20 kHz where the range of the levels here ends at 2 kHz.
@@ -131,78 +189,115 @@ fn as_radiated<'a>(run: &'a Run, source: &str, within_db: f64) -> &'a ReceivedSo
             "{source}: {found} {expected}"
         );
     }
-    heard
+    received
+}
+
+static FREE_FIELD: LazyLock<Run> = LazyLock::new(|| of(&small("")));
+
+/// The small design with other keys of the room.
+fn in_room(text: &str) -> Run {
+    of(&small(&format!("[acoustics]\n{text}")))
 }
 
 #[test]
-fn every_source_is_heard_and_a_measurement_is_corrected_for_room_and_background() {
-    let small = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/small.toml");
-    let free = of(&Design::load(small).unwrap());
-    let report = &free.microphones.report;
+fn the_measurement_surface_has_the_area_of_its_box() {
+    let report = &FREE_FIELD.microphones.report;
     let [a, b, c] = report.box_m;
     assert!((report.area_m2 - 4.0 * (a * b + b * c + c * a)).abs() < 1e-12);
+}
+
+#[test]
+fn microphones_receive_every_source() {
     for source in ["workpiece", "exhaust", "body"] {
-        as_radiated(&free, source, 2.0);
+        as_radiated(&FREE_FIELD, source, 2.0);
     }
+}
+
+#[test]
+fn the_measured_total_is_the_sum_of_the_sources_without_corrections_in_a_free_field() {
+    let report = &FREE_FIELD.microphones.report;
     let total = &report.total;
     assert_eq!((total.k1_db, total.k2_db), (Some(0.0), 0.0));
     let sum: f64 = report.sources.iter().map(|s| 10f64.powf(0.1 * s.lwa_db.unwrap())).sum();
     assert!((total.lwa_db.unwrap() - 10.0 * sum.log10()).abs() < 1e-9);
+}
 
-    // A room of A = 4 S: the mean level rises by 3 dB where array and power agree, and K2 takes as much off.
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/over.toml");
-    let over = |text: &str| {
-        let text = format!("base = \"small.toml\"\n[acoustics]\n{text}\n");
-        of(&Design::parse(&text, beside).unwrap())
-    };
-    let room = over(&format!("room_absorption = \"{} m2\"", 4.0 * report.area_m2));
-    let in_room = &room.microphones.report.total;
+#[test]
+fn k2_corrects_the_reverberation_of_the_room() {
+    // A room of A = 4 S raises the mean level by 3 dB where array and power agree.
+    let total = &FREE_FIELD.microphones.report.total;
+    let area = FREE_FIELD.microphones.report.area_m2;
+    let room = in_room(&format!("room_absorption = \"{} m2\"", 4.0 * area));
+    let found = &room.microphones.report.total;
     let (level, bias) = (
         total.lwa_db.unwrap(),
         total.lwa_db.unwrap() - total.true_lwa_db.unwrap(),
     );
-    assert!((in_room.k2_db - 10.0 * 2f64.log10()).abs() < 1e-9);
-    assert!((in_room.lwa_db.unwrap() - level).abs() <= bias.abs() && in_room.lpa_db > total.lpa_db);
-    // A background 10 dB below the tool is corrected for; one as loud as it makes the measurement void.
-    let background = |below: f64| over(&format!("background_level = {}", total.lpa_db.unwrap() - below));
-    let quiet = background(10.0).microphones.report.total;
-    assert!((quiet.k1_db.unwrap() - 0.414).abs() < 1e-3);
-    assert!((quiet.lwa_db.unwrap() - level).abs() < 1e-9);
-    let loud = background(0.0).microphones.report.total;
-    assert_eq!((loud.k1_db, loud.lwa_db), (None, None));
+    assert!((found.k2_db - 10.0 * 2f64.log10()).abs() < 1e-9);
+    assert!((found.lwa_db.unwrap() - level).abs() <= bias.abs() && found.lpa_db > total.lpa_db);
 }
 
 #[test]
-fn a_workpiece_in_sand_is_evaluated_twice_and_its_pictures_hold_its_energy() {
+fn k1_corrects_a_background_10_db_below_the_tool() {
+    let total = &FREE_FIELD.microphones.report.total;
+    let quiet = in_room(&format!("background_level = {}", total.lpa_db.unwrap() - 10.0));
+    let quiet = &quiet.microphones.report.total;
+    assert!((quiet.k1_db.unwrap() - 0.414).abs() < 1e-3);
+    assert!((quiet.lwa_db.unwrap() - total.lwa_db.unwrap()).abs() < 1e-9);
+}
+
+#[test]
+fn a_background_as_loud_as_the_tool_invalidates_the_measurement() {
+    let level = FREE_FIELD.microphones.report.total.lpa_db.unwrap();
+    let loud = in_room(&format!("background_level = {level}"));
+    let loud = &loud.microphones.report.total;
+    assert_eq!((loud.k1_db, loud.lwa_db), (None, None));
+}
+
+/// A workpiece in sand up to 400 Hz, with its sound fields.
+static IN_SAND: LazyLock<(Run, Arc<Fields>)> = LazyLock::new(|| {
     let design = small("[support]\nkind = \"sandbox\"\n[analysis]\nrange_high = \"400 Hz\"\nworkpiece_top = \"1 kHz\"");
-    let run = of(&design);
-    let source = workpiece(&run);
-    let report = source.radiation.as_ref().unwrap();
-    assert!(
-        report.surface_difference_db.unwrap().abs() < 1e-3,
-        "{:?}",
-        report.surface_difference_db
-    );
-    let whole = report.bands.iter().filter(|band| band.hz < 400.0);
-    for band in whole {
+    let (run, chain) = run_with_chain(&design, store());
+    let fields = chain.fields.get().unwrap();
+    (run, fields)
+});
+
+#[test]
+fn in_sand_surface_and_far_field_give_the_same_power() {
+    let (run, _) = &*IN_SAND;
+    let difference = radiation(run).surface_difference_db;
+    assert!(difference.unwrap().abs() < 1e-3, "{difference:?}");
+    let named = "workpiece: power by the surface less that by the far field [dB]";
+    assert!(run.result.checks.iter().any(|check| check.name == named && check.ok));
+    for band in radiation(run).bands.iter().filter(|band| band.hz < 400.0) {
         assert!(
             (band.surface_lw_db.unwrap() - band.lw_db.unwrap()).abs() < 1e-2,
             "{band:?}"
         );
-        // ERP of the top alone is far above what a block smaller than the wave radiates, moving sand or not.
+    }
+}
+
+#[test]
+fn in_sand_a_block_smaller_than_the_wavelength_radiates_less_than_its_top_with_radiation_efficiency_1() {
+    for band in radiation(&IN_SAND.0).bands.iter().filter(|band| band.hz < 400.0) {
         assert!(band.erp_lw_db.unwrap() > band.lw_db.unwrap(), "{band:?}");
     }
-    let shares: f64 = report.modes.iter().map(|mode| mode.share).sum();
-    assert!((shares - 1.0).abs() < 1e-9, "{shares}");
-    let named = "workpiece: power by the surface less that by the far field [dB]";
-    assert!(run.result.checks.iter().any(|check| check.name == named && check.ok));
+}
 
-    let found = run_with_chain(&design, store()).1.fields.get().unwrap();
-    assert!(
-        !found.checks.is_empty() && found.checks.iter().all(|check| check.ok),
-        "{:?}",
-        found.checks
-    );
+#[test]
+fn in_sand_the_shares_of_the_modes_sum_to_one() {
+    mode_shares_sum_to_one(&IN_SAND.0);
+}
+
+#[test]
+fn sound_fields_pass_their_checks() {
+    let checks = &IN_SAND.1.checks;
+    assert!(!checks.is_empty() && checks.iter().all(|check| check.ok), "{checks:?}");
+}
+
+#[test]
+fn sound_fields_have_planes_a_sphere_and_a_surface_in_each_band() {
+    let found = &IN_SAND.1;
     let names: Vec<&str> = found.series.iter().map(|series| series.name.as_str()).collect();
     let expected = [
         "sound-plane-xz",
@@ -222,26 +317,34 @@ fn a_workpiece_in_sand_is_evaluated_twice_and_its_pictures_hold_its_energy() {
             series.name
         );
     }
+}
 
-    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("pictures");
-    let _ = std::fs::remove_dir_all(&folder);
-    write_sound_fields(&folder, "this", &found).unwrap();
+#[test]
+fn files_of_sound_fields_are_kept_for_their_design_and_deleted_for_another() {
+    let folder = folder("pictures");
+    write_sound_fields(&folder, "this", &IN_SAND.1).unwrap();
     let list = std::fs::read_to_string(folder.join("fields/sound-sphere.pvd")).unwrap();
     assert!(
         list.contains("timestep=\"63\"") && list.contains("sound-sphere/00315.vtu"),
         "{list}"
     );
-    // They stay beside their own design and go with another.
     remove_others(&folder, "this").unwrap();
     assert!(folder.join("fields/sound-plane-xy/00063.vtu").exists());
     remove_others(&folder, "another").unwrap();
     assert_eq!(std::fs::read_dir(folder.join("fields")).unwrap().count(), 0);
 }
 
-#[test]
-fn with_radiation_efficiency_1_pictures_show_velocities_and_say_so() {
+/// A run with radiation efficiency 1, with its fields.
+static EFFICIENCY_1: LazyLock<(Run, Arc<Fields>)> = LazyLock::new(|| {
     let design = small("[acoustics]\nmethod = \"erp\"\n[analysis]\nrange_high = \"400 Hz\"");
-    let found = run_with_chain(&design, store()).1.fields.get().unwrap();
+    let (run, chain) = run_with_chain(&design, store());
+    let fields = chain.fields.get().unwrap();
+    (run, fields)
+});
+
+#[test]
+fn with_radiation_efficiency_1_fields_show_velocities_only_and_a_note_states_why() {
+    let found = EFFICIENCY_1.1.as_ref();
     assert!(
         found.checks.is_empty() && found.notes[0].contains("no pressure"),
         "{:?}",
@@ -249,10 +352,13 @@ fn with_radiation_efficiency_1_pictures_show_velocities_and_say_so() {
     );
     let names: Vec<&str> = found.series.iter().map(|series| series.name.as_str()).collect();
     assert_eq!(names, ["velocity-workpiece", "velocity-worktable"]);
-    // What all faces would radiate is the ERP of the closed surface: more than that of a run, which hides the faces between
-    // the bodies.
-    let run = of(&design);
-    let bands = &workpiece(&run).bands;
+}
+
+#[test]
+fn with_radiation_efficiency_1_all_faces_radiate_slightly_more_than_the_run() {
+    // The run leaves out the faces between the bodies.
+    let (run, found) = &*EFFICIENCY_1;
+    let bands = &workpiece(run).bands;
     for (number, band) in found.series[0].bands.iter().enumerate() {
         let mut energy = 0.0;
         for series in &found.series {

@@ -33,9 +33,10 @@ fn moved(design: &Design, key: &str, value: f64) -> CycleRecord {
     simulate(&parameters(&design).unwrap(), &settings).unwrap()
 }
 
-/// The rod loses speed to the nail alone, v' = v M_p/(M_p + M_n): dv'/d(rho) = -v M_p V_n/(M_p + M_n)^2 with M_n = rho V_n.
+/// The rod loses speed to the nail alone, v' = v M_p/(M_p + M_n): dv'/d(rho) = -v M_p V_n/(M_p + M_n)^2 with M_n = rho
+/// V_n.
 #[test]
-fn the_impact_answers_to_the_nails_density_as_momentum_says() {
+fn the_impact_depends_on_the_density_of_the_nail_by_momentum() {
     let design = design();
     let outputs = choose(&["speed", "t3", "t4"]).unwrap();
     let s = sensitivity(&design, &outputs, Some(&["nail.density"]), &Progress::silent()).unwrap();

@@ -31,7 +31,7 @@ fn squares(cache: &Store, n: usize, computed: &Cell<usize>) -> Vec<f64> {
 }
 
 #[test]
-fn a_value_is_computed_once_and_comes_back_to_the_bit() {
+fn a_value_is_computed_once_and_read_back_bit_by_bit() {
     let (cache, computed) = (Store::at(folder("once"), LIMIT), Cell::new(0));
     let first = squares(&cache, 1000, &computed);
     assert_eq!(squares(&cache, 1000, &computed), first);
@@ -56,7 +56,7 @@ fn without_a_folder_everything_is_computed() {
 
 /// Every way of damage at every place: cut short, one bit turned, of another format, under another name.
 #[test]
-fn damage_is_noticed_told_and_repaired() {
+fn damage_is_detected_reported_and_repaired() {
     let (cache, computed) = (Store::at(folder("damage"), LIMIT), Cell::new(0));
     let expected = squares(&cache, 20, &computed);
     let path = cache.entries().unwrap().remove(0).path;
@@ -115,7 +115,7 @@ const KEY: Digest = [7; 32];
 
 /// The same of what is decoded while it is read, by a reader that looks at a part of it only.
 #[test]
-fn damage_of_what_is_decoded_as_it_is_read_is_noticed() {
+fn damage_of_streamed_values_is_detected() {
     let (cache, computed) = (Store::at(folder("decoded"), LIMIT), Cell::new(0));
     let content: Vec<u8> = (0..200).collect();
     let first = |cache: &Store| {
@@ -209,10 +209,10 @@ fn threads_share_a_folder() {
     assert!(values.iter().all(|value| *value == values[0]));
 }
 
-/// A body out of the cache moves as the one that was solved; its shapes on all nodes are read when they are wanted, computed
-/// once more where they are lost, and refused where they are not those that it moves in.
+/// A body out of the cache moves as the one that was solved; its shapes on all nodes are read when they are wanted,
+/// computed once more where they are lost, and refused where they are not those that it moves in.
 #[test]
-fn a_kept_body_finds_its_shapes_again() {
+fn a_cached_body_is_read_back_with_its_mode_shapes() {
     let cache = Store::at(folder("shapes"), LIMIT);
     let design = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/small.toml")).unwrap();
     let workpiece = || body(&design, BodyKind::Workpiece, true, cache.clone());

@@ -133,7 +133,7 @@ fn a_stiff_body_is_the_rigid_source_and_every_run_checks_its_forces() {
 }
 
 #[test]
-fn a_soft_body_sounds_and_its_rigid_motion_stays() {
+fn a_soft_body_radiates_more_and_keeps_its_rigid_motion() {
     let (soft, stiff) = (run(&bar(0.1)), run(&bar(1e3)));
     let (soft, stiff) = (body(&soft), body(&stiff));
     assert!(part(&soft, "housing") > part(&stiff, "housing") + 40.0);
@@ -141,7 +141,7 @@ fn a_soft_body_sounds_and_its_rigid_motion_stays() {
 }
 
 #[test]
-fn a_mesh_that_does_not_say_where_a_force_acts_is_refused_with_the_name() {
+fn a_mesh_without_the_group_of_a_force_is_refused_with_its_name() {
     let mut design = bar(1.0);
     let mut mesh = msh::read(Path::new(&design.body.mesh), 1.0).unwrap().mesh;
     mesh.groups.retain(|group| group.name != "seat");
@@ -167,8 +167,8 @@ fn a_sleeve_that_does_not_fit_the_barrel_is_refused_with_both_radii() {
 }
 
 /// Housing and nose of the mesh that ships, without sleeve and lumped masses, against an independent model whose
-/// frequencies are given to 3 %. Elements three times finer everywhere lower ours by another 0.7 % at most; without finer
-/// elements where nose, arm and handle join they would be up to 6 % higher.
+/// frequencies are given to 3 %. Elements three times finer everywhere lower ours by another 0.7 % at most; without
+/// finer elements where nose, arm and handle join they would be up to 6 % higher.
 #[test]
 fn the_bare_housing_has_the_reference_modes() {
     let mut design = design("designs/n80cb.toml");

@@ -16,7 +16,7 @@ fn nailnoise(name: &str, arguments: &[&str]) -> (Output, PathBuf) {
 }
 
 #[test]
-fn published_forms_strike_the_bumper_and_say_what_they_are() {
+fn published_forms_strike_the_bumper_and_are_named() {
     for (argument, preset, words) in [
         ("--as-published", "published_all", "every form as published"),
         ("--as-published=all", "published_all", "every form as published"),
@@ -155,7 +155,7 @@ fn draws_are_counted_and_listed() {
 }
 
 #[test]
-fn what_does_not_exist_or_go_together_is_refused() {
+fn unknown_or_conflicting_options_are_refused() {
     for (arguments, words) in [
         (
             &["--sensitivity", "--outputs", "loudness"][..],

@@ -227,7 +227,7 @@ fn file(name: &str, text: &str) -> &'static str {
 }
 
 #[test]
-fn what_is_not_published_or_valid_is_refused_by_name() {
+fn unpublished_or_invalid_values_are_refused_by_name() {
     let base = |law: &'static str, nail: &'static str| vec!["--law", law, "--wood", "pine", "--nail", nail];
     let with = |mut arguments: Vec<&'static str>, more: [&'static str; 2]| {
         arguments.extend(more);

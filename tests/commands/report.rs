@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::LazyLock;
 
 use serde_json::Value;
 
@@ -52,81 +53,97 @@ fn own(page: &str) -> String {
     page.replace(scripts[0], "")
 }
 
-#[test]
-fn a_report_shows_all_of_its_result_and_asks_nobody() {
+/// The report of the small design, and its result.
+static REPORT: LazyLock<(String, Value)> = LazyLock::new(|| {
     let out = folder("report");
     run(None, &out, &[]);
     let page = fs::read_to_string(out.join("report.html")).unwrap();
-    let result: Value = serde_json::from_slice(&fs::read(out.join("result.json")).unwrap()).unwrap();
-    let text = own(&page);
-    for asked in ["src=\"http", "href=\"http", "@import", "url(http"] {
-        assert!(!text.contains(asked), "{asked}");
+    let result = serde_json::from_slice(&fs::read(out.join("result.json")).unwrap()).unwrap();
+    (page, result)
+});
+
+/// The text of the report without entities.
+fn text() -> String {
+    own(&REPORT.0)
+        .replace("&amp;", "&")
+        .replace("&lt;", "<")
+        .replace("&gt;", ">")
+        .replace("&quot;", "\"")
+}
+
+fn list<'a>(value: &'a Value, key: &str) -> &'a [Value] {
+    value[key].as_array().unwrap()
+}
+
+#[test]
+fn a_report_loads_nothing_from_a_network() {
+    let page = own(&REPORT.0);
+    for address in ["src=\"http", "href=\"http", "@import", "url(http"] {
+        assert!(!page.contains(address), "{address}");
     }
-    let charts = charts(&page);
+}
+
+#[test]
+fn every_chart_has_its_own_name_and_is_not_empty() {
+    let charts = charts(&REPORT.0);
     let names: BTreeSet<&str> = charts.iter().map(|(id, _)| id.as_str()).collect();
-    assert_eq!(names.len(), charts.len(), "names are given once");
+    assert_eq!(names.len(), charts.len());
     for (id, chart) in &charts {
         let finite = |trace: &Value| {
             let values = ["intensity", "x", "y"].iter().filter_map(|key| trace[*key].as_array());
             values.flatten().filter(|value| value.is_number()).count()
         };
         assert!(
-            chart["data"].as_array().unwrap().iter().any(|trace| finite(trace) > 1),
+            list(chart, "data").iter().any(|trace| finite(trace) > 1),
             "{id} is empty"
         );
     }
-    // The band chart holds the very levels of the result.
+}
+
+#[test]
+fn the_band_chart_shows_the_levels_of_the_result() {
+    let charts = charts(&REPORT.0);
     let bands = &charts.iter().find(|(id, _)| id == "chart-bands-data").unwrap().1;
-    let traces = bands["data"].as_array().unwrap();
-    for source in result["ranking"].as_array().unwrap() {
+    let traces = list(bands, "data");
+    for source in list(&REPORT.1, "ranking") {
         let trace = traces.iter().find(|trace| trace["name"] == source["source"]).unwrap();
-        for (shown, band) in trace["y"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .zip(source["bands"].as_array().unwrap())
-        {
+        for (shown, band) in list(trace, "y").iter().zip(list(source, "bands")) {
             match band["lwa_db"].as_f64() {
                 Some(level) => assert!((shown.as_f64().unwrap() - level).abs() <= 0.0051),
                 None => assert!(shown.is_null()),
             }
         }
     }
-    // Notes, sensors, checks, digests and every value of the design.
-    let plain = |text: &str| {
-        text.replace("&amp;", "&")
-            .replace("&lt;", "<")
-            .replace("&gt;", ">")
-            .replace("&quot;", "\"")
-    };
-    let text = plain(&text);
-    for note in result["notes"].as_array().unwrap() {
+}
+
+#[test]
+fn a_report_contains_notes_checks_digest_sensors_and_every_value_of_the_design() {
+    let (text, result) = (text(), &REPORT.1);
+    for note in list(result, "notes") {
         assert!(text.contains(note.as_str().unwrap()), "{note}");
     }
-    for input in result["inputs"].as_array().unwrap() {
+    for input in list(result, "inputs") {
         assert!(
             text.contains(&format!(">{}<", input["key"].as_str().unwrap())),
             "{input}"
         );
     }
-    for check in result["checks"].as_array().unwrap() {
+    for check in list(result, "checks") {
         assert!(text.contains(check["name"].as_str().unwrap()), "{check}");
     }
     assert!(text.contains(result["design"]["digest"].as_str().unwrap()));
     assert!(text.contains("block_top"), "sensors");
-    assert!(
-        between(&text, "<svg viewBox=\"0 0 260", "</svg>").len() == 6,
-        "pictures of six modes"
-    );
+}
+
+#[test]
+fn a_report_shows_six_modes() {
+    assert_eq!(between(&text(), "<svg viewBox=\"0 0 260", "</svg>").len(), 6);
 }
 
 /// The energy per area of the view in space, over the free faces, is the ERP of the ranking.
 #[test]
 fn the_view_in_space_sums_to_the_equivalent_radiated_power() {
-    let out = folder("report-view");
-    run(None, &out, &[]);
-    let page = fs::read_to_string(out.join("report.html")).unwrap();
-    let result: Value = serde_json::from_slice(&fs::read(out.join("result.json")).unwrap()).unwrap();
+    let (page, result) = &*REPORT;
     let workpiece = result["ranking"]
         .as_array()
         .unwrap()
@@ -136,7 +153,7 @@ fn the_view_in_space_sums_to_the_equivalent_radiated_power() {
     if workpiece["method"] != "ERP" {
         return; // only then are the two the same quantity
     }
-    let charts = charts(&page);
+    let charts = charts(page);
     let view = &charts.iter().find(|(id, _)| id == "chart-surfaces-data").unwrap().1;
     let mut energy = 0.0;
     let of_the_source = |trace: &&Value| {
@@ -176,7 +193,7 @@ fn the_view_in_space_sums_to_the_equivalent_radiated_power() {
 }
 
 #[test]
-fn an_unchanged_design_comes_back_whole_without_being_computed() {
+fn an_unchanged_design_is_restored_from_the_cache() {
     let (out, cache) = (folder("kept"), folder("kept-cache"));
     let first = run(Some(&cache), &out, &["--json"]);
     let all = |folder: &Path| -> BTreeMap<PathBuf, Vec<u8>> {
@@ -413,7 +430,7 @@ fn the_published_schema_is_that_of_the_result() {
 
 /// The book's table of contents names files that are there.
 #[test]
-fn the_book_is_whole() {
+fn every_page_of_the_book_exists() {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
     let mut pages = 0;
     for entry in fs::read_dir(&docs).unwrap() {
@@ -442,7 +459,7 @@ fn the_book_is_whole() {
 /// file without the rest of its run.
 #[cfg(unix)]
 #[test]
-fn an_interruption_leaves_nothing_half_written() {
+fn an_interruption_leaves_no_partial_file() {
     let mut interrupted = 0;
     for (index, wait) in [Some(40), Some(300), Some(900), None].into_iter().enumerate() {
         let out = folder(&format!("interrupted-{index}"));

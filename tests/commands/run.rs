@@ -1,40 +1,85 @@
 //! The command as a user meets it: tables, JSON, files, exit status, errors.
 
-use crate::common::{folder, json, nailnoise};
-use std::path::Path;
+use crate::common::{SMALL, folder, json, messages, nailnoise};
+use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::LazyLock;
 
 use serde_json::Value;
 
-#[test]
-fn run_ranks_three_sources_and_leaves_every_file() {
+/// A run of the small design: its folder, its result, and its messages.
+struct Small {
+    out: PathBuf,
+    result: Value,
+    messages: String,
+}
+
+static SMALL_RUN: LazyLock<Small> = LazyLock::new(|| {
     let out = folder("run");
-    let output = nailnoise(&["run", "tests/data/small.toml", "--json", "--out", out.to_str().unwrap()]);
-    let result = json(&output);
+    let output = nailnoise(&["run", SMALL, "--json", "--out", out.to_str().unwrap()]);
+    Small {
+        out,
+        result: json(&output),
+        messages: messages(&output),
+    }
+});
+
+fn ranked_levels() -> Vec<f64> {
+    let ranking = SMALL_RUN.result["ranking"].as_array().unwrap();
+    ranking.iter().map(|s| s["lwa_db"].as_f64().unwrap()).collect()
+}
+
+#[test]
+fn a_result_names_its_schema_and_its_design() {
+    let result = &SMALL_RUN.result;
     assert_eq!(result["schema"], "nailnoise-run/1");
     assert_eq!(result["design"]["name"], "small");
     assert_eq!(result["design"]["digest"].as_str().unwrap().len(), 64);
-    let ranking = result["ranking"].as_array().unwrap();
+}
+
+#[test]
+fn run_ranks_three_sources_by_their_level() {
+    let ranking = SMALL_RUN.result["ranking"].as_array().unwrap();
     let mut names: Vec<&str> = ranking.iter().map(|s| s["source"].as_str().unwrap()).collect();
-    let levels: Vec<f64> = ranking.iter().map(|s| s["lwa_db"].as_f64().unwrap()).collect();
-    assert!(
-        levels.windows(2).all(|pair| pair[0] >= pair[1]),
-        "loudest first: {levels:?}"
-    );
+    let levels = ranked_levels();
+    assert!(levels.windows(2).all(|pair| pair[0] >= pair[1]), "{levels:?}");
     names.sort_unstable();
     assert_eq!(names, ["body", "exhaust", "workpiece"]);
-    let energy: f64 = levels.iter().map(|level| 10f64.powf(level / 10.0)).sum();
-    assert!((10.0 * energy.log10() - result["total"]["lwa_db"].as_f64().unwrap()).abs() < 1e-9);
-    let checks = result["checks"].as_array().unwrap();
+}
+
+#[test]
+fn the_total_is_the_sum_of_the_sources() {
+    let energy: f64 = ranked_levels().iter().map(|level| 10f64.powf(level / 10.0)).sum();
+    let total = SMALL_RUN.result["total"]["lwa_db"].as_f64().unwrap();
+    assert!((10.0 * energy.log10() - total).abs() < 1e-9);
+}
+
+#[test]
+fn a_run_passes_its_checks() {
+    let checks = SMALL_RUN.result["checks"].as_array().unwrap();
     assert!(checks.iter().all(|check| check["ok"] == true), "{checks:#?}");
-    let sensors = result["sensors"].as_array().unwrap();
+}
+
+#[test]
+fn every_sensor_has_an_rms_value_and_a_higher_peak() {
+    let sensors = SMALL_RUN.result["sensors"].as_array().unwrap();
     let named: Vec<&str> = sensors.iter().map(|s| s["name"].as_str().unwrap()).collect();
     assert_eq!(named, ["block_top", "handle", "table_centre", "table_edge"]);
     for sensor in sensors {
         let (rms, peak) = (sensor["rms_g"].as_f64().unwrap(), sensor["peak_g"].as_f64().unwrap());
         assert!(0.0 < rms && rms < peak && peak.is_finite(), "{sensor}");
     }
-    assert!((0..=18).all(|k| result["events"][format!("t{k}")].is_f64()));
+}
+
+#[test]
+fn every_event_has_its_time() {
+    let events = &SMALL_RUN.result["events"];
+    assert!((0..=18).all(|k| events[format!("t{k}")].is_f64()));
+}
+
+#[test]
+fn run_writes_every_file() {
+    let out = &SMALL_RUN.out;
     for file in [
         "result.json",
         "levels.csv",
@@ -53,9 +98,18 @@ fn run_ranks_three_sources_and_leaves_every_file() {
     ] {
         assert!(out.join(file).metadata().unwrap().len() > 100, "{file}");
     }
-    let stored: Value = serde_json::from_slice(&std::fs::read(out.join("result.json")).unwrap()).unwrap();
-    assert_eq!(stored, result);
-    assert!(!output.stderr.is_empty(), "progress is shown");
+}
+
+#[test]
+fn the_written_result_equals_the_printed_one() {
+    let stored = std::fs::read(SMALL_RUN.out.join("result.json")).unwrap();
+    let stored: Value = serde_json::from_slice(&stored).unwrap();
+    assert_eq!(stored, SMALL_RUN.result);
+}
+
+#[test]
+fn progress_is_shown() {
+    assert!(!SMALL_RUN.messages.is_empty());
 }
 
 #[test]
@@ -121,10 +175,14 @@ fn results_do_not_depend_on_the_cache() {
 }
 
 #[test]
-fn the_schema_knows_the_keys_and_shells_are_completed() {
+fn the_schema_describes_the_keys() {
     let schema = json(&nailnoise(&["schema"]));
     let mass = &schema["properties"]["piston"]["properties"]["mass"];
     assert!(mass["description"].as_str().unwrap().contains("kg"), "{mass}");
+}
+
+#[test]
+fn completions_are_written_for_a_shell() {
     let bash = nailnoise(&["completions", "bash"]);
     assert!(String::from_utf8(bash.stdout).unwrap().contains("_nailnoise"));
 }
@@ -209,7 +267,7 @@ fn a_muffler_lowers_the_exhaust_slows_the_blow_down_and_is_drawn() {
 }
 
 #[test]
-fn cycle_tells_outcome_events_and_work() {
+fn cycle_prints_outcome_events_and_work() {
     let out = folder("cycle");
     let result = json(&nailnoise(&[
         "cycle",
