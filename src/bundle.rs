@@ -193,7 +193,7 @@ fn made(design: &Design, folder: &Path, unfinished: &Path, store: &Store, progre
     });
     thread::scope(|scope| {
         // The cycle's tables are the longest of all.
-        let of_cycle = scope.spawn(|| chain.cycle.get().map(|record| output::of_cycle(&record)));
+        let of_cycle = scope.spawn(|| chain.cycle.get().and_then(|record| output::of_cycle(&record)));
         let files = scope.spawn(|| field_files(&fields, folder, unfinished, store));
         let mut outputs = chain.outputs();
         outputs.push(&pictures);

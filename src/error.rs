@@ -70,6 +70,9 @@ pub enum Error {
     /// Radiation or exhaust could not be computed.
     #[error("the sound power of a source cannot be computed")]
     Acoustics(#[from] nailnoise_acoustics::AcousticsError),
+    /// The rows of a table have not as many fields as its header.
+    #[error("a table cannot be written")]
+    Table(#[from] csv::Error),
     /// The chosen support has no body of this name.
     #[error("the design \"{design}\" has no {body}: its support is a {support}")]
     #[diagnostic(help("choose --body workpiece, or set support.kind = \"worktable\""))]

@@ -124,7 +124,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         (None, None) => String::new(),
     };
     progress.stage("writing files");
-    output::write_files(&folder, &output::of_cycle(&record))?;
+    output::write_files(&folder, &output::of_cycle(&record)?)?;
     let figures = if arguments.figures {
         let subject = format!("{}{form}: {}", design.name(), words(&record.outcome));
         figures::write(&folder.join("figures"), &figures::cycle(&subject, &design, &record))?

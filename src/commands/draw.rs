@@ -46,7 +46,7 @@ pub(super) fn execute(common: &Common, design: &Design, count: usize, seed: u64)
         source,
     })?;
     let path = folder.join("draws.csv");
-    output::write(&path, csv(&study).as_bytes())?;
+    output::write(&path, &csv(&study)?)?;
     let failures = failures(&study);
     let status = if failures.is_empty() {
         ExitCode::SUCCESS
@@ -129,18 +129,23 @@ fn text(name: &str, study: &Study) -> String {
 }
 
 /// `draws.csv`: a row for every design, its values in SI units.
-fn csv(study: &Study) -> String {
-    let mut text = String::from("candidate,fate,mean_drive_speed [m/s],penetration [m],exhaust_mass [kg]");
-    for parameter in &study.parameters {
+fn csv(study: &Study) -> Result<Vec<u8>, Error> {
+    let figures = [
+        "candidate",
+        "fate",
+        "mean_drive_speed [m/s]",
+        "penetration [m]",
+        "exhaust_mass [kg]",
+    ];
+    let values = study.parameters.iter().map(|parameter| {
         let unit = if parameter.unit.is_empty() {
             "-"
         } else {
-            parameter.unit.as_str()
+            &parameter.unit
         };
-        let _ = write!(text, ",{} [{unit}]", parameter.key);
-    }
-    text.push('\n');
-    for draw in &study.draws {
+        format!("{} [{unit}]", parameter.key)
+    });
+    let rows = study.draws.iter().map(|draw| {
         let (speed, depth, mass) = match &draw.fate {
             Fate::Shot { summary, .. } => (
                 summary.mean_drive_speed,
@@ -149,23 +154,16 @@ fn csv(study: &Study) -> String {
             ),
             Fate::DryFire | Fate::SolverFailure(_) => (None, None, None),
         };
-        let _ = write!(text, "{},{}", draw.candidate, draw.fate.name());
-        for value in [speed, depth, mass] {
-            text.push(',');
-            if let Some(value) = value {
-                let _ = write!(text, "{value:e}");
-            }
-        }
-        for value in &draw.values {
-            let _ = match value {
-                Value::Number(value) => write!(text, ",{value:e}"),
-                Value::Count(count) => write!(text, ",{count}"),
-                Value::Switch(on) => write!(text, ",{on}"),
-                Value::Choice(word) => write!(text, ",{word}"),
-                Value::File(path) => write!(text, ",{path}"),
-            };
-        }
-        text.push('\n');
-    }
-    text
+        let figures = [speed, depth, mass].map(|value| value.map_or_else(String::new, |value| format!("{value:e}")));
+        let values = draw.values.iter().map(|value| match value {
+            Value::Number(value) => format!("{value:e}"),
+            Value::Count(count) => count.to_string(),
+            Value::Switch(on) => on.to_string(),
+            Value::Choice(word) => (*word).to_owned(),
+            Value::File(path) => path.clone(),
+        });
+        let names = [draw.candidate.to_string(), draw.fate.name().to_owned()];
+        names.into_iter().chain(figures).chain(values)
+    });
+    output::table(figures.map(str::to_owned).into_iter().chain(values), rows)
 }

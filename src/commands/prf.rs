@@ -1,6 +1,5 @@
 //! `nailnoise prf`: penetration laws, published and own, evaluated and compared.
 
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -96,7 +95,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let folder = arguments.out.clone().unwrap_or_else(|| Path::new("out").join("prf"));
     let mut files = figures::write(&folder, &[figures::penetration(&result.shared(), &laws, &labels)?])?;
     let path = folder.join("penetration.csv");
-    output::write(&path, csv(&laws)?.as_bytes())?;
+    output::write(&path, &csv(&laws)?)?;
     files.push(path);
     result.notes.iter().for_each(|note| eprintln!("note: {note}"));
     if arguments.json {
@@ -302,20 +301,37 @@ fn text(result: &PrfResult, tenths: bool) -> String {
 
 /// `penetration.csv`: force, its band of one standard error where a fit is published, and work, every 0.5 % of the
 /// nail's length.
-fn csv(laws: &[PenetrationCurve]) -> Result<String, CurveError> {
-    let mut text = String::from("law,wood,nail,depth_m,force_n,force_low_n,force_high_n,work_j\n");
-    for law in laws {
-        for step in 0..=200 {
-            let depth = law.nail.length * f64::from(step) / 200.0;
-            let band = law.band(depth)?;
-            let band = band.map_or_else(|| ",".to_owned(), |[low, high]| format!("{low:.4},{high:.4}"));
-            let (force, work) = (law.force(depth)?, law.work(depth)?);
-            let (name, wood, nail) = (&law.name, wood_name(law), law.nail.name);
-            // Writing to a string cannot fail.
-            let _ = writeln!(text, "{name},{wood},{nail},{depth:.7},{force:.4},{band},{work:.6}");
-        }
-    }
-    Ok(text)
+fn csv(laws: &[PenetrationCurve]) -> Result<Vec<u8>, Error> {
+    let row = |law: &PenetrationCurve, step: u32| -> Result<[String; 8], Error> {
+        let depth = law.nail.length * f64::from(step) / 200.0;
+        let [low, high] = law
+            .band(depth)?
+            .map_or_else(Default::default, |band| band.map(|force| format!("{force:.4}")));
+        Ok([
+            law.name.clone(),
+            wood_name(law).to_owned(),
+            law.nail.name.to_owned(),
+            format!("{depth:.7}"),
+            format!("{:.4}", law.force(depth)?),
+            low,
+            high,
+            format!("{:.6}", law.work(depth)?),
+        ])
+    };
+    let rows = laws.iter().flat_map(|law| (0..=200).map(move |step| row(law, step)));
+    output::table(
+        [
+            "law",
+            "wood",
+            "nail",
+            "depth_m",
+            "force_n",
+            "force_low_n",
+            "force_high_n",
+            "work_j",
+        ],
+        rows.collect::<Result<Vec<_>, _>>()?,
+    )
 }
 
 fn list() -> ExitCode {

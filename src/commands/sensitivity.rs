@@ -49,7 +49,7 @@ pub(super) fn execute(
         source,
     })?;
     let path = folder.join("sensitivity.csv");
-    output::write(&path, csv(&sensitivity).as_bytes())?;
+    output::write(&path, &csv(&sensitivity)?)?;
     if common.json {
         let design = DesignId {
             name: design.name().to_owned(),
@@ -176,43 +176,55 @@ fn end(end: &End) -> String {
 }
 
 /// `sensitivity.csv`: a row for every figure and parameter.
-fn csv(sensitivity: &Sensitivity) -> String {
-    let mut text = String::from(
-        "output,output_unit,output_value,parameter,parameter_unit,parameter_value,range_low,range_high,derivative,\
-         error,effect,at_low,at_high,outcome_low,outcome_high\n",
-    );
-    for output in &sensitivity.outputs {
-        let OutputSensitivity {
-            name,
-            unit,
-            value: figure,
-            ..
-        } = output;
-        let number = |value: &Option<f64>| value.map_or_else(String::new, |value| format!("{value:e}"));
-        for derivative in &output.ranking {
-            let Some(parameter) = parameter(sensitivity, &derivative.key) else {
-                continue;
-            };
-            let Derivative {
-                key,
-                derivative,
-                error,
-                effect,
-                at_ends: [low, high],
-                ..
-            } = derivative;
-            let [from, to] = parameter.parameter.range;
-            let [left, right] = parameter.ends.each_ref().map(end);
-            let _ = writeln!(
-                text,
-                "{name},{unit},{},{key},{},{:e},{from:e},{to:e},{derivative:e},{error:e},{effect:e},{},{},{left},{right}",
-                number(figure),
-                parameter.parameter.unit,
-                value(parameter),
-                number(low),
-                number(high),
-            );
-        }
-    }
-    text
+fn csv(sensitivity: &Sensitivity) -> Result<Vec<u8>, Error> {
+    let header = [
+        "output",
+        "output_unit",
+        "output_value",
+        "parameter",
+        "parameter_unit",
+        "parameter_value",
+        "range_low",
+        "range_high",
+        "derivative",
+        "error",
+        "effect",
+        "at_low",
+        "at_high",
+        "outcome_low",
+        "outcome_high",
+    ];
+    let row = |output: &OutputSensitivity, derivative: &Derivative| {
+        let parameter = parameter(sensitivity, &derivative.key)?;
+        let number = |value: f64| format!("{value:e}");
+        let optional = |value: Option<f64>| value.map_or_else(String::new, number);
+        let [low, high] = derivative.at_ends.map(optional);
+        let [from, to] = parameter.parameter.range.map(number);
+        let [left, right] = parameter.ends.each_ref().map(end);
+        Some([
+            output.name.to_string(),
+            output.unit.to_string(),
+            optional(output.value),
+            derivative.key.clone(),
+            parameter.parameter.unit.clone(),
+            number(value(parameter)),
+            from,
+            to,
+            number(derivative.derivative),
+            number(derivative.error),
+            number(derivative.effect),
+            low,
+            high,
+            left,
+            right,
+        ])
+    };
+    let outputs = sensitivity.outputs.iter();
+    let rows = outputs.flat_map(|output| {
+        output
+            .ranking
+            .iter()
+            .filter_map(move |derivative| row(output, derivative))
+    });
+    output::table(header, rows)
 }

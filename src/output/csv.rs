@@ -1,22 +1,14 @@
-//! Comma-separated files: `levels.csv`, `intervals.csv`, `power.csv`, `events.csv`, `log.csv`, `histories.csv`,
-//! `modes.csv`. Units stand in the header.
-
-use std::fmt::Write;
+//! Tables of a run: `levels.csv`, `intervals.csv`, `power.csv`, `events.csv`, `log.csv`, `histories.csv`, `modes.csv`.
+//! Units stand in the header.
 
 use nailnoise_dynamics::{CycleRecord, Events, LogEntry};
-use rayon::prelude::*;
 
 use super::columns::columns;
-use super::digits::{exponential, fixed};
-use crate::result::{RadiationReport, RunResult};
+use super::table::{numbers, optional, table};
+use crate::error::Error;
+use crate::result::{RadiationReport, RankedSource, RunResult};
 use crate::run::Run;
 use crate::stages::spectra::Driven;
-
-/// Rows of a long table written beside each other.
-const BLOCK: usize = 128;
-
-/// Most bytes of a number with nine digits, its sign and its comma.
-const WIDTH: usize = 18;
 
 /// What each event is, in the order t0..t18.
 pub const EVENT_NAMES: [&str; 19] = [
@@ -53,167 +45,189 @@ fn report_of<'a>(result: &'a RunResult, source: &str) -> Option<&'a RadiationRep
 
 /// `radiation.csv` of a source: one-third-octave bands by the far field, by the surface, with radiation efficiency 1, and by
 /// the limit of high frequencies where boundary elements are known too; none where it has no second evaluation.
-pub(super) fn radiation(result: &RunResult, source: &str) -> Option<String> {
+pub(super) fn radiation(result: &RunResult, source: &str) -> Option<Result<Vec<u8>, Error>> {
     let report = report_of(result, source)?;
-    let mut text = String::from(
-        "band [Hz],far field L_W [dB],surface L_W [dB],radiation efficiency 1 L_W [dB],limit of high frequencies L_W [dB]\n",
-    );
-    for band in &report.bands {
-        let levels = [band.lw_db, band.surface_lw_db, band.erp_lw_db, band.limit_lw_db].map(|level| optional(level, 3));
-        let _ = writeln!(text, "{},{}", band.hz, levels.join(","));
-    }
-    Some(text)
+    let header = [
+        "band [Hz]",
+        "far field L_W [dB]",
+        "surface L_W [dB]",
+        "radiation efficiency 1 L_W [dB]",
+        "limit of high frequencies L_W [dB]",
+    ];
+    let rows = report.bands.iter().map(|band| {
+        let levels = [band.lw_db, band.surface_lw_db, band.erp_lw_db, band.limit_lw_db];
+        [band.hz.to_string()].into_iter().chain(levels.map(level))
+    });
+    Some(table(header, rows))
 }
 
 /// `modes.csv`: every mode of every body that takes part, rigid motions among them, with the damping of the material.
-pub(super) fn modes(moving: &[Driven]) -> String {
-    let mut text = String::from("body,mode,frequency [Hz],loss factor [-],eigen residual [-]\n");
-    for Driven { body, loss_factor, .. } in moving {
+pub(super) fn modes(moving: &[Driven]) -> Result<Vec<u8>, Error> {
+    let header = [
+        "body",
+        "mode",
+        "frequency [Hz]",
+        "loss factor [-]",
+        "eigen residual [-]",
+    ];
+    let rows = moving.iter().flat_map(|Driven { body, loss_factor, .. }| {
         let basis = &body.basis;
-        for (number, (hz, residual)) in basis.hz.iter().zip(&basis.residuals).enumerate() {
-            let (hz, eta) = if basis.rigid[number] {
-                (0.0, 0.0)
-            } else {
-                (*hz, *loss_factor)
-            };
-            let _ = writeln!(text, "{},{},{hz:.3},{eta},{residual:.1e}", body.name, number + 1);
-        }
-    }
-    text
+        basis
+            .hz
+            .iter()
+            .zip(&basis.residuals)
+            .enumerate()
+            .map(|(number, (hz, residual))| {
+                let (hz, eta) = if basis.rigid[number] {
+                    (0.0, 0.0)
+                } else {
+                    (*hz, *loss_factor)
+                };
+                let number = (number + 1).to_string();
+                [
+                    body.name.to_owned(),
+                    number,
+                    format!("{hz:.3}"),
+                    eta.to_string(),
+                    format!("{residual:.1e}"),
+                ]
+            })
+    });
+    table(header, rows)
 }
 
 /// `radiation-modes.csv` of a source: what each mode adds to its A-weighted energy, and how radiation damps it; none of a
 /// rigid body.
-pub(super) fn radiation_modes(result: &RunResult, source: &str) -> Option<String> {
+pub(super) fn radiation_modes(result: &RunResult, source: &str) -> Option<Result<Vec<u8>, Error>> {
     let report = report_of(result, source).filter(|report| !report.modes.is_empty())?;
-    let mut text =
-        String::from("body,mode,frequency [Hz],radiation damping ratio [-],share of A-weighted energy [-]\n");
-    for m in &report.modes {
+    let header = [
+        "body",
+        "mode",
+        "frequency [Hz]",
+        "radiation damping ratio [-]",
+        "share of A-weighted energy [-]",
+    ];
+    let rows = report.modes.iter().map(|m| {
         let number = m
             .mode
             .map_or_else(|| "static corrections".to_owned(), |mode| mode.to_string());
         let damping = m
             .radiation_damping
             .map_or_else(String::new, |ratio| format!("{ratio:.3e}"));
-        let _ = writeln!(
-            text,
-            "{},{number},{},{damping},{:.4e}",
-            m.body,
+        [
+            m.body.to_string(),
+            number,
             optional(m.hz, 2),
-            m.share
-        );
-    }
-    Some(text)
+            damping,
+            format!("{:.4e}", m.share),
+        ]
+    });
+    Some(table(header, rows))
 }
 
 /// `levels.csv`: one-third-octave bands by sources, unweighted; then the A-weighted total of each. The header tells how
 /// each source was computed. Silence is empty.
-pub(super) fn levels(result: &RunResult) -> String {
-    let mut text = String::from("band [Hz]");
-    for source in &result.ranking {
-        let _ = write!(
-            text,
-            ",{} L_W [dB] ({})",
-            source.source,
-            source.method.replace(',', " with")
-        );
-    }
-    text.push('\n');
-    let bands = result.ranking.first().map_or(0, |source| source.bands.len());
-    for band in 0..bands {
-        let _ = write!(text, "{}", result.ranking[0].bands[band].hz);
-        for source in &result.ranking {
-            text.push(',');
-            text.push_str(&optional(source.bands[band].lw_db, 3));
-        }
-        text.push('\n');
-    }
-    text.push_str("A-weighted total");
-    for source in &result.ranking {
-        text.push(',');
-        text.push_str(&optional(source.lwa_db, 3));
-    }
-    text.push('\n');
-    text
+pub(super) fn levels(result: &RunResult) -> Result<Vec<u8>, Error> {
+    let ranking = &result.ranking;
+    let row = |first: String, levels: &dyn Fn(&RankedSource) -> Option<f64>| -> Vec<String> {
+        [first]
+            .into_iter()
+            .chain(ranking.iter().map(|source| level(levels(source))))
+            .collect()
+    };
+    let titles = ranking
+        .iter()
+        .map(|source| format!("{} L_W [dB] ({})", source.source, source.method.replace(',', " with")));
+    let bands = ranking.first().map_or(&[][..], |source| &source.bands);
+    let rows = bands
+        .iter()
+        .enumerate()
+        .map(|(band, first)| row(first.hz.to_string(), &|source| source.bands[band].lw_db));
+    let total = row("A-weighted total".to_owned(), &|source| source.lwa_db);
+    table(["band [Hz]".to_owned()].into_iter().chain(titles), rows.chain([total]))
 }
 
 /// `intervals.csv`: interval by source, the energy-additive level and that of the signal cut at the events. Silence is
 /// empty.
-pub(super) fn intervals(result: &RunResult) -> String {
-    let mut text = String::from("from,to,from [s],to [s]");
-    for source in &result.ranking {
-        let _ = write!(text, ",{0} L_WA [dB],{0} L_WA cut [dB]", source.source);
-    }
-    text.push('\n');
-    let count = result.ranking.first().map_or(0, |source| source.intervals.len());
-    for index in 0..count {
-        let interval = &result.ranking[0].intervals[index];
-        let _ = write!(
-            text,
-            "{},{},{:.7},{:.7}",
-            interval.from, interval.to, interval.from_s, interval.to_s
-        );
-        for source in &result.ranking {
+pub(super) fn intervals(result: &RunResult) -> Result<Vec<u8>, Error> {
+    let ranking = &result.ranking;
+    let titles = ranking
+        .iter()
+        .flat_map(|source| ["L_WA", "L_WA cut"].map(|quantity| format!("{} {quantity} [dB]", source.source)));
+    let header = ["from", "to", "from [s]", "to [s]"].map(str::to_owned);
+    let intervals = ranking.first().map_or(&[][..], |source| &source.intervals);
+    let rows = intervals.iter().enumerate().map(|(index, interval)| {
+        let times = [interval.from_s, interval.to_s].map(|time| format!("{time:.7}"));
+        let levels = ranking.iter().flat_map(move |source| {
             let own = &source.intervals[index];
-            let _ = write!(text, ",{},{}", optional(own.lwa_db, 3), optional(own.lwa_cut_db, 3));
-        }
-        text.push('\n');
-    }
-    text
+            [own.lwa_db, own.lwa_cut_db].map(level)
+        });
+        [interval.from.clone(), interval.to.clone()]
+            .into_iter()
+            .chain(times)
+            .chain(levels)
+    });
+    table(header.into_iter().chain(titles), rows)
 }
 
 /// `power.csv`: A-weighted sound power of every source over time, mean of each cell around the time given, and the
 /// screech frequency of the exhaust's jets there; empty while they are subsonic.
-pub(super) fn power(run: &Run) -> Vec<u8> {
-    let mut heading = String::from("time [s]");
-    for power in &run.powers {
-        let _ = write!(heading, ",{} W_A [W]", power.source);
-    }
-    heading.push_str(",screech of the exhaust [Hz]\n");
-    let mut text = heading.into_bytes();
-    let Some(first) = run.powers.first().map(|power| &power.history) else {
-        return text;
-    };
-    for cell in 0..first.power.len() {
+pub(super) fn power(run: &Run) -> Result<Vec<u8>, Error> {
+    let titles = run.powers.iter().map(|power| format!("{} W_A [W]", power.source));
+    let header = ["time [s]".to_owned()].into_iter().chain(titles);
+    let cells = run.powers.first().map_or(0, |power| power.history.power.len());
+    let rows = (0..cells).map(|cell| {
+        let first = &run.powers[0].history;
         let time = first.start + cell as f64 * first.sample_interval;
-        fixed(&mut text, time, 7);
-        for power in &run.powers {
-            text.push(b',');
-            exponential(&mut text, power.history.power[cell], 9);
-        }
+        let powers = run
+            .powers
+            .iter()
+            .map(move |power| format!("{:.9e}", power.history.power[cell]));
         let sample = (time >= 0.0).then(|| (time / run.record.sample_interval).round() as usize);
         let screech = sample.and_then(|sample| run.screech.get(sample).copied().flatten());
-        text.push(b',');
-        text.extend_from_slice(optional(screech, 1).as_bytes());
-        text.push(b'\n');
-    }
-    text
+        [format!("{time:.7}")]
+            .into_iter()
+            .chain(powers)
+            .chain([optional(screech, 1)])
+    });
+    table(header.chain(["screech of the exhaust [Hz]".to_owned()]), rows)
 }
 
 /// `events.csv`: symbol, what it is, time. An event that does not occur has no time.
-pub(super) fn events(events: &Events) -> String {
-    let mut text = String::from("event,description,time_s\n");
-    for (index, (time, name)) in events.to_array().iter().zip(EVENT_NAMES).enumerate() {
-        let _ = writeln!(text, "t{index},{name},{}", optional(*time, 9));
-    }
-    text
+pub(super) fn events(events: &Events) -> Result<Vec<u8>, Error> {
+    let times = events.to_array();
+    let rows = times.iter().zip(EVENT_NAMES).enumerate();
+    let rows = rows.map(|(index, (time, name))| [format!("t{index}"), name.to_owned(), optional(*time, 9)]);
+    table(["event", "description", "time_s"], rows)
 }
 
 /// `log.csv`: everything that happened, with the state at that instant.
-pub(super) fn log(log: &[LogEntry]) -> String {
-    let mut text = String::from(
-        "time_s,entry,description,piston_travel_m,piston_velocity_m_s,valve_lift_m,valve_velocity_m_s,tool_rise_m,\
-         tool_velocity_m_s,tip_depth_m,p_above_piston_pa,p_below_piston_pa,p_return_pa,p_above_valve_pa,p_supply_pa\n",
-    );
-    for entry in log {
+pub(super) fn log(log: &[LogEntry]) -> Result<Vec<u8>, Error> {
+    let header = [
+        "time_s",
+        "entry",
+        "description",
+        "piston_travel_m",
+        "piston_velocity_m_s",
+        "valve_lift_m",
+        "valve_velocity_m_s",
+        "tool_rise_m",
+        "tool_velocity_m_s",
+        "tip_depth_m",
+        "p_above_piston_pa",
+        "p_below_piston_pa",
+        "p_return_pa",
+        "p_above_valve_pa",
+        "p_supply_pa",
+    ];
+    let rows = log.iter().map(|entry| {
         let word = |value: serde_json::Result<serde_json::Value>| {
             let value = value.unwrap_or_default();
             value.as_str().unwrap_or_default().to_owned()
         };
         let crossing = word(serde_json::to_value(entry.crossing));
         let direction = word(serde_json::to_value(entry.direction));
-        let description = entry.crossing.describe(entry.direction);
-        let _ = write!(text, "{:.9},{crossing} {direction},{description}", entry.time);
+        let description = entry.crossing.describe(entry.direction).to_owned();
         let s = &entry.state;
         let motion = [
             s.piston_travel,
@@ -224,39 +238,35 @@ pub(super) fn log(log: &[LogEntry]) -> String {
             s.tool_velocity,
             s.tip_depth,
         ];
-        for value in motion.into_iter().chain(s.pressures) {
-            let _ = write!(text, ",{value:.6e}");
-        }
-        text.push('\n');
-    }
-    text
+        let state = motion
+            .into_iter()
+            .chain(s.pressures)
+            .map(|value| format!("{value:.6e}"));
+        let entry = [
+            format!("{:.9}", entry.time),
+            format!("{crossing} {direction}"),
+            description,
+        ];
+        entry.into_iter().chain(state)
+    });
+    table(header, rows)
 }
 
 /// `histories.csv`: time and every history of the cycle.
-pub(super) fn histories(record: &CycleRecord) -> Vec<u8> {
+pub(super) fn histories(record: &CycleRecord) -> Result<Vec<u8>, Error> {
     let columns = columns(record);
-    let mut heading = String::from("time [s]");
-    for column in &columns {
-        let _ = write!(heading, ",{} [{}]", column.name, column.unit);
-    }
-    heading.push('\n');
-    let rows = |first: usize| {
-        let mut text = Vec::with_capacity(BLOCK * WIDTH * (columns.len() + 1));
-        for index in first..record.len().min(first + BLOCK) {
-            fixed(&mut text, record.time(index), 7);
-            for column in &columns {
-                text.push(b',');
-                exponential(&mut text, column.values[index], 9);
-            }
-            text.push(b'\n');
-        }
-        text
-    };
-    let starts: Vec<usize> = (0..record.len()).step_by(BLOCK).collect();
-    let blocks: Vec<Vec<u8>> = starts.into_par_iter().map(rows).collect();
-    [heading.into_bytes(), blocks.concat()].concat()
+    let titles = columns
+        .iter()
+        .map(|column| format!("{} [{}]", column.name, column.unit));
+    let values: Vec<&[f64]> = columns.iter().map(|column| column.values).collect();
+    numbers(
+        ["time [s]".to_owned()].into_iter().chain(titles),
+        (|index| record.time(index), 7),
+        (&values, 9),
+    )
 }
 
-pub(super) fn optional(value: Option<f64>, decimals: usize) -> String {
-    value.map_or_else(String::new, |value| format!("{value:.decimals$}"))
+/// A level to a thousandth of a decibel; empty for silence.
+fn level(value: Option<f64>) -> String {
+    optional(value, 3)
 }

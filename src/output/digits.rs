@@ -1,4 +1,6 @@
-//! Numbers as text, digit for digit as the standard library writes them, many times as fast.
+//! Own formatting of numbers, because `histories.csv` (17 MB) takes 1.8 times as long to write by the standard library's.
+//!
+//! Numbers have the digits that the standard library writes.
 //!
 //! The digits are those of value x 10^k, computed in double precision, where its error cannot reach the next place at which
 //! they would be rounded another way; near such a place the standard library decides.

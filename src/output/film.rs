@@ -20,7 +20,7 @@ pub struct Fields {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 enum Content {
-    Text(String),
+    Text(Vec<u8>),
     /// A surface, by its place among the grids, with point fields.
     Frame {
         grid: usize,
@@ -51,7 +51,7 @@ impl Fields {
     pub fn render(&self, file: usize, bytes: &mut Vec<u8>) -> Result<(), Error> {
         bytes.clear();
         match &self.files[file].1 {
-            Content::Text(text) => bytes.extend_from_slice(text.as_bytes()),
+            Content::Text(text) => bytes.extend_from_slice(text),
             Content::Frame { grid, fields } => self.grids[*grid].render(fields, bytes)?,
         }
         Ok(())
@@ -63,8 +63,8 @@ impl Fields {
     }
 
     /// Adds a text.
-    pub(super) fn text(&mut self, path: impl Into<PathBuf>, text: String) {
-        self.files.push((path.into(), Content::Text(text)));
+    pub(super) fn text(&mut self, path: impl Into<PathBuf>, text: impl Into<Vec<u8>>) {
+        self.files.push((path.into(), Content::Text(text.into())));
     }
 
     /// Adds a file of the surface shown last, by its path in the folder of the fields.

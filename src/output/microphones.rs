@@ -1,11 +1,10 @@
 //! What the virtual microphones hear: tables of levels, and a calibrated sound file for each source and microphone.
 
-use std::fmt::Write;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use super::File;
-use super::csv::optional;
+use super::table::{optional, table};
 use crate::error::Error;
 use crate::result::MicrophoneReport;
 use crate::run::Run;
@@ -20,8 +19,8 @@ pub(super) fn files(run: &Run) -> Result<Vec<File>, Error> {
     let microphones = &run.microphones;
     let report = &microphones.report;
     let mut files = vec![
-        File::new("microphones.csv", levels(report)),
-        File::new("microphones-bands.csv", bands(report)),
+        File::new("microphones.csv", levels(report)?),
+        File::new("microphones-bands.csv", bands(report)?),
     ];
     for (source, signals) in &microphones.signals {
         for (number, signal) in signals.iter().enumerate() {
@@ -39,37 +38,52 @@ pub(crate) fn sound(source: &str, microphone: usize) -> PathBuf {
 }
 
 /// Levels by source and microphone.
-fn levels(report: &MicrophoneReport) -> String {
-    let mut text = String::from(
-        "source,microphone,x [m],y [m],z above the plane [m],L_AE [dB],L_E [dB],peak [Pa],full scale of the file [Pa]\n",
-    );
+fn levels(report: &MicrophoneReport) -> Result<Vec<u8>, Error> {
+    let header = [
+        "source",
+        "microphone",
+        "x [m]",
+        "y [m]",
+        "z above the plane [m]",
+        "L_AE [dB]",
+        "L_E [dB]",
+        "peak [Pa]",
+        "full scale of the file [Pa]",
+    ];
     let sources = report.sources.iter().map(|s| (s.source.as_str(), &s.levels));
-    for (source, levels) in sources.chain([("total", &report.total.levels)]) {
-        for (number, (m, [x, y, z])) in levels.iter().zip(&report.positions_m).enumerate() {
-            let _ = writeln!(
-                text,
-                "{source},{},{x},{y},{z:.4},{},{},{:.4e},{}",
-                number + 1,
-                optional(m.lae_db, 3),
-                optional(m.le_db, 3),
-                m.peak_pa,
-                report.full_scale_pa,
-            );
-        }
-    }
-    text
+    let rows = sources
+        .chain([("total", &report.total.levels)])
+        .flat_map(|(source, levels)| {
+            let places = levels.iter().zip(&report.positions_m).enumerate();
+            places.map(move |(number, (m, [x, y, z]))| {
+                [
+                    source.to_owned(),
+                    (number + 1).to_string(),
+                    x.to_string(),
+                    y.to_string(),
+                    format!("{z:.4}"),
+                    optional(m.lae_db, 3),
+                    optional(m.le_db, 3),
+                    format!("{:.4e}", m.peak_pa),
+                    report.full_scale_pa.to_string(),
+                ]
+            })
+        });
+    table(header, rows)
 }
 
 /// Bands by the array and radiated, source by source.
-fn bands(report: &MicrophoneReport) -> String {
-    let mut text = String::from("source,band [Hz],microphones L_W [dB],radiated L_W [dB]\n");
-    for heard in &report.sources {
-        for band in &heard.bands {
-            let levels = [band.lw_db, band.true_lw_db].map(|level| optional(level, 3));
-            let _ = writeln!(text, "{},{},{}", heard.source, band.hz, levels.join(","));
-        }
-    }
-    text
+fn bands(report: &MicrophoneReport) -> Result<Vec<u8>, Error> {
+    let rows = report.sources.iter().flat_map(|received| {
+        received.bands.iter().map(|band| {
+            let [array, radiated] = [band.lw_db, band.true_lw_db].map(|level| optional(level, 3));
+            [received.source.clone(), band.hz.to_string(), array, radiated]
+        })
+    });
+    table(
+        ["source", "band [Hz]", "microphones L_W [dB]", "radiated L_W [dB]"],
+        rows,
+    )
 }
 
 fn wave(path: &Path, signal: &[f64], full_scale: f64) -> Result<Vec<u8>, Error> {

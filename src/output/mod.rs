@@ -10,6 +10,7 @@ mod motion;
 mod sensors;
 mod shot;
 mod sound_fields;
+mod table;
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -33,6 +34,7 @@ pub use csv::EVENT_NAMES;
 pub use film::Fields;
 pub(crate) use microphones::sound;
 pub use sound_fields::{remove_others, write_sound_fields};
+pub(crate) use table::table;
 
 /// The folder of the fields in that of a run.
 const FIELDS: &str = "fields";
@@ -67,14 +69,18 @@ impl File {
 /// [`Error::Json`] and those of the sensors' spectra.
 pub fn files(run: &Run) -> Result<Vec<File>, Error> {
     let mut files = sensors::files(run)?;
-    files.push(File::new("levels.csv", csv::levels(&run.result)));
+    files.push(File::new("levels.csv", csv::levels(&run.result)?));
     for (source, name) in [("workpiece", "radiation"), ("body", "radiation-body")] {
-        let bands = csv::radiation(&run.result, source).map(|text| File::new(format!("{name}.csv"), text));
-        let modes = csv::radiation_modes(&run.result, source).map(|text| File::new(format!("{name}-modes.csv"), text));
-        files.extend(bands.into_iter().chain(modes));
+        let tables = [
+            (format!("{name}.csv"), csv::radiation(&run.result, source)),
+            (format!("{name}-modes.csv"), csv::radiation_modes(&run.result, source)),
+        ];
+        for (path, table) in tables {
+            files.extend(table.transpose()?.map(|table| File::new(path, table)));
+        }
     }
-    files.push(File::new("intervals.csv", csv::intervals(&run.result)));
-    files.push(File::new("power.csv", csv::power(run)));
+    files.push(File::new("intervals.csv", csv::intervals(&run.result)?));
+    files.push(File::new("power.csv", csv::power(run)?));
     files.push(File::new("paraview.py", PARAVIEW));
     let mut json = serde_json::to_vec_pretty(&run.result).map_err(Error::Json)?;
     json.push(b'\n');
@@ -88,7 +94,7 @@ pub fn files(run: &Run) -> Result<Vec<File>, Error> {
 /// Those of the bodies' response.
 fn fields(moving: &[Driven], events: &Events) -> Result<Fields, Error> {
     let mut fields = Fields::default();
-    fields.text("modes.csv", csv::modes(moving));
+    fields.text("modes.csv", csv::modes(moving)?);
     for driven in moving {
         fields.show(Frames::of(&Grid::of_surface(&driven.body.surface))?);
         fields::add(&mut fields, driven);
@@ -139,12 +145,15 @@ impl Stage for BodyFields {
 }
 
 /// `events.csv`, `log.csv` and `histories.csv` of a cycle.
-pub fn of_cycle(record: &CycleRecord) -> Vec<File> {
-    vec![
-        File::new("events.csv", csv::events(&record.events)),
-        File::new("log.csv", csv::log(&record.log)),
-        File::new("histories.csv", csv::histories(record)),
-    ]
+///
+/// # Errors
+/// [`Error::Table`] where a table is not rectangular.
+pub fn of_cycle(record: &CycleRecord) -> Result<Vec<File>, Error> {
+    Ok(vec![
+        File::new("events.csv", csv::events(&record.events)?),
+        File::new("log.csv", csv::log(&record.log)?),
+        File::new("histories.csv", csv::histories(record)?),
+    ])
 }
 
 /// `microphones.csv`, `microphones-bands.csv` and `microphones/*.wav` of a run.

@@ -5,7 +5,8 @@ use std::fmt::Write;
 use nailnoise_acoustics::fourier::{Transform, TransformSettings};
 
 use super::File;
-use super::digits::{exponential, fixed};
+use super::digits::exponential;
+use super::table::numbers;
 use crate::error::Error;
 use crate::run::Run;
 use crate::stages::sensors::SensorRecord;
@@ -34,50 +35,41 @@ pub(super) fn files(run: &Run) -> Result<Vec<File>, Error> {
         dataset_58(&mut uff, sensor, index + 1, &origin);
     }
     Ok(vec![
-        File::new("sensors.csv", histories(sensors)),
+        File::new("sensors.csv", histories(sensors)?),
         File::new("sensors-spectrum.csv", spectra(sensors, &transform)?),
         File::new("sensors.uff", uff),
     ])
 }
 
-fn heading(abscissa: &str, sensors: &[SensorRecord], unit: &str) -> Vec<u8> {
-    let mut text = String::from(abscissa);
-    for sensor in sensors {
-        let _ = write!(text, ",{} ({}) [{unit}]", sensor.name, sensor.body.as_str());
-    }
-    text.push('\n');
-    text.into_bytes()
+fn header(abscissa: &str, sensors: &[SensorRecord], unit: &'static str) -> impl Iterator<Item = String> {
+    let title = move |sensor: &SensorRecord| format!("{} ({}) [{unit}]", sensor.name, sensor.body.as_str());
+    [abscissa.to_owned()].into_iter().chain(sensors.iter().map(title))
 }
 
-fn histories(sensors: &[SensorRecord]) -> Vec<u8> {
-    let mut text = heading("time [s]", sensors, "m/s2");
-    for sample in 0..sensors[0].acceleration.len() {
-        fixed(&mut text, sample as f64 * sensors[0].interval, 7);
-        for sensor in sensors {
-            text.push(b',');
-            exponential(&mut text, sensor.acceleration[sample], 6);
-        }
-        text.push(b'\n');
-    }
-    text
+fn histories(sensors: &[SensorRecord]) -> Result<Vec<u8>, Error> {
+    let columns: Vec<&[f64]> = sensors.iter().map(|sensor| sensor.acceleration.as_slice()).collect();
+    let interval = sensors[0].interval;
+    numbers(
+        header("time [s]", sensors, "m/s2"),
+        (|sample| sample as f64 * interval, 7),
+        (&columns, 6),
+    )
 }
 
 /// Energy spectral densities E = 2 |A(f)|^2, whose integral over f is int a^2 dt.
 fn spectra(sensors: &[SensorRecord], transform: &Transform) -> Result<Vec<u8>, Error> {
-    let mut text = heading("frequency [Hz]", sensors, "(m/s2)2 s/Hz");
-    let columns = sensors
-        .iter()
-        .map(|sensor| transform.apply(&sensor.acceleration))
-        .collect::<Result<Vec<_>, _>>()?;
-    for (bin, hz) in transform.frequencies().iter().enumerate() {
-        fixed(&mut text, *hz, 4);
-        for column in &columns {
-            text.push(b',');
-            exponential(&mut text, 2.0 * column[bin].norm_sqr(), 6);
-        }
-        text.push(b'\n');
-    }
-    Ok(text)
+    let density = |sensor: &SensorRecord| -> Result<Vec<f64>, Error> {
+        let amplitudes = transform.apply(&sensor.acceleration)?;
+        Ok(amplitudes.iter().map(|a| 2.0 * a.norm_sqr()).collect())
+    };
+    let densities = sensors.iter().map(density).collect::<Result<Vec<_>, _>>()?;
+    let columns: Vec<&[f64]> = densities.iter().map(Vec::as_slice).collect();
+    let frequencies = transform.frequencies();
+    numbers(
+        header("frequency [Hz]", sensors, "(m/s2)2 s/Hz"),
+        (|bin| frequencies[bin], 4),
+        (&columns, 6),
+    )
 }
 
 /// Appends a time history as dataset 58, "function at nodal DOF", of the Universal File Format (SDRC), in text.
@@ -85,7 +77,7 @@ fn spectra(sensors: &[SensorRecord], transform: &Transform) -> Result<Vec<u8>, E
 /// Function type 1 is a time response, data type 4 real double precision, abscissa spacing 1 even; specific data type 17 is
 /// time, 12 acceleration. Node numbers count the sensors; reference direction 0 is a scalar, which a sensor's axis is.
 fn dataset_58(text: &mut Vec<u8>, sensor: &SensorRecord, node: usize, origin: &str) {
-    text.extend_from_slice(header(sensor, node, origin).as_bytes());
+    text.extend_from_slice(records(sensor, node, origin).as_bytes());
     for line in sensor.acceleration.chunks(4) {
         line.iter().for_each(|value| fortran(text, *value, [20, 12]));
         text.push(b'\n');
@@ -94,7 +86,7 @@ fn dataset_58(text: &mut Vec<u8>, sensor: &SensorRecord, node: usize, origin: &s
 }
 
 /// The records of a dataset before its values.
-fn header(sensor: &SensorRecord, node: usize, origin: &str) -> String {
+fn records(sensor: &SensorRecord, node: usize, origin: &str) -> String {
     let mut text = format!("{:>6}\n{:>6}\n", -1, 58);
     for line in [
         &format!("{} ({})", sensor.name, sensor.body.as_str()),

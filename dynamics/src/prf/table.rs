@@ -132,6 +132,7 @@ impl ForceTable {
     /// # Errors
     /// A [`TableError`] for the first line or point that is wrong.
     pub fn from_csv(text: &str) -> Result<Self, TableError> {
+        // By hand, because errors name the line: the reader of the crate csv gives the line before skipped ones instead.
         let (mut depths, mut forces) = (Vec::new(), Vec::new());
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut names_allowed = true;

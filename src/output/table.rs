@@ -1,0 +1,107 @@
+//! Comma-separated tables.
+
+use csv::{ByteRecord, IntoInnerError, QuoteStyle, Writer, WriterBuilder};
+use rayon::prelude::*;
+
+use super::digits::{exponential, fixed};
+use crate::error::Error;
+
+/// Rows of a long table that are written together.
+const BLOCK: usize = 128;
+
+/// Most bytes of a number with nine digits, its sign and its comma.
+const WIDTH: usize = 18;
+
+/// A table of text; fields with commas are quoted.
+///
+/// # Errors
+/// [`Error::Table`] where a row is longer or shorter than the header.
+pub(crate) fn table<F, R>(
+    header: impl IntoIterator<Item = F>,
+    rows: impl IntoIterator<Item = R>,
+) -> Result<Vec<u8>, Error>
+where
+    F: AsRef<[u8]>,
+    R: IntoIterator<Item: AsRef<[u8]>>,
+{
+    let mut writer = Writer::from_writer(Vec::new());
+    writer.write_record(header)?;
+    rows.into_iter().try_for_each(|row| writer.write_record(row))?;
+    finished(writer)
+}
+
+/// A long table of numbers: row by row an abscissa with so many decimals, then a value of each column with so many
+/// digits behind its first.
+///
+/// # Errors
+/// [`Error::Table`] where the header does not name each column.
+pub(super) fn numbers(
+    header: impl IntoIterator<Item = String>,
+    (abscissa, decimals): (impl Fn(usize) -> f64 + Sync, usize),
+    (columns, digits): (&[&[f64]], usize),
+) -> Result<Vec<u8>, Error> {
+    let rows = columns.first().map_or(0, |column| column.len());
+    let block = |first: usize| {
+        let bytes = Vec::with_capacity(BLOCK * WIDTH * (columns.len() + 1));
+        // Numbers need no quotes.
+        let mut writer = WriterBuilder::new().quote_style(QuoteStyle::Never).from_writer(bytes);
+        let (mut row, mut field) = (ByteRecord::new(), Vec::with_capacity(WIDTH));
+        for index in first..rows.min(first + BLOCK) {
+            row.clear();
+            field.clear();
+            fixed(&mut field, abscissa(index), decimals);
+            row.push_field(&field);
+            for column in columns {
+                field.clear();
+                exponential(&mut field, column[index], digits);
+                row.push_field(&field);
+            }
+            writer.write_byte_record(&row)?;
+        }
+        finished(writer)
+    };
+    let mut blocks = vec![table(header, std::iter::empty::<[&str; 0]>())?];
+    let starts: Vec<usize> = (0..rows).step_by(BLOCK).collect();
+    blocks.extend(starts.into_par_iter().map(block).collect::<Result<Vec<_>, _>>()?);
+    Ok(blocks.concat())
+}
+
+fn finished(writer: Writer<Vec<u8>>) -> Result<Vec<u8>, Error> {
+    let written = writer.into_inner().map_err(IntoInnerError::into_error);
+    Ok(written.map_err(csv::Error::from)?)
+}
+
+/// A number with so many decimals; nothing where there is none.
+pub(super) fn optional(value: Option<f64>, decimals: usize) -> String {
+    value.map_or_else(String::new, |value| format!("{value:.decimals$}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_field_with_a_comma_is_quoted() {
+        let table = table(["a", "b"], [["1,5", "2"]]).unwrap_or_default();
+        assert_eq!(String::from_utf8_lossy(&table), "a,b\n\"1,5\",2\n");
+    }
+
+    #[test]
+    fn a_row_has_as_many_fields_as_the_header() {
+        assert!(matches!(table(["a", "b"], [["1"]]), Err(Error::Table(_))));
+    }
+
+    #[test]
+    fn rows_of_numbers_are_complete_and_in_order() {
+        let column: Vec<f64> = (0..3 * BLOCK + 1).map(|i| i as f64).collect();
+        let header = ["x", "y"].map(str::to_owned);
+        let text = numbers(header, (|i| i as f64, 1), (&[&column], 3)).unwrap_or_default();
+        let text = String::from_utf8(text).unwrap_or_default();
+        let mut lines = text.lines();
+        assert_eq!(lines.next(), Some("x,y"));
+        for (index, line) in lines.by_ref().enumerate() {
+            assert_eq!(line, format!("{index}.0,{:.3e}", column[index]));
+        }
+        assert_eq!(text.lines().count(), 1 + column.len());
+    }
+}
