@@ -1,21 +1,29 @@
 //! What a run tells: the ranked sources, the events, the checks and the time each stage took.
 //!
-//! These types are the schema of `run --json` and of `result.json`.
+//! The JSON Schema of `run --json` and of `result.json` is derived from these types.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::time::Duration;
 
 pub use nailnoise_acoustics::radiator::{ModeShare, RadiationBand, RadiationReport, Uncertainty};
 pub use nailnoise_quantities::Check;
+use schemars::generate::SchemaSettings;
+use schemars::transform::RecursiveTransform;
+use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize, Serializer};
+use serde_json::Value;
 
 /// Version of the layout of [`RunResult`]; it changes when a reader of the old layout would misread the new one.
 pub const SCHEMA: &str = "nailnoise-run/1";
 
-/// The outcome of a run.
-#[derive(Debug, Clone, Serialize)]
+/// The result of `nailnoise run`. Levels are single-event levels in dB re 1 pW s, null for silence; all other numbers are
+/// in SI units. Further keys may be added.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+#[schemars(title = "Result of nailnoise run")]
 pub struct RunResult {
-    /// [`SCHEMA`].
+    /// Version of the layout; it changes when a reader of the old layout would misread the new one.
+    #[schemars(extend("const" = SCHEMA))]
     pub schema: &'static str,
     /// Which design this is of.
     pub design: DesignId,
@@ -45,25 +53,49 @@ pub struct RunResult {
     pub checks: Vec<Check>,
     /// What a reader must know beside the numbers.
     pub notes: Vec<String>,
-    /// Wall time of each stage \[s\].
+    /// Wall time of each stage and of the whole run \[s\]; some stages run side by side.
+    #[schemars(with = "BTreeMap<String, f64>")]
     pub timing: Timing,
 }
 
+impl RunResult {
+    /// JSON Schema (draft 2020-12) of a result.
+    pub fn json_schema() -> Schema {
+        let settings = SchemaSettings::draft2020_12().for_serialize();
+        settings
+            .with_transform(RecursiveTransform(unescape))
+            .into_generator()
+            .into_root_schema_for::<Self>()
+    }
+}
+
+/// Turns the description of a schema from the text of rustdoc into plain text in one line.
+fn unescape(schema: &mut Schema) {
+    if let Some(Value::String(text)) = schema.get_mut("description") {
+        let plain = [("\\[", "["), ("\\]", "]"), ("[`", "`"), ("`]", "`"), ("\n", " ")];
+        *text = plain
+            .iter()
+            .fold(std::mem::take(text), |text, (from, to)| text.replace(from, to));
+    }
+}
+
 /// Name and content digest of a design.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct DesignId {
     /// Name of the file without its extension.
     pub name: String,
-    /// Digest of every value the result depends on.
+    /// SHA-256 of every value the result depends on.
+    #[schemars(regex(pattern = "^[0-9a-f]{64}$"))]
     pub digest: String,
 }
 
 /// A value of the design.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Input {
     /// Full name of the key.
     pub key: String,
     /// Its value, quantities in SI units.
+    #[schemars(with = "serde_json::Value", extend("type" = ["number", "string", "boolean"]))]
     pub value: crate::design::Value,
     /// SI unit; empty for plain numbers, counts, switches and choices.
     pub unit: String,
@@ -86,7 +118,7 @@ impl From<crate::design::Entry> for Input {
 }
 
 /// One source in the ranking.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct RankedSource {
     /// `workpiece`, `exhaust` or `body`.
     pub source: String,
@@ -125,7 +157,7 @@ impl RankedSource {
 
 /// Sound power as EN 12549 measures it, at the nine positions of ISO 3744 on a parallelepiped around the device above a
 /// reflecting plane, beside the power that is radiated.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct MicrophoneReport {
     /// Half sides a and b and height c of the parallelepiped \[m\].
     pub box_m: [f64; 3],
@@ -142,7 +174,7 @@ pub struct MicrophoneReport {
 }
 
 /// A source at the microphones.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct ReceivedSource {
     /// Its name.
     pub source: String,
@@ -165,7 +197,7 @@ pub struct ReceivedSource {
 
 /// All sources at once by the procedure of ISO 3744, L_WA = mean L_EA + 10 lg S - K1 - K2. Energies of sources add: what
 /// block and tool move together does not interfere here.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct ArrayMeasurement {
     /// Microphone by microphone, direct sound alone.
     pub levels: Vec<MicrophoneLevel>,
@@ -182,7 +214,7 @@ pub struct ArrayMeasurement {
 }
 
 /// One microphone.
-#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize, JsonSchema)]
 pub struct MicrophoneLevel {
     /// A-weighted sound exposure level \[dB re (20 uPa)2 s\]; null when silent.
     pub lae_db: Option<f64>,
@@ -193,7 +225,7 @@ pub struct MicrophoneLevel {
 }
 
 /// One band of a [`ReceivedSource`].
-#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize, JsonSchema)]
 pub struct MicrophoneBand {
     /// Nominal mid-band frequency (IEC 61260-1) \[Hz\].
     pub hz: f64,
@@ -204,7 +236,7 @@ pub struct MicrophoneBand {
 }
 
 /// Two methods for one quantity.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct CrossCheck {
     /// The quantity.
     pub quantity: Cow<'static, str>,
@@ -216,8 +248,15 @@ pub struct CrossCheck {
     pub other_lw_db: Option<f64>,
 }
 
+impl IntervalLevel {
+    /// The events at its ends: `t5-t6`.
+    pub(crate) fn label(&self) -> String {
+        format!("{}-{}", self.from, self.to)
+    }
+}
+
 /// What a source radiates between two events, A-weighted, over the common range.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct IntervalLevel {
     /// Event at its start, `t0` to `t18`; `start` for the beginning of the record.
     pub from: String,
@@ -235,7 +274,7 @@ pub struct IntervalLevel {
 }
 
 /// Level of one band.
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize, JsonSchema)]
 pub struct BandLevel {
     /// Nominal mid-band frequency (IEC 61260-1) \[Hz\].
     pub hz: f64,
@@ -245,8 +284,15 @@ pub struct BandLevel {
     pub lwa_db: Option<f64>,
 }
 
+impl BandLevel {
+    /// Its frequency as text.
+    pub(crate) fn label(&self) -> String {
+        self.hz.to_string()
+    }
+}
+
 /// Part of a source.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct Component {
     /// Patch or mechanism.
     pub name: String,
@@ -259,7 +305,7 @@ pub struct Component {
 }
 
 /// What an accelerometer measures of the shot.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct SensorLevel {
     /// Its name in the design.
     pub name: String,
@@ -272,7 +318,7 @@ pub struct SensorLevel {
 }
 
 /// What coupling the structures two ways changes against driving them one way.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Coupling {
     /// Event times.
     pub events: Vec<EventChange>,
@@ -285,7 +331,7 @@ pub struct Coupling {
 }
 
 /// Levels of the workpiece for starts that differ by gaps of 1 um under the block.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct Starts {
     /// A-weighted single-event level of each start, that of the run first \[dB re 1 pW s\].
     pub lwa_db: Vec<f64>,
@@ -296,7 +342,7 @@ pub struct Starts {
 }
 
 /// One event in both runs.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct EventChange {
     /// `t1` to `t18`.
     pub event: String,
@@ -307,7 +353,7 @@ pub struct EventChange {
 }
 
 /// One figure of the shot in both runs.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct FigureChange {
     /// Its name in the shot's figures.
     pub figure: &'static str,
@@ -320,7 +366,7 @@ pub struct FigureChange {
 }
 
 /// One source's level in both runs.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct LevelChange {
     /// The source, or `total`.
     pub source: String,
@@ -331,7 +377,7 @@ pub struct LevelChange {
 }
 
 /// All sources together.
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize, JsonSchema)]
 pub struct Total {
     /// A-weighted single-event sound power level over the common range \[dB re 1 pW s\]; null when all are silent.
     pub lwa_db: Option<f64>,

@@ -1,6 +1,7 @@
 //! The result of a cycle: histories on a uniform grid, events, outcome, checks and work counters.
 
 use nailnoise_quantities::Check;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::{EnergyFlow, LogEntry};
@@ -191,7 +192,7 @@ pub struct VentFlow {
 }
 
 /// Event times \[s\]; an event that does not occur is `None`.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Events {
     /// Trigger pulled.
     pub t0: Option<f64>,
@@ -244,7 +245,7 @@ impl Events {
 }
 
 /// Outcome of a shot.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
     /// The nail is driven and the piston stops on the wood.
@@ -260,7 +261,7 @@ pub enum Outcome {
 }
 
 /// Key figures of a shot (SI); a figure of a phase that does not occur is `None`.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Summary {
     /// Piston speed before the rod meets the nail \[m/s\].
     pub speed_before_impact: Option<f64>,

@@ -1,5 +1,6 @@
 //! The interface between the cycle and an external workpiece.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::CycleError;
@@ -68,7 +69,7 @@ pub trait Workpiece {
 }
 
 /// Work of a coupled run, and how well the two sides agree.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CouplingWork {
     /// Steps taken together.
     pub steps: usize,

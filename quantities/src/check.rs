@@ -2,14 +2,16 @@
 
 use std::borrow::Cow;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A number that must stay within its limit, checked at run time.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Check {
     /// What is checked, with unit.
     pub name: Cow<'static, str>,
-    /// Value found.
+    /// Value found; null if it is not a number.
+    #[schemars(with = "Option<f64>")]
     pub value: f64,
     /// Largest magnitude allowed.
     pub limit: f64,

@@ -4,12 +4,10 @@ use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 
-use super::{print, print_json};
+use super::print_json;
 use crate::design::json_schema;
 use crate::error::Error;
-
-/// The layout of `result.json`; tests validate results against it.
-const RESULT: &str = include_str!("result.schema.json");
+use crate::result::RunResult;
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -29,7 +27,7 @@ enum Layout {
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     match arguments.of {
         Layout::Design => print_json(&json_schema())?,
-        Layout::Result => print(RESULT),
+        Layout::Result => print_json(&RunResult::json_schema())?,
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -6,24 +6,19 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use crate::error::Error;
-use crate::result::SCHEMA;
+use crate::result::{DesignId, RankedSource, SCHEMA, Total};
 
 /// A finished result.
 #[derive(Debug, Clone, Deserialize)]
 pub struct Finished {
     schema: String,
-    pub(super) design: Design,
+    pub(super) design: DesignId,
     pub(super) inputs: Vec<Input>,
-    pub(super) ranking: Vec<Source>,
+    pub(super) ranking: Vec<RankedSource>,
     pub(super) total: Total,
     pub(super) outcome: String,
     pub(super) events: BTreeMap<String, Option<f64>>,
     pub(super) cycle: serde_json::Map<String, serde_json::Value>,
-}
-
-#[derive(Debug, Clone, Deserialize)]
-pub(super) struct Design {
-    pub(super) name: String,
 }
 
 /// A value of the design.
@@ -35,52 +30,6 @@ pub struct Input {
     pub value: serde_json::Value,
     /// Unit of the value; empty where it has none.
     pub unit: String,
-}
-
-#[derive(Debug, Clone, Deserialize)]
-pub(super) struct Source {
-    pub(super) source: String,
-    pub(super) lwa_db: Option<f64>,
-    pub(super) method: String,
-    pub(super) bands: Vec<Band>,
-    pub(super) uncertainty_db: Uncertainty,
-    pub(super) intervals: Vec<Interval>,
-}
-
-#[derive(Debug, Clone, Deserialize)]
-pub(super) struct Uncertainty {
-    pub(super) minus: Option<f64>,
-    pub(super) plus: Option<f64>,
-}
-
-#[derive(Debug, Clone, Deserialize)]
-pub(super) struct Band {
-    hz: f64,
-    pub(super) lwa_db: Option<f64>,
-}
-
-impl Band {
-    pub(super) fn label(&self) -> String {
-        format!("{}", self.hz)
-    }
-}
-
-#[derive(Debug, Clone, Deserialize)]
-pub(super) struct Interval {
-    from: String,
-    to: String,
-    pub(super) lwa_db: Option<f64>,
-}
-
-impl Interval {
-    pub(super) fn label(&self) -> String {
-        format!("{}-{}", self.from, self.to)
-    }
-}
-
-#[derive(Debug, Clone, Deserialize)]
-pub(super) struct Total {
-    pub(super) lwa_db: Option<f64>,
 }
 
 impl Finished {

@@ -7,6 +7,7 @@ mod finished;
 
 use serde::Serialize;
 
+use crate::result::RankedSource;
 use crate::wording::Placed;
 
 pub use finished::{Finished, Input};
@@ -275,7 +276,7 @@ fn source_row(source: &str, results: &[Finished]) -> SourceRow {
         .iter()
         .map(|result| result.ranking.iter().find(|ranked| ranked.source == source))
         .collect();
-    let labelled = |labels: Vec<String>, level: &dyn Fn(&finished::Source, &str) -> Option<f64>| {
+    let labelled = |labels: Vec<String>, level: &dyn Fn(&RankedSource, &str) -> Option<f64>| {
         labels
             .into_iter()
             .map(|label| {
@@ -289,7 +290,7 @@ fn source_row(source: &str, results: &[Finished]) -> SourceRow {
             })
             .collect()
     };
-    let names = |labels: &dyn Fn(&finished::Source) -> Vec<String>| {
+    let names = |labels: &dyn Fn(&RankedSource) -> Vec<String>| {
         in_order(results, |result| {
             let ranked = result.ranking.iter().find(|ranked| ranked.source == source);
             ranked.map_or_else(Vec::new, labels)
@@ -303,7 +304,7 @@ fn source_row(source: &str, results: &[Finished]) -> SourceRow {
         methods: found.iter().map(|ranked| ranked.map(|r| r.method.clone())).collect(),
         uncertainty_db: found
             .iter()
-            .map(|ranked| ranked.map_or([None; 2], |r| [r.uncertainty_db.minus, r.uncertainty_db.plus]))
+            .map(|ranked| ranked.map_or([None; 2], |r| r.uncertainty_db.bounds()))
             .collect(),
         bands: labelled(bands, &|ranked, label| {
             ranked.bands.iter().find(|band| band.label() == label)?.lwa_db

@@ -3,7 +3,7 @@
 use std::fmt;
 
 /// The standing of a value; the reports state it beside the number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Provenance {
     /// Printed in a publication.

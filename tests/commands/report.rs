@@ -375,6 +375,13 @@ fn keeps(schema: &Value, value: &Value, root: &Value, place: &str) {
         let target = root.pointer(reference.strip_prefix('#').unwrap()).unwrap();
         return keeps(target, value, root, place);
     }
+    for alternatives in [&schema["anyOf"], &schema["oneOf"]]
+        .into_iter()
+        .filter_map(Value::as_array)
+    {
+        let kept = |own: &Value| std::panic::catch_unwind(|| keeps(own, value, root, place)).is_ok();
+        assert!(alternatives.iter().any(kept), "{place}: {value}");
+    }
     if let Some(only) = schema.get("const") {
         assert_eq!(value, only, "{place}");
     }
@@ -384,6 +391,7 @@ fn keeps(schema: &Value, value: &Value, root: &Value, place: &str) {
     let name = match value {
         Value::Null => "null",
         Value::Bool(_) => "boolean",
+        Value::Number(number) if number.is_u64() && schema["format"] == "uint" => "integer",
         Value::Number(_) => "number",
         Value::String(_) => "string",
         Value::Array(_) => "array",
@@ -393,6 +401,17 @@ fn keeps(schema: &Value, value: &Value, root: &Value, place: &str) {
         Value::String(one) => assert_eq!(one, name, "{place}"),
         Value::Array(several) => assert!(several.iter().any(|one| one == name), "{place}: {name}"),
         _ => {}
+    }
+    let items = value.as_array().map_or(0, Vec::len) as u64;
+    if value.is_array() {
+        assert!(
+            schema["minItems"].as_u64().is_none_or(|least| items >= least),
+            "{place}: {items} items"
+        );
+        assert!(
+            schema["maxItems"].as_u64().is_none_or(|most| items <= most),
+            "{place}: {items} items"
+        );
     }
     for (index, item) in value.as_array().into_iter().flatten().enumerate() {
         if schema["items"].is_object() {

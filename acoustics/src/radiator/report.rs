@@ -1,11 +1,12 @@
 //! The second evaluation of a source's power, what each mode adds, and the uncertainty of the method.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
 /// Band in which the true level is expected around the one predicted, from the method alone: no uncertainty of the
 /// design's values is in it.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct Uncertainty {
     /// How much lower the true level may be \[dB\]; null when the method gives no bound.
     pub minus: Option<f64>,
@@ -17,7 +18,7 @@ pub struct Uncertainty {
 
 /// Power of a vibrating surface by boundary elements, in sand by Rayleigh's integral, or of a rigid tool as the sphere of
 /// its volume in closed form, evaluated twice, beside that of radiation efficiency 1.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct RadiationReport {
     /// Where boundary elements give way to the limit of high frequencies: beginning and end of the blend \[Hz\]; by
     /// Rayleigh's integral and in closed form, which need no limit, twice the top of the range.
@@ -49,7 +50,7 @@ pub struct RadiationReport {
 }
 
 /// What a mode adds to the A-weighted energy of its source, twice the real part of conj(V_i) (R V)_i over the range.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct ModeShare {
     /// `workpiece` or `worktable`.
     pub body: Cow<'static, str>,
@@ -64,7 +65,7 @@ pub struct ModeShare {
 }
 
 /// One band of a [`RadiationReport`], unweighted \[dB re 1 pW s\]; null when silent.
-#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize, JsonSchema)]
 pub struct RadiationBand {
     /// Nominal mid-band frequency (IEC 61260-1) \[Hz\].
     pub hz: f64,
