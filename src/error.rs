@@ -275,6 +275,26 @@ pub enum Error {
     Json(#[source] serde_json::Error),
 }
 
+/// Wraps the errors of single modules of the acoustics crate as [`Error::Acoustics`], for `?`.
+macro_rules! from_modules_of_acoustics {
+    ($($cause:ty),+ $(,)?) => {$(
+        impl From<$cause> for Error {
+            fn from(cause: $cause) -> Self {
+                Self::Acoustics(cause.into())
+            }
+        }
+    )+};
+}
+
+from_modules_of_acoustics!(
+    nailnoise_acoustics::InputError,
+    nailnoise_acoustics::ReceiverError,
+    nailnoise_acoustics::bem::BemError,
+    nailnoise_acoustics::exhaust::ExhaustError,
+    nailnoise_acoustics::fourier::FourierError,
+    nailnoise_acoustics::radiation::RadiationError,
+);
+
 impl Error {
     /// Exit status of the command: 2 for wrong use or input, 3 for a numerical failure.
     pub fn exit_status(&self) -> u8 {

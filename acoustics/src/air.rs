@@ -1,4 +1,4 @@
-use crate::error::{AcousticsError, positive};
+use crate::checks::{InputError, positive};
 use serde::{Deserialize, Serialize};
 
 /// Specific gas constant of dry air \[J/(kg K)\] (ISO 2533).
@@ -30,8 +30,8 @@ impl Air {
     /// Air at `temperature` \[K\] and `pressure` \[Pa\].
     ///
     /// # Errors
-    /// [`AcousticsError::NotPositive`] for a temperature or pressure that is not above zero.
-    pub fn at(temperature: f64, pressure: f64) -> Result<Self, AcousticsError> {
+    /// [`InputError::NotPositive`] for a temperature or pressure that is not above zero.
+    pub fn at(temperature: f64, pressure: f64) -> Result<Self, InputError> {
         positive("ambient temperature [K]", temperature)?;
         positive("ambient pressure [Pa]", pressure)?;
         Ok(Self::perfect_gas(temperature, pressure))

@@ -4,11 +4,40 @@
 //! X(f) = integral x(t) e^{-j 2 pi f t} dt  ~  dt sum_n x_n e^{-j 2 pi f n dt}
 //! ```
 
-use crate::error::{AcousticsError, finite, positive};
+use crate::checks::{InputError, finite, positive, same_length};
 use realfft::{RealFftPlanner, RealToComplex};
 use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
 use std::sync::Arc;
+use thiserror::Error;
+
+/// Why a record cannot be transformed.
+#[derive(Debug, Error)]
+pub enum FourierError {
+    /// An invalid argument.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The analysed range is empty or reaches above half the sampling frequency.
+    #[error("the range {low} to {high} Hz is empty or reaches above {nyquist} Hz, half the sampling frequency")]
+    Range {
+        /// Lower end \[Hz\].
+        low: f64,
+        /// Upper end \[Hz\].
+        high: f64,
+        /// Highest frequency the samples can carry \[Hz\].
+        nyquist: f64,
+    },
+    /// A record is too short to be transformed.
+    #[error("the record {what} has {found} samples; at least {needed} are needed")]
+    ShortRecord {
+        /// The record.
+        what: &'static str,
+        /// Its number of samples.
+        found: usize,
+        /// The least number of samples.
+        needed: usize,
+    },
+}
 
 /// How a record becomes a spectrum.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,11 +96,11 @@ impl Transform {
     /// # Errors
     /// A record of fewer than 8 samples, an interval or padding that is not positive, a range beyond half the sampling
     /// frequency.
-    pub fn new(samples: usize, sample_interval: f64, settings: &TransformSettings) -> Result<Self, AcousticsError> {
+    pub fn new(samples: usize, sample_interval: f64, settings: &TransformSettings) -> Result<Self, FourierError> {
         positive("sample interval [s]", sample_interval)?;
         positive("padding", settings.padding)?;
         if samples < 8 {
-            return Err(AcousticsError::ShortRecord {
+            return Err(FourierError::ShortRecord {
                 what: "to transform",
                 found: samples,
                 needed: 8,
@@ -80,7 +109,7 @@ impl Transform {
         let [low, high] = settings.range_hz;
         let nyquist = 0.5 / sample_interval;
         if !(low > 0.0 && high > low && high <= nyquist) {
-            return Err(AcousticsError::Range { low, high, nyquist });
+            return Err(FourierError::Range { low, high, nyquist });
         }
         let length = fast_length((samples as f64 * settings.padding.max(1.0)).ceil() as usize);
         let df = 1.0 / (length as f64 * sample_interval);
@@ -113,7 +142,7 @@ impl Transform {
     ///
     /// # Errors
     /// A record of another length than planned, values that are not finite.
-    pub fn apply(&self, record: &[f64]) -> Result<Vec<Complex<f64>>, AcousticsError> {
+    pub fn apply(&self, record: &[f64]) -> Result<Vec<Complex<f64>>, FourierError> {
         self.apply_in(record, &mut self.work())
     }
 
@@ -127,8 +156,8 @@ impl Transform {
     }
 
     /// [`Self::apply`] in memory that serves one record after the other.
-    pub(crate) fn apply_in(&self, record: &[f64], work: &mut Work) -> Result<Vec<Complex<f64>>, AcousticsError> {
-        crate::error::same_length("record", record.len(), self.samples)?;
+    pub(crate) fn apply_in(&self, record: &[f64], work: &mut Work) -> Result<Vec<Complex<f64>>, FourierError> {
+        same_length("record", record.len(), self.samples)?;
         finite("record", record)?;
         let Work {
             padded,
@@ -145,7 +174,7 @@ impl Transform {
         // The only error is a wrong buffer length, and all buffers are the plan's own.
         self.fft
             .process_with_scratch(padded, spectrum, scratch)
-            .map_err(|_| AcousticsError::Length {
+            .map_err(|_| InputError::Length {
                 what: "transform buffer",
                 found: padded.len(),
                 expected: self.fft.len(),
@@ -169,12 +198,12 @@ pub fn filtered(
     sample_interval: f64,
     padding: f64,
     response: impl Fn(f64) -> Complex<f64>,
-) -> Result<Vec<f64>, AcousticsError> {
+) -> Result<Vec<f64>, FourierError> {
     positive("sample interval [s]", sample_interval)?;
     positive("padding", padding)?;
     finite("record", record)?;
     if record.len() < 8 {
-        return Err(AcousticsError::ShortRecord {
+        return Err(FourierError::ShortRecord {
             what: "to filter",
             found: record.len(),
             needed: 8,
@@ -186,7 +215,7 @@ pub fn filtered(
     let mut padded = forward.make_input_vec();
     padded[..record.len()].copy_from_slice(record);
     let mut spectrum = forward.make_output_vec();
-    let buffer = |_| AcousticsError::Length {
+    let buffer = |_| InputError::Length {
         what: "transform buffer",
         found: record.len(),
         expected: length,

@@ -26,6 +26,7 @@
 mod air;
 pub mod bem;
 mod blocks;
+mod checks;
 mod error;
 pub mod exhaust;
 pub mod fourier;
@@ -42,4 +43,6 @@ pub mod sound_fields;
 mod trig;
 
 pub use air::{Air, GAS_CONSTANT, HEAT_RATIO};
+pub use checks::{InputError, ReceiverError};
 pub use error::AcousticsError;
+pub use interpolation::SamplingError;

@@ -1,7 +1,8 @@
 //! The ambient air.
 #![allow(clippy::unwrap_used)]
 
-use nailnoise_acoustics::{AcousticsError, Air};
+use nailnoise_acoustics::Air;
+use nailnoise_acoustics::InputError;
 
 #[test]
 fn air_of_20_degrees_has_the_usual_values() {
@@ -16,9 +17,6 @@ fn air_follows_the_perfect_gas() {
     let (cold, base) = (Air::at(263.15, 80_000.0).unwrap(), Air::default());
     assert!((cold.sound_speed / base.sound_speed - (263.15f64 / 293.15).sqrt()).abs() < 1e-14);
     assert!((cold.density / base.density - 80_000.0 / 101_325.0 * 293.15 / 263.15).abs() < 1e-14);
-    assert!(matches!(Air::at(0.0, 1e5), Err(AcousticsError::NotPositive { .. })));
-    assert!(matches!(
-        Air::at(293.0, f64::NAN),
-        Err(AcousticsError::NotPositive { .. })
-    ));
+    assert!(matches!(Air::at(0.0, 1e5), Err(InputError::NotPositive { .. })));
+    assert!(matches!(Air::at(293.0, f64::NAN), Err(InputError::NotPositive { .. })));
 }

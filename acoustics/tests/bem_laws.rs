@@ -4,8 +4,9 @@
 mod bem_common;
 
 use bem_common::{cuboid, sphere};
+use nailnoise_acoustics::Air;
+use nailnoise_acoustics::bem::BemError;
 use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior, Mended};
-use nailnoise_acoustics::{AcousticsError, Air};
 use nalgebra::{DMatrix, SymmetricEigen};
 
 fn block(edge: f64) -> BoundaryMesh {
@@ -99,17 +100,17 @@ fn open_or_degenerate_surfaces_are_refused_with_numbers() {
     let mut open = block(0.05);
     open.panels.pop();
     let error = Boundary::new(open, None).unwrap_err();
-    assert!(matches!(error, AcousticsError::OpenSurface { edges: 4, .. }), "{error}");
+    assert!(matches!(error, BemError::OpenSurface { edges: 4, .. }), "{error}");
     let error = Boundary::new(block(0.05), Some(0.15)).unwrap_err();
     assert!(
-        matches!(error, AcousticsError::FloorThroughBody { lowest: 0.1, .. }),
+        matches!(error, BemError::FloorThroughBody { lowest: 0.1, .. }),
         "{error}"
     );
     let mut double = block(0.05);
     double.panels.push(double.panels[0]);
     assert!(matches!(
         Boundary::new(double, None),
-        Err(AcousticsError::TangledSurface { panels: 3, .. })
+        Err(BemError::TangledSurface { panels: 3, .. })
     ));
     let standing = Boundary::new(block(0.05), Some(0.1)).unwrap();
     assert_eq!(standing.mended().on_floor, 8 * 3);
@@ -117,10 +118,7 @@ fn open_or_degenerate_surfaces_are_refused_with_numbers() {
     let v = DMatrix::zeros(problem.boundary().velocity_values(), 1);
     let error = problem.solve(3000.0, &v).unwrap_err();
     println!("{error}");
-    assert!(
-        matches!(error, AcousticsError::TooCoarse { needed: 6.0, .. }),
-        "{error}"
-    );
+    assert!(matches!(error, BemError::TooCoarse { needed: 6.0, .. }), "{error}");
 }
 
 #[test]

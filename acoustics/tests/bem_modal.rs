@@ -11,7 +11,8 @@ use nailnoise_acoustics::bem::{
 use nailnoise_acoustics::levels::{Band, Weighting, energy_weights};
 use nailnoise_acoustics::radiation::{ModalRadiation, ModalSpectra, Sampling, mode_energies};
 use nailnoise_acoustics::sound::{Around, Directions};
-use nailnoise_acoustics::{AcousticsError, Air};
+use nailnoise_acoustics::Air;
+use nailnoise_acoustics::bem::BemError;
 use nailnoise_meshes::{Block, Mesh, Surface, block};
 use nalgebra::{Complex, DMatrix, Point3, Vector3};
 
@@ -181,7 +182,7 @@ fn a_surface_that_the_volumes_do_not_cover_is_refused() {
     let [block, _] = parts(&solids);
     let wrong = MovingPart { patches: 0..4, ..block };
     let error = quarter.transfer(&[wrong]).unwrap_err();
-    assert!(matches!(error, AcousticsError::Uncovered { .. }), "{error}");
+    assert!(matches!(error, BemError::Uncovered { .. }), "{error}");
 }
 
 fn level(solids: &Solids, edge: f64, per_wavelength: f64) -> MeshRange {

@@ -4,6 +4,9 @@
 mod common;
 
 use common::{disk, flat, rectangle, references};
+use nailnoise_acoustics::AcousticsError;
+use nailnoise_acoustics::Air;
+use nailnoise_acoustics::InputError;
 use nailnoise_acoustics::fourier::{Transform, TransformSettings};
 use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
 use nailnoise_acoustics::radiation::{
@@ -11,7 +14,6 @@ use nailnoise_acoustics::radiation::{
     radiated_signals, rigid_body_energy,
 };
 use nailnoise_acoustics::sound::rigid_body_far_field;
-use nailnoise_acoustics::{AcousticsError, Air};
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
 
@@ -250,15 +252,15 @@ fn inconsistent_inputs_are_refused_by_name() {
         ModalSpectra::from_accelerations(modes, 100, 1e-5, &settings, |_| vec![1.0; 100]).unwrap()
     };
     let error = radiated_energy("s", &radiation, &spectra(1)).unwrap_err();
-    assert!(matches!(error, AcousticsError::OutsideRange { high, .. } if high == 2000.0));
+    assert!(matches!(error, AcousticsError::Input(InputError::OutsideRange { high, .. }) if high == 2000.0));
     let error = radiated_energy("s", &Erp::new(&surface, &air), &spectra(2)).unwrap_err();
     assert!(matches!(
         error,
-        AcousticsError::Length {
+        AcousticsError::Input(InputError::Length {
             found: 2,
             expected: 1,
             ..
-        }
+        })
     ));
 }
 

@@ -1,13 +1,16 @@
 //! Laws of the exhaust's noise.
 #![allow(clippy::unwrap_used)]
 
+use nailnoise_acoustics::AcousticsError;
+use nailnoise_acoustics::InputError;
+use nailnoise_acoustics::exhaust::ExhaustError;
 use nailnoise_acoustics::exhaust::{
     ExhaustNoise, ExhaustSettings, FlowHistory, Jet, Opening, PlenumResonance, ValveNoise, exhaust_noise,
     fine_scale_shape, mixing_power, screech_frequency, screech_track, shock_power, valve_noise_energy,
 };
 use nailnoise_acoustics::fourier::TransformSettings;
 use nailnoise_acoustics::levels::Weighting;
-use nailnoise_acoustics::{AcousticsError, Air, GAS_CONSTANT, HEAT_RATIO};
+use nailnoise_acoustics::{Air, GAS_CONSTANT, HEAT_RATIO};
 use std::f64::consts::PI;
 
 const HOLES: Opening = Opening {
@@ -365,24 +368,27 @@ fn impossible_openings_are_refused_by_name() {
     };
     assert!(matches!(
         run(Opening { count: 0, ..HOLES }),
-        AcousticsError::NotPositive { .. }
+        AcousticsError::Exhaust(ExhaustError::Input(InputError::NotPositive { .. }))
     ));
     assert!(matches!(
         run(Opening {
             diameter: -1.0,
             ..HOLES
         }),
-        AcousticsError::NotPositive { .. }
+        AcousticsError::Exhaust(ExhaustError::Input(InputError::NotPositive { .. }))
     ));
     assert!(matches!(
         run(Opening {
             pitch: Some(0.012),
             ..HOLES
         }),
-        AcousticsError::MergingJets { count: 7, .. }
+        AcousticsError::Exhaust(ExhaustError::MergingJets { count: 7, .. })
     ));
     let mut short = history.clone();
     short.pressure.pop();
     let result = exhaust_noise("e", &short, &HOLES, &Air::default(), &ExhaustSettings::default());
-    assert!(matches!(result, Err(AcousticsError::Length { .. })));
+    assert!(matches!(
+        result,
+        Err(AcousticsError::Exhaust(ExhaustError::Input(InputError::Length { .. })))
+    ));
 }

@@ -1,11 +1,14 @@
 //! How exhaust noise follows pressure, hole size and number, and what the jets carry.
 #![allow(clippy::unwrap_used)]
 
+use nailnoise_acoustics::AcousticsError;
+use nailnoise_acoustics::InputError;
+use nailnoise_acoustics::exhaust::ExhaustError;
 use nailnoise_acoustics::exhaust::{
     ExhaustNoise, ExhaustSettings, FlowHistory, Jet, Opening, exhaust_noise, mixing_power, shock_power,
 };
 use nailnoise_acoustics::levels::Weighting;
-use nailnoise_acoustics::{AcousticsError, Air, HEAT_RATIO};
+use nailnoise_acoustics::{Air, HEAT_RATIO};
 
 const DT: f64 = 2e-5;
 const SAMPLES: usize = 10_000;
@@ -158,14 +161,20 @@ fn impossible_flows_are_refused_by_name() {
     let good = steady(&holes(7, 5e-3), 3e5);
     let error = run(&good, &holes(0, 5e-3)).unwrap_err();
     assert!(
-        matches!(error, AcousticsError::NotPositive { .. }) && error.to_string().contains("holes"),
+        matches!(
+            error,
+            AcousticsError::Exhaust(ExhaustError::Input(InputError::NotPositive { .. }))
+        ) && error.to_string().contains("holes"),
         "{error}"
     );
     // Gauge pressures taken for absolute ones.
     let mut gauge = good.clone();
     gauge.pressure.iter_mut().for_each(|p| *p = 0.5e5);
     let error = run(&gauge, &holes(7, 5e-3)).unwrap_err();
-    assert!(matches!(error, AcousticsError::BelowAmbient { .. }), "{error}");
+    assert!(
+        matches!(error, AcousticsError::Exhaust(ExhaustError::BelowAmbient { .. })),
+        "{error}"
+    );
     assert!(error.to_string().contains("gauge"), "{error}");
     // A flow's last trickle may leave so.
     let mut trickle = good.clone();
@@ -175,7 +184,8 @@ fn impossible_flows_are_refused_by_name() {
     assert!(opening.check_area(1.374e-4).is_ok());
     let error = opening.check_area(2e-4).unwrap_err();
     assert!(
-        matches!(error, AcousticsError::HoleArea { .. }) && error.to_string().contains("7 exhaust holes"),
+        matches!(error, AcousticsError::Exhaust(ExhaustError::HoleArea { .. }))
+            && error.to_string().contains("7 exhaust holes"),
         "{error}"
     );
 }

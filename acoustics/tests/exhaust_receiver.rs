@@ -1,12 +1,14 @@
 //! The exhaust at a point: directivity, distance and floor.
 #![allow(clippy::unwrap_used)]
 
+use nailnoise_acoustics::Air;
+use nailnoise_acoustics::InputError;
+use nailnoise_acoustics::ReceiverError;
 use nailnoise_acoustics::exhaust::{
     ExhaustNoise, ExhaustSettings, Floor, FlowHistory, Jet, MixingDirectivity, Opening, Outlet, Recording,
     exhaust_noise,
 };
 use nailnoise_acoustics::levels::Weighting;
-use nailnoise_acoustics::{AcousticsError, Air};
 use std::f64::consts::PI;
 
 const OPENING: Opening = Opening {
@@ -207,16 +209,16 @@ fn impossible_places_are_refused_by_name() {
     let run = |outlet: &Outlet, point: [f64; 3], floor: &Floor| noise.at(outlet, point, Some(floor), &air).unwrap_err();
     assert!(matches!(
         run(&upright(0.5), [0.0, 0.0, 0.5], &floor),
-        AcousticsError::NotPositive { .. }
+        ReceiverError::Input(InputError::NotPositive { .. })
     ));
     let error = run(&upright(0.5), [1.0, 0.0, -0.1], &floor);
     assert!(
-        matches!(error, AcousticsError::BelowFloor { .. }) && error.to_string().contains("-0.1 m"),
+        matches!(error, ReceiverError::BelowFloor { .. }) && error.to_string().contains("-0.1 m"),
         "{error}"
     );
     assert!(matches!(
         run(&upright(-0.5), [1.0, 0.0, 0.1], &floor),
-        AcousticsError::BelowFloor { .. }
+        ReceiverError::BelowFloor { .. }
     ));
     assert!(matches!(
         run(
@@ -227,7 +229,7 @@ fn impossible_places_are_refused_by_name() {
                 ..floor
             }
         ),
-        AcousticsError::OutsideRange { .. }
+        ReceiverError::Input(InputError::OutsideRange { .. })
     ));
     for directions in [vec![], vec![[0.0; 3]]] {
         let outlet = Outlet {
@@ -236,7 +238,7 @@ fn impossible_places_are_refused_by_name() {
         };
         assert!(matches!(
             run(&outlet, [1.0, 0.0, 0.1], &floor),
-            AcousticsError::NotPositive { .. }
+            ReceiverError::Input(InputError::NotPositive { .. })
         ));
     }
 }

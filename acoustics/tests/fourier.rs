@@ -1,7 +1,8 @@
 //! Fourier transform of records.
 #![allow(clippy::unwrap_used)]
 
-use nailnoise_acoustics::AcousticsError;
+use nailnoise_acoustics::InputError;
+use nailnoise_acoustics::fourier::FourierError;
 use nailnoise_acoustics::fourier::{Transform, TransformSettings};
 use std::f64::consts::PI;
 
@@ -78,24 +79,24 @@ fn impossible_transforms_are_refused_by_name() {
     let make = |n, dt, low, high| Transform::new(n, dt, &settings(low, high, 0.0)).unwrap_err();
     assert!(matches!(
         make(4, 1e-5, 20.0, 1000.0),
-        AcousticsError::ShortRecord { found: 4, .. }
+        FourierError::ShortRecord { found: 4, .. }
     ));
     assert!(
-        matches!(make(100, 1e-5, 20.0, 60_000.0), AcousticsError::Range { nyquist, .. } if (nyquist - 5e4).abs() < 1e-6)
+        matches!(make(100, 1e-5, 20.0, 60_000.0), FourierError::Range { nyquist, .. } if (nyquist - 5e4).abs() < 1e-6)
     );
     assert!(matches!(
         make(100, 0.0, 20.0, 1000.0),
-        AcousticsError::NotPositive { .. }
+        FourierError::Input(InputError::NotPositive { .. })
     ));
     let transform = Transform::new(100, 1e-5, &settings(20.0, 1000.0, 0.0)).unwrap();
     assert!(matches!(
         transform.apply(&[0.0; 99]),
-        Err(AcousticsError::Length { found: 99, .. })
+        Err(FourierError::Input(InputError::Length { found: 99, .. }))
     ));
     let mut record = vec![0.0; 100];
     record[7] = f64::INFINITY;
     assert!(matches!(
         transform.apply(&record),
-        Err(AcousticsError::NotFinite { index: 7, .. })
+        Err(FourierError::Input(InputError::NotFinite { index: 7, .. }))
     ));
 }

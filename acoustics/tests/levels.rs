@@ -1,7 +1,8 @@
 //! Bands, weightings, levels and ranking.
 #![allow(clippy::unwrap_used)]
 
-use nailnoise_acoustics::AcousticsError;
+use nailnoise_acoustics::InputError;
+use nailnoise_acoustics::levels::LevelsError;
 use nailnoise_acoustics::levels::{
     Band, SourceSpectrum, Weighting, band_containing, energy_level, level_energy, rank, third_octaves,
 };
@@ -174,19 +175,19 @@ fn impossible_spectra_are_refused_by_name() {
     let make = |f: &[f64], e: &[f64]| SourceSpectrum::new("s", "m", f.to_vec(), e.to_vec(), [0.0, 1.0]).unwrap_err();
     assert!(matches!(
         make(&[1.0, 2.0], &[1.0]),
-        AcousticsError::Length {
+        LevelsError::Input(InputError::Length {
             found: 1,
             expected: 2,
             ..
-        }
+        })
     ));
     assert!(matches!(
         make(&[1.0, 1.0], &[1.0, 1.0]),
-        AcousticsError::Frequencies { .. }
+        LevelsError::Frequencies { .. }
     ));
     assert!(matches!(
         make(&[1.0, 2.0], &[1.0, f64::NAN]),
-        AcousticsError::NotFinite { index: 1, .. }
+        LevelsError::Input(InputError::NotFinite { index: 1, .. })
     ));
 }
 

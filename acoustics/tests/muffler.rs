@@ -1,13 +1,15 @@
 //! Mufflers against closed forms and laws.
 #![allow(clippy::unwrap_used)]
 
+use nailnoise_acoustics::Air;
+use nailnoise_acoustics::InputError;
 use nailnoise_acoustics::exhaust::{ExhaustSettings, FlowHistory, Opening, exhaust_noise};
 use nailnoise_acoustics::fourier::TransformSettings;
 use nailnoise_acoustics::levels::{Weighting, energy_level};
+use nailnoise_acoustics::muffler::MufflerError;
 use nailnoise_acoustics::muffler::{
     BandLosses, FourPole, Lining, Muffler, MufflerChain, MufflerElement, miki_fluid, open_end,
 };
-use nailnoise_acoustics::{AcousticsError, Air};
 use nalgebra::Complex;
 use proptest::prelude::*;
 use std::f64::consts::PI;
@@ -210,7 +212,7 @@ fn mufflers_outside_their_range_are_refused_by_name() {
     let highest = chain.elements[0].highest_hz(&air);
     assert!((highest - 6705.0).abs() < 20.0, "{highest}");
     let error = chain.transmission_loss(1.01 * highest, 0.01, &air).unwrap_err();
-    assert!(matches!(error, AcousticsError::NotPlaneWaves { .. }), "{error}");
+    assert!(matches!(error, MufflerError::NotPlaneWaves { .. }), "{error}");
     assert!(
         error.to_string().contains("0.03 m") && error.to_string().contains("670"),
         "{error}"
@@ -225,11 +227,11 @@ fn mufflers_outside_their_range_are_refused_by_name() {
     );
     assert!(matches!(
         lined.four_pole(1500.0, &air),
-        Err(AcousticsError::OutsideRange { .. })
+        Err(MufflerError::Input(InputError::OutsideRange { .. }))
     ));
     assert!(matches!(
         pipe(0.0, 0.01, None).four_pole(100.0, &air),
-        Err(AcousticsError::NotPositive { .. })
+        Err(MufflerError::Input(InputError::NotPositive { .. }))
     ));
     for bad in [
         &[(100.0, 3.0), (160.0, 4.0)][..],
@@ -237,7 +239,7 @@ fn mufflers_outside_their_range_are_refused_by_name() {
         &[(200.0, 1.0), (160.0, 1.0)][..],
     ] {
         assert!(
-            matches!(BandLosses::new(bad), Err(AcousticsError::MufflerBands { .. })),
+            matches!(BandLosses::new(bad), Err(MufflerError::Bands { .. })),
             "{bad:?}"
         );
     }
@@ -307,13 +309,10 @@ fn a_muffler_lowers_every_component_and_every_interval() {
     assert!(energy_level(total) < energy_level(before.iter().map(|i| i.energy).sum()));
     // Bands that do not reach down to the analysed range.
     let short = Muffler::InsertionLoss(BandLosses::new(&bands[3..]).unwrap());
-    assert!(matches!(
-        with(Some(short), 50.0),
-        Err(AcousticsError::MufflerBands { .. })
-    ));
+    assert!(matches!(with(Some(short), 50.0), Err(MufflerError::Bands { .. })));
     let wide = Muffler::Chain(chamber(0.1, 0.06, 0.02));
     assert!(matches!(
         with(Some(wide), 50.0),
-        Err(AcousticsError::NotPlaneWaves { .. })
+        Err(MufflerError::NotPlaneWaves { .. })
     ));
 }

@@ -4,8 +4,12 @@
 mod common;
 
 use common::{disk, flat, rectangle, references};
+use nailnoise_acoustics::AcousticsError;
+use nailnoise_acoustics::Air;
+use nailnoise_acoustics::InputError;
+use nailnoise_acoustics::SamplingError;
+use nailnoise_acoustics::radiation::RadiationError;
 use nailnoise_acoustics::radiation::{Erp, ModalRadiation, RadiatingSurface, Rayleigh, Resistance, Sampling};
-use nailnoise_acoustics::{AcousticsError, Air};
 use nalgebra::{Complex, DMatrix, SymmetricEigen};
 use std::f64::consts::PI;
 
@@ -277,12 +281,12 @@ fn surfaces_that_are_not_plane_are_refused() {
     );
     assert!(matches!(
         Rayleigh::new(&tilted.unwrap(), &Air::default()),
-        Err(AcousticsError::NotPlanar { .. })
+        Err(RadiationError::NotPlanar { .. })
     ));
     points.iter_mut().for_each(|p| p.1 = 0.0);
     assert!(matches!(
         Rayleigh::new(&flat(points, &[&|_, _| 1.0]), &Air::default()),
-        Err(AcousticsError::NotPositive { .. })
+        Err(RadiationError::Input(InputError::NotPositive { .. }))
     ));
     let narrow = Sampling {
         most_samples: 20,
@@ -293,5 +297,8 @@ fn surfaces_that_are_not_plane_are_refused() {
         .unwrap()
         .sampled(&narrow, &|| ())
         .unwrap_err();
-    assert!(matches!(error, AcousticsError::Unresolved { .. }));
+    assert!(matches!(
+        error,
+        AcousticsError::Sampling(SamplingError::Unresolved { .. })
+    ));
 }

@@ -4,13 +4,14 @@
 mod common;
 
 use common::{flat, rectangle};
+use nailnoise_acoustics::Air;
 use nailnoise_acoustics::levels::{Band, Weighting};
+use nailnoise_acoustics::radiation::RadiationError;
 use nailnoise_acoustics::radiation::{
     AbsorbingSand, ModalRadiation, ModalSpectra, MovingSand, Rayleigh, Resistance, SampledRadiation, Sampling,
     SurfaceEvaluations, radiated_energy,
 };
 use nailnoise_acoustics::sound::{Around, Directions, FlushSound, SoundAbovePlane, above_plane};
-use nailnoise_acoustics::{AcousticsError, Air};
 use nalgebra::{Complex, DMatrix, Point3};
 
 const FOOTPRINT: [[f64; 2]; 2] = [[-0.2032, 0.2032], [-0.0762, 0.0762]];
@@ -185,7 +186,7 @@ fn a_footprint_outside_the_box_is_refused() {
     };
     assert!(matches!(
         block().with_moving_sand(small),
-        Err(AcousticsError::SandBox { .. })
+        Err(RadiationError::SandBox { .. })
     ));
 }
 

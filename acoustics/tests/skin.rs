@@ -4,8 +4,11 @@
 mod common;
 
 use common::{flat, rectangle};
+use nailnoise_acoustics::AcousticsError;
+use nailnoise_acoustics::Air;
+use nailnoise_acoustics::InputError;
+use nailnoise_acoustics::radiation::RadiationError;
 use nailnoise_acoustics::radiation::{Erp, ModalRadiation, RadiatingSurface, Rayleigh};
-use nailnoise_acoustics::{AcousticsError, Air};
 use nailnoise_meshes::{Block, Mesh, QuadraturePoint, Surface, block};
 use nalgebra::DMatrix;
 
@@ -89,10 +92,10 @@ fn impossible_requests_are_refused_by_name() {
     let short = rigid_modes(&skin).rows(0, 30).into_owned();
     assert!(matches!(
         RadiatingSurface::of_faces(&skin, short.as_view(), |_| true),
-        Err(AcousticsError::Length { found: 30, .. })
+        Err(AcousticsError::Input(InputError::Length { found: 30, .. }))
     ));
     assert!(matches!(
         Rayleigh::new(&radiating(&skin, &["x_min"]), &Air::default()),
-        Err(AcousticsError::NotPlanar { .. })
+        Err(RadiationError::NotPlanar { .. })
     ));
 }

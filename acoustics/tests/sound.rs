@@ -4,12 +4,13 @@
 mod common;
 
 use common::{disk, flat, rectangle};
+use nailnoise_acoustics::Air;
+use nailnoise_acoustics::ReceiverError;
 use nailnoise_acoustics::radiation::{MovingSand, Rayleigh, Sampling};
 use nailnoise_acoustics::sound::{
     Iso3744Box, OverTime, SoundAbovePlane, background_correction, environmental_correction, shaken_sphere_pressure,
     spread_evenly,
 };
-use nailnoise_acoustics::{AcousticsError, Air};
 use nalgebra::{Complex, DMatrix, Point3, Vector3};
 use std::f64::consts::{PI, TAU};
 
@@ -72,8 +73,8 @@ fn the_pressure_on_the_axis_of_a_piston_has_its_closed_form() {
     }
     for (z, below) in [(-0.1, true), (1e-4, false)] {
         let error = piston.pressure_at(100.0, &[Point3::new(0.0, 0.0, z)]).unwrap_err();
-        assert_eq!(matches!(error, AcousticsError::BelowFloor { .. }), below, "{error}");
-        assert_eq!(matches!(error, AcousticsError::NearSurface { .. }), !below, "{error}");
+        assert_eq!(matches!(error, ReceiverError::BelowFloor { .. }), below, "{error}");
+        assert_eq!(matches!(error, ReceiverError::NearSurface { .. }), !below, "{error}");
     }
 }
 
@@ -168,7 +169,7 @@ fn the_pressures_around_an_oscillating_sphere_carry_the_power_of_its_resistance(
     };
     assert!(slope(Some(0.0)) < 1e-3 * slope(None));
     let inside = shaken_sphere_pressure(400.0, volume, centre, Vector3::z(), centre, None, &air);
-    assert!(matches!(inside, Err(AcousticsError::NearSurface { .. })));
+    assert!(matches!(inside, Err(ReceiverError::NearSurface { .. })));
 }
 
 #[test]
@@ -186,7 +187,7 @@ fn an_evenly_spread_source_keeps_its_energy_above_a_floor() {
     let energy = exposure / air.impedance() * TAU * radius * radius;
     assert!((energy - 1.0).abs() < 1e-3, "{energy}");
     let below = spread_evenly(centre, Point3::new(1.0, 0.0, -0.1), 0.0, &air);
-    assert!(matches!(below, Err(AcousticsError::BelowFloor { .. })));
+    assert!(matches!(below, Err(ReceiverError::BelowFloor { .. })));
 }
 
 #[test]

@@ -9,12 +9,14 @@
 //!
 //! One frequency runs on one thread; frequencies run beside each other.
 
+pub(crate) mod error;
 mod high_frequencies;
 mod mesh;
 mod modes;
 mod operators;
 mod solver;
 
+pub use error::BemError;
 pub use mesh::boundary::{Boundary, Mended};
 pub use mesh::boxes::{Side, SolidBox};
 pub use mesh::outline::ClosedOutline;

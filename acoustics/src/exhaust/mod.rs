@@ -7,6 +7,7 @@
 
 mod cross_check;
 mod directivity;
+pub(crate) mod error;
 mod histogram;
 mod history;
 mod jet;
@@ -22,6 +23,7 @@ mod sound;
 
 pub use cross_check::{ValveNoise, valve_noise_energy};
 pub use directivity::MixingDirectivity;
+pub use error::ExhaustError;
 pub use history::ExhaustHistory;
 pub use jet::Jet;
 pub use mixing::{MIXING_RANGE, mixing_power};

@@ -1,6 +1,7 @@
 use super::opening::{FlowHistory, Opening};
 use crate::air::{Air, GAS_CONSTANT, HEAT_RATIO};
-use crate::error::{AcousticsError, positive};
+use crate::checks::{InputError, positive};
+use crate::fourier::FourierError;
 use crate::fourier::{Transform, TransformSettings};
 use rustfft::num_complex::Complex;
 use serde::{Deserialize, Serialize};
@@ -39,7 +40,7 @@ impl PlenumResonance {
         Complex::new(1.0 - x * x, x / self.quality).inv()
     }
 
-    pub(super) fn check(&self) -> Result<(), AcousticsError> {
+    pub(super) fn check(&self) -> Result<(), InputError> {
         positive("plenum volume [m3]", self.volume)?;
         positive("neck length of the exhaust [m]", self.neck_length)?;
         positive("quality factor of the plenum", self.quality).map(drop)
@@ -60,7 +61,7 @@ pub(super) fn monopole(
     air: &Air,
     settings: &TransformSettings,
     plenum: Option<(&PlenumResonance, f64)>,
-) -> Result<(Vec<f64>, Vec<Complex<f64>>), AcousticsError> {
+) -> Result<(Vec<f64>, Vec<Complex<f64>>), FourierError> {
     let dt = history.sample_interval;
     let source: Vec<f64> = history
         .mass_flow

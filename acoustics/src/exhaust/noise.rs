@@ -1,3 +1,4 @@
+use super::error::ExhaustError;
 use super::histogram::{PeakHistogram, Spreading};
 use super::history::{Burst, ExhaustHistory};
 use super::jet::Jet;
@@ -139,12 +140,13 @@ pub fn exhaust_noise(
         }
     }
     if let Some((sample, flow, pressure)) = worst.filter(|_| adverse_mass > ADVERSE_MASS * mass) {
-        return Err(AcousticsError::BelowAmbient {
+        return Err(ExhaustError::BelowAmbient {
             sample,
             flow,
             pressure,
             ambient: air.pressure,
-        });
+        }
+        .into());
     }
     let plenum = settings.plenum.as_ref();
     plenum.map_or(Ok(()), PlenumResonance::check)?;

@@ -1,5 +1,6 @@
+use super::error::ExhaustError;
 use crate::air::Air;
-use crate::error::{AcousticsError, finite, positive, same_length};
+use crate::checks::{finite, positive, same_length};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -27,7 +28,7 @@ impl FlowHistory {
         }
     }
 
-    pub(super) fn check(&self) -> Result<(), AcousticsError> {
+    pub(super) fn check(&self) -> Result<(), ExhaustError> {
         let n = self.mass_flow.len();
         positive("sample interval [s]", self.sample_interval)?;
         same_length("pressure before the opening", self.pressure.len(), n)?;
@@ -87,16 +88,16 @@ impl Opening {
         self.discharge_coefficient * self.area()
     }
 
-    /// Fails with [`AcousticsError::HoleArea`] unless the holes add up to `area` \[m²\] within one percent.
+    /// Fails with [`ExhaustError::HoleArea`] unless the holes add up to `area` \[m²\] within one percent.
     ///
     /// # Errors
-    /// [`AcousticsError::HoleArea`].
-    pub fn check_area(&self, area: f64) -> Result<(), AcousticsError> {
+    /// [`ExhaustError::HoleArea`].
+    pub fn check_area(&self, area: f64) -> Result<(), ExhaustError> {
         let found = self.area();
         if (found - area).abs() <= 0.01 * area {
             return Ok(());
         }
-        Err(AcousticsError::HoleArea {
+        Err(ExhaustError::HoleArea {
             count: self.count,
             diameter: self.diameter,
             found,
@@ -104,7 +105,7 @@ impl Opening {
         })
     }
 
-    pub(super) fn check(&self) -> Result<(), AcousticsError> {
+    pub(super) fn check(&self) -> Result<(), ExhaustError> {
         positive("number of exhaust holes", self.count as f64)?;
         positive("diameter of an exhaust hole [m]", self.diameter)?;
         positive("discharge coefficient of the exhaust", self.discharge_coefficient)?;
@@ -112,7 +113,7 @@ impl Opening {
             positive("pitch of the exhaust holes [m]", pitch)?;
         }
         match self.pitch {
-            Some(pitch) if self.count > 1 && pitch <= 3.0 * self.diameter => Err(AcousticsError::MergingJets {
+            Some(pitch) if self.count > 1 && pitch <= 3.0 * self.diameter => Err(ExhaustError::MergingJets {
                 count: self.count,
                 diameter: self.diameter,
                 pitch,

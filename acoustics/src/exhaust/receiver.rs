@@ -4,7 +4,7 @@ use super::history::Burst;
 use super::noise::ExhaustNoise;
 use super::{shock, similarity};
 use crate::air::Air;
-use crate::error::{AcousticsError, positive};
+use crate::checks::{InputError, ReceiverError, positive};
 use crate::levels::{Contribution, Level, REFERENCE_PRESSURE, Weighting, energy_weights};
 use nalgebra::Complex;
 use std::f64::consts::PI;
@@ -72,14 +72,14 @@ struct Path {
 }
 
 impl Path {
-    fn new(outlet: &Outlet, point: [f64; 3]) -> Result<Self, AcousticsError> {
+    fn new(outlet: &Outlet, point: [f64; 3]) -> Result<Self, ReceiverError> {
         let way: [f64; 3] = std::array::from_fn(|i| point[i] - outlet.position[i]);
         let norm = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
         let length = positive("distance of a receiver from the exhaust [m]", norm(way))?;
         let angle = |direction: &[f64; 3]| {
             let jet = positive("length of a jet's direction", norm(*direction))?;
             let along: f64 = way.iter().zip(direction).map(|(a, b)| a * b).sum();
-            Ok::<f64, AcousticsError>((along / (length * jet)).clamp(-1.0, 1.0).acos())
+            Ok::<f64, ReceiverError>((along / (length * jet)).clamp(-1.0, 1.0).acos())
         };
         // Between the jets' directions and the way the sound leaves.
         let angles = outlet.directions.iter().map(angle).collect::<Result<Vec<f64>, _>>()?;
@@ -114,7 +114,7 @@ impl ExhaustNoise {
         point: [f64; 3],
         floor: Option<&Floor>,
         air: &Air,
-    ) -> Result<Received, AcousticsError> {
+    ) -> Result<Received, ReceiverError> {
         let paths = Paths::new(outlet, point, floor, air)?;
         let (frequency, history) = (&self.spectrum.frequency, &self.history);
         let muffled = |mut density: Vec<f64>| {
@@ -169,7 +169,7 @@ impl Paths {
         point: [f64; 3],
         floor: Option<&Floor>,
         air: &Air,
-    ) -> Result<Self, AcousticsError> {
+    ) -> Result<Self, ReceiverError> {
         positive("number of directions of the exhaust", outlet.directions.len() as f64)?;
         Ok(Self {
             coherence: floor.map_or(0.0, |floor| floor.coherence),
@@ -248,19 +248,20 @@ impl Jets<'_> {
 
 impl Floor {
     /// The way to the receiver's image in the floor.
-    fn path(&self, outlet: &Outlet, point: [f64; 3]) -> Result<Path, AcousticsError> {
+    fn path(&self, outlet: &Outlet, point: [f64; 3]) -> Result<Path, ReceiverError> {
         for z in [outlet.position[2], point[2]] {
             if z.is_nan() || z < self.height {
-                return Err(AcousticsError::BelowFloor { z, floor: self.height });
+                return Err(ReceiverError::BelowFloor { z, floor: self.height });
             }
         }
         if !(0.0..=1.0).contains(&self.coherence) {
-            return Err(AcousticsError::OutsideRange {
+            return Err(InputError::OutsideRange {
                 what: "coherence of direct and reflected jet noise",
                 value: self.coherence,
                 low: 0.0,
                 high: 1.0,
-            });
+            }
+            .into());
         }
         Path::new(outlet, [point[0], point[1], 2.0 * self.height - point[2]])
     }

@@ -4,7 +4,7 @@ use super::history::Burst;
 use super::noise::ExhaustNoise;
 use super::receiver::{Floor, Outlet, Paths};
 use crate::air::Air;
-use crate::error::{AcousticsError, positive};
+use crate::checks::{ReceiverError, positive};
 use crate::random::uniform;
 use crate::sound::OverTime;
 use nalgebra::Complex;
@@ -41,7 +41,7 @@ impl ExhaustNoise {
         floor: Option<&Floor>,
         air: &Air,
         recording: &Recording,
-    ) -> Result<Vec<f64>, AcousticsError> {
+    ) -> Result<Vec<f64>, ReceiverError> {
         let Recording { rate, samples, seed } = *recording;
         positive("sampling rate [1/s]", rate)?;
         let paths = Paths::new(outlet, point, floor, air)?;

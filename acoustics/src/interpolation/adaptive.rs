@@ -1,8 +1,10 @@
 //! Samples chosen one round after the other, until the interpolant predicts them.
 
+use super::error::SamplingError;
 use super::grid::Grid;
 use super::interval::{Interval, MOST, extrapolated, leja_hz};
-use crate::error::{AcousticsError, positive};
+use crate::checks::positive;
+use crate::error::AcousticsError;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -40,10 +42,9 @@ pub(crate) struct Piece {
 ///
 /// # Errors
 /// An empty range.
-pub(crate) fn pieces([low, high]: Range, widest: f64, kinks: &[f64]) -> Result<Vec<Piece>, AcousticsError> {
+pub(crate) fn pieces([low, high]: Range, widest: f64, kinks: &[f64]) -> Result<Vec<Piece>, SamplingError> {
     if !(low > 0.0 && high > low && high.is_finite()) {
-        let nyquist = f64::INFINITY;
-        return Err(AcousticsError::Range { low, high, nyquist });
+        return Err(SamplingError::EmptyRange { low, high });
     }
     let count = ((high / low).ln() / widest.ln()).ceil().max(1.0) as usize;
     let edge = |i: usize| low * (high / low).powf(i as f64 / count as f64);
@@ -66,7 +67,7 @@ pub(crate) fn pieces([low, high]: Range, widest: f64, kinks: &[f64]) -> Result<V
 /// as large as the one before, and a factor of ten at most.
 ///
 /// # Errors
-/// A tolerance that is not positive, [`AcousticsError::Unresolved`], those of `take`.
+/// A tolerance that is not positive, [`SamplingError::Unresolved`], those of `take`.
 pub(crate) fn sample<T: Send + Sync>(
     pieces: &[Piece],
     plan: &Plan,
@@ -112,12 +113,13 @@ pub(crate) fn sample<T: Send + Sync>(
                 intervals.push(interval);
             } else if samples.len() >= plan.most_samples {
                 let (hz, samples) = ((low * high).sqrt(), samples.len());
-                return Err(AcousticsError::Unresolved {
+                return Err(SamplingError::Unresolved {
                     hz,
                     error,
                     samples,
                     tolerance,
-                });
+                }
+                .into());
             } else if count + plan.round <= MOST {
                 next.push((piece, count + plan.round, Some(found)));
             } else {

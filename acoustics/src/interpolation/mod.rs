@@ -9,9 +9,11 @@
 //! their misfit alone.
 
 mod adaptive;
+pub(crate) mod error;
 mod grid;
 mod interval;
 
 pub(crate) use adaptive::{Piece, Plan, WIDEST, pieces, sample};
+pub use error::SamplingError;
 pub(crate) use grid::{Grid, Run, field_misfit};
 pub(crate) use interval::Interval;

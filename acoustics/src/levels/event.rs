@@ -1,7 +1,7 @@
 //! Levels of single events from records of sound pressure, as a sound level meter finds them.
 
 use super::{Level, Weighting};
-use crate::error::{AcousticsError, finite, positive};
+use crate::checks::{InputError, finite, positive};
 use crate::fourier::fast_length;
 use realfft::RealFftPlanner;
 use rustfft::num_complex::Complex;
@@ -25,7 +25,7 @@ const RINGING: f64 = 0.2;
 ///
 /// # Errors
 /// An interval that is not positive, values that are not finite.
-pub fn exposure_level(pressure: &[f64], sample_interval: f64, weighting: Weighting) -> Result<Level, AcousticsError> {
+pub fn exposure_level(pressure: &[f64], sample_interval: f64, weighting: Weighting) -> Result<Level, InputError> {
     let weighted = weighted(pressure, sample_interval, weighting, 1)?;
     let exposure = weighted.iter().map(|p| p * p).sum::<f64>() * sample_interval;
     Ok((exposure > 0.0).then(|| 10.0 * (exposure / REFERENCE_PRESSURE.powi(2)).log10()))
@@ -41,14 +41,14 @@ pub fn exposure_level(pressure: &[f64], sample_interval: f64, weighting: Weighti
 ///
 /// # Errors
 /// See [`exposure_level`].
-pub fn peak_level(pressure: &[f64], sample_interval: f64, weighting: Weighting) -> Result<Level, AcousticsError> {
+pub fn peak_level(pressure: &[f64], sample_interval: f64, weighting: Weighting) -> Result<Level, InputError> {
     let weighted = weighted(pressure, sample_interval, weighting, PEAK_OVERSAMPLING)?;
     let peak = weighted.iter().fold(0.0, |peak: f64, p| peak.max(p.abs()));
     Ok((peak > 0.0).then(|| 20.0 * (peak / REFERENCE_PRESSURE).log10()))
 }
 
 /// The record through the causal weighting filter, with `finer` samples for each of its own and time to ring out.
-fn weighted(record: &[f64], dt: f64, weighting: Weighting, finer: usize) -> Result<Vec<f64>, AcousticsError> {
+fn weighted(record: &[f64], dt: f64, weighting: Weighting, finer: usize) -> Result<Vec<f64>, InputError> {
     positive("sample interval [s]", dt)?;
     finite("pressure", record)?;
     let length = fast_length(record.len() + (RINGING / dt).ceil() as usize);

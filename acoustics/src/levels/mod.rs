@@ -3,6 +3,7 @@
 //! A source is known by its energy spectral density E(f) \[J/Hz\], one-sided; all levels follow from integrals of E.
 
 mod bands;
+pub(crate) mod error;
 mod event;
 mod filter;
 mod history;
@@ -12,6 +13,7 @@ mod spectrum;
 mod weighting;
 
 pub use bands::{Band, THIRD_OCTAVES, band_containing, octaves, third_octaves};
+pub use error::LevelsError;
 pub use event::{REFERENCE_PRESSURE, exposure_level, peak_level};
 pub use filter::BandFilter;
 pub use history::{IntervalLevels, PowerHistory};

@@ -1,6 +1,7 @@
+use super::error::LevelsError;
 use super::history::{IntervalLevels, PowerHistory};
 use super::{SourceSpectrum, Weighting, energy_weights};
-use crate::error::{AcousticsError, same_length};
+use crate::checks::same_length;
 use crate::fourier::fast_length;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -62,7 +63,7 @@ impl PowerSignals {
     ///
     /// # Errors
     /// Another number of bins than the spectrum's; frequencies that are not multiples of one bin width.
-    pub fn new(spectrum: &SourceSpectrum, spectra: DMatrix<Complex<f64>>) -> Result<Self, AcousticsError> {
+    pub fn new(spectrum: &SourceSpectrum, spectra: DMatrix<Complex<f64>>) -> Result<Self, LevelsError> {
         let frequency = spectrum.frequency.clone();
         same_length("bins of the signals", spectra.ncols(), frequency.len())?;
         let (first, resolution) = bins(&frequency)?;
@@ -146,7 +147,7 @@ impl PowerSignals {
 }
 
 /// Number of the first bin and bin width \[Hz\].
-fn bins(frequency: &[f64]) -> Result<(usize, f64), AcousticsError> {
+fn bins(frequency: &[f64]) -> Result<(usize, f64), LevelsError> {
     let (Some(&low), Some(&high)) = (frequency.first(), frequency.last()) else {
         return Ok((1, 1.0));
     };
@@ -158,7 +159,7 @@ fn bins(frequency: &[f64]) -> Result<(usize, f64), AcousticsError> {
     for (i, &hz) in frequency.iter().enumerate() {
         let expected = (first + i) as f64 * resolution;
         if (hz - expected).abs() > 1e-6 * resolution {
-            return Err(AcousticsError::NotABin { hz, resolution });
+            return Err(LevelsError::NotABin { hz, resolution });
         }
     }
     Ok((first, resolution))

@@ -1,6 +1,7 @@
 use super::bands::{Band, band_containing, edge, third_octaves};
+use super::error::LevelsError;
 use super::{Level, Weighting, energy_level};
-use crate::error::{AcousticsError, finite, same_length};
+use crate::checks::{finite, same_length};
 use serde::{Deserialize, Serialize};
 
 /// One part of a source; the parts of a spectrum add up to it at every frequency.
@@ -58,12 +59,12 @@ impl SourceSpectrum {
         frequency: Vec<f64>,
         energy_density: Vec<f64>,
         range_hz: [f64; 2],
-    ) -> Result<Self, AcousticsError> {
+    ) -> Result<Self, LevelsError> {
         same_length("energy density", energy_density.len(), frequency.len())?;
         finite("frequency", &frequency)?;
         finite("energy density", &energy_density)?;
         if let Some(pair) = frequency.windows(2).find(|pair| pair[1] <= pair[0]) {
-            return Err(AcousticsError::Frequencies {
+            return Err(LevelsError::Frequencies {
                 previous: pair[0],
                 next: pair[1],
             });

@@ -1,6 +1,7 @@
+use super::error::MufflerError;
 use super::four_pole::FourPole;
 use crate::air::Air;
-use crate::error::{AcousticsError, positive};
+use crate::checks::{InputError, positive};
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -52,16 +53,17 @@ impl Lining {
     ///
     /// # Errors
     /// A frequency above that of the fit, f/sigma = 1.
-    pub fn admittance(&self, hz: f64, air: &Air) -> Result<Complex<f64>, AcousticsError> {
+    pub fn admittance(&self, hz: f64, air: &Air) -> Result<Complex<f64>, MufflerError> {
         positive("thickness of the lining [m]", self.thickness)?;
         positive("flow resistivity of the lining [Pa s/m2]", self.resistivity)?;
         if hz > self.resistivity {
-            return Err(AcousticsError::OutsideRange {
+            return Err(InputError::OutsideRange {
                 what: "frequency over flow resistivity of the lining [m3/kg]",
                 value: hz / self.resistivity,
                 low: 0.0,
                 high: 1.0,
-            });
+            }
+            .into());
         }
         let (z, k) = miki_fluid(hz, self.resistivity, air);
         Ok(Complex::<f64>::i() * (k * self.thickness).tan() / z)
@@ -90,14 +92,14 @@ impl MufflerElement {
     /// long as the lining is thin beside the pipe and |beta| k d < 1.
     ///
     /// # Errors
-    /// [`AcousticsError::NotPlaneWaves`] above [`Self::highest_hz`]; impossible dimensions; a lining outside its fit.
-    pub fn four_pole(&self, hz: f64, air: &Air) -> Result<FourPole, AcousticsError> {
+    /// [`MufflerError::NotPlaneWaves`] above [`Self::highest_hz`]; impossible dimensions; a lining outside its fit.
+    pub fn four_pole(&self, hz: f64, air: &Air) -> Result<FourPole, MufflerError> {
         positive("length of a muffler's element [m]", self.length)?;
         positive("diameter of a muffler's element [m]", self.diameter)?;
         positive("frequency [Hz]", hz)?;
         let highest = self.highest_hz(air);
         if hz > highest {
-            return Err(AcousticsError::NotPlaneWaves {
+            return Err(MufflerError::NotPlaneWaves {
                 hz,
                 diameter: self.diameter,
                 highest,

@@ -5,13 +5,15 @@
 //! pressure is [`FlowHistory::back_pressure`](crate::exhaust::FlowHistory::back_pressure).
 
 mod elements;
+pub(crate) mod error;
 mod four_pole;
 
 pub use elements::{Lining, MufflerElement, miki_fluid, plane_wave_limit};
+pub use error::MufflerError;
 pub use four_pole::FourPole;
 
 use crate::air::Air;
-use crate::error::AcousticsError;
+use crate::checks::{InputError, finite, positive};
 use crate::levels::{Band, band_containing};
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
@@ -37,20 +39,20 @@ impl BandLosses {
     /// From pairs of nominal mid-band frequency \[Hz\] and insertion loss \[dB\], in rising order without a gap.
     ///
     /// # Errors
-    /// [`AcousticsError::MufflerBands`] for no bands, a gap or a wrong order; values that are not finite.
-    pub fn new(bands: &[(f64, f64)]) -> Result<Self, AcousticsError> {
+    /// [`MufflerError::Bands`] for no bands, a gap or a wrong order; values that are not finite.
+    pub fn new(bands: &[(f64, f64)]) -> Result<Self, MufflerError> {
         let decibels: Vec<f64> = bands.iter().map(|band| band.1).collect();
-        crate::error::finite("insertion loss", &decibels)?;
-        let index = |hz: f64| -> Result<i32, AcousticsError> {
-            crate::error::positive("mid-band frequency [Hz]", hz).map(|hz| band_containing(hz).index)
+        finite("insertion loss", &decibels)?;
+        let index = |hz: f64| -> Result<i32, InputError> {
+            positive("mid-band frequency [Hz]", hz).map(|hz| band_containing(hz).index)
         };
         let Some(&(hz, _)) = bands.first() else {
-            return Err(AcousticsError::MufflerBands { hz: 0.0 });
+            return Err(MufflerError::Bands { hz: 0.0 });
         };
         let first = index(hz)?;
         for (i, &(hz, _)) in bands.iter().enumerate() {
             if index(hz)? != first + i as i32 {
-                return Err(AcousticsError::MufflerBands { hz });
+                return Err(MufflerError::Bands { hz });
             }
         }
         Ok(Self { first, decibels })
@@ -59,11 +61,11 @@ impl BandLosses {
     /// Insertion loss of the band that holds the frequency `hz` \[dB\].
     ///
     /// # Errors
-    /// [`AcousticsError::MufflerBands`] outside the bands given.
-    pub fn decibels(&self, hz: f64) -> Result<f64, AcousticsError> {
+    /// [`MufflerError::Bands`] outside the bands given.
+    pub fn decibels(&self, hz: f64) -> Result<f64, MufflerError> {
         let i = band_containing(hz).index - self.first;
         let value = usize::try_from(i).ok().and_then(|i| self.decibels.get(i));
-        value.copied().ok_or(AcousticsError::MufflerBands { hz })
+        value.copied().ok_or(MufflerError::Bands { hz })
     }
 
     /// The frequencies covered \[Hz\].
@@ -88,8 +90,8 @@ impl MufflerChain {
     /// Product of the elements' four-poles.
     ///
     /// # Errors
-    /// [`AcousticsError::NotPlaneWaves`] above the first cross mode of the widest element; impossible dimensions.
-    pub fn four_pole(&self, hz: f64, air: &Air) -> Result<FourPole, AcousticsError> {
+    /// [`MufflerError::NotPlaneWaves`] above the first cross mode of the widest element; impossible dimensions.
+    pub fn four_pole(&self, hz: f64, air: &Air) -> Result<FourPole, MufflerError> {
         let mut product = FourPole::IDENTITY;
         for element in &self.elements {
             product = product * element.four_pole(hz, air)?;
@@ -101,7 +103,7 @@ impl MufflerChain {
     ///
     /// # Errors
     /// See [`Self::four_pole`].
-    pub fn transmission_loss(&self, hz: f64, inlet_diameter: f64, air: &Air) -> Result<f64, AcousticsError> {
+    pub fn transmission_loss(&self, hz: f64, inlet_diameter: f64, air: &Air) -> Result<f64, MufflerError> {
         let impedance = |diameter: f64| air.impedance() / (0.25 * PI * diameter * diameter);
         let four_pole = self.four_pole(hz, air)?;
         Ok(four_pole.transmission_loss(impedance(inlet_diameter), impedance(self.outlet_diameter)))
@@ -120,7 +122,7 @@ impl MufflerChain {
     ///
     /// # Errors
     /// See [`Self::four_pole`].
-    pub fn insertion_loss(&self, hz: f64, air: &Air) -> Result<f64, AcousticsError> {
+    pub fn insertion_loss(&self, hz: f64, air: &Air) -> Result<f64, MufflerError> {
         let area = 0.25 * PI * self.outlet_diameter * self.outlet_diameter;
         let load = open_end(hz, self.outlet_diameter, air) + self.outlet_mach * air.impedance() / area;
         Ok(self.four_pole(hz, air)?.flow_loss(load))
@@ -145,7 +147,7 @@ impl Muffler {
     ///
     /// # Errors
     /// A frequency for which the muffler is not known: outside its bands, or above its plane-wave range.
-    pub fn energy_factor(&self, hz: f64, air: &Air) -> Result<f64, AcousticsError> {
+    pub fn energy_factor(&self, hz: f64, air: &Air) -> Result<f64, MufflerError> {
         let loss = match self {
             Self::InsertionLoss(losses) => losses.decibels(hz)?,
             Self::Chain(chain) => chain.insertion_loss(hz, air)?,

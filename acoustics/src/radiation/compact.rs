@@ -2,7 +2,7 @@ use super::erp::Erp;
 use super::operator::ModalRadiation;
 use super::resistance::Resistance;
 use crate::air::Air;
-use crate::error::{AcousticsError, positive};
+use crate::checks::{InputError, positive};
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::PI;
 
@@ -33,7 +33,7 @@ impl CompactErp {
     ///
     /// # Errors
     /// A volume that is not positive.
-    pub fn new(erp: Erp, volume: f64, air: &Air) -> Result<Self, AcousticsError> {
+    pub fn new(erp: Erp, volume: f64, air: &Air) -> Result<Self, InputError> {
         positive("volume of the body [m3]", volume)?;
         Ok(Self { erp, volume, air: *air })
     }

@@ -2,7 +2,8 @@
 
 use super::operator::ModalRadiation;
 use super::spectra::ModalSpectra;
-use crate::error::{AcousticsError, same_length};
+use crate::checks::{InputError, same_length};
+use crate::error::AcousticsError;
 use crate::levels::{Contribution, PowerSignals, SourceSpectrum};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
@@ -41,7 +42,7 @@ pub fn mode_energies(
     radiation: &dyn ModalRadiation,
     spectra: &ModalSpectra,
     weights: &[f64],
-) -> Result<Vec<f64>, AcousticsError> {
+) -> Result<Vec<f64>, InputError> {
     same_length("modal spectra", spectra.accelerations.nrows(), radiation.modes())?;
     same_length("weights of the bins", weights.len(), spectra.frequency.len())?;
     let of_stretch = |stretch: Range<usize>, frequency: &[f64], motion: &DMatrix<Complex<f64>>| {
@@ -79,12 +80,13 @@ pub fn radiated_energy(
     let [low, high] = spectra.range_hz;
     if high > radiation.highest_hz() * (1.0 + 1e-9) {
         let highest = radiation.highest_hz();
-        return Err(AcousticsError::OutsideRange {
+        return Err(InputError::OutsideRange {
             what: "analysed frequency [Hz]",
             value: high,
             low: 0.0,
             high: highest,
-        });
+        }
+        .into());
     }
     let mut forms = DMatrix::zeros(radiation.patches().len(), spectra.frequency.len());
     let of_stretch = |stretch: Range<usize>, frequency: &[f64], motion: &DMatrix<Complex<f64>>| {

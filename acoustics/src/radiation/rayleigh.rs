@@ -1,3 +1,4 @@
+use super::error::RadiationError;
 use super::kernel::outgoing;
 use super::resistance::Resistance;
 use super::sampled::{SampledRadiation, Sampling};
@@ -6,7 +7,8 @@ use super::sources::{Sources, extent};
 use super::spherical_waves::{Follower, SphericalWaves};
 use super::surface::RadiatingSurface;
 use crate::air::Air;
-use crate::error::{AcousticsError, positive};
+use crate::checks::{InputError, ReceiverError, positive};
+use crate::error::AcousticsError;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 use nalgebra::{Complex, DMatrix, Point3, Vector3};
@@ -40,8 +42,8 @@ impl Rayleigh {
     /// The operator for a flat surface that faces up (+z), with its points in one plane z = const.
     ///
     /// # Errors
-    /// [`AcousticsError::NotPlanar`] for any other surface.
-    pub fn new(surface: &RadiatingSurface, air: &Air) -> Result<Self, AcousticsError> {
+    /// [`RadiationError::NotPlanar`] for any other surface.
+    pub fn new(surface: &RadiatingSurface, air: &Air) -> Result<Self, RadiationError> {
         positive("area of the surface [m2]", surface.area())?;
         let points: Vec<[f64; 2]> = surface.points().iter().map(|p| [p.x, p.y]).collect();
         let extent = extent(&points);
@@ -50,7 +52,7 @@ impl Rayleigh {
         for (point, (p, normal)) in surface.points().iter().zip(surface.normals()).enumerate() {
             let offset = p.z - plane;
             if offset.abs() > 1e-6 * diameter || normal.z < 1.0 - 1e-6 {
-                return Err(AcousticsError::NotPlanar {
+                return Err(RadiationError::NotPlanar {
                     point,
                     offset,
                     plane,
@@ -88,7 +90,7 @@ impl Rayleigh {
     ///
     /// # Errors
     /// A resistivity that is not positive, a share outside 0 to 1.
-    pub fn with_absorbing_sand(mut self, sand: AbsorbingSand) -> Result<Self, AcousticsError> {
+    pub fn with_absorbing_sand(mut self, sand: AbsorbingSand) -> Result<Self, InputError> {
         sand.check()?;
         self.absorbing = Some(sand);
         Ok(self)
@@ -98,7 +100,7 @@ impl Rayleigh {
     ///
     /// # Errors
     /// A footprint outside the box, a speed or frequency that is not positive.
-    pub fn with_moving_sand(mut self, sand: MovingSand) -> Result<Self, AcousticsError> {
+    pub fn with_moving_sand(mut self, sand: MovingSand) -> Result<Self, RadiationError> {
         sand.check()?;
         self.moving = Some(sand.patch(&self.air, &self.sources.points, &self.displacement));
         if self.patches.len() == self.sources.rows.len() {
@@ -206,21 +208,21 @@ impl Rayleigh {
     /// times the root of what absorbing sand leaves of the power.
     ///
     /// # Errors
-    /// [`AcousticsError::BelowFloor`] for a place below the plane, [`AcousticsError::NearSurface`] for one closer to it than
+    /// [`ReceiverError::BelowFloor`] for a place below the plane, [`ReceiverError::NearSurface`] for one closer to it than
     /// the surface's diameter over the root of its number of points.
-    pub fn pressure_at(&self, hz: f64, places: &[Point3<f64>]) -> Result<DMatrix<Complex<f64>>, AcousticsError> {
+    pub fn pressure_at(&self, hz: f64, places: &[Point3<f64>]) -> Result<DMatrix<Complex<f64>>, ReceiverError> {
         let k = 2.0 * PI * hz / self.air.sound_speed;
         let needed = self.clearance;
         for place in places {
             let distance = place.z - self.plane;
             if distance.is_nan() || distance < 0.0 {
-                return Err(AcousticsError::BelowFloor {
+                return Err(ReceiverError::BelowFloor {
                     z: place.z,
                     floor: self.plane,
                 });
             }
             if distance < needed {
-                return Err(AcousticsError::NearSurface {
+                return Err(ReceiverError::NearSurface {
                     point: (*place).into(),
                     distance,
                     needed,

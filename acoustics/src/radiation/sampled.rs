@@ -115,7 +115,7 @@ impl SampledRadiation {
     /// Intervals end at `kinks` \[Hz\], which no polynomial follows.
     ///
     /// # Errors
-    /// An empty range, a tolerance that is not positive, or [`AcousticsError::Unresolved`].
+    /// An empty range, a tolerance that is not positive, or [`SamplingError::Unresolved`](crate::SamplingError).
     pub fn new(
         method: &str,
         modes: usize,

@@ -1,9 +1,10 @@
 //! Sand around a flush block: what it absorbs and what it radiates.
 
+use super::error::RadiationError;
 use super::sources::{Grid, extent};
 use super::spherical_waves::Follower;
 use crate::air::Air;
-use crate::error::{AcousticsError, positive};
+use crate::checks::{InputError, positive};
 use crate::quadrature::gauss_legendre;
 use nalgebra::{Complex, DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -65,12 +66,12 @@ impl AbsorbingSand {
         self.infinite_plane_factor(hz).powf(self.share)
     }
 
-    pub(super) fn check(&self) -> Result<(), AcousticsError> {
+    pub(super) fn check(&self) -> Result<(), InputError> {
         positive("flow resistivity of the sand [Pa s/m2]", self.resistivity)?;
         if (0.0..=1.0).contains(&self.share) {
             Ok(())
         } else {
-            Err(AcousticsError::OutsideRange {
+            Err(InputError::OutsideRange {
                 what: "share of the sand's absorption",
                 value: self.share,
                 low: 0.0,
@@ -134,7 +135,7 @@ struct FollowingPoint {
 }
 
 impl MovingSand {
-    pub(super) fn check(&self) -> Result<(), AcousticsError> {
+    pub(super) fn check(&self) -> Result<(), RadiationError> {
         positive("shear wave speed of the sand [m/s]", self.shear_speed)?;
         positive("upper frequency of the moving sand [Hz]", self.to_hz)?;
         let inside = |i: usize| {
@@ -144,7 +145,7 @@ impl MovingSand {
         if inside(0) && inside(1) {
             Ok(())
         } else {
-            Err(AcousticsError::SandBox {
+            Err(RadiationError::SandBox {
                 footprint: self.footprint,
                 sand: self.sand,
             })

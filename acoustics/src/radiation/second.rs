@@ -7,7 +7,7 @@ use super::rayleigh::Rayleigh;
 use super::resistance::Resistance;
 use super::sources::Grid;
 use super::spectra::ModalSpectra;
-use crate::error::{AcousticsError, same_length};
+use crate::checks::{InputError, same_length};
 use crate::levels::{Band, Weighting, energy_weights};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
@@ -79,7 +79,7 @@ impl SurfaceEvaluations {
         &self,
         radiation: &dyn ModalRadiation,
         spectra: &ModalSpectra,
-    ) -> Result<Vec<Option<f64>>, AcousticsError> {
+    ) -> Result<Vec<Option<f64>>, InputError> {
         same_length("modal spectra", spectra.accelerations.nrows(), radiation.modes())?;
         for r in &self.resistances {
             same_length("rows of a resistance", r.modes(), radiation.modes())?;

@@ -89,7 +89,7 @@ impl ModalSpectra {
         settings: &TransformSettings,
         records: impl Fn(Range<usize>) -> Result<DMatrix<f64>, E> + Sync,
     ) -> Result<Self, E> {
-        let transform = Transform::new(samples, sample_interval, settings)?;
+        let transform = Transform::new(samples, sample_interval, settings).map_err(AcousticsError::from)?;
         let frequency = transform.frequencies();
         let first: Vec<usize> = (0..modes).step_by(block.max(1)).collect();
         let of_block = |work: &mut Work, first: usize| {
@@ -97,7 +97,7 @@ impl ModalSpectra {
             let rows = records
                 .column_iter()
                 .map(|record| transform.apply_in(record.as_slice(), work));
-            Ok::<Vec<_>, E>(rows.collect::<Result<Vec<_>, _>>()?)
+            Ok::<Vec<_>, E>(rows.collect::<Result<Vec<_>, _>>().map_err(AcousticsError::from)?)
         };
         let blocks: Vec<Vec<Vec<Complex<f64>>>> = first
             .into_par_iter()

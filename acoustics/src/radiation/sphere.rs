@@ -1,5 +1,6 @@
 use crate::air::Air;
-use crate::error::{AcousticsError, positive};
+use crate::checks::positive;
+use crate::error::AcousticsError;
 use crate::fourier::{Transform, TransformSettings};
 use crate::levels::{PowerSignals, SourceSpectrum};
 use nalgebra::DMatrix;
@@ -29,7 +30,13 @@ pub fn rigid_body_energy(
 ) -> Result<SourceSpectrum, AcousticsError> {
     let (frequency, signal) = radiated(acceleration, sample_interval, volume, air, settings)?;
     let density = signal.iter().map(|x| 2.0 * x.norm_sqr()).collect();
-    SourceSpectrum::new(source, "rigid motion only", frequency, density, settings.range_hz)
+    Ok(SourceSpectrum::new(
+        source,
+        "rigid motion only",
+        frequency,
+        density,
+        settings.range_hz,
+    )?)
 }
 
 /// The signal of [`rigid_body_energy`], for its energy over time.
@@ -45,7 +52,10 @@ pub fn rigid_body_signals(
 ) -> Result<PowerSignals, AcousticsError> {
     let (_, signal) = radiated(acceleration, sample_interval, volume, air, settings)?;
     let spectrum = rigid_body_energy("", acceleration, sample_interval, volume, air, settings)?;
-    PowerSignals::new(&spectrum, DMatrix::from_row_slice(1, signal.len(), &signal))
+    Ok(PowerSignals::new(
+        &spectrum,
+        DMatrix::from_row_slice(1, signal.len(), &signal),
+    )?)
 }
 
 /// Bins and sqrt(R) A / (j omega) of the sphere.

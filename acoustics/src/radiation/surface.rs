@@ -1,4 +1,6 @@
-use crate::error::{AcousticsError, finite, same_length};
+use super::error::RadiationError;
+use crate::checks::{finite, same_length};
+use crate::error::AcousticsError;
 use nailnoise_meshes::{QuadraturePoint, Surface};
 use nalgebra::{DMatrix, DMatrixView, Point3, Vector3};
 
@@ -33,7 +35,7 @@ impl RadiatingSurface {
         patch: Vec<usize>,
         patch_names: Vec<String>,
         normal_modes: DMatrix<f64>,
-    ) -> Result<Self, AcousticsError> {
+    ) -> Result<Self, RadiationError> {
         let n = points.len();
         same_length("surface normals", normals.len(), n)?;
         same_length("surface weights", weights.len(), n)?;
@@ -43,7 +45,7 @@ impl RadiatingSurface {
         finite("normal modes", normal_modes.as_slice())?;
         for (point, &p) in patch.iter().enumerate() {
             if p >= patch_names.len() {
-                return Err(AcousticsError::Patch {
+                return Err(RadiationError::Patch {
                     point,
                     patch: p,
                     patches: patch_names.len(),
@@ -98,14 +100,14 @@ impl RadiatingSurface {
         for patch in &mut patches {
             *patch = shown.partition_point(|p| p < patch);
         }
-        Self::new(
+        Ok(Self::new(
             points.iter().map(|p| p.position).collect(),
             points.iter().map(|p| p.normal).collect(),
             points.iter().map(|p| p.weight).collect(),
             patches,
             shown.iter().map(|&patch| surface.patches[patch].clone()).collect(),
             modes,
-        )
+        )?)
     }
 
     /// Quadrature points \[m\].

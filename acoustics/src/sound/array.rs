@@ -1,4 +1,4 @@
-use crate::error::{AcousticsError, positive};
+use crate::checks::{InputError, positive};
 use nalgebra::{Point3, Vector3};
 
 /// The parallelepiped of ISO 3744 around a device, with the nine microphones that EN 12549 puts on it.
@@ -80,7 +80,7 @@ pub fn background_correction(difference: f64) -> Option<f64> {
 ///
 /// # Errors
 /// Areas that are not positive.
-pub fn environmental_correction(area: f64, absorption: f64) -> Result<f64, AcousticsError> {
+pub fn environmental_correction(area: f64, absorption: f64) -> Result<f64, InputError> {
     let ratio = positive("measurement surface [m2]", area)? / positive("absorption area of the room [m2]", absorption)?;
     Ok(10.0 * (1.0 + 4.0 * ratio).log10())
 }

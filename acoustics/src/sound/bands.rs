@@ -103,7 +103,7 @@ pub(crate) fn squares(values: &Field, weights: &[f64]) -> Vec<f64> {
 /// The sound of a shot above a surface flush in a plane, band by band.
 ///
 /// # Errors
-/// [`AcousticsError::BelowFloor`] and [`AcousticsError::NearSurface`] for points that [`Rayleigh::pressure_at`] refuses.
+/// [`ReceiverError`](crate::ReceiverError) for points that [`Rayleigh::pressure_at`] refuses.
 pub fn above_plane(
     surface: &Rayleigh,
     bands: &[Band],

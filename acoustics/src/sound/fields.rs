@@ -33,7 +33,7 @@ impl Fields {
     /// those whose travel time has been taken out.
     ///
     /// # Errors
-    /// Those of `at`, and [`AcousticsError::Unresolved`].
+    /// Those of `at`, and [`SamplingError`](crate::SamplingError).
     pub(crate) fn new(
         [low, high]: [f64; 2],
         (path, sound_speed): (f64, f64),

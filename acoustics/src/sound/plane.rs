@@ -1,4 +1,4 @@
-use crate::error::AcousticsError;
+use crate::checks::ReceiverError;
 use crate::radiation::{Rayleigh, SampledRadiation};
 use nalgebra::{Complex, DMatrix, Point3};
 use rayon::prelude::*;
@@ -29,7 +29,7 @@ impl SoundAbovePlane {
         sampled: &SampledRadiation,
         places: &[Point3<f64>],
         origin: Point3<f64>,
-    ) -> Result<Self, AcousticsError> {
+    ) -> Result<Self, ReceiverError> {
         let distances: Vec<f64> = places.iter().map(|p| (p - origin).norm()).collect();
         let sound_speed = surface.air().sound_speed;
         let take = |&hz: &f64| {
@@ -44,7 +44,7 @@ impl SoundAbovePlane {
             .samples_hz()
             .par_iter()
             .map(take)
-            .collect::<Result<Vec<_>, AcousticsError>>()?;
+            .collect::<Result<Vec<_>, ReceiverError>>()?;
         let error = sampled.error_of(&samples);
         Ok(Self {
             samples,

@@ -1,6 +1,7 @@
 use super::{Directions, image};
 use crate::air::Air;
-use crate::error::{AcousticsError, positive};
+use crate::checks::{ReceiverError, positive};
+use crate::error::AcousticsError;
 use crate::fourier::{Transform, TransformSettings};
 use crate::levels::SourceSpectrum;
 use nalgebra::{Complex, Point3, Vector3};
@@ -28,7 +29,7 @@ pub fn shaken_sphere_pressure(
     place: Point3<f64>,
     floor: Option<f64>,
     air: &Air,
-) -> Result<Complex<f64>, AcousticsError> {
+) -> Result<Complex<f64>, ReceiverError> {
     let a = (3.0 * positive("volume of the body [m3]", volume)? / (4.0 * PI)).cbrt();
     let axis = axis / positive("length of the axis of motion", axis.norm())?;
     let k = 2.0 * PI * hz / air.sound_speed;
@@ -37,7 +38,7 @@ pub fn shaken_sphere_pressure(
         let way = place - centre;
         let r = way.norm();
         if r.is_nan() || r < a {
-            return Err(AcousticsError::NearSurface {
+            return Err(ReceiverError::NearSurface {
                 point: place.into(),
                 distance: r,
                 needed: a,
@@ -53,7 +54,7 @@ pub fn shaken_sphere_pressure(
     };
     for z in [centre.z, place.z] {
         if z.is_nan() || z < floor {
-            return Err(AcousticsError::BelowFloor { z, floor });
+            return Err(ReceiverError::BelowFloor { z, floor });
         }
     }
     Ok(direct + of_sphere(image(centre, floor), Vector3::new(axis.x, axis.y, -axis.z))?)
@@ -96,5 +97,11 @@ pub fn rigid_body_far_field(
         }
         density.push(energy);
     }
-    SourceSpectrum::new(source, "far field", frequency, density, settings.range_hz)
+    Ok(SourceSpectrum::new(
+        source,
+        "far field",
+        frequency,
+        density,
+        settings.range_hz,
+    )?)
 }

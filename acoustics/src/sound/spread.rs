@@ -1,6 +1,6 @@
 use super::image;
 use crate::air::Air;
-use crate::error::{AcousticsError, positive};
+use crate::checks::{ReceiverError, positive};
 use nalgebra::{Complex, Point3};
 use std::f64::consts::PI;
 
@@ -30,10 +30,10 @@ impl Spread {
 ///
 /// # Errors
 /// A place at the source, or below the floor.
-pub fn spread_evenly(centre: Point3<f64>, place: Point3<f64>, floor: f64, air: &Air) -> Result<Spread, AcousticsError> {
+pub fn spread_evenly(centre: Point3<f64>, place: Point3<f64>, floor: f64, air: &Air) -> Result<Spread, ReceiverError> {
     for z in [centre.z, place.z] {
         if z.is_nan() || z < floor {
-            return Err(AcousticsError::BelowFloor { z, floor });
+            return Err(ReceiverError::BelowFloor { z, floor });
         }
     }
     let [r, reflected] = [centre, image(centre, floor)].map(|from| (place - from).norm());

@@ -7,7 +7,7 @@
 //! shape (`workpiece.mesh`) radiates from the faces of its own mesh.
 
 use nailnoise_acoustics::bem::{
-    Boundary, BoundaryMesh, Exterior, MeshRange, ModalBem, MovingPart, Parity, Patterns, Side, SolidBox,
+    BemError, Boundary, BoundaryMesh, Exterior, MeshRange, ModalBem, MovingPart, Parity, Patterns, Side, SolidBox,
 };
 use nailnoise_acoustics::radiation::{Erp, RadiatingSurface};
 use nailnoise_acoustics::{AcousticsError, Air};
@@ -124,8 +124,10 @@ impl WorkpieceBoundaryElements {
     pub fn levels(&self, bodies: &[MovingSurface<'_>], air: &Air) -> Result<Vec<MeshRange>, Error> {
         let of_boxes = RANGES.iter().map(|share| self.of_boxes(bodies, air, *share));
         match of_boxes.collect() {
-            Err(AcousticsError::Uncovered { .. }) if !self.on_table => Ok(vec![self.of_skin(&bodies[0], air)?]),
-            Err(cause @ AcousticsError::Uncovered { .. }) => Err(Error::NotBoxes { cause }),
+            Err(AcousticsError::Bem(BemError::Uncovered { .. })) if !self.on_table => {
+                Ok(vec![self.of_skin(&bodies[0], air)?])
+            }
+            Err(cause @ AcousticsError::Bem(BemError::Uncovered { .. })) => Err(Error::NotBoxes { cause }),
             other => Ok(other?),
         }
     }

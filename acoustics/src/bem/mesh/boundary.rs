@@ -1,7 +1,7 @@
+use crate::bem::error::BemError;
 use crate::bem::mesh::panel::{BoundaryMesh, PanelPoint, PanelShape};
 use crate::bem::mesh::rules;
 use crate::bem::mesh::symmetry::Image;
-use crate::error::AcousticsError;
 use nalgebra::{DMatrix, Matrix4, Point3, Vector3, Vector4};
 use std::collections::HashMap;
 
@@ -50,9 +50,9 @@ impl Boundary {
     /// in [`Boundary::mended`].
     ///
     /// # Errors
-    /// [`AcousticsError::OpenSurface`], [`AcousticsError::TangledSurface`], [`AcousticsError::FloorThroughBody`],
-    /// [`AcousticsError::DegeneratePanel`].
-    pub fn new(mesh: BoundaryMesh, floor: Option<f64>) -> Result<Self, AcousticsError> {
+    /// [`BemError::OpenSurface`], [`BemError::TangledSurface`], [`BemError::FloorThroughBody`],
+    /// [`BemError::DegeneratePanel`].
+    pub fn new(mesh: BoundaryMesh, floor: Option<f64>) -> Result<Self, BemError> {
         Self::symmetric(mesh, [None; 2], floor)
     }
 
@@ -60,12 +60,8 @@ impl Boundary {
     /// `mesh` is the part above them.
     ///
     /// # Errors
-    /// Those of [`Boundary::new`], and [`AcousticsError::MirrorThroughPart`].
-    pub fn symmetric(
-        mesh: BoundaryMesh,
-        mirrors: [Option<f64>; 2],
-        floor: Option<f64>,
-    ) -> Result<Self, AcousticsError> {
+    /// Those of [`Boundary::new`], and [`BemError::MirrorThroughPart`].
+    pub fn symmetric(mesh: BoundaryMesh, mirrors: [Option<f64>; 2], floor: Option<f64>) -> Result<Self, BemError> {
         let mut mesh = mesh;
         let planes = [mirrors[0], mirrors[1], floor];
         let panels = mesh.panels.len();
@@ -82,14 +78,14 @@ impl Boundary {
             let (lowest, highest) = used.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), z| (a.min(z), b.max(z)));
             if lowest < plane - tolerance {
                 return Err(if axis == 2 {
-                    AcousticsError::FloorThroughBody {
+                    BemError::FloorThroughBody {
                         floor: plane,
                         lowest,
                         highest,
                     }
                 } else {
                     let axis = ["x", "y"][axis];
-                    AcousticsError::MirrorThroughPart { axis, plane, lowest }
+                    BemError::MirrorThroughPart { axis, plane, lowest }
                 });
             }
             let flat = |p: usize| {
@@ -104,7 +100,7 @@ impl Boundary {
         for (p, &panel) in original.iter().enumerate() {
             let area = mesh.panel_area(p);
             if area.is_nan() || area <= 1e-14 * size * size {
-                return Err(AcousticsError::DegeneratePanel { panel, area });
+                return Err(BemError::DegeneratePanel { panel, area });
             }
         }
         let in_planes = |n: usize| -> u8 {
@@ -297,9 +293,9 @@ impl Boundary {
     /// Normal components of displacement fields given at the mesh's points, (3 x points) x modes, as corner values.
     ///
     /// # Errors
-    /// [`AcousticsError::Length`] for another number of rows.
-    pub fn project_displacements(&self, fields: &DMatrix<f64>) -> Result<DMatrix<f64>, AcousticsError> {
-        crate::error::same_length(
+    /// [`InputError::Length`](crate::InputError) for another number of rows.
+    pub fn project_displacements(&self, fields: &DMatrix<f64>) -> Result<DMatrix<f64>, BemError> {
+        crate::checks::same_length(
             "rows of the modal displacements",
             fields.nrows(),
             3 * self.mesh.points.len(),
@@ -332,7 +328,7 @@ fn extent(mesh: &BoundaryMesh) -> f64 {
 type Beyond = (usize, bool);
 
 /// The panel beyond every edge of every panel.
-fn neighbours(mesh: &BoundaryMesh, in_planes: &[u8]) -> Result<Vec<Vec<Beyond>>, AcousticsError> {
+fn neighbours(mesh: &BoundaryMesh, in_planes: &[u8]) -> Result<Vec<Vec<Beyond>>, BemError> {
     let mut edges: HashMap<(usize, usize), Vec<(usize, bool)>> = HashMap::new();
     for (p, panel) in mesh.panels.iter().enumerate() {
         let c = panel.corners();
@@ -353,7 +349,7 @@ fn neighbours(mesh: &BoundaryMesh, in_planes: &[u8]) -> Result<Vec<Vec<Beyond>>,
             [_] => open.push((a, b)),
             _ => {
                 let middle = nalgebra::center(&mesh.points[a], &mesh.points[b]);
-                return Err(AcousticsError::TangledSurface {
+                return Err(BemError::TangledSurface {
                     panels: users.len(),
                     at: middle.into(),
                 });
@@ -361,7 +357,7 @@ fn neighbours(mesh: &BoundaryMesh, in_planes: &[u8]) -> Result<Vec<Vec<Beyond>>,
         }
     }
     if let Some(&(a, b)) = open.iter().min() {
-        return Err(AcousticsError::OpenSurface {
+        return Err(BemError::OpenSurface {
             edges: open.len(),
             at: nalgebra::center(&mesh.points[a], &mesh.points[b]).into(),
         });

@@ -1,5 +1,4 @@
 use crate::bem::mesh::panel::{BoundaryMesh, Panel};
-use crate::error::AcousticsError;
 use nailnoise_meshes::{FaceKind, MeshError, subdivide};
 use nalgebra::Point3;
 use serde::Serialize;
@@ -40,14 +39,14 @@ impl BoundaryMesh {
     /// meshed. `patch` numbers the sides within `patches`.
     ///
     /// # Errors
-    /// [`AcousticsError::Mesh`] for sides or edges that are not positive.
+    /// [`MeshError`] for sides or edges that are not positive.
     pub fn of_boxes(
         boxes: &[SolidBox],
         planes: [Option<f64>; 3],
         edge: f64,
         patches: Vec<String>,
         patch: impl Fn(Side) -> usize,
-    ) -> Result<Self, AcousticsError> {
+    ) -> Result<Self, MeshError> {
         let mut lines: [Vec<f64>; 3] = Default::default();
         for (axis, line) in lines.iter_mut().enumerate() {
             *line = grid_line(boxes, axis, planes[axis], edge)?;
@@ -101,7 +100,7 @@ impl BoundaryMesh {
 }
 
 /// Grid lines across an axis: all sides of boxes above the plane, with stretches divided.
-fn grid_line(boxes: &[SolidBox], axis: usize, plane: Option<f64>, edge: f64) -> Result<Vec<f64>, AcousticsError> {
+fn grid_line(boxes: &[SolidBox], axis: usize, plane: Option<f64>, edge: f64) -> Result<Vec<f64>, MeshError> {
     let mut ends = Vec::with_capacity(2 * boxes.len() + 1);
     for b in boxes {
         let value = b.high[axis] - b.low[axis];
@@ -109,8 +108,7 @@ fn grid_line(boxes: &[SolidBox], axis: usize, plane: Option<f64>, edge: f64) -> 
             return Err(MeshError::Dimension {
                 what: "a side of a box",
                 value,
-            }
-            .into());
+            });
         }
         ends.extend([b.low[axis], b.high[axis]]);
     }
@@ -129,8 +127,7 @@ fn grid_line(boxes: &[SolidBox], axis: usize, plane: Option<f64>, edge: f64) -> 
         0 | 1 => Err(MeshError::Dimension {
             what: "the part of the boxes above the planes",
             value: 0.0,
-        }
-        .into()),
+        }),
         _ => Ok(line),
     }
 }

@@ -7,6 +7,7 @@ use crate::bem::mesh::symmetry::Image;
 use crate::bem::modes::independent::{Independent, independent};
 use crate::bem::modes::mesh_range::MeshRange;
 use crate::bem::solver::problem::{Exterior, Patterns, SurfacePressure};
+use crate::checks::ReceiverError;
 use crate::error::AcousticsError;
 use crate::levels::{Band, Weighting, energy_weights};
 use crate::matrix::real_product;
@@ -65,7 +66,7 @@ impl BandFields {
     /// `levels` rise in frequency; their patterns are those of the modes of `spectra`.
     ///
     /// # Errors
-    /// [`AcousticsError::TooCoarse`] for a band above the last level, points that are not
+    /// [`BemError::TooCoarse`](crate::bem::BemError) for a band above the last level, points that are not
     /// [clear](Exterior::is_clear), lengths that do not fit.
     pub fn new(
         levels: Vec<MeshRange>,
@@ -86,11 +87,12 @@ impl BandFields {
             for (point, clear) in around.points.iter().zip(level.problem.is_clear(around.points)) {
                 if !clear {
                     let needed = level.problem.boundary().mesh().longest_edge();
-                    return Err(AcousticsError::NearSurface {
+                    return Err(ReceiverError::NearSurface {
                         point: (*point).into(),
                         distance: 0.0,
                         needed,
-                    });
+                    }
+                    .into());
                 }
             }
         }

@@ -8,7 +8,8 @@ use crate::bem::modes::range_solver::RangeSolver;
 use crate::bem::modes::receivers::{Heard, HeardModes, Receivers};
 use crate::bem::modes::shared;
 use crate::bem::modes::summary::Summary;
-use crate::error::{AcousticsError, same_length};
+use crate::checks::{InputError, same_length};
+use crate::error::AcousticsError;
 use crate::radiation::{Erp, Means, ModalRadiation, ROUND, Resistance, SampledRadiation, Sampling};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
@@ -103,7 +104,7 @@ impl ModalBem {
     /// Pressures of every mode are sampled at `receivers`; `progress` is called after each frequency solved.
     ///
     /// # Errors
-    /// [`AcousticsError::TooCoarse`], [`AcousticsError::Unresolved`], lengths that do not fit, no level; receivers below the
+    /// [`BemError::TooCoarse`](crate::bem::BemError), [`SamplingError::Unresolved`](crate::SamplingError), lengths that do not fit, no level; receivers below the
     /// floor or too close to the surface.
     pub fn new(
         levels: Vec<MeshRange>,
@@ -112,11 +113,12 @@ impl ModalBem {
         progress: &(dyn Fn() + Sync),
     ) -> Result<Self, AcousticsError> {
         let Some(finest) = levels.last() else {
-            return Err(AcousticsError::Length {
+            return Err(InputError::Length {
                 what: "meshes of the boundary",
                 found: 0,
                 expected: 1,
-            });
+            }
+            .into());
         };
         for level in &levels {
             level.problem.check_resolution(level.top_hz)?;

@@ -1,11 +1,12 @@
 #![allow(clippy::needless_range_loop)] // indices are those of the equations, several arrays at once
 
+use crate::bem::error::BemError;
 use crate::bem::mesh::panel::PanelShape;
 use crate::bem::mesh::rules;
 use crate::bem::operators::blocks::{Block, N, W, X, fields};
 use crate::bem::operators::far::corner_values;
 use crate::bem::solver::problem::{Exterior, SurfacePressure};
-use crate::error::{AcousticsError, same_length};
+use crate::checks::same_length;
 use crate::quadrature::gauss_legendre;
 use crate::trig::{load, load3, sin_cos};
 use faer::linalg::matmul::matmul;
@@ -50,13 +51,13 @@ impl Exterior {
         &self,
         velocities: &DMatrix<f64>,
         solution: &SurfacePressure,
-    ) -> Result<DMatrix<f64>, AcousticsError> {
+    ) -> Result<DMatrix<f64>, BemError> {
         let mut all = self.far_field_resistances(&[(velocities, solution)])?;
         Ok(all.pop().unwrap_or_default())
     }
 
     /// The same for solutions of one frequency, whose waves are evaluated once.
-    pub(crate) fn far_field_resistances(&self, all: &[Radiated<'_>]) -> Result<Vec<DMatrix<f64>>, AcousticsError> {
+    pub(crate) fn far_field_resistances(&self, all: &[Radiated<'_>]) -> Result<Vec<DMatrix<f64>>, BemError> {
         let boundary = self.boundary();
         for (velocities, solution) in all {
             let values = boundary.velocity_values();

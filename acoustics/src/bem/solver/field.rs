@@ -1,6 +1,6 @@
 use crate::bem::solver::far_field::Source;
 use crate::bem::solver::problem::{Exterior, SurfacePressure};
-use crate::error::{AcousticsError, same_length};
+use crate::checks::{ReceiverError, same_length};
 use nalgebra::{Complex, DMatrix, Point3, Vector3};
 use std::f64::consts::PI;
 
@@ -16,14 +16,14 @@ impl Exterior {
     /// surface.
     ///
     /// # Errors
-    /// [`AcousticsError::BelowFloor`], [`AcousticsError::NearSurface`] for a point closer to the surface than the
+    /// [`ReceiverError::BelowFloor`], [`ReceiverError::NearSurface`] for a point closer to the surface than the
     /// longest edge of a panel, patterns or pressures of another length.
     pub fn pressure_at(
         &self,
         points: &[Point3<f64>],
         velocities: &DMatrix<f64>,
         solution: &SurfacePressure,
-    ) -> Result<[DMatrix<Complex<f64>>; 2], AcousticsError> {
+    ) -> Result<[DMatrix<Complex<f64>>; 2], ReceiverError> {
         let boundary = self.boundary();
         let (values, nodes) = (boundary.velocity_values(), boundary.nodes());
         same_length("rows of the normal velocities", velocities.nrows(), values)?;
@@ -40,7 +40,7 @@ impl Exterior {
                 if let Some(floor) = boundary.floor()
                     && (point.z.is_nan() || point.z < floor)
                 {
-                    return Err(AcousticsError::BelowFloor { z: point.z, floor });
+                    return Err(ReceiverError::BelowFloor { z: point.z, floor });
                 }
                 for image in boundary.images() {
                     if (image.sign_along(2) < 0.0) != by_floor {
@@ -54,7 +54,7 @@ impl Exterior {
                         let d = point.coords - y;
                         let r = d.norm();
                         if r.is_nan() || r < needed {
-                            return Err(AcousticsError::NearSurface {
+                            return Err(ReceiverError::NearSurface {
                                 point: (*point).into(),
                                 distance: r,
                                 needed,

@@ -1,4 +1,5 @@
 use crate::air::Air;
+use crate::bem::error::BemError;
 use crate::bem::mesh::boundary::Boundary;
 use crate::bem::mesh::panel::{Panel, PanelShape, Shape};
 use crate::bem::mesh::rules;
@@ -8,7 +9,7 @@ use crate::bem::operators::equations::Sums;
 use crate::bem::operators::near::NearField;
 use crate::bem::operators::tile::Tile;
 use crate::bem::operators::wave::Wave;
-use crate::error::{AcousticsError, positive, same_length};
+use crate::checks::{InputError, positive, same_length};
 use faer::{Mat, MatRef, Par};
 use nailnoise_meshes::FaceKind;
 use nalgebra::{Complex, DMatrix};
@@ -109,7 +110,7 @@ impl Exterior {
     ///
     /// # Errors
     /// A length that is not positive.
-    pub fn with_coupling(mut self, length: f64) -> Result<Self, AcousticsError> {
+    pub fn with_coupling(mut self, length: f64) -> Result<Self, BemError> {
         self.coupling = positive("cap of the coupling parameter [m]", length)?;
         Ok(self)
     }
@@ -118,7 +119,7 @@ impl Exterior {
     ///
     /// # Errors
     /// A number that is not positive.
-    pub fn with_panels_per_wavelength(mut self, number: f64) -> Result<Self, AcousticsError> {
+    pub fn with_panels_per_wavelength(mut self, number: f64) -> Result<Self, BemError> {
         self.per_wavelength = positive("panels per wavelength", number)?;
         Ok(self)
     }
@@ -156,14 +157,14 @@ impl Exterior {
         (0.5 * PI * t).sin().powi(2)
     }
 
-    pub(crate) fn check_resolution(&self, hz: f64) -> Result<(), AcousticsError> {
+    pub(crate) fn check_resolution(&self, hz: f64) -> Result<(), BemError> {
         let highest = self.boundary.highest_hz(self.air.sound_speed, self.per_wavelength);
         // The upper end of a range may be this very frequency.
         if hz <= highest * (1.0 + 1e-9) {
             return Ok(());
         }
         let edge = self.boundary.mesh().longest_edge();
-        Err(AcousticsError::TooCoarse {
+        Err(BemError::TooCoarse {
             hz,
             edge,
             per_wavelength: self.air.sound_speed / (hz * edge),
@@ -201,19 +202,19 @@ impl Exterior {
     ///
     /// # Errors
     /// A frequency that is not positive or above what the mesh resolves, patterns of another length.
-    pub fn solve(&self, hz: f64, velocities: &DMatrix<f64>) -> Result<SurfacePressure, AcousticsError> {
+    pub fn solve(&self, hz: f64, velocities: &DMatrix<f64>) -> Result<SurfacePressure, BemError> {
         let even = Patterns {
             parity: Parity::default(),
             velocities: velocities.clone(),
         };
-        let [pressure] =
-            self.solve_parities(hz, &[even])?
-                .try_into()
-                .map_err(|all: Vec<_>| AcousticsError::Length {
-                    what: "solutions of one parity",
-                    found: all.len(),
-                    expected: 1,
-                })?;
+        let [pressure] = self
+            .solve_parities(hz, &[even])?
+            .try_into()
+            .map_err(|all: Vec<_>| InputError::Length {
+                what: "solutions of one parity",
+                found: all.len(),
+                expected: 1,
+            })?;
         Ok(pressure)
     }
 
@@ -222,7 +223,7 @@ impl Exterior {
     ///
     /// # Errors
     /// As [`Exterior::solve`].
-    pub fn solve_parities(&self, hz: f64, patterns: &[Patterns]) -> Result<Vec<SurfacePressure>, AcousticsError> {
+    pub fn solve_parities(&self, hz: f64, patterns: &[Patterns]) -> Result<Vec<SurfacePressure>, BemError> {
         positive("frequency [Hz]", hz)?;
         self.check_resolution(hz)?;
         for p in patterns {
@@ -328,7 +329,7 @@ impl Exterior {
         &self,
         velocities: &DMatrix<f64>,
         solution: &SurfacePressure,
-    ) -> Result<Vec<DMatrix<Complex<f64>>>, AcousticsError> {
+    ) -> Result<Vec<DMatrix<Complex<f64>>>, BemError> {
         same_length(
             "rows of the normal velocities",
             velocities.nrows(),

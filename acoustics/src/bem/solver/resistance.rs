@@ -1,7 +1,8 @@
+use crate::bem::error::BemError;
 use crate::bem::mesh::panel::PanelShape;
 use crate::bem::solver::far_field::Radiated;
 use crate::bem::solver::problem::{Exterior, Patterns, SurfacePressure};
-use crate::error::AcousticsError;
+use crate::radiation::error::RadiationError;
 use crate::radiation::{RadiatingSurface, Resistance};
 use nalgebra::{DMatrix, Point3};
 
@@ -98,7 +99,7 @@ impl Exterior {
     ///
     /// # Errors
     /// See [`Exterior::solve`].
-    pub fn resistance(&self, hz: f64, velocities: &DMatrix<f64>) -> Result<TwoEvaluations, AcousticsError> {
+    pub fn resistance(&self, hz: f64, velocities: &DMatrix<f64>) -> Result<TwoEvaluations, BemError> {
         let solution = self.solve(hz, velocities)?;
         let far_field = self.far_field_resistance(velocities, &solution)?;
         self.evaluated_twice(velocities, &solution, far_field)
@@ -108,7 +109,7 @@ impl Exterior {
     ///
     /// # Errors
     /// See [`Exterior::solve`].
-    pub fn resistance_parities(&self, hz: f64, patterns: &[Patterns]) -> Result<Vec<TwoEvaluations>, AcousticsError> {
+    pub fn resistance_parities(&self, hz: f64, patterns: &[Patterns]) -> Result<Vec<TwoEvaluations>, BemError> {
         let solutions = self.solve_parities(hz, patterns)?;
         self.two_evaluations(patterns, &solutions)
     }
@@ -118,7 +119,7 @@ impl Exterior {
         &self,
         patterns: &[Patterns],
         solutions: &[SurfacePressure],
-    ) -> Result<Vec<TwoEvaluations>, AcousticsError> {
+    ) -> Result<Vec<TwoEvaluations>, BemError> {
         let all: Vec<Radiated<'_>> = patterns.iter().map(|p| &p.velocities).zip(solutions).collect();
         let far_fields = self.far_field_resistances(&all)?.into_iter();
         all.iter()
@@ -132,7 +133,7 @@ impl Exterior {
         velocities: &DMatrix<f64>,
         solution: &SurfacePressure,
         far_field: DMatrix<f64>,
-    ) -> Result<TwoEvaluations, AcousticsError> {
+    ) -> Result<TwoEvaluations, BemError> {
         let hz = solution.hz;
         let raw: Vec<DMatrix<f64>> = self
             .impedance(velocities, solution)?
@@ -184,7 +185,7 @@ impl Exterior {
 
     /// The surface with its modes at quadrature points, for the operators that need no equation solved. With mirror
     /// planes every point stands for its images too.
-    pub(crate) fn radiating_surface(&self, velocities: &DMatrix<f64>) -> Result<RadiatingSurface, AcousticsError> {
+    pub(crate) fn radiating_surface(&self, velocities: &DMatrix<f64>) -> Result<RadiatingSurface, RadiationError> {
         let mesh = self.boundary().mesh();
         let (mut points, mut normals, mut weights, mut patch) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let (mut rows, mut first) = (Vec::new(), 0);

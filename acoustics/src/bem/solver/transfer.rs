@@ -1,11 +1,12 @@
 //! Normal velocities carried from the faces of volume meshes to panels that do not match them.
 
+use crate::bem::error::BemError;
 use crate::bem::mesh::boundary::Boundary;
 use crate::bem::mesh::panel::PanelShape;
 use crate::bem::mesh::rules;
 use crate::bem::mesh::symmetry::{Image, Parity};
 use crate::bem::solver::problem::Patterns;
-use crate::error::{AcousticsError, same_length};
+use crate::checks::{InputError, same_length};
 use nailnoise_meshes::{FaceKind, Surface};
 use nalgebra::{DMatrix, Matrix4, Vector2, Vector3};
 use std::ops::Range;
@@ -33,9 +34,9 @@ impl Boundary {
     /// fineness.
     ///
     /// # Errors
-    /// [`AcousticsError::Uncovered`] for a panel that is not covered by the faces of its part,
-    /// [`AcousticsError::Length`] for modes of another mesh.
-    pub fn transfer(&self, parts: &[MovingPart<'_>]) -> Result<Vec<Patterns>, AcousticsError> {
+    /// [`BemError::Uncovered`] for a panel that is not covered by the faces of its part,
+    /// [`InputError::Length`] for modes of another mesh.
+    pub fn transfer(&self, parts: &[MovingPart<'_>]) -> Result<Vec<Patterns>, BemError> {
         let modes = parts.iter().map(|p| p.modes.ncols()).sum();
         let mirrors = self.mirrors().map(|mirror| mirror.is_some());
         let mut result: Vec<Patterns> = Parity::all(mirrors)
@@ -81,7 +82,7 @@ impl Boundary {
         skin: &Surface,
         faces: &[FlatFace],
         by_point: &DMatrix<f64>,
-    ) -> Result<Vec<Vec<f64>>, AcousticsError> {
+    ) -> Result<Vec<Vec<f64>>, BemError> {
         let mesh = self.mesh();
         let place = |xi: [f64; 2]| {
             let x = mesh.point_at(panel, xi).position;
@@ -139,7 +140,7 @@ impl Boundary {
         let gap = (covered / whole - 1.0).abs();
         let inverse = mass.try_inverse().filter(|_| gap < COVER);
         let Some(inverse) = inverse else {
-            return Err(AcousticsError::Uncovered {
+            return Err(BemError::Uncovered {
                 panel,
                 at: place(kind.centre()).into(),
                 share: covered / whole,
@@ -161,7 +162,7 @@ impl Boundary {
 }
 
 /// Modal displacements of the skin's points, modes x (3 x points).
-fn by_point(part: &MovingPart<'_>) -> Result<DMatrix<f64>, AcousticsError> {
+fn by_point(part: &MovingPart<'_>) -> Result<DMatrix<f64>, InputError> {
     let rows = 3 * part.skin.points.len();
     same_length("rows of the modal displacements", part.modes.nrows(), rows)?;
     Ok(part.modes.transpose())

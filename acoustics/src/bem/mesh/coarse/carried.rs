@@ -1,10 +1,11 @@
 //! Velocities of a surface carried over to a coarser one.
 
 use super::curved::{Curved, Found, Nearest};
+use crate::bem::error::BemError;
 use crate::bem::mesh::boundary::Boundary;
 use crate::bem::mesh::panel::PanelShape;
 use crate::bem::mesh::rules;
-use crate::error::{AcousticsError, same_length};
+use crate::checks::same_length;
 use nailnoise_meshes::FaceKind;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use rayon::prelude::*;
@@ -29,8 +30,8 @@ impl Boundary {
     /// so that the volume flow of all is that of the finer surface, and its first moments are within a panel's.
     ///
     /// # Errors
-    /// Velocities of another length; [`AcousticsError::Length`] for panels that are no triangles.
-    pub fn carried(&self, finer: &Self, velocities: &DMatrix<f64>) -> Result<DMatrix<f64>, AcousticsError> {
+    /// Velocities of another length; [`InputError::Length`](crate::InputError) for panels that are no triangles.
+    pub fn carried(&self, finer: &Self, velocities: &DMatrix<f64>) -> Result<DMatrix<f64>, BemError> {
         same_length(
             "rows of the normal velocities",
             velocities.nrows(),

@@ -15,8 +15,9 @@ mod curved;
 mod lines;
 mod sides;
 
+use crate::bem::error::BemError;
 use crate::bem::mesh::boundary::Boundary;
-use crate::error::{AcousticsError, positive};
+use crate::checks::positive;
 use collapse::Collapse;
 use curved::{Curved, Nearest};
 use nalgebra::{Point3, Vector3};
@@ -33,7 +34,7 @@ impl Boundary {
     ///
     /// # Errors
     /// A length that is not positive, and those of [`Boundary::symmetric`].
-    pub fn coarsened(&self, edge: f64) -> Result<Self, AcousticsError> {
+    pub fn coarsened(&self, edge: f64) -> Result<Self, BemError> {
         let edge = positive("length of edges [m]", edge)?.max(self.mesh().longest_edge());
         let mesh = self.mesh();
         let points: Vec<Vector3<f64>> = mesh.points.iter().map(|p: &Point3<f64>| p.coords).collect();

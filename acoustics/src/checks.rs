@@ -1,0 +1,107 @@
+//! Checks of arguments that several modules share, and the errors that they return.
+
+use thiserror::Error;
+
+/// An argument with an invalid value or length.
+#[derive(Debug, Error)]
+pub enum InputError {
+    /// Two arrays that describe the same thing differ in length.
+    #[error("{what}: {found} values where {expected} are needed; give both on the same points or samples")]
+    Length {
+        /// The array that was counted.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length it must have.
+        expected: usize,
+    },
+    /// A quantity that must be finite and positive is not.
+    #[error("{what} is {value}; it must be a finite number above zero")]
+    NotPositive {
+        /// The quantity.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A value of a history or spectrum is not finite.
+    #[error("{what}[{index}] is {value}; every value must be finite")]
+    NotFinite {
+        /// The array.
+        what: &'static str,
+        /// Position of the first bad value.
+        index: usize,
+        /// The value.
+        value: f64,
+    },
+    /// A quantity lies outside the interval in which the model holds.
+    #[error("{what} is {value}, outside {low} to {high}")]
+    OutsideRange {
+        /// The quantity.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// Lowest value allowed.
+        low: f64,
+        /// Highest value allowed.
+        high: f64,
+    },
+}
+
+/// Why the sound pressure at a point cannot be computed.
+#[derive(Debug, Error)]
+pub enum ReceiverError {
+    /// An invalid argument.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// An outlet or a receiver below the floor.
+    #[error("a point at z = {z} m lies below the floor at {floor} m; outlet and receiver must stand on or above it")]
+    BelowFloor {
+        /// Height of the point \[m\].
+        z: f64,
+        /// Height of the floor \[m\].
+        floor: f64,
+    },
+    /// A receiver too close to a radiating surface.
+    #[error(
+        "the point {point:?} m lies {distance} m from the radiating surface; at least {needed} m, the longest edge of a \
+         panel, are needed: move it away or refine the mesh"
+    )]
+    NearSurface {
+        /// The point \[m\].
+        point: [f64; 3],
+        /// Its distance from the nearest point of a panel \[m\].
+        distance: f64,
+        /// Distance needed \[m\].
+        needed: f64,
+    },
+}
+
+/// Fails with [`InputError::NotPositive`] unless `value` is finite and above zero.
+pub(crate) fn positive(what: &'static str, value: f64) -> Result<f64, InputError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(InputError::NotPositive { what, value })
+    }
+}
+
+/// Fails with [`InputError::NotFinite`] at the first value that is not finite.
+pub(crate) fn finite(what: &'static str, values: &[f64]) -> Result<(), InputError> {
+    match values.iter().position(|v| !v.is_finite()) {
+        None => Ok(()),
+        Some(index) => Err(InputError::NotFinite {
+            what,
+            index,
+            value: values[index],
+        }),
+    }
+}
+
+/// Fails with [`InputError::Length`] unless the two lengths agree.
+pub(crate) fn same_length(what: &'static str, found: usize, expected: usize) -> Result<(), InputError> {
+    if found == expected {
+        Ok(())
+    } else {
+        Err(InputError::Length { what, found, expected })
+    }
+}
