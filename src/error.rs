@@ -292,6 +292,7 @@ from_modules_of_acoustics!(
     nailnoise_acoustics::bem::BemError,
     nailnoise_acoustics::exhaust::ExhaustError,
     nailnoise_acoustics::fourier::FourierError,
+    nailnoise_acoustics::levels::LevelsError,
     nailnoise_acoustics::radiation::RadiationError,
 );
 

@@ -103,7 +103,7 @@ fn table(start: std::time::Instant) {
         let patterns: Vec<Patterns> = Parity::all([true; 2]).into_iter().map(pattern).collect();
         let problem = Exterior::new(boundary, &air);
         let t1 = cpu(start);
-        let problem = problem.with_near_field_kept(hz);
+        let problem = problem.with_near_field_cache(hz);
         let t2 = cpu(start);
         problem.solve_parities(0.9 * hz, &patterns).unwrap();
         let t3 = cpu(start);

@@ -16,7 +16,7 @@ pub(crate) struct Block<'a> {
     bytes: Cow<'a, [u8]>,
 }
 
-/// What is stored as one block, or as a list of them.
+/// Values stored as one block, or as a list of blocks.
 pub(crate) trait Blocks: Sized {
     /// The stored form.
     type Stored<'a>: Serialize + Deserialize<'a>;

@@ -39,14 +39,14 @@ pub enum FourierError {
     },
 }
 
-/// How a record becomes a spectrum.
+/// Parameters of the transform of a record.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TransformSettings {
     /// Analysed range \[Hz\]; the bins kept cover it.
     pub range_hz: [f64; 2],
     /// Length of the cosine taper at the end of the record \[s\].
     pub taper: f64,
-    /// Least ratio of transform length to record length; from 2 on the samples of |X|² determine it everywhere.
+    /// Smallest ratio of transform length to record length; from 2 up, the samples of |X|² determine it everywhere.
     pub padding: f64,
 }
 
@@ -155,7 +155,7 @@ impl Transform {
         }
     }
 
-    /// [`Self::apply`] in memory that serves one record after the other.
+    /// [`Self::apply`] with memory that is reused for several records.
     pub(crate) fn apply_in(&self, record: &[f64], work: &mut Work) -> Result<Vec<Complex<f64>>, FourierError> {
         same_length("record", record.len(), self.samples)?;
         finite("record", record)?;
@@ -165,7 +165,7 @@ impl Transform {
             scratch,
         } = work;
         padded[..self.samples].copy_from_slice(record);
-        // The transform has used it up.
+        // The transform has overwritten it.
         padded[self.samples..].fill(0.0);
         let start = self.samples - self.taper.len();
         for (x, w) in padded[start..self.samples].iter_mut().zip(&self.taper) {
@@ -189,7 +189,7 @@ impl Transform {
 /// A uniform record after a linear filter, y = IFFT\[H(f) X(f)\], at the instants of the record.
 ///
 /// `response` is H at a frequency f >= 0 \[Hz\]. The record is padded with zeros to `padding` times its length, so that
-/// what the filter rings on after its end does not come back at its beginning.
+/// the decay of the filter after the end of the record does not wrap around to its beginning.
 ///
 /// # Errors
 /// A record of fewer than 8 samples, values that are not finite, an interval or padding that is not positive.
@@ -225,7 +225,7 @@ pub fn filtered(
     for (k, x) in spectrum.iter_mut().enumerate() {
         *x *= response(k as f64 * df) / length as f64;
     }
-    // Mean and Nyquist term of a real record are real; what a response says of their phase means nothing.
+    // The mean and the Nyquist term of a real record are real; the phase of a response there is meaningless.
     let last = spectrum.len() - 1;
     spectrum[0].im = 0.0;
     spectrum[last].im = 0.0;

@@ -1,9 +1,9 @@
-//! Reproducible random numbers, each a function of what it is for.
+//! Reproducible random numbers: each is a function of its indices.
 
 /// A number in \[0, 1) for the place (`first`, `second`) of the sequence `seed`.
 ///
-/// It depends on nothing else: another order of work changes no number. The three are mixed by the finaliser of SplitMix64
-/// (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", 2014).
+/// It depends on nothing else, so that the order of evaluation does not matter. The three values are mixed by the
+/// finaliser of SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", 2014).
 pub fn uniform(seed: u64, first: u64, second: u64) -> f64 {
     let bits = mix(mix(mix(seed).wrapping_add(first)).wrapping_add(second));
     (bits >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)

@@ -94,10 +94,10 @@ fn a_quarter_of_the_panels_of_a_sphere_radiate_the_same_power() {
     println!("{count} panels, volume {:e}", volume(&coarse) / volume(&fine) - 1.0);
     assert!((200..450).contains(&count), "{count}");
     assert_eq!(euler(&coarse), 2);
-    assert_eq!(coarse.mended().flipped, 0);
+    assert_eq!(coarse.repairs().flipped, 0);
     assert!(coarse.mesh().longest_edge() <= 0.42);
     assert!((volume(&coarse) / volume(&fine) - 1.0).abs() < 2e-4);
-    let (v, u) = (patterns(&fine), coarse.carried(&fine, &patterns(&fine)).unwrap());
+    let (v, u) = (patterns(&fine), coarse.project_from(&fine, &patterns(&fine)).unwrap());
     let (before, after) = (moments(&fine, &v), moments(&coarse, &u));
     for (m, (a, b)) in before.iter().zip(&after).enumerate() {
         println!("pattern {m}: {a:?} -> {b:?}");
@@ -148,7 +148,7 @@ fn a_box_keeps_its_sharp_edges_and_patches() {
             v[0] = point.area_vector().normalize().z;
             v[1] = f64::from(u8::from(top)) * (2.0 * PI * point.position.x / 0.4).cos();
         });
-        let carried = coarse.carried(&fine, &velocities).unwrap();
+        let carried = coarse.project_from(&fine, &velocities).unwrap();
         for (a, b) in moments(&fine, &velocities).iter().zip(moments(&coarse, &carried)) {
             assert!((a[0] - b[0]).abs() < 1e-12);
             assert!((1..4).all(|axis| (a[axis] - b[axis]).abs() < 1e-4), "{a:?} {b:?}");
@@ -177,7 +177,7 @@ fn a_coarsened_body_keeps_its_contact_with_the_floor() {
     println!("{many} -> {few} panels");
     assert!(few < many / 2 && coarse.stands_on_floor());
     let v = fine.project(1, |_, _, _, v| v[0] = 1.0);
-    let u = coarse.carried(&fine, &v).unwrap();
+    let u = coarse.project_from(&fine, &v).unwrap();
     for ka in [0.2, 1.0, 2.0] {
         let exact = Air::default().impedance() * 2.0 * PI * pulsating(ka);
         let error = in_db(&powers(&coarse, &u, ka), &[exact])[0];
@@ -192,7 +192,7 @@ fn coarsening_is_reproducible() {
     let coarse = || {
         let fine = Boundary::new(sphere(1.0, 6, true), None).unwrap();
         let coarse = fine.coarsened(0.5).unwrap();
-        let carried = coarse.carried(&fine, &patterns(&fine)).unwrap();
+        let carried = coarse.project_from(&fine, &patterns(&fine)).unwrap();
         let mesh: BoundaryMesh = coarse.mesh().clone();
         (mesh.points, carried)
     };

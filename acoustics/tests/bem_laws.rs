@@ -73,7 +73,7 @@ fn flipped_normals_are_corrected_and_counted() {
     let mut mesh = sphere(1.0, 2, true);
     let straight = Boundary::new(mesh.clone(), None).unwrap();
     assert_eq!(
-        straight.mended(),
+        straight.repairs(),
         Mended {
             flipped: 0,
             on_floor: 0,
@@ -87,7 +87,7 @@ fn flipped_normals_are_corrected_and_counted() {
         *panel = nailnoise_acoustics::bem::Panel::new(panel.kind(), &turned, panel.patch).unwrap();
     }
     let mended = Boundary::new(mesh, None).unwrap();
-    assert_eq!(mended.mended().flipped, 27);
+    assert_eq!(mended.repairs().flipped, 27);
     let out = (0..80).all(|p| {
         let point = mended.mesh().point_at(p, [0.3, 0.3]);
         point.area_vector().dot(&point.position.coords) > 0.0
@@ -113,7 +113,7 @@ fn open_or_degenerate_surfaces_are_refused_with_numbers() {
         Err(BemError::TangledSurface { panels: 3, .. })
     ));
     let standing = Boundary::new(block(0.05), Some(0.1)).unwrap();
-    assert_eq!(standing.mended().on_floor, 8 * 3);
+    assert_eq!(standing.repairs().on_floor, 8 * 3);
     let problem = Exterior::new(standing, &Air::default());
     let v = DMatrix::zeros(problem.boundary().velocity_values(), 1);
     let error = problem.solve(3000.0, &v).unwrap_err();

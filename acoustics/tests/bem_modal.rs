@@ -4,15 +4,15 @@
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
 
+use nailnoise_acoustics::Air;
+use nailnoise_acoustics::bem::BemError;
 use nailnoise_acoustics::bem::{
     BandFields, Boundary, BoundaryMesh, Exterior, MeshRange, ModalBem, MovingPart, Parity, Patterns, Receivers,
     SolidBox,
 };
 use nailnoise_acoustics::levels::{Band, Weighting, energy_weights};
 use nailnoise_acoustics::radiation::{ModalRadiation, ModalSpectra, Sampling, mode_energies};
-use nailnoise_acoustics::sound::{Around, Directions};
-use nailnoise_acoustics::Air;
-use nailnoise_acoustics::bem::BemError;
+use nailnoise_acoustics::sound::{Directions, FieldPoints};
 use nailnoise_meshes::{Block, Mesh, Surface, block};
 use nalgebra::{Complex, DMatrix, Point3, Vector3};
 
@@ -107,7 +107,7 @@ fn boxes_make_one_closed_surface() {
     let sides = |s: [f64; 3]| 2.0 * (s[0] + s[1]) * s[2];
     let area = sides(block) + sides(slab) + 2.0 * slab[0] * slab[1];
     assert!((whole.mesh().area() / area - 1.0).abs() < 1e-12);
-    assert_eq!(whole.mended().flipped, 0);
+    assert_eq!(whole.repairs().flipped, 0);
     let quarter = boundary([Some(0.0); 2], 0.06);
     assert!((4.0 * quarter.mesh().area() / area - 1.0).abs() < 1e-12);
     assert!(whole.mesh().longest_edge() <= 0.06 + 1e-12);
@@ -327,7 +327,7 @@ fn the_sampled_pressures_equal_those_of_the_whole_body_in_any_air() {
 
 #[test]
 fn frequencies_scale_with_the_speed_of_sound() {
-    let scale = IN_COLD.blend_hz()[1] / SAMPLED.bem.blend_hz()[1];
+    let scale = IN_COLD.transition_hz()[1] / SAMPLED.bem.transition_hz()[1];
     assert!((scale - (253.0f64 / 293.15).sqrt()).abs() < 1e-9);
 }
 
@@ -355,9 +355,9 @@ fn heave_has_radiation_efficiency_1_at_high_frequencies() {
 fn solution_and_high_frequency_limit_are_compared_where_both_are_known() {
     let bem = &SAMPLED.bem;
     let compared = bem.compared_hz();
-    assert!(compared[0] < bem.solved_hz()[0] && bem.solved_hz()[1] < bem.blend_hz()[0]);
-    assert!(bem.blend_hz()[0] < compared[1] && compared[1] < bem.blend_hz()[1]);
-    let hz = bem.blend_hz()[0];
+    assert!(compared[0] < bem.solved_hz()[0] && bem.solved_hz()[1] < bem.transition_hz()[0]);
+    assert!(bem.transition_hz()[0] < compared[1] && compared[1] < bem.transition_hz()[1]);
+    let hz = bem.transition_hz()[0];
     let unit = DMatrix::<Complex<f64>>::identity(2 * MODES, 2 * MODES);
     let limit: f64 = bem.limit_forms(&[hz; 2 * MODES], &unit).iter().sum();
     let mean = bem.energy_forms(&[hz; 2 * MODES], &unit).sum();
@@ -491,7 +491,7 @@ static SHOT: LazyLock<Shot> = LazyLock::new(|| {
         frequency,
         accelerations,
     };
-    let around = Around {
+    let around = FieldPoints {
         points: &points,
         directions: &directions.vectors,
     };

@@ -99,7 +99,7 @@ fn stored_integrals_of_close_pairs_equal_computed_ones() {
     for triangles in [false, true] {
         let direct = cut(slab(triangles), [false; 2], Some(0.0));
         let top = direct.estimate().highest_hz;
-        let kept = cut(slab(triangles), [false; 2], Some(0.0)).with_near_field_kept(top);
+        let kept = cut(slab(triangles), [false; 2], Some(0.0)).with_near_field_cache(top);
         for hz in [50.0, 0.4 * top, top] {
             let [a, b] = [&direct, &kept].map(|p| p.solve(hz, &v(p.boundary())).unwrap().pressure);
             let largest = a.iter().map(|z| z.norm()).fold(0.0, f64::max);

@@ -184,8 +184,7 @@ fn impossible_flows_are_refused_by_name() {
     assert!(opening.check_area(1.374e-4).is_ok());
     let error = opening.check_area(2e-4).unwrap_err();
     assert!(
-        matches!(error, AcousticsError::Exhaust(ExhaustError::HoleArea { .. }))
-            && error.to_string().contains("7 exhaust holes"),
+        matches!(error, ExhaustError::HoleArea { .. }) && error.to_string().contains("7 exhaust holes"),
         "{error}"
     );
 }

@@ -156,7 +156,7 @@ fn the_floor_is_an_image_source() {
             "{hz} Hz"
         );
         for part in 0..2 {
-            let of = |x: &nailnoise_acoustics::exhaust::Received| x.parts[part].energy_density[k];
+            let of = |x: &nailnoise_acoustics::exhaust::ReceivedNoise| x.parts[part].energy_density[k];
             let (sum, cross) = (of(&free) + of(&mirrored), 2.0 * (of(&free) * of(&mirrored)).sqrt());
             assert!((of(&both) / sum - 1.0).abs() < 1e-9, "{hz} Hz");
             // Bursts differ in directivity, so that the mean of products lies below the product of means.
@@ -195,7 +195,7 @@ fn jets_that_fan_out_share_the_energy() {
         assert!((fan.exposure_density[k] / mean - 1.0).abs() < 1e-12);
     }
     // Downstream is louder than upstream.
-    let level = |s: &nailnoise_acoustics::exhaust::Received| s.level([1000.0, 10_000.0], Weighting::Z).unwrap();
+    let level = |s: &nailnoise_acoustics::exhaust::ReceivedNoise| s.level([1000.0, 10_000.0], Weighting::Z).unwrap();
     assert!(level(&single[0]) > level(&single[2]) + 3.0);
 }
 

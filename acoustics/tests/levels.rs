@@ -145,11 +145,11 @@ fn zero_energy_has_no_level() {
     );
     let sources = [silent.clone(), ripple()];
     let ranking = rank(&sources, [50.0, 10_000.0]);
-    assert_eq!(sources[ranking.places[0].index].source, "ripple");
-    assert_eq!(ranking.places[1].lwa, None);
-    assert_eq!(ranking.total_lwa, ranking.places[0].lwa);
+    assert_eq!(sources[ranking.sources[0].index].source, "ripple");
+    assert_eq!(ranking.sources[1].lwa, None);
+    assert_eq!(ranking.total_lwa, ranking.sources[0].lwa);
     let none = rank(&[silent], [50.0, 10_000.0]);
-    assert_eq!((none.total_lwa, none.places[0].share), (None, None));
+    assert_eq!((none.total_lwa, none.sources[0].share), (None, None));
     assert_eq!((energy_level(0.0), level_energy(None)), (None, 0.0));
 }
 

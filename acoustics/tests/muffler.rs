@@ -2,7 +2,6 @@
 #![allow(clippy::unwrap_used)]
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::InputError;
 use nailnoise_acoustics::exhaust::{ExhaustSettings, FlowHistory, Opening, exhaust_noise};
 use nailnoise_acoustics::fourier::TransformSettings;
 use nailnoise_acoustics::levels::{Weighting, energy_level};
@@ -10,6 +9,7 @@ use nailnoise_acoustics::muffler::MufflerError;
 use nailnoise_acoustics::muffler::{
     BandLosses, FourPole, Lining, Muffler, MufflerChain, MufflerElement, miki_fluid, open_end,
 };
+use nailnoise_acoustics::{AcousticsError, InputError};
 use nalgebra::Complex;
 use proptest::prelude::*;
 use std::f64::consts::PI;
@@ -309,10 +309,13 @@ fn a_muffler_lowers_every_component_and_every_interval() {
     assert!(energy_level(total) < energy_level(before.iter().map(|i| i.energy).sum()));
     // Bands that do not reach down to the analysed range.
     let short = Muffler::InsertionLoss(BandLosses::new(&bands[3..]).unwrap());
-    assert!(matches!(with(Some(short), 50.0), Err(MufflerError::Bands { .. })));
+    assert!(matches!(
+        with(Some(short), 50.0),
+        Err(AcousticsError::Muffler(MufflerError::Bands { .. }))
+    ));
     let wide = Muffler::Chain(chamber(0.1, 0.06, 0.02));
     assert!(matches!(
         with(Some(wide), 50.0),
-        Err(MufflerError::NotPlaneWaves { .. })
+        Err(AcousticsError::Muffler(MufflerError::NotPlaneWaves { .. }))
     ));
 }

@@ -9,9 +9,9 @@ use nailnoise_acoustics::levels::{Band, Weighting};
 use nailnoise_acoustics::radiation::RadiationError;
 use nailnoise_acoustics::radiation::{
     AbsorbingSand, ModalRadiation, ModalSpectra, MovingSand, Rayleigh, Resistance, SampledRadiation, Sampling,
-    SurfaceEvaluations, radiated_energy,
+    SurfaceResistances, radiated_energy,
 };
-use nailnoise_acoustics::sound::{Around, Directions, FlushSound, SoundAbovePlane, above_plane};
+use nailnoise_acoustics::sound::{Directions, FieldPoints, FlushSound, SoundAbovePlane, band_sound_above_plane};
 use nalgebra::{Complex, DMatrix, Point3};
 
 const FOOTPRINT: [[f64; 2]; 2] = [[-0.2032, 0.2032], [-0.0762, 0.0762]];
@@ -237,7 +237,7 @@ fn a_shot_has_the_same_power_by_surface_and_by_far_field() {
         ..Sampling::default()
     };
     let waves = surface.sampled(&sampling, &|| ()).unwrap();
-    let twice = SurfaceEvaluations::new(&surface, 2000.0);
+    let twice = SurfaceResistances::new(&surface, 2000.0);
     assert_eq!(twice.bands().last().unwrap().nominal_hz(), 2000.0);
     for (band, ratio) in twice.bands().iter().zip(twice.ratios(&waves, &spectra).unwrap()) {
         if band.low > 100.0 {
@@ -246,14 +246,14 @@ fn a_shot_has_the_same_power_by_surface_and_by_far_field() {
         }
     }
     let bytes = postcard::to_stdvec(&twice).unwrap();
-    assert_eq!(postcard::from_bytes::<SurfaceEvaluations>(&bytes).unwrap(), twice);
-    assert!(postcard::from_bytes::<SurfaceEvaluations>(&bytes[..bytes.len() - 9]).is_err());
+    assert_eq!(postcard::from_bytes::<SurfaceResistances>(&bytes).unwrap(), twice);
+    assert!(postcard::from_bytes::<SurfaceResistances>(&bytes[..bytes.len() - 9]).is_err());
     // A surface that sends out half of it is found out.
     let half = AbsorbingSand {
         resistivity: 2.5e5,
         share: 1.0,
     };
-    let other = SurfaceEvaluations::new(&lossy().with_absorbing_sand(half).unwrap(), 2000.0);
+    let other = SurfaceResistances::new(&lossy().with_absorbing_sand(half).unwrap(), 2000.0);
     let worst = other
         .ratios(&waves, &spectra)
         .unwrap()
@@ -299,7 +299,7 @@ fn moving_sand_in_another_air_agrees_with_the_surface_alone() {
     });
     let forms = found.waves.energy_forms(&hz, &a);
     let signals = found.waves.root_signals(&hz, &a);
-    let heard = found.heard.pressures(&found.waves, &hz, &a);
+    let interpolated = found.pressures.pressures(&found.waves, &hz, &a);
     for (bin, &f) in hz.iter().enumerate() {
         let motion: Vec<Complex<f64>> = a
             .column(bin)
@@ -312,7 +312,7 @@ fn moving_sand_in_another_air_agrees_with_the_surface_alone() {
             assert!((energy / direct - 1.0).abs() < tolerance, "{f} Hz: {energy} {direct}");
         }
         let pressures = exact.pressure_at(f, &places).unwrap() * a.column(bin);
-        let off = (heard.column(bin) - &pressures).norm() / pressures.norm();
+        let off = (interpolated.column(bin) - &pressures).norm() / pressures.norm();
         assert!(off < 10.0 * tolerance, "{f} Hz: {off:e}");
     }
     let frequency: Vec<f64> = (0..391).map(|i| 100.0 + 10.0 * f64::from(i)).collect();
@@ -383,8 +383,8 @@ fn moving_sand_in_cold_and_hot_air_agrees_with_all_points_of_the_block() {
             sum
         };
         let signals = found.waves.root_signals(&spectra.frequency, &spectra.accelerations);
-        let heard = found
-            .heard
+        let interpolated = found
+            .pressures
             .pressures(&found.waves, &spectra.frequency, &spectra.accelerations);
         for (bin, &hz) in spectra.frequency.iter().enumerate().step_by(7) {
             let (direct, sampled) = (exact(hz), found.waves.resistance(hz));
@@ -403,7 +403,7 @@ fn moving_sand_in_cold_and_hot_air_agrees_with_all_points_of_the_block() {
             let off = signals.column(bin).norm_squared() / energy - 1.0;
             assert!(off.abs() < 3e-4, "{temperature} K, {hz} Hz: signals {off:e}");
             let pressures = all.pressure_at(hz, &places).unwrap() * spectra.accelerations.column(bin);
-            let off = (heard.column(bin) - &pressures).norm() / pressures.norm();
+            let off = (interpolated.column(bin) - &pressures).norm() / pressures.norm();
             assert!(off < 1e-4, "{temperature} K, {hz} Hz: pressure {off:e}");
         }
         // Pair by pair of all points of the block, in the bands' own frequencies.
@@ -417,7 +417,7 @@ fn moving_sand_in_cold_and_hot_air_agrees_with_all_points_of_the_block() {
             assert!((ratio - 1.0).abs() < 1e-4, "{temperature} K: {ratio}");
         }
         let few = found.surface.bands()[9];
-        let ratios = SurfaceEvaluations::new(&all, few.hz)
+        let ratios = SurfaceResistances::new(&all, few.hz)
             .ratios(&found.waves, &spectra)
             .unwrap();
         let off =
@@ -455,14 +455,14 @@ fn band_fields_have_the_power_and_the_pressures_at_microphones() {
     let bands: Vec<Band> = (-9..=2).map(Band::new).collect();
     let directions = Directions::new(16, 48, true);
     let points = [Point3::new(0.5, 0.3, 0.4), Point3::new(0.0, -1.0, 0.05)];
-    let around = Around {
+    let around = FieldPoints {
         points: &points,
         directions: &directions.vectors,
     };
-    let found = above_plane(&surface, &bands, &spectra, &around).unwrap();
+    let found = band_sound_above_plane(&surface, &bands, &spectra, &around).unwrap();
     assert!(found.error < 1e-2, "{:e}", found.error);
-    let heard = SoundAbovePlane::new(&surface, &waves, &points, Point3::origin()).unwrap();
-    let heard = heard.pressures(&waves, &spectra.frequency, &spectra.accelerations);
+    let pressures = SoundAbovePlane::new(&surface, &waves, &points, Point3::origin()).unwrap();
+    let pressures = pressures.pressures(&waves, &spectra.frequency, &spectra.accelerations);
     for (number, band) in bands.iter().enumerate() {
         let range = [band.low, band.high];
         let energy: f64 = found
@@ -478,7 +478,7 @@ fn band_fields_have_the_power_and_the_pressures_at_microphones() {
         for point in 0..points.len() {
             let exact: f64 = weights
                 .iter()
-                .zip(heard.row(point).iter())
+                .zip(pressures.row(point).iter())
                 .map(|(w, p)| 2.0 * w * p.norm_sqr())
                 .sum();
             let off = 10.0 * (found.exposure[(point, number)] / exact).log10();

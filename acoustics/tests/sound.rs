@@ -8,8 +8,8 @@ use nailnoise_acoustics::Air;
 use nailnoise_acoustics::ReceiverError;
 use nailnoise_acoustics::radiation::{MovingSand, Rayleigh, Sampling};
 use nailnoise_acoustics::sound::{
-    Iso3744Box, OverTime, SoundAbovePlane, background_correction, environmental_correction, shaken_sphere_pressure,
-    spread_evenly,
+    ChirpTransform, Iso3744Box, SoundAbovePlane, background_correction, environmental_correction,
+    omnidirectional_transfer, oscillating_sphere_pressure,
 };
 use nalgebra::{Complex, DMatrix, Point3, Vector3};
 use std::f64::consts::{PI, TAU};
@@ -34,7 +34,7 @@ fn a_signal_is_the_sum_of_its_bins_at_any_sampling_rate() {
     let spectrum: Vec<Complex<f64>> = (0..frequency.len())
         .map(|k| Complex::from_polar(1.0 / (1.0 + 0.01 * k as f64), 0.37 * (k * k) as f64))
         .collect();
-    let signal = OverTime::new(&frequency, 4801.3, 700).signal(&spectrum);
+    let signal = ChirpTransform::new(&frequency, 4801.3, 700).signal(&spectrum);
     for (n, x) in signal.iter().enumerate() {
         let t = n as f64 / 4801.3;
         let sum: f64 = frequency
@@ -44,9 +44,9 @@ fn a_signal_is_the_sum_of_its_bins_at_any_sampling_rate() {
             .sum();
         assert!((x - sum).abs() < 1e-9 * 2.0 * df * 289.0, "{n}: {x} {sum}");
     }
-    assert_eq!(OverTime::new(&[], 48_000.0, 3).signal(&[]), [0.0; 3]);
+    assert_eq!(ChirpTransform::new(&[], 48_000.0, 3).signal(&[]), [0.0; 3]);
     // One period, 1/df = 0.27 s, and silence.
-    let long = OverTime::new(&frequency, 4801.3, 1500).signal(&spectrum);
+    let long = ChirpTransform::new(&frequency, 4801.3, 1500).signal(&spectrum);
     assert!(
         long.iter()
             .zip(&signal)
@@ -151,7 +151,7 @@ fn the_pressures_around_an_oscillating_sphere_carry_the_power_of_its_resistance(
         let down = Vector3::new(0.0, 0.0, -2.0);
         let at = |s: Vector3<f64>| {
             let place = Point3::from(s * radius);
-            shaken_sphere_pressure(hz, volume, Point3::origin(), down, place, None, &air).unwrap()
+            oscillating_sphere_pressure(hz, volume, Point3::origin(), down, place, None, &air).unwrap()
         };
         // The dipole is even about its equator.
         let mean: f64 = upper(400, 1).map(|(s, share)| share * at(s).norm_sqr()).sum();
@@ -163,12 +163,12 @@ fn the_pressures_around_an_oscillating_sphere_carry_the_power_of_its_resistance(
     let slope = |floor: Option<f64>| {
         let at = |z: f64| {
             let place = Point3::new(0.7, 0.1, z);
-            shaken_sphere_pressure(400.0, volume, centre, Vector3::z(), place, floor, &air).unwrap()
+            oscillating_sphere_pressure(400.0, volume, centre, Vector3::z(), place, floor, &air).unwrap()
         };
         (at(1e-4) - at(0.0)).norm()
     };
     assert!(slope(Some(0.0)) < 1e-3 * slope(None));
-    let inside = shaken_sphere_pressure(400.0, volume, centre, Vector3::z(), centre, None, &air);
+    let inside = oscillating_sphere_pressure(400.0, volume, centre, Vector3::z(), centre, None, &air);
     assert!(matches!(inside, Err(ReceiverError::NearSurface { .. })));
 }
 
@@ -179,14 +179,14 @@ fn an_evenly_spread_source_keeps_its_energy_above_a_floor() {
     let exposure: f64 = upper(50, 1)
         .map(|(s, share)| {
             share
-                * spread_evenly(centre, Point3::from(s * radius), 0.0, &air)
+                * omnidirectional_transfer(centre, Point3::from(s * radius), 0.0, &air)
                     .unwrap()
                     .exposure_per_energy
         })
         .sum();
     let energy = exposure / air.impedance() * TAU * radius * radius;
     assert!((energy - 1.0).abs() < 1e-3, "{energy}");
-    let below = spread_evenly(centre, Point3::new(1.0, 0.0, -0.1), 0.0, &air);
+    let below = omnidirectional_transfer(centre, Point3::new(1.0, 0.0, -0.1), 0.0, &air);
     assert!(matches!(below, Err(ReceiverError::BelowFloor { .. })));
 }
 

@@ -33,7 +33,7 @@ pub struct SoundPower {
 pub fn rank(sources: &[&SoundSource], range_hz: [f64; 2]) -> (Vec<RankedSource>, Total) {
     let spectra: Vec<&SourceSpectrum> = sources.iter().map(|source| &source.spectrum).collect();
     let ranking = levels::rank(&spectra, range_hz);
-    let ranked = |place: &levels::Place| {
+    let ranked = |place: &levels::RankedSource| {
         let sound = sources[place.index];
         RankedSource {
             source: sound.spectrum.source.clone(),
@@ -55,7 +55,7 @@ pub fn rank(sources: &[&SoundSource], range_hz: [f64; 2]) -> (Vec<RankedSource>,
         lwa_db: ranking.total_lwa,
         lw_db: ranking.total_lw,
     };
-    (ranking.places.iter().map(ranked).collect(), total)
+    (ranking.sources.iter().map(ranked).collect(), total)
 }
 
 /// The bands that reach into the range.

@@ -1,13 +1,13 @@
 //! Boundary elements for the sound around a closed surface, in free space or above a rigid floor.
 //!
 //! ```text
-//! mesh -> Boundary   closed, normals into the air, above the floor; what was mended is counted
-//!      -> Exterior   blocks of panels, close pairs and their rules; what it will cost
+//! mesh -> Boundary   closed, normals into the air, above the floor; repairs are counted
+//!      -> Exterior   blocks of panels, close pairs and their rules; cost estimate
 //!      -> solve      one frequency: operators, one factorisation, pressure of all velocity patterns
 //!      -> R(f)       from the far field (symmetric, positive), and from the surface beside it
 //! ```
 //!
-//! One frequency runs on one thread; frequencies run beside each other.
+//! One frequency runs on one thread; different frequencies run in parallel.
 
 pub(crate) mod error;
 mod high_frequencies;
@@ -17,7 +17,7 @@ mod operators;
 mod solver;
 
 pub use error::BemError;
-pub use mesh::boundary::{Boundary, Mended};
+pub use mesh::boundary::{Boundary, Repairs};
 pub use mesh::boxes::{Side, SolidBox};
 pub use mesh::outline::ClosedOutline;
 pub use mesh::panel::{BoundaryMesh, Panel, PanelPoint};

@@ -39,14 +39,14 @@ const LG_D: [[f64; 17]; ROWS] = [
 /// <p^2> = rho0 c0 W D(theta) / (4 pi r^2)        1/2 int_0^pi D(theta) sin theta d theta = 1
 /// ```
 ///
-/// NASA TM-83199, sec. 8.4, after SAE ARP876; values as transcribed in MIT-LAE/pyNA, lg D linear between them. The two
-/// decimals of the table leave its mean over all directions up to 0.25 dB from 1; divided by that mean, which the
-/// interpolation has in closed form, it redistributes power and neither adds nor takes any.
+/// NASA TM-83199, sec. 8.4, after SAE ARP876; values as transcribed in MIT-LAE/pyNA, lg D linear between them. Because
+/// the table has two decimals, its mean over all directions differs from 1 by up to 0.25 dB. D is divided by that mean,
+/// which the interpolation has in closed form, so that it redistributes power without changing the total.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MixingDirectivity {
     /// ln D every 10 degrees from the nozzle's back.
     ln_d: [f64; ROWS],
-    /// Mean of the table over all directions, before it was divided by it.
+    /// Mean of the table over all directions, before the division.
     table_mean: f64,
 }
 
@@ -64,7 +64,7 @@ impl MixingDirectivity {
         interpolate(&self.ln_d, (PI - from_axis) / ROW).exp()
     }
 
-    /// The mean over all directions that the table has as it is published.
+    /// Mean of the published table over all directions.
     pub fn table_mean(&self) -> f64 {
         self.table_mean
     }

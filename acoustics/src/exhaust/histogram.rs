@@ -6,9 +6,9 @@ const POINTS: usize = 1281;
 
 /// Energy by the frequency at which its spectrum peaks, on a logarithmic lattice.
 ///
-/// Spectra of one shape that slide along the frequency axis add up to a convolution of this histogram with the shape,
-/// so that a record of any length costs one deposit per sample. Sharing a deposit between two lattice points conserves
-/// energy exactly and is an interpolation of second order in the lattice width of 1.4 %.
+/// Spectra of one shape, shifted along the logarithmic frequency axis, add up to a convolution of this histogram with
+/// the shape, so that a record of any length costs one deposit per sample. A deposit is shared between two lattice
+/// points, which conserves energy exactly and is an interpolation of second order in the lattice width of 1.4 %.
 pub(super) struct PeakHistogram {
     energy: Vec<f64>,
 }
@@ -120,10 +120,10 @@ impl Spreading {
     }
 }
 
-/// How much of a spectrum counts in a weighted sum over frequencies, by the frequency of its peak.
+/// Weighted sum of a spectrum over frequencies, as a function of its peak frequency.
 ///
-/// The adjoint of [`PeakHistogram::spread`]: what deposits count one by one adds up to the weighted sum of the spread
-/// spectrum, to round-off.
+/// The adjoint of [`PeakHistogram::spread`]: the weighted sums of single deposits add up to that of the spread
+/// spectrum, to rounding.
 pub(super) struct PeakWeights {
     weight: Vec<f64>,
 }

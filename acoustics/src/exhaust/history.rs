@@ -21,7 +21,7 @@ pub struct ExhaustHistory {
     pub(super) sample_interval: f64,
     pub(super) samples: usize,
     pub(super) frequency: Vec<f64>,
-    /// Part of the energy that a muffler lets pass.
+    /// Energy transmission factor of the muffler.
     pub(super) passed: Option<Vec<f64>>,
     pub(super) mixing: Vec<Burst>,
     pub(super) shocks: Vec<Burst>,
@@ -54,8 +54,8 @@ impl ExhaustHistory {
 
     /// A-weighted power of jets and monopole within `range_hz`, and the levels between neighbouring `edges` \[s\].
     ///
-    /// Cutting random noise adds nothing to its expected energy as long as its spectrum is smooth on the scale of the
-    /// cut's; the level by measurement therefore differs in the monopole alone.
+    /// Cutting random noise does not change its expected energy if its spectrum is smooth on the scale of the spectrum
+    /// of the cut; the level by measurement therefore differs only in the monopole.
     pub fn analyse(&self, edges: &[f64], range_hz: [f64; 2]) -> (Vec<PowerHistory>, Vec<IntervalLevels>) {
         let jets = self.jets(range_hz);
         let between = jets.energies_between(edges);

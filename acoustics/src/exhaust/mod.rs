@@ -1,9 +1,9 @@
 //! Exhaust noise from the flow of one cycle.
 //!
-//! Per sample the opening's jet is expanded to ambient pressure ([`Jet`]); its mixing and shock noise power is spread
-//! over frequency by the shape of its own instant and integrated over the record. The unsteady outflow is a monopole.
-//! Flow inward radiates nothing here. What a microphone receives beside a jet and above a floor is [`ExhaustNoise::at`],
-//! and [`ExhaustNoise::sound_at`] as a signal.
+//! For each sample, the jet of the opening is expanded to ambient pressure ([`Jet`]); the power of its mixing and shock
+//! noise is distributed over frequency by the spectral shape at that instant and integrated over the record. The
+//! unsteady outflow is a monopole. Inward flow radiates no sound in this model. [`ExhaustNoise::at`] gives the exposure
+//! at a microphone beside a jet and above a floor, and [`ExhaustNoise::sound_at`] the signal there.
 
 mod cross_check;
 mod directivity;
@@ -30,7 +30,7 @@ pub use mixing::{MIXING_RANGE, mixing_power};
 pub use monopole::PlenumResonance;
 pub use noise::{ExhaustNoise, ExhaustSettings, exhaust_noise};
 pub use opening::{FlowHistory, Opening};
-pub use receiver::{Floor, Outlet, Received};
+pub use receiver::{Floor, Outlet, ReceivedNoise};
 pub use screech::{screech_frequency, screech_track};
 pub use shock::{shock_peak_frequency, shock_power};
 pub use similarity::fine_scale_shape;

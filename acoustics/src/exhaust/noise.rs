@@ -17,7 +17,8 @@ use serde::Serialize;
 /// Strouhal number f D_j/U_j at which mixing noise peaks, per hertz.
 const MIXING_STROUHAL: f64 = 0.2;
 
-/// Largest share of the mass that may leave against a higher pressure: what inertia or a filling flow's end leave over.
+/// Largest fraction of the mass that may leave against a higher pressure, because of inertia or at the end of a filling
+/// flow.
 const ADVERSE_MASS: f64 = 0.01;
 
 /// How the exhaust is analysed.
@@ -25,11 +26,12 @@ const ADVERSE_MASS: f64 = 0.01;
 pub struct ExhaustSettings {
     /// Range, taper and padding of the transform.
     pub transform: TransformSettings,
-    /// Resonance of the plenum, where it is to filter the unsteady outflow.
+    /// Resonance of the plenum as a filter of the unsteady outflow.
     pub plenum: Option<PlenumResonance>,
-    /// What the sound of jets and outflow passes before it is radiated.
+    /// Muffler between jets and outflow and the air.
     pub muffler: Option<Muffler>,
-    /// Whether the unsteady outflow counts; not for the end of a muffler, where it is that of the holes before it.
+    /// Whether the unsteady outflow is included. At the end of a muffler it is not, because it is already included at
+    /// the holes before the muffler.
     pub unsteady_flow: bool,
 }
 
@@ -60,11 +62,11 @@ pub struct ExhaustNoise {
     pub shock_energy: f64,
     /// Share of the mixing energy from jet speeds outside the correlation's range.
     pub mixing_outside_range: f64,
-    /// Mass that left through the opening by the cycle's flow \[kg\].
+    /// Mass that left through the opening according to the cycle \[kg\].
     pub mass: f64,
-    /// Mass that the isentropic jets carry \[kg\]; near `mass` when areas and pressures agree with the cycle's.
+    /// Mass of the isentropic jets \[kg\]; close to `mass` if areas and pressures agree with those of the cycle.
     pub jet_mass: f64,
-    /// The same noise over time.
+    /// Noise over time.
     #[serde(skip)]
     pub history: ExhaustHistory,
 }

@@ -15,7 +15,7 @@ pub struct FlowHistory {
     pub pressure: Vec<f64>,
     /// Stagnation temperature before the opening \[K\].
     pub temperature: Vec<f64>,
-    /// Absolute pressure behind the opening \[Pa\], that inside a muffler; none where it is the ambient one.
+    /// Absolute pressure behind the opening \[Pa\], that inside a muffler; `None` for ambient pressure.
     pub back_pressure: Option<Vec<f64>>,
 }
 
@@ -64,8 +64,8 @@ pub struct Opening {
 }
 
 impl Opening {
-    /// The jets as they sound: n of them where the holes stand more than 3 d apart, one of the same area where they stand
-    /// nearer and merge. Holes of unknown pitch stand apart.
+    /// The acoustically effective jets: n jets if the holes are more than 3 d apart, and one jet of the same total area
+    /// if they are closer and merge. Holes of unknown pitch are treated as separate.
     pub fn merged(&self) -> Self {
         match self.pitch {
             Some(pitch) if self.count > 1 && pitch <= 3.0 * self.diameter => Self {

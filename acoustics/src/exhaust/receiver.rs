@@ -9,7 +9,7 @@ use crate::levels::{Contribution, Level, REFERENCE_PRESSURE, Weighting, energy_w
 use nalgebra::Complex;
 use std::f64::consts::PI;
 
-/// Where an opening lets its air out, and which way.
+/// Position and directions of an outlet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outlet {
     /// Position \[m\].
@@ -23,17 +23,17 @@ pub struct Outlet {
 pub struct Floor {
     /// Its z \[m\].
     pub height: f64,
-    /// How much jet noise that leaves for the floor resembles what leaves straight for the receiver, 0 to 1.
+    /// Coherence between the jet noise radiated towards the floor and that radiated directly to the receiver, 0 to 1.
     ///
-    /// 1 is a point source that sends one signal all around: direct and reflected sound interfere. 0 is the sum of their
-    /// energies, what remains of jet noise at high frequency, where it is not alike in directions tens of degrees
-    /// apart. The unsteady outflow is a point source always.
+    /// 1 is a point source with one signal in all directions: direct and reflected sound interfere. 0 is the sum of the
+    /// energies, the limit for jet noise at high frequency, which is uncorrelated between directions tens of degrees
+    /// apart. The unsteady outflow is always a point source.
     pub coherence: f64,
 }
 
-/// What a receiver hears of one opening.
+/// Sound exposure at a receiver due to one opening.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Received {
+pub struct ReceivedNoise {
     /// Frequencies \[Hz\], those of the opening's spectrum.
     pub frequency: Vec<f64>,
     /// One-sided spectral density of the sound exposure int p^2 dt \[Pa² s/Hz\].
@@ -42,7 +42,7 @@ pub struct Received {
     pub parts: Vec<Contribution>,
 }
 
-impl Received {
+impl ReceivedNoise {
     /// Sound exposure between the two frequencies \[Pa² s\], weighted under the integral.
     pub fn exposure(&self, range_hz: [f64; 2], weighting: Weighting) -> f64 {
         let weights = energy_weights(&self.frequency, range_hz, weighting);
@@ -64,7 +64,7 @@ const SPEEDS: usize = 81;
 /// Name of the contribution that is a point source.
 const OUTFLOW: &str = "unsteady flow";
 
-/// The way of sound from the outlet to the receiver, directly or by the floor.
+/// Path of the sound from the outlet to the receiver, directly or by the floor.
 struct Path {
     length: f64,
     /// D at [`SPEEDS`] jet speeds, the mean over the jets.
@@ -81,7 +81,7 @@ impl Path {
             let along: f64 = way.iter().zip(direction).map(|(a, b)| a * b).sum();
             Ok::<f64, ReceiverError>((along / (length * jet)).clamp(-1.0, 1.0).acos())
         };
-        // Between the jets' directions and the way the sound leaves.
+        // Angles between the directions of the jets and the path.
         let angles = outlet.directions.iter().map(angle).collect::<Result<Vec<f64>, _>>()?;
         let at = |i: usize| {
             let directivity = MixingDirectivity::new(FIRST + STEP * i as f64);
@@ -101,10 +101,10 @@ impl ExhaustNoise {
     /// E_p = rho0 c0/(4 pi) E_W | e^{-jkr}/r + e^{-jkr'}/r' |^2                                       unsteady flow
     /// ```
     ///
-    /// The primed path is that to the receiver's image in the floor, which leaves the outlet in another direction; gamma is
-    /// [`Floor::coherence`]. D is [`MixingDirectivity`] at each burst's jet speed for mixing noise, 1 for shock
-    /// noise, which NASA TM-83199 has even. The spectrum of a burst is the same in all directions. Bodies
-    /// that shade or reflect are not there.
+    /// The primed path leads to the image of the receiver in the floor and leaves the outlet in another direction;
+    /// gamma is [`Floor::coherence`]. D is [`MixingDirectivity`] at the jet speed of each burst for mixing noise, and 1
+    /// for shock noise, which is omnidirectional in NASA TM-83199. The spectrum of a burst is the same in all
+    /// directions. Shading and reflection by bodies are neglected.
     ///
     /// # Errors
     /// A receiver at the outlet, an outlet without direction, a floor that is not below both, a coherence outside 0 to 1.
@@ -114,7 +114,7 @@ impl ExhaustNoise {
         point: [f64; 3],
         floor: Option<&Floor>,
         air: &Air,
-    ) -> Result<Received, ReceiverError> {
+    ) -> Result<ReceivedNoise, ReceiverError> {
         let paths = Paths::new(outlet, point, floor, air)?;
         let (frequency, history) = (&self.spectrum.frequency, &self.history);
         let muffled = |mut density: Vec<f64>| {
@@ -146,7 +146,7 @@ impl ExhaustNoise {
         let exposure_density = (0..frequency.len())
             .map(|k| parts.iter().map(|part| part.energy_density[k]).sum())
             .collect();
-        Ok(Received {
+        Ok(ReceivedNoise {
             frequency: frequency.clone(),
             exposure_density,
             parts,
@@ -154,7 +154,7 @@ impl ExhaustNoise {
     }
 }
 
-/// The ways of sound from an outlet to a receiver.
+/// Paths of the sound from an outlet to a receiver.
 pub(super) struct Paths {
     direct: Path,
     reflected: Option<Path>,
@@ -179,12 +179,12 @@ impl Paths {
         })
     }
 
-    /// Length of the direct way \[m\].
+    /// Length of the direct path \[m\].
     pub(super) fn direct_length(&self) -> f64 {
         self.direct.length
     }
 
-    /// What they make of jets at some frequencies.
+    /// Propagation of jet noise along the paths at some frequencies.
     pub(super) fn jets(&self, frequency: &[f64]) -> Jets<'_> {
         let normal = similarity::total();
         let cross = self.reflected.as_ref().filter(|_| self.coherence > 0.0);
@@ -216,7 +216,7 @@ pub(super) struct Jets<'a> {
     paths: &'a Paths,
     mixing: Spreading,
     shocks: Spreading,
-    /// cos k(r' - r), where both ways are heard together.
+    /// cos k(r' - r), if direct and reflected sound interfere.
     interference: Option<Vec<f64>>,
 }
 
@@ -247,7 +247,7 @@ impl Jets<'_> {
 }
 
 impl Floor {
-    /// The way to the receiver's image in the floor.
+    /// The path to the image of the receiver in the floor.
     fn path(&self, outlet: &Outlet, point: [f64; 3]) -> Result<Path, ReceiverError> {
         for z in [outlet.position[2], point[2]] {
             if z.is_nan() || z < self.height {
@@ -267,7 +267,7 @@ impl Floor {
     }
 }
 
-/// Spectrum of the bursts, each with the gain of its jet speed, between the gains of [`SPEEDS`].
+/// Spectrum of the bursts, each multiplied by the gain at its jet speed, interpolated between [`SPEEDS`] values.
 fn spread(bursts: &[Burst], gain: impl Fn(usize) -> f64, shape: &Spreading) -> Vec<f64> {
     let gains: Vec<f64> = (0..SPEEDS).map(gain).collect();
     let mut histogram = PeakHistogram::new();

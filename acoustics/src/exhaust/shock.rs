@@ -15,7 +15,7 @@ const LG_H: [f64; 34] = [
 /// Slopes d lg H / d lg sigma beyond the ends.
 const SLOPES: (f64, f64) = (3.8, -1.2);
 
-/// Offset of lg H for jets with T_t/T_a < 1.1, as the exhaust of a tool always has.
+/// Offset of lg H for jets with T_t/T_a < 1.1, which always holds for the exhaust of a tool.
 const COLD_JET: f64 = -0.2;
 
 /// lg sigma where H peaks.

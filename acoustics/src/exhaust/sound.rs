@@ -1,4 +1,4 @@
-//! The noise of an opening as a signal: what a recording of the jets could have been.
+//! Realisation of the noise of an opening as a signal.
 
 use super::history::Burst;
 use super::noise::ExhaustNoise;
@@ -6,15 +6,15 @@ use super::receiver::{Floor, Outlet, Paths};
 use crate::air::Air;
 use crate::checks::{ReceiverError, positive};
 use crate::random::uniform;
-use crate::sound::OverTime;
+use crate::sound::ChirpTransform;
 use nalgebra::Complex;
 use rustfft::FftPlanner;
 use std::f64::consts::PI;
 
-/// Length of a frame \[s\]: short against a blow-down, and long enough to tell the frequencies of a jet apart.
+/// Length of a frame \[s\]: short compared with a blow-down, but long enough to resolve the frequencies of a jet.
 const FRAME: f64 = 5e-3;
 
-/// How a signal is drawn.
+/// Sampling and seed of a signal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Recording {
     /// Samples a second.
@@ -26,11 +26,12 @@ pub struct Recording {
 }
 
 impl ExhaustNoise {
-    /// The pressure at a point over time \[Pa\], one realisation of the noise whose expected exposure is [`ExhaustNoise::at`].
+    /// Pressure at a point over time \[Pa\]: one realisation of the noise whose expected exposure is
+    /// [`ExhaustNoise::at`].
     ///
-    /// Jet noise is random: frames of 5 ms that overlap by half hold sines with the amplitudes of the bursts in them and phases
-    /// drawn at random, windowed so that the powers of neighbours add to one. Frequencies below half a frame's resolution,
-    /// some 100 Hz, are left to the unsteady outflow, which is a signal and is kept as it is.
+    /// Jet noise is random: frames of 5 ms with 50 % overlap contain sines with the amplitudes of their bursts and
+    /// random phases, windowed so that the powers of neighbours add to one. Frequencies below half the resolution of a
+    /// frame, about 100 Hz, contain only the unsteady outflow, which is a deterministic signal.
     ///
     /// # Errors
     /// Those of [`ExhaustNoise::at`], and a sampling rate that is not positive.
@@ -50,10 +51,10 @@ impl ExhaustNoise {
         let spectrum: Vec<Complex<f64>> = outflow
             .frequency()
             .iter()
-            .zip(outflow.one_signal())
+            .zip(outflow.combined_signal())
             .map(|(&hz, x)| x * paths.point_source_pressure(hz) * to_pressure)
             .collect();
-        let mut signal = OverTime::new(outflow.frequency(), rate, samples).signal(&spectrum);
+        let mut signal = ChirpTransform::new(outflow.frequency(), rate, samples).signal(&spectrum);
         self.add_jets(&paths, air, rate, seed, &mut signal);
         Ok(signal)
     }
@@ -111,7 +112,7 @@ impl ExhaustNoise {
         }
     }
 
-    /// What a muffler lets pass of the energy at other frequencies than the spectrum's.
+    /// Energy transmission of a muffler at frequencies other than those of the spectrum.
     fn passed_at(&self, frequency: &[f64]) -> Vec<f64> {
         let Some(passed) = &self.history.passed else {
             return vec![1.0; frequency.len()];

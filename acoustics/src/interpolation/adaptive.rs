@@ -1,4 +1,4 @@
-//! Samples chosen one round after the other, until the interpolant predicts them.
+//! Adaptive sampling: rounds of samples are added until the interpolant predicts them.
 
 use super::error::SamplingError;
 use super::grid::Grid;
@@ -8,22 +8,22 @@ use crate::error::AcousticsError;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Widest useful interval of one polynomial, as a ratio of frequencies: over a wider one, the small values at its lower end
-/// are lost beside those at its upper end.
+/// Widest useful interval of one polynomial, as a ratio of frequencies: over a wider one, the small values at its lower
+/// end are lost in rounding beside those at its upper end.
 pub(crate) const WIDEST: f64 = 4.0;
 
-/// How finely to sample.
+/// Tolerance and limits of the sampling.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Plan {
     /// Largest estimated error.
     pub(crate) tolerance: f64,
     /// Samples added to an interval at a time.
     pub(crate) round: usize,
-    /// Most samples in all.
+    /// Largest total number of samples.
     pub(crate) most_samples: usize,
-    /// Whether zero is a first approximation, as of a small correction.
+    /// Whether zero is a first approximation, as for a small correction.
     pub(crate) near_zero: bool,
-    /// Whether the last round itself must lie within the tolerance, whatever it gains over the one before.
+    /// Whether the last round itself must lie within the tolerance, without an estimate of its convergence.
     pub(crate) cautious: bool,
 }
 
@@ -34,11 +34,12 @@ pub(crate) type Range = [f64; 2];
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Piece {
     pub(crate) range: Range,
-    /// Number of samples with which it is complete whatever their error; without, it is halved where too many are needed.
+    /// Number of samples at which it is complete, whatever the error; `None` if it is halved when it needs too many
+    /// samples.
     pub(crate) complete: Option<usize>,
 }
 
-/// Intervals of a range, none wider than a ratio of frequencies, which end where the quantity has a kink.
+/// Divides a range into intervals, none wider than a ratio of frequencies, with ends at the kinks of the quantity.
 ///
 /// # Errors
 /// An empty range.
@@ -59,12 +60,12 @@ pub(crate) fn pieces([low, high]: Range, widest: f64, kinks: &[f64]) -> Result<V
     Ok(edges.windows(2).map(piece).collect())
 }
 
-/// Samples of every piece, where `take` gives the sample at a frequency and `misfit` how far the test samples of an interval
-/// are from the interpolant through the others, relative to what is sampled.
+/// Samples every piece. `take` gives the sample at a frequency; `misfit` gives the distance of the test samples of an
+/// interval from the interpolant through the others, relative to the sampled quantity.
 ///
-/// Each piece begins with two rounds of Leja's sequence. Rounds are added until the last one lies within the tolerance of
-/// what the polynomial without it says. The polynomial through all of them is closer; [`Grid::error`] takes that gain to be
-/// as large as the one before, and a factor of ten at most.
+/// Each piece begins with two rounds of Leja's sequence. Rounds are added until the last one agrees to the tolerance
+/// with the polynomial without it. The polynomial through all samples is more accurate; [`Grid::error`] assumes that
+/// its error decreases by the same factor as in the previous round, at most by ten.
 ///
 /// # Errors
 /// A tolerance that is not positive, [`SamplingError::Unresolved`], those of `take`.
@@ -88,7 +89,7 @@ pub(crate) fn sample<T: Send + Sync>(
         wanted.retain(|hz| !index.contains_key(&hz.to_bits()));
         wanted.sort_by(f64::total_cmp);
         wanted.dedup();
-        // One frequency at a time on a thread: they take equally long.
+        // One frequency per task, because all take equally long.
         let taken: Vec<_> = wanted.par_iter().with_max_len(1).map(|&hz| take(hz)).collect();
         for (hz, taken) in wanted.into_iter().zip(taken) {
             index.insert(hz.to_bits(), samples.len());

@@ -15,7 +15,7 @@ const CHUNK: usize = 64;
 pub(crate) struct Grid {
     /// Frequencies of the samples, in their order \[Hz\].
     hz: Vec<f64>,
-    /// Rising, each beginning where the one before ends.
+    /// Intervals in rising order without gaps.
     intervals: Vec<Interval>,
     /// Estimated interpolation error.
     pub(crate) error: f64,
@@ -57,13 +57,14 @@ impl Grid {
         self.intervals[0].nodes[0]
     }
 
-    /// The interval that holds a frequency; none below the lowest sample. The last one holds all above.
+    /// The interval that contains a frequency; `None` below the lowest sample. The last one also covers all frequencies
+    /// above.
     pub(crate) fn interval(&self, hz: f64) -> Option<usize> {
         let last = self.intervals.len() - 1;
         (hz >= self.lowest_hz()).then(|| self.intervals.partition_point(|i| i.high <= hz).min(last))
     }
 
-    /// Samples of an interval; the lowest sample without.
+    /// Samples of an interval; the lowest sample for `None`.
     pub(crate) fn nodes(&self, interval: Option<usize>) -> Vec<usize> {
         interval.map_or_else(|| vec![self.lowest_sample()], |i| self.intervals[i].nodes.clone())
     }
@@ -177,8 +178,8 @@ impl Grid {
     }
 }
 
-/// Misfit of a field's test samples, relative to its largest entry in the interval. A row may be zero but for rounding, as
-/// in a mirror plane about which a mode is odd.
+/// Misfit of a field's test samples, relative to its largest entry in the interval. A row may be zero up to rounding,
+/// for example in a mirror plane about which a mode is odd.
 pub(crate) fn field_misfit<'a>(interval: &Interval, sample: impl Fn(usize) -> &'a DMatrix<Complex<f64>>) -> f64 {
     let size = |m: &DMatrix<Complex<f64>>| m.iter().map(Complex::norm_sqr).fold(0.0, f64::max).sqrt();
     let largest = interval

@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 /// Points among which Leja's sequence chooses.
 const CANDIDATES: usize = 2048;
 
-/// Largest ratio by which a round of samples is taken to reduce the error.
+/// Smallest factor by which a round of samples is assumed to reduce the error.
 const GAIN: f64 = 0.1;
 
 /// An interval of the frequency axis with samples at the first points of Leja's sequence.
@@ -30,7 +30,7 @@ impl Interval {
         let x = &leja()[..nodes.len()];
         let weight = |j: usize| {
             let others = x.iter().enumerate().filter(|(i, _)| *i != j);
-            // The interval's logarithmic capacity is 1/2: products stay near one.
+            // The interval is scaled to a logarithmic capacity of 1/2, so that products stay near one.
             1.0 / others.map(|(_, xi)| 2.0 * (x[j] - xi)).product::<f64>()
         };
         Self {
@@ -49,7 +49,8 @@ impl Interval {
         ends.into_iter().chain(&mut self.hz).for_each(|hz| *hz *= by);
     }
 
-    /// The same samples, of which the last `tests` test the others; all of them test zero.
+    /// The same samples, of which the last `tests` test the others; if all are test samples, they are compared with
+    /// zero.
     pub(super) fn tested_by(&self, tests: usize) -> Self {
         Self { tests, ..self.clone() }
     }
@@ -100,8 +101,8 @@ impl Interval {
     }
 }
 
-/// Error with a round's samples, from the misfit `found` without them and the misfit one round before: a round is taken to
-/// reduce the error by as much as the one before it did, and at most by [`GAIN`].
+/// Error with the samples of a round, from the misfit `found` without them and the misfit one round before: each round
+/// is assumed to reduce the error by the same factor as the previous one, but at most by [`GAIN`].
 pub(super) fn extrapolated(found: f64, before: Option<f64>) -> f64 {
     found * before.map_or(1.0, |before| (found / before).clamp(GAIN, 1.0))
 }
@@ -109,8 +110,8 @@ pub(super) fn extrapolated(found: f64, before: Option<f64>) -> f64 {
 /// Most samples of an interval.
 pub(super) const MOST: usize = 96;
 
-/// Leja's sequence on \[-1, 1\] (Leja 1957): each point where the product of the distances to those before is largest, so
-/// that each sample raises the order of the polynomial by one and none is wasted.
+/// Leja's sequence on \[-1, 1\] (Leja 1957): each point maximises the product of the distances to the previous ones, so
+/// that each sample raises the order of the polynomial by one and all earlier samples are reused.
 fn leja() -> &'static [f64] {
     static POINTS: LazyLock<Vec<f64>> = LazyLock::new(|| {
         let at = |i: usize| -(PI * i as f64 / CANDIDATES as f64).cos();

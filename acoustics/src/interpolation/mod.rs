@@ -1,12 +1,12 @@
-//! Quantities sampled at a few frequencies, as finely as their error asks, and interpolated between them.
+//! Quantities sampled at a few frequencies, adaptively to a tolerance, and interpolated between them.
 //!
 //! ```text
-//! sample   adds samples to intervals of the frequency axis until each is known to the tolerance
-//! Grid     where the samples lie; weights of the samples at any frequency; products with motions
+//! sample   adds samples to intervals of the frequency axis until each meets the tolerance
+//! Grid     frequencies of the samples; weights of the samples at any frequency; products with motions
 //! ```
 //!
-//! Radiation matrices, pressures at receivers and fields around a body are all sampled here. They differ in the norm of
-//! their misfit alone.
+//! Radiation matrices, pressures at receivers and fields around a body are all sampled here. They differ only in the
+//! norm of their misfit.
 
 mod adaptive;
 pub(crate) mod error;

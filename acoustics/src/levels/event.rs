@@ -1,4 +1,4 @@
-//! Levels of single events from records of sound pressure, as a sound level meter finds them.
+//! Levels of single events from records of sound pressure, as measured by a sound level meter.
 
 use super::{Level, Weighting};
 use crate::checks::{InputError, finite, positive};
@@ -9,10 +9,10 @@ use rustfft::num_complex::Complex;
 /// Reference sound pressure in air \[Pa\] (ISO 1683).
 pub const REFERENCE_PRESSURE: f64 = 20e-6;
 
-/// Samples between two of the record's at which a peak is sought; sampling alone misses it by up to 3 dB.
+/// Oversampling of the record for the peak search; without it, the peak is underestimated by up to 3 dB.
 const PEAK_OVERSAMPLING: usize = 8;
 
-/// Padding before the transform \[s\]: the weightings' slowest pole, 20.6 Hz, has died away by 1e-11 in it.
+/// Padding before the transform \[s\]: the slowest pole of the weightings, 20.6 Hz, decays by a factor of 1e-11 in it.
 const RINGING: f64 = 0.2;
 
 /// Sound exposure level L_E of a pressure record \[Pa\] at intervals of `sample_interval` \[s\]; `None` for silence.
@@ -72,7 +72,7 @@ fn weighted(record: &[f64], dt: f64, weighting: Weighting, finer: usize) -> Resu
     if finer == 1 {
         finer_spectrum[length / 2].im = 0.0;
     } else {
-        // The highest bin stands for two frequencies once the finer transform tells them apart.
+        // The highest bin represents two frequencies that the finer transform separates.
         finer_spectrum[length / 2] *= Complex::from(0.5);
     }
     let mut out = inverse.make_output_vec();

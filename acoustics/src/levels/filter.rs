@@ -4,13 +4,13 @@ use super::{BandLevel, SourceSpectrum, Weighting, energy_level, energy_weights, 
 /// Order n of the low-pass prototype; the band-pass has 2 n poles. Three is the least that meets class 1.
 const ORDER: i32 = 3;
 
-/// The filter of a band as instruments have it: Butterworth, of class 1 (IEC 61260-1:2014).
+/// The band filter of a class 1 instrument: Butterworth (IEC 61260-1:2014).
 ///
 /// ```text
 /// |H|^2 = 1 / (1 + x^{2n})      x = (f/f_m - f_m/f) / (f_2/f_m - f_m/f_2)      n = 3
 /// ```
 ///
-/// Its skirts overlap the neighbours', so that its bands sum to a little more than the whole: use it to compare with an
+/// Neighbouring filters overlap, so that the sum of the bands slightly exceeds the total: use it to compare with an
 /// instrument, and [`SourceSpectrum::band_levels`] for everything else.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BandFilter {
@@ -33,7 +33,7 @@ impl BandFilter {
 }
 
 impl SourceSpectrum {
-    /// The levels that class 1 filters of 50 Hz to 20 kHz find, of what lies inside `range_hz`.
+    /// Levels measured by class 1 filters from 50 Hz to 20 kHz, for the part of the spectrum inside `range_hz`.
     ///
     /// The filter is taken at the spectrum's frequencies, which must be dense within the narrowest band.
     pub fn filter_levels(&self, range_hz: [f64; 2]) -> Vec<BandLevel> {

@@ -21,8 +21,8 @@ impl PowerHistory {
         self.power.iter().sum::<f64>() * self.sample_interval
     }
 
-    /// Energies \[J\] between neighbouring `edges` \[s\], which must not fall. They add up to [`Self::total`]: what
-    /// stands before the first edge belongs to the first interval, what stands after the last edge to the last.
+    /// Energies \[J\] between neighbouring `edges` \[s\], which must not decrease. They add up to [`Self::total`]:
+    /// energy before the first edge belongs to the first interval, energy after the last edge to the last.
     ///
     /// A cell that an edge cuts is divided by time.
     pub fn energies_between(&self, edges: &[f64]) -> Vec<f64> {
@@ -37,7 +37,7 @@ impl PowerHistory {
             let end = self.start + (n as f64 + 0.5) * dt;
             let mut left = 1.0;
             while at + 1 < intervals && edges[at + 1] < end {
-                // The part of the cell still to be given away that lies before the edge.
+                // Fraction of the rest of the cell that lies before the edge.
                 let before = (left - (end - edges[at + 1]) / dt).clamp(0.0, left);
                 energies[at] += before * power * dt;
                 left -= before;
@@ -56,7 +56,7 @@ impl PowerHistory {
             .collect();
         let mut power = vec![0.0; cells];
         for history in histories {
-            // The two cells beside the ends take what lies outside.
+            // The first and the last cell receive the energy outside.
             let energies = history.energies_between(&edges);
             let inside = energies.iter().skip(1).take(cells);
             power
@@ -72,7 +72,7 @@ impl PowerHistory {
     }
 }
 
-/// What a source radiates between two events.
+/// Energy and levels of a source between two events.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct IntervalLevels {
     /// Start \[s\].
@@ -102,7 +102,7 @@ impl IntervalLevels {
         }
     }
 
-    /// The intervals of sources that radiate independently: energies add. All must have the same edges.
+    /// Sum of the intervals of independent sources: energies add. All must have the same edges.
     pub fn sum(parts: &[Vec<Self>]) -> Vec<Self> {
         let Some((first, others)) = parts.split_first() else {
             return Vec::new();

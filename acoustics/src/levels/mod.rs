@@ -1,6 +1,6 @@
 //! Energy spectra, bands, frequency weightings, single-event levels and the ranking of sources.
 //!
-//! A source is known by its energy spectral density E(f) \[J/Hz\], one-sided; all levels follow from integrals of E.
+//! A source is described by its one-sided energy spectral density E(f) \[J/Hz\]; all levels follow from integrals of E.
 
 mod bands;
 pub(crate) mod error;
@@ -17,7 +17,7 @@ pub use error::LevelsError;
 pub use event::{REFERENCE_PRESSURE, exposure_level, peak_level};
 pub use filter::BandFilter;
 pub use history::{IntervalLevels, PowerHistory};
-pub use ranking::{COMMON_RANGE_HZ, Place, Ranking, rank};
+pub use ranking::{COMMON_RANGE_HZ, RankedSource, Ranking, rank};
 pub use signals::{PowerSignals, SignalAnalysis};
 pub use spectrum::{BandLevel, Contribution, SourceSpectrum, energy_weights};
 pub use weighting::Weighting;
@@ -26,7 +26,8 @@ pub use weighting::Weighting;
 pub const REFERENCE_ENERGY: f64 = 1e-12;
 
 /// Energy below which a source is silent \[J\]: k_B T at 20 °C, the thermal energy of a single degree of freedom of the
-/// air, 84 dB below the reference. What a chain of computations leaves of zero lies far below it, no sound does.
+/// air, 84 dB below the reference. Rounding errors of a computed zero are far smaller, and any audible sound is far
+/// larger.
 pub const SILENCE: f64 = 1.380_649e-23 * 293.15;
 
 /// A level in decibels; a source that radiates nothing has none.

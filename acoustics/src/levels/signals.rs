@@ -17,20 +17,20 @@ const OVERSAMPLING: usize = 4;
 /// Length to which a measured cut is padded \[s\].
 const CUT_LENGTH: f64 = 1.0;
 
-/// Signals worked on by one thread at a time; their order of addition must not depend on the number of threads.
+/// Signals per task. A fixed number keeps the order of summation independent of the number of threads.
 const CHUNK: usize = 8;
 
-/// Signals whose squared sum is the power a source radiates.
+/// Signals whose sum of squares is the power radiated by a source.
 ///
 /// ```text
 /// x(t) = F^-1[H_A L^H V]      W_A(t) = |x(t)|^2      R = L L^H
 /// ```
 ///
-/// Every bin carries exactly the energy the source's spectrum has there, and the range and weighting enter as the
-/// [weights](energy_weights) that integrate this spectrum: by Parseval's theorem the power's integral over time is the
-/// spectrum's over frequency, to round-off. The weighting has the phase of its causal filter, so that a blow does not
-/// sound before it falls. L is real on the frequency axis (Hermitian in general) and spreads a signal evenly to both
-/// sides, by no more than its smoothness over frequency asks for; so do the ends of the range.
+/// Every bin has exactly the energy of the source's spectrum, and the range and weighting enter as the
+/// [weights](energy_weights) that integrate this spectrum: by Parseval's theorem the integral of the power over time
+/// equals that of the spectrum over frequency, to rounding. The weighting has the phase of its causal filter, so that a
+/// signal does not precede its cause. L is real on the frequency axis (Hermitian in general) and spreads a signal
+/// symmetrically in time, as do the ends of the range.
 ///
 /// The bins are those of a record padded to at least twice its length ([`crate::fourier::TransformSettings`]). Time runs
 /// from minus a quarter of the transform's period to three quarters of it.
@@ -41,7 +41,7 @@ pub struct PowerSignals {
     resolution: f64,
     /// Signals x bins.
     spectra: DMatrix<Complex<f64>>,
-    /// What the signals of every bin are times, with 2 |x|² = E then.
+    /// Factor of the signals in every bin, with which 2 |x|² = E.
     factors: Vec<Complex<f64>>,
     mismatch: f64,
 }
@@ -58,8 +58,8 @@ pub struct SignalAnalysis {
 impl PowerSignals {
     /// Signals (rows of `spectra`) on the bins of a source's spectrum, with E = 2 |x|² up to a bin's own factor.
     ///
-    /// The factor is taken out bin by bin: `spectra` tell when a bin's energy is radiated, the spectrum how much it is.
-    /// [`Self::mismatch`] is what it amounted to.
+    /// The factor is removed in each bin: `spectra` determine the time dependence of the energy of a bin, the spectrum
+    /// its amount. [`Self::mismatch`] is the total of the corrections.
     ///
     /// # Errors
     /// Another number of bins than the spectrum's; frequencies that are not multiples of one bin width.
@@ -108,9 +108,9 @@ impl PowerSignals {
         &self.frequency
     }
 
-    /// One signal that stands for all where a single one is needed, as in a file of sound: in every bin the whole energy
-    /// with the phase of the signals' sum. Where there is one signal, it is that.
-    pub fn one_signal(&self) -> Vec<Complex<f64>> {
+    /// A single signal with the energy of all, for example for a sound file: in every bin the total energy with the
+    /// phase of the sum of the signals. If there is one signal, the result is that signal.
+    pub fn combined_signal(&self) -> Vec<Complex<f64>> {
         let of_bin = |(bin, factor): (nalgebra::DVectorView<'_, Complex<f64>>, &Complex<f64>)| {
             let amplitude = bin.iter().map(|x| x.norm_sqr()).sum::<f64>().sqrt();
             Complex::from_polar(amplitude * factor.norm(), (bin.sum() * factor).arg())
@@ -120,9 +120,10 @@ impl PowerSignals {
 
     /// A-weighted power over time and levels between neighbouring `edges` \[s\], within `range_hz`.
     ///
-    /// Beside the energy that adds up stands what a measurement finds: the unweighted signal of the range cut at the
-    /// ends of the interval, padded with zeros to 1 s, transformed, weighted and summed over the range; the cuts add
-    /// energy of their own. The first interval reaches back to the history's start and the last one on to its end.
+    /// In addition to the energies, which add up, each interval has the level that a measurement would give: the
+    /// unweighted signal, limited to the range, is cut at the ends of the interval, padded with zeros to 1 s,
+    /// transformed, weighted and summed over the range; the cuts add energy. The first interval extends back to the
+    /// start of the history and the last one to its end.
     pub fn analyse(&self, edges: &[f64], range_hz: [f64; 2]) -> SignalAnalysis {
         let work = Work::new(self, edges, range_hz);
         let first: Vec<usize> = (0..self.signals()).step_by(CHUNK).collect();
@@ -178,7 +179,7 @@ struct Work {
     cuts: Vec<Cut>,
 }
 
-/// A piece of the signal between two events, measured.
+/// A section of the signal between two events, as measured.
 struct Cut {
     /// Half-open range of samples.
     from: usize,
@@ -196,8 +197,8 @@ struct Cut {
 ///                   = sum_m q_m |Y_m|^2            q = DFT of w over |tau| < L, over M;  Y the piece's transform, M >= 2 L
 /// ```
 ///
-/// r vanishes from the piece's length L on, so that both sums are the same number and the second takes a transform
-/// of M = 2 L points where the first takes one of N = 1 s.
+/// r vanishes for lags of the piece's length L and more, so that both sums are equal, and the second needs a transform
+/// of M = 2 L points instead of N = 1 s.
 struct MeasuredSum {
     /// w(tau) for 0 <= tau < N, periodic.
     lags: Vec<f64>,
@@ -307,7 +308,7 @@ impl Work {
         let mut padded = vec![0.0; length(|cut| cut.transform.len())];
         let mut bins = vec![Complex::ZERO; length(|cut| cut.transform.complex_len())];
         let mut forward_scratch = vec![Complex::ZERO; length(|cut| cut.transform.get_scratch_len())];
-        // Neighbours in memory are taken together.
+        // Contiguous values are processed together.
         let count = signals.frequency.len();
         let mut values = vec![Complex::ZERO; count * rows.len()];
         for (bin, column) in signals.spectra.column_iter().enumerate() {
@@ -321,7 +322,7 @@ impl Work {
                 for ((to, value), factor) in spectrum[signals.first..].iter_mut().zip(values).zip(factors) {
                     *to = value * factor;
                 }
-                // The buffers are the plan's own and the ends are zero, so the plan has nothing to refuse.
+                // The buffers are those of the plan and the ends are zero, so the transform cannot fail.
                 let done = self.inverse.process_with_scratch(&mut spectrum, x, &mut scratch);
                 debug_assert!(done.is_ok());
             };

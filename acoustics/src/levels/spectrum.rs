@@ -16,12 +16,12 @@ pub struct Contribution {
 
 /// Sound energy radiated by one source during one shot, as a one-sided spectral density.
 ///
-/// E(f) is linear between the given frequencies and zero outside them, and every integral below is of that function.
+/// E(f) is linear between the given frequencies and zero outside; all integrals below are exact for that function.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SourceSpectrum {
     /// Name of the source.
     pub source: String,
-    /// How the energy was found, as shown beside every result.
+    /// Label of the method, shown beside every result.
     pub method: String,
     /// Frequencies \[Hz\], rising.
     pub frequency: Vec<f64>,
@@ -79,7 +79,7 @@ impl SourceSpectrum {
         })
     }
 
-    /// The spectrum of a source that does not sound.
+    /// The spectrum of a silent source.
     pub fn silent(source: impl Into<String>, method: impl Into<String>, range_hz: [f64; 2]) -> Self {
         Self {
             source: source.into(),
@@ -127,10 +127,10 @@ impl SourceSpectrum {
         third_octaves().into_iter().map(level_of).collect()
     }
 
-    /// The sum of spectra of parts that radiate independently, on the union of their frequencies, where the sum of
-    /// piecewise linear functions is exact. A part that ends before the others falls to zero within one rounding of
-    /// its last frequency, so that none of its energy is smeared beyond. The parts become the contributions. The range is
-    /// the one they share.
+    /// Sum of the spectra of independent parts on the union of their frequencies, where the sum of piecewise linear
+    /// functions is exact. A part that ends before the others falls to zero within one rounding step of its last
+    /// frequency, so that none of its energy is smeared beyond. The parts become the contributions. The range is the
+    /// intersection of their ranges.
     pub fn sum(source: impl Into<String>, method: impl Into<String>, parts: &[Self]) -> Self {
         let ends = |part: &Self| Some([part.frequency.first()?.next_down(), part.frequency.last()?.next_up()]);
         let jumps: Vec<f64> = parts.iter().filter_map(ends).flatten().collect();

@@ -70,14 +70,14 @@ impl Lining {
     }
 }
 
-/// Frequency \[Hz\] up to which plane waves are alone in a round pipe of the given diameter \[m\]: there the first mode
-/// across it cuts on, k d/2 = 1.8412. `sound_speed` in m/s.
+/// Highest frequency \[Hz\] at which only plane waves propagate in a round pipe of the given diameter \[m\]: the cut-on
+/// of the first cross mode, k d/2 = 1.8412. `sound_speed` in m/s.
 pub fn plane_wave_limit(diameter: f64, sound_speed: f64) -> f64 {
     CROSS_MODE * sound_speed / (PI * diameter)
 }
 
 impl MufflerElement {
-    /// [`plane_wave_limit`] of the element \[Hz\].
+    /// Highest frequency of plane waves in the element, [`plane_wave_limit`] \[Hz\].
     pub fn highest_hz(&self, air: &Air) -> f64 {
         plane_wave_limit(self.diameter, air.sound_speed)
     }
@@ -88,8 +88,8 @@ impl MufflerElement {
     /// k_z = sqrt(k^2 - j k beta P/S)      Z = rho0 c0 k / (S k_z)
     /// ```
     ///
-    /// P/S = 4/d is perimeter over area. The lined pipe's fundamental wave is taken as plane, its wall as flat: good as
-    /// long as the lining is thin beside the pipe and |beta| k d < 1.
+    /// P/S = 4/d is perimeter over area. The fundamental wave of the lined pipe is taken as plane and its wall as flat:
+    /// valid if the lining is thin compared with the pipe and |beta| k d < 1.
     ///
     /// # Errors
     /// [`MufflerError::NotPlaneWaves`] above [`Self::highest_hz`]; impossible dimensions; a lining outside its fit.

@@ -1,8 +1,8 @@
 //! Mufflers: insertion loss as measured, or computed from chambers and lined pipes by transfer matrices.
 //!
-//! Plane waves only, in air at rest and of the ambient state; the flow through the muffler carries no sound. Its resistance
-//! to the flow raises the pressure before it and slows the cycle, which has it as a restriction behind the holes; that
-//! pressure is [`FlowHistory::back_pressure`](crate::exhaust::FlowHistory::back_pressure).
+//! Plane waves only, in air at rest in the ambient state; sound convection by the flow is neglected. The flow
+//! resistance of the muffler raises the pressure before it and slows the cycle, which models it as a restriction behind
+//! the holes; that pressure is [`FlowHistory::back_pressure`](crate::exhaust::FlowHistory::back_pressure).
 
 mod elements;
 pub(crate) mod error;
@@ -19,7 +19,7 @@ use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// What stands between the exhaust's jets and the air.
+/// Muffler between the exhaust holes and the air.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Muffler {
     /// Insertion loss as measured.
@@ -82,7 +82,7 @@ pub struct MufflerChain {
     pub elements: Vec<MufflerElement>,
     /// Diameter of the outlet \[m\].
     pub outlet_diameter: f64,
-    /// Mach number M of the flow that leaves it; its jet damps the muffler's resonances.
+    /// Mach number M of the outflow, whose jet damps the resonances of the muffler.
     pub outlet_mach: f64,
 }
 
@@ -109,10 +109,10 @@ impl MufflerChain {
         Ok(four_pole.transmission_loss(impedance(inlet_diameter), impedance(self.outlet_diameter)))
     }
 
-    /// Insertion loss for a source whose volume flow the muffler does not change, as that of throttled holes, which
-    /// radiated into the open before \[dB\]: 20 lg |U_source / U_outlet|. Negative where the muffler resonates.
+    /// Insertion loss \[dB\] for a source whose volume flow does not depend on the muffler, such as choked holes that
+    /// otherwise radiate into the open: 20 lg |U_source / U_outlet|. Negative where the muffler resonates.
     ///
-    /// The outlet radiates into free space, and its jet takes energy from the sound:
+    /// The outlet radiates into free space, and its jet absorbs sound energy:
     ///
     /// ```text
     /// Z = Z_open end + M rho0 c0 / S
@@ -146,7 +146,7 @@ impl Muffler {
     /// The factor 10^{-IL/10} on energy at the frequency `hz`.
     ///
     /// # Errors
-    /// A frequency for which the muffler is not known: outside its bands, or above its plane-wave range.
+    /// A frequency outside the bands, or above the plane-wave range.
     pub fn energy_factor(&self, hz: f64, air: &Air) -> Result<f64, MufflerError> {
         let loss = match self {
             Self::InsertionLoss(losses) => losses.decibels(hz)?,

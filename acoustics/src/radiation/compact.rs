@@ -6,15 +6,15 @@ use crate::checks::{InputError, positive};
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::PI;
 
-/// Equivalent radiated power times the radiation efficiency of an oscillating sphere, for a body whose sides move against
-/// each other and that is small against the wavelength.
+/// Equivalent radiated power times the radiation efficiency of an oscillating sphere, for a body that is small compared
+/// with the wavelength and whose opposite sides move in opposite directions.
 ///
 /// ```text
 /// sigma = (k a)^4 / (4 + (k a)^4)        a = (3 V / 4 pi)^{1/3},  V the body's volume
 /// ```
 ///
-/// Exact for a rigid sphere (Morse and Ingard 1968, Theoretical Acoustics, sec. 7.1). Modes without net momentum radiate
-/// less at low frequencies; where plates vibrate, more near coincidence.
+/// Exact for a rigid sphere (Morse and Ingard 1968, Theoretical Acoustics, sec. 7.1). Modes without net momentum
+/// radiate less at low frequencies; vibrating plates radiate more near coincidence.
 #[derive(Debug, Clone)]
 pub struct CompactErp {
     erp: Erp,

@@ -3,14 +3,14 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-/// Rows whose forms are summed while their products are at hand.
+/// Rows whose forms are summed at a time, while their products are in the cache.
 const ROWS: usize = 256;
 
-/// What is left of a covariance when it counts as used up, over its largest diagonal entry.
+/// Remaining diagonal at which the factorisation of a covariance ends, relative to its largest diagonal entry.
 const USED_UP: f64 = 1e-12;
 
-/// L of a symmetric, positive semidefinite C = L L^T, modes x rank, in single precision of the largest: by Cholesky's
-/// factorisation with pivots, which ends with the rank of C. That is low in narrow bands.
+/// Low-rank factor L of a symmetric, positive semidefinite C = L L^T, modes x rank, with single precision relative to
+/// the largest entry: by pivoted Cholesky factorisation, which ends at the rank of C. The rank is low in narrow bands.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LowRank(DMatrix<f32>);
 
@@ -25,7 +25,7 @@ impl LowRank {
         Self(factor)
     }
 
-    /// phi^T C phi = |L^T phi|^2 for every row phi of `shapes`, C by C: the rows are read once for all of them.
+    /// phi^T C phi = |L^T phi|^2 for every row phi of `shapes`, for each C; the rows are read once for all of them.
     pub fn forms(of: &[Self], shapes: &DMatrix<f32>) -> Vec<Vec<f64>> {
         let ranks: Vec<usize> = of.iter().map(|own| own.0.ncols()).collect();
         let mut all = DMatrix::<f32>::zeros(shapes.ncols(), ranks.iter().sum());

@@ -9,10 +9,10 @@ use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Bins evaluated together, so that intermediate results stay in a cache.
+/// Bins evaluated together, so that intermediate results fit in the cache.
 const STRETCH: usize = 256;
 
-/// What `each` makes of the frequencies and motions of stretches of bins, in their order.
+/// Applies `each` to the frequencies and motions of stretches of bins; results in order.
 fn by_stretches<T: Send>(
     spectra: &ModalSpectra,
     length: usize,
@@ -28,13 +28,14 @@ fn by_stretches<T: Send>(
     starts.par_iter().map(of_stretch).collect()
 }
 
-/// Bins whose signals are evaluated together; they are many more numbers than energies.
+/// Bins whose signals are evaluated together; signals need much more memory than energies.
 const SIGNAL_BINS: usize = 64;
 
 /// Energy of every mode: its own part of the quadratic form, twice the real part of conj(V_i) (R V)_i, integrated with the
 /// given weight of every bin.
 ///
-/// The modes sum to the whole. A mode that moves against the others takes sound from them, and its energy is negative.
+/// The energies of the modes add up to the total. A mode that moves against the others absorbs sound, and its energy is
+/// negative.
 ///
 /// # Errors
 /// A number of modes that differs from the operator's, another number of weights than bins.
@@ -99,7 +100,8 @@ pub fn radiated_energy(
     let mut density = Vec::with_capacity(spectra.frequency.len());
     for mut bin in forms.column_iter_mut() {
         let total = bin.sum();
-        // Interpolation leaves R semidefinite only to its error: where motions all but cancel, the sum may dip below 0.
+        // Interpolated R is semidefinite only to the interpolation error: if motions almost cancel, the sum may fall
+        // below 0.
         if total < 0.0 {
             bin.fill(0.0);
         }

@@ -1,6 +1,6 @@
 use super::hermitian_root::hermitian_root;
 use super::operator::ModalRadiation;
-use super::packed::{Motions, Packed};
+use super::packed::{Motions, PackedHermitian};
 use super::products::forms;
 use super::resistance::Resistance;
 use super::surface::RadiatingSurface;
@@ -25,9 +25,9 @@ pub struct Erp {
     patches: Vec<String>,
     #[serde(with = "crate::blocks")]
     resistances: Vec<DMatrix<f64>>,
-    /// The same as forms need it, and the root of all patches together, where they have been asked for.
+    /// Packed matrices for the quadratic forms, and the root of the sum over patches; computed on first use.
     #[serde(skip)]
-    packed: OnceLock<Packed>,
+    packed: OnceLock<PackedHermitian>,
     #[serde(skip)]
     root: OnceLock<DMatrix<f64>>,
 }
@@ -66,14 +66,14 @@ impl Erp {
         Self::of(self.patches, self.resistances)
     }
 
-    fn packed(&self) -> &Packed {
+    fn packed(&self) -> &PackedHermitian {
         self.packed.get_or_init(|| {
             let of_patch = |r: &DMatrix<f64>| Resistance {
                 real: r.clone(),
                 imaginary: None,
             };
             let resistances: Vec<Resistance> = self.resistances.iter().map(of_patch).collect();
-            Packed::new(self.modes(), resistances.iter())
+            PackedHermitian::new(self.modes(), resistances.iter())
         })
     }
 

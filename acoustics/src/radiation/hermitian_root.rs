@@ -10,15 +10,15 @@ use faer::traits::math_utils::{mul_real, real};
 use faer::{Accum, Mat, Par, unzip, zip};
 use nalgebra::{Complex, DMatrix};
 
-/// What two modes exchange counts as nothing below this share of the mean of their own resistances, none of which counts as
-/// less than this share of the largest: matrices are rounded to it where they are kept.
+/// Coupling between two modes below this fraction of the mean of their own resistances is neglected; no resistance
+/// counts as less than this fraction of the largest. Stored matrices are rounded to this precision.
 const NOTHING: f64 = f32::EPSILON as f64;
 
 /// The Hermitian root of a resistance, S = S^H >= 0 with S^2 = R; its imaginary part is antisymmetric.
 ///
 /// Unlike sorted eigenvectors it is a smooth function of R, so that it may be interpolated over frequency. Negative
-/// eigenvalues, left by round-off or interpolation, count as zero. Modes that exchange nothing with others, as those of
-/// another parity of a symmetric body, have a root of their own.
+/// eigenvalues, caused by rounding or interpolation, are set to zero. Groups of modes without coupling, for example of
+/// different parity, have separate roots.
 pub(super) fn hermitian_root(resistance: &Resistance) -> Resistance {
     let mut root = Resistance {
         real: DMatrix::zeros(resistance.real.nrows(), resistance.real.ncols()),
@@ -54,7 +54,7 @@ fn pairs(n: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..n).flat_map(move |j| (0..n).map(move |i| (i, j)))
 }
 
-/// The modes in groups that exchange nothing with each other, see [`NOTHING`].
+/// Groups of modes without coupling to each other, see [`NOTHING`].
 fn independent(resistance: &Resistance) -> Vec<Vec<usize>> {
     let n = resistance.real.nrows();
     let least = NOTHING * resistance.real.diagonal().iter().copied().fold(0.0, f64::max);
@@ -86,7 +86,7 @@ fn independent(resistance: &Resistance) -> Vec<Vec<usize>> {
     groups
 }
 
-/// U max(D, 0)^{1/2} U^H for U D U^H; not a number where the eigenvalues of a damaged matrix do not converge.
+/// U max(D, 0)^{1/2} U^H for U D U^H; not a number if the eigenvalues of an invalid matrix do not converge.
 fn root_of<T: ComplexField<Real = f64>>(whole: Mat<T>) -> Mat<T> {
     let n = whole.nrows();
     let mut values = Diag::<T>::zeros(n);

@@ -8,6 +8,7 @@
 //!
 //! R / omega² is what is sampled and interpolated: it stays finite at f = 0.
 
+mod averaged;
 mod compact;
 mod covariance;
 mod energy;
@@ -15,7 +16,6 @@ mod erp;
 pub(crate) mod error;
 mod hermitian_root;
 mod kernel;
-mod means;
 mod operator;
 mod packed;
 mod products;
@@ -23,27 +23,27 @@ mod rayleigh;
 mod resistance;
 mod sampled;
 mod sand;
-mod second;
 mod sources;
 mod spectra;
 mod sphere;
 mod spherical_waves;
 mod surface;
+mod surface_resistances;
 
+pub(crate) use averaged::AveragedResistance;
 pub use compact::{CompactErp, sphere_efficiency};
 pub use covariance::{LowRank, quadratic_forms};
 pub use energy::{mode_energies, radiated_energy, radiated_signals};
 pub use erp::Erp;
 pub use error::RadiationError;
-pub(crate) use means::Means;
 pub use operator::ModalRadiation;
 pub use rayleigh::Rayleigh;
 pub use resistance::Resistance;
 pub(crate) use sampled::ROUND;
 pub use sampled::{SampledRadiation, Sampling};
 pub use sand::{AbsorbingSand, MovingSand, miki_admittance};
-pub use second::SurfaceEvaluations;
 pub use spectra::ModalSpectra;
 pub use sphere::{rigid_body_energy, rigid_body_signals};
 pub(crate) use surface::FACE_POINTS;
 pub use surface::RadiatingSurface;
+pub use surface_resistances::SurfaceResistances;

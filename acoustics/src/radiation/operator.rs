@@ -11,7 +11,7 @@ pub trait ModalRadiation: Sync {
     /// Number of modes.
     fn modes(&self) -> usize;
 
-    /// Names of the surface patches, whose resistances add up to the whole.
+    /// Names of the surface patches; their resistances add up to that of the whole surface.
     fn patches(&self) -> &[String];
 
     /// Highest frequency the operator was computed for \[Hz\].
@@ -20,8 +20,8 @@ pub trait ModalRadiation: Sync {
     /// Resistance R(f) of the whole surface at the frequency `hz`.
     fn resistance(&self, hz: f64) -> Resistance;
 
-    /// v^T R(f) v of the whole surface for each frequency \[Hz\] and the modes of a real motion v that are not at rest, each
-    /// once.
+    /// v^T R(f) v of the whole surface for each frequency \[Hz\] with a sparse real motion v, given by its nonzero
+    /// entries; each mode at most once.
     fn sparse_forms(&self, motions: &[(f64, Vec<(usize, f64)>)]) -> Vec<f64> {
         let form = |(hz, v): &(f64, Vec<(usize, f64)>)| self.resistance(*hz).sparse_form(v);
         motions.iter().map(form).collect()

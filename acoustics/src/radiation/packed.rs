@@ -1,17 +1,17 @@
-//! Hermitian matrices in single precision, in which they are kept, and what they make of motions.
+//! Hermitian matrices in packed storage and single precision, and their products with motions.
 
 use super::resistance::Resistance;
 use faer::Mat;
 use nalgebra::{Complex, DMatrix};
 use serde::{Deserialize, Serialize};
 
-/// Rows are filled up with zeros to a whole number of vectors.
+/// Rows are padded with zeros to a whole number of vectors.
 const LANES: usize = 16;
 
-/// Hermitian matrices of one size: of each the upper triangle, column by column, and where some have an imaginary part
-/// behind it that one's without its diagonal.
+/// Hermitian matrices of one size: of each the upper triangle by columns, followed by the imaginary part of the upper
+/// triangle without its diagonal if some matrix has one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Packed {
+pub(super) struct PackedHermitian {
     modes: usize,
     skew: bool,
     matrices: usize,
@@ -19,7 +19,7 @@ pub(super) struct Packed {
     values: Vec<f32>,
 }
 
-impl Packed {
+impl PackedHermitian {
     /// Entries of a row.
     pub(super) fn length(modes: usize, skew: bool) -> usize {
         let pairs = modes * (modes + 1) / 2;
@@ -122,7 +122,7 @@ impl Packed {
         self.values.iter_mut().for_each(|v| *v *= factor);
     }
 
-    /// What it has more than `other`: all rows, one behind the other.
+    /// Difference to `other`: all rows, one after the other.
     pub(super) fn less(&self, other: &Self) -> Vec<f64> {
         let pairs = self.values.iter().zip(&other.values);
         pairs.map(|(a, b)| f64::from(*a) - f64::from(*b)).collect()
@@ -137,7 +137,7 @@ impl Packed {
         self.values.iter_mut().zip(sums).for_each(|(v, sum)| *v = sum as f32);
     }
 
-    /// Adds matrices of nothing until there are so many.
+    /// Appends zero matrices up to the number `matrices`.
     pub(super) fn add_silent(&mut self, matrices: usize) {
         self.matrices = self.matrices.max(matrices);
         self.values.resize(self.matrices * self.stride(), 0.0);
@@ -234,7 +234,7 @@ impl Motions {
     pub(super) fn new(motion: &DMatrix<Complex<f64>>) -> Self {
         let (mut parts, mut scale) = (Vec::new(), Vec::new());
         for a in motion.column_iter() {
-            // Comparisons rather than `f64::max`, which heeds what is no number and is no single instruction.
+            // Comparisons instead of `f64::max`, which handles NaN and is not a single instruction.
             let largest = a.iter().fold([0.0f64; 2], |[re, im], a| {
                 let (x, y) = (a.re.abs(), a.im.abs());
                 [if x > re { x } else { re }, if y > im { y } else { im }]
@@ -262,15 +262,16 @@ impl Motions {
         &self.parts[motion]
     }
 
-    /// Largest amplitude of a motion, which its parts are over.
+    /// Largest amplitude of a motion; its parts are divided by it.
     pub(super) fn scale(&self, motion: usize) -> f64 {
         self.scale[motion]
     }
 
-    /// a_i* a_j of all pairs as they stand in the rows of [`Packed`] matrices, both triangles together, motion by motion.
+    /// a_i* a_j of all pairs in the order of the rows of [`PackedHermitian`] matrices, both triangles together, by
+    /// motion.
     #[inline(always)]
     pub(super) fn pairs(&self, skew: bool) -> Pairs {
-        let stride = Packed::length(self.modes, skew);
+        let stride = PackedHermitian::length(self.modes, skew);
         let mut values = vec![0.0; stride * self.len()];
         for ([re, im], row) in self.parts.iter().zip(values.chunks_exact_mut(stride.max(1))) {
             let mut at = 0;

@@ -1,11 +1,12 @@
-//! Products of matrices and motions in single precision, vector by vector.
+//! Vectorised products of matrices and motions in single precision.
 
-use super::packed::{Motions, Packed, Pairs};
+use super::packed::{Motions, PackedHermitian, Pairs};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Entries of rows that are multiplied before the sum goes on in double precision; those of 64 motions stay in a cache.
+/// Entries of rows that are multiplied before the sum is continued in double precision; those of 64 motions fit in the
+/// cache.
 const PIECE: usize = 1024;
 /// Matrices and motions multiplied side by side: as many sums as there are registers for.
 const ROWS: usize = 4;
@@ -13,7 +14,7 @@ const COLUMNS: usize = 3;
 
 /// a^H M a for every matrix of every sample and all motions (times the squares of their scales): sample by sample, matrix
 /// by matrix, motion by motion.
-pub(super) fn forms(samples: &[&Packed], motions: &Motions) -> Vec<f64> {
+pub(super) fn forms(samples: &[&PackedHermitian], motions: &Motions) -> Vec<f64> {
     let rows: Vec<&[f32]> = samples.iter().flat_map(|s| s.rows()).collect();
     let mut sums = vec![0.0; rows.len() * motions.len()];
     Arch::new().dispatch(Forms {
@@ -133,7 +134,7 @@ pub(super) fn real_images(matrix: &Mat<f32>, motions: &Motions) -> [Mat<f32>; 2]
     })
 }
 
-/// M a of one matrix in the form of a row of [`Packed`] and one motion: real and imaginary parts.
+/// M a of one matrix in the form of a row of [`PackedHermitian`] and one motion: real and imaginary parts.
 pub(super) fn image(modes: usize, skew: bool, row: &[f32], motion: &[Vec<f32>; 2]) -> [Vec<f32>; 2] {
     Arch::new().dispatch(Image {
         modes,
@@ -243,7 +244,7 @@ mod tests {
                     imaginary: Some(skew),
                 },
             ];
-            let samples = matrices.each_ref().map(|m| Packed::new(n, std::iter::once(m)));
+            let samples = matrices.each_ref().map(|m| PackedHermitian::new(n, std::iter::once(m)));
             let found = forms(&samples.each_ref(), &motions);
             for (m, (matrix, packed)) in matrices.iter().zip(&samples).enumerate() {
                 let whole = matrix.real.map(Complex::from)

@@ -20,13 +20,13 @@ use std::f64::consts::PI;
 /// R = rho0 omega^2 / (2 pi c0) Phi_n^T S K S Phi_n       K_ab = sin(k r_ab) / (k r_ab)
 /// ```
 ///
-/// S holds the quadrature weights. The kernel is smooth, so a Gauss rule on the faces converges spectrally. It is
-/// applied as a sum of spherical waves; [`Self::surface_resistance`] sums pair by pair instead.
+/// S holds the quadrature weights. The kernel is smooth, so that a Gauss rule on the faces converges spectrally. The
+/// kernel is applied as a sum of spherical waves; [`Self::surface_resistance`] sums over pairs of points instead.
 #[derive(Debug, Clone)]
 pub struct Rayleigh {
     air: Air,
     sources: Sources,
-    /// Intervals of x and y that the surface takes up.
+    /// Bounding rectangle of the surface, intervals of x and y.
     extent: [[f64; 2]; 2],
     /// z of all points.
     plane: f64,
@@ -114,8 +114,8 @@ impl Rayleigh {
         &self.patches
     }
 
-    /// The same surface by as few sources as waves up to the frequency `hz` ask for; they sound as it does at places that
-    /// are [far](Self::is_far) from it.
+    /// The same surface with the smallest number of sources that represent waves up to the frequency `hz`. They are
+    /// equivalent to the surface at points that are [far](Self::is_far) from it.
     pub(crate) fn up_to(&self, hz: f64) -> Self {
         Self {
             sources: self.sources.fewer(2.0 * PI * hz / self.air.sound_speed),
@@ -123,7 +123,7 @@ impl Rayleigh {
         }
     }
 
-    /// Whether a place is farther from the surface's middle than the surface is wide.
+    /// Whether a point is farther from the centre of the surface than the diameter of the surface.
     pub(crate) fn is_far(&self, place: &Point3<f64>) -> bool {
         let [x, y] = middle(self.extent);
         (place - Point3::new(x, y, self.plane)).norm() > diameter(self.extent)
@@ -151,18 +151,19 @@ impl Rayleigh {
         forms
     }
 
-    /// The sand where it moves, and how its points follow the block's edge there.
+    /// The moving sand, and the motion of its points relative to the edge of the block; `None` if the sand does not
+    /// move.
     pub(super) fn moving_sand(&self, hz: f64) -> Option<(&SandPatch, Vec<Follower>)> {
         self.moving.as_ref().and_then(|sand| Some((sand, sand.followers(hz)?)))
     }
 
-    /// Its own points and the modes' displacements there times area, points x modes.
+    /// Points of the surface without sand, and modal displacements there times area, points x modes.
     pub(super) fn own_sources(&self) -> (&[[f64; 2]], &DMatrix<f64>) {
         (&self.sources.points, &self.sources.strengths)
     }
 
-    /// The resistance over a range of frequencies, sampled as finely as `sampling` asks; `progress` is called after each
-    /// frequency.
+    /// Samples the resistance over a range of frequencies to the tolerance of `sampling`; `progress` is called after
+    /// each frequency.
     ///
     /// # Errors
     /// An empty range, or a tolerance that the allowed number of samples cannot meet.
@@ -184,7 +185,7 @@ impl Rayleigh {
         })
     }
 
-    /// Label of the operator, with sand that absorbs or moves.
+    /// Label of the operator with absorbing or moving sand.
     pub(crate) fn method(absorbing: bool, moving: bool) -> &'static str {
         match (absorbing, moving) {
             (false, false) => "Rayleigh",
@@ -199,13 +200,13 @@ impl Rayleigh {
         &self.air
     }
 
-    /// Pressure at places above the plane per unit of modal acceleration, places x modes \[Pa per m/s²\].
+    /// Pressure at points above the plane per unit of modal acceleration, points x modes \[Pa per m/s²\].
     ///
     /// ```text
     /// p(x) = rho0/(2 pi) sum_a S_a phi_a e^{-jkr}/r,   r = |x - x_a|
     /// ```
     ///
-    /// times the root of what absorbing sand leaves of the power.
+    /// times the square root of the power factor of absorbing sand.
     ///
     /// # Errors
     /// [`ReceiverError::BelowFloor`] for a place below the plane, [`ReceiverError::NearSurface`] for one closer to it than
@@ -240,8 +241,8 @@ impl Rayleigh {
         points.iter().map(|p| p.z - self.plane >= self.clearance).collect()
     }
 
-    /// rho0/(2 pi) sum_a S_a phi_a w_i(x_a) over block and sand, i x modes, times the root of what absorbing sand leaves of the
-    /// power. `fill` gives the real and imaginary part of w_i at points by their coordinates.
+    /// rho0/(2 pi) sum_a S_a phi_a w_i(x_a) over block and sand, i x modes, times the square root of the power factor
+    /// of absorbing sand. `fill` gives the real and imaginary part of w_i at points by their coordinates.
     fn carried_by(
         &self,
         hz: f64,
@@ -278,8 +279,9 @@ impl Rayleigh {
         real.zip_map(&imaginary, |re, im| Complex::new(factor * re, factor * im))
     }
 
-    /// Middle of all that moves, and how much later than from there waves from any of it can be, as a way in air \[m\]:
-    /// sand moves later by what waves in it take from the block's edge.
+    /// Largest delay of waves from any moving point relative to waves from the centre of the moving surface, as a
+    /// distance in air \[m\], and that centre. The delay of sand includes the travel time of the surface wave from the
+    /// edge of the block.
     pub(crate) fn reach(&self) -> (f64, Point3<f64>) {
         let [x, y] = middle(self.extent);
         let own = 0.5 * diameter(self.extent);
@@ -289,7 +291,7 @@ impl Rayleigh {
         (own.max(sand), Point3::new(x, y, self.plane))
     }
 
-    /// Over which frequencies the sand's motion fades out, where it moves.
+    /// Frequency range over which the motion of the sand fades out \[Hz\], if it moves.
     pub(crate) fn fade_hz(&self) -> Option<[f64; 2]> {
         self.moving.as_ref().map(SandPatch::fade_hz)
     }
@@ -301,7 +303,7 @@ impl Rayleigh {
     /// r p e^{jkr} = rho0/(2 pi) sum_a S_a phi_a e^{jk d.x_a}
     /// ```
     ///
-    /// times the root of what absorbing sand leaves of the power.
+    /// times the square root of the power factor of absorbing sand.
     pub fn far_field_at(&self, hz: f64, directions: &[Vector3<f64>]) -> DMatrix<Complex<f64>> {
         let k = 2.0 * PI * hz / self.air.sound_speed;
         self.carried_by(hz, directions.len(), |i, [x, y], [re, im]| {
@@ -335,9 +337,9 @@ fn radius(points: &[[f64; 2]], middle: [f64; 2]) -> f64 {
     points.iter().map(distance).fold(0.0, f64::max)
 }
 
-/// `factor` times the Hermitian parts of Y_p^H Y for every patch field Y_p, with Y their sum: real fields of the surface's
-/// own patches, and after them that of sand, Y_s = Z E, from the complex field Z of what follows each edge point and the edge's
-/// motion E. The sand's field may have more waves.
+/// `factor` times the Hermitian parts of Y_p^H Y for every patch field Y_p, with Y their sum: real fields of the
+/// patches of the surface, followed by that of the sand, Y_s = Z E, from the complex field Z of the points that follow
+/// each edge point and the motion E of the edge. The field of the sand may have more waves.
 fn patch_forms(own: &[DMatrix<f64>], sand: Option<([DMatrix<f64>; 2], &DMatrix<f64>)>, factor: f64) -> Vec<Resistance> {
     let mut surface = own[0].clone();
     own[1..].iter().for_each(|field| surface += field);
@@ -378,7 +380,7 @@ fn patch_forms(own: &[DMatrix<f64>], sand: Option<([DMatrix<f64>; 2], &DMatrix<f
     forms
 }
 
-/// `factor` times the symmetric part of a matrix, with `sign` -1 the antisymmetric one; tile by tile, as a cache likes it.
+/// `factor` times the symmetric part of a matrix, or with `sign` -1 the antisymmetric part; tile by tile for the cache.
 fn mirrored(mut m: DMatrix<f64>, sign: f64, factor: f64) -> DMatrix<f64> {
     const TILE: usize = 16;
     let n = m.ncols();

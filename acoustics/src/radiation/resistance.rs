@@ -3,8 +3,8 @@ use nalgebra::{Complex, DMatrix};
 
 /// Modal radiation resistance R(f) of one frequency: Hermitian, positive semidefinite, modes x modes.
 ///
-/// With mass-normalised modal coordinates its unit is 1/s. It is real symmetric unless surface points move with phase
-/// lags of their own, as sand around a block does; then `imaginary` holds the antisymmetric part.
+/// With mass-normalised modal coordinates its unit is 1/s. It is real symmetric unless surface points move with
+/// different phases, as sand around a block does; then `imaginary` holds the antisymmetric part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Resistance {
     /// Symmetric real part.
@@ -60,7 +60,7 @@ impl Resistance {
         }
     }
 
-    /// v^T Re(R) v for the modes of a real motion v that are not at rest.
+    /// v^T Re(R) v for a sparse real motion v, given by its nonzero entries.
     pub(crate) fn sparse_form(&self, v: &[(usize, f64)]) -> f64 {
         let row = |&(i, a): &(usize, f64)| a * v.iter().map(|&(j, b)| self.real[(i, j)] * b).sum::<f64>();
         v.iter().map(row).sum()

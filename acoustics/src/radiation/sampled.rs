@@ -3,7 +3,7 @@
 mod evaluate;
 
 use super::hermitian_root::hermitian_root;
-use super::packed::{self, Packed};
+use super::packed::{self, PackedHermitian};
 use super::resistance::Resistance;
 use crate::error::AcousticsError;
 use crate::interpolation::{Grid, Interval, Piece, Plan, Run, WIDEST, field_misfit, pieces, sample};
@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// How the errors of all entries make one.
+/// Norm of the errors of all entries.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Norm {
     /// The largest.
@@ -21,14 +21,14 @@ enum Norm {
     MeanSquare,
 }
 
-/// Samples that are added to an interval at a time and computed in parallel.
+/// Samples added to an interval at a time and computed in parallel.
 pub(crate) const ROUND: usize = 4;
 
-/// Widest interval where signals are interpolated to the tolerance too, as a ratio of frequencies: the root of R varies
+/// Widest interval if signals are interpolated to the tolerance too, as a ratio of frequencies: the root of R varies
 /// faster than R.
 const OCTAVE: f64 = 2.0;
 
-/// Where and how finely a radiation resistance is sampled over frequency.
+/// Range and accuracy of the sampling of a radiation resistance over frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sampling {
     /// Lowest and highest sample \[Hz\]. Below the lowest every entry follows its own power law.
@@ -36,8 +36,9 @@ pub struct Sampling {
     /// Largest interpolation error, relative to sqrt(R_ii R_jj): of any entry R_ij, or root mean square over them where
     /// [`SampledRadiation::of_parities`] takes the samples. Below 2e-7 it is not met: samples are kept in single precision.
     pub tolerance: f64,
-    /// A mode that radiates less than this share of the best radiator at a frequency is judged against that share: its
-    /// resistance is a small difference of large numbers, and its motion is hardly audible.
+    /// The error of a mode whose resistance is below this fraction of the largest one at a frequency is measured
+    /// relative to that fraction: its resistance is a small difference of large numbers, and its sound is hardly
+    /// audible.
     pub floor: f64,
     /// Most samples taken.
     pub most_samples: usize,
@@ -82,16 +83,16 @@ pub struct SampledRadiation {
     modes: usize,
     patches: Vec<String>,
     grid: Grid,
-    /// R of every patch at the samples, in single precision: a result does not depend on whether it was cached.
-    samples: Vec<Packed>,
+    /// R of every patch at the samples, in single precision, so that a result does not depend on whether it was cached.
+    samples: Vec<PackedHermitian>,
     slopes: Vec<f64>,
-    /// Hermitian roots of the whole R at the samples that intervals use, where they have been computed.
-    roots: Vec<Option<Packed>>,
+    /// Hermitian roots of the sum over patches at the samples used by intervals, if computed.
+    roots: Vec<Option<PackedHermitian>>,
 }
 
 /// One resistance at one frequency while it is sampled.
 struct Sample {
-    patches: Packed,
+    patches: PackedHermitian,
     /// Q of all patches together as a row of a packed matrix, not rounded.
     whole: Vec<f64>,
 }
@@ -100,7 +101,7 @@ impl Sample {
     fn new(hz: f64, modes: usize, patches: &[Resistance]) -> Self {
         let mut whole = packed::whole(modes, patches);
         whole.iter_mut().for_each(|r| *r *= per_omega2(hz));
-        let patches = Packed::new(modes, patches.iter());
+        let patches = PackedHermitian::new(modes, patches.iter());
         Self { patches, whole }
     }
 }
@@ -112,7 +113,7 @@ fn per_omega2(hz: f64) -> f64 {
 
 impl SampledRadiation {
     /// Samples `resistance`, which returns R(f) of every patch, until the tolerance is met; frequencies in parallel.
-    /// Intervals end at `kinks` \[Hz\], which no polynomial follows.
+    /// Intervals end at `kinks` \[Hz\], where polynomials do not converge.
     ///
     /// # Errors
     /// An empty range, a tolerance that is not positive, or [`SamplingError::Unresolved`](crate::SamplingError).
@@ -129,8 +130,8 @@ impl SampledRadiation {
         Ok(found.swap_remove(0))
     }
 
-    /// Samples several resistances that one solution gives together, as those of all parities of a body: `solve` returns
-    /// R(f) of each and of every patch, `modes` counts the modes of each.
+    /// Samples several resistances with a common solution, as those of all parities of a body: `solve` returns R(f) of
+    /// each and of every patch, `modes` is the number of modes of each.
     ///
     /// The error is judged over all entries of all resistances together, with every mode scaled to the same power. Single
     /// entries of weak modes near a narrow resonance of the air may have a larger error.
@@ -169,14 +170,14 @@ impl SampledRadiation {
             ..sampling.plan(ROUND)
         };
         let (grid, samples) = sample(pieces, &plan, take, misfit)?;
-        let mut found: Vec<Vec<Packed>> = modes.iter().map(|_| Vec::new()).collect();
+        let mut found: Vec<Vec<PackedHermitian>> = modes.iter().map(|_| Vec::new()).collect();
         for sample in samples {
             found
                 .iter_mut()
                 .zip(sample)
                 .for_each(|(to, sample)| to.push(sample.patches));
         }
-        let of_parity = |(samples, &modes): (Vec<Packed>, &usize)| Self {
+        let of_parity = |(samples, &modes): (Vec<PackedHermitian>, &usize)| Self {
             method: method.to_owned(),
             modes,
             patches: patches.to_vec(),
@@ -188,10 +189,10 @@ impl SampledRadiation {
         Ok(found.into_iter().zip(modes).map(of_parity).collect())
     }
 
-    /// Corrects resistances that [`SampledRadiation::of_parities`] sampled with a cheap model by what an accurate one gives
-    /// at the first few of the same frequencies. The difference is interpolated like the resistance itself, until it is
-    /// known to the tolerance, relative to the resistance; being small it needs fewer frequencies, `round` at a time.
-    /// Returns where the accurate model was evaluated.
+    /// Corrects resistances sampled by [`SampledRadiation::of_parities`] with a cheap model, using an accurate model at
+    /// the first few of the same frequencies. The difference is interpolated like the resistance itself, to the
+    /// tolerance relative to the resistance; because it is small it needs fewer frequencies, `round` at a time. Returns
+    /// the frequencies at which the accurate model was evaluated.
     ///
     /// # Errors
     /// Those of `solve`.
@@ -241,10 +242,10 @@ impl SampledRadiation {
         Ok(Some(grid))
     }
 
-    /// In an air in which every wavelength has its frequency times `speed`, and times `factor` at each frequency \[Hz\] of
-    /// that air: R(f) = factor(f) R0(f/speed).
+    /// Converts to an air in which every wavelength has its frequency times `speed`, and multiplies by `factor` at each
+    /// frequency \[Hz\] of that air: R(f) = factor(f) R0(f/speed).
     ///
-    /// Named `method` then. The factor is interpolated with R; the error of that adds to
+    /// The result has the label `method`. The factor is interpolated with R; its interpolation error is added to
     /// [`SampledRadiation::interpolation_error`].
     #[must_use]
     pub(crate) fn in_air(mut self, method: &str, speed: f64, factor: impl Fn(f64) -> f64) -> Self {
@@ -259,8 +260,8 @@ impl SampledRadiation {
         self
     }
 
-    /// This up to its highest frequency, `above` from there on, with the indices of the samples of `above` that come after
-    /// its own, in their order; patches that `above` lacks are silent there.
+    /// Joins this radiation up to its highest frequency with `above` from there on. Also returns the indices of the
+    /// samples of `above` that follow its own, in their order. Patches that `above` lacks are silent there.
     pub(crate) fn continued(mut self, mut above: Self) -> (Self, Vec<usize>) {
         let taken = self.grid.extend(&above.grid);
         self.roots.resize(self.samples.len(), None);
@@ -274,7 +275,7 @@ impl SampledRadiation {
         (self, taken)
     }
 
-    /// With the roots that signals need, which are then stored rather than computed for every motion.
+    /// Computes and stores the roots that signals need, instead of computing them for every motion.
     #[must_use]
     pub fn with_roots(mut self) -> Self {
         let used = |sample: usize| {
@@ -319,14 +320,14 @@ impl SampledRadiation {
     }
 
     /// The Hermitian root of R at a sample.
-    fn root(&self, sample: usize) -> Packed {
+    fn root(&self, sample: usize) -> PackedHermitian {
         let root = hermitian_root(&self.samples[sample].sum(1.0));
-        Packed::new(self.modes, std::iter::once(&root))
+        PackedHermitian::new(self.modes, std::iter::once(&root))
     }
 }
 
 /// Power laws of the diagonal of R at the lowest sample, rounded to even numbers from 2 up.
-fn low_slopes(grid: &Grid, samples: &[Packed], modes: usize) -> Vec<f64> {
+fn low_slopes(grid: &Grid, samples: &[PackedHermitian], modes: usize) -> Vec<f64> {
     let mut rising = grid.intervals()[0].nodes.clone();
     rising.sort_by(|&a, &b| grid.hz()[a].total_cmp(&grid.hz()[b]));
     let (first, second) = (rising[0], rising[1]);
@@ -342,15 +343,15 @@ fn low_slopes(grid: &Grid, samples: &[Packed], modes: usize) -> Vec<f64> {
     (0..modes).map(slope).collect()
 }
 
-/// Distance of the test samples from the interpolant through the others, all parities together, at the worst of their
-/// frequencies, with modes scaled to the same radiated power:
+/// Distance of the test samples from the interpolant through the others for all parities together, at the worst of
+/// their frequencies, with modes scaled to equal radiated power:
 ///
 /// ```text
 /// ||S D S|| / ||S Q S||        S_ii = Q_ii^-1/2, no smaller resistance counted than `floor` of the largest
 /// ```
 ///
-/// This is the root mean square error of one mode's energy where modes are many and radiate independently. In the norm of the
-/// largest entry it is max |(S D S)_ij|, the error of any pair of modes.
+/// This is the root mean square error of the energy of one mode if modes are many and radiate independently. In the
+/// norm of the largest entry it is max |(S D S)_ij|, the error of any pair of modes.
 fn misfit<'a>(
     interval: &Interval,
     modes: &[usize],

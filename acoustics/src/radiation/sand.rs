@@ -1,4 +1,4 @@
-//! Sand around a flush block: what it absorbs and what it radiates.
+//! Absorption and radiation of the sand around a flush block.
 
 use super::error::RadiationError;
 use super::sources::{Grid, extent};
@@ -25,20 +25,21 @@ pub fn miki_admittance(hz: f64, resistivity: f64) -> Complex<f64> {
     Complex::new(1.0 + 0.070 * x, -0.107 * x).inv()
 }
 
-/// Sand that absorbs the sound passing along it.
+/// Sand that absorbs sound at grazing incidence.
 ///
-/// Over an infinite locally reacting plane a compact source in it loses
+/// Above an infinite locally reacting plane, the power of a compact source in the plane is multiplied by
 ///
 /// ```text
 /// g(f) = int_0^1 |u / (u + beta)|^2 du       u the cosine of the angle to the normal
 /// ```
 ///
-/// of its power on a rigid plane. The sand of a box is finite, so only `share` of the loss, in decibels, is applied.
+/// relative to a rigid plane. The sand of a box is finite, so that only the fraction `share` of the loss in decibels is
+/// applied.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct AbsorbingSand {
     /// Flow resistivity sigma \[Pa s/m²\]; dry sand has 1e5 to 5e5.
     pub resistivity: f64,
-    /// Share of the infinite plane's decibels, 0 to 1.
+    /// Fraction of the loss above an infinite plane in decibels, 0 to 1.
     pub share: f64,
 }
 
@@ -55,7 +56,7 @@ impl AbsorbingSand {
     /// The factor g on power above an infinite plane.
     pub fn infinite_plane_factor(&self, hz: f64) -> f64 {
         let beta = miki_admittance(hz, self.resistivity);
-        // u = t² gathers the nodes where u ~ beta.
+        // The substitution u = t² concentrates the nodes where u ~ beta.
         let value = |t: f64| 2.0 * t * (Complex::from(t * t) / (beta + t * t)).norm_sqr();
         static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(48));
         RULE.iter().map(|(x, w)| 0.5 * w * value(0.5 * (1.0 + x))).sum()
@@ -87,8 +88,8 @@ impl AbsorbingSand {
 /// v(s) = v_edge (2/pi) asin(a / (a + s)) e^{-j k_R s (1 - j eta/2)}      a = sqrt(A/pi),  k_R = omega / (0.93 V_s)
 /// ```
 ///
-/// s is the distance to the block's edge, v_edge the block's velocity at the nearest point of its edge and A the area
-/// of its top: the static surface displacement around a rigid disk, carried outward as a Rayleigh wave.
+/// s is the distance to the edge of the block, v_edge the velocity of the block at the nearest point of its edge and A
+/// the area of its top: the static surface displacement around a rigid disk, propagating outward as a Rayleigh wave.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MovingSand {
     /// The block's top, intervals of x and y \[m\].
@@ -99,25 +100,25 @@ pub struct MovingSand {
     pub shear_speed: f64,
     /// Loss factor eta of the sand.
     pub loss_factor: f64,
-    /// Highest frequency up to which the sand moves \[Hz\]; its motion fades out over the third octave below.
+    /// Highest frequency at which the sand moves \[Hz\]; its motion fades out over the one-third octave below.
     pub to_hz: f64,
 }
 
 /// Rayleigh wave speed over shear wave speed, for a Poisson ratio of 0.3.
 const RAYLEIGH_SPEED: f64 = 0.93;
 
-/// What differs by less, relative to its size, is equal.
+/// Relative difference below which lengths count as equal.
 const ROUNDING: f64 = 1e-6;
 
-/// The sand's surface in quadrature points, each of which follows a point of the block's edge.
+/// Quadrature points of the sand's surface; the motion of each follows a point of the block's edge.
 #[derive(Debug, Clone)]
 pub(super) struct SandPatch {
-    /// Where they are, x and y \[m\].
+    /// Positions, x and y \[m\].
     pub(super) places: Vec<[f64; 2]>,
-    /// Intervals of x and y that they take up.
+    /// Bounding rectangle, intervals of x and y \[m\].
     pub(super) extent: [[f64; 2]; 2],
     points: Vec<FollowingPoint>,
-    /// The block's modal displacements at the points of its edge that lead, edge points x modes.
+    /// Modal displacements of the block at the edge points that the sand follows, edge points x modes.
     pub(super) edge: DMatrix<f64>,
     radius: f64,
     law: MovingSand,
@@ -152,13 +153,13 @@ impl MovingSand {
         }
     }
 
-    /// Gauss points on the eight rectangles around the footprint, close enough for the shortest Rayleigh wave.
+    /// Gauss points on the eight rectangles around the footprint, dense enough for the shortest Rayleigh wave.
     pub(super) fn patch(&self, air: &Air, block: &[[f64; 2]], displacement: &DMatrix<f64>) -> SandPatch {
         let k = 2.0 * PI * self.to_hz * (1.0 / (RAYLEIGH_SPEED * self.shear_speed) + 1.0 / air.sound_speed);
         let strips = |i: usize| {
             let ([a, b], [c, d]) = (self.footprint[i], self.sand[i]);
             [(c, a), (a, b), (b, d)].map(|(low, high)| {
-                // Two points a wavelength are the limit of Gauss rules; the rest is for the law's own variation.
+                // Two points per wavelength are the limit of Gauss rules; the others resolve the amplitude law.
                 let n = (k * (high - low) / PI * 1.3).ceil() as usize + 6;
                 let half = 0.5 * (high - low);
                 gauss_legendre(n)
@@ -210,8 +211,8 @@ impl MovingSand {
     }
 }
 
-/// Displacement at a point of the edge: the plane through the nine nearest quadrature points and those as far as the ninth,
-/// so that mirror images of edge points move alike, least squares. Exact for rigid motion.
+/// Displacement at a point of the edge: least-squares plane through the nine nearest quadrature points and any as far
+/// away as the ninth, so that mirror images of edge points move equally. Exact for rigid motion.
 fn plane_fit(block: &[[f64; 2]], displacement: &DMatrix<f64>, at: [f64; 2]) -> nalgebra::RowDVector<f64> {
     let mut near: Vec<(f64, usize)> = block
         .iter()
@@ -228,7 +229,7 @@ fn plane_fit(block: &[[f64; 2]], displacement: &DMatrix<f64>, at: [f64; 2]) -> n
         0 => 1.0,
         j => (block[rows[i]][j - 1] - at[j - 1]) / size,
     });
-    // Points on a line leave no plane.
+    // Collinear points do not determine a plane.
     let factor = (basis.transpose() * &basis).cholesky();
     match factor.filter(|factor| factor.l_dirty().diagonal().min() > ROUNDING) {
         // The plane's value at the edge point is its constant term.
@@ -238,7 +239,8 @@ fn plane_fit(block: &[[f64; 2]], displacement: &DMatrix<f64>, at: [f64; 2]) -> n
 }
 
 impl SandPatch {
-    /// How every point follows its point of the edge at one frequency; `None` where the sand no longer moves.
+    /// Motion of every point relative to its edge point at one frequency; `None` above the range in which the sand
+    /// moves.
     pub(super) fn followers(&self, hz: f64) -> Option<Vec<Follower>> {
         self.law.fade(hz)?;
         let follower = |p: &FollowingPoint| Follower {
@@ -248,7 +250,8 @@ impl SandPatch {
         Some(self.points.iter().map(follower).collect())
     }
 
-    /// What follows each edge point as sources on a grid: real and imaginary part, grid points x edge points.
+    /// The points that follow each edge point as equivalent sources on a grid: real and imaginary part, grid points x
+    /// edge points.
     pub(super) fn carried(&self, grid: &Grid, followers: &[Follower]) -> [DMatrix<f64>; 2] {
         let n = grid.len();
         let mut carried = [0, 1].map(|_| DMatrix::zeros(n, self.edge.nrows()));
@@ -266,7 +269,7 @@ impl SandPatch {
         carried
     }
 
-    /// Latest that any of it moves after the block's edge \[s\].
+    /// Largest delay of the sand relative to the edge of the block \[s\].
     pub(super) fn lag(&self) -> f64 {
         let farthest = self.points.iter().fold(0.0, |a: f64, p| a.max(p.distance));
         farthest / (RAYLEIGH_SPEED * self.law.shear_speed)
@@ -305,12 +308,13 @@ impl MovingSand {
         ((x1 - x0) * (y1 - y0) / PI).sqrt()
     }
 
-    /// Ends of the third octave over which the motion fades out, where its curvature jumps \[Hz\].
+    /// Frequency range of one third of an octave over which the motion fades out \[Hz\]. Its second derivative jumps at
+    /// both ends.
     fn fade_hz(&self) -> [f64; 2] {
         [self.to_hz * 10f64.powf(-0.1), self.to_hz]
     }
 
-    /// 1 up to a third octave below `to_hz`, then a smooth fall to 0 there.
+    /// 1 up to one third of an octave below `to_hz`, then a smooth decrease to 0 at `to_hz`.
     fn fade(&self, hz: f64) -> Option<f64> {
         let [start, _] = self.fade_hz();
         match (hz - start) / (self.to_hz - start) {

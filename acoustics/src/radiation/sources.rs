@@ -1,22 +1,22 @@
-//! Point sources in a plane, and fewer of them that send out the same long waves.
+//! Point sources in a plane, and reduced sets of equivalent sources for long waves.
 
 use super::spherical_waves::highest_order;
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
 
-/// Points of a plane and how strongly each mode makes them sound.
+/// Points of a plane and their source strengths for each mode.
 #[derive(Debug, Clone)]
 pub(super) struct Sources {
     /// x and y \[m\].
     pub(super) points: Vec<[f64; 2]>,
     /// Numbers of the points of each patch.
     pub(super) rows: Vec<Vec<usize>>,
-    /// Displacement of each mode at the points times the area they stand for, points x modes.
+    /// Displacement of each mode at the points times their area, points x modes.
     pub(super) strengths: DMatrix<f64>,
 }
 
 impl Sources {
-    /// Sources on a [`Grid`] that send out the waves that these do, up to a wavenumber k, or these where the grid had more
+    /// Equivalent sources on a [`Grid`] for waves up to a wavenumber k; a copy of these sources if the grid has more
     /// than half as many points.
     pub(super) fn fewer(&self, k: f64) -> Self {
         let grid = Grid::new(extent(&self.points), k);
@@ -43,7 +43,7 @@ impl Sources {
     }
 }
 
-/// Intervals of x and y that points take up.
+/// Bounding rectangle of points, intervals of x and y.
 pub(super) fn extent(points: &[[f64; 2]]) -> [[f64; 2]; 2] {
     [0, 1].map(|axis| {
         let along = points.iter().map(|p| p[axis]);
@@ -53,8 +53,8 @@ pub(super) fn extent(points: &[[f64; 2]]) -> [[f64; 2]; 2] {
     })
 }
 
-/// Chebyshev's points of a rectangle. A wave is a smooth function over it, which its values w at these points x_c tell to
-/// ten digits, so that any sources sound like some at them:
+/// Chebyshev points of a rectangle. A wave is a smooth function on the rectangle, which its values w at these points
+/// x_c determine to ten digits. Any set of sources is therefore equivalent to sources at these points:
 ///
 /// ```text
 /// w(x_a) = sum_c L_c(x_a) w(x_c)        =>      sum_a s_a w(x_a) = sum_c s'_c w(x_c),   s'_c = sum_a L_c(x_a) s_a
@@ -91,8 +91,8 @@ impl Grid {
     }
 }
 
-/// Chebyshev's points of the first kind on an interval, enough for waves of wavenumber k along it: their coefficients are
-/// Bessel functions of k times half its length.
+/// Chebyshev points of the first kind on an interval, sufficient for waves of wavenumber k along it: the Chebyshev
+/// coefficients of such waves are Bessel functions of k times half its length.
 fn chebyshev([low, high]: [f64; 2], k: f64) -> Vec<f64> {
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
     if half == 0.0 {

@@ -23,7 +23,7 @@ pub struct ModalSpectra {
 }
 
 impl ModalSpectra {
-    /// The spectra of several bodies as those of one; above the top frequency of a body its modes are at rest.
+    /// The spectra of several bodies as those of one; above the top frequency of a body its modes do not move.
     pub fn side_by_side<'a>(bodies: &[&'a Self]) -> Cow<'a, Self> {
         if let [only] = bodies {
             return Cow::Borrowed(only);
@@ -49,7 +49,7 @@ impl ModalSpectra {
 
     /// Transforms the acceleration records of `modes` modes, `samples` long at `sample_interval` \[s\].
     ///
-    /// Records are asked for one mode at a time, in parallel, so that no more than one per thread need exist.
+    /// Records are requested one mode at a time, in parallel, so that at most one per thread is in memory.
     ///
     /// # Errors
     /// See [`Transform::new`] and [`Transform::apply`].
@@ -77,7 +77,8 @@ impl ModalSpectra {
         })
     }
 
-    /// The same from records of several modes at once, samples x modes, each history contiguous: `block` modes at a time.
+    /// The same from records of several modes at once (samples x modes, each column contiguous), `block` modes at a
+    /// time.
     ///
     /// # Errors
     /// As [`Self::from_accelerations`], and those of `records`.
@@ -118,7 +119,8 @@ impl ModalSpectra {
     /// C = 2 int w Re(a a^H) / omega^2 df
     /// ```
     ///
-    /// so that phi^T C phi is 2 int w |v|^2 df where the modes move by phi. None when fewer than two bins lie in the band.
+    /// so that phi^T C phi is 2 int w |v|^2 df for the mode shape amplitudes phi. `None` if the band contains fewer
+    /// than two bins.
     pub fn velocity_covariance(&self, [low, high]: [f64; 2], weight: impl Fn(f64) -> f64) -> Option<DMatrix<f64>> {
         let bins: Vec<usize> = (0..self.frequency.len())
             .filter(|&k| (low..high).contains(&self.frequency[k]))

@@ -7,14 +7,14 @@ use nalgebra::DMatrix;
 use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
 
-/// Acceleration noise of a body that moves rigidly along one axis, as that of the sphere of its volume.
+/// Acceleration noise of a body in rigid motion along one axis, modelled as a sphere of the same volume.
 ///
 /// ```text
 /// E(f) = 2 |A/omega|^2 rho0 c0 (4 pi a^2 / 3) (k a)^4 / (4 + (k a)^4)       a = (3 V / 4 pi)^{1/3}
 /// ```
 ///
-/// The oscillating sphere's exact radiation resistance. A step of velocity v radiates rho0 V v² / 4. Only the motion of
-/// the whole body is in it, in free space: no vibration of its walls and no reflection from a surface below it.
+/// The radiation resistance of the oscillating sphere is exact. A velocity step v radiates rho0 V v² / 4. Only rigid
+/// motion in free space is included: no vibration of walls and no reflection from a surface below.
 ///
 /// `acceleration` \[m/s²\] at intervals of `sample_interval` \[s\], `volume` \[m³\].
 ///

@@ -6,25 +6,25 @@
 //! c_n = (2 n)! / (2^n n!)^2        m = l, l - 2, ... >= 0
 //! ```
 //!
-//! by the addition theorem of the spherical Bessel functions (Abramowitz and Stegun 10.1.45) and that of Legendre's
-//! polynomials; in the plane only harmonics with an even l + m are not zero. So R = Y^T Y, with Y what the modes send out
-//! into every spherical wave: positive semidefinite by construction, and at a cost of waves x points x modes, where the
-//! waves needed grow with (k a)^2, a the surface's radius.
+//! by the addition theorems of the spherical Bessel functions (Abramowitz and Stegun 10.1.45) and of Legendre
+//! polynomials; in the plane only harmonics with even l + m are nonzero. Hence R = Y^T Y, where Y holds the amplitudes
+//! of all spherical waves for each mode: positive semidefinite by construction. The cost is waves x points x modes; the
+//! number of waves grows with (k a)^2, a the radius of the surface.
 
 use nalgebra::{Complex, DMatrix};
 
-/// Waves of orders from which on all are smaller than this are left out; the kernel misses its square.
+/// Orders from which on all waves are smaller than this are left out; the error of the kernel is its square.
 const SMALLEST: f64 = 1e-10;
 
 /// Columns of a product that are multiplied at once.
 const CHUNK: usize = 384;
 
-/// A point that follows another, its leader.
+/// A point whose motion is proportional to that of another point, its leader.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Follower {
     /// Number of the leader.
     pub(crate) leader: usize,
-    /// Its velocity over the leader's, times the area it stands for \[m²\].
+    /// Velocity over that of the leader, times the area of the point \[m²\].
     pub(crate) amplitude: Complex<f64>,
 }
 
@@ -35,15 +35,15 @@ pub(crate) struct SphericalWaves {
     middle: [f64; 2],
     /// Highest order l.
     order: usize,
-    /// What j_l and the cosine or sine of m psi are multiplied by, wave by wave.
+    /// Normalisation factor of every wave.
     factors: Vec<f64>,
 }
 
 impl SphericalWaves {
-    /// Those of wavenumber `k` that reach points within `radius` about `middle`.
+    /// Waves of wavenumber `k` for points within `radius` about `middle`.
     pub(crate) fn new(k: f64, middle: [f64; 2], radius: f64) -> Self {
         let order = highest_order(k * radius);
-        // c_n, which all factorials are hidden in.
+        // c_n, which contain all factorials.
         let mut c = vec![1.0];
         for n in 1..=order {
             c.push(c[n - 1] * (n as f64 - 0.5) / n as f64);
@@ -71,7 +71,7 @@ impl SphericalWaves {
         self.factors.len()
     }
 
-    /// What `sources` (points x columns, already times area) send out into every wave, the `rows` of them: waves x columns.
+    /// Wave amplitudes of the `rows` of `sources` (points x columns, multiplied by area): waves x columns.
     pub(crate) fn field(&self, points: &[[f64; 2]], rows: &[usize], sources: &DMatrix<f64>) -> DMatrix<f64> {
         let mut field = DMatrix::zeros(self.len(), sources.ncols());
         let mut scratch = self.scratch();
@@ -85,7 +85,7 @@ impl SphericalWaves {
         field
     }
 
-    /// What points that follow others send out, per unit of motion of each of those: real and imaginary part, both waves x
+    /// Wave amplitudes of following points per unit motion of their leaders: real and imaginary part, both waves x
     /// leaders.
     pub(crate) fn field_of_followers(
         &self,
@@ -160,11 +160,11 @@ pub(super) fn highest_order(x: f64) -> usize {
 /// j_0(x), j_1(x), ... for x >= 0, the last of them beyond l = x: by the recurrence downwards (J. C. P. Miller, in Abramowitz and
 /// Stegun 10.5), scaled to sum (2 l + 1) j_l^2 = 1.
 fn spherical_bessel(x: f64, values: &mut [f64]) {
-    /// Orders beyond the last one wanted at which the recurrence begins.
+    /// Number of orders beyond the last one wanted at which the recurrence begins.
     const BEYOND: usize = 16;
-    /// Numbers are taken down before they overflow.
+    /// Values are rescaled before they overflow.
     const LARGEST: f64 = 1e100;
-    /// j_1 is smaller than any rounding error below.
+    /// Below this argument j_1 is smaller than any rounding error.
     const LEAST: f64 = 1e-30;
     values.fill(0.0);
     if x < LEAST {

@@ -4,11 +4,11 @@ use crate::error::AcousticsError;
 use nailnoise_meshes::{QuadraturePoint, Surface};
 use nalgebra::{DMatrix, DMatrixView, Point3, Vector3};
 
-/// Gauss points along each side of a face; the modes are quadratic on it, so their squares are integrated exactly on
-/// rectangular faces.
+/// Gauss points along each side of a face; the modes are quadratic on it, so that their squares are integrated exactly
+/// on rectangular faces.
 pub(crate) const FACE_POINTS: usize = 3;
 
-/// A surface as the radiation operators see it: quadrature points and the modes' normal displacements there.
+/// A surface as input of the radiation operators: quadrature points and normal modal displacements there.
 #[derive(Debug, Clone)]
 pub struct RadiatingSurface {
     points: Vec<Point3<f64>>,
@@ -66,9 +66,9 @@ impl RadiatingSurface {
         })
     }
 
-    /// The points of a surface that are `shown`, with the normal displacements of modes, given the displacement of the
-    /// surface's points in each, (3 x points) x modes. The normal component is formed per face, because a node on an edge has
-    /// no single normal.
+    /// The quadrature points of a surface that are `shown`, with normal modal displacements from `shapes`, the
+    /// displacements of the surface's points in each mode, (3 x points) x modes. The normal component is formed per
+    /// face, because a node on an edge has no unique normal.
     ///
     /// # Errors
     /// A number of rows that does not fit the surface's points; those of the surface.

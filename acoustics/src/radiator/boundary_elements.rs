@@ -1,5 +1,4 @@
-//! A body, or several as one surface, by boundary elements up to their highest frequency and the limit of high frequencies
-//! above.
+//! One or several bodies by boundary elements up to their highest frequency, and by the high-frequency limit above.
 
 use super::{
     MovingBody, Pressures, RadiatedSound, RadiationBand, RadiationReport, Radiator, Uncertainty, damping_ratios,
@@ -10,10 +9,10 @@ use crate::error::AcousticsError;
 use crate::levels::{BandLevel, SourceSpectrum, Weighting, energy_level, energy_weights};
 use crate::radiation::{ModalSpectra, mode_energies, radiated_energy, radiated_signals};
 
-/// Last bands of boundary elements by which the limit is judged.
+/// Number of uppermost bands of boundary elements from which the error of the limit is estimated.
 const JUDGED: usize = 3;
 
-/// Octaves over which pressures fade out at the upper end of boundary elements.
+/// Octaves over which pressures fade out at the upper end of single frequencies.
 const FADE_OCTAVES: f64 = 1.0 / 3.0;
 
 impl Radiator for ModalBem {
@@ -58,16 +57,16 @@ impl Radiator for ModalBem {
             frequency: together.frequency.clone(),
             fade_hz: Some([from, to]),
             range_hz: [together.range_hz[0], from.min(together.range_hz[1])],
-            interpolation_error: self.summary.heard,
+            interpolation_error: self.summary.pressure_error,
         }))
     }
 }
 
-/// The difference of both evaluations, and what the limit of high frequencies may be off above the boundary elements: what it
-/// is above them where they meet, it may be above the truth beyond.
+/// Uncertainty from the difference of both evaluations, and above the boundary elements from the error of the
+/// high-frequency limit: its difference to boundary elements in their uppermost bands is taken as its error above.
 fn uncertainty(bem: &ModalBem, source: &SourceSpectrum, range: [f64; 2], report: &RadiationReport) -> Uncertainty {
     let above = |factor: f64| {
-        let join = bem.blend_hz()[0].clamp(range[0], range[1]);
+        let join = bem.transition_hz()[0].clamp(range[0], range[1]);
         let (low, high) = (
             source.energy([range[0], join], Weighting::A),
             source.energy([join, range[1]], Weighting::A),
@@ -85,20 +84,20 @@ fn uncertainty(bem: &ModalBem, source: &SourceSpectrum, range: [f64; 2], report:
         basis: format!(
             "power by surface and by far field, and above {:.0} Hz the limit of high frequencies, {least:+.1} to {most:+.1} dB \
              off in the last bands of boundary elements",
-            bem.blend_hz()[0]
+            bem.transition_hz()[0]
         ),
     }
 }
 
-/// Takes the difference between far field and surface out of the patches and shares it out among those that radiate, so
-/// that they sum to the far field's power; returns the surface's.
+/// Distributes the difference between far field and surface over the patches that radiate, so that they add up to the
+/// power by the far field; returns the spectrum by the surface.
 fn share_out(source: &mut SourceSpectrum) -> SourceSpectrum {
     let mut surface = source.clone();
     surface.contributions.clear();
     let (rest, mut patches): (Vec<_>, Vec<_>) = source
         .contributions
         .drain(..)
-        .partition(|part| ModalBem::is_rest(&part.name));
+        .partition(|part| ModalBem::is_residual(&part.name));
     for bin in 0..source.energy_density.len() {
         let rest: f64 = rest.iter().map(|part| part.energy_density[bin]).sum();
         surface.energy_density[bin] = (source.energy_density[bin] - rest).max(0.0);
@@ -113,11 +112,11 @@ fn share_out(source: &mut SourceSpectrum) -> SourceSpectrum {
     surface
 }
 
-/// The report of one source: its power by the far field, by the surface, with radiation efficiency 1, and by the limit of
-/// high frequencies where boundary elements are known too.
+/// The report of one source: its power by the far field, by the surface, with radiation efficiency 1, and by the
+/// high-frequency limit where boundary elements are available too.
 fn report(bem: &ModalBem, together: &ModalSpectra, [far_field, surface, erp]: [&SourceSpectrum; 3]) -> RadiationReport {
     let range = far_field.range_hz;
-    let [from, to] = bem.blend_hz();
+    let [from, to] = bem.transition_hz();
     let solved = [range[0], from.min(range[1])];
     let level = |spectrum: &SourceSpectrum, range: [f64; 2]| energy_level(spectrum.energy(range, Weighting::A));
     let difference = level(surface, solved)
@@ -162,10 +161,10 @@ fn report(bem: &ModalBem, together: &ModalSpectra, [far_field, surface, erp]: [&
     }
 }
 
-/// The power by the limit of high frequencies alone, zero where it is not compared with boundary elements.
+/// The power by the high-frequency limit alone, zero outside the range of comparison.
 fn limit(bem: &ModalBem, together: &ModalSpectra, far_field: &SourceSpectrum) -> SourceSpectrum {
     let [from, to] = bem.compared_hz();
-    // A bin on either side holds the ends.
+    // One bin on either side includes the ends.
     let inside: Vec<usize> = (0..together.frequency.len())
         .filter(|&bin| (0.95 * from..1.05 * to).contains(&together.frequency[bin]))
         .collect();

@@ -1,4 +1,4 @@
-//! A surface that is flush with the sand around it, by Rayleigh's integral.
+//! A surface flush with the sand around it, by Rayleigh's integral.
 
 use super::{
     MovingBody, Pressures, RadiatedSound, RadiationBand, RadiationReport, Radiator, Uncertainty, damping_ratios,
@@ -52,20 +52,20 @@ impl Radiator for FlushRadiator {
 
     fn pressures(&self, motions: &[&ModalSpectra]) -> Result<Option<Pressures>, AcousticsError> {
         let motion = motions[0];
-        let heard = &self.sound.heard;
+        let pressures = &self.sound.pressures;
         Ok(Some(Pressures {
             method: "Rayleigh's integral",
             frequency: motion.frequency.clone(),
-            values: heard.pressures(&self.sound.waves, &motion.frequency, &motion.accelerations),
+            values: pressures.pressures(&self.sound.waves, &motion.frequency, &motion.accelerations),
             fade_hz: None,
             range_hz: motion.range_hz,
-            interpolation_error: heard.error(),
+            interpolation_error: pressures.error(),
         }))
     }
 }
 
-/// The report of a flush surface: its power by spherical waves, by the intensity on the surface (`ratios`, band by band of
-/// those of the second evaluation) and with radiation efficiency 1.
+/// The report of a flush surface: its power by spherical waves, by the intensity on the surface (`ratios` per band) and
+/// with radiation efficiency 1.
 fn report(flush: &FlushSound, waves: &SourceSpectrum, ratios: &[Option<f64>], erp: &SourceSpectrum) -> RadiationReport {
     let range = waves.range_hz;
     let ratio_of = |band: i32| {
@@ -87,7 +87,7 @@ fn report(flush: &FlushSound, waves: &SourceSpectrum, ratios: &[Option<f64>], er
     let inside = |b: &BandLevel| b.band.high > range[0] && b.band.low < range[1];
     let rows = bands.iter().zip(erp.band_levels(range));
     RadiationReport {
-        // There is no other law above.
+        // There is no other method above.
         join_hz: [flush.waves.highest_hz().min(range[1]); 2],
         solved_hz: [flush.waves.highest_hz().min(range[1]); 2],
         frequencies: flush.waves.sampled_hz().len(),
@@ -113,7 +113,7 @@ fn report(flush: &FlushSound, waves: &SourceSpectrum, ratios: &[Option<f64>], er
     }
 }
 
-/// What the share of the sand's absorption decides: from that of an infinite plane of sand to none.
+/// Uncertainty from the absorption of the sand: from that of an infinite plane of sand to none.
 fn sand_band(source: &SourceSpectrum, sand: &AbsorbingSand, range_hz: [f64; 2]) -> Uncertainty {
     let plane: Vec<f64> = source
         .frequency

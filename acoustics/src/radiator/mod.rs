@@ -1,8 +1,8 @@
-//! What vibrating structures radiate: power with a second evaluation beside it, and pressures at receivers.
+//! Radiation of vibrating structures: power with a second evaluation, and pressures at receivers.
 //!
-//! A [`Radiator`] is one or several bodies with their surroundings: [`ModalBem`](crate::bem::ModalBem), a surface
-//! [flush with sand](FlushRadiator), or bodies of radiation efficiency 1 ([`SeparateBodies`]). A tool that moves as a rigid
-//! body radiates as the [sphere](RigidSphere) of its volume.
+//! A [`Radiator`] represents one or several bodies with their surroundings: [`ModalBem`](crate::bem::ModalBem), a
+//! surface [flush with sand](FlushRadiator), or bodies of radiation efficiency 1 ([`SeparateBodies`]). A rigid tool
+//! radiates as the [sphere](RigidSphere) of its volume.
 
 mod boundary_elements;
 mod flush;
@@ -21,9 +21,9 @@ use crate::radiation::{ModalRadiation, ModalSpectra};
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::TAU;
 
-/// One or several bodies that radiate together, as the workpiece and the table under it.
+/// One or several bodies that radiate together, for example the workpiece and the table under it.
 ///
-/// Motions are given body by body, in the order in which the radiator was made of them.
+/// Motions are given by body, in the order in which the radiator was constructed.
 pub trait Radiator: Send + Sync {
     /// Energy spectrum of the source `source`.
     ///
@@ -31,7 +31,7 @@ pub trait Radiator: Send + Sync {
     /// A number of modes that differs from the bodies', a range beyond the radiator's.
     fn energy(&self, source: &str, motions: &[&ModalSpectra]) -> Result<SourceSpectrum, AcousticsError>;
 
-    /// Energy spectrum and signals of the source `source`, with the second evaluation of its power where there is one.
+    /// Energy spectrum and signals of the source `source`, with the second evaluation of its power if there is one.
     ///
     /// # Errors
     /// As [`Self::energy`].
@@ -41,7 +41,7 @@ pub trait Radiator: Send + Sync {
     /// see [`damping_ratios`].
     fn damping(&self, omega: &[&[f64]]) -> Vec<Vec<f64>>;
 
-    /// Pressures at the receivers of the radiator; none where only its power is known.
+    /// Pressures at the receivers of the radiator; `None` if only its power is known.
     ///
     /// # Errors
     /// As [`Self::energy`].
@@ -57,7 +57,7 @@ pub struct MovingBody<'a> {
     pub omega: &'a [f64],
     /// How many of these are modes.
     pub modes: usize,
-    /// Damping ratio that radiation adds to each, where it damps them \[-\].
+    /// Damping ratio due to radiation of each, if included \[-\].
     pub damping: Option<&'a [f64]>,
     /// Fourier transforms of the modal accelerations.
     pub spectra: &'a ModalSpectra,
@@ -77,13 +77,13 @@ pub struct RadiatedSound {
 
 /// Pressures at receivers.
 pub struct Pressures {
-    /// How they are computed.
+    /// Label of the method.
     pub method: &'static str,
     /// \[Hz\].
     pub frequency: Vec<f64>,
     /// Fourier transform of the pressure, receivers x frequencies \[Pa s\].
     pub values: DMatrix<Complex<f64>>,
-    /// Frequencies over which they give way to means without a phase, where they do \[Hz\].
+    /// Range over which they fade out in favour of averages without phase, if any \[Hz\].
     pub fade_hz: Option<[f64; 2]>,
     /// Range in which they hold \[Hz\].
     pub range_hz: [f64; 2],
@@ -109,8 +109,8 @@ pub fn damping_ratios(radiation: &dyn ModalRadiation, omega: &[f64]) -> Vec<f64>
     resistances.into_iter().zip(omega).map(ratio).collect()
 }
 
-/// What each mode adds to the energy of all bodies, given the energies of all modes; the static corrections of a body count
-/// as one.
+/// Contribution of each mode to the energy of all bodies, given the energies of all modes; the static corrections of a
+/// body count as one.
 fn mode_shares(bodies: &[MovingBody<'_>], energies: &[f64]) -> Vec<ModeShare> {
     let total: f64 = energies.iter().sum::<f64>().max(f64::MIN_POSITIVE);
     let mut energies = energies.iter();

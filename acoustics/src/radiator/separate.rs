@@ -1,4 +1,4 @@
-//! Bodies of radiation efficiency 1, each by itself.
+//! Bodies of radiation efficiency 1 without interaction.
 
 use super::{MovingBody, Pressures, RadiatedSound, Radiator, Uncertainty, motions};
 use crate::error::AcousticsError;
@@ -8,8 +8,8 @@ use crate::radiation::{Erp, ModalSpectra, radiated_energy, radiated_signals};
 /// Highest radiation efficiency of a plate, near coincidence.
 const HIGHEST_EFFICIENCY: f64 = 1.76;
 
-/// Bodies whose equivalent radiated powers add up. They have no directivity, and do not damp their modes: at low frequencies
-/// the equivalent radiated power is far too high.
+/// Bodies whose equivalent radiated powers are added. They have no directivity and no radiation damping: at low
+/// frequencies the equivalent radiated power is far too high.
 pub struct SeparateBodies(pub Vec<(&'static str, Erp)>);
 
 impl Radiator for SeparateBodies {

@@ -1,4 +1,4 @@
-//! A body that moves rigidly along one axis, as the sphere of its volume.
+//! A body in rigid motion along one axis, as the sphere of its volume.
 
 use super::{RadiatedSound, RadiationBand, RadiationReport, Uncertainty};
 use crate::air::Air;
@@ -24,7 +24,7 @@ pub struct RigidSphere<'a> {
 }
 
 impl RigidSphere<'_> {
-    /// Its energy, and the signal of this energy: a lower bound for a body that also vibrates.
+    /// Energy and signal of the body: a lower bound if the body also vibrates.
     ///
     /// # Errors
     /// Those of [`rigid_body_energy`].
@@ -54,7 +54,7 @@ impl RigidSphere<'_> {
     ///
     /// # Errors
     /// As [`Self::sound`].
-    pub fn sound_twice(&self, source: &'static str) -> Result<RadiatedSound, AcousticsError> {
+    pub fn sound_with_check(&self, source: &'static str) -> Result<RadiatedSound, AcousticsError> {
         let Self {
             acceleration,
             sample_interval,
@@ -78,8 +78,8 @@ impl RigidSphere<'_> {
     }
 }
 
-/// The report of a rigid tool as the sphere of its volume, whose power is known in closed form twice: by the resistance
-/// of its surface and by its far field. With radiation efficiency 1 the surface would radiate
+/// The report of a rigid tool as the sphere of its volume, with its power in closed form by the resistance of its
+/// surface and by its far field. With radiation efficiency 1 the surface would radiate
 ///
 /// ```text
 /// E_1(f) = E(f) (4 + (k a)^4) / (k a)^4

@@ -38,8 +38,8 @@ impl Iso3744Box {
         POSITIONS.map(|[x, y, z]| Vector3::new(a * x, b * y, c * z))
     }
 
-    /// The microphones around an axis whose foot is at `foot` \[m\].
-    pub fn places(&self, foot: Point3<f64>) -> Vec<Point3<f64>> {
+    /// Microphone positions around an axis whose foot is at `foot` \[m\].
+    pub fn positions_around(&self, foot: Point3<f64>) -> Vec<Point3<f64>> {
         self.positions().iter().map(|offset| foot + offset).collect()
     }
 
@@ -50,8 +50,7 @@ impl Iso3744Box {
     }
 }
 
-/// Difference of levels from which on the background is not corrected for, and below which it may not be \[dB\]
-/// (ISO 3744).
+/// Level differences below which the background correction is invalid, and from which it is zero \[dB\] (ISO 3744).
 const BACKGROUND: [f64; 2] = [6.0, 15.0];
 
 /// Correction for background noise, K1 \[dB\], for a source with its background `difference` \[dB\] above the background

@@ -1,4 +1,4 @@
-//! Energies of a shot's sound in frequency bands, at points and per solid angle.
+//! Energies of the sound of a shot in frequency bands, at points and per solid angle.
 
 use super::fields::{Field, Fields};
 use crate::error::AcousticsError;
@@ -14,9 +14,9 @@ const CHUNK: usize = 64;
 /// Widest range that one polynomial serves, as a ratio of frequencies.
 const WIDEST: f64 = 4.0;
 
-/// Where the sound of a body is wanted.
+/// Points and far-field directions at which the sound of a body is computed.
 #[derive(Debug, Clone, Copy)]
-pub struct Around<'a> {
+pub struct FieldPoints<'a> {
     /// Points \[m\].
     pub points: &'a [Point3<f64>],
     /// Directions, unit vectors.
@@ -38,7 +38,7 @@ pub struct BandSound {
 }
 
 impl BandSound {
-    pub(crate) fn zeros(bands: &[Band], around: &Around<'_>) -> Self {
+    pub(crate) fn zeros(bands: &[Band], around: &FieldPoints<'_>) -> Self {
         Self {
             exposure: DMatrix::zeros(around.points.len(), bands.len()),
             directivity: DMatrix::zeros(around.directions.len(), bands.len()),
@@ -62,8 +62,8 @@ impl BandSound {
     }
 }
 
-/// Groups of neighbouring bands that one polynomial each serves: no wider than [`WIDEST`], and those of which `alone`
-/// holds by themselves.
+/// Groups of neighbouring bands with one polynomial each: no wider than [`WIDEST`]; bands for which `alone` holds form
+/// groups of their own.
 pub(crate) fn groups(bands: &[Band], alone: impl Fn(&Band) -> bool) -> Vec<&[Band]> {
     let mut groups = Vec::new();
     let mut rest = bands;
@@ -76,7 +76,7 @@ pub(crate) fn groups(bands: &[Band], alone: impl Fn(&Band) -> bool) -> Vec<&[Ban
     groups
 }
 
-/// Bins that take part in a band.
+/// Bins with nonzero weight in a band.
 pub(crate) fn bins_of(weights: &[f64]) -> Vec<usize> {
     (0..weights.len()).filter(|&bin| weights[bin] != 0.0).collect()
 }
@@ -104,11 +104,11 @@ pub(crate) fn squares(values: &Field, weights: &[f64]) -> Vec<f64> {
 ///
 /// # Errors
 /// [`ReceiverError`](crate::ReceiverError) for points that [`Rayleigh::pressure_at`] refuses.
-pub fn above_plane(
+pub fn band_sound_above_plane(
     surface: &Rayleigh,
     bands: &[Band],
     spectra: &ModalSpectra,
-    around: &Around<'_>,
+    around: &FieldPoints<'_>,
 ) -> Result<BandSound, AcousticsError> {
     let mut result = BandSound::zeros(bands, around);
     let (path, middle) = surface.reach();
@@ -120,12 +120,12 @@ pub fn above_plane(
     for group in groups(bands, kinked) {
         let range = [group[0].low, group[group.len() - 1].high];
         let fields = Fields::new(range, (path, speed), |hz| {
-            let mut heard = surface.pressure_at(hz, around.points)?;
-            for (mut row, r) in heard.row_iter_mut().zip(&travel) {
+            let mut pressures = surface.pressure_at(hz, around.points)?;
+            for (mut row, r) in pressures.row_iter_mut().zip(&travel) {
                 let turn = Complex::from_polar(1.0, 2.0 * PI * hz * r / speed);
                 row.iter_mut().for_each(|p| *p *= turn);
             }
-            Ok(vec![heard, surface.far_field_at(hz, around.directions)])
+            Ok(vec![pressures, surface.far_field_at(hz, around.directions)])
         })?;
         result.samples += fields.samples();
         result.error = result.error.max(fields.error());
@@ -138,8 +138,8 @@ pub fn above_plane(
                 let motion = of_bins(spectra, bins);
                 [0, 1].map(|field| squares(&fields.product(field, &frequency, &motion), &weights))
             };
-            for [heard, far] in bins.par_chunks(CHUNK).map(of_chunk).collect::<Vec<_>>() {
-                result.add(number, &heard, (&far, 1.0 / surface.air().impedance()));
+            for [exposure, far] in bins.par_chunks(CHUNK).map(of_chunk).collect::<Vec<_>>() {
+                result.add(number, &exposure, (&far, 1.0 / surface.air().impedance()));
             }
             number += 1;
         }

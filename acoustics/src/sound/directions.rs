@@ -2,12 +2,12 @@ use crate::quadrature::gauss_legendre;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// Directions on rings of equal height, for pictures and integrals over a sphere or over its half above a floor.
+/// Directions on rings of equal height, for plots and integrals over a sphere or over its half above a floor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Directions {
     /// Unit vectors, ring after ring from below.
     pub vectors: Vec<Vector3<f64>>,
-    /// Solid angle that each stands for \[sr\].
+    /// Solid angle of each direction \[sr\].
     pub weights: Vec<f64>,
     /// Directions of a ring.
     pub around: usize,

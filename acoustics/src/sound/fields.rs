@@ -29,8 +29,8 @@ pub(crate) struct Fields {
 }
 
 impl Fields {
-    /// Samples the fields that `at` gives at a frequency. Their waves travel at most `path` \[m\] farther or less than
-    /// those whose travel time has been taken out.
+    /// Samples the fields given by `at`. The travel times that remain in the fields correspond to paths between -`path`
+    /// and `path` \[m\].
     ///
     /// # Errors
     /// Those of `at`, and [`SamplingError`](crate::SamplingError).

@@ -1,38 +1,39 @@
 use super::SoundAbovePlane;
 use crate::air::Air;
 use crate::error::AcousticsError;
-use crate::radiation::{AbsorbingSand, Rayleigh, SampledRadiation, Sampling, SurfaceEvaluations};
+use crate::radiation::{AbsorbingSand, Rayleigh, SampledRadiation, Sampling, SurfaceResistances};
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
-/// A surface flush in a plane: how it radiates, the same by the intensity on it, and what places hear of it.
+/// Radiation of a surface flush in a plane: by spherical waves, by the intensity on the surface, and pressures at
+/// points above.
 ///
-/// What the surface does by itself depends on the wavelength alone and can be taken over to another air:
+/// The radiation of the surface alone depends only on the wavelength and can be converted to another air:
 ///
 /// ```text
 /// R(f; rho, c) = (rho c)/(rho0 c0) R0(f c0/c)        p/a (f; rho, c) = rho/rho0 (p/a)0 (f c0/c)
 /// ```
 ///
-/// Sand that absorbs multiplies R by its factor g(f) and p by the root of it. Sand that moves has a wavenumber of its own;
-/// it is computed in every air, up to where it comes to rest, and [continued](FlushSound::continued) by the surface alone.
-/// That is a matter of long waves, for which the surface's points are carried to a tenth of their number.
+/// Absorbing sand multiplies R by its factor g(f) and p by the square root of g. Moving sand has a wavenumber of its
+/// own: it is computed for each air, up to the frequency where its motion ends, and [continued](FlushSound::continued)
+/// by the surface alone. Only long waves matter there, for which a tenth of the surface's points is sufficient.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct FlushSound {
     /// Its resistance, by spherical waves.
     pub waves: SampledRadiation,
-    /// The same by pairs of points, band by band.
-    pub surface: SurfaceEvaluations,
-    /// What places hear.
-    pub heard: SoundAbovePlane,
+    /// Resistance by pairs of points, in bands.
+    pub surface: SurfaceResistances,
+    /// Pressures at points above the plane.
+    pub pressures: SoundAbovePlane,
 }
 
 impl FlushSound {
-    /// Largest ratio of two airs' speeds of sound over which a resistance is carried: the middle of a third-octave band
-    /// then stays in that band.
+    /// Largest ratio of the speeds of sound of two airs for the conversion of a resistance: the centre of a
+    /// one-third-octave band then stays in that band.
     pub const WIDEST: f64 = 1.122_018_454_301_963_3;
 
-    /// Sampled as finely as `sampling` asks, at `places` above the plane, freed of the travel time from `origin`; `progress`
-    /// is called after each frequency sampled.
+    /// Samples to the tolerance of `sampling`, with pressures at `places` above the plane, without the travel time from
+    /// `origin`; `progress` is called after each frequency.
     ///
     /// # Errors
     /// Those of [`Rayleigh::sampled`] and [`SoundAbovePlane::new`].
@@ -45,19 +46,20 @@ impl FlushSound {
     ) -> Result<Self, AcousticsError> {
         let few = surface.up_to(sampling.range_hz[1]);
         let waves = few.sampled(sampling, progress)?;
-        let heard_of = if places.iter().all(|place| few.is_far(place)) {
+        let observed = if places.iter().all(|place| few.is_far(place)) {
             &few
         } else {
             surface
         };
         Ok(Self {
-            heard: SoundAbovePlane::new(heard_of, &waves, places, origin)?,
+            pressures: SoundAbovePlane::new(observed, &waves, places, origin)?,
             waves: waves.with_roots(),
-            surface: SurfaceEvaluations::new(&few, sampling.range_hz[1]),
+            surface: SurfaceResistances::new(&few, sampling.range_hz[1]),
         })
     }
 
-    /// In the air `air`, with sand around that absorbs, when it was computed in `computed` without any.
+    /// Converts from the air `computed`, in which it was computed without absorbing sand, to `air` with the sand
+    /// `absorbing`.
     #[must_use]
     pub fn in_air(self, computed: &Air, air: &Air, absorbing: Option<AbsorbingSand>) -> Self {
         let (speed, density) = (air.sound_speed / computed.sound_speed, air.density / computed.density);
@@ -65,22 +67,22 @@ impl FlushSound {
         let factor = |hz: f64| density * speed * left(hz);
         let method = Rayleigh::method(absorbing.is_some(), false);
         let waves = self.waves.in_air(method, speed, factor);
-        let heard: Vec<f64> = waves.samples_hz().iter().map(|&hz| density * left(hz).sqrt()).collect();
+        let factors: Vec<f64> = waves.samples_hz().iter().map(|&hz| density * left(hz).sqrt()).collect();
         Self {
-            heard: self.heard.in_air(speed, &heard),
+            pressures: self.pressures.in_air(speed, &factors),
             waves,
             surface: self.surface.in_air(speed, factor),
         }
     }
 
-    /// This up to its highest frequency, `above` from there on.
+    /// Joins this radiation up to its highest frequency with `above` from there on.
     #[must_use]
     pub fn continued(self, above: Self) -> Self {
         let (waves, taken) = self.waves.continued(above.waves);
         Self {
             waves,
             surface: self.surface.continued(above.surface),
-            heard: self.heard.continued(above.heard, &taken),
+            pressures: self.pressures.continued(above.pressures, &taken),
         }
     }
 }

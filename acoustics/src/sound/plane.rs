@@ -5,13 +5,13 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// What places above an infinite rigid plane hear of the modes of a surface flush in it.
+/// Pressures of the modes of a flush surface at points above the infinite rigid plane.
 ///
-/// Pressures are computed at the frequencies at which the surface's resistance is sampled, freed of the travel time from
-/// `origin`, and interpolated like it.
+/// Pressures are computed without the travel time from `origin` at the frequencies at which the resistance of the
+/// surface is sampled, and interpolated in the same way.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SoundAbovePlane {
-    /// Places x modes at every sample.
+    /// Points x modes at every sample.
     #[serde(with = "crate::blocks")]
     samples: Vec<DMatrix<Complex<f64>>>,
     distances: Vec<f64>,
@@ -20,10 +20,10 @@ pub struct SoundAbovePlane {
 }
 
 impl SoundAbovePlane {
-    /// The pressures of `surface` at `places`, at the samples of its resistance.
+    /// Computes the pressures of `surface` at `places` for the samples of its resistance.
     ///
     /// # Errors
-    /// Places below the plane or closer to it than the surface's quadrature resolves.
+    /// Points below the plane or closer to it than the quadrature of the surface resolves.
     pub fn new(
         surface: &Rayleigh,
         sampled: &SampledRadiation,
@@ -33,12 +33,12 @@ impl SoundAbovePlane {
         let distances: Vec<f64> = places.iter().map(|p| (p - origin).norm()).collect();
         let sound_speed = surface.air().sound_speed;
         let take = |&hz: &f64| {
-            let mut heard = surface.pressure_at(hz, places)?;
-            for (mut row, r) in heard.row_iter_mut().zip(&distances) {
+            let mut pressures = surface.pressure_at(hz, places)?;
+            for (mut row, r) in pressures.row_iter_mut().zip(&distances) {
                 let turn = Complex::from_polar(1.0, 2.0 * PI * hz * r / sound_speed);
                 row.iter_mut().for_each(|p| *p *= turn);
             }
-            Ok(heard)
+            Ok(pressures)
         };
         let samples = sampled
             .samples_hz()
@@ -54,7 +54,8 @@ impl SoundAbovePlane {
         })
     }
 
-    /// In an air in which every wavelength has its frequency times `speed`, and times `factor` at each of the samples.
+    /// Converts to an air in which every wavelength has its frequency times `speed`, and multiplies by `factor` at each
+    /// sample.
     pub(super) fn in_air(mut self, speed: f64, factors: &[f64]) -> Self {
         self.sound_speed *= speed;
         for (sample, factor) in self.samples.iter_mut().zip(factors) {
@@ -63,7 +64,7 @@ impl SoundAbovePlane {
         self
     }
 
-    /// This, and behind its samples those of `above` with these numbers.
+    /// Appends the samples `taken` of `above`.
     pub(super) fn continued(mut self, mut above: Self, taken: &[usize]) -> Self {
         let moved = taken.iter().map(|&sample| std::mem::take(&mut above.samples[sample]));
         self.samples.extend(moved);
@@ -71,12 +72,12 @@ impl SoundAbovePlane {
         self
     }
 
-    /// Estimated interpolation error over frequency, relative to the loudest mode at the places.
+    /// Estimated interpolation error over frequency, relative to the loudest mode at the points.
     pub fn error(&self) -> f64 {
         self.error
     }
 
-    /// Pressure, places x frequencies \[Pa s\], for modal accelerations, modes x frequencies \[m/s\].
+    /// Pressure, points x frequencies \[Pa s\], for modal accelerations, modes x frequencies \[m/s\].
     pub fn pressures(
         &self,
         sampled: &SampledRadiation,

@@ -7,21 +7,22 @@ use crate::levels::SourceSpectrum;
 use nalgebra::{Complex, Point3, Vector3};
 use std::f64::consts::PI;
 
-/// Pressure at a place per unit acceleration of a rigid sphere along `axis`, with its image in a rigid floor at the height
-/// `floor` where there is one \[Pa per m/s²\].
+/// Pressure at a point per unit acceleration of a rigid sphere along `axis`, with its image in a rigid floor at the
+/// height `floor` if there is one \[Pa per m/s²\].
 ///
 /// ```text
 /// p = rho0 A a^3 cos(theta) (1 + jkr) e^{-jk(r - a)} / (r^2 (2 + 2 jka - (ka)^2))
 /// ```
 ///
 /// The exact field in free space (Morse and Ingard 1968, sec. 7.2), whose power is that of
-/// [`crate::radiation::rigid_body_energy`]. The image moves as a mirror shows it, and neither scatters the other's sound.
+/// [`crate::radiation::rigid_body_energy`]. The image moves as the mirror image of the sphere; scattering between the
+/// two is neglected.
 ///
 /// `volume` is the sphere's \[m³\], `axis` any length above zero.
 ///
 /// # Errors
-/// A volume or axis that is not positive, a place inside the sphere or below the floor.
-pub fn shaken_sphere_pressure(
+/// A volume or axis that is not positive, a point inside the sphere or below the floor.
+pub fn oscillating_sphere_pressure(
     hz: f64,
     volume: f64,
     centre: Point3<f64>,
@@ -92,7 +93,7 @@ pub fn rigid_body_far_field(
         let mut energy = 0.0;
         for (direction, solid_angle) in directions.vectors.iter().zip(&directions.weights) {
             let place = Point3::from(r * direction);
-            let unit = shaken_sphere_pressure(hz, volume, Point3::origin(), Vector3::z(), place, None, air)?;
+            let unit = oscillating_sphere_pressure(hz, volume, Point3::origin(), Vector3::z(), place, None, air)?;
             energy += 2.0 * r * r / air.impedance() * (unit * motion).norm_sqr() * solid_angle;
         }
         density.push(energy);

@@ -10,14 +10,14 @@ use crate::bem::{BandFields, MeshRange, ModalBem, SurfaceBand, WholeSurface};
 use crate::error::AcousticsError;
 use crate::levels::Band;
 use crate::radiation::{ModalSpectra, radiated_energy};
-use crate::sound::{Around, Directions};
+use crate::sound::{Directions, FieldPoints};
 use nalgebra::{Point3, Vector3};
 
-/// A body, or several as one surface, that boundary elements solve.
+/// One or several bodies as one surface, solved by boundary elements.
 pub struct SolvedSurface<'a> {
     /// Its source.
     pub source: &'static str,
-    /// Beginning of the names of its fields.
+    /// Prefix of the names of its fields.
     pub prefix: &'static str,
     /// Its meshes.
     pub levels: Vec<MeshRange>,
@@ -25,11 +25,11 @@ pub struct SolvedSurface<'a> {
     pub bem: &'a ModalBem,
     /// Its motion.
     pub spectra: &'a ModalSpectra,
-    /// Where its axes begin in those of the planes \[m\].
+    /// Origin of its axes in those of the planes \[m\].
     pub at: Vector3<f64>,
 }
 
-/// The field of a body in the bands below the end of single frequencies.
+/// Computes the field of a body in the bands below the end of single frequencies.
 ///
 /// # Errors
 /// Those of the boundary elements.
@@ -56,7 +56,7 @@ pub fn boundary_element_field(body: SolvedSurface<'_>, cuts: &Cuts) -> Result<So
     let directions = Directions::new(rings, SPHERE[1], floor.is_some());
     let points: Vec<Point3<f64>> = planes.iter().flat_map(|plane| plane.points()).collect();
     let points = moved(&points);
-    let around = Around {
+    let around = FieldPoints {
         points: &points,
         directions: &directions.vectors,
     };

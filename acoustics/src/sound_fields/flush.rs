@@ -6,7 +6,7 @@ use super::{SoundField, balance, bands, energies};
 use crate::error::AcousticsError;
 use crate::levels::{Band, SourceSpectrum};
 use crate::radiation::{ModalSpectra, Rayleigh};
-use crate::sound::{Around, Directions, above_plane};
+use crate::sound::{Directions, FieldPoints, band_sound_above_plane};
 use nalgebra::Point3;
 
 /// The field of a surface whose energy is `radiated`; names of fields begin with `prefix`.
@@ -27,11 +27,11 @@ pub fn flush_field(
         .for_each(|plane| plane.keep(|points| surface.is_clear(points)));
     let directions = Directions::new(SPHERE[0], SPHERE[1], true);
     let points: Vec<Point3<f64>> = planes.iter().flat_map(|plane| plane.points()).collect();
-    let around = Around {
+    let around = FieldPoints {
         points: &points,
         directions: &directions.vectors,
     };
-    let found = above_plane(surface, &bands, spectra, &around)?;
+    let found = band_sound_above_plane(surface, &bands, spectra, &around)?;
     let energies = energies(radiated, &bands);
     let mut series = in_planes(prefix, &planes, &found, &bands);
     series.push(sphere(

@@ -1,4 +1,4 @@
-//! Sound fields of a shot, one-third octave by one-third octave: on surfaces, in planes and on a sphere of directions.
+//! Sound fields of a shot in one-third-octave bands: on surfaces, in planes and on a sphere of directions.
 
 mod boundary_elements;
 mod flush;
@@ -37,7 +37,7 @@ pub struct SoundField {
     pub error: f64,
     /// Nominal mid-band frequency of the highest band \[Hz\].
     pub highest_hz: f64,
-    /// Energies in all bands by the field less that of the source \[dB\], with their names.
+    /// Energy of the field over all bands relative to that of the source \[dB\], by name of the comparison.
     pub balances: Vec<(&'static str, f64)>,
 }
 
@@ -74,7 +74,7 @@ pub struct BandField {
     pub polygons: Vec<(String, Vec<f64>)>,
 }
 
-/// The whole bands that a source's bins hold, below a top frequency.
+/// Complete bands within the frequencies of a spectrum, below a top frequency.
 fn bands(spectra: &ModalSpectra, top: f64) -> Vec<Band> {
     let [low, high] = spectra.range_hz;
     let whole = |b: &Band| b.low >= low * (1.0 - 1e-9) && b.high <= high.min(top) * (1.0 + 1e-9);

@@ -1,4 +1,4 @@
-//! Fields in planes through the axis of driving, and in a level one above what is nailed.
+//! Fields in vertical planes through the driving axis, and in a horizontal plane above the workpiece.
 
 use super::{BandField, EXPOSURE, FieldSeries, FieldShape, PRESSURE, decibels};
 use crate::levels::Band;
@@ -9,28 +9,28 @@ use serde::Serialize;
 /// Half side of the planes \[m\].
 const HALF_SIDE: f64 = 1.0;
 
-/// How far the upright planes reach above what is nailed \[m\].
+/// Height of the vertical planes above the workpiece \[m\].
 const ABOVE: f64 = 1.0;
 
-/// Height of the level plane above what is nailed \[m\]: far enough for all meshes of its surface.
+/// Height of the horizontal plane above the workpiece \[m\], sufficient for the element size of all its meshes.
 const LEVEL: f64 = 0.1;
 
 /// Distance of neighbouring points of a plane \[m\].
 const SPACING: f64 = 0.06;
 
-/// Where the planes are.
+/// Positions of the planes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Cuts {
-    /// x and y of the axis of driving \[m\].
+    /// x and y of the driving axis \[m\].
     pub axis: [f64; 2],
-    /// Height of the reflecting plane, where the upright planes begin \[m\].
+    /// Height of the reflecting plane, the lower end of the vertical planes \[m\].
     pub low: f64,
-    /// Height of the top of what is nailed \[m\].
+    /// Height of the top of the workpiece \[m\].
     pub top: f64,
 }
 
 impl Cuts {
-    /// Two upright planes through the axis of driving, and a level one above what is nailed.
+    /// Two vertical planes through the driving axis, and a horizontal plane above the workpiece.
     pub(super) fn planes(&self) -> [Plane; 3] {
         let [x, y] = self.axis;
         let (low, top) = (self.low, self.top);
@@ -76,7 +76,7 @@ pub(super) fn in_planes(prefix: &str, planes: &[Plane], found: &BandSound, bands
     planes.iter().map(of_plane).collect()
 }
 
-/// A plane of points on a grid, of which some are left out.
+/// A grid of points in a plane, some of which may be left out.
 pub(super) struct Plane {
     name: &'static str,
     /// Columns of the grid, and its points row by row.
@@ -103,14 +103,14 @@ impl Plane {
         }
     }
 
-    /// Leaves out what does not pass.
+    /// Keeps the points that pass the test.
     pub(super) fn keep(&mut self, test: impl Fn(&[Point3<f64>]) -> Vec<bool>) {
         for (shown, passes) in self.shown.iter_mut().zip(test(&self.grid)) {
             *shown &= passes;
         }
     }
 
-    /// The points that are left.
+    /// The remaining points.
     pub(super) fn points(&self) -> impl Iterator<Item = Point3<f64>> + '_ {
         self.grid
             .iter()

@@ -8,7 +8,7 @@ use nalgebra::Point3;
 /// Rings of the half sphere, and directions of each: they integrate the far field of a body of k a = 46.
 pub(super) const SPHERE: [usize; 2] = [24, 96];
 
-/// Radius at which the half sphere is drawn \[m\].
+/// Radius of the plotted half sphere \[m\].
 const DRAWN: f64 = 1.0;
 
 /// Energy over all directions in each band \[J\].

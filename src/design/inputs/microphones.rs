@@ -24,7 +24,7 @@ pub(crate) fn array(design: &Design) -> Result<MicrophoneArray, Error> {
 
 /// Positions of the microphones, in the coordinates of the bodies \[m\].
 pub(crate) fn positions(design: &Design) -> Vec<Point3<f64>> {
-    Iso3744Box::around(centre_height(design)).places(foot(design).into())
+    Iso3744Box::around(centre_height(design)).positions_around(foot(design).into())
 }
 
 /// Foot of the axis of driving on the reflecting plane \[m\].

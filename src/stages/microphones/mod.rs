@@ -80,7 +80,7 @@ impl MicrophoneArray {
 
     /// Positions of the microphones, in the coordinates of the bodies \[m\].
     pub fn positions(&self) -> Vec<Point3<f64>> {
-        self.surface().places(self.foot.into())
+        self.surface().positions_around(self.foot.into())
     }
 
     /// Height of the reflecting plane \[m\].

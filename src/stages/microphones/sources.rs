@@ -7,7 +7,7 @@ use nailnoise_acoustics::exhaust::{ExhaustNoise, Floor, Outlet, Recording};
 use nailnoise_acoustics::fourier::{Transform, TransformSettings};
 use nailnoise_acoustics::levels::{PowerSignals, SourceSpectrum};
 use nailnoise_acoustics::radiator::Pressures;
-use nailnoise_acoustics::sound::{OverTime, shaken_sphere_pressure, spread_evenly};
+use nailnoise_acoustics::sound::{ChirpTransform, omnidirectional_transfer, oscillating_sphere_pressure};
 use nailnoise_dynamics::CycleRecord;
 use nalgebra::{Complex, DMatrix, Point3, Vector3};
 use rayon::prelude::*;
@@ -143,7 +143,7 @@ impl MicrophoneArray {
         let plane = Some(self.plane());
         for (mut row, place) in pressures.row_iter_mut().zip(&receivers.positions) {
             for ((p, hz), a) in row.iter_mut().zip(&frequency).zip(&motion) {
-                let unit = shaken_sphere_pressure(*hz, sphere.volume, centre, down, *place, plane, &self.air)?;
+                let unit = oscillating_sphere_pressure(*hz, sphere.volume, centre, down, *place, plane, &self.air)?;
                 *p = unit * a;
             }
         }
@@ -246,7 +246,7 @@ impl<'a> Receivers<'a> {
 
     /// A part and its signals from complex pressures, microphones x frequencies \[Pa s\].
     fn of_pressures(&self, frequency: &[f64], pressures: &DMatrix<Complex<f64>>) -> (Part, Vec<Vec<f64>>) {
-        let over_time = OverTime::new(frequency, f64::from(SAMPLE_RATE), self.samples);
+        let over_time = ChirpTransform::new(frequency, f64::from(SAMPLE_RATE), self.samples);
         let signal = |row: usize| {
             let spectrum: Vec<Complex<f64>> = pressures.row(row).iter().copied().collect();
             over_time.signal(&spectrum)
@@ -260,10 +260,10 @@ impl<'a> Receivers<'a> {
 
     /// A part of which only the energy is known, from a point.
     fn spread(&self, centre: Point3<f64>, signals: &PowerSignals) -> Result<(Part, Vec<Vec<f64>>), Error> {
-        let (frequency, signal) = (signals.frequency(), signals.one_signal());
+        let (frequency, signal) = (signals.frequency(), signals.combined_signal());
         let mut pressures = DMatrix::zeros(self.positions.len(), frequency.len());
         for (mut row, place) in pressures.row_iter_mut().zip(&self.positions) {
-            let spread = spread_evenly(centre, *place, self.plane, self.air)?;
+            let spread = omnidirectional_transfer(centre, *place, self.plane, self.air)?;
             for ((p, hz), x) in row.iter_mut().zip(frequency).zip(&signal) {
                 *p = spread.pressure(*hz, *x);
             }

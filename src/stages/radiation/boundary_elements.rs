@@ -83,7 +83,7 @@ impl MeshRanges {
             // Most modes of a symmetric body have one parity.
             let patterns = modes.div_ceil(level.problem.boundary().copies());
             let stored = if self.levels.len() == 1 || *solves > few {
-                estimate.seconds_kept
+                estimate.seconds_shared
             } else {
                 0.0
             };

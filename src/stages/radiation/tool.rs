@@ -51,9 +51,9 @@ impl ToolRadiation {
         };
         ranges.note("tool", SAMPLES, progress);
         if let Some(finest) = ranges.finest() {
-            let mended = finest.problem.boundary().mended();
-            if mended.flipped > 0 {
-                progress.note(&format!("tool: {mended}; look at its mesh"));
+            let repairs = finest.problem.boundary().repairs();
+            if repairs.flipped > 0 {
+                progress.note(&format!("tool: {repairs}; look at its mesh"));
             }
         }
         ranges.solve(
@@ -101,7 +101,7 @@ impl ToolRadiation {
             _ => return Ok(vec![fine]),
         };
         let carried = |p: &Patterns| {
-            let velocities = coarse.carried(boundary, &p.velocities)?;
+            let velocities = coarse.project_from(boundary, &p.velocities)?;
             Ok::<_, Error>(Patterns {
                 parity: p.parity,
                 velocities,

@@ -96,7 +96,7 @@ impl WorkpieceBoundaryElements {
                 "workpiece: the sides of its mesh are not those of workpiece.length, width and thickness; it radiates from its \
                  own faces, up to {:.0} Hz; {}",
                 only.top_hz,
-                only.problem.boundary().mended()
+                only.problem.boundary().repairs()
             ));
         }
         ranges.solve("boundary elements", &self.resolution, &self.places, progress)
@@ -394,7 +394,7 @@ mod tests {
         let own = levels(&longer, &block, &air).unwrap();
         assert_eq!(own.len(), 1);
         assert!(
-            own[0].problem.boundary().mended().on_floor == 0,
+            own[0].problem.boundary().repairs().on_floor == 0,
             "the underside is left out before"
         );
         assert!(own[0].problem.boundary().stands_on_floor());

@@ -74,7 +74,7 @@ impl BodySound {
     fn sound(&self) -> Result<Sound, Error> {
         let record = self.cycle.get()?;
         let Some(housing) = &self.housing else {
-            return Ok(self.rigid(&record).sound_twice(NAME)?.into());
+            return Ok(self.rigid(&record).sound_with_check(NAME)?.into());
         };
         let (body, motion) = (housing.body.get()?, housing.motion.get()?);
         match &housing.radiator {

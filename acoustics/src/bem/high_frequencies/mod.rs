@@ -1,5 +1,5 @@
-//! Frequencies above those solved one by one: means of boundary elements, and the limit of short waves.
+//! Frequencies above those solved one by one: averaged boundary elements, and the high-frequency limit.
 
-pub(crate) mod above;
-pub(crate) mod blend;
+pub(crate) mod composite;
 pub(crate) mod faces;
+pub(crate) mod frequencies;

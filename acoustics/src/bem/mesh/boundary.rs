@@ -5,11 +5,11 @@ use crate::bem::mesh::symmetry::Image;
 use nalgebra::{DMatrix, Matrix4, Point3, Vector3, Vector4};
 use std::collections::HashMap;
 
-/// A surface that has been found fit for the exterior problem: closed (or open only on the floor, on which it then
-/// stands), with normals into the air, above the floor.
+/// A surface that is valid for the exterior problem: closed (or open only where it stands on the floor), with normals
+/// into the air, and above the floor.
 ///
-/// Where body and air are symmetric about planes of constant x or y, the part on the upper side of those planes is all
-/// that is needed; it is open in them.
+/// If body and air are symmetric about planes of constant x or y, only the part on the upper side of those planes is
+/// needed; it is open in them.
 #[derive(Clone, Debug)]
 pub struct Boundary {
     mesh: BoundaryMesh,
@@ -19,21 +19,21 @@ pub struct Boundary {
     /// Planes in which each unknown lies, a bit an axis.
     in_planes: Vec<u8>,
     nodes: usize,
-    mended: Mended,
+    repairs: Repairs,
 }
 
-/// What was changed in a surface to make it fit.
+/// Changes that made a surface valid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Mended {
-    /// Panels whose normal was turned round.
+pub struct Repairs {
+    /// Number of panels whose normal was reversed.
     pub flipped: usize,
-    /// Panels left out because they lie on the floor or in a mirror plane.
+    /// Number of panels that were removed because they lie on the floor or in a mirror plane.
     pub on_floor: usize,
-    /// Panels of all.
+    /// Number of panels of the surface given.
     pub panels: usize,
 }
 
-impl std::fmt::Display for Mended {
+impl std::fmt::Display for Repairs {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
             f,
@@ -46,8 +46,8 @@ impl std::fmt::Display for Mended {
 impl Boundary {
     /// Checks `mesh` above a rigid floor in the plane z = `floor` \[m\], or in free space.
     ///
-    /// Panels whose normal points into the body are turned, panels in the floor's plane are left out; both are counted
-    /// in [`Boundary::mended`].
+    /// Panels whose normal points into the body are reversed, and panels in the plane of the floor are removed;
+    /// [`Boundary::repairs`] counts both.
     ///
     /// # Errors
     /// [`BemError::OpenSurface`], [`BemError::TangledSurface`], [`BemError::FloorThroughBody`],
@@ -122,7 +122,7 @@ impl Boundary {
         }
         Ok(Self {
             nodes: in_planes.len(),
-            mended: Mended {
+            repairs: Repairs {
                 flipped,
                 on_floor: panels - original.len(),
                 panels,
@@ -135,7 +135,7 @@ impl Boundary {
         })
     }
 
-    /// The surface with its panels turned outward and those on the floor left out.
+    /// The surface with outward normals and without the panels on the floor.
     pub fn mesh(&self) -> &BoundaryMesh {
         &self.mesh
     }
@@ -150,7 +150,7 @@ impl Boundary {
         [self.planes[0], self.planes[1]]
     }
 
-    /// How many parts like this one the whole body has.
+    /// Number of symmetric parts of the whole body.
     pub fn copies(&self) -> usize {
         1 << self.mirrors().iter().flatten().count()
     }
@@ -177,9 +177,9 @@ impl Boundary {
         &self.original
     }
 
-    /// What was changed.
-    pub fn mended(&self) -> Mended {
-        self.mended
+    /// Changes that made the surface valid.
+    pub fn repairs(&self) -> Repairs {
+        self.repairs
     }
 
     /// Number of pressure unknowns: the panels' corners.
@@ -197,7 +197,7 @@ impl Boundary {
         (self.node[point] != usize::MAX).then(|| self.node[point])
     }
 
-    /// Numbers the pressure unknowns in the order in which these panels, all of the surface, come to them.
+    /// Numbers the pressure unknowns in the order in which `panels`, which must be all panels, first use them.
     pub(crate) fn number_nodes<'a>(&mut self, panels: impl Iterator<Item = &'a usize>) {
         let (mut number, mut in_planes) = (vec![usize::MAX; self.node.len()], Vec::with_capacity(self.nodes));
         for &panel in panels {
@@ -246,8 +246,8 @@ impl Boundary {
         0.5 * (extents.sum() - extents.min() - extents.max())
     }
 
-    /// Normal velocities as corner values of every panel, from functions of the point: the best fit in the mean square
-    /// on each panel by itself, which keeps the panel's volume flow.
+    /// Projects normal velocities, given as functions of the point, on the corner functions of every panel: the
+    /// least-squares fit on each panel separately, which preserves the volume flow of the panel.
     ///
     /// `velocity(panel, xi, point, values)` writes one value per pattern; the result is velocity values x patterns.
     pub fn project(
@@ -324,10 +324,10 @@ fn extent(mesh: &BoundaryMesh) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// A panel beyond an edge, and whether it runs along it in the same direction (its normal then points the other way).
+/// The panel across an edge, and whether it traverses the edge in the same direction (its normal is then reversed).
 type Beyond = (usize, bool);
 
-/// The panel beyond every edge of every panel.
+/// The panel across every edge of every panel.
 fn neighbours(mesh: &BoundaryMesh, in_planes: &[u8]) -> Result<Vec<Vec<Beyond>>, BemError> {
     let mut edges: HashMap<(usize, usize), Vec<(usize, bool)>> = HashMap::new();
     for (p, panel) in mesh.panels.iter().enumerate() {
@@ -365,7 +365,7 @@ fn neighbours(mesh: &BoundaryMesh, in_planes: &[u8]) -> Result<Vec<Vec<Beyond>>,
     Ok(result)
 }
 
-/// Turns panels until all normals point out of the bodies; returns how many were turned.
+/// Reverses panels until all normals point out of the bodies; returns the number of reversed panels.
 fn orient(mesh: &mut BoundaryMesh, neighbours: &[Vec<Beyond>], base: f64) -> usize {
     let mut turned: Vec<Option<bool>> = vec![None; mesh.panels.len()];
     for seed in 0..mesh.panels.len() {
@@ -384,7 +384,7 @@ fn orient(mesh: &mut BoundaryMesh, neighbours: &[Vec<Beyond>], base: f64) -> usi
                 }
             }
         }
-        // V = closed integral of (z - z_0) n_z dS; what lies in the plane z_0 adds nothing.
+        // V = closed integral of (z - z_0) n_z dS; panels in the plane z_0 contribute nothing.
         let volume: f64 = body
             .iter()
             .map(|&p| {

@@ -4,8 +4,8 @@ use nalgebra::Point3;
 use serde::Serialize;
 use std::collections::HashMap;
 
-/// Least number of panels across a stretch between two lines: the pressure bends sharply at a body's edges, and a single
-/// panel across the side of a plate loses 6 % of what it radiates when it shakes in its plane.
+/// Smallest number of panels between two grid lines: the pressure varies strongly near edges, and a single panel across
+/// the side of a plate underestimates the power of in-plane motion by 6 %.
 const LEAST: f64 = 2.0;
 
 /// A box with edges along the axes, part of a body.
@@ -31,12 +31,12 @@ pub struct Side {
 }
 
 impl BoundaryMesh {
-    /// The surface of a union of boxes in rectangles whose sides measure at most `edge` \[m\]; where boxes touch, nothing
-    /// is left of their sides. Lines of the grid run through every side of every box, and
-    /// at least two rectangles lie between neighbouring lines.
+    /// The surface of a union of boxes as rectangles with sides of at most `edge` \[m\]; contact areas between boxes
+    /// are left out. Grid lines run through every side of every box, with at least two rectangles between neighbouring
+    /// lines.
     ///
-    /// Of a body that is symmetric about planes, or stands on a floor, only what lies above those `planes` \[m\] is
-    /// meshed. `patch` numbers the sides within `patches`.
+    /// For a body that is symmetric about planes or stands on a floor, only the part above those `planes` \[m\] is
+    /// meshed. `patch` returns the index of a side's patch in `patches`.
     ///
     /// # Errors
     /// [`MeshError`] for sides or edges that are not positive.

@@ -11,22 +11,22 @@ const TIP: f64 = 0.0;
 /// How far from the tip's plane a point in it may be, as a share of the body's size.
 const IN_PLANE: f64 = 1e-6;
 
-/// The outline of a tool with its nose closed by what it stands on.
+/// The outer surface of a tool with the mouth of its nose closed by a cover.
 ///
-/// Before the tool lifts off the workpiece covers the mouth of the nose. With an open mouth the bore would be an organ pipe
-/// without losses: that of the N80CB has a resonance at 737 Hz.
+/// Until the tool lifts off, the workpiece covers the mouth of the nose. With an open mouth the bore would be an
+/// undamped organ pipe: that of the N80CB has a resonance at 737 Hz.
 #[derive(Debug, Clone)]
 pub struct ClosedOutline {
-    /// The points of the skin and those of the cover, and the panels that meet the open air.
+    /// The points of the skin and of the cover, and the panels that are exposed to the open air.
     pub mesh: BoundaryMesh,
-    /// The points of the skin whose mean motion each point of the cover follows.
+    /// For each point of the cover, the points of the skin whose mean motion it follows.
     cover: Vec<Vec<usize>>,
 }
 
 impl ClosedOutline {
-    /// The faces that meet the open air, and a flat cover of the mouth of the nose that moves with its rim, unless the nose
-    /// stands on the floor (its height \[m\]). The mouth stays open if the nose does not end in the plane z = 0 in one simple
-    /// rim, as in a mesh of the user's own.
+    /// The faces exposed to the open air, and a flat cover of the mouth of the nose that moves with its rim, unless the
+    /// nose stands on the floor (`floor` is its height \[m\]). The mouth stays open if the nose does not end in the
+    /// plane z = 0 with a single simple rim, which may occur in a user's mesh.
     ///
     /// # Errors
     /// [`MeshError`] of the surface.
@@ -126,7 +126,7 @@ struct Side {
     between: Option<usize>,
 }
 
-/// The rims at which panels end, if each is a simple line that its middle sees all of.
+/// The rims at which panels end, if each is a simple line that is star-shaped about its centre.
 fn mouth(points: &[Point3<f64>], panels: &[Panel]) -> Option<Vec<Vec<Side>>> {
     let mut sides: BTreeMap<(usize, usize), Vec<Side>> = BTreeMap::new();
     for panel in panels {
@@ -192,7 +192,7 @@ mod tests {
             let outline = ClosedOutline::new(&skin, floor).unwrap();
             let motion = outline.motion(&skin, &modes);
             let boundary = Boundary::new(outline.mesh, floor).unwrap();
-            assert_eq!(boundary.mended().flipped, 0);
+            assert_eq!(boundary.repairs().flipped, 0);
             assert!(
                 (boundary.mesh().area() - 54.0).abs() < 1e-9,
                 "{}",

@@ -11,7 +11,7 @@ pub(crate) struct Shape {
     pub(crate) dn: [[f64; 2]; MOST_NODES],
 }
 
-/// What boundary elements ask of a face's shape.
+/// Shape functions of a face.
 pub(crate) trait PanelShape {
     /// The face with straight sides and the same corners, whose shape functions carry pressure and normal velocity.
     fn linear(self) -> FaceKind;

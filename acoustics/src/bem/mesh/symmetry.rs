@@ -30,8 +30,8 @@ pub(crate) fn axes_of(planes: &[Option<f64>; 3]) -> u8 {
     (0..3).filter(|&a| planes[a].is_some()).map(|a| 1 << a).sum()
 }
 
-/// How a motion continues across the mirror planes x and y: as it is, or with the opposite sign. The rigid floor
-/// always continues it as it is.
+/// Parity of a motion about the mirror planes of constant x and y: even or odd. Motion is always even about the rigid
+/// floor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Parity {
     /// Opposite sign across the plane of constant x.

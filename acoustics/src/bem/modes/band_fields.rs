@@ -12,7 +12,7 @@ use crate::error::AcousticsError;
 use crate::levels::{Band, Weighting, energy_weights};
 use crate::matrix::real_product;
 use crate::radiation::ModalSpectra;
-use crate::sound::{Around, BandSound, Field, Fields, bins_of, groups, of_bins, squares};
+use crate::sound::{BandSound, Field, FieldPoints, Fields, bins_of, groups, of_bins, squares};
 use faer::Mat;
 use nalgebra::{Complex, DMatrix, Point3, Vector3};
 use rayon::prelude::*;
@@ -36,7 +36,7 @@ pub struct WholeSurface {
     pub patches: Vec<String>,
 }
 
-/// What the surface does in one band.
+/// Pressure, intensity and velocity on the surface in one band.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfaceBand {
     /// Its surface among those of [`BandFields::surfaces`].
@@ -52,11 +52,11 @@ pub struct SurfaceBand {
 /// The sound of a shot around a body by boundary elements, band by band.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BandFields {
-    /// What is heard around.
+    /// Sound exposure at the field points and energy in the far field.
     pub around: BandSound,
-    /// Surfaces of different fineness.
+    /// Surfaces of different mesh sizes.
     pub surfaces: Vec<WholeSurface>,
-    /// What they do, band by band.
+    /// Fields on these surfaces, by band.
     pub bands: Vec<SurfaceBand>,
 }
 
@@ -72,7 +72,7 @@ impl BandFields {
         levels: Vec<MeshRange>,
         bands: &[Band],
         spectra: &ModalSpectra,
-        around: &Around<'_>,
+        around: &FieldPoints<'_>,
     ) -> Result<Self, AcousticsError> {
         let mut result = Self {
             around: BandSound::zeros(bands, around),
@@ -109,7 +109,7 @@ impl BandFields {
             }
             let surface = result.surfaces.len();
             let level = MeshRange {
-                problem: level.problem.with_near_field_kept(level.top_hz),
+                problem: level.problem.with_near_field_cache(level.top_hz),
                 ..level
             };
             let whole = Whole::new(&level.problem, &level.patterns, &chosen);
@@ -133,7 +133,7 @@ impl BandFields {
     }
 }
 
-/// One level with all it needs.
+/// One mesh range with its independent modes and images.
 struct Whole<'a> {
     problem: &'a Exterior,
     /// Independent modes of every parity.
@@ -164,8 +164,8 @@ impl<'a> Whole<'a> {
         }
     }
 
-    /// Pressure on the surface per unit of acceleration, around it and in the far field: parity by parity each.
-    fn piece(&self, group: &[Band], around: &Around<'_>) -> Result<Fields, AcousticsError> {
+    /// Pressure on the surface, at the field points and in the far field per unit of acceleration; by parity.
+    fn piece(&self, group: &[Band], around: &FieldPoints<'_>) -> Result<Fields, AcousticsError> {
         let (radius, origin) = self.problem.reach();
         let speed = self.problem.air().sound_speed;
         let range = [group[0].low, group[group.len() - 1].high];
@@ -235,9 +235,9 @@ impl<'a> Whole<'a> {
             intensity: vec![0.0; self.surface.panels.len()],
             velocity: vec![0.0; self.surface.panels.len()],
         };
-        for ([heard, far], part) in parts {
+        for ([exposure, far], part) in parts {
             // p -> F e^{-jkr}/(4 pi r)
-            around.add(number, &heard, (&far, 1.0 / (16.0 * PI * PI * impedance)));
+            around.add(number, &exposure, (&far, 1.0 / (16.0 * PI * PI * impedance)));
             for (to, from) in [
                 (&mut total.exposure, part.exposure),
                 (&mut total.intensity, part.intensity),
@@ -251,7 +251,7 @@ impl<'a> Whole<'a> {
 
     fn on_surface(&self, pressure: &[Field], accelerations: &[Field], hz: &[f64], weights: &[f64]) -> SurfaceBand {
         let (bins, radius) = (hz.len(), self.problem.reach().0);
-        // The pressure is ahead by the time over the body's reach; the velocity follows it.
+        // The pressure is advanced by the travel time across the body; the velocity is advanced equally.
         let turn: Vec<Complex<f64>> = hz
             .iter()
             .map(|hz| {
@@ -311,7 +311,7 @@ impl<'a> Whole<'a> {
     }
 }
 
-/// Their sum.
+/// Sum of the fields.
 fn sum(parts: impl Iterator<Item = Field>) -> Field {
     parts
         .reduce(|sum, part| sum + part)

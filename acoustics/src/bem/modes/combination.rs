@@ -2,14 +2,15 @@ use crate::matrix::real_product;
 use nalgebra::{Complex, DMatrix};
 use serde::{Deserialize, Serialize};
 
-/// T of a parity: the motion of its independent modes for the motion of all modes.
+/// Matrix T of a parity: amplitudes of its independent modes for the amplitudes of all modes.
 ///
-/// An independent mode stands for itself, most others have another parity: few columns are more than one entry.
+/// The column of an independent mode is a unit vector, and most other modes have another parity, so that few columns
+/// have more than one entry.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Combination {
     /// Numbers of the independent modes.
     independent: Vec<usize>,
-    /// Numbers of the modes that combine from them.
+    /// Indices of the modes that are combinations of them.
     dependent: Vec<usize>,
     /// Independent modes x dependent ones.
     #[serde(with = "crate::blocks")]
@@ -18,7 +19,7 @@ pub(crate) struct Combination {
 }
 
 impl Combination {
-    /// Of so many modes.
+    /// For `modes` modes.
     pub(crate) fn new(
         modes: usize,
         independent: Vec<usize>,
@@ -60,7 +61,8 @@ impl Combination {
         }
     }
 
-    /// T v for the modes of a real motion v that are not at rest; again without those at rest, in rising order.
+    /// T v for a sparse real motion v, given by its nonzero entries; the result has nonzero entries only, in rising
+    /// order.
     pub(crate) fn of_sparse(&self, motion: &[(usize, f64)]) -> Vec<(usize, f64)> {
         let mut of = vec![0.0; self.independent.len()];
         for &(mode, v) in motion {
@@ -74,7 +76,7 @@ impl Combination {
         of.into_iter().enumerate().filter(|(_, v)| *v != 0.0).collect()
     }
 
-    /// T as it stands.
+    /// T as a dense matrix.
     pub(crate) fn dense(&self) -> DMatrix<f64> {
         let mut dense = DMatrix::zeros(self.independent.len(), self.modes);
         for (row, &mode) in self.independent.iter().enumerate() {

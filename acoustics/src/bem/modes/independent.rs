@@ -6,11 +6,11 @@ use nalgebra::DMatrix;
 /// Relative amplitude below which a mode adds nothing new to the patterns of a parity.
 const RANK: f64 = 1e-6;
 
-/// Modes whose patterns are independent in a parity, and how all modes combine from them.
+/// Modes with linearly independent patterns in a parity, and the combinations that represent all modes.
 pub(crate) struct Independent {
     /// Their numbers.
     pub(crate) modes: Vec<usize>,
-    /// How all modes combine from them.
+    /// Combinations that represent all modes.
     pub(crate) combination: Combination,
 }
 
@@ -81,8 +81,8 @@ fn pivoted(gram: &DMatrix<f64>, scale: &[f64]) -> Independent {
         pivots.push(pivot);
         rows.push(row);
     }
-    // Patterns X D = (X D)_P T' with T' = L_P^-1 L^T, L_P the triangle of the pivots. A mode that hardly has this parity is
-    // left out like what a mode hardly adds.
+    // Patterns X D = (X D)_P T' with T' = L_P^-1 L^T, L_P the triangle of the pivots. Modes with a negligible component
+    // in this parity are left out, like negligible pivots.
     let r = pivots.len();
     let present = |m: &usize| gram[(*m, *m)] > (RANK * scale[*m]).powi(2) && !pivots.contains(m);
     let dependent: Vec<usize> = (0..n).filter(present).collect();

@@ -7,7 +7,7 @@ pub struct MeshRange {
     pub problem: Exterior,
     /// Highest frequency \[Hz\].
     pub top_hz: f64,
-    /// Normal velocities of all modes by parity, the same parities in the same order on every level.
+    /// Normal velocities of all modes by parity; every level has the same parities in the same order.
     pub patterns: Vec<Patterns>,
 }
 

@@ -1,31 +1,31 @@
 use crate::air::Air;
-use crate::bem::high_frequencies::above::{Ladder, limits};
-use crate::bem::high_frequencies::blend::{Above, BlendedRadiation};
+use crate::bem::high_frequencies::composite::{CompositeRadiation, HighFrequencyRadiation};
+use crate::bem::high_frequencies::frequencies::{HighFrequencies, limits};
 use crate::bem::modes::combination::Combination;
 use crate::bem::modes::independent::independent;
 use crate::bem::modes::mesh_range::MeshRange;
 use crate::bem::modes::range_solver::RangeSolver;
-use crate::bem::modes::receivers::{Heard, HeardModes, Receivers};
+use crate::bem::modes::receivers::{ModalPressures, ReceiverPressures, Receivers};
 use crate::bem::modes::shared;
 use crate::bem::modes::summary::Summary;
 use crate::checks::{InputError, same_length};
 use crate::error::AcousticsError;
-use crate::radiation::{Erp, Means, ModalRadiation, ROUND, Resistance, SampledRadiation, Sampling};
+use crate::radiation::{AveragedResistance, Erp, ModalRadiation, ROUND, Resistance, SampledRadiation, Sampling};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Name of the last patch of [`ModalBem`]: what the far field's power has beyond that of the surface's intensity.
+/// Name of the last patch of [`ModalBem`]: the power by the far field minus that by the intensity on the surface.
 const REST: &str = "far field less surface";
 
-/// Frequencies of a round in which a mesh corrects a coarser one that follows the same waves.
+/// Samples added at a time when a mesh corrects a coarser one that resolves the same frequencies.
 const FEW: usize = 2;
 
 /// Modal radiation of a body by boundary elements: R(f) of every parity with respect to the mirror planes.
 ///
-/// Modes of different parity do not radiate together. Within a parity, R is sampled for those modes alone that are
-/// independent there; the others are combinations of them:
+/// Modes of different parity radiate independently. Within a parity, R is sampled only for linearly independent modes;
+/// the others are combinations of them:
 ///
 /// ```text
 /// R = sum_c T_c^T R_c T_c
@@ -36,18 +36,18 @@ pub struct ModalBem {
     modes: usize,
     /// T_c.
     combinations: Vec<Combination>,
-    // Shared, so that the same matrix in another air takes no memory.
+    // Shared, so that conversion to another air needs no memory.
     #[serde(with = "shared")]
-    parities: Arc<Vec<BlendedRadiation>>,
+    parities: Arc<Vec<CompositeRadiation>>,
     #[serde(with = "shared")]
-    heard: Arc<HeardModes>,
-    /// What the sampling found.
+    pressures: Arc<ModalPressures>,
+    /// Summary of the sampling.
     pub summary: Summary,
     air: AirScale,
 }
 
-/// What another air than that of the computation changes. At the same wavenumber k = omega/c the boundary sees the same
-/// wave:
+/// Conversion to another air than that of the computation. At the same wavenumber k = omega/c the boundary conditions
+/// are the same:
 ///
 /// ```text
 /// R(f; rho, c) = (rho c)/(rho0 c0) R0(f c0/c)        p/a (f; rho, c) = rho/rho0 (p/a)0 (f c0/c)
@@ -66,7 +66,7 @@ impl AirScale {
         density: 1.0,
     };
 
-    /// Where R was computed for what it is at a frequency \[Hz\].
+    /// Frequency of the computation that corresponds to a frequency in this air \[Hz\].
     fn computed(&self, hz: f64) -> f64 {
         hz / self.speed
     }
@@ -87,19 +87,19 @@ impl AirScale {
 }
 
 impl ModalBem {
-    /// Frequencies solved above the range in which every single one is known, see [`ModalBem::new`].
-    pub const IN_MEAN: usize = Ladder::COUNT;
+    /// Number of frequencies solved for averages above the range of single frequencies, see [`ModalBem::new`].
+    pub const IN_MEAN: usize = HighFrequencies::COUNT;
 
-    /// Ranges of these.
-    pub const MEANS: usize = Ladder::MEANS;
+    /// Number of averaging bands.
+    pub const MEANS: usize = HighFrequencies::MEANS;
 
-    /// Samples R(f) from `sampling.range_hz[0]` on, on meshes that get finer; the upper end of the range is the last
-    /// level's. The mesh below shows how R(f) runs in a level's range, its own mesh corrects that at fewer frequencies
-    /// ([`SampledRadiation::of_parities`] says how errors are judged). Half an octave more is solved on the last mesh in the
-    /// mean over a few frequencies. A mesh below that resolves the same waves, as that of
-    /// [`Boundary::coarsened`](crate::bem::Boundary::coarsened), is asked for most of them, as it differs by the shape alone.
-    /// Above that the limit of high frequencies holds: flat faces by Rayleigh's integral, what is curved or small against
-    /// the wave by the equivalent radiated power.
+    /// Samples R(f) from `sampling.range_hz[0]` up, on meshes that become finer; the upper end is that of the last
+    /// level. In the range of a level, the next coarser mesh gives the frequency dependence of R(f), and the level's
+    /// own mesh corrects it at fewer frequencies ([`SampledRadiation::of_parities`] describes the error estimate). If
+    /// the coarser mesh resolves the same range, as that of [`Boundary::coarsened`](crate::bem::Boundary::coarsened)
+    /// does, only the shape differs and few corrections are needed. Half an octave more is solved on the last mesh as
+    /// averages over a few frequencies. Above that, the high-frequency limit is used: Rayleigh's integral for flat
+    /// faces, the equivalent radiated power for curved parts and parts small compared with the wavelength.
     ///
     /// Pressures of every mode are sampled at `receivers`; `progress` is called after each frequency solved.
     ///
@@ -133,9 +133,9 @@ impl ModalBem {
         let modes = finest.patterns.first().map_or(0, |p| p.velocities.ncols());
         let chosen = independent(finest);
         let mut ranges: Vec<Vec<SampledRadiation>> = vec![Vec::new(); chosen.len()];
-        let mut samples: Vec<Vec<Vec<Heard>>> = vec![Vec::new(); chosen.len()];
-        let mut hearing = HeardModes::new(receivers, &finest.problem);
-        let ladder = Ladder::new(finest.top_hz);
+        let mut samples: Vec<Vec<Vec<ReceiverPressures>>> = vec![Vec::new(); chosen.len()];
+        let mut pressures = ModalPressures::new(receivers, &finest.problem);
+        let high = HighFrequencies::new(finest.top_hz);
         let (mut erps, mut motions) = (Vec::new(), Vec::new());
         for (pick, patterns) in chosen.iter().zip(&finest.patterns) {
             let own = pick.of(patterns);
@@ -143,13 +143,13 @@ impl ModalBem {
             erps.push(Erp::new(&surface, finest.problem.air()).with_silent_patch(REST));
             motions.push(own);
         }
-        let limits = limits(&finest.problem, &motions, &ladder);
+        let limits = limits(&finest.problem, &motions, &high);
         let mut summary = Summary {
             samples: 0,
             interpolation: 0.0,
             difference_db: 0.0,
             asymmetry: 0.0,
-            heard: 0.0,
+            pressure_error: 0.0,
         };
         let counts: Vec<usize> = chosen.iter().map(|pick| pick.modes.len()).collect();
         let tops: Vec<f64> = levels.iter().map(|level| level.top_hz).collect();
@@ -163,10 +163,10 @@ impl ModalBem {
                 ..*sampling
             };
             low = level.top_hz;
-            // It serves the next range too, and the means above the last.
+            // The solver also predicts the next range, and the last one solves the averages.
             let next = tops.get(number + 1).copied();
             let last = number + 2 == tops.len() && next.is_some_and(|next| resolved[number] >= next);
-            let kept_to = next.filter(|_| !last).unwrap_or(ladder.solved_to_hz());
+            let kept_to = next.filter(|_| !last).unwrap_or(high.solved_to_hz());
             let follows = coarser.as_ref().is_some_and(|coarser| coarser.follows(level.top_hz));
             let solver = RangeSolver::new(level, (kept_to, !follows), &chosen, receivers, progress)?;
             let predictor = coarser.as_ref().unwrap_or(&solver);
@@ -179,7 +179,7 @@ impl ModalBem {
             };
             for (c, found) in found.into_iter().enumerate().filter(|(c, _)| counts[*c] > 0) {
                 summary.interpolation = summary.interpolation.max(found.interpolation_error());
-                samples[c].push(solver.heard(c, &found, predictor, correction.as_ref())?);
+                samples[c].push(solver.receiver_pressures(c, &found, predictor, correction.as_ref())?);
                 ranges[c].push(found.with_roots());
             }
             solver.report(&mut summary);
@@ -187,7 +187,7 @@ impl ModalBem {
         }
         let mut nodes: Vec<Vec<(f64, Vec<Resistance>)>> = vec![Vec::new(); chosen.len()];
         if let Some(solver) = &coarser {
-            let ranges = ladder.solved();
+            let ranges = high.solved();
             let means = match &alike {
                 Some(alike) => solver.means_beside(alike, &ranges)?,
                 None => solver.means(&ranges)?,
@@ -205,32 +205,32 @@ impl ModalBem {
             chosen.into_iter().zip(ranges).zip(samples).zip(erps).zip(limits)
         {
             if !pick.modes.is_empty() {
-                hearing.push(&ranges, samples);
+                pressures.push(&ranges, samples);
                 combinations.push(pick.combination);
                 let solved = nodes.len();
                 nodes.extend(limit.above);
-                let above = Above {
-                    means: Means::new(nodes),
+                let above = HighFrequencyRadiation {
+                    means: AveragedResistance::new(nodes),
                     solved,
-                    limit: Means::new(limit.below),
+                    limit: AveragedResistance::new(limit.below),
                 };
-                parities.push(BlendedRadiation::new(ranges, above, erp));
+                parities.push(CompositeRadiation::new(ranges, above, erp));
             }
         }
-        summary.heard = hearing.error();
+        summary.pressure_error = pressures.error();
         Ok(Self {
             patches,
             modes,
             combinations,
             parities: Arc::new(parities),
-            heard: Arc::new(hearing),
+            pressures: Arc::new(pressures),
             summary,
             air: AirScale::NONE,
         })
     }
 
     /// Fourier transform of the pressure at the receivers, receivers x bins \[Pa s\], for transforms of the modal
-    /// accelerations, modes x bins \[m/s\]. It ends where boundary elements at single frequencies do, at the end of
+    /// accelerations, modes x bins \[m/s\]. It is zero above the range of single frequencies, the end of
     /// [`ModalBem::solved_hz`].
     ///
     /// # Errors
@@ -243,14 +243,15 @@ impl ModalBem {
         same_length("modal spectra", accelerations.nrows(), self.modes)?;
         let frequency = &self.air.all_computed(frequency)[..];
         let of_parities = self.over_parities(accelerations, |parity, radiation, a| {
-            self.heard.pressures(parity, radiation, frequency, &a)
+            self.pressures.pressures(parity, radiation, frequency, &a)
         });
-        let nothing = DMatrix::zeros(self.heard.receivers(), frequency.len());
+        let nothing = DMatrix::zeros(self.pressures.receivers(), frequency.len());
         Ok(of_parities.into_iter().fold(nothing, |sum, part| sum + part) * Complex::from(self.air.density))
     }
 
-    /// In `air`, when it was computed in the air `computed`: exact, as nothing but the wavelength and rho c enters. What was
-    /// given as frequencies, as the upper end of the range, then stands for the same wavelengths.
+    /// Converts the radiation computed in the air `computed` to `air`. The conversion is exact, because only the
+    /// wavelength and rho c enter. Frequencies given as input, for example the upper end of the range, scale with the
+    /// speed of sound.
     #[must_use]
     pub fn in_air(&self, computed: &Air, air: &Air) -> Self {
         Self {
@@ -267,23 +268,28 @@ impl ModalBem {
         ModalErp(self)
     }
 
-    /// Where boundary elements give way to the limit: beginning and end of the blend \[Hz\].
-    pub fn blend_hz(&self) -> [f64; 2] {
-        let computed = self.parities.first().map_or([0.0; 2], BlendedRadiation::blend_hz);
+    /// Transition from averaged boundary elements to the high-frequency limit: beginning and end \[Hz\].
+    pub fn transition_hz(&self) -> [f64; 2] {
+        let computed = self
+            .parities
+            .first()
+            .map_or([0.0; 2], CompositeRadiation::transition_hz);
         computed.map(|hz| hz * self.air.speed)
     }
 
-    /// Where boundary elements at single frequencies begin to give way to means over neighbouring frequencies, and where
-    /// they end \[Hz\]: up to there phases are known.
+    /// Transition from single frequencies to averages: beginning and end \[Hz\]. Phases are available up to its end.
     pub fn solved_hz(&self) -> [f64; 2] {
-        let computed = self.parities.first().map_or([0.0; 2], BlendedRadiation::solved_hz);
+        let computed = self.parities.first().map_or([0.0; 2], CompositeRadiation::solved_hz);
         computed.map(|hz| hz * self.air.speed)
     }
 
-    /// Where both boundary elements and the limit are known, so that they can be compared \[Hz\].
+    /// Range in which both boundary elements and the limit are available for comparison \[Hz\].
     pub fn compared_hz(&self) -> [f64; 2] {
-        let from = self.parities.first().map_or(0.0, BlendedRadiation::limit_from_hz);
-        [from * self.air.speed, Ladder::new(self.solved_hz()[1]).solved_to_hz()]
+        let from = self.parities.first().map_or(0.0, CompositeRadiation::limit_from_hz);
+        [
+            from * self.air.speed,
+            HighFrequencies::new(self.solved_hz()[1]).solved_to_hz(),
+        ]
     }
 
     /// The limit alone in the units of [`ModalRadiation::energy_forms`], all patches together, at frequencies within
@@ -296,22 +302,22 @@ impl ModalBem {
     }
 
     /// Whether a patch is the difference between far field and surface.
-    pub fn is_rest(patch: &str) -> bool {
+    pub fn is_residual(patch: &str) -> bool {
         patch == REST
     }
 
-    /// What `each` makes of every parity and of the motion of its independent modes; parities beside each other.
+    /// Applies `each` to every parity and to the motion of its independent modes, in parallel.
     fn over_parities<T: Send>(
         &self,
         accelerations: &DMatrix<Complex<f64>>,
-        each: impl Fn(usize, &BlendedRadiation, DMatrix<Complex<f64>>) -> T + Sync,
+        each: impl Fn(usize, &CompositeRadiation, DMatrix<Complex<f64>>) -> T + Sync,
     ) -> Vec<T> {
         let parities = self
             .combinations
             .par_iter()
             .zip(self.parities.par_iter())
             .with_max_len(1);
-        let of_parity = |(parity, (t, radiation)): (usize, (&Combination, &BlendedRadiation))| {
+        let of_parity = |(parity, (t, radiation)): (usize, (&Combination, &CompositeRadiation))| {
             each(parity, radiation, t.of(accelerations))
         };
         parities.enumerate().map(of_parity).collect()
@@ -322,7 +328,7 @@ impl ModalBem {
         &self,
         frequency: &[f64],
         accelerations: &DMatrix<Complex<f64>>,
-        each: impl Fn(&BlendedRadiation, &[f64], &DMatrix<Complex<f64>>) -> DMatrix<f64> + Sync,
+        each: impl Fn(&CompositeRadiation, &[f64], &DMatrix<Complex<f64>>) -> DMatrix<f64> + Sync,
     ) -> DMatrix<f64> {
         let computed = &self.air.all_computed(frequency)[..];
         let of_parities = self.over_parities(accelerations, |_, radiation, a| each(radiation, computed, &a));
@@ -330,7 +336,7 @@ impl ModalBem {
         of_parities.into_iter().fold(nothing, |sum, part| sum + part) * self.air.form()
     }
 
-    fn whole(&self, of: impl Fn(&BlendedRadiation) -> Resistance) -> Resistance {
+    fn whole(&self, of: impl Fn(&CompositeRadiation) -> Resistance) -> Resistance {
         let mut whole = Resistance::zeros(self.modes);
         for (t, radiation) in self.combinations.iter().zip(self.parities.iter()) {
             let t = t.dense();
@@ -441,7 +447,7 @@ impl ModalRadiation for ModalErp<'_> {
 
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let frequency = &self.0.air.all_computed(frequency)[..];
-        let of_parity = |_, radiation: &BlendedRadiation, a| radiation.erp().root_signals(frequency, &a);
+        let of_parity = |_, radiation: &CompositeRadiation, a| radiation.erp().root_signals(frequency, &a);
         let parts = self.0.over_parities(accelerations, of_parity);
         stacked(&parts, frequency.len()) * Complex::from(self.0.air.form().sqrt())
     }

@@ -1,6 +1,6 @@
 use crate::bem::modes::independent::Independent;
 use crate::bem::modes::mesh_range::MeshRange;
-use crate::bem::modes::receivers::{Heard, Receivers, heard};
+use crate::bem::modes::receivers::{ReceiverPressures, Receivers, receiver_pressures};
 use crate::bem::modes::summary::Summary;
 use crate::bem::solver::problem::{Exterior, Patterns};
 use crate::error::AcousticsError;
@@ -11,16 +11,16 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// R of every parity and patch, and what is heard of every parity.
+/// Solution at one frequency: R of every parity and patch, and receiver pressures of every parity.
 pub(crate) struct Solved {
     pub(crate) resistances: Vec<Vec<Resistance>>,
-    heard: Vec<Heard>,
+    pressures: Vec<ReceiverPressures>,
 }
 
-/// Middle of a range of frequencies \[Hz\], and the mean R of every parity and patch over it.
+/// Centre of an averaging band \[Hz\], and the mean R of every parity and patch over it.
 pub(crate) type Mean = (f64, Vec<Vec<Resistance>>);
 
-/// One level's solutions, shared by its parities: the kernels of a frequency serve all of them.
+/// Solutions on one mesh range, shared by its parities: the kernels are evaluated once per frequency.
 pub(crate) struct RangeSolver<'a> {
     problem: Exterior,
     /// Highest frequency at which the mesh has as many panels per wavelength as are asked for \[Hz\].
@@ -34,8 +34,8 @@ pub(crate) struct RangeSolver<'a> {
 }
 
 impl<'a> RangeSolver<'a> {
-    /// For frequencies up to `highest_hz`, which may lie above the range that the mesh resolves well; `keeping` what close
-    /// panels have in common at all of them, which pays where many are solved.
+    /// For frequencies up to `highest_hz`, which may lie above the range that the mesh resolves well. `keeping` stores
+    /// the integrals of close panels for all frequencies, which pays off if many frequencies are solved.
     pub(crate) fn new(
         level: MeshRange,
         (highest_hz, keeping): (f64, bool),
@@ -47,7 +47,7 @@ impl<'a> RangeSolver<'a> {
         let resolved_hz = level.resolved_hz();
         let mut problem = level.problem.with_panels_per_wavelength(per_wavelength)?;
         if keeping {
-            problem = problem.with_near_field_kept(highest_hz);
+            problem = problem.with_near_field_cache(highest_hz);
         }
         Ok(Self {
             problem,
@@ -60,35 +60,35 @@ impl<'a> RangeSolver<'a> {
         })
     }
 
-    /// Whether it follows the waves of a range up to `top_hz` as well as that range's own mesh, so that the two differ by
-    /// the shape alone, smoothly over frequency.
+    /// Whether the mesh resolves a range up to `top_hz` as well as the mesh of that range, so that the results differ
+    /// only by the shape, smoothly over frequency.
     pub(crate) fn follows(&self, top_hz: f64) -> bool {
         self.resolved_hz >= top_hz * (1.0 - 1e-9)
     }
 
-    /// What is heard of a parity at the samples of its radiation matrix: as the `predictor` says, corrected.
-    pub(crate) fn heard(
+    /// Receiver pressures of a parity at the samples of its radiation matrix: those of the `predictor`, corrected.
+    pub(crate) fn receiver_pressures(
         &self,
         parity: usize,
         found: &SampledRadiation,
         predictor: &Self,
         correction: Option<&Grid>,
-    ) -> Result<Vec<Heard>, AcousticsError> {
+    ) -> Result<Vec<ReceiverPressures>, AcousticsError> {
         let at = |hz: f64| {
-            let mut heard = predictor.at(hz)?.heard[parity].clone();
+            let mut pressures = predictor.at(hz)?.pressures[parity].clone();
             let terms = correction
                 .into_iter()
                 .flat_map(|grid| grid.weighted(hz).map(|(node, w)| (grid.hz()[node], w)));
             for (node, weight) in terms {
                 let weight = Complex::from(weight);
-                heard += (&self.at(node)?.heard[parity] - &predictor.at(node)?.heard[parity]) * weight;
+                pressures += (&self.at(node)?.pressures[parity] - &predictor.at(node)?.pressures[parity]) * weight;
             }
-            Ok(heard)
+            Ok(pressures)
         };
         found.samples_hz().iter().map(|&hz| at(hz)).collect()
     }
 
-    /// Everything at one frequency.
+    /// Solution at one frequency.
     pub(crate) fn at(&self, hz: f64) -> Result<Arc<Solved>, AcousticsError> {
         let known = self
             .solved
@@ -103,7 +103,7 @@ impl<'a> RangeSolver<'a> {
         let two = self.problem.two_evaluations(&self.patterns, &solutions)?;
         let mut all = Vec::new();
         for (patterns, solution) in self.patterns.iter().zip(&solutions) {
-            all.push(heard(&self.problem, self.receivers, patterns, solution)?);
+            all.push(receiver_pressures(&self.problem, self.receivers, patterns, solution)?);
         }
         {
             let mut worst = self.worst.lock().unwrap_or_else(PoisonError::into_inner);
@@ -119,16 +119,17 @@ impl<'a> RangeSolver<'a> {
                 .iter()
                 .map(|t| t.split().into_iter().map(Resistance::single).collect())
                 .collect(),
-            heard: all,
+            pressures: all,
         });
         let mut solved = self.solved.lock().unwrap_or_else(PoisonError::into_inner);
         Ok(solved.entry(hz.to_bits()).or_insert(solution).clone())
     }
 
-    /// Mean resistance of every parity and patch over several ranges, each given by its middle and its frequencies \[Hz\].
+    /// Mean resistance of every parity and patch over several bands, each given by its centre and its frequencies
+    /// \[Hz\].
     pub(crate) fn means(&self, ranges: &[(f64, Vec<f64>)]) -> Result<Vec<Mean>, AcousticsError> {
         let all: Vec<f64> = ranges.iter().flat_map(|(_, hz)| hz).copied().collect();
-        // One frequency at a time on a thread: they take equally long.
+        // One frequency per task, because all take equally long.
         all.par_iter()
             .with_max_len(1)
             .try_for_each(|&hz| self.at(hz).map(|_| ()))?;
@@ -155,8 +156,8 @@ impl<'a> RangeSolver<'a> {
         ranges.iter().map(of_range).collect()
     }
 
-    /// The same by this one in the middle of each range and by a coarser one that follows the same waves at all its
-    /// frequencies: their difference is that of the middle.
+    /// Mean resistances by a coarser mesh that resolves the same frequencies, corrected by the difference to this one
+    /// at the centre of each band.
     pub(crate) fn means_beside(&self, coarser: &Self, ranges: &[(f64, Vec<f64>)]) -> Result<Vec<Mean>, AcousticsError> {
         let mut means = coarser.means(ranges)?;
         let middles: Vec<(f64, Vec<f64>)> = ranges.iter().map(|(middle, _)| (*middle, vec![*middle])).collect();
@@ -171,7 +172,7 @@ impl<'a> RangeSolver<'a> {
         Ok(means)
     }
 
-    /// What it found so far, for the summary.
+    /// Adds the number of solutions and the errors found so far to the summary.
     pub(crate) fn report(&self, summary: &mut Summary) {
         let worst = *self.worst.lock().unwrap_or_else(PoisonError::into_inner);
         summary.samples += self.solved.lock().unwrap_or_else(PoisonError::into_inner).len();

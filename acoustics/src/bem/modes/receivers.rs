@@ -1,4 +1,4 @@
-use crate::bem::high_frequencies::blend::BlendedRadiation;
+use crate::bem::high_frequencies::composite::CompositeRadiation;
 use crate::bem::solver::problem::{Exterior, Patterns, SurfacePressure};
 use crate::error::AcousticsError;
 use crate::radiation::SampledRadiation;
@@ -6,13 +6,13 @@ use nalgebra::{Complex, DMatrix, Point3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Points around a body at which its sound is wanted.
+/// Points around a body at which the sound pressure is computed.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Receivers {
     /// Positions \[m\].
     pub points: Vec<Point3<f64>>,
-    /// The middle of what sounds \[m\]: the travel time from here, and from its image in the floor, is taken out before
-    /// pressures are interpolated over frequency.
+    /// Acoustic centre \[m\]: travel times from here and from its image in the floor are removed before pressures are
+    /// interpolated over frequency.
     pub origin: Point3<f64>,
 }
 
@@ -25,20 +25,20 @@ impl Receivers {
     }
 }
 
-/// Pressure at receivers per unit of every pattern's acceleration, less the travel times: receivers x patterns, what
-/// comes directly above what comes by the floor.
-pub(crate) type Heard = DMatrix<Complex<f64>>;
+/// Pressure at receivers per unit acceleration of every pattern, without the travel times: receivers x patterns, direct
+/// sound in the first rows and floor reflection in the rows below.
+pub(crate) type ReceiverPressures = DMatrix<Complex<f64>>;
 
-/// The pressure at receivers with the travel times taken out.
-pub(crate) fn heard(
+/// The pressure at receivers without the travel times.
+pub(crate) fn receiver_pressures(
     problem: &Exterior,
     receivers: &Receivers,
     patterns: &Patterns,
     solution: &SurfacePressure,
-) -> Result<Heard, AcousticsError> {
+) -> Result<ReceiverPressures, AcousticsError> {
     let (count, omega) = (receivers.points.len(), 2.0 * PI * solution.hz);
     let k = omega / problem.air().sound_speed;
-    let mut all = Heard::zeros(2 * count, patterns.velocities.ncols());
+    let mut all = ReceiverPressures::zeros(2 * count, patterns.velocities.ncols());
     let parts = problem.pressure_at(&receivers.points, &patterns.velocities, solution)?;
     let distances = receivers.distances(problem.boundary().floor());
     for (half, (part, distances)) in parts.iter().zip(&distances).enumerate() {
@@ -50,21 +50,21 @@ pub(crate) fn heard(
     Ok(all)
 }
 
-/// What receivers hear of one parity: samples beside those of its radiation matrix, range by range.
+/// Receiver pressures of one parity at the samples of its radiation matrix, by range.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(crate) struct HeardParity(#[serde(with = "crate::blocks")] pub(crate) Vec<Vec<Heard>>);
+pub(crate) struct ParityPressures(#[serde(with = "crate::blocks")] pub(crate) Vec<Vec<ReceiverPressures>>);
 
-/// What receivers hear of a body's modes.
+/// Receiver pressures of the modes of a body.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(crate) struct HeardModes {
+pub(crate) struct ModalPressures {
     receivers: usize,
     sound_speed: f64,
     distances: [Vec<f64>; 2],
-    parities: Vec<HeardParity>,
+    parities: Vec<ParityPressures>,
     error: f64,
 }
 
-impl HeardModes {
+impl ModalPressures {
     pub(crate) fn new(receivers: &Receivers, problem: &Exterior) -> Self {
         Self {
             receivers: receivers.points.len(),
@@ -76,11 +76,11 @@ impl HeardModes {
     }
 
     /// Adds a parity with the ranges of its radiation matrix.
-    pub(crate) fn push(&mut self, ranges: &[SampledRadiation], samples: Vec<Vec<Heard>>) {
+    pub(crate) fn push(&mut self, ranges: &[SampledRadiation], samples: Vec<Vec<ReceiverPressures>>) {
         for (range, samples) in ranges.iter().zip(&samples) {
             self.error = self.error.max(range.error_of(samples));
         }
-        self.parities.push(HeardParity(samples));
+        self.parities.push(ParityPressures(samples));
     }
 
     /// Estimated interpolation error over frequency, relative to the loudest mode at the receivers.
@@ -88,12 +88,12 @@ impl HeardModes {
         self.error
     }
 
-    /// The pressure of one parity, receivers x bins \[Pa s\], for accelerations \[m/s\]; nothing above boundary elements'
-    /// range.
+    /// Pressure of one parity, receivers x bins \[Pa s\], for accelerations \[m/s\]; zero above the range of single
+    /// frequencies.
     pub(crate) fn pressures(
         &self,
         parity: usize,
-        radiation: &BlendedRadiation,
+        radiation: &CompositeRadiation,
         frequency: &[f64],
         accelerations: &DMatrix<Complex<f64>>,
     ) -> DMatrix<Complex<f64>> {

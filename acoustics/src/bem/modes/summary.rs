@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-/// What the sampling of a radiation matrix found.
+/// Summary of the sampling of a radiation matrix.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Frequencies solved on the mesh of their range.
@@ -12,5 +12,5 @@ pub struct Summary {
     /// Largest asymmetry of R, relative to its largest entry.
     pub asymmetry: f64,
     /// Interpolation error of the pressure at the receivers, relative to the loudest mode at any of them.
-    pub heard: f64,
+    pub pressure_error: f64,
 }

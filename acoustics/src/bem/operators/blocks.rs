@@ -44,8 +44,8 @@ pub(crate) struct Block {
     pub(crate) single: Vec<f32>,
 }
 
-/// Cuts the surface into blocks, triangles first, and numbers the pressure unknowns block by block: what a block adds to
-/// lies together in memory.
+/// Divides the surface into blocks, triangles first, and numbers the pressure unknowns block by block, so that the
+/// contributions of a block are contiguous in memory.
 pub(crate) fn blocks(boundary: &mut Boundary) -> Vec<Block> {
     let mesh = boundary.mesh();
     let centre = |p: usize| {

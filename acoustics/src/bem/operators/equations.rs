@@ -11,12 +11,12 @@ use nalgebra::{Complex, DMatrix};
 /// Largest residual relative to the right-hand side, 1e-4 dB: the kernels' own error in single precision is a tenth of it.
 const RESIDUAL: f64 = 1e-5;
 
-/// What the tiles of one frequency add up to.
+/// Sums of the tiles of one frequency.
 #[derive(Debug)]
 pub(crate) struct Sums {
     /// -K + alpha W, a part of it.
     pub(crate) matrix: Mat<Complex<f32>>,
-    /// The transpose of the rest: what a block adds to its own rows then lies together in memory.
+    /// The transpose of the other part, so that the contributions of a block to its own rows are contiguous in memory.
     pub(crate) transposed: Mat<Complex<f32>>,
     /// (S + alpha K') v, real and imaginary part, patterns x unknowns.
     pub(crate) right: [Mat<f64>; 2],
@@ -49,7 +49,7 @@ impl Sums {
         self.transposed = Mat::new();
     }
 
-    /// Replaces the equation of an unknown by its being zero; after [`Sums::join`].
+    /// Replaces the equation of an unknown by the condition that it is zero; after [`Sums::join`].
     pub(crate) fn hold(&mut self, node: usize) {
         self.matrix
             .row_mut(node)
@@ -64,7 +64,8 @@ impl Sums {
 
     /// `factor` times the inverse of the matrix times the right-hand sides, unknowns x patterns.
     ///
-    /// After [`Sums::join`]. In single precision; where a mixture of all patterns then leaves a residual above [`RESIDUAL`], in double.
+    /// After [`Sums::join`]. In single precision; if the residual of a mixture of all patterns exceeds [`RESIDUAL`], in
+    /// double precision.
     pub(crate) fn solve(self, factor: Complex<f64>) -> DMatrix<Complex<f64>> {
         let [re, im] = &self.right;
         let (patterns, n) = re.shape();

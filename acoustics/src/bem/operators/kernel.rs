@@ -56,13 +56,14 @@ pub(crate) fn load3<S: Simd>(values: &[f32], start: usize, step: usize) -> [S::f
 
 /// `scale` times G = e^{-jkr} / r, and h = (1 + jkr) G / r², real and imaginary parts, from r².
 ///
-/// The imaginary part of h, x cos x - sin x with x = kr, is -x³/3 for small x: what cancels is left out beforehand,
+/// The imaginary part of h, x cos x - sin x with x = kr, is -x³/3 for small x. The cancelling terms are removed
+/// analytically,
 ///
 /// ```text
 /// x = t + 2 pi n      x cos x - sin x = (x - t) + t² (x C(t²) - t S(t²))
 /// ```
 ///
-/// so that the resistance keeps its digits at low frequencies.
+/// so that the resistance stays accurate at low frequencies.
 #[inline(always)]
 pub(crate) fn green<S: Simd>(simd: S, r2: S::f32s, k: S::f32s, scale: S::f32s) -> [S::f32s; 4] {
     let one = simd.splat_f32s(1.0);

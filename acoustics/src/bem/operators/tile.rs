@@ -30,8 +30,8 @@ impl Default for Tile {
     }
 }
 
-/// Inverse of the corner functions at the points of the far rule: corners x points. What acts on corner values, times
-/// this, acts on the values at the points.
+/// Inverse of the corner functions at the points of the far rule, corners x points: it converts an operator on corner
+/// values to one on point values.
 fn inverse<const E: usize>() -> Mat<f64> {
     use faer::linalg::solvers::DenseSolveCore;
     let phi = corner_values::<E>();
@@ -70,7 +70,7 @@ impl Tile {
             }
         }
         let odd: Vec<usize> = patterns.iter().map(|(parity, _)| parity.odd_axes()).collect();
-        // A field may be asked for twice: at most four at once.
+        // A field may be needed twice: at most four at once.
         for (parities, to) in odd.chunks(4).zip(self.parities.chunks_mut(4)) {
             let mask = &self.mask;
             Arch::new().dispatch(Far {
@@ -97,7 +97,7 @@ impl Tile {
     }
 }
 
-/// What a close pair adds to its blocks' operators.
+/// Contribution of a close pair to the operators of its blocks.
 struct Close<'a> {
     pair: &'a NearPair,
     a: [[Complex<f64>; 4]; 4],

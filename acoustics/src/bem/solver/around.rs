@@ -1,4 +1,4 @@
-//! Pressure around the body for several parities at once, and where points around it may stand.
+//! Pressure around the body for several parities at once, and validity of field points.
 #![allow(clippy::needless_range_loop)] // indices are those of the equations, several arrays at once
 
 use crate::bem::solver::far_field::{Radiated, Source};
@@ -17,10 +17,10 @@ const CHUNK: usize = 32;
 const PARITIES: usize = 4;
 
 impl Exterior {
-    /// Whether the pressure at each point can be evaluated: it lies above the floor, outside the body, and off its
-    /// surface by the longest edge of a panel.
+    /// Whether the pressure at each point can be evaluated: it lies above the floor, outside the body, and at least the
+    /// longest edge of a panel from the surface.
     ///
-    /// Inside a closed surface the solid angle is whole, int d . n / (4 pi r³) dS = 1.
+    /// Inside a closed surface the solid angle is complete, int d . n / (4 pi r³) dS = 1.
     pub fn is_clear(&self, points: &[Point3<f64>]) -> Vec<bool> {
         let images = self.imaged();
         let needed = self.boundary().mesh().longest_edge();

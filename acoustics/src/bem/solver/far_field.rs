@@ -56,7 +56,7 @@ impl Exterior {
         Ok(all.pop().unwrap_or_default())
     }
 
-    /// The same for solutions of one frequency, whose waves are evaluated once.
+    /// The same for several solutions at one frequency, whose waves are evaluated once.
     pub(crate) fn far_field_resistances(&self, all: &[Radiated<'_>]) -> Result<Vec<DMatrix<f64>>, BemError> {
         let boundary = self.boundary();
         for (velocities, solution) in all {
@@ -78,7 +78,7 @@ impl Exterior {
         Ok(totals.iter().map(resistance).collect())
     }
 
-    /// Evaluates the waves of chunks of directions at all points; `each` sees what every part radiates there.
+    /// Evaluates the waves of chunks of directions at all points; `each` receives the far field of every part.
     fn in_directions(
         &self,
         all: &[Radiated<'_>],
@@ -198,14 +198,14 @@ impl Exterior {
     }
 }
 
-/// The far field of the patterns of one parity. With both mirrors and a floor, waves are real but for a power of j, which
-/// one of real and imaginary part is left out.
+/// The far field of the patterns of one parity. With both mirrors and a floor, waves are real up to a power of j, and
+/// only their real or imaginary part is stored.
 struct Radiating {
     /// Real and imaginary part of the pressure one below the other, 2 patterns x unknowns.
     pressure: Mat<f64>,
     /// Velocities at the points of the far rule, patterns x points.
     velocities: Mat<f64>,
-    /// Which of real and imaginary part waves have.
+    /// Whether waves have a real and an imaginary part.
     parts: Vec<usize>,
     /// Unknowns x directions and points x directions, for each part.
     on_p: [Mat<f64>; 2],

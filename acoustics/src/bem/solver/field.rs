@@ -6,14 +6,14 @@ use std::f64::consts::PI;
 
 impl Exterior {
     /// Complex pressure at points in the air for every pattern, points x patterns \[Pa s/m for velocities in m/s\]:
-    /// what comes directly, and what comes by the floor (zero without one); their sum is the pressure.
+    /// direct sound, and reflection by the floor (zero without a floor); their sum is the pressure.
     ///
     /// ```text
     /// p(x) = int (dG/dn_y p + j omega rho G v_n) dS_y        G = e^{-jkr} / (4 pi r)
     /// ```
     ///
-    /// with the images in mirror planes and floor. The rule is that of distant panels: a point must stand off the
-    /// surface.
+    /// with the images in mirror planes and floor. The rule is that of distant panels, so a point must keep a distance
+    /// from the surface.
     ///
     /// # Errors
     /// [`ReceiverError::BelowFloor`], [`ReceiverError::NearSurface`] for a point closer to the surface than the

@@ -24,21 +24,21 @@ use std::f64::consts::PI;
 /// (1/2 - K - alpha H) p = -(S + alpha (1/2 + K')) dp/dn        alpha = -j s(f) min(1/k, L_c)
 /// ```
 ///
-/// which has one solution at every frequency, while each half fails at resonances of the inside. Well below the lowest
-/// of these nothing needs mending, and the derivative equation would cost the small resistance of a body that shakes as
-/// a whole its accuracy on the surface (a factor 2 at 100 Hz for a block of 0.4 m, 2e-4 without it): s rises as
-/// sin² from 0 at half of f_box to 1 at 0.9 f_box. The box around the body has the lowest resonance f_box; no
-/// body inside it has a lower one. Galerkin's method with
-/// continuous linear (bilinear) pressure; the normal velocity is linear on each panel and jumps between panels. The
-/// hypersingular operator by parts (Maue 1949, Nedelec 2001 section 3.3.4),
+/// This equation has a unique solution at every frequency, while each half fails at resonances of the interior problem.
+/// Well below the lowest of these the correction is not needed, and the derivative equation would reduce the accuracy
+/// of the small surface resistance of rigid-body motion (by a factor of 2 at 100 Hz for a block of 0.4 m; 2e-4 without
+/// it). Therefore s rises as sin² from 0 at half of f_box to 1 at 0.9 f_box, where f_box is the lowest resonance of the
+/// bounding box; no body inside it has a lower one. The method is Galerkin's with continuous linear (bilinear)
+/// pressure; the normal velocity is linear on each panel and discontinuous between panels. The hypersingular operator
+/// is integrated by parts (Maue 1949, Nedelec 2001 section 3.3.4),
 ///
 /// ```text
 /// <phi, H psi> = -int int G (curl phi . curl psi - k² n_x . n_y phi psi)        curl phi = n x grad phi
 /// ```
 ///
-/// On a body that stands on the floor the surface and its image close each other: tested with functions even in the
-/// height above the floor, the contour terms of the two cancel where they meet. Mirror planes work likewise; where a
-/// field is odd in the distance from one, its functions vanish there.
+/// On a body that stands on the floor, the surface and its image form a closed surface: with test functions that are
+/// even in the height above the floor, the contour terms of the two cancel. Mirror planes work likewise; where a field
+/// is odd about a plane, its functions vanish in the plane.
 #[derive(Debug)]
 pub struct Exterior {
     boundary: Boundary,
@@ -52,10 +52,10 @@ pub struct Exterior {
     masses: Vec<[[f64; 4]; 4]>,
 }
 
-/// Normal velocities that continue in one way across the mirror planes.
+/// Normal velocities of one parity about the mirror planes.
 #[derive(Clone, Debug)]
 pub struct Patterns {
-    /// How they continue; without mirror planes only the default has a meaning.
+    /// Their parity; the default without mirror planes.
     pub parity: Parity,
     /// Corner values of every panel x patterns, see [`Boundary::project`].
     pub velocities: DMatrix<f64>,
@@ -66,7 +66,7 @@ pub struct Patterns {
 pub struct SurfacePressure {
     /// Frequency \[Hz\].
     pub hz: f64,
-    /// How the patterns continue across the mirror planes.
+    /// Parity of the patterns.
     pub parity: Parity,
     /// Pressure per unit of each pattern, pressure unknowns x patterns \[Pa s/m for velocities in m/s\].
     pub pressure: DMatrix<Complex<f64>>,
@@ -106,7 +106,7 @@ impl Exterior {
         }
     }
 
-    /// Another cap L_c \[m\] of the coupling parameter than half the body's width.
+    /// Sets the cap L_c \[m\] of the coupling parameter; the default is half the width of the body.
     ///
     /// # Errors
     /// A length that is not positive.
@@ -115,7 +115,7 @@ impl Exterior {
         Ok(self)
     }
 
-    /// Another resolution than six panels per wavelength below which frequencies are refused.
+    /// Sets the number of panels per wavelength below which frequencies are refused; the default is six.
     ///
     /// # Errors
     /// A number that is not positive.
@@ -124,9 +124,10 @@ impl Exterior {
         Ok(self)
     }
 
-    /// Integrates pairs of panels that touch or nearly do once for all frequencies up to `highest_hz`, interpolated over
-    /// frequency with an error of about 1e-5: memory for time where many frequencies are solved.
-    pub fn with_near_field_kept(mut self, highest_hz: f64) -> Self {
+    /// Integrates pairs of panels that touch or nearly touch once for all frequencies up to `highest_hz`, and
+    /// interpolates over frequency with an error of about 1e-5. This saves time and costs memory if many frequencies
+    /// are solved.
+    pub fn with_near_field_cache(mut self, highest_hz: f64) -> Self {
         self.near
             .keep(&self.boundary, 2.0 * PI * highest_hz / self.air.sound_speed);
         self
@@ -159,7 +160,7 @@ impl Exterior {
 
     pub(crate) fn check_resolution(&self, hz: f64) -> Result<(), BemError> {
         let highest = self.boundary.highest_hz(self.air.sound_speed, self.per_wavelength);
-        // The upper end of a range may be this very frequency.
+        // The upper end of a range may equal this frequency.
         if hz <= highest * (1.0 + 1e-9) {
             return Ok(());
         }
@@ -250,7 +251,7 @@ impl Exterior {
         Ok(solved.collect())
     }
 
-    /// A field that changes its sign across a plane is zero in it.
+    /// A field that is odd about a plane is zero in it.
     fn hold_odd(&self, parity: Parity, sums: &mut Sums) {
         let nodes = 0..self.boundary.nodes();
         for node in nodes.filter(|&node| parity.vanishes(self.boundary.in_planes(node))) {
@@ -320,8 +321,8 @@ impl Exterior {
         }
     }
 
-    /// Modal radiation impedance Z_ij = int v_i p_j dS of every patch: its real part is R, its imaginary part omega
-    /// times the mass of air that moves along. With mirror planes, of the whole body.
+    /// Modal radiation impedance Z_ij = int v_i p_j dS of every patch: its real part is R, its imaginary part is omega
+    /// times the added mass of air. With mirror planes, the impedance of the whole body.
     ///
     /// # Errors
     /// Patterns or pressures of another length.

@@ -13,7 +13,7 @@ pub struct TwoEvaluations {
     pub hz: f64,
     /// From the far field: symmetric and positive semidefinite \[kg/s for velocities in m/s\].
     pub far_field: DMatrix<f64>,
-    /// From the intensity on the surface, patch by patch, symmetric part.
+    /// From the intensity on the surface, by patch; symmetric part.
     pub patches: Vec<DMatrix<f64>>,
     /// Largest |R_ij - R_ji| of the surface's evaluation, relative to the largest entry of R. Reciprocity makes it zero;
     /// the discretisation does not.
@@ -34,7 +34,8 @@ impl TwoEvaluations {
             .fold(0.0, f64::max)
     }
 
-    /// R of every patch from the surface, and last what the far field has beyond their sum: together the far field's R.
+    /// R of every patch from the surface, and as the last entry the difference between the far field and their sum; all
+    /// add up to the R of the far field.
     pub fn split(&self) -> Vec<Resistance> {
         let mut rest = self.far_field.clone();
         self.patches.iter().for_each(|p| rest -= p);
@@ -46,7 +47,7 @@ impl TwoEvaluations {
     }
 }
 
-/// What a frequency of a surface costs.
+/// Cost of one frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// Pressure unknowns.
@@ -55,14 +56,14 @@ pub struct Estimate {
     pub panels: usize,
     /// Memory of one frequency \[bytes\], times the number of threads.
     pub bytes: f64,
-    /// Memory that all frequencies share, with [`Exterior::with_near_field_kept`] \[bytes\].
-    pub bytes_kept: f64,
-    /// Time of one frequency and a single pattern on one core \[s\], the same.
+    /// Memory shared by all frequencies, with [`Exterior::with_near_field_cache`] \[bytes\].
+    pub bytes_shared: f64,
+    /// Time of one frequency and a single pattern on one core \[s\], with the same cache.
     pub seconds: f64,
     /// Time that every further pattern of the whole body adds to it \[s\].
     pub seconds_per_pattern: f64,
-    /// Time on one core of what all frequencies share \[s\].
-    pub seconds_kept: f64,
+    /// Time on one core for the integrals shared by all frequencies \[s\].
+    pub seconds_shared: f64,
     /// Highest frequency the mesh resolves \[Hz\].
     pub highest_hz: f64,
     /// Lowest frequency at which a method without the coupled derivative equation can fail \[Hz\], see
@@ -87,7 +88,7 @@ impl std::fmt::Display for Estimate {
             self.unknowns,
             self.seconds_with(100),
             self.bytes / 1e6,
-            self.bytes_kept / 1e6,
+            self.bytes_shared / 1e6,
             self.highest_hz,
             self.irregular_hz
         )
@@ -174,17 +175,17 @@ impl Exterior {
             unknowns: boundary.nodes(),
             panels: mesh.panels.len(),
             bytes: parities * 16.0 * n * n,
-            bytes_kept: self.near().bytes_kept(),
+            bytes_shared: self.near().bytes_shared(),
             seconds: far + if is_kept { 1e-6 } else { 7e-6 } * shapes + 1e-6 * close + factorisation,
             seconds_per_pattern: pattern,
-            seconds_kept: if is_kept { 0.0 } else { 250e-6 * kept },
+            seconds_shared: if is_kept { 0.0 } else { 250e-6 * kept },
             highest_hz: boundary.highest_hz(self.air().sound_speed, self.panels_per_wavelength()),
             irregular_hz: self.lowest_resonance(),
         }
     }
 
-    /// The surface with its modes at quadrature points, for the operators that need no equation solved. With mirror
-    /// planes every point stands for its images too.
+    /// The surface with its modes at quadrature points, for operators that need no solution of equations. With mirror
+    /// planes the weight of every point includes its images.
     pub(crate) fn radiating_surface(&self, velocities: &DMatrix<f64>) -> Result<RadiatingSurface, RadiationError> {
         let mesh = self.boundary().mesh();
         let (mut points, mut normals, mut weights, mut patch) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());

@@ -1,4 +1,4 @@
-//! Normal velocities carried from the faces of volume meshes to panels that do not match them.
+//! Projection of normal velocities from the faces of volume meshes to panels that do not match them.
 
 use crate::bem::error::BemError;
 use crate::bem::mesh::boundary::Boundary;
@@ -11,10 +11,10 @@ use nailnoise_meshes::{FaceKind, Surface};
 use nalgebra::{DMatrix, Matrix4, Vector2, Vector3};
 use std::ops::Range;
 
-/// Largest part of a panel that may be covered by no face, or twice.
+/// Largest fraction of a panel that may be uncovered, or covered twice.
 const COVER: f64 = 1e-6;
 
-/// A part of the body with its own volume mesh, whose flat faces the panels of some patches lie on.
+/// A part of the body with its own volume mesh. The panels of some patches lie on its flat faces.
 #[derive(Clone, Debug)]
 pub struct MovingPart<'a> {
     /// Skin of the volume mesh: flat faces with straight sides.
@@ -29,9 +29,9 @@ impl Boundary {
     /// Normal velocities of all modes of all parts (part after part), split by their parity with respect to the mirror
     /// planes.
     ///
-    /// On every panel the best fit in the mean square to the faces' own polynomials, integrated exactly on every piece
-    /// that a face and the panel have in common: the volume flow of each panel is that of the faces, on meshes of any
-    /// fineness.
+    /// On every panel this is the least-squares fit to the polynomials of the faces, integrated exactly on every
+    /// intersection of a face with the panel: the volume flow of each panel equals that of the faces, for meshes of any
+    /// size.
     ///
     /// # Errors
     /// [`BemError::Uncovered`] for a panel that is not covered by the faces of its part,

@@ -2,7 +2,7 @@
 
 use super::{Run, SampledRadiation, per_omega2};
 use crate::radiation::operator::ModalRadiation;
-use crate::radiation::packed::{Motions, Packed};
+use crate::radiation::packed::{Motions, PackedHermitian};
 use crate::radiation::products::{forms, image};
 use crate::radiation::resistance::Resistance;
 use faer::linalg::matmul::matmul;
@@ -67,7 +67,7 @@ impl ModalRadiation for SampledRadiation {
             let hz = &frequency[run.bins.clone()];
             let motions = Motions::new(&self.motion(run, frequency, accelerations));
             let nodes = self.grid.nodes(run.interval);
-            let samples: Vec<&Packed> = nodes.iter().map(|&node| &self.samples[node]).collect();
+            let samples: Vec<&PackedHermitian> = nodes.iter().map(|&node| &self.samples[node]).collect();
             let found = forms(&samples, &motions);
             let mut result = DMatrix::zeros(patches, hz.len());
             for (bin, mut result) in result.column_iter_mut().enumerate() {
@@ -110,10 +110,10 @@ impl ModalRadiation for SampledRadiation {
     }
 }
 
-/// A row of [`Packed`] form for every sample that is wanted, by its number.
+/// A packed row for every sample that is needed, by index.
 type Rows<'a> = BTreeMap<usize, Cow<'a, [f32]>>;
 
-/// The blocks of all runs, evaluated in parallel, in the order of their bins.
+/// Evaluates the blocks of all runs in parallel and joins them in the order of their bins.
 fn side_by_side<T: ComplexField>(
     rows: usize,
     bins: usize,
@@ -129,8 +129,9 @@ fn side_by_side<T: ComplexField>(
 }
 
 impl SampledRadiation {
-    /// A quantity linear in the modes' accelerations (modes x bins), known at the samples of R (rows x modes each), between
-    /// them, rows x bins. Below the lowest sample every mode's amplitude follows the power law of its resistance.
+    /// Interpolates a quantity that is linear in the accelerations of the modes (modes x bins) and given at the samples
+    /// of R (rows x modes each); rows x bins. Below the lowest sample the amplitude of every mode follows the power law
+    /// of its resistance.
     pub(crate) fn interpolated(
         &self,
         frequency: &[f64],
@@ -168,7 +169,7 @@ impl SampledRadiation {
         }
     }
 
-    /// The rows of all samples that some runs need.
+    /// Rows of all samples that some runs need.
     fn rows_of<'a>(&self, runs: &[Run], row: impl Fn(usize) -> Cow<'a, [f32]> + Sync) -> Rows<'a> {
         let mut wanted: Vec<usize> = runs.iter().flat_map(|run| self.grid.nodes(run.interval)).collect();
         wanted.sort_unstable();
@@ -189,14 +190,14 @@ impl SampledRadiation {
         let motions = Motions::new(&self.motion(run, frequency, accelerations));
         let nodes = self.grid.nodes(run.interval);
         let rows: Vec<&[f32]> = nodes.iter().map(|node| &*rows[node]).collect();
-        // Sand that moves in a part of the range only has an imaginary part in some samples.
+        // If sand moves in a part of the range only, only some samples have an imaginary part.
         let length = rows.iter().map(|row| row.len()).max().unwrap_or(0);
         let skew = nodes.iter().any(|&node| self.samples[node].is_skew());
         let mut samples = Mat::<f32>::zeros(length, nodes.len());
         for (row, column) in rows.iter().zip(samples.col_iter_mut()) {
             column.iter_mut().zip(*row).for_each(|(to, v)| *to = *v);
         }
-        // Relative to omega^power at the bin, which single precision holds.
+        // Relative to omega^power at the bin, which is within the range of single precision.
         let mut weights = Mat::<f32>::zeros(nodes.len(), hz.len());
         for (bin, &f) in hz.iter().enumerate() {
             for (n, (node, weight)) in nodes.iter().zip(self.grid.weights(run.interval, f)).enumerate() {

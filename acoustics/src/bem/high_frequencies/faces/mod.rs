@@ -1,32 +1,32 @@
 //! The flat faces of a body, each of which radiates at high frequencies as if flush in a plane.
 
+mod coplanar;
 mod points;
-mod sheets;
 
 use crate::air::Air;
 use crate::bem::mesh::boundary::Boundary;
 use crate::bem::mesh::symmetry::Image;
 use crate::bem::solver::problem::Patterns;
+use coplanar::{CoplanarPanels, Face};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 use nalgebra::{DMatrix, Vector3};
 use points::{Kernel, Points};
 use rayon::prelude::*;
-use sheets::{Face, Sheets};
 use std::f64::consts::PI;
 
-/// Flat faces of a boundary that are wide against the wave, and the panels that belong to none.
+/// Flat faces of a boundary that are wide compared with the wavelength, and the panels that belong to none.
 ///
-/// A face radiates by Rayleigh's integral (flush in a plane, the rest of the body out of sight):
+/// A face radiates by Rayleigh's integral, as if flush in a plane; the rest of the body is ignored:
 ///
 /// ```text
 /// R = rho0 c0 k^2/(2 pi) Phi_n^T S K S Phi_n       K_ab = sin(k r_ab)/(k r_ab)
 /// ```
 ///
-/// which tends to the equivalent radiated power for k -> infinity, and unlike it knows how long the waves on the face are
-/// against those in air. A wall at right angles (the floor, or the larger face it stands on) reflects: images of the points
-/// are summed. Different faces radiate independently. Panels outside of all faces, as curved ones, radiate the equivalent
-/// radiated power.
+/// It tends to the equivalent radiated power for k -> infinity, but includes the ratio of the wavelength on the face to
+/// that in air. A perpendicular wall (the floor, or the larger face on which this one stands) reflects: images of the
+/// points are summed. Different faces radiate independently. Panels outside all faces, for example curved ones, radiate
+/// the equivalent radiated power.
 #[derive(Clone, Debug)]
 pub(crate) struct Faces<'a> {
     boundary: &'a Boundary,
@@ -34,13 +34,13 @@ pub(crate) struct Faces<'a> {
     others: Vec<usize>,
 }
 
-/// Patches with what a face adds to each.
+/// Contribution of a face to each of its patches.
 type OfPatches = Vec<(usize, DMatrix<f64>)>;
 
 impl<'a> Faces<'a> {
     /// Faces at least as large as the square of the wavelength \[m\].
     pub(crate) fn new(boundary: &'a Boundary, wavelength: f64) -> Self {
-        let sheets = Sheets::new(boundary);
+        let sheets = CoplanarPanels::new(boundary);
         let (mut faces, mut others) = (Vec::new(), Vec::new());
         for panels in sheets.groups() {
             let face = sheets.face(panels);
@@ -63,7 +63,7 @@ impl<'a> Faces<'a> {
         self.faces.is_empty()
     }
 
-    /// Resistance of every patch in the mean over each range of frequencies \[Hz\], parity by parity, range by range.
+    /// Resistance of every patch, averaged over each frequency range \[Hz\]; by parity, then by range.
     pub(crate) fn resistances(
         &self,
         motions: &[Patterns],
@@ -101,7 +101,7 @@ impl<'a> Faces<'a> {
         all
     }
 
-    /// What a face adds to its patches, parity by parity.
+    /// Contribution of a face to its patches, by parity.
     fn of_face(&self, face: &Face, motions: &[Patterns], range: [f64; 2], air: &Air) -> Vec<OfPatches> {
         let kernel = Kernel::new(range, air, 2.0 * self.boundary.extents().norm());
         let points = Points::new(self.boundary, &face.panels, |edge| {
@@ -122,7 +122,7 @@ impl<'a> Faces<'a> {
             Mat::from_fn(n, n, |i, j| {
                 let x = points.at[i];
                 let wall = reflected.as_ref().map_or(0.0, |y| kernel.at((x - y[j]).norm()));
-                // As exact as what is kept of a resistance.
+                // As accurate as a stored resistance.
                 (kernel.at((x - seen[j]).norm()) + wall) as f32
             })
         };
@@ -164,7 +164,7 @@ impl<'a> Faces<'a> {
         motions.iter().map(of_parity).collect()
     }
 
-    /// Equivalent radiated power of what belongs to no face, parity by parity.
+    /// Equivalent radiated power of the panels outside all faces, by parity.
     fn of_others(&self, motions: &[Patterns], air: &Air) -> Vec<OfPatches> {
         let points = Points::new(self.boundary, &self.others, |_| 3);
         let factor = self.boundary.copies() as f64 * air.impedance();

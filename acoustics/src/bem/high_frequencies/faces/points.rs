@@ -24,7 +24,8 @@ pub(super) struct Points {
 }
 
 impl Points {
-    /// With as many along each side of a panel as `order` says for the length of its longest \[m\].
+    /// Quadrature points of `panels`; `order` gives the number of points along a side from the length of the longest
+    /// side \[m\].
     pub(super) fn new(boundary: &Boundary, panels: &[usize], order: impl Fn(f64) -> usize) -> Self {
         let mesh = boundary.mesh();
         let corners: Vec<usize> = mesh.panels.iter().map(|p| p.corners().len()).collect();

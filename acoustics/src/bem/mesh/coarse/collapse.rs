@@ -28,13 +28,13 @@ pub(super) struct Collapse<'a> {
     longest: f64,
 }
 
-/// What a collapse leaves.
+/// Result of a collapse.
 struct Left {
     /// Triangles that change.
     changed: Vec<(usize, Triangle)>,
-    /// Triangles that go.
+    /// Triangles that are removed.
     gone: Vec<usize>,
-    /// The line's vertex beyond the one that goes, and the line from there to the one that stays.
+    /// The vertex of the line after the removed one, and the line from there to the remaining one.
     line: Option<(usize, Vec<Vector3<f64>>)>,
     /// Worst quality of those that change.
     worst: f64,

@@ -1,18 +1,18 @@
-//! Coarser surfaces for lower frequencies: larger curved triangles on the body's own surface, and its velocities carried
-//! over to them.
+//! Coarser surfaces for lower frequencies: larger curved triangles on the same surface, and the projection of
+//! velocities on them.
 //!
 //! ```text
-//! lines       sharp edges, borders of patches, ends in planes: vertices on them stay on them
+//! lines       sharp edges, borders of patches, ends in planes: their vertices stay on them
 //! collapse    short edges are collapsed, sides of neighbours flipped
-//! curved      the point of a surface that lies nearest to a place
-//! sides       middles of sides are put on the finer surface
-//! carried     each point of the finer surface gives its velocity to one panel of the coarser
+//! curved      nearest point of a surface
+//! sides       midpoints of sides are moved to the finer surface
+//! projection  each point of the finer surface contributes its volume flow to one panel of the coarser
 //! ```
 
-mod carried;
 mod collapse;
 mod curved;
 mod lines;
+mod projection;
 mod sides;
 
 use crate::bem::error::BemError;
@@ -23,8 +23,8 @@ use curved::{Curved, Nearest};
 use nalgebra::{Point3, Vector3};
 
 impl Boundary {
-    /// The same surface by fewer triangles, with edges that measure up to `edge` \[m\] (where this surface's are longer, as
-    /// much as those).
+    /// The same surface with fewer triangles, whose edges measure at most `edge` \[m\] (or as much as the longest edge
+    /// of this surface).
     ///
     /// Vertices are some of this surface's: its edges are collapsed to one of their ends, the shortest first, while
     /// triangles stay well shaped and within 40 degrees of the surface's own normals (after Botsch & Kobbelt, *Proc.

@@ -1,4 +1,4 @@
-//! Which rule a pair of close panels is integrated by.
+//! Choice of the quadrature rule for a pair of close panels.
 
 use super::tables::{Sampled, padded, product, product_weights, whole};
 use crate::bem::mesh::boundary::Boundary;
@@ -7,7 +7,7 @@ use crate::bem::mesh::symmetry::Image;
 use nailnoise_meshes::FaceKind;
 use std::collections::HashMap;
 
-/// Gauss points a direction for pairs that touch, but one less away from the singularity.
+/// Gauss points per direction for touching pairs, but one less away from the singularity.
 const SINGULAR_ORDER: usize = 4;
 /// Distance of two panels' centres, as a multiple of the sum of their radii, above which the rules of 3, 7, 12 and 16
 /// points (2 x 2, 3 x 3, 4 x 4 and 5 x 5 on quadrilaterals) are taken; closer panels are divided.
@@ -24,14 +24,14 @@ pub(super) enum Rule {
 
 /// Two panels, the second in an image, and the distance of their centres as a multiple of the sum of their radii.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Couple {
+pub(super) struct ClosePair {
     pub(super) panels: [usize; 2],
     pub(super) image: Image,
     pub(super) ratio: f64,
 }
 
-impl Couple {
-    /// Which corners of the two are the same point: bit 4a + b for corner a of the first and b of the second.
+impl ClosePair {
+    /// Common corners of the two panels: bit 4a + b for corner a of the first and b of the second.
     pub(super) fn common(&self, boundary: &Boundary) -> u16 {
         let mesh = boundary.mesh();
         let [first, second] = self.panels.map(|p| mesh.panels[p].corners());
@@ -52,7 +52,7 @@ impl Couple {
 /// What identifies a table: kind, rule, side, order of the vertices.
 type TableKey = (FaceKind, u8, bool, [u8; 3]);
 
-/// Tables and weights of the rules, collected as pairs ask for them.
+/// Tables and weights of the rules, created on demand.
 #[derive(Debug)]
 pub(super) struct Rules {
     pub(super) tables: Vec<Sampled>,
@@ -83,7 +83,7 @@ impl Rules {
     }
 
     /// The rules of two panels.
-    pub(super) fn of(&mut self, boundary: &Boundary, couple: &Couple) -> Vec<Rule> {
+    pub(super) fn of(&mut self, boundary: &Boundary, couple: &ClosePair) -> Vec<Rule> {
         let kinds = couple.panels.map(|p| boundary.mesh().panels[p].kind());
         let mask = couple.common(boundary);
         let common = |a: u8, b: u8| mask & (1 << (4 * a + b)) != 0;
@@ -99,7 +99,8 @@ impl Rules {
             return halves.collect();
         };
         let mut rules = Vec::new();
-        // Halves along the diagonals from a common corner all touch: none is left that is close and does not.
+        // If the panels are halved along diagonals through a common corner, all halves touch: no close pair without
+        // contact remains.
         for first in fan(m, at_p) {
             for second in fan(n, at_q) {
                 let shared: Vec<(u8, u8)> = first
@@ -164,7 +165,7 @@ impl Rules {
     fn product(&mut self, kinds: [FaceKind; 2], level: usize) -> Rule {
         let rules = kinds.map(|k| whole(k, level));
         let (x, y) = product(&rules);
-        // Both sides' points depend on how many the other has.
+        // The points of each side depend on the number of points of the other.
         let key = |side: usize| {
             let other = kinds[1 - side].corners() as u8;
             (kinds[side], 100 + level as u8, side == 1, [other, 0, 0])

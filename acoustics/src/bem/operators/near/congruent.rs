@@ -1,14 +1,14 @@
-//! Pairs of panels that a motion carries into each other: their matrices are the same.
+//! Congruent pairs of panels, which have the same matrices.
 
-use super::choice::Couple;
+use super::choice::ClosePair;
 use crate::bem::mesh::boundary::Boundary;
 use crate::bem::mesh::panel::MOST_NODES;
 use crate::bem::mesh::symmetry::Image;
 use nailnoise_meshes::FaceKind;
 use nalgebra::Vector3;
 
-/// Distance below which points count as the same, relative to the body's largest extent. Pairs that differ by less
-/// have matrices that differ by about as much relative to the panels' size; rounding stays far below it.
+/// Distance below which points count as equal, relative to the largest extent of the body. The matrices of pairs that
+/// differ by less agree to about the same accuracy relative to the panel size; rounding errors are far smaller.
 const SAME: f64 = 1e-10;
 
 /// Shape of a pair: kinds, common corners, whether the second panel is an odd image, and the positions of all nodes in
@@ -23,7 +23,7 @@ pub(super) struct Congruence {
 
 impl Congruence {
     /// `size` is the body's largest extent \[m\].
-    pub(super) fn of(boundary: &Boundary, couple: &Couple, size: f64) -> Self {
+    pub(super) fn of(boundary: &Boundary, couple: &ClosePair, size: f64) -> Self {
         let panels = couple.panels.map(|p| &boundary.mesh().panels[p]);
         let images = [boundary.images()[0], couple.image];
         let [x, y] = [0, 1].map(|side| positions(boundary, couple.panels[side], images[side]));

@@ -1,4 +1,4 @@
-//! Panels that lie close without touching, divided until each piece is far enough from the other.
+//! Subdivision of panels that are close without touching, until each part is far enough from the other panel.
 
 use super::choice::RATIOS;
 use super::tables::{Sampled, product_weights};
@@ -15,8 +15,8 @@ pub(super) const HALVES: [[u8; 3]; 2] = [[0, 1, 2], [0, 2, 3]];
 /// A triangle in the natural coordinates of a panel.
 pub(super) type Part = (FaceKind, [[f64; 2]; 3]);
 
-/// Halves the longest side of the larger triangle until the two are far enough apart for the 12-point rule: slender
-/// triangles lose their length first.
+/// Halves the longest side of the larger triangle until the two are far enough apart for the 12-point rule, so that
+/// slender triangles are shortened first.
 pub(super) fn divide(
     parts: [Part; 2],
     nodes: [&[[f64; 3]; MOST_NODES]; 2],

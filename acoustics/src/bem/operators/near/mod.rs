@@ -1,4 +1,4 @@
-//! Pairs of panels that touch or lie close, with rules chosen pair by pair.
+//! Pairs of panels that touch or are close, each with its own quadrature rule.
 //!
 //! ```text
 //! pairs of blocks -> couples closer than the far rule allows
@@ -6,15 +6,15 @@
 //!   choice        Sauter & Schwab where panels touch, products of finer rules or division where they do not
 //!   tables, integrate     shape functions at all points of a rule; the sum over them
 //!   flat          the same for triangles whose normal and curls do not vary
-//!   kept          costly shapes once for all frequencies
+//!   cached        expensive shapes once for all frequencies
 //! ```
 
+mod cached;
 mod choice;
 mod congruent;
 mod divide;
 mod flat;
 mod integrate;
-mod kept;
 mod matrices;
 mod tables;
 
@@ -23,11 +23,11 @@ pub(crate) use matrices::PairMatrices;
 use crate::bem::mesh::boundary::Boundary;
 use crate::bem::mesh::symmetry::Image;
 use crate::bem::operators::blocks::Block;
-use choice::{Couple, RATIOS, Rule, Rules};
+use cached::{CachedPairs, KEPT};
+use choice::{ClosePair, RATIOS, Rule, Rules};
 use congruent::{Congruence, positions};
 use divide::{DEPTH, HALVES, divide};
 use integrate::Integrate;
-use kept::{KEPT, Kept};
 use nalgebra::Vector3;
 use pulp::Arch;
 use rayon::prelude::*;
@@ -47,7 +47,7 @@ pub(crate) struct NearPair {
     shape: u32,
 }
 
-/// What congruent pairs have in common.
+/// Properties that congruent pairs share.
 #[derive(Debug)]
 struct PairShape {
     /// The first pair of this shape.
@@ -56,8 +56,8 @@ struct PairShape {
     /// Distance of the panels' centres \[m\].
     apart: f64,
     rules: Vec<Rule>,
-    /// Its number among those that cost more to integrate than to interpolate: pairs that touch, are divided or need a
-    /// rule of many points.
+    /// Its index among the shapes that are more expensive to integrate than to interpolate: pairs that touch, are
+    /// subdivided or need a rule with many points.
     costly: Option<usize>,
     pairs: usize,
 }
@@ -69,9 +69,9 @@ pub(crate) struct NearField {
     /// Pairs of each pair of blocks, at `e_block * blocks + f_block`.
     pairs: Vec<Vec<NearPair>>,
     shapes: Vec<PairShape>,
-    /// Shapes that cost more to integrate than to interpolate.
+    /// Shapes that are more expensive to integrate than to interpolate.
     costly: Vec<usize>,
-    kept: Option<Kept>,
+    kept: Option<CachedPairs>,
     blocks: usize,
     images: Vec<Image>,
 }
@@ -113,7 +113,7 @@ impl NearField {
                         for (f, &q) in fb.panels.iter().enumerate().skip(if i == j { e } else { 0 }) {
                             let ((c, r), (d, s)) = (spheres[p], spheres[q]);
                             let apart = (c - seen(d)).norm();
-                            let couple = Couple {
+                            let couple = ClosePair {
                                 panels: [p, q],
                                 image,
                                 ratio: apart / (r + s),
@@ -140,7 +140,7 @@ impl NearField {
     }
 
     /// Adds the shape of a couple and returns its number.
-    fn add(&mut self, boundary: &Boundary, couple: &Couple, image: usize, apart: f64) -> u32 {
+    fn add(&mut self, boundary: &Boundary, couple: &ClosePair, image: usize, apart: f64) -> u32 {
         let rules = self.rules.of(boundary, couple);
         let cheap = matches!(rules[..], [Rule::Tables { .. }]) && couple.ratio > RATIOS[1];
         let costly = (!cheap).then(|| {
@@ -183,13 +183,13 @@ impl NearField {
     }
 
     /// Memory of [`NearField::keep`] \[bytes\].
-    pub(crate) fn bytes_kept(&self) -> f64 {
+    pub(crate) fn bytes_shared(&self) -> f64 {
         (self.costly.len() * size_of::<[PairMatrices; KEPT]>()) as f64
     }
 
     /// Integrates the costly shapes once for all wave numbers up to `highest`.
     pub(crate) fn keep(&mut self, boundary: &Boundary, highest: f64) {
-        let mut kept = Kept::up_to(highest);
+        let mut kept = CachedPairs::up_to(highest);
         let at_nodes = |&number: &usize| {
             let shape = &self.shapes[number];
             kept.at_nodes(shape.apart, |k, out| self.by_rules(boundary, k, shape, out))
@@ -249,7 +249,7 @@ impl NearField {
     }
 }
 
-/// The near field at one wave number: shapes that several pairs have are integrated beforehand.
+/// The near field at one wavenumber; shapes shared by several pairs are integrated in advance.
 pub(crate) struct NearAt<'a> {
     field: &'a NearField,
     boundary: &'a Boundary,
@@ -263,7 +263,7 @@ impl NearAt<'_> {
         self.field.pairs(e_block, f_block)
     }
 
-    /// The matrices of one pair, in `own` where no other pair has the same.
+    /// The matrices of one pair; `own` holds them if no other pair has the same.
     pub(crate) fn matrices<'b>(&'b self, pair: &NearPair, own: &'b mut PairMatrices) -> &'b PairMatrices {
         if let Some(known) = &self.shared[pair.shape as usize] {
             return known;

@@ -1,8 +1,9 @@
-//! The power of a flush surface once more: from the intensity on the surface, beside that of the spherical waves it sends.
+//! Second evaluation of the power of a flush surface: by the intensity on the surface, independent of the spherical
+//! waves.
 
 use super::kernel::sinc;
 use super::operator::ModalRadiation;
-use super::packed::Packed;
+use super::packed::PackedHermitian;
 use super::rayleigh::Rayleigh;
 use super::resistance::Resistance;
 use super::sources::Grid;
@@ -14,19 +15,19 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Resistances by the intensity on a flush surface at one frequency of each of some bands, see
+/// Resistances by the intensity on a flush surface, at one frequency in each of some bands, see
 /// [`Rayleigh::surface_resistance`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct SurfaceEvaluations {
+pub struct SurfaceResistances {
     bands: Vec<Band>,
-    /// Where they were taken \[Hz\].
+    /// Frequencies of evaluation \[Hz\].
     hz: Vec<f64>,
     /// One matrix each.
-    resistances: Vec<Packed>,
+    resistances: Vec<PackedHermitian>,
 }
 
-impl SurfaceEvaluations {
-    /// In the middle of the one-third-octave bands up to a frequency \[Hz\].
+impl SurfaceResistances {
+    /// Evaluates at the centres of the one-third-octave bands up to a frequency \[Hz\].
     pub fn new(surface: &Rayleigh, top_hz: f64) -> Self {
         let bands: Vec<Band> = crate::levels::third_octaves()
             .into_iter()
@@ -34,15 +35,15 @@ impl SurfaceEvaluations {
             .collect();
         let at = |band: &Band| {
             let r = surface.surface_resistance(band.hz);
-            Packed::new(r.real.nrows(), std::iter::once(&r))
+            PackedHermitian::new(r.real.nrows(), std::iter::once(&r))
         };
         let resistances = bands.par_iter().map(at).collect();
         let hz = bands.iter().map(|band| band.hz).collect();
         Self { bands, hz, resistances }
     }
 
-    /// In an air in which every wavelength has its frequency times `speed`, and times `factor` there: what was taken in the
-    /// middle of a band then stands for another frequency of it.
+    /// Converts to an air in which every wavelength has its frequency times `speed`, and multiplies by `factor` there:
+    /// the evaluation at the centre of a band then applies to another frequency in the band.
     #[must_use]
     pub(crate) fn in_air(mut self, speed: f64, factor: impl Fn(f64) -> f64) -> Self {
         self.hz.iter_mut().for_each(|hz| *hz *= speed);
@@ -51,7 +52,7 @@ impl SurfaceEvaluations {
         self
     }
 
-    /// This, and the bands of `above` that are higher.
+    /// Appends the bands of `above` that are higher.
     #[must_use]
     pub(crate) fn continued(mut self, above: Self) -> Self {
         let last = self.bands.last().map(|band| band.index);
@@ -70,8 +71,8 @@ impl SurfaceEvaluations {
         &self.bands
     }
 
-    /// Energy of each band by the surface over that by `radiation`, whose R/omega² both are frozen at one frequency of the
-    /// band: what differs is the evaluation, not the motion. None for a silent band.
+    /// Energy of each band by the surface over that by `radiation`. R/omega² of both is taken at one frequency of the
+    /// band, so that the ratio compares the evaluations and not the motion. `None` for a silent band.
     ///
     /// # Errors
     /// A number of modes that differs.
@@ -84,7 +85,7 @@ impl SurfaceEvaluations {
         for r in &self.resistances {
             same_length("rows of a resistance", r.modes(), radiation.modes())?;
         }
-        let ratio = |((band, hz), surface): ((&Band, &f64), &Packed)| {
+        let ratio = |((band, hz), surface): ((&Band, &f64), &PackedHermitian)| {
             let weights = energy_weights(&spectra.frequency, [band.low, band.high], Weighting::Z);
             let bins: Vec<usize> = (0..weights.len()).filter(|&bin| weights[bin] != 0.0).collect();
             let motion = DMatrix::from_fn(radiation.modes(), bins.len(), |mode, b| {
@@ -107,14 +108,14 @@ impl SurfaceEvaluations {
 }
 
 impl Rayleigh {
-    /// Resistance of the whole surface, sand that moves along included, at the frequency `hz`, pair by pair of points:
+    /// Resistance of the whole surface including moving sand at the frequency `hz`, by a sum over pairs of points:
     ///
     /// ```text
     /// R_ij = rho0 omega^2/(2 pi c0) sum_ab q_ai* K_ab q_bj        q = S phi, K_ab = sin(k r_ab)/(k r_ab)
     /// ```
     ///
     /// the real part of the pressure on the surface times the velocity there, while [`Rayleigh::resistance`] sums the
-    /// spherical waves that carry it away. Both take the same share off for sand that absorbs.
+    /// spherical waves that carry the power away. Both apply the same factor for absorbing sand.
     pub fn surface_resistance(&self, hz: f64) -> Resistance {
         let k = 2.0 * PI * hz / self.air().sound_speed;
         let (points, sources) = self.own_sources();
@@ -123,7 +124,7 @@ impl Rayleigh {
         let mut real = own_pairs(k, [&x, &y], sources);
         let mut imaginary = None;
         if let Some((sand, followers)) = self.moving_sand(hz) {
-            // The sand's points are many where waves in it are short; those in air need fewer.
+            // The sand has many points, because waves in it are short; waves in air need fewer.
             let grid = Grid::new(sand.extent, k);
             let [re, im] = sand.carried(&grid, &followers);
             let places = grid.points();
@@ -136,7 +137,8 @@ impl Rayleigh {
             let mut both = DMatrix::zeros(places.len(), 2 * leaders);
             both.columns_mut(0, leaders).copy_from(&re);
             both.columns_mut(leaders, leaders).copy_from(&im);
-            // What edge points lead, felt at the points of the surface, and among what edge points lead.
+            // Coupling between points that follow edge points and the points of the surface, and among points that
+            // follow edge points.
             let on_surface = sources.transpose() * (kernel * &both);
             let within = own_pairs(k, [&sand_x, &sand_y], &both);
             let within = (&within + within.transpose()) * 0.5;
@@ -155,7 +157,7 @@ impl Rayleigh {
     }
 }
 
-/// Phi^T S K S Phi of all pairs of some points but for its antisymmetric part, chunk by chunk.
+/// Phi^T S K S Phi over all pairs of some points, up to its antisymmetric part, by chunks.
 fn own_pairs(k: f64, [x, y]: [&[f64]; 2], sources: &DMatrix<f64>) -> DMatrix<f64> {
     const CHUNK: usize = 256;
     let n = x.len();
@@ -163,7 +165,7 @@ fn own_pairs(k: f64, [x, y]: [&[f64]; 2], sources: &DMatrix<f64>) -> DMatrix<f64
     for start in (0..n).step_by(CHUNK) {
         let columns = CHUNK.min(n - start);
         let chunk = start..start + columns;
-        // Pairs of this chunk and those after it, which count twice.
+        // Pairs of this chunk with later ones, which count twice.
         let mut kernel = DMatrix::zeros(columns, n - start);
         for (j, mut column) in kernel.column_iter_mut().enumerate() {
             let from = [x[start + j], y[start + j]];

@@ -9,34 +9,34 @@ use std::sync::Arc;
 /// x(t_n) = 2 df Re sum_k X(f_k) e^{j 2 pi f_k t_n}
 /// ```
 ///
-/// The chirp transform (Rabiner, Schafer and Rader 1969): k n = (k² + n² - (n - k)²) / 2 makes the sum a convolution, so
-/// that neither the bins' distance nor the number of samples has to suit the other. The sum repeats itself after 1/df; a
-/// record of one event does not, and is zero from there on.
-pub struct OverTime {
+/// The chirp transform (Rabiner, Schafer and Rader 1969): k n = (k² + n² - (n - k)²) / 2 makes the sum a convolution,
+/// so that the distance of the bins and the number of samples are independent. The sum is periodic with 1/df; the
+/// result is set to zero after one period.
+pub struct ChirpTransform {
     bins: usize,
     samples: usize,
     /// Samples that are not zero.
     sounding: usize,
     forward: Arc<dyn Fft<f64>>,
     inverse: Arc<dyn Fft<f64>>,
-    /// e^{j pi k² df/rate} of bins, and what the samples are times after the convolution.
+    /// e^{j pi k² df/rate} of bins, and the factors of the samples after the convolution.
     before: Vec<Complex<f64>>,
     after: Vec<Complex<f64>>,
     /// Transform of e^{-j pi n² df/rate}.
     kernel: Vec<Complex<f64>>,
 }
 
-impl std::fmt::Debug for OverTime {
+impl std::fmt::Debug for ChirpTransform {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("OverTime")
+        f.debug_struct("ChirpTransform")
             .field("bins", &self.bins)
             .field("samples", &self.samples)
             .finish_non_exhaustive()
     }
 }
 
-impl OverTime {
-    /// For spectra at some frequencies \[Hz\], in so many samples.
+impl ChirpTransform {
+    /// Plans the transform of spectra at evenly spaced frequencies \[Hz\] to `samples` samples.
     pub fn new(frequency: &[f64], rate: f64, samples: usize) -> Self {
         let bins = frequency.len();
         let df = match frequency {
@@ -80,7 +80,7 @@ impl OverTime {
         }
     }
 
-    /// The signal of one spectrum; values beyond the last frequency do not count.
+    /// The signal of one spectrum; values beyond the last frequency are ignored.
     pub fn signal(&self, spectrum: &[Complex<f64>]) -> Vec<f64> {
         let mut record = vec![0.0; self.samples];
         if self.sounding == 0 {

@@ -1,4 +1,4 @@
-//! Velocities of a surface carried over to a coarser one.
+//! Projection of the normal velocities of a surface on a coarser one.
 
 use super::curved::{Curved, Found, Nearest};
 use crate::bem::error::BemError;
@@ -10,28 +10,31 @@ use nailnoise_meshes::FaceKind;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use rayon::prelude::*;
 
-/// Cosine of the angle between normals up to which a panel takes up what a point gives, if there is one.
+/// Cosine of the largest angle between the normals of a point and of the panel that receives its volume flow, if such a
+/// panel exists.
 const ALIKE: f64 = 0.5;
 
-/// What a panel of the finer surface gives to one of the coarser: moments of its corner functions by corner functions.
+/// Contribution of a panel of the finer surface to a panel of the coarser one: moments of its corner functions with the
+/// corner functions of the other.
 type Given = (usize, [[f64; 4]; 3]);
 
 impl Boundary {
     /// Normal velocities of the surface `finer` (corner values of its panels x patterns, see [`Boundary::project`]) on this
     /// one of triangles, see [`Boundary::coarsened`].
     ///
-    /// Each point x of the finer surface gives its volume flow v dS to the nearest place xi of the panel nearest to it that
-    /// looks the same way; on every panel the velocity is linear and has the moments of what it was given,
+    /// Each point x of the finer surface contributes its volume flow v dS to the nearest point xi of the nearest panel
+    /// with a similar normal. On every panel the velocity is linear and has the moments of these contributions,
     ///
     /// ```text
     /// int N_i v dS = sum_x N_i(xi(x)) v(x) dS(x)
     /// ```
     ///
-    /// so that the volume flow of all is that of the finer surface, and its first moments are within a panel's.
+    /// so that the total volume flow equals that of the finer surface, and its first moments agree to within the size
+    /// of a panel.
     ///
     /// # Errors
     /// Velocities of another length; [`InputError::Length`](crate::InputError) for panels that are no triangles.
-    pub fn carried(&self, finer: &Self, velocities: &DMatrix<f64>) -> Result<DMatrix<f64>, BemError> {
+    pub fn project_from(&self, finer: &Self, velocities: &DMatrix<f64>) -> Result<DMatrix<f64>, BemError> {
         same_length(
             "rows of the normal velocities",
             velocities.nrows(),
@@ -79,7 +82,7 @@ impl Boundary {
         Ok(moments)
     }
 
-    /// What the panel gives to those of a coarser surface.
+    /// Contributions of a panel to those of a coarser surface.
     fn given(&self, panel: usize, surface: &Nearest) -> Vec<Given> {
         let kind = self.mesh().panels[panel].kind();
         let mut given: Vec<Given> = Vec::new();
@@ -112,7 +115,7 @@ impl Boundary {
     }
 }
 
-/// The rule of a panel on its quarters: there are borders of larger panels within it.
+/// The rule of a panel applied to its quarters, because borders of larger panels may run through it.
 fn quarters(kind: FaceKind) -> Vec<([f64; 2], f64)> {
     let of_all = rules::fine(kind);
     let quarter = |[[x, y], [a, b], [c, d]]: [[f64; 2]; 3]| {

@@ -1,7 +1,7 @@
-//! Resistances in the mean over neighbouring frequencies.
+//! Radiation resistances averaged over neighbouring frequencies.
 
 use super::hermitian_root::hermitian_root;
-use super::packed::{Motions, Packed};
+use super::packed::{Motions, PackedHermitian};
 use super::products::{forms, real_images};
 use super::resistance::Resistance;
 use faer::Mat;
@@ -14,54 +14,54 @@ use std::ops::Range;
 /// Bins evaluated together.
 const CHUNK: usize = 64;
 
-/// Real resistances of every patch at a few rising frequencies, each the mean over a range around its own; between them
-/// linear in the logarithm of frequency, constant beyond the first and the last:
+/// Real resistances of every patch at a few rising frequencies, each averaged over a band around its frequency; linear
+/// in the logarithm of frequency between them, constant below the first and above the last:
 ///
 /// ```text
 /// R(f) = sum_n h_n(ln f) R_n        h_n >= 0, sum_n h_n = 1
 /// ```
 ///
-/// so that R stays positive semidefinite, and no more than two of them count at a frequency.
+/// so that R stays positive semidefinite, and at most two nodes contribute at a frequency.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(crate) struct Means {
+pub(crate) struct AveragedResistance {
     hz: Vec<f64>,
-    /// Node by node, every patch.
-    patches: Vec<Packed>,
-    /// Root of all patches together, node by node.
-    roots: Vec<Packed>,
+    /// All patches, by node.
+    patches: Vec<PackedHermitian>,
+    /// Root of the sum over patches, by node.
+    roots: Vec<PackedHermitian>,
 }
 
 /// Bins between the same nodes.
 struct Run {
     bins: Range<usize>,
     nodes: Range<usize>,
-    /// Node by node, its weight at every bin times the share over omega².
+    /// Weight of each node at every bin times the share over omega².
     factors: Vec<Vec<f64>>,
 }
 
-impl Means {
+impl AveragedResistance {
     /// From nodes that rise; at least one.
     pub(crate) fn new(nodes: Vec<(f64, Vec<Resistance>)>) -> Self {
         let (hz, patches): (Vec<f64>, Vec<Vec<Resistance>>) = nodes.into_iter().unzip();
         let modes = |node: &[Resistance]| node.first().map_or(0, |r| r.real.nrows());
-        let patches: Vec<Packed> = patches
+        let patches: Vec<PackedHermitian> = patches
             .iter()
-            .map(|node| Packed::new(modes(node), node.iter()))
+            .map(|node| PackedHermitian::new(modes(node), node.iter()))
             .collect();
-        // Of what is kept: a result does not depend on whether it was.
+        // From the stored precision, so that a result does not depend on whether it was stored.
         let roots = patches
             .par_iter()
-            .map(|node| Packed::new(node.modes(), std::iter::once(&hermitian_root(&node.sum(1.0)))))
+            .map(|node| PackedHermitian::new(node.modes(), std::iter::once(&hermitian_root(&node.sum(1.0)))))
             .collect();
         Self { hz, patches, roots }
     }
 
-    /// Where they are known \[Hz\].
+    /// Frequencies of the nodes \[Hz\].
     pub(crate) fn hz(&self) -> &[f64] {
         &self.hz
     }
 
-    /// Weights h_n of the nodes that count at a frequency, each with its number.
+    /// Nonzero weights h_n at a frequency, each with the index of its node.
     fn weights(&self, hz: f64) -> impl Iterator<Item = (usize, f64)> + use<> {
         let nodes = self.nodes(hz);
         let t = match self.hz[nodes.clone()] {
@@ -71,7 +71,7 @@ impl Means {
         nodes.zip([1.0 - t, t])
     }
 
-    /// The nodes around a frequency: two, or the first or last alone beyond it.
+    /// The nodes around a frequency: two, or only the first or last one outside their range.
     fn nodes(&self, hz: f64) -> Range<usize> {
         let above = self.hz.partition_point(|node| *node <= hz);
         above.saturating_sub(1)..self.hz.len().min(above + 1)
@@ -86,7 +86,7 @@ impl Means {
         whole
     }
 
-    /// v^T R v of the whole surface for the modes of a real motion v that are not at rest.
+    /// v^T R v of the whole surface for a sparse real motion v, given by its nonzero entries.
     pub(crate) fn sparse_form(&self, hz: f64, v: &[(usize, f64)]) -> f64 {
         let of_node = |(node, weight): (usize, f64)| weight * self.patches[node].sparse_form(v);
         self.weights(hz).map(of_node).sum()
@@ -101,7 +101,7 @@ impl Means {
     ) {
         for run in self.runs(frequency, share) {
             let motions = motions(accelerations, &run);
-            let nodes: Vec<&Packed> = self.patches[run.nodes.clone()].iter().collect();
+            let nodes: Vec<&PackedHermitian> = self.patches[run.nodes.clone()].iter().collect();
             let mut found = forms(&nodes, &motions).into_iter();
             for (node, factors) in nodes.iter().zip(&run.factors) {
                 for p in 0..node.matrices() {
@@ -169,7 +169,7 @@ impl Means {
     }
 
     fn modes(&self) -> usize {
-        self.roots.first().map_or(0, Packed::modes)
+        self.roots.first().map_or(0, PackedHermitian::modes)
     }
 }
 
@@ -205,7 +205,7 @@ mod tests {
     }
 
     /// Three patches at three nodes, each semidefinite.
-    fn means() -> Means {
+    fn means() -> AveragedResistance {
         let patch = |node: usize, p: usize| {
             let field = DMatrix::from_fn(2 * MODES, MODES, |i, j| wave(i + 5 * node, j + 3 * p));
             Resistance {
@@ -214,7 +214,7 @@ mod tests {
             }
         };
         let node = |n: usize| (1000.0 * 2f64.powi(n as i32), (0..3).map(|p| patch(n, p)).collect());
-        Means::new((0..3).map(node).collect())
+        AveragedResistance::new((0..3).map(node).collect())
     }
 
     /// Below the first node, at nodes, between them, more bins than are evaluated together, and beyond the last.
@@ -258,8 +258,10 @@ mod tests {
         let means = means();
         let bytes = postcard::to_stdvec(&means).unwrap();
         let back = postcard::from_bytes(&bytes);
-        let back = back.ok().map(|back: Means| (back.hz, back.patches, back.roots));
+        let back = back
+            .ok()
+            .map(|back: AveragedResistance| (back.hz, back.patches, back.roots));
         assert_eq!(back, Some((means.hz, means.patches, means.roots)));
-        assert!(postcard::from_bytes::<Means>(&bytes[..bytes.len() - 4]).is_err());
+        assert!(postcard::from_bytes::<AveragedResistance>(&bytes[..bytes.len() - 4]).is_err());
     }
 }

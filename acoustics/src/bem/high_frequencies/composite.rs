@@ -1,41 +1,42 @@
-use crate::radiation::{Erp, Means, ModalRadiation, Resistance, SampledRadiation};
+use crate::radiation::{AveragedResistance, Erp, ModalRadiation, Resistance, SampledRadiation};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Octaves below the top of boundary elements at single frequencies over which these give way to means.
+/// Width of the transition from single frequencies to averages, in octaves below the top of single frequencies.
 const FADING: f64 = 1.0 / 12.0;
 
-/// Radiation resistance from boundary elements on meshes that get finer with frequency, above them from means of boundary
-/// elements over neighbouring frequencies, and from the limit of high frequencies at last.
+/// Radiation resistance of one parity over all frequencies. It is composed of boundary elements at single frequencies,
+/// on meshes that become finer with frequency; of averages of boundary elements over frequency bands above; and of the
+/// high-frequency limit.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(crate) struct BlendedRadiation {
-    /// Each from where the one before ends.
+pub(crate) struct CompositeRadiation {
+    /// Ranges of single frequencies; each begins where the previous one ends.
     levels: Vec<SampledRadiation>,
-    above: Means,
-    /// How many of the nodes above are of boundary elements; the others are of the limit.
+    above: AveragedResistance,
+    /// Number of nodes of `above` that come from boundary elements; the others come from the limit.
     solved: usize,
-    /// The limit as far as boundary elements reach.
-    limit: Means,
+    /// The limit at frequencies at which boundary elements are known too.
+    limit: AveragedResistance,
     erp: Erp,
     from_hz: f64,
     to_hz: f64,
 }
 
-/// What a body radiates above the range of its boundary elements at single frequencies.
-pub(crate) struct Above {
-    /// Means of boundary elements and then of the limit.
-    pub(crate) means: Means,
-    /// How many of them are of boundary elements.
+/// Radiation of a body above the range of single frequencies.
+pub(crate) struct HighFrequencyRadiation {
+    /// Averages of boundary elements, followed by the limit.
+    pub(crate) means: AveragedResistance,
+    /// Number of nodes that come from boundary elements.
     pub(crate) solved: usize,
-    /// The limit as far as boundary elements reach.
-    pub(crate) limit: Means,
+    /// The limit at frequencies at which boundary elements are known too.
+    pub(crate) limit: AveragedResistance,
 }
 
-impl BlendedRadiation {
-    /// Joins ranges of boundary elements, rising, each beginning where the one before ends, with what is above.
-    pub(crate) fn new(levels: Vec<SampledRadiation>, above: Above, erp: Erp) -> Self {
+impl CompositeRadiation {
+    /// Joins ranges of single frequencies, in rising order without gaps, with the radiation above them.
+    pub(crate) fn new(levels: Vec<SampledRadiation>, above: HighFrequencyRadiation, erp: Erp) -> Self {
         let to_hz = levels.last().map_or(0.0, ModalRadiation::highest_hz);
         Self {
             levels,
@@ -48,7 +49,7 @@ impl BlendedRadiation {
         }
     }
 
-    /// The ranges of boundary elements at single frequencies.
+    /// The ranges of single frequencies.
     pub(crate) fn levels(&self) -> &[SampledRadiation] {
         &self.levels
     }
@@ -58,13 +59,13 @@ impl BlendedRadiation {
         &self.erp
     }
 
-    /// Where boundary elements at single frequencies begin to give way to means, and where they end \[Hz\].
+    /// Transition from single frequencies to averages: beginning and end \[Hz\].
     pub(crate) fn solved_hz(&self) -> [f64; 2] {
         [self.from_hz, self.to_hz]
     }
 
-    /// Where boundary elements in the mean give way to the limit: beginning and end \[Hz\].
-    pub(crate) fn blend_hz(&self) -> [f64; 2] {
+    /// Transition from averaged boundary elements to the limit: beginning and end \[Hz\].
+    pub(crate) fn transition_hz(&self) -> [f64; 2] {
         let node = |n: usize| self.above.hz().get(n).or(self.above.hz().last()).map_or(0.0, |hz| *hz);
         [node(self.solved - 1), node(self.solved)]
     }
@@ -74,7 +75,7 @@ impl BlendedRadiation {
         self.limit.hz()[0]
     }
 
-    /// Energy forms of the limit alone, as far as boundary elements reach.
+    /// Energy forms of the limit alone, where boundary elements are known too.
     pub(crate) fn limit_alone(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
         let mut forms = DMatrix::zeros(self.patches().len(), frequency.len());
         let all = vec![1.0; frequency.len()];
@@ -82,8 +83,7 @@ impl BlendedRadiation {
         forms
     }
 
-    /// Share of the means: 0 up to where they begin, 1 above boundary elements at single frequencies, sin² of the
-    /// logarithmic frequency between.
+    /// Weight of the averages: 0 below the transition, 1 above it, sin² of the logarithmic frequency in between.
     fn share(&self, hz: f64) -> f64 {
         let t = ((hz / self.from_hz).ln() / (self.to_hz / self.from_hz).ln()).clamp(0.0, 1.0);
         (0.5 * PI * t).sin().powi(2)
@@ -98,7 +98,8 @@ impl BlendedRadiation {
         self.levels.iter().position(|l| hz <= l.highest_hz()).unwrap_or(last)
     }
 
-    /// Runs of bins below the end of the blend that share a level: the level and the bins' half-open range.
+    /// Runs of bins below the end of the transition that use the same range: its index, and the half-open range of
+    /// bins.
     pub(crate) fn runs(&self, frequency: &[f64]) -> Vec<(usize, usize, usize)> {
         let mut runs: Vec<(usize, usize, usize)> = Vec::new();
         for (bin, &hz) in frequency.iter().enumerate().filter(|(_, hz)| **hz < self.to_hz) {
@@ -112,7 +113,7 @@ impl BlendedRadiation {
     }
 }
 
-impl ModalRadiation for BlendedRadiation {
+impl ModalRadiation for CompositeRadiation {
     fn method(&self) -> &str {
         "BEM"
     }
@@ -186,8 +187,9 @@ impl ModalRadiation for BlendedRadiation {
         2 * self.modes()
     }
 
-    /// The signals of all laws with the roots of their shares, so that energies add up exactly: boundary elements at single
-    /// frequencies and every second node above, below them the other nodes. Those of one row never count together.
+    /// Signals of all parts, weighted by the roots of their shares, so that the energies add exactly. The first half of
+    /// the rows holds single frequencies and every second node above, the second half the other nodes; two parts in the
+    /// same row never overlap in frequency.
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let modes = self.modes();
         let shares = self.shares(frequency);

@@ -1,11 +1,12 @@
-//! Which panels lie in one plane, and what such a face stands on.
+//! Coplanar panels, and the walls on which such a face stands.
 
 use crate::bem::mesh::boundary::Boundary;
 use crate::bem::mesh::symmetry::Image;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
-/// How far normals of one plane may differ, and its points lie off it over the body's size.
+/// Largest difference between the normals of one plane, and largest distance of its points from it relative to the size
+/// of the body.
 const FLAT: f64 = 1e-6;
 
 /// A reflecting plane at right angles to a face: a point in it and its unit normal into the air.
@@ -24,8 +25,8 @@ pub(super) struct Face {
     pub(super) wall: Option<Wall>,
 }
 
-/// How panels lie to each other.
-pub(super) struct Sheets<'a> {
+/// Normals and neighbours of panels.
+pub(super) struct CoplanarPanels<'a> {
     boundary: &'a Boundary,
     /// Normal of every flat panel.
     pub(super) normals: Vec<Option<Vector3<f64>>>,
@@ -34,7 +35,7 @@ pub(super) struct Sheets<'a> {
     size: f64,
 }
 
-impl<'a> Sheets<'a> {
+impl<'a> CoplanarPanels<'a> {
     pub(super) fn new(boundary: &'a Boundary) -> Self {
         let mesh = boundary.mesh();
         let size = boundary.extents().norm();
@@ -125,7 +126,7 @@ impl<'a> Sheets<'a> {
         }
     }
 
-    /// The face at right angles on which this one stands, if all of it does on one side.
+    /// The perpendicular face on which this one stands, if it stands on it with its whole length on one side.
     fn wall(&self, panels: &[usize], normal: Vector3<f64>, across: [bool; 2]) -> Option<Wall> {
         let mesh = self.boundary.mesh();
         let centre = |p: usize| mesh.point_at(p, mesh.panels[p].kind().centre()).position.coords;

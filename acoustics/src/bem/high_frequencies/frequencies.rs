@@ -1,50 +1,51 @@
-//! What lies above the boundary elements at single frequencies: where they are solved in the mean over frequency, and where
-//! the limit of high frequencies is evaluated.
+//! Frequencies above those solved one by one: bands over which boundary elements are averaged, and frequencies at which
+//! the high-frequency limit is evaluated.
 
 use crate::bem::high_frequencies::faces::Faces;
 use crate::bem::solver::problem::{Exterior, Patterns};
 use crate::radiation::Resistance;
 use nalgebra::DMatrix;
 
-/// Ranges of boundary elements in the mean, a sixth of an octave each.
+/// Bands over which boundary elements are averaged, a sixth of an octave each.
 const MEANS: usize = 3;
 
-/// Octaves of such a range, and frequencies solved in it.
+/// Width of such a band in octaves, and number of frequencies solved in it.
 const MEAN_OCTAVES: f64 = 1.0 / 6.0;
 const MEAN_SAMPLES: usize = 3;
 
-/// Octaves between neighbouring evaluations of the limit, each the mean over as many.
+/// Octaves between neighbouring evaluations of the high-frequency limit; each is averaged over the same width.
 const LIMIT_OCTAVES: f64 = 1.0 / 3.0;
 
-/// Evaluations of the limit at and below the top of single frequencies, where it is compared.
+/// Number of evaluations of the limit at and below the top of single frequencies, where it is compared with boundary
+/// elements.
 const COMPARED: i32 = 2;
 
-/// How far the limit is evaluated \[Hz\]; it stays as it is above.
+/// Highest frequency at which the limit is evaluated \[Hz\]; it is constant above.
 const FARTHEST: f64 = 10e3;
 
 /// Frequencies above the top of the boundary elements at single frequencies \[Hz\].
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Ladder {
+pub(crate) struct HighFrequencies {
     top: f64,
 }
 
-impl Ladder {
-    /// Ranges of [`Ladder::solved`].
+impl HighFrequencies {
+    /// Number of bands of [`HighFrequencies::solved`].
     pub(crate) const MEANS: usize = MEANS;
 
-    /// Frequencies of [`Ladder::solved`].
+    /// Number of frequencies of [`HighFrequencies::solved`].
     pub(crate) const COUNT: usize = MEANS * MEAN_SAMPLES;
 
     pub(crate) fn new(top_hz: f64) -> Self {
         Self { top: top_hz }
     }
 
-    /// Where boundary elements end.
+    /// Upper end of the averaged boundary elements \[Hz\].
     pub(crate) fn solved_to_hz(&self) -> f64 {
         self.above(MEANS as f64 * MEAN_OCTAVES)
     }
 
-    /// Middles of the ranges in the mean, and the frequencies solved in each.
+    /// Centres of the averaging bands, and the frequencies solved in each \[Hz\].
     pub(crate) fn solved(&self) -> Vec<(f64, Vec<f64>)> {
         let range = |i: usize| {
             let at = |share: f64| self.above((i as f64 + share) * MEAN_OCTAVES);
@@ -54,18 +55,18 @@ impl Ladder {
         (0..MEANS).map(range).collect()
     }
 
-    /// Middle of the last range in the mean.
+    /// Centre of the last averaging band \[Hz\].
     fn last(&self) -> f64 {
         self.above((MEANS as f64 - 0.5) * MEAN_OCTAVES)
     }
 
-    /// Where the limit is evaluated to be compared with boundary elements.
+    /// Frequencies at which the limit is compared with boundary elements \[Hz\].
     fn compared(&self) -> Vec<f64> {
         let below = (-COMPARED..=0).map(|i| self.above(f64::from(i) * LIMIT_OCTAVES));
         below.chain([self.last()]).collect()
     }
 
-    /// Where the limit is evaluated above boundary elements.
+    /// Frequencies above boundary elements at which the limit is evaluated \[Hz\].
     fn limit(&self) -> Vec<f64> {
         let count = ((FARTHEST / self.last()).log2() / LIMIT_OCTAVES).ceil().max(1.0) as usize;
         (1..=count)
@@ -78,16 +79,16 @@ impl Ladder {
     }
 }
 
-/// The limit of high frequencies of one parity: frequency, and resistance of every patch.
+/// The high-frequency limit of one parity: frequency \[Hz\], and resistance of every patch.
 pub(crate) struct Limit {
-    /// Where it is compared with boundary elements.
+    /// At the frequencies of comparison with boundary elements.
     pub(crate) below: Vec<(f64, Vec<Resistance>)>,
-    /// Above boundary elements.
+    /// At the frequencies above boundary elements.
     pub(crate) above: Vec<(f64, Vec<Resistance>)>,
 }
 
-/// The limit of all parities; one more patch of theirs, the last, radiates nothing.
-pub(crate) fn limits(problem: &Exterior, motions: &[Patterns], ladder: &Ladder) -> Vec<Limit> {
+/// The limit of all parities. The last patch, added to those of the boundary, radiates nothing.
+pub(crate) fn limits(problem: &Exterior, motions: &[Patterns], ladder: &HighFrequencies) -> Vec<Limit> {
     let air = problem.air();
     let faces = Faces::new(problem.boundary(), air.sound_speed / ladder.solved_to_hz());
     let (mut below, mut above) = (ladder.compared(), ladder.limit());

@@ -1,4 +1,4 @@
-//! Matrices of costly pairs, interpolated over wave number.
+//! Matrices of expensive pairs, interpolated over wavenumber.
 
 use super::matrices::PairMatrices;
 use rustfft::num_complex::Complex;
@@ -7,23 +7,24 @@ use std::f64::consts::PI;
 /// Nodes of the interpolation.
 pub(super) const KEPT: usize = 5;
 
-/// Costly pairs at [`KEPT`] wave numbers.
+/// Matrices of expensive pairs at [`KEPT`] wavenumbers.
 ///
 /// ```text
 /// M(k) = e^{-jkr_0} sum_n l_n(k) e^{jk_n r_0} M(k_n)        r_0: distance of the panels' centres
 /// ```
 ///
-/// Less the phase of r_0 the kernels vary as e^{-jk(r - r_0)} with |r - r_0| below the sum s of the panels' radii, so
-/// that the error is below 2 (k_max s / 4)^N / N!: 1e-4 at six panels a wavelength, a hundredth of it as measured.
+/// Without the phase of r_0 the kernels vary as e^{-jk(r - r_0)} with |r - r_0| below the sum s of the panels' radii,
+/// so that the error is below 2 (k_max s / 4)^N / N!: 1e-4 at six panels per wavelength; the measured error is a
+/// hundredth of that.
 #[derive(Debug)]
-pub(super) struct Kept {
+pub(super) struct CachedPairs {
     highest: f64,
     nodes: [f64; KEPT],
     pub(super) matrices: Vec<[PairMatrices; KEPT]>,
 }
 
-impl Kept {
-    /// For wave numbers up to `highest`, without any pair.
+impl CachedPairs {
+    /// An empty set for wavenumbers up to `highest` \[1/m\].
     pub(super) fn up_to(highest: f64) -> Self {
         let node = |n: usize| 0.5 * highest * (1.0 - (PI * (n as f64 + 0.5) / KEPT as f64).cos());
         Self {
@@ -37,7 +38,8 @@ impl Kept {
         k <= self.highest * (1.0 + 1e-9)
     }
 
-    /// One pair whose panels' centres are `apart` \[m\], with M at any wave number.
+    /// Matrices of a pair at the nodes; `apart` is the distance of the panel centres \[m\], `at` evaluates M at a
+    /// wavenumber.
     pub(super) fn at_nodes(&self, apart: f64, at: impl Fn(f64, &mut PairMatrices)) -> [PairMatrices; KEPT] {
         self.nodes.map(|k| {
             let (mut raw, mut turned) = (PairMatrices::default(), PairMatrices::default());
