@@ -1,4 +1,4 @@
-//! Laws of the radiation matrix, and surfaces that are refused or mended.
+//! Laws of the radiation matrix, and surfaces that are refused or repaired.
 #![allow(clippy::unwrap_used)]
 
 mod bem_common;
@@ -6,7 +6,7 @@ mod bem_common;
 use bem_common::{cuboid, sphere};
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::BemError;
-use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior, Mended};
+use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior, Repairs};
 use nalgebra::{DMatrix, SymmetricEigen};
 
 fn block(edge: f64) -> BoundaryMesh {
@@ -74,7 +74,7 @@ fn flipped_normals_are_corrected_and_counted() {
     let straight = Boundary::new(mesh.clone(), None).unwrap();
     assert_eq!(
         straight.repairs(),
-        Mended {
+        Repairs {
             flipped: 0,
             on_floor: 0,
             panels: 80
@@ -86,10 +86,10 @@ fn flipped_normals_are_corrected_and_counted() {
         let turned = [n[0], n[2], n[1], n[5], n[4], n[3]];
         *panel = nailnoise_acoustics::bem::Panel::new(panel.kind(), &turned, panel.patch).unwrap();
     }
-    let mended = Boundary::new(mesh, None).unwrap();
-    assert_eq!(mended.repairs().flipped, 27);
+    let repaired = Boundary::new(mesh, None).unwrap();
+    assert_eq!(repaired.repairs().flipped, 27);
     let out = (0..80).all(|p| {
-        let point = mended.mesh().point_at(p, [0.3, 0.3]);
+        let point = repaired.mesh().point_at(p, [0.3, 0.3]);
         point.area_vector().dot(&point.position.coords) > 0.0
     });
     assert!(out);
