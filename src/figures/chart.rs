@@ -115,7 +115,7 @@ impl Axis {
     /// An axis that holds zero and the ordinates of all series, with a margin of 5 % where it does not end at zero.
     pub(crate) fn around(label: impl Into<String>, unit: &'static str, series: &[Series]) -> Self {
         let values = series.iter().flat_map(|series| series.y.iter().copied());
-        let [low, high] = ends(values).unwrap_or([0.0, 1.0]).map(|end| 1.05 * end);
+        let [low, high] = ends(values).map_or([0.0; 2], |ends| ends.map(|end| 1.05 * end));
         let [low, high] = [low.min(0.0), high.max(0.0)];
         Self::new(label, unit, if low < high { [low, high] } else { [0.0, 1.0] })
     }
