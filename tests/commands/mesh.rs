@@ -112,7 +112,7 @@ fn a_damaged_mesh_ends_with_status_2_and_the_element_the_groups_or_the_version()
             "3 8 \"block\"",
             "surface \"base\", volume \"block\", volume 7 without a name",
         ),
-        ("$MeshFormat", "solid", "no .msh file"),
+        ("$MeshFormat", "solid", "not a .msh file"),
     ] {
         std::fs::write(&path, tetrahedron(from, to)).unwrap();
         let own = nailnoise(&["modes", "designs/n80cb.toml", "--body", "workpiece", "--mesh", file]);

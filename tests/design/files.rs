@@ -87,7 +87,9 @@ fn si(number: &str, unit: &str) -> f64 {
         "" | "m" | "m2" | "s" | "Hz" | "kg" | "kg/m3" | "N" | "N s/m" | "m/s2" | "m2/s2" | "J/(kg K)" | "W/(m2 K)" => 0,
         other => panic!("the unit {other} has no power of ten here"),
     };
-    format!("{number}e{power}").parse().unwrap()
+    let (digits, exponent) = number.split_once('e').unwrap_or((number, "0"));
+    let exponent: i32 = exponent.parse().unwrap();
+    format!("{digits}e{}", power + exponent).parse().unwrap()
 }
 
 /// The numbers of a text in SI units: of a quantity one, of a range two; none of a word.
