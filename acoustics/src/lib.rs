@@ -34,7 +34,6 @@ mod interpolation;
 pub mod levels;
 mod matrix;
 pub mod muffler;
-mod quadrature;
 pub mod radiation;
 pub mod radiator;
 pub mod random;

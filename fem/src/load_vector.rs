@@ -48,7 +48,7 @@ impl LoadVector {
         direction: Vector3<f64>,
     ) -> Result<Self, MeshError> {
         let Rectangle { centre, sides } = rectangle;
-        let rule = gauss_legendre(RECTANGLE_POINTS)?;
+        let rule = gauss_legendre(RECTANGLE_POINTS);
         let mut weights = Vec::new();
         for &(eta, w_eta) in &rule {
             for &(xi, w_xi) in &rule {

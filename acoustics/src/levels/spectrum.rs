@@ -2,7 +2,9 @@ use super::bands::{Band, band_containing, edge, third_octaves};
 use super::error::LevelsError;
 use super::{Level, Weighting, energy_level};
 use crate::checks::{finite, same_length};
+use nailnoise_meshes::gauss_legendre;
 use serde::{Deserialize, Serialize};
+use std::sync::LazyLock;
 
 /// One part of a source; the parts of a spectrum add up to it at every frequency.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -183,8 +185,8 @@ fn interpolate(frequency: &[f64], density: &[f64], hz: f64) -> f64 {
     }
 }
 
-/// Abscissa and weight of the three-point Gauss rule on \[-1, 1\] beside its middle point of weight 8/9.
-const GAUSS3: (f64, f64) = (0.774_596_669_241_483_4, 5.0 / 9.0);
+/// The Gauss rule of a piece.
+static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(3));
 
 /// Integral of a piecewise linear density times the weighting over `range`.
 fn integrate(frequency: &[f64], density: &[f64], range: [f64; 2], weighting: Weighting) -> f64 {
@@ -222,6 +224,7 @@ fn pieces(frequency: &[f64], range: [f64; 2], weighting: Weighting, mut add: imp
     if frequency.len() < 2 || low.is_nan() || high.is_nan() || high <= low {
         return;
     }
+    let rule = &*RULE;
     let first = frequency.partition_point(|&f| f <= low).saturating_sub(1);
     // Number and frequency of the next edge.
     let mut cut: Option<(i32, f64)> = None;
@@ -238,9 +241,9 @@ fn pieces(frequency: &[f64], range: [f64; 2], weighting: Weighting, mut add: imp
         while a < end {
             let b = cut.map_or(end, |(_, edge)| edge.min(end));
             let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
-            let (x, w) = GAUSS3;
             let (mut lower, mut upper) = (0.0, 0.0);
-            for (f, w) in [(middle, 8.0 / 9.0), (middle - half * x, w), (middle + half * x, w)] {
+            for (x, w) in rule {
+                let f = middle + half * x;
                 let value = half * w * weighting.energy_factor(f);
                 let share = (f - f0) / (f1 - f0);
                 lower += (1.0 - share) * value;

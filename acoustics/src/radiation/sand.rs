@@ -5,7 +5,7 @@ use super::sources::{Grid, extent};
 use super::spherical_waves::Follower;
 use crate::air::Air;
 use crate::checks::{InputError, positive};
-use crate::quadrature::gauss_legendre;
+use nailnoise_meshes::gauss_legendre;
 use nalgebra::{Complex, DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

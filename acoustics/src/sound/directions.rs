@@ -1,4 +1,4 @@
-use crate::quadrature::gauss_legendre;
+use nailnoise_meshes::gauss_legendre;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 

@@ -1,5 +1,7 @@
 //! Points that stand for a rectangular contact area.
 
+use nailnoise_meshes::gauss_legendre;
+
 /// Where the points of a [`ContactGrid`] lie.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GridRule {
@@ -48,12 +50,6 @@ fn line(n: usize, rule: GridRule) -> (Vec<f64>, Vec<f64>) {
                 vec![width; n],
             )
         }
-        GridRule::GaussLegendre => gauss_legendre(n),
+        GridRule::GaussLegendre => gauss_legendre(n).into_iter().unzip(),
     }
-}
-
-/// Points and weights of the n-point Gauss-Legendre rule on [-1, 1], ascending; none for n = 0.
-pub(crate) fn gauss_legendre(n: usize) -> (Vec<f64>, Vec<f64>) {
-    let rule = nailnoise_meshes::gauss_legendre(n).unwrap_or_default();
-    rule.into_iter().unzip()
 }

@@ -3,7 +3,6 @@
 mod grid;
 mod sand;
 
-pub(crate) use grid::gauss_legendre;
 pub use grid::{ContactGrid, GridRule};
 pub use sand::{
     FoundationStiffness, RectangularBase, Sand, SandError, sand_shear_modulus_angular, sand_shear_modulus_round,

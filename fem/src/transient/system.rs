@@ -3,13 +3,13 @@
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
+use nailnoise_meshes::gauss_legendre;
 use nalgebra::DMatrix;
 
 use super::error::TransientError;
 use super::kernels::{Coefficients, Columns, Lane, lanes};
 use super::model::{Loads, ModalBody, ModalState, Settings, Start, Support, SupportLaw};
 use super::recurrence::{Recurrence, dissipation};
-use crate::supports::gauss_legendre;
 
 /// One body's place in the joined arrays.
 #[derive(Debug, Clone)]
@@ -83,7 +83,7 @@ impl System {
             support_rows: Columns::zeros(lanes(supports), 4 * height),
             modes_beyond_step: 0,
         };
-        let rule = gauss_legendre(10);
+        let rule = gauss_legendre(10).into_iter().unzip();
         for (body, part) in bodies.iter().zip(&system.parts) {
             for (j, (&omega, &zeta)) in body.omega.iter().zip(&body.zeta).enumerate() {
                 let (lane, slot) = (part.lanes.start + j / 4, j % 4);

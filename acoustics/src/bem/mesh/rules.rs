@@ -1,7 +1,6 @@
 //! Quadrature on panels and on pairs of panels.
 
-use crate::quadrature::gauss_legendre;
-use nailnoise_meshes::FaceKind;
+use nailnoise_meshes::{FaceKind, gauss_legendre};
 use nalgebra::DMatrix;
 
 /// A point in natural coordinates and its weight.
@@ -15,6 +14,9 @@ fn unit_gauss(n: usize) -> Vec<(f64, f64)> {
         .collect()
 }
 
+/// By hand, as the Gauss-Jacobi rules of gauss-quad 0.3 put the middle one of an odd number of points at zero, which holds
+/// for symmetric weights only.
+///
 /// Points and weights on \[0, 1\] for integrals of s f(s), exact for f of degree 2n - 1: the eigenvalues of the Jacobi
 /// matrix of the polynomials orthogonal with respect to s (Golub & Welsch, *Math. Comp.* 23, 1969).
 fn unit_gauss_jacobi(n: usize) -> Vec<(f64, f64)> {

@@ -187,8 +187,8 @@ impl<'a> Faces<'a> {
 mod tests {
     use super::*;
     use crate::bem::{BoundaryMesh, SolidBox};
-    use crate::quadrature::gauss_legendre;
     use crate::radiation::{RadiatingSurface, Rayleigh};
+    use nailnoise_meshes::gauss_legendre;
     use nalgebra::Point3;
 
     const TOP: [f64; 2] = [0.5, 0.4];

@@ -102,7 +102,7 @@ pub(super) struct Kernel {
 impl Kernel {
     pub(super) fn new([low, high]: [f64; 2], air: &Air, farthest: f64) -> Self {
         let wavenumber = |hz: f64| 2.0 * PI * hz / air.sound_speed;
-        let rule = crate::quadrature::gauss_legendre(AVERAGED);
+        let rule = nailnoise_meshes::gauss_legendre(AVERAGED);
         let numbers: Vec<(f64, f64)> = rule
             .into_iter()
             .map(|(x, w)| (wavenumber(low * (high / low).powf(0.5 * (1.0 + x))), 0.5 * w))
