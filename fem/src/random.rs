@@ -1,19 +1,17 @@
 //! Reproducible start vectors.
 
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::SplitMix64;
+
 /// SplitMix64 (Steele, Lea & Flood 2014), uniform on \[-1, 1).
-pub(crate) struct Random(u64);
+pub(crate) struct Random(SplitMix64);
 
 impl Random {
     pub(crate) fn new(seed: u64) -> Self {
-        Self(seed)
+        Self(SplitMix64::seed_from_u64(seed))
     }
 
     pub(crate) fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^= z >> 31;
-        (z >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        2.0 * self.0.random::<f64>() - 1.0
     }
 }

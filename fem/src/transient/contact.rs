@@ -265,19 +265,7 @@ impl ContactSolver {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Numbers in (-1, 1) from a linear congruence.
-    struct Random(u64);
-
-    impl Random {
-        fn next(&mut self) -> f64 {
-            self.0 = self
-                .0
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        }
-    }
+    use crate::random::Random;
 
     /// C_d and C_v as Gram matrices of random modes, strong enough to couple the points well beyond a real step.
     fn compliance(n: usize, random: &mut Random) -> Columns {
@@ -298,7 +286,7 @@ mod tests {
     #[test]
     fn forces_obey_the_law_through_thousands_of_changing_states() {
         let n = 23;
-        let mut random = Random(7);
+        let mut random = Random::new(7);
         let supports: Vec<Support> = (0..n)
             .map(|i| Support {
                 stiffness: 1.5 + random.next(),
@@ -339,7 +327,7 @@ mod tests {
     #[test]
     fn too_few_iterations_are_an_error_with_the_time() {
         let n = 23;
-        let mut random = Random(11);
+        let mut random = Random::new(11);
         let support = Support {
             stiffness: 1.0,
             damping: 1.0,
