@@ -1,3 +1,5 @@
+//! Radiation of a plane surface by Rayleigh's integral, with absorbing and moving sand around it.
+
 use super::error::RadiationError;
 use super::kernel::outgoing;
 use super::resistance::Resistance;
