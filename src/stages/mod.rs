@@ -139,6 +139,14 @@ impl<T> Serialize for Stored<T> {
     }
 }
 
+/// The values of several inputs.
+///
+/// # Errors
+/// [`Error`] of the stages that make them.
+pub(crate) fn all<T>(inputs: &[Stored<T>]) -> Result<Vec<Arc<T>>, Error> {
+    inputs.iter().map(Stored::get).collect()
+}
+
 /// An input of a stage, whatever its type.
 pub trait Input: Send + Sync {
     /// Makes the value, if it is not made yet.

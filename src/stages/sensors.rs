@@ -1,7 +1,6 @@
 //! Accelerometers on the bodies of a shot.
 
 use std::f64::consts::FRAC_PI_8;
-use std::sync::Arc;
 
 use nailnoise_acoustics::fourier::filtered;
 use nailnoise_acoustics::radiation::MovingSand;
@@ -13,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::response::Vibration;
 use super::spectra::{BodyMotion, SensorMotion};
-use super::{Code, Input, Postcard, Progress, Stage, Stored, code};
+use super::{Code, Input, Postcard, Progress, Stage, Stored, all, code};
 use crate::design::Carrier;
 use crate::error::Error;
 use crate::result::SensorLevel;
@@ -104,7 +103,7 @@ impl Stage for Sensors {
 
     fn compute(&self, _: &Progress) -> Result<Vec<SensorRecord>, Error> {
         let (record, vibration) = (self.cycle.get()?, self.vibration.get()?);
-        let motions: Vec<Arc<BodyMotion>> = self.motions.iter().map(Stored::get).collect::<Result<_, _>>()?;
+        let motions = all(&self.motions)?;
         let motions: Vec<&SensorMotion> = motions.iter().map(|motion| &motion.sensors).collect();
         let response = &vibration.response;
         signals(

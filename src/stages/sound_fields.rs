@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use super::bodies::Body;
 use super::radiation::{FlushTop, ToolRadiation, WorkpieceBoundaryElements, top_of};
 use super::spectra::BodyMotion;
-use super::{Code, Input, Postcard, Progress, Stage, Stored, code};
+use super::{Code, Input, Postcard, Progress, Stage, Stored, all, code};
 use crate::error::Error;
 use crate::result::Check;
 
@@ -110,8 +110,8 @@ impl Stage for SoundFields {
     }
 
     fn compute(&self, _: &Progress) -> Result<Fields, Error> {
-        let bodies: Vec<Arc<Body>> = self.bodies.iter().map(Stored::get).collect::<Result<_, _>>()?;
-        let motions: Vec<Arc<BodyMotion>> = self.motions.iter().map(Stored::get).collect::<Result<_, _>>()?;
+        let bodies = all(&self.bodies)?;
+        let motions = all(&self.motions)?;
         let mut fields = self.workpiece(&bodies, &motions)?;
         if let Some(tool) = &self.tool {
             self.add_tool(tool, &mut fields)?;

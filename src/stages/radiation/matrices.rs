@@ -13,7 +13,7 @@ use super::tool::ToolRadiation;
 use super::workpiece::WorkpieceBoundaryElements;
 use crate::error::Error;
 use crate::stages::bodies::Body;
-use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored};
+use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, all};
 
 /// Boundary elements of workpiece and worktable as one surface, or of a workpiece alone.
 #[derive(Serialize)]
@@ -35,7 +35,7 @@ impl Stage for WorkpieceMatrix {
     }
 
     fn compute(&self, progress: &Progress) -> Result<ModalBem, Error> {
-        let bodies: Vec<_> = self.bodies.iter().map(Stored::get).collect::<Result<_, _>>()?;
+        let bodies = all(&self.bodies)?;
         let surfaces: Vec<_> = bodies.iter().map(|body| body.moving_surface()).collect();
         self.elements.compute(&surfaces, progress)
     }

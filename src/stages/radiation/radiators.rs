@@ -13,7 +13,7 @@ use super::matrices::FlushMatrix;
 use super::workpiece::Covered;
 use crate::error::Error;
 use crate::stages::bodies::Body;
-use crate::stages::{Code, Input, NotKept, Postcard, Progress, Stage, Stored};
+use crate::stages::{Code, Input, NotKept, Postcard, Progress, Stage, Stored, all};
 
 /// How the workpiece with its support radiates, with what is known of it in standard air.
 #[derive(Serialize)]
@@ -124,7 +124,7 @@ impl<R: Radiator + 'static> Stage for RadiationDamping<R> {
     }
 
     fn compute(&self, _: &Progress) -> Result<Vec<Vec<f64>>, Error> {
-        let bodies: Vec<_> = self.bodies.iter().map(Stored::get).collect::<Result<_, _>>()?;
+        let bodies = all(&self.bodies)?;
         let omega: Vec<&[f64]> = bodies.iter().map(|body| body.omega.as_slice()).collect();
         Ok(self.radiator.get()?.damping(&omega))
     }

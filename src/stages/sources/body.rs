@@ -16,11 +16,10 @@ use super::{CODE, SurfaceSource};
 use crate::error::Error;
 use crate::result::{CrossCheck, Uncertainty};
 use crate::stages::bodies::Body;
-use crate::stages::intervals::EventEdges;
 use crate::stages::microphones::{MicrophoneArray, ToolSphere};
-use crate::stages::sound::{Sound, SoundSource};
+use crate::stages::sound::Sound;
 use crate::stages::spectra::BodyMotion;
-use crate::stages::truncation::{Part, truncations};
+use crate::stages::truncation::Part;
 use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored};
 
 /// Name of the source.
@@ -243,19 +242,19 @@ impl Stage for BodySource {
                 .microphones
                 .oscillating_sphere(&self.sphere, &record, &sound, end)?,
         };
-        let range = self.microphones.range_hz;
         let parts = housing.map(|housing| Part {
             name: "tool".into(),
             contribution: VIBRATION.into(),
             top_hz: housing.top_hz,
         });
-        let truncations = truncations((NAME, &sound.spectrum), range, parts);
-        let edges = EventEdges::new(&record.events, end);
-        Ok(SurfaceSource {
-            source: SoundSource::new(sound, &edges, range),
+        let range = self.microphones.range_hz;
+        Ok(SurfaceSource::new(
+            (NAME, sound),
             received,
-            truncations,
-        })
+            parts,
+            (&record.events, end),
+            range,
+        ))
     }
 }
 

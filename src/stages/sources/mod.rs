@@ -3,14 +3,16 @@
 mod body;
 mod workpiece;
 
+use nailnoise_dynamics::Events;
 use serde::{Deserialize, Serialize};
 
 pub use body::{BodyEnergy, BodySound, BodySource, Housing};
 pub use workpiece::{WorkpieceEnergy, WorkpieceSource};
 
+use super::intervals::EventEdges;
 use super::microphones::AtMicrophones;
-use super::sound::SoundSource;
-use super::truncation::Truncation;
+use super::sound::{Sound, SoundSource};
+use super::truncation::{Part, Truncation, truncations};
 use super::{Code, code};
 use crate::result::Check;
 
@@ -46,6 +48,22 @@ pub struct SurfaceSource {
 }
 
 impl SurfaceSource {
+    /// A source with its sound at the microphones, whose model ends at the top frequencies of its `parts`; intervals lie
+    /// between the events of a shot whose records last until `end` \[s\].
+    fn new(
+        (name, sound): (&'static str, Sound),
+        received: AtMicrophones,
+        parts: impl IntoIterator<Item = Part>,
+        (events, end): (&Events, f64),
+        range_hz: [f64; 2],
+    ) -> Self {
+        Self {
+            truncations: truncations((name, &sound.spectrum), range_hz, parts),
+            source: SoundSource::new(sound, &EventEdges::new(events, end), range_hz),
+            received,
+        }
+    }
+
     /// Check that both evaluations of its power agree.
     pub fn check(&self) -> Option<Check> {
         let difference = self.source.radiation.as_ref()?.surface_difference_db?;

@@ -1,7 +1,5 @@
 //! The workpiece with its support as one source.
 
-use std::sync::Arc;
-
 use nailnoise_acoustics::levels::SourceSpectrum;
 use nailnoise_acoustics::radiation::ModalSpectra;
 use nailnoise_acoustics::radiator::{MovingBody, Radiator};
@@ -11,12 +9,11 @@ use serde::Serialize;
 use super::{CODE, SurfaceSource};
 use crate::error::Error;
 use crate::stages::bodies::Body;
-use crate::stages::intervals::EventEdges;
 use crate::stages::microphones::MicrophoneArray;
-use crate::stages::sound::{Sound, SoundSource};
+use crate::stages::sound::Sound;
 use crate::stages::spectra::BodyMotion;
-use crate::stages::truncation::{Part, truncations};
-use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored};
+use crate::stages::truncation::Part;
+use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, all};
 
 /// Name of the source.
 const NAME: &str = "workpiece";
@@ -60,8 +57,8 @@ impl Stage for WorkpieceSource {
 
     fn compute(&self, _: &Progress) -> Result<SurfaceSource, Error> {
         let (radiator, end) = (self.radiator.get()?, *self.end.get()?);
-        let bodies: Vec<Arc<Body>> = self.bodies.iter().map(Stored::get).collect::<Result<_, _>>()?;
-        let motions: Vec<Arc<BodyMotion>> = self.motions.iter().map(Stored::get).collect::<Result<_, _>>()?;
+        let bodies = all(&self.bodies)?;
+        let motions = all(&self.motions)?;
         let damping = self.radiation_damping.as_ref().map(Stored::get).transpose()?;
         let moving: Vec<MovingBody<'_>> = bodies
             .iter()
@@ -81,19 +78,14 @@ impl Stage for WorkpieceSource {
             Some(pressures) => self.microphones.pressures(pressures, &sound.spectrum, end)?,
             None => self.microphones.spread_evenly(self.centre, &sound, end)?,
         };
-        let range = self.microphones.range_hz;
         let parts = bodies.iter().zip(&self.top_hz).map(|(body, top_hz)| Part {
             name: body.name.into(),
             contribution: body.name.into(),
             top_hz: *top_hz,
         });
-        let truncations = truncations((NAME, &sound.spectrum), range, parts);
-        let edges = EventEdges::new(&self.cycle.get()?.events, end);
-        Ok(SurfaceSource {
-            source: SoundSource::new(sound, &edges, range),
-            received,
-            truncations,
-        })
+        let events = &self.cycle.get()?.events;
+        let range = self.microphones.range_hz;
+        Ok(SurfaceSource::new((NAME, sound), received, parts, (events, end), range))
     }
 }
 
@@ -118,7 +110,7 @@ impl Stage for WorkpieceEnergy {
     }
 
     fn compute(&self, _: &Progress) -> Result<SourceSpectrum, Error> {
-        let motions: Vec<Arc<BodyMotion>> = self.motions.iter().map(Stored::get).collect::<Result<_, _>>()?;
+        let motions = all(&self.motions)?;
         let spectra: Vec<&ModalSpectra> = motions.iter().map(|motion| &motion.spectra).collect();
         Ok(self.radiator.get()?.energy(NAME, &spectra)?)
     }
