@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::chain::{Chain, Options};
+use crate::cost::{self, MemoryLimit};
 use crate::design::Design;
 use crate::design::inputs::{self, located};
 use crate::error::Error;
@@ -116,6 +117,7 @@ pub type Words = fn(&Run) -> [String; 2];
 /// holds what this very design gives; the flag says whether it did.
 ///
 /// # Errors
+/// [`DesignError::TooCostly`](crate::design::DesignError::TooCostly) before anything is computed that needs more than `memory`.
 /// Those of [`Chain::run`], and [`Error::Write`] with the file that could not be written.
 pub fn deliver(
     design: &Design,
@@ -123,6 +125,7 @@ pub fn deliver(
     draw: bool,
     words: Words,
     store: &Store,
+    memory: MemoryLimit,
     progress: &Progress,
 ) -> Result<(Bundle, bool), Error> {
     let key = key(design, draw)?;
@@ -136,6 +139,11 @@ pub fn deliver(
         let _whole = interrupt::undisturbed();
         bundle.place(folder, &fields, None)?;
         return Ok((bundle, true));
+    }
+    let costs = cost::of_run(design)?;
+    cost::refuse(design, &costs, memory)?;
+    if let Some(announcement) = cost::announcement(&costs) {
+        progress.note(&announcement);
     }
     let unfinished = Unfinished::within(folder)?;
     let [of_bodies, others] = unfinished.parts();

@@ -92,6 +92,8 @@ impl BodyStages {
             kind,
             model,
             modes: modes.clone(),
+            top_hz,
+            below_hz,
         });
         Ok(Self {
             modes,

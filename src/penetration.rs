@@ -1,9 +1,11 @@
 //! Penetration laws, woods and nails by the names and files that a user gives.
 
+use std::io;
 use std::path::{Path, PathBuf};
 
 use miette::Diagnostic;
 use nailnoise_dynamics::prf::{CurveError, ForceTable, NAILS, NailSize, PenetrationLaw, TableError, WOODS, WoodKind};
+use nailnoise_meshes::read_regular;
 use thiserror::Error;
 
 /// Why laws cannot be compared.
@@ -47,12 +49,20 @@ pub enum PenetrationError {
     Curve(#[from] CurveError),
 }
 
+/// The largest table that is read \[byte\].
+const LARGEST_TABLE: u64 = 16 << 20;
+
+fn read_text(path: &Path) -> io::Result<String> {
+    let bytes = read_regular(path, LARGEST_TABLE)?;
+    String::from_utf8(bytes).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
+}
+
 /// Reads a law from a CSV file of depths \[m\] and forces \[N\].
 ///
 /// # Errors
 /// [`PenetrationError::Unreadable`] or [`PenetrationError::Table`] with the file.
 pub fn table(path: &Path) -> Result<ForceTable, PenetrationError> {
-    let text = std::fs::read_to_string(path).map_err(|cause| PenetrationError::Unreadable {
+    let text = read_text(path).map_err(|cause| PenetrationError::Unreadable {
         path: path.to_owned(),
         cause: cause.to_string(),
     })?;

@@ -33,7 +33,7 @@ pub struct RunResult {
     pub ranking: Vec<RankedSource>,
     /// All sources together.
     pub total: Total,
-    /// What the shot did: `drives`, `strikes_bumper`, `underdriven`, `does_not_open` or `does_not_release`.
+    /// What the shot did: `drives`, `strikes_bumper`, `underdriven`, `overdriven`, `does_not_open` or `does_not_release`.
     pub outcome: nailnoise_dynamics::Outcome,
     /// Figures of the shot.
     pub cycle: nailnoise_dynamics::Summary,

@@ -91,6 +91,7 @@ impl Chain {
                 ending: &response.ending,
                 idle_sensors: inputs::sensors::without_body(design),
                 limited_sensors: inputs::sensors::limited(design),
+                outside_ranges: inputs::notes::outside_ranges(design),
                 idle_springs: design.idle_springs(),
             },
             &record,

@@ -1,12 +1,14 @@
 //! Errors of a cycle.
 
+use std::borrow::Cow;
+
 use thiserror::Error;
 
 /// Why a cycle cannot be computed.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum CycleError {
-    /// A number is not finite or has the wrong sign.
+    /// A number is not finite or outside its domain.
     #[error("{name} = {value} must be {rule}")]
     Value {
         /// Full name of the quantity, as in the design (`piston.mass`).
@@ -14,7 +16,7 @@ pub enum CycleError {
         /// The value found.
         value: f64,
         /// What it must be.
-        rule: &'static str,
+        rule: Cow<'static, str>,
     },
     /// The closing spring would be compressed beyond the range of its published characteristic.
     #[error(
@@ -52,16 +54,29 @@ pub enum CycleError {
         /// Its value \[m\].
         outer: f64,
     },
-    /// The rod would meet the nail after the nail meets the wood.
+    /// The tip of the waiting nail would stand out of the nose.
     #[error(
-        "nail.head_gap {head_gap} m exceeds nail.tip_gap {tip_gap} m: the rod must reach the nail before the nail \
-         reaches the wood"
+        "nail.length {length} m exceeds nail.feed_height {feed_height} m: the nail waits inside the nose; raise \
+         nail.feed_height or use a shorter nail"
     )]
-    GapOrder {
-        /// y_pbin \[m\].
-        head_gap: f64,
-        /// y_pbp \[m\].
-        tip_gap: f64,
+    NailBelowNose {
+        /// l_n \[m\].
+        length: f64,
+        /// Height of the head above the nose's face \[m\].
+        feed_height: f64,
+    },
+    /// The head of the waiting nail would be above the rod's end.
+    #[error(
+        "nail.feed_height {feed_height} m must be smaller than piston.stroke {stroke} m less piston.rod_protrusion \
+         {protrusion} m, where the rod ends before the shot"
+    )]
+    NailAboveRod {
+        /// Height of the head above the nose's face \[m\].
+        feed_height: f64,
+        /// L \[m\].
+        stroke: f64,
+        /// Length of the rod beyond the nose's face at the end of the stroke \[m\].
+        protrusion: f64,
     },
     /// The nail is longer than the block is thick.
     #[error("nail.length {length} m exceeds workpiece.thickness {thickness} m; use a shorter nail or a thicker block")]

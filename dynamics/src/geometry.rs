@@ -12,6 +12,7 @@ use crate::{Ambient, Block, Exhaust, HeadValve, Nail, Parameters, Piston, Suppor
 /// A_1 = pi/4 d_c^2,  A_r = pi/4 d_rod^2,  A_2 = A_1 - A_r        (C-27: no force at uniform pressure)
 /// A_h1 = pi/4 (outer^2 - inner^2),  A_h2 = pi/4 (outer^2 - seat^2),  A_h3 = A_h1 - A_h2
 /// A_ma = n pi/4 d^2
+/// y_pbin = L - b - h,  y_pbp = L - b - l_n      (rod protrusion b beyond the nose, feed height h of the nail's head)
 /// tau = L_ch/c,  c = sqrt(gamma R T_a)
 /// phi = exp(-R_ch L_ch R T_a/(2 P c)),  R_ch = 32 mu/D_ch^2       (Eq. 4.50, laminar)
 /// ```
@@ -33,6 +34,10 @@ pub struct Geometry {
     pub valve_cylinder_area: f64,
     /// A_ma, exhaust holes \[m2\].
     pub exhaust_area: f64,
+    /// y_pbin, piston travel at which the rod strikes the nail's head \[m\].
+    pub head_gap: f64,
+    /// y_pbp, piston travel at which the nail's tip touches the wood \[m\].
+    pub tip_gap: f64,
     /// M_n, mass of the nail \[kg\].
     pub nail_mass: f64,
     /// M_w, mass of the block \[kg\].
@@ -63,6 +68,8 @@ impl Geometry {
             valve_supply_area: p.head_valve.supply_area(),
             valve_cylinder_area: p.head_valve.cylinder_area(),
             exhaust_area: p.exhaust.area(),
+            head_gap: p.nail.head_gap(&p.piston),
+            tip_gap: p.nail.tip_gap(&p.piston),
             nail_mass: p.nail.mass(),
             workpiece_mass,
             channel_delay: p.trigger.delay(&p.ambient),
@@ -91,6 +98,11 @@ impl Piston {
     /// A_2 = A_1 - A_r, area of the lower side \[m2\], so that uniform pressure gives no net force (C-27).
     pub fn lower_area(&self) -> f64 {
         self.area() - self.rod_area()
+    }
+
+    /// Distance from the rod's end to the nose's face with the piston on the upper stopper \[m\].
+    fn rod_setback(&self) -> f64 {
+        self.stroke - self.rod_protrusion
     }
 }
 
@@ -134,6 +146,16 @@ impl Trigger {
 }
 
 impl Nail {
+    /// y_pbin, piston travel at which the rod strikes the head of the waiting nail \[m\].
+    pub fn head_gap(&self, piston: &Piston) -> f64 {
+        piston.rod_setback() - self.feed_height
+    }
+
+    /// y_pbp, piston travel at which the tip of the nail, its head at the rod's end, touches the wood \[m\].
+    pub fn tip_gap(&self, piston: &Piston) -> f64 {
+        piston.rod_setback() - self.length
+    }
+
     /// M_n, mass of the shank, which the head's thickness shortens, and the head \[kg\].
     pub fn mass(&self) -> f64 {
         let shank = disc(self.diameter) * (self.length - self.head_thickness);

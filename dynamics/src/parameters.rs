@@ -104,6 +104,9 @@ group! {
         bore: f64 = positive(LENGTH), "d_c";
         /// Diameter of the driver rod.
         rod_diameter: f64 = positive(LENGTH), "d_r";
+        /// Length of the rod that stands out of the nose's face when the piston touches the bumper; negative where the
+        /// rod ends inside the nose.
+        rod_protrusion: f64 = any(LENGTH), "";
     }
     groups {
         friction: Friction,
@@ -159,11 +162,11 @@ group! {
         /// Piston travel that uncovers the check-ring holes.
         check_hole_position: f64 = positive(LENGTH), "y_rh";
         /// Area of the open holes at the cylinder's foot to the return volume.
-        return_hole_area: f64 = nonnegative(AREA), "A_2r";
+        return_hole_area: f64 = positive(AREA), "A_2r";
         /// Area of the leak past the rod, from below the piston to the atmosphere.
         leak_area: f64 = nonnegative(AREA), "A_lk2";
         /// Discharge coefficient of all holes, those of the exhaust included.
-        discharge_coefficient: f64 = fraction(), "C_d";
+        discharge_coefficient: f64 = fraction().within(0.01, 1.0), "C_d";
         /// Heat transfer between gas and walls.
         wall_heat_transfer: f64 = nonnegative(HEAT_TRANSFER), "h_w";
         /// Wall of the volume above the piston, without the cylinder's bore.
@@ -183,7 +186,7 @@ group! {
     /// Exhaust holes behind the head valve; A_ma = n pi d^2/4.
     Exhaust {
         /// Number of holes.
-        holes: u32 = Kind::Count, "n";
+        holes: u32 = Kind::Count(10_000), "n";
         /// Diameter of one hole.
         hole_diameter: f64 = positive(LENGTH), "d";
         /// Part of the jets' thrust that acts on the tool along the driving direction, positive towards the wood.
@@ -218,10 +221,11 @@ group! {
         head_thickness: f64 = positive(LENGTH), "t_h";
         /// Density of the steel.
         density: f64 = positive(DENSITY), "rho_n";
-        /// Piston travel at which the rod strikes the nail's head.
-        head_gap: f64 = positive(LENGTH), "y_pbin";
-        /// Piston travel at which the nail's tip touches the wood.
-        tip_gap: f64 = positive(LENGTH), "y_pbp";
+        /// Height of the waiting nail's head above the nose's face. The feed of a coil nailer guides the heads, so that
+        /// nails of every length wait with their heads at this height.
+        feed_height: f64 = positive(LENGTH), "";
+        /// Depth of the head below the wood's surface from which a nail counts as overdriven.
+        overdrive_limit: f64 = positive(LENGTH), "";
         /// Friction of magazine and guide on the nail while the rod drives it.
         magazine_friction: f64 = nonnegative(FORCE), "";
     }
@@ -237,15 +241,15 @@ group! {
         /// Law of penetration resistance.
         penetration_law: ResistanceLaw = ResistanceLaw::KIND, "F_r";
         /// Coefficient of the speed term of the solid-wood law, at its reference speed.
-        speed_term: f64 = any(VELOCITY_SQUARED), "C8 v_ref^2";
+        speed_term: f64 = any(VELOCITY_SQUARED).within(-1e5, 1e5), "C8 v_ref^2";
         /// Coefficient of the slenderness term D/l_n of the solid-wood law.
-        slenderness_term: f64 = any(NUMBER), "C9";
+        slenderness_term: f64 = any(NUMBER).within(-100.0, 100.0), "C9";
         /// Force of the constant law; unused with the others.
         penetration_force: f64 = nonnegative(FORCE), "";
         /// Multiplier on the penetration law.
-        resistance_scale: f64 = nonnegative(NUMBER), "Fr_scale";
+        resistance_scale: f64 = nonnegative(NUMBER).within(0.0, 1e3), "Fr_scale";
         /// Multiplier on the stiffness under the nail's head, k_w = scale H_M.
-        head_stiffness_scale: f64 = nonnegative(NUMBER), "kw_scale";
+        head_stiffness_scale: f64 = positive(NUMBER).within(1e-3, 1e3), "kw_scale";
         /// Unloading stiffness of the seated nail.
         unloading_stiffness: f64 = positive(STIFFNESS), "k_u";
     }
@@ -279,11 +283,11 @@ group! {
         /// Stiffness of the head valve on the cylinder's seat.
         seat_stiffness: f64 = positive(STIFFNESS), "k_hc2";
         /// Damping ratio of both head-valve contacts, on the valve's mass.
-        valve_damping_ratio: f64 = nonnegative(NUMBER), "zeta_hc";
+        valve_damping_ratio: f64 = nonnegative(NUMBER).within(0.0, 10.0), "zeta_hc";
         /// Stiffness of the nose on the wood.
         nose_stiffness: f64 = positive(STIFFNESS), "k_wsn";
         /// Damping ratio of the nose contact, on the tool's mass.
-        nose_damping_ratio: f64 = nonnegative(NUMBER), "zeta_wsn";
+        nose_damping_ratio: f64 = nonnegative(NUMBER).within(0.0, 10.0), "zeta_wsn";
         /// Stiffness of the guard's spring.
         guard_stiffness: f64 = positive(STIFFNESS), "k_sg";
         /// Guard travel: rise of the tool off the wood at which the trigger valve is released.
@@ -317,13 +321,13 @@ group! {
     /// Surrounding air and gravity.
     Ambient {
         /// Absolute pressure.
-        pressure: f64 = positive(PRESSURE), "P_a";
+        pressure: f64 = positive(PRESSURE).within(1e4, 1e6), "P_a";
         /// Temperature.
         temperature: f64 = positive(TEMPERATURE), "T_a";
         /// Specific gas constant of air.
         gas_constant: f64 = positive(GAS_CONSTANT), "R";
         /// Ratio of specific heats.
-        heat_capacity_ratio: f64 = positive(NUMBER), "gamma";
+        heat_capacity_ratio: f64 = positive(NUMBER).within(1.01, 1.7), "gamma";
         /// Dynamic viscosity.
         viscosity: f64 = positive(VISCOSITY), "mu";
         /// Acceleration of gravity.
@@ -363,17 +367,17 @@ group! {
         /// Supply hose: refills the supply side, or is absent.
         refill: Form = Form::KIND, "refill";
         /// Polytropic exponent of the published gas law.
-        polytropic: f64 = positive(NUMBER), "alpha";
+        polytropic: f64 = positive(NUMBER).within(0.5, 2.0), "alpha";
         /// Exponent of inflow in the published gas law.
-        polytropic_inflow: f64 = positive(NUMBER), "alpha_in";
+        polytropic_inflow: f64 = positive(NUMBER).within(0.5, 2.0), "alpha_in";
         /// Exponent of outflow in the published gas law.
-        polytropic_outflow: f64 = positive(NUMBER), "alpha_out";
+        polytropic_outflow: f64 = positive(NUMBER).within(0.5, 2.0), "alpha_out";
         /// Velocity over which friction turns its sign.
-        friction_velocity: f64 = positive(VELOCITY), "v_0";
+        friction_velocity: f64 = positive(VELOCITY).within(1e-6, 1.0), "v_0";
         /// Velocity over which friction falls from static to sliding.
-        stribeck_velocity: f64 = positive(VELOCITY), "v_st";
+        stribeck_velocity: f64 = positive(VELOCITY).within(1e-6, 1.0), "v_st";
         /// Relative pressure difference below which an orifice is linearised.
-        orifice_linear: f64 = positive(NUMBER), "1 - P_d/P_u";
+        orifice_linear: f64 = positive(NUMBER).within(1e-6, 0.1), "1 - P_d/P_u";
     }
 }
 

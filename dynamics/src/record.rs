@@ -250,10 +250,12 @@ impl Events {
 pub enum Outcome {
     /// The nail is driven and the piston stops on the wood.
     Drives,
-    /// The piston strikes the bumper before it stops on the wood.
+    /// The piston strikes the bumper before it stops on the wood, and the head does not end too deep.
     StrikesBumper,
     /// The piston stops before the nail has reached its full depth.
     Underdriven,
+    /// The head of the nail ends deeper below the surface than the design allows.
+    Overdriven,
     /// The head valve does not open the intake.
     DoesNotOpen,
     /// The tool does not rise far enough to release the trigger valve.
@@ -273,6 +275,8 @@ pub struct Summary {
     pub full_penetration: Option<f64>,
     /// Deepest nail tip depth z_max \[m\].
     pub penetration: f64,
+    /// Depth of the nail's head below the surface, z_max - l_n \[m\]; negative where it stands out.
+    pub head_depth: f64,
     /// Largest penetration resistance \[N\].
     pub peak_penetration_force: f64,
     /// Largest cap force \[N\].

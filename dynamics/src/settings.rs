@@ -82,7 +82,7 @@ impl Settings {
             Some((name, value, _, rule)) => Err(CycleError::Value {
                 name: name.to_owned(),
                 value,
-                rule,
+                rule: rule.into(),
             }),
             None => Ok(()),
         }

@@ -36,34 +36,43 @@ impl ModalCost {
     /// [`MeshError`] of the quadrature, never for a valid mesh.
     pub fn estimate(mesh: &Mesh, materials: &[Material], quality: &Quality, hz: f64) -> Result<Self, MeshError> {
         let (volumes, thicknesses) = (mesh.part_volumes()?, wall_thicknesses(mesh)?);
-        let omega = TAU * hz;
-        let n = 3.0 * mesh.nodes.len() as f64;
-        let of_part = |((volume, thickness), material): ((&f64, &f64), &Material)| {
-            let c = |k: usize| (material.stiffness()[(k, k)] / material.density()).sqrt();
-            let sum: f64 = (0..3)
-                .map(|k| c(k).powi(-3) / 3.0 + 2.0 * c(k + 3).powi(-3) / 3.0)
-                .sum();
-            let solid = volume * omega.powi(3) / (6.0 * PI * PI) * sum;
-            let plate = volume / thickness * omega * 12f64.sqrt() / (2.0 * TAU * plate_speed(c(5)) * thickness);
-            solid.max(CLAMPED_SHARE * plate)
-        };
         let parts = volumes.iter().zip(&thicknesses).zip(materials);
+        let of_part = |((&volume, &thickness), material)| modes_below(material, volume, thickness, hz);
         let modes = 6.0 + parts.map(of_part).sum::<f64>();
         let thin = quality.skin_area * quality.longest_edge > 3.0 * quality.volume;
         let sectors = 1 << mirror_planes(mesh, materials);
+        Ok(Self::of(3.0 * mesh.nodes.len() as f64, modes, sectors, thin))
+    }
+
+    /// The cost of this number of `modes` with `n` degrees of freedom in `sectors` independent problems; `thin` for bodies
+    /// of thin walls. Formulas as in [`estimate`](Self::estimate).
+    pub fn of(n: f64, modes: f64, sectors: u32, thin: bool) -> Self {
         let parallel = f64::from(sectors);
         let m = n / parallel;
         let factor = 28.0 * if thin { m * m.log2() } else { m.powf(4.0 / 3.0) };
         let vectors = 4.0 * modes / parallel + 64.0;
         let operations = 6.0 * factor * factor / m + 4.0 * factor * vectors + 4.0 * m * vectors * vectors;
-        Ok(Self {
+        Self {
             dofs: n as usize,
             modes,
             sectors: sectors as usize,
             gigabytes: (8.0 * parallel * (factor + m * vectors) + 8.0 * factor + SPARSE * n) / 1e9,
             cpu_seconds: parallel * operations / RATE,
-        })
+        }
     }
+}
+
+/// Number of elastic modes below `hz` of a solid with this volume \[m3\] and thickness of its walls \[m\], by the leading
+/// terms that [`ModalCost::estimate`] names.
+pub fn modes_below(material: &Material, volume: f64, thickness: f64, hz: f64) -> f64 {
+    let omega = TAU * hz;
+    let c = |k: usize| (material.stiffness()[(k, k)] / material.density()).sqrt();
+    let sum: f64 = (0..3)
+        .map(|k| c(k).powi(-3) / 3.0 + 2.0 * c(k + 3).powi(-3) / 3.0)
+        .sum();
+    let solid = volume * omega.powi(3) / (6.0 * PI * PI) * sum;
+    let plate = volume / thickness * omega * 12f64.sqrt() / (2.0 * TAU * plate_speed(c(5)) * thickness);
+    solid.max(CLAMPED_SHARE * plate)
 }
 
 /// Longitudinal speed of a plate for a shear speed, c_P = sqrt(2/(1 - nu)) c_S with nu = 0.3.

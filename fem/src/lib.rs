@@ -37,7 +37,7 @@ pub use assembly::{Equations, System, assemble, assemble_with};
 pub use assurance::{Correlation, ModePair, correlate};
 pub use attachments::{Attachments, Coupling, GroundSpring, LumpedMass, Place, Tie};
 pub use constraints::Constraints;
-pub use cost::{ModalCost, ShortestWave, wall_thicknesses};
+pub use cost::{ModalCost, ShortestWave, modes_below, wall_thicknesses};
 pub use error::FemError;
 pub use load_vector::{LoadVector, Rectangle};
 pub use material::{Material, Orthotropic};

@@ -1,7 +1,7 @@
 //! Linear elastic materials: isotropic and orthotropic with oriented axes.
 
-use nailnoise_quantities::dimension::{NUMBER, PRESSURE};
-use nailnoise_quantities::{any, group, positive};
+use nailnoise_quantities::dimension::NUMBER;
+use nailnoise_quantities::{any, group, modulus};
 use nalgebra::{Matrix3, Matrix6, Matrix6x3, Vector3};
 
 use crate::FemError;
@@ -10,23 +10,23 @@ group! {
     /// An orthotropic solid: axis 1 along the grain, 2 and 3 across it.
     Orthotropic {
         /// Young's modulus along axis 1.
-        e1: f64 = positive(PRESSURE), "E_1";
+        e1: f64 = modulus(), "E_1";
         /// Young's modulus along axis 2.
-        e2: f64 = positive(PRESSURE), "E_2";
+        e2: f64 = modulus(), "E_2";
         /// Young's modulus along axis 3.
-        e3: f64 = positive(PRESSURE), "E_3";
+        e3: f64 = modulus(), "E_3";
         /// Shear modulus in the plane of axes 1 and 2.
-        g12: f64 = positive(PRESSURE), "G_12";
+        g12: f64 = modulus(), "G_12";
         /// Shear modulus in the plane of axes 1 and 3.
-        g13: f64 = positive(PRESSURE), "G_13";
+        g13: f64 = modulus(), "G_13";
         /// Shear modulus in the plane of axes 2 and 3.
-        g23: f64 = positive(PRESSURE), "G_23";
+        g23: f64 = modulus(), "G_23";
         /// Contraction along axis 2 for a pull along axis 1.
-        nu12: f64 = any(NUMBER), "nu_12";
+        nu12: f64 = any(NUMBER).within(-10.0, 10.0), "nu_12";
         /// Contraction along axis 3 for a pull along axis 1.
-        nu13: f64 = any(NUMBER), "nu_13";
+        nu13: f64 = any(NUMBER).within(-10.0, 10.0), "nu_13";
         /// Contraction along axis 3 for a pull along axis 2.
-        nu23: f64 = any(NUMBER), "nu_23";
+        nu23: f64 = any(NUMBER).within(-10.0, 10.0), "nu_23";
     }
 }
 

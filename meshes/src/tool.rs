@@ -20,57 +20,57 @@ group! {
     /// from the nose's tip, the handle along +x.
     ToolDimensions {
         /// Outer radius of the barrel.
-        barrel_radius: f64 = positive(LENGTH), "";
+        barrel_radius: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Wall of the barrel, its floor and its roof.
-        barrel_wall: f64 = positive(LENGTH), "";
+        barrel_wall: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Height of the barrel.
-        barrel_height: f64 = positive(LENGTH), "";
+        barrel_height: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Outer radius of the cap on the barrel.
-        cap_radius: f64 = positive(LENGTH), "";
+        cap_radius: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Wall of the cap, closed on both sides.
-        cap_wall: f64 = positive(LENGTH), "";
+        cap_wall: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Height of the cap.
-        cap_height: f64 = positive(LENGTH), "";
+        cap_height: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Length of the handle.
-        handle_length: f64 = positive(LENGTH), "";
+        handle_length: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Outer radius of the handle.
-        handle_radius: f64 = positive(LENGTH), "";
+        handle_radius: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Wall of the handle's tube and its outer end.
-        handle_wall: f64 = positive(LENGTH), "";
+        handle_wall: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Height of the handle's axis over the nose's tip.
-        handle_level: f64 = positive(LENGTH), "";
+        handle_level: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Outer radius of the magazine.
-        magazine_radius: f64 = positive(LENGTH), "";
+        magazine_radius: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Wall of the magazine, closed on both sides.
-        magazine_wall: f64 = positive(LENGTH), "";
+        magazine_wall: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Height (axial length) of the magazine.
-        magazine_height: f64 = positive(LENGTH), "";
+        magazine_height: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Distance of the magazine's axis, which lies along y, from that of the barrel.
-        magazine_offset: f64 = positive(LENGTH), "";
+        magazine_offset: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Height of the magazine's axis, and of the arm that joins it to the nose, over the nose's tip.
-        magazine_level: f64 = positive(LENGTH), "";
+        magazine_level: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Depth of the arm, along y.
-        arm_depth: f64 = positive(LENGTH), "";
+        arm_depth: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Height of the arm.
-        arm_height: f64 = positive(LENGTH), "";
+        arm_height: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Distance to which the arm reaches into the magazine, from the barrel's axis.
-        arm_reach: f64 = positive(LENGTH), "";
+        arm_reach: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Width of the steel nose.
-        nose_width: f64 = positive(LENGTH), "";
+        nose_width: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Depth of the steel nose.
-        nose_depth: f64 = positive(LENGTH), "";
+        nose_depth: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Height of the steel nose.
-        nose_height: f64 = positive(LENGTH), "";
+        nose_height: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Wall of the nose, which is open below.
-        nose_wall: f64 = positive(LENGTH), "";
+        nose_wall: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Length of the nose that sits in the barrel's floor, above its height.
-        nose_overlap: f64 = positive(LENGTH), "";
+        nose_overlap: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Wall of the cylinder sleeve, whose inner radius is half the piston's bore.
-        sleeve_wall: f64 = positive(LENGTH), "";
+        sleeve_wall: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Height of the sleeve, which stands on the barrel's floor.
-        sleeve_height: f64 = positive(LENGTH), "";
+        sleeve_height: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Length of the sleeve's upper end that a fit holds in the barrel; 0 when the sleeve stands free.
-        sleeve_fit: f64 = nonnegative(LENGTH), "";
+        sleeve_fit: f64 = nonnegative(LENGTH).within(0.0, 2.0), "";
     }
 }
 

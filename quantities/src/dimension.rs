@@ -50,6 +50,13 @@ impl Dimension {
             .map_or_else(|| self.base_units(), |named| named.examples.to_owned())
     }
 
+    /// Smallest and largest magnitude, in SI units, of a quantity of this dimension in a machine that a hand holds, its
+    /// surroundings and its test stand; every magnitude for a dimension without a name.
+    pub fn magnitudes(self) -> [f64; 2] {
+        self.named()
+            .map_or([f64::MIN_POSITIVE, f64::MAX], |named| named.magnitudes)
+    }
+
     /// Factor and unit in which a person reads a value of this dimension.
     pub fn readable(self) -> (f64, String) {
         match self {
@@ -99,41 +106,48 @@ struct Named {
     name: &'static str,
     unit: &'static str,
     examples: &'static str,
+    magnitudes: [f64; 2],
 }
 
 macro_rules! dimensions {
-    ($($constant:ident = [$($exponent:literal),+] $name:literal, $unit:literal, $examples:literal;)+) => {
+    ($($constant:ident = [$($exponent:literal),+] $name:literal, $unit:literal, $examples:literal, $least:literal, $most:literal;)+) => {
         $(#[doc = concat!("Dimension of ", $name, ", in SI `", $unit, "`.")]
         pub const $constant: Dimension = Dimension::new($($exponent),+);)+
-        const NAMED: &[Named] = &[$(Named { dimension: $constant, name: $name, unit: $unit, examples: $examples }),+];
+        const NAMED: &[Named] = &[$(Named {
+            dimension: $constant,
+            name: $name,
+            unit: $unit,
+            examples: $examples,
+            magnitudes: [$least, $most],
+        }),+];
     };
 }
 
 dimensions! {
-    NUMBER = [0, 0, 0, 0, 0] "a plain number", "", "none, or %";
-    LENGTH = [1, 0, 0, 0, 0] "a length", "m", "m, mm, in";
-    AREA = [2, 0, 0, 0, 0] "an area", "m2", "m2, cm2, mm2";
-    VOLUME = [3, 0, 0, 0, 0] "a volume", "m3", "m3, l, cm3";
-    MASS = [0, 1, 0, 0, 0] "a mass", "kg", "kg, g, lb";
-    TIME = [0, 0, 1, 0, 0] "a time", "s", "s, ms, us";
-    FREQUENCY = [0, 0, -1, 0, 0] "a frequency", "Hz", "Hz, kHz";
-    TEMPERATURE = [0, 0, 0, 1, 0] "a temperature", "K", "K, degC";
-    ANGLE = [0, 0, 0, 0, 1] "an angle", "rad", "rad, deg";
-    VELOCITY = [1, 0, -1, 0, 0] "a velocity", "m/s", "m/s, mm/s";
-    VELOCITY_SQUARED = [2, 0, -2, 0, 0] "a squared velocity", "m2/s2", "m2/s2, J/kg";
-    ACCELERATION = [1, 0, -2, 0, 0] "an acceleration", "m/s2", "m/s2";
-    FORCE = [1, 1, -2, 0, 0] "a force", "N", "N, kN, lbf";
-    PRESSURE = [-1, 1, -2, 0, 0] "a pressure", "Pa", "Pa, kPa, MPa, GPa, bar, psi";
-    STIFFNESS = [0, 1, -2, 0, 0] "a stiffness", "N/m", "N/m, N/mm, kN/mm";
-    DAMPING = [0, 1, -1, 0, 0] "a damping coefficient", "N s/m", "N s/m, N s/mm";
-    STIFFNESS_PER_AREA = [-2, 1, -2, 0, 0] "a stiffness per area", "N/m3", "N/m3, N/mm3";
-    DENSITY = [-3, 1, 0, 0, 0] "a density", "kg/m3", "kg/m3, g/cm3";
-    HEAT_TRANSFER = [0, 1, -3, -1, 0] "a heat transfer coefficient", "W/(m2 K)", "W/(m2 K)";
-    GAS_CONSTANT = [2, 0, -2, -1, 0] "a specific gas constant", "J/(kg K)", "J/(kg K)";
-    VISCOSITY = [-1, 1, -1, 0, 0] "a dynamic viscosity", "Pa s", "Pa s, mPa s";
-    FLOW_RESISTIVITY = [-3, 1, -1, 0, 0] "a flow resistivity", "Pa s/m2", "Pa s/m2, kPa s/m2";
-    ENERGY = [2, 1, -2, 0, 0] "an energy", "J", "J, mJ";
-    POWER = [2, 1, -3, 0, 0] "a power", "W", "W, mW";
-    FLOW = [3, 0, -1, 0, 0] "a volume flow", "m3/s", "m3/s, l/min";
-    MASS_FLOW = [0, 1, -1, 0, 0] "a mass flow", "kg/s", "kg/s, g/s";
+    NUMBER = [0, 0, 0, 0, 0] "a plain number", "", "none, or %", 1e-15, 1e9;
+    LENGTH = [1, 0, 0, 0, 0] "a length", "m", "m, mm, in", 1e-6, 100.0;
+    AREA = [2, 0, 0, 0, 0] "an area", "m2", "m2, cm2, mm2", 1e-10, 100.0;
+    VOLUME = [3, 0, 0, 0, 0] "a volume", "m3", "m3, l, cm3", 1e-9, 1.0;
+    MASS = [0, 1, 0, 0, 0] "a mass", "kg", "kg, g, lb", 1e-5, 1000.0;
+    TIME = [0, 0, 1, 0, 0] "a time", "s", "s, ms, us", 1e-7, 10.0;
+    FREQUENCY = [0, 0, -1, 0, 0] "a frequency", "Hz", "Hz, kHz", 0.01, 100000.0;
+    TEMPERATURE = [0, 0, 0, 1, 0] "a temperature", "K", "K, degC", 150.0, 500.0;
+    ANGLE = [0, 0, 0, 0, 1] "an angle", "rad", "rad, deg", 0.01, 1.5708;
+    VELOCITY = [1, 0, -1, 0, 0] "a velocity", "m/s", "m/s, mm/s", 1e-6, 1000.0;
+    VELOCITY_SQUARED = [2, 0, -2, 0, 0] "a squared velocity", "m2/s2", "m2/s2, J/kg", 1e-6, 1e6;
+    ACCELERATION = [1, 0, -2, 0, 0] "an acceleration", "m/s2", "m/s2", 0.001, 100.0;
+    FORCE = [1, 1, -2, 0, 0] "a force", "N", "N, kN, lbf", 0.001, 100000.0;
+    PRESSURE = [-1, 1, -2, 0, 0] "a pressure", "Pa", "Pa, kPa, MPa, GPa, bar, psi", 1.0, 1e13;
+    STIFFNESS = [0, 1, -2, 0, 0] "a stiffness", "N/m", "N/m, N/mm, kN/mm", 1.0, 1e13;
+    DAMPING = [0, 1, -1, 0, 0] "a damping coefficient", "N s/m", "N s/m, N s/mm", 0.001, 1e7;
+    STIFFNESS_PER_AREA = [-2, 1, -2, 0, 0] "a stiffness per area", "N/m3", "N/m3, N/mm3", 1.0, 1e14;
+    DENSITY = [-3, 1, 0, 0, 0] "a density", "kg/m3", "kg/m3, g/cm3", 1.0, 30000.0;
+    HEAT_TRANSFER = [0, 1, -3, -1, 0] "a heat transfer coefficient", "W/(m2 K)", "W/(m2 K)", 0.001, 100000.0;
+    GAS_CONSTANT = [2, 0, -2, -1, 0] "a specific gas constant", "J/(kg K)", "J/(kg K)", 50.0, 5000.0;
+    VISCOSITY = [-1, 1, -1, 0, 0] "a dynamic viscosity", "Pa s", "Pa s, mPa s", 1e-6, 0.01;
+    FLOW_RESISTIVITY = [-3, 1, -1, 0, 0] "a flow resistivity", "Pa s/m2", "Pa s/m2, kPa s/m2", 10.0, 1e9;
+    ENERGY = [2, 1, -2, 0, 0] "an energy", "J", "J, mJ", 1e-9, 1e6;
+    POWER = [2, 1, -3, 0, 0] "a power", "W", "W, mW", 1e-9, 1e6;
+    FLOW = [3, 0, -1, 0, 0] "a volume flow", "m3/s", "m3/s, l/min", 1e-9, 10.0;
+    MASS_FLOW = [0, 1, -1, 0, 0] "a mass flow", "kg/s", "kg/s, g/s", 1e-9, 10.0;
 }

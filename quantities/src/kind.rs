@@ -1,8 +1,8 @@
-//! What a key holds, and the limits of its value.
+//! What a key holds, and the domain of its value.
 
 use crate::dimension::{Dimension, NUMBER, PRESSURE};
 
-/// The limits that hold for a key in every design, apart from the range that a design gives it.
+/// Which part of the number line the values of a quantity lie on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sign {
     /// Any finite number.
@@ -17,30 +17,6 @@ pub enum Sign {
     Component,
 }
 
-impl Sign {
-    /// Whether `value` keeps the limit.
-    pub fn allows(self, value: f64) -> bool {
-        match self {
-            Self::Any => value.is_finite(),
-            Self::NonNegative => value.is_finite() && value >= 0.0,
-            Self::Positive => value.is_finite() && value > 0.0,
-            Self::Fraction => (0.0..=1.0).contains(&value),
-            Self::Component => (-1.0..=1.0).contains(&value),
-        }
-    }
-
-    /// The limit in words: "must be ...".
-    pub fn describe(self) -> &'static str {
-        match self {
-            Self::Any => "any finite number",
-            Self::NonNegative => "zero or above",
-            Self::Positive => "above zero",
-            Self::Fraction => "from 0 to 1",
-            Self::Component => "from -1 to 1",
-        }
-    }
-}
-
 /// What a key holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
@@ -48,13 +24,15 @@ pub enum Kind {
     Quantity {
         /// Its dimension; the unit in the file must have it.
         dimension: Dimension,
-        /// Limits that hold in every design.
+        /// The part of the number line it lies on.
         sign: Sign,
+        /// Its domain in SI units, where that of sign and dimension is too wide.
+        within: Option<[f64; 2]>,
         /// Whether a gauge pressure may be given, to which the ambient pressure is added.
         gauge: bool,
     },
-    /// A whole number above zero.
-    Count,
+    /// A whole number from 1 to this.
+    Count(u32),
     /// `true` or `false`.
     Switch,
     /// One of these words.
@@ -63,56 +41,159 @@ pub enum Kind {
     File,
 }
 
+impl Kind {
+    const fn quantity(dimension: Dimension, sign: Sign) -> Self {
+        Self::Quantity {
+            dimension,
+            sign,
+            within: None,
+            gauge: false,
+        }
+    }
+
+    /// The same quantity with the domain `low` to `high` in SI units.
+    ///
+    /// # Panics
+    /// At compile time, where this is no quantity.
+    #[must_use]
+    pub const fn within(self, low: f64, high: f64) -> Self {
+        let Self::Quantity {
+            dimension, sign, gauge, ..
+        } = self
+        else {
+            panic!("only quantities have a domain")
+        };
+        Self::Quantity {
+            dimension,
+            sign,
+            within: Some([low, high]),
+            gauge,
+        }
+    }
+
+    /// Smallest and largest value that a program of this kind can work with, in SI units: the hard domain of every
+    /// design, apart from the plausible range that a design gives. None for what is neither quantity nor count.
+    pub fn domain(self) -> Option<[f64; 2]> {
+        match self {
+            Self::Quantity {
+                within: Some(domain), ..
+            } => Some(domain),
+            Self::Quantity { dimension, sign, .. } => {
+                let [least, most] = dimension.magnitudes();
+                Some(match sign {
+                    Sign::Any => [-most, most],
+                    Sign::NonNegative => [0.0, most],
+                    Sign::Positive => [least, most],
+                    Sign::Fraction => [0.0, 1.0],
+                    Sign::Component => [-1.0, 1.0],
+                })
+            }
+            Self::Count(most) => Some([1.0, f64::from(most)]),
+            Self::Switch | Self::Choice(_) | Self::File => None,
+        }
+    }
+
+    /// Whether the domain holds `value`, in SI units; never for what is not a finite number.
+    pub fn allows(self, value: f64) -> bool {
+        // Units are converted with a rounding.
+        self.domain().is_some_and(|[low, high]| {
+            let slack = 1e-12 * low.abs().max(high.abs()).min(value.abs());
+            value >= low - slack && value <= high + slack
+        })
+    }
+
+    /// The domain in words, "from 0.001 to 100 m"; empty for what has none.
+    pub fn allowed(self) -> String {
+        let unit = match self {
+            Self::Quantity { dimension, .. } => dimension.unit(),
+            _ => String::new(),
+        };
+        self.domain().map_or_else(String::new, |[low, high]| {
+            format!("from {} to {} {unit}", short(low), short(high))
+                .trim_end()
+                .to_owned()
+        })
+    }
+}
+
+/// A bound of a domain as a person reads it.
+fn short(bound: f64) -> String {
+    if bound == 0.0 || (1e-3..1e6).contains(&bound.abs()) {
+        format!("{bound}")
+    } else {
+        format!("{bound:e}")
+    }
+}
+
 /// A quantity of any sign.
 pub const fn any(dimension: Dimension) -> Kind {
-    Kind::Quantity {
-        dimension,
-        sign: Sign::Any,
-        gauge: false,
-    }
+    Kind::quantity(dimension, Sign::Any)
 }
 
 /// A quantity of zero or above.
 pub const fn nonnegative(dimension: Dimension) -> Kind {
-    Kind::Quantity {
-        dimension,
-        sign: Sign::NonNegative,
-        gauge: false,
-    }
+    Kind::quantity(dimension, Sign::NonNegative)
 }
 
 /// A quantity above zero.
 pub const fn positive(dimension: Dimension) -> Kind {
-    Kind::Quantity {
-        dimension,
-        sign: Sign::Positive,
-        gauge: false,
-    }
+    Kind::quantity(dimension, Sign::Positive)
 }
 
-/// An absolute pressure above zero that may also be given as gauge pressure.
+/// An absolute pressure above zero that may also be given as gauge pressure; up to 10 MPa, beyond any compressor.
 pub const fn gas_pressure() -> Kind {
     Kind::Quantity {
         dimension: PRESSURE,
         sign: Sign::Positive,
+        within: Some([1e3, 1e7]),
         gauge: true,
     }
 }
 
+/// A modulus of elasticity: from that of a soft foam to beyond that of diamond.
+pub const fn modulus() -> Kind {
+    positive(PRESSURE).within(1e4, 2e12)
+}
+
 /// A plain number from 0 to 1.
 pub const fn fraction() -> Kind {
-    Kind::Quantity {
-        dimension: NUMBER,
-        sign: Sign::Fraction,
-        gauge: false,
-    }
+    Kind::quantity(NUMBER, Sign::Fraction)
 }
 
 /// A component of a direction, from -1 to 1.
 pub const fn component() -> Kind {
-    Kind::Quantity {
-        dimension: NUMBER,
-        sign: Sign::Component,
-        gauge: false,
+    Kind::quantity(NUMBER, Sign::Component)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dimension::LENGTH;
+
+    #[test]
+    fn a_domain_follows_from_sign_and_dimension_or_is_given() {
+        let [least, most] = LENGTH.magnitudes();
+        assert_eq!(positive(LENGTH).domain(), Some([least, most]));
+        assert_eq!(nonnegative(LENGTH).domain(), Some([0.0, most]));
+        assert_eq!(any(LENGTH).domain(), Some([-most, most]));
+        assert_eq!(positive(LENGTH).within(0.1, 2.0).domain(), Some([0.1, 2.0]));
+        assert_eq!(Kind::Switch.domain(), None);
+    }
+
+    #[test]
+    fn a_domain_holds_its_ends_and_no_number_that_is_not_finite() {
+        let kind = positive(LENGTH).within(0.1, 2.0);
+        for (value, allowed) in [(0.1, true), (2.0 + 1e-15, true), (0.09, false), (2.1, false)] {
+            assert_eq!(kind.allows(value), allowed, "{value}");
+        }
+        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert!(!any(LENGTH).allows(value), "{value}");
+        }
+    }
+
+    #[test]
+    fn a_domain_is_described_with_its_unit() {
+        assert_eq!(positive(LENGTH).within(1e-6, 100.0).allowed(), "from 1e-6 to 100 m");
+        assert_eq!(Kind::Count(20).allowed(), "from 1 to 20");
     }
 }

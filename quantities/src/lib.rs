@@ -15,7 +15,7 @@ pub use dimension::Dimension;
 pub use group::{Found, Group, members};
 #[doc(hidden)]
 pub use group::{read_key, visit_key};
-pub use kind::{Kind, Sign, any, component, fraction, gas_pressure, nonnegative, positive};
+pub use kind::{Kind, Sign, any, component, fraction, gas_pressure, modulus, nonnegative, positive};
 pub use measure::measure;
 pub use spec::{GroupSpec, KeySpec, MEMBER, dotted};
 pub use text::{Measured, QuantityError, quantity, range};

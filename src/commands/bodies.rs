@@ -8,6 +8,8 @@ use nailnoise_meshes::msh::Imported;
 use nailnoise_quantities::dimension::LENGTH;
 use nailnoise_quantities::measure;
 
+use super::Memory;
+use crate::cost::{self, MemoryLimit};
 use crate::design::inputs::bodies as inputs;
 use crate::design::{Design, Values};
 use crate::error::Error;
@@ -91,6 +93,8 @@ pub(super) struct Input {
     /// Let gmsh mesh the tool body even if a mesh of its dimensions is shipped
     #[arg(long)]
     remesh: bool,
+    #[command(flatten)]
+    memory: Memory,
 }
 
 /// A mesh, with the body of a design that it is, if it is one.
@@ -125,6 +129,7 @@ impl Input {
         if let Some(size) = self.size {
             set_size(&mut design, kind, size);
         }
+        cost::refuse(&design, &[cost::of_body(&design, kind)?], self.memory.limit())?;
         let meshed = inputs::geometry(&design, kind, self.remesh)?.mesh()?;
         Ok(Loaded {
             name: format!("{}: {}", design.name(), kind.name()),
@@ -139,6 +144,11 @@ impl Input {
         (is_design && self.body.is_none())
             .then(|| super::load(&self.path))
             .transpose()
+    }
+
+    /// Memory that the command may use.
+    pub(super) fn memory(&self) -> MemoryLimit {
+        self.memory.limit()
     }
 
     /// The file given.

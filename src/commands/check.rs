@@ -12,7 +12,7 @@ use super::bodies::Input;
 use super::table::table;
 use super::{print, print_json};
 use crate::error::Error;
-use crate::stages::bodies::Meshed;
+use crate::stages::bodies::{Meshed, SIDES_PER_WAVE as FEWEST};
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -65,7 +65,7 @@ struct Group {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     if let Some(design) = arguments.input.whole_design()? {
-        return super::explain::execute(&design, arguments.json);
+        return super::explain::execute(&design, arguments.input.memory(), arguments.json);
     }
     let loaded = arguments.input.load()?;
     let mesh = &loaded.imported.mesh;
@@ -139,9 +139,6 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     }
     Ok(ExitCode::from(if result.faults.is_empty() { 0 } else { 2 }))
 }
-
-/// Fewest quadratic elements in a wave before a frequency is off by more than a percent or so.
-const FEWEST: f64 = 2.0;
 
 fn findings(
     mesh: &Mesh,

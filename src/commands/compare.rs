@@ -6,9 +6,10 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::table::{decibels, table};
-use super::{Keeping, load, print, print_json, progress, start_threads, status_of};
+use super::{Keeping, Memory, load, print, print_json, progress, start_threads, status_of};
 use crate::bundle::deliver;
 use crate::comparison::{Comparison, Finished, Labelled, Levels, Limit};
+use crate::cost::MemoryLimit;
 use crate::error::Error;
 use crate::output;
 use crate::report;
@@ -33,6 +34,8 @@ pub(super) struct Arguments {
     threads: Option<u16>,
     #[command(flatten)]
     keeping: Keeping,
+    #[command(flatten)]
+    memory: Memory,
     /// Show the levels of every one-third-octave band
     #[arg(long)]
     bands: bool,
@@ -48,11 +51,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     start_threads(arguments.threads)?;
     let progress = progress();
     let cache = arguments.keeping.cache()?;
+    let memory = arguments.memory.limit();
     let (mut results, mut checks): (Vec<Finished>, Vec<Check>) = (Vec::new(), Vec::new());
     for path in &arguments.designs {
         let mut result = match Finished::is_at(path) {
             Some(file) => Finished::read(&file)?,
-            None => finish(path, &results, &arguments.out, &cache, &progress, &mut checks)?,
+            None => finish(path, &results, &arguments.out, &cache, memory, &progress, &mut checks)?,
         };
         let name = free_name(result.name(), &results);
         result.rename(name);
@@ -84,13 +88,22 @@ fn finish(
     before: &[Finished],
     out: &Path,
     cache: &Store,
+    memory: MemoryLimit,
     progress: &Progress,
     checks: &mut Vec<Check>,
 ) -> Result<Finished, Error> {
     let design = load(path)?;
     progress.note(&format!("design {}", design.name()));
     let name = free_name(design.name(), before);
-    let (bundle, _) = deliver(&design, &out.join(&name), false, super::run::words, cache, progress)?;
+    let (bundle, _) = deliver(
+        &design,
+        &out.join(&name),
+        false,
+        super::run::words,
+        cache,
+        memory,
+        progress,
+    )?;
     checks.extend(bundle.checks.into_iter().map(|check| check.of(&name)));
     Finished::parse(&out.join(&name), &bundle.json)
 }

@@ -10,6 +10,7 @@ use serde::Serialize;
 use super::table::table;
 use super::{Common, print, print_json, progress, status_of};
 use crate::chain;
+use crate::cost;
 use crate::design::inputs::cycle::{cycle_settings, parameters};
 use crate::error::Error;
 use crate::figures;
@@ -91,6 +92,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let common = &arguments.common;
     common.start_threads()?;
     let design = common.load()?;
+    cost::refuse(&design, &[cost::of_cycle(&design)], common.memory.limit())?;
     if arguments.sensitivity {
         return super::sensitivity::execute(common, &design, &arguments.outputs, &arguments.parameters);
     }
@@ -123,8 +125,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         (None, Some(path)) => format!(", penetration law of {path}"),
         (None, None) => String::new(),
     };
-    progress.stage("writing files");
-    output::write_files(&folder, &output::of_cycle(&record)?)?;
+    // The tables take most of the time of a shot; a program that reads the JSON value asks for them by name.
+    let with_files = !common.json || common.out.is_some() || arguments.figures;
+    if with_files {
+        progress.stage("writing files");
+        output::write_files(&folder, &output::of_cycle(&record)?)?;
+    }
     let figures = if arguments.figures {
         let subject = format!("{}{form}: {}", design.name(), words(&record.outcome));
         figures::write(&folder.join("figures"), &figures::cycle(&subject, &design, &record))?

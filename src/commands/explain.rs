@@ -10,6 +10,7 @@ use super::check::modal_cost;
 use super::table::table;
 use super::{print, print_json};
 use crate::chain;
+use crate::cost::{self, MemoryLimit, StageCost};
 use crate::design::inputs::bodies as inputs;
 use crate::design::{Design, Entry, Provenance, SupportKind};
 use crate::error::Error;
@@ -32,6 +33,8 @@ struct Explanation {
     unknowns: Vec<String>,
     shot: Shot,
     bodies: Vec<BodyPlan>,
+    /// Estimated cost of each stage that is not kept, from the design alone.
+    stages: Vec<StageCost>,
     /// Obstacles to a run, and their remedies.
     obstacles: Vec<String>,
 }
@@ -66,8 +69,10 @@ struct BodyPlan {
     cost: Option<ModalCost>,
 }
 
-pub(super) fn execute(design: &Design, json: bool) -> Result<ExitCode, Error> {
-    let explanation = explain(design)?;
+pub(super) fn execute(design: &Design, memory: MemoryLimit, json: bool) -> Result<ExitCode, Error> {
+    let stages = cost::of_run(design)?;
+    cost::refuse(design, &stages, memory)?;
+    let explanation = explain(design, stages)?;
     if json {
         print_json(&explanation)?;
     } else {
@@ -76,7 +81,7 @@ pub(super) fn execute(design: &Design, json: bool) -> Result<ExitCode, Error> {
     Ok(ExitCode::from(if explanation.obstacles.is_empty() { 0 } else { 2 }))
 }
 
-fn explain(design: &Design) -> Result<Explanation, Error> {
+fn explain(design: &Design, stages: Vec<StageCost>) -> Result<Explanation, Error> {
     let entries = design.entries();
     let mut provenance = BTreeMap::new();
     for entry in &entries {
@@ -128,6 +133,7 @@ fn explain(design: &Design) -> Result<Explanation, Error> {
             exhaust_mass: record.summary.exhaust_mass,
         },
         bodies,
+        stages,
         obstacles,
     })
 }
@@ -222,7 +228,21 @@ fn text(e: &Explanation) -> String {
         .collect();
     let headings = ["body", "mesh", "gmsh", "dofs", "modes, about", "GB", "CPU s"];
     text.push_str(&table(&headings, &rows));
-    text.push_str("  costs apply to modes that are not in the cache\n");
+    let rows: Vec<Vec<String>> = e
+        .stages
+        .iter()
+        .map(|stage| {
+            vec![
+                stage.stage.to_owned(),
+                stage.counted(),
+                format!("{:.2}", stage.gigabytes),
+                format!("{:.0}", stage.cpu_seconds),
+            ]
+        })
+        .collect();
+    text.push_str("\n  cost of each stage, estimated from the design alone within a factor of about two\n\n");
+    text.push_str(&table(&["stage", "counts", "GB", "CPU s"], &rows));
+    text.push_str("  costs apply to what is not in the cache\n");
     if !e.estimates.is_empty() {
         text.push_str("\n  estimates, the least certain first (SI)\n\n");
         let rows: Vec<Vec<String>> = e

@@ -27,6 +27,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::cost::MemoryLimit;
 use crate::design::Design;
 use crate::error::Error;
 use crate::result::Check;
@@ -56,7 +57,8 @@ enum Command {
     Run(run::Arguments),
     /// Compare designs or finished results: the differences and their effect on each source
     Compare(compare::Arguments),
-    /// Compute one nailing cycle: pressures, motions, forces and events
+    /// Compute one nailing cycle: pressures, motions, forces and events; with --json, files are written only with --out or
+    /// --figures
     Cycle(cycle::Arguments),
     /// Compute the vibration modes of a body
     Modes(modes::Arguments),
@@ -88,6 +90,8 @@ struct Common {
     /// Number of threads; results do not depend on it [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    #[command(flatten)]
+    memory: Memory,
 }
 
 impl Common {
@@ -104,6 +108,20 @@ impl Common {
     /// Sets the size of the thread pool of the whole process.
     fn start_threads(&self) -> Result<(), Error> {
         start_threads(self.threads)
+    }
+}
+
+/// Memory that a command may use.
+#[derive(Args)]
+struct Memory {
+    /// Most memory that one stage may need, as 8GB [default: three quarters of what is free]
+    #[arg(long, value_name = "LIMIT")]
+    memory: Option<MemoryLimit>,
+}
+
+impl Memory {
+    fn limit(&self) -> MemoryLimit {
+        self.memory.unwrap_or_default()
     }
 }
 

@@ -13,6 +13,7 @@ use super::bodies::{BodyName, Own, length};
 use super::table::table;
 use super::{Common, Keeping, print, print_json, progress, status_of};
 use crate::chain::BodyStages;
+use crate::cost;
 use crate::design::inputs;
 use crate::error::Error;
 use crate::graph::Graph;
@@ -75,10 +76,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let folder = common.out(&design);
     // A file that cannot be used is found before time is spent.
     let measurement = arguments.mac.as_deref().map(uff::read).transpose()?;
+    let kind = arguments.body.into();
+    cost::refuse(&design, &[cost::of_body(&design, kind)?], common.memory.limit())?;
     let progress = progress();
     progress.stage("modes");
     let cache = arguments.keeping.cache()?;
-    let kind = arguments.body.into();
     let graph = Graph::new(Arc::new(cache), progress.observer());
     let stages = BodyStages::add(&graph, &design, kind, false)?;
     let body = stages.body.get().map_err(|error| inputs::located(&design, error))?;

@@ -41,7 +41,15 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let folder = common.out(&design);
     let cache = arguments.keeping.cache()?;
     let progress = progress();
-    let (bundle, unchanged) = deliver(&design, &folder, arguments.figures, words, &cache, &progress)?;
+    let (bundle, unchanged) = deliver(
+        &design,
+        &folder,
+        arguments.figures,
+        words,
+        &cache,
+        common.memory.limit(),
+        &progress,
+    )?;
     let mut checks = bundle.checks.clone();
     if arguments.fields {
         let graph = Graph::new(Arc::new(cache), progress.observer());

@@ -354,18 +354,18 @@ fn nail(v: &Values) -> Option<Conflict> {
         )
     })
     .or_else(|| {
-        let gap = ("nail.head_gap", v.nail.head_gap);
         at_most(
-            gap,
-            ("nail.tip_gap", v.nail.tip_gap),
-            "the rod reaches the nail before the nail reaches the wood",
+            ("nail.length", length),
+            ("nail.feed_height", v.nail.feed_height),
+            "the nail waits inside the nose",
         )
     })
     .or_else(|| {
         below(
-            ("nail.tip_gap", v.nail.tip_gap),
-            ("piston.stroke", v.piston.stroke),
-            "nothing is driven",
+            ("nail.feed_height", v.nail.feed_height),
+            ("piston.stroke", v.piston.stroke - v.piston.rod_protrusion),
+            "before the shot the rod, whose end stands above the nose's face by the stroke less `piston.rod_protrusion`, \
+             ends above the nail's head",
         )
     })
 }

@@ -72,6 +72,10 @@ derived! {
     "trigger.vent_attenuation" "phi_out" NUMBER "Attenuation of the trigger channel at ambient pressure (Eq. 4.50)."
         ["trigger.channel_length", "trigger.channel_diameter"]
         |v| v.trigger.attenuation(v.ambient.pressure, &v.ambient);
+    "nail.gap_to_rod" "y_pbin" LENGTH "Piston travel at which the rod strikes the nail's head."
+        ["piston.stroke", "piston.rod_protrusion", "nail.feed_height"] |v| v.nail.head_gap(&v.piston);
+    "nail.gap_to_wood" "y_pbp" LENGTH "Piston travel at which the nail's tip touches the wood."
+        ["piston.stroke", "piston.rod_protrusion", "nail.length"] |v| v.nail.tip_gap(&v.piston);
     "nail.mass" "M_n" MASS "Mass of the nail."
         ["nail.length", "nail.diameter", "nail.head_diameter", "nail.head_thickness", "nail.density"]
         |v| v.nail.mass();

@@ -74,6 +74,16 @@ pub enum DesignError {
         /// Where.
         at: Box<Place>,
     },
+    /// A key of an earlier version.
+    #[error("`{key}` is no longer a key")]
+    Replaced {
+        /// Its full name.
+        key: String,
+        /// The keys in its place, in words.
+        successors: &'static str,
+        /// Where.
+        at: Box<Place>,
+    },
     /// A group that no design has.
     #[error("unknown group `[{group}]`")]
     UnknownGroup {
@@ -172,7 +182,7 @@ pub enum DesignError {
         /// What stands there.
         found: String,
         /// The limit in words.
-        allowed: &'static str,
+        allowed: String,
         /// Where.
         at: Box<Place>,
     },
@@ -256,6 +266,20 @@ pub enum DesignError {
         /// The key to look at; none for a sensor that no file gives.
         at: Option<Box<Place>>,
     },
+    /// A stage that needs more memory than allowed.
+    #[error("the {stage} would need {needs}; {allowed}")]
+    TooCostly {
+        /// Name of the stage.
+        stage: &'static str,
+        /// What it needs, in words.
+        needs: String,
+        /// What is allowed, in words.
+        allowed: String,
+        /// The keys that change it most, and what to do with each.
+        keys: &'static [(&'static str, &'static str)],
+        /// The key of these that was set last.
+        at: Option<Box<Place>>,
+    },
     /// A spring that is not on its body.
     #[error("the spring `{name}` at ({}, {}, {}) is {} outside the {}", show(point[0], LENGTH), show(point[1], LENGTH),
         show(point[2], LENGTH), show(*distance, LENGTH), body.as_str())]
@@ -315,10 +339,12 @@ impl DesignError {
             Self::NotFound { at, .. }
             | Self::Unreadable { at, .. }
             | Self::Sensor { at, .. }
+            | Self::TooCostly { at, .. }
             | Self::Spring { at, .. } => at.as_deref(),
             Self::Syntax { at, .. }
             | Self::InheritanceLoop { at, .. }
             | Self::UnknownKey { at, .. }
+            | Self::Replaced { at, .. }
             | Self::UnknownGroup { at, .. }
             | Self::BadName { at, .. }
             | Self::WrongKind { at, .. }
@@ -364,9 +390,15 @@ impl DesignError {
             }
             Self::InheritanceLoop { .. } => "remove `base` from one of these files".to_owned(),
             Self::UnknownKey { nearest, known, .. } => meant(nearest.as_deref(), known, "the keys here are"),
+            Self::Replaced { successors, .. } => format!("give {successors}"),
             Self::UnknownGroup { nearest, known, .. } => meant(nearest.as_deref(), known, "the groups here are"),
             Self::BadName { .. } => "use letters, digits, `_` and `-` alone: [sensors.block_top]".to_owned(),
             Self::Sensor { problem, .. } => problem.remedy(),
+            Self::TooCostly { keys, .. } => {
+                let remedy = |(key, what): &(&str, &str)| format!("{what} `{key}`");
+                let remedies: Vec<String> = keys.iter().map(remedy).collect();
+                format!("{}, or allow more with --memory", remedies.join(" or "))
+            }
             Self::Spring { .. } => {
                 "move x, y and z onto the body; the origin is the centre of the workpiece's underside, \
                                     z up"
@@ -390,7 +422,7 @@ impl DesignError {
             Self::WrongUnit { key, expected, .. } => format!("give `{key}` in one of {}", expected.examples()),
             Self::Gauge { key, .. } => format!("give `{key}` as absolute pressure: kPa, bar, psi"),
             Self::NotFinite { key, .. } => format!("give `{key}` a finite number"),
-            Self::OutsideLimits { key, allowed, .. } => format!("give `{key}` a value that is {allowed}"),
+            Self::OutsideLimits { key, allowed, .. } => format!("give `{key}` a value {allowed}"),
             Self::BadRange { key, .. } => format!("write the lower end of the range of `{key}` first"),
             Self::BadProvenance { .. } => "begin with published, computed, estimated, decided, numerical, constant or \
                 design; the source may follow a colon: \"published: thesis Table 4-3\""
@@ -430,9 +462,11 @@ impl DesignError {
             Self::Syntax { .. } => "here",
             Self::InheritanceLoop { .. } => "closes the loop",
             Self::UnknownKey { .. } => "unknown key",
+            Self::Replaced { .. } => "replaced",
             Self::UnknownGroup { .. } => "unknown group",
             Self::BadName { .. } => "no name",
             Self::Sensor { .. } => "of this sensor",
+            Self::TooCostly { .. } => "too costly",
             Self::Spring { .. } => "of this spring",
             Self::WrongKind { .. } => "wrong type",
             Self::BadNumber { .. } => "not a number with a unit",
@@ -458,9 +492,11 @@ impl DesignError {
             Self::Syntax { .. } => "syntax",
             Self::InheritanceLoop { .. } => "inheritance_loop",
             Self::UnknownKey { .. } => "unknown_key",
+            Self::Replaced { .. } => "replaced",
             Self::UnknownGroup { .. } => "unknown_group",
             Self::BadName { .. } => "bad_name",
             Self::Sensor { .. } => "sensor",
+            Self::TooCostly { .. } => "too_costly",
             Self::Spring { .. } => "spring",
             Self::WrongKind { .. } => "wrong_kind",
             Self::BadNumber { .. } => "bad_number",

@@ -10,7 +10,7 @@ pub use nailnoise_dynamics::{
 };
 pub use nailnoise_fem::Orthotropic;
 use nailnoise_quantities::dimension::*;
-use nailnoise_quantities::{Kind, any, choice, fraction, group, nonnegative, positive};
+use nailnoise_quantities::{Kind, any, choice, fraction, group, modulus, nonnegative, positive};
 
 use super::sensors::Sensor;
 use super::springs::Spring;
@@ -69,7 +69,7 @@ group! {
         /// Length of the holes with their end corrections.
         neck_length: f64 = positive(LENGTH), "L'";
         /// Quality factor of the resonance.
-        quality: f64 = positive(NUMBER), "Q";
+        quality: f64 = positive(NUMBER).within(0.01, 1e3), "Q";
     }
 }
 
@@ -114,23 +114,23 @@ group! {
     /// Measured insertion loss in dB by octave bands, the muffler's own flow noise included (ISO 11820, ISO 7235).
     Octaves {
         /// 63 Hz octave.
-        hz_63: f64 = any(NUMBER), "D_i";
+        hz_63: f64 = any(NUMBER).within(-100.0, 100.0), "D_i";
         /// 125 Hz octave.
-        hz_125: f64 = any(NUMBER), "D_i";
+        hz_125: f64 = any(NUMBER).within(-100.0, 100.0), "D_i";
         /// 250 Hz octave.
-        hz_250: f64 = any(NUMBER), "D_i";
+        hz_250: f64 = any(NUMBER).within(-100.0, 100.0), "D_i";
         /// 500 Hz octave.
-        hz_500: f64 = any(NUMBER), "D_i";
+        hz_500: f64 = any(NUMBER).within(-100.0, 100.0), "D_i";
         /// 1 kHz octave.
-        hz_1000: f64 = any(NUMBER), "D_i";
+        hz_1000: f64 = any(NUMBER).within(-100.0, 100.0), "D_i";
         /// 2 kHz octave.
-        hz_2000: f64 = any(NUMBER), "D_i";
+        hz_2000: f64 = any(NUMBER).within(-100.0, 100.0), "D_i";
         /// 4 kHz octave.
-        hz_4000: f64 = any(NUMBER), "D_i";
+        hz_4000: f64 = any(NUMBER).within(-100.0, 100.0), "D_i";
         /// 8 kHz octave.
-        hz_8000: f64 = any(NUMBER), "D_i";
+        hz_8000: f64 = any(NUMBER).within(-100.0, 100.0), "D_i";
         /// 16 kHz octave.
-        hz_16000: f64 = any(NUMBER), "D_i";
+        hz_16000: f64 = any(NUMBER).within(-100.0, 100.0), "D_i";
     }
 }
 
@@ -175,23 +175,23 @@ group! {
     /// Elastic constants of wood: L along the grain, R radial, T tangential to the growth rings.
     Grain {
         /// Young's modulus along the grain.
-        e_l: f64 = positive(PRESSURE), "E_L";
+        e_l: f64 = modulus(), "E_L";
         /// Young's modulus in radial direction.
-        e_r: f64 = positive(PRESSURE), "E_R";
+        e_r: f64 = modulus(), "E_R";
         /// Young's modulus in tangential direction.
-        e_t: f64 = positive(PRESSURE), "E_T";
+        e_t: f64 = modulus(), "E_T";
         /// Shear modulus in the longitudinal-radial plane.
-        g_lr: f64 = positive(PRESSURE), "G_LR";
+        g_lr: f64 = modulus(), "G_LR";
         /// Shear modulus in the longitudinal-tangential plane.
-        g_lt: f64 = positive(PRESSURE), "G_LT";
+        g_lt: f64 = modulus(), "G_LT";
         /// Rolling shear modulus, in the radial-tangential plane.
-        g_rt: f64 = positive(PRESSURE), "G_RT";
+        g_rt: f64 = modulus(), "G_RT";
         /// Radial contraction for a pull along the grain.
-        nu_lr: f64 = any(NUMBER), "nu_LR";
+        nu_lr: f64 = any(NUMBER).within(-10.0, 10.0), "nu_LR";
         /// Tangential contraction for a pull along the grain.
-        nu_lt: f64 = any(NUMBER), "nu_LT";
+        nu_lt: f64 = any(NUMBER).within(-10.0, 10.0), "nu_LT";
         /// Tangential contraction for a radial pull.
-        nu_rt: f64 = any(NUMBER), "nu_RT";
+        nu_rt: f64 = any(NUMBER).within(-10.0, 10.0), "nu_RT";
     }
 }
 
@@ -302,7 +302,7 @@ group! {
         /// Stiffness under the block in the cycle model, where the table is one spring.
         stiffness: f64 = positive(STIFFNESS), "k_ws";
         /// Damping ratio of that spring, on the workpiece's mass.
-        damping_ratio: f64 = nonnegative(NUMBER), "zeta_ws";
+        damping_ratio: f64 = nonnegative(NUMBER).within(0.0, 10.0), "zeta_ws";
         /// Mesh (.msh) or geometry (.step) in place of the table, z = 0 at its upper face; with the parts `top` and `leg`
         /// and the surfaces `top` and, if it is clamped, `floor`. Bodies meshed apart are tied: the nodes of a surface `NAME_slave` follow
         /// those of `NAME_master`.
@@ -340,9 +340,9 @@ group! {
     /// An isotropic solid.
     Isotropic {
         /// Young's modulus.
-        young_modulus: f64 = positive(PRESSURE), "E";
+        young_modulus: f64 = modulus(), "E";
         /// Poisson's ratio.
-        poisson_ratio: f64 = nonnegative(NUMBER), "nu";
+        poisson_ratio: f64 = nonnegative(NUMBER).within(0.0, 0.5), "nu";
         /// Density.
         density: f64 = positive(DENSITY), "rho";
     }
@@ -354,13 +354,13 @@ group! {
         /// Stiffness per area.
         stiffness_per_area: f64 = positive(STIFFNESS_PER_AREA), "k''";
         /// Loss ratio 2 pi f c''/k'' at the frequency below.
-        loss_ratio: f64 = nonnegative(NUMBER), "";
+        loss_ratio: f64 = nonnegative(NUMBER).within(0.0, 10.0), "";
         /// Frequency of the loss ratio.
         loss_frequency: f64 = positive(FREQUENCY), "f";
         /// Contact points along the block's length.
-        points_along: u32 = Kind::Count, "";
+        points_along: u32 = Kind::Count(1000), "";
         /// Contact points across the block's width.
-        points_across: u32 = Kind::Count, "";
+        points_across: u32 = Kind::Count(1000), "";
         /// Whether the block is glued to the table (linear) or lifts off it.
         bonded: bool = Kind::Switch, "";
     }
@@ -378,9 +378,9 @@ group! {
         /// Density of the sand.
         density: f64 = positive(DENSITY), "rho";
         /// Small-strain shear modulus.
-        shear_modulus: f64 = positive(PRESSURE), "G_0";
+        shear_modulus: f64 = modulus(), "G_0";
         /// Poisson's ratio.
-        poisson_ratio: f64 = nonnegative(NUMBER), "nu";
+        poisson_ratio: f64 = nonnegative(NUMBER).within(0.0, 0.5), "nu";
         /// Hysteretic loss factor.
         loss_factor: f64 = fraction(), "eta";
         /// Flow resistivity of the surface, for its sound absorption.
@@ -392,7 +392,7 @@ group! {
         /// Share of the block's sides that the sand holds, with the springs and dashpots per area of its base.
         side_contact: f64 = fraction(), "";
         /// Sand that moves with the base, as a part of rho r_0 A; its weight rests in the sand.
-        added_mass: f64 = nonnegative(NUMBER), "";
+        added_mass: f64 = nonnegative(NUMBER).within(0.0, 100.0), "";
         /// Whether the sand's surface around the block moves with it and radiates.
         moving_surface: bool = Kind::Switch, "";
         /// Highest frequency at which the sand's surface moves with the block.
@@ -462,18 +462,18 @@ group! {
         body_method: RadiationMethod = RadiationMethod::KIND, "";
         /// Highest frequency of the boundary elements in air of 20 degrees Celsius, in other air higher as its speed of sound is;
         /// half an octave more is solved in the mean over frequency.
-        bem_top: f64 = positive(FREQUENCY), "";
+        bem_top: f64 = positive(FREQUENCY).within(20.0, 1e5), "";
         /// Least number of panels per wavelength of sound.
-        bem_panels: f64 = positive(NUMBER), "";
+        bem_panels: f64 = positive(NUMBER).within(2.0, 30.0), "";
         /// Largest interpolation error of the radiation matrix over frequency: root mean square of the entries R_ij, relative
         /// to sqrt(R_ii R_jj).
-        bem_tolerance: f64 = positive(NUMBER), "";
+        bem_tolerance: f64 = positive(NUMBER).within(1e-6, 0.5), "";
         /// Whether radiation damps the modes of workpiece and support.
         radiation_damping: bool = Kind::Switch, "";
         /// Equivalent absorption area of the room in which the microphones stand; 0 for none but the reflecting plane.
         room_absorption: f64 = nonnegative(AREA), "A";
         /// Steady A-weighted sound pressure level of the background at the microphones, in dB; 0 for none.
-        background_level: f64 = nonnegative(NUMBER), "L_B";
+        background_level: f64 = nonnegative(NUMBER).within(0.0, 200.0), "L_B";
     }
 }
 
@@ -481,48 +481,48 @@ group! {
     /// What is computed: frequency ranges, meshes, steps and tolerances.
     Analysis {
         /// Lower end of the range over which sources are ranked.
-        range_low: f64 = positive(FREQUENCY), "";
+        range_low: f64 = positive(FREQUENCY).within(1.0, 1e5), "";
         /// Upper end of the range over which sources are ranked.
-        range_high: f64 = positive(FREQUENCY), "";
+        range_high: f64 = positive(FREQUENCY).within(1.0, 1e5), "";
         /// Top frequency of the workpiece's modes that take part.
-        workpiece_top: f64 = positive(FREQUENCY), "";
+        workpiece_top: f64 = positive(FREQUENCY).within(1.0, 1e5), "";
         /// Top frequency of the worktable's modes that take part.
-        worktable_top: f64 = positive(FREQUENCY), "";
+        worktable_top: f64 = positive(FREQUENCY).within(1.0, 1e5), "";
         /// Top frequency of the tool body's modes that take part.
-        body_top: f64 = positive(FREQUENCY), "";
+        body_top: f64 = positive(FREQUENCY).within(1.0, 1e5), "";
         /// Top frequency of the exhaust.
-        exhaust_top: f64 = positive(FREQUENCY), "";
+        exhaust_top: f64 = positive(FREQUENCY).within(1.0, 1e5), "";
         /// Modes are computed up to this many times the top frequency.
-        mode_margin: f64 = positive(NUMBER), "";
+        mode_margin: f64 = positive(NUMBER).within(1.0, 3.0), "";
         /// Largest side of a quadratic element of the workpiece.
-        workpiece_element: f64 = positive(LENGTH), "";
+        workpiece_element: f64 = positive(LENGTH).within(1e-5, 10.0), "";
         /// Largest side of a quadratic element of the worktable, seen from above.
-        worktable_element: f64 = positive(LENGTH), "";
+        worktable_element: f64 = positive(LENGTH).within(1e-5, 10.0), "";
         /// Largest length of a quadratic element along the worktable's legs.
-        worktable_leg_element: f64 = positive(LENGTH), "";
+        worktable_leg_element: f64 = positive(LENGTH).within(1e-5, 10.0), "";
         /// Largest side of a quadratic element in the walls of the steel tubes of worktables B and C.
-        worktable_tube_element: f64 = positive(LENGTH), "";
+        worktable_tube_element: f64 = positive(LENGTH).within(1e-5, 10.0), "";
         /// Largest side of a quadratic tetrahedron of the tool body; in the parametric one a third of it where nose, arm and
         /// handle join.
-        body_element: f64 = positive(LENGTH), "";
+        body_element: f64 = positive(LENGTH).within(1e-5, 10.0), "";
         /// Fewest elements in the shortest bending wave or shear wave at the top frequency, for geometry meshed by gmsh.
-        elements_per_wave: f64 = positive(NUMBER), "";
+        elements_per_wave: f64 = positive(NUMBER).within(0.5, 30.0), "";
         /// Layers of quadratic elements through the worktable's top.
-        worktable_top_layers: u32 = Kind::Count, "";
+        worktable_top_layers: u32 = Kind::Count(100), "";
         /// Step of the structural response and of the sampled cycle.
         time_step: f64 = positive(TIME), "";
         /// Duration of the structural response from the trigger on.
-        duration: f64 = positive(TIME), "";
+        duration: f64 = positive(TIME).within(1e-3, 60.0), "";
         /// Starts of the response, all but the first with gaps of 1 um between block and support: how far the level of a
         /// block that bounces scatters. The levels are those of the first.
-        starts: u32 = Kind::Count, "";
+        starts: u32 = Kind::Count(10_000), "";
         /// Latest end of the cycle's record.
-        cycle_end: f64 = positive(TIME), "t_end";
+        cycle_end: f64 = positive(TIME).within(1e-3, 10.0), "t_end";
         /// Record of the cycle after its last event.
         cycle_tail: f64 = nonnegative(TIME), "";
         /// Relative tolerance of the cycle's integration.
-        cycle_tolerance: f64 = positive(NUMBER), "";
+        cycle_tolerance: f64 = positive(NUMBER).within(1e-12, 1e-2), "";
         /// Largest relative residual of a mode.
-        mode_tolerance: f64 = positive(NUMBER), "";
+        mode_tolerance: f64 = positive(NUMBER).within(1e-14, 1e-2), "";
     }
 }

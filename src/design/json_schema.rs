@@ -48,26 +48,27 @@ fn group(spec: &GroupSpec) -> Value {
 }
 
 fn key(spec: &KeySpec) -> Value {
-    let plain = match spec.kind {
+    let mut plain = match spec.kind {
         Kind::Quantity { .. } => json!({"type": ["number", "string"]}),
-        Kind::Count => json!({"type": "integer", "minimum": 1}),
+        Kind::Count(_) => json!({"type": "integer"}),
         Kind::Switch => json!({"type": "boolean"}),
         Kind::Choice(words) => json!({"enum": words}),
         Kind::File => json!({"type": "string"}),
     };
+    // A number is in SI units; the limits do not apply to a text.
+    if let Some([low, high]) = spec.kind.domain() {
+        (plain["minimum"], plain["maximum"]) = (json!(low), json!(high));
+    }
     let mut fields = json!({
         "value": plain,
         "provenance": {"$ref": "#/$defs/provenance"},
         "note": {"type": "string"},
     });
-    if let Kind::Quantity { .. } | Kind::Count = spec.kind {
+    if let Kind::Quantity { .. } | Kind::Count(_) = spec.kind {
         fields["range"] = json!({"$ref": "#/$defs/range"});
     }
     let unit = match spec.kind {
-        Kind::Quantity { dimension, sign, .. } => match dimension.unit() {
-            unit if unit.is_empty() => format!(" (number, {})", sign.describe()),
-            unit => format!(" ({unit}, {})", sign.describe()),
-        },
+        Kind::Quantity { .. } => format!(" ({})", spec.kind.allowed()),
         _ => String::new(),
     };
     json!({

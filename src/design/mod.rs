@@ -188,6 +188,17 @@ impl Design {
         resolve::spring(name, (spring.body, point, distance), &self.records)
     }
 
+    /// The error that a stage of this design needs more memory than allowed, at the key of its cost that was set last.
+    pub(crate) fn too_costly(
+        &self,
+        stage: &'static str,
+        needs: String,
+        allowed: String,
+        keys: &'static [(&'static str, &'static str)],
+    ) -> DesignError {
+        resolve::too_costly((stage, needs, allowed), keys, &self.records)
+    }
+
     /// Every key with its value and where it comes from, in the order of the reference.
     ///
     /// A value changed by the program since the design was read has the provenance "design".

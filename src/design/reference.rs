@@ -56,15 +56,9 @@ fn section(text: &mut String, path: &str, group: &GroupSpec) {
 
 fn holds(kind: Kind) -> String {
     match kind {
-        Kind::Quantity { dimension, sign, .. } => {
-            let unit = dimension.unit();
-            format!(
-                "{}, {}",
-                if unit.is_empty() { "number".to_owned() } else { unit },
-                sign.describe()
-            )
-        }
-        Kind::Count => "whole number above zero".to_owned(),
+        Kind::Quantity { dimension, .. } if dimension.unit().is_empty() => format!("number {}", kind.allowed()),
+        Kind::Quantity { .. } => kind.allowed(),
+        Kind::Count(_) => format!("whole number {}", kind.allowed()),
         Kind::Switch => "`true` or `false`".to_owned(),
         Kind::File => "name of a file, or `\"\"`".to_owned(),
         Kind::Choice(words) => words

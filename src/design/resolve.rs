@@ -3,7 +3,7 @@
 use std::collections::{BTreeSet, HashMap};
 
 use nailnoise_quantities::dimension::NUMBER;
-use nailnoise_quantities::{Dimension, Group, KeySpec, Kind, Measured, Sign, Value, dotted, members};
+use nailnoise_quantities::{Dimension, Group, KeySpec, Kind, Measured, Value, dotted, members};
 
 use super::derived::AGREEMENT;
 use super::error::{DesignError, Warning};
@@ -181,7 +181,7 @@ fn example(kind: Kind) -> String {
     match kind {
         Kind::Quantity { dimension: NUMBER, .. } => "NUMBER".to_owned(),
         Kind::Quantity { dimension, .. } => format!("\"NUMBER {}\"", dimension.unit()),
-        Kind::Count => "COUNT".to_owned(),
+        Kind::Count(_) => "COUNT".to_owned(),
         Kind::Switch => "true".to_owned(),
         Kind::Choice(words) => format!("\"{}\"", words.first().unwrap_or(&"")),
         Kind::File => "\"\"".to_owned(),
@@ -201,14 +201,14 @@ fn record(key: &str, merged: Merged, ambient: f64) -> Result<Option<Record>, Des
     let Some((given, text, place)) = value else {
         return Ok(None);
     };
-    let (dimension, sign) = limits(spec.kind);
+    let dimension = dimension(spec.kind);
     let value = match given {
         Given::Other(value) => value,
         Given::Quantity(measured) => {
             let value = measured.absolute(ambient);
-            if !sign.allows(value) {
+            if !spec.kind.allows(value) {
                 let found = format!("{text}, {} absolute", show(value, dimension));
-                let (key, allowed) = (key.to_owned(), sign.describe());
+                let (key, allowed) = (key.to_owned(), spec.kind.allowed());
                 return Err(DesignError::OutsideLimits {
                     key,
                     found,
@@ -246,10 +246,10 @@ fn record(key: &str, merged: Merged, ambient: f64) -> Result<Option<Record>, Des
     }))
 }
 
-fn limits(kind: Kind) -> (Dimension, Sign) {
+fn dimension(kind: Kind) -> Dimension {
     match kind {
-        Kind::Quantity { dimension, sign, .. } => (dimension, sign),
-        _ => (NUMBER, Sign::Any),
+        Kind::Quantity { dimension, .. } => dimension,
+        _ => NUMBER,
     }
 }
 
@@ -289,6 +289,23 @@ pub(crate) fn spring(name: &str, (body, point, distance): (Sprung, [f64; 3], f64
     }
 }
 
+/// That a stage needs more memory than allowed, at the key of its cost that was set last.
+pub(crate) fn too_costly(
+    (stage, needs, allowed): (&'static str, String, String),
+    keys: &'static [(&'static str, &'static str)],
+    records: &Records,
+) -> DesignError {
+    let set = keys.iter().filter_map(|(key, _)| records.get(*key));
+    let last = set.min_by_key(|record| (record.depth, usize::MAX - record.place.span.start));
+    DesignError::TooCostly {
+        stage,
+        needs,
+        allowed,
+        keys,
+        at: last.map(|record| record.place.clone()),
+    }
+}
+
 /// Place of the key of a list's member that was set last.
 fn last_set(list: &str, name: &str, keys: &[&str], records: &Records) -> Option<Box<Place>> {
     let member = dotted(list, name);
@@ -316,7 +333,7 @@ fn outside_range(values: &Values, records: &Records) -> Vec<Warning> {
         // "96 psig" as a value and its like in a range may differ by a rounding.
         let slack = 1e-9 * low.abs().max(high.abs());
         if value < low - slack || value > high + slack {
-            let (dimension, _) = limits(spec.kind);
+            let dimension = dimension(spec.kind);
             warnings.push(Warning::OutsideRange {
                 key: key.to_owned(),
                 value: show(value, dimension),
@@ -357,7 +374,7 @@ fn agree(given: GivenDerived, values: &Values) -> Result<Warning, DesignError> {
 
 fn shown(value: Value, spec: &KeySpec) -> String {
     match value {
-        Value::Number(value) => show(value, limits(spec.kind).0),
+        Value::Number(value) => show(value, dimension(spec.kind)),
         Value::Count(count) => count.to_string(),
         Value::Switch(on) => on.to_string(),
         Value::Choice(word) => word.to_owned(),

@@ -37,7 +37,7 @@ pub enum SetError {
         /// The value given, in SI units.
         value: f64,
         /// What is allowed.
-        allowed: &'static str,
+        allowed: String,
     },
 }
 
@@ -81,24 +81,21 @@ fn check(key: &str, kind: Kind, value: &Value) -> Result<(), SetError> {
             expected,
         })
     };
+    let within = |value: f64| {
+        let outside = || SetError::OutsideLimits {
+            key: key.to_owned(),
+            value,
+            allowed: kind.allowed(),
+        };
+        kind.allows(value).then_some(()).ok_or_else(outside)
+    };
     match (kind, value) {
-        (Kind::Quantity { sign, .. }, Value::Number(number)) if !sign.allows(*number) => Err(SetError::OutsideLimits {
-            key: key.to_owned(),
-            value: *number,
-            allowed: sign.describe(),
-        }),
-        (Kind::Count, Value::Count(0)) => Err(SetError::OutsideLimits {
-            key: key.to_owned(),
-            value: 0.0,
-            allowed: "a whole number above zero",
-        }),
-        (Kind::Quantity { .. }, Value::Number(_))
-        | (Kind::Count, Value::Count(_))
-        | (Kind::Switch, Value::Switch(_))
-        | (Kind::File, Value::File(_)) => Ok(()),
+        (Kind::Quantity { .. }, Value::Number(number)) => within(*number),
+        (Kind::Count(_), Value::Count(count)) => within(f64::from(*count)),
+        (Kind::Switch, Value::Switch(_)) | (Kind::File, Value::File(_)) => Ok(()),
         (Kind::Choice(words), Value::Choice(word)) if words.contains(word) => Ok(()),
         (Kind::Quantity { .. }, _) => wrong("a quantity"),
-        (Kind::Count, _) => wrong("a whole number"),
+        (Kind::Count(_), _) => wrong("a whole number"),
         (Kind::Switch, _) => wrong("true or false"),
         (Kind::Choice(_), _) => wrong("one of its words"),
         (Kind::File, _) => wrong("the name of a file"),

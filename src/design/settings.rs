@@ -59,6 +59,23 @@ impl Layer {
     }
 }
 
+/// Members of a list that a design may have; every sensor keeps the signals of a whole shot.
+const MOST_MEMBERS: usize = 250;
+
+/// Keys of earlier versions, and what a design gives in their place.
+const REPLACED: &[(&str, &str)] = &[
+    (
+        "nail.head_gap",
+        "`nail.feed_height`, the height of the waiting nail's head above the nose's face, and `piston.rod_protrusion`, \
+         the length of the rod beyond it on the bumper; the travel to the head is stroke - protrusion - feed height",
+    ),
+    (
+        "nail.tip_gap",
+        "`piston.rod_protrusion`, the length of the rod beyond the nose's face with the piston on the bumper; the travel \
+         until the tip reaches the wood is stroke - protrusion - `nail.length`",
+    ),
+];
+
 struct Reader<'a> {
     file: &'a File,
     root: &'static GroupSpec,
@@ -83,7 +100,16 @@ impl Reader<'_> {
             } else if let Some(inner) = spec.group(name) {
                 self.group(self.table(&full, key.span(), value)?, inner, &full, layer)?;
             } else if let Some(member) = spec.list(name) {
-                for (key, value) in self.table(&full, key.span(), value)? {
+                let table = self.table(&full, key.span(), value)?;
+                if table.len() > MOST_MEMBERS {
+                    return Err(DesignError::OutsideLimits {
+                        key: full,
+                        found: format!("a list of {}", table.len()),
+                        allowed: format!("a list of {MOST_MEMBERS} at most"),
+                        at: self.file.place(key.span()),
+                    });
+                }
+                for (key, value) in table {
                     let name = key.get_ref().as_ref();
                     let full = dotted(&full, name);
                     if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-') {
@@ -94,6 +120,13 @@ impl Reader<'_> {
                 }
             } else if let Some(derived) = Derived::find(&full) {
                 layer.derived.push(self.derived(derived, value)?);
+            } else if let Some((_, successors)) = REPLACED.iter().find(|(old, _)| *old == full) {
+                let at = self.file.place(key.span());
+                return Err(DesignError::Replaced {
+                    key: full,
+                    successors,
+                    at,
+                });
             } else {
                 return Err(self.unknown(full, spec, key.span(), value));
             }
@@ -222,29 +255,27 @@ impl Field<'_> {
     fn value(&self, value: &Spanned<DeValue<'_>>, spec: &KeySpec) -> Result<(Given, String, Box<Place>), DesignError> {
         let at = self.file.place(value.span());
         let text = found_value(value.get_ref());
-        let outside = |allowed| DesignError::OutsideLimits {
+        let outside = || DesignError::OutsideLimits {
             key: self.key.to_owned(),
             found: text.clone(),
-            allowed,
+            allowed: spec.kind.allowed(),
             at: at.clone(),
         };
         let given = match (spec.kind, value.get_ref()) {
-            (Kind::Quantity { dimension, sign, gauge }, _) => {
+            (Kind::Quantity { dimension, gauge, .. }, _) => {
                 let measured = self.measured(value, dimension, gauge)?;
                 // A gauge pressure may be below zero; its limits are those of the absolute one.
-                if !measured.gauge && !sign.allows(measured.si) {
-                    return Err(outside(sign.describe()));
+                if !measured.gauge && !spec.kind.allows(measured.si) {
+                    return Err(outside());
                 }
                 Given::Quantity(measured)
             }
-            (Kind::Count, DeValue::Integer(integer)) => {
+            (Kind::Count(_), DeValue::Integer(integer)) => {
                 let count = i64::from_str_radix(integer.as_str(), integer.radix()).ok();
                 let count = count
                     .and_then(|count| u32::try_from(count).ok())
-                    .filter(|count| *count > 0);
-                Given::Other(Value::Count(
-                    count.ok_or_else(|| outside("a whole number from 1 to 4294967295"))?,
-                ))
+                    .filter(|count| spec.kind.allows(f64::from(*count)));
+                Given::Other(Value::Count(count.ok_or_else(outside)?))
             }
             (Kind::Switch, DeValue::Boolean(on)) => Given::Other(Value::Switch(*on)),
             (Kind::Choice(words), DeValue::String(word)) => match words.iter().find(|own| **own == word.as_ref()) {
@@ -254,18 +285,23 @@ impl Field<'_> {
             (Kind::File, DeValue::String(name)) if name.is_empty() => Given::Other(Value::File(String::new())),
             (Kind::File, DeValue::String(name)) => {
                 let path = self.file.beside(name);
-                if let Err(source) = std::fs::metadata(&path) {
+                let reason = match std::fs::metadata(&path) {
+                    Ok(data) if data.is_file() => None,
+                    Ok(_) => Some("it is no regular file".to_owned()),
+                    Err(source) => Some(source.to_string()),
+                };
+                if let Some(reason) = reason {
                     return Err(DesignError::NoFile {
                         key: self.key.to_owned(),
                         path,
-                        reason: source.to_string(),
+                        reason,
                         at,
                     });
                 }
                 Given::Other(Value::File(path.to_string_lossy().into_owned()))
             }
             (Kind::File, _) => return Err(self.wrong_kind(value, "as the name of a file in quotes".to_owned())),
-            (Kind::Count, _) => return Err(self.wrong_kind(value, "as a whole number".to_owned())),
+            (Kind::Count(_), _) => return Err(self.wrong_kind(value, "as a whole number".to_owned())),
             (Kind::Switch, _) => return Err(self.wrong_kind(value, "as true or false, without quotes".to_owned())),
             (Kind::Choice(words), _) => return Err(self.wrong_kind(value, one_of(words))),
         };
@@ -308,7 +344,7 @@ impl Field<'_> {
     fn range(&self, value: &Spanned<DeValue<'_>>, spec: &KeySpec) -> Result<([Measured; 2], Box<Place>), DesignError> {
         let (dimension, gauge) = match spec.kind {
             Kind::Quantity { dimension, gauge, .. } => (dimension, gauge),
-            Kind::Count => (NUMBER, false),
+            Kind::Count(_) => (NUMBER, false),
             Kind::Switch | Kind::Choice(_) | Kind::File => {
                 return Err(self.wrong_kind(value, "without a range: it is no quantity".to_owned()));
             }

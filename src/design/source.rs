@@ -6,11 +6,15 @@ use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
 use miette::NamedSource;
+use nailnoise_meshes::read_regular;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::error::DesignError;
 use super::place::Place;
+
+/// The largest design file that is read \[byte\].
+const LARGEST: u64 = 4 << 20;
 
 /// The text of one design file.
 #[derive(Debug)]
@@ -30,7 +34,7 @@ impl File {
     }
 
     pub(crate) fn read(path: &Path, at: Option<&Place>) -> Result<Self, DesignError> {
-        let bytes = fs::read(path).map_err(|source| DesignError::unreadable(path, source, at))?;
+        let bytes = read_regular(path, LARGEST).map_err(|source| DesignError::unreadable(path, source, at))?;
         match String::from_utf8(bytes) {
             Ok(text) => Ok(Self::new(path, &text)),
             Err(error) => {

@@ -26,6 +26,8 @@ pub struct NoteInputs<'a> {
     pub idle_sensors: Vec<&'a str>,
     /// Sensors whose band ends with the modes of their body, and the frequency of that end \[Hz\].
     pub limited_sensors: Vec<(&'a str, f64)>,
+    /// Values outside the ranges that the design gives, in words.
+    pub outside_ranges: Vec<String>,
     /// Springs on bodies that the design lacks.
     pub idle_springs: Vec<&'a str>,
 }
@@ -37,16 +39,22 @@ pub fn notes(
     openings: &Openings,
     exhaust: &ExhaustDetails,
 ) -> Vec<String> {
-    let mut notes = vec![
-        match record.outcome {
-            Outcome::Drives => "the nail is driven",
-            Outcome::StrikesBumper => "the piston strikes the bumper before it stops on the wood",
-            Outcome::Underdriven => "the nail is not driven to its length",
-            Outcome::DoesNotOpen => "the head valve does not open: no shot",
-            Outcome::DoesNotRelease => "the tool does not rise far enough to release the trigger valve",
-        }
-        .to_owned(),
-    ];
+    let depth = 1e3 * record.summary.head_depth;
+    let mut notes = vec![match record.outcome {
+        Outcome::Drives => format!("the nail is driven, its head {depth:.1} mm below the surface"),
+        Outcome::Overdriven => format!(
+            "the nail is overdriven: its head ends {depth:.1} mm below the surface; the model of the wood under a \
+                 head does not hold that deep"
+        ),
+        Outcome::StrikesBumper => format!(
+            "the piston strikes the bumper before it stops on the wood; the head of the nail ends {depth:.1} mm \
+                 below the surface"
+        ),
+        Outcome::Underdriven => format!("the nail is not driven to its length: {:.1} mm stand out", -depth),
+        Outcome::DoesNotOpen => "the head valve does not open: no shot".to_owned(),
+        Outcome::DoesNotRelease => "the tool does not rise far enough to release the trigger valve".to_owned(),
+    }];
+    notes.extend(inputs.outside_ranges.iter().cloned());
     let [workpiece, body] = inputs.radiation;
     notes.push(match workpiece {
         Some(report) if inputs.in_sand => flush_note(report),

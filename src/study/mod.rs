@@ -88,6 +88,7 @@ pub fn outcome_name(outcome: Outcome) -> &'static str {
         Outcome::Drives => "drives",
         Outcome::StrikesBumper => "strikes_bumper",
         Outcome::Underdriven => "underdriven",
+        Outcome::Overdriven => "overdriven",
         Outcome::DoesNotOpen => "does_not_open",
         Outcome::DoesNotRelease => "does_not_release",
     }

@@ -42,7 +42,7 @@ fn value(key: &str, kind: Kind) -> Value {
         }
         (Kind::Quantity { .. }, toml::Value::Integer(integer)) => Value::Number(*integer as f64),
         (Kind::Quantity { .. }, toml::Value::Float(float)) => Value::Number(*float),
-        (Kind::Count, toml::Value::Integer(integer)) => Value::Count(u32::try_from(*integer).unwrap()),
+        (Kind::Count(_), toml::Value::Integer(integer)) => Value::Count(u32::try_from(*integer).unwrap()),
         (Kind::Choice(words), toml::Value::String(word)) => {
             Value::Choice(words.iter().find(|own| **own == word.as_str()).unwrap())
         }

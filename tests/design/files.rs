@@ -363,7 +363,7 @@ fn a_program_may_change_values_and_check_them() {
 const CONFLICTS: &[(&str, &str)] = &[
     ("nail.head_thickness = \"83 mm\"", "nail.head_thickness"),
     ("nail.diameter = \"8 mm\"", "nail.diameter"),
-    ("nail.tip_gap = \"122 mm\"", "nail.tip_gap"),
+    ("piston.rod_protrusion = \"40 mm\"", "piston.stroke"),
     ("head_valve.seat_diameter = \"50 mm\"", "head_valve.seat_diameter"),
     ("head_valve.outer_diameter = \"63 mm\"", "head_valve.outer_diameter"),
     ("head_valve.intake_lap = \"4.7 mm\"", "head_valve.intake_lap"),
@@ -448,7 +448,7 @@ const BAD: &[(&str, usize, &str, &str)] = &[
     ("derived-area", 3, "exhaust.area", "change `exhaust.holes`, `exhaust.hole_diameter`"),
     ("derived-mass", 4, "workpiece.mass", "`wood.density`"),
     ("elastic", 4, "wood.elastic", "Poisson"),
-    ("gaps", 3, "nail.head_gap", "`nail.tip_gap`"),
+    ("gaps", 3, "nail.head_gap", "`nail.feed_height`"),
     ("gauge-ambient", 3, "ambient.pressure", "absolute"),
     ("group-as-value", 3, "supply", "[supply]"),
     ("half-a-hole", 3, "exhaust.holes", "whole number"),

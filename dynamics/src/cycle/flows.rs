@@ -204,7 +204,7 @@ impl System {
             (self.vent_area, gas[CONTROL], self.ambient())
         };
         let mass = self.air.exchange(area, from, to);
-        if mass.value() < 0.0 && !released && self.p.model.intake == Form::Published {
+        if mass.value() < 0.0 && self.p.model.intake == Form::Published {
             return Stream::still();
         }
         let source = if mass.value() >= 0.0 { from } else { to };

@@ -75,7 +75,7 @@ pub(crate) fn heights(system: &System, mode: &Mode, y: &State) -> [f64; LEVELS] 
         now.gas[CONTROL].pressure - (ambient + CONTROL_LEVEL * (supply - ambient)),
         lift - p.head_valve.intake_lap,
         now.travel - FIRST_TRAVEL,
-        now.travel - p.nail.head_gap,
+        now.travel - system.geometry.head_gap,
         z,
         z - p.nail.length,
         now.travel - POSITION_MARK,

@@ -1,6 +1,7 @@
 //! The state before the shot: valve closed, tool pressed on the wood, everything at rest.
 
-use nailnoise_quantities::{Kind, Sign, Value};
+use nailnoise_quantities::dimension::{AREA, DAMPING, NUMBER, STIFFNESS};
+use nailnoise_quantities::{Kind, Value, nonnegative, positive};
 
 use super::forces::{SPRING, SPRING_LIMIT};
 use super::mode::{Channel, Contact, Mode, NailState, Penetration};
@@ -63,10 +64,17 @@ pub(crate) fn check(p: &Parameters) -> Result<(), CycleError> {
         "nail.length",
         p.nail.length,
     )?;
-    if p.nail.head_gap > p.nail.tip_gap {
-        return Err(CycleError::GapOrder {
-            head_gap: p.nail.head_gap,
-            tip_gap: p.nail.tip_gap,
+    if p.nail.length > p.nail.feed_height {
+        return Err(CycleError::NailBelowNose {
+            length: p.nail.length,
+            feed_height: p.nail.feed_height,
+        });
+    }
+    if p.nail.head_gap(&p.piston) <= 0.0 {
+        return Err(CycleError::NailAboveRod {
+            feed_height: p.nail.feed_height,
+            stroke: p.piston.stroke,
+            protrusion: p.piston.rod_protrusion,
         });
     }
     if let Some(table) = &p.penetration_table
@@ -88,70 +96,38 @@ pub(crate) fn check(p: &Parameters) -> Result<(), CycleError> {
 
 fn check_numbers(p: &Parameters) -> Result<(), CycleError> {
     let mut problem = None;
-    let mut check = |name: &str, value: f64, allowed: bool, rule: &'static str| {
-        if !allowed && problem.is_none() {
-            let name = name.to_owned();
-            problem = Some(CycleError::Value { name, value, rule });
+    let mut check = |name: &str, value: f64, kind: Kind| {
+        if !kind.allows(value) && problem.is_none() {
+            problem = Some(CycleError::Value {
+                name: name.to_owned(),
+                value,
+                rule: kind.allowed().into(),
+            });
         }
     };
+    let has_hand_mass = p.hand.mass > 0.0;
     p.visit(&mut |name, spec, value| match (spec.kind, value) {
-        // Unused without the hand's mass; see below.
-        _ if name == "hand.stiffness" => {}
-        (Kind::Quantity { sign, .. }, Value::Number(value)) => check(name, value, sign.allows(value), sign.describe()),
-        (Kind::Count, Value::Count(count)) => check(name, f64::from(count), count > 0, "above zero"),
+        _ if name == "hand.stiffness" && !has_hand_mass => {}
+        (Kind::Quantity { .. }, Value::Number(value)) => check(name, value, spec.kind),
+        (Kind::Count(_), Value::Count(count)) => check(name, f64::from(count), spec.kind),
         _ => {}
     });
-    let damping = match p.support.damping {
-        SupportDamping::Ratio(x) | SupportDamping::Coefficient(x) => x,
-    };
-    let positive = [
-        ("chambers.return_hole_area", p.chambers.return_hole_area),
-        ("chambers.discharge_coefficient", p.chambers.discharge_coefficient),
-        ("wood.head_stiffness_scale", p.wood.head_stiffness_scale),
-        ("support.stiffness", p.support.stiffness),
-    ];
-    for (name, value) in positive {
-        check(name, value, Sign::Positive.allows(value), Sign::Positive.describe());
+    check("support.stiffness", p.support.stiffness, positive(STIFFNESS));
+    match p.support.damping {
+        SupportDamping::Ratio(ratio) => check("support.damping", ratio, nonnegative(NUMBER)),
+        SupportDamping::Coefficient(coefficient) => check("support.damping", coefficient, nonnegative(DAMPING)),
     }
-    check(
-        "support.damping",
-        damping,
-        Sign::NonNegative.allows(damping),
-        Sign::NonNegative.describe(),
-    );
+    if let Some(area) = p.muffler_area {
+        check("muffler_area", area, positive(AREA));
+    }
     if let Some(problem) = problem {
         return Err(problem);
     }
-    if p.hand.mass > 0.0 && !(p.hand.stiffness > 0.0 && p.hand.stiffness.is_finite()) {
-        return Err(CycleError::Value {
-            name: "hand.stiffness".to_owned(),
-            value: p.hand.stiffness,
-            rule: "a positive finite number where hand.mass is given",
-        });
-    }
-    if let Some(area) = p.muffler_area
-        && !(area > 0.0 && area.is_finite())
-    {
-        return Err(CycleError::Value {
-            name: "muffler_area".to_owned(),
-            value: area,
-            rule: "a positive finite number, or absent where there is no muffler",
-        });
-    }
-    let gamma = p.ambient.heat_capacity_ratio;
-    if !(gamma > 1.0 && gamma.is_finite()) {
-        return Err(CycleError::Value {
-            name: "ambient.heat_capacity_ratio".to_owned(),
-            value: gamma,
-            rule: "above 1",
-        });
-    }
     if p.supply.pressure < p.ambient.pressure {
-        let rule = "at least ambient.pressure; give it as absolute pressure";
         return Err(CycleError::Value {
             name: "supply.pressure".to_owned(),
             value: p.supply.pressure,
-            rule,
+            rule: "at least ambient.pressure; give it as absolute pressure".into(),
         });
     }
     Ok(())

@@ -1,18 +1,24 @@
 //! From a run to its record: events, outcome and figures.
 
+use nailnoise_quantities::Check;
+
 use super::integrate::Run;
 use super::mode::Contact;
 use super::state::*;
 use super::switching::deepest;
 use super::system::System;
-use crate::{Crossing, CycleRecord, Events, Outcome, Summary};
+use crate::{Crossing, CycleRecord, Events, Form, Outcome, Summary};
 
 /// Assembles the record.
 pub(crate) fn record(system: &System, run: Run) -> CycleRecord {
     let events = run.log.events(run.end);
     let summary = summarise(system, &run, &events);
     let outcome = outcome(system, &run, &events, &summary);
-    let checks = run.balance.checks(system);
+    let mut checks = run.balance.checks(system);
+    if models_the_head(system) {
+        let (depth, limit) = (summary.head_depth.max(0.0), system.p.nail.overdrive_limit);
+        checks.push(Check::at_most("head of the nail below the surface [m]", depth, limit));
+    }
     let energy = run.balance.energy(system, &run.last_mode, &run.last);
     let log = run.log.into_entries();
     let recorder = run.recorder;
@@ -43,10 +49,21 @@ pub(crate) fn record(system: &System, run: Run) -> CycleRecord {
     }
 }
 
+/// Whether the depth of the head is part of the model: in the published form the nail ends with its first reversal.
+fn models_the_head(system: &System) -> bool {
+    system.p.model.nail == Form::Corrected
+}
+
+fn is_overdriven(system: &System, summary: &Summary) -> bool {
+    models_the_head(system) && summary.head_depth > system.p.nail.overdrive_limit
+}
+
 fn outcome(system: &System, run: &Run, events: &Events, summary: &Summary) -> Outcome {
     let bumper = run.log.first(Crossing::PistonAtBumper, true, 0.0);
     if events.t3.is_none() {
         Outcome::DoesNotOpen
+    } else if is_overdriven(system, summary) {
+        Outcome::Overdriven
     } else if bumper.is_some_and(|bumper| events.t9.is_none_or(|t9| bumper < t9)) {
         Outcome::StrikesBumper
     } else if summary.penetration < system.p.nail.length {
@@ -59,6 +76,7 @@ fn outcome(system: &System, run: &Run, events: &Events, summary: &Summary) -> Ou
 }
 
 fn summarise(system: &System, run: &Run, events: &Events) -> Summary {
+    let penetration = deepest(system, &run.last_mode, &run.last);
     let y = &run.last;
     let full = run.log.first(Crossing::FullDepth, true, 0.0);
     let drive = |(start, end): (f64, f64)| system.p.nail.length / (end - start);
@@ -81,7 +99,8 @@ fn summarise(system: &System, run: &Run, events: &Events) -> Summary {
         speed_after_impact: run.impact.map(|(_, after)| after),
         mean_drive_speed: events.t6.zip(full).map(drive),
         full_penetration: full,
-        penetration: deepest(system, &run.last_mode, y),
+        penetration,
+        head_depth: penetration - system.p.nail.length,
         exhaust_mass: y[EXHAUST_MASS],
         vent_mass: y[VENT_MASS],
         leak_mass: y[LEAK_MASS],

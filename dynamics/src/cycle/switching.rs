@@ -88,13 +88,15 @@ pub(crate) fn margins(system: &System, mode: &Mode, y: &State) -> [f64; SLOTS] {
     margin[EXHAUST] = signed(mode.exhaust, p.head_valve.exhaust_lap - lift);
     margin[CHECK_HOLES] = signed(mode.check_holes, travel - p.chambers.check_hole_position);
     margin[NAIL] = match mode.nail {
-        NailState::Waiting => p.nail.head_gap - travel,
+        NailState::Waiting => system.geometry.head_gap - travel,
         NailState::Attached => y[V_P],
         NailState::Left => f64::INFINITY,
     };
     let z = system.depth(mode, y);
     // Whether the tip touches is asked of the motion without its own force, as for the nose.
-    let touching = mode.wood.map_or(z, |wood| y[Y_P] - wood.free_nail(y) - p.nail.tip_gap);
+    let touching = mode
+        .wood
+        .map_or(z, |wood| y[Y_P] - wood.free_nail(y) - system.geometry.tip_gap);
     if p.model.nail == Form::Published {
         // Reversible: the force is a function of depth until the first reversal, and nothing afterwards (C-09).
         match mode.penetration {

@@ -118,7 +118,7 @@ impl System {
 
     /// Depth of the nail's tip, z = y_p - y_w - y_pbp.
     pub(crate) fn depth<S: Real>(&self, mode: &Mode, y: &[S]) -> S {
-        y[Y_P] - mode.nail_motion(y).0 - self.p.nail.tip_gap
+        y[Y_P] - mode.nail_motion(y).0 - self.geometry.tip_gap
     }
 
     /// Overlap of a contact and its rate.

@@ -21,6 +21,11 @@ fn with(change: impl Fn(&mut Model)) -> Parameters {
     p
 }
 
+/// Whether every balance of the run holds.
+fn balanced(r: &CycleRecord) -> bool {
+    r.checks.iter().all(|c| c.ok || !c.name.contains("balance"))
+}
+
 fn speed(r: &CycleRecord) -> f64 {
     r.summary.mean_drive_speed.unwrap()
 }
@@ -36,6 +41,18 @@ fn b12_the_published_presets_strike_the_bumper_before_the_piston_stops() {
         assert_eq!(r.outcome, Outcome::StrikesBumper);
         assert!(r.is_certified(), "{:?}", r.checks);
     }
+}
+
+/// Whether the mass above the valve never falls after the channel has begun to fill it.
+fn only_fills(r: &CycleRecord) -> bool {
+    let from = ((r.events.t12.unwrap() + 1e-3) / r.sample_interval) as usize;
+    r.above_valve.mass[from..].windows(2).all(|w| w[1] >= w[0] - 1e-12)
+}
+
+#[test]
+fn the_published_channel_fills_one_way_and_the_corrected_one_both_ways() {
+    assert!(only_fills(&run(&n80cb().published_all())));
+    assert!(!only_fills(&run(&n80cb())));
 }
 
 #[test]
@@ -86,8 +103,9 @@ fn c02_the_published_gas_law_does_not_conserve_mass() {
     close(excess(&p, &r), 0.32e-3, 0.01e-3);
     // Energy is not a quantity of this law, mass flow and momentum are.
     let names: Vec<&str> = r.checks.iter().map(|c| &*c.name).collect();
-    assert_eq!(names, ["mass balance [kg]", "momentum balance [N s]"]);
-    assert!(r.is_certified());
+    let balances = names.iter().filter(|name| name.contains("balance"));
+    assert!(balances.eq(&["mass balance [kg]", "momentum balance [N s]"]));
+    assert!(balanced(&r));
 }
 
 #[test]
@@ -180,7 +198,7 @@ fn c03_the_published_delay_conserves_mass() {
 #[test]
 fn c04_the_published_channel_loses_mass() {
     let r = run(&with(|m| m.channel = Form::Published));
-    assert!(r.checks.iter().all(|c| c.name.starts_with("momentum")) && r.is_certified());
+    assert!(!r.checks.iter().any(|c| c.name.starts_with("mass")) && balanced(&r));
     // The filling flow of one delay, about 8 g/s for 0.29 ms, and the loss by attenuation.
     let lost = lost_mass(&r);
     assert!((1e-6..4e-6).contains(&lost), "{lost}");

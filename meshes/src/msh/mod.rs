@@ -20,13 +20,13 @@ pub use build::Imported;
 pub use error::MshError;
 pub use write::{Format, to_bytes};
 
-use crate::MeshError;
+use crate::{MeshError, read_regular};
 
 /// First bytes of a compressed file (RFC 1952).
 const GZIP: [u8; 2] = [0x1f, 0x8b];
 
 /// The largest file that is read, compressed or not \[byte\].
-const LARGEST: u64 = 4 << 30;
+pub const LARGEST: u64 = 4 << 30;
 
 /// Comment that gives the unit in files written here; the format has no other place for it.
 const IN_METRES: &str = "lengths in m";
@@ -37,7 +37,7 @@ const IN_METRES: &str = "lengths in m";
 /// # Errors
 /// [`MeshError::Read`] or [`MeshError::Msh`].
 pub fn read(path: &Path, unit: f64) -> Result<Imported, MeshError> {
-    let bytes = std::fs::read(path).map_err(|source| MeshError::Read {
+    let bytes = read_regular(path, LARGEST).map_err(|source| MeshError::Read {
         path: path.to_owned(),
         source,
     })?;

@@ -76,12 +76,15 @@ struct Block<'a> {
     lines: &'a [&'a str],
 }
 
+/// The largest file that is read \[byte\].
+const LARGEST: u64 = 1 << 30;
+
 /// Reads datasets 15, 2411 and 55; others are left out.
 ///
 /// # Errors
 /// [`UffError`].
 pub fn read(path: &Path) -> Result<Measurement, UffError> {
-    let bytes = std::fs::read(path).map_err(|source| UffError::Read {
+    let bytes = crate::read_regular(path, LARGEST).map_err(|source| UffError::Read {
         path: path.to_owned(),
         source,
     })?;

@@ -1,7 +1,7 @@
-//! Inputs of the notes: the support in words.
+//! Inputs of the notes: support and values outside their ranges, in words.
 
 use super::radiation::workpiece_floor;
-use crate::design::{Design, SupportKind};
+use crate::design::{Design, SupportKind, Warning};
 
 /// What supports the workpiece.
 pub(crate) fn support(design: &Design) -> String {
@@ -22,4 +22,11 @@ pub(crate) fn support(design: &Design) -> String {
         ),
         SupportKind::Springs => "workpiece alone on its springs and the floor, its underside silent".to_owned(),
     }
+}
+
+/// Values outside the ranges that the design gives.
+pub(crate) fn outside_ranges(design: &Design) -> Vec<String> {
+    let warnings = design.warnings().iter();
+    let outside = warnings.filter(|warning| matches!(warning, Warning::OutsideRange { .. }));
+    outside.map(ToString::to_string).collect()
 }

@@ -1,13 +1,13 @@
 //! A body in modal coordinates: all that a shot reads of it.
 
 use nailnoise_fem::supports::ContactGrid;
-use nailnoise_fem::{LoadVector, ModalBasis};
+use nailnoise_fem::{LoadVector, ModalBasis, ShortestWave, wall_thicknesses};
 use nailnoise_meshes::{Mesh, Surface};
 use nalgebra::{DMatrix, DVector};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::geometry::BodyKind;
+use super::geometry::{BodyKind, Meshed};
 use super::load_places::Model;
 use super::modes::WholeModes;
 use crate::error::Error;
@@ -23,6 +23,55 @@ pub struct ModalModel {
     pub model: Stored<Model>,
     /// Its modes.
     pub modes: Stored<WholeModes>,
+    /// Frequency up to which its motion is part of the result \[Hz\].
+    pub top_hz: f64,
+    /// Frequency below which its modes are complete \[Hz\].
+    pub below_hz: f64,
+}
+
+/// Fewest sides of quadratic elements in the shortest wave, below which frequencies and levels near the top are off.
+pub const SIDES_PER_WAVE: f64 = 2.0;
+
+/// Least ratio of the frequency below which modes are complete to the top frequency of the result: modes just above the
+/// top take part in the motion below it.
+const MODE_MARGIN: f64 = 1.05;
+
+/// How finely elements and modes resolve the motion of a body up to its top frequency.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Resolution {
+    /// Longest element side in terms of the shortest wave along it at the top frequency \[-\], part by part.
+    pub sides: Vec<(String, f64)>,
+    /// Top frequency over the frequency below which modes are complete \[-\].
+    pub top_over_modes: f64,
+}
+
+impl Resolution {
+    fn new(meshed: &Meshed, top_hz: f64, below_hz: f64) -> Result<Self, Error> {
+        let mesh = &meshed.imported.mesh;
+        let parts = wall_thicknesses(mesh)?.into_iter().enumerate();
+        let sides = parts.map(|(part, thickness)| {
+            let waves = ShortestWave::of_part(mesh, part, &meshed.materials[part], top_hz, thickness);
+            (mesh.part_names[part].clone(), waves.elements.recip())
+        });
+        Ok(Self {
+            sides: sides.collect(),
+            top_over_modes: top_hz / below_hz,
+        })
+    }
+
+    fn checks(&self, body: &str) -> Vec<Check> {
+        let sides = self.sides.iter().map(|(part, sides)| {
+            let name =
+                format!("{body}: longest element side of the {part}, in shortest waves at the top frequency [-]");
+            Check::at_most(name, *sides, 1.0 / SIDES_PER_WAVE)
+        });
+        let margin = Check::at_most(
+            format!("{body}: top frequency over that below which modes are complete [-]"),
+            self.top_over_modes,
+            1.0 / MODE_MARGIN,
+        );
+        sides.chain([margin]).collect()
+    }
 }
 
 /// A body in modal coordinates, with its geometry.
@@ -35,6 +84,8 @@ pub struct Body {
     pub mesh: Mesh,
     /// Its outer faces.
     pub surface: Surface,
+    /// Resolution of its elements and modes.
+    pub resolution: Resolution,
     /// Its modes, proven complete up to their top frequency, and static corrections: below, "modes" are both.
     pub basis: ModalBasis<()>,
     /// Displacement of the surface's points, x, y and z of each, in each mode: 3 points x modes \[kg^-1/2\]. In single
@@ -105,6 +156,7 @@ impl Stage for ModalModel {
         let surface = Surface::of(mesh);
         Ok(Body {
             name: self.kind.name(),
+            resolution: Resolution::new(&model.meshed, self.top_hz, self.below_hz)?,
             skin: skin(&surface, shapes),
             omega: modes
                 .basis
@@ -178,15 +230,17 @@ impl Body {
         }
     }
 
-    /// Checks of the modal solution.
+    /// Checks of elements and modal solution.
     pub fn checks(&self) -> Vec<Check> {
         let (basis, name) = (&self.basis, self.name);
         let worst = basis.residuals.iter().fold(0.0, |worst: f64, &r| worst.max(r));
         let missing = basis.sturm.count as f64 - basis.hz.len() as f64;
-        vec![
+        let mut checks = vec![
             Check::at_most(format!("{name}: eigen residual"), worst, 1e-8),
             Check::at_most(format!("{name}: orthonormality"), basis.orthonormality, 1e-8),
             Check::at_most(format!("{name}: Sturm count less modes found"), missing, 0.0),
-        ]
+        ];
+        checks.extend(self.resolution.checks(name));
+        checks
     }
 }

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use nailnoise_fem::{Attachments, Constraints, Coupling, LumpedMass, Material, Tie};
 use nailnoise_meshes::msh::{self, Imported};
 use nailnoise_meshes::{
-    Block, Mesh, MeshError, Surface, Tool, Worktable, block, gmsh, tool, tool_ships, tube_worktable, worktable,
+    Block, Mesh, MeshError, Surface, Tool, Worktable, block, gmsh, read_regular, tool, tool_ships, tube_worktable,
+    worktable,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 use serde::Serialize;
@@ -125,7 +126,7 @@ impl MeshFile {
         } else {
             None
         };
-        let bytes = std::fs::read(path).map_err(|source| MeshError::Read {
+        let bytes = read_regular(path, msh::LARGEST).map_err(|source| MeshError::Read {
             path: path.to_owned(),
             source,
         })?;
@@ -155,6 +156,11 @@ impl MeshFile {
     /// Its path.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Longest element side of a solid geometry \[m\]; none for a mesh.
+    pub fn element_size(&self) -> Option<f64> {
+        self.element
     }
 }
 

@@ -13,7 +13,7 @@ mod nail_stations;
 mod sensor_modes;
 pub(crate) mod tool_loads;
 
-pub use body::{Body, ModalModel, MovingSurface};
+pub use body::{Body, ModalModel, MovingSurface, Resolution, SIDES_PER_WAVE};
 pub use geometry::{AddedSand, BodyKind, Geometry, MeshFile, MeshSource, Meshed, PartMaterials, Remainder};
 pub use load_places::{ContactCells, Discretisation, LoadPlaces, Model, NailPlace, SideSand, SpringFoot};
 pub use modes::{Modes, WholeModes};

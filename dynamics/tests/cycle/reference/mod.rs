@@ -267,7 +267,7 @@ impl Model {
         } else {
             0.0
         };
-        let z = yp - yw - p.nail.tip_gap;
+        let z = yp - yw - p.nail.tip_gap(&p.piston);
         let zmax = y[18];
         let fpen = if z <= 0.0 && zmax <= 0.0 {
             0.0
@@ -427,14 +427,14 @@ pub(crate) fn integrate(p: &Parameters, h: f64, end: f64) -> Shot {
     let watch = |m: &Model, y: &Y, found: &[Option<f64>; LEVELS], t: f64| -> [(bool, f64, bool); LEVELS] {
         let p = &m.p;
         let (travel, s) = (y[0] - y[4], p.head_valve.lift - (y[2] - y[4]));
-        let z = y[0] - y[6] - p.nail.tip_gap;
+        let z = y[0] - y[6] - p.nail.tip_gap(&p.piston);
         let after = |i: usize| found[i].is_some();
         [
             (true, s - 10e-6, true),
             (false, y[11] - level, true),
             (true, s - p.head_valve.intake_lap, true),
             (true, travel - 0.1e-3, true),
-            (true, travel - p.nail.head_gap, true),
+            (true, travel - p.nail.head_gap(&p.piston), true),
             (true, z, true),
             (true, travel - 50.51e-3, true),
             (true, travel - p.chambers.check_hole_position, true),
@@ -463,7 +463,7 @@ pub(crate) fn integrate(p: &Parameters, h: f64, end: f64) -> Shot {
         let k3 = m.f(t + 0.5 * h, &add(&y, &k2, 0.5 * h));
         let k4 = m.f(t + h, &add(&y, &k3, h));
         let mut next: Y = std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
-        next[18] = next[18].max(next[0] - next[6] - p.nail.tip_gap).max(0.0);
+        next[18] = next[18].max(next[0] - next[6] - p.nail.tip_gap(&p.piston)).max(0.0);
         let before = watch(&m, &y, &found, t);
         let after = watch(&m, &next, &found, t + h);
         for i in 0..LEVELS {
@@ -496,7 +496,7 @@ pub(crate) fn integrate(p: &Parameters, h: f64, end: f64) -> Shot {
                 ..Shot::default()
             };
         }
-        if !m.attached && !m.left && next[0] - next[4] >= p.nail.head_gap {
+        if !m.attached && !m.left && next[0] - next[4] >= p.nail.head_gap(&p.piston) {
             next[1] *= p.piston.mass / (p.piston.mass + m.mn);
             m.attached = true;
         } else if m.attached && next[1] <= 0.0 {

@@ -1,0 +1,98 @@
+//! Memory that a run may use.
+
+use std::str::FromStr;
+
+/// Share of the free memory that a run may use unless the user says otherwise.
+const SHARE: f64 = 0.75;
+
+/// The most memory that one stage may need.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MemoryLimit {
+    /// \[GB\]
+    pub gigabytes: f64,
+    /// Whether the user gave it, and not the machine.
+    pub given: bool,
+}
+
+impl Default for MemoryLimit {
+    /// Three quarters of what is free; no limit where the system does not say what is free.
+    fn default() -> Self {
+        Self {
+            gigabytes: available().map_or(f64::INFINITY, |free| SHARE * free),
+            given: false,
+        }
+    }
+}
+
+impl MemoryLimit {
+    /// Whether a stage that needs this much \[GB\] may be computed.
+    pub fn allows(self, gigabytes: f64) -> bool {
+        gigabytes <= self.gigabytes
+    }
+}
+
+impl FromStr for MemoryLimit {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let text = text.trim();
+        let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+        let factor = match text[digits.len()..].to_ascii_lowercase().as_str() {
+            "g" | "gb" => 1.0,
+            "gib" => 1.073_741_824,
+            "m" | "mb" => 1e-3,
+            "mib" => 1.048_576e-3,
+            "t" | "tb" => 1e3,
+            "tib" => 1_099.511_627_776,
+            "" => return Err(format!("`{text}` has no unit; give for example 8GB, 8GiB or 500MB")),
+            unit => {
+                return Err(format!(
+                    "`{unit}` is no unit of memory; give for example 8GB, 8GiB or 500MB"
+                ));
+            }
+        };
+        match digits.trim().parse::<f64>() {
+            Ok(number) if number > 0.0 && number.is_finite() => Ok(Self {
+                gigabytes: number * factor,
+                given: true,
+            }),
+            _ => Err(format!(
+                "`{text}` is no amount of memory; give for example 8GB, 8GiB or 500MB"
+            )),
+        }
+    }
+}
+
+/// Memory that the system can give this process \[GB\]: what is available of the machine, or of its control group where that
+/// is less. None where the system does not say.
+pub fn available() -> Option<f64> {
+    let read = |path: &str| std::fs::read_to_string(path).ok();
+    let machine = read("/proc/meminfo").and_then(|text| {
+        let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+        let kilobytes: f64 = line.trim().trim_end_matches("kB").trim().parse().ok()?;
+        Some(1.024e-6 * kilobytes)
+    })?;
+    let number = |path: &str| read(path).and_then(|text| text.trim().parse::<f64>().ok());
+    let group = number("/sys/fs/cgroup/memory.max").zip(number("/sys/fs/cgroup/memory.current"));
+    Some(group.map_or(machine, |(most, used)| machine.min(1e-9 * (most - used).max(0.0))))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    #[test]
+    fn a_limit_has_a_unit() {
+        for (text, gigabytes) in [("8GB", 8.0), ("8 GiB", 8.589_934_592), ("500mb", 0.5), ("1.5T", 1500.0)] {
+            assert!(
+                (text.parse::<MemoryLimit>().unwrap().gigabytes - gigabytes).abs() < 1e-9,
+                "{text}"
+            );
+        }
+        for text in ["8", "", "GB", "-1GB", "infGB", "8 apples", "nan GB"] {
+            assert!(text.parse::<MemoryLimit>().is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,220 @@
+//! What a run will cost, estimated from the design alone: before anything is meshed, solved or written.
+//!
+//! Estimates hold within a factor of about two for the shipped designs. They serve to refuse what does not fit the memory
+//! and to announce what takes long, not to predict a time.
+
+mod bodies;
+mod memory;
+
+use nailnoise_fem::ModalCost;
+use serde::Serialize;
+
+use crate::design::inputs::bodies::{below_hz, block_size};
+use crate::design::{BodyModel, Design, RadiationMethod, SupportKind};
+use crate::error::Error;
+use crate::stages::bodies::BodyKind;
+
+pub use memory::{MemoryLimit, available};
+
+/// Estimated cost of a stage that is computed anew.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StageCost {
+    /// Name of the stage.
+    pub stage: &'static str,
+    /// What its cost follows from, each count with its name.
+    pub counts: Vec<(&'static str, f64)>,
+    /// Memory \[GB\].
+    pub gigabytes: f64,
+    /// Processor time \[s\].
+    pub cpu_seconds: f64,
+    /// The keys that change it most.
+    pub keys: &'static [Remedy],
+}
+
+/// A key, and what to do with it for a cheaper stage: "raise" or "lower".
+pub type Remedy = (&'static str, &'static str);
+
+/// Histories of the nailing cycle, and their text in files \[byte a sample\].
+const CYCLE_SAMPLE: f64 = 60.0 * 8.0 + 700.0;
+
+/// Samples of the cycle that are integrated and written in a second.
+const CYCLE_RATE: f64 = 2e5;
+
+/// Load histories of a response \[values a sample\].
+const LOADS: f64 = 27.0;
+
+/// Operations of a response in a second: modes advanced, and pairs of contact points.
+const RESPONSE_RATE: f64 = 1.5e8;
+
+/// Spectra and pictures of a mode \[byte a frequency line\].
+const SPECTRUM_LINE: f64 = 64.0;
+
+/// Unknowns of a sector and processor time \[s\] of the calibration: block and worktable of the N80CB to 3.2 kHz.
+const RADIATION: (f64, f64) = (1210.0, 90.0);
+
+/// Processor time after which a run is announced as long \[s\].
+pub const LONG: f64 = 1800.0;
+
+/// Cost of the nailing cycle.
+pub fn of_cycle(design: &Design) -> StageCost {
+    let analysis = &design.analysis;
+    let samples = (analysis.cycle_end + analysis.cycle_tail) / analysis.time_step;
+    StageCost {
+        stage: "nailing cycle",
+        counts: vec![("samples", samples)],
+        gigabytes: 1e-9 * samples * CYCLE_SAMPLE,
+        cpu_seconds: samples / CYCLE_RATE,
+        keys: &[("analysis.time_step", "raise"), ("analysis.cycle_end", "lower")],
+    }
+}
+
+/// The bodies of a design that vibrate.
+pub fn bodies(design: &Design) -> Vec<BodyKind> {
+    let mut bodies = vec![BodyKind::Workpiece];
+    if design.support.kind == SupportKind::Worktable {
+        bodies.push(BodyKind::Worktable);
+    }
+    if design.body.model == BodyModel::Elastic {
+        bodies.push(BodyKind::Tool);
+    }
+    bodies
+}
+
+/// Cost of the mesh and the modes of a body.
+///
+/// # Errors
+/// Those of materials and mesh file.
+pub fn of_body(design: &Design, kind: BodyKind) -> Result<StageCost, Error> {
+    bodies::modes(design, kind)
+}
+
+/// Cost of every stage of a run.
+///
+/// # Errors
+/// As [`of_body`].
+pub fn of_run(design: &Design) -> Result<Vec<StageCost>, Error> {
+    let mut stages = vec![of_cycle(design)];
+    for kind in bodies(design) {
+        stages.push(of_body(design, kind)?);
+    }
+    let modes: f64 = stages
+        .iter()
+        .flat_map(|stage| &stage.counts)
+        .filter(|(what, _)| *what == "modes")
+        .map(|(_, n)| n)
+        .sum();
+    stages.push(response(design, modes));
+    stages.extend(radiation(design));
+    Ok(stages)
+}
+
+fn response(design: &Design, modes: f64) -> StageCost {
+    let (analysis, contact) = (&design.analysis, &design.support.contact);
+    let samples = analysis.duration / analysis.time_step;
+    let points = f64::from(contact.points_along) * f64::from(contact.points_across);
+    let sensors = design.sensors.len() as f64;
+    let top = analysis.range_high.max(analysis.workpiece_top);
+    let lines = analysis.duration * top;
+    let values = LOADS + points + 6.0 * sensors;
+    let mut counts = vec![("samples", samples), ("modes", modes), ("contact points", points)];
+    if analysis.starts > 1 {
+        counts.push(("starts", f64::from(analysis.starts)));
+    }
+    StageCost {
+        stage: "response",
+        counts,
+        gigabytes: 1e-9 * (8.0 * samples * values + SPECTRUM_LINE * lines * modes),
+        cpu_seconds: f64::from(analysis.starts) * samples * (modes + 0.02 * points * points) / RESPONSE_RATE,
+        keys: &[
+            ("analysis.time_step", "raise"),
+            ("analysis.duration", "lower"),
+            ("analysis.starts", "lower"),
+            ("support.contact.points_along", "lower"),
+            ("support.contact.points_across", "lower"),
+        ],
+    }
+}
+
+/// Boundary elements of the workpiece with its support: unknowns of the four sectors grow with the area and the square of
+/// the top frequency, memory with their square, work with their cube.
+fn radiation(design: &Design) -> Option<StageCost> {
+    let elements = design.acoustics.method == RadiationMethod::Bem && design.support.kind != SupportKind::Sandbox;
+    elements.then(|| {
+        let [x, y, z] = block_size(design);
+        let block = 2.0 * (x * y + y * z + z * x);
+        let table = &design.support.worktable;
+        let on_table = match design.support.kind {
+            SupportKind::Worktable => 2.0 * table.length * table.width + 16.0 * table.leg_width * table.height,
+            _ => 0.0,
+        };
+        let acoustics = &design.acoustics;
+        let panel = 343.0 / (acoustics.bem_top * acoustics.bem_panels);
+        let panels = (block + on_table) / (panel * panel);
+        let unknowns = panels / 4.0;
+        let (unknowns_0, seconds_0) = RADIATION;
+        StageCost {
+            stage: "radiation of the workpiece",
+            counts: vec![("panels", panels)],
+            gigabytes: 1e-9 * 3.0 * 16.0 * unknowns * unknowns,
+            cpu_seconds: seconds_0 * (unknowns / unknowns_0).powi(3) + 1e-3 * unknowns,
+            keys: &[("acoustics.bem_top", "lower"), ("acoustics.bem_panels", "lower")],
+        }
+    })
+}
+
+/// Refuses a design of which a stage needs more memory than allowed.
+///
+/// # Errors
+/// [`Error::Design`] with the stage, its counts, and the key to change.
+pub fn refuse(design: &Design, stages: &[StageCost], limit: MemoryLimit) -> Result<(), Error> {
+    match stages.iter().find(|stage| !limit.allows(stage.gigabytes)) {
+        Some(stage) => {
+            let needs = format!("about {:.2e} GB: {}", stage.gigabytes, stage.counted());
+            let allowed = match limit.given {
+                true => format!("{:.3} GB are allowed by --memory", limit.gigabytes),
+                false => format!("{:.1} GB are allowed, three quarters of what is free", limit.gigabytes),
+            };
+            Err(design.too_costly(stage.stage, needs, allowed, stage.keys).into())
+        }
+        None => Ok(()),
+    }
+}
+
+/// Announcement of a run that takes long if nothing of it is kept; none for others.
+pub fn announcement(stages: &[StageCost]) -> Option<String> {
+    let total: f64 = stages.iter().map(|stage| stage.cpu_seconds).sum();
+    let longest = stages.iter().max_by(|a, b| a.cpu_seconds.total_cmp(&b.cpu_seconds))?;
+    (total > LONG).then(|| {
+        format!(
+            "this takes about {:.1} hours of processor time unless it is kept from an earlier run, most of it for the {} ({})",
+            total / 3600.0,
+            longest.stage,
+            longest.counted()
+        )
+    })
+}
+
+impl StageCost {
+    fn of_modes(stage: &'static str, elements: f64, cost: ModalCost, keys: &'static [Remedy]) -> Self {
+        Self {
+            stage,
+            counts: vec![
+                ("elements", elements),
+                ("degrees of freedom", cost.dofs as f64),
+                ("modes", cost.modes),
+            ],
+            gigabytes: cost.gigabytes,
+            cpu_seconds: cost.cpu_seconds,
+            keys,
+        }
+    }
+
+    /// Its counts in words: "3e6 samples, 195 modes".
+    pub fn counted(&self) -> String {
+        let count = |(what, count): &(&str, f64)| match *count {
+            n if n < 1e6 => format!("{n:.0} {what}"),
+            n => format!("{n:.1e} {what}"),
+        };
+        self.counts.iter().map(count).collect::<Vec<_>>().join(", ")
+    }
+}
