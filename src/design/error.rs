@@ -13,6 +13,7 @@ use super::place::Place;
 use super::sensors::SensorProblem;
 use super::show::show;
 use super::springs::Sprung;
+use super::surfaces::SurfaceProblem;
 
 /// Why a design cannot be used. As a [`Diagnostic`] it shows the place and the remedy.
 #[derive(Debug, thiserror::Error)]
@@ -256,6 +257,16 @@ pub enum DesignError {
         /// The key to look at; none for a sensor that no file gives.
         at: Option<Box<Place>>,
     },
+    /// A place that is not that of a surface.
+    #[error("the surface `{name}` {problem}")]
+    Surface {
+        /// Its name.
+        name: String,
+        /// What is wrong with it.
+        problem: SurfaceProblem,
+        /// The key to look at; none for a surface that no file gives.
+        at: Option<Box<Place>>,
+    },
     /// A spring that is not on its body.
     #[error("the spring `{name}` at ({}, {}, {}) is {} outside the {}", show(point[0], LENGTH), show(point[1], LENGTH),
         show(point[2], LENGTH), show(*distance, LENGTH), body.as_str())]
@@ -315,6 +326,7 @@ impl DesignError {
             Self::NotFound { at, .. }
             | Self::Unreadable { at, .. }
             | Self::Sensor { at, .. }
+            | Self::Surface { at, .. }
             | Self::Spring { at, .. } => at.as_deref(),
             Self::Syntax { at, .. }
             | Self::InheritanceLoop { at, .. }
@@ -367,6 +379,7 @@ impl DesignError {
             Self::UnknownGroup { nearest, known, .. } => meant(nearest.as_deref(), known, "the groups here are"),
             Self::BadName { .. } => "use letters, digits, `_` and `-` alone: [sensors.block_top]".to_owned(),
             Self::Sensor { problem, .. } => problem.remedy(),
+            Self::Surface { problem, .. } => problem.remedy(),
             Self::Spring { .. } => {
                 "move x, y and z onto the body; the origin is the centre of the workpiece's underside, \
                                     z up"
@@ -433,6 +446,7 @@ impl DesignError {
             Self::UnknownGroup { .. } => "unknown group",
             Self::BadName { .. } => "no name",
             Self::Sensor { .. } => "of this sensor",
+            Self::Surface { .. } => "of this surface",
             Self::Spring { .. } => "of this spring",
             Self::WrongKind { .. } => "wrong type",
             Self::BadNumber { .. } => "not a number with a unit",
@@ -461,6 +475,7 @@ impl DesignError {
             Self::UnknownGroup { .. } => "unknown_group",
             Self::BadName { .. } => "bad_name",
             Self::Sensor { .. } => "sensor",
+            Self::Surface { .. } => "surface",
             Self::Spring { .. } => "spring",
             Self::WrongKind { .. } => "wrong_kind",
             Self::BadNumber { .. } => "bad_number",
