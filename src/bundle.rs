@@ -199,6 +199,7 @@ fn made(design: &Design, folder: &Path, unfinished: &Path, store: &Store, progre
         moving: chain.moving.clone(),
         cycle: chain.cycle.clone(),
     });
+    chain.check_bodies()?;
     thread::scope(|scope| {
         // The cycle's tables are the longest of all.
         let of_cycle = scope.spawn(|| chain.cycle.get().and_then(|record| output::of_cycle(&record)));

@@ -3,6 +3,7 @@
 //! [`Chain::new`] adds the stages of a design to a graph without computing any. [`Chain::run`] (`run.rs`) makes the outputs
 //! that a result needs, side by side, and ranks the sources.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use nailnoise_acoustics::Air;
@@ -18,13 +19,16 @@ use crate::design::{BodyModel, Carrier, Coupling, Design, SupportKind};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::result::Starts;
-use crate::stages::bodies::{Body, BodyKind, BodySensors, Discretisation, ModalModel, Modes, SensorModes, WholeModes};
+use crate::stages::bodies::{
+    Body, BodyKind, BodySensors, Discretisation, Meshed, ModalModel, Model, Modes, SensorModes, WholeModes,
+};
 use crate::stages::cycle::{Cycle, Preset};
 use crate::stages::exhaust::{Exhaust, ExhaustSource, noise};
 use crate::stages::radiation::{
     FlushMatrix, RadiationDamping, ToolMatrix, ToolRadiator, WorkpieceMatrix, WorkpieceMethod, WorkpieceRadiation,
     WorkpieceRadiator,
 };
+use crate::stages::requirements::{Radiating, Requirements, Usable};
 use crate::stages::response::{
     Coupled, CoupledCycle, CoupledResponse, CoupledVibration, CouplingReport, End, Reported, Response, ResponseChecks,
     ResponseReport, Structure, Vibration,
@@ -58,6 +62,10 @@ impl Default for Options {
 /// The stages of a body.
 #[derive(Clone)]
 pub struct BodyStages {
+    /// Its mesh with materials.
+    pub meshed: Stored<Meshed>,
+    /// Its finite elements with load vectors.
+    pub model: Stored<Model>,
     /// Its modes with their shapes on every node.
     pub modes: Stored<WholeModes>,
     /// The body in modal coordinates.
@@ -75,13 +83,19 @@ impl BodyStages {
     /// [`Error::NoSuchBody`] for the worktable of a design without one; those of materials and mesh file.
     pub fn add(graph: &Graph, design: &Design, kind: BodyKind, driven: bool) -> Result<Self, Error> {
         let BodyInputs {
-            discretisation,
+            geometry,
+            places,
             below_hz,
             residual_limit,
             loss_factor,
             top_hz,
         } = inputs::bodies::body(design, kind, driven)?;
-        let model = graph.add::<Discretisation>(discretisation);
+        let meshed = graph.add(geometry);
+        let model = graph.add(Discretisation {
+            kind,
+            meshed: meshed.clone(),
+            places,
+        });
         let modes = graph.add(Modes {
             kind,
             model: model.clone(),
@@ -90,12 +104,14 @@ impl BodyStages {
         });
         let body = graph.add(ModalModel {
             kind,
-            model,
+            model: model.clone(),
             modes: modes.clone(),
             top_hz,
             below_hz,
         });
         Ok(Self {
+            meshed,
+            model,
             modes,
             body,
             loss_factor,
@@ -115,9 +131,89 @@ impl BodyStages {
     }
 }
 
+/// Bodies of a design that a run solves.
+pub fn solved_bodies(design: &Design) -> Vec<BodyKind> {
+    let on_table = design.support.kind == SupportKind::Worktable;
+    let mut kinds = vec![BodyKind::Workpiece];
+    kinds.extend(on_table.then_some(BodyKind::Worktable));
+    kinds.extend((design.body.model == BodyModel::Elastic).then_some(BodyKind::Tool));
+    kinds
+}
+
+/// Adds what a run requires of a body to a graph; `stages` are those of all its bodies.
+fn requirements(
+    graph: &Graph,
+    design: &Design,
+    kind: BodyKind,
+    stages: &[(BodyKind, BodyStages)],
+) -> Result<Option<Stored<Usable>>, Error> {
+    let Some((_, own)) = stages.iter().find(|(other, _)| *other == kind) else {
+        return Ok(None);
+    };
+    let (carrier, radiating) = match kind {
+        BodyKind::Tool => (Carrier::Tool, inputs::radiation::tool(design).map(Radiating::Tool)),
+        BodyKind::Workpiece | BodyKind::Worktable => {
+            let of = |wanted: BodyKind| stages.iter().find(|(kind, _)| *kind == wanted);
+            let structure = [BodyKind::Workpiece, BodyKind::Worktable].into_iter().filter_map(of);
+            let meshed = structure.map(|(_, stages)| stages.meshed.clone()).collect();
+            let radiating = Radiating::Workpiece(inputs::radiation::workpiece(design)?, meshed);
+            let carrier = match kind {
+                BodyKind::Worktable => Carrier::Worktable,
+                _ => Carrier::Workpiece,
+            };
+            (carrier, Some(radiating))
+        }
+    };
+    Ok(Some(graph.add(Requirements {
+        kind,
+        meshed: own.meshed.clone(),
+        model: own.model.clone(),
+        sensors: inputs::sensors::points(design, carrier)?,
+        mass: inputs::bodies::mass(design, kind),
+        radiating,
+    })))
+}
+
+/// A meshed body, and whether a run can use it.
+pub struct CheckedBody {
+    /// The mesh with materials.
+    pub meshed: Arc<Meshed>,
+    /// Why a run cannot use it; empty for a body that no run of the design solves.
+    pub problems: Vec<Error>,
+}
+
+/// Meshes bodies of a design and checks them as a run does before it solves any.
+pub fn check_bodies(design: &Design, kinds: &[BodyKind]) -> Vec<Result<CheckedBody, Error>> {
+    let (graph, solved) = (Graph::default(), solved_bodies(design));
+    let locate = |error| inputs::located(design, error);
+    let others = solved.iter().filter(|kind| !kinds.contains(kind));
+    let all = kinds.iter().chain(others);
+    let added = all.map(|&kind| (kind, BodyStages::add(&graph, design, kind, solved.contains(&kind))));
+    // Each mesh before any check: what reads a mesh that failed before no longer knows why.
+    let meshed = added.map(|(kind, stages)| {
+        let meshed = stages.and_then(|stages| Ok((stages.meshed.get()?, stages)));
+        (kind, meshed.map_err(locate))
+    });
+    let mut meshed: Vec<_> = meshed.collect();
+    let stages = meshed
+        .iter()
+        .filter_map(|(kind, meshed)| Some((*kind, meshed.as_ref().ok()?.1.clone())));
+    let stages: Vec<_> = stages.filter(|(kind, _)| solved.contains(kind)).collect();
+    let checked = meshed.drain(..kinds.len()).map(|(kind, meshed)| {
+        let (meshed, _) = meshed?;
+        let usable = requirements(&graph, design, kind, &stages)?;
+        let problem = usable.and_then(|usable| usable.get().err());
+        let problems = problem.map_or_else(Vec::new, |error| locate(error).parts());
+        Ok(CheckedBody { meshed, problems })
+    });
+    checked.collect()
+}
+
 /// The stages of a design's shot.
 pub struct Chain {
     pub(crate) graph: Graph,
+    /// What a run requires of each body.
+    pub(crate) usable: Vec<Stored<Usable>>,
     /// When the run began.
     pub(crate) begin: Instant,
     /// The nailing cycle.
@@ -180,17 +276,22 @@ impl Chain {
         let lumped = graph.add(cycle_stage(design)?);
 
         // Bodies: the tool and what it stands on do not affect each other.
-        let on_table = design.support.kind == SupportKind::Worktable;
-        let kinds = [BodyKind::Workpiece, BodyKind::Worktable];
-        let kinds = kinds.into_iter().take(if on_table { 2 } else { 1 });
-        let structure = kinds
-            .map(|kind| BodyStages::add(graph, design, kind, true))
-            .collect::<Result<Vec<_>, _>>()?;
+        let add = |kind| Ok((kind, BodyStages::add(graph, design, kind, true)?));
+        let solved = solved_bodies(design)
+            .into_iter()
+            .map(add)
+            .collect::<Result<Vec<(BodyKind, BodyStages)>, Error>>()?;
+        let (tools, structure): (Vec<_>, Vec<_>) =
+            solved.iter().cloned().partition(|(kind, _)| *kind == BodyKind::Tool);
+        let structure: Vec<BodyStages> = structure.into_iter().map(|(_, stages)| stages).collect();
+        let tool = tools.into_iter().next().map(|(_, stages)| stages);
         let bodies: Vec<Stored<Body>> = structure.iter().map(|stages| stages.body.clone()).collect();
-        let elastic = design.body.model == BodyModel::Elastic;
-        let tool = elastic
-            .then(|| BodyStages::add(graph, design, BodyKind::Tool, true))
-            .transpose()?;
+
+        // What a run requires of them, known before any is solved.
+        let usable = solved
+            .iter()
+            .map(|(kind, _)| requirements(graph, design, *kind, &solved));
+        let usable = usable.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
 
         // Radiation per unit of modal motion, and the damping that it adds to the modes.
         let (radiator, field_method) = workpiece_radiation(graph, design, &bodies, air)?;
@@ -335,7 +436,7 @@ impl Chain {
                 radiator: tool_radiator.clone(),
                 radiation_damping: tool_damping.clone(),
             }),
-            volume: design.body.volume(),
+            volume: design.body.volume(design.piston.bore),
             air,
             range_hz,
             cycle: cycle.clone(),
@@ -427,6 +528,7 @@ impl Chain {
         Ok(Self {
             moving: of_structure.chain(of_tool).collect(),
             graph: graph.clone(),
+            usable,
             begin,
             cycle,
             structure,

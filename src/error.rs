@@ -104,20 +104,42 @@ pub enum Error {
     },
     /// The meshed tool is heavier than the tool.
     #[error("the meshed tool body weighs {meshed:.3} kg, more than `tool.mass` = {tool:.3} kg")]
-    #[diagnostic(help("thin its walls, raise `tool.mass`, or set `body.lumped = false` to leave its mass as it is"))]
+    #[diagnostic(help("thin its walls, or raise `tool.mass`"))]
     TooHeavy {
         /// Mass of the mesh \[kg\].
         meshed: f64,
         /// Mass of the cycle's tool \[kg\].
         tool: f64,
     },
+    /// The meshed tool has another mass than the tool of the cycle.
+    #[error("the tool body weighs {found:.3} kg, the tool of the cycle `tool.mass` = {tool:.3} kg")]
+    #[diagnostic(help(
+        "set `body.lumped = true` for what the mesh lacks of the mass, or set `tool.mass = \"{found:.3} kg\"`"
+    ))]
+    OtherMass {
+        /// Mass of the meshed tool with its lumped masses \[kg\].
+        found: f64,
+        /// Mass of the cycle's tool \[kg\].
+        tool: f64,
+    },
+    /// Several things that keep a run from using a body.
+    #[error("the {body} cannot be used: {} problems", problems.len())]
+    #[diagnostic(help("`nailnoise check DESIGN --body {body}` shows the mesh with its surfaces"))]
+    Unusable {
+        /// The body.
+        body: &'static str,
+        /// The problems.
+        #[related]
+        problems: Vec<Self>,
+    },
     /// The user's mesh of the tool has no surface for a lumped mass.
     #[error(
         "{mass:.3} kg of the tool's mass belong on the surface \"{group}\", which the mesh has not; it has: {known}"
     )]
     #[diagnostic(help(
-        "name that surface (gmsh: Physical Surface(\"{group}\") = ...), set its share in `body.lumped_nose` and \
-         `body.lumped_magazine`, or set `body.lumped = false`"
+        "name that surface (gmsh: Physical Surface(\"{group}\") = ...), give its place in the design ([surfaces.NAME] with \
+         surface = \"{group}\"), set its share in `body.lumped_nose` and `body.lumped_magazine`, or set \
+         `body.lumped = false` and `tool.mass` to that of the mesh"
     ))]
     NoSeat {
         /// Name of the surface.
@@ -127,26 +149,12 @@ pub enum Error {
         /// The names there are.
         known: String,
     },
-    /// The cylinder sleeve does not fit the barrel.
-    #[error(
-        "a sleeve of {:.4} mm outer radius (half of `piston.bore` and `body.sleeve_wall`) does not fit a barrel of {:.4} mm \
-         inner radius (`body.barrel_radius` less `body.barrel_wall`)",
-        1e3 * sleeve, 1e3 * barrel
-    )]
-    #[diagnostic(help("make the barrel wider or a wall thinner, or set `body.model = \"rigid\"`"))]
-    NoRoom {
-        /// Outer radius of the sleeve \[m\].
-        sleeve: f64,
-        /// Inner radius of the barrel \[m\].
-        barrel: f64,
-    },
     /// The mesh of the tool body does not name where a force of the shot acts.
-    #[error(
-        "the mesh of the tool body has no surface \"{group}\" for {what}, or none of it where the design has it; it has {known}"
-    )]
+    #[error("the mesh of the tool body has no surface \"{group}\" for {what}; it has: {known}")]
     #[diagnostic(help(
-        "name that surface (gmsh: Physical Surface(\"{group}\") = ...) on the axis of the cylinder, x = y = 0, or set \
-         `body.model = \"rigid\"`"
+        "name that surface (gmsh: Physical Surface(\"{group}\") = ...), give its place in the design ([surfaces.NAME] with \
+         surface = \"{group}\"), or set `body.model = \"rigid\"`; the axis of the cylinder is x = y = 0, its bore \
+         `piston.bore`, z is up from the tip of the nose"
     ))]
     NoLoadSurface {
         /// Name of the surface.
@@ -155,6 +163,73 @@ pub enum Error {
         what: &'static str,
         /// The names there are.
         known: String,
+    },
+    /// A surface of the tool body is not where the design has a force.
+    #[error("no part of the surface \"{group}\" of the tool body is where {what} act")]
+    #[diagnostic(help(
+        "put the axis of the cylinder on x = y = 0, or correct `head_valve.inner_diameter` and `head_valve.outer_diameter`: \
+         the valve strikes the cap between them"
+    ))]
+    NoneOfSurface {
+        /// Name of the surface.
+        group: &'static str,
+        /// What acts there.
+        what: &'static str,
+    },
+    /// A place of the design is on no face of its body.
+    #[error("no face of the body that looks its way is at the place of the surface \"{entry}\"")]
+    #[diagnostic(help("move its x, y and z onto the face; along_x, along_y and along_z point out of the body there"))]
+    SurfaceOutside {
+        /// Its name in the design.
+        entry: String,
+        /// Distance of the nearest face that looks its way \[m\]; none if there is none.
+        distance: Option<f64>,
+    },
+    /// Pieces of a body that nothing joins.
+    #[error(
+        "the {body} falls into {pieces} pieces that nothing joins or holds; the smallest has {:.2} cm3 around ({:.1}, {:.1}, \
+         {:.1}) mm", volume * 1e6, centre[0] * 1e3, centre[1] * 1e3, centre[2] * 1e3
+    )]
+    #[diagnostic(help(
+        "let the pieces share nodes (gmsh: BooleanFragments or Coherence), name their contact surfaces NAME_slave and \
+         NAME_master to tie them, or remove the loose piece"
+    ))]
+    LoosePiece {
+        /// The body.
+        body: &'static str,
+        /// Number of pieces.
+        pieces: usize,
+        /// Volume of the smallest \[m3\].
+        volume: f64,
+        /// Its centroid \[m\].
+        centre: [f64; 3],
+    },
+    /// Pieces of a body cannot be tied as its surfaces say.
+    #[error("the pieces of the {body} cannot be joined: {cause}")]
+    #[diagnostic(help(
+        "the surfaces NAME_slave and NAME_master must lie on each other within a tenth of the longest element side; mesh \
+         curved ones more finely"
+    ))]
+    NotTied {
+        /// The body.
+        body: &'static str,
+        /// Why.
+        cause: nailnoise_fem::FemError,
+    },
+    /// A file that is read in a wrong unit.
+    #[error("{} shows {what} that is {found}; expected are {expected}", path.display())]
+    #[diagnostic(help("{remedy}"))]
+    Extent {
+        /// The file.
+        path: PathBuf,
+        /// What it stands for.
+        what: &'static str,
+        /// How long it is and with which unit.
+        found: String,
+        /// How long it may be.
+        expected: String,
+        /// The unit to give.
+        remedy: String,
     },
     /// A sensor that is not on its body.
     #[error("the sensor \"{sensor}\" is {:.4} mm outside the {body}", 1e3 * distance)]
@@ -297,10 +372,44 @@ from_modules_of_acoustics!(
 );
 
 impl Error {
+    /// Fails with the problems of a body, if there are any; one alone is the error itself.
+    ///
+    /// # Errors
+    /// That one, or [`Self::Unusable`].
+    pub(crate) fn of_body(body: &'static str, mut problems: Vec<Self>) -> Result<(), Self> {
+        match problems.len() {
+            0 => Ok(()),
+            1 => Err(problems.remove(0)),
+            _ => Err(Self::Unusable { body, problems }),
+        }
+    }
+
+    /// The single problems of which an error consists.
+    pub(crate) fn parts(self) -> Vec<Self> {
+        match self {
+            Self::Unusable { problems, .. } => problems.into_iter().flat_map(Self::parts).collect(),
+            other => vec![other],
+        }
+    }
+
+    /// Whether a surface for a force is absent.
+    pub(crate) fn lacks(&self, surface: &str) -> bool {
+        matches!(self, Self::NoLoadSurface { group, .. } if *group == surface)
+    }
+
+    /// The error in one line: causes and remedy behind it.
+    pub(crate) fn in_words(&self) -> String {
+        let help = Diagnostic::help(self).map_or_else(String::new, |help| format!("; {help}"));
+        let causes = std::iter::successors(std::error::Error::source(self), |cause| cause.source());
+        let causes: String = causes.map(|cause| format!(": {cause}")).collect();
+        format!("{self}{causes}{help}")
+    }
+
     /// Exit status of the command: 2 for wrong use or input, 3 for a numerical failure.
     pub fn exit_status(&self) -> u8 {
         match self {
             Self::Acoustics(cause) if cause.is_of_the_design() => 2,
+            Self::Unusable { problems, .. } => problems.iter().map(Self::exit_status).min().unwrap_or(2),
             Self::Fem(_) | Self::Transient(_) | Self::Acoustics(_) | Self::Json(_) => 3,
             Self::Cycle(CycleError::Integration { .. } | CycleError::Collapse { .. } | CycleError::Chatter { .. }) => 3,
             _ => 2,

@@ -11,6 +11,7 @@ use crate::design::{Design, SupportKind};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::result::{DesignId, RunResult, SCHEMA};
+use crate::stages::bodies::{FoundSurface, Origin};
 use crate::stages::microphones::Microphones;
 use crate::stages::ranking::SoundPower;
 use crate::stages::sensors::SensorRecord;
@@ -68,7 +69,28 @@ impl Chain {
         self.ranked(design).map_err(|error| located(design, error))
     }
 
+    /// Surfaces of the bodies that the program recognised.
+    fn guessed(&self) -> Result<Vec<String>, Error> {
+        let mut guessed = Vec::new();
+        for usable in &self.usable {
+            let usable = usable.get()?;
+            let own = usable.surfaces.iter().filter(|surface| surface.origin == Origin::Guess);
+            guessed.extend(own.map(FoundSurface::in_words));
+        }
+        Ok(guessed)
+    }
+
+    /// Checks what a run requires of its bodies, before any is solved.
+    ///
+    /// # Errors
+    /// Those of meshes, and of bodies that a run cannot use.
+    pub(crate) fn check_bodies(&self) -> Result<(), Error> {
+        let usable: Vec<&dyn Input> = self.usable.iter().map(|usable| usable as &dyn Input).collect();
+        self.graph.prepare(&usable)
+    }
+
     fn ranked(&self, design: &Design) -> Result<Run, Error> {
+        self.check_bodies()?;
         self.graph.prepare(&self.outputs())?;
         let progress = self.graph.progress();
         let (record, end) = (self.cycle.get()?, *self.end.get()?);
@@ -93,6 +115,8 @@ impl Chain {
                 limited_sensors: inputs::sensors::limited(design),
                 outside_ranges: inputs::notes::outside_ranges(design),
                 idle_springs: design.idle_springs(),
+                idle_surfaces: design.idle_surfaces(),
+                guessed: self.guessed()?,
             },
             &record,
             &inputs::exhaust::openings(design)?,

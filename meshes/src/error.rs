@@ -136,6 +136,29 @@ pub enum MeshError {
         /// Its own words.
         reason: String,
     },
+    /// A solid geometry is far larger or smaller than what it stands for.
+    #[error("{what} is {extent:.4e} m long, expected are {:.4e} to {:.4e} m; give the unit of its lengths", expected[0], expected[1])]
+    Extent {
+        /// The geometry.
+        what: String,
+        /// Its longest side along an axis \[m\].
+        extent: f64,
+        /// What it may be \[m\].
+        expected: [f64; 2],
+    },
+    /// gmsh does not keep its elements below a size.
+    #[error(
+        "gmsh leaves an element side of {longest:.4} m in {what}, where {size:.4} m is asked for; divide its faces (gmsh: \
+         Mesh.OptimizeNetgen = 1), or allow longer elements"
+    )]
+    TooLong {
+        /// The geometry.
+        what: String,
+        /// The longest side of the finest mesh \[m\].
+        longest: f64,
+        /// The longest that is allowed \[m\].
+        size: f64,
+    },
     /// A geometry is of a kind that gmsh does not open.
     #[error("{}: known are .msh, .msh.gz, .step, .stp, .brep, .igs and .iges", path.display())]
     UnknownKind {

@@ -200,7 +200,7 @@ fn invert(mesh: &Mesh, element: usize, point: Point3<f64>) -> (Vector3<f64>, Vec
 }
 
 /// Natural coordinates of the foot of the perpendicular from `point` on a face, and its length, by Gauss-Newton.
-fn project(kind: FaceKind, corners: &[Point3<f64>], point: Point3<f64>) -> (Vector2<f64>, f64) {
+pub(crate) fn project(kind: FaceKind, corners: &[Point3<f64>], point: Point3<f64>) -> (Vector2<f64>, f64) {
     let (mut shape, mut slope) = ([0.0; 9], [[0.0; 2]; 9]);
     let mut xi = Vector2::from(kind.centre());
     let mut off = Vector3::zeros();

@@ -155,6 +155,15 @@ impl Mesh {
 
     /// Number of pieces that share no node.
     pub fn pieces(&self) -> usize {
+        let mut pieces: Vec<usize> = self.piece_of_nodes().into_iter().flatten().collect();
+        pieces.sort_unstable();
+        pieces.dedup();
+        pieces.len()
+    }
+
+    /// For each node the first node of the piece that it belongs to, where pieces share no node; none for a node without
+    /// an element.
+    pub fn piece_of_nodes(&self) -> Vec<Option<usize>> {
         let mut parent: Vec<usize> = (0..self.nodes.len()).collect();
         let mut used = vec![false; self.nodes.len()];
         for view in self.elements() {
@@ -165,8 +174,8 @@ impl Mesh {
             }
         }
         (0..parent.len())
-            .filter(|&node| used[node] && parent[node] == node)
-            .count()
+            .map(|node| used[node].then(|| root(&mut parent, node)))
+            .collect()
     }
 
     /// Nodes that lie on another node, within 1e-6 of the size of the mesh; a crack, unless a tie joins them.
@@ -216,7 +225,8 @@ impl Mesh {
     }
 }
 
-fn root(parent: &mut [usize], mut node: usize) -> usize {
+/// The first index of the set that an index belongs to.
+pub(crate) fn root(parent: &mut [usize], mut node: usize) -> usize {
     while parent[node] != node {
         parent[node] = parent[parent[node]];
         node = parent[node];

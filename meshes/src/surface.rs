@@ -188,6 +188,16 @@ impl Surface {
         })
     }
 
+    /// Centroid of one patch \[m\]; none for a patch without faces.
+    pub fn patch_centre(&self, patch: usize) -> Option<Point3<f64>> {
+        let points = self.quadrature(2).ok()?;
+        let own = points.iter().filter(|point| self.faces[point.face].patch == patch);
+        let (area, moment) = own.fold((0.0, Vector3::zeros()), |(area, moment), point| {
+            (area + point.weight, moment + point.weight * point.position.coords)
+        });
+        (area > 0.0).then(|| Point3::from(moment / area))
+    }
+
     /// The volume inside by the divergence theorem, V = 1/3 closed integral of x . n dS \[m^3\]; meaningful when the
     /// surface [is closed](Self::open_edges) and negative when its faces point inwards.
     pub fn volume(&self) -> f64 {

@@ -19,9 +19,7 @@ group! {
     /// Dimensions of the tool body: barrel with cap on a hollow nose, hollow handle, coil-magazine can, cylinder sleeve; z up
     /// from the nose's tip, the handle along +x.
     ToolDimensions {
-        /// Outer radius of the barrel.
-        barrel_radius: f64 = positive(LENGTH).within(1e-4, 2.0), "";
-        /// Wall of the barrel, its floor and its roof.
+        /// Wall of the barrel, its floor and its roof. Its outer radius follows from bore, sleeve, gap and wall.
         barrel_wall: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Height of the barrel.
         barrel_height: f64 = positive(LENGTH).within(1e-4, 2.0), "";
@@ -69,6 +67,8 @@ group! {
         sleeve_wall: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Height of the sleeve, which stands on the barrel's floor.
         sleeve_height: f64 = positive(LENGTH).within(1e-4, 2.0), "";
+        /// Gap between sleeve and barrel, all round.
+        sleeve_gap: f64 = positive(LENGTH).within(1e-4, 2.0), "";
         /// Length of the sleeve's upper end that a fit holds in the barrel; 0 when the sleeve stands free.
         sleeve_fit: f64 = nonnegative(LENGTH).within(0.0, 2.0), "";
     }
@@ -85,14 +85,21 @@ group! {
     }
 }
 
+impl ToolDimensions {
+    /// Outer radius of the barrel around a sleeve of an inner radius \[m\].
+    pub fn barrel_radius(&self, sleeve_radius: f64) -> f64 {
+        sleeve_radius + self.sleeve_wall + self.sleeve_gap + self.barrel_wall
+    }
+}
+
 impl Tool {
-    /// Name and value \[m\] of every dimension.
+    /// Name and value \[m\] of every constant of the geometry's script: the radius of the barrel, then the dimensions but
+    /// for the gap that it follows from.
     pub fn dimensions(&self) -> Vec<(&'static str, f64)> {
-        let mut dimensions = Vec::new();
-        self.visit("", &mut |_, spec, value| {
-            if let Value::Number(metres) = value {
-                dimensions.push((spec.name, metres));
-            }
+        let mut dimensions = vec![("barrel_radius", self.barrel_radius(self.sleeve_radius))];
+        self.visit("", &mut |_, spec, value| match value {
+            Value::Number(metres) if spec.name != "sleeve_gap" => dimensions.push((spec.name, metres)),
+            _ => {}
         });
         dimensions
     }

@@ -1,16 +1,19 @@
 //! What `mesh`, `check` and `modes` share: the choice of a body, and input that may be a design or a mesh.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
+use nailnoise_meshes::gmsh;
 use nailnoise_meshes::msh::Imported;
 
 use nailnoise_quantities::dimension::LENGTH;
 use nailnoise_quantities::measure;
 
 use super::Memory;
+use crate::chain;
 use crate::cost::{self, MemoryLimit};
-use crate::design::inputs::bodies as inputs;
+use crate::design::inputs::{bodies as inputs, located};
 use crate::design::{Design, Values};
 use crate::error::Error;
 use crate::stages::bodies::{BodyKind, MeshFile, Meshed};
@@ -104,15 +107,21 @@ pub(super) struct Loaded {
     /// The mesh.
     pub(super) imported: Imported,
     /// The body, and the frequency below which its modes are wanted \[Hz\].
-    pub(super) body: Option<(Meshed, f64)>,
+    pub(super) body: Option<(Arc<Meshed>, f64)>,
+    /// Why a run cannot use the body.
+    pub(super) problems: Vec<Error>,
 }
 
 impl Input {
-    /// Reads or builds the mesh.
-    pub(super) fn load(&self) -> Result<Loaded, Error> {
+    /// Reads or builds the mesh; checks also whether a run can use it, if it is `for_run`.
+    pub(super) fn load(&self, for_run: bool) -> Result<Loaded, Error> {
         let is_design = self.path.extension().is_some_and(|end| end == "toml");
         if !is_design {
-            let imported = MeshFile::new(&self.path, self.own.unit.unwrap_or(1e-3), self.size)?.import()?;
+            let file = MeshFile::new(&self.path, self.own.unit.unwrap_or(1e-3), self.size, None)?;
+            let mut imported = file.import()?;
+            if file.needs_gmsh() {
+                gmsh::name_by_height(&mut imported.mesh);
+            }
             let name = self
                 .path
                 .file_stem()
@@ -121,6 +130,7 @@ impl Input {
                 name,
                 imported,
                 body: None,
+                problems: Vec::new(),
             });
         }
         let mut design = super::load(&self.path)?;
@@ -130,11 +140,21 @@ impl Input {
             set_size(&mut design, kind, size);
         }
         cost::refuse(&design, &[cost::of_body(&design, kind)?], self.memory.limit())?;
-        let meshed = inputs::geometry(&design, kind, self.remesh)?.mesh()?;
+        let mut problems = Vec::new();
+        let meshed = if for_run {
+            let checked = chain::check_bodies(&design, &[kind]).into_iter().next();
+            let checked = checked.unwrap_or(Err(Error::NoBody))?;
+            problems = checked.problems;
+            checked.meshed
+        } else {
+            let geometry = inputs::geometry(&design, kind, self.remesh)?;
+            Arc::new(geometry.mesh().map_err(|error| located(&design, error))?)
+        };
         Ok(Loaded {
             name: format!("{}: {}", design.name(), kind.name()),
             imported: meshed.imported.clone(),
             body: Some((meshed, inputs::below_hz(&design, kind))),
+            problems,
         })
     }
 

@@ -12,7 +12,7 @@ use super::bodies::Input;
 use super::table::table;
 use super::{print, print_json};
 use crate::error::Error;
-use crate::stages::bodies::{Meshed, SIDES_PER_WAVE as FEWEST};
+use crate::stages::bodies::{Meshed, Origin, SIDES_PER_WAVE as FEWEST};
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -61,13 +61,17 @@ struct Group {
     faces: usize,
     /// Area \[m2\]; faces between two elements have none here.
     area: f64,
+    /// Centroid \[m\].
+    centre: Option<[f64; 3]>,
+    /// Where its name comes from: the file, the design, or a guess by its shape.
+    origin: &'static str,
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     if let Some(design) = arguments.input.whole_design()? {
         return super::explain::execute(&design, arguments.input.memory(), arguments.json);
     }
-    let loaded = arguments.input.load()?;
+    let loaded = arguments.input.load(true)?;
     let mesh = &loaded.imported.mesh;
     let quality = mesh.quality()?;
     let skin = Surface::of(mesh);
@@ -98,23 +102,31 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         .groups
         .iter()
         .map(|group| {
-            let area = skin.patch(&group.name).map_or(0.0, |patch| skin.patch_area(patch));
+            let patch = skin.patch(&group.name).ok();
+            let found = body.and_then(|(meshed, _)| meshed.surfaces.iter().find(|found| found.name == group.name));
             Group {
                 name: group.name.clone(),
                 faces: group.faces.len(),
-                area,
+                area: patch.map_or(0.0, |patch| skin.patch_area(patch)),
+                centre: patch.and_then(|patch| skin.patch_centre(patch)).map(Into::into),
+                origin: found.map_or("file", |found| match found.origin {
+                    Origin::Design => "design",
+                    Origin::Guess => "guess",
+                }),
             }
         })
         .collect();
     let ties = body.map_or(0, |(meshed, _)| meshed.attachments.ties.len());
-    let (faults, warnings) = findings(
+    // Pieces of a body are checked with what else a run requires of it.
+    let (mut faults, warnings) = findings(
         mesh,
         &quality,
         worst_element,
         &parts,
         loaded.imported.unused_nodes,
-        ties > 0,
+        ties > 0 || !loaded.problems.is_empty(),
     );
+    faults.extend(loaded.problems.iter().map(Error::in_words));
     let result = CheckResult {
         schema: "nailnoise-check/1",
         nodes: mesh.nodes.len(),
@@ -300,11 +312,19 @@ fn text(name: &str, result: &CheckResult) -> String {
                 group.name.clone(),
                 group.faces.to_string(),
                 format!("{:.1}", group.area * 1e4),
+                group.centre.map_or_else(
+                    || "-".to_owned(),
+                    |centre| {
+                        let [x, y, z] = centre.map(|c| 1e3 * c);
+                        format!("({x:.1}, {y:.1}, {z:.1})")
+                    },
+                ),
+                group.origin.to_owned(),
             ]
         })
         .collect();
     text.push('\n');
-    text.push_str(&table(&["surface", "faces", "cm2"], &rows));
+    text.push_str(&table(&["surface", "faces", "cm2", "centre mm", "named by"], &rows));
     for fault in &result.faults {
         text.push_str(&format!("\n  fault: {fault}"));
     }

@@ -12,9 +12,9 @@ use super::{print, print_json};
 use crate::chain;
 use crate::cost::{self, MemoryLimit, StageCost};
 use crate::design::inputs::bodies as inputs;
-use crate::design::{Design, Entry, Provenance, SupportKind};
+use crate::design::{Design, Entry, Provenance};
 use crate::error::Error;
-use crate::stages::bodies::{BodyKind, MeshSource};
+use crate::stages::bodies::MeshSource;
 
 /// Estimates in the table.
 const LISTED: usize = 20;
@@ -88,36 +88,31 @@ fn explain(design: &Design, stages: Vec<StageCost>) -> Result<Explanation, Error
         *provenance.entry(entry.provenance.as_str()).or_insert(0) += 1;
     }
     let record = chain::cycle(design)?;
-    let kinds: &[BodyKind] = match design.support.kind {
-        SupportKind::Worktable => &[BodyKind::Workpiece, BodyKind::Worktable, BodyKind::Tool],
-        SupportKind::Sandbox | SupportKind::Floor | SupportKind::Clamped | SupportKind::Springs => {
-            &[BodyKind::Workpiece, BodyKind::Tool]
-        }
-    };
+    let kinds = chain::solved_bodies(design);
     let (mut bodies, mut obstacles) = (Vec::new(), Vec::new());
-    for &kind in kinds {
-        let geometry = inputs::geometry(design, kind, false);
-        let gmsh = geometry.as_ref().is_ok_and(|geometry| geometry.mesh.needs_gmsh());
-        match geometry.and_then(|geometry| Ok((geometry.mesh()?, geometry.mesh))) {
-            Ok((meshed, source)) => bodies.push(BodyPlan {
-                body: kind.name(),
-                mesh: origin(&source, gmsh),
-                gmsh,
-                cost: Some(modal_cost(&meshed, inputs::below_hz(design, kind))?),
-            }),
-            Err(error) => {
-                let help = miette::Diagnostic::help(&error).map_or_else(String::new, |help| format!("; {help}"));
-                let causes = std::iter::successors(std::error::Error::source(&error), |cause| cause.source());
-                let causes: String = causes.map(|cause| format!(": {cause}")).collect();
-                obstacles.push(format!("{}: {error}{causes}{help}", kind.name()));
-                bodies.push(BodyPlan {
-                    body: kind.name(),
-                    mesh: "none".to_owned(),
-                    gmsh,
-                    cost: None,
-                });
+    for (&kind, checked) in kinds.iter().zip(chain::check_bodies(design, &kinds)) {
+        let source = inputs::geometry(design, kind, false).map(|geometry| geometry.mesh);
+        let gmsh = source.as_ref().is_ok_and(MeshSource::needs_gmsh);
+        let mut plan = BodyPlan {
+            body: kind.name(),
+            mesh: "none".to_owned(),
+            gmsh,
+            cost: None,
+        };
+        let problems = match checked {
+            Ok(checked) => {
+                plan.cost = Some(modal_cost(&checked.meshed, inputs::below_hz(design, kind))?);
+                plan.mesh = source.map_or_else(|_| "none".to_owned(), |source| origin(&source, gmsh));
+                checked.problems
             }
-        }
+            Err(error) => vec![error],
+        };
+        obstacles.extend(
+            problems
+                .iter()
+                .map(|error| format!("{}: {}", kind.name(), error.in_words())),
+        );
+        bodies.push(plan);
     }
     Ok(Explanation {
         schema: "nailnoise-check-design/1",
@@ -177,7 +172,9 @@ fn unknowns(entries: &[Entry]) -> Vec<String> {
             _ => false,
         };
         let number = serde_json::to_value(&entry.value).is_ok_and(|value| value.is_number());
-        unsure && number && entry.range.is_none()
+        // The place of a surface names it and is no uncertain quantity.
+        let place = entry.key.starts_with("surfaces.");
+        unsure && number && !place && entry.range.is_none()
     };
     entries.iter().filter(open).map(|entry| entry.key.clone()).collect()
 }

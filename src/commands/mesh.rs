@@ -69,7 +69,7 @@ struct MeshResult {
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
-    let loaded = arguments.input.load()?;
+    let loaded = arguments.input.load(false)?;
     let mesh = &loaded.imported.mesh;
     for path in &arguments.write {
         write(path, &loaded.imported, arguments.format.into())?;

@@ -150,7 +150,12 @@ fn of_tool(tool: &Tool) -> Count {
         (2.0 * std::f64::consts::PI * radius * wall * length, wall, material)
     };
     let solids = vec![
-        tube(tool.barrel_radius, tool.barrel_wall, tool.barrel_height, 0),
+        tube(
+            tool.barrel_radius(tool.sleeve_radius),
+            tool.barrel_wall,
+            tool.barrel_height,
+            0,
+        ),
         tube(tool.cap_radius, tool.cap_wall, tool.cap_height + tool.cap_radius, 0),
         tube(tool.handle_radius, tool.handle_wall, tool.handle_length, 0),
         tube(

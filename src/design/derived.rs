@@ -84,9 +84,12 @@ derived! {
         |v| v.workpiece.mass(v.wood.density);
     "support.sand.shear_speed" "V_s" VELOCITY "Shear wave speed of the sand, sqrt(G_0/rho)."
         ["support.sand.shear_modulus", "support.sand.density"] |v| v.support.sand.shear_speed();
+    "body.barrel_radius" "" LENGTH "Outer radius of the barrel, around bore, sleeve and gap."
+        ["piston.bore", "body.sleeve_wall", "body.sleeve_gap", "body.barrel_wall"]
+        |v| v.body.barrel_radius(0.5 * v.piston.bore);
     "body.volume" "V" VOLUME "Volume of air that the tool body displaces."
-        ["body.barrel_radius", "body.cap_radius", "body.handle_radius", "body.magazine_radius", "body.nose_width"]
-        |v| v.body.volume();
+        ["piston.bore", "body.sleeve_gap", "body.cap_radius", "body.handle_radius", "body.magazine_radius", "body.nose_width"]
+        |v| v.body.volume(v.piston.bore);
     "ambient.density" "rho_0" DENSITY "Density of the air, P_a/(R T_a)."
         ["ambient.pressure", "ambient.gas_constant", "ambient.temperature"] |v| v.ambient.density();
     "ambient.sound_speed" "c_0" VELOCITY "Speed of sound, sqrt(gamma R T_a)."
@@ -102,10 +105,10 @@ impl Sand {
 
 impl Body {
     /// Volume of air \[m3\] that barrel, cap, handle, magazine and nose displace, each as a closed solid of its outer
-    /// dimensions; arms and overlaps are left out.
-    pub fn volume(&self) -> f64 {
+    /// dimensions, around a cylinder of a bore \[m\]; arms and overlaps are left out.
+    pub fn volume(&self, bore: f64) -> f64 {
         let cylinder = |radius: f64, height: f64| PI * radius * radius * height;
-        cylinder(self.barrel_radius, self.barrel_height)
+        cylinder(self.barrel_radius(0.5 * bore), self.barrel_height)
             + cylinder(self.cap_radius, self.cap_height)
             + cylinder(self.handle_radius, self.handle_length)
             + cylinder(self.magazine_radius, self.magazine_height)

@@ -13,6 +13,7 @@ use super::place::Place;
 use super::sensors::SensorProblem;
 use super::show::show;
 use super::springs::Sprung;
+use super::surfaces::SurfaceProblem;
 
 /// Why a design cannot be used. As a [`Diagnostic`] it shows the place and the remedy.
 #[derive(Debug, thiserror::Error)]
@@ -280,6 +281,16 @@ pub enum DesignError {
         /// The key of these that was set last.
         at: Option<Box<Place>>,
     },
+    /// A place that is not that of a surface.
+    #[error("the surface `{name}` {problem}")]
+    Surface {
+        /// Its name.
+        name: String,
+        /// What is wrong with it.
+        problem: SurfaceProblem,
+        /// The key to look at; none for a surface that no file gives.
+        at: Option<Box<Place>>,
+    },
     /// A spring that is not on its body.
     #[error("the spring `{name}` at ({}, {}, {}) is {} outside the {}", show(point[0], LENGTH), show(point[1], LENGTH),
         show(point[2], LENGTH), show(*distance, LENGTH), body.as_str())]
@@ -340,6 +351,7 @@ impl DesignError {
             | Self::Unreadable { at, .. }
             | Self::Sensor { at, .. }
             | Self::TooCostly { at, .. }
+            | Self::Surface { at, .. }
             | Self::Spring { at, .. } => at.as_deref(),
             Self::Syntax { at, .. }
             | Self::InheritanceLoop { at, .. }
@@ -399,6 +411,7 @@ impl DesignError {
                 let remedies: Vec<String> = keys.iter().map(remedy).collect();
                 format!("{}, or allow more with --memory", remedies.join(" or "))
             }
+            Self::Surface { problem, .. } => problem.remedy(),
             Self::Spring { .. } => {
                 "move x, y and z onto the body; the origin is the centre of the workpiece's underside, \
                                     z up"
@@ -467,6 +480,7 @@ impl DesignError {
             Self::BadName { .. } => "no name",
             Self::Sensor { .. } => "of this sensor",
             Self::TooCostly { .. } => "too costly",
+            Self::Surface { .. } => "of this surface",
             Self::Spring { .. } => "of this spring",
             Self::WrongKind { .. } => "wrong type",
             Self::BadNumber { .. } => "not a number with a unit",
@@ -497,6 +511,7 @@ impl DesignError {
             Self::BadName { .. } => "bad_name",
             Self::Sensor { .. } => "sensor",
             Self::TooCostly { .. } => "too_costly",
+            Self::Surface { .. } => "surface",
             Self::Spring { .. } => "spring",
             Self::WrongKind { .. } => "wrong_kind",
             Self::BadNumber { .. } => "bad_number",

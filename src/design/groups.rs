@@ -14,6 +14,7 @@ use nailnoise_quantities::{Kind, any, choice, fraction, group, modulus, nonnegat
 
 use super::sensors::Sensor;
 use super::springs::Spring;
+use super::surfaces::NamedSurface;
 
 group! {
     /// All quantities of a design, in SI units.
@@ -41,6 +42,7 @@ group! {
     lists {
         sensors: Sensor,
         springs: Spring,
+        surfaces: NamedSurface,
     }
 }
 
@@ -200,7 +202,8 @@ group! {
     Workpiece {
         ..block: dynamics::Block;
         /// Mesh (.msh) or geometry (.step) in place of the block, for the modes and the response: the length centred on
-        /// x = 0, the width on y = 0, z up from the underside; with the surfaces `top` and `bottom`.
+        /// x = 0, the width on y = 0, z up from the underside; with the surfaces `top` and `bottom`, in a file without names the
+        /// highest and the lowest plane, or those of `surfaces.NAME`.
         mesh: String = Kind::File, "";
         /// Length of one unit of that file.
         mesh_unit: f64 = positive(LENGTH), "";
@@ -304,7 +307,8 @@ group! {
         /// Damping ratio of that spring, on the workpiece's mass.
         damping_ratio: f64 = nonnegative(NUMBER).within(0.0, 10.0), "zeta_ws";
         /// Mesh (.msh) or geometry (.step) in place of the table, z = 0 at its upper face; with the parts `top` and `leg`
-        /// and the surfaces `top` and, if it is clamped, `floor`. Bodies meshed apart are tied: the nodes of a surface `NAME_slave` follow
+        /// and the surfaces `top` and, if it is clamped, `floor`, in a file without names the highest and the lowest plane, or
+        /// those of `surfaces.NAME`. Bodies meshed apart are tied: the nodes of a surface `NAME_slave` follow
         /// those of `NAME_master`.
         mesh: String = Kind::File, "";
         /// Length of one unit of that file.
@@ -429,7 +433,9 @@ group! {
         /// `sleeve` take their materials, a mesh with one part alone takes that of the housing; masses are lumped on the
         /// surfaces `nose_tip`, `magazine` and `seat`; the nodes of a surface `NAME_slave` follow those of `NAME_master`.
         /// Forces of the shot act on `cap`, `seat`, `bumper_seat`, `gas_bore`, `nose_tip` and `handle`, and where there are
-        /// such, gas on `supply`, `plenum`, `sleeve_outside` and `barrel_inside`.
+        /// such, gas on `supply`, `plenum`, `sleeve_outside` and `barrel_inside`. `surfaces.NAME` gives the places of surfaces
+        /// that the file does not name; in a file that names none of them, all but the magazine are recognised by the axis
+        /// x = y = 0 and the bore (`nailnoise check DESIGN --body tool` shows them).
         mesh: String = Kind::File, "";
         /// Length of one unit of that file.
         mesh_unit: f64 = positive(LENGTH), "";
@@ -502,8 +508,8 @@ group! {
         worktable_leg_element: f64 = positive(LENGTH).within(1e-5, 10.0), "";
         /// Largest side of a quadratic element in the walls of the steel tubes of worktables B and C.
         worktable_tube_element: f64 = positive(LENGTH).within(1e-5, 10.0), "";
-        /// Largest side of a quadratic tetrahedron of the tool body; in the parametric one a third of it where nose, arm and
-        /// handle join.
+        /// Largest side of a quadratic tetrahedron of a tool body from a file. For the parametric one it is gmsh's target, which
+        /// its sides exceed by half at most; a third of it where nose, arm and handle join.
         body_element: f64 = positive(LENGTH).within(1e-5, 10.0), "";
         /// Fewest elements in the shortest bending wave or shear wave at the top frequency, for geometry meshed by gmsh.
         elements_per_wave: f64 = positive(NUMBER).within(0.5, 30.0), "";

@@ -1,8 +1,9 @@
-//! What the sensors and springs of a design amount to.
+//! What the sensors, springs and surfaces of a design amount to.
 
-use super::groups::{SupportKind, TableFoot, Values};
+use super::groups::{BodyModel, SupportKind, TableFoot, Values};
 use super::sensors::SensorProblem;
 use super::springs::Sprung;
+use super::surfaces::{NamedSurface, SurfaceOf, SurfaceProblem};
 
 impl Values {
     /// Whether the design has this body.
@@ -32,6 +33,27 @@ impl Values {
             _ => return None,
         };
         (self.sprung(body)[0] == 0.0).then_some((body, key))
+    }
+
+    /// Names of the surfaces whose body is built in, or absent.
+    pub(crate) fn idle_surfaces(&self) -> Vec<&str> {
+        let idle = |surface: &NamedSurface| match surface.body {
+            SurfaceOf::Workpiece => self.workpiece.mesh.is_empty(),
+            SurfaceOf::Worktable => {
+                self.support.kind != SupportKind::Worktable || self.support.worktable.mesh.is_empty()
+            }
+            SurfaceOf::Tool => self.body.model == BodyModel::Rigid || self.body.mesh.is_empty(),
+        };
+        let idle = self.surfaces.iter().filter(|(_, surface)| idle(surface));
+        idle.map(|(name, _)| name.as_str()).collect()
+    }
+
+    /// The first surface that its body does not have, with its name.
+    pub(crate) fn surface_problem(&self) -> Option<(&str, SurfaceProblem)> {
+        let other = |own: &NamedSurface| !own.body.surfaces().contains(&own.surface);
+        let (name, own) = self.surfaces.iter().find(|(_, own)| other(own))?;
+        let NamedSurface { body, surface, .. } = *own;
+        Some((name, SurfaceProblem::OfOtherBody { surface, body }))
     }
 
     /// The first sensor whose own values do not go together, with its name.

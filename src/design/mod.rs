@@ -30,6 +30,7 @@ mod show;
 mod source;
 mod springs;
 mod suggest;
+mod surfaces;
 
 use std::fmt::Write as _;
 use std::ops::{Deref, DerefMut};
@@ -50,6 +51,7 @@ pub use reference::reference;
 pub use sensors::{Carrier, Sensor, SensorProblem};
 pub use set::SetError;
 pub use springs::{Spring, Sprung};
+pub use surfaces::{NamedSurface, SurfaceName, SurfaceOf, SurfaceProblem};
 
 use resolve::{Record, Records, Resolved};
 
@@ -197,6 +199,11 @@ impl Design {
         keys: &'static [(&'static str, &'static str)],
     ) -> DesignError {
         resolve::too_costly((stage, needs, allowed), keys, &self.records)
+    }
+
+    /// The error that the place of a surface of this design is wrong.
+    pub(crate) fn refuse_surface(&self, name: &str, problem: SurfaceProblem) -> DesignError {
+        resolve::surface(name, problem, &self.records)
     }
 
     /// Every key with its value and where it comes from, in the order of the reference.

@@ -15,6 +15,7 @@ use super::settings::{Given, GivenDerived, Layer, Setting};
 use super::show::show;
 use super::source::File;
 use super::springs::Sprung;
+use super::surfaces::SurfaceProblem;
 
 /// What the files say about one key, the nearest file last.
 #[derive(Debug)]
@@ -85,6 +86,9 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
     }
     if let Some((name, problem)) = values.sensor_problem() {
         return Err(sensor(name, problem, &records));
+    }
+    if let Some((name, problem)) = values.surface_problem() {
+        return Err(surface(name, problem, &records));
     }
     let mut warnings = outside_range(&values, &records);
     for given in derived {
@@ -275,6 +279,13 @@ pub(crate) fn sensor(name: &str, problem: SensorProblem, records: &Records) -> D
     let at = last_set("sensors", name, problem.keys(), records);
     let name = name.to_owned();
     DesignError::Sensor { name, problem, at }
+}
+
+/// What is wrong with the place of a surface, at the key that was set last.
+pub(crate) fn surface(name: &str, problem: SurfaceProblem, records: &Records) -> DesignError {
+    let at = last_set("surfaces", name, problem.keys(), records);
+    let name = name.to_owned();
+    DesignError::Surface { name, problem, at }
 }
 
 /// That a spring is not on its body, at the key of its place that was set last.

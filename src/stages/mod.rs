@@ -18,6 +18,7 @@ pub mod notes;
 mod progress;
 pub mod radiation;
 pub mod ranking;
+pub mod requirements;
 pub mod response;
 pub mod sensors;
 pub mod sound;

@@ -30,6 +30,10 @@ pub struct NoteInputs<'a> {
     pub outside_ranges: Vec<String>,
     /// Springs on bodies that the design lacks.
     pub idle_springs: Vec<&'a str>,
+    /// Surfaces on bodies that are built in.
+    pub idle_surfaces: Vec<&'a str>,
+    /// Surfaces that the program recognised, in words.
+    pub guessed: Vec<String>,
 }
 
 /// Notes on one run, most important first.
@@ -109,6 +113,15 @@ pub fn notes(
     let limited: Vec<&str> = limited.iter().map(String::as_str).collect();
     notes.extend(list("sensors whose band ends with the modes of their body", &limited));
     notes.extend(list("springs on bodies that this design lacks", &inputs.idle_springs));
+    notes.extend(list(
+        "surfaces of bodies that this design builds itself",
+        &inputs.idle_surfaces,
+    ));
+    let guessed: Vec<&str> = inputs.guessed.iter().map(String::as_str).collect();
+    notes.extend(list(
+        "surfaces that the file of a body does not name, by its shape",
+        &guessed,
+    ));
     notes.push("the tool's later landing is not part of the shot".to_owned());
     notes
 }

@@ -11,6 +11,7 @@ mod graph;
 mod laws;
 mod layering;
 mod radiation;
+mod requirements;
 mod sensitivity;
 mod store;
 mod study;

@@ -115,7 +115,17 @@ fn a_damaged_mesh_ends_with_status_2_and_the_element_the_groups_or_the_version()
         ("$MeshFormat", "solid", "not a .msh file"),
     ] {
         std::fs::write(&path, tetrahedron(from, to)).unwrap();
-        let own = nailnoise(&["modes", "designs/n80cb.toml", "--body", "workpiece", "--mesh", file]);
+        let own = [
+            "modes",
+            "designs/n80cb.toml",
+            "--body",
+            "workpiece",
+            "--unit",
+            "0.3 m",
+            "--mesh",
+            file,
+        ];
+        let own = nailnoise(&own);
         refused(&own, expected);
         let output = nailnoise(&["check", file]);
         assert_eq!(output.status.code(), Some(2), "{}", said(&output));
@@ -126,8 +136,17 @@ fn a_damaged_mesh_ends_with_status_2_and_the_element_the_groups_or_the_version()
         "known are .msh",
     );
     std::fs::write(&path, tetrahedron("17", "17")).unwrap();
-    let output = nailnoise(&["modes", "designs/n80cb.toml", "--body", "worktable", "--mesh", file]);
-    refused(&output, "floor");
+    let output = [
+        "modes",
+        "designs/n80cb.toml",
+        "--body",
+        "worktable",
+        "--unit",
+        "0.3 m",
+        "--mesh",
+        file,
+    ];
+    refused(&nailnoise(&output), "floor");
     refused(
         &nailnoise(&["mesh", file, "--write", folder.join("own.stl").to_str().unwrap()]),
         "written as .vtu, .msh",
@@ -270,4 +289,57 @@ fn modes_match_themselves_in_a_universal_file() {
     }
     let absent = nailnoise(&[&base[..], &["--mac", "no-such.uff"]].concat());
     refused(&absent, "no-such.uff");
+}
+
+/// A housing without a seat: what `check` says of it, `run` says before it solves a body.
+#[test]
+fn check_and_run_refuse_a_housing_in_the_same_words() {
+    let folder = folder("housing");
+    let mesh = folder.join("housing.msh");
+    let mesh = mesh.to_str().unwrap();
+    let write = [
+        "mesh",
+        "designs/n80cb.toml",
+        "--body",
+        "tool",
+        "--format",
+        "text22",
+        "--write",
+        mesh,
+    ];
+    assert!(nailnoise(&write).status.success());
+    let text = std::fs::read_to_string(mesh).unwrap();
+    assert!(text.contains("\"seat\""));
+    std::fs::write(mesh, text.replace("\"seat\"", "\"stool\"")).unwrap();
+    let base = Path::new(env!("CARGO_MANIFEST_DIR")).join("designs/n80cb.toml");
+    let design = folder.join("own.toml");
+    let text = format!("base = {base:?}\nbody.mesh = {mesh:?}\nbody.mesh_unit = \"1 m\"\n");
+    std::fs::write(&design, text).unwrap();
+    let design = design.to_str().unwrap();
+    let no_surface = "has no surface \"seat\" for gas and head valve";
+    for body in [&["--body", "tool"][..], &[]] {
+        let output = nailnoise(&[&["check", design][..], body].concat());
+        refused(&output, no_surface);
+        refused(&output, "[surfaces.NAME] with surface = \"seat\"");
+    }
+    let out = folder.join("out");
+    let run = nailnoise(&["run", design, "--no-cache", "--out", out.to_str().unwrap()]);
+    refused(&run, "seat");
+    assert!(!said(&run).contains("modes of the"), "{}", said(&run));
+    assert!(!out.join("own").join("result.json").exists());
+}
+
+#[test]
+fn check_shows_where_each_surface_is_and_who_named_it() {
+    let result = json(&nailnoise(&["check", "designs/n80cb.toml", "--body", "tool", "--json"]));
+    let groups = result["groups"].as_array().unwrap();
+    let tip = groups.iter().find(|group| group["name"] == "nose_tip").unwrap();
+    assert_eq!(tip["origin"], "file");
+    let centre: Vec<f64> = tip["centre"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|c| c.as_f64().unwrap())
+        .collect();
+    assert!(centre.iter().all(|c| c.abs() < 1e-6), "{centre:?}");
 }

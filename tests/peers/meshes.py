@@ -109,6 +109,9 @@ pairs = load("mac.json")["correlation"]["pairs"]
 for index, pair in enumerate(pairs[6:]):
     assert pair["mode"] == index + 7 and pair["mac"] > 0.999, pair
 assert load("check.json")["faults"] == []
+for name, size in (("check", 0.020), ("fine", 0.018), ("block", 0.025)):
+    longest = load(f"{name}.json")["quality"]["longest_edge"]
+    assert 0.6 * size < longest <= size, (name, longest)
 # In wood and from the command line the same plate has modes, six of them rigid.
 line = load("line.json")["modes"]
 assert [mode["rigid"] for mode in line[:7]] == [True] * 6 + [False]

@@ -23,6 +23,7 @@ gmsh "$work/plate.geo" -0 -v 1 -o "$work/plate.step" > /dev/null
 cat > "$work/plate.toml" <<TOML
 base = "$PWD/designs/n80cb.toml"
 [body]
+model = "rigid" # no run solves the plate: it lacks the surfaces of a tool
 mesh = "plate.step"
 lumped = false
 [body.housing]
@@ -43,6 +44,19 @@ TOML
 "$nailnoise" modes "$work/plate.toml" --body tool --mac "$work/plate/modes/tool/modes.uff" --out "$work/again" --json \
     > "$work/mac.json"
 "$nailnoise" check "$work/plate.toml" --body tool --json > "$work/check.json"
+# No element side is longer than asked for, of the tool, the block or a geometry alone.
+"$nailnoise" check "$work/plate.step" --size "18 mm" --json > "$work/fine.json"
+"$nailnoise" check tests/data/small.toml --body workpiece --mesh "$work/plate.step" --size "25 mm" --json > "$work/block.json" || true
+# In an elastic tool, the plate is refused with all surfaces that it lacks.
+sed 's/"rigid"/"elastic"/' "$work/plate.toml" > "$work/elastic.toml"
+status=0
+"$nailnoise" run "$work/elastic.toml" --out "$work/none" 2> "$work/elastic" || status=$?
+[[ $status == 2 ]] && grep -q gas_bore "$work/elastic" && grep -q '"cap"' "$work/elastic" || { cat "$work/elastic"; exit 1; }
+# A geometry in a wrong unit is refused before gmsh meshes it.
+printf 'base = "plate.toml"\nbody.mesh_unit = "1 m"\n' > "$work/metres.toml"
+status=0
+timeout 60 "$nailnoise" check "$work/metres.toml" --body tool 2> "$work/metres" || status=$?
+[[ $status == 2 ]] && grep -q 'body.mesh_unit = "1 mm"' "$work/metres" || { cat "$work/metres"; exit 1; }
 "$nailnoise" modes tests/data/small.toml --body worktable --uff --out "$work/small" --json > "$work/small.json"
 for end in .vtu -22.msh -41.msh; do
     format=binary${end:1:2}
@@ -69,7 +83,7 @@ status=0
 printf '%s\n' '$MeshFormat' '2.2 0 8' '$EndMeshFormat' '$PhysicalNames' '1' '3 1 "housing"' '$EndPhysicalNames' \
     '$Nodes' 4 '1 0 0 0' '2 1 0 0' '3 0 1 0' '4 0 0 1' '$EndNodes' '$Elements' 1 '17 4 2 1 1 1 3 2 4' '$EndElements' \
     > "$work/inverted.msh"
-printf 'base = "%s/designs/n80cb.toml"\nbody.mesh = "inverted.msh"\n' "$PWD" > "$work/inverted.toml"
+printf 'base = "%s/designs/n80cb.toml"\nbody.mesh = "inverted.msh"\nbody.mesh_unit = "0.3 m"\n' "$PWD" > "$work/inverted.toml"
 "$nailnoise" modes "$work/inverted.toml" --body tool 2> "$work/inverted" || status=$?
 [[ $status == 2 ]] && grep -q "element 17" "$work/inverted" || { cat "$work/inverted"; exit 1; }
 "$python" tests/peers/meshes.py "$work"

@@ -8,18 +8,22 @@ use nailnoise_fem::transient::{Support, SupportLaw};
 use nailnoise_meshes::{Tool, Worktable, element_size};
 use nalgebra::Matrix3;
 
-use crate::design::{self, Design, Spring, Sprung, SupportKind, TableFoot, WorktablePreset};
+use crate::design::{
+    self, Design, NamedSurface, Spring, Sprung, SupportKind, SurfaceOf, SurfaceProblem, TableFoot, WorktablePreset,
+};
 use crate::error::Error;
 use crate::stages::bodies::{
-    AddedSand, BodyKind, ContactCells, Discretisation, Geometry, LoadPlaces, MeshFile, MeshSource, NailPlace,
-    PartMaterials, Remainder, SideSand, SpringFoot, ToolPlaces,
+    AddedSand, BodyKind, ContactCells, Extent, Geometry, LoadPlaces, MeshFile, MeshSource, NailPlace, Naming,
+    PartMaterials, Remainder, SideSand, SpringFoot, SurfacePlace, ToolPlaces, ToolShape,
 };
 
 /// Inputs of a body's stages.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct BodyInputs {
-    /// Mesh, materials and places of loads.
-    pub(crate) discretisation: Discretisation,
+    /// Mesh and materials.
+    pub(crate) geometry: Geometry,
+    /// Places of loads.
+    pub(crate) places: LoadPlaces,
     /// Frequency below which all modes are wanted \[Hz\].
     pub(crate) below_hz: f64,
     /// Largest residual accepted for any mode.
@@ -49,10 +53,8 @@ pub(crate) fn body(design: &Design, kind: BodyKind, driven: bool) -> Result<Body
     };
     let (top_hz, _) = limits(design, kind);
     Ok(BodyInputs {
-        discretisation: Discretisation {
-            geometry: geometry(design, kind, false)?,
-            places,
-        },
+        geometry: geometry(design, kind, false)?,
+        places,
         below_hz: below_hz(design, kind),
         residual_limit: design.analysis.mode_tolerance,
         loss_factor,
@@ -106,6 +108,7 @@ fn workpiece(design: &Design) -> Result<Geometry, Error> {
             size: block_size(design),
             element: design.analysis.workpiece_element,
         }),
+        naming: naming(design, BodyKind::Workpiece),
         materials: PartMaterials::Same(Box::new(material)),
         clamped: (support.kind == SupportKind::Clamped).then_some("bottom"),
         sand,
@@ -163,6 +166,7 @@ fn worktable(design: &Design) -> Result<Geometry, Error> {
     Ok(Geometry {
         kind: BodyKind::Worktable,
         mesh: own.unwrap_or_else(built_in),
+        naming: naming(design, BodyKind::Worktable),
         materials: PartMaterials::Named(vec![("top", top), ("leg", legs.clone()), ("legs", legs)]),
         clamped: (table.foot == TableFoot::Clamped).then_some("floor"),
         sand: None,
@@ -188,6 +192,7 @@ fn tool(design: &Design, remesh: bool) -> Result<Geometry, Error> {
     Ok(Geometry {
         kind: BodyKind::Tool,
         mesh: own.unwrap_or_else(|| MeshSource::Tool(Box::new(tool_dimensions(design)), remesh)),
+        naming: naming(design, BodyKind::Tool),
         materials: PartMaterials::Named(vec![("housing", housing), ("nose", nose), ("sleeve", sleeve)]),
         clamped: None,
         sand: None,
@@ -221,8 +226,77 @@ fn own_mesh(
     }
     let (_, largest) = limits(design, kind);
     let size = element_size(below_hz(design, kind), slowest, design.analysis.elements_per_wave)?;
-    let file = MeshFile::new(Path::new(file), unit, Some(size.min(largest)))?;
+    let file = MeshFile::new(
+        Path::new(file),
+        unit,
+        Some(size.min(largest)),
+        Some(extent(design, kind)),
+    )?;
     Ok(Some(MeshSource::File(file)))
+}
+
+/// How many times longer or shorter than the built-in body a body from a file may be: less than an inch is longer than a
+/// millimetre.
+const LIKE_BUILT_IN: f64 = 20.0;
+
+/// Longest sides of a hand-held tool \[m\].
+const HAND_HELD: [f64; 2] = [0.05, 3.0];
+
+/// How long a body from a file may be.
+fn extent(design: &Design, kind: BodyKind) -> Extent {
+    let like = |sides: [f64; 3]| {
+        let longest = sides.into_iter().fold(0.0, f64::max);
+        [longest / LIKE_BUILT_IN, longest * LIKE_BUILT_IN]
+    };
+    let table = &design.support.worktable;
+    match kind {
+        BodyKind::Workpiece => Extent {
+            what: "a workpiece",
+            longest: like(block_size(design)),
+            key: "workpiece.mesh_unit",
+        },
+        BodyKind::Worktable => Extent {
+            what: "a worktable",
+            longest: like([table.length, table.width, table.height]),
+            key: "support.worktable.mesh_unit",
+        },
+        BodyKind::Tool => Extent {
+            what: "a hand-held tool",
+            longest: HAND_HELD,
+            key: "body.mesh_unit",
+        },
+    }
+}
+
+/// How the surfaces of a body from a file get their names.
+fn naming(design: &Design, kind: BodyKind) -> Naming {
+    let of = match kind {
+        BodyKind::Workpiece => SurfaceOf::Workpiece,
+        BodyKind::Worktable => SurfaceOf::Worktable,
+        BodyKind::Tool => SurfaceOf::Tool,
+    };
+    let place = |(entry, place): (&String, &NamedSurface)| {
+        let along = [place.along_x, place.along_y, place.along_z];
+        SurfacePlace {
+            entry: entry.clone(),
+            surface: place.surface.as_str(),
+            at: [place.x, place.y, place.z],
+            radius: place.radius,
+            outward: along.iter().any(|c| *c != 0.0).then_some(along),
+        }
+    };
+    let own = design.surfaces.iter().filter(|(_, place)| place.body == of);
+    Naming {
+        places: own.map(place).collect(),
+        tool: (kind == BodyKind::Tool).then(|| ToolShape {
+            bore: 0.5 * design.piston.bore,
+        }),
+    }
+}
+
+/// Mass that a meshed body must have \[kg\], if the cycle knows it.
+pub(crate) fn mass(design: &Design, kind: BodyKind) -> Option<f64> {
+    (kind == BodyKind::Tool).then_some(design.tool.mass)
 }
 
 /// Where the shot's forces, contacts and supports act on a body.
@@ -356,6 +430,20 @@ pub(crate) fn located(design: &Design, error: Error) -> Error {
         Error::SpringOutside { spring, distance } => match design.springs.get(&spring) {
             Some(own) => design.refuse_spring(&spring, own, distance).into(),
             None => Error::SpringOutside { spring, distance },
+        },
+        Error::SurfaceOutside { entry, distance } => match design.surfaces.get(&entry) {
+            Some(&NamedSurface { body, x, y, z, .. }) => {
+                let problem = match distance {
+                    Some(distance) => SurfaceProblem::Outside {
+                        body,
+                        point: [x, y, z],
+                        distance,
+                    },
+                    None => SurfaceProblem::NoFace { body },
+                };
+                design.refuse_surface(&entry, problem).into()
+            }
+            None => Error::SurfaceOutside { entry, distance },
         },
         other => other,
     }

@@ -51,7 +51,7 @@ pub(crate) fn room(design: &Design) -> Room {
 pub(crate) fn tool_sphere(design: &Design) -> ToolSphere {
     ToolSphere {
         centre: on_axis(design, 0.5 * tool_height(design)),
-        volume: design.body.volume(),
+        volume: design.body.volume(design.piston.bore),
     }
 }
 

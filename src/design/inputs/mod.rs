@@ -25,5 +25,11 @@ pub(crate) fn air(design: &Design) -> Result<Air, Error> {
 
 /// An error of a stage with its place in the design file, where it has one.
 pub(crate) fn located(design: &Design, error: Error) -> Error {
-    sensors::located(design, bodies::located(design, error))
+    match error {
+        Error::Unusable { body, problems } => Error::Unusable {
+            body,
+            problems: problems.into_iter().map(|problem| located(design, problem)).collect(),
+        },
+        error => sensors::located(design, bodies::located(design, error)),
+    }
 }

@@ -1,19 +1,17 @@
 //! Geometry and materials of a body, and the mesh made of them: built in, by gmsh, or the user's own.
 
-use std::path::{Path, PathBuf};
-
 use nailnoise_fem::{Attachments, Constraints, Coupling, LumpedMass, Material, Tie};
-use nailnoise_meshes::msh::{self, Imported};
+use nailnoise_meshes::msh::Imported;
 use nailnoise_meshes::{
-    Block, Mesh, MeshError, Surface, Tool, Worktable, block, gmsh, read_regular, tool, tool_ships, tube_worktable,
-    worktable,
+    Block, Mesh, MeshError, Surface, Tool, Worktable, block, tool, tool_ships, tube_worktable, worktable,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 use serde::Serialize;
-use sha2::{Digest as _, Sha256};
 
+use super::mesh_file::MeshFile;
+use super::surfaces::{FoundSurface, Naming};
 use crate::error::Error;
-use crate::stages::Digest;
+use crate::stages::{Code, NotKept, Progress, Stage, code};
 
 /// A body of a design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -47,6 +45,8 @@ pub struct Geometry {
     pub kind: BodyKind,
     /// Source of its mesh.
     pub mesh: MeshSource,
+    /// Names of the surfaces of a mesh from a file.
+    pub naming: Naming,
     /// Materials of the mesh's parts.
     pub materials: PartMaterials,
     /// Face group whose nodes are held.
@@ -73,18 +73,6 @@ pub enum MeshSource {
     Tool(Box<Tool>, bool),
     /// The user's own file.
     File(MeshFile),
-}
-
-/// A mesh or solid geometry in a file, identified by its content.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct MeshFile {
-    #[serde(skip)]
-    path: PathBuf,
-    content: Digest,
-    /// Length of one unit of the file \[m\].
-    unit: f64,
-    /// Longest element side of a solid geometry \[m\]; none for a mesh.
-    element: Option<f64>,
 }
 
 /// Materials of the parts of a mesh.
@@ -114,76 +102,13 @@ pub struct Remainder {
     pub shares: [(&'static str, f64, [f64; 3]); 3],
 }
 
-impl MeshFile {
-    /// A file whose unit is `unit` \[m\]; a solid geometry is meshed with elements no longer than `element` \[m\].
-    ///
-    /// # Errors
-    /// [`MeshError::UnknownKind`] for another kind of file, [`MeshError::Read`], [`Error::NoSize`] for a solid geometry
-    /// without an element size.
-    pub fn new(path: &Path, unit: f64, element: Option<f64>) -> Result<Self, Error> {
-        let element = if is_solid(path)? {
-            Some(element.ok_or(Error::NoSize)?)
-        } else {
-            None
-        };
-        let bytes = read_regular(path, msh::LARGEST).map_err(|source| MeshError::Read {
-            path: path.to_owned(),
-            source,
-        })?;
-        Ok(Self {
-            path: path.to_owned(),
-            content: Sha256::digest(bytes).into(),
-            unit,
-            element,
-        })
-    }
-
-    /// Reads a mesh, or has gmsh mesh a solid geometry.
-    ///
-    /// # Errors
-    /// Those of reading and meshing.
-    pub fn import(&self) -> Result<Imported, MeshError> {
-        let Some(element) = self.element else {
-            return msh::read(&self.path, self.unit);
-        };
-        // gmsh gives lengths in millimetres of whatever unit the file has; a unit of 1 mm leaves them.
-        let scale = self.unit / 1e-3;
-        let mut imported = gmsh::solid(&self.path, element / scale)?;
-        imported.mesh.nodes.iter_mut().for_each(|p| *p *= scale);
-        Ok(imported)
-    }
-
-    /// Its path.
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
-    /// Longest element side of a solid geometry \[m\]; none for a mesh.
-    pub fn element_size(&self) -> Option<f64> {
-        self.element
-    }
-}
-
-/// Whether a file is a solid geometry rather than a mesh, by the end of its name.
-fn is_solid(path: &Path) -> Result<bool, MeshError> {
-    let name = path.to_string_lossy().to_lowercase();
-    let ends = |ends: &[&str]| ends.iter().any(|end| name.ends_with(end));
-    if ends(&[".msh", ".msh.gz"]) {
-        Ok(false)
-    } else if ends(&[".step", ".stp", ".brep", ".igs", ".iges"]) {
-        Ok(true)
-    } else {
-        Err(MeshError::UnknownKind { path: path.to_owned() })
-    }
-}
-
 impl MeshSource {
     /// Whether gmsh makes the mesh.
     pub fn needs_gmsh(&self) -> bool {
         match self {
             Self::Block { .. } | Self::Worktable(..) => false,
             Self::Tool(dimensions, remesh) => *remesh || !tool_ships(dimensions),
-            Self::File(file) => file.element.is_some(),
+            Self::File(file) => file.needs_gmsh(),
         }
     }
 
@@ -203,13 +128,7 @@ impl MeshSource {
             }
             Self::Worktable(table, None) => return Ok(built_in(worktable(table)?)),
             Self::Worktable(table, Some(wall)) => return Ok(built_in(tube_worktable(table, *wall)?)),
-            Self::Tool(t, remesh) => {
-                let (sleeve, barrel) = (t.sleeve_radius + t.sleeve_wall, t.barrel_radius - t.barrel_wall);
-                if sleeve >= barrel {
-                    return Err(Error::NoRoom { sleeve, barrel });
-                }
-                tool(t, *remesh)?
-            }
+            Self::Tool(dimensions, remesh) => tool(dimensions, *remesh)?,
             Self::File(file) => file.import()?,
         };
         imported.mesh.validate(|element| imported.element_numbers[element])?;
@@ -219,7 +138,7 @@ impl MeshSource {
     /// Gap that ties bridge by design \[m\]: that between sleeve and barrel.
     fn fit(&self) -> f64 {
         match self {
-            Self::Tool(t, _) => t.barrel_radius - t.barrel_wall - t.sleeve_wall - t.sleeve_radius,
+            Self::Tool(dimensions, _) => dimensions.sleeve_gap,
             _ => 0.0,
         }
     }
@@ -255,20 +174,42 @@ pub struct Meshed {
     pub constraints: Constraints,
     /// Ties and lumped masses.
     pub attachments: Attachments,
+    /// Surfaces that its file does not name.
+    pub surfaces: Vec<FoundSurface>,
+    /// Lumped masses \[kg\] whose surfaces it lacks.
+    pub unplaced: Vec<(&'static str, f64)>,
+}
+
+impl Stage for Geometry {
+    type Output = Meshed;
+    type Codec = NotKept;
+    const NAME: &'static str = "mesh";
+    const CODE: Code = code!(meshes, fem, stages_bodies);
+
+    fn compute(&self, _: &Progress) -> Result<Meshed, Error> {
+        self.mesh()
+    }
 }
 
 impl Geometry {
     /// Makes the mesh.
     ///
     /// # Errors
-    /// Those of mesh, gmsh and parts; [`Error::TooHeavy`] and [`Error::NoSeat`] for lumped masses.
+    /// Those of mesh, gmsh and parts; [`Error::TooHeavy`] for lumped masses.
     pub fn mesh(&self) -> Result<Meshed, Error> {
         let mut imported = self.mesh.import()?;
         let mesh = &mut imported.mesh;
+        let mut surfaces = match self.mesh {
+            MeshSource::File(_) => self.naming.apply(mesh)?,
+            _ => Vec::new(),
+        };
         // The lowest surface of a table without names stands on the floor.
         if self.kind == BodyKind::Worktable && mesh.group("floor").is_err() {
             for group in mesh.groups.iter_mut().filter(|group| group.name == "bottom") {
                 "floor".clone_into(&mut group.name);
+            }
+            for found in surfaces.iter_mut().filter(|found| found.name == "bottom") {
+                "floor".clone_into(&mut found.name);
             }
         }
         let materials = self.materials.of(mesh)?;
@@ -284,14 +225,23 @@ impl Geometry {
             ..Attachments::default()
         };
         attachments.masses.extend(self.sand.map(AddedSand::lumped));
+        let mut unplaced = Vec::new();
         if let Some(remainder) = &self.remainder {
-            attachments.masses.extend(remainder.lumped(mesh, &materials)?);
+            for (group, mass) in remainder.masses(mesh, &materials)? {
+                if mesh.group(group).is_ok() {
+                    attachments.masses.push(remainder.lumped(mesh, group, mass)?);
+                } else {
+                    unplaced.push((group, mass));
+                }
+            }
         }
         Ok(Meshed {
             imported,
             materials,
             constraints,
             attachments,
+            surfaces,
+            unplaced,
         })
     }
 }
@@ -346,7 +296,8 @@ impl AddedSand {
 }
 
 impl Remainder {
-    fn lumped(&self, mesh: &Mesh, materials: &[Material]) -> Result<Vec<LumpedMass>, Error> {
+    /// The masses \[kg\] that belong on face groups.
+    fn masses(&self, mesh: &Mesh, materials: &[Material]) -> Result<Vec<(&'static str, f64)>, Error> {
         let meshed = meshed_mass(mesh, materials)?;
         let rest = self.total - meshed;
         if rest < 0.0 {
@@ -355,34 +306,22 @@ impl Remainder {
                 tool: self.total,
             });
         }
-        let surface = Surface::of(mesh);
-        let of_group = |&(group, share, gyration): &(&'static str, f64, [f64; 3])| {
-            let mass = share * rest;
-            if let Err(MeshError::UnknownGroup { known, .. }) = mesh.group(group) {
-                return Err(Error::NoSeat { group, mass, known });
-            }
-            Ok(LumpedMass {
-                group: group.to_owned(),
-                mass,
-                inertia: Matrix3::from_diagonal(&Vector3::from(gyration)) * mass,
-                centre: centroid(&surface, group)?,
-                coupling: Coupling::Distributed,
-            })
-        };
-        let present = self.shares.iter().filter(|(_, share, _)| share * rest > 0.0);
-        present.map(of_group).collect()
+        let masses = self.shares.iter().map(|&(group, share, _)| (group, share * rest));
+        Ok(masses.filter(|(_, mass)| *mass > 0.0).collect())
     }
-}
 
-/// Centroid of a patch of a surface.
-fn centroid(surface: &Surface, group: &str) -> Result<Point3<f64>, MeshError> {
-    let patch = surface.patch(group)?;
-    let (mut area, mut moment) = (0.0, Vector3::zeros());
-    for point in surface.quadrature(2)? {
-        if surface.faces[point.face].patch == patch {
-            area += point.weight;
-            moment += point.weight * point.position.coords;
-        }
+    /// A mass \[kg\] on a face group.
+    fn lumped(&self, mesh: &Mesh, group: &'static str, mass: f64) -> Result<LumpedMass, Error> {
+        let own = self.shares.iter().find(|(name, ..)| *name == group);
+        let surface = Surface::of(mesh);
+        let centre = surface.patch_centre(surface.patch(group)?).unwrap_or_default();
+        let gyration = own.map_or([0.0; 3], |&(.., gyration)| gyration);
+        Ok(LumpedMass {
+            group: group.to_owned(),
+            mass,
+            inertia: Matrix3::from_diagonal(&Vector3::from(gyration)) * mass,
+            centre,
+            coupling: Coupling::Distributed,
+        })
     }
-    Ok(Point3::from(moment / area))
 }

@@ -1,5 +1,7 @@
 //! Where forces act on a body, and its finite elements with the load vectors of these places.
 
+use std::sync::Arc;
+
 use nailnoise_fem::supports::{ContactGrid, GridRule, RectangularBase, Sand};
 use nailnoise_fem::transient::{Support, SupportLaw};
 use nailnoise_fem::{LoadVector, Rectangle};
@@ -7,17 +9,19 @@ use nailnoise_meshes::{Mesh, MeshError, Surface};
 use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 
-use super::geometry::{Geometry, Meshed};
+use super::geometry::{BodyKind, Meshed};
 use super::nail_stations;
 use super::tool_loads::{self, ToolPlaces};
 use crate::error::Error;
-use crate::stages::{Code, NotKept, Progress, Stage, code};
+use crate::stages::{Code, Input, NotKept, Progress, Stage, Stored, code};
 
 /// The mesh of a body with its materials and load vectors.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Serialize)]
 pub struct Discretisation {
-    /// The body.
-    pub geometry: Geometry,
+    /// Which body it is.
+    pub kind: BodyKind,
+    /// The meshed body.
+    pub meshed: Stored<Meshed>,
     /// Where forces act on it.
     pub places: LoadPlaces,
 }
@@ -26,7 +30,7 @@ pub struct Discretisation {
 #[derive(Debug, Clone)]
 pub struct Model {
     /// Mesh, materials, supports and attachments.
-    pub meshed: Meshed,
+    pub meshed: Arc<Meshed>,
     /// Load vectors of the shot's forces, see [`Body::loads`](super::Body::loads).
     pub loads: Vec<LoadVector>,
     /// Load vectors of contacts and supports, see [`Body::contacts`](super::Body::contacts).
@@ -36,16 +40,28 @@ pub struct Model {
 impl Stage for Discretisation {
     type Output = Model;
     type Codec = NotKept;
-    const NAME: &'static str = "mesh";
+    const NAME: &'static str = "load vectors";
     const CODE: Code = code!(meshes, fem, stages_bodies);
 
+    fn inputs(&self) -> Vec<&dyn Input> {
+        vec![&self.meshed]
+    }
+
     fn compute(&self, _: &Progress) -> Result<Model, Error> {
-        let meshed = self.geometry.mesh()?;
+        let meshed = self.meshed.get()?;
         let mesh = &meshed.imported.mesh;
+        let mut problems = Vec::new();
+        for &(group, mass) in &meshed.unplaced {
+            let known = known_groups(mesh);
+            problems.push(Error::NoSeat { group, mass, known });
+        }
+        let loads = collected(self.places.loads(mesh), &mut problems);
+        let contacts = collected(self.places.contacts(mesh), &mut problems);
+        Error::of_body(self.kind.name(), problems)?;
         Ok(Model {
-            loads: self.places.loads(mesh)?,
-            contacts: self.places.contacts(mesh)?,
             meshed,
+            loads,
+            contacts,
         })
     }
 }
@@ -236,6 +252,27 @@ impl SpringFoot {
             })
         };
         self.axes.iter().map(along).collect()
+    }
+}
+
+/// The load vectors, or none and one more problem.
+fn collected(vectors: Result<Vec<LoadVector>, Error>, problems: &mut Vec<Error>) -> Vec<LoadVector> {
+    match vectors {
+        Ok(vectors) => vectors,
+        Err(error) => {
+            problems.extend(error.parts());
+            Vec::new()
+        }
+    }
+}
+
+/// Names of the face groups of a mesh, in one line.
+pub(super) fn known_groups(mesh: &Mesh) -> String {
+    let names: Vec<&str> = mesh.groups.iter().map(|group| &*group.name).collect();
+    if names.is_empty() {
+        "none".to_owned()
+    } else {
+        names.join(", ")
     }
 }
 

@@ -2,21 +2,28 @@
 //!
 //! Workpiece and worktable meet in the plane z = 0, z up; the workpiece's centre is at x = y = 0, x along the grain.
 //!
-//! [`Discretisation`] makes the mesh with materials and load vectors, [`Modes`] solves for the whole shapes, [`ModalModel`]
+//! [`Geometry`] makes the mesh with materials, [`Discretisation`] adds load vectors, [`Modes`] solves for the whole shapes, [`ModalModel`]
 //! reduces them to what a shot reads: a run whose bodies have not changed needs neither mesh nor whole shapes.
 
 mod body;
 mod geometry;
 mod load_places;
+mod mesh_file;
 mod modes;
 mod nail_stations;
+mod pieces;
 mod sensor_modes;
+mod surfaces;
 pub(crate) mod tool_loads;
+mod tool_surfaces;
 
 pub use body::{Body, ModalModel, MovingSurface, Resolution, SIDES_PER_WAVE};
-pub use geometry::{AddedSand, BodyKind, Geometry, MeshFile, MeshSource, Meshed, PartMaterials, Remainder};
+pub use geometry::{AddedSand, BodyKind, Geometry, MeshSource, Meshed, PartMaterials, Remainder};
 pub use load_places::{ContactCells, Discretisation, LoadPlaces, Model, NailPlace, SideSand, SpringFoot};
+pub use mesh_file::{Extent, MeshFile};
 pub use modes::{Modes, WholeModes};
 pub(crate) use nail_stations::STATIONS;
 pub use sensor_modes::{BodySensors, SensorModes, SensorPoint};
+pub use surfaces::{FoundSurface, Naming, Origin, SurfacePlace};
 pub use tool_loads::ToolPlaces;
+pub use tool_surfaces::ToolShape;

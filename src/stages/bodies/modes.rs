@@ -117,6 +117,7 @@ mod tests {
     use nailnoise_meshes::msh::Imported;
     use nailnoise_meshes::{Block, FaceGroup, Mesh, Surface, SurfaceFace, block};
     use std::f64::consts::TAU;
+    use std::sync::Arc;
 
     const E: f64 = 70e9;
     const NU: f64 = 0.33;
@@ -132,12 +133,14 @@ mod tests {
             comment: String::new(),
         };
         let model = Model {
-            meshed: Meshed {
+            meshed: Arc::new(Meshed {
                 imported,
                 materials: vec![Material::isotropic(E, NU, 2700.0).unwrap()],
                 constraints: Constraints::free(),
                 attachments,
-            },
+                surfaces: Vec::new(),
+                unplaced: Vec::new(),
+            }),
             loads: vec![load.clone()],
             contacts: Vec::new(),
         };

@@ -1,7 +1,7 @@
 //! Displacement of sensors in each mode.
 
 use nailnoise_fem::LoadVector;
-use nailnoise_meshes::MeshError;
+use nailnoise_meshes::{Mesh, MeshError};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
@@ -61,7 +61,7 @@ impl Stage for SensorModes {
         let vectors: Vec<LoadVector> = self
             .points
             .iter()
-            .map(|point| load_vector(point, &body))
+            .map(|point| point.load_vector(&body.mesh, body.name))
             .collect::<Result<_, _>>()?;
         Ok(BodySensors {
             names: self.points.iter().map(|point| point.name.clone()).collect(),
@@ -70,14 +70,19 @@ impl Stage for SensorModes {
     }
 }
 
-/// The load vector that reads the displacement at a point.
-fn load_vector(point: &SensorPoint, body: &Body) -> Result<LoadVector, Error> {
-    LoadVector::point(&body.mesh, point.position.into(), point.direction.into(), OFF).map_err(|error| match error {
-        MeshError::Outside { distance, .. } => Error::SensorOffBody {
-            sensor: point.name.clone(),
-            body: body.name,
-            distance,
-        },
-        other => other.into(),
-    })
+impl SensorPoint {
+    /// The load vector that reads the displacement there on the mesh of a body.
+    ///
+    /// # Errors
+    /// [`Error::SensorOffBody`] with the distance.
+    pub fn load_vector(&self, mesh: &Mesh, body: &'static str) -> Result<LoadVector, Error> {
+        LoadVector::point(mesh, self.position.into(), self.direction.into(), OFF).map_err(|error| match error {
+            MeshError::Outside { distance, .. } => Error::SensorOffBody {
+                sensor: self.name.clone(),
+                body,
+                distance,
+            },
+            other => other.into(),
+        })
+    }
 }

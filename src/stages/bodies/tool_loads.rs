@@ -7,6 +7,9 @@ use serde::Serialize;
 
 use crate::error::Error;
 
+/// Largest relative deviation of the body's mass from the tool's in the cycle.
+pub(crate) const MASS_LIMIT: f64 = 1e-3;
+
 /// Rings of the bore on which the pressure changes as the piston passes.
 pub(crate) const RINGS: usize = 12;
 
@@ -42,41 +45,52 @@ pub struct ToolPlaces {
     pub check_holes: f64,
 }
 
+/// Surface of a load along the axis, what acts there, and on which part of it.
+type AxialLoad<'a> = (&'static str, &'static str, &'a dyn Fn(&Point3<f64>) -> bool);
+
 /// Load vectors of all loads on a tool body, in their order: downwards displacement for the axial ones \[1\], swept volume for
 /// the pressures \[m2\].
 ///
 /// # Errors
-/// [`Error::NoLoadSurface`] where a surface is not there, or not where the design has the force.
+/// [`Error::NoLoadSurface`] for each surface that is not there, [`Error::NoneOfSurface`] for one that is not where the design
+/// has the force.
 pub(crate) fn load_vectors(places: &ToolPlaces, mesh: &Mesh) -> Result<Vec<LoadVector>, Error> {
     let surface = Surface::of(mesh);
     let [inner, outer] = places.valve.map(|diameter| 0.5 * diameter);
     let radius = |p: &Point3<f64>| p.x.hypot(p.y);
-    let down =
-        |group: &'static str, what: &'static str, inside: &dyn Fn(&Point3<f64>) -> bool| match LoadVector::traction(
-            &surface,
-            group,
-            -Vector3::z(),
-            inside,
-        ) {
+    let down = |(group, what, inside): AxialLoad<'_>| {
+        let known = || surface.patches.join(", ");
+        match LoadVector::traction(&surface, group, -Vector3::z(), inside) {
             Ok(Some(vector)) => Ok(vector),
-            Ok(None) => Err(Error::NoLoadSurface {
+            Ok(None) => Err(Error::NoneOfSurface { group, what }),
+            Err(MeshError::UnknownGroup { .. }) => Err(Error::NoLoadSurface {
                 group,
                 what,
-                known: surface.patches.join(", "),
+                known: known(),
             }),
-            Err(MeshError::UnknownGroup { known, .. }) => Err(Error::NoLoadSurface { group, what, known }),
             Err(error) => Err(error.into()),
-        };
+        }
+    };
     let all = |_: &Point3<f64>| true;
-    let mut vectors = vec![
-        down("cap", "gas and stopper within the head valve", &|p| radius(p) < inner)?,
-        down("cap", "gas and head valve", &|p| (inner..outer).contains(&radius(p)))?,
-        down("seat", "gas and head valve", &all)?,
-        down("bumper_seat", "gas and bumper", &all)?,
-        down("gas_bore", "friction of the piston", &all)?,
-        down("nose_tip", "nose and guard", &all)?,
-        down("handle", "the hand", &all)?,
+    let axial: [AxialLoad<'_>; AXIAL] = [
+        ("cap", "gas and stopper within the head valve", &|p| radius(p) < inner),
+        ("cap", "gas and head valve", &|p| (inner..outer).contains(&radius(p))),
+        ("seat", "gas and head valve", &all),
+        ("bumper_seat", "gas and bumper", &all),
+        ("gas_bore", "friction of the piston", &all),
+        ("nose_tip", "nose and guard", &all),
+        ("handle", "the hand", &all),
     ];
+    let (mut vectors, mut problems) = (Vec::with_capacity(LOADS), Vec::<Error>::new());
+    for load in axial {
+        match down(load) {
+            Ok(vector) => vectors.push(vector),
+            // The cap takes two forces; its absence is one problem.
+            Err(Error::NoLoadSurface { group, .. }) if problems.iter().any(|other| other.lacks(group)) => {}
+            Err(error) => problems.push(error),
+        }
+    }
+    Error::of_body("tool", problems)?;
     let bore = Bore::of(mesh)?;
     let ring = |ring: usize| {
         let [low, high] = bore.ring(ring);

@@ -9,6 +9,8 @@
 
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{Boundary, ClosedOutline, Exterior, MeshRange, ModalBem, Parity, Patterns};
+use nailnoise_meshes::Surface;
+use nalgebra::DMatrix;
 use serde::Serialize;
 
 use super::boundary_elements::{LOWEST_SAMPLE, MeshRanges, Places, Resolution};
@@ -62,6 +64,20 @@ impl ToolRadiation {
             &self.places,
             progress,
         )
+    }
+
+    /// Checks that the housing's own mesh can radiate, before it has modes.
+    ///
+    /// # Errors
+    /// As [`Self::level`].
+    pub fn check(&self, surface: &Surface) -> Result<(), Error> {
+        let modes = DMatrix::zeros(3 * surface.points.len(), 0);
+        let body = MovingSurface {
+            body: "tool",
+            surface,
+            modes: &modes,
+        };
+        self.level(&body, &Air::default()).map(drop)
     }
 
     /// The housing's own mesh, its nose closed, up to the frequency that it resolves.

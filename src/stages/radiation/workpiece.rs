@@ -11,12 +11,12 @@ use nailnoise_acoustics::bem::{
 };
 use nailnoise_acoustics::radiation::{Erp, RadiatingSurface};
 use nailnoise_acoustics::{AcousticsError, Air};
-use nailnoise_meshes::open_faces;
+use nailnoise_meshes::{Surface, open_faces};
 use nalgebra::{DMatrix, Point3};
 use serde::Serialize;
 
 use super::boundary_elements::{LOWEST_SAMPLE, MeshRanges, Places, Resolution};
-use super::flush::FlushTop;
+use super::flush::{FlushTop, top_of};
 use crate::error::Error;
 use crate::stages::Progress;
 use crate::stages::bodies::MovingSurface;
@@ -76,6 +76,28 @@ pub struct WorkpieceBoundaryElements {
     pub places: Places,
 }
 
+impl WorkpieceRadiation {
+    /// Checks that the surfaces of workpiece and table can radiate, before they have modes.
+    ///
+    /// # Errors
+    /// As [`WorkpieceBoundaryElements::levels`]; those of the block's top in sand.
+    pub fn check(&self, surfaces: &[Surface]) -> Result<(), Error> {
+        let still: Vec<DMatrix<f32>> = surfaces.iter().map(|s| DMatrix::zeros(3 * s.points.len(), 0)).collect();
+        let names = ["workpiece", "worktable"].into_iter();
+        let bodies: Vec<MovingSurface<'_>> = names
+            .zip(surfaces)
+            .zip(&still)
+            .map(|((body, surface), modes)| MovingSurface { body, surface, modes })
+            .collect();
+        match self {
+            // The meshes of all ranges have the same sides.
+            Self::BoundaryElements(elements) => elements.of_bodies(&bodies, &Air::default(), &RANGES[..1]).map(drop),
+            Self::Erp(_) => Ok(()),
+            Self::Rayleigh(_) => top_of(&bodies[0]).map(drop),
+        }
+    }
+}
+
 impl WorkpieceBoundaryElements {
     /// The radiation matrix in standard air: it depends on the wavelength alone.
     ///
@@ -122,7 +144,12 @@ impl WorkpieceBoundaryElements {
     /// # Errors
     /// [`Error::NotBoxes`] for a mesh on a table that has not the sides of the design; those of mesh and radiation.
     pub fn levels(&self, bodies: &[MovingSurface<'_>], air: &Air) -> Result<Vec<MeshRange>, Error> {
-        let of_boxes = RANGES.iter().map(|share| self.of_boxes(bodies, air, *share));
+        self.of_bodies(bodies, air, &RANGES)
+    }
+
+    /// [`Self::levels`] up to these shares of the top of all ranges.
+    fn of_bodies(&self, bodies: &[MovingSurface<'_>], air: &Air, shares: &[f64]) -> Result<Vec<MeshRange>, Error> {
+        let of_boxes = shares.iter().map(|share| self.of_boxes(bodies, air, *share));
         match of_boxes.collect() {
             Err(AcousticsError::Bem(BemError::Uncovered { .. })) if !self.on_table => {
                 Ok(vec![self.of_skin(&bodies[0], air)?])

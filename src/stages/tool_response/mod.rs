@@ -22,7 +22,7 @@ use super::{Code, Input, NotKept, Postcard, Progress, Stage, Stored, code};
 use crate::error::Error;
 use crate::result::Check;
 use crate::stages::bodies::Body;
-use crate::stages::bodies::tool_loads::{AXIAL, Axial, LOADS};
+use crate::stages::bodies::tool_loads::{AXIAL, Axial, LOADS, MASS_LIMIT};
 
 /// Code that the stages of this module call.
 const CODE: Code = code!(
@@ -144,9 +144,6 @@ const STRAY_LIMIT: f64 = 1e-4;
 
 /// Largest deviation of the body's velocity from the cycle's, over its largest: forces that jump between two samples.
 const VELOCITY_LIMIT: f64 = 5e-3;
-
-/// Largest relative deviation of the body's mass from the tool's in the cycle.
-const MASS_LIMIT: f64 = 1e-3;
 
 impl ToolShot {
     /// The response of the tool's body to a cycle. `radiation_damping` is added to the damping ratios that its loss factor

@@ -1,0 +1,178 @@
+//! A mesh or solid geometry in a file of the user's own.
+
+use std::path::{Path, PathBuf};
+
+use nailnoise_meshes::msh::{self, Imported};
+use nailnoise_meshes::{MeshError, gmsh, read_regular};
+use serde::Serialize;
+use sha2::{Digest as _, Sha256};
+
+use crate::error::Error;
+use crate::stages::Digest;
+
+/// A mesh or solid geometry in a file, identified by its content.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MeshFile {
+    #[serde(skip)]
+    path: PathBuf,
+    content: Digest,
+    /// Length of one unit of the file \[m\].
+    unit: f64,
+    /// Longest element side of a solid geometry \[m\]; none for a mesh.
+    element: Option<f64>,
+    /// What its longest side may be; none for a file that stands for no body.
+    expected: Option<Extent>,
+}
+
+/// How long a body may be, to notice a file that is read in a wrong unit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Extent {
+    /// What it stands for, in words.
+    pub what: &'static str,
+    /// Its longest side along an axis \[m\].
+    pub longest: [f64; 2],
+    /// Key of the unit of its file.
+    pub key: &'static str,
+}
+
+/// Units of lengths in files, the commonest first.
+const UNITS: [(&str, f64); 5] = [
+    ("1 mm", 1e-3),
+    ("1 m", 1.0),
+    ("1 in", 0.0254),
+    ("1 cm", 1e-2),
+    ("1 um", 1e-6),
+];
+
+impl Extent {
+    fn fits(&self, extent: f64) -> bool {
+        (self.longest[0]..=self.longest[1]).contains(&extent)
+    }
+
+    /// The error that no such body has a longest side \[m\], for a file that is read in a unit \[m\] or states that it is in
+    /// metres (none).
+    fn refuse(&self, path: &Path, extent: f64, unit: Option<f64>) -> Error {
+        let read_as = |other: f64| unit.map(|unit| extent / unit * other);
+        let better = UNITS
+            .iter()
+            .find_map(|&(name, other)| Some((name, read_as(other)?)).filter(|(_, long)| self.fits(*long)));
+        let remedy = match (unit, better) {
+            (_, Some((name, long))) => {
+                let long = millimetres(long);
+                format!("give `{} = \"{name}\"`, with which it is {long} long", self.key)
+            }
+            (None, None) => "the file states that its lengths are in m; write it again in the right unit".to_owned(),
+            (Some(_), None) => format!(
+                "give the length of one unit of the file in `{}`, or check what it shows",
+                self.key
+            ),
+        };
+        Error::Extent {
+            path: path.to_owned(),
+            what: self.what,
+            found: format!(
+                "{} long with a unit of {}",
+                millimetres(extent),
+                millimetres(unit.unwrap_or(1.0))
+            ),
+            expected: self.longest.map(millimetres).join(" to "),
+            remedy,
+        }
+    }
+}
+
+fn millimetres(length: f64) -> String {
+    let rounded = format!("{:.2e}", length * 1e3).parse::<f64>().unwrap_or(length * 1e3);
+    format!("{rounded} mm")
+}
+
+impl MeshFile {
+    /// A file whose unit is `unit` \[m\]; a solid geometry is meshed with elements no longer than `element` \[m\].
+    ///
+    /// # Errors
+    /// [`MeshError::UnknownKind`] for another kind of file, [`MeshError::Read`], [`Error::NoSize`] for a solid geometry
+    /// without an element size.
+    pub fn new(path: &Path, unit: f64, element: Option<f64>, expected: Option<Extent>) -> Result<Self, Error> {
+        let element = if is_solid(path)? {
+            Some(element.ok_or(Error::NoSize)?)
+        } else {
+            None
+        };
+        let bytes = read_regular(path, msh::LARGEST).map_err(|source| MeshError::Read {
+            path: path.to_owned(),
+            source,
+        })?;
+        Ok(Self {
+            path: path.to_owned(),
+            content: Sha256::digest(bytes).into(),
+            unit,
+            element,
+            expected,
+        })
+    }
+
+    /// Reads a mesh, or has gmsh mesh a solid geometry.
+    ///
+    /// # Errors
+    /// Those of reading and meshing, [`Error::Extent`] for a body that is far too large or too small.
+    pub fn import(&self) -> Result<Imported, Error> {
+        let Some(element) = self.element else {
+            let imported = msh::read(&self.path, self.unit)?;
+            let extent = longest_side(&imported);
+            return match &self.expected {
+                Some(expected) if !expected.fits(extent) => {
+                    // A file that states its unit has the same lengths in any unit asked for.
+                    let stated = longest_side(&msh::read(&self.path, 2.0 * self.unit)?) == extent;
+                    Err(expected.refuse(&self.path, extent, (!stated).then_some(self.unit)))
+                }
+                _ => Ok(imported),
+            };
+        };
+        // gmsh gives lengths in millimetres of whatever unit the file has; a unit of 1 mm leaves them.
+        let scale = self.unit / 1e-3;
+        let expected = self.expected.map_or([0.0, f64::INFINITY], |expected| expected.longest);
+        let solid = gmsh::solid(&self.path, element / scale, expected.map(|longest| longest / scale));
+        let mut imported = solid.map_err(|error| match (error, &self.expected) {
+            (MeshError::Extent { extent, .. }, Some(expected)) => {
+                expected.refuse(&self.path, extent * scale, Some(self.unit))
+            }
+            (error, _) => error.into(),
+        })?;
+        imported.mesh.nodes.iter_mut().for_each(|p| *p *= scale);
+        Ok(imported)
+    }
+
+    /// Its path.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Longest element side of a solid geometry \[m\]; none for a mesh.
+    pub fn element_size(&self) -> Option<f64> {
+        self.element
+    }
+
+    /// Whether gmsh makes its mesh.
+    pub fn needs_gmsh(&self) -> bool {
+        self.element.is_some()
+    }
+}
+
+/// Longest side of a mesh along an axis \[m\].
+fn longest_side(imported: &Imported) -> f64 {
+    let (low, high) = imported.mesh.bounds();
+    (high - low).max()
+}
+
+/// Whether a file is a solid geometry rather than a mesh, by the end of its name.
+fn is_solid(path: &Path) -> Result<bool, MeshError> {
+    let name = path.to_string_lossy().to_lowercase();
+    let ends = |ends: &[&str]| ends.iter().any(|end| name.ends_with(end));
+    if ends(&[".msh", ".msh.gz"]) {
+        Ok(false)
+    } else if ends(&[".step", ".stp", ".brep", ".igs", ".iges"]) {
+        Ok(true)
+    } else {
+        Err(MeshError::UnknownKind { path: path.to_owned() })
+    }
+}

@@ -1,0 +1,119 @@
+//! Surfaces of a tool's housing that can be recognised by the axis and the bore of its cylinder.
+
+use nailnoise_meshes::{MeshError, SmoothFace, Surface, open_faces};
+use nalgebra::Vector3;
+use serde::Serialize;
+
+/// What the surfaces of a tool are recognised by. The axis of the cylinder is x = y = 0, z is up from the tip of the nose,
+/// and the handle points along +x.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ToolShape {
+    /// Radius of the bore \[m\].
+    pub bore: f64,
+}
+
+/// How far the nodes of the bore may be off its radius, as a share of it.
+const OFF_RADIUS: f64 = 0.05;
+
+/// Least component of the mean normal of a plane along its axis; flatter than the cosine of 2.5 degrees.
+const PLANE: f64 = 0.999;
+
+/// Least mean component of the normals of a bore along the radius, inwards.
+const INWARD: f64 = 0.98;
+
+/// A smooth face with its extent around the axis.
+struct Ring<'a> {
+    face: &'a SmoothFace,
+    /// Distances of its nodes from the axis \[m\].
+    radius: [f64; 2],
+    /// Heights of its nodes \[m\].
+    height: [f64; 2],
+    /// Mean component of its normals along the radius, outwards.
+    radial: f64,
+    /// Whether it meets the open air.
+    open: bool,
+}
+
+impl ToolShape {
+    /// Names of the surfaces of a tool.
+    pub const NAMES: [&'static str; 7] = [
+        "gas_bore",
+        "bumper_seat",
+        "seat",
+        "cap",
+        "nose_tip",
+        "handle",
+        "magazine",
+    ];
+
+    /// The surfaces that are recognised, by name, each with its faces of elements:
+    /// the bore, a cylinder around the axis of the piston's radius; the bumper's seat, the floor within it; the seat, the
+    /// annulus around its upper end; the cap, the lowest ceiling above; the tip of the nose, the lowest plane around the
+    /// axis; the handle, the largest outer face beyond half the reach along +x. The magazine has no shape of its own.
+    ///
+    /// # Errors
+    /// Those of the surface.
+    pub(super) fn guesses(
+        &self,
+        surface: &Surface,
+        smooth: &[SmoothFace],
+    ) -> Result<Vec<(&'static str, Vec<usize>)>, MeshError> {
+        let open = open_faces(surface, None)?;
+        let rings: Vec<Ring<'_>> = smooth.iter().map(|face| Ring::new(surface, face, &open)).collect();
+        let largest = |a: &&Ring<'_>, b: &&Ring<'_>| a.face.area.total_cmp(&b.face.area);
+        let lowest = |a: &&Ring<'_>, b: &&Ring<'_>| a.height[0].total_cmp(&b.height[0]);
+        let around = |ring: &Ring<'_>| ring.face.centroid.x.hypot(ring.face.centroid.y) < 0.5 * self.bore;
+        let near = |a: f64, b: f64| (a - b).abs() <= OFF_RADIUS * self.bore;
+        let of_bore = |ring: &&Ring<'_>| ring.radius.iter().all(|r| near(*r, self.bore)) && ring.radial < -INWARD;
+        let bore = rings.iter().filter(of_bore).max_by(largest);
+        let mut guesses: Vec<(&'static str, Option<&Ring<'_>>)> = vec![("gas_bore", bore)];
+        if let Some(bore) = bore {
+            let [bottom, top] = bore.height;
+            let up = |ring: &&Ring<'_>| ring.face.normal.z > PLANE && around(ring);
+            let within = |ring: &&Ring<'_>| ring.radius[1] <= (1.0 + OFF_RADIUS) * self.bore;
+            let floor = |ring: &&Ring<'_>| up(ring) && within(ring) && (ring.height[0] - bottom).abs() <= self.bore;
+            let rim = |ring: &&Ring<'_>| {
+                up(ring) && near(ring.radius[0], self.bore) && (ring.height[0] - top).abs() <= self.bore
+            };
+            let ceiling = |ring: &&Ring<'_>| ring.face.normal.z < -PLANE && around(ring) && ring.height[0] >= top;
+            guesses.push(("bumper_seat", rings.iter().filter(floor).max_by(largest)));
+            guesses.push(("seat", rings.iter().filter(rim).max_by(largest)));
+            guesses.push(("cap", rings.iter().filter(ceiling).min_by(lowest)));
+        }
+        let tip = |ring: &&Ring<'_>| ring.face.normal.z < -PLANE && around(ring) && ring.open;
+        guesses.push(("nose_tip", rings.iter().filter(tip).min_by(lowest)));
+        let reach = surface.points.iter().map(|p| p.x).fold(0.0, f64::max);
+        let grip = |ring: &&Ring<'_>| ring.open && ring.face.centroid.x > 0.5 * reach;
+        guesses.push(("handle", rings.iter().filter(grip).max_by(largest)));
+        let found = guesses.into_iter();
+        Ok(found
+            .filter_map(|(name, ring)| Some((name, ring?.face.faces.clone())))
+            .collect())
+    }
+}
+
+impl<'a> Ring<'a> {
+    fn new(surface: &Surface, face: &'a SmoothFace, open: &[bool]) -> Self {
+        let (mut radius, mut height) = ([f64::INFINITY, 0.0], [f64::INFINITY, f64::NEG_INFINITY]);
+        let mut radial = 0.0;
+        for &index in &face.faces {
+            let own = &surface.faces[index];
+            for &node in own.nodes.iter() {
+                let p = surface.points[node];
+                let r = p.x.hypot(p.y);
+                radius = [radius[0].min(r), radius[1].max(r)];
+                height = [height[0].min(p.z), height[1].max(p.z)];
+            }
+            let centre = surface.point_at(index, own.kind.centre());
+            let outward = Vector3::new(centre.position.x, centre.position.y, 0.0).try_normalize(0.0);
+            radial += outward.map_or(0.0, |outward| outward.dot(&centre.normal));
+        }
+        Self {
+            face,
+            radius,
+            height,
+            radial: radial / face.faces.len() as f64,
+            open: face.faces.iter().any(|&index| open[index]),
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! What a run requires of a body, checked as soon as it is meshed and before time is spent on its modes.
+
+use nailnoise_meshes::Surface;
+use serde::{Deserialize, Serialize};
+
+use super::bodies::tool_loads::MASS_LIMIT;
+use super::bodies::{BodyKind, FoundSurface, Meshed, Model, SensorPoint};
+use super::radiation::{ToolRadiation, WorkpieceRadiation};
+use super::{Code, Input, Postcard, Progress, Stage, Stored, all, code};
+use crate::error::Error;
+
+/// What a run requires of a body: places of forces, contacts, springs and sensors, its mass, one piece, and a surface that
+/// can radiate.
+#[derive(Serialize)]
+pub struct Requirements {
+    /// Which body it is.
+    pub kind: BodyKind,
+    /// The meshed body.
+    pub meshed: Stored<Meshed>,
+    /// Its finite elements with the load vectors of the shot.
+    pub model: Stored<Model>,
+    /// Sensors on it.
+    pub sensors: Vec<SensorPoint>,
+    /// Mass that it must have \[kg\]; none for a body whose mass is that of its mesh.
+    pub mass: Option<f64>,
+    /// The surface that radiates.
+    pub radiating: Option<Radiating>,
+}
+
+/// A surface that radiates, of one body or of several.
+#[derive(Serialize)]
+pub enum Radiating {
+    /// The tool's body.
+    Tool(ToolRadiation),
+    /// The workpiece, and the table that it may stand on.
+    Workpiece(WorkpieceRadiation, Vec<Stored<Meshed>>),
+}
+
+/// A body that a run can use.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Usable {
+    /// Surfaces that its file does not name.
+    pub surfaces: Vec<FoundSurface>,
+}
+
+impl Stage for Requirements {
+    type Output = Usable;
+    type Codec = Postcard;
+    const NAME: &'static str = "requirements of a body";
+    const CODE: Code = code!(
+        meshes,
+        fem,
+        acoustics,
+        stages_bodies,
+        stages_radiation,
+        stages_requirements
+    );
+
+    /// Without the model, whose errors stand beside the others.
+    fn inputs(&self) -> Vec<&dyn Input> {
+        let others = match &self.radiating {
+            Some(Radiating::Workpiece(_, bodies)) => &bodies[..],
+            _ => &[],
+        };
+        let others = others.iter().map(|meshed| meshed as &dyn Input);
+        others.chain([&self.meshed as &dyn Input]).collect()
+    }
+
+    fn compute(&self, _: &Progress) -> Result<Usable, Error> {
+        let (meshed, body) = (self.meshed.get()?, self.kind.name());
+        let mesh = &meshed.imported.mesh;
+        let mut problems = Vec::new();
+        let mut check = |result: Result<(), Error>| problems.extend(result.err().into_iter().flat_map(Error::parts));
+        check(self.model.get().map(drop));
+        check(meshed.check_pieces(body));
+        for sensor in &self.sensors {
+            check(sensor.load_vector(mesh, body).map(drop));
+        }
+        if let Some(expected) = self.mass.filter(|_| meshed.unplaced.is_empty()) {
+            let found = meshed.mass()?;
+            if (found / expected - 1.0).abs() > MASS_LIMIT {
+                check(Err(Error::OtherMass { found, tool: expected }));
+            }
+        }
+        if let Some(radiating) = &self.radiating {
+            check(radiating.check(&Surface::of(mesh)));
+        }
+        Error::of_body(body, problems)?;
+        Ok(Usable {
+            surfaces: meshed.surfaces.clone(),
+        })
+    }
+}
+
+impl Radiating {
+    fn check(&self, own: &Surface) -> Result<(), Error> {
+        match self {
+            Self::Tool(radiation) => radiation.check(own),
+            Self::Workpiece(radiation, bodies) => {
+                let surfaces: Vec<Surface> = all(bodies)?
+                    .iter()
+                    .map(|meshed| Surface::of(&meshed.imported.mesh))
+                    .collect();
+                radiation.check(&surfaces)
+            }
+        }
+    }
+}
