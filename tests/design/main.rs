@@ -5,5 +5,6 @@
 mod common;
 
 mod base_design;
+mod corpora;
 mod files;
 mod set;

@@ -7,5 +7,5 @@
 mod read;
 mod write;
 
-pub use read::{MeasuredMode, Measurement, UffError, read};
+pub use read::{MeasuredMode, Measurement, UffError, parse, read};
 pub use write::{Mode, text};

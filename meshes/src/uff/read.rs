@@ -88,7 +88,15 @@ pub fn read(path: &Path) -> Result<Measurement, UffError> {
         path: path.to_owned(),
         source,
     })?;
-    let text = String::from_utf8_lossy(&bytes);
+    parse(&bytes, path)
+}
+
+/// Reads the content of a universal file; `path` is for messages.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(bytes: &[u8], path: &Path) -> Result<Measurement, UffError> {
+    let text = String::from_utf8_lossy(bytes);
     let lines: Vec<&str> = text.lines().collect();
     let is_end = |line: &str| line.trim() == "-1";
     let mut measurement = Measurement::default();

@@ -1,0 +1,70 @@
+//! What each fuzz target does with bytes of any kind: reads them as the program reads a file, and goes as far as a command
+//! goes before it spends time. Nothing may panic, hang or need much memory; errors are as good as values.
+
+use std::path::Path;
+
+use nailnoise::bundle::Bundle;
+use nailnoise::design::Design;
+use nailnoise::stages::bodies::{Body, WholeModes};
+use nailnoise::stages::{Codec, Postcard, WithMatrix};
+use nailnoise_dynamics::prf::ForceTable;
+use nailnoise_meshes::{Surface, msh, uff};
+
+/// A target by its name.
+pub type Target = (&'static str, fn(&[u8]));
+
+/// All targets; each has a corpus of its name.
+pub const TARGETS: [Target; 6] = [
+    ("design", design),
+    ("msh22", mesh),
+    ("msh41", mesh),
+    ("uff", universal_file),
+    ("penetration_table", penetration_table),
+    ("cache_entry", cache_entry),
+];
+
+/// A design over the shipped ones, and the estimate of its cost.
+pub fn design(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    // This file is compiled into the targets, and into the tests of the program.
+    let own = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = if own.ends_with("fuzz") { own.join("..") } else { own.to_owned() };
+    if let Ok(design) = Design::parse(text, root.join("designs/fuzzed.toml")) {
+        let _ = nailnoise::cost::of_run(&design);
+        let _ = design.digest();
+        let _ = design.entries();
+    }
+}
+
+/// A mesh of either version, checked as one that a user gives.
+pub fn mesh(bytes: &[u8]) {
+    if let Ok(imported) = msh::parse(bytes, 1e-3, Path::new("fuzzed.msh")) {
+        let mesh = &imported.mesh;
+        if mesh.validate(|element| element as u64).is_ok() {
+            let _ = mesh.quality();
+            let _ = mesh.part_volumes();
+            let _ = Surface::of(mesh);
+        }
+    }
+}
+
+/// Measured modes.
+pub fn universal_file(bytes: &[u8]) {
+    let _ = uff::parse(bytes, Path::new("fuzzed.uff"));
+}
+
+/// A penetration law by points.
+pub fn penetration_table(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    if let Ok(table) = ForceTable::from_csv(text) {
+        let _ = table.last_depth();
+    }
+}
+
+/// What a cache entry holds behind its header: a value in the postcard format, or one with a matrix.
+pub fn cache_entry(bytes: &[u8]) {
+    let (mut body, mut modes, mut bundle) = (bytes, bytes, bytes);
+    let _ = <WithMatrix as Codec<Body>>::read(&mut body, bytes.len());
+    let _ = <WithMatrix as Codec<WholeModes>>::read(&mut modes, bytes.len());
+    let _ = <Postcard as Codec<Bundle>>::read(&mut bundle, bytes.len());
+}
