@@ -11,6 +11,7 @@
 struct Readme;
 
 mod block;
+mod child;
 mod element;
 mod error;
 mod gauss;
@@ -25,6 +26,7 @@ mod quality;
 mod size;
 mod straighten;
 mod surface;
+pub mod temporary;
 mod tool;
 mod tubes;
 pub mod uff;
