@@ -224,7 +224,9 @@ fn field_files(
     store: &Store,
 ) -> Result<(FieldFiles, Wanted), Error> {
     let key = fields.key();
-    if let Some(files) = store.load::<FieldFiles, Postcard>(CHECKSUMS, key) {
+    // Its layout is of this file, which is not in the key of the fields.
+    let of_checksums = Key::new().with(key).digest();
+    if let Some(files) = store.load::<FieldFiles, Postcard>(CHECKSUMS, &of_checksums) {
         let missing = files.missing(folder);
         let fields = if missing.is_empty() {
             store.renew(BodyFields::NAME, key);
@@ -235,7 +237,7 @@ fn field_files(
         return Ok((files, Wanted { missing, fields }));
     }
     let files = FieldFiles::write(unfinished, *key, &*fields.get()?)?;
-    store.save::<_, Postcard>(CHECKSUMS, key, &files);
+    store.save::<_, Postcard>(CHECKSUMS, &of_checksums, &files);
     Ok((files, Wanted::default()))
 }
 

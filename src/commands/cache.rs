@@ -83,11 +83,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         }
         Action::Verify => {
             let damaged = cache.verify().map_err(failed)?;
-            let sound = cache.entries().map_err(failed)?.len() - damaged.len();
-            for (entry, damage) in &damaged {
-                std::fs::remove_file(&entry.path).map_err(failed)?;
-                eprintln!("removed: {} {damage}", entry.path.display());
+            for (path, damage) in &damaged {
+                cache.remove(path).map_err(failed)?;
+                eprintln!("removed: {} {damage}", path.display());
             }
+            let sound = cache.entries().map_err(failed)?.len();
             if arguments.json {
                 print_json(&serde_json::json!({"folder": folder, "sound": sound, "removed": damaged.len()}))?;
             } else {
@@ -96,6 +96,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             return Ok(ExitCode::from(u8::from(!damaged.is_empty())));
         }
         Action::Clear => {
+            for (path, damage) in cache.obstacles().map_err(failed)? {
+                eprintln!("removed: {} {damage}", path.display());
+            }
             let count = cache.clear().map_err(failed)?;
             if arguments.json {
                 print_json(&serde_json::json!({"folder": folder, "removed": count}))?;
