@@ -10,10 +10,10 @@ use super::{Keeping, load, print, print_json, progress, start_threads, status_of
 use crate::bundle::deliver;
 use crate::comparison::{Comparison, Finished, Labelled, Levels, Limit};
 use crate::error::Error;
-use crate::output;
 use crate::report;
 use crate::result::Check;
 use crate::stages::Progress;
+use crate::staging;
 use crate::store::Store;
 use crate::wording::{band, change, order};
 
@@ -60,9 +60,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     }
     progress.end();
     let comparison = Comparison::new(&results);
-    output::create(&arguments.out)?;
     let page = arguments.out.join("comparison.html");
-    output::write(&page, report::comparison(&comparison).as_bytes())?;
+    staging::write(&page, report::comparison(&comparison).as_bytes())?;
     if arguments.json {
         print_json(&comparison)?;
     } else {

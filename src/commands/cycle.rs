@@ -1,6 +1,6 @@
 //! `nailnoise cycle`: one nailing cycle without its sound.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
@@ -17,6 +17,10 @@ use crate::output::{self, EVENT_NAMES};
 use crate::penetration;
 use crate::result::{Check, DesignId};
 use crate::stages::cycle::Preset;
+use crate::staging::Staging;
+
+/// The file that is written last, so that a folder that holds it holds all the rest.
+const LAST: &str = "events.csv";
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -124,13 +128,18 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         (None, None) => String::new(),
     };
     progress.stage("writing files");
-    output::write_files(&folder, &output::of_cycle(&record)?)?;
-    let figures = if arguments.figures {
+    let staging = Staging::within(&folder)?;
+    for file in output::of_cycle(&record)? {
+        staging.write(&file.path, &file.content.0)?;
+    }
+    let mut figures = Vec::new();
+    if arguments.figures {
         let subject = format!("{}{form}: {}", design.name(), words(&record.outcome));
-        figures::write(&folder.join("figures"), &figures::cycle(&subject, &design, &record))?
-    } else {
-        Vec::new()
-    };
+        let charts = figures::cycle(&subject, &design, &record);
+        figures = figures::write(&staging, Path::new("figures"), &charts)?;
+    }
+    staging.place(&[], Path::new(LAST))?;
+    let figures: Vec<PathBuf> = figures.iter().map(|file| folder.join(file)).collect();
     progress.end();
     let status = status_of(&record.checks);
     let result = CycleResult {

@@ -12,6 +12,7 @@ use crate::design::{Design, Value};
 use crate::error::Error;
 use crate::output;
 use crate::result::DesignId;
+use crate::staging;
 use crate::study::{Draw, Fate, Study, study};
 
 /// Layout of `cycle --draw --json`; the draws themselves are in the file.
@@ -41,12 +42,8 @@ pub(super) fn execute(common: &Common, design: &Design, count: usize, seed: u64)
     progress.stage("drawing designs");
     let study = study(design, count, seed, &progress)?;
     progress.end();
-    std::fs::create_dir_all(&folder).map_err(|source| Error::Write {
-        path: folder.clone(),
-        source,
-    })?;
     let path = folder.join("draws.csv");
-    output::write(&path, &csv(&study)?)?;
+    staging::write(&path, &csv(&study)?)?;
     let failures = failures(&study);
     let status = if failures.is_empty() {
         ExitCode::SUCCESS

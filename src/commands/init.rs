@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::print;
 use crate::error::Error;
-use crate::output;
+use crate::staging;
 
 /// The base design, with all its comments and sources.
 const BASE: &str = include_str!("../../designs/n80cb.toml");
@@ -60,8 +60,5 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
 }
 
 fn put(path: &Path, text: &str) -> Result<(), Error> {
-    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-        output::create(folder)?;
-    }
-    output::write(path, text.as_bytes())
+    staging::write(path, text.as_bytes())
 }

@@ -15,6 +15,7 @@ use crate::error::Error;
 use crate::figures;
 use crate::output;
 use crate::penetration::{self, PenetrationError};
+use crate::staging::Staging;
 use nailnoise_quantities::dimension::{FORCE, LENGTH, VELOCITY};
 use nailnoise_quantities::measure;
 
@@ -93,17 +94,20 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let labels = labels(&laws);
     let result = evaluate(arguments, &laws, &labels)?;
     let folder = arguments.out.clone().unwrap_or_else(|| Path::new("out").join("prf"));
-    let mut files = figures::write(&folder, &[figures::penetration(&result.shared(), &laws, &labels)?])?;
-    let path = folder.join("penetration.csv");
-    output::write(&path, &csv(&laws)?)?;
-    files.push(path);
+    let chart = figures::penetration(&result.shared(), &laws, &labels)?;
+    let staging = Staging::within(&folder)?;
+    let mut files = figures::write(&staging, Path::new(""), &[chart])?;
+    let table = PathBuf::from("penetration.csv");
+    staging.write(&table, &csv(&laws)?)?;
+    staging.place(&[], &table)?;
+    files.push(table);
     result.notes.iter().for_each(|note| eprintln!("note: {note}"));
     if arguments.json {
         print_json(&result)?;
     } else {
         print(&text(&result, arguments.depth.is_empty()));
         for file in files {
-            print(&format!("  {}\n", file.display()));
+            print(&format!("  {}\n", folder.join(file).display()));
         }
     }
     Ok(ExitCode::SUCCESS)

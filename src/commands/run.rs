@@ -50,8 +50,6 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         progress.stage("writing sound fields");
         output::write_sound_fields(&folder, &design.digest(), &fields)?;
         checks.extend(fields.checks.iter().cloned());
-    } else {
-        output::remove_others(&folder, &design.digest())?;
     }
     progress.end();
     if common.json {
