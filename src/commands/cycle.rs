@@ -104,8 +104,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let preset = arguments.as_published.map(Preset::from);
     let folder = match preset {
         // Beside the files of the design itself, not over them.
-        Some(preset) if common.out.is_none() => common.out(&design).join(preset.as_str()),
-        _ => common.out(&design),
+        Some(preset) if common.out.is_none() => common.out(&design)?.join(preset.as_str()),
+        _ => common.out(&design)?,
     };
     let progress = progress();
     progress.stage("nailing cycle");
@@ -162,11 +162,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     if common.json {
         print_json(&result)?;
     } else {
-        print(&text(&form, &result, &record));
-        print(&format!("\n  files in {}\n", folder.display()));
-        figures
-            .iter()
-            .for_each(|file| print(&format!("  {}\n", file.display())));
+        print(&text(&form, &result, &record))?;
+        print(&format!("\n  files in {}\n", folder.display()))?;
+        for file in &figures {
+            print(&format!("  {}\n", file.display()))?;
+        }
     }
     Ok(status)
 }

@@ -37,7 +37,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         print(&format!(
             "{}: the N80CB with every key, its source and range\n",
             path.display()
-        ));
+        ))?;
     } else {
         // What stands there may have been changed by its owner.
         let kept = base.exists();
@@ -50,12 +50,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             path.display(),
             base.display(),
             if kept { " (already present)" } else { "" }
-        ));
+        ))?;
     }
     print(&format!(
         "\n  nailnoise check {0}   lists estimates and the cost of a run\n  nailnoise run {0}     ranks its sources\n",
         path.display()
-    ));
+    ))?;
     Ok(ExitCode::SUCCESS)
 }
 

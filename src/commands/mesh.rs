@@ -100,7 +100,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     if arguments.json {
         print_json(&result)?;
     } else {
-        print(&text(&loaded.name, &result));
+        print(&text(&loaded.name, &result))?;
     }
     Ok(ExitCode::SUCCESS)
 }

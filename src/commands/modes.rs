@@ -73,7 +73,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     common.start_threads()?;
     let mut design = common.load()?;
     arguments.own.replace(&mut design, arguments.body.into());
-    let folder = common.out(&design);
+    let folder = common.out(&design)?;
     // A file that cannot be used is found before time is spent.
     let measurement = arguments.mac.as_deref().map(uff::read).transpose()?;
     let progress = progress();
@@ -137,9 +137,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     if common.json {
         print_json(&result)?;
     } else {
-        print(&text(&result, &body));
+        print(&text(&result, &body))?;
         for file in files {
-            print(&format!("  written to {}\n", folder.join(file).display()));
+            print(&format!("  written to {}\n", folder.join(file).display()))?;
         }
     }
     Ok(status_of(&result.checks))

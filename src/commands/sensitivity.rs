@@ -40,7 +40,7 @@ pub(super) fn execute(
     } else {
         sensitivity::choose(outputs)?
     };
-    let folder = common.out(design);
+    let folder = common.out(design)?;
     let progress = progress();
     progress.stage("sensitivity of the nailing cycle");
     let sensitivity = sensitivity::sensitivity(design, &outputs, keys, &progress)?;
@@ -58,8 +58,8 @@ pub(super) fn execute(
             sensitivity: &sensitivity,
         })?;
     } else {
-        print(&text(design.name(), &sensitivity));
-        print(&format!("\n  all parameters in {}\n", path.display()));
+        print(&text(design.name(), &sensitivity))?;
+        print(&format!("\n  all parameters in {}\n", path.display()))?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -8,6 +8,7 @@ mod cache;
 mod compare;
 mod cycle;
 mod examples;
+mod faults;
 mod mesh;
 mod prf;
 mod report;
