@@ -288,6 +288,21 @@ pub enum Error {
         /// What is wrong with it.
         reason: String,
     },
+    /// The numbers of a finished result cannot be or do not agree.
+    #[error("{} is no result that can be compared: `{at}` is {found}, expected is {expected}", path.display())]
+    #[diagnostic(help(
+        "the file was changed or damaged: compute it anew with `nailnoise run`, or give the design, which is then run"
+    ))]
+    Inconsistent {
+        /// The file.
+        path: PathBuf,
+        /// Path of the number in it.
+        at: String,
+        /// What is there.
+        found: String,
+        /// What should be.
+        expected: String,
+    },
     /// The thread pool could not be started.
     #[error("the thread pool cannot be started")]
     #[diagnostic(help("choose a smaller --threads N"))]
