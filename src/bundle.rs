@@ -3,7 +3,6 @@
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Duration;
 use std::{fs, io, thread};
 
 use rayon::prelude::*;
@@ -20,14 +19,12 @@ use crate::report::{self, BodyPictures, Pictures, Recording};
 use crate::result::Check;
 use crate::run::Run;
 use crate::stages::{Digest, Postcard, Progress, Stage, Stored};
+use crate::staging::{self, Staging};
 use crate::store::{Checksum, Key, Store, checksum};
-use crate::{figures, interrupt, output};
+use crate::{figures, output};
 
 /// The file that is written last, so that a folder that holds it holds all the rest.
 const LAST: &str = "result.json";
-
-/// Beginning of the name of the folder in which a run writes before all of its files take their places at once.
-const UNFINISHED: &str = ".unfinished-";
 
 /// The microphone whose sound the report holds: in front of the device, half way up.
 const IN_THE_REPORT: usize = 1;
@@ -35,9 +32,6 @@ const IN_THE_REPORT: usize = 1;
 /// Names of the entries in the store: all files of a run, and the checksums of the files of its fields.
 const RUN: &str = "run";
 const CHECKSUMS: &str = "checksums of fields";
-
-/// Age at which an unfinished folder is nobody's.
-const ABANDONED: Duration = Duration::from_secs(3600);
 
 /// What a run leaves behind.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -62,12 +56,12 @@ struct FieldFiles {
 }
 
 impl FieldFiles {
-    /// Writes all files under a folder that nobody looks at yet.
-    fn write(folder: &Path, key: Digest, fields: &Fields) -> Result<Self, Error> {
+    /// Writes all files.
+    fn write(staging: &Staging, key: Digest, fields: &Fields) -> Result<Self, Error> {
         let write = |bytes: &mut Vec<u8>, file: usize| {
             let path = fields.path(file);
             fields.render(file, bytes)?;
-            write_plain(&folder.join(path), bytes)?;
+            staging.write_unsynced(path, bytes)?;
             Ok((path.to_owned(), checksum(bytes)))
         };
         let files = (0..fields.len()).into_par_iter().map_init(Vec::new, write);
@@ -110,10 +104,21 @@ struct Wanted {
     fields: Arc<Fields>,
 }
 
+impl Wanted {
+    fn write(&self, staging: &Staging) -> Result<(), Error> {
+        let write = |bytes: &mut Vec<u8>, &file: &usize| {
+            self.fields.render(file, bytes)?;
+            staging.write_unsynced(self.fields.path(file), bytes)
+        };
+        let written = self.missing.par_iter().map_init(Vec::new, write);
+        written.collect()
+    }
+}
+
 /// A run in words: the table, and the parts of the sources.
 pub type Words = fn(&Run) -> [String; 2];
 
-/// Runs a design and leaves its files in `folder`: every file whole, `result.json` last. Nothing is computed when the store
+/// Runs a design and leaves its files in `folder`: all of them, or the folder as it was. Nothing is computed when the store
 /// holds what this very design gives; the flag says whether it did.
 ///
 /// # Errors
@@ -128,16 +133,17 @@ pub fn deliver(
     memory: MemoryLimit,
     progress: &Progress,
 ) -> Result<(Bundle, bool), Error> {
+    staging::sweep(folder);
     let key = key(design, draw)?;
     let kept = store.load::<Bundle, Postcard>(RUN, &key).and_then(|bundle| {
         let fields = bundle.fields.wanted(folder, store)?;
         Some((bundle, fields))
     });
     store.take_notes().iter().for_each(|note| progress.note(note));
+    let outdated = output::sound_fields_of_others(folder, &design.digest());
     if let Some((bundle, fields)) = kept {
         progress.stage("the design has not changed: its files are those kept from the last run");
-        let _whole = interrupt::undisturbed();
-        bundle.place(folder, &fields, None)?;
+        bundle.restore(folder, &fields, &outdated)?;
         return Ok((bundle, true));
     }
     let costs = cost::of_run(design)?;
@@ -145,14 +151,13 @@ pub fn deliver(
     if let Some(announcement) = cost::announcement(&costs) {
         progress.note(&announcement);
     }
-    let unfinished = Unfinished::within(folder)?;
-    let [of_bodies, others] = unfinished.parts();
+    let staging = Staging::within(folder)?;
     let Made {
         run,
         pictures,
         fields: (fields, wanted),
         of_cycle,
-    } = made(design, folder, &of_bodies, store, progress).map_err(|error| located(design, error))?;
+    } = made(design, folder, &staging, store, progress).map_err(|error| located(design, error))?;
     progress.stage("writing files");
     let mut files = files(design, &run, &pictures, draw)?;
     files.extend(of_cycle);
@@ -167,10 +172,11 @@ pub fn deliver(
         fields,
     };
     let place = || {
-        let write = |file: &File| write_plain(&others.join(&file.path), &file.content.0);
+        // Every file, be it the same as before or not: to see that would cost more.
+        let write = |file: &File| staging.write_unsynced(&file.path, &file.content.0);
         bundle.files.par_iter().try_for_each(write)?;
-        let _whole = interrupt::undisturbed();
-        bundle.place(folder, &wanted, Some(&unfinished))
+        wanted.write(&staging)?;
+        staging.place(&outdated, Path::new(LAST))
     };
     let (placed, ()) = rayon::join(place, || store.save::<_, Postcard>(RUN, &key, &bundle));
     store.take_notes().iter().for_each(|note| progress.note(note));
@@ -187,8 +193,8 @@ struct Made {
     of_cycle: Vec<File>,
 }
 
-/// Runs a design and the exports of its bodies side by side. Files of fields that are new are written under `unfinished`.
-fn made(design: &Design, folder: &Path, unfinished: &Path, store: &Store, progress: &Progress) -> Result<Made, Error> {
+/// Runs a design and the exports of its bodies side by side. Files of fields that are new are written at once.
+fn made(design: &Design, folder: &Path, staging: &Staging, store: &Store, progress: &Progress) -> Result<Made, Error> {
     let graph = Graph::new(Arc::new(store.clone()), progress.observer());
     let chain = Chain::new(&graph, design, Options::default())?;
     let pictures = graph.add(BodyPictures {
@@ -203,7 +209,7 @@ fn made(design: &Design, folder: &Path, unfinished: &Path, store: &Store, progre
     thread::scope(|scope| {
         // The cycle's tables are the longest of all.
         let of_cycle = scope.spawn(|| chain.cycle.get().and_then(|record| output::of_cycle(&record)));
-        let files = scope.spawn(|| field_files(&fields, folder, unfinished, store));
+        let files = scope.spawn(|| field_files(&fields, folder, staging, store));
         let mut outputs = chain.outputs();
         outputs.push(&pictures);
         let prepared = graph.prepare(&outputs);
@@ -225,15 +231,17 @@ fn made(design: &Design, folder: &Path, unfinished: &Path, store: &Store, progre
 }
 
 /// Paths and checksums of the files of fields, and those that are to be rendered. What the store does not know is rendered
-/// at once under `unfinished`.
+/// at once.
 fn field_files(
     fields: &Stored<Fields>,
     folder: &Path,
-    unfinished: &Path,
+    staging: &Staging,
     store: &Store,
 ) -> Result<(FieldFiles, Wanted), Error> {
     let key = fields.key();
-    if let Some(files) = store.load::<FieldFiles, Postcard>(CHECKSUMS, key) {
+    // Its layout is of this file, which is not in the key of the fields.
+    let of_checksums = Key::new().with(key).digest();
+    if let Some(files) = store.load::<FieldFiles, Postcard>(CHECKSUMS, &of_checksums) {
         let missing = files.missing(folder);
         let fields = if missing.is_empty() {
             store.renew(BodyFields::NAME, key);
@@ -243,8 +251,8 @@ fn field_files(
         };
         return Ok((files, Wanted { missing, fields }));
     }
-    let files = FieldFiles::write(unfinished, *key, &*fields.get()?)?;
-    store.save::<_, Postcard>(CHECKSUMS, key, &files);
+    let files = FieldFiles::write(staging, *key, &*fields.get()?)?;
+    store.save::<_, Postcard>(CHECKSUMS, &of_checksums, &files);
     Ok((files, Wanted::default()))
 }
 
@@ -307,133 +315,22 @@ fn heard_at(files: &[File], run: &Run, microphone: usize) -> Vec<Recording> {
     sources.filter_map(|(source, _)| recording(source)).collect()
 }
 
-/// Writes a file where nobody looks before it is whole. Without a sync: what a failure of power takes of a folder, the next
-/// run of the design puts back.
-fn write_plain(path: &Path, content: &[u8]) -> Result<(), Error> {
-    if let Some(parent) = path.parent() {
-        output::create(parent)?;
-    }
-    fs::write(path, content).map_err(|source| Error::Write {
-        path: path.to_owned(),
-        source,
-    })
-}
-
 impl Bundle {
-    /// Brings the files into `folder`, those that are there already excepted: from where a run has just written them, or
-    /// else the bundle's own and these fields.
-    fn place(&self, folder: &Path, fields: &Wanted, unfinished: Option<&Unfinished>) -> Result<(), Error> {
-        let [of_bodies, others] = unfinished.map(Unfinished::parts).unwrap_or_default();
-        let written = unfinished.map(|_| others.as_path());
-        let same = |file: &File| fs::read(folder.join(&file.path)).is_ok_and(|there| there == file.content.0);
-        let task = |file| Bring::task(file, written);
-        let is_last = |file: &&File| file.path == Path::new(LAST);
-        // What a run has just written is moved, be it the same or not: to see that would cost more.
-        let wanted = |file: &&File| !is_last(file) && (unfinished.is_some() || !same(file));
-        let differing = self.files.par_iter().filter(wanted);
-        let mut tasks: Vec<(&Path, Bring<'_>)> = differing.map(task).collect();
-        if of_bodies.exists() {
-            let paths = self.fields.files.iter().map(|(path, _)| path.as_path());
-            tasks.extend(paths.map(|path| (path, Bring::Move(of_bodies.join(path)))));
-        } else {
-            let of_fields = |&file: &usize| (fields.fields.path(file), Bring::Render(&fields.fields, file));
-            tasks.extend(fields.missing.iter().map(of_fields));
-        }
-        let last = self.files.iter().find(is_last);
-        if tasks.is_empty() && last.is_none_or(same) {
+    /// Writes the files that differ from those in `folder`, and nothing where all are in their places.
+    fn restore(&self, folder: &Path, fields: &Wanted, outdated: &[PathBuf]) -> Result<(), Error> {
+        let differs = |file: &&File| !fs::read(folder.join(&file.path)).is_ok_and(|there| there == file.content.0);
+        let mut differing: Vec<&File> = self.files.par_iter().filter(differs).collect();
+        if differing.is_empty() && fields.missing.is_empty() && outdated.is_empty() {
             return Ok(());
         }
-        // While files of two runs are side by side there is no result.
-        let result = folder.join(LAST);
-        output::gone(&result, fs::remove_file(&result))?;
-        let bring = |(path, how): &(&Path, Bring<'_>)| {
-            let to = folder.join(path);
-            if let Some(parent) = to.parent() {
-                output::create(parent)?;
-            }
-            how.bring(&to)
-        };
-        tasks.par_iter().try_for_each(bring)?;
-        last.map(task).iter().try_for_each(bring)
-    }
-}
-
-/// How a file comes to its place.
-enum Bring<'a> {
-    /// From where it was written a moment ago.
-    Move(PathBuf),
-    /// From what is kept.
-    Write(&'a [u8]),
-    /// From what it is made of.
-    Render(&'a Fields, usize),
-}
-
-impl<'a> Bring<'a> {
-    /// A file, and how it comes.
-    fn task(file: &'a File, written: Option<&Path>) -> (&'a Path, Self) {
-        let how = written.map_or(Self::Write(&file.content.0), |at| Self::Move(at.join(&file.path)));
-        (&file.path, how)
-    }
-
-    fn bring(&self, to: &Path) -> Result<(), Error> {
-        match self {
-            Self::Move(from) => {
-                // A file system that takes care of whoever renames over a file (ext4) first writes the new one to the disk.
-                output::gone(to, fs::remove_file(to))?;
-                fs::rename(from, to).map_err(|source| Error::Write {
-                    path: to.to_owned(),
-                    source,
-                })
-            }
-            Self::Write(content) => output::write(to, content),
-            Self::Render(fields, file) => {
-                let mut content = Vec::new();
-                fields.render(*file, &mut content)?;
-                output::write(to, &content)
-            }
+        let is_last = |file: &&File| file.path == Path::new(LAST);
+        if !differing.iter().any(is_last) {
+            differing.extend(self.files.iter().find(is_last));
         }
-    }
-}
-
-/// A folder that is gone when the run is over, however it ends.
-struct Unfinished {
-    path: PathBuf,
-    _cleaning: interrupt::Cleaning,
-}
-
-impl Unfinished {
-    fn within(folder: &Path) -> Result<Self, Error> {
-        output::create(folder)?;
-        sweep(folder);
-        let path = folder.join(format!("{UNFINISHED}{}", std::process::id()));
-        let cleaning = interrupt::Cleaning::of(&path);
-        output::create(&path)?;
-        Ok(Self {
-            path,
-            _cleaning: cleaning,
-        })
-    }
-
-    /// Where the files of the bodies in motion and all others are written.
-    fn parts(&self) -> [PathBuf; 2] {
-        ["bodies", "others"].map(|part| self.path.join(part))
-    }
-}
-
-impl Drop for Unfinished {
-    fn drop(&mut self) {
-        // What is left of it does no harm; a later run sweeps it away.
-        let _ = fs::remove_dir_all(&self.path);
-    }
-}
-
-/// Removes what killed processes left; a folder of the last hour may belong to a run under way.
-fn sweep(folder: &Path) {
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let old = entry.metadata().and_then(|data| data.modified());
-        let old = old.is_ok_and(|time| time.elapsed().is_ok_and(|age| age > ABANDONED));
-        if old && entry.file_name().to_string_lossy().starts_with(UNFINISHED) {
-            let _ = fs::remove_dir_all(entry.path());
-        }
+        let staging = Staging::within(folder)?;
+        let write = |file: &&File| staging.write_unsynced(&file.path, &file.content.0);
+        differing.par_iter().try_for_each(write)?;
+        fields.write(&staging)?;
+        staging.place(outdated, Path::new(LAST))
     }
 }

@@ -294,9 +294,31 @@ pub enum Error {
         /// The universal file.
         path: PathBuf,
     },
+    /// A design whose name cannot be that of a folder.
+    #[error(
+        "the design file {} has the name \"{name}\", which cannot be the name of a folder for its results", path.display()
+    )]
+    #[diagnostic(help(
+        "rename the file, for example to my-tool.toml; `run`, `cycle` and `modes` also take a folder with --out DIR"
+    ))]
+    NoFolderName {
+        /// The design file.
+        path: PathBuf,
+        /// Its name without extension.
+        name: String,
+    },
+    /// Standard output could not be written.
+    #[error("cannot write to standard output: {source}")]
+    #[diagnostic(help("free space where the output goes, or send it elsewhere; files that were written are whole"))]
+    Output {
+        /// What the system said.
+        source: std::io::Error,
+    },
     /// A file could not be written.
     #[error("cannot write {}: {source}", path.display())]
-    #[diagnostic(help("choose a folder that can be written with --out DIR"))]
+    #[diagnostic(help(
+        "choose another folder with --out DIR, or free space or permit writing there; no file was replaced in part"
+    ))]
     Write {
         /// The file or folder.
         path: PathBuf,
@@ -340,6 +362,21 @@ pub enum Error {
         path: PathBuf,
         /// What is wrong with it.
         reason: String,
+    },
+    /// The numbers of a finished result cannot be or do not agree.
+    #[error("{} is no result that can be compared: `{at}` is {found}, expected is {expected}", path.display())]
+    #[diagnostic(help(
+        "the file was changed or damaged: compute it anew with `nailnoise run`, or give the design, which is then run"
+    ))]
+    Inconsistent {
+        /// The file.
+        path: PathBuf,
+        /// Path of the number in it.
+        at: String,
+        /// What is there.
+        found: String,
+        /// What should be.
+        expected: String,
     },
     /// The thread pool could not be started.
     #[error("the thread pool cannot be started")]

@@ -2,10 +2,11 @@
 //! anything else.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::process::{Command, Output};
 
+use crate::child;
 use crate::msh::{self, Imported};
+use crate::temporary::TemporaryFolder;
 use crate::{FaceGroup, FaceRef, Mesh, MeshError, Surface};
 
 /// Name of the environment variable that names the program.
@@ -13,6 +14,9 @@ const PROGRAM: &str = "NAILNOISE_GMSH";
 
 /// File in which a script leaves the longest side \[mm\] of a geometry that it does not mesh for its size.
 const EXTENT: &str = "extent";
+
+/// Beginning of the names of the folders in which gmsh works.
+const FOLDER: &str = "nailnoise-gmsh-";
 
 /// What gmsh can be asked to mesh.
 #[derive(Debug, Clone, PartialEq)]
@@ -117,7 +121,8 @@ pub fn solid(path: &Path, size: f64, expected: [f64; 2]) -> Result<Imported, Mes
 /// # Errors
 /// [`MeshError::NoGmsh`].
 pub fn version() -> Result<String, MeshError> {
-    let output = start(Command::new(program()).arg("--version"))?;
+    let program = program();
+    let output = start(child::command(&program).arg("--version"), &program)?;
     // gmsh prints its version to standard error.
     let text = [output.stdout, output.stderr].concat();
     Ok(String::from_utf8_lossy(&text).trim().to_owned())
@@ -130,20 +135,21 @@ fn program() -> String {
         .unwrap_or_else(|| "gmsh".to_owned())
 }
 
-fn start(command: &mut Command) -> Result<std::process::Output, MeshError> {
-    command
-        .stdin(Stdio::null())
-        .output()
-        .map_err(|error| MeshError::NoGmsh {
-            program: command.get_program().to_string_lossy().into_owned(),
-            reason: error.to_string(),
-        })
+fn start(command: &mut Command, program: &str) -> Result<Output, MeshError> {
+    child::output(command).map_err(|error| MeshError::NoGmsh {
+        program: program.to_owned(),
+        reason: error.to_string(),
+    })
 }
 
 /// Runs a script in a temporary folder and reads the mesh.
 pub(crate) fn run(job: &Job<'_>) -> Result<Imported, MeshError> {
-    let folder = Folder::new()?;
-    let at = |name: &str| folder.0.join(name);
+    let temporary = std::env::temp_dir();
+    let folder = TemporaryFolder::new(&temporary, FOLDER).map_err(|source| MeshError::Write {
+        path: temporary,
+        source,
+    })?;
+    let at = |name: &str| folder.path().join(name);
     let write =
         |path: PathBuf, bytes: &[u8]| std::fs::write(&path, bytes).map_err(|source| MeshError::Write { path, source });
     write(at("script.geo"), job.script.as_bytes())?;
@@ -154,8 +160,9 @@ pub(crate) fn run(job: &Job<'_>) -> Result<Imported, MeshError> {
         })?;
         write(at(name), &bytes)?;
     }
-    let mut command = Command::new(program());
-    command.current_dir(&folder.0);
+    let program = program();
+    let mut command = child::command(&program);
+    command.current_dir(folder.path());
     // One thread: the mesh must be the same on every machine.
     command.args([
         "script.geo",
@@ -173,7 +180,7 @@ pub(crate) fn run(job: &Job<'_>) -> Result<Imported, MeshError> {
     for (name, value) in &job.constants {
         command.args(["-setnumber", name, &value.to_string()]);
     }
-    let output = start(&mut command)?;
+    let output = start(&mut command, &program)?;
     let said = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
     let errors: Vec<&str> = said
         .lines()
@@ -243,27 +250,4 @@ pub fn name_by_height(mesh: &mut Mesh) {
             faces,
         })
         .collect();
-}
-
-/// A folder that goes when it is dropped.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new() -> Result<Self, MeshError> {
-        static NEXT: AtomicUsize = AtomicUsize::new(0);
-        let number = NEXT.fetch_add(1, Ordering::Relaxed);
-        let path = std::env::temp_dir().join(format!("nailnoise-gmsh-{}-{number}", std::process::id()));
-        std::fs::create_dir_all(&path).map_err(|source| MeshError::Write {
-            path: path.clone(),
-            source,
-        })?;
-        Ok(Self(path))
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        // What is left behind lies in the folder for temporary files.
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
 }

@@ -11,6 +11,7 @@
 struct Readme;
 
 mod block;
+mod child;
 mod element;
 mod error;
 mod gauss;
@@ -27,6 +28,7 @@ mod size;
 mod smooth;
 mod straighten;
 mod surface;
+pub mod temporary;
 mod tool;
 mod tubes;
 pub mod uff;

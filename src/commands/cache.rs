@@ -7,7 +7,7 @@ use clap::{Args, Subcommand};
 use serde::Serialize;
 
 use super::table::table;
-use super::{print, print_json};
+use super::{message, print, print_json};
 use crate::error::Error;
 use crate::store::{Listed, Store};
 
@@ -72,35 +72,38 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
                     "folder": folder, "bytes": bytes, "limit_bytes": cache.limit(), "entries": rows,
                 }))?;
             } else {
-                print(&listing(&rows));
+                print(&listing(&rows))?;
                 print(&format!(
                     "\n  {} MiB of {} MiB in {}\n",
                     mebibytes(bytes),
                     mebibytes(cache.limit()),
                     folder.display()
-                ));
+                ))?;
             }
         }
         Action::Verify => {
             let damaged = cache.verify().map_err(failed)?;
-            let sound = cache.entries().map_err(failed)?.len() - damaged.len();
-            for (entry, damage) in &damaged {
-                std::fs::remove_file(&entry.path).map_err(failed)?;
-                eprintln!("removed: {} {damage}", entry.path.display());
+            for (path, damage) in &damaged {
+                cache.remove(path).map_err(failed)?;
+                message(&format!("removed: {} {damage}", path.display()));
             }
+            let sound = cache.entries().map_err(failed)?.len();
             if arguments.json {
                 print_json(&serde_json::json!({"folder": folder, "sound": sound, "removed": damaged.len()}))?;
             } else {
-                print(&format!("  {sound} entries are intact, {} removed\n", damaged.len()));
+                print(&format!("  {sound} entries are intact, {} removed\n", damaged.len()))?;
             }
             return Ok(ExitCode::from(u8::from(!damaged.is_empty())));
         }
         Action::Clear => {
+            for (path, damage) in cache.obstacles().map_err(failed)? {
+                message(&format!("removed: {} {damage}", path.display()));
+            }
             let count = cache.clear().map_err(failed)?;
             if arguments.json {
                 print_json(&serde_json::json!({"folder": folder, "removed": count}))?;
             } else {
-                print(&format!("  {count} entries removed from {}\n", folder.display()));
+                print(&format!("  {count} entries removed from {}\n", folder.display()))?;
             }
         }
     }

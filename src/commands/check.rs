@@ -147,7 +147,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     if arguments.json {
         print_json(&result)?;
     } else {
-        print(&text(&loaded.name, &result));
+        print(&text(&loaded.name, &result))?;
     }
     Ok(ExitCode::from(if result.faults.is_empty() { 0 } else { 2 }))
 }

@@ -6,15 +6,17 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::table::{decibels, table};
-use super::{Keeping, Memory, load, print, print_json, progress, start_threads, status_of};
+use super::{
+    Keeping, Memory, comparison_page, folder_of, load, message, print, print_json, progress, start_threads, status_of,
+};
 use crate::bundle::deliver;
 use crate::comparison::{Comparison, Finished, Labelled, Levels, Limit};
 use crate::cost::MemoryLimit;
 use crate::error::Error;
-use crate::output;
 use crate::report;
 use crate::result::Check;
 use crate::stages::Progress;
+use crate::staging;
 use crate::store::Store;
 use crate::wording::{band, change, order};
 
@@ -64,17 +66,19 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     }
     progress.end();
     let comparison = Comparison::new(&results);
-    output::create(&arguments.out)?;
-    let page = arguments.out.join("comparison.html");
-    output::write(&page, report::comparison(&comparison).as_bytes())?;
+    let identity = comparison_page::identity(&arguments.designs);
+    let page = comparison_page::place(&arguments.out, &comparison.designs, &identity);
+    staging::write(&page, report::comparison(&comparison, &identity).as_bytes())?;
     if arguments.json {
         print_json(&comparison)?;
     } else {
-        print(&text(&comparison, arguments.bands, arguments.intervals));
-        print(&format!("\n  as a page: {}\n", page.display()));
+        print(&text(&comparison, arguments.bands, arguments.intervals))?;
+        print(&format!("\n  as a page: {}\n", page.display()))?;
     }
     let exceeded = comparison.exceeded(&arguments.fail_above);
-    exceeded.iter().for_each(|line| eprintln!("limit exceeded: {line}"));
+    exceeded
+        .iter()
+        .for_each(|line| message(&format!("limit exceeded: {line}")));
     let status = status_of(&checks);
     if status == ExitCode::SUCCESS && !exceeded.is_empty() {
         return Ok(ExitCode::from(1));
@@ -95,17 +99,10 @@ fn finish(
     let design = load(path)?;
     progress.note(&format!("design {}", design.name()));
     let name = free_name(design.name(), before);
-    let (bundle, _) = deliver(
-        &design,
-        &out.join(&name),
-        false,
-        super::run::words,
-        cache,
-        memory,
-        progress,
-    )?;
+    let folder = folder_of(out, &name, design.path())?;
+    let (bundle, _) = deliver(&design, &folder, false, super::run::words, cache, memory, progress)?;
     checks.extend(bundle.checks.into_iter().map(|check| check.of(&name)));
-    Finished::parse(&out.join(&name), &bundle.json)
+    Finished::parse(&folder, &bundle.json)
 }
 
 /// The name, with a number behind it if another result of the comparison has it.

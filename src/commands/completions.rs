@@ -6,6 +6,7 @@ use clap::{Args, CommandFactory as _};
 use clap_complete::Shell;
 
 use super::{Cli, print};
+use crate::error::Error;
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -13,9 +14,9 @@ pub(super) struct Arguments {
     shell: Shell,
 }
 
-pub(super) fn execute(arguments: &Arguments) -> ExitCode {
+pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let mut text = Vec::new();
     clap_complete::generate(arguments.shell, &mut Cli::command(), "nailnoise", &mut text);
-    print(&String::from_utf8_lossy(&text));
-    ExitCode::SUCCESS
+    print(&String::from_utf8_lossy(&text))?;
+    Ok(ExitCode::SUCCESS)
 }

@@ -1,6 +1,6 @@
 //! `nailnoise cycle`: one nailing cycle without its sound.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
@@ -13,11 +13,15 @@ use crate::chain;
 use crate::cost;
 use crate::design::inputs::cycle::{cycle_settings, parameters};
 use crate::error::Error;
-use crate::figures;
+use crate::figures::{self, Chart};
 use crate::output::{self, EVENT_NAMES};
 use crate::penetration;
 use crate::result::{Check, DesignId};
 use crate::stages::cycle::Preset;
+use crate::staging::Staging;
+
+/// The file that is written last, so that a folder that holds it holds all the rest.
+const LAST: &str = "events.csv";
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -102,8 +106,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let preset = arguments.as_published.map(Preset::from);
     let folder = match preset {
         // Beside the files of the design itself, not over them.
-        Some(preset) if common.out.is_none() => common.out(&design).join(preset.as_str()),
-        _ => common.out(&design),
+        Some(preset) if common.out.is_none() => common.out(&design)?.join(preset.as_str()),
+        _ => common.out(&design)?,
     };
     let progress = progress();
     progress.stage("nailing cycle");
@@ -127,16 +131,13 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     };
     // The tables take most of the time of a shot; a program that reads the JSON value asks for them by name.
     let with_files = !common.json || common.out.is_some() || arguments.figures;
+    let mut figures = Vec::new();
     if with_files {
         progress.stage("writing files");
-        output::write_files(&folder, &output::of_cycle(&record)?)?;
-    }
-    let figures = if arguments.figures {
         let subject = format!("{}{form}: {}", design.name(), words(&record.outcome));
-        figures::write(&folder.join("figures"), &figures::cycle(&subject, &design, &record))?
-    } else {
-        Vec::new()
-    };
+        let charts = arguments.figures.then(|| figures::cycle(&subject, &design, &record));
+        figures = write(&folder, &record, &charts.unwrap_or_default())?;
+    }
     progress.end();
     let status = status_of(&record.checks);
     let result = CycleResult {
@@ -159,13 +160,24 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     if common.json {
         print_json(&result)?;
     } else {
-        print(&text(&form, &result, &record));
-        print(&format!("\n  files in {}\n", folder.display()));
-        figures
-            .iter()
-            .for_each(|file| print(&format!("  {}\n", file.display())));
+        print(&text(&form, &result, &record))?;
+        print(&format!("\n  files in {}\n", folder.display()))?;
+        for file in &figures {
+            print(&format!("  {}\n", file.display()))?;
+        }
     }
     Ok(status)
+}
+
+/// Writes the tables of a cycle and these charts together; returns the files of the charts.
+fn write(folder: &Path, record: &CycleRecord, charts: &[Chart]) -> Result<Vec<PathBuf>, Error> {
+    let staging = Staging::within(folder)?;
+    for file in output::of_cycle(record)? {
+        staging.write(&file.path, &file.content.0)?;
+    }
+    let figures = figures::write(&staging, Path::new("figures"), charts)?;
+    staging.place(&[], Path::new(LAST))?;
+    Ok(figures.iter().map(|file| folder.join(file)).collect())
 }
 
 fn text(form: &str, result: &CycleResult<'_>, record: &CycleRecord) -> String {

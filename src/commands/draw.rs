@@ -7,11 +7,12 @@ use std::process::ExitCode;
 use serde::Serialize;
 
 use super::table::table;
-use super::{Common, print, print_json, progress};
+use super::{Common, message, print, print_json, progress};
 use crate::design::{Design, Value};
 use crate::error::Error;
 use crate::output;
 use crate::result::DesignId;
+use crate::staging;
 use crate::study::{Draw, Fate, Study, study};
 
 /// Layout of `cycle --draw --json`; the draws themselves are in the file.
@@ -36,17 +37,13 @@ struct Failure {
 }
 
 pub(super) fn execute(common: &Common, design: &Design, count: usize, seed: u64) -> Result<ExitCode, Error> {
-    let folder = common.out(design);
+    let folder = common.out(design)?;
     let progress = progress();
     progress.stage("drawing designs");
     let study = study(design, count, seed, &progress)?;
     progress.end();
-    std::fs::create_dir_all(&folder).map_err(|source| Error::Write {
-        path: folder.clone(),
-        source,
-    })?;
     let path = folder.join("draws.csv");
-    output::write(&path, &csv(&study)?)?;
+    staging::write(&path, &csv(&study)?)?;
     let failures = failures(&study);
     let status = if failures.is_empty() {
         ExitCode::SUCCESS
@@ -54,7 +51,7 @@ pub(super) fn execute(common: &Common, design: &Design, count: usize, seed: u64)
         ExitCode::from(3)
     };
     for Failure { candidate, error } in &failures {
-        eprintln!("candidate {candidate} cannot be computed: {error}");
+        message(&format!("candidate {candidate} cannot be computed: {error}"));
     }
     if common.json {
         print_json(&DrawResult {
@@ -73,8 +70,8 @@ pub(super) fn execute(common: &Common, design: &Design, count: usize, seed: u64)
             file: path.display().to_string(),
         })?;
     } else {
-        print(&text(design.name(), &study));
-        print(&format!("\n  every design in {}\n", path.display()));
+        print(&text(design.name(), &study))?;
+        print(&format!("\n  every design in {}\n", path.display()))?;
     }
     Ok(status)
 }

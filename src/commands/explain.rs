@@ -76,7 +76,7 @@ pub(super) fn execute(design: &Design, memory: MemoryLimit, json: bool) -> Resul
     if json {
         print_json(&explanation)?;
     } else {
-        print(&text(&explanation));
+        print(&text(&explanation))?;
     }
     Ok(ExitCode::from(if explanation.obstacles.is_empty() { 0 } else { 2 }))
 }

@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::print;
 use crate::error::Error;
-use crate::output;
+use crate::staging;
 
 /// The base design, with all its comments and sources.
 const BASE: &str = include_str!("../../designs/n80cb.toml");
@@ -37,7 +37,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         print(&format!(
             "{}: the N80CB with every key, its source and range\n",
             path.display()
-        ));
+        ))?;
     } else {
         // What stands there may have been changed by its owner.
         let kept = base.exists();
@@ -50,18 +50,15 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             path.display(),
             base.display(),
             if kept { " (already present)" } else { "" }
-        ));
+        ))?;
     }
     print(&format!(
         "\n  nailnoise check {0}   lists estimates and the cost of a run\n  nailnoise run {0}     ranks its sources\n",
         path.display()
-    ));
+    ))?;
     Ok(ExitCode::SUCCESS)
 }
 
 fn put(path: &Path, text: &str) -> Result<(), Error> {
-    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-        output::create(folder)?;
-    }
-    output::write(path, text.as_bytes())
+    staging::write(path, text.as_bytes())
 }

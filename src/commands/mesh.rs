@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::bodies::Input;
 use super::{print, print_json};
 use crate::error::Error;
-use crate::output;
+use crate::staging;
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -100,19 +100,13 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     if arguments.json {
         print_json(&result)?;
     } else {
-        print(&text(&loaded.name, &result));
+        print(&text(&loaded.name, &result))?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
 fn write(path: &Path, imported: &msh::Imported, format: Format) -> Result<(), Error> {
     let name = path.to_string_lossy().to_lowercase();
-    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-        std::fs::create_dir_all(folder).map_err(|source| Error::Write {
-            path: folder.to_owned(),
-            source,
-        })?;
-    }
     let msh = || msh::to_bytes(&imported.mesh, format, &imported.comment);
     let bytes = if name.ends_with(".vtu") {
         vtu::Grid::of_mesh(&imported.mesh).to_bytes(&[], &[])?
@@ -123,7 +117,7 @@ fn write(path: &Path, imported: &msh::Imported, format: Format) -> Result<(), Er
     } else {
         return Err(Error::Mesh(MeshError::UnknownOutput { path: path.to_owned() }));
     };
-    output::write(path, &bytes)
+    staging::write(path, &bytes)
 }
 
 fn text(name: &str, result: &MeshResult) -> String {

@@ -1,16 +1,18 @@
 //! The command line: one file a command, and what they share (arguments, threads, progress, exit status).
 //!
 //! Results go to standard output, progress and warnings to standard error. Exit status: 0 done; 1 done, but a limit is
-//! not met; 2 wrong usage or input; 3 a numerical check failed; 130 interrupted.
+//! not met; 2 wrong usage or input; 3 a numerical check failed; 101 a fault of the program; 130 interrupted.
 
 mod bodies;
 mod cache;
 mod check;
 mod compare;
+mod comparison_page;
 mod completions;
 mod cycle;
 mod draw;
 mod explain;
+mod faults;
 mod init;
 mod mesh;
 mod modes;
@@ -21,7 +23,7 @@ mod schema;
 mod sensitivity;
 mod table;
 
-use std::io::{IsTerminal, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -31,6 +33,7 @@ use crate::cost::MemoryLimit;
 use crate::design::Design;
 use crate::error::Error;
 use crate::result::Check;
+use crate::staging::is_file_name;
 use crate::store::Store;
 use progress::progress;
 
@@ -39,7 +42,7 @@ use progress::progress;
 #[command(name = "nailnoise", version, about, max_term_width = 120)]
 #[command(
     after_help = "Exit status: 0 done; 1 done, but a limit is not met; 2 wrong usage or input; \
-                        3 a numerical check failed; 130 interrupted."
+                        3 a numerical check failed; 101 a fault of the program; 130 interrupted."
 )]
 struct Cli {
     #[command(subcommand)]
@@ -101,8 +104,11 @@ impl Common {
     }
 
     /// The folder for the output files of this design.
-    fn out(&self, design: &Design) -> PathBuf {
-        self.out.clone().unwrap_or_else(|| Path::new("out").join(design.name()))
+    fn out(&self, design: &Design) -> Result<PathBuf, Error> {
+        match &self.out {
+            Some(folder) => Ok(folder.clone()),
+            None => folder_of(Path::new("out"), design.name(), design.path()),
+        }
     }
 
     /// Sets the size of the thread pool of the whole process.
@@ -123,6 +129,17 @@ impl Memory {
     fn limit(&self) -> MemoryLimit {
         self.memory.unwrap_or_default()
     }
+}
+
+/// The folder under `out` that is named after the design in the file `path`.
+fn folder_of(out: &Path, name: &str, path: &Path) -> Result<PathBuf, Error> {
+    if is_file_name(name) {
+        return Ok(out.join(name));
+    }
+    Err(Error::NoFolderName {
+        path: path.to_owned(),
+        name: name.to_owned(),
+    })
 }
 
 /// Whether cached results are used.
@@ -147,7 +164,7 @@ impl Keeping {
 fn load(path: &Path) -> Result<Design, Error> {
     let design = Design::load(path)?;
     for warning in design.warnings() {
-        eprint!("{:?}", miette::Report::new(warning.clone()));
+        report(warning.clone());
     }
     Ok(design)
 }
@@ -162,13 +179,33 @@ fn start_threads(threads: Option<u16>) -> Result<(), Error> {
 
 /// Runs the command line of this process.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse(); // wrong use ends here with status 2
     install_error_style();
+    faults::install();
     crate::interrupt::install();
+    let status = faults::caught(|| {
+        let outcome = match Cli::try_parse() {
+            Ok(cli) => execute(&cli),
+            Err(wrong) if wrong.use_stderr() => wrong.exit(), // with status 2
+            Err(help) => printed(help.print()).map(|()| ExitCode::SUCCESS),
+        };
+        outcome.unwrap_or_else(|error| {
+            crate::interrupt::give_way();
+            let status = error.exit_status();
+            report(error);
+            ExitCode::from(status)
+        })
+    });
+    status.unwrap_or_else(|status| {
+        crate::interrupt::give_way();
+        ExitCode::from(status)
+    })
+}
+
+fn execute(cli: &Cli) -> Result<ExitCode, Error> {
     if cli.quiet {
         progress::silence();
     }
-    let outcome = match &cli.command {
+    match &cli.command {
         Command::Init(arguments) => init::execute(arguments),
         Command::Run(arguments) => run::execute(arguments),
         Command::Compare(arguments) => compare::execute(arguments),
@@ -179,14 +216,8 @@ pub fn main() -> ExitCode {
         Command::Prf(arguments) => prf::execute(arguments),
         Command::Cache(arguments) => cache::execute(arguments),
         Command::Schema(arguments) => schema::execute(arguments),
-        Command::Completions(arguments) => Ok(completions::execute(arguments)),
-    };
-    outcome.unwrap_or_else(|error| {
-        crate::interrupt::give_way();
-        let status = error.exit_status();
-        eprintln!("{:?}", miette::Report::new(error));
-        ExitCode::from(status)
-    })
+        Command::Completions(arguments) => completions::execute(arguments),
+    }
 }
 
 /// Prints errors with a caret under the position in the design; without colour if the output is not a terminal.
@@ -210,10 +241,10 @@ fn install_error_style() {
 fn status_of(checks: &[Check]) -> ExitCode {
     let failed: Vec<&Check> = checks.iter().filter(|check| !check.ok).collect();
     for check in &failed {
-        eprintln!(
+        message(&format!(
             "check failed: {} is {:.3e}, limit {:.3e}; do not rely on the result",
             check.name, check.value, check.limit
-        );
+        ));
     }
     if failed.is_empty() {
         ExitCode::SUCCESS
@@ -222,16 +253,32 @@ fn status_of(checks: &[Check]) -> ExitCode {
     }
 }
 
-/// Writes text to standard output; a closed pipe (`| head`) is not an error.
-fn print(text: &str) {
-    let mut out = std::io::stdout().lock();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+/// Writes a line to standard error. If nobody can read it, the work goes on.
+fn message(text: &str) {
+    let _ = writeln!(std::io::stderr(), "{text}");
+}
+
+/// Shows an error or a warning with its place and remedy on standard error.
+fn report(diagnostic: impl miette::Diagnostic + Send + Sync + 'static) {
+    message(format!("{:?}", miette::Report::new(diagnostic)).trim_end_matches('\n'));
+}
+
+/// Writes text to standard output.
+fn print(text: &str) -> Result<(), Error> {
+    printed(std::io::stdout().lock().write_all(text.as_bytes()))
+}
+
+/// What has come of writing to standard output. A reader that has seen enough (`| head`) is not an error.
+fn printed(outcome: std::io::Result<()>) -> Result<(), Error> {
+    match outcome.and_then(|()| std::io::stdout().flush()) {
+        Err(source) if source.kind() != ErrorKind::BrokenPipe => Err(Error::Output { source }),
+        _ => Ok(()),
+    }
 }
 
 /// Prints one JSON value.
 fn print_json<T: serde::Serialize>(value: &T) -> Result<(), Error> {
     let mut text = serde_json::to_string_pretty(value).map_err(Error::Json)?;
     text.push('\n');
-    print(&text);
-    Ok(())
+    print(&text)
 }

@@ -20,6 +20,7 @@ use crate::graph::Graph;
 use crate::output;
 use crate::result::{Check, DesignId};
 use crate::stages::bodies::Body;
+use crate::staging::Staging;
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -73,7 +74,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     common.start_threads()?;
     let mut design = common.load()?;
     arguments.own.replace(&mut design, arguments.body.into());
-    let folder = common.out(&design);
+    let folder = common.out(&design)?;
     // A file that cannot be used is found before time is spent.
     let measurement = arguments.mac.as_deref().map(uff::read).transpose()?;
     let kind = arguments.body.into();
@@ -99,18 +100,21 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         _ => None,
     };
     progress.stage("writing files");
-    let mut files = vec![output::write_modes(&folder, &body, shapes)?];
+    let staging = Staging::within(&folder)?;
+    let list = output::write_modes(&staging, &body, shapes)?;
+    let mut files = vec![list.clone()];
     for &mode in &arguments.animate {
-        files.push(output::write_motion(&folder, &body, mode as usize - 1)?);
+        files.push(output::write_motion(&staging, &body, mode as usize - 1)?);
     }
     if arguments.uff {
         files.push(output::write_universal(
-            &folder,
+            &staging,
             design.name(),
             (&body, stages.loss_factor),
             shapes,
         )?);
     }
+    staging.place(&[], &list)?;
     progress.end();
     let basis = &body.basis;
     let mode = |(index, &hz): (usize, &f64)| Mode {
@@ -135,9 +139,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     if common.json {
         print_json(&result)?;
     } else {
-        print(&text(&result, &body));
+        print(&text(&result, &body))?;
         for file in files {
-            print(&format!("  written to {}\n", file.display()));
+            print(&format!("  written to {}\n", folder.join(file).display()))?;
         }
     }
     Ok(status_of(&result.checks))

@@ -10,11 +10,12 @@ use nailnoise_dynamics::prf::{
 use serde::Serialize;
 
 use super::table::table;
-use super::{print, print_json};
+use super::{message, print, print_json};
 use crate::error::Error;
 use crate::figures;
 use crate::output;
 use crate::penetration::{self, PenetrationError};
+use crate::staging::Staging;
 use nailnoise_quantities::dimension::{FORCE, LENGTH, VELOCITY};
 use nailnoise_quantities::measure;
 
@@ -87,23 +88,26 @@ struct Row {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     if arguments.list {
-        return if arguments.json { list_json() } else { Ok(list()) };
+        return if arguments.json { list_json() } else { list() };
     }
     let laws = resistances(arguments)?;
     let labels = labels(&laws);
     let result = evaluate(arguments, &laws, &labels)?;
     let folder = arguments.out.clone().unwrap_or_else(|| Path::new("out").join("prf"));
-    let mut files = figures::write(&folder, &[figures::penetration(&result.shared(), &laws, &labels)?])?;
-    let path = folder.join("penetration.csv");
-    output::write(&path, &csv(&laws)?)?;
-    files.push(path);
-    result.notes.iter().for_each(|note| eprintln!("note: {note}"));
+    let chart = figures::penetration(&result.shared(), &laws, &labels)?;
+    let staging = Staging::within(&folder)?;
+    let mut files = figures::write(&staging, Path::new(""), &[chart])?;
+    let table = PathBuf::from("penetration.csv");
+    staging.write(&table, &csv(&laws)?)?;
+    staging.place(&[], &table)?;
+    files.push(table);
+    result.notes.iter().for_each(|note| message(&format!("note: {note}")));
     if arguments.json {
         print_json(&result)?;
     } else {
-        print(&text(&result, arguments.depth.is_empty()));
+        print(&text(&result, arguments.depth.is_empty()))?;
         for file in files {
-            print(&format!("  {}\n", file.display()));
+            print(&format!("  {}\n", folder.join(file).display()))?;
         }
     }
     Ok(ExitCode::SUCCESS)
@@ -334,7 +338,7 @@ fn csv(laws: &[PenetrationCurve]) -> Result<Vec<u8>, Error> {
     )
 }
 
-fn list() -> ExitCode {
+fn list() -> Result<ExitCode, Error> {
     let laws: Vec<Vec<String>> = PenetrationLaw::ALL
         .iter()
         .map(|law| {
@@ -379,8 +383,8 @@ fn list() -> ExitCode {
         &["nail", "length mm", "smooth and annular mm", "helical mm"],
         &nails,
     ));
-    print(&text);
-    ExitCode::SUCCESS
+    print(&text)?;
+    Ok(ExitCode::SUCCESS)
 }
 
 fn list_json() -> Result<ExitCode, Error> {

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
+use super::message;
 use crate::stages::{Observer, Progress, Task};
 
 /// Whether `--quiet` was given.
@@ -53,15 +54,15 @@ impl Observer for Terminal {
         match &self.bar {
             Some(bar) => bar.set_message(name.to_owned()),
             None if self.quiet => {}
-            None => eprintln!("[{:6.1} s] {name}", self.since.elapsed().as_secs_f64()),
+            None => message(&format!("[{:6.1} s] {name}", self.since.elapsed().as_secs_f64())),
         }
     }
 
     fn note(&self, text: &str) {
         match &self.bar {
-            Some(_) => self.lines.suspend(|| eprintln!("note: {text}")),
+            Some(_) => self.lines.suspend(|| message(&format!("note: {text}"))),
             None if self.quiet => {}
-            None => eprintln!("note: {text}"),
+            None => message(&format!("note: {text}")),
         }
     }
 

@@ -38,7 +38,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let common = &arguments.common;
     common.start_threads()?;
     let design = common.load()?;
-    let folder = common.out(&design);
+    let folder = common.out(&design)?;
     let cache = arguments.keeping.cache()?;
     let progress = progress();
     let (bundle, unchanged) = deliver(
@@ -58,25 +58,23 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         progress.stage("writing sound fields");
         output::write_sound_fields(&folder, &design.digest(), &fields)?;
         checks.extend(fields.checks.iter().cloned());
-    } else {
-        output::remove_others(&folder, &design.digest())?;
     }
     progress.end();
     if common.json {
-        print(&bundle.json);
+        print(&bundle.json)?;
     } else {
         let [table, parts] = &bundle.text;
-        print(table);
+        print(table)?;
         if arguments.components {
-            print(parts);
+            print(parts)?;
         }
         if unchanged {
-            print("  unchanged design: result from the cache\n");
+            print("  unchanged design: result from the cache\n")?;
         }
         print(&format!(
             "\n  files in {}; open report.html for the report\n",
             folder.display()
-        ));
+        ))?;
     }
     Ok(status_of(&checks))
 }

@@ -12,6 +12,7 @@ use crate::error::Error;
 use crate::output;
 use crate::result::DesignId;
 use crate::sensitivity::{self, Derivative, End, OutputSensitivity, ParameterOutcome, Sensitivity, USUAL};
+use crate::staging;
 use crate::study::outcome_name;
 
 /// Parameters shown for each figure; the file has them all.
@@ -39,17 +40,13 @@ pub(super) fn execute(
     } else {
         sensitivity::choose(outputs)?
     };
-    let folder = common.out(design);
+    let folder = common.out(design)?;
     let progress = progress();
     progress.stage("sensitivity of the nailing cycle");
     let sensitivity = sensitivity::sensitivity(design, &outputs, keys, &progress)?;
     progress.end();
-    std::fs::create_dir_all(&folder).map_err(|source| Error::Write {
-        path: folder.clone(),
-        source,
-    })?;
     let path = folder.join("sensitivity.csv");
-    output::write(&path, &csv(&sensitivity)?)?;
+    staging::write(&path, &csv(&sensitivity)?)?;
     if common.json {
         let design = DesignId {
             name: design.name().to_owned(),
@@ -61,8 +58,8 @@ pub(super) fn execute(
             sensitivity: &sensitivity,
         })?;
     } else {
-        print(&text(design.name(), &sensitivity));
-        print(&format!("\n  all parameters in {}\n", path.display()));
+        print(&text(design.name(), &sensitivity))?;
+        print(&format!("\n  all parameters in {}\n", path.display()))?;
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
+use super::consistency;
 use crate::error::Error;
 use crate::result::{DesignId, RankedSource, SCHEMA, Total};
 
@@ -44,16 +45,25 @@ impl Finished {
         }
     }
 
-    /// Reads a `result.json`.
+    /// Reads a `result.json` whose numbers agree with each other.
     ///
     /// # Errors
-    /// [`Error::Unreadable`] or [`Error::NotAResult`].
+    /// [`Error::Unreadable`], [`Error::NotAResult`] or [`Error::Inconsistent`].
     pub fn read(path: &Path) -> Result<Self, Error> {
         let text = std::fs::read_to_string(path).map_err(|source| Error::Unreadable {
             path: path.to_owned(),
             source,
         })?;
-        Self::parse(path, &text)
+        let result = Self::parse(path, &text)?;
+        let value = serde_json::from_str(&text).map_err(Error::Json)?;
+        let consistent = consistency::numbers(&value).and_then(|()| consistency::sums(&result.ranking, &result.total));
+        consistent.map_err(|fault| Error::Inconsistent {
+            path: path.to_owned(),
+            at: fault.at,
+            found: fault.found,
+            expected: fault.expected,
+        })?;
+        Ok(result)
     }
 
     /// Reads what a `result.json` holds; `path` is named in errors.
@@ -67,12 +77,16 @@ impl Finished {
         };
         let value: serde_json::Value = serde_json::from_str(text).map_err(|error| wrong(error.to_string()))?;
         match value["schema"].as_str() {
-            Some(SCHEMA) => serde_json::from_value(value).map_err(|error| wrong(error.to_string())),
-            Some(other) => Err(wrong(format!(
-                "its schema is \"{other}\", this version reads \"{SCHEMA}\""
-            ))),
-            None => Err(wrong("it has no schema".to_owned())),
+            Some(SCHEMA) => {}
+            Some(other) => {
+                return Err(wrong(format!(
+                    "its schema is \"{other}\", this version reads \"{SCHEMA}\""
+                )));
+            }
+            None => return Err(wrong("it has no schema".to_owned())),
         }
+        let text = &mut serde_json::Deserializer::from_str(text);
+        serde_path_to_error::deserialize(text).map_err(|error| wrong(format!("`{}`: {}", error.path(), error.inner())))
     }
 
     /// Name of the design.

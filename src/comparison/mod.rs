@@ -3,6 +3,7 @@
 //! A comparison needs finished results only, so that designs of different days compare as well as those just run. The
 //! first result is the reference: changes are those of the others from it.
 
+mod consistency;
 mod finished;
 
 use serde::Serialize;

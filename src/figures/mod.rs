@@ -13,8 +13,8 @@ mod svg;
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
-use crate::output;
 use crate::run::Run;
+use crate::staging::Staging;
 
 pub(crate) use chart::subscripts;
 pub use chart::{Axis, Chart, Event, Panel, Series, Shape};
@@ -48,18 +48,14 @@ pub fn sound(subject: &str, run: &Run) -> Vec<Chart> {
     charts
 }
 
-/// Writes charts to `folder` as SVG and returns their files.
+/// Writes charts to the folder `folder` of a [`Staging`] as SVG and returns their files.
 ///
 /// # Errors
 /// [`Error::Write`] with the file that could not be written.
-pub fn write(folder: &Path, charts: &[Chart]) -> Result<Vec<PathBuf>, Error> {
-    std::fs::create_dir_all(folder).map_err(|source| Error::Write {
-        path: folder.to_owned(),
-        source,
-    })?;
+pub fn write(staging: &Staging, folder: &Path, charts: &[Chart]) -> Result<Vec<PathBuf>, Error> {
     let file = |chart: &Chart| {
         let path = folder.join(&chart.name).with_extension("svg");
-        output::write(&path, chart.svg().as_bytes())?;
+        staging.write(&path, chart.svg().as_bytes())?;
         Ok(path)
     };
     charts.iter().map(file).collect()

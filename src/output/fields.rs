@@ -12,6 +12,7 @@ use super::film::Fields;
 use crate::error::Error;
 use crate::stages::bodies::Body;
 use crate::stages::spectra::Driven;
+use crate::staging::Staging;
 
 /// Levels shown below the highest of a field \[dB\]; clamped points, which do not move, stand at this floor.
 const SHOWN: f64 = 60.0;
@@ -64,8 +65,12 @@ fn factor(spectra: &ModalSpectra, [low, high]: [f64; 2]) -> Option<LowRank> {
 }
 
 /// Writes a `.vtu` for each mode and the `.pvd` that lists them by frequency; returns the `.pvd`.
-pub(super) fn write_modes(folder: &Path, body: &Body, shapes: &DMatrix<f64>) -> Result<PathBuf, Error> {
-    super::create(folder)?;
+pub(super) fn write_modes(
+    staging: &Staging,
+    folder: &Path,
+    body: &Body,
+    shapes: &DMatrix<f64>,
+) -> Result<PathBuf, Error> {
     let grid = Grid::of_mesh(&body.mesh);
     let mode = |(index, &hz): (usize, &f64)| {
         let file = format!("mode-{:04}.vtu", index + 1);
@@ -75,12 +80,12 @@ pub(super) fn write_modes(folder: &Path, body: &Body, shapes: &DMatrix<f64>) -> 
             // Columns of a matrix that owns its values are contiguous.
             values: shapes.column(index).data.into_slice(),
         };
-        super::write(&folder.join(&file), &grid.to_bytes(&[shape], &[])?)?;
+        staging.write(&folder.join(&file), &grid.to_bytes(&[shape], &[])?)?;
         Ok((hz, file))
     };
     let series = body.basis.hz.par_iter().enumerate().map(mode);
     let series = series.collect::<Result<Vec<_>, Error>>()?;
     let list = folder.join("modes.pvd");
-    super::write(&list, vtu::series(&series).as_bytes())?;
+    staging.write(&list, vtu::series(&series).as_bytes())?;
     Ok(list)
 }

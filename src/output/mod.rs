@@ -12,7 +12,6 @@ mod shot;
 mod sound_fields;
 mod table;
 
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use nailnoise_dynamics::{CycleRecord, Events};
@@ -26,14 +25,14 @@ use crate::run::Run;
 use crate::stages::bodies::Body;
 use crate::stages::spectra::{Driven, MovingBody};
 use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, code};
+use crate::staging::Staging;
 use crate::store::Bytes;
 
-pub(crate) use crate::files::write;
 pub use columns::{Column, columns};
 pub use csv::EVENT_NAMES;
 pub use film::Fields;
 pub(crate) use microphones::sound;
-pub use sound_fields::{remove_others, write_sound_fields};
+pub use sound_fields::{sound_fields_of_others, write_sound_fields};
 pub(crate) use table::table;
 
 /// The folder of the fields in that of a run.
@@ -164,51 +163,43 @@ pub fn of_microphones(run: &Run) -> Result<Vec<File>, Error> {
     microphones::files(run)
 }
 
-/// Writes files to `folder`.
-///
-/// # Errors
-/// [`Error::Write`] with the file that could not be written.
-pub fn write_files(folder: &Path, files: &[File]) -> Result<(), Error> {
-    create(folder)?;
-    files
-        .iter()
-        .try_for_each(|file| write(&folder.join(&file.path), &file.content.0))
+/// The folder of the modes of a body in that of a run.
+fn of_modes(body: &Body) -> PathBuf {
+    Path::new("modes").join(body.name)
 }
 
-/// Writes the mode shapes of a body, [`Body::shapes`], to `folder/modes/BODY/`; returns the `.pvd` that lists them.
+/// Writes the mode shapes of a body, [`Body::shapes`], to `modes/BODY/`; returns the `.pvd` that lists them.
 ///
 /// # Errors
 /// [`Error::Write`] or [`Error::Mesh`] with the file that could not be written.
-pub fn write_modes(folder: &Path, body: &Body, shapes: &DMatrix<f64>) -> Result<PathBuf, Error> {
-    fields::write_modes(&folder.join("modes").join(body.name), body, shapes)
+pub fn write_modes(staging: &Staging, body: &Body, shapes: &DMatrix<f64>) -> Result<PathBuf, Error> {
+    fields::write_modes(staging, &of_modes(body), body, shapes)
 }
 
-/// Writes one period of mode `mode` (from 0) of a body to `folder/modes/BODY/`; returns the `.pvd` that plays it.
+/// Writes one period of mode `mode` (from 0) of a body to `modes/BODY/`; returns the `.pvd` that plays it.
 ///
 /// # Errors
 /// [`Error::NoMode`] when there are not so many; [`Error::Write`] or [`Error::Mesh`] with the file that could not be
 /// written.
-pub fn write_motion(folder: &Path, body: &Body, mode: usize) -> Result<PathBuf, Error> {
+pub fn write_motion(staging: &Staging, body: &Body, mode: usize) -> Result<PathBuf, Error> {
     let modes = body.basis.hz.len();
     if mode >= modes {
         return Err(Error::NoMode { mode: mode + 1, modes });
     }
-    motion::write(&folder.join("modes").join(body.name), body, mode)
+    motion::write(staging, &of_modes(body), body, mode)
 }
 
-/// Writes the skin and the modes of a body, [`Body::shapes`], to `folder/modes/BODY/modes.uff` for modal-test software.
+/// Writes the skin and the modes of a body, [`Body::shapes`], to `modes/BODY/modes.uff` for modal-test software.
 ///
 /// # Errors
 /// [`Error::Write`] or [`Error::Mesh`] with the file that could not be written.
 pub fn write_universal(
-    folder: &Path,
+    staging: &Staging,
     name: &str,
     (body, loss_factor): (&Body, f64),
     shapes: &DMatrix<f64>,
 ) -> Result<PathBuf, Error> {
-    let folder = folder.join("modes").join(body.name);
-    create(&folder)?;
-    let path = folder.join("modes.uff");
+    let path = of_modes(body).join("modes.uff");
     let modes: Vec<Mode<'_>> = body
         .basis
         .hz
@@ -222,24 +213,6 @@ pub fn write_universal(
         })
         .collect();
     let text = uff::text(&format!("{name} {}", body.name), &body.surface, &modes)?;
-    write(&path, text.as_bytes())?;
+    staging.write(&path, text.as_bytes())?;
     Ok(path)
-}
-
-pub(crate) fn create(folder: &Path) -> Result<(), Error> {
-    std::fs::create_dir_all(folder).map_err(|source| Error::Write {
-        path: folder.to_owned(),
-        source,
-    })
-}
-
-/// What has come of a removal; what was not there is gone as well.
-pub(crate) fn gone(path: &Path, outcome: std::io::Result<()>) -> Result<(), Error> {
-    match outcome {
-        Err(source) if source.kind() != ErrorKind::NotFound => Err(Error::Write {
-            path: path.to_owned(),
-            source,
-        }),
-        _ => Ok(()),
-    }
 }

@@ -7,6 +7,7 @@ use nailnoise_meshes::vtu::{self, Field, Grid};
 
 use crate::error::Error;
 use crate::stages::bodies::Body;
+use crate::staging::Staging;
 
 /// Instants of a period.
 const FRAMES: usize = 24;
@@ -16,9 +17,8 @@ const AMPLITUDE: f64 = 0.05;
 
 /// Writes one period of a mode, `mode-N.pvd` and a `.vtu` an instant: the surface displaced by a cos(omega t) phi, with a
 /// such that the largest displacement is a twentieth of the body, and that displacement as a vector \[m\].
-pub(super) fn write(folder: &Path, body: &Body, mode: usize) -> Result<PathBuf, Error> {
+pub(super) fn write(staging: &Staging, folder: &Path, body: &Body, mode: usize) -> Result<PathBuf, Error> {
     let name = format!("mode-{:04}", mode + 1);
-    super::create(&folder.join(&name))?;
     let shape = body.skin.column(mode).map(f64::from);
     let points = shape.as_slice().chunks_exact(3);
     let largest = points
@@ -52,10 +52,10 @@ pub(super) fn write(folder: &Path, body: &Body, mode: usize) -> Result<PathBuf, 
             components: 3,
             values: &displacement,
         };
-        super::write(&folder.join(&file), &Grid::of_surface(&moved).to_bytes(&[field], &[])?)?;
+        staging.write(&folder.join(&file), &Grid::of_surface(&moved).to_bytes(&[field], &[])?)?;
         series.push((phase / hz, file));
     }
     let list = folder.join(format!("{name}.pvd"));
-    super::write(&list, vtu::series(&series).as_bytes())?;
+    staging.write(&list, vtu::series(&series).as_bytes())?;
     Ok(list)
 }

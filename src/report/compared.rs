@@ -12,7 +12,7 @@ use crate::wording;
 /// Levels shown below the highest \[dB\].
 const SHOWN: f64 = 50.0;
 
-pub(super) fn page(c: &Comparison) -> Page {
+pub(super) fn page(c: &Comparison, identity: &str) -> Page {
     let mut sections = vec![
         Section::new("levels", "Levels", html! { (markup(&overview(c))) (levels(c)) }),
         Section::new("differences", "Differences", inputs(c)),
@@ -31,6 +31,7 @@ pub(super) fn page(c: &Comparison) -> Page {
     sections.push(Section::new("shot", "The shot", shot(c)));
     Page {
         title: format!("{}: compared", c.designs.join(", ")),
+        compared: Some(identity.to_owned()),
         heading: c.designs.join(" \u{2194} "),
         lead: lead(c),
         sections,

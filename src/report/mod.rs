@@ -29,6 +29,7 @@ use crate::stages::{Code, Input, Postcard, Progress, Stage, code};
 
 pub use sound::Recording;
 
+pub(crate) use page::compared_by;
 use page::{Page, Section};
 use surface::Painted;
 pub use surface::Surroundings;
@@ -180,6 +181,7 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
     sections.push(Section::new("origin", "Origin", origin(result)));
     Page {
         title: format!("{}: sound power of a nailer", result.design.name),
+        compared: None,
         heading: result.design.name.clone(),
         lead: lead(result),
         sections,
@@ -187,9 +189,9 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
     .html()
 }
 
-/// The report of a comparison.
-pub fn comparison(comparison: &Comparison) -> String {
-    compared::page(comparison).html()
+/// The report of a comparison of the files with this identity.
+pub fn comparison(comparison: &Comparison, identity: &str) -> String {
+    compared::page(comparison, identity).html()
 }
 
 /// What a reader must know first.

@@ -22,11 +22,18 @@ impl Section {
 pub(super) struct Page {
     /// What the window is called.
     pub(super) title: String,
+    /// Which files a comparison is of.
+    pub(super) compared: Option<String>,
     /// What it is of.
     pub(super) heading: String,
     /// What stands before all sections.
     pub(super) lead: Markup,
     pub(super) sections: Vec<Section>,
+}
+
+/// What the head of a page says of the files that it compares.
+pub(crate) fn compared_by(identity: &str) -> Markup {
+    html! { meta name="compared" content=(identity); }
 }
 
 impl Page {
@@ -41,6 +48,7 @@ impl Page {
                     meta name="generator" content={ "nailnoise " (env!("CARGO_PKG_VERSION")) };
                     // A browser asks for an icon unless it is given one.
                     link rel="icon" href="data:,";
+                    @if let Some(identity) = &self.compared { (compared_by(identity)) }
                     title { (self.title) }
                     style { (PreEscaped(STYLE)) }
                 }

@@ -7,7 +7,7 @@
 //! ```
 //! The name is the stage, a hyphen, and the digest of the inputs in hexadecimal digits.
 
-use std::fs::File;
+use std::fs::{File, Metadata};
 use std::io::{self, BufReader, Read, Seek as _, SeekFrom, Write};
 use std::path::Path;
 use std::time::SystemTime;
@@ -15,7 +15,7 @@ use std::time::SystemTime;
 use thiserror::Error;
 
 use super::checksum::{Checksum, Summed, checksum};
-use crate::files::replace;
+use super::replace::replace;
 
 const MAGIC: &[u8; 18] = b"nailnoise cache 2\n";
 
@@ -35,6 +35,9 @@ pub(super) const EXTENSION: &str = "entry";
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum Damage {
+    /// Something else than a file has its name.
+    #[error("is {0}, not a file")]
+    NoFile(&'static str),
     /// The file cannot be read.
     #[error("cannot be read ({0})")]
     Unreadable(#[from] io::Error),
@@ -47,6 +50,16 @@ pub enum Damage {
     /// Its bytes are not those that were written.
     #[error("is damaged: its content does not match its checksum")]
     Altered,
+}
+
+/// Whether a file of this name is an entry: a stage and 64 hexadecimal digits.
+pub(super) fn is_name(name: &str) -> bool {
+    let digits = name
+        .strip_suffix(EXTENSION)
+        .and_then(|stem| stem.strip_suffix('.'))
+        .and_then(|stem| stem.rsplit_once('-'))
+        .map_or("", |(_, digits)| digits);
+    digits.len() == 64 && digits.bytes().all(|digit| digit.is_ascii_hexdigit())
 }
 
 /// The file's name.
@@ -86,11 +99,13 @@ pub(super) fn read_by<T>(
 
 /// The file at the beginning of the value's bytes, their number and checksum, if there is one.
 fn open(path: &Path, inputs: &[u8; 32]) -> Result<Option<(File, usize, Checksum)>, Damage> {
-    let mut file = match File::open(path) {
-        Ok(file) => file,
+    // A link to nothing is no entry, either; the next one replaces it.
+    let data = match std::fs::metadata(path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-        Err(error) => return Err(error.into()),
+        found => found?,
     };
+    is_file(&data)?;
+    let mut file = File::open(path)?;
     let length = file.metadata()?.len() as usize;
     let mut header = Vec::with_capacity(HEADER);
     (&mut file).take(HEADER as u64).read_to_end(&mut header)?;
@@ -98,9 +113,23 @@ fn open(path: &Path, inputs: &[u8; 32]) -> Result<Option<(File, usize, Checksum)
     Ok(Some((file, length - HEADER, *of_content)))
 }
 
+/// Only a file can be opened without waiting: a pipe waits for a writer.
+pub(super) fn is_file(data: &Metadata) -> Result<(), Damage> {
+    if data.is_file() {
+        return Ok(());
+    }
+    Err(Damage::NoFile(match data.file_type() {
+        kind if kind.is_dir() => "a folder",
+        kind if kind.is_symlink() => "a link to nothing",
+        _ => "a pipe or a device",
+    }))
+}
+
 /// Counts an entry as used now, where there is one.
 pub(super) fn renew(path: &Path) {
-    if let Ok(file) = File::open(path) {
+    if path.is_file()
+        && let Ok(file) = File::open(path)
+    {
         used(&file);
     }
 }
@@ -132,6 +161,7 @@ pub(super) fn write_by(
 
 /// Whether the file is whole and stands under its own name.
 pub(super) fn verify(path: &Path) -> Result<(), Damage> {
+    is_file(&std::fs::metadata(path).or_else(|_| std::fs::symlink_metadata(path))?)?;
     let bytes = std::fs::read(path)?;
     let (of_content, content) = parts(&bytes, None)?;
     if checksum(content) != *of_content {

@@ -2,17 +2,20 @@
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 use std::{env, fs, io};
 
 use miette::Diagnostic;
 use thiserror::Error;
 
 use super::Listed;
-use super::entry::EXTENSION;
+use super::entry::{Damage, EXTENSION, is_file, is_name, renew};
 
 /// Bytes the entries may take together when nothing else is said: 4 GiB.
 pub const LIMIT: u64 = 4 << 30;
+
+/// How far clocks of machines that share a folder may differ.
+const AHEAD: Duration = Duration::from_secs(3600);
 
 /// Age at which a half-written file is nobody's.
 const ABANDONED: Duration = Duration::from_secs(3600);
@@ -57,22 +60,45 @@ pub(super) fn limit() -> Result<u64, StoreError> {
     }
 }
 
+/// What a folder holds; nothing when it does not exist.
+fn files(folder: &Path) -> io::Result<Vec<fs::DirEntry>> {
+    match fs::read_dir(folder) {
+        Ok(files) => files.collect(),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Vec::new()),
+        Err(error) => Err(error),
+    }
+}
+
+/// Folders, links to nothing, pipes and the like that have the names of entries. What has another name is somebody else's.
+pub(super) fn obstacles(folder: &Path) -> io::Result<Vec<(PathBuf, Damage)>> {
+    let mut found = Vec::new();
+    for file in files(folder)? {
+        let path = file.path();
+        let data = fs::metadata(&path).or_else(|_| file.metadata());
+        let Ok(Err(damage)) = data.map(|data| is_file(&data)) else {
+            continue;
+        };
+        if is_name(&file.file_name().to_string_lossy()) {
+            found.push((path, damage));
+        }
+    }
+    found.sort_by(|a, b| a.0.cmp(&b.0));
+    Ok(found)
+}
+
 /// All entries of a folder, last used first; none when it does not exist.
 pub(super) fn entries(folder: &Path) -> io::Result<Vec<Listed>> {
-    let files = match fs::read_dir(folder) {
-        Ok(files) => files,
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
-        Err(error) => return Err(error),
-    };
     let mut entries = Vec::new();
-    for file in files {
-        let file = file?;
+    for file in files(folder)? {
         let path = file.path();
         if path.extension().is_none_or(|extension| extension != EXTENSION) {
             continue;
         }
         // Another process may have removed it meanwhile.
-        let Ok(data) = file.metadata() else { continue };
+        let Ok(data) = fs::metadata(&path) else { continue };
+        if !data.is_file() {
+            continue;
+        }
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
         entries.push(Listed {
             stage: name
@@ -92,7 +118,14 @@ pub(super) fn entries(folder: &Path) -> io::Result<Vec<Listed>> {
 pub(super) fn bound(folder: &Path, limit: u64) -> io::Result<()> {
     sweep(folder)?;
     let mut sum = 0;
-    for entry in entries(folder)? {
+    let mut entries = entries(folder)?;
+    // A clock that was set back leaves times in the future, whose order says nothing: they count as used now.
+    let soon = SystemTime::now() + AHEAD;
+    for entry in entries.iter().filter(|entry| entry.used > soon) {
+        renew(&entry.path);
+    }
+    entries.sort_by_key(|entry| entry.used > soon);
+    for entry in entries {
         sum += entry.bytes;
         if sum > limit {
             remove(&entry.path)?;
@@ -103,8 +136,7 @@ pub(super) fn bound(folder: &Path, limit: u64) -> io::Result<()> {
 
 /// Removes what killed processes left half-written; a file of the last hour may still be under way.
 fn sweep(folder: &Path) -> io::Result<()> {
-    for file in fs::read_dir(folder)? {
-        let file = file?;
+    for file in files(folder)? {
         let path = file.path();
         let modified = file.metadata().and_then(|data| data.modified());
         let old = modified.is_ok_and(|time| time.elapsed().is_ok_and(|age| age > ABANDONED));
@@ -115,9 +147,13 @@ fn sweep(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Removes a file, unless another process has done so.
+/// Removes an entry or what has its name, unless another process has done so.
 pub(super) fn remove(path: &Path) -> io::Result<()> {
-    match fs::remove_file(path) {
+    let removed = match fs::symlink_metadata(path) {
+        Ok(data) if data.is_dir() => fs::remove_dir_all(path),
+        _ => fs::remove_file(path),
+    };
+    match removed {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
         _ => Ok(()),
     }

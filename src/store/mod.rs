@@ -2,6 +2,7 @@
 //!
 //! An entry is one file, named by its stage and by the SHA-256 of its inputs and of the sources of this program; it
 //! carries the checksum of its own content. What is truncated, altered or foreign is noticed, reported and computed anew.
+//! Values have the same bytes on every machine.
 //! Files are written whole, so that several processes may share a folder and a killed one leaves nothing half-written.
 //! The least recently used entries go first when the folder outgrows its limit.
 
@@ -10,9 +11,11 @@ mod checksum;
 mod entry;
 mod folder;
 mod key;
+mod replace;
 
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::SystemTime;
 
@@ -30,6 +33,8 @@ pub struct Store {
     place: Option<Place>,
     /// What the user should know: damaged entries, a folder that cannot be written.
     notes: Arc<Mutex<Vec<String>>>,
+    /// Whether a note says that nothing can be kept.
+    noted: Arc<AtomicBool>,
 }
 
 #[derive(Debug, Clone)]
@@ -52,6 +57,12 @@ pub struct Listed {
     pub used: SystemTime,
 }
 
+/// The key of an entry: that of the stage's output, and the code that lays values out in bytes. Programs that lay them out
+/// differently share a folder without reading each other's entries.
+fn in_this_layout(key: &Digest) -> Digest {
+    Key::empty().with(env!("NAILNOISE_CODE_layout")).with(key).digest()
+}
+
 impl Store {
     /// Keeps nothing.
     pub fn none() -> Self {
@@ -72,6 +83,7 @@ impl Store {
         Self {
             place: Some(Place { folder, limit }),
             notes: Arc::default(),
+            noted: Arc::default(),
         }
     }
 
@@ -88,23 +100,31 @@ impl Store {
     /// What was read; damage becomes a note.
     fn undamaged<T>(&self, path: &Path, found: Result<Option<T>, Damage>) -> Option<T> {
         found.unwrap_or_else(|damage| {
+            let remedy = match damage {
+                Damage::NoFile(_) => "; `nailnoise cache verify` removes it",
+                _ => "",
+            };
             self.note(format!(
-                "the cache entry {} {damage}; it is computed anew",
+                "the cache entry {} {damage}; it is computed anew{remedy}",
                 path.display()
             ));
             None
         })
     }
 
-    fn unkept(&self, stage: &str, place: &Place, source: &std::io::Error) {
-        self.note(format!(
-            "{stage} cannot be kept in {}: {source}; choose another folder with NAILNOISE_CACHE",
-            place.folder.display()
-        ));
+    /// A folder that cannot be written is worth one note, not one for each stage.
+    fn unkept(&self, place: &Place, source: &std::io::Error) {
+        if !self.noted.swap(true, Ordering::Relaxed) {
+            self.note(format!(
+                "results cannot be kept in {}: {source}; choose another folder with NAILNOISE_CACHE",
+                place.folder.display()
+            ));
+        }
     }
 
     /// The kept output of a stage; damage becomes a note.
     pub fn load<T, C: Codec<T>>(&self, stage: &str, key: &Digest) -> Option<T> {
+        let key = &in_this_layout(key);
         let path = self.place.as_ref()?.folder.join(entry::name(stage, key));
         let read = |from: &mut dyn Read, length| C::read(from, length);
         let found = self.undamaged(&path, entry::read_by(&path, key, read))?;
@@ -121,18 +141,22 @@ impl Store {
     /// Keeps the output of a stage; trouble becomes a note.
     pub fn save<T, C: Codec<T>>(&self, stage: &str, key: &Digest, value: &T) {
         let Some(place) = &self.place else { return };
+        let key = &in_this_layout(key);
         let path = place.folder.join(entry::name(stage, key));
         let written = entry::write_by(&path, key, |to| C::write(value, to))
             .and_then(|()| folder::bound(&place.folder, place.limit));
-        if let Err(source) = written {
-            self.unkept(stage, place, &source);
+        match written {
+            // A note on what has the name of the entry was taken when it was to be read.
+            Err(source) if source.kind() == ErrorKind::IsADirectory => {}
+            Err(source) => self.unkept(place, &source),
+            Ok(()) => {}
         }
     }
 
     /// An entry that is of use though nobody reads it counts as used.
     pub fn renew(&self, stage: &str, key: &Digest) {
         if let Some(place) = &self.place {
-            entry::renew(&place.folder.join(entry::name(stage, key)));
+            entry::renew(&place.folder.join(entry::name(stage, &in_this_layout(key))));
         }
     }
 
@@ -152,25 +176,44 @@ impl Store {
         self.folder().map_or_else(|| Ok(Vec::new()), folder::entries)
     }
 
-    /// Reads every entry whole; those that are damaged, with what is wrong.
+    /// Folders, links to nothing, pipes and the like that have the names of entries.
     ///
     /// # Errors
     /// Those of the file system.
-    pub fn verify(&self) -> std::io::Result<Vec<(Listed, Damage)>> {
-        let damaged = |listed: Listed| entry::verify(&listed.path).err().map(|damage| (listed, damage));
-        Ok(self.entries()?.into_iter().filter_map(damaged).collect())
+    pub fn obstacles(&self) -> std::io::Result<Vec<(PathBuf, Damage)>> {
+        self.folder().map_or_else(|| Ok(Vec::new()), folder::obstacles)
     }
 
-    /// Removes all entries; returns how many there were.
+    /// Reads every entry whole; the files that are damaged and the [`obstacles`](Self::obstacles), with what is wrong.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn verify(&self) -> std::io::Result<Vec<(PathBuf, Damage)>> {
+        let damaged = |listed: Listed| entry::verify(&listed.path).err().map(|damage| (listed.path, damage));
+        let mut found: Vec<_> = self.entries()?.into_iter().filter_map(damaged).collect();
+        found.extend(self.obstacles()?);
+        Ok(found)
+    }
+
+    /// Removes an entry, or what has its name.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn remove(&self, path: &Path) -> std::io::Result<()> {
+        folder::remove(path)
+    }
+
+    /// Removes all entries and obstacles; returns how many there were.
     ///
     /// # Errors
     /// Those of the file system.
     pub fn clear(&self) -> std::io::Result<usize> {
-        let entries = self.entries()?;
-        for entry in &entries {
-            folder::remove(&entry.path)?;
-        }
-        Ok(entries.len())
+        let entries = self.entries()?.into_iter().map(|entry| entry.path);
+        let paths: Vec<PathBuf> = entries
+            .chain(self.obstacles()?.into_iter().map(|(path, _)| path))
+            .collect();
+        paths.iter().try_for_each(|path| folder::remove(path))?;
+        Ok(paths.len())
     }
 
     fn note(&self, text: String) {

@@ -1,10 +1,11 @@
 //! Radiation and microphones in the whole chain.
 
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};
 
 use crate::common::{design, folder, run as of, run_with_chain, small, store};
 use nailnoise::Design;
-use nailnoise::output::{remove_others, write_sound_fields};
+use nailnoise::output::{sound_fields_of_others, write_sound_fields};
 use nailnoise::result::{RadiationReport, RankedSource, ReceivedSource};
 use nailnoise::run::Run;
 use nailnoise::stages::sound_fields::Fields;
@@ -320,7 +321,7 @@ fn sound_fields_have_planes_a_sphere_and_a_surface_in_each_band() {
 }
 
 #[test]
-fn files_of_sound_fields_are_kept_for_their_design_and_deleted_for_another() {
+fn files_of_sound_fields_are_outdated_for_another_design_only() {
     let folder = folder("pictures");
     write_sound_fields(&folder, "this", &IN_SAND.1).unwrap();
     let list = std::fs::read_to_string(folder.join("fields/sound-sphere.pvd")).unwrap();
@@ -328,10 +329,28 @@ fn files_of_sound_fields_are_kept_for_their_design_and_deleted_for_another() {
         list.contains("timestep=\"63\"") && list.contains("sound-sphere/00315.vtu"),
         "{list}"
     );
-    remove_others(&folder, "this").unwrap();
-    assert!(folder.join("fields/sound-plane-xy/00063.vtu").exists());
-    remove_others(&folder, "another").unwrap();
-    assert_eq!(std::fs::read_dir(folder.join("fields")).unwrap().count(), 0);
+    assert!(sound_fields_of_others(&folder, "this").is_empty());
+    let mut outdated = sound_fields_of_others(&folder, "another");
+    outdated.sort();
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder.join("fields"))
+        .unwrap()
+        .map(|entry| Path::new("fields").join(entry.unwrap().file_name()))
+        .collect();
+    files.sort();
+    assert_eq!(outdated, files);
+}
+
+#[test]
+fn an_index_of_sound_fields_names_no_file_elsewhere() {
+    let folder = folder("pictures-index");
+    std::fs::create_dir(folder.join("fields")).unwrap();
+    let index = r#"{"design": "this", "method": "", "notes": [], "series": ["..", "../../other", "/", "plane"]}"#;
+    std::fs::write(folder.join("fields/sound.json"), index).unwrap();
+    let outdated = sound_fields_of_others(&folder, "another");
+    assert_eq!(
+        outdated,
+        ["fields/plane.pvd", "fields/plane", "fields/sound.json"].map(PathBuf::from)
+    );
 }
 
 /// A run with radiation efficiency 1, with its fields.

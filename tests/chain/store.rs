@@ -4,12 +4,13 @@ use std::cell::Cell;
 use std::fs;
 use std::io::{self, Read, Write};
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, SystemTime};
 
 use crate::common::body;
 use nailnoise::design::Design;
 use nailnoise::stages::bodies::{Body, BodyKind};
-use nailnoise::stages::{Codec, Digest, Postcard, Undecodable};
+use nailnoise::stages::{Codec, Digest, Entry, Postcard, Undecodable};
 use nailnoise::store::{LIMIT, Store};
 
 fn folder(name: &str) -> PathBuf {
@@ -188,6 +189,59 @@ fn a_folder_that_cannot_be_written_is_a_note() {
     let (cache, computed) = (Store::at(folder, LIMIT), Cell::new(0));
     assert_eq!(squares(&cache, 3, &computed), [0.0, 1.0, 4.0]);
     assert!(!cache.take_notes().is_empty());
+}
+
+/// Times in the future are those of a clock that was set back since.
+#[test]
+fn entries_from_the_future_give_way_to_new_ones() {
+    let computed = Cell::new(0);
+    let cache = Store::at(folder("future"), 3000);
+    let day = Duration::from_secs(86_400);
+    for n in [100, 101, 102] {
+        squares(&cache, n, &computed);
+    }
+    for entry in cache.entries().unwrap() {
+        let file = fs::File::options().append(true).open(entry.path).unwrap();
+        file.set_modified(SystemTime::now() + day).unwrap();
+    }
+    squares(&cache, 103, &computed);
+    squares(&cache, 103, &computed);
+    assert_eq!(computed.get(), 4, "the new entry has stayed");
+    let soon = SystemTime::now() + Duration::from_secs(1);
+    assert!(cache.entries().unwrap().iter().all(|entry| entry.used <= soon));
+}
+
+/// A folder that vanishes again and again costs time, and no digits.
+#[test]
+fn a_folder_may_vanish_at_any_moment() {
+    let folder = folder("vanishing");
+    let (cache, computed) = (Store::at(folder.clone(), LIMIT), Cell::new(0));
+    let ended = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while !ended.load(Ordering::Relaxed) {
+                let _ = fs::remove_dir_all(&folder);
+            }
+        });
+        for n in 0..300 {
+            let expected: Vec<f64> = (0..n % 7).map(|i| (i * i) as f64).collect();
+            assert_eq!(squares(&cache, n % 7, &computed), expected);
+        }
+        ended.store(true, Ordering::Relaxed);
+    });
+    assert!(computed.get() > 0);
+}
+
+/// Machines of different architecture read each other's entries: all bytes of a value are fixed.
+#[test]
+fn a_value_has_the_same_bytes_on_every_machine() {
+    let mut bytes = Vec::new();
+    Postcard::write(&(300_u32, 1.5_f64, -2_i64, "ab".to_owned(), 70_000_usize), &mut bytes).unwrap();
+    let expected = [0xAC, 2, 0, 0, 0, 0, 0, 0, 0xF8, 0x3F, 3, 2, b'a', b'b', 0xF0, 0xA2, 4];
+    assert_eq!(bytes, expected);
+    let mut numbers = Vec::new();
+    f32::encode(&[1.0, -2.0], &mut numbers);
+    assert_eq!(numbers, [0, 0, 0x80, 0x3F, 0, 0, 0, 0xC0]);
 }
 
 #[test]

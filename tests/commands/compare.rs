@@ -1,5 +1,7 @@
 //! Designs side by side, through the command.
 
+use std::fs;
+use std::path::Path;
 use std::sync::LazyLock;
 
 use crate::common::{SMALL, folder, json, nailnoise, over};
@@ -100,11 +102,11 @@ fn the_table_shows_inputs_sources_and_events() {
 fn a_file_that_is_not_a_result_is_refused() {
     let folder = folder("compare-refused");
     let other = folder.join("other.json");
-    std::fs::write(&other, "{\"schema\": \"nailnoise-run/0\"}").unwrap();
+    fs::write(&other, "{\"schema\": \"nailnoise-run/0\"}").unwrap();
     let cut = folder.join("cut.json");
-    std::fs::write(&cut, "{\"schema\": \"nailno").unwrap();
+    fs::write(&cut, "{\"schema\": \"nailno").unwrap();
     let empty = folder.join("empty");
-    std::fs::create_dir(&empty).unwrap();
+    fs::create_dir(&empty).unwrap();
     for (path, part) in [
         (&other, "nailnoise-run/0"),
         (&cut, "no result"),
@@ -114,6 +116,130 @@ fn a_file_that_is_not_a_result_is_refused() {
         let text = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{text}");
         assert!(text.contains(part) && text.contains("help"), "{text}");
+    }
+}
+
+/// The pages in a folder by name.
+fn pages(folder: &Path) -> Vec<String> {
+    let names = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name());
+    let mut names: Vec<String> = names.map(|name| name.into_string().unwrap()).collect();
+    names.retain(|name| name.ends_with(".html"));
+    names.sort();
+    names
+}
+
+/// A copy of a stored result in a folder of its own.
+fn copied(result: &str, to: &Path) -> String {
+    fs::create_dir_all(to).unwrap();
+    let from = Path::new(result);
+    let from = if from.is_dir() {
+        from.join("result.json")
+    } else {
+        from.to_owned()
+    };
+    fs::copy(from, to.join("result.json")).unwrap();
+    to.to_str().unwrap().to_owned()
+}
+
+#[test]
+fn a_page_is_named_after_its_designs_and_replaces_only_itself() {
+    let [small, quiet] = results();
+    let folder = folder("compare-pages");
+    let out = folder.join("out");
+    let compare = |a: &str, b: &str| {
+        let output = nailnoise(&["compare", a, b, "--out", out.to_str().unwrap()]);
+        assert!(output.status.success());
+    };
+    compare(&small, &quiet);
+    assert_eq!(pages(&out), ["compare-small-quiet.html"]);
+    let first = fs::read(out.join("compare-small-quiet.html")).unwrap();
+    compare(&small, &quiet);
+    compare(&quiet, &small);
+    assert_eq!(pages(&out), ["compare-quiet-small.html", "compare-small-quiet.html"]);
+    // Other results of the same names.
+    let other = copied(&small, &folder.join("other"));
+    compare(&other, &quiet);
+    let expected = [
+        "compare-quiet-small.html",
+        "compare-small-quiet-2.html",
+        "compare-small-quiet.html",
+    ];
+    assert_eq!(pages(&out), expected);
+    assert_eq!(fs::read(out.join("compare-small-quiet.html")).unwrap(), first);
+}
+
+#[test]
+fn a_name_in_a_result_leads_to_no_file_elsewhere() {
+    let [small, quiet] = results();
+    let folder = folder("compare-elsewhere");
+    let changed = copied(&small, &folder.join("changed"));
+    change(&changed, |result| result["design"]["name"] = "../../elsewhere".into());
+    let out = folder.join("out");
+    let output = nailnoise(&["compare", &changed, &quiet, "--out", out.to_str().unwrap()]);
+    assert!(output.status.success());
+    assert_eq!(pages(&out), ["compare-.._.._elsewhere-quiet.html"]);
+}
+
+/// Changes a stored result.
+fn change(folder: &str, change: impl FnOnce(&mut Value)) {
+    let file = Path::new(folder).join("result.json");
+    let mut result: Value = serde_json::from_slice(&fs::read(&file).unwrap()).unwrap();
+    change(&mut result);
+    fs::write(file, result.to_string()).unwrap();
+}
+
+#[test]
+fn a_result_whose_numbers_do_not_agree_is_refused_with_their_place() {
+    let [small, quiet] = results();
+    let folder = folder("compare-inconsistent");
+    let louder = |level: &mut Value| *level = (level.as_f64().unwrap() + 0.5).into();
+    type Change<'a> = &'a dyn Fn(&mut Value);
+    let cases: [(&str, Change<'_>); 12] = [
+        ("`ranking` is empty, expected is at least one source", &|r| {
+            r["ranking"] = Value::Array(Vec::new())
+        }),
+        ("`total.lwa_db`", &|r| louder(&mut r["total"]["lwa_db"])),
+        ("`total.lw_db`", &|r| louder(&mut r["total"]["lw_db"])),
+        ("`ranking[0].lw_db`", &|r| {
+            louder(&mut r["ranking"][0]["components"][0]["lw_db"])
+        }),
+        ("`ranking[1].lwa_db`", &|r| {
+            r["ranking"][1]["bands"][9]["lwa_db"] = 200.into()
+        }),
+        ("`ranking[0].lwa_db`", &|r| {
+            r["ranking"][0]["intervals"][7]["lwa_db"] = 200.into()
+        }),
+        ("`ranking[1].share`", &|r| r["ranking"][1]["share"] = 0.9.into()),
+        ("`ranking[2].share` is -0.1, expected is 0.0", &|r| {
+            r["ranking"][2]["share"] = (-0.1).into()
+        }),
+        ("`ranking[0].bands[3].lw_db` is 1000", &|r| {
+            r["ranking"][0]["bands"][3]["lw_db"] = 1e3.into()
+        }),
+        ("`ranking[1].source` is \"workpiece\" again", &|r| {
+            r["ranking"][1]["source"] = "workpiece".into()
+        }),
+        ("`ranking[0].lwa_db`: invalid type: string", &|r| {
+            r["ranking"][0]["lwa_db"] = "loud".into()
+        }),
+        ("`ranking[0].share`: invalid type: null", &|r| {
+            r["ranking"][0]["share"] = Value::Null
+        }),
+    ];
+    for (place, wrong) in cases {
+        let changed = copied(&small, &folder.join("changed"));
+        change(&changed, wrong);
+        let output = nailnoise(&["compare", &quiet, &changed]);
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        let line = text
+            .split_whitespace()
+            .filter(|word| *word != "|")
+            .collect::<Vec<_>>()
+            .join(" ");
+        assert_eq!(output.status.code(), Some(2), "{place}: {text}");
+        for part in [place, "result.json", "help"] {
+            assert!(line.contains(part), "no {part} in {text}");
+        }
     }
 }
 

@@ -4,9 +4,11 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod cache;
 mod compare;
 mod cycle;
 mod examples;
+mod faults;
 mod mesh;
 mod prf;
 mod report;

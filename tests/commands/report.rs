@@ -278,7 +278,7 @@ fn a_comparison_has_a_page() {
         ],
     );
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let page = fs::read_to_string(out.join("comparison.html")).unwrap();
+    let page = fs::read_to_string(out.join("compare-small-quiet.html")).unwrap();
     let overview = &charts(&page)[0].1;
     assert_eq!(
         overview["data"].as_array().unwrap().len(),

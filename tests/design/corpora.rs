@@ -7,8 +7,8 @@ mod targets;
 use std::fs;
 use std::path::Path;
 
-use nailnoise::design::{Design, Kind};
 use nailnoise::design::Values;
+use nailnoise::design::{Design, Kind};
 use nailnoise_quantities::Group;
 use proptest::prelude::*;
 

@@ -189,6 +189,7 @@ def main(program: str, design: str, kills: int, seed: int) -> None:
         runs.verify()
     runs.whole(design)
     assert result(runs.out) == expected, "the run after the last kill has other digits"
+    assert not list(runs.out.glob(".unfinished-*")), "what a killed run left is not removed"
     shutil.rmtree(runs.work)
     for kind, count in found.items():
         print(

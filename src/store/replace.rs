@@ -1,36 +1,19 @@
-//! Files that are whole or absent.
+//! Entries that are whole or absent.
 
 use std::fs::File;
-use std::io::{self, Write as _};
+use std::io;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::error::Error;
-
 /// Files written by this process so far.
 static WRITTEN: AtomicU64 = AtomicU64::new(0);
-
-/// Writes a file whole: a temporary file beside it, sync, rename. A killed process leaves the old file or none.
-///
-/// # Errors
-/// [`Error::Write`]; the temporary file is removed.
-pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
-    let written = replace(path, |file| {
-        file.write_all(bytes)?;
-        file.sync_all()
-    });
-    written.map_err(|source| Error::Write {
-        path: path.to_owned(),
-        source,
-    })
-}
 
 /// Replaces a file with what `fill` writes: a temporary file beside it, rename. A killed process leaves the old file or
 /// none. Without a sync in `fill` a power failure may leave a partial file; such files must be verified when they are read.
 ///
 /// # Errors
 /// Those of the file system and of `fill`; the temporary file is removed.
-pub(crate) fn replace(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
+pub(super) fn replace(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
     let name = path
         .file_name()
         .ok_or_else(|| io::Error::from(io::ErrorKind::InvalidFilename))?;
@@ -48,14 +31,4 @@ pub(crate) fn replace(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()
         let _ = std::fs::remove_file(&temporary);
     }
     written
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_folder_cannot_be_replaced() {
-        assert!(write(Path::new("/"), b"").is_err());
-    }
 }

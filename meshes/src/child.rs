@@ -1,0 +1,84 @@
+//! A program that ends when this process ends, however it ends.
+//!
+//! A signal that no process can catch (`kill -9`) ends this process without a chance to end its child. A shell therefore
+//! starts the program and watches a pipe whose other end this process holds: the system closes that end when the process
+//! ends, and the shell then kills the program. Where there is no POSIX shell (Windows) the program works on to its end.
+
+use std::io;
+use std::process::{Command, Output, Stdio};
+
+/// Starts its arguments as a command and kills it when standard input ends. The watcher holds none of the program's pipes,
+/// and it ends before the number of the process can belong to another.
+#[cfg(unix)]
+const WATCHED: &str = r#"
+exec 3<&0
+"$@" </dev/null 3<&- & child=$!
+{ read -r _ <&3; kill -KILL "$child"; } >/dev/null 2>&1 & watcher=$!
+wait "$child"; status=$?
+exec 2>/dev/null
+kill "$watcher"; wait "$watcher"
+exit "$status"
+"#;
+
+/// Statuses of a shell that cannot start a program.
+#[cfg(unix)]
+const NOT_STARTED: [i32; 2] = [126, 127];
+
+/// A program to which arguments can be added.
+pub(crate) fn command(program: &str) -> Command {
+    #[cfg(unix)]
+    {
+        let mut command = Command::new("/bin/sh");
+        command.args(["-c", WATCHED, "sh", program]);
+        command
+    }
+    #[cfg(not(unix))]
+    Command::new(program)
+}
+
+/// Runs a [`command()`] to its end.
+///
+/// # Errors
+/// When it cannot be started, with the reason.
+pub(crate) fn output(command: &mut Command) -> io::Result<Output> {
+    let streams = command
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    let mut child = streams.spawn()?;
+    // Kept open: its end is what the shell waits for.
+    let open = child.stdin.take();
+    let output = child.wait_with_output()?;
+    drop(open);
+    #[cfg(unix)]
+    if output.status.code().is_some_and(|code| NOT_STARTED.contains(&code)) {
+        let said = String::from_utf8_lossy(&output.stderr);
+        return Err(io::Error::other(
+            said.trim().lines().last().unwrap_or_default().to_owned(),
+        ));
+    }
+    Ok(output)
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn output_and_status_are_those_of_the_program() -> io::Result<()> {
+        let output = output(command("sh").args(["-c", "echo a b; echo c >&2; exit 5"]))?;
+        assert_eq!(
+            (output.status.code(), &output.stdout[..], &output.stderr[..]),
+            (Some(5), &b"a b\n"[..], &b"c\n"[..])
+        );
+        Ok(())
+    }
+
+    #[test]
+    fn a_program_that_does_not_exist_is_an_error() {
+        let error = output(&mut command("no-such-program"))
+            .err()
+            .map(|error| error.to_string());
+        assert!(error.is_some_and(|error| error.contains("no-such-program")));
+    }
+}

@@ -1,0 +1,201 @@
+//! Temporary folders that belong to a living process.
+//!
+//! The owner of a folder holds a lock on a file in it. The system releases this lock when the process ends, however it ends.
+//! Whoever obtains the lock may therefore remove the folder: the next process removes at once what a killed one left, also on
+//! a file system that several machines share.
+
+use std::fs::{self, File, TryLockError};
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+/// The locked file in a folder.
+const LOCK: &str = "in-use";
+
+/// Age at which a folder is abandoned where the file system has no locks.
+const ABANDONED: Duration = Duration::from_secs(3600);
+
+/// Removals of a folder tried, the pause between them, and how often in a row it must be found gone.
+const ATTEMPTS: usize = 400;
+const PAUSE: Duration = Duration::from_millis(5);
+const QUIET: usize = 3;
+
+/// The folders of this process.
+static OWN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// A folder that is removed when it is dropped.
+#[derive(Debug)]
+pub struct TemporaryFolder {
+    path: PathBuf,
+    /// Held as long as the folder is in use.
+    lock: Option<File>,
+}
+
+impl TemporaryFolder {
+    /// Creates a folder under `parent` whose name begins with `prefix`, and removes those that ended processes left there.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn new(parent: &Path, prefix: &str) -> io::Result<Self> {
+        sweep(parent, prefix);
+        let mut own = OWN.lock().unwrap_or_else(PoisonError::into_inner);
+        for number in 0..u32::MAX {
+            let path = parent.join(format!("{prefix}{}-{number}", std::process::id()));
+            match fs::create_dir(&path) {
+                // Another thread, a process on another machine, or somebody else.
+                Err(error) if error.kind() == ErrorKind::AlreadyExists => continue,
+                created => created?,
+            }
+            match occupy(&path) {
+                Ok(Some(lock)) => {
+                    own.push(path.clone());
+                    let lock = Some(lock);
+                    return Ok(Self { path, lock });
+                }
+                Ok(None) => {}
+                Err(error) => {
+                    let _ = fs::remove_dir_all(&path); // the first error is the one to report
+                    return Err(error);
+                }
+            }
+        }
+        Err(ErrorKind::AlreadyExists.into())
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+impl Drop for TemporaryFolder {
+    fn drop(&mut self) {
+        // Some systems remove no open file. What is left of the folder does no harm; it is removed by a later process.
+        self.lock = None;
+        let _ = fs::remove_dir_all(&self.path);
+        let mut own = OWN.lock().unwrap_or_else(PoisonError::into_inner);
+        own.retain(|folder| *folder != self.path);
+    }
+}
+
+/// Locks a new folder; none if another process removed it before it was locked.
+fn occupy(folder: &Path) -> io::Result<Option<File>> {
+    let path = folder.join(LOCK);
+    let file = match File::create(&path) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        created => created?,
+    };
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => Ok(None),
+        // Without locks the age of the folder decides.
+        Ok(()) | Err(TryLockError::Error(_)) => Ok(path.exists().then_some(file)),
+    }
+}
+
+/// Removes the folders of ended processes under `parent` whose names begin with `prefix`.
+pub fn sweep(parent: &Path, prefix: &str) {
+    for entry in fs::read_dir(parent).into_iter().flatten().flatten() {
+        let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+        if is_folder && entry.file_name().to_string_lossy().starts_with(prefix) {
+            remove_abandoned(&entry.path());
+        }
+    }
+}
+
+/// Removes a folder that nobody uses. What cannot be removed is left for a later process.
+fn remove_abandoned(folder: &Path) {
+    let lock = match File::options().read(true).write(true).open(folder.join(LOCK)) {
+        Ok(lock) => lock,
+        Err(error) => {
+            // A process that ended before it created the file left an empty folder; any other is not one of ours.
+            if error.kind() == ErrorKind::NotFound {
+                let _ = fs::remove_dir(folder);
+            }
+            return;
+        }
+    };
+    let abandoned = match lock.try_lock() {
+        Ok(()) => true,
+        Err(TryLockError::WouldBlock) => false,
+        Err(TryLockError::Error(_)) => {
+            let modified = fs::metadata(folder).and_then(|data| data.modified());
+            modified.is_ok_and(|time| time.elapsed().is_ok_and(|age| age > ABANDONED))
+        }
+    };
+    if abandoned {
+        let _ = fs::remove_dir_all(folder);
+    }
+}
+
+/// Removes all folders of this process, which is about to end. No folder can be created while the guard lives.
+pub fn remove_all() -> MutexGuard<'static, Vec<PathBuf>> {
+    let own = OWN.lock().unwrap_or_else(PoisonError::into_inner);
+    for folder in own.iter() {
+        // Other threads may write into it until the process ends: again until nothing comes any more.
+        let mut gone = 0;
+        for _ in 0..ATTEMPTS {
+            let _ = fs::remove_dir_all(folder);
+            gone = if folder.exists() { 0 } else { gone + 1 };
+            if gone == QUIET {
+                break;
+            }
+            std::thread::sleep(PAUSE);
+        }
+    }
+    own
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parent(name: &str) -> PathBuf {
+        let parent = std::env::temp_dir().join(format!("nailnoise-temporary-{}-{name}", std::process::id()));
+        let _ = fs::remove_dir_all(&parent);
+        fs::create_dir_all(&parent).expect("a folder for the test");
+        parent
+    }
+
+    fn count(parent: &Path) -> usize {
+        fs::read_dir(parent).map_or(0, Iterator::count)
+    }
+
+    #[test]
+    fn a_folder_lives_as_long_as_its_value() -> io::Result<()> {
+        let parent = parent("lives");
+        let first = TemporaryFolder::new(&parent, "work-")?;
+        let second = TemporaryFolder::new(&parent, "work-")?;
+        assert!(first.path() != second.path() && first.path().is_dir() && second.path().is_dir());
+        drop((first, second));
+        assert_eq!(count(&parent), 0);
+        fs::remove_dir(parent)
+    }
+
+    #[test]
+    fn a_folder_without_its_owner_is_removed_at_once() -> io::Result<()> {
+        let parent = parent("abandoned");
+        let owned = TemporaryFolder::new(&parent, "work-")?;
+        // What a killed process leaves: the file, and no lock on it.
+        let left = parent.join("work-1-0");
+        fs::create_dir(&left)?;
+        fs::write(left.join(LOCK), "")?;
+        fs::write(left.join("half"), "half of a file")?;
+        fs::create_dir(parent.join("work-1-1"))?;
+        sweep(&parent, "work-");
+        assert!(owned.path().is_dir());
+        assert_eq!(count(&parent), 1);
+        fs::remove_dir_all(parent)
+    }
+
+    #[test]
+    fn a_folder_of_somebody_else_is_left_alone() -> io::Result<()> {
+        let parent = parent("foreign");
+        fs::create_dir(parent.join("work-of-mine"))?;
+        fs::write(parent.join("work-of-mine/notes"), "mine")?;
+        fs::write(parent.join("work-file"), "mine")?;
+        sweep(&parent, "work-");
+        assert_eq!(count(&parent), 2);
+        fs::remove_dir_all(parent)
+    }
+}

@@ -1,0 +1,60 @@
+//! Faults of the program itself: a panic in any thread ends the command with a message and a status of its own.
+
+use std::backtrace::{Backtrace, BacktraceStatus};
+use std::panic::{AssertUnwindSafe, PanicHookInfo, catch_unwind, set_hook};
+
+use super::message;
+
+/// Exit status after a panic, as of any Rust program.
+const FAULT: u8 = 101;
+
+/// Shows panics as messages from now on.
+pub(super) fn install() {
+    set_hook(Box::new(|fault| message(&text(fault))));
+}
+
+/// The result of the work, or the exit status if it panicked. What the work had begun to write is removed.
+pub(super) fn caught<T>(work: impl FnOnce() -> T) -> Result<T, u8> {
+    // Nothing of the work is used after a panic.
+    catch_unwind(AssertUnwindSafe(work)).map_err(|_| FAULT)
+}
+
+fn text(fault: &PanicHookInfo<'_>) -> String {
+    let payload = fault.payload();
+    let what = payload.downcast_ref::<&str>().copied();
+    let what = what.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
+    let what = what.unwrap_or("no reason is known");
+    let place = fault.location().map_or_else(String::new, |place| format!(" ({place})"));
+    let mut text = format!(
+        "error: nailnoise {} has a fault: {what}{place}\n  \
+         The design may be right. Nothing is left half-written.\n  \
+         help: report the command and the design; RUST_BACKTRACE=1 shows where the fault is",
+        env!("CARGO_PKG_VERSION")
+    );
+    let trace = Backtrace::capture();
+    if trace.status() == BacktraceStatus::Captured {
+        text.push_str(&format!("\n{trace}"));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rayon::prelude::*;
+
+    #[test]
+    fn work_that_ends_gives_its_result() {
+        assert_eq!(caught(|| 3), Ok(3));
+    }
+
+    /// Threads of a pool and threads of their own pass their panic on to the thread that waits for them.
+    #[test]
+    fn a_panic_in_any_thread_gives_the_status_of_a_fault() {
+        let in_pool = || (0..8).into_par_iter().for_each(|n| assert!(n != 5, "of a pool"));
+        let in_thread = || std::thread::scope(|scope| drop(scope.spawn(|| panic!("of its own"))));
+        assert_eq!(caught(|| panic!("of the caller")), Err::<(), _>(FAULT));
+        assert_eq!(caught(in_pool), Err(FAULT));
+        assert_eq!(caught(in_thread), Err(FAULT));
+    }
+}
