@@ -249,7 +249,7 @@ group! {
         /// Multiplier on the penetration law.
         resistance_scale: f64 = nonnegative(NUMBER).within(0.0, 1e3), "Fr_scale";
         /// Multiplier on the stiffness under the nail's head, k_w = scale H_M.
-        head_stiffness_scale: f64 = positive(NUMBER).within(1e-3, 1e3), "kw_scale";
+        head_stiffness_scale: f64 = positive(NUMBER).within(1e-9, 1e3), "kw_scale";
         /// Unloading stiffness of the seated nail.
         unloading_stiffness: f64 = positive(STIFFNESS), "k_u";
     }
@@ -279,7 +279,7 @@ group! {
         /// Damping of the upper stopper.
         stopper_damping: f64 = nonnegative(DAMPING), "beta_ps";
         /// Stiffness of the head valve on the cap.
-        cap_stiffness: f64 = positive(STIFFNESS), "k_hc1";
+        cap_stiffness: f64 = positive(STIFFNESS).within(1.0, 1e21), "k_hc1";
         /// Stiffness of the head valve on the cylinder's seat.
         seat_stiffness: f64 = positive(STIFFNESS), "k_hc2";
         /// Damping ratio of both head-valve contacts, on the valve's mass.

@@ -126,19 +126,19 @@ macro_rules! dimensions {
 dimensions! {
     NUMBER = [0, 0, 0, 0, 0] "a plain number", "", "none, or %", 1e-15, 1e9;
     LENGTH = [1, 0, 0, 0, 0] "a length", "m", "m, mm, in", 1e-6, 100.0;
-    AREA = [2, 0, 0, 0, 0] "an area", "m2", "m2, cm2, mm2", 1e-10, 100.0;
+    AREA = [2, 0, 0, 0, 0] "an area", "m2", "m2, cm2, mm2", 1e-15, 100.0;
     VOLUME = [3, 0, 0, 0, 0] "a volume", "m3", "m3, l, cm3", 1e-9, 1.0;
     MASS = [0, 1, 0, 0, 0] "a mass", "kg", "kg, g, lb", 1e-5, 1000.0;
     TIME = [0, 0, 1, 0, 0] "a time", "s", "s, ms, us", 1e-7, 10.0;
     FREQUENCY = [0, 0, -1, 0, 0] "a frequency", "Hz", "Hz, kHz", 0.01, 100000.0;
     TEMPERATURE = [0, 0, 0, 1, 0] "a temperature", "K", "K, degC", 150.0, 500.0;
-    ANGLE = [0, 0, 0, 0, 1] "an angle", "rad", "rad, deg", 0.01, 1.5708;
+    ANGLE = [0, 0, 0, 0, 1] "an angle", "rad", "rad, deg", 0.01, 1.6;
     VELOCITY = [1, 0, -1, 0, 0] "a velocity", "m/s", "m/s, mm/s", 1e-6, 1000.0;
     VELOCITY_SQUARED = [2, 0, -2, 0, 0] "a squared velocity", "m2/s2", "m2/s2, J/kg", 1e-6, 1e6;
     ACCELERATION = [1, 0, -2, 0, 0] "an acceleration", "m/s2", "m/s2", 0.001, 100.0;
     FORCE = [1, 1, -2, 0, 0] "a force", "N", "N, kN, lbf", 0.001, 100000.0;
     PRESSURE = [-1, 1, -2, 0, 0] "a pressure", "Pa", "Pa, kPa, MPa, GPa, bar, psi", 1.0, 1e13;
-    STIFFNESS = [0, 1, -2, 0, 0] "a stiffness", "N/m", "N/m, N/mm, kN/mm", 1.0, 1e13;
+    STIFFNESS = [0, 1, -2, 0, 0] "a stiffness", "N/m", "N/m, N/mm, kN/mm", 1.0, 1e15;
     DAMPING = [0, 1, -1, 0, 0] "a damping coefficient", "N s/m", "N s/m, N s/mm", 0.001, 1e7;
     STIFFNESS_PER_AREA = [-2, 1, -2, 0, 0] "a stiffness per area", "N/m3", "N/m3, N/mm3", 1.0, 1e14;
     DENSITY = [-3, 1, 0, 0, 0] "a density", "kg/m3", "kg/m3, g/cm3", 1.0, 30000.0;

@@ -24,6 +24,18 @@ pub enum Conflict {
         /// Thickness of the block \[m\].
         thickness: f64,
     },
+    /// The head of the waiting nail would be above the rod's end.
+    #[error(
+        "`nail.feed_height` ({}) must be below `piston.stroke` less `piston.rod_protrusion` ({})",
+        mm(*feed_height),
+        mm(*setback)
+    )]
+    NailAboveRod {
+        /// Height of the head above the nose's face \[m\].
+        feed_height: f64,
+        /// Height of the rod's end before the shot, stroke less protrusion \[m\].
+        setback: f64,
+    },
     /// A length that must be smaller than another, or equal where `strict` is false.
     #[error("`{small}` ({}) must be {} `{large}` ({})", mm(*value), order(*strict), mm(*limit))]
     Order {
@@ -181,6 +193,7 @@ impl Conflict {
     pub fn keys(&self) -> Vec<&'static str> {
         match self {
             Self::NailLongerThanBlock { .. } => vec!["nail.length", "workpiece.thickness"],
+            Self::NailAboveRod { .. } => vec!["nail.feed_height", "piston.rod_protrusion", "piston.stroke"],
             Self::Order { small, large, .. } => vec![small, large],
             Self::SpringBeyondLaw { .. } => vec!["head_valve.lift", "head_valve.spring_preload"],
             Self::Friction {
@@ -216,6 +229,11 @@ impl Conflict {
         match self {
             Self::NailLongerThanBlock { .. } => {
                 "shorten `nail.length` or raise `workpiece.thickness`: the point must stay in the wood".to_owned()
+            }
+            Self::NailAboveRod { .. } => {
+                "lower `nail.feed_height` or `piston.rod_protrusion`, or raise `piston.stroke`: the rod \
+                                          begins above the nail's head"
+                    .to_owned()
             }
             Self::Order {
                 small, large, because, ..
@@ -361,12 +379,8 @@ fn nail(v: &Values) -> Option<Conflict> {
         )
     })
     .or_else(|| {
-        below(
-            ("nail.feed_height", v.nail.feed_height),
-            ("piston.stroke", v.piston.stroke - v.piston.rod_protrusion),
-            "before the shot the rod, whose end stands above the nose's face by the stroke less `piston.rod_protrusion`, \
-             ends above the nail's head",
-        )
+        let (feed_height, setback) = (v.nail.feed_height, v.piston.stroke - v.piston.rod_protrusion);
+        (feed_height >= setback).then_some(Conflict::NailAboveRod { feed_height, setback })
     })
 }
 

@@ -203,7 +203,7 @@ fn a_range_over_which_the_shot_changes_is_flagged() {
     assert!(wood.outcome_changes);
     assert_eq!(
         wood.ends,
-        [End::Outcome(Outcome::StrikesBumper), End::Outcome(Outcome::Underdriven)]
+        [End::Outcome(Outcome::Overdriven), End::Outcome(Outcome::Underdriven)]
     );
     assert!(!of_key(keys[1]).outcome_changes);
     // A range of three decades: the derivative here says nothing about its far end, the run there does.

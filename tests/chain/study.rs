@@ -67,6 +67,8 @@ fn fate(p: &Parameters, shot: &reference::Shot) -> &'static str {
         "dry_fire"
     } else if t3.is_none() {
         "does_not_open"
+    } else if shot.depth - p.nail.length > p.nail.overdrive_limit {
+        "overdriven"
     } else if shot.bumper.is_some_and(|bumper| t9.is_none_or(|t9| bumper < t9)) {
         "strikes_bumper"
     } else if shot.depth < p.nail.length {

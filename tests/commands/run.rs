@@ -156,8 +156,8 @@ fn results_do_not_depend_on_the_cache() {
     assert_eq!(run(&[]).0, anew);
     assert_eq!(
         entries(),
-        16,
-        "modes, body and sensor modes of workpiece and worktable each; end, two sources, sensors, checks, pictures and fields \
+        18,
+        "requirements, modes, body and sensor modes of workpiece and worktable each; end, two sources, sensors, checks, pictures and fields \
          of the bodies, checksums of their files, files of the run"
     );
     assert_eq!(run(&[]).0, anew);
@@ -170,7 +170,7 @@ fn results_do_not_depend_on_the_cache() {
     }
     let (repaired, notes) = run(&[]);
     assert_eq!(repaired, anew);
-    assert_eq!(notes.matches("computed anew").count(), 16, "{notes}");
+    assert_eq!(notes.matches("computed anew").count(), 18, "{notes}");
     assert_eq!(run(&[]).1.matches("computed anew").count(), 0);
 }
 

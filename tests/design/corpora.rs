@@ -1,14 +1,14 @@
 //! Bytes of any kind in the place of files, and numbers of any size in the place of values: the fuzz targets' corpora, and
 //! values drawn over all magnitudes.
 
+#[allow(unreachable_pub)] // public in the crate of the fuzz targets
 #[path = "../../fuzz/src/lib.rs"]
 mod targets;
 
 use std::fs;
 use std::path::Path;
 
-use nailnoise::design::Values;
-use nailnoise::design::{Design, Kind};
+use nailnoise::design::{Design, Kind, Values};
 use nailnoise_quantities::Group;
 use proptest::prelude::*;
 

@@ -1,14 +1,14 @@
-"""Kills runs at random moments and checks the files they leave behind.
+"""Ends runs at random moments, by KILL or TERM, and checks the files they leave behind.
 
     kill.py NAILNOISE DESIGN [KILLS] [SEED]
 
-After every kill -9, each file in the output folder must be readable, a folder with result.json must be complete, and no
+After every end, each file in the output folder must be readable, a folder with result.json must be complete, and no
 entry of the cache may be damaged. The kills alternate between three cases: everything is computed; only the cycle is
 computed, with cached modes, into the folder of another design; nothing is computed, and cached files are restored into such
 a folder. A kill falls at a random moment of such a run. Files are put in place within milliseconds at the end of a run, so
 a random kill hardly ever falls there. In every second round, the script therefore watches the folder, waits for the first
 file to change, and kills at a random moment while the files are put in place. At the end, an undisturbed run must give the
-same digits as at the beginning.
+same digits as at the beginning. Where gmsh is installed, commands that it works for are ended, too: gmsh must end with them.
 """
 
 import json
@@ -143,7 +143,8 @@ def placing(runs: "Runs", kind: str) -> float:
 
 
 def strike(runs: "Runs", process: subprocess.Popen, moment: float | None, last: float) -> bool:
-    """Kills a run after a time or, without one, `last` seconds after the first file takes its place; whether it was at work."""
+    """Ends a run by KILL or TERM after a time or, without one, `last` seconds after the first file takes its place; whether
+    it was at work."""
     before = state(runs.out)
     if moment is None:
         while process.poll() is None and not changed(runs.out, before):
@@ -153,9 +154,49 @@ def strike(runs: "Runs", process: subprocess.Popen, moment: float | None, last: 
         process.wait(timeout=moment)
         return False
     except subprocess.TimeoutExpired:
-        process.send_signal(signal.SIGKILL)
-        process.wait()
+        end(process, random.choice((signal.SIGKILL, signal.SIGTERM)))
         return True
+
+
+def end(process: subprocess.Popen, how: signal.Signals) -> None:
+    """Ends a process by a signal; one that can be caught must lead to status 130, unless the work was just done."""
+    process.send_signal(how)
+    status = process.wait(timeout=20)
+    allowed = (-signal.SIGKILL, 0) if how == signal.SIGKILL else (130, 0)
+    assert status in allowed, f"status {status} after {how.name}"
+
+
+def end_meshers(runs: "Runs", kills: int, chance: random.Random) -> None:
+    """Ends commands while gmsh works for them: no gmsh goes on, and the next command leaves no folder of theirs."""
+    folder = runs.work / "temporary"
+    folder.mkdir()
+    quiet = dict(runs.quiet, env=dict(runs.quiet["env"], TMPDIR=str(folder)))
+    command = [runs.program, "mesh", runs.design, "--body", "tool", "--remesh", "--size", "25 mm"]
+    begin = time.monotonic()
+    subprocess.run(command, check=True, **quiet)
+    whole = time.monotonic() - begin
+    for _ in range(kills):
+        process = subprocess.Popen(command, **quiet)
+        try:
+            process.wait(timeout=chance.uniform(0.0, whole))
+        except subprocess.TimeoutExpired:
+            end(process, chance.choice((signal.SIGKILL, signal.SIGTERM)))
+        deadline = time.monotonic() + 2.0
+        while working := [pid for pid in Path("/proc").glob("[0-9]*") if works_in(pid, folder)]:
+            assert time.monotonic() < deadline, f"still at work for a command that has ended: {working}"
+            time.sleep(0.02)
+    subprocess.run(command, check=True, **quiet)
+    left = list(folder.iterdir())
+    assert not left, f"left after the next command: {left}"
+    print(f"{kills} commands ended within {whole:.1f} s of gmsh's work; nothing works on and nothing is left")
+
+
+def works_in(pid: Path, folder: Path) -> bool:
+    """Whether a process works in a folder below `folder`."""
+    try:
+        return folder in Path(os.readlink(pid / "cwd")).parents
+    except OSError:  # it has ended
+        return False
 
 
 def main(program: str, design: str, kills: int, seed: int) -> None:
@@ -190,6 +231,8 @@ def main(program: str, design: str, kills: int, seed: int) -> None:
     runs.whole(design)
     assert result(runs.out) == expected, "the run after the last kill has other digits"
     assert not list(runs.out.glob(".unfinished-*")), "what a killed run left is not removed"
+    if shutil.which("gmsh"):
+        end_meshers(runs, kills // 3, chance)
     shutil.rmtree(runs.work)
     for kind, count in found.items():
         print(

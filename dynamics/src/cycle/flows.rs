@@ -182,9 +182,9 @@ impl System {
         let delayed = model.delay == Form::Published;
         match mode.channel {
             Channel::Closed => {}
-            Channel::Venting if delayed => channel.vent = past.vent.lift(),
+            Channel::Venting if delayed => channel.vent = self.one_way(past.vent.lift()),
             Channel::Venting => channel.vent = self.stream(gas, false),
-            Channel::Filling if delayed => channel.fill = past.fill.lift(),
+            Channel::Filling if delayed => channel.fill = self.one_way(past.fill.lift()),
             Channel::Filling => channel.fill = self.stream(gas, true),
         }
         channel.drain = match model.channel {
@@ -204,13 +204,19 @@ impl System {
             (self.vent_area, gas[CONTROL], self.ambient())
         };
         let mass = self.air.exchange(area, from, to);
-        if mass.value() < 0.0 && self.p.model.intake == Form::Published {
-            return Stream::still();
-        }
         let source = if mass.value() >= 0.0 { from } else { to };
-        Stream {
+        self.one_way(Stream {
             mass,
             enthalpy: mass * source.temperature * self.air.cp,
+        })
+    }
+
+    /// Published, nothing flows back through the channel; an interpolated past flow may pass below zero.
+    fn one_way<S: Real>(&self, stream: Stream<S>) -> Stream<S> {
+        if stream.mass.value() < 0.0 && self.p.model.intake == Form::Published {
+            Stream::still()
+        } else {
+            stream
         }
     }
 

@@ -64,6 +64,12 @@ pub(crate) fn check(p: &Parameters) -> Result<(), CycleError> {
         "nail.length",
         p.nail.length,
     )?;
+    if p.nail.length > p.workpiece.thickness {
+        return Err(CycleError::NailLongerThanBlock {
+            length: p.nail.length,
+            thickness: p.workpiece.thickness,
+        });
+    }
     if p.nail.length > p.nail.feed_height {
         return Err(CycleError::NailBelowNose {
             length: p.nail.length,
@@ -83,12 +89,6 @@ pub(crate) fn check(p: &Parameters) -> Result<(), CycleError> {
         return Err(CycleError::TableTooShort {
             last: table.last_depth(),
             length: p.nail.length,
-        });
-    }
-    if p.nail.length > p.workpiece.thickness {
-        return Err(CycleError::NailLongerThanBlock {
-            length: p.nail.length,
-            thickness: p.workpiece.thickness,
         });
     }
     Ok(())
