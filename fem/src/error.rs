@@ -108,7 +108,8 @@ pub enum FemError {
     },
     /// A mode does not satisfy its equation.
     #[error(
-        "a mode has the residual {residual:e}, the limit is {limit:e}; repair badly shaped elements or relax the limit"
+        "a mode has the residual {residual:e}, the limit is {limit:e}; repair badly shaped elements or raise the limit (in a \
+         design analysis.mode_tolerance)"
     )]
     Residual {
         /// The largest residual.

@@ -88,6 +88,14 @@ pub(super) fn modes(design: &Design, kind: BodyKind) -> Result<StageCost, Error>
     Ok(StageCost::of_modes(stage, count.elements, cost, keys))
 }
 
+/// Area of the tool's outer walls \[m2\].
+pub(super) fn tool_area(design: &Design) -> Result<f64, Error> {
+    Ok(match &geometry(design, BodyKind::Tool, false)?.mesh {
+        MeshSource::Tool(tool, _) => of_tool(tool).solids.iter().map(|(volume, wall, _)| volume / wall).sum(),
+        _ => nominal_area(BodyKind::Tool),
+    })
+}
+
 /// Elements along a length.
 fn along(length: f64, element: f64) -> f64 {
     (length / element).ceil().max(1.0)

@@ -52,6 +52,15 @@ const SPECTRUM_LINE: f64 = 64.0;
 /// Unknowns of a sector and processor time \[s\] of the calibration: block and worktable of the N80CB to 3.2 kHz.
 const RADIATION: (f64, f64) = (1210.0, 90.0);
 
+/// Panels and processor time \[s\] of the calibration: the body of the N80CB.
+const TOOL_RADIATION: (f64, f64) = (275.0, 56.0);
+
+/// Top frequency of boundary elements on the shipped mesh of the tool's body \[Hz\].
+const TOOL_TOP: f64 = 2300.0;
+
+/// Speed of sound of the estimates \[m/s\].
+const SOUND_SPEED: f64 = 343.0;
+
 /// Processor time after which a run is announced as long \[s\].
 pub const LONG: f64 = 1800.0;
 
@@ -105,6 +114,7 @@ pub fn of_run(design: &Design) -> Result<Vec<StageCost>, Error> {
         .sum();
     stages.push(response(design, modes));
     stages.extend(radiation(design));
+    stages.extend(radiation_of_tool(design)?);
     Ok(stages)
 }
 
@@ -148,7 +158,7 @@ fn radiation(design: &Design) -> Option<StageCost> {
             _ => 0.0,
         };
         let acoustics = &design.acoustics;
-        let panel = 343.0 / (acoustics.bem_top * acoustics.bem_panels);
+        let panel = SOUND_SPEED / (acoustics.bem_top * acoustics.bem_panels);
         let panels = (block + on_table) / (panel * panel);
         let unknowns = panels / 4.0;
         let (unknowns_0, seconds_0) = RADIATION;
@@ -160,6 +170,25 @@ fn radiation(design: &Design) -> Option<StageCost> {
             keys: &[("acoustics.bem_top", "lower"), ("acoustics.bem_panels", "lower")],
         }
     })
+}
+
+/// Boundary elements of the tool's body, which end where its mesh no longer resolves the waves.
+fn radiation_of_tool(design: &Design) -> Result<Option<StageCost>, Error> {
+    let acoustics = &design.acoustics;
+    if acoustics.body_method == RadiationMethod::Erp || design.body.model == BodyModel::Rigid {
+        return Ok(None);
+    }
+    let top = acoustics.bem_top.min(TOOL_TOP);
+    let panel = SOUND_SPEED / (top * acoustics.bem_panels);
+    let panels = bodies::tool_area(design)? / (panel * panel);
+    let (panels_0, seconds_0) = TOOL_RADIATION;
+    Ok(Some(StageCost {
+        stage: "radiation of the tool",
+        counts: vec![("panels", panels)],
+        gigabytes: 1e-9 * 3.0 * 16.0 * (0.5 * panels).powi(2),
+        cpu_seconds: seconds_0 * (panels / panels_0).powi(3),
+        keys: &[("acoustics.bem_top", "lower"), ("acoustics.bem_panels", "lower")],
+    }))
 }
 
 /// Refuses a design of which a stage needs more memory than allowed.
@@ -207,6 +236,18 @@ impl StageCost {
             cpu_seconds: cost.cpu_seconds,
             keys,
         }
+    }
+
+    /// Takes the counts and the cost of modes from a mesh.
+    pub fn refine(&mut self, cost: &ModalCost) {
+        for (what, count) in &mut self.counts {
+            match *what {
+                "degrees of freedom" => *count = cost.dofs as f64,
+                "modes" => *count = cost.modes,
+                _ => {}
+            }
+        }
+        (self.gigabytes, self.cpu_seconds) = (cost.gigabytes, cost.cpu_seconds);
     }
 
     /// Its counts in words: "3e6 samples, 195 modes".

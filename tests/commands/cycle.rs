@@ -73,7 +73,7 @@ fn energy_and_log_are_in_the_result() {
 #[test]
 fn a_table_takes_the_place_of_the_designs_law() {
     let table = Path::new(env!("CARGO_TARGET_TMPDIR")).join("weak.csv");
-    std::fs::write(&table, "# wood that resists more at the surface\n0,400\n0.0889,2100\n").unwrap();
+    std::fs::write(&table, "# soft at the surface\n0,100\n0.0889,2300\n").unwrap();
     let table = table.to_str().unwrap();
     let weak = json(&nailnoise("table", &["--penetration-table", table, "--json"]).0);
     let own = json(&nailnoise("own-law", &["--json"]).0);

@@ -2,9 +2,10 @@
 
     hostile.py NAILNOISE DESIGNS [DRAWS] [SEED]
 
-DESIGNS is the folder of the shipped designs. There are four kinds of cases:
+DESIGNS is the folder of the shipped designs. There are five kinds of cases:
 
 - named cases: input that once gave a wrong answer, a hang or a flood, each with its expected status and words;
+- whole runs, finished results, names, a full standard output and the cache, on the small design of the tests;
 - key cases: every number of the design file, just outside its domain at either end, infinite, not a number, in a unit of
   another dimension; each must end with status 2 and name the key;
 - files: devices, pipes, folders, empty, long and binary files in the place of designs, bases, meshes and tables;
@@ -115,7 +116,7 @@ class Bench:
         """Writes a design over a shipped one."""
         self.number += 1
         path = self.folder / f"case-{self.number}.toml"
-        path.write_text(f"base = {toml(str(self.designs / base))}\n{text}\n")
+        path.write_text(f"base = {toml(str(self.designs / base))}\n{text}\n")  # an absolute base stays as it is
         return path
 
     def run(self, *arguments, timeout=90):
@@ -181,6 +182,62 @@ def named_cases(bench, tally):
     tally.hold("named", "run --memory 100MB", few, {2}, BAD_INPUT, ["--memory", "GB"])
     unit = bench.run("run", bench.designs / "n80cb.toml", "--memory", "8")
     tally.hold("named", "run --memory 8", unit, {2}, BAD_INPUT, ["unit"])
+
+
+def whole_cases(bench, tally):
+    """Cases of whole runs, finished results, names, outputs and the cache, on the small design of the tests."""
+    small = bench.designs.parent / "tests/data/small.toml"
+    meshes = bench.designs.parent / "meshes/tests/data"
+
+    def hold(name, arguments, statuses, words, limits=DRAW):
+        tally.hold("whole", name, bench.run(*arguments), statuses, limits, words)
+
+    def over(text, name=None):
+        design = bench.design(text, base=small)
+        return design.rename(bench.folder / name) if name else design
+
+    coarse = over('analysis.workpiece_element = "1 m"')
+    hold("elements of 1 m", ["run", coarse, "--quiet"], {3}, ["longest element side of the block"])
+    margin = over("analysis.mode_margin = 1.0")
+    hold("no margin of modes", ["run", margin, "--quiet"], {3}, ["below which modes are complete"])
+    outside = over('piston.mass = "140 g"')
+    hold("a value outside its range", ["run", outside, "--json", "--quiet"], {0, 3}, ["outside its range 0.129"])
+    for mesh, words in (("tet10-41-text.msh", ["body"]), ("hex8.msh", ["body"])):
+        for command in (["run"], ["check", "--body", "tool"]):
+            housing = over(f"body.model = 'elastic'\nbody.mesh = {toml(str(meshes / mesh))}")
+            hold(f"{command[0]} a housing from {mesh}", [command[0], housing, *command[1:]], {2}, words, BAD_INPUT)
+    tiny = over(f"body.model = 'elastic'\nbody.mesh = {toml(str(meshes / 'tet10-41-text.msh'))}\nbody.mesh_unit = '1 um'")
+    hold("a housing read 1000 times too small", ["run", tiny], {2}, ["body.mesh_unit"], BAD_INPUT)
+    for name in ("...toml", "..toml"):
+        hold(f"a design named {name}", ["cycle", over("", name)], {2}, ["--out"], BAD_INPUT)
+
+    for command in (["schema"], ["completions", "bash"], ["cycle", small, "--json"], ["prf", "--list"], ["check", small]):
+        with open("/dev/full", "wb") as full:
+            process = subprocess.run([bench.program, *map(str, command)], cwd=bench.folder, stdout=full, stderr=subprocess.PIPE)
+        outcome = Outcome(process.returncode, 0.0, 0.0, process.stderr.decode())
+        tally.hold("whole", f"{command[0]} to a full standard output", outcome, {2}, DRAW, ["output"])
+
+    hold("a run to compare", ["run", small, "--quiet", "--out", "finished"], {0}, [])
+    result = json.loads((bench.folder / "finished/result.json").read_text())
+    loudest = result["ranking"][0]
+    changes = {
+        "an empty ranking": {"ranking": []},
+        "a total without its sources": {"total": {**result["total"], "lwa_db": loudest["lwa_db"] + 20.0}},
+        "an absurd level": {"ranking": [{**loudest, "lwa_db": 1e6}, *result["ranking"][1:]]},
+        "a share above 1": {"ranking": [{**loudest, "share": 7.0}, *result["ranking"][1:]]},
+    }
+    for name, change in changes.items():
+        folder = bench.folder / name.replace(" ", "-")
+        folder.mkdir()
+        (folder / "result.json").write_text(json.dumps({**result, **change}))
+        hold(f"compare {name}", ["compare", "finished", folder], {2}, ["result.json"], BAD_INPUT)
+
+    entry = next((bench.folder / "cache").glob("modes*.entry"))
+    entry.unlink()
+    entry.mkdir()
+    hold("a folder in the place of an entry", ["run", small, "--quiet", "--json"], {0}, [])
+    hold("cache verify mends it", ["cache", "verify"], {0, 1}, ["folder"])
+    hold("cache verify finds nothing", ["cache", "verify"], {0}, [])
 
 
 def key_cases(bench, tally, numbers):
@@ -272,6 +329,7 @@ def main():
         numbers = list(keys(schema))
         assert len(numbers) > 200, f"only {len(numbers)} numbers in the schema"
         named_cases(bench, tally)
+        whole_cases(bench, tally)
         key_cases(bench, tally, numbers)
         file_cases(bench, tally)
         draw_cases(bench, tally, numbers, draws, seed)
