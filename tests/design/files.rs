@@ -395,7 +395,6 @@ const CONFLICTS: &[(&str, &str)] = &[
         "support = { kind = \"sandbox\", sand.poisson_ratio = 0.5 }",
         "support.sand.poisson_ratio",
     ),
-    ("ambient.heat_capacity_ratio = 1", "ambient.heat_capacity_ratio"),
     ("analysis.range_low = \"10 kHz\"", "range of the ranking"),
     ("analysis.time_step = \"20 us\"", "time step of 20 us"),
     ("analysis.cycle_tail = \"0.3 s\"", "analysis.cycle_tail"),
