@@ -101,7 +101,12 @@ fn explain(design: &Design, mut stages: Vec<StageCost>) -> Result<Explanation, E
         };
         let problems = match checked {
             Ok(checked) => {
-                plan.cost = Some(modal_cost(&checked.meshed, inputs::below_hz(design, kind))?);
+                let cost = modal_cost(&checked.meshed, inputs::below_hz(design, kind))?;
+                // The mesh is there by now.
+                if let Some(stage) = stages.iter_mut().find(|stage| stage.stage == kind.modes()) {
+                    stage.refine(&cost);
+                }
+                plan.cost = Some(cost);
                 plan.mesh = source.map_or_else(|_| "none".to_owned(), |source| origin(&source, gmsh));
                 checked.problems
             }
@@ -113,16 +118,6 @@ fn explain(design: &Design, mut stages: Vec<StageCost>) -> Result<Explanation, E
                 .map(|error| format!("{}: {}", kind.name(), error.in_words())),
         );
         bodies.push(plan);
-    }
-    for (body, cost) in bodies
-        .iter()
-        .filter_map(|plan: &BodyPlan| Some((plan.body, plan.cost.as_ref()?)))
-    {
-        // The mesh is there by now.
-        let own = |stage: &&mut StageCost| stage.stage.strip_prefix("modes of the ") == Some(body);
-        if let Some(stage) = stages.iter_mut().find(own) {
-            stage.refine(cost);
-        }
     }
     Ok(Explanation {
         schema: "nailnoise-check-design/1",

@@ -56,40 +56,35 @@ pub(super) fn modes(design: &Design, kind: BodyKind) -> Result<StageCost, Error>
     };
     let modes = 6.0 + count.solids.iter().map(of_solid).sum::<f64>();
     let cost = ModalCost::of(3.0 * count.nodes, modes, count.sectors, count.thin);
-    let (stage, keys): (_, &'static [Remedy]) = match kind {
-        BodyKind::Workpiece => (
-            "modes of the workpiece",
-            &[
-                ("analysis.workpiece_element", "raise"),
-                ("analysis.workpiece_top", "lower"),
-                ("analysis.mode_margin", "lower"),
-            ],
-        ),
-        BodyKind::Worktable => (
-            "modes of the worktable",
-            &[
-                ("analysis.worktable_element", "raise"),
-                ("analysis.worktable_leg_element", "raise"),
-                ("analysis.worktable_tube_element", "raise"),
-                ("analysis.worktable_top_layers", "lower"),
-                ("analysis.worktable_top", "lower"),
-                ("analysis.mode_margin", "lower"),
-            ],
-        ),
-        BodyKind::Tool => (
-            "modes of the tool",
-            &[
-                ("analysis.body_element", "raise"),
-                ("analysis.body_top", "lower"),
-                ("analysis.mode_margin", "lower"),
-            ],
-        ),
+    let keys: &'static [Remedy] = match kind {
+        BodyKind::Workpiece => &[
+            ("analysis.workpiece_element", "raise"),
+            ("analysis.workpiece_top", "lower"),
+            ("analysis.mode_margin", "lower"),
+        ],
+        BodyKind::Worktable => &[
+            ("analysis.worktable_element", "raise"),
+            ("analysis.worktable_leg_element", "raise"),
+            ("analysis.worktable_tube_element", "raise"),
+            ("analysis.worktable_top_layers", "lower"),
+            ("analysis.worktable_top", "lower"),
+            ("analysis.mode_margin", "lower"),
+        ],
+        BodyKind::Tool => &[
+            ("analysis.body_element", "raise"),
+            ("analysis.body_top", "lower"),
+            ("analysis.mode_margin", "lower"),
+        ],
     };
-    Ok(StageCost::of_modes(stage, count.elements, cost, keys))
+    Ok(StageCost::of_modes(kind.modes(), count.elements, cost, keys))
 }
 
 /// Area of the tool's outer walls \[m2\].
 pub(super) fn tool_area(design: &Design) -> Result<f64, Error> {
+    // A file need not be read for the nominal area.
+    if !design.body.mesh.is_empty() {
+        return Ok(nominal_area(BodyKind::Tool));
+    }
     Ok(match &geometry(design, BodyKind::Tool, false)?.mesh {
         MeshSource::Tool(tool, _) => of_tool(tool).solids.iter().map(|(volume, wall, _)| volume / wall).sum(),
         _ => nominal_area(BodyKind::Tool),

@@ -9,6 +9,7 @@ mod memory;
 use nailnoise_fem::ModalCost;
 use serde::Serialize;
 
+use crate::chain::solved_bodies;
 use crate::design::inputs::bodies::{below_hz, block_size};
 use crate::design::{BodyModel, Design, RadiationMethod, SupportKind};
 use crate::error::Error;
@@ -77,18 +78,6 @@ pub fn of_cycle(design: &Design) -> StageCost {
     }
 }
 
-/// The bodies of a design that vibrate.
-pub fn bodies(design: &Design) -> Vec<BodyKind> {
-    let mut bodies = vec![BodyKind::Workpiece];
-    if design.support.kind == SupportKind::Worktable {
-        bodies.push(BodyKind::Worktable);
-    }
-    if design.body.model == BodyModel::Elastic {
-        bodies.push(BodyKind::Tool);
-    }
-    bodies
-}
-
 /// Cost of the mesh and the modes of a body.
 ///
 /// # Errors
@@ -103,7 +92,7 @@ pub fn of_body(design: &Design, kind: BodyKind) -> Result<StageCost, Error> {
 /// As [`of_body`].
 pub fn of_run(design: &Design) -> Result<Vec<StageCost>, Error> {
     let mut stages = vec![of_cycle(design)];
-    for kind in bodies(design) {
+    for kind in solved_bodies(design) {
         stages.push(of_body(design, kind)?);
     }
     let modes: f64 = stages

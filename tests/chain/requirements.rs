@@ -111,10 +111,7 @@ fn a_run_lists_all_missing_surfaces_before_it_solves_any_body() {
 
 #[test]
 fn the_surfaces_of_a_housing_without_names_are_those_that_its_names_say() {
-    let mesh = housing();
-    let named = Surface::of(&mesh);
-    let mut bare = mesh.clone();
-    bare.groups.retain(|group| group.name.starts_with("fit_"));
+    let (named, bare) = named_and_bare();
     let design = n80cb(&bare, "guess");
     let meshed = check_bodies(&design, &[BodyKind::Tool]).pop().unwrap().unwrap().meshed;
     for name in ["gas_bore", "bumper_seat", "seat", "cap", "nose_tip"] {
@@ -143,6 +140,14 @@ fn the_surfaces_of_a_housing_without_names_are_those_that_its_names_say() {
     assert!(!meshed.surfaces.iter().any(|found| found.name == "magazine"));
 }
 
+/// The skin of the housing with its names, and the housing without them.
+fn named_and_bare() -> (Surface, Mesh) {
+    let mut mesh = housing();
+    let named = Surface::of(&mesh);
+    mesh.groups.retain(|group| group.name.starts_with("fit_"));
+    (named, mesh)
+}
+
 /// A place on the tool.
 fn place(surface: SurfaceName, [x, y, z]: [f64; 3], along: [f64; 3], radius: f64) -> NamedSurface {
     NamedSurface {
@@ -160,10 +165,7 @@ fn place(surface: SurfaceName, [x, y, z]: [f64; 3], along: [f64; 3], radius: f64
 
 #[test]
 fn a_point_of_the_design_names_the_whole_face_on_which_it_lies() {
-    let mesh = housing();
-    let named = Surface::of(&mesh);
-    let mut bare = mesh.clone();
-    bare.groups.retain(|group| group.name.starts_with("fit_"));
+    let (named, bare) = named_and_bare();
     let mut design = n80cb(&bare, "places");
     let (inside, end) = ([-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]);
     design.surfaces.insert(

@@ -352,6 +352,9 @@ fn a_program_may_change_values_and_check_them() {
     assert_ne!(design.digest(), digest);
     assert_eq!(entries(&design)["supply.pressure"].provenance, Provenance::Design);
     assert_eq!(design.conflict(), None);
+    design.ambient.heat_capacity_ratio = 1.0;
+    assert_eq!(design.conflict().unwrap().keys(), ["ambient.heat_capacity_ratio"]);
+    design.ambient.heat_capacity_ratio = 1.4;
     design.nail.length = 0.1;
     assert_eq!(
         design.conflict().unwrap().keys(),
@@ -399,6 +402,19 @@ const CONFLICTS: &[(&str, &str)] = &[
     ("analysis.time_step = \"20 us\"", "time step of 20 us"),
     ("analysis.cycle_tail = \"0.3 s\"", "analysis.cycle_tail"),
 ];
+
+#[test]
+fn a_value_outside_its_domain_is_refused_by_its_key() {
+    for (key, value) in [
+        ("ambient.heat_capacity_ratio", "1"),
+        ("support.sand.poisson_ratio", "0.6"),
+    ] {
+        let error = over(&format!("{key} = {value}")).expect_err(key);
+        assert!(matches!(error, DesignError::OutsideLimits { .. }), "{error}");
+        assert!(error.to_string().contains(key), "{error}");
+        assert_eq!(error.place().unwrap().line(), 2);
+    }
+}
 
 #[test]
 fn values_that_do_not_go_together_are_refused() {

@@ -25,6 +25,15 @@ pub enum BodyKind {
 }
 
 impl BodyKind {
+    /// Name of the computation of its modes.
+    pub fn modes(self) -> &'static str {
+        match self {
+            Self::Workpiece => "modes of the workpiece",
+            Self::Worktable => "modes of the worktable",
+            Self::Tool => "modes of the tool",
+        }
+    }
+
     /// All bodies.
     pub const ALL: [Self; 3] = [Self::Workpiece, Self::Worktable, Self::Tool];
 

@@ -75,12 +75,7 @@ impl Stage for Modes {
             settings.with_loads(DMatrix::from_columns(&loads))
         };
         let system = assemble_with(mesh, &meshed.materials, &meshed.constraints, &meshed.attachments)?;
-        let task = match self.kind {
-            BodyKind::Workpiece => "modes of the workpiece",
-            BodyKind::Worktable => "modes of the worktable",
-            BodyKind::Tool => "modes of the tool",
-        };
-        let basis = progress.count((task, "modes"), |report| {
+        let basis = progress.count((self.kind.modes(), "modes"), |report| {
             modes(&system, &settings, &|found, of| report(found as u64, of as u64))
         })?;
         let (basis, shapes) = basis.swap_shapes(());
