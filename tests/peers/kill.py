@@ -142,9 +142,9 @@ def placing(runs: "Runs", kind: str) -> float:
     return time.monotonic() - begin
 
 
-def strike(runs: "Runs", process: subprocess.Popen, moment: float | None, last: float) -> bool:
-    """Ends a run by KILL or TERM after a time or, without one, `last` seconds after the first file takes its place; whether
-    it was at work."""
+def strike(runs: "Runs", process: subprocess.Popen, moment: float | None, last: float, how: signal.Signals) -> bool:
+    """Ends a run by a signal after a time or, without one, `last` seconds after the first file takes its place; whether it
+    was at work."""
     before = state(runs.out)
     if moment is None:
         while process.poll() is None and not changed(runs.out, before):
@@ -154,16 +154,28 @@ def strike(runs: "Runs", process: subprocess.Popen, moment: float | None, last: 
         process.wait(timeout=moment)
         return False
     except subprocess.TimeoutExpired:
-        end(process, random.choice((signal.SIGKILL, signal.SIGTERM)))
+        end(process, how)
         return True
 
 
 def end(process: subprocess.Popen, how: signal.Signals) -> None:
-    """Ends a process by a signal; one that can be caught must lead to status 130, unless the work was just done."""
+    """Ends a process by a signal; TERM must lead to status 130, unless the work was just done or the program had not yet
+    installed its handler, when it had not begun either."""
+    handled = handles(process.pid, signal.SIGTERM)
     process.send_signal(how)
     status = process.wait(timeout=20)
-    allowed = (-signal.SIGKILL, 0) if how == signal.SIGKILL else (130, 0)
+    allowed = (130, 0) if how == signal.SIGTERM and handled else (-how, 130, 0)
     assert status in allowed, f"status {status} after {how.name}"
+
+
+def handles(pid: int, how: signal.Signals) -> bool:
+    """Whether a process has installed a handler of a signal (proc_pid_status(5), `SigCgt`)."""
+    try:
+        lines = Path(f"/proc/{pid}/status").read_text().splitlines()
+    except OSError:  # it has ended
+        return False
+    caught = next((int(line.split()[1], 16) for line in lines if line.startswith("SigCgt")), 0)
+    return bool(caught >> (how - 1) & 1)
 
 
 def end_meshers(runs: "Runs", kills: int, chance: random.Random) -> None:
@@ -215,7 +227,8 @@ def main(program: str, design: str, kills: int, seed: int) -> None:
         aimed = kill // len(KINDS) % 2 == 1
         process = subprocess.Popen(runs.command(design), **runs.quiet)
         moment = None if aimed else chance.uniform(0.0, lasts[kind])
-        if strike(runs, process, moment, chance.uniform(0.0, places[kind])):
+        how = chance.choice((signal.SIGKILL, signal.SIGTERM))
+        if strike(runs, process, moment, chance.uniform(0.0, places[kind]), how):
             found[kind]["kills"] += 1
             found[kind]["aimed"] += aimed
         files = readable(runs.out) if runs.out.exists() else 0
