@@ -278,6 +278,13 @@ pub enum Error {
     #[error("a design has several bodies")]
     #[diagnostic(help("choose one: --body workpiece, --body worktable or --body tool"))]
     NoBody,
+    /// Keys belong to designs.
+    #[error("`{}` is no design, so that it has no key to set", path.display())]
+    #[diagnostic(help("leave --set out, or name a design file (.toml)"))]
+    NothingToSet {
+        /// The file given.
+        path: PathBuf,
+    },
     /// A geometry without a design has no frequency.
     #[error("a geometry alone does not tell how fine its mesh must be")]
     #[diagnostic(help(
