@@ -133,7 +133,7 @@ pub enum Conflict {
         bore: f64,
     },
     /// A fitting and a muffler on the same holes.
-    #[error("a fitting and a muffler are both on the exhaust holes")]
+    #[error("`exhaust.fitting.kind` and `exhaust.muffler.kind` put a fitting and a muffler on the same holes")]
     FittingAndMuffler,
     /// Nothing carries a body that stands on springs.
     #[error("nothing carries the {}: it stands on springs, and none on it has a `stiffness_z` above 0", body.as_str())]

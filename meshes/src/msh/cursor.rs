@@ -47,7 +47,9 @@ impl<'a> Cursor<'a> {
         let rest = &self.bytes[self.at..];
         let length = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
         // A replaced character may be longer than its byte, so the text does not give the length of the word.
-        let name = std::str::from_utf8(&rest[..length]).ok().and_then(|word| word.strip_prefix('$'));
+        let name = std::str::from_utf8(&rest[..length])
+            .ok()
+            .and_then(|word| word.strip_prefix('$'));
         let Some(name) = name.filter(|name| name.len() < LONGEST_NAME) else {
             return Err(MshError::SectionEnd {
                 section: self.section.clone(),
