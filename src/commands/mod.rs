@@ -21,6 +21,7 @@ mod progress;
 mod run;
 mod schema;
 mod sensitivity;
+mod study;
 mod table;
 
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -60,6 +61,8 @@ enum Command {
     Run(run::Arguments),
     /// Compare designs or finished results: the differences and their effect on each source
     Compare(compare::Arguments),
+    /// Draw designs from the ranges: intervals of the levels, probability of each order, and the inputs that decide
+    Study(study::Arguments),
     /// Compute one nailing cycle: pressures, motions, forces and events; with --json, files are written only with --out or
     /// --figures
     Cycle(cycle::Arguments),
@@ -209,6 +212,7 @@ fn execute(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Init(arguments) => init::execute(arguments),
         Command::Run(arguments) => run::execute(arguments),
         Command::Compare(arguments) => compare::execute(arguments),
+        Command::Study(arguments) => study::execute(arguments),
         Command::Cycle(arguments) => cycle::execute(arguments),
         Command::Modes(arguments) => modes::execute(arguments),
         Command::Mesh(arguments) => mesh::execute(arguments),

@@ -14,6 +14,7 @@
 
 mod checks;
 mod derived;
+mod distribution;
 mod error;
 mod groups;
 pub mod inputs;
@@ -29,6 +30,7 @@ mod settings;
 mod show;
 mod source;
 mod springs;
+mod study;
 mod suggest;
 mod surfaces;
 
@@ -41,6 +43,7 @@ use sha2::{Digest as _, Sha256};
 
 pub use checks::Conflict;
 pub use derived::{AGREEMENT, DERIVED, Derived};
+pub use distribution::Distribution;
 pub use error::{DesignError, Warning};
 pub use groups::*;
 pub use json_schema::json_schema;
@@ -51,6 +54,7 @@ pub use reference::reference;
 pub use sensors::{Carrier, Sensor, SensorProblem};
 pub use set::SetError;
 pub use springs::{Spring, Sprung};
+pub use study::{Alternative, Correlation, OUTCOMES, SOURCES, StudySettings};
 pub use surfaces::{NamedSurface, SurfaceName, SurfaceOf, SurfaceProblem};
 
 use resolve::{Record, Records, Resolved};
@@ -68,6 +72,7 @@ pub struct Design {
     path: PathBuf,
     values: Values,
     records: Records,
+    study: StudySettings,
     warnings: Vec<Warning>,
 }
 
@@ -84,6 +89,9 @@ pub struct Entry {
     pub unit: String,
     /// Range of plausible values, in SI units.
     pub range: Option<[f64; 2]>,
+    /// Distribution over the range.
+    #[serde(skip)]
+    pub distribution: Distribution,
     /// Where the value comes from.
     pub provenance: Provenance,
     /// The source in words; may be empty.
@@ -119,6 +127,7 @@ impl Design {
         let Resolved {
             values,
             records,
+            study,
             warnings,
         } = resolve::resolve(&file.chain()?)?;
         let name = path
@@ -129,6 +138,7 @@ impl Design {
             path: path.to_owned(),
             values,
             records,
+            study,
             warnings,
         })
     }
@@ -141,6 +151,11 @@ impl Design {
     /// The file, as it was asked for.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// What a study draws beside the ranges, and which shots count.
+    pub fn study(&self) -> &StudySettings {
+        &self.study
     }
 
     /// What the user should know about the design; each is a [`miette::Diagnostic`].
@@ -213,7 +228,13 @@ impl Design {
         let mut entries = Vec::new();
         self.values.visit("", &mut |key, spec, value| {
             let Some(record) = self.records.get(key) else { return };
-            let Record { range, note, place, .. } = record;
+            let Record {
+                range,
+                distribution,
+                note,
+                place,
+                ..
+            } = record;
             let changed = value != record.value;
             entries.push(Entry {
                 key: key.to_owned(),
@@ -221,6 +242,7 @@ impl Design {
                 value,
                 unit: spec.unit(),
                 range: *range,
+                distribution: *distribution,
                 provenance: if changed { Provenance::Design } else { record.provenance },
                 source: if changed { String::new() } else { record.source.clone() },
                 note: note.clone(),

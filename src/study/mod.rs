@@ -3,7 +3,17 @@
 //! Every key that has a range and takes part in the cycle is drawn uniformly from it, independently of the others.
 //! Draws whose values do not go together are no designs: they are counted and drawn again.
 
+mod contributions;
+mod draws;
+mod kept;
+mod normal;
 mod parameters;
+mod result;
+mod sampling;
+mod screening;
+mod statistics;
+mod table;
+mod variables;
 
 use std::collections::BTreeMap;
 
@@ -12,7 +22,18 @@ use nailnoise_dynamics::{CycleError, Outcome, Settings, Summary, simulate};
 use rayon::prelude::*;
 use serde::Serialize;
 
+pub use draws::{Draw as StudyDraw, Draws, Request, draws, nominal};
+pub use kept::{keep, kept};
 pub use parameters::{Parameter, taking_part};
+pub use result::{
+    Candidates, Contribution, Contributions, Convergence, LabelledStudy, LevelStudy, Louder, OrderProbability, SCHEMA,
+    SourceStudy, StudyResult, VariableReport,
+};
+pub use sampling::{Frame, Point, Rejections, Sampler};
+pub use screening::{Candidate, Tally, screen};
+pub use statistics::{Estimate, Quantiles};
+pub use table::csv;
+pub use variables::{Drawn, Kind, Scope, Variable, variables};
 
 use crate::design::inputs::cycle::{cycle_settings, parameters as cycle_parameters};
 use crate::design::{Conflict, Design, Value};
