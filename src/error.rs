@@ -63,6 +63,13 @@ pub enum Error {
         /// Outcomes that count.
         require: String,
     },
+    /// A finished result has no ranges to draw from.
+    #[error("{} is a finished result, from which nothing can be drawn", path.display())]
+    #[diagnostic(help("give the design file itself, or leave --draws out"))]
+    NothingToDraw {
+        /// The result.
+        path: PathBuf,
+    },
     /// Values of a draw do not go together.
     #[error("the values drawn are no design: {reason}")]
     NoDesign {

@@ -14,6 +14,7 @@ mod draw;
 mod explain;
 mod faults;
 mod init;
+mod intervals;
 mod mesh;
 mod modes;
 mod prf;

@@ -16,6 +16,7 @@ use crate::stages::{Progress, WithoutStages};
 use crate::staging::Staging;
 use crate::store::Store;
 use crate::study::{self, Draws, Estimate, Request, StudyResult};
+use crate::{figures, report};
 
 /// The file that is written last, so that a folder that holds it holds all the rest.
 const LAST: &str = "study.json";
@@ -40,6 +41,9 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "8")]
     #[arg(value_parser = clap::value_parser!(u16).range(1..))]
     structures: Option<u16>,
+    /// Draw the charts of the page as SVG
+    #[arg(long)]
+    figures: bool,
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
@@ -59,6 +63,14 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let json = serde_json::to_string_pretty(&result).map_err(Error::Json)? + "\n";
     progress.stage("writing files");
     let staging = Staging::within(&folder)?;
+    let (charts, deciding) = (figures::study(&result), figures::deciding(&result, &made));
+    if arguments.figures {
+        figures::write(&staging, "figures".as_ref(), &[&charts[..], &deciding[..]].concat())?;
+    }
+    staging.write(
+        "study.html".as_ref(),
+        report::study(&result, &charts, &deciding).as_bytes(),
+    )?;
     staging.write("draws.csv".as_ref(), &study::csv(&made)?)?;
     staging.write(LAST.as_ref(), json.as_bytes())?;
     staging.place(&[], LAST.as_ref())?;
@@ -75,7 +87,10 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         print(&json)?;
     } else {
         print(&text(&result))?;
-        print(&format!("\n  files in {}\n", folder.display()))?;
+        print(&format!(
+            "\n  files in {}; open study.html for the charts\n",
+            folder.display()
+        ))?;
     }
     Ok(if result.candidates.failures > 0 {
         ExitCode::from(3)

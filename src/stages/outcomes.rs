@@ -76,7 +76,8 @@ impl Stage for Outcomes {
     }
 }
 
-fn fate(cycle: &Cycle) -> Fate {
+/// What becomes of the shot of a cycle.
+pub fn fate(cycle: &Cycle) -> Fate {
     match simulate(&cycle.parameters, &cycle.settings) {
         Ok(record) => Fate::Shot(Shot {
             outcome: outcome_name(record.outcome).to_owned(),

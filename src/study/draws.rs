@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::sampling::{Frame, Point, Sampler};
 use super::screening::{Candidate, Tally, drawn, screen};
-use super::variables::{Drawn, Kind, Scope, Variable, variables, without_sensors};
+use super::variables::{Drawn, Kind, Scope, Variable, common, without_sensors};
 use crate::chain::{Chain, Options};
 use crate::design::{Design, Values};
 use crate::error::Error;
@@ -53,6 +53,7 @@ pub struct Draw {
 }
 
 /// The draws of a study.
+#[derive(Debug, Clone, Default)]
 pub struct Draws {
     /// The variables.
     pub variables: Vec<Variable>,
@@ -74,45 +75,57 @@ struct Planned {
     candidate: Candidate,
 }
 
-/// Whether a study of `design` counts a shot.
-fn accepts(design: &Design) -> impl Fn(&Fate) -> bool + use<'_> {
-    let require = &design.study().require;
-    move |fate: &Fate| match fate {
-        Fate::Shot(shot) => require.is_empty() || require.contains(&shot.outcome.as_str()),
-        Fate::DryFire | Fate::SolverFailure(_) | Fate::Refused(_) => false,
-    }
-}
-
 /// Makes the draws that are asked for on a graph, and says on `progress` how far they are.
 ///
 /// # Errors
 /// Those of the chain of the design itself; [`Error::NothingDrawn`] where no candidate is accepted.
 pub fn draws(graph: &Graph, design: &Design, request: &Request, progress: &Progress) -> Result<Draws, Error> {
+    let made = common_draws(graph, &[design], request, progress)?;
+    Ok(made.into_iter().next().unwrap_or_default())
+}
+
+/// Draws of several designs in common: in each draw, all that the designs do not decide differently is the same, so that it cancels
+/// in their differences. A draw counts where it counts in all of them. The draws of each design come in the same order.
+///
+/// # Errors
+/// As [`draws`].
+pub fn common_draws(
+    graph: &Graph,
+    designs: &[&Design],
+    request: &Request,
+    progress: &Progress,
+) -> Result<Vec<Draws>, Error> {
+    let Some(first) = designs.first() else {
+        return Ok(Vec::new());
+    };
     progress.stage("which quantities change the levels");
-    let variables = graph.time("variables", || variables(design))?;
-    let design = without_sensors(design);
+    let variables = graph.time("variables", || common(designs))?;
     let sampler = graph.time("rules between values", || {
-        Sampler::new(&design, variables, request.seed)
+        Sampler::new(&without_sensors(first), variables, request.seed)
     });
-    let (planned, tally) = plan(graph, (&design, &sampler), request, progress)?;
-    let (draws, failures) = levels(graph, (&design, &sampler), planned, progress)?;
-    let conflicting = sampler.conflicting().into_iter();
-    Ok(Draws {
+    let designs: Vec<Design> = designs.iter().map(|design| without_sensors(design)).collect();
+    let (planned, tally) = plan(graph, (&designs, &sampler), request, progress)?;
+    let (draws, failures) = levels(graph, (&designs, &sampler), planned, progress)?;
+    let conflicting: Vec<Vec<String>> = sampler
+        .conflicting()
+        .into_iter()
+        .map(|names| names.into_iter().map(str::to_owned).collect())
+        .collect();
+    let of_design = |draws: Vec<Draw>| Draws {
         open_ends: open_ends(&sampler, &draws),
-        conflicting: conflicting
-            .map(|names| names.into_iter().map(str::to_owned).collect())
-            .collect(),
+        conflicting: conflicting.clone(),
         variables: sampler.variables().to_vec(),
         draws,
-        tally,
-        failures,
-    })
+        tally: tally.clone(),
+        failures: failures.clone(),
+    };
+    Ok(draws.into_iter().map(of_design).collect())
 }
 
 /// Candidates that are accepted, structure by structure.
 fn plan(
     graph: &Graph,
-    (design, sampler): (&Design, &Sampler),
+    (designs, sampler): (&[Design], &Sampler),
     request: &Request,
     progress: &Progress,
 ) -> Result<(Vec<Planned>, Tally), Error> {
@@ -123,16 +136,16 @@ fn plan(
     };
     let shots = scopes(&[Scope::Shot, Scope::Method]);
     let all = scopes(&[Scope::Shot, Scope::Method, Scope::Structure]);
-    let base: &Values = design;
+    let bases: Vec<Values> = designs.iter().map(|design| Values::clone(design)).collect();
+    let frame = |active, stream| Frame {
+        bases: &bases,
+        active,
+        stream,
+    };
     let done = |before: usize| move |found: usize| progress.done((before + found) as u64, request.draws as u64);
     let Some(each) = request.shots_a_structure else {
-        let frame = Frame {
-            base,
-            active: &shots,
-            stream: 0,
-        };
-        let accept = accepts(design);
-        let (accepted, tally) = screen(graph, (design, sampler), frame, request.draws, accept, done(0))?;
+        let frame = frame(&shots, 0);
+        let (accepted, tally) = screen(graph, (designs, sampler), frame, request.draws, done(0))?;
         let planned = accepted.into_iter().map(|candidate| Planned {
             structure: 0,
             candidate,
@@ -140,25 +153,20 @@ fn plan(
         return Ok((planned.collect(), tally));
     };
     let structures = request.draws.div_ceil(each);
-    let joint = Frame {
-        base,
-        active: &all,
-        stream: 0,
-    };
-    let (first, mut tally) = screen(graph, (design, sampler), joint, structures, accepts(design), done(0))?;
+    let (first, mut tally) = screen(graph, (designs, sampler), frame(&all, 0), structures, done(0))?;
     let mut planned = Vec::new();
     for (structure, candidate) in first.into_iter().enumerate() {
-        let held = structure_of(design, sampler, &candidate.point, &shots);
+        let held = |design: &Design| structure_of(design, sampler, &candidate.point, &shots);
+        let held: Vec<Values> = designs.iter().map(held).collect();
         let more = each.min(request.draws - planned.len()) - 1;
         let mut own = vec![candidate];
         if more > 0 {
             let frame = Frame {
-                base: &held,
+                bases: &held,
                 active: &shots,
                 stream: structure as u64 + 1,
             };
-            let accept = accepts(design);
-            let (others, counts) = screen(graph, (design, sampler), frame, more, accept, done(planned.len()))?;
+            let (others, counts) = screen(graph, (designs, sampler), frame, more, done(planned.len()))?;
             tally.add(counts);
             // What shots of a structure have in common is what the first of them drew.
             let first = own[0].clone();
@@ -191,32 +199,36 @@ impl Candidate {
     }
 }
 
-/// The levels of all planned draws, structure by structure, each draw on a thread of its own.
+/// Draws of each design, and those that cannot be computed.
+type Made = (Vec<Vec<Draw>>, Vec<(usize, String)>);
+
+/// The levels of all planned draws, structure by structure, each shot on a thread of its own.
 fn levels(
     graph: &Graph,
-    (design, sampler): (&Design, &Sampler),
+    (designs, sampler): (&[Design], &Sampler),
     planned: Vec<Planned>,
     progress: &Progress,
-) -> Result<(Vec<Draw>, Vec<(usize, String)>), Error> {
+) -> Result<Made, Error> {
     progress.stage("levels of the draws");
-    let (total, done) = (planned.len() as u64, AtomicUsize::new(0));
-    let (mut draws, mut failures) = (Vec::with_capacity(planned.len()), Vec::new());
+    let (total, done) = ((planned.len() * designs.len()) as u64, AtomicUsize::new(0));
+    let (mut draws, mut failures) = (vec![Vec::with_capacity(planned.len()); designs.len()], Vec::new());
     let mut first = 0;
     for group in planned.chunk_by(|a, b| a.structure == b.structure) {
-        let of = |place: usize| -> Result<Chain, Error> {
+        let of = |place: usize, design: &Design| -> Result<Chain, Error> {
             let point = &group[place].candidate.point;
             let drawn = drawn(design, sampler, design, point).map_err(|reason| Error::NoDesign { reason })?;
             Chain::new(graph, &drawn, Options::default())
         };
-        // Holds the structure's stages while its draws come and go.
-        let anchor = of(0);
-        let (next, results) = (AtomicUsize::new(0), Mutex::new(vec![None; group.len()]));
+        // Hold the structures' stages while their draws come and go.
+        let anchors: Vec<_> = designs.iter().map(|design| of(0, design)).collect();
+        let count = group.len() * designs.len();
+        let (next, results) = (AtomicUsize::new(0), Mutex::new(vec![None; count]));
         let work = || loop {
-            let place = next.fetch_add(1, Ordering::Relaxed);
-            if place >= group.len() {
+            let job = next.fetch_add(1, Ordering::Relaxed);
+            if job >= count {
                 return;
             }
-            let levels = of(place).and_then(|chain| {
+            let levels = of(job / designs.len(), &designs[job % designs.len()]).and_then(|chain| {
                 chain.check_bodies()?;
                 chain.levels.get()
             });
@@ -224,30 +236,40 @@ fn levels(
                 .map(|levels| Levels::clone(&levels))
                 .map_err(|error| error.to_string());
             if let Ok(mut results) = results.lock() {
-                results[place] = Some(levels);
+                results[job] = Some(levels);
             }
             progress.done(done.fetch_add(1, Ordering::Relaxed) as u64 + 1, total);
         };
         std::thread::scope(|scope| {
-            let workers = rayon::current_num_threads().min(group.len());
+            let workers = rayon::current_num_threads().min(count);
             (1..workers).for_each(|_| drop(scope.spawn(work)));
             work();
         });
-        drop(anchor);
+        drop(anchors);
         let results = results.into_inner().unwrap_or_default();
-        for (place, (planned, levels)) in group.iter().zip(results).enumerate() {
-            match (levels, &planned.candidate.fate) {
-                (Some(Ok(levels)), Fate::Shot(shot)) => draws.push(Draw {
+        for (place, (planned, results)) in group.iter().zip(results.chunks(designs.len())).enumerate() {
+            let candidate = &planned.candidate;
+            let draw = |(result, fate): (&Option<Result<Levels, String>>, &Fate)| match (result, fate) {
+                (Some(Ok(levels)), Fate::Shot(shot)) => Ok(Draw {
                     structure: planned.structure,
-                    candidate: planned.candidate.index,
-                    method_db: method_errors(sampler.variables(), &planned.candidate.point, &levels),
-                    drawn: planned.candidate.point.drawn.clone(),
-                    shares: planned.candidate.point.shares.clone(),
+                    candidate: candidate.index,
+                    method_db: method_errors(sampler.variables(), &candidate.point, levels),
+                    drawn: candidate.point.drawn.clone(),
+                    shares: candidate.point.shares.clone(),
                     shot: shot.clone(),
-                    levels,
+                    levels: levels.clone(),
                 }),
-                (Some(Err(message)), _) => failures.push((first + place, message)),
-                _ => failures.push((first + place, "its computation ended".to_owned())),
+                (Some(Err(message)), _) => Err(message.clone()),
+                _ => Err("its computation ended".to_owned()),
+            };
+            match results
+                .iter()
+                .zip(&candidate.fates)
+                .map(draw)
+                .collect::<Result<Vec<Draw>, String>>()
+            {
+                Ok(own) => draws.iter_mut().zip(own).for_each(|(draws, own)| draws.push(own)),
+                Err(message) => failures.push((first + place, message)),
             }
         }
         first += group.len();

@@ -18,7 +18,7 @@ use crate::stages::levels::Levels;
 pub const SCHEMA: &str = "nailnoise-study/1";
 
 /// Name of the sum of all sources.
-const TOTAL: &str = "total";
+pub(super) const TOTAL: &str = "total";
 
 /// Share of a distribution at which a value stands at its end.
 const AT_THE_END: f64 = 0.02;
@@ -88,6 +88,8 @@ pub struct LevelStudy {
     pub nominal_db: Option<f64>,
     /// Share of the draws below the level of the design itself.
     pub below_nominal: Option<f64>,
+    /// Lowest and highest of the draws; null for silence.
+    pub extremes_db: [Option<f64>; 2],
     /// P5, P50 and P95 of the draws.
     pub level_db: Quantiles,
 }
@@ -222,6 +224,11 @@ impl StudyResult {
             nominal_db,
             below_nominal: nominal_db.map(|nominal| {
                 levels.iter().filter(|level| **level < nominal).count() as f64 / levels.len().max(1) as f64
+            }),
+            extremes_db: [f64::INFINITY, f64::NEG_INFINITY].map(|start| {
+                let further = if start > 0.0 { f64::min } else { f64::max };
+                let end = levels.iter().copied().fold(start, further);
+                end.is_finite().then_some(end)
             }),
             level_db: bootstrap.quantiles(levels),
         };
@@ -673,4 +680,25 @@ fn notes(design: &Design, request: &Request, made: &Draws, variables: &[Variable
         ));
     }
     notes
+}
+
+/// What a variable is in each draw, as a number; NaN where it is held.
+pub fn column(made: &Draws, variable: &str) -> Vec<f64> {
+    let place = made.variables.iter().position(|own| own.name == variable);
+    let value = |draw: &Draw| number(place.and_then(|place| draw.drawn[place].as_ref())).unwrap_or(f64::NAN);
+    made.draws.iter().map(value).collect()
+}
+
+/// The levels of an output in each draw \[dB\]: of a source, of the total, or a difference `A less B`.
+pub fn levels_of(made: &Draws, output: &str) -> Vec<f64> {
+    let table = LevelTable::new(&made.draws);
+    let level = |levels: &[f64], name: &str| {
+        let place = table.names.iter().position(|own| own == name);
+        place.map_or_else(|| energy_sum(levels.iter().copied()), |place| levels[place])
+    };
+    let of = |levels: &Vec<f64>| match output.split_once(" less ") {
+        Some((a, b)) => level(levels, a) - level(levels, b),
+        None => level(levels, output),
+    };
+    table.levels.iter().map(of).collect()
 }

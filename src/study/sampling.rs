@@ -64,8 +64,8 @@ pub struct Point {
 /// Which variables are drawn, around which values, and which of many independent sequences is used.
 #[derive(Clone, Copy)]
 pub struct Frame<'a> {
-    /// Values of all that is held.
-    pub base: &'a Values,
+    /// Values of all that is held, for each of several designs that are drawn in common.
+    pub bases: &'a [Values],
     /// Whether each variable is drawn.
     pub active: &'a [bool],
     /// Number of the sequence.
@@ -120,7 +120,11 @@ impl Sampler {
             let mut attempts = 0..MOST_ATTEMPTS;
             let goes_together = attempts.any(|attempt| {
                 self.draw(component, &members, (frame.stream, index, attempt), &mut point);
-                let together = !component.conflicts || self.goes_together(frame.base, &members, &point);
+                let together = !component.conflicts
+                    || frame
+                        .bases
+                        .iter()
+                        .all(|base| self.goes_together(base, &members, &point));
                 if !together {
                     *rejections.entry(self.names(&component.members).join(", ")).or_default() += 1;
                 }
@@ -328,8 +332,9 @@ mod tests {
     fn points(design: &Design, keys: &[&str], seed: u64) -> (Vec<Point>, Rejections) {
         let sampler = Sampler::new(design, of(design, keys), seed);
         let (active, mut rejections) = (vec![true; keys.len()], Rejections::new());
+        let bases = [Values::clone(design)];
         let frame = Frame {
-            base: design,
+            bases: &bases,
             active: &active,
             stream: 0,
         };

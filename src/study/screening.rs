@@ -20,15 +20,15 @@ const MOST_IN_VAIN: u64 = 4096;
 /// Interval of the samples, which no outcome needs \[s\].
 const SAMPLES: f64 = 1e-3;
 
-/// A candidate whose shot was computed.
+/// A candidate whose shots were computed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidate {
     /// Its number in the sequence.
     pub index: u64,
     /// What is drawn.
     pub point: Point,
-    /// What became of it.
-    pub fate: Fate,
+    /// What became of its shot in each design.
+    pub fates: Vec<Fate>,
 }
 
 /// What became of all candidates.
@@ -84,23 +84,51 @@ pub(crate) fn drawn(design: &Design, sampler: &Sampler, base: &Values, point: &P
     }
 }
 
-/// Draws candidates until `want` of them are accepted, in the order of the sequence. Fewer come back where [`MOST`] candidates
-/// for each were not enough.
+/// A candidate's point and the cycle of each design, or why it is no design.
+pub(super) fn cycles_of(
+    (designs, sampler): (&[Design], &Sampler),
+    frame: Frame<'_>,
+    index: u64,
+    rejections: &mut Rejections,
+) -> Result<(Point, Vec<Cycle>), String> {
+    let point = sampler.point(frame, index, rejections);
+    let point = point.ok_or_else(|| "no values of a group go together".to_owned())?;
+    let cycle = |(design, base): (&Design, &Values)| {
+        let design = drawn(design, sampler, base, &point)?;
+        let settings = nailnoise_dynamics::Settings {
+            sample_interval: SAMPLES,
+            ..cycle_settings(&design)
+        };
+        let parameters = parameters(&design).map_err(|error| error.to_string())?;
+        Ok(Cycle { parameters, settings })
+    };
+    let cycles = designs
+        .iter()
+        .zip(frame.bases)
+        .map(cycle)
+        .collect::<Result<_, String>>()?;
+    Ok((point, cycles))
+}
+
+/// The name under which the outcomes of a candidate are counted: one name, or those of the designs.
+fn name(fates: &[Fate]) -> String {
+    let mut names: Vec<&str> = fates.iter().map(Fate::name).collect();
+    names.dedup();
+    names.join(" / ")
+}
+
+/// Draws candidates until `want` of them are accepted in all of the designs, in the order of the sequence. Fewer come back where
+/// [`MOST`] candidates for each were not enough.
 ///
 /// # Errors
 /// [`Error::NothingDrawn`] where no candidate is accepted.
 pub fn screen(
     graph: &Graph,
-    (design, sampler): (&Design, &Sampler),
+    (designs, sampler): (&[Design], &Sampler),
     frame: Frame<'_>,
     want: usize,
-    accept: impl Fn(&Fate) -> bool,
     found: impl Fn(usize),
 ) -> Result<(Vec<Candidate>, Tally), Error> {
-    let settings = nailnoise_dynamics::Settings {
-        sample_interval: SAMPLES,
-        ..cycle_settings(design)
-    };
     let (mut accepted, mut tally) = (Vec::new(), Tally::default());
     while accepted.len() < want && tally.candidates < MOST.saturating_mul(want as u64) {
         if accepted.is_empty() && tally.candidates >= MOST_IN_VAIN {
@@ -109,25 +137,19 @@ pub fn screen(
         let first = tally.candidates;
         let candidate = |index: u64| {
             let mut rejections = Rejections::new();
-            let point = sampler.point(frame, index, &mut rejections);
-            let point = point.ok_or_else(|| "no values of a group go together".to_owned());
-            let cycle = point.and_then(|point| {
-                let design = drawn(design, sampler, frame.base, &point)?;
-                let parameters = parameters(&design).map_err(|error| error.to_string())?;
-                let settings = settings.clone();
-                Ok((point, Cycle { parameters, settings }))
-            });
-            (cycle, rejections)
+            let cycles = cycles_of((designs, sampler), frame, index, &mut rejections);
+            (cycles, rejections)
         };
         let block: Vec<_> = (first..first + BLOCK).into_par_iter().map(candidate).collect();
         let cycles = block
             .iter()
-            .filter_map(|(cycle, _)| Some(cycle.as_ref().ok()?.1.clone()));
+            .filter_map(|(cycles, _)| Some(cycles.as_ref().ok()?.1.clone()));
         let outcomes = Outcomes {
-            cycles: cycles.collect(),
+            cycles: cycles.flatten().collect(),
         };
-        let mut fates = graph.get(outcomes)?.iter().cloned().collect::<Vec<_>>().into_iter();
-        for (index, (cycle, rejections)) in (first..).zip(block) {
+        let fates = graph.get(outcomes)?;
+        let mut fates = fates.chunks(designs.len());
+        for (index, (cycles, rejections)) in (first..).zip(block) {
             if accepted.len() == want {
                 break;
             }
@@ -135,22 +157,29 @@ pub fn screen(
             for (keys, count) in rejections {
                 *tally.rejections.entry(keys).or_default() += count;
             }
-            let outcome = cycle.and_then(|(point, _)| match fates.next() {
-                Some(Fate::Refused(reason)) => Err(reason),
-                Some(fate) => Ok((point, fate)),
-                None => Err("no outcome".to_owned()),
-            });
-            match outcome {
-                Err(reason) => *tally.refused.entry(reason).or_default() += 1,
-                Ok((point, fate)) => {
-                    *tally.outcomes.entry(fate.name().to_owned()).or_default() += 1;
-                    if let Fate::SolverFailure(message) = &fate {
-                        tally.failures.push((index, message.clone()));
-                    }
-                    if accept(&fate) {
-                        accepted.push(Candidate { index, point, fate });
-                    }
+            let (point, fates) = match cycles {
+                Ok((point, _)) => (point, fates.next().unwrap_or_default().to_vec()),
+                Err(reason) => {
+                    *tally.refused.entry(reason).or_default() += 1;
+                    continue;
                 }
+            };
+            let refused = fates.iter().find_map(|fate| match fate {
+                Fate::Refused(reason) => Some(reason.clone()),
+                _ => None,
+            });
+            if let Some(reason) = refused {
+                *tally.refused.entry(reason).or_default() += 1;
+                continue;
+            }
+            *tally.outcomes.entry(name(&fates)).or_default() += 1;
+            let messages = fates.iter().filter_map(|fate| match fate {
+                Fate::SolverFailure(message) => Some((index, message.clone())),
+                _ => None,
+            });
+            tally.failures.extend(messages);
+            if fates.iter().zip(designs).all(|(fate, design)| counts(design, fate)) {
+                accepted.push(Candidate { index, point, fates });
             }
         }
         found(accepted.len());
@@ -166,8 +195,17 @@ pub fn screen(
             candidates: tally.candidates,
             outcomes: named(&tally.outcomes),
             refused: named(&tally.refused),
-            require: design.study().require.join(", "),
+            require: designs[0].study().require.join(", "),
         });
     }
     Ok((accepted, tally))
+}
+
+/// Whether a study of a design counts a shot.
+fn counts(design: &Design, fate: &Fate) -> bool {
+    let require = &design.study().require;
+    match fate {
+        Fate::Shot(shot) => require.is_empty() || require.contains(&shot.outcome.as_str()),
+        Fate::DryFire | Fate::SolverFailure(_) | Fate::Refused(_) => false,
+    }
 }

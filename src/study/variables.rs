@@ -1,11 +1,13 @@
 //! What a study draws: keys with a range, alternatives, errors of methods.
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::parameters::Parameter;
 use crate::chain::{Chain, Options};
-use crate::design::{Alternative, Design, Provenance, SOURCES, Value};
+use crate::design::{Alternative, Design, Entry, Provenance, SOURCES, Value};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::Digest;
@@ -208,4 +210,50 @@ pub fn variables(design: &Design) -> Result<Vec<Variable>, Error> {
         kind: Kind::Method(settings.model.get(source).copied()),
     }));
     Ok(variables)
+}
+
+/// The variables of designs that are drawn in common: those of all of them, but for keys whose values the designs decide
+/// differently, which each holds at its own.
+///
+/// # Errors
+/// As [`variables`].
+pub fn common(designs: &[&Design]) -> Result<Vec<Variable>, Error> {
+    let Some((first, others)) = designs.split_first() else {
+        return Ok(Vec::new());
+    };
+    let mut joint = variables(first)?;
+    for other in others {
+        for variable in variables(other)? {
+            match joint.iter_mut().find(|own| own.name == variable.name) {
+                Some(own) if variable.scope == Scope::Structure => own.scope = Scope::Structure,
+                Some(_) => {}
+                None => joint.push(variable),
+            }
+        }
+    }
+    let decided = decided(designs);
+    joint.retain(|variable| !decided.contains(&variable.name));
+    Ok(joint)
+}
+
+/// Keys whose values differ between designs, in the order of the reference.
+pub fn decided(designs: &[&Design]) -> Vec<String> {
+    let Some((first, others)) = designs.split_first() else {
+        return Vec::new();
+    };
+    let values = |design: &Design| -> BTreeMap<String, Value> {
+        design
+            .entries()
+            .into_iter()
+            .map(|entry| (entry.key, entry.value))
+            .collect()
+    };
+    let others: Vec<_> = others.iter().map(|other| values(other)).collect();
+    let differs = |entry: &Entry| others.iter().any(|other| other.get(&entry.key) != Some(&entry.value));
+    first
+        .entries()
+        .into_iter()
+        .filter(differs)
+        .map(|entry| entry.key)
+        .collect()
 }
