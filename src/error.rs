@@ -70,6 +70,13 @@ pub enum Error {
         /// The result.
         path: PathBuf,
     },
+    /// A sweep of too many points.
+    #[error("the grid of the sweep has more than {most} points")]
+    #[diagnostic(help("give fewer values, or sweep the keys one after the other"))]
+    SweptTooMuch {
+        /// Points of a grid at most.
+        most: usize,
+    },
     /// Values of a draw do not go together.
     #[error("the values drawn are no design: {reason}")]
     NoDesign {

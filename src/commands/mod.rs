@@ -23,6 +23,7 @@ mod run;
 mod schema;
 mod sensitivity;
 mod study;
+mod sweep;
 mod table;
 
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -64,6 +65,8 @@ enum Command {
     Compare(compare::Arguments),
     /// Draw designs from the ranges: intervals of the levels, probability of each order, and the inputs that decide
     Study(study::Arguments),
+    /// Compute the levels over a grid of values
+    Sweep(sweep::Arguments),
     /// Compute one nailing cycle: pressures, motions, forces and events; with --json, files are written only with --out or
     /// --figures
     Cycle(cycle::Arguments),
@@ -214,6 +217,7 @@ fn execute(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Run(arguments) => run::execute(arguments),
         Command::Compare(arguments) => compare::execute(arguments),
         Command::Study(arguments) => study::execute(arguments),
+        Command::Sweep(arguments) => sweep::execute(arguments),
         Command::Cycle(arguments) => cycle::execute(arguments),
         Command::Modes(arguments) => modes::execute(arguments),
         Command::Mesh(arguments) => mesh::execute(arguments),

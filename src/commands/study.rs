@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 use std::process::ExitCode;
+use std::str::FromStr;
 use std::sync::Arc;
 
 use clap::Args;
@@ -41,9 +42,59 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "8")]
     #[arg(value_parser = clap::value_parser!(u16).range(1..))]
     structures: Option<u16>,
+    /// Begin with 32 draws and double them until half of the 90 % interval is below a limit, with N draws at most: order=0.05 for
+    /// the probability of being first, p50=0.3 for the median of the total in dB, or both
+    #[arg(long, value_name = "WHAT=LIMIT", value_delimiter = ',', conflicts_with = "no_cache")]
+    until: Vec<Until>,
     /// Draw the charts of the page as SVG
     #[arg(long)]
     figures: bool,
+}
+
+/// Draws at first, where a limit says how many there are at last.
+const AT_FIRST: usize = 32;
+
+/// A limit for half of an interval.
+#[derive(Debug, Clone, Copy)]
+enum Until {
+    /// Of the probability of being first, for each source.
+    Order(f64),
+    /// Of the median of the total \[dB\].
+    Median(f64),
+}
+
+impl FromStr for Until {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let known = "give order=0.05 or p50=0.3";
+        let (what, limit) = text.split_once('=').ok_or(known)?;
+        let limit = limit
+            .trim()
+            .parse()
+            .ok()
+            .filter(|limit: &f64| *limit > 0.0 && limit.is_finite());
+        let limit = limit.ok_or_else(|| format!("the limit of `{what}` is no number above 0"))?;
+        match what.trim() {
+            "order" => Ok(Self::Order(limit)),
+            "p50" => Ok(Self::Median(limit)),
+            other => Err(format!("there is no limit of `{other}`: {known}")),
+        }
+    }
+}
+
+impl Until {
+    /// Whether a study is within the limit.
+    fn is_met(self, result: &StudyResult) -> bool {
+        let within = |estimate: &Estimate, limit: f64| match estimate.interval {
+            [Some(low), Some(high)] => 0.5 * (high - low) <= limit,
+            _ => false,
+        };
+        match self {
+            Self::Order(limit) => result.sources.iter().all(|source| within(&source.first, limit)),
+            Self::Median(limit) => within(&result.total.level_db.p50, limit),
+        }
+    }
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
@@ -53,13 +104,29 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let folder = common.out(&design)?.join("study");
     cost::refuse(&design, &cost::of_run(&design)?, common.memory.limit())?;
     let progress = progress();
-    let request = Request {
-        draws: arguments.draws as usize,
+    let most = arguments.draws as usize;
+    let mut request = Request {
+        draws: if arguments.until.is_empty() {
+            most
+        } else {
+            most.min(AT_FIRST)
+        },
         seed: arguments.seed,
         shots_a_structure: arguments.structures.map(usize::from),
     };
     let store = arguments.keeping.cache()?;
-    let (result, made) = made(&store, &design, &request, &progress)?;
+    let (result, made) = loop {
+        let (result, made) = made(&store, &design, &request, &progress)?;
+        // Where candidates run out, more are of no use.
+        if request.draws >= most
+            || result.draws < request.draws
+            || arguments.until.iter().all(|own| own.is_met(&result))
+        {
+            break (result, made);
+        }
+        request.draws = most.min(2 * request.draws);
+    };
+    let within = arguments.until.iter().all(|own| own.is_met(&result));
     let json = serde_json::to_string_pretty(&result).map_err(Error::Json)? + "\n";
     progress.stage("writing files");
     let staging = Staging::within(&folder)?;
@@ -94,8 +161,10 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     }
     Ok(if result.candidates.failures > 0 {
         ExitCode::from(3)
-    } else {
+    } else if within {
         ExitCode::SUCCESS
+    } else {
+        ExitCode::from(1)
     })
 }
 

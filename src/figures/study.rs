@@ -3,7 +3,10 @@
 use super::BLACK;
 use super::chart::{Axis, Chart, Panel, Series, Shape};
 use super::levels::{SHOWN, in_palette};
-use crate::study::{Contributions, Draws, Estimate, LabelledStudy, Quantiles, StudyResult, column, levels_of};
+use crate::study::{
+    Axis as SweepAxis, Contributions, Draws, Estimate, LabelledStudy, Quantiles, StudyResult, SweptPoint, column,
+    levels_of,
+};
 
 /// Inputs of each output that are drawn as scatter.
 const SCATTERED: usize = 2;
@@ -230,4 +233,56 @@ pub fn deciding(result: &StudyResult, made: &Draws) -> Vec<Chart> {
         events: Vec::new(),
     });
     charts.filter(|chart| !chart.panels.is_empty()).collect()
+}
+
+/// Levels over the values of the first axis of a sweep, a line for each source and, where there are more axes, for each of their
+/// values; of these, the total alone.
+pub fn sweep(design: &str, axes: &[SweepAxis], points: &[SweptPoint]) -> Chart {
+    let names: Vec<String> = axes.first().map_or_else(Vec::new, |axis| axis.values.clone());
+    let place = |point: &SweptPoint| names.iter().position(|name| point.values.first() == Some(name));
+    let line = |name: &str, colour: usize, of: &dyn Fn(&SweptPoint) -> Option<f64>, others: Option<&[String]>| {
+        let mut levels = vec![None; names.len()];
+        for point in points
+            .iter()
+            .filter(|point| others.is_none_or(|others| point.values[1..] == *others))
+        {
+            if let Some(place) = place(point) {
+                levels[place] = of(point);
+            }
+        }
+        Series::over(name, colour, Shape::Steps, levels)
+    };
+    let series: Vec<Series> = if axes.len() == 1 {
+        let sources = points.iter().find_map(|point| point.levels.as_ref());
+        let sources = sources
+            .into_iter()
+            .flat_map(|levels| levels.sources.iter().map(|own| own.source.clone()));
+        let own = sources.enumerate().map(|(index, name)| {
+            let level = |point: &SweptPoint| point.levels.as_ref()?.sources.get(index)?.lwa_db;
+            line(&name, in_palette(&name, index), &level, None)
+        });
+        own.chain([line("total", BLACK, &|point| point.total_db, None)])
+            .collect()
+    } else {
+        let mut others: Vec<&[String]> = points.iter().map(|point| &point.values[1..]).collect();
+        others.sort();
+        others.dedup();
+        let total = |point: &SweptPoint| point.total_db;
+        let own = others.iter().enumerate();
+        own.map(|(index, others)| line(&others.join(", "), index % BLACK, &total, Some(others)))
+            .collect()
+    };
+    Chart {
+        name: "sweep".to_owned(),
+        title: "Sweep",
+        subject: design.to_owned(),
+        caption: "A-weighted single-event sound power levels over the values, dB re 1 pW s.".to_owned(),
+        panels: vec![Panel {
+            x: Axis::categories(axes.first().map_or("", |axis| axis.key.as_str()), "", names.clone()),
+            y: Axis::levels("L_{WA,1s}", "dB", 30.0, &series),
+            height: 80,
+            series,
+        }],
+        events: Vec::new(),
+    }
 }

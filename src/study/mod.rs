@@ -14,6 +14,7 @@ mod sampling;
 mod screening;
 mod shots;
 mod statistics;
+mod sweep;
 mod table;
 mod variables;
 
@@ -29,6 +30,7 @@ pub use sampling::{Frame, Point, Rejections, Sampler};
 pub use screening::{Candidate, Tally, screen};
 pub use shots::{DrawnShot, Shots, shots};
 pub use statistics::{Estimate, Quantiles};
+pub use sweep::{Axis, SweptPoint, sweep};
 pub use table::csv;
 pub use variables::{Drawn, Kind, Scope, Variable, common, decided, variables};
 

@@ -147,7 +147,7 @@ fn what_cannot_be_drawn_is_refused_with_a_remedy() {
         "distributed",
         "piston.mass = { value = \"0.2 kg\", distribution = \"triangular\" }",
         &[],
-        &["triangular", "outside its range"],
+        &["triangular", "the mode"],
     );
     refused(
         "word",
