@@ -70,6 +70,13 @@ pub enum Error {
         /// The result.
         path: PathBuf,
     },
+    /// What a sweep is to vary cannot be a value of a design.
+    #[error("the sweep cannot vary this: {error}")]
+    #[diagnostic(help("give a key of the design and its values, as in supply.pressure=80psig..110psig:7"))]
+    NoAxis {
+        /// What is wrong.
+        error: crate::design::AssignmentError,
+    },
     /// A sweep of too many points.
     #[error("the grid of the sweep has more than {most} points")]
     #[diagnostic(help("give fewer values, or sweep the keys one after the other"))]
@@ -315,6 +322,13 @@ pub enum Error {
     #[error("a design has several bodies")]
     #[diagnostic(help("choose one: --body workpiece, --body worktable or --body tool"))]
     NoBody,
+    /// Keys belong to designs.
+    #[error("`{}` is no design, so that it has no key to set", path.display())]
+    #[diagnostic(help("leave --set out, or name a design file (.toml)"))]
+    NothingToSet {
+        /// The file given.
+        path: PathBuf,
+    },
     /// A geometry without a design has no frequency.
     #[error("a geometry alone does not tell how fine its mesh must be")]
     #[diagnostic(help(

@@ -9,11 +9,11 @@ use serde::Serialize;
 
 use super::table::{decibels, table};
 use super::{
-    Keeping, Memory, comparison_page, folder_of, load, message, print, print_json, progress, start_threads, status_of,
+    Changes, Keeping, Memory, comparison_page, folder_of, message, print, print_json, progress, start_threads,
+    status_of,
 };
 use crate::bundle::deliver;
 use crate::comparison::{Comparison, Finished, Labelled, Levels, Limit};
-use crate::cost::MemoryLimit;
 use crate::design::Design;
 use crate::error::Error;
 use crate::graph::Graph;
@@ -43,6 +43,8 @@ pub(super) struct Arguments {
     keeping: Keeping,
     #[command(flatten)]
     memory: Memory,
+    #[command(flatten)]
+    changes: Changes,
     /// Show the levels of every one-third-octave band
     #[arg(long)]
     bands: bool,
@@ -64,12 +66,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     start_threads(arguments.threads)?;
     let progress = progress();
     let cache = arguments.keeping.cache()?;
-    let memory = arguments.memory.limit();
     let (mut results, mut checks): (Vec<Finished>, Vec<Check>) = (Vec::new(), Vec::new());
     for path in &arguments.designs {
         let mut result = match Finished::is_at(path) {
             Some(file) => Finished::read(&file)?,
-            None => finish(path, &results, &arguments.out, &cache, memory, &progress, &mut checks)?,
+            None => finish(path, &results, arguments, &cache, &progress, &mut checks)?,
         };
         let name = free_name(result.name(), &results);
         result.rename(name);
@@ -183,17 +184,24 @@ fn changes(paired: &PairedStudy) -> String {
 fn finish(
     path: &Path,
     before: &[Finished],
-    out: &Path,
+    arguments: &Arguments,
     cache: &Store,
-    memory: MemoryLimit,
     progress: &Progress,
     checks: &mut Vec<Check>,
 ) -> Result<Finished, Error> {
-    let design = load(path)?;
+    let design = arguments.changes.load(path)?;
     progress.note(&format!("design {}", design.name()));
     let name = free_name(design.name(), before);
-    let folder = folder_of(out, &name, design.path())?;
-    let (bundle, _) = deliver(&design, &folder, false, super::run::words, cache, memory, progress)?;
+    let folder = folder_of(&arguments.out, &name, design.path())?;
+    let (bundle, _) = deliver(
+        &design,
+        &folder,
+        false,
+        super::run::words,
+        cache,
+        arguments.memory.limit(),
+        progress,
+    )?;
     checks.extend(bundle.checks.into_iter().map(|check| check.of(&name)));
     Finished::parse(&folder, &bundle.json)
 }

@@ -33,7 +33,7 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 
 use crate::cost::MemoryLimit;
-use crate::design::Design;
+use crate::design::{Assignment, Design};
 use crate::error::Error;
 use crate::result::Check;
 use crate::staging::is_file_name;
@@ -102,12 +102,14 @@ struct Common {
     threads: Option<u16>,
     #[command(flatten)]
     memory: Memory,
+    #[command(flatten)]
+    changes: Changes,
 }
 
 impl Common {
     /// Reads the design and prints its warnings.
     fn load(&self) -> Result<Design, Error> {
-        load(&self.design)
+        self.changes.load(&self.design)
     }
 
     /// The folder for the output files of this design.
@@ -167,13 +169,23 @@ impl Keeping {
     }
 }
 
-/// Reads a design and prints its warnings.
-fn load(path: &Path) -> Result<Design, Error> {
-    let design = Design::load(path)?;
-    for warning in design.warnings() {
-        report(warning.clone());
+/// Values over those of a design file.
+#[derive(Args)]
+struct Changes {
+    /// Another value for a key of the design, as supply.pressure=80psig; may be repeated, the last one for a key counts
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<Assignment>,
+}
+
+impl Changes {
+    /// Reads a design with these values and prints its warnings.
+    fn load(&self, path: &Path) -> Result<Design, Error> {
+        let design = Design::load_with(path, &self.set)?;
+        for warning in design.warnings() {
+            report(warning.clone());
+        }
+        Ok(design)
     }
-    Ok(design)
 }
 
 /// Sets the size of the thread pool of the whole process; all cores without a number.

@@ -12,6 +12,7 @@
 //! not go together, and derived quantities that disagree with their primary ones. Each error names file, line, key and
 //! remedy ([`DesignError`]).
 
+mod assignment;
 mod checks;
 mod derived;
 mod distribution;
@@ -41,6 +42,7 @@ use std::path::{Path, PathBuf};
 use nailnoise_quantities::Group;
 use sha2::{Digest as _, Sha256};
 
+pub use assignment::{Assignment, AssignmentError};
 pub use checks::Conflict;
 pub use derived::{AGREEMENT, DERIVED, Derived};
 pub use distribution::Distribution;
@@ -110,8 +112,16 @@ impl Design {
     /// # Errors
     /// A [`DesignError`] for the first thing that is wrong, with its place and remedy.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, DesignError> {
+        Self::load_with(path, &[])
+    }
+
+    /// Reads a design file and those it inherits from, with other values for some keys; the last one for a key counts.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load). A wrong assignment is shown as line 1 of a file with the name `--set`.
+    pub fn load_with(path: impl AsRef<Path>, assignments: &[Assignment]) -> Result<Self, DesignError> {
         let path = path.as_ref();
-        Self::resolve(path, File::read(path, None)?)
+        Self::resolve(path, File::read(path, None)?, assignments)
     }
 
     /// Reads a design from text, as if it stood in the file `path`, to whose folder a `base` is relative.
@@ -120,16 +130,18 @@ impl Design {
     /// As [`load`](Self::load).
     pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, DesignError> {
         let path = path.as_ref();
-        Self::resolve(path, File::new(path, text))
+        Self::resolve(path, File::new(path, text), &[])
     }
 
-    fn resolve(path: &Path, file: File) -> Result<Self, DesignError> {
+    fn resolve(path: &Path, file: File, assignments: &[Assignment]) -> Result<Self, DesignError> {
+        let over = assignments.iter().rev().map(Assignment::file);
+        let chain: Vec<File> = over.chain(file.chain()?).collect();
         let Resolved {
             values,
             records,
             study,
             warnings,
-        } = resolve::resolve(&file.chain()?)?;
+        } = resolve::resolve(&chain)?;
         let name = path
             .file_stem()
             .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());

@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::statistics::energy_sum;
 use super::variables::without_sensors;
 use crate::chain::{Chain, Options};
-use crate::design::{Design, DesignError};
+use crate::design::{Assignment, AssignmentError, Design, DesignError};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::Progress;
@@ -119,32 +119,24 @@ fn grid(axes: &[Axis]) -> Vec<Vec<String>> {
     })
 }
 
-/// A value as TOML: a number or a switch as it is, all else in quotes.
-fn toml(value: &str) -> String {
-    if value.parse::<f64>().is_ok_and(f64::is_finite) || ["true", "false"].contains(&value) {
-        value.to_owned()
-    } else {
-        format!("{value:?}")
-    }
+/// What gives the values of a point.
+fn assignments(axes: &[Axis], values: &[String]) -> Result<Vec<Assignment>, AssignmentError> {
+    let pairs = axes.iter().zip(values);
+    pairs
+        .map(|(axis, value)| format!("{}={value}", axis.key).parse())
+        .collect()
 }
 
-/// The design in the file `path` with the values of a point.
-fn at(path: &Path, axes: &[Axis], values: &[String]) -> Result<Design, DesignError> {
-    let name = path
-        .file_name()
-        .map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    let mut text = format!("base = {name:?}\n");
-    for (axis, value) in axes.iter().zip(values) {
-        text += &format!("{} = {}\n", axis.key, toml(value));
-    }
-    Design::parse(&text, path.with_file_name("sweep.toml"))
-}
-
-/// Levels of a design over a grid of values; points whose values do not go together are refused, with their conflict.
+/// Levels of the design in a file, with changes that all points share, over a grid of values; points whose values do not go together are refused, with their conflict.
 ///
 /// # Errors
 /// A key or value that no design can have; a grid of too many points.
-pub fn sweep(graph: &Graph, path: &Path, axes: &[Axis], progress: &Progress) -> Result<Vec<SweptPoint>, Error> {
+pub fn sweep(
+    graph: &Graph,
+    (path, changes): (&Path, &[Assignment]),
+    axes: &[Axis],
+    progress: &Progress,
+) -> Result<Vec<SweptPoint>, Error> {
     let count = axes
         .iter()
         .map(|axis| axis.values.len())
@@ -155,7 +147,8 @@ pub fn sweep(graph: &Graph, path: &Path, axes: &[Axis], progress: &Progress) -> 
     let points = grid(axes);
     let mut designs = Vec::with_capacity(points.len());
     for values in &points {
-        designs.push(match at(path, axes, values) {
+        let own = assignments(axes, values).map_err(|error| Error::NoAxis { error })?;
+        designs.push(match Design::load_with(path, &[changes, &own].concat()) {
             Ok(design) => Ok(without_sensors(&design)),
             Err(DesignError::Conflict { conflict, .. }) => Err(conflict.to_string()),
             Err(error) => return Err(error.into()),

@@ -366,6 +366,10 @@ fn a_program_may_change_values_and_check_them() {
 const CONFLICTS: &[(&str, &str)] = &[
     ("nail.head_thickness = \"83 mm\"", "nail.head_thickness"),
     ("nail.diameter = \"8 mm\"", "nail.diameter"),
+    (
+        "exhaust = { fitting.kind = \"pipe\", muffler.kind = \"chamber\" }",
+        "exhaust.fitting.kind",
+    ),
     ("piston.rod_protrusion = \"40 mm\"", "piston.rod_protrusion"),
     ("head_valve.seat_diameter = \"50 mm\"", "head_valve.seat_diameter"),
     ("head_valve.outer_diameter = \"63 mm\"", "head_valve.outer_diameter"),
