@@ -76,7 +76,7 @@ pub(super) fn explained(study: &StudyResult) -> String {
     };
     let condition = match study.require.as_slice() {
         [] => String::new(),
-        outcomes => format!(", of shots that {}", outcomes.join(" or ").replace('_', " ")),
+        outcomes => format!(", outcome {}", outcomes.join(" or ").replace('_', " ")),
     };
     let mut text = String::from("\n  ");
     // Writing to a string cannot fail.

@@ -69,7 +69,7 @@ fn whiskers(name: &str, colour: usize, rows: &[(usize, &Quantiles)]) -> Series {
     }
 }
 
-/// An axis of levels that shows the upper ends of all bars.
+/// An axis of levels that shows the upper ends of all bars, and at most so many dB below the highest.
 fn axis_of_levels(series: &[Series], shown: f64) -> Axis {
     let upper = series.iter().flat_map(|series| match &series.shape {
         Shape::Whiskers(ends) => ends.iter().map(|[_, high]| Some(*high)).collect(),
@@ -94,7 +94,7 @@ fn sources(result: &StudyResult) -> Panel {
     let series = vec![whiskers("", BLACK, &rows)];
     Panel {
         x: Axis::categories("Source", "", names),
-        y: axis_of_levels(&series, 30.0),
+        y: axis_of_levels(&series, 45.0),
         height: 60,
         series,
     }

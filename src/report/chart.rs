@@ -149,6 +149,8 @@ fn traces(panel: &Panel, series: &Series) -> Vec<Value> {
             vec![dots]
         }
         Shape::Whiskers(ends) => {
+            // Bars of a group without a name would not lie over each other.
+            let group = format!("group {}", series.name);
             let low: Vec<f64> = ends.iter().map(|[low, _]| *low).collect();
             let heights: Vec<f64> = ends.iter().map(|[low, high]| high - low).collect();
             let middle: Vec<Value> = series.y.iter().map(|y| short(y - 0.1)).collect();
@@ -159,12 +161,12 @@ fn traces(panel: &Panel, series: &Series) -> Vec<Value> {
                 .collect();
             vec![
                 json!({
-                    "type": "bar", "name": series.name, "offsetgroup": series.name, "x": x, "base": numbers(&low),
-                    "y": numbers(&heights), "customdata": series.notes, "hovertemplate": "%{customdata}",
+                    "type": "bar", "name": series.name, "offsetgroup": group, "x": x, "base": numbers(&low),
+                    "y": numbers(&heights), "customdata": series.notes, "hovertemplate": "%{customdata}", "showlegend": !series.name.is_empty(),
                     "marker": { "color": format!("{color}80") },
                 }),
                 json!({
-                    "type": "bar", "offsetgroup": series.name, "x": x, "base": middle, "y": numbers(&thin), "hoverinfo": "skip",
+                    "type": "bar", "offsetgroup": group, "x": x, "base": middle, "y": numbers(&thin), "hoverinfo": "skip",
                     "marker": { "color": "#222" }, "showlegend": false,
                 }),
             ]
@@ -185,7 +187,7 @@ fn traces(panel: &Panel, series: &Series) -> Vec<Value> {
             };
             let mut traces = vec![json!({
                 "type": "bar", "name": series.name, "offsetgroup": series.name, "x": x, "base": floor, "y": above(&series.y),
-                "customdata": series.notes, "hovertemplate": "%{customdata}", "marker": { "color": color },
+                "customdata": series.notes, "hovertemplate": "%{customdata}", "marker": { "color": color }, "showlegend": !series.name.is_empty(),
             })];
             if !marks.is_empty() {
                 let base: Vec<Value> = marks.iter().map(|mark| short(mark - 0.1)).collect();

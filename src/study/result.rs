@@ -619,9 +619,8 @@ fn notes(design: &Design, request: &Request, made: &Draws, variables: &[Variable
             .map(count)
             .sum();
         notes.push(format!(
-            "only shots count that {}: {:.1} % of {shots}; the ranges alone say little of the tool, and the results hold on that \
-             condition",
-            design.study().require.join(" or ").replace('_', " "),
+            "only these outcomes count: {}, {:.1} % of {shots} shots; all results hold on that condition",
+            design.study().require.join(", ").replace('_', " "),
             100.0 * counted as f64 / shots as f64
         ));
     }
@@ -666,7 +665,7 @@ fn notes(design: &Design, request: &Request, made: &Draws, variables: &[Variable
         .count();
     if failed > 0 {
         notes.push(format!(
-            "in {failed} draws a check of the cycle fails: do not rely on them"
+            "a check of the cycle fails in {failed} of the draws: do not rely on them"
         ));
     }
     let other = made
