@@ -571,13 +571,16 @@ impl Chain {
     }
 }
 
+/// A radiator, how its sound field is computed, and the key of its radiation matrix.
+type RadiationStages = (Stored<Box<dyn Radiator>>, FieldMethod, Option<Digest>);
+
 /// The workpiece with its support as a radiator, how its sound field is computed, and the key of its radiation matrix.
 fn workpiece_radiation(
     graph: &Graph,
     design: &Design,
     bodies: &[Stored<Body>],
     air: Air,
-) -> Result<(Stored<Box<dyn Radiator>>, FieldMethod, Option<Digest>), Error> {
+) -> Result<RadiationStages, Error> {
     let radiator = |method| {
         graph.add(WorkpieceRadiator {
             method,

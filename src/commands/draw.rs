@@ -118,7 +118,7 @@ fn text(name: &str, study: &Shots) -> String {
     let refused = study.refused.iter().map(|(reason, count)| (reason, *count as u64));
     let drawn_anew = study.rejections.iter().map(|(keys, count)| (keys, *count));
     let mut reasons: Vec<(&String, u64)> = refused.chain(drawn_anew).collect();
-    reasons.sort_by(|a, b| b.1.cmp(&a.1));
+    reasons.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
     let rows: Vec<Vec<String>> = reasons
         .into_iter()
         .map(|(reason, count)| vec![reason.clone(), count.to_string()])

@@ -113,7 +113,7 @@ fn grid(axes: &[Axis]) -> Vec<Vec<String>> {
             let point = point.clone();
             axis.values
                 .iter()
-                .map(move |value| [&point[..], &[value.clone()]].concat())
+                .map(move |value| [&point[..], std::slice::from_ref(value)].concat())
         };
         points.iter().flat_map(longer).collect()
     })

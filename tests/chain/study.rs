@@ -33,23 +33,14 @@ fn a_thousand_designs_have_an_outcome_and_none_fails_in_the_solver() {
         .filter(|draw| matches!(draw.fate, Fate::SolverFailure(_)))
         .collect();
     assert!(failed.is_empty(), "{failed:#?}");
-    let rare = |name: &str| -> Vec<usize> {
-        study
-            .draws
-            .iter()
-            .filter(|draw| draw.fate.name() == name)
-            .map(|draw| draw.candidate)
-            .collect()
-    };
-    insta::assert_json_snapshot!(serde_json::json!({
-        "candidates": study.candidates,
-        "refused": study.refused,
-        "rejections": study.rejections,
-        "counts": study.counts,
-        "dry_fire": rare("dry_fire"),
-        "does_not_release": rare("does_not_release"),
-        "strikes_bumper": rare("strikes_bumper"),
-    }));
+    let refused: usize = study.refused.values().sum();
+    assert_eq!(study.candidates, 1000 + refused);
+    assert_eq!(study.counts.values().sum::<usize>(), 1000);
+    // 212 of 4000 independent draws drive the nail: 5.3 +- 0.7 % of a thousand, within five standard deviations.
+    let drives = study.counts["drives"];
+    assert!((18..=88).contains(&drives), "{:?}", study.counts);
+    // Values that do not go together are drawn anew, and hardly a candidate is refused as a whole.
+    assert!(refused < 100 && !study.rejections.is_empty(), "{:?}", study.refused);
 }
 
 /// Parameters of a design drawn.
