@@ -135,7 +135,7 @@ fn draws_depend_on_the_seed_and_not_on_threads() {
         study
             .draws
             .iter()
-            .map(|d| (d.candidate, d.values.clone(), d.fate.name()))
+            .map(|d| (d.candidate, d.values.clone(), d.fate.name().to_owned()))
             .collect::<Vec<_>>()
     };
     assert_eq!(draws(7, 1), draws(7, 2));
