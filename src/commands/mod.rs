@@ -14,6 +14,7 @@ mod draw;
 mod explain;
 mod faults;
 mod init;
+mod intervals;
 mod mesh;
 mod modes;
 mod prf;
@@ -21,6 +22,8 @@ mod progress;
 mod run;
 mod schema;
 mod sensitivity;
+mod study;
+mod sweep;
 mod table;
 
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -60,6 +63,10 @@ enum Command {
     Run(run::Arguments),
     /// Compare designs or finished results: the differences and their effect on each source
     Compare(compare::Arguments),
+    /// Draw designs from the ranges: intervals of the levels, probability of each order, and the inputs that decide
+    Study(study::Arguments),
+    /// Compute the levels over a grid of values
+    Sweep(sweep::Arguments),
     /// Compute one nailing cycle: pressures, motions, forces and events; with --json, files are written only with --out or
     /// --figures
     Cycle(cycle::Arguments),
@@ -221,6 +228,8 @@ fn execute(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Init(arguments) => init::execute(arguments),
         Command::Run(arguments) => run::execute(arguments),
         Command::Compare(arguments) => compare::execute(arguments),
+        Command::Study(arguments) => study::execute(arguments),
+        Command::Sweep(arguments) => sweep::execute(arguments),
         Command::Cycle(arguments) => cycle::execute(arguments),
         Command::Modes(arguments) => modes::execute(arguments),
         Command::Mesh(arguments) => mesh::execute(arguments),

@@ -15,6 +15,7 @@
 mod assignment;
 mod checks;
 mod derived;
+mod distribution;
 mod error;
 mod groups;
 pub mod inputs;
@@ -30,6 +31,7 @@ mod settings;
 mod show;
 mod source;
 mod springs;
+mod study;
 mod suggest;
 mod surfaces;
 
@@ -43,6 +45,7 @@ use sha2::{Digest as _, Sha256};
 pub use assignment::{Assignment, AssignmentError};
 pub use checks::Conflict;
 pub use derived::{AGREEMENT, DERIVED, Derived};
+pub use distribution::Distribution;
 pub use error::{DesignError, Warning};
 pub use groups::*;
 pub use json_schema::json_schema;
@@ -53,6 +56,7 @@ pub use reference::reference;
 pub use sensors::{Carrier, Sensor, SensorProblem};
 pub use set::SetError;
 pub use springs::{Spring, Sprung};
+pub use study::{Alternative, Correlation, OUTCOMES, SOURCES, StudySettings};
 pub use surfaces::{NamedSurface, SurfaceName, SurfaceOf, SurfaceProblem};
 
 use resolve::{Record, Records, Resolved};
@@ -70,6 +74,7 @@ pub struct Design {
     path: PathBuf,
     values: Values,
     records: Records,
+    study: StudySettings,
     warnings: Vec<Warning>,
 }
 
@@ -86,6 +91,9 @@ pub struct Entry {
     pub unit: String,
     /// Range of plausible values, in SI units.
     pub range: Option<[f64; 2]>,
+    /// Distribution over the range.
+    #[serde(skip)]
+    pub distribution: Distribution,
     /// Where the value comes from.
     pub provenance: Provenance,
     /// The source in words; may be empty.
@@ -131,6 +139,7 @@ impl Design {
         let Resolved {
             values,
             records,
+            study,
             warnings,
         } = resolve::resolve(&chain)?;
         let name = path
@@ -141,6 +150,7 @@ impl Design {
             path: path.to_owned(),
             values,
             records,
+            study,
             warnings,
         })
     }
@@ -153,6 +163,11 @@ impl Design {
     /// The file, as it was asked for.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// What a study draws beside the ranges, and which shots count.
+    pub fn study(&self) -> &StudySettings {
+        &self.study
     }
 
     /// What the user should know about the design; each is a [`miette::Diagnostic`].
@@ -225,7 +240,13 @@ impl Design {
         let mut entries = Vec::new();
         self.values.visit("", &mut |key, spec, value| {
             let Some(record) = self.records.get(key) else { return };
-            let Record { range, note, place, .. } = record;
+            let Record {
+                range,
+                distribution,
+                note,
+                place,
+                ..
+            } = record;
             let changed = value != record.value;
             entries.push(Entry {
                 key: key.to_owned(),
@@ -233,6 +254,7 @@ impl Design {
                 value,
                 unit: spec.unit(),
                 range: *range,
+                distribution: *distribution,
                 provenance: if changed { Provenance::Design } else { record.provenance },
                 source: if changed { String::new() } else { record.source.clone() },
                 note: note.clone(),

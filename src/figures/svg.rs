@@ -13,7 +13,7 @@ use plotters::coord::ranged1d::{BoldPoints, KeyPointHint, NoDefaultFormatting, R
 use plotters::coord::types::RangedCoordf64;
 use plotters::data::float::pretty_print_float;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
-use plotters::element::{DashedPathElement, DynElement, IntoDynElement, PathElement, Polygon, Rectangle, Text};
+use plotters::element::{Circle, DashedPathElement, DynElement, IntoDynElement, PathElement, Polygon, Rectangle, Text};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontFamily, FontStyle, RGBColor, ShapeStyle, TextStyle, WHITE};
 
@@ -46,6 +46,8 @@ const ENTRY_GAP: i32 = 5 * MM;
 const CURVE: u32 = 7;
 const FRAME: u32 = 4;
 const HAIR: u32 = 2;
+/// Radius of a dot.
+const DOT: i32 = 9;
 
 const FONT: &str = "Helvetica, Arial, Liberation Sans, DejaVu Sans, sans-serif";
 const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
@@ -228,7 +230,7 @@ impl Panel {
         let bars = self
             .series
             .iter()
-            .filter(|series| matches!(series.shape, Shape::Bars(_)))
+            .filter(|series| matches!(series.shape, Shape::Bars(_) | Shape::Whiskers(_)))
             .count();
         for (place, series) in self.series.iter().enumerate().rev() {
             axes.draw_series(series.elements(self, [place, bars]))?;
@@ -276,6 +278,24 @@ impl Series {
                     }
                 }
             }
+            Shape::Points => {
+                let within = |&(x, y): &(f64, f64)| x.is_finite() && y.is_finite();
+                elements.extend(
+                    points()
+                        .filter(within)
+                        .map(|point| Circle::new(point, DOT, filled).into_dyn()),
+                );
+            }
+            Shape::Whiskers(ends) => {
+                let width = 0.8 / bars as f64;
+                for ((x, middle), [low, high]) in points().zip(ends).filter(|((_, y), _)| y.is_finite()) {
+                    let [from, to] = [0, 1].map(|end| x + 0.1 + width * (place + end) as f64);
+                    let pale = self.colour().mix(0.45).filled();
+                    elements.push(Rectangle::new([(from, *low), (to - 0.02, *high)], pale).into_dyn());
+                    let line = [(from, middle), (to - 0.02, middle)];
+                    elements.push(PathElement::new(line, self.colour().stroke_width(CURVE)).into_dyn());
+                }
+            }
             Shape::Band(lower) => {
                 let lower = self.x.iter().copied().zip(lower.iter().copied()).rev();
                 elements
@@ -308,7 +328,7 @@ impl Series {
     fn sample<'s>(&self, (x, y): (i32, i32)) -> DynElement<'static, Svg<'s>, (i32, i32)> {
         let ends = [(x, y), (x + SAMPLE, y)];
         match self.shape {
-            Shape::Bars(_) | Shape::Spans(_) => {
+            Shape::Bars(_) | Shape::Spans(_) | Shape::Whiskers(_) => {
                 Rectangle::new([(x, y - MM), (x + SAMPLE, y + MM)], self.colour().filled()).into_dyn()
             }
             Shape::Dashed => DashedPathElement::new(ends, 25, 20, self.colour().stroke_width(FRAME)).into_dyn(),
