@@ -68,6 +68,14 @@ pub(super) fn first(study: &StudyResult, source: &str) -> String {
     }
 }
 
+/// A share of the draws in percent, or as a count where they are few.
+fn of_draws(share: f64, draws: usize) -> String {
+    match draws {
+        PERCENTILES_FROM.. => format!("{:.0} % of the draws", 100.0 * share),
+        _ => format!("{:.0} of {draws} draws", share * draws as f64),
+    }
+}
+
 /// What the columns hold, and what not.
 pub(super) fn explained(study: &StudyResult) -> String {
     let structures = match study.structures {
@@ -96,15 +104,20 @@ pub(super) fn explained(study: &StudyResult) -> String {
     let mut orders = study.orders.iter();
     if let Some(order) = orders.next() {
         let share = order.probability.value.unwrap_or(0.0);
-        let certain = if share >= 0.95 { "" } else { "not certain: " };
+        // Eight draws out of eight leave up to 31 % for another order, at 95 % confidence.
+        let certain = if share >= 0.95 && study.draws >= PERCENTILES_FROM {
+            ""
+        } else {
+            "not certain: "
+        };
         let _ = writeln!(
             text,
-            "  ranking {certain}{} in {:.0} % of the draws{}",
+            "  ranking {certain}{} in {}{}",
             order.order.join(" > "),
-            100.0 * share,
+            of_draws(share, study.draws),
             orders.next().map_or_else(String::new, |next| {
-                let share = 100.0 * next.probability.value.unwrap_or(0.0);
-                format!(", {} in {share:.0} %", next.order.join(" > "))
+                let share = next.probability.value.unwrap_or(0.0);
+                format!(", {} in {}", next.order.join(" > "), of_draws(share, study.draws))
             })
         );
     }

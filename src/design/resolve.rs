@@ -16,7 +16,7 @@ use super::settings::{Given, GivenDerived, Layer, Setting};
 use super::show::show;
 use super::source::File;
 use super::springs::Sprung;
-use super::study::{self, StudySettings};
+use super::study::{self, StudyLayer, StudySettings};
 use super::surfaces::SurfaceProblem;
 
 /// What the files say about one key, the nearest file last.
@@ -69,7 +69,7 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
             merge(&mut merged, setting, depth);
         }
         derived.extend(layer.derived);
-        studies.extend(layer.study);
+        studies.extend(StudyLayer::of(file, &Values::SPEC)?);
     }
     complete(&merged, chain)?;
 

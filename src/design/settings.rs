@@ -15,7 +15,6 @@ use super::error::DesignError;
 use super::place::Place;
 use super::provenance::Provenance;
 use super::source::File;
-use super::study::StudyLayer;
 use super::suggest;
 
 /// What stands beside a key before gauge pressures are made absolute.
@@ -50,7 +49,6 @@ pub(crate) struct GivenDerived {
 pub(crate) struct Layer {
     pub(crate) settings: Vec<Setting>,
     pub(crate) derived: Vec<GivenDerived>,
-    pub(crate) study: Option<StudyLayer>,
 }
 
 impl Layer {
@@ -96,11 +94,8 @@ impl Reader<'_> {
         for (key, value) in table {
             let name = key.get_ref().as_ref();
             let full = dotted(path, name);
-            if path.is_empty() && name == "base" {
-                continue;
-            }
-            if path.is_empty() && name == "study" {
-                layer.study = Some(StudyLayer::read(self.file, self.root, value)?);
+            // Read by others: neither holds a quantity of the tool.
+            if path.is_empty() && matches!(name, "base" | "study") {
                 continue;
             }
             if let Some(spec) = spec.key(name) {

@@ -106,13 +106,14 @@ struct DraftOption {
 }
 
 impl StudyLayer {
-    /// Reads `[study]` of a file by the declaration `root` of the design's keys.
-    pub(crate) fn read(
-        file: &File,
-        root: &'static GroupSpec,
-        value: &Spanned<DeValue<'_>>,
-    ) -> Result<Self, DesignError> {
+    /// Reads `[study]` of a file, if there is one, by the declaration `root` of the design's keys.
+    pub(crate) fn of(file: &File, root: &'static GroupSpec) -> Result<Option<Self>, DesignError> {
+        let table = file.table()?;
         let reader = Reader { file, root };
+        table.get("study").map(|value| Self::read(&reader, value)).transpose()
+    }
+
+    fn read(reader: &Reader<'_>, value: &Spanned<DeValue<'_>>) -> Result<Self, DesignError> {
         let mut layer = Self::default();
         for (key, value) in reader.table("study", value)? {
             match key.get_ref().as_ref() {

@@ -77,6 +77,9 @@ const STEP: f64 = 2e-7;
 /// Step, and part of the tolerance, for designs whose bounces magnify the errors of both: about one in ten needs the
 /// smaller step, one in fifty the smaller tolerance (some move an event by 35 us).
 const FINE: (f64, f64) = (5e-8, 1e-2);
+/// The same for the few whose bounces magnify the reference's error further: with the seed of this test, t10 of one shot
+/// still moves by 50 us between its steps of 5e-8 and 1e-8, where it agrees to 4 us; the program's own moves by 2 us.
+const FINEST: (f64, f64) = (1e-8, 1e-3);
 /// Most by which an event may differ \[s\].
 const LIMIT: f64 = 10e-6;
 /// The same for t11 and t18, which are thresholds on decaying motion.
@@ -117,11 +120,14 @@ fn ten_of_each_outcome_agree_with_the_reference() {
     }
     let compare = |draw: &&DrawnShot| -> Vec<String> {
         let p = parameters(&design, study, draw);
-        let wrong = differences(&design, &p, draw, (STEP, 1.0));
-        if wrong.is_empty() {
-            return wrong;
+        let mut wrong = Vec::new();
+        for accuracy in [(STEP, 1.0), FINE, FINEST] {
+            wrong = differences(&design, &p, draw, accuracy);
+            if wrong.is_empty() {
+                break;
+            }
         }
-        differences(&design, &p, draw, FINE)
+        wrong
     };
     let wrong: Vec<Vec<String>> = chosen.par_iter().map(compare).collect();
     assert!(wrong.iter().all(Vec::is_empty), "{}", wrong.concat().join("\n"));
