@@ -8,7 +8,7 @@ use toml::de::{DeTable, DeValue};
 use super::source::File;
 
 /// The name that stands for the command line in the places of errors and entries.
-const COMMAND_LINE: &str = "--set";
+const COMMAND_LINE: &str = "command line";
 
 /// One value for one key, as `supply.pressure=80psig`.
 ///

@@ -118,7 +118,7 @@ impl Design {
     /// Reads a design file and those it inherits from, with other values for some keys; the last one for a key counts.
     ///
     /// # Errors
-    /// As [`load`](Self::load). A wrong assignment is shown as line 1 of a file with the name `--set`.
+    /// As [`load`](Self::load). A wrong assignment is shown as line 1 of the file `command line`.
     pub fn load_with(path: impl AsRef<Path>, assignments: &[Assignment]) -> Result<Self, DesignError> {
         let path = path.as_ref();
         Self::resolve(path, File::read(path, None)?, assignments)

@@ -118,7 +118,7 @@ fn name(fates: &[Fate]) -> String {
 }
 
 /// Draws candidates until `want` of them are accepted in all of the designs, in the order of the sequence. Fewer come back where
-/// [`MOST`] candidates for each were not enough.
+/// 1000 candidates for each were not enough.
 ///
 /// # Errors
 /// [`Error::NothingDrawn`] where no candidate is accepted.

@@ -46,7 +46,10 @@ fn a_value_on_the_command_line_is_computed_and_a_wrong_one_is_named() {
     let (output, _) = nailnoise("set", &["--set", "supply.pressure=60 mm"]);
     let text = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(2));
-    assert!(text.contains("supply.pressure") && text.contains("--set:1:"), "{text}");
+    assert!(
+        text.contains("supply.pressure") && text.contains("command line:1:"),
+        "{text}"
+    );
 }
 
 #[test]

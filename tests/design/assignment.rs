@@ -44,8 +44,8 @@ fn the_last_value_for_a_key_counts_and_keeps_the_range_of_the_file() {
     };
     assert_eq!(design.piston.mass, 0.12);
     let (own, base) = (of(&design), of(&load(&[]).unwrap()));
-    assert_eq!((own.range, own.file.as_str()), (base.range, "--set"));
-    assert_ne!(base.file, "--set");
+    assert_eq!((own.range, own.file.as_str()), (base.range, "command line"));
+    assert_ne!(base.file, "command line");
 }
 
 #[test]
@@ -62,7 +62,7 @@ fn a_wrong_value_is_the_error_of_a_design_file_and_names_the_command_line() {
     let unknown = message("piston.mas=120 g");
     assert!(
         matches!(&unknown, DesignError::UnknownKey { nearest: Some(near), at, .. }
-        if near == "piston.mass" && at.file() == "--set")
+        if near == "piston.mass" && at.file() == "command line")
     );
     assert!(matches!(message("piston.mass=12 bar"), DesignError::WrongUnit { .. }));
     assert!(matches!(message("piston.mass=-1"), DesignError::OutsideLimits { .. }));
