@@ -14,6 +14,7 @@ use super::{
 };
 use crate::bundle::deliver;
 use crate::comparison::{Comparison, Finished, Labelled, Levels, Limit};
+use crate::cost;
 use crate::design::Design;
 use crate::error::Error;
 use crate::graph::Graph;
@@ -130,6 +131,9 @@ fn paired(arguments: &Arguments, cache: &Store, progress: &Progress) -> Result<V
     };
     let load = |path: &PathBuf| Design::load_with(path, &arguments.changes.set);
     let designs = arguments.designs.iter().map(load).collect::<Result<Vec<_>, _>>()?;
+    for design in &designs {
+        cost::refuse(design, &cost::of_run(design)?, arguments.memory.limit())?;
+    }
     let observer = Arc::new(WithoutStages(progress.observer()));
     let graph = Graph::new(Arc::new(cache.clone()), observer);
     let pair = |other: &Design| {

@@ -53,7 +53,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     progress.stage("levels over the grid");
     let store = arguments.keeping.cache()?;
     let graph = Graph::new(Arc::new(store), Arc::new(WithoutStages(progress.observer())));
-    let points = sweep(&graph, (design.path(), &common.changes.set), &arguments.vary, &progress)?;
+    let base = (design.path(), &common.changes.set[..]);
+    let points = sweep(&graph, base, &arguments.vary, common.memory.limit(), &progress)?;
     let staging = Staging::within(&folder)?;
     if arguments.figures {
         let chart: Chart = figures::sweep(design.name(), &arguments.vary, &points);

@@ -9,6 +9,7 @@ use super::jobs::{levels_of_shot, on_threads};
 use super::level_table::total_of;
 use super::variables::without_sensors;
 use crate::chain::{Chain, Options};
+use crate::cost::{self, MemoryLimit};
 use crate::design::{Assignment, AssignmentError, Design, DesignError};
 use crate::error::Error;
 use crate::graph::Graph;
@@ -131,11 +132,12 @@ fn assignments(axes: &[Axis], values: &[String]) -> Result<Vec<Assignment>, Assi
 /// together are refused with their conflict.
 ///
 /// # Errors
-/// A key or value that no design can have; a grid of too many points.
+/// A key or value that no design can have; a point that needs more memory than allowed; a grid of too many points.
 pub fn sweep(
     graph: &Graph,
     (path, changes): (&Path, &[Assignment]),
     axes: &[Axis],
+    memory: MemoryLimit,
     progress: &Progress,
 ) -> Result<Vec<SweptPoint>, Error> {
     let count = axes
@@ -150,7 +152,10 @@ pub fn sweep(
     for values in &points {
         let own = assignments(axes, values).map_err(|error| Error::NoAxis { error })?;
         designs.push(match Design::load_with(path, &[changes, &own].concat()) {
-            Ok(design) => Ok(without_sensors(&design)),
+            Ok(design) => {
+                cost::refuse(&design, &cost::of_run(&design)?, memory)?;
+                Ok(without_sensors(&design))
+            }
             Err(DesignError::Conflict { conflict, .. }) => Err(conflict.to_string()),
             Err(error) => return Err(error.into()),
         });
