@@ -23,7 +23,7 @@ use crate::result::Check;
 use crate::stages::{Progress, WithoutStages};
 use crate::staging;
 use crate::store::Store;
-use crate::study::{self, Estimate, PairedStudy, Request, common_draws};
+use crate::study::{self, Estimate, PairedStudy, Part, Request, common_draws};
 use crate::wording::{band, change, order};
 
 #[derive(Args)]
@@ -128,6 +128,7 @@ fn paired(arguments: &Arguments, cache: &Store, progress: &Progress) -> Result<V
         draws: draws as usize,
         seed: arguments.seed,
         shots_a_structure: None,
+        part: Part::All,
     };
     let load = |path: &PathBuf| Design::load_with(path, &arguments.changes.set);
     let designs = arguments.designs.iter().map(load).collect::<Result<Vec<_>, _>>()?;
