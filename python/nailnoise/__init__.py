@@ -12,7 +12,7 @@ data frames where pandas is installed, else lists of dictionaries.
 from ._design import Design, load
 from ._native import NailnoiseError, __version__, radiated_power
 from ._results import Comparison, Cycle, Modes, Run, Study, Sweep
-from ._work import compare, cycle, modes, run, study, sweep
+from ._work import compare, cycle, modes, run, study, study_task, sweep
 
 __all__ = [
     "Comparison",
@@ -31,5 +31,6 @@ __all__ = [
     "radiated_power",
     "run",
     "study",
+    "study_task",
     "sweep",
 ]

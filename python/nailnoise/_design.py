@@ -27,14 +27,15 @@ def load(path: str | os.PathLike[str], values: Mapping[str, Value] | None = None
 
     A number without a unit is in the SI unit of its key. Raises NailnoiseError for what is no design, with its place and remedy.
     """
-    return Design(_native.Design.load(os.fspath(path), _assignments(values or {})))
+    return Design(_native.Design.load(os.fspath(path), _assignments(values or {})), values)
 
 
 class Design(Mapping[str, Any]):
     """A design: a mapping from full key names to values in SI units."""
 
-    def __init__(self, native: _native.Design) -> None:
+    def __init__(self, native: _native.Design, values: Mapping[str, Value] | None = None) -> None:
         self._native = native
+        self._values = dict(values or {})
         self._entries: dict[str, dict[str, Any]] = {entry["key"]: entry for entry in json.loads(native.entries())}
 
     @property
@@ -88,7 +89,7 @@ class Design(Mapping[str, Any]):
 
     def with_(self, values: Mapping[str, Value]) -> Design:
         """The design with other values: ``design.with_({"exhaust.holes": 18, "exhaust.hole_diameter": "3.15 mm"})``."""
-        return Design(self._native.with_assignments(_assignments(values)))
+        return Design(self._native.with_assignments(_assignments(values)), {**self._values, **values})
 
     def differences(self, other: Design) -> Any:
         """Keys whose values differ from those of another design, as a table."""
@@ -96,6 +97,10 @@ class Design(Mapping[str, Any]):
         rows = [{"key": key, self.name: self.get(key), other.name: other.get(key)} for key in keys]
         rows = [row for row in rows if self.get(row["key"]) != other.get(row["key"])]
         return table(rows, "key")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """A copy in another process reads the same file."""
+        return load, (os.path.abspath(self.path), self._values)
 
     def __repr__(self) -> str:
         return f"<nailnoise.Design {self.name!r}: {len(self)} values, {self.digest[:12]}>"

@@ -41,6 +41,7 @@ def study(
     structures: int | None,
     cache: str | None,
     keep: bool,
+    folder: str | None,
     report: Report | None,
 ) -> tuple[str, str]: ...
 def study_task(

@@ -5,11 +5,14 @@ from __future__ import annotations
 import logging
 import os
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from . import _native
 from ._design import Design, Value
 from ._results import Comparison, Cycle, Modes, Run, Study, Sweep
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 _LOGGER = logging.getLogger("nailnoise")
 
@@ -78,14 +81,53 @@ def study(
     seed: int = 1,
     structures: int | None = None,
     cache: Cache = None,
+    store: str | os.PathLike[str] | None = None,
+    client: Client | None = None,
+    tasks: int | None = None,
     progress: Progress | None = None,
 ) -> Study:
     """Draws ``n`` designs from the ranges, and states how sure levels and ranking are.
 
     ``structures`` draws block, table and tool body, too, a new structure every so many draws; without it they are held.
+
+    With a ``client`` of dask.distributed the draws are divided into ``tasks`` on its workers (four for each thread of the cluster
+    unless given). ``store`` is then a folder that this process and all workers share; the file of the design must be there for
+    all, too. A task that a worker loses is done again, and what it had finished is read from the folder. Numbers do not depend on
+    client or tasks.
     """
-    made = _native.study(design._native, n, seed, structures, *_cache(cache), _reporter(progress))
-    return Study(*made)
+    folder = None if store is None else os.path.abspath(store)
+    report = _reporter(progress)
+    if client is not None:
+        if folder is None:
+            raise ValueError("workers leave their draws in a folder that all share: store=...")
+        _on_cluster(client, tasks, progress, (design, n, folder, seed, structures))
+    return Study(*_native.study(design._native, n, seed, structures, *_cache(cache), folder, report))
+
+
+def _on_cluster(client: Client, tasks: int | None, progress: Progress | None, study: _Task) -> None:
+    """Computes all draws of a study on the workers of a cluster."""
+    from distributed import as_completed
+
+    threads = sum(worker["nthreads"] for worker in client.scheduler_info(n_workers=-1)["workers"].values())
+    count = tasks or max(1, min(study[1], 4 * threads))
+    futures = client.map(_task, range(1, count + 1), of=count, study=study, pure=False, retries=3)
+    for done, future in enumerate(as_completed(futures), 1):  # type: ignore[no-untyped-call]
+        future.result()
+        if progress is not None:
+            progress("tasks of the study", done, count)
+
+
+_Task = tuple[Design, int, str, int, int | None]
+
+
+def _task(number: int, *, of: int, study: _Task) -> int:
+    """One task of a study, on a worker, with as many threads as the worker has."""
+    from distributed import get_worker
+
+    # Read where the pool of threads of the process begins, with its first task.
+    os.environ.setdefault("RAYON_NUM_THREADS", str(get_worker().state.nthreads))
+    design, n, folder, seed, structures = study
+    return study_task(design, n, (number, of), folder, seed=seed, structures=structures)
 
 
 def sweep(

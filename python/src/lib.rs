@@ -238,7 +238,8 @@ fn request(draws: u32, seed: u64, structures: Option<u16>, task: Option<(u32, u3
     })
 }
 
-/// Draws designs from the ranges; the text of `study.json` and of `draws.csv`.
+/// Draws designs from the ranges; the text of `study.json` and of `draws.csv`. Draws that tasks have left in `folder` are read
+/// from there, and those that are missing are computed into it.
 #[pyfunction(name = "study")]
 #[allow(clippy::too_many_arguments)] // they are those of the Python function
 fn study_of(
@@ -249,18 +250,20 @@ fn study_of(
     structures: Option<u16>,
     cache: Option<PathBuf>,
     keep: bool,
+    folder: Option<PathBuf>,
     report: Option<Py<PyAny>>,
 ) -> PyResult<(String, String)> {
     let (design, request) = (Arc::clone(&design.design), request(draws, seed, structures, None)?);
     let (result, table) = work::off_the_lock(py, report, move |observer| {
         cost::refuse(&design, &cost::of_run(&design)?, MemoryLimit::default())?;
-        let store = store(cache, keep)?;
+        let cache = store(cache, keep)?;
+        let shared = folder.map(|folder| Store::at(folder, u64::MAX));
         let progress = Progress::to(Arc::clone(&observer));
-        let graph = quiet(&store, observer);
+        let graph = quiet(shared.as_ref().unwrap_or(&cache), observer);
         let made = study::draws(&graph, &design, &request, &progress)?;
         let nominal = study::nominal(&graph, &design)?;
         let result = StudyResult::new(&design, &request, &made, nominal.as_deref());
-        study::keep(&store, &design, &result)?;
+        study::keep(&cache, &design, &result)?;
         Ok((result, study::csv(&made)?))
     })?;
     Ok((json_of(&result)?, String::from_utf8_lossy(&table).into_owned()))

@@ -87,6 +87,27 @@ def test_a_study_is_that_of_the_command(cache: Path, tmp_path: Path) -> None:
     assert abs(sum(study.first.values()) - 1.0) < 1e-12
 
 
+def test_a_study_on_a_cluster_is_that_of_one_process_although_a_worker_dies(cache: Path, tmp_path: Path) -> None:
+    from distributed import Client, LocalCluster
+
+    design = tmp_path / "drawn.toml"
+    outcomes = '["drives", "underdriven", "overdriven", "strikes_bumper"]'
+    design.write_text(f"base = {json.dumps(str(SMALL))}\n[study]\nrequire = {outcomes}\n")
+    drawn = nn.load(design).with_({"exhaust.holes": 4})
+    alone = nn.study(drawn, 8, cache=cache)
+    tasks: list[int] = []
+
+    def kill_a_worker(stage: str, done: int, of: int) -> None:
+        tasks.append(of)
+        if done == 2:
+            os.kill(next(iter(client.run(os.getpid).values())), 9)
+
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+        spread = nn.study(drawn, 8, store=tmp_path / "store", client=client, tasks=6, cache=False, progress=kill_a_worker)
+    assert spread.json == alone.json and spread.csv == alone.csv
+    assert 6 in tasks
+
+
 def test_a_sweep_has_a_row_for_each_point(small: nn.Design, cache: Path) -> None:
     swept = nn.sweep(small, {"exhaust.holes": [3, 5], "supply.pressure": "90psig..100psig:2"}, cache=cache)
     assert len(swept.table) == 4
