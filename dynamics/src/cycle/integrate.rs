@@ -32,7 +32,7 @@ const CHATTER_WINDOW: f64 = 1e-3;
 /// Part of a window that need not be followed: what an event leaves of it may be too short for a step \[s\].
 const SHORTEST: f64 = 1e-12;
 /// Steps beyond which a run is given up.
-const STEP_LIMIT: usize = 5_000_000;
+const STEP_LIMIT: usize = 500_000;
 /// Part of V_02 left below the piston at which a dry fire is declared.
 const DRY_FIRE: f64 = 1e-3;
 
