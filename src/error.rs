@@ -63,6 +63,18 @@ pub enum Error {
         /// Outcomes that count.
         require: String,
     },
+    /// The optimiser cannot be called.
+    #[error("{python} cannot optimise: {reason}")]
+    #[diagnostic(help(
+        "the optimiser is called from Python: pip install './python[optimise]' in the repository, or name an interpreter that has it in \
+         NAILNOISE_PYTHON"
+    ))]
+    NoOptimiser {
+        /// The interpreter.
+        python: String,
+        /// What it said.
+        reason: String,
+    },
     /// Draws that tasks were to compute are not there.
     #[error("the levels of {missing} of {draws} draws are not in {}", store.display())]
     #[diagnostic(help(

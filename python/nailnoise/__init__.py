@@ -11,6 +11,7 @@ data frames where pandas is installed, else lists of dictionaries.
 
 from ._design import Design, load
 from ._native import NailnoiseError, __version__, radiated_power
+from ._optimise import Optimisation, Proposal, optimise
 from ._results import Comparison, Cycle, Modes, Run, Study, Sweep
 from ._work import compare, cycle, modes, run, study, study_task, sweep
 
@@ -20,6 +21,8 @@ __all__ = [
     "Design",
     "Modes",
     "NailnoiseError",
+    "Optimisation",
+    "Proposal",
     "Run",
     "Study",
     "Sweep",
@@ -28,6 +31,7 @@ __all__ = [
     "cycle",
     "load",
     "modes",
+    "optimise",
     "radiated_power",
     "run",
     "study",

@@ -13,13 +13,15 @@ from ._tables import table
 Value = str | float | int | bool
 
 
-def _assignments(values: Mapping[str, Value]) -> list[str]:
-    def text(value: Value) -> str:
-        if isinstance(value, bool):
-            return str(value).lower()
-        return value if isinstance(value, str) else repr(value)
+def _text(value: Value) -> str:
+    """A value as it would stand in a design file, a text without quotes."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return value if isinstance(value, str) else repr(value)
 
-    return [f"{key}={text(value)}" for key, value in values.items()]
+
+def _assignments(values: Mapping[str, Value]) -> list[str]:
+    return [f"{key}={_text(value)}" for key, value in values.items()]
 
 
 def load(path: str | os.PathLike[str], values: Mapping[str, Value] | None = None) -> Design:

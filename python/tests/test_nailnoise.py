@@ -194,3 +194,55 @@ except KeyboardInterrupt:
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120)
     assert done.stdout == "interrupted\n", done.stderr
     assert done.stderr == "" and time.monotonic() - begin < 60.0
+
+
+VARY = {"exhaust.holes": "2..12", "exhaust.hole_diameter": "3 mm..8 mm", "supply.pressure": "80psig..110psig"}
+HELD = ["outcome == drives", "penetration >= 82 mm"]
+
+
+def test_an_optimisation_proposes_designs_that_meet_the_constraints(small: nn.Design, cache: Path, tmp_path: Path) -> None:
+    found = nn.optimise(small, VARY, subject_to=HELD, trials=14, cache=cache)
+    assert len(found.trials) == 14 and found.best is not None
+    for own in found.feasible:
+        assert own.figures["outcome"] == "drives" and own.figures["penetration"] >= 0.082
+    assert all(own.figures.get("total") is None for own in found.trials if not own.feasible)
+    (file,) = found.write(tmp_path)
+    assert nn.run(nn.load(file), cache=cache).total_db == pytest.approx(found.best.figures["total"], abs=1e-9)
+    again = nn.optimise(small, VARY, subject_to=HELD, trials=14, cache=cache)
+    assert [own.values for own in again.trials] == [own.values for own in found.trials]
+
+
+def test_no_design_of_a_front_betters_another(small: nn.Design, cache: Path) -> None:
+    found = nn.optimise(small, {"supply.pressure": "85psig..110psig"}, pareto="-drive_energy", trials=10, cache=cache)
+    levels = [own.figures["total"] for own in found.front]
+    energies = [own.figures["drive_energy"] for own in found.front]
+    assert levels == sorted(levels) and energies == sorted(energies)
+
+
+def test_an_optimisation_that_cannot_be_is_refused(small: nn.Design, cache: Path) -> None:
+    held = nn.optimise(small, VARY, subject_to=["penetration >= 3 m"], trials=3, cache=cache)
+    assert held.best is None and "loosen a constraint" in repr(held)
+    for vary, more in (
+        ({}, {}),
+        ({"exhaust.hole": "1..3"}, {}),
+        ({"exhaust.holes": "9..3"}, {}),
+        ({"exhaust.holes": "3"}, {}),
+        ({"exhaust.hole_diameter": "3 mm..8 m"}, {}),
+        (VARY, {"subject_to": ["penetration > 3 mm"]}),
+        (VARY, {"subject_to": ["penetration >= 3 kN"]}),
+        (VARY, {"subject_to": ["depth >= 3 mm"]}),
+        (VARY, {"minimise": "noise"}),
+    ):
+        with pytest.raises(ValueError):
+            nn.optimise(small, vary, trials=2, cache=cache, **more)
+
+
+def test_the_command_calls_the_optimiser(cache: Path, tmp_path: Path) -> None:
+    environment = dict(os.environ, NAILNOISE_CACHE=str(cache), NAILNOISE_PYTHON=sys.executable)
+    arguments = ["optimise", str(SMALL), "--vary", "exhaust.holes=3..9", "--trials", "3", "--json"]
+    done = subprocess.run([COMMAND, *arguments], cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert len(found["trials"]) == 3 and (tmp_path / found["designs"][0]["file"]).exists()
+    wrong = subprocess.run([COMMAND, "optimise", str(SMALL), "--vary", "nothing"], cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert wrong.returncode == 2 and "--vary" in wrong.stderr

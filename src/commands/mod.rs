@@ -17,6 +17,7 @@ mod init;
 mod intervals;
 mod mesh;
 mod modes;
+mod optimise;
 mod prf;
 mod progress;
 mod run;
@@ -67,6 +68,8 @@ enum Command {
     Study(study::Arguments),
     /// Compute the levels over a grid of values
     Sweep(sweep::Arguments),
+    /// Look for the design of the lowest level under constraints (needs the Python package)
+    Optimise(optimise::Arguments),
     /// Compute one nailing cycle: pressures, motions, forces and events; with --json, files are written only with --out or
     /// --figures
     Cycle(cycle::Arguments),
@@ -230,6 +233,7 @@ fn execute(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Compare(arguments) => compare::execute(arguments),
         Command::Study(arguments) => study::execute(arguments),
         Command::Sweep(arguments) => sweep::execute(arguments),
+        Command::Optimise(arguments) => optimise::execute(arguments),
         Command::Cycle(arguments) => cycle::execute(arguments),
         Command::Modes(arguments) => modes::execute(arguments),
         Command::Mesh(arguments) => mesh::execute(arguments),
