@@ -12,6 +12,7 @@ mod normal;
 mod notes;
 mod paired;
 mod parameters;
+mod request;
 mod result;
 mod sampling;
 mod screening;
@@ -22,11 +23,12 @@ mod table;
 mod variable_report;
 mod variables;
 
-pub use draws::{Draw, Draws, Part, Request, common_draws, draws, nominal};
+pub use draws::{Draw, Draws, common_draws, draws, nominal};
 pub use kept::{keep, kept};
 pub use level_table::{column, levels_of};
 pub use paired::{Change, PairedStudy};
 pub use parameters::{Parameter, taking_part};
+pub use request::{Part, Request};
 pub use result::{
     Candidates, Contribution, Contributions, Convergence, LabelledStudy, LevelStudy, Louder, OrderProbability, SCHEMA,
     SourceStudy, StudyResult,

@@ -1,6 +1,7 @@
 //! What a reader of a study must know beside its numbers.
 
-use super::draws::{Draws, Request};
+use super::draws::Draws;
+use super::request::Request;
 use super::variable_report::VariableReport;
 use crate::design::Design;
 

@@ -3,8 +3,9 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::draws::{Draws, Request};
+use super::draws::Draws;
 use super::level_table::{LevelTable, TOTAL};
+use super::request::Request;
 use super::statistics::{Bootstrap, Estimate, Quantiles};
 use super::variables::differing_keys;
 use crate::design::Design;

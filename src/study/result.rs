@@ -7,9 +7,10 @@ use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
 use super::contributions::{self as first_order, Binned};
-use super::draws::{Draw, Draws, Request};
+use super::draws::{Draw, Draws};
 use super::level_table::{LevelTable, TOTAL, number, total_of};
 use super::notes::notes;
+use super::request::Request;
 use super::statistics::{Bootstrap, Estimate, Quantiles, benefit, loss, order, weighted_mean};
 use super::variable_report::{VariableReport, variable_reports};
 use crate::design::Design;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::draws::Part;
+use super::request::Part;
 use super::sampling::{Frame, Point, Rejections, Sampler};
 use crate::design::inputs::cycle::{cycle_settings, parameters};
 use crate::design::{Design, Values};

@@ -5,10 +5,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use serde::Serialize;
 
-use super::draws::{Request, common_draws};
+use super::draws::common_draws;
 use super::jobs::{levels_of_shot, on_threads};
 use super::level_table::total_of;
 use super::paired::{Change, changes};
+use super::request::Request;
 use super::variables::without_sensors;
 use crate::chain::{Chain, Options};
 use crate::cost::{self, MemoryLimit};

@@ -3,8 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::draws::{Draws, Request};
+use super::draws::Draws;
 use super::level_table::number;
+use super::request::Request;
 use super::variables::{Drawn, Kind, Scope, Variable};
 use crate::design::{Alternative, Value};
 

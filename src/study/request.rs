@@ -1,0 +1,40 @@
+//! What a study is asked for: how many draws, and which part of them.
+
+/// What a study is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Request {
+    /// Number of draws.
+    pub draws: usize,
+    /// Seed.
+    pub seed: u64,
+    /// Shots on each structure that is drawn; `None` holds the structures of the design.
+    pub shots_a_structure: Option<usize>,
+    /// The draws that are computed.
+    pub part: Part,
+}
+
+/// A part of the draws of a study.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// All draws.
+    All,
+    /// Every `of`-th structure, where structures are drawn, else every `of`-th draw: the `number`-th of them, from 1.
+    Task {
+        /// Its number, 1 .. `of`.
+        number: u32,
+        /// How many tasks there are.
+        of: u32,
+    },
+    /// All draws, but those alone whose levels are kept.
+    Kept,
+}
+
+impl Part {
+    /// Whether a structure, or a draw where structures are held, belongs to it.
+    pub(super) fn holds(self, place: usize) -> bool {
+        match self {
+            Self::Task { number, of } => place % of as usize == (number - 1) as usize,
+            Self::All | Self::Kept => true,
+        }
+    }
+}
