@@ -8,6 +8,7 @@
 //! they hold for penetration speeds of 20 to 500 mm/min, and a dynamic run uses the upper end, [`REFERENCE_SPEED`].
 
 mod envelope;
+pub mod fit;
 mod law;
 mod penetration_curve;
 mod resistance;
