@@ -83,6 +83,8 @@ pub enum Shape {
     /// A bar from the lower end of the axis for each category, beside those of other series. Lines across the bars mark
     /// these ordinates, of which there may be none.
     Bars(Vec<f64>),
+    /// A dot at each point.
+    Points,
     /// The area between the points and these ordinates.
     Band(Vec<f64>),
     /// Horizontal bars from these abscissas to `x` in the categories `y` of the vertical axis, each joined to the next.
@@ -118,6 +120,14 @@ impl Axis {
         let [low, high] = ends(values).map_or([0.0; 2], |ends| ends.map(|end| 1.05 * end));
         let [low, high] = [low.min(0.0), high.max(0.0)];
         Self::new(label, unit, if low < high { [low, high] } else { [0.0, 1.0] })
+    }
+
+    /// An axis that holds these values with a margin of 5 %.
+    pub(crate) fn holding(label: impl Into<String>, unit: &'static str, values: impl Iterator<Item = f64>) -> Self {
+        let [low, high] = ends(values).unwrap_or([0.0, 1.0]);
+        // Values that differ by rounding alone would have ticks without digits.
+        let margin = (0.05 * (high - low)).max(1e-6 * high.abs()).max(f64::MIN_POSITIVE);
+        Self::new(label, unit, [low - margin, high + margin])
     }
 
     /// An axis of levels that ends above the highest of all series, with `shown` dB below its upper end.

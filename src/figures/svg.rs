@@ -13,7 +13,7 @@ use plotters::coord::ranged1d::{BoldPoints, KeyPointHint, NoDefaultFormatting, R
 use plotters::coord::types::RangedCoordf64;
 use plotters::data::float::pretty_print_float;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
-use plotters::element::{DashedPathElement, DynElement, IntoDynElement, PathElement, Polygon, Rectangle, Text};
+use plotters::element::{Circle, DashedPathElement, DynElement, IntoDynElement, PathElement, Polygon, Rectangle, Text};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontFamily, FontStyle, RGBColor, ShapeStyle, TextStyle, WHITE};
 
@@ -46,6 +46,8 @@ const ENTRY_GAP: i32 = 5 * MM;
 const CURVE: u32 = 7;
 const FRAME: u32 = 4;
 const HAIR: u32 = 2;
+/// Radius of a dot.
+const DOT: i32 = 8;
 
 const FONT: &str = "Helvetica, Arial, Liberation Sans, DejaVu Sans, sans-serif";
 const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
@@ -257,6 +259,13 @@ impl Series {
         let mut elements = Vec::new();
         match &self.shape {
             Shape::Line | Shape::Broad => elements.extend(panel.lines(points().map(|point| vec![point])).map(line)),
+            Shape::Points => {
+                elements.extend(
+                    points()
+                        .filter(|point| point.1.is_finite())
+                        .map(|point| Circle::new(point, DOT, filled).into_dyn()),
+                );
+            }
             Shape::Steps => elements.extend(panel.lines(points().map(|(x, y)| vec![(x, y), (x + 1.0, y)])).map(line)),
             Shape::Dashed => {
                 let style = self.colour().stroke_width(FRAME);

@@ -133,6 +133,12 @@ fn traces(panel: &Panel, series: &Series) -> Vec<Value> {
         Shape::Line => vec![line(json!({}))],
         Shape::Broad => vec![line(json!({ "width": 5 }))],
         Shape::Dashed => vec![line(json!({ "dash": "dash", "width": 1.2 }))],
+        Shape::Points => {
+            let mut points = line(json!({}));
+            points["mode"] = json!("markers");
+            points["marker"] = json!({ "color": color, "size": 4 });
+            vec![points]
+        }
         Shape::Steps => {
             let mut steps = line(json!({ "shape": "hvh", "width": 2 }));
             steps["mode"] = json!("lines+markers");

@@ -8,7 +8,8 @@ mod parameters;
 use std::collections::BTreeMap;
 
 use nailnoise_acoustics::random::uniform;
-use nailnoise_dynamics::{CycleError, Outcome, Settings, Summary, simulate};
+use nailnoise_dynamics::prf::fit::standard_normal;
+use nailnoise_dynamics::{CycleError, Outcome, Parameters, Settings, Summary, simulate};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -172,7 +173,8 @@ fn candidate(
     if let Some(conflict) = drawn.conflict() {
         return Err(keys(&conflict));
     }
-    let shot = cycle_parameters(&drawn).map_err(|error| error.to_string())?;
+    let mut shot = cycle_parameters(&drawn).map_err(|error| error.to_string())?;
+    draw_law(&mut shot, design.wood.hardness_modulus, seed, candidate as u64);
     let fate = match simulate(&shot, settings) {
         Ok(record) => Fate::Shot {
             outcome: record.outcome,
@@ -187,6 +189,18 @@ fn candidate(
         values,
         fate,
     })
+}
+
+/// Draws the fitted law of a shot, if it has one, with the covariance of its coefficients and the scatter of specimens.
+/// The law keeps `hardness_modulus` \[N/m\] of the design, because the scatter of specimens holds that of H_M.
+pub fn draw_law(shot: &mut Parameters, hardness_modulus: f64, seed: u64, candidate: u64) {
+    if let Some(law) = &mut shot.penetration_fit {
+        let share = |place: usize| uniform(seed, candidate, hash("wood.penetration_fit").wrapping_add(place as u64));
+        let normal: Vec<f64> = (0..law.draw_size())
+            .map(|place| standard_normal(share(place)))
+            .collect();
+        *law = law.drawn(&normal, hardness_modulus);
+    }
 }
 
 /// Whether the solver gave up, rather than the design being none.

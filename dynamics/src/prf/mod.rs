@@ -18,6 +18,7 @@ mod tables;
 pub use envelope::Envelope;
 pub use law::{PenetrationLaw, Specimen};
 pub use penetration_curve::{CurveError, CurveLaw, PenetrationCurve};
+pub(crate) use resistance::Resistance;
 pub use resistance::ResistanceLaw;
 pub use table::{ForceTable, TableError};
 pub use tables::{FitQuality, NAILS, NailSize, Shank, WOODS, WoodKind};

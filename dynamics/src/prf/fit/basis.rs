@@ -75,7 +75,7 @@ impl Basis {
             last = Some((&column.cofactor, cofactor));
             let mut polynomial = legendre(column.degree, x);
             if column.anchored {
-                polynomial -= if column.degree % 2 == 0 { 1.0 } else { -1.0 };
+                polynomial -= if column.degree.is_multiple_of(2) { 1.0 } else { -1.0 };
             }
             let shift = if column.shift == 0.0 {
                 1.0
@@ -105,7 +105,7 @@ fn legendre(degree: usize, x: f64) -> f64 {
 
 /// Coefficients of P*_n in powers of x: (-1)^(n+k) C(n,k) C(n+k,k).
 fn legendre_coefficients(degree: usize) -> Vec<f64> {
-    let mut coefficient = if degree % 2 == 0 { 1.0 } else { -1.0 };
+    let mut coefficient = if degree.is_multiple_of(2) { 1.0 } else { -1.0 };
     let mut all = vec![coefficient];
     for k in 0..degree {
         // C(n,k+1) C(n+k+1,k+1) from C(n,k) C(n+k,k).

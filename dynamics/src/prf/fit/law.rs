@@ -536,6 +536,8 @@ pub struct LawOfDrive {
     decay: Option<[f64; 2]>,
     /// Speed of impact in the middle of the data \[m/s\].
     usual_impact: f64,
+    /// Speeds of impact that the law may be used at \[m/s\].
+    impacts: [f64; 2],
 }
 
 /// Force and its derivatives.
@@ -589,6 +591,16 @@ impl LawOfDrive {
                 impact: 0.0,
             });
         }
+        let mut impacts = [0.0, f64::INFINITY];
+        for (variable, per_square) in [(Variable::Inertia, inertia), (Variable::Energy, energy)] {
+            if let Some([low, high]) = law.file.ranges.of(variable)
+                && law.form.uses(variable)
+                && !law.file.extrapolate
+            {
+                impacts[0] = f64::max(impacts[0], (low / per_square).sqrt() * (1.0 - SLACK));
+                impacts[1] = f64::min(impacts[1], (high / per_square).sqrt() * (1.0 + SLACK));
+            }
+        }
         let varies = terms.iter().any(|term| term.speed != 0.0);
         Self {
             decay: law.file.ranges.decay.filter(|_| varies),
@@ -598,6 +610,7 @@ impl LawOfDrive {
                 .impact_speed_m_s
                 .map_or(reference, |[low, high]| 0.5 * (low + high)),
             terms,
+            impacts,
             length: specimen.length,
             scale: specimen.hardness_modulus * specimen.length,
         }
@@ -606,6 +619,11 @@ impl LawOfDrive {
     /// Whether the force depends on the speed of the nail.
     pub fn depends_on_speed(&self) -> bool {
         self.decay.is_some()
+    }
+
+    /// Speeds of impact that the law may be used at \[m/s\]: those of the data of `inertia` and `energy`.
+    pub fn impacts(&self) -> [f64; 2] {
+        self.impacts
     }
 
     /// Speed of impact in the middle of the data, where none is known \[m/s\].
@@ -669,6 +687,13 @@ fn power(value: f64, power: f64) -> f64 {
 pub fn student_t(confidence: f64, degrees_of_freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, degrees_of_freedom.max(1.0))
         .map_or(f64::INFINITY, |t| t.inverse_cdf(0.5 + 0.5 * confidence))
+}
+
+/// The number of N(0, 1) below which lies this share (0..1).
+pub fn standard_normal(share: f64) -> f64 {
+    // A share of 0 has no finite number; 2^-54 is less than half of the smallest other one.
+    let share = share.max(0.5 * f64::EPSILON * 0.25);
+    -f64::sqrt(2.0) * statrs::function::erf::erfc_inv(2.0 * share)
 }
 
 /// The probability of a larger |t| than this (two-sided).

@@ -21,7 +21,7 @@ pub use fitting::{DROP_BELOW, Fitted, Leave, Reduction, Validation, fit, reduce,
 pub use form::{Form, FormError, HIGHEST_DEGREE, Term, VARIABLES, Values, Variable};
 pub use law::{
     Counts, FIT_SCHEMA, FitFile, FittedLaw, LawError, LawOfDrive, Placement, Quality, Ranges, Resisting, Scatter,
-    TermFit, probability_beyond, student_t,
+    TermFit, probability_beyond, standard_normal, student_t,
 };
 pub use regression::{Method, Regression, Solution};
 pub use split::{Split, split};

@@ -1,9 +1,12 @@
-//! Penetration laws, woods and nails by the names and files that a user gives.
+//! Penetration laws, woods, nails and measured drives by the names and files that a user gives.
+
+pub mod drives;
 
 use std::io;
 use std::path::{Path, PathBuf};
 
 use miette::Diagnostic;
+use nailnoise_dynamics::prf::fit::{FitError, FittedLaw, FormError};
 use nailnoise_dynamics::prf::{CurveError, ForceTable, NAILS, NailSize, PenetrationLaw, TableError, WOODS, WoodKind};
 use nailnoise_meshes::read_regular;
 use thiserror::Error;
@@ -27,12 +30,68 @@ pub enum PenetrationError {
     },
     /// A table that cannot be read.
     #[error("cannot read {}: {cause}", path.display())]
-    #[diagnostic(help("name a CSV file of depths in m and forces in N"))]
+    #[diagnostic(help("{help}"))]
     Unreadable {
         /// The file.
         path: PathBuf,
         /// What the system said.
         cause: String,
+        /// What to do about it.
+        help: String,
+    },
+    /// Measured drives that cannot be used.
+    #[error("{}, line {line}: {problem}", path.display())]
+    #[diagnostic(help("{help}"))]
+    Data {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong.
+        problem: String,
+        /// What to do about it.
+        help: String,
+    },
+    /// A text that is no form of a law.
+    #[error(transparent)]
+    #[diagnostic(help("{}", _0.remedy()))]
+    Form(#[from] FormError),
+    /// Drives that determine no law.
+    #[error("{}{}: {source}", path.display(), line.map_or_else(String::new, |line| format!(", line {line}")))]
+    #[diagnostic(help("{}", source.remedy()))]
+    Fit {
+        /// The file of the drives.
+        path: PathBuf,
+        /// The line of the drive that it is about, if it is about one.
+        line: Option<usize>,
+        /// Why.
+        source: FitError,
+    },
+    /// A file that holds no fitted law.
+    #[error("{}{} holds no fitted law: {problem}", path.display(), line.map_or_else(String::new, |line| format!(", line {line},")))]
+    #[diagnostic(help("make it with `nailnoise prf fit`"))]
+    Law {
+        /// The file.
+        path: PathBuf,
+        /// The line, if it is known.
+        line: Option<usize>,
+        /// What is wrong.
+        problem: String,
+    },
+    /// A condition beyond the range of the data of a law.
+    #[error("{}: {variable} is {value:.6}, beyond the range of the fit, {:.6} to {:.6}", path.display(), range[0], range[1])]
+    #[diagnostic(help(
+        "drive nails under conditions that include this one, or fit again with `nailnoise prf fit --extrapolate` to allow it"
+    ))]
+    Beyond {
+        /// The file of the law.
+        path: PathBuf,
+        /// The variable.
+        variable: &'static str,
+        /// Its value.
+        value: f64,
+        /// The range of the data.
+        range: [f64; 2],
     },
     /// A file that holds no law.
     #[error("{} holds no penetration law", path.display())]
@@ -52,9 +111,32 @@ pub enum PenetrationError {
 /// The largest table that is read \[byte\].
 const LARGEST_TABLE: u64 = 16 << 20;
 
-fn read_text(path: &Path) -> io::Result<String> {
+pub(crate) fn read_text(path: &Path) -> io::Result<String> {
     let bytes = read_regular(path, LARGEST_TABLE)?;
     String::from_utf8(bytes).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
+}
+
+fn unreadable(path: &Path, cause: &io::Error, help: &str) -> PenetrationError {
+    PenetrationError::Unreadable {
+        path: path.to_owned(),
+        cause: cause.to_string(),
+        help: help.to_owned(),
+    }
+}
+
+/// Reads a fitted law, as `nailnoise prf fit` writes it.
+///
+/// # Errors
+/// [`PenetrationError::Unreadable`] or [`PenetrationError::Law`] with the file and, where it is known, the line.
+pub fn fitted(path: &Path) -> Result<FittedLaw, PenetrationError> {
+    let text = read_text(path).map_err(|cause| unreadable(path, &cause, "name a file made by `nailnoise prf fit`"))?;
+    toml::from_str(&text).map_err(|error: toml::de::Error| PenetrationError::Law {
+        path: path.to_owned(),
+        line: error
+            .span()
+            .map(|span| 1 + text[..span.start.min(text.len())].matches('\n').count()),
+        problem: error.message().to_owned(),
+    })
 }
 
 /// Reads a law from a CSV file of depths \[m\] and forces \[N\].
@@ -62,10 +144,8 @@ fn read_text(path: &Path) -> io::Result<String> {
 /// # Errors
 /// [`PenetrationError::Unreadable`] or [`PenetrationError::Table`] with the file.
 pub fn table(path: &Path) -> Result<ForceTable, PenetrationError> {
-    let text = read_text(path).map_err(|cause| PenetrationError::Unreadable {
-        path: path.to_owned(),
-        cause: cause.to_string(),
-    })?;
+    let text =
+        read_text(path).map_err(|cause| unreadable(path, &cause, "name a CSV file of depths in m and forces in N"))?;
     ForceTable::from_csv(&text).map_err(|source| PenetrationError::Table {
         path: path.to_owned(),
         source,
