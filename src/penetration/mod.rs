@@ -1,11 +1,13 @@
 //! Penetration laws, woods, nails and measured drives by the names and files that a user gives.
 
 pub mod drives;
+pub mod machine;
 
 use std::io;
 use std::path::{Path, PathBuf};
 
 use miette::Diagnostic;
+use nailnoise_dynamics::machine::{MachineError, PlanError};
 use nailnoise_dynamics::prf::fit::{FitError, FittedLaw, FormError};
 use nailnoise_dynamics::prf::{CurveError, ForceTable, NAILS, NailSize, PenetrationLaw, TableError, WOODS, WoodKind};
 use nailnoise_meshes::read_regular;
@@ -102,6 +104,14 @@ pub enum PenetrationError {
         /// What is wrong with it.
         source: TableError,
     },
+    /// Values that allow no plan of tests.
+    #[error(transparent)]
+    #[diagnostic(help("give masses in kg and the energy of the middle level in J; lighter projectiles fly faster"))]
+    Plan(#[from] PlanError),
+    /// A shot of the test machine that cannot be computed.
+    #[error(transparent)]
+    #[diagnostic(help("{}", _0.remedy()))]
+    Machine(#[from] MachineError),
     /// A law that cannot be evaluated.
     #[error(transparent)]
     #[diagnostic(help("{}", _0.remedy()))]

@@ -40,7 +40,7 @@ fn law() -> FittedLaw {
             let conditions = conditions(&machine(row.mass), speed);
             let point = |k: usize| {
                 let depth = conditions.specimen.length * k as f64 / 20.0;
-                let v = speed * (1.0 - (0.2 + 0.02 * speed) * (k as f64 / 20.0).powi(2));
+                let v = speed * (1.0 - (k as f64 / 20.0).powf(1.0 + 0.05 * speed));
                 let values = conditions.values(depth, v);
                 let root = form
                     .terms()

@@ -43,12 +43,7 @@ pub(crate) fn fitted_law(design: &Design, record: &CycleRecord) -> Result<Vec<St
     let Some(law) = law_of(design)? else {
         return Ok(Vec::new());
     };
-    // Speed of the rod at the last sample before it strikes the nail.
-    let impact = record.events.to_array()[5].filter(|_| law.dynamic()).map(|time| {
-        let sample = (time / record.sample_interval) as usize;
-        let travel = |k: usize| record.motion.piston_travel.get(k).copied().unwrap_or(0.0);
-        (travel(sample) - travel(sample.saturating_sub(1))) / record.sample_interval
-    });
+    let impact = record.summary.speed_before_impact.filter(|_| law.dynamic());
     let places = law.placement(&conditions(design, &law, impact));
     let place = |place: &nailnoise_dynamics::prf::fit::Placement| {
         let [low, high] = place.range;
