@@ -11,7 +11,9 @@ use nailnoise_dynamics::machine::{
 };
 use nailnoise_dynamics::prf::ResistanceLaw;
 
-use base_design::group;
+use base_design::{group, number};
+use nailnoise_quantities::dimension::LENGTH;
+use nailnoise_quantities::positive;
 
 /// A 12d nail in pine by the law of Eq. 4.59.
 pub(crate) fn machine(mass: f64) -> Machine {
@@ -39,7 +41,7 @@ pub(crate) fn machine(mass: f64) -> Machine {
             nail_distance: 0.3,
         },
         nail: TestNail {
-            length: 82.55e-3,
+            length: number("nail.length", positive(LENGTH)),
             diameter: 3.81e-3,
             mass: 7.814_58e-3,
         },
