@@ -38,12 +38,27 @@ const CHECKSUMS: &str = "checksums of fields";
 pub struct Bundle {
     /// `result.json`.
     pub json: String,
-    /// The result as a person reads it, and the parts of its sources.
-    pub text: [String; 2],
+    /// The result as a person reads it.
+    pub text: Text,
     /// The checks.
     pub checks: Vec<Check>,
     files: Vec<File>,
     fields: FieldFiles,
+}
+
+/// A result as a person reads it: a table of sources between two texts, to which columns may be added.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Text {
+    /// What stands before the table.
+    pub before: String,
+    /// Headings of its columns; the first are source and level.
+    pub headings: Vec<String>,
+    /// A row for each source, and the total.
+    pub rows: Vec<Vec<String>>,
+    /// What stands behind the table.
+    pub after: String,
+    /// The parts of the sources.
+    pub parts: String,
 }
 
 /// Paths and checksums of the files of [`Fields`]. They are most of a run's bytes and the same in all runs whose bodies move
@@ -115,8 +130,8 @@ impl Wanted {
     }
 }
 
-/// A run in words: the table, and the parts of the sources.
-pub type Words = fn(&Run) -> [String; 2];
+/// A run in words.
+pub type Words = fn(&Run) -> Text;
 
 /// Runs a design and leaves its files in `folder`: all of them, or the folder as it was. Nothing is computed when the store
 /// holds what this very design gives; the flag says whether it did.

@@ -24,6 +24,7 @@ use crate::stages::bodies::{
 };
 use crate::stages::cycle::{Cycle, Preset};
 use crate::stages::exhaust::{Exhaust, ExhaustSource, noise};
+use crate::stages::levels::{Levels, ShotLevels};
 use crate::stages::radiation::{
     FlushMatrix, RadiationDamping, ToolMatrix, ToolRadiator, WorkpieceMatrix, WorkpieceMethod, WorkpieceRadiation,
     WorkpieceRadiator,
@@ -36,12 +37,12 @@ use crate::stages::response::{
 use crate::stages::sensors::{SensorRecord, Sensors};
 use crate::stages::sound_fields::{FieldMethod, Fields, SoundFields, ToolField};
 use crate::stages::sources::{
-    BodyEnergy, BodySound, BodySource, Housing, SurfaceSource, WorkpieceEnergy, WorkpieceSource,
+    BodyEnergy, BodySound, BodySource, Housing, SurfaceSource, WorkpieceEnergy, WorkpieceSound, WorkpieceSource,
 };
 use crate::stages::spectra::{BodyAnalysis, BodyMotion, MovingBody};
 use crate::stages::starts::OtherStarts;
 use crate::stages::tool_response::{ToolChecks, ToolReport, ToolResponse};
-use crate::stages::{Progress, Stage, Stored};
+use crate::stages::{Digest, Progress, Stage, Stored};
 
 /// What a run may change about the physics without being another design; for studies and tests of laws.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -234,6 +235,10 @@ pub struct Chain {
     pub exhaust: Stored<ExhaustSource>,
     /// The tool's body as a source.
     pub body: Stored<SurfaceSource>,
+    /// Levels of all sources alone.
+    pub levels: Stored<Levels>,
+    /// Keys of modes and of radiation in standard air: what shots on the same structures share.
+    pub(crate) structures: Vec<Digest>,
     /// Signals of the sensors.
     pub sensors: Stored<Vec<SensorRecord>>,
     /// Sound fields for inspection.
@@ -294,7 +299,7 @@ impl Chain {
         let usable = usable.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
 
         // Radiation per unit of modal motion, and the damping that it adds to the modes.
-        let (radiator, field_method) = workpiece_radiation(graph, design, &bodies, air)?;
+        let (radiator, field_method, workpiece_matrix) = workpiece_radiation(graph, design, &bodies, air)?;
         let damps = design.acoustics.radiation_damping;
         let radiation_damping = damps.then(|| {
             graph.add(RadiationDamping {
@@ -303,12 +308,14 @@ impl Chain {
             })
         });
         let tool_elements = tool.as_ref().zip(inputs::radiation::tool(design));
+        let mut tool_matrix_key = None;
         let tool_matrix = tool_elements.map(|(stages, elements)| {
             let body = stages.body.clone();
             let matrix = graph.add(ToolMatrix {
                 elements: elements.clone(),
                 body,
             });
+            tool_matrix_key = Some(*matrix.key());
             (elements, graph.add(ToolRadiator { matrix, air }))
         });
         let tool_radiator = tool_matrix.as_ref().map(|(_, radiator)| radiator.clone());
@@ -319,6 +326,9 @@ impl Chain {
                 bodies: vec![stages.body.clone()],
             })
         });
+
+        let modal = structure.iter().chain(&tool).map(|stages| *stages.body.key());
+        let structures = modal.chain(workpiece_matrix).chain(tool_matrix_key).collect();
 
         // Motion: of workpiece and support for each start and coupling, of the tool for each cycle.
         let shot = inputs::response::shot(design)?;
@@ -408,12 +418,15 @@ impl Chain {
             longest: longest.clone(),
         });
         let microphones = inputs::microphones::array(design)?;
-        let workpiece = graph.add(WorkpieceSource {
+        let workpiece_sound = WorkpieceSound {
             radiator: radiator.clone(),
             bodies: bodies.clone(),
-            top_hz: structure.iter().map(|stages| stages.top_hz).collect(),
             radiation_damping,
             motions: motions.clone(),
+        };
+        let workpiece = graph.add(WorkpieceSource {
+            sound: workpiece_sound.clone(),
+            top_hz: structure.iter().map(|stages| stages.top_hz).collect(),
             cycle: cycle.clone(),
             end: end.clone(),
             microphones: microphones.clone(),
@@ -442,6 +455,14 @@ impl Chain {
             cycle: cycle.clone(),
         };
         let of_tool = tool_motion.as_ref().map(|(_, motion)| motion.clone());
+        let levels = graph.add(ShotLevels {
+            workpiece: workpiece_sound,
+            openings: openings.clone(),
+            body: body_sound(&cycle, of_tool.clone()),
+            cycle: cycle.clone(),
+            end: end.clone(),
+            range_hz,
+        });
         let body = graph.add(BodySource {
             sound: body_sound(&cycle, of_tool.clone()),
             end: end.clone(),
@@ -538,6 +559,8 @@ impl Chain {
             workpiece,
             exhaust,
             body,
+            levels,
+            structures,
             sensors,
             fields,
             starts,
@@ -548,13 +571,16 @@ impl Chain {
     }
 }
 
-/// The workpiece with its support as a radiator, and how its sound field is computed.
+/// A radiator, how its sound field is computed, and the key of its radiation matrix.
+type RadiationStages = (Stored<Box<dyn Radiator>>, FieldMethod, Option<Digest>);
+
+/// The workpiece with its support as a radiator, how its sound field is computed, and the key of its radiation matrix.
 fn workpiece_radiation(
     graph: &Graph,
     design: &Design,
     bodies: &[Stored<Body>],
     air: Air,
-) -> Result<(Stored<Box<dyn Radiator>>, FieldMethod), Error> {
+) -> Result<RadiationStages, Error> {
     let radiator = |method| {
         graph.add(WorkpieceRadiator {
             method,
@@ -568,10 +594,10 @@ fn workpiece_radiation(
                 elements: elements.clone(),
                 bodies: bodies.to_vec(),
             });
-            let field = FieldMethod::BoundaryElements(elements, matrix.clone());
-            (radiator(WorkpieceMethod::BoundaryElements(matrix)), field)
+            let (field, key) = (FieldMethod::BoundaryElements(elements, matrix.clone()), *matrix.key());
+            (radiator(WorkpieceMethod::BoundaryElements(matrix)), field, Some(key))
         }
-        WorkpieceRadiation::Erp(covered) => (radiator(WorkpieceMethod::Erp(covered)), FieldMethod::Erp),
+        WorkpieceRadiation::Erp(covered) => (radiator(WorkpieceMethod::Erp(covered)), FieldMethod::Erp, None),
         WorkpieceRadiation::Rayleigh(top) => {
             let alone = graph.add(FlushMatrix {
                 places: top.places.clone(),
@@ -579,8 +605,9 @@ fn workpiece_radiation(
                 air: FlushMatrix::computed_air(&air),
                 body: bodies[0].clone(),
             });
+            let key = *alone.key();
             let radiator = radiator(WorkpieceMethod::Rayleigh(top.clone(), alone));
-            (radiator.clone(), FieldMethod::Rayleigh(top, radiator))
+            (radiator.clone(), FieldMethod::Rayleigh(top, radiator), Some(key))
         }
     })
 }
@@ -622,7 +649,6 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
-    use crate::stages::Digest;
 
     /// Beginnings of keys whose values reach no mesh, no mode and no load vector.
     const BEYOND_BODIES: [&str; 4] = ["acoustics.", "ambient.", "exhaust.", "supply."];

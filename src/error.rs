@@ -46,6 +46,50 @@ pub enum Error {
         /// The parameter most like it, if one is near.
         nearest: Option<String>,
     },
+    /// No candidate of a study is a design whose shot counts.
+    #[error("none of {candidates} candidates gives a shot that counts: {outcomes}{}", if refused.is_empty() { String::new() } else { format!("; no designs: {refused}") })]
+    #[diagnostic(help("{}", if require.is_empty() {
+        "narrow the ranges: their values do not go together".to_owned()
+    } else {
+        format!("remove `require = \"{require}\"` from [study], or narrow the ranges")
+    }))]
+    NothingDrawn {
+        /// Candidates drawn.
+        candidates: u64,
+        /// Counts of their outcomes.
+        outcomes: String,
+        /// Counts of those that are no designs, by the reason.
+        refused: String,
+        /// Outcomes that count.
+        require: String,
+    },
+    /// A finished result has no ranges to draw from.
+    #[error("{} is a finished result, from which nothing can be drawn", path.display())]
+    #[diagnostic(help("give the design file itself, or leave --draws out"))]
+    NothingToDraw {
+        /// The result.
+        path: PathBuf,
+    },
+    /// What a sweep is to vary cannot be a value of a design.
+    #[error("the sweep cannot vary this: {error}")]
+    #[diagnostic(help("give a key of the design and its values, as in supply.pressure=80psig..110psig:7"))]
+    NoAxis {
+        /// What is wrong.
+        error: crate::design::AssignmentError,
+    },
+    /// A sweep of too many points.
+    #[error("the grid of the sweep has more than {most} points")]
+    #[diagnostic(help("give fewer values, or sweep the keys one after the other"))]
+    SweptTooMuch {
+        /// Points of a grid at most.
+        most: usize,
+    },
+    /// Values of a draw do not go together.
+    #[error("the values drawn are no design: {reason}")]
+    NoDesign {
+        /// The keys that do not go together, or what is wrong with one of them.
+        reason: String,
+    },
     /// Penetration laws could not be compared.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -278,6 +322,13 @@ pub enum Error {
     #[error("a design has several bodies")]
     #[diagnostic(help("choose one: --body workpiece, --body worktable or --body tool"))]
     NoBody,
+    /// Keys belong to designs.
+    #[error("`{}` is no design, so that it has no key to set", path.display())]
+    #[diagnostic(help("leave --set out, or name a design file (.toml)"))]
+    NothingToSet {
+        /// The file given.
+        path: PathBuf,
+    },
     /// A geometry without a design has no frequency.
     #[error("a geometry alone does not tell how fine its mesh must be")]
     #[diagnostic(help(

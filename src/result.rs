@@ -61,12 +61,17 @@ pub struct RunResult {
 impl RunResult {
     /// JSON Schema (draft 2020-12) of a result.
     pub fn json_schema() -> Schema {
-        let settings = SchemaSettings::draft2020_12().for_serialize();
-        settings
-            .with_transform(RecursiveTransform(unescape))
-            .into_generator()
-            .into_root_schema_for::<Self>()
+        schema_of::<Self>()
     }
+}
+
+/// JSON Schema (draft 2020-12) of a result, with descriptions in plain text.
+pub(crate) fn schema_of<T: JsonSchema>() -> Schema {
+    let settings = SchemaSettings::draft2020_12().for_serialize();
+    settings
+        .with_transform(RecursiveTransform(unescape))
+        .into_generator()
+        .into_root_schema_for::<T>()
 }
 
 /// Turns the description of a schema from the text of rustdoc into plain text in one line.

@@ -193,6 +193,7 @@ fn the_spectrum_holds_the_power_of_the_jets() {
     let settings = ExhaustSettings {
         transform,
         plenum: None,
+        fitting: None,
         muffler: None,
         unsteady_flow: true,
     };

@@ -5,7 +5,8 @@ use std::path::Path;
 
 use nailnoise::bundle::Bundle;
 use nailnoise::design::Design;
-use nailnoise::stages::bodies::{Body, WholeModes};
+use nailnoise::stages::bodies::{Body, BodySensors, WholeModes};
+use nailnoise::stages::response::ResponseChecks;
 use nailnoise::stages::{Codec, Postcard, WithMatrix};
 use nailnoise_dynamics::prf::ForceTable;
 use nailnoise_meshes::{Surface, msh, uff};
@@ -65,8 +66,14 @@ pub fn penetration_table(bytes: &[u8]) {
 
 /// What a cache entry holds behind its header: a value in the postcard format, or one with a matrix.
 pub fn cache_entry(bytes: &[u8]) {
-    let (mut body, mut modes, mut bundle) = (bytes, bytes, bytes);
-    let _ = <WithMatrix as Codec<Body>>::read(&mut body, bytes.len());
-    let _ = <WithMatrix as Codec<WholeModes>>::read(&mut modes, bytes.len());
-    let _ = <Postcard as Codec<Bundle>>::read(&mut bundle, bytes.len());
+    fn read<T, C: Codec<T>>(mut bytes: &[u8]) {
+        let length = bytes.len();
+        let _ = C::read(&mut bytes, length);
+    }
+    read::<Body, WithMatrix>(bytes);
+    read::<WholeModes, WithMatrix>(bytes);
+    read::<Bundle, Postcard>(bytes);
+    read::<BodySensors, Postcard>(bytes);
+    read::<ResponseChecks, Postcard>(bytes);
+    read::<Vec<Vec<f64>>, Postcard>(bytes);
 }

@@ -10,7 +10,7 @@ use nailnoise_meshes::msh::Imported;
 use nailnoise_quantities::dimension::LENGTH;
 use nailnoise_quantities::measure;
 
-use super::Memory;
+use super::{Changes, Memory};
 use crate::chain;
 use crate::cost::{self, MemoryLimit};
 use crate::design::inputs::{bodies as inputs, located};
@@ -98,6 +98,8 @@ pub(super) struct Input {
     remesh: bool,
     #[command(flatten)]
     memory: Memory,
+    #[command(flatten)]
+    changes: Changes,
 }
 
 /// A mesh, with the body of a design that it is, if it is one.
@@ -117,6 +119,11 @@ impl Input {
     pub(super) fn load(&self, for_run: bool) -> Result<Loaded, Error> {
         let is_design = self.path.extension().is_some_and(|end| end == "toml");
         if !is_design {
+            if !self.changes.set.is_empty() {
+                return Err(Error::NothingToSet {
+                    path: self.path.clone(),
+                });
+            }
             let file = MeshFile::new(&self.path, self.own.unit.unwrap_or(1e-3), self.size, None)?;
             let mut imported = file.import()?;
             if file.needs_gmsh() {
@@ -133,7 +140,7 @@ impl Input {
                 problems: Vec::new(),
             });
         }
-        let mut design = super::load(&self.path)?;
+        let mut design = self.changes.load(&self.path)?;
         let kind = BodyKind::from(self.body.ok_or(Error::NoBody)?);
         self.own.replace(&mut design, kind);
         if let Some(size) = self.size {
@@ -162,7 +169,7 @@ impl Input {
     pub(super) fn whole_design(&self) -> Result<Option<Design>, Error> {
         let is_design = self.path.extension().is_some_and(|end| end == "toml");
         (is_design && self.body.is_none())
-            .then(|| super::load(&self.path))
+            .then(|| self.changes.load(&self.path))
             .transpose()
     }
 

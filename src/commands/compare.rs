@@ -2,22 +2,27 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use clap::Args;
+use serde::Serialize;
 
 use super::table::{decibels, table};
 use super::{
-    Keeping, Memory, comparison_page, folder_of, load, message, print, print_json, progress, start_threads, status_of,
+    Changes, Keeping, Memory, comparison_page, folder_of, message, print, print_json, progress, start_threads,
+    status_of,
 };
 use crate::bundle::deliver;
 use crate::comparison::{Comparison, Finished, Labelled, Levels, Limit};
-use crate::cost::MemoryLimit;
+use crate::design::Design;
 use crate::error::Error;
+use crate::graph::Graph;
 use crate::report;
 use crate::result::Check;
-use crate::stages::Progress;
+use crate::stages::{Progress, WithoutStages};
 use crate::staging;
 use crate::store::Store;
+use crate::study::{self, Estimate, PairedStudy, Request, common_draws};
 use crate::wording::{band, change, order};
 
 #[derive(Args)]
@@ -38,12 +43,20 @@ pub(super) struct Arguments {
     keeping: Keeping,
     #[command(flatten)]
     memory: Memory,
+    #[command(flatten)]
+    changes: Changes,
     /// Show the levels of every one-third-octave band
     #[arg(long)]
     bands: bool,
     /// Show the levels between neighbouring events
     #[arg(long)]
     intervals: bool,
+    /// Draw N shots of all designs in common, and state how sure the changes are; each argument must be a design file
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=60_000))]
+    draws: Option<u32>,
+    /// Seed of --draws
+    #[arg(long, value_name = "SEED", default_value_t = 1, requires = "draws")]
+    seed: u64,
     /// End with status 1 if a design other than the reference is louder: total=100, exhaust=95.5
     #[arg(long, value_name = "SOURCE=DB")]
     fail_above: Vec<Limit>,
@@ -53,26 +66,30 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     start_threads(arguments.threads)?;
     let progress = progress();
     let cache = arguments.keeping.cache()?;
-    let memory = arguments.memory.limit();
     let (mut results, mut checks): (Vec<Finished>, Vec<Check>) = (Vec::new(), Vec::new());
     for path in &arguments.designs {
         let mut result = match Finished::is_at(path) {
             Some(file) => Finished::read(&file)?,
-            None => finish(path, &results, &arguments.out, &cache, memory, &progress, &mut checks)?,
+            None => finish(path, &results, arguments, &cache, &progress, &mut checks)?,
         };
         let name = free_name(result.name(), &results);
         result.rename(name);
         results.push(result);
     }
+    let paired = paired(arguments, &cache, &progress)?;
     progress.end();
     let comparison = Comparison::new(&results);
     let identity = comparison_page::identity(&arguments.designs);
     let page = comparison_page::place(&arguments.out, &comparison.designs, &identity);
     staging::write(&page, report::comparison(&comparison, &identity).as_bytes())?;
     if arguments.json {
-        print_json(&comparison)?;
+        print_json(&Layout {
+            comparison: &comparison,
+            paired: &paired,
+        })?;
     } else {
         print(&text(&comparison, arguments.bands, arguments.intervals))?;
+        paired.iter().try_for_each(|paired| print(&changes(paired)))?;
         print(&format!("\n  as a page: {}\n", page.display()))?;
     }
     let exceeded = comparison.exceeded(&arguments.fail_above);
@@ -86,21 +103,105 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     Ok(status)
 }
 
+/// Layout of `compare --json`.
+#[derive(Serialize)]
+struct Layout<'a> {
+    #[serde(flatten)]
+    comparison: &'a Comparison,
+    /// Each design against the first over common draws; absent without `--draws`.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    paired: &'a [PairedStudy],
+}
+
+/// Each design against the first over common draws, if they are asked for.
+fn paired(arguments: &Arguments, cache: &Store, progress: &Progress) -> Result<Vec<PairedStudy>, Error> {
+    let Some(draws) = arguments.draws else {
+        return Ok(Vec::new());
+    };
+    let request = Request {
+        draws: draws as usize,
+        seed: arguments.seed,
+        shots_a_structure: None,
+    };
+    if let Some(path) = arguments.designs.iter().find(|path| Finished::is_at(path).is_some()) {
+        return Err(Error::NothingToDraw { path: path.clone() });
+    }
+    let designs = arguments
+        .designs
+        .iter()
+        .map(Design::load)
+        .collect::<Result<Vec<_>, _>>()?;
+    let observer = Arc::new(WithoutStages(progress.observer()));
+    let graph = Graph::new(Arc::new(cache.clone()), observer);
+    let pair = |other: &Design| {
+        let made = common_draws(&graph, &[&designs[0], other], &request, progress)?;
+        Ok(PairedStudy::new((&designs[0], &made[0]), (other, &made[1]), &request))
+    };
+    designs.iter().skip(1).map(pair).collect()
+}
+
+/// The changes of a design as a person reads them.
+fn changes(paired: &PairedStudy) -> String {
+    let level = |estimate: &Estimate| estimate.value.map_or_else(|| "-".to_owned(), change);
+    let width = |width: Option<f64>| width.map_or_else(|| "-".to_owned(), |width| format!("{width:.1}"));
+    let row = |own: &study::Change| {
+        let quantiles = &own.change_db;
+        vec![
+            own.source.clone(),
+            level(&quantiles.p05),
+            level(&quantiles.p50),
+            level(&quantiles.p95),
+            super::study::probability(&own.quieter),
+            width(own.width_db),
+            width(own.level_width_db),
+        ]
+    };
+    let headings = [
+        "change",
+        "P5 dB",
+        "P50 dB",
+        "P95 dB",
+        "P(quieter)",
+        "width dB",
+        "width of the level dB",
+    ];
+    format!(
+        "\n{} against {} over {} common draws (seed {}), structures held; not drawn, because the designs differ in them: {}\n\n{}",
+        paired.design,
+        paired.reference,
+        paired.draws,
+        paired.seed,
+        if paired.decided.is_empty() {
+            "nothing".to_owned()
+        } else {
+            paired.decided.join(", ")
+        },
+        table(&headings, &paired.changes.iter().map(row).collect::<Vec<_>>())
+    )
+}
+
 /// Runs a design and writes its files to a folder of its own, as `nailnoise run` does.
 fn finish(
     path: &Path,
     before: &[Finished],
-    out: &Path,
+    arguments: &Arguments,
     cache: &Store,
-    memory: MemoryLimit,
     progress: &Progress,
     checks: &mut Vec<Check>,
 ) -> Result<Finished, Error> {
-    let design = load(path)?;
+    let design = arguments.changes.load(path)?;
     progress.note(&format!("design {}", design.name()));
     let name = free_name(design.name(), before);
-    let folder = folder_of(out, &name, design.path())?;
-    let (bundle, _) = deliver(&design, &folder, false, super::run::words, cache, memory, progress)?;
+    let folder = folder_of(&arguments.out, &name, design.path())?;
+    let (bundle, _) = deliver(
+        &design,
+        &folder,
+        false,
+        super::run::words,
+        cache,
+        arguments.memory.limit(),
+        progress,
+    )?;
     checks.extend(bundle.checks.into_iter().map(|check| check.of(&name)));
     Finished::parse(&folder, &bundle.json)
 }

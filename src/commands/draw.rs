@@ -13,7 +13,7 @@ use crate::error::Error;
 use crate::output;
 use crate::result::DesignId;
 use crate::staging;
-use crate::study::{Draw, Fate, Study, study};
+use crate::study::{DrawnShot, Fate, Rejections, Shots, shots};
 
 /// Layout of `cycle --draw --json`; the draws themselves are in the file.
 #[derive(Serialize)]
@@ -26,6 +26,7 @@ struct DrawResult<'a> {
     candidates: usize,
     counts: &'a BTreeMap<String, usize>,
     refused: &'a BTreeMap<String, usize>,
+    rejections: &'a Rejections,
     failures: Vec<Failure>,
     file: String,
 }
@@ -40,7 +41,7 @@ pub(super) fn execute(common: &Common, design: &Design, count: usize, seed: u64)
     let folder = common.out(design)?;
     let progress = progress();
     progress.stage("drawing designs");
-    let study = study(design, count, seed, &progress)?;
+    let study = shots(design, count, seed, &progress)?;
     progress.end();
     let path = folder.join("draws.csv");
     staging::write(&path, &csv(&study)?)?;
@@ -66,6 +67,7 @@ pub(super) fn execute(common: &Common, design: &Design, count: usize, seed: u64)
             candidates: study.candidates,
             counts: &study.counts,
             refused: &study.refused,
+            rejections: &study.rejections,
             failures,
             file: path.display().to_string(),
         })?;
@@ -76,8 +78,8 @@ pub(super) fn execute(common: &Common, design: &Design, count: usize, seed: u64)
     Ok(status)
 }
 
-fn failures(study: &Study) -> Vec<Failure> {
-    let failure = |draw: &'_ Draw| match &draw.fate {
+fn failures(study: &Shots) -> Vec<Failure> {
+    let failure = |draw: &'_ DrawnShot| match &draw.fate {
         Fate::SolverFailure(error) => Some((draw.candidate, error.clone())),
         _ => None,
     };
@@ -89,7 +91,7 @@ fn failures(study: &Study) -> Vec<Failure> {
         .collect()
 }
 
-fn text(name: &str, study: &Study) -> String {
+fn text(name: &str, study: &Shots) -> String {
     let drawn = study.draws.len();
     let mut text = format!(
         "{name}: {drawn} designs drawn from the ranges of {} parameters (seed {})\n\n",
@@ -113,20 +115,22 @@ fn text(name: &str, study: &Study) -> String {
         study.candidates,
         study.candidates - drawn
     );
-    let mut refused: Vec<(&String, &usize)> = study.refused.iter().collect();
-    refused.sort_by(|a, b| b.1.cmp(a.1));
-    let rows: Vec<Vec<String>> = refused
+    let refused = study.refused.iter().map(|(reason, count)| (reason, *count as u64));
+    let drawn_anew = study.rejections.iter().map(|(keys, count)| (keys, *count));
+    let mut reasons: Vec<(&String, u64)> = refused.chain(drawn_anew).collect();
+    reasons.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+    let rows: Vec<Vec<String>> = reasons
         .into_iter()
         .map(|(reason, count)| vec![reason.clone(), count.to_string()])
         .collect();
     if !rows.is_empty() {
-        text.push_str(&table(&["refused, incompatible values", "candidates"], &rows));
+        text.push_str(&table(&["values that do not go together", "drawn anew"], &rows));
     }
     text
 }
 
 /// `draws.csv`: a row for every design, its values in SI units.
-fn csv(study: &Study) -> Result<Vec<u8>, Error> {
+fn csv(study: &Shots) -> Result<Vec<u8>, Error> {
     let figures = [
         "candidate",
         "fate",
@@ -144,12 +148,8 @@ fn csv(study: &Study) -> Result<Vec<u8>, Error> {
     });
     let rows = study.draws.iter().map(|draw| {
         let (speed, depth, mass) = match &draw.fate {
-            Fate::Shot { summary, .. } => (
-                summary.mean_drive_speed,
-                Some(summary.penetration),
-                Some(summary.exhaust_mass),
-            ),
-            Fate::DryFire | Fate::SolverFailure(_) => (None, None, None),
+            Fate::Shot(shot) => (shot.mean_drive_speed, Some(shot.penetration), Some(shot.exhaust_mass)),
+            Fate::DryFire | Fate::SolverFailure(_) | Fate::Refused(_) => (None, None, None),
         };
         let figures = [speed, depth, mass].map(|value| value.map_or_else(String::new, |value| format!("{value:e}")));
         let values = draw.values.iter().map(|value| match value {

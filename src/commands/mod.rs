@@ -14,6 +14,7 @@ mod draw;
 mod explain;
 mod faults;
 mod init;
+mod intervals;
 mod mesh;
 mod modes;
 mod prf;
@@ -21,6 +22,8 @@ mod progress;
 mod run;
 mod schema;
 mod sensitivity;
+mod study;
+mod sweep;
 mod table;
 
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -30,7 +33,7 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 
 use crate::cost::MemoryLimit;
-use crate::design::Design;
+use crate::design::{Assignment, Design};
 use crate::error::Error;
 use crate::result::Check;
 use crate::staging::is_file_name;
@@ -60,6 +63,10 @@ enum Command {
     Run(run::Arguments),
     /// Compare designs or finished results: the differences and their effect on each source
     Compare(compare::Arguments),
+    /// Draw designs from the ranges: intervals of the levels, probability of each order, and the inputs that decide
+    Study(study::Arguments),
+    /// Compute the levels over a grid of values
+    Sweep(sweep::Arguments),
     /// Compute one nailing cycle: pressures, motions, forces and events; with --json, files are written only with --out or
     /// --figures
     Cycle(cycle::Arguments),
@@ -95,12 +102,14 @@ struct Common {
     threads: Option<u16>,
     #[command(flatten)]
     memory: Memory,
+    #[command(flatten)]
+    changes: Changes,
 }
 
 impl Common {
     /// Reads the design and prints its warnings.
     fn load(&self) -> Result<Design, Error> {
-        load(&self.design)
+        self.changes.load(&self.design)
     }
 
     /// The folder for the output files of this design.
@@ -160,13 +169,23 @@ impl Keeping {
     }
 }
 
-/// Reads a design and prints its warnings.
-fn load(path: &Path) -> Result<Design, Error> {
-    let design = Design::load(path)?;
-    for warning in design.warnings() {
-        report(warning.clone());
+/// Values over those of a design file.
+#[derive(Args)]
+struct Changes {
+    /// Another value for a key of the design, as supply.pressure=80psig; may be repeated, the last one for a key counts
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<Assignment>,
+}
+
+impl Changes {
+    /// Reads a design with these values and prints its warnings.
+    fn load(&self, path: &Path) -> Result<Design, Error> {
+        let design = Design::load_with(path, &self.set)?;
+        for warning in design.warnings() {
+            report(warning.clone());
+        }
+        Ok(design)
     }
-    Ok(design)
 }
 
 /// Sets the size of the thread pool of the whole process; all cores without a number.
@@ -209,6 +228,8 @@ fn execute(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Init(arguments) => init::execute(arguments),
         Command::Run(arguments) => run::execute(arguments),
         Command::Compare(arguments) => compare::execute(arguments),
+        Command::Study(arguments) => study::execute(arguments),
+        Command::Sweep(arguments) => sweep::execute(arguments),
         Command::Cycle(arguments) => cycle::execute(arguments),
         Command::Modes(arguments) => modes::execute(arguments),
         Command::Mesh(arguments) => mesh::execute(arguments),

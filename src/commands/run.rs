@@ -5,15 +5,17 @@ use std::sync::Arc;
 
 use clap::Args;
 
+use super::intervals;
 use super::table::{decibels, table};
 use super::{Common, Keeping, print, progress, status_of};
-use crate::bundle::deliver;
+use crate::bundle::{Text, deliver};
 use crate::chain::{Chain, Options};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::output;
 use crate::result::{Component, Coupling, RankedSource, RunResult};
 use crate::run::Run;
+use crate::study::StudyResult;
 use crate::wording::{band, order};
 
 #[derive(Args)]
@@ -29,7 +31,7 @@ pub(super) struct Arguments {
     /// elements this takes about four times as long as a first run
     #[arg(long)]
     fields: bool,
-    /// Also print the parts of each source
+    /// Also print the parts of each source, and the error of its method
     #[arg(long)]
     components: bool,
 }
@@ -40,6 +42,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let design = common.load()?;
     let folder = common.out(&design)?;
     let cache = arguments.keeping.cache()?;
+    let store = cache.clone();
     let progress = progress();
     let (bundle, unchanged) = deliver(
         &design,
@@ -63,10 +66,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     if common.json {
         print(&bundle.json)?;
     } else {
-        let [table, parts] = &bundle.text;
-        print(table)?;
+        let known = intervals::known(&store, &design, &progress);
+        progress.end();
+        print(&with_intervals(&bundle.text, known.as_ref()))?;
         if arguments.components {
-            print(parts)?;
+            print(&bundle.text.parts)?;
         }
         if unchanged {
             print("  unchanged design: result from the cache\n")?;
@@ -79,9 +83,38 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     Ok(status_of(&checks))
 }
 
-/// A run as text: the table, and the parts of its sources.
-pub(super) fn words(run: &Run) -> [String; 2] {
-    [text(&run.result), components(&run.result)]
+/// A run as text.
+pub(super) fn words(run: &Run) -> Text {
+    text(&run.result)
+}
+
+/// The table with what a study knows of the levels, or why nothing is known.
+fn with_intervals(text: &Text, known: Result<&StudyResult, &String>) -> String {
+    let Text {
+        before,
+        headings,
+        rows,
+        after,
+        ..
+    } = text;
+    let (mut headings, mut rows) = (headings.clone(), rows.clone());
+    let explained = match known {
+        Ok(study) => {
+            let columns = [intervals::heading(study), "P(first)".to_owned()];
+            headings.splice(2..2, columns);
+            for row in &mut rows {
+                let cells = match study.source(&row[0]) {
+                    Some(own) => [intervals::span(study, &own.level), intervals::first(study, &row[0])],
+                    None => [intervals::span(study, &study.total), String::new()],
+                };
+                row.splice(2..2, cells);
+            }
+            intervals::explained(study)
+        }
+        Err(reason) => format!("\n  how sure these levels are is not known: {reason}\n"),
+    };
+    let headings: Vec<&str> = headings.iter().map(String::as_str).collect();
+    format!("{before}{}{explained}{after}", table(&headings, &rows))
 }
 
 /// The largest by a level; none where all are silent.
@@ -112,7 +145,19 @@ fn components(result: &RunResult) -> String {
         }));
     }
     let headings = ["source", "part", "L_WA,1s dB", "L_W,1s dB", "loudest band (A)"];
-    format!("\n{}", table(&headings, &rows))
+    let mut text = format!("\n{}\n", table(&headings, &rows));
+    let methods = result.ranking.iter();
+    let methods = methods.map(|source| vec![source.source.clone(), band(source.uncertainty_db.bounds())]);
+    text.push_str(&table(
+        &["source", "error of the method alone dB"],
+        &methods.collect::<Vec<_>>(),
+    ));
+    let placed: Vec<_> = result.ranking.iter().map(RankedSource::placed).collect();
+    text.push_str(&format!(
+        "\n  ranking by the errors of the methods alone: {}\n",
+        order(&placed)
+    ));
+    text
 }
 
 /// What the two-way coupling changed.
@@ -148,7 +193,7 @@ fn coupled(coupling: &Coupling) -> String {
 }
 
 /// The result as a person reads it.
-fn text(result: &RunResult) -> String {
+fn text(result: &RunResult) -> Text {
     let rows: Vec<Vec<String>> = result
         .ranking
         .iter()
@@ -158,7 +203,6 @@ fn text(result: &RunResult) -> String {
             vec![
                 source.source.clone(),
                 decibels(source.lwa_db),
-                band(source.uncertainty_db.bounds()),
                 decibels(source.lw_db),
                 format!("{:.1} %", 100.0 * source.share),
                 band_of.map_or_else(|| "-".to_owned(), |band| format!("{} Hz", band.hz)),
@@ -173,14 +217,12 @@ fn text(result: &RunResult) -> String {
         .chain([vec![
             "total".to_owned(),
             decibels(result.total.lwa_db),
-            String::new(),
             decibels(result.total.lw_db),
         ]])
         .collect();
     let headings = [
         "source",
         "L_WA,1s dB",
-        "model dB",
         "L_W,1s dB",
         "share (A)",
         "loudest band (A)",
@@ -188,20 +230,18 @@ fn text(result: &RunResult) -> String {
         "computed over",
         "method",
     ];
-    let mut text = format!(
+    let mut before = format!(
         "{}: single-event sound power levels re 1 pW s, one shot",
         result.design.name
     );
     if let Some(source) = result.ranking.first() {
         let (first, last) = (source.bands.first(), source.bands.last());
         if let (Some(first), Some(last)) = (first, last) {
-            text.push_str(&format!(", third-octave bands {} to {} Hz", first.hz, last.hz));
+            before.push_str(&format!(", third-octave bands {} to {} Hz", first.hz, last.hz));
         }
     }
-    text.push_str("\n\n");
-    text.push_str(&table(&headings, &rows));
-    let placed: Vec<_> = result.ranking.iter().map(RankedSource::placed).collect();
-    text.push_str(&format!("\n  ranking: {}\n", order(&placed)));
+    before.push_str("\n\n");
+    let mut text = String::new();
     if let Some(starts) = &result.starts {
         text.push_str(&format!(
             "\n  workpiece over {} starts: {:.1} dB, standard deviation {:.2} dB\n",
@@ -224,5 +264,11 @@ fn text(result: &RunResult) -> String {
         0 => format!("\n  all {checks} checks ok; {total:.1} s\n"),
         _ => format!("\n  {failed} of {checks} checks FAILED; {total:.1} s\n"),
     });
-    text
+    Text {
+        before,
+        headings: headings.map(str::to_owned).to_vec(),
+        rows,
+        after: text,
+        parts: components(result),
+    }
 }

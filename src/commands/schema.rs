@@ -8,6 +8,7 @@ use super::print_json;
 use crate::design::json_schema;
 use crate::error::Error;
 use crate::result::RunResult;
+use crate::study::StudyResult;
 
 #[derive(Args)]
 pub(super) struct Arguments {
@@ -22,12 +23,15 @@ enum Layout {
     Design,
     /// `result.json` and the output of `run --json`, for programs that read them
     Result,
+    /// `study.json` and the output of `study --json`
+    Study,
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     match arguments.of {
         Layout::Design => print_json(&json_schema())?,
         Layout::Result => print_json(&RunResult::json_schema())?,
+        Layout::Study => print_json(&StudyResult::json_schema())?,
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -12,8 +12,8 @@ use crate::error::Error;
 use crate::output;
 use crate::result::DesignId;
 use crate::sensitivity::{self, Derivative, End, OutputSensitivity, ParameterOutcome, Sensitivity, USUAL};
+use crate::stages::outcomes::outcome_name;
 use crate::staging;
-use crate::study::outcome_name;
 
 /// Parameters shown for each figure; the file has them all.
 const SHOWN: usize = 10;

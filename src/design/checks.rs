@@ -132,6 +132,9 @@ pub enum Conflict {
         /// Its bore \[m2\].
         bore: f64,
     },
+    /// A fitting and a muffler on the same holes.
+    #[error("`exhaust.fitting.kind` and `exhaust.muffler.kind` put a fitting and a muffler on the same holes")]
+    FittingAndMuffler,
     /// Nothing carries a body that stands on springs.
     #[error("nothing carries the {}: it stands on springs, and none on it has a `stiffness_z` above 0", body.as_str())]
     NotCarried {
@@ -217,6 +220,7 @@ impl Conflict {
             Self::NotPlaneWaves { key, .. } => vec![key, "exhaust.muffler.kind", "analysis.exhaust_top"],
             Self::NotCarried { key, .. } => vec![key],
             Self::MufflerArea { .. } => vec!["exhaust.muffler.flow_area", "exhaust.muffler.tail_diameter"],
+            Self::FittingAndMuffler => vec!["exhaust.fitting.kind", "exhaust.muffler.kind"],
             Self::HeatCapacityRatio { .. } => vec!["ambient.heat_capacity_ratio"],
             Self::EmptyRange { .. } => vec!["analysis.range_low", "analysis.range_high"],
             Self::TimeStep { .. } => vec!["analysis.time_step", "analysis.range_high", "analysis.exhaust_top"],
@@ -262,6 +266,9 @@ impl Conflict {
             ),
             Self::MufflerArea { .. } => {
                 "lower `exhaust.muffler.flow_area` or widen `exhaust.muffler.tail_diameter`".to_owned()
+            }
+            Self::FittingAndMuffler => {
+                "choose one: `exhaust.fitting.kind = \"none\"` or `exhaust.muffler.kind = \"none\"`".to_owned()
             }
             Self::NotCarried { body, .. } => format!(
                 "name its springs: [springs.NAME] with body = \"{}\", x, y, z, and stiffness and damping along each axis",
@@ -457,6 +464,9 @@ fn exhaust(v: &Values) -> Option<Conflict> {
         }
     }
     let muffler = &v.exhaust.muffler;
+    if v.exhaust.fitting.kind != FittingKind::None && muffler.kind != MufflerKind::None {
+        return Some(Conflict::FittingAndMuffler);
+    }
     if muffler.kind != MufflerKind::Chamber {
         return None;
     }

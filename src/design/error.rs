@@ -209,6 +209,18 @@ pub enum DesignError {
         /// Where.
         at: Box<Place>,
     },
+    /// A distribution that a quantity cannot have.
+    #[error("`{key}` cannot be distributed as \"{distribution}\": {because}")]
+    BadDistribution {
+        /// Full name of the key.
+        key: String,
+        /// What stands there.
+        distribution: &'static str,
+        /// Why not.
+        because: &'static str,
+        /// Where.
+        at: Box<Place>,
+    },
     /// A file that a key names cannot be found.
     #[error("`{key}` names {}, which cannot be read: {reason}", path.display())]
     NoFile {
@@ -368,6 +380,7 @@ impl DesignError {
             | Self::OutsideLimits { at, .. }
             | Self::BadRange { at, .. }
             | Self::BadProvenance { at, .. }
+            | Self::BadDistribution { at, .. }
             | Self::NoFile { at, .. }
             | Self::Missing { at, .. }
             | Self::Derived { at, .. }
@@ -440,6 +453,9 @@ impl DesignError {
             Self::BadProvenance { .. } => "begin with published, computed, estimated, decided, numerical, constant or \
                 design; the source may follow a colon: \"published: thesis Table 4-3\""
                 .to_owned(),
+            Self::BadDistribution { key, .. } => {
+                format!("correct value or range of `{key}`, or leave its distribution out: it is uniform then")
+            }
             Self::NoFile { key, .. } => {
                 format!(
                     "name it relative to the folder of this design, or write `{key} = \"\"` for the built-in geometry"
@@ -491,6 +507,7 @@ impl DesignError {
             Self::OutsideLimits { .. } => "outside its limits",
             Self::BadRange { .. } => "wrong way round",
             Self::BadProvenance { .. } => "unknown provenance",
+            Self::BadDistribution { .. } => "not possible here",
             Self::NoFile { .. } => "no such file",
             Self::Missing { .. } => "no base here",
             Self::Derived { .. } => "disagrees",
@@ -522,6 +539,7 @@ impl DesignError {
             Self::OutsideLimits { .. } => "outside_limits",
             Self::BadRange { .. } => "bad_range",
             Self::BadProvenance { .. } => "bad_provenance",
+            Self::BadDistribution { .. } => "bad_distribution",
             Self::NoFile { .. } => "no_file",
             Self::Missing { .. } => "missing",
             Self::Derived { .. } => "derived",

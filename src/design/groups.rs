@@ -56,6 +56,7 @@ group! {
     }
     groups {
         plenum: Plenum,
+        fitting: Fitting,
         muffler: Muffler,
     }
 }
@@ -72,6 +73,31 @@ group! {
         neck_length: f64 = positive(LENGTH), "L'";
         /// Quality factor of the resonance.
         quality: f64 = positive(NUMBER).within(0.01, 1e3), "Q";
+    }
+}
+
+choice! {
+    /// What is fitted on the exhaust holes.
+    FittingKind {
+        /// Nothing.
+        None = "none",
+        /// A pipe, open at its end.
+        Pipe = "pipe",
+    }
+}
+
+group! {
+    /// Pipe fitting on the exhaust holes, such as the one that carries a muffler in a wrapping test: a quarter-wave
+    /// resonator that the choked holes close. It filters the unsteady outflow and excludes a muffler.
+    Fitting {
+        /// The kind of fitting; the other keys are used for a pipe only.
+        kind: FittingKind = FittingKind::KIND, "";
+        /// Length from the holes to the open end.
+        length: f64 = positive(LENGTH), "L";
+        /// Inner diameter.
+        diameter: f64 = positive(LENGTH), "d";
+        /// Mach number of the mean flow at the outlet, whose jet damps the resonances.
+        outlet_mach: f64 = nonnegative(NUMBER).within(0.0, 1.0), "M";
     }
 }
 

@@ -3,8 +3,10 @@
 use nailnoise_quantities::{Group, GroupSpec, KeySpec, Kind};
 use serde_json::{Map, Value, json};
 
+use super::distribution::Distribution;
 use super::groups::Values;
 use super::provenance::Provenance;
+use super::study::{OUTCOMES, SOURCES};
 
 /// A JSON Schema (draft 2020-12) of the design file: completion, descriptions and first checks in an editor that knows
 /// TOML schemas. Units and limits are checked by this program alone.
@@ -17,6 +19,7 @@ pub fn json_schema() -> Value {
     if let Some(Value::Object(own)) = root.get_mut("properties").map(Value::take) {
         properties.extend(own);
     }
+    properties.insert("study".to_owned(), study());
     let provenances = Provenance::ALL.map(Provenance::as_str).join("|");
     root["properties"] = properties.into();
     root["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
@@ -30,6 +33,34 @@ pub fn json_schema() -> Value {
         ]},
     });
     root
+}
+
+/// `[study]`, which holds no quantities of the design.
+fn study() -> Value {
+    let outcome = json!({"enum": OUTCOMES});
+    let band = json!({"type": "string", "pattern": "^.*\\.\\..*dB\\s*$"});
+    json!({
+        "type": "object",
+        "description": "What a study of the design draws beside its ranges, and which shots count.",
+        "properties": {
+            "require": {"description": "Outcomes of which a shot must have one to count.",
+                        "anyOf": [outcome, {"type": "array", "items": outcome}]},
+            "screening": {"type": "integer", "minimum": 0, "maximum": 8,
+                          "description": "Draws of `nailnoise run` for a design without a study."},
+            "alternatives": {"type": "object", "additionalProperties": {"type": ["object", "array"]},
+                             "description": "Values of a key with weights, or a list of options of a group."},
+            "model": {"type": "object", "properties": SOURCES.map(|source| (source.to_owned(), band.clone()))
+                          .into_iter().collect::<Map<_, _>>(),
+                      "additionalProperties": false,
+                      "description": "Error of a source's method, in place of its own band."},
+            "correlation": {"type": "array", "description": "Rank correlations between drawn quantities.",
+                "items": {"type": "object", "additionalProperties": false, "required": ["keys", "rank"], "properties": {
+                    "keys": {"type": "array", "items": {"type": "string"}, "minItems": 2},
+                    "rank": {"type": "number", "exclusiveMinimum": -1, "exclusiveMaximum": 1},
+                }}},
+        },
+        "additionalProperties": false,
+    })
 }
 
 fn group(spec: &GroupSpec) -> Value {
@@ -66,6 +97,7 @@ fn key(spec: &KeySpec) -> Value {
     });
     if let Kind::Quantity { .. } | Kind::Count(_) = spec.kind {
         fields["range"] = json!({"$ref": "#/$defs/range"});
+        fields["distribution"] = json!({"enum": Distribution::ALL.map(Distribution::as_str)});
     }
     let unit = match spec.kind {
         Kind::Quantity { .. } => format!(" ({})", spec.kind.allowed()),

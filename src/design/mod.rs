@@ -12,8 +12,10 @@
 //! not go together, and derived quantities that disagree with their primary ones. Each error names file, line, key and
 //! remedy ([`DesignError`]).
 
+mod assignment;
 mod checks;
 mod derived;
+mod distribution;
 mod error;
 mod groups;
 pub mod inputs;
@@ -29,6 +31,7 @@ mod settings;
 mod show;
 mod source;
 mod springs;
+mod study;
 mod suggest;
 mod surfaces;
 
@@ -39,8 +42,10 @@ use std::path::{Path, PathBuf};
 use nailnoise_quantities::Group;
 use sha2::{Digest as _, Sha256};
 
+pub use assignment::{Assignment, AssignmentError};
 pub use checks::Conflict;
 pub use derived::{AGREEMENT, DERIVED, Derived};
+pub use distribution::Distribution;
 pub use error::{DesignError, Warning};
 pub use groups::*;
 pub use json_schema::json_schema;
@@ -51,6 +56,7 @@ pub use reference::reference;
 pub use sensors::{Carrier, Sensor, SensorProblem};
 pub use set::SetError;
 pub use springs::{Spring, Sprung};
+pub use study::{Alternative, Correlation, OUTCOMES, SOURCES, StudySettings};
 pub use surfaces::{NamedSurface, SurfaceName, SurfaceOf, SurfaceProblem};
 
 use resolve::{Record, Records, Resolved};
@@ -68,6 +74,7 @@ pub struct Design {
     path: PathBuf,
     values: Values,
     records: Records,
+    study: StudySettings,
     warnings: Vec<Warning>,
 }
 
@@ -84,6 +91,9 @@ pub struct Entry {
     pub unit: String,
     /// Range of plausible values, in SI units.
     pub range: Option<[f64; 2]>,
+    /// Distribution over the range.
+    #[serde(skip)]
+    pub distribution: Distribution,
     /// Where the value comes from.
     pub provenance: Provenance,
     /// The source in words; may be empty.
@@ -102,8 +112,16 @@ impl Design {
     /// # Errors
     /// A [`DesignError`] for the first thing that is wrong, with its place and remedy.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, DesignError> {
+        Self::load_with(path, &[])
+    }
+
+    /// Reads a design file and those it inherits from, with other values for some keys; the last one for a key counts.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load). A wrong assignment is shown as line 1 of the file `command line`.
+    pub fn load_with(path: impl AsRef<Path>, assignments: &[Assignment]) -> Result<Self, DesignError> {
         let path = path.as_ref();
-        Self::resolve(path, File::read(path, None)?)
+        Self::resolve(path, File::read(path, None)?, assignments)
     }
 
     /// Reads a design from text, as if it stood in the file `path`, to whose folder a `base` is relative.
@@ -112,15 +130,18 @@ impl Design {
     /// As [`load`](Self::load).
     pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, DesignError> {
         let path = path.as_ref();
-        Self::resolve(path, File::new(path, text))
+        Self::resolve(path, File::new(path, text), &[])
     }
 
-    fn resolve(path: &Path, file: File) -> Result<Self, DesignError> {
+    fn resolve(path: &Path, file: File, assignments: &[Assignment]) -> Result<Self, DesignError> {
+        let over = assignments.iter().rev().map(Assignment::file);
+        let chain: Vec<File> = over.chain(file.chain()?).collect();
         let Resolved {
             values,
             records,
+            study,
             warnings,
-        } = resolve::resolve(&file.chain()?)?;
+        } = resolve::resolve(&chain)?;
         let name = path
             .file_stem()
             .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
@@ -129,6 +150,7 @@ impl Design {
             path: path.to_owned(),
             values,
             records,
+            study,
             warnings,
         })
     }
@@ -141,6 +163,11 @@ impl Design {
     /// The file, as it was asked for.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// What a study draws beside the ranges, and which shots count.
+    pub fn study(&self) -> &StudySettings {
+        &self.study
     }
 
     /// What the user should know about the design; each is a [`miette::Diagnostic`].
@@ -213,7 +240,13 @@ impl Design {
         let mut entries = Vec::new();
         self.values.visit("", &mut |key, spec, value| {
             let Some(record) = self.records.get(key) else { return };
-            let Record { range, note, place, .. } = record;
+            let Record {
+                range,
+                distribution,
+                note,
+                place,
+                ..
+            } = record;
             let changed = value != record.value;
             entries.push(Entry {
                 key: key.to_owned(),
@@ -221,6 +254,7 @@ impl Design {
                 value,
                 unit: spec.unit(),
                 range: *range,
+                distribution: *distribution,
                 provenance: if changed { Provenance::Design } else { record.provenance },
                 source: if changed { String::new() } else { record.source.clone() },
                 note: note.clone(),

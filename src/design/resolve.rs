@@ -6,6 +6,7 @@ use nailnoise_quantities::dimension::NUMBER;
 use nailnoise_quantities::{Dimension, Group, KeySpec, Kind, Measured, Value, dotted, members};
 
 use super::derived::AGREEMENT;
+use super::distribution::Distribution;
 use super::error::{DesignError, Warning};
 use super::groups::Values;
 use super::place::Place;
@@ -15,6 +16,7 @@ use super::settings::{Given, GivenDerived, Layer, Setting};
 use super::show::show;
 use super::source::File;
 use super::springs::Sprung;
+use super::study::{self, StudyLayer, StudySettings};
 use super::surfaces::SurfaceProblem;
 
 /// What the files say about one key, the nearest file last.
@@ -23,6 +25,7 @@ struct Merged {
     spec: &'static KeySpec,
     value: Option<(Given, String, Box<Place>)>,
     range: Option<([Measured; 2], Box<Place>)>,
+    distribution: Option<(Distribution, Box<Place>)>,
     provenance: Provenance,
     source: String,
     note: String,
@@ -35,6 +38,7 @@ struct Merged {
 pub(crate) struct Record {
     pub(crate) value: Value,
     pub(crate) range: Option<[f64; 2]>,
+    pub(crate) distribution: Distribution,
     pub(crate) provenance: Provenance,
     pub(crate) source: String,
     pub(crate) note: String,
@@ -50,6 +54,7 @@ pub(crate) type Records = HashMap<String, Record>;
 pub(crate) struct Resolved {
     pub(crate) values: Values,
     pub(crate) records: Records,
+    pub(crate) study: StudySettings,
     pub(crate) warnings: Vec<Warning>,
 }
 
@@ -57,12 +62,14 @@ pub(crate) struct Resolved {
 pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
     let mut merged = HashMap::new();
     let mut derived = Vec::new();
+    let mut studies = Vec::new();
     for (depth, file) in chain.iter().enumerate().rev() {
         let layer = Layer::read(file, &Values::SPEC)?;
         for setting in layer.settings {
             merge(&mut merged, setting, depth);
         }
         derived.extend(layer.derived);
+        studies.extend(StudyLayer::of(file, &Values::SPEC)?);
     }
     complete(&merged, chain)?;
 
@@ -76,6 +83,8 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
             records.insert(key, record);
         }
     }
+    let ranged = |key: &str| records.get(key).is_some_and(|record| record.range.is_some());
+    let study = study::joined(studies, ranged, ambient)?;
     let found = records
         .iter()
         .map(|(key, record)| (key.clone(), record.value.clone()))
@@ -97,6 +106,7 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
     Ok(Resolved {
         values,
         records,
+        study,
         warnings,
     })
 }
@@ -107,6 +117,7 @@ fn merge(merged: &mut HashMap<String, Merged>, setting: Setting, depth: usize) {
         spec,
         value,
         range,
+        distribution,
         provenance,
         note,
     } = setting;
@@ -114,6 +125,7 @@ fn merge(merged: &mut HashMap<String, Merged>, setting: Setting, depth: usize) {
         spec,
         value: None,
         range: None,
+        distribution: None,
         provenance: Provenance::Design,
         source: String::new(),
         note: String::new(),
@@ -127,6 +139,9 @@ fn merge(merged: &mut HashMap<String, Merged>, setting: Setting, depth: usize) {
     }
     if range.is_some() {
         entry.range = range;
+    }
+    if distribution.is_some() {
+        entry.distribution = distribution;
     }
     if let Some((provenance, source)) = provenance {
         (entry.provenance, entry.source) = (provenance, source);
@@ -197,6 +212,7 @@ fn record(key: &str, merged: Merged, ambient: f64) -> Result<Option<Record>, Des
         spec,
         value,
         range,
+        distribution,
         provenance,
         source,
         note,
@@ -239,9 +255,33 @@ fn record(key: &str, merged: Merged, ambient: f64) -> Result<Option<Record>, Des
             Some([low, high])
         }
     };
+    let distribution = match distribution {
+        None => Distribution::default(),
+        Some((distribution, at)) => {
+            let number = match value {
+                Value::Number(value) => value,
+                Value::Count(count) => f64::from(count),
+                Value::Switch(_) | Value::Choice(_) | Value::File(_) => f64::NAN,
+            };
+            let problem = match range {
+                Some(range) => distribution.problem(number, range),
+                None => Some("it has no range"),
+            };
+            if let Some(because) = problem {
+                return Err(DesignError::BadDistribution {
+                    key: key.to_owned(),
+                    distribution: distribution.as_str(),
+                    because,
+                    at,
+                });
+            }
+            distribution
+        }
+    };
     Ok(Some(Record {
         value,
         range,
+        distribution,
         provenance,
         source,
         note,

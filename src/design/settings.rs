@@ -10,6 +10,7 @@ use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
 use super::derived::Derived;
+use super::distribution::Distribution;
 use super::error::DesignError;
 use super::place::Place;
 use super::provenance::Provenance;
@@ -30,6 +31,7 @@ pub(crate) struct Setting {
     pub(crate) spec: &'static KeySpec,
     pub(crate) value: Option<(Given, String, Box<Place>)>,
     pub(crate) range: Option<([Measured; 2], Box<Place>)>,
+    pub(crate) distribution: Option<(Distribution, Box<Place>)>,
     pub(crate) provenance: Option<(Provenance, String)>,
     pub(crate) note: Option<String>,
 }
@@ -92,7 +94,8 @@ impl Reader<'_> {
         for (key, value) in table {
             let name = key.get_ref().as_ref();
             let full = dotted(path, name);
-            if path.is_empty() && name == "base" {
+            // Read by others: neither holds a quantity of the tool.
+            if path.is_empty() && matches!(name, "base" | "study") {
                 continue;
             }
             if let Some(spec) = spec.key(name) {
@@ -217,6 +220,7 @@ impl Reader<'_> {
             spec,
             value: None,
             range: None,
+            distribution: None,
             provenance: None,
             note: None,
         };
@@ -228,10 +232,12 @@ impl Reader<'_> {
             match name.get_ref().as_ref() {
                 "value" => setting.value = Some(field.value(value, spec)?),
                 "range" => setting.range = Some(field.range(value, spec)?),
+                "distribution" => setting.distribution = Some(field.distribution(value, spec)?),
                 "provenance" => setting.provenance = Some(field.provenance(value)?),
                 "note" => setting.note = Some(field.text(value, "note")?),
                 other => {
-                    let known = ["value", "range", "provenance", "note"].map(str::to_owned).to_vec();
+                    let known = ["value", "range", "distribution", "provenance", "note"];
+                    let known = known.map(str::to_owned).to_vec();
                     return Err(DesignError::UnknownKey {
                         key: dotted(&key, other),
                         nearest: suggest::word(known.iter().map(String::as_str), other).map(|near| dotted(&key, near)),
@@ -246,13 +252,17 @@ impl Reader<'_> {
 }
 
 /// Reads what stands beside one key.
-struct Field<'a> {
-    file: &'a File,
-    key: &'a str,
+pub(super) struct Field<'a> {
+    pub(super) file: &'a File,
+    pub(super) key: &'a str,
 }
 
 impl Field<'_> {
-    fn value(&self, value: &Spanned<DeValue<'_>>, spec: &KeySpec) -> Result<(Given, String, Box<Place>), DesignError> {
+    pub(super) fn value(
+        &self,
+        value: &Spanned<DeValue<'_>>,
+        spec: &KeySpec,
+    ) -> Result<(Given, String, Box<Place>), DesignError> {
         let at = self.file.place(value.span());
         let text = found_value(value.get_ref());
         let outside = || DesignError::OutsideLimits {
@@ -375,6 +385,21 @@ impl Field<'_> {
         }
     }
 
+    fn distribution(
+        &self,
+        value: &Spanned<DeValue<'_>>,
+        spec: &KeySpec,
+    ) -> Result<(Distribution, Box<Place>), DesignError> {
+        if !matches!(spec.kind, Kind::Quantity { .. } | Kind::Count(_)) {
+            return Err(self.wrong_kind(value, "without a distribution: it is no quantity".to_owned()));
+        }
+        let word = value.get_ref().as_str().unwrap_or_default();
+        let known = Distribution::parse(word);
+        let known =
+            known.ok_or_else(|| self.wrong_kind(value, one_of(&Distribution::ALL.map(Distribution::as_str))))?;
+        Ok((known, self.file.place(value.span())))
+    }
+
     fn provenance(&self, value: &Spanned<DeValue<'_>>) -> Result<(Provenance, String), DesignError> {
         let text = self.text(value, "provenance")?;
         Provenance::parse(&text).ok_or_else(|| DesignError::BadProvenance {
@@ -456,7 +481,7 @@ fn one_of(words: &[&str]) -> String {
 }
 
 /// The value as it is written, for a message.
-fn found_value(value: &DeValue<'_>) -> String {
+pub(super) fn found_value(value: &DeValue<'_>) -> String {
     match value {
         DeValue::String(text) => format!("\"{text}\""),
         DeValue::Integer(integer) => integer.to_string(),

@@ -85,6 +85,9 @@ pub enum Shape {
     Bars(Vec<f64>),
     /// A dot at each point.
     Points,
+    /// A bar for each category from the first to the second of these ordinates, which a line at `y` crosses, beside those of
+    /// other series.
+    Whiskers(Vec<[f64; 2]>),
     /// The area between the points and these ordinates.
     Band(Vec<f64>),
     /// Horizontal bars from these abscissas to `x` in the categories `y` of the vertical axis, each joined to the next.

@@ -47,7 +47,7 @@ const CURVE: u32 = 7;
 const FRAME: u32 = 4;
 const HAIR: u32 = 2;
 /// Radius of a dot.
-const DOT: i32 = 8;
+const DOT: i32 = 9;
 
 const FONT: &str = "Helvetica, Arial, Liberation Sans, DejaVu Sans, sans-serif";
 const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
@@ -230,7 +230,7 @@ impl Panel {
         let bars = self
             .series
             .iter()
-            .filter(|series| matches!(series.shape, Shape::Bars(_)))
+            .filter(|series| matches!(series.shape, Shape::Bars(_) | Shape::Whiskers(_)))
             .count();
         for (place, series) in self.series.iter().enumerate().rev() {
             axes.draw_series(series.elements(self, [place, bars]))?;
@@ -259,13 +259,6 @@ impl Series {
         let mut elements = Vec::new();
         match &self.shape {
             Shape::Line | Shape::Broad => elements.extend(panel.lines(points().map(|point| vec![point])).map(line)),
-            Shape::Points => {
-                elements.extend(
-                    points()
-                        .filter(|point| point.1.is_finite())
-                        .map(|point| Circle::new(point, DOT, filled).into_dyn()),
-                );
-            }
             Shape::Steps => elements.extend(panel.lines(points().map(|(x, y)| vec![(x, y), (x + 1.0, y)])).map(line)),
             Shape::Dashed => {
                 let style = self.colour().stroke_width(FRAME);
@@ -283,6 +276,24 @@ impl Series {
                         elements
                             .push(PathElement::new([(from, *mark), (to, *mark)], INK.stroke_width(FRAME)).into_dyn());
                     }
+                }
+            }
+            Shape::Points => {
+                let within = |&(x, y): &(f64, f64)| x.is_finite() && y.is_finite();
+                elements.extend(
+                    points()
+                        .filter(within)
+                        .map(|point| Circle::new(point, DOT, filled).into_dyn()),
+                );
+            }
+            Shape::Whiskers(ends) => {
+                let width = 0.8 / bars as f64;
+                for ((x, middle), [low, high]) in points().zip(ends).filter(|((_, y), _)| y.is_finite()) {
+                    let [from, to] = [0, 1].map(|end| x + 0.1 + width * (place + end) as f64);
+                    let pale = self.colour().mix(0.45).filled();
+                    elements.push(Rectangle::new([(from, *low), (to - 0.02, *high)], pale).into_dyn());
+                    let line = [(from, middle), (to - 0.02, middle)];
+                    elements.push(PathElement::new(line, self.colour().stroke_width(CURVE)).into_dyn());
                 }
             }
             Shape::Band(lower) => {
@@ -317,7 +328,7 @@ impl Series {
     fn sample<'s>(&self, (x, y): (i32, i32)) -> DynElement<'static, Svg<'s>, (i32, i32)> {
         let ends = [(x, y), (x + SAMPLE, y)];
         match self.shape {
-            Shape::Bars(_) | Shape::Spans(_) => {
+            Shape::Bars(_) | Shape::Spans(_) | Shape::Whiskers(_) => {
                 Rectangle::new([(x, y - MM), (x + SAMPLE, y + MM)], self.colour().filled()).into_dyn()
             }
             Shape::Dashed => DashedPathElement::new(ends, 25, 20, self.colour().stroke_width(FRAME)).into_dyn(),

@@ -59,7 +59,11 @@ fn plot(chart: &Chart, index: usize, panel: &Panel) -> Plot {
     }
     let mut data: Vec<Value> = panel.series.iter().flat_map(|series| traces(panel, series)).collect();
     // The last trace is drawn on top, and bars stand in the order of their traces.
-    if !panel.series.iter().any(|series| matches!(series.shape, Shape::Bars(_))) {
+    if !panel
+        .series
+        .iter()
+        .any(|series| matches!(series.shape, Shape::Bars(_) | Shape::Whiskers(_)))
+    {
         data.reverse();
         layout["legend"] = json!({ "traceorder": "reversed" });
     }
@@ -133,16 +137,39 @@ fn traces(panel: &Panel, series: &Series) -> Vec<Value> {
         Shape::Line => vec![line(json!({}))],
         Shape::Broad => vec![line(json!({ "width": 5 }))],
         Shape::Dashed => vec![line(json!({ "dash": "dash", "width": 1.2 }))],
-        Shape::Points => {
-            let mut points = line(json!({}));
-            points["mode"] = json!("markers");
-            points["marker"] = json!({ "color": color, "size": 4 });
-            vec![points]
-        }
         Shape::Steps => {
             let mut steps = line(json!({ "shape": "hvh", "width": 2 }));
             steps["mode"] = json!("lines+markers");
             vec![steps]
+        }
+        Shape::Points => {
+            let mut dots = line(json!({}));
+            dots["mode"] = json!("markers");
+            dots["marker"] = json!({ "color": color, "size": 5, "opacity": 0.7 });
+            vec![dots]
+        }
+        Shape::Whiskers(ends) => {
+            // Bars of a group without a name would not lie over each other.
+            let group = format!("group {}", series.name);
+            let low: Vec<f64> = ends.iter().map(|[low, _]| *low).collect();
+            let heights: Vec<f64> = ends.iter().map(|[low, high]| high - low).collect();
+            let middle: Vec<Value> = series.y.iter().map(|y| short(y - 0.1)).collect();
+            let thin: Vec<f64> = series
+                .y
+                .iter()
+                .map(|y| if y.is_finite() { 0.2 } else { f64::NAN })
+                .collect();
+            vec![
+                json!({
+                    "type": "bar", "name": series.name, "offsetgroup": group, "x": x, "base": numbers(&low),
+                    "y": numbers(&heights), "customdata": series.notes, "hovertemplate": "%{customdata}", "showlegend": !series.name.is_empty(),
+                    "marker": { "color": format!("{color}80") },
+                }),
+                json!({
+                    "type": "bar", "offsetgroup": group, "x": x, "base": middle, "y": numbers(&thin), "hoverinfo": "skip",
+                    "marker": { "color": "#222" }, "showlegend": false,
+                }),
+            ]
         }
         Shape::Band(lower) => {
             let back = |values: &[f64]| values.iter().rev().copied().map(short).collect::<Vec<_>>();
@@ -160,7 +187,7 @@ fn traces(panel: &Panel, series: &Series) -> Vec<Value> {
             };
             let mut traces = vec![json!({
                 "type": "bar", "name": series.name, "offsetgroup": series.name, "x": x, "base": floor, "y": above(&series.y),
-                "customdata": series.notes, "hovertemplate": "%{customdata}", "marker": { "color": color },
+                "customdata": series.notes, "hovertemplate": "%{customdata}", "marker": { "color": color }, "showlegend": !series.name.is_empty(),
             })];
             if !marks.is_empty() {
                 let base: Vec<Value> = marks.iter().map(|mark| short(mark - 0.1)).collect();

@@ -12,6 +12,7 @@ mod page;
 mod picture;
 mod scene;
 mod sound;
+mod study;
 mod surface;
 mod tables;
 
@@ -26,6 +27,7 @@ use crate::result::RunResult;
 use crate::run::Run;
 use crate::stages::spectra::{Driven, MovingBody};
 use crate::stages::{Code, Input, Postcard, Progress, Stage, code};
+use crate::study::StudyResult;
 
 pub use sound::Recording;
 
@@ -187,6 +189,11 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
         sections,
     }
     .html()
+}
+
+/// The report of a study with these charts.
+pub fn study(result: &StudyResult, charts: &[figures::Chart], deciding: &[figures::Chart]) -> String {
+    study::page(result, charts, deciding).html()
 }
 
 /// The report of a comparison of the files with this identity.

@@ -4,11 +4,11 @@ use std::f64::consts::PI;
 
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::exhaust::{
-    ExhaustNoise, ExhaustSettings, FlowHistory, Jet, Opening, PlenumResonance, ValveNoise, exhaust_noise,
-    screech_track, valve_noise_energy,
+    ExhaustNoise, ExhaustSettings, FlowHistory, Jet, Opening, PipeFitting, PlenumResonance, UNSTEADY_FLOW, ValveNoise,
+    exhaust_noise, screech_track, valve_noise_energy,
 };
 use nailnoise_acoustics::fourier::TransformSettings;
-use nailnoise_acoustics::levels::{SourceSpectrum, energy_level};
+use nailnoise_acoustics::levels::{SourceSpectrum, Weighting, energy_level, energy_weights};
 use nailnoise_acoustics::muffler::{self, BandLosses, MufflerChain};
 use nailnoise_dynamics::CycleRecord;
 use serde::Serialize;
@@ -39,6 +39,8 @@ pub struct Openings {
     pub holes: Opening,
     /// Resonance of the plenum, where it filters the unsteady outflow.
     pub plenum: Option<PlenumResonance>,
+    /// Pipe on the holes.
+    pub fitting: Option<PipeFitting>,
     /// What the air passes behind the holes.
     pub muffler: Option<Muffler>,
     /// Effective area of the trigger valve's vent, its discharge coefficient included \[m²\].
@@ -205,6 +207,7 @@ pub fn noise(inputs: &Openings, record: &CycleRecord) -> Result<(Sound, ExhaustD
     let jets = inputs.holes.merged();
     let settings = ExhaustSettings {
         plenum: inputs.plenum,
+        fitting: inputs.fitting,
         muffler: inputs.muffler.as_ref().map(|muffler| match muffler {
             Muffler::InsertionLoss(losses) => muffler::Muffler::InsertionLoss(losses.clone()),
             Muffler::Chamber { chain, .. } => muffler::Muffler::Chain(MufflerChain {
@@ -250,14 +253,23 @@ pub fn noise(inputs: &Openings, record: &CycleRecord) -> Result<(Sound, ExhaustD
     parts.push(vent.spectrum.clone());
     openings.push(vent);
     let (valve_noise_lw, jets_lw) = (energy_level(valve_noise), energy_level(jets_energy));
+    let spectrum = SourceSpectrum::sum("exhaust", method, &parts);
+    let [minus, plus] = match &inputs.fitting {
+        Some(fitting) => amplified_jets(fitting, &openings[0], &spectrum, air)?,
+        None => [0.0, 0.0],
+    };
+    let mut basis = "distance of the jet correlations from the efficiencies of IEC 60534-8-3".to_owned();
+    if inputs.fitting.is_some() {
+        basis.push_str("; jets inside the fitting radiate unchanged, or as its resonances amplify the outflow");
+    }
     let sound = Sound {
-        spectrum: SourceSpectrum::sum("exhaust", method, &parts),
+        spectrum,
         signals: Vec::new(),
         openings: openings.iter().map(|opening| opening.history.clone()).collect(),
         uncertainty: Uncertainty {
-            minus: Some(MODEL_BAND),
-            plus: Some(MODEL_BAND),
-            basis: "distance of the jet correlations from the efficiencies of IEC 60534-8-3".to_owned(),
+            minus: Some(MODEL_BAND + minus),
+            plus: Some(MODEL_BAND + plus),
+            basis,
         },
         cross_check: Some(CrossCheck {
             quantity: "jets of the exhaust over all frequencies, before a muffler".into(),
@@ -277,6 +289,34 @@ pub fn noise(inputs: &Openings, record: &CycleRecord) -> Result<(Sound, ExhaustD
         screech: screech_track(&flow, &jets, air),
     };
     Ok((sound, details))
+}
+
+/// How far the A-weighted level of the exhaust is lower and higher \[dB\] if the resonances of a fitting act on the jets
+/// of the holes as they do on the unsteady outflow. Where in the fitting jets sound, and as what, is not known.
+fn amplified_jets(
+    fitting: &PipeFitting,
+    holes: &ExhaustNoise,
+    whole: &SourceSpectrum,
+    air: &Air,
+) -> Result<[f64; 2], Error> {
+    let spectrum = &holes.spectrum;
+    let weights = energy_weights(&spectrum.frequency, spectrum.range_hz, Weighting::A);
+    let jets = |at: usize| -> f64 {
+        let jets = spectrum.contributions.iter().filter(|part| part.name != UNSTEADY_FLOW);
+        jets.map(|part| part.energy_density[at]).sum()
+    };
+    let (mut less, mut more) = (0.0, 0.0);
+    for (at, (&hz, weight)) in spectrum.frequency.iter().zip(weights).enumerate() {
+        let change = weight * jets(at) * (fitting.gain(hz, air)? - 1.0);
+        *(if change < 0.0 { &mut less } else { &mut more }) += change;
+    }
+    let total = whole.energy(whole.range_hz, Weighting::A);
+    let decibels = |change: f64| 10.0 * (1.0 + change / total).log10();
+    Ok(if total > 0.0 {
+        [-decibels(less), decibels(more)]
+    } else {
+        [0.0; 2]
+    })
 }
 
 /// A round hole without contraction of this effective area \[m²\].

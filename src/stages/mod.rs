@@ -13,8 +13,10 @@ mod codec;
 pub mod cycle;
 pub mod exhaust;
 pub mod intervals;
+pub mod levels;
 pub mod microphones;
 pub mod notes;
+pub mod outcomes;
 mod progress;
 pub mod radiation;
 pub mod ranking;
@@ -34,7 +36,7 @@ use std::sync::Arc;
 use serde::{Serialize, Serializer};
 
 pub use codec::{Codec, Entry, HasMatrix, NotKept, Postcard, Undecodable, WithMatrix, matrix};
-pub use progress::{Observer, Progress, Silent, Task};
+pub use progress::{Observer, Progress, Silent, Task, WithoutStages};
 
 use crate::error::Error;
 

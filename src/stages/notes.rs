@@ -157,6 +157,14 @@ fn exhaust_notes(range_high: f64, record: &CycleRecord, openings: &Openings, exh
             1e3 * jet.diameter
         ));
     }
+    if let Some(fitting) = &openings.fitting {
+        notes.push(format!(
+            "exhaust fitting: plane waves up to {:.0} Hz in air at rest, between choked holes and an open end that its jet \
+             damps; above, the outflow sounds as without it. The jets of the holes are not filtered; the uncertainty of the \
+             level holds the case that they are",
+            fitting.plane_wave_limit(&openings.air)
+        ));
+    }
     if matches!(openings.muffler, Some(Muffler::Chamber { .. })) {
         notes.push(
             "muffler: plane waves between a source of given volume flow and free space, damped by the jet at its outlet; \

@@ -17,6 +17,29 @@ pub trait Observer: Send + Sync {
     fn end(&self) {}
 }
 
+/// Passes on all but the beginnings of stages: for work that runs the same stages many times.
+pub struct WithoutStages(pub Arc<dyn Observer>);
+
+impl Observer for WithoutStages {
+    fn stage(&self, _: &str) {}
+
+    fn note(&self, text: &str) {
+        self.0.note(text);
+    }
+
+    fn done(&self, items: u64, of: u64) {
+        self.0.done(items, of);
+    }
+
+    fn task(&self, task: &Task) {
+        self.0.task(task);
+    }
+
+    fn end(&self) {
+        self.0.end();
+    }
+}
+
 /// State of a long task.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Task {

@@ -1,13 +1,17 @@
-//! The keys of a design that have a range and take part in the nailing cycle.
+//! The keys of a design that have a range: how a number between 0 and 1 becomes a value.
 
 use serde::Serialize;
 
+use super::normal;
 use crate::design::inputs::cycle::parameters as cycle_parameters;
-use crate::design::{Design, Value};
+use crate::design::{Design, Distribution, Entry, Value};
 use crate::error::Error;
 
-/// A key with a range that takes part in the cycle.
-#[derive(Debug, Clone, Serialize)]
+/// Standard deviations at which a normal distribution is cut.
+const CUT: f64 = 3.0;
+
+/// A key with a range.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Parameter {
     /// Full name, as `piston.mass`.
     pub key: String,
@@ -19,12 +23,37 @@ pub struct Parameter {
     pub value: Value,
     /// Ends of the range.
     pub range: [f64; 2],
+    /// Distribution over the range.
+    #[serde(skip)]
+    pub distribution: Distribution,
 }
 
 impl Parameter {
+    /// That of an entry, if it has a range that is no point.
+    pub(crate) fn of(entry: Entry) -> Option<Self> {
+        let range = entry.range.filter(|range| range[0] < range[1])?;
+        matches!(entry.value, Value::Number(_) | Value::Count(_)).then_some(Self {
+            key: entry.key,
+            symbol: entry.symbol,
+            unit: entry.unit,
+            value: entry.value,
+            range,
+            distribution: entry.distribution,
+        })
+    }
+
     /// Half the range.
     pub fn half_range(&self) -> f64 {
         0.5 * (self.range[1] - self.range[0])
+    }
+
+    /// The value in the design as a number.
+    pub fn number(&self) -> f64 {
+        match self.value {
+            Value::Number(value) => value,
+            Value::Count(count) => f64::from(count),
+            Value::Switch(_) | Value::Choice(_) | Value::File(_) => f64::NAN,
+        }
     }
 
     /// The value `x` as this key holds it; a count is rounded and at least 1.
@@ -33,6 +62,34 @@ impl Parameter {
             Value::Count(_) => Value::Count(x.round().clamp(1.0, f64::from(u32::MAX)) as u32),
             _ => Value::Number(x),
         }
+    }
+
+    /// The value below which a share `u` of the distribution lies, 0 < u < 1.
+    pub fn at(&self, u: f64) -> Value {
+        let [low, high] = self.range;
+        let mode = self.number();
+        let x = match self.distribution {
+            // Every whole number of the range is as likely.
+            Distribution::Uniform if matches!(self.value, Value::Count(_)) => (low.ceil()
+                + u * (high.floor() - low.ceil() + 1.0))
+                .floor()
+                .min(high.floor()),
+            Distribution::Uniform => low + u * (high - low),
+            Distribution::Triangular => {
+                let rising = (mode - low) / (high - low);
+                if u < rising {
+                    low + (u * (high - low) * (mode - low)).sqrt()
+                } else {
+                    high - ((1.0 - u) * (high - low) * (high - mode)).sqrt()
+                }
+            }
+            Distribution::Normal => {
+                let below = normal::cumulative(-CUT);
+                0.5 * (low + high) + 0.25 * (high - low) * normal::quantile(below + u * (1.0 - 2.0 * below))
+            }
+            Distribution::LogUniform => low * (high / low).powf(u),
+        };
+        self.hold(x)
     }
 }
 
@@ -46,31 +103,89 @@ impl Parameter {
 /// As [`parameters`](cycle_parameters).
 pub fn taking_part(design: &Design) -> Result<Vec<Parameter>, Error> {
     let base = cycle_parameters(design)?;
-    let mut found = Vec::new();
-    for entry in design.entries() {
-        let Some(range) = entry.range.filter(|range| range[0] < range[1]) else {
-            continue;
-        };
-        let value = match entry.value {
-            Value::Number(value) => value,
-            Value::Count(count) => f64::from(count),
-            Value::Switch(_) | Value::Choice(_) | Value::File(_) => continue,
-        };
-        let (key, symbol, unit, value_kept) = (entry.key, entry.symbol, entry.unit, entry.value);
-        let parameter = Parameter {
-            key,
-            symbol,
-            unit,
-            value: value_kept,
-            range,
-        };
-        let other = if range[0] == value { range[1] } else { range[0] };
+    let takes_part = |parameter: &Parameter| {
+        let [low, high] = parameter.range;
+        let other = if low == parameter.number() { high } else { low };
         let mut changed = design.clone();
-        let moved = changed.set(&[(parameter.key.as_str(), parameter.hold(other))]).is_ok()
-            && cycle_parameters(&changed).is_ok_and(|parameters| parameters != base);
-        if moved {
-            found.push(parameter);
+        changed.set(&[(parameter.key.as_str(), parameter.hold(other))]).is_ok()
+            && cycle_parameters(&changed).is_ok_and(|parameters| parameters != base)
+    };
+    let parameters = design.entries().into_iter().filter_map(Parameter::of);
+    Ok(parameters.filter(takes_part).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parameter(value: Value, range: [f64; 2], distribution: Distribution) -> Parameter {
+        Parameter {
+            key: "key".to_owned(),
+            symbol: "",
+            unit: String::new(),
+            value,
+            range,
+            distribution,
         }
     }
-    Ok(found)
+
+    /// Mean and variance by the midpoint rule over u.
+    fn moments(parameter: &Parameter) -> [f64; 2] {
+        const N: u32 = 200_000;
+        let value = |k: u32| match parameter.at((f64::from(k) + 0.5) / f64::from(N)) {
+            Value::Number(value) => value,
+            Value::Count(count) => f64::from(count),
+            other => panic!("{other:?}"),
+        };
+        let mean = (0..N).map(value).sum::<f64>() / f64::from(N);
+        let variance = (0..N).map(|k| (value(k) - mean).powi(2)).sum::<f64>() / f64::from(N);
+        [mean, variance]
+    }
+
+    fn assert_moments(distribution: Distribution, value: f64, range: [f64; 2], expected: [f64; 2]) {
+        let [mean, variance] = moments(&parameter(Value::Number(value), range, distribution));
+        assert!((mean - expected[0]).abs() < 1e-4, "{distribution:?}: mean {mean}");
+        assert!(
+            (variance - expected[1]).abs() < 1e-4,
+            "{distribution:?}: variance {variance}"
+        );
+    }
+
+    #[test]
+    fn a_uniform_quantity_has_a_twelfth_of_its_width_squared_as_variance() {
+        assert_moments(Distribution::Uniform, 3.0, [2.0, 5.0], [3.5, 9.0 / 12.0]);
+    }
+
+    #[test]
+    fn a_triangular_quantity_has_the_mean_of_its_corners() {
+        let [a, b, c] = [2.0, 5.0, 3.0_f64];
+        let variance = (a * a + b * b + c * c - a * b - a * c - b * c) / 18.0;
+        assert_moments(Distribution::Triangular, c, [a, b], [(a + b + c) / 3.0, variance]);
+    }
+
+    #[test]
+    fn a_normal_quantity_cut_at_three_deviations_has_97_per_cent_of_its_variance() {
+        // 1 - 6 phi(3)/(2 Phi(3) - 1), Johnson, Kotz and Balakrishnan 1994, section 13.10.1.
+        assert_moments(Distribution::Normal, 0.0, [-2.0, 2.0], [0.0, 0.973_336_9]);
+    }
+
+    #[test]
+    fn the_logarithm_of_a_log_uniform_quantity_is_uniform() {
+        assert_moments(
+            Distribution::LogUniform,
+            1.0,
+            [1.0, 4.0],
+            [3.0 / 4.0_f64.ln(), 0.727_026],
+        );
+    }
+
+    #[test]
+    fn every_whole_number_of_a_range_is_as_likely() {
+        let count = parameter(Value::Count(2), [1.0, 5.0], Distribution::Uniform);
+        let [mean, variance] = moments(&count);
+        assert!(
+            (mean - 3.0).abs() < 1e-9 && (variance - 2.0).abs() < 1e-9,
+            "{mean} {variance}"
+        );
+    }
 }

@@ -25,7 +25,8 @@ const GROUPS: &[&str] = &[
 const STRUCTURES: &[&str] = &[
     "exhaust.pitch",
     "exhaust.plenum.",
-    // A muffler acts where there is one; tests/command.rs has that.
+    // A fitting filters sound and leaves the cycle as it is; a muffler acts where there is one.
+    "exhaust.fitting.",
     "exhaust.muffler.",
     "workpiece.mesh_unit",
     "nail.offset_along",

@@ -9,7 +9,7 @@ use nailnoise::Design;
 use nailnoise::design::Value;
 use nailnoise::design::inputs::cycle as inputs;
 use nailnoise::stages::Progress;
-use nailnoise::study::{Draw, Fate, Study, study, taking_part};
+use nailnoise::study::{DrawnShot, Fate, Shots, shots, taking_part};
 use nailnoise_dynamics::{Parameters, simulate};
 use rayon::prelude::*;
 
@@ -18,9 +18,9 @@ fn design() -> Design {
 }
 
 /// The thousand designs, drawn once.
-fn thousand() -> &'static Study {
-    static STUDY: OnceLock<Study> = OnceLock::new();
-    STUDY.get_or_init(|| study(&design(), 1000, 1, &Progress::silent()).unwrap())
+fn thousand() -> &'static Shots {
+    static STUDY: OnceLock<Shots> = OnceLock::new();
+    STUDY.get_or_init(|| shots(&design(), 1000, 1, &Progress::silent()).unwrap())
 }
 
 #[test]
@@ -33,26 +33,18 @@ fn a_thousand_designs_have_an_outcome_and_none_fails_in_the_solver() {
         .filter(|draw| matches!(draw.fate, Fate::SolverFailure(_)))
         .collect();
     assert!(failed.is_empty(), "{failed:#?}");
-    let rare = |name: &str| -> Vec<usize> {
-        study
-            .draws
-            .iter()
-            .filter(|draw| draw.fate.name() == name)
-            .map(|draw| draw.candidate)
-            .collect()
-    };
-    insta::assert_json_snapshot!(serde_json::json!({
-        "candidates": study.candidates,
-        "refused": study.refused,
-        "counts": study.counts,
-        "dry_fire": rare("dry_fire"),
-        "does_not_release": rare("does_not_release"),
-        "strikes_bumper": rare("strikes_bumper"),
-    }));
+    let refused: usize = study.refused.values().sum();
+    assert_eq!(study.candidates, 1000 + refused);
+    assert_eq!(study.counts.values().sum::<usize>(), 1000);
+    // 212 of 4000 independent draws drive the nail: 5.3 +- 0.7 % of a thousand, within five standard deviations.
+    let drives = study.counts["drives"];
+    assert!((18..=88).contains(&drives), "{:?}", study.counts);
+    // Values that do not go together are drawn anew, and hardly a candidate is refused as a whole.
+    assert!(refused < 100 && !study.rejections.is_empty(), "{:?}", study.refused);
 }
 
 /// Parameters of a design drawn.
-fn parameters(design: &Design, study: &Study, draw: &Draw) -> Parameters {
+fn parameters(design: &Design, study: &Shots, draw: &DrawnShot) -> Parameters {
     let mut design = design.clone();
     let keys = study.parameters.iter().map(|p| p.key.as_str());
     let changes: Vec<_> = keys.zip(draw.values.iter().cloned()).collect();
@@ -83,15 +75,18 @@ fn fate(p: &Parameters, shot: &reference::Shot) -> &'static str {
 /// Step of the reference \[s\]: the hardest contact of the ranges takes three of them to a radian.
 const STEP: f64 = 2e-7;
 /// Step, and part of the tolerance, for designs whose bounces magnify the errors of both: about one in ten needs the
-/// smaller step, one in fifty the smaller tolerance (candidate 518: t12 moves by 17 us, t17 by 35 us).
+/// smaller step, one in fifty the smaller tolerance (some move an event by 35 us).
 const FINE: (f64, f64) = (5e-8, 1e-2);
+/// The same for the few whose bounces magnify the reference's error further: with the seed of this test, t10 of one shot
+/// still moves by 50 us between its steps of 5e-8 and 1e-8, where it agrees to 4 us; the program's own moves by 2 us.
+const FINEST: (f64, f64) = (1e-8, 1e-3);
 /// Most by which an event may differ \[s\].
 const LIMIT: f64 = 10e-6;
 /// The same for t11 and t18, which are thresholds on decaying motion.
 const LIMIT_REST: f64 = 50e-6;
 
 /// In what a design drawn, with a part of the tolerance, differs from the reference with a step of `step` \[s\].
-fn differences(design: &Design, p: &Parameters, draw: &Draw, (step, part): (f64, f64)) -> Vec<String> {
+fn differences(design: &Design, p: &Parameters, draw: &DrawnShot, (step, part): (f64, f64)) -> Vec<String> {
     let mut settings = inputs::cycle_settings(design);
     settings.relative_tolerance *= part;
     let record = simulate(p, &settings).ok();
@@ -119,17 +114,20 @@ fn differences(design: &Design, p: &Parameters, draw: &Draw, (step, part): (f64,
 #[test]
 fn ten_of_each_outcome_agree_with_the_reference() {
     let (design, study) = (design(), thousand());
-    let mut chosen: Vec<&Draw> = Vec::new();
+    let mut chosen: Vec<&DrawnShot> = Vec::new();
     for name in study.counts.keys() {
         chosen.extend(study.draws.iter().filter(|draw| draw.fate.name() == name).take(10));
     }
-    let compare = |draw: &&Draw| -> Vec<String> {
+    let compare = |draw: &&DrawnShot| -> Vec<String> {
         let p = parameters(&design, study, draw);
-        let wrong = differences(&design, &p, draw, (STEP, 1.0));
-        if wrong.is_empty() {
-            return wrong;
+        let mut wrong = Vec::new();
+        for accuracy in [(STEP, 1.0), FINE, FINEST] {
+            wrong = differences(&design, &p, draw, accuracy);
+            if wrong.is_empty() {
+                break;
+            }
         }
-        differences(&design, &p, draw, FINE)
+        wrong
     };
     let wrong: Vec<Vec<String>> = chosen.par_iter().map(compare).collect();
     assert!(wrong.iter().all(Vec::is_empty), "{}", wrong.concat().join("\n"));
@@ -139,11 +137,11 @@ fn ten_of_each_outcome_agree_with_the_reference() {
 fn draws_depend_on_the_seed_and_not_on_threads() {
     let draws = |seed: u64, threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let study = pool.install(|| study(&design(), 12, seed, &Progress::silent()).unwrap());
+        let study = pool.install(|| shots(&design(), 12, seed, &Progress::silent()).unwrap());
         study
             .draws
             .iter()
-            .map(|d| (d.candidate, d.values.clone(), d.fate.name()))
+            .map(|d| (d.candidate, d.values.clone(), d.fate.name().to_owned()))
             .collect::<Vec<_>>()
     };
     assert_eq!(draws(7, 1), draws(7, 2));
@@ -167,7 +165,7 @@ fn what_is_drawn_takes_part_in_the_cycle_and_stays_in_its_range() {
     for group in ["body.", "support.sand.", "analysis.", "wood.elastic."] {
         assert!(!keys.iter().any(|key| key.starts_with(group)), "{group}");
     }
-    let study = study(&design, 30, 3, &Progress::silent()).unwrap();
+    let study = shots(&design, 30, 3, &Progress::silent()).unwrap();
     for draw in &study.draws {
         for (parameter, value) in study.parameters.iter().zip(&draw.values) {
             let value = match value {

@@ -39,6 +39,20 @@ fn published_forms_strike_the_bumper_and_are_named() {
 }
 
 #[test]
+fn a_value_on_the_command_line_is_computed_and_a_wrong_one_is_named() {
+    let own = json(&nailnoise("set", &["--json"]).0);
+    let weak = json(&nailnoise("set", &["--json", "--set", "supply.pressure=60psig"]).0);
+    assert_eq!([&own["outcome"], &weak["outcome"]], ["drives", "underdriven"]);
+    let (output, _) = nailnoise("set", &["--set", "supply.pressure=60 mm"]);
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        text.contains("supply.pressure") && text.contains("command line:1:"),
+        "{text}"
+    );
+}
+
+#[test]
 fn figures_are_written_and_listed() {
     let (output, folder) = nailnoise("figures", &["--figures", "--json"]);
     let figures = json(&output)["figures"].as_array().unwrap().clone();

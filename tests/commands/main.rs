@@ -13,3 +13,4 @@ mod mesh;
 mod prf;
 mod report;
 mod run;
+mod study;

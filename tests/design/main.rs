@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod assignment;
 mod base_design;
 mod corpora;
 mod files;

@@ -1,4 +1,5 @@
 use super::error::ExhaustError;
+use super::fitting::PipeFitting;
 use super::histogram::{PeakHistogram, Spreading};
 use super::history::{Burst, ExhaustHistory};
 use super::jet::Jet;
@@ -14,6 +15,9 @@ use crate::muffler::Muffler;
 use nalgebra::{Complex, DMatrix};
 use serde::Serialize;
 
+/// Name of the contribution of the unsteady outflow, a monopole.
+pub const UNSTEADY_FLOW: &str = "unsteady flow";
+
 /// Strouhal number f D_j/U_j at which mixing noise peaks, per hertz.
 const MIXING_STROUHAL: f64 = 0.2;
 
@@ -28,6 +32,8 @@ pub struct ExhaustSettings {
     pub transform: TransformSettings,
     /// Resonance of the plenum as a filter of the unsteady outflow.
     pub plenum: Option<PlenumResonance>,
+    /// Pipe on the openings, which filters the unsteady outflow; jets pass it unchanged.
+    pub fitting: Option<PipeFitting>,
     /// Muffler between jets and outflow and the air.
     pub muffler: Option<Muffler>,
     /// Whether the unsteady outflow is included. At the end of a muffler it is not, because it is already included at
@@ -36,7 +42,7 @@ pub struct ExhaustSettings {
 }
 
 impl Default for ExhaustSettings {
-    /// 20 Hz to 20 kHz, no plenum resonance, no muffler.
+    /// 20 Hz to 20 kHz, no plenum resonance, no fitting, no muffler.
     fn default() -> Self {
         let transform = TransformSettings {
             range_hz: [20.0, 20_000.0],
@@ -45,6 +51,7 @@ impl Default for ExhaustSettings {
         Self {
             transform,
             plenum: None,
+            fitting: None,
             muffler: None,
             unsteady_flow: true,
         }
@@ -158,6 +165,12 @@ pub fn exhaust_noise(
     if !settings.unsteady_flow {
         signal.fill(Complex::ZERO);
     }
+    if let Some(fitting) = &settings.fitting {
+        fitting.check()?;
+        for (x, &hz) in signal.iter_mut().zip(&frequency) {
+            *x *= fitting.response(hz, air)?;
+        }
+    }
     let passed: Option<Vec<f64>> = match &settings.muffler {
         Some(muffler) => Some(
             frequency
@@ -200,7 +213,7 @@ pub fn exhaust_noise(
             "shock",
             muffled(shocks.spread(&Spreading::new(shock::shape, &frequency))),
         ),
-        ("unsteady flow", unsteady),
+        (UNSTEADY_FLOW, unsteady),
     ];
     let density = (0..frequency.len())
         .map(|i| parts.iter().map(|(_, e)| e[i]).sum())

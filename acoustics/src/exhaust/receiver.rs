@@ -1,7 +1,7 @@
 use super::directivity::MixingDirectivity;
 use super::histogram::{PeakHistogram, Spreading};
 use super::history::Burst;
-use super::noise::ExhaustNoise;
+use super::noise::{ExhaustNoise, UNSTEADY_FLOW};
 use super::{shock, similarity};
 use crate::air::Air;
 use crate::checks::{InputError, ReceiverError, positive};
@@ -60,9 +60,6 @@ impl ReceivedNoise {
 const FIRST: f64 = -0.4;
 const STEP: f64 = 0.01;
 const SPEEDS: usize = 81;
-
-/// Name of the contribution that is a point source.
-const OUTFLOW: &str = "unsteady flow";
 
 /// Path of the sound from the outlet to the receiver, directly or by the floor.
 struct Path {
@@ -124,7 +121,11 @@ impl ExhaustNoise {
             density
         };
         let [mixing, shock] = paths.jets(frequency).densities(&history.mixing, &history.shocks);
-        let outflow = self.spectrum.contributions.iter().find(|part| part.name == OUTFLOW);
+        let outflow = self
+            .spectrum
+            .contributions
+            .iter()
+            .find(|part| part.name == UNSTEADY_FLOW);
         let outflow = outflow.map_or(vec![0.0; frequency.len()], |part| {
             let energy = frequency.iter().zip(&part.energy_density);
             energy
@@ -135,7 +136,7 @@ impl ExhaustNoise {
         let parts: Vec<Contribution> = [
             ("mixing", muffled(mixing)),
             ("shock", muffled(shock)),
-            (OUTFLOW, outflow),
+            (UNSTEADY_FLOW, outflow),
         ]
         .into_iter()
         .map(|(name, density)| Contribution {

@@ -2,6 +2,9 @@
 
 use super::MshError;
 
+/// Bytes of the longest section name; gmsh's own have at most 20.
+const LONGEST_NAME: usize = 80;
+
 /// How numbers are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Encoding {
@@ -41,15 +44,20 @@ impl<'a> Cursor<'a> {
         if self.at == self.bytes.len() {
             return Ok(None);
         }
-        let word = self.line_word();
-        let Some(name) = word.strip_prefix('$') else {
+        let rest = &self.bytes[self.at..];
+        let length = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
+        // A replaced character may be longer than its byte, so the text does not give the length of the word.
+        let name = std::str::from_utf8(&rest[..length])
+            .ok()
+            .and_then(|word| word.strip_prefix('$'));
+        let Some(name) = name.filter(|name| name.len() < LONGEST_NAME) else {
             return Err(MshError::SectionEnd {
                 section: self.section.clone(),
                 byte: self.at,
             });
         };
         self.section = name.to_owned();
-        self.at += word.len();
+        self.at += length;
         self.end_of_line();
         Ok(Some(name.to_owned()))
     }
@@ -250,11 +258,5 @@ impl<'a> Cursor<'a> {
         while self.bytes.get(self.at).is_some_and(u8::is_ascii_whitespace) {
             self.at += 1;
         }
-    }
-
-    fn line_word(&self) -> String {
-        let rest = &self.bytes[self.at..];
-        let length = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
-        String::from_utf8_lossy(&rest[..length.min(80)]).into_owned()
     }
 }

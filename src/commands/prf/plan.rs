@@ -18,7 +18,7 @@ use serde::Serialize;
 
 use crate::chain;
 use crate::commands::table::table;
-use crate::commands::{load, message, print, print_json};
+use crate::commands::{Changes, message, print, print_json};
 use crate::error::Error;
 use crate::output;
 use crate::penetration::{self, PenetrationError};
@@ -191,7 +191,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
 
 /// M v^2/2 of a design's piston at its mean speed while it drives the nail \[J\].
 fn energy_of(path: &Path) -> Result<f64, Error> {
-    let design = load(path)?;
+    let design = Changes { set: Vec::new() }.load(path)?;
     let record = chain::cycle(&design)?;
     let speed = record.summary.mean_drive_speed.unwrap_or(0.0);
     Ok(0.5 * design.piston.mass * speed * speed)

@@ -1,12 +1,12 @@
 //! Inputs of the exhaust: its openings, plenum and muffler, and where its jets leave the tool.
 
 use nailnoise_acoustics::AcousticsError;
-use nailnoise_acoustics::exhaust::{Opening, PlenumResonance};
+use nailnoise_acoustics::exhaust::{Opening, PipeFitting, PlenumResonance};
 use nailnoise_acoustics::muffler::{BandLosses, Lining, MufflerChain, MufflerElement};
 
 use super::air;
 use super::microphones::{on_axis, tool_height};
-use crate::design::{self, Design, MufflerKind};
+use crate::design::{self, Design, FittingKind, MufflerKind};
 use crate::error::Error;
 use crate::stages::exhaust::{Muffler, Openings};
 use crate::stages::microphones::JetOutlet;
@@ -32,6 +32,11 @@ pub(crate) fn openings(design: &Design) -> Result<Openings, Error> {
             volume: own.plenum.volume,
             neck_length: own.plenum.neck_length,
             quality: own.plenum.quality,
+        }),
+        fitting: (own.fitting.kind == FittingKind::Pipe).then_some(PipeFitting {
+            length: own.fitting.length,
+            diameter: own.fitting.diameter,
+            outlet_mach: own.fitting.outlet_mach,
         }),
         muffler: muffler(&own.muffler)?,
         vent_area: design.trigger.vent_area,

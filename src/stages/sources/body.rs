@@ -59,7 +59,8 @@ pub struct Housing {
 }
 
 impl BodySound {
-    fn inputs(&self) -> Vec<&dyn Input> {
+    /// The inputs that it reads in every case.
+    pub(in crate::stages) fn inputs(&self) -> Vec<&dyn Input> {
         let mut inputs: Vec<&dyn Input> = vec![&self.cycle];
         if let Some(housing) = &self.housing {
             inputs.extend([&housing.body as &dyn Input, &housing.motion]);
@@ -70,7 +71,7 @@ impl BodySound {
     }
 
     /// Its sound.
-    fn sound(&self) -> Result<Sound, Error> {
+    pub(in crate::stages) fn sound(&self) -> Result<Sound, Error> {
         let record = self.cycle.get()?;
         let Some(housing) = &self.housing else {
             return Ok(self.rigid(&record).sound_with_check(NAME)?.into());

@@ -7,7 +7,7 @@ use nailnoise_dynamics::Events;
 use serde::{Deserialize, Serialize};
 
 pub use body::{BodyEnergy, BodySound, BodySource, Housing};
-pub use workpiece::{WorkpieceEnergy, WorkpieceSource};
+pub use workpiece::{WorkpieceEnergy, WorkpieceSound, WorkpieceSource};
 
 use super::intervals::EventEdges;
 use super::microphones::AtMicrophones;

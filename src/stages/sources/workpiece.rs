@@ -18,19 +18,60 @@ use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, all};
 /// Name of the source.
 const NAME: &str = "workpiece";
 
-/// Sound of the workpiece with its support.
-#[derive(Serialize)]
-pub struct WorkpieceSource {
+/// What the sound of the workpiece with its support is computed from.
+#[derive(Clone, Serialize)]
+pub struct WorkpieceSound {
     /// How it radiates.
     pub radiator: Stored<Box<dyn Radiator>>,
     /// The bodies.
     pub bodies: Vec<Stored<Body>>,
-    /// Frequency up to which the motion of each is part of the result \[Hz\].
-    pub top_hz: Vec<f64>,
     /// Damping ratio that radiation adds to each mode of each body, where it damps them \[-\].
     pub radiation_damping: Option<Stored<Vec<Vec<f64>>>>,
     /// Motion of each body.
     pub motions: Vec<Stored<BodyMotion>>,
+}
+
+impl WorkpieceSound {
+    /// The inputs that it reads in every case.
+    pub(in crate::stages) fn inputs(&self) -> Vec<&dyn Input> {
+        let bodies = self.bodies.iter().map(|body| body as &dyn Input);
+        let motions = self.motions.iter().map(|motion| motion as &dyn Input);
+        let damping = self.radiation_damping.iter().map(|damping| damping as &dyn Input);
+        bodies
+            .chain(motions)
+            .chain(damping)
+            .chain([&self.radiator as &dyn Input])
+            .collect()
+    }
+
+    /// Its sound.
+    pub(in crate::stages) fn sound(&self) -> Result<Sound, Error> {
+        let bodies = all(&self.bodies)?;
+        let motions = all(&self.motions)?;
+        let damping = self.radiation_damping.as_ref().map(Stored::get).transpose()?;
+        let moving: Vec<MovingBody<'_>> = bodies
+            .iter()
+            .zip(&motions)
+            .enumerate()
+            .map(|(index, (body, motion))| MovingBody {
+                name: body.name,
+                omega: &body.omega,
+                modes: body.basis.hz.len(),
+                damping: damping.as_ref().map(|all| all[index].as_slice()),
+                spectra: &motion.spectra,
+            })
+            .collect();
+        Ok(Sound::from(self.radiator.get()?.sound(NAME, &moving)?))
+    }
+}
+
+/// Sound of the workpiece with its support.
+#[derive(Serialize)]
+pub struct WorkpieceSource {
+    /// What it is computed from.
+    pub sound: WorkpieceSound,
+    /// Frequency up to which the motion of each body is part of the result \[Hz\].
+    pub top_hz: Vec<f64>,
     /// The cycle, whose events separate the intervals.
     pub cycle: Stored<CycleRecord>,
     /// End of all records \[s\].
@@ -48,33 +89,15 @@ impl Stage for WorkpieceSource {
     const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
-        let bodies = self.bodies.iter().map(|body| body as &dyn Input);
-        let motions = self.motions.iter().map(|motion| motion as &dyn Input);
-        let damping = self.radiation_damping.iter().map(|damping| damping as &dyn Input);
-        let others: [&dyn Input; 3] = [&self.radiator, &self.cycle, &self.end];
-        bodies.chain(motions).chain(damping).chain(others).collect()
+        let others: [&dyn Input; 2] = [&self.cycle, &self.end];
+        self.sound.inputs().into_iter().chain(others).collect()
     }
 
     fn compute(&self, _: &Progress) -> Result<SurfaceSource, Error> {
-        let (radiator, end) = (self.radiator.get()?, *self.end.get()?);
-        let bodies = all(&self.bodies)?;
-        let motions = all(&self.motions)?;
-        let damping = self.radiation_damping.as_ref().map(Stored::get).transpose()?;
-        let moving: Vec<MovingBody<'_>> = bodies
-            .iter()
-            .zip(&motions)
-            .enumerate()
-            .map(|(index, (body, motion))| MovingBody {
-                name: body.name,
-                omega: &body.omega,
-                modes: body.basis.hz.len(),
-                damping: damping.as_ref().map(|all| all[index].as_slice()),
-                spectra: &motion.spectra,
-            })
-            .collect();
-        let sound = Sound::from(radiator.sound(NAME, &moving)?);
+        let (sound, end) = (self.sound.sound()?, *self.end.get()?);
+        let (bodies, motions) = (all(&self.sound.bodies)?, all(&self.sound.motions)?);
         let spectra: Vec<&ModalSpectra> = motions.iter().map(|motion| &motion.spectra).collect();
-        let received = match radiator.pressures(&spectra)? {
+        let received = match self.sound.radiator.get()?.pressures(&spectra)? {
             Some(pressures) => self.microphones.pressures(pressures, &sound.spectrum, end)?,
             None => self.microphones.spread_evenly(self.centre, &sound, end)?,
         };

@@ -1,0 +1,125 @@
+//! What is known of a design's levels beyond their values: the study that is kept, else a screening.
+
+use std::fmt::Write as _;
+
+use super::table::decibels;
+use crate::design::Design;
+use crate::error::Error;
+use crate::stages::Progress;
+use crate::store::Store;
+use crate::study::{self, LevelStudy, Request, StudyResult};
+
+/// Draws from which percentiles are shown; below them, the lowest and the highest draw.
+const PERCENTILES_FROM: usize = 40;
+
+/// Seed of screenings: the draws are the first ones of a study with the default seed.
+const SEED: u64 = 1;
+
+/// The study of a design that is kept; else a screening of a few draws, which is kept. None where the design asks for none, or
+/// why there is none.
+pub(super) fn known(store: &Store, design: &Design, progress: &Progress) -> Result<StudyResult, String> {
+    if store.folder().is_none() {
+        return Err("without the cache no study is known".to_owned());
+    }
+    if let Some(kept) = study::kept(store, design).map_err(|error| error.to_string())? {
+        return Ok(kept);
+    }
+    let request = Request {
+        draws: design.study().screening as usize,
+        seed: SEED,
+        shots_a_structure: None,
+    };
+    if request.draws == 0 {
+        return Err("`study.screening` is 0".to_owned());
+    }
+    progress.note(&format!(
+        "no study of this design is kept: {} draws show how firm the levels are; `nailnoise study` makes more",
+        request.draws
+    ));
+    let made = super::study::made(store, design, &request, progress);
+    made.map(|(result, _)| result).map_err(|error: Error| error.to_string())
+}
+
+/// Heading of the column of levels over the draws.
+pub(super) fn heading(study: &StudyResult) -> String {
+    match study.draws {
+        PERCENTILES_FROM.. => "90 % of draws dB".to_owned(),
+        draws => format!("{draws} draws dB"),
+    }
+}
+
+/// Levels over the draws: P5 .. P95, or the lowest and the highest.
+pub(super) fn span(study: &StudyResult, level: &LevelStudy) -> String {
+    let ends = match study.draws {
+        PERCENTILES_FROM.. => [level.level_db.p05.value, level.level_db.p95.value],
+        _ => level.extremes_db,
+    };
+    format!("{} .. {}", decibels(ends[0]), decibels(ends[1]))
+}
+
+/// Probability of being the loudest, or how many draws it is.
+pub(super) fn first(study: &StudyResult, source: &str) -> String {
+    let Some(share) = study.source(source).and_then(|own| own.first.value) else {
+        return "-".to_owned();
+    };
+    match study.draws {
+        PERCENTILES_FROM.. => format!("{share:.2}"),
+        draws => format!("{:.0} of {draws}", share * draws as f64),
+    }
+}
+
+/// A share of the draws in percent, or as a count where they are few.
+fn of_draws(share: f64, draws: usize) -> String {
+    match draws {
+        PERCENTILES_FROM.. => format!("{:.0} % of the draws", 100.0 * share),
+        _ => format!("{:.0} of {draws} draws", share * draws as f64),
+    }
+}
+
+/// What the columns hold, and what not.
+pub(super) fn explained(study: &StudyResult) -> String {
+    let structures = match study.structures {
+        0 => "structures as in the design".to_owned(),
+        count => format!("{count} structures"),
+    };
+    let condition = match study.require.as_slice() {
+        [] => String::new(),
+        outcomes => format!(", outcome {}", outcomes.join(" or ").replace('_', " ")),
+    };
+    let mut text = String::from("\n  ");
+    // Writing to a string cannot fail.
+    let _ = match study.draws {
+        PERCENTILES_FROM.. => writeln!(
+            text,
+            "90 % of draws, P(first): {} draws from the ranges, {structures}{condition}; `nailnoise study` has the details",
+            study.draws
+        ),
+        draws => writeln!(
+            text,
+            "{draws} draws: lowest and highest of a crude screening of the ranges, {structures}{condition}; a further draw lies \
+             between them in {:.0} % of cases; `nailnoise study` makes more",
+            100.0 * (draws as f64 - 1.0) / (draws as f64 + 1.0)
+        ),
+    };
+    let mut orders = study.orders.iter();
+    if let Some(order) = orders.next() {
+        let share = order.probability.value.unwrap_or(0.0);
+        // Eight draws out of eight leave up to 31 % for another order, at 95 % confidence.
+        let certain = if share >= 0.95 && study.draws >= PERCENTILES_FROM {
+            ""
+        } else {
+            "not certain: "
+        };
+        let _ = writeln!(
+            text,
+            "  ranking {certain}{} in {}{}",
+            order.order.join(" > "),
+            of_draws(share, study.draws),
+            orders.next().map_or_else(String::new, |next| {
+                let share = next.probability.value.unwrap_or(0.0);
+                format!(", {} in {}", next.order.join(" > "), of_draws(share, study.draws))
+            })
+        );
+    }
+    text
+}

@@ -1,0 +1,321 @@
+//! `nailnoise study`: levels and orders over designs drawn from the ranges of one.
+
+use std::fmt::Write as _;
+use std::process::ExitCode;
+use std::str::FromStr;
+use std::sync::Arc;
+
+use clap::Args;
+
+use super::table::{decibels, table};
+use super::{Common, Keeping, message, print, progress};
+use crate::cost;
+use crate::design::Design;
+use crate::error::Error;
+use crate::graph::Graph;
+use crate::stages::{Progress, WithoutStages};
+use crate::staging::Staging;
+use crate::store::Store;
+use crate::study::{self, Draws, Estimate, Request, StudyResult};
+use crate::{figures, report};
+
+/// The file that is written last, so that a folder that holds it holds all the rest.
+const LAST: &str = "study.json";
+
+/// Contributions printed for each level.
+const PRINTED: usize = 6;
+
+#[derive(Args)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    common: Common,
+    #[command(flatten)]
+    keeping: Keeping,
+    /// Number of draws
+    #[arg(short = 'n', long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=60_000))]
+    draws: u32,
+    /// Seed of the draws; the same seed draws the same designs
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+    /// Draw the structures (block, table, tool body), too, each for N of the draws; without it they are those of the design.
+    /// Modes and radiation of a new structure take minutes
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "8")]
+    #[arg(value_parser = clap::value_parser!(u16).range(1..))]
+    structures: Option<u16>,
+    /// Begin with 32 draws and double them until half of the 90 % interval is below a limit, with N draws at most: order=0.05 for
+    /// the probability of being first, p50=0.3 for the median of the total in dB, or both
+    #[arg(long, value_name = "WHAT=LIMIT", value_delimiter = ',', conflicts_with = "no_cache")]
+    until: Vec<Until>,
+    /// Draw the charts of the page as SVG
+    #[arg(long)]
+    figures: bool,
+}
+
+/// Draws at first, where a limit says how many there are at last.
+const AT_FIRST: usize = 32;
+
+/// A limit for half of an interval.
+#[derive(Debug, Clone, Copy)]
+enum Until {
+    /// Of the probability of being first, for each source.
+    Order(f64),
+    /// Of the median of the total \[dB\].
+    Median(f64),
+}
+
+impl FromStr for Until {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let known = "give order=0.05 or p50=0.3";
+        let (what, limit) = text.split_once('=').ok_or(known)?;
+        let limit = limit
+            .trim()
+            .parse()
+            .ok()
+            .filter(|limit: &f64| *limit > 0.0 && limit.is_finite());
+        let limit = limit.ok_or_else(|| format!("the limit of `{what}` is no number above 0"))?;
+        match what.trim() {
+            "order" => Ok(Self::Order(limit)),
+            "p50" => Ok(Self::Median(limit)),
+            other => Err(format!("there is no limit of `{other}`: {known}")),
+        }
+    }
+}
+
+impl Until {
+    /// Whether a study is within the limit.
+    fn is_met(self, result: &StudyResult) -> bool {
+        let within = |estimate: &Estimate, limit: f64| match estimate.interval {
+            [Some(low), Some(high)] => 0.5 * (high - low) <= limit,
+            _ => false,
+        };
+        match self {
+            Self::Order(limit) => result.sources.iter().all(|source| within(&source.first, limit)),
+            Self::Median(limit) => within(&result.total.level_db.p50, limit),
+        }
+    }
+}
+
+pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+    let common = &arguments.common;
+    common.start_threads()?;
+    let design = common.load()?;
+    let folder = common.out(&design)?.join("study");
+    cost::refuse(&design, &cost::of_run(&design)?, common.memory.limit())?;
+    let progress = progress();
+    let most = arguments.draws as usize;
+    let mut request = Request {
+        draws: if arguments.until.is_empty() {
+            most
+        } else {
+            most.min(AT_FIRST)
+        },
+        seed: arguments.seed,
+        shots_a_structure: arguments.structures.map(usize::from),
+    };
+    let store = arguments.keeping.cache()?;
+    let (result, made) = loop {
+        let (result, made) = made(&store, &design, &request, &progress)?;
+        // Where candidates run out, more are of no use.
+        if request.draws >= most
+            || result.draws < request.draws
+            || arguments.until.iter().all(|own| own.is_met(&result))
+        {
+            break (result, made);
+        }
+        request.draws = most.min(2 * request.draws);
+    };
+    let within = arguments.until.iter().all(|own| own.is_met(&result));
+    let json = serde_json::to_string_pretty(&result).map_err(Error::Json)? + "\n";
+    progress.stage("writing files");
+    let staging = Staging::within(&folder)?;
+    let (charts, deciding) = (figures::study(&result), figures::deciding(&result, &made));
+    if arguments.figures {
+        figures::write(&staging, "figures".as_ref(), &[&charts[..], &deciding[..]].concat())?;
+    }
+    staging.write(
+        "study.html".as_ref(),
+        report::study(&result, &charts, &deciding).as_bytes(),
+    )?;
+    staging.write("draws.csv".as_ref(), &study::csv(&made)?)?;
+    staging.write(LAST.as_ref(), json.as_bytes())?;
+    staging.place(&[], LAST.as_ref())?;
+    progress.end();
+    for (draw, error) in &made.failures {
+        message(&format!("draw {draw} cannot be computed: {error}"));
+    }
+    for (candidate, error) in &made.tally.failures {
+        message(&format!(
+            "the shot of candidate {candidate} cannot be computed: {error}"
+        ));
+    }
+    if common.json {
+        print(&json)?;
+    } else {
+        print(&text(&result))?;
+        print(&format!(
+            "\n  files in {}; open study.html for the charts\n",
+            folder.display()
+        ))?;
+    }
+    Ok(if result.candidates.failures > 0 {
+        ExitCode::from(3)
+    } else if within {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::from(1)
+    })
+}
+
+/// A study of a design, kept for later runs, and its draws.
+pub(super) fn made(
+    store: &Store,
+    design: &Design,
+    request: &Request,
+    progress: &Progress,
+) -> Result<(StudyResult, Draws), Error> {
+    let observer = Arc::new(WithoutStages(progress.observer()));
+    let graph = Graph::new(Arc::new(store.clone()), observer);
+    let made = study::draws(&graph, design, request, progress)?;
+    progress.stage("levels of the design itself");
+    let nominal = study::nominal(&graph, design)?;
+    progress.stage("statistics");
+    let result = StudyResult::new(design, request, &made, nominal.as_deref());
+    study::keep(store, design, &result)?;
+    Ok((result, made))
+}
+
+/// An estimate with the half width of its interval: `0.83 +-0.04`.
+pub(super) fn probability(estimate: &Estimate) -> String {
+    let value = estimate
+        .value
+        .map_or_else(|| "-".to_owned(), |value| format!("{value:.2}"));
+    match estimate.interval {
+        [Some(low), Some(high)] => format!("{value} +-{:.2}", 0.5 * (high - low)),
+        _ => value,
+    }
+}
+
+/// A level with the half width of its interval.
+fn level(estimate: &Estimate) -> String {
+    match (estimate.value, estimate.interval) {
+        (Some(value), [Some(low), Some(high)]) => format!("{value:.1} +-{:.1}", 0.5 * (high - low)),
+        (value, _) => decibels(value),
+    }
+}
+
+fn percent(part: u64, whole: u64) -> String {
+    format!("{:.1}", 100.0 * part as f64 / whole.max(1) as f64)
+}
+
+fn text(result: &StudyResult) -> String {
+    let structures = match result.structures {
+        0 => "structures held".to_owned(),
+        count => format!("{count} structures drawn"),
+    };
+    let drawn = result.variables.iter().filter(|variable| variable.drawn).count();
+    let mut text = format!(
+        "{}: {} draws of {drawn} quantities, {structures} (seed {})\n\
+         A-weighted single-event sound power levels, dB re 1 pW s; +-: half of the 90 % interval of the estimate\n\n",
+        result.design.name, result.draws, result.seed
+    );
+    let place = |share: Option<f64>| share.map_or_else(|| "-".to_owned(), |share| format!("{:.0} %", 100.0 * share));
+    let row = |name: &str, own: &crate::study::LevelStudy| {
+        vec![
+            name.to_owned(),
+            decibels(own.nominal_db),
+            place(own.below_nominal),
+            level(&own.level_db.p05),
+            level(&own.level_db.p50),
+            level(&own.level_db.p95),
+        ]
+    };
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    for source in &result.sources {
+        let mut cells = row(&source.source, &source.level);
+        cells.push(probability(&source.first));
+        cells.push(level(&source.loss_db));
+        cells.push(level(&source.silencing_db));
+        rows.push(cells);
+    }
+    rows.push(row("total", &result.total));
+    let headings = [
+        "source",
+        "design",
+        "draws below",
+        "P5",
+        "P50",
+        "P95",
+        "P(first)",
+        "loss dB",
+        "silenced dB",
+    ];
+    text.push_str(&table(&headings, &rows));
+    text.push_str("\n  loss: expected distance to the loudest source; silenced: expected fall of the total without the source\n\n");
+    let orders = result
+        .orders
+        .iter()
+        .map(|own| vec![own.order.join(" > "), probability(&own.probability)]);
+    text.push_str(&table(&["order", "probability"], &orders.collect::<Vec<_>>()));
+    text.push('\n');
+    let louder = result.louder.iter().map(|own| {
+        vec![
+            format!("{} louder than {}", own.source, own.than),
+            probability(&own.probability),
+        ]
+    });
+    text.push_str(&table(&["pair", "probability"], &louder.collect::<Vec<_>>()));
+    for own in &result.contributions {
+        // Writing to a string cannot fail, here and below.
+        let _ = writeln!(
+            text,
+            "\n  {}: variance {:.1} dB2; inputs that explain more of it than chance ({:.2}):",
+            own.output, own.variance_db2, own.by_chance
+        );
+        let rows = own.inputs.iter().take(PRINTED).map(|input| {
+            vec![
+                input.variable.clone(),
+                format!("{:.2}", input.first_order),
+                format!("{:+.1}", input.effect_db),
+            ]
+        });
+        let rows: Vec<Vec<String>> = rows.collect();
+        if rows.is_empty() {
+            text.push_str("  not resolved with so many draws\n");
+        } else {
+            text.push_str(&table(
+                &["input", "part of variance", "upper less lower third dB"],
+                &rows,
+            ));
+        }
+    }
+    let candidates = &result.candidates;
+    let shots: u64 = candidates.outcomes.values().sum();
+    let _ = writeln!(text, "\n  {} candidates, {shots} shots", candidates.drawn);
+    let mut counts: Vec<(&String, &u64)> = candidates.outcomes.iter().collect();
+    counts.sort_by(|a, b| b.1.cmp(a.1));
+    let rows = counts.into_iter().map(|(name, count)| {
+        let counts = result.require.is_empty() || result.require.contains(name);
+        let mark = if counts { "counts" } else { "" };
+        vec![
+            name.replace('_', " "),
+            count.to_string(),
+            percent(*count, shots),
+            mark.to_owned(),
+        ]
+    });
+    text.push_str(&table(&["the shot", "candidates", "%", ""], &rows.collect::<Vec<_>>()));
+    let reasons = candidates.refused.iter().chain(&candidates.rejections);
+    let rows: Vec<Vec<String>> = reasons
+        .map(|(keys, count)| vec![keys.clone(), count.to_string()])
+        .collect();
+    if !rows.is_empty() {
+        text.push_str(&table(&["values that do not go together", "drawn anew"], &rows));
+    }
+    text.push('\n');
+    for note in &result.notes {
+        let _ = writeln!(text, "  - {note}");
+    }
+    text
+}

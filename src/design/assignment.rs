@@ -1,0 +1,79 @@
+//! Values given on the command line, over those of the design file.
+
+use std::path::Path;
+use std::str::FromStr;
+
+use toml::de::{DeTable, DeValue};
+
+use super::source::File;
+
+/// The name that stands for the command line in the places of errors and entries.
+const COMMAND_LINE: &str = "command line";
+
+/// One value for one key, as `supply.pressure=80psig`.
+///
+/// The value is written as in a design file; a text needs no quotes: `exhaust.holes=3`, `piston.mass=120 g`,
+/// `support.worktable.preset=B`. An inline table gives range and provenance, too.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Assignment {
+    /// A line of a design file.
+    line: String,
+}
+
+/// Why a text is no [`Assignment`].
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum AssignmentError {
+    /// There is no equals sign, or nothing on one of its sides.
+    #[error("\"{0}\" is not KEY=VALUE, as supply.pressure=80psig")]
+    Incomplete(String),
+    /// The left-hand side cannot name a key.
+    #[error("\"{0}\" cannot be a key; keys are written as supply.pressure")]
+    BadKey(String),
+    /// A design inherits in its file alone.
+    #[error("`base` can be given in a design file only")]
+    Base,
+}
+
+impl FromStr for Assignment {
+    type Err = AssignmentError;
+
+    fn from_str(text: &str) -> Result<Self, AssignmentError> {
+        let (key, value) = text
+            .split_once('=')
+            .map(|(key, value)| (key.trim(), value.trim()))
+            .filter(|(key, value)| !key.is_empty() && !value.is_empty())
+            .ok_or_else(|| AssignmentError::Incomplete(text.to_owned()))?;
+        let quoted = toml::Value::String(value.to_owned()).to_string();
+        // A line break would begin another key.
+        if key.contains(['\n', '\r']) || DeTable::parse(&format!("{key} = 0")).is_err() {
+            return Err(AssignmentError::BadKey(key.to_owned()));
+        }
+        if key == "base" {
+            return Err(AssignmentError::Base);
+        }
+        let value = if is_value(value) { value } else { &quoted };
+        Ok(Self {
+            line: format!("{key} = {value}"),
+        })
+    }
+}
+
+impl Assignment {
+    /// The assignment as a design file of one line; files that its value names are relative to the working folder.
+    pub(crate) fn file(&self) -> File {
+        File::new(Path::new(COMMAND_LINE), &self.line)
+    }
+}
+
+/// Whether a text is one value in TOML other than a date, which no key holds.
+fn is_value(text: &str) -> bool {
+    let line = format!("value = {text}");
+    DeTable::parse(&line).is_ok_and(|table| {
+        table.get_ref().len() == 1
+            && table
+                .get_ref()
+                .values()
+                .all(|value| !matches!(value.get_ref(), DeValue::Datetime(_)))
+    })
+}

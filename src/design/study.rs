@@ -1,0 +1,442 @@
+//! `[study]` of a design file: what a study of the design draws beside its ranges, and which shots count.
+//!
+//! ```toml
+//! [study]
+//! require = "drives"                        # an outcome, or a list of them
+//! screening = 8                             # draws of `nailnoise run`
+//! [study.alternatives]
+//! "support.worktable.preset" = { A = 0.5, B = 0.25, C = 0.25 }
+//! exhaust = [ { holes = 5, hole_diameter = "5.97 mm" }, { holes = 1, hole_diameter = "13.35 mm" } ]
+//! [study.model]
+//! exhaust = "-4 .. 4 dB"                    # in place of the method's own band
+//! [[study.correlation]]
+//! keys = ["piston.mass", "piston.bore"]
+//! rank = 0.8                                # Spearman's rank correlation
+//! ```
+//!
+//! It changes no value of the design and no digest of it.
+
+use std::collections::BTreeMap;
+
+use nailnoise_quantities::dimension::NUMBER;
+use nailnoise_quantities::{GroupSpec, KeySpec, Value, dotted, range};
+use serde::Serialize;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::error::DesignError;
+use super::place::Place;
+use super::settings::{Field, Given, found, found_value};
+use super::source::File;
+use super::suggest;
+
+/// Draws of a screening at most: more are a study.
+const MOST_SCREENED: u32 = 8;
+
+/// Options of an alternative at most.
+const MOST_OPTIONS: usize = 64;
+
+/// Outcomes of a shot by their names.
+pub const OUTCOMES: [&str; 6] = [
+    "drives",
+    "strikes_bumper",
+    "underdriven",
+    "overdriven",
+    "does_not_open",
+    "does_not_release",
+];
+
+/// Sources by their names.
+pub const SOURCES: [&str; 3] = ["workpiece", "exhaust", "body"];
+
+/// What a study draws beside the ranges of the design, and which shots count.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct StudySettings {
+    /// Outcomes of which a shot must have one to count; all count where it is empty.
+    pub require: Vec<&'static str>,
+    /// Draws of `nailnoise run` for a design without a study.
+    pub screening: u32,
+    /// Choices between sets of values, by name.
+    pub alternatives: BTreeMap<String, Vec<Alternative>>,
+    /// Bounds of the error of a source's method \[dB\], in place of its own.
+    pub model: BTreeMap<&'static str, [f64; 2]>,
+    /// Rank correlations between drawn quantities.
+    pub correlations: Vec<Correlation>,
+}
+
+/// One of several sets of values.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Alternative {
+    /// What it is called.
+    pub name: String,
+    /// Its probability \[-\]; those of all options sum to 1.
+    pub probability: f64,
+    /// Keys and values, quantities in SI units.
+    pub values: Vec<(String, Value)>,
+}
+
+/// Quantities that are drawn with a common rank correlation.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Correlation {
+    /// Full names of the keys.
+    pub keys: Vec<String>,
+    /// Spearman's rank correlation of each pair \[-\].
+    pub rank: f64,
+}
+
+/// A group of quantities that are correlated, with its place in the file.
+type Placed<T> = (T, Box<Place>);
+
+/// What one file says in `[study]`.
+#[derive(Debug, Default)]
+pub(crate) struct StudyLayer {
+    require: Option<Vec<&'static str>>,
+    screening: Option<u32>,
+    alternatives: BTreeMap<String, Vec<DraftOption>>,
+    model: BTreeMap<&'static str, [f64; 2]>,
+    correlations: Option<Vec<Placed<Correlation>>>,
+}
+
+/// An option before gauge pressures are made absolute and weights probabilities.
+#[derive(Debug)]
+struct DraftOption {
+    name: String,
+    weight: f64,
+    values: Vec<(String, Given)>,
+}
+
+impl StudyLayer {
+    /// Reads `[study]` of a file, if there is one, by the declaration `root` of the design's keys.
+    pub(crate) fn of(file: &File, root: &'static GroupSpec) -> Result<Option<Self>, DesignError> {
+        let table = file.table()?;
+        let reader = Reader { file, root };
+        table.get("study").map(|value| Self::read(&reader, value)).transpose()
+    }
+
+    fn read(reader: &Reader<'_>, value: &Spanned<DeValue<'_>>) -> Result<Self, DesignError> {
+        let mut layer = Self::default();
+        for (key, value) in reader.table("study", value)? {
+            match key.get_ref().as_ref() {
+                "require" => layer.require = Some(reader.outcomes(value)?),
+                "screening" => layer.screening = Some(reader.screening(value)?),
+                "alternatives" => {
+                    for (key, value) in reader.table("study.alternatives", value)? {
+                        let name = key.get_ref().as_ref();
+                        let options = reader.alternatives(name, key, value)?;
+                        layer.alternatives.insert(name.to_owned(), options);
+                    }
+                }
+                "model" => {
+                    for (key, value) in reader.table("study.model", value)? {
+                        let name = key.get_ref().as_ref();
+                        let Some(source) = SOURCES.into_iter().find(|source| *source == name) else {
+                            return Err(reader.unknown("study.model", key, &SOURCES));
+                        };
+                        layer.model.insert(source, reader.decibels(source, value)?);
+                    }
+                }
+                "correlation" => layer.correlations = Some(reader.correlations(value)?),
+                _ => {
+                    let known = ["require", "screening", "alternatives", "model", "correlation"];
+                    return Err(reader.unknown("study", key, &known));
+                }
+            }
+        }
+        Ok(layer)
+    }
+}
+
+/// Joins what the files say, the nearest last; `ranged` says whether a key has a range, `ambient` is the pressure from which
+/// gauge pressures count \[Pa\].
+pub(crate) fn joined(
+    layers: Vec<StudyLayer>,
+    ranged: impl Fn(&str) -> bool,
+    ambient: f64,
+) -> Result<StudySettings, DesignError> {
+    let mut settings = StudySettings {
+        screening: MOST_SCREENED,
+        ..StudySettings::default()
+    };
+    let mut correlations = Vec::new();
+    for layer in layers {
+        if let Some(require) = layer.require {
+            settings.require = require;
+        }
+        settings.screening = layer.screening.unwrap_or(settings.screening);
+        for (name, options) in layer.alternatives {
+            let sum: f64 = options.iter().map(|option| option.weight).sum();
+            let absolute = |(key, given)| match given {
+                Given::Quantity(measured) => (key, Value::Number(measured.absolute(ambient))),
+                Given::Other(value) => (key, value),
+            };
+            let option = |option: DraftOption| Alternative {
+                name: option.name,
+                probability: option.weight / sum,
+                values: option.values.into_iter().map(absolute).collect(),
+            };
+            settings
+                .alternatives
+                .insert(name, options.into_iter().map(option).collect());
+        }
+        settings.model.extend(layer.model);
+        correlations = layer.correlations.unwrap_or(correlations);
+    }
+    let mut seen: Vec<String> = Vec::new();
+    for (correlation, at) in &correlations {
+        for key in &correlation.keys {
+            let expected = if !ranged(key) {
+                "as quantities with a range"
+            } else if seen.contains(key) {
+                "each in one correlation only"
+            } else {
+                seen.push(key.clone());
+                continue;
+            };
+            return Err(DesignError::WrongKind {
+                key: "study.correlation.keys".to_owned(),
+                found: format!("`{key}`"),
+                expected: expected.to_owned(),
+                at: at.clone(),
+            });
+        }
+    }
+    settings.correlations = correlations.into_iter().map(|(correlation, _)| correlation).collect();
+    Ok(settings)
+}
+
+struct Reader<'a> {
+    file: &'a File,
+    root: &'static GroupSpec,
+}
+
+impl Reader<'_> {
+    fn wrong(&self, key: &str, value: &Spanned<DeValue<'_>>, expected: &str) -> DesignError {
+        DesignError::WrongKind {
+            key: key.to_owned(),
+            found: found(value.get_ref()),
+            expected: expected.to_owned(),
+            at: self.file.place(value.span()),
+        }
+    }
+
+    fn unknown(&self, group: &str, key: &Spanned<std::borrow::Cow<'_, str>>, known: &[&str]) -> DesignError {
+        let name = key.get_ref().as_ref();
+        DesignError::UnknownKey {
+            key: format!("{group}.{name}"),
+            nearest: suggest::word(known.iter().copied(), name).map(|near| dotted(group, near)),
+            known: known.iter().map(|known| (*known).to_owned()).collect(),
+            at: self.file.place(key.span()),
+        }
+    }
+
+    fn table<'t, 'i>(&self, key: &str, value: &'t Spanned<DeValue<'i>>) -> Result<&'t DeTable<'i>, DesignError> {
+        let table = value.get_ref().as_table();
+        table.ok_or_else(|| self.wrong(key, value, &format!("as a group of keys: [{key}]")))
+    }
+
+    fn outcomes(&self, value: &Spanned<DeValue<'_>>) -> Result<Vec<&'static str>, DesignError> {
+        let one = |value: &Spanned<DeValue<'_>>| {
+            let word = value.get_ref().as_str().unwrap_or_default();
+            let known = OUTCOMES.into_iter().find(|own| *own == word);
+            known.ok_or_else(|| {
+                self.wrong(
+                    "study.require",
+                    value,
+                    &format!("as an outcome, or a list of outcomes: {}", OUTCOMES.join(", ")),
+                )
+            })
+        };
+        match value.get_ref() {
+            DeValue::Array(list) => list.iter().map(one).collect(),
+            _ => Ok(vec![one(value)?]),
+        }
+    }
+
+    fn screening(&self, value: &Spanned<DeValue<'_>>) -> Result<u32, DesignError> {
+        let count = match value.get_ref() {
+            DeValue::Integer(integer) => u32::from_str_radix(integer.as_str(), integer.radix()).ok(),
+            _ => None,
+        };
+        count.filter(|count| *count <= MOST_SCREENED).ok_or_else(|| {
+            let expected = format!("as a whole number from 0 to {MOST_SCREENED}; `nailnoise study` makes more draws");
+            self.wrong("study.screening", value, &expected)
+        })
+    }
+
+    /// A positive number, or a number in (-1, 1).
+    fn number(&self, key: &str, value: &Spanned<DeValue<'_>>, weight: bool) -> Result<f64, DesignError> {
+        let number = match value.get_ref() {
+            DeValue::Float(float) => float.as_str().parse().ok(),
+            DeValue::Integer(integer) => integer.as_str().parse().ok(),
+            _ => None,
+        };
+        let allowed = |number: &f64| {
+            number.is_finite()
+                && if weight {
+                    (0.0..=1e9).contains(number) && *number > 0.0
+                } else {
+                    number.abs() < 1.0
+                }
+        };
+        let expected = if weight {
+            "as a weight, a number above 0"
+        } else {
+            "as a number between -1 and 1"
+        };
+        number.filter(allowed).ok_or_else(|| self.wrong(key, value, expected))
+    }
+
+    fn decibels(&self, source: &str, value: &Spanned<DeValue<'_>>) -> Result<[f64; 2], DesignError> {
+        let text = value.get_ref().as_str().and_then(|text| text.trim().strip_suffix("dB"));
+        let ends = text.and_then(|text| range(text, NUMBER, false).ok());
+        let ends = ends
+            .map(|ends| ends.map(|end| end.si))
+            .filter(|[low, high]| low <= high);
+        ends.ok_or_else(|| self.wrong(&dotted("study.model", source), value, "as \"low .. high dB\""))
+    }
+
+    /// The declaration of a key, or of a group, by its full name.
+    fn find(&self, name: &str) -> Option<Result<&'static KeySpec, &'static GroupSpec>> {
+        let mut group: &'static GroupSpec = self.root;
+        let mut parts = name.split('.').peekable();
+        while let Some(part) = parts.next() {
+            match group.group(part) {
+                Some(inner) => group = inner,
+                None if parts.peek().is_none() => return group.key(part).map(Ok),
+                None => return None,
+            }
+        }
+        Some(Err(group))
+    }
+
+    fn alternatives(
+        &self,
+        name: &str,
+        key: &Spanned<std::borrow::Cow<'_, str>>,
+        value: &Spanned<DeValue<'_>>,
+    ) -> Result<Vec<DraftOption>, DesignError> {
+        let full = dotted("study.alternatives", name);
+        let options = match (self.find(name), value.get_ref()) {
+            (Some(Ok(spec)), DeValue::Table(table)) => {
+                let option = |(word, weight): (&Spanned<std::borrow::Cow<'_, str>>, &Spanned<DeValue<'_>>)| {
+                    let text = Spanned::new(word.span(), DeValue::String(word.get_ref().as_ref().into()));
+                    let field = Field {
+                        file: self.file,
+                        key: name,
+                    };
+                    let (given, ..) = field.value(&text, spec)?;
+                    Ok(DraftOption {
+                        name: word.get_ref().to_string(),
+                        weight: self.number(&full, weight, true)?,
+                        values: vec![(name.to_owned(), given)],
+                    })
+                };
+                table.iter().map(option).collect::<Result<Vec<_>, DesignError>>()?
+            }
+            (Some(Err(group)), DeValue::Array(list)) => {
+                let options = list.iter().enumerate();
+                options
+                    .map(|(index, value)| self.option(name, group, index, value))
+                    .collect::<Result<_, _>>()?
+            }
+            (Some(Ok(_)), _) => return Err(self.wrong(&full, value, "as values with weights: { A = 0.5, B = 0.5 }")),
+            (Some(Err(_)), _) => {
+                return Err(self.wrong(
+                    &full,
+                    value,
+                    "as a list of groups of keys: [{ holes = 5 }, { holes = 1 }]",
+                ));
+            }
+            (None, _) => {
+                return Err(DesignError::UnknownKey {
+                    key: full,
+                    nearest: suggest::key(self.root, name),
+                    known: vec!["the full name of a key or group, in quotes".to_owned()],
+                    at: self.file.place(key.span()),
+                });
+            }
+        };
+        if options.is_empty() || options.len() > MOST_OPTIONS {
+            return Err(self.wrong(&full, value, &format!("with 1 to {MOST_OPTIONS} options")));
+        }
+        Ok(options)
+    }
+
+    /// An option of a group: its keys, and `weight`, which is 1 where it is not given.
+    fn option(
+        &self,
+        name: &str,
+        group: &'static GroupSpec,
+        index: usize,
+        value: &Spanned<DeValue<'_>>,
+    ) -> Result<DraftOption, DesignError> {
+        let full = dotted("study.alternatives", name);
+        let mut option = DraftOption {
+            name: String::new(),
+            weight: 1.0,
+            values: Vec::new(),
+        };
+        let mut words = Vec::new();
+        for (key, value) in self.table(&full, value)? {
+            let word = key.get_ref().as_ref();
+            if word == "weight" {
+                option.weight = self.number(&full, value, true)?;
+                continue;
+            }
+            let Some(spec) = group.key(word) else {
+                let known: Vec<&str> = group.keys().map(|key| key.name).chain(["weight"]).collect();
+                return Err(self.unknown(&full, key, &known));
+            };
+            let own = dotted(name, word);
+            let (given, ..) = (Field {
+                file: self.file,
+                key: &own,
+            })
+            .value(value, spec)?;
+            words.push(format!("{word} {}", found_value(value.get_ref()).trim_matches('"')));
+            option.values.push((own, given));
+        }
+        option.name = if words.is_empty() {
+            format!("option {}", index + 1)
+        } else {
+            words.join(", ")
+        };
+        Ok(option)
+    }
+
+    fn correlations(&self, value: &Spanned<DeValue<'_>>) -> Result<Vec<Placed<Correlation>>, DesignError> {
+        let expected = "as tables: [[study.correlation]] with keys = [...] and rank = 0.5";
+        let DeValue::Array(list) = value.get_ref() else {
+            return Err(self.wrong("study.correlation", value, expected));
+        };
+        let one = |value: &Spanned<DeValue<'_>>| {
+            let (mut keys, mut rank) = (Vec::new(), None);
+            for (key, value) in self.table("study.correlation", value)? {
+                match (key.get_ref().as_ref(), value.get_ref()) {
+                    ("keys", DeValue::Array(list)) => {
+                        let name = |value: &Spanned<DeValue<'_>>| value.get_ref().as_str().map(str::to_owned);
+                        let names: Option<Vec<String>> = list.iter().map(name).collect();
+                        keys = names.ok_or_else(|| self.wrong("study.correlation.keys", value, "as a list of keys"))?;
+                    }
+                    ("keys", _) => return Err(self.wrong("study.correlation.keys", value, "as a list of keys")),
+                    ("rank", _) => rank = Some(self.number("study.correlation.rank", value, false)?),
+                    _ => return Err(self.unknown("study.correlation", key, &["keys", "rank"])),
+                }
+            }
+            // The copula's matrix with one correlation off its diagonal is positive definite above -1/(k - 1).
+            let pearson = |rank: f64| 2.0 * (std::f64::consts::PI * rank / 6.0).sin();
+            match rank {
+                Some(rank) if keys.len() >= 2 && 1.0 + (keys.len() - 1) as f64 * pearson(rank) > 0.0 => {
+                    Ok((Correlation { keys, rank }, self.file.place(value.span())))
+                }
+                Some(_) if keys.len() >= 2 => Err(self.wrong(
+                    "study.correlation.rank",
+                    value,
+                    "higher: so many quantities cannot all be against each other so strongly",
+                )),
+                _ => Err(self.wrong("study.correlation", value, "with two or more keys and a rank")),
+            }
+        };
+        list.iter().map(one).collect()
+    }
+}

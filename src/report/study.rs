@@ -1,0 +1,170 @@
+//! The report of a study.
+
+use maud::{Markup, html};
+
+use super::chart::markup;
+use super::page::{Page, Section};
+use super::tables::decibels;
+use crate::figures::Chart;
+use crate::study::{Estimate, LevelStudy, StudyResult};
+
+pub(super) fn page(result: &StudyResult, charts: &[Chart], deciding: &[Chart]) -> Page {
+    let chart = |name: &str| charts.iter().find(|chart| chart.name == name).map(markup);
+    let sections = vec![
+        Section::new(
+            "levels",
+            "Levels",
+            html! { @if let Some(c) = chart("study-levels") { (c) } (levels(result)) },
+        ),
+        Section::new(
+            "order",
+            "Order",
+            html! { @if let Some(c) = chart("study-orders") { (c) } (louder(result)) },
+        ),
+        Section::new(
+            "inputs",
+            "What decides",
+            html! { (contributions(result)) @for c in deciding { (markup(c)) } },
+        ),
+        Section::new(
+            "bands",
+            "Bands",
+            html! { @if let Some(c) = chart("study-bands") { (c) } },
+        ),
+        Section::new(
+            "convergence",
+            "Convergence",
+            html! { @if let Some(c) = chart("study-convergence") { (c) } (candidates(result)) },
+        ),
+        Section::new("drawn", "What was drawn", variables(result)),
+    ];
+    Page {
+        title: format!("{}: study", result.design.name),
+        compared: None,
+        heading: format!("{}: how sure is the ranking", result.design.name),
+        lead: lead(result),
+        sections,
+    }
+}
+
+fn lead(result: &StudyResult) -> Markup {
+    let structures = match result.structures {
+        0 => "structures as in the design".to_owned(),
+        count => format!("{count} structures"),
+    };
+    html! {
+        p { (result.draws) " draws, " (structures) ", seed " (result.seed)
+            ". Beside each estimate: half of its 90 % interval over resampled draws." }
+        ul { @for note in &result.notes { li { (note) } } }
+    }
+}
+
+fn half(estimate: &Estimate) -> Option<f64> {
+    let [low, high] = estimate.interval;
+    Some(0.5 * (high? - low?))
+}
+
+/// A level with half of its interval.
+fn level(estimate: &Estimate) -> Markup {
+    html! { b { (decibels(estimate.value)) } @if let Some(half) = half(estimate) { " " span.quiet { "\u{b1}" (format!("{half:.1}")) } } }
+}
+
+fn probability(estimate: &Estimate) -> Markup {
+    html! {
+        b { (estimate.value.map_or_else(|| "\u{2013}".to_owned(), |value| format!("{value:.2}"))) }
+        @if let Some(half) = half(estimate) { " " span.quiet { "\u{b1}" (format!("{half:.2}")) } }
+    }
+}
+
+fn levels(result: &StudyResult) -> Markup {
+    let cells = |own: &LevelStudy| {
+        html! {
+            td.n { (decibels(own.nominal_db)) }
+            td.n { @if let Some(share) = own.below_nominal { (format!("{:.0} %", 100.0 * share)) } }
+            td.n { (level(&own.level_db.p05)) } td.n { (level(&own.level_db.p50)) } td.n { (level(&own.level_db.p95)) }
+        }
+    };
+    html! {
+        div.scroll { table {
+            thead { tr { th { "source" } th.n { "design" } th.n { "draws below" } th.n { "P5" } th.n { "P50" } th.n { "P95" }
+                th.n { "P(first)" } th.n { "loss" } th.n { "silenced" } } }
+            tbody {
+                @for own in &result.sources { tr {
+                    td { (own.source) } (cells(&own.level))
+                    td.n { (probability(&own.first)) } td.n { (level(&own.loss_db)) } td.n { (level(&own.silencing_db)) }
+                } }
+                tr.sum { td { "total" } (cells(&result.total)) td {} td {} td {} }
+            }
+        } }
+        p.quiet { "A-weighted single-event sound power levels, dB re 1 pW s. Loss: expected distance to the loudest source; silenced: \
+                   expected fall of the total without the source, dB. Perfect knowledge of all inputs would be worth "
+                  (level(&result.perfect_information_db)) " dB to the choice of the source to silence." }
+    }
+}
+
+fn louder(result: &StudyResult) -> Markup {
+    html! {
+        div.scroll { table {
+            thead { tr { th { "order" } th.n { "probability" } } }
+            tbody { @for own in &result.orders { tr { td { (own.order.join(" > ")) } td.n { (probability(&own.probability)) } } } }
+        } }
+        div.scroll { table {
+            thead { tr { th { "pair" } th.n { "probability" } } }
+            tbody { @for own in &result.louder { tr {
+                td { (own.source) " louder than " (own.than) } td.n { (probability(&own.probability)) }
+            } } }
+        } }
+    }
+}
+
+fn contributions(result: &StudyResult) -> Markup {
+    html! {
+        @if result.contributions.is_empty() { p { "Too few draws to say which inputs decide." } }
+        @for own in &result.contributions {
+            h3 { (own.output) }
+            p.quiet { "Variance " (format!("{:.1}", own.variance_db2)) " dB\u{b2}. Parts below " (format!("{:.2}", own.by_chance))
+                      " may be chance: the largest of all inputs exceeds it in one of twenty random pairings." }
+            @if own.inputs.is_empty() { p { "Not resolved with so many draws." } }
+            @else { div.scroll { table {
+                thead { tr { th { "input" } th.n { "part of the variance" } th { } th.n { "upper less lower third, dB" } } }
+                tbody { @for input in &own.inputs { tr {
+                    td.key { (input.variable) } td.n { (format!("{:.2}", input.first_order)) }
+                    td { div style={ "height:0.8em;background:#0072B2;width:" (format!("{:.1}", 12.0 * input.first_order.clamp(0.0, 1.0))) "em" } {} }
+                    td.n { (format!("{:+.1}", input.effect_db)) }
+                } } }
+            } } }
+        }
+    }
+}
+
+fn candidates(result: &StudyResult) -> Markup {
+    let shots: u64 = result.candidates.outcomes.values().sum();
+    html! {
+        p { (result.candidates.drawn) " candidates, " (shots) " shots, " (result.draws) " draws." }
+        div.scroll { table {
+            thead { tr { th { "the shot" } th.n { "candidates" } th.n { "%" } } }
+            tbody { @for (name, count) in &result.candidates.outcomes { tr {
+                td { (name.replace('_', " ")) } td.n { (count) } td.n { (format!("{:.1}", 100.0 * *count as f64 / shots.max(1) as f64)) }
+            } } }
+        } }
+        @if !result.candidates.rejections.is_empty() { div.scroll { table {
+            thead { tr { th { "values that do not go together" } th.n { "drawn anew" } } }
+            tbody { @for (keys, count) in &result.candidates.rejections { tr { td.key { (keys) } td.n { (count) } } } }
+        } } }
+    }
+}
+
+fn variables(result: &StudyResult) -> Markup {
+    let place = |place: Option<f64>| place.map_or_else(|| "\u{2013}".to_owned(), |place| format!("{place:.2}"));
+    html! {
+        div.scroll { table {
+            thead { tr { th { "quantity" } th { "changes" } th { "range (SI)" } th { "distribution" } th.n { "place of the design" }
+                th.n { "mean place of draws" } } }
+            tbody { @for own in &result.variables { tr {
+                td.key { (own.name) } td { (own.scope) @if !own.drawn { ", held" } }
+                td { @if let Some([low, high]) = own.range { (format!("{low:.4e} .. {high:.4e} {}", own.unit)) } @else { "own" } }
+                td { (own.distribution) } td.n { (place(own.nominal_place)) } td.n { (place(own.mean_place)) }
+            } } }
+        } }
+    }
+}

@@ -1,0 +1,123 @@
+//! Levels of a shot alone, without its sound at microphones, sensors and histories: what a study keeps of a draw.
+
+use nailnoise_dynamics::CycleRecord;
+use serde::{Deserialize, Serialize};
+
+use super::exhaust::{Openings, noise};
+use super::intervals::EventEdges;
+use super::outcomes::outcome_name;
+use super::ranking::rank;
+use super::sound::SoundSource;
+use super::sources::{BodySound, WorkpieceSound};
+use super::{Code, Input, Postcard, Progress, Stage, Stored, code};
+use crate::error::Error;
+
+/// Inputs of the levels of a shot.
+#[derive(Serialize)]
+pub struct ShotLevels {
+    /// The workpiece with its support.
+    pub workpiece: WorkpieceSound,
+    /// The openings of the exhaust.
+    pub openings: Openings,
+    /// The tool's body.
+    pub body: BodySound,
+    /// The cycle, whose events separate the intervals.
+    pub cycle: Stored<CycleRecord>,
+    /// End of all records \[s\].
+    pub end: Stored<f64>,
+    /// Range in which sources are compared \[Hz\].
+    pub range_hz: [f64; 2],
+}
+
+/// Levels of a shot.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Levels {
+    /// Name of the outcome.
+    pub outcome: String,
+    /// Workpiece, exhaust, body, in this order.
+    pub sources: Vec<SourceLevels>,
+    /// Checks of the cycle that do not hold.
+    pub failed_checks: Vec<String>,
+}
+
+/// Levels of a source.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SourceLevels {
+    /// Its name.
+    pub source: String,
+    /// A-weighted single-event sound power level \[dB re 1 pW s\]; `None` when silent.
+    pub lwa_db: Option<f64>,
+    /// Bounds of its method's error \[dB\], both positive; `None` where the method gives no bound.
+    pub method_db: [Option<f64>; 2],
+    /// Nominal mid-band frequency \[Hz\] and A-weighted level \[dB re 1 pW s\] of each one-third-octave band.
+    pub bands: Vec<(f64, Option<f64>)>,
+    /// Events on either side, and the A-weighted level between them \[dB re 1 pW s\].
+    pub intervals: Vec<(String, Option<f64>)>,
+}
+
+impl Stage for ShotLevels {
+    type Output = Levels;
+    type Codec = Postcard;
+    const NAME: &'static str = "levels of a draw";
+    const CODE: Code = code!(
+        dynamics,
+        meshes,
+        fem,
+        acoustics,
+        stages_bodies,
+        stages_cycle,
+        stages_exhaust,
+        stages_intervals,
+        stages_levels,
+        stages_microphones,
+        stages_outcomes,
+        stages_radiation,
+        stages_ranking,
+        stages_response,
+        stages_sound,
+        stages_sources,
+        stages_spectra,
+        stages_truncation
+    );
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        let mut inputs = self.workpiece.inputs();
+        inputs.extend(self.body.inputs());
+        inputs.extend([&self.cycle as &dyn Input, &self.end]);
+        inputs
+    }
+
+    fn compute(&self, _: &Progress) -> Result<Levels, Error> {
+        let record = self.cycle.get()?;
+        let edges = EventEdges::new(&record.events, *self.end.get()?);
+        let sounds = [
+            self.workpiece.sound()?,
+            noise(&self.openings, &record)?.0,
+            self.body.sound()?,
+        ];
+        let sources = sounds.map(|sound| SoundSource::new(sound, &edges, self.range_hz));
+        let (ranking, _) = rank(&sources.each_ref(), self.range_hz);
+        let levels = |source: &SoundSource| {
+            let ranked = ranking.iter().find(|own| own.source == source.spectrum.source)?;
+            let between = |from: &str, to: &str| format!("{from} - {to}");
+            Some(SourceLevels {
+                source: ranked.source.clone(),
+                lwa_db: ranked.lwa_db,
+                method_db: source.uncertainty.bounds(),
+                bands: ranked.bands.iter().map(|band| (band.hz, band.lwa_db)).collect(),
+                intervals: ranked
+                    .intervals
+                    .iter()
+                    .filter(|interval| interval.to_s > interval.from_s)
+                    .map(|interval| (between(&interval.from, &interval.to), interval.lwa_db))
+                    .collect(),
+            })
+        };
+        let failed = record.checks.iter().filter(|check| !check.ok);
+        Ok(Levels {
+            outcome: outcome_name(record.outcome).to_owned(),
+            sources: sources.iter().filter_map(levels).collect(),
+            failed_checks: failed.map(|check| check.name.to_string()).collect(),
+        })
+    }
+}

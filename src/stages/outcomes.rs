@@ -1,0 +1,105 @@
+//! What many shots do, without their sound: the cheap part of a study.
+
+use nailnoise_dynamics::{CycleError, Outcome, simulate};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::cycle::Cycle;
+use super::{Code, Postcard, Progress, Stage, code};
+use crate::error::Error;
+
+/// The cycles of several shots.
+#[derive(Serialize)]
+pub struct Outcomes {
+    /// One after the other.
+    pub cycles: Vec<Cycle>,
+}
+
+/// What became of a shot.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Fate {
+    /// The cycle was computed.
+    Shot(Shot),
+    /// The piston used up the volume below it: nothing stops it, and the model ends.
+    DryFire,
+    /// The solver gave up.
+    SolverFailure(String),
+    /// The values break a rule of the cycle.
+    Refused(String),
+}
+
+/// Figures of a shot.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Shot {
+    /// Name of the outcome, as in the output.
+    pub outcome: String,
+    /// Mean speed of the piston over the nail's length in the wood \[m/s\].
+    pub mean_drive_speed: Option<f64>,
+    /// Deepest nail tip depth \[m\].
+    pub penetration: f64,
+    /// Mass out of the exhaust holes \[kg\].
+    pub exhaust_mass: f64,
+}
+
+impl Fate {
+    /// Its name: the outcome, `dry_fire`, `solver_failure` or `refused`.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Shot(shot) => &shot.outcome,
+            Self::DryFire => "dry_fire",
+            Self::SolverFailure(_) => "solver_failure",
+            Self::Refused(_) => "refused",
+        }
+    }
+}
+
+/// The name of an outcome, as in the output.
+pub fn outcome_name(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::Drives => "drives",
+        Outcome::StrikesBumper => "strikes_bumper",
+        Outcome::Underdriven => "underdriven",
+        Outcome::Overdriven => "overdriven",
+        Outcome::DoesNotOpen => "does_not_open",
+        Outcome::DoesNotRelease => "does_not_release",
+    }
+}
+
+impl Stage for Outcomes {
+    type Output = Vec<Fate>;
+    type Codec = Postcard;
+    const NAME: &'static str = "outcomes of shots";
+    const CODE: Code = code![dynamics, stages_cycle, stages_outcomes];
+
+    fn compute(&self, _: &Progress) -> Result<Vec<Fate>, Error> {
+        Ok(self.cycles.par_iter().map(fate).collect())
+    }
+}
+
+/// What becomes of the shot of a cycle.
+pub fn fate(cycle: &Cycle) -> Fate {
+    match simulate(&cycle.parameters, &cycle.settings) {
+        Ok(record) => Fate::Shot(Shot {
+            outcome: outcome_name(record.outcome).to_owned(),
+            mean_drive_speed: record.summary.mean_drive_speed,
+            penetration: record.summary.penetration,
+            exhaust_mass: record.summary.exhaust_mass,
+        }),
+        Err(CycleError::DryFire { .. }) => Fate::DryFire,
+        Err(error @ (CycleError::Integration { .. } | CycleError::Collapse { .. } | CycleError::Chatter { .. })) => {
+            Fate::SolverFailure(error.to_string())
+        }
+        Err(error) => Fate::Refused(rule(&error).to_owned()),
+    }
+}
+
+/// The rule of the cycle that a shot breaks.
+fn rule(error: &CycleError) -> &'static str {
+    match error {
+        CycleError::ValveNotClosed { .. } => "the head valve does not close",
+        CycleError::SpringRange { .. } => "the closing spring leaves its law",
+        CycleError::LapOverlap { .. } => "intake and exhaust overlap",
+        CycleError::DiameterOrder { .. } => "a diameter exceeds its outer one",
+        _ => "another rule of the cycle",
+    }
+}

@@ -1,0 +1,318 @@
+//! The draws of a study: each a design with the levels of its shot.
+//!
+//! Structures (modes and radiation matrices) are dear, shots on them are cheap. Where structures are drawn, each serves several
+//! shots: a joint draw of structure and shot that is accepted gives the structure, and further shots are drawn on it. Both have
+//! the distribution of independent joint draws under the condition, because an accepted pair is a draw of the structure given
+//! that it is accepted.
+//!
+//! Nothing is written but the outcomes of candidates and the levels of draws, as outputs of stages in the store: a study that
+//! ended early goes on where it was, and a larger one begins with the draws of a smaller one.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use super::sampling::{Frame, Point, Sampler};
+use super::screening::{Candidate, Tally, drawn, screen};
+use super::variables::{Drawn, Kind, Scope, Variable, common, without_sensors};
+use crate::chain::{Chain, Options};
+use crate::design::{Design, Values};
+use crate::error::Error;
+use crate::graph::Graph;
+use crate::stages::Progress;
+use crate::stages::levels::Levels;
+use crate::stages::outcomes::{Fate, Shot};
+
+/// What a study is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Request {
+    /// Number of draws.
+    pub draws: usize,
+    /// Seed.
+    pub seed: u64,
+    /// Shots on each structure that is drawn; `None` holds the structures of the design.
+    pub shots_a_structure: Option<usize>,
+}
+
+/// A draw.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Draw {
+    /// Number of its structure; 0 where structures are held.
+    pub structure: usize,
+    /// Number of the candidate in its sequence.
+    pub candidate: u64,
+    /// What each variable is; none for one that is held.
+    pub drawn: Vec<Option<Drawn>>,
+    /// Place of each variable in its distribution, 0 .. 1; NaN for one that is held.
+    pub shares: Vec<f64>,
+    /// Figures of the shot.
+    pub shot: Shot,
+    /// Levels without errors of methods.
+    pub levels: Levels,
+    /// Error of each source's method in this draw \[dB\]: workpiece, exhaust, body.
+    pub method_db: [f64; 3],
+}
+
+/// The draws of a study.
+#[derive(Debug, Clone, Default)]
+pub struct Draws {
+    /// The variables.
+    pub variables: Vec<Variable>,
+    /// Names of variables in which values are rejected together.
+    pub conflicting: Vec<Vec<String>>,
+    /// The draws.
+    pub draws: Vec<Draw>,
+    /// What became of all candidates.
+    pub tally: Tally,
+    /// Draws whose sound cannot be computed, with the message.
+    pub failures: Vec<(usize, String)>,
+    /// Ends of methods' errors that are open and taken as 0 dB.
+    pub open_ends: Vec<String>,
+}
+
+/// A draw before its sound.
+struct Planned {
+    structure: usize,
+    candidate: Candidate,
+}
+
+/// Makes the draws that are asked for on a graph, and says on `progress` how far they are.
+///
+/// # Errors
+/// Those of the chain of the design itself; [`Error::NothingDrawn`] where no candidate is accepted.
+pub fn draws(graph: &Graph, design: &Design, request: &Request, progress: &Progress) -> Result<Draws, Error> {
+    let made = common_draws(graph, &[design], request, progress)?;
+    Ok(made.into_iter().next().unwrap_or_default())
+}
+
+/// Draws of several designs in common: in each draw, all that the designs do not decide differently is the same, so that it cancels
+/// in their differences. A draw counts where it counts in all of them. The draws of each design come in the same order.
+///
+/// # Errors
+/// As [`draws`].
+pub fn common_draws(
+    graph: &Graph,
+    designs: &[&Design],
+    request: &Request,
+    progress: &Progress,
+) -> Result<Vec<Draws>, Error> {
+    let Some(first) = designs.first() else {
+        return Ok(Vec::new());
+    };
+    progress.stage("which quantities change the levels");
+    let variables = graph.time("variables", || common(designs))?;
+    let sampler = graph.time("rules between values", || {
+        Sampler::new(&without_sensors(first), variables, request.seed)
+    });
+    let designs: Vec<Design> = designs.iter().map(|design| without_sensors(design)).collect();
+    let (planned, tally) = plan(graph, (&designs, &sampler), request, progress)?;
+    let (draws, failures) = levels(graph, (&designs, &sampler), planned, progress)?;
+    let conflicting: Vec<Vec<String>> = sampler
+        .conflicting()
+        .into_iter()
+        .map(|names| names.into_iter().map(str::to_owned).collect())
+        .collect();
+    let of_design = |draws: Vec<Draw>| Draws {
+        open_ends: open_ends(&sampler, &draws),
+        conflicting: conflicting.clone(),
+        variables: sampler.variables().to_vec(),
+        draws,
+        tally: tally.clone(),
+        failures: failures.clone(),
+    };
+    Ok(draws.into_iter().map(of_design).collect())
+}
+
+/// Candidates that are accepted, structure by structure.
+fn plan(
+    graph: &Graph,
+    (designs, sampler): (&[Design], &Sampler),
+    request: &Request,
+    progress: &Progress,
+) -> Result<(Vec<Planned>, Tally), Error> {
+    progress.stage("shots of candidates");
+    let scopes = |wanted: &[Scope]| -> Vec<bool> {
+        let scopes = sampler.variables().iter().map(|variable| variable.scope);
+        scopes.map(|scope| wanted.contains(&scope)).collect()
+    };
+    let shots = scopes(&[Scope::Shot, Scope::Method]);
+    let all = scopes(&[Scope::Shot, Scope::Method, Scope::Structure]);
+    let bases: Vec<Values> = designs.iter().map(|design| Values::clone(design)).collect();
+    let frame = |active, stream| Frame {
+        bases: &bases,
+        active,
+        stream,
+    };
+    let done = |before: usize| move |found: usize| progress.done((before + found) as u64, request.draws as u64);
+    let Some(each) = request.shots_a_structure else {
+        let frame = frame(&shots, 0);
+        let (accepted, tally) = screen(graph, (designs, sampler), frame, request.draws, done(0))?;
+        let planned = accepted.into_iter().map(|candidate| Planned {
+            structure: 0,
+            candidate,
+        });
+        return Ok((planned.collect(), tally));
+    };
+    let structures = request.draws.div_ceil(each);
+    let (first, mut tally) = screen(graph, (designs, sampler), frame(&all, 0), structures, done(0))?;
+    let mut planned = Vec::new();
+    for (structure, candidate) in first.into_iter().enumerate() {
+        let held = |design: &Design| structure_of(design, sampler, &candidate.point, &shots);
+        let held: Vec<Values> = designs.iter().map(held).collect();
+        let more = each.min(request.draws - planned.len()) - 1;
+        let mut own = vec![candidate];
+        if more > 0 {
+            let frame = Frame {
+                bases: &held,
+                active: &shots,
+                stream: structure as u64 + 1,
+            };
+            let (others, counts) = screen(graph, (designs, sampler), frame, more, done(planned.len()))?;
+            tally.add(counts);
+            // What shots of a structure have in common is what the first of them drew.
+            let first = own[0].clone();
+            own.extend(others.into_iter().map(|other| other.with(&first, &shots)));
+        }
+        planned.extend(own.into_iter().map(|candidate| Planned { structure, candidate }));
+    }
+    Ok((planned, tally))
+}
+
+/// The values of a design with the structure of a point.
+fn structure_of(design: &Design, sampler: &Sampler, point: &Point, shots: &[bool]) -> Values {
+    let mut values: Values = Values::clone(design);
+    let mut structure = point.clone();
+    let of_shots = structure.drawn.iter_mut().zip(shots).filter(|(_, shot)| **shot);
+    of_shots.for_each(|(drawn, _)| *drawn = None);
+    // A point that was accepted has values that can be set.
+    let _ = values.set(&sampler.changes(&structure));
+    values
+}
+
+impl Candidate {
+    /// With what another one drew for all that is not part of the shot.
+    fn with(mut self, other: &Self, shots: &[bool]) -> Self {
+        for (place, _) in shots.iter().enumerate().filter(|(_, shot)| !**shot) {
+            self.point.drawn[place].clone_from(&other.point.drawn[place]);
+            self.point.shares[place] = other.point.shares[place];
+        }
+        self
+    }
+}
+
+/// Draws of each design, and those that cannot be computed.
+type Made = (Vec<Vec<Draw>>, Vec<(usize, String)>);
+
+/// The levels of all planned draws, structure by structure, each shot on a thread of its own.
+fn levels(
+    graph: &Graph,
+    (designs, sampler): (&[Design], &Sampler),
+    planned: Vec<Planned>,
+    progress: &Progress,
+) -> Result<Made, Error> {
+    progress.stage("levels of the draws");
+    let (total, done) = ((planned.len() * designs.len()) as u64, AtomicUsize::new(0));
+    let (mut draws, mut failures) = (vec![Vec::with_capacity(planned.len()); designs.len()], Vec::new());
+    let mut first = 0;
+    for group in planned.chunk_by(|a, b| a.structure == b.structure) {
+        let of = |place: usize, design: &Design| -> Result<Chain, Error> {
+            let point = &group[place].candidate.point;
+            let drawn = drawn(design, sampler, design, point).map_err(|reason| Error::NoDesign { reason })?;
+            Chain::new(graph, &drawn, Options::default())
+        };
+        // Hold the structures' stages while their draws come and go.
+        let anchors: Vec<_> = designs.iter().map(|design| of(0, design)).collect();
+        let count = group.len() * designs.len();
+        let (next, results) = (AtomicUsize::new(0), Mutex::new(vec![None; count]));
+        let work = || loop {
+            let job = next.fetch_add(1, Ordering::Relaxed);
+            if job >= count {
+                return;
+            }
+            let levels = of(job / designs.len(), &designs[job % designs.len()]).and_then(|chain| {
+                chain.check_bodies()?;
+                chain.levels.get()
+            });
+            let levels = levels
+                .map(|levels| Levels::clone(&levels))
+                .map_err(|error| error.to_string());
+            if let Ok(mut results) = results.lock() {
+                results[job] = Some(levels);
+            }
+            progress.done(done.fetch_add(1, Ordering::Relaxed) as u64 + 1, total);
+        };
+        std::thread::scope(|scope| {
+            let workers = rayon::current_num_threads().min(count);
+            (1..workers).for_each(|_| drop(scope.spawn(work)));
+            work();
+        });
+        drop(anchors);
+        let results = results.into_inner().unwrap_or_default();
+        for (place, (planned, results)) in group.iter().zip(results.chunks(designs.len())).enumerate() {
+            let candidate = &planned.candidate;
+            let draw = |(result, fate): (&Option<Result<Levels, String>>, &Fate)| match (result, fate) {
+                (Some(Ok(levels)), Fate::Shot(shot)) => Ok(Draw {
+                    structure: planned.structure,
+                    candidate: candidate.index,
+                    method_db: method_errors(sampler.variables(), &candidate.point, levels),
+                    drawn: candidate.point.drawn.clone(),
+                    shares: candidate.point.shares.clone(),
+                    shot: shot.clone(),
+                    levels: levels.clone(),
+                }),
+                (Some(Err(message)), _) => Err(message.clone()),
+                _ => Err("its computation ended".to_owned()),
+            };
+            match results
+                .iter()
+                .zip(&candidate.fates)
+                .map(draw)
+                .collect::<Result<Vec<Draw>, String>>()
+            {
+                Ok(own) => draws.iter_mut().zip(own).for_each(|(draws, own)| draws.push(own)),
+                Err(message) => failures.push((first + place, message)),
+            }
+        }
+        first += group.len();
+    }
+    Ok((draws, failures))
+}
+
+/// The error of each source's method in a draw \[dB\]; an end that is open counts as 0 dB.
+fn method_errors(variables: &[Variable], point: &Point, levels: &Levels) -> [f64; 3] {
+    let mut errors = [0.0; 3];
+    for (variable, share) in variables.iter().zip(&point.shares).filter(|(_, share)| !share.is_nan()) {
+        let Kind::Method(bounds) = &variable.kind else { continue };
+        for (error, source) in errors.iter_mut().zip(&levels.sources) {
+            if variable.name == format!("method.{}", source.source) {
+                let own = source.method_db.map(|bound| bound.unwrap_or(0.0).abs());
+                let [low, high] = bounds.unwrap_or([-own[0], own[1]]);
+                *error = low + share * (high - low);
+            }
+        }
+    }
+    errors
+}
+
+/// Ends of methods' errors that are open, by source.
+fn open_ends(sampler: &Sampler, draws: &[Draw]) -> Vec<String> {
+    let mut open = std::collections::BTreeSet::new();
+    for source in draws.iter().flat_map(|draw| &draw.levels.sources) {
+        let name = format!("method.{}", source.source);
+        let own = |variable: &Variable| variable.name == name && matches!(variable.kind, Kind::Method(None));
+        if sampler.variables().iter().any(own) {
+            let ends = ["below", "above"].into_iter().zip(source.method_db);
+            let ends = ends.filter(|(_, bound)| bound.is_none());
+            open.extend(ends.map(|(end, _)| format!("{} {end}", source.source)));
+        }
+    }
+    open.into_iter().collect()
+}
+
+/// Levels of the design itself; none where its shot or its sound cannot be computed.
+///
+/// # Errors
+/// Those of the chain's inputs.
+pub fn nominal(graph: &Graph, design: &Design) -> Result<Option<std::sync::Arc<Levels>>, Error> {
+    let chain = Chain::new(graph, &without_sensors(design), Options::default())?;
+    Ok(chain.levels.get().ok())
+}

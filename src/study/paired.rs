@@ -1,0 +1,99 @@
+//! Two designs over common draws: how much one changes the levels of the other, and how sure that is.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::draws::{Draws, Request};
+use super::result::{LevelTable, TOTAL};
+use super::statistics::{Bootstrap, Estimate, Quantiles, energy_sum};
+use super::variables::decided;
+use crate::design::Design;
+
+/// A design against a reference over common draws. What both share is the same in each draw, the errors of methods included, and
+/// cancels in the change.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub struct PairedStudy {
+    /// Name of the reference.
+    pub reference: String,
+    /// Name of the other design.
+    pub design: String,
+    /// Draws that count in both.
+    pub draws: usize,
+    /// Seed.
+    pub seed: u64,
+    /// Structures that were drawn; 0 where each design holds its own.
+    pub structures: usize,
+    /// Keys that the designs decide differently and that are not drawn.
+    pub decided: Vec<String>,
+    /// Each source, then the total.
+    pub changes: Vec<Change>,
+}
+
+/// Change of a level from the reference to the design.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub struct Change {
+    /// `workpiece`, `exhaust`, `body` or `total`.
+    pub source: String,
+    /// P5, P50 and P95 of the change over the draws \[dB\].
+    pub change_db: Quantiles,
+    /// Mean change \[dB\].
+    pub mean_db: Estimate,
+    /// Probability that the design is quieter than the reference.
+    pub quieter: Estimate,
+    /// Width of the interval from P5 to P95 of the change \[dB\].
+    pub width_db: Option<f64>,
+    /// The same of the reference's level: what the change would at least have without common draws \[dB\].
+    pub level_width_db: Option<f64>,
+}
+
+impl PairedStudy {
+    /// States what follows from common draws of a reference and a design.
+    pub fn new((reference, a): (&Design, &Draws), (design, b): (&Design, &Draws), request: &Request) -> Self {
+        let clusters: Vec<usize> = a.draws.iter().map(|draw| draw.structure).collect();
+        let bootstrap = Bootstrap::new(&clusters);
+        let [of_a, of_b] = [a, b].map(|made| LevelTable::new(&made.draws));
+        let width = |own: &Quantiles| Some(own.p95.value? - own.p05.value?);
+        let change = |source: &str, before: &[f64], after: &[f64]| {
+            // Silence in both is no change.
+            let difference = |(a, b): (&f64, &f64)| if a == b { 0.0 } else { b - a };
+            let changes: Vec<f64> = before.iter().zip(after).map(difference).collect();
+            let change_db = bootstrap.quantiles(&changes);
+            Change {
+                source: source.to_owned(),
+                change_db,
+                mean_db: bootstrap.mean(&changes),
+                quieter: bootstrap.share(&changes.iter().map(|change| *change < 0.0).collect::<Vec<_>>()),
+                width_db: width(&change_db),
+                level_width_db: width(&bootstrap.quantiles(before)),
+            }
+        };
+        let column = |table: &LevelTable, name: &str| -> Vec<f64> {
+            let place = table.names.iter().position(|own| own == name).unwrap_or(0);
+            table.levels.iter().map(|levels| levels[place]).collect()
+        };
+        let total = |table: &LevelTable| -> Vec<f64> {
+            table
+                .levels
+                .iter()
+                .map(|levels| energy_sum(levels.iter().copied()))
+                .collect()
+        };
+        let names = of_a.names.iter();
+        let mut changes: Vec<Change> = names
+            .map(|name| change(name, &column(&of_a, name), &column(&of_b, name)))
+            .collect();
+        changes.push(change(TOTAL, &total(&of_a), &total(&of_b)));
+        Self {
+            reference: reference.name().to_owned(),
+            design: design.name().to_owned(),
+            draws: a.draws.len(),
+            seed: request.seed,
+            structures: match request.shots_a_structure {
+                Some(_) => clusters.last().map_or(0, |last| last + 1),
+                None => 0,
+            },
+            decided: decided(&[reference, design]),
+            changes,
+        }
+    }
+}

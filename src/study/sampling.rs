@@ -1,0 +1,443 @@
+//! Draws of the variables: an Owen-scrambled Sobol' sequence, correlations, and rejection of values that do not go together.
+//!
+//! Point `i` of the sequence depends on `i`, the seed and the list of variables alone, so that more draws leave the first ones
+//! as they are, and threads and machines do not matter.
+//!
+//! Some values do not go together: a seat wider than the valve, say. The variables of such rules form connected components.
+//! Values are rejected and drawn anew *within a component*, which gives the same distribution as to reject whole designs, and
+//! leaves all other variables their low-discrepancy points.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use nailnoise_acoustics::random::uniform;
+
+use super::normal;
+use super::variables::{Drawn, Variable};
+use crate::design::{Correlation, Design, Value, Values};
+
+/// Dimensions and length of the sequence: beyond them it goes on with another scramble.
+const DIMENSIONS: usize = 256;
+const LENGTH: u64 = 1 << 16;
+
+/// Times that a component is drawn at most for one point.
+const MOST_ATTEMPTS: u64 = 1000;
+
+/// Designs by which rules that values may break are looked for: a rule that one draw in twenty breaks is missed once in 500 000.
+const PROBES: u64 = 256;
+
+/// Numbers of the sequence are multiples of 2^-24 from 0 on; half of that keeps them from the ends.
+const HALF_STEP: f64 = 1.0 / (1 << 25) as f64;
+
+/// Draws of a list of variables.
+pub struct Sampler {
+    variables: Vec<Variable>,
+    components: Vec<Component>,
+    seed: u64,
+}
+
+/// Variables that are drawn together.
+#[derive(Debug, Clone, PartialEq)]
+struct Component {
+    members: Vec<usize>,
+    /// Whether some of their values do not go together.
+    conflicts: bool,
+    /// Those members that are correlated.
+    correlated: Vec<Correlated>,
+}
+
+/// Members of a component with one common correlation in the Gaussian copula.
+#[derive(Debug, Clone, PartialEq)]
+struct Correlated {
+    members: Vec<usize>,
+    pearson: f64,
+}
+
+/// A point: what each active variable is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Point {
+    /// Share of its distribution below each variable, 0 .. 1; NaN for one that is held.
+    pub shares: Vec<f64>,
+    /// What each is; none for one that is held.
+    pub drawn: Vec<Option<Drawn>>,
+}
+
+/// Which variables are drawn, around which values, and which of many independent sequences is used.
+#[derive(Clone, Copy)]
+pub struct Frame<'a> {
+    /// Values of all that is held, for each of several designs that are drawn in common.
+    pub bases: &'a [Values],
+    /// Whether each variable is drawn.
+    pub active: &'a [bool],
+    /// Number of the sequence.
+    pub stream: u64,
+}
+
+/// How often values were rejected, by the keys that do not go together.
+pub type Rejections = BTreeMap<String, u64>;
+
+impl Sampler {
+    /// A sampler of variables of a design. Rules between their values are found by probes.
+    pub fn new(design: &Design, variables: Vec<Variable>, seed: u64) -> Self {
+        let rules = rules(design, &variables);
+        let components = components(&variables, &rules, &design.study().correlations);
+        Self {
+            variables,
+            components,
+            seed,
+        }
+    }
+
+    /// The variables, in the order of the sequence's dimensions.
+    pub fn variables(&self) -> &[Variable] {
+        &self.variables
+    }
+
+    /// Names of the variables of each component in which values are rejected.
+    pub fn conflicting(&self) -> Vec<Vec<&str>> {
+        let components = self.components.iter().filter(|component| component.conflicts);
+        components.map(|component| self.names(&component.members)).collect()
+    }
+
+    fn names(&self, members: &[usize]) -> Vec<&str> {
+        members
+            .iter()
+            .map(|&member| self.variables[member].name.as_str())
+            .collect()
+    }
+
+    /// Point `index` of a frame, or none where a component has no values that go together.
+    pub fn point(&self, frame: Frame<'_>, index: u64, rejections: &mut Rejections) -> Option<Point> {
+        let count = self.variables.len();
+        let mut point = Point {
+            shares: vec![f64::NAN; count],
+            drawn: vec![None; count],
+        };
+        for component in &self.components {
+            let members: Vec<usize> = component.members.iter().copied().filter(|&m| frame.active[m]).collect();
+            if members.is_empty() {
+                continue;
+            }
+            let mut attempts = 0..MOST_ATTEMPTS;
+            let goes_together = attempts.any(|attempt| {
+                self.draw(component, &members, (frame.stream, index, attempt), &mut point);
+                let together = !component.conflicts
+                    || frame
+                        .bases
+                        .iter()
+                        .all(|base| self.goes_together(base, &members, &point));
+                if !together {
+                    *rejections.entry(self.names(&component.members).join(", ")).or_default() += 1;
+                }
+                together
+            });
+            if !goes_together {
+                return None;
+            }
+        }
+        Some(point)
+    }
+
+    /// Draws the active members of a component.
+    fn draw(
+        &self,
+        component: &Component,
+        members: &[usize],
+        (stream, index, attempt): (u64, u64, u64),
+        point: &mut Point,
+    ) {
+        for &member in members {
+            point.shares[member] = self.share(member, stream, index, attempt);
+        }
+        for correlated in &component.correlated {
+            let own: Vec<usize> = correlated
+                .members
+                .iter()
+                .copied()
+                .filter(|m| members.contains(m))
+                .collect();
+            let mut z: Vec<f64> = own.iter().map(|&m| normal::quantile(point.shares[m])).collect();
+            correlate(&mut z, correlated.pearson);
+            for (member, z) in own.into_iter().zip(z) {
+                point.shares[member] = normal::cumulative(z).clamp(HALF_STEP, 1.0 - HALF_STEP);
+            }
+        }
+        for &member in members {
+            point.drawn[member] = Some(self.variables[member].at(point.shares[member]));
+        }
+    }
+
+    /// A number of the sequence, in (0, 1).
+    fn share(&self, variable: usize, stream: u64, index: u64, attempt: u64) -> f64 {
+        let block = (variable / DIMENSIONS) as u64 + ((index / LENGTH) << 8);
+        let mixed = uniform(self.seed, stream, block) + uniform(self.seed ^ stream.rotate_left(17), attempt, block);
+        let scramble = (mixed.fract() * f64::from(u32::MAX)) as u32;
+        let number = sobol_burley::sample((index % LENGTH) as u32, (variable % DIMENSIONS) as u32, scramble);
+        f64::from(number) + HALF_STEP
+    }
+
+    fn goes_together(&self, base: &Values, members: &[usize], point: &Point) -> bool {
+        let mut values = base.clone();
+        values.set(&self.changes_of(members, point)).is_ok() && values.conflict().is_none()
+    }
+
+    fn changes_of<'a>(&'a self, members: &[usize], point: &Point) -> Vec<(&'a str, Value)> {
+        let changes = members
+            .iter()
+            .filter_map(|&m| Some(self.variables[m].changes(point.drawn[m].as_ref()?)));
+        changes.flatten().collect()
+    }
+
+    /// Keys and values that a point sets.
+    pub fn changes<'a>(&'a self, point: &Point) -> Vec<(&'a str, Value)> {
+        let all: Vec<usize> = (0..self.variables.len()).collect();
+        self.changes_of(&all, point)
+    }
+}
+
+/// Gives independent standard normal numbers one common correlation `r`: multiplies them by the Cholesky factor of
+/// (1 - r) I + r 1 1^T, whose entries below the diagonal are equal in each column.
+fn correlate(z: &mut [f64], r: f64) {
+    // Of the columns so far: sum of the squares of the entries below the diagonal, and their part of every later row.
+    let (mut squares, mut sum) = (0.0_f64, 0.0);
+    for own in z {
+        let diagonal = (1.0 - squares).max(0.0).sqrt();
+        let below = if diagonal > 0.0 { (r - squares) / diagonal } else { 0.0 };
+        let independent = *own;
+        *own = sum + diagonal * independent;
+        sum += below * independent;
+        squares += below * below;
+    }
+}
+
+/// Sets of variables whose values may not go together: for designs drawn at random, the smallest sets of their variables that
+/// break a rule by themselves.
+fn rules(design: &Design, variables: &[Variable]) -> BTreeSet<Vec<usize>> {
+    /// Apart from any seed of a study: the rules do not depend on it.
+    const SEED: u64 = 0x5EED_0F9A_0BE5;
+    let base: &Values = design;
+    let conflict = |members: &[usize], drawn: &[Drawn]| {
+        let mut values = base.clone();
+        let changes: Vec<_> = members.iter().flat_map(|&m| variables[m].changes(&drawn[m])).collect();
+        match values.set(&changes) {
+            Ok(()) => values.conflict(),
+            Err(_) => None,
+        }
+    };
+    let mut found = BTreeSet::new();
+    for probe in 0..PROBES {
+        let drawn: Vec<Drawn> = variables
+            .iter()
+            .enumerate()
+            .map(|(dimension, variable)| {
+                variable.at((uniform(SEED, probe, dimension as u64) + HALF_STEP).min(1.0 - HALF_STEP))
+            })
+            .collect();
+        let mut members: Vec<usize> = (0..variables.len()).collect();
+        while let Some(broken) = conflict(&members, &drawn) {
+            let named = broken.keys();
+            let sets = |m: &usize| {
+                variables[*m]
+                    .changes(&drawn[*m])
+                    .iter()
+                    .any(|(key, _)| named.contains(key))
+            };
+            let mut rule: Vec<usize> = members.iter().copied().filter(sets).collect();
+            if conflict(&rule, &drawn).is_none() {
+                // Values that the message does not name take part: take away what is not needed.
+                rule.clone_from(&members);
+                for member in members.clone() {
+                    let rest: Vec<usize> = rule.iter().copied().filter(|other| *other != member).collect();
+                    if conflict(&rest, &drawn).is_some() {
+                        rule = rest;
+                    }
+                }
+            }
+            if rule.is_empty() {
+                break;
+            }
+            members.retain(|member| !rule.contains(member));
+            found.insert(rule);
+        }
+    }
+    found
+}
+
+/// Joins variables that are in a rule or a correlation together.
+fn components(variables: &[Variable], rules: &BTreeSet<Vec<usize>>, correlations: &[Correlation]) -> Vec<Component> {
+    let place = |key: &String| variables.iter().position(|variable| variable.name == *key);
+    let correlated: Vec<Correlated> = correlations
+        .iter()
+        .map(|correlation| Correlated {
+            members: correlation.keys.iter().filter_map(place).collect(),
+            // Rank correlation of a bivariate normal distribution (Pearson 1907).
+            pearson: 2.0 * (std::f64::consts::PI * correlation.rank / 6.0).sin(),
+        })
+        .filter(|correlated| correlated.members.len() > 1)
+        .collect();
+    let mut label: Vec<usize> = (0..variables.len()).collect();
+    let sets = rules
+        .iter()
+        .chain(correlated.iter().map(|correlated| &correlated.members));
+    for set in sets {
+        let to = set.iter().map(|&member| label[member]).min().unwrap_or(0);
+        let from: Vec<usize> = set.iter().map(|&member| label[member]).collect();
+        label
+            .iter_mut()
+            .filter(|own| from.contains(own))
+            .for_each(|own| *own = to);
+    }
+    let labels: BTreeSet<usize> = label.iter().copied().collect();
+    let component = |of: usize| {
+        let members: Vec<usize> = (0..variables.len()).filter(|&member| label[member] == of).collect();
+        Component {
+            conflicts: rules.iter().any(|rule| members.contains(&rule[0])),
+            correlated: correlated
+                .iter()
+                .filter(|own| members.contains(&own.members[0]))
+                .cloned()
+                .collect(),
+            members,
+        }
+    };
+    labels.into_iter().map(component).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::study::parameters::Parameter;
+    use crate::study::variables::{Kind, Scope};
+
+    const N: u64 = 4096;
+
+    fn design(text: &str) -> Design {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/designs/drawn.toml");
+        Design::parse(&format!("base = \"n80cb.toml\"\n{text}"), folder).unwrap()
+    }
+
+    /// Variables of these keys of a design, without the question what they change.
+    fn of(design: &Design, keys: &[&str]) -> Vec<Variable> {
+        let entry = |key: &&str| design.entries().into_iter().find(|entry| entry.key == *key).unwrap();
+        let parameters = keys.iter().map(entry).filter_map(Parameter::of);
+        let variable = |parameter: Parameter| Variable {
+            name: parameter.key.clone(),
+            scope: Scope::Shot,
+            kind: Kind::Quantity(parameter),
+        };
+        parameters.map(variable).collect()
+    }
+
+    fn points(design: &Design, keys: &[&str], seed: u64) -> (Vec<Point>, Rejections) {
+        let sampler = Sampler::new(design, of(design, keys), seed);
+        let (active, mut rejections) = (vec![true; keys.len()], Rejections::new());
+        let bases = [Values::clone(design)];
+        let frame = Frame {
+            bases: &bases,
+            active: &active,
+            stream: 0,
+        };
+        let points = (0..N).map(|index| sampler.point(frame, index, &mut rejections).unwrap());
+        (points.collect(), rejections)
+    }
+
+    fn ranks(values: impl Iterator<Item = f64>) -> Vec<f64> {
+        let values: Vec<f64> = values.collect();
+        let mut order: Vec<usize> = (0..values.len()).collect();
+        order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+        let mut ranks = vec![0.0; values.len()];
+        order
+            .iter()
+            .enumerate()
+            .for_each(|(rank, &own)| ranks[own] = rank as f64);
+        ranks
+    }
+
+    fn spearman(points: &[Point], a: usize, b: usize) -> f64 {
+        let [x, y] = [a, b].map(|place| ranks(points.iter().map(|point| point.shares[place])));
+        let n = points.len() as f64;
+        let squares: f64 = x.iter().zip(&y).map(|(x, y)| (x - y).powi(2)).sum();
+        1.0 - 6.0 * squares / (n * (n * n - 1.0))
+    }
+
+    #[test]
+    fn points_fill_each_dimension_evenly() {
+        let design = design("");
+        let (points, _) = points(&design, &["supply.pressure", "piston.mass"], 3);
+        for place in 0..2 {
+            let mut cells = [0; 64];
+            points
+                .iter()
+                .for_each(|point| cells[(64.0 * point.shares[place]) as usize] += 1);
+            assert!(cells.iter().all(|count| *count == N / 64), "{cells:?}");
+        }
+    }
+
+    #[test]
+    fn a_rank_correlation_is_met() {
+        let text = "[[study.correlation]]\nkeys = [\"piston.mass\", \"supply.pressure\", \"tool.mass\"]\nrank = 0.8\n";
+        let keys = ["supply.pressure", "piston.mass", "tool.mass", "piston.stroke"];
+        let (points, _) = points(&design(text), &keys, 1);
+        for (a, b, expected) in [(0, 1, 0.8), (0, 2, 0.8), (1, 2, 0.8), (0, 3, 0.0)] {
+            let found = spearman(&points, a, b);
+            assert!((found - expected).abs() < 0.02, "{a} {b}: {found}");
+        }
+    }
+
+    /// The law of rejection: conditional on the rule, the pair is uniform over what the rule leaves.
+    #[test]
+    fn values_that_do_not_go_together_are_drawn_anew_alone() {
+        let design = design("");
+        let keys = ["head_valve.exhaust_lap", "head_valve.intake_lap", "supply.pressure"];
+        let (points, rejections) = points(&design, &keys, 1);
+        assert_eq!(
+            rejections.keys().collect::<Vec<_>>(),
+            ["head_valve.exhaust_lap, head_valve.intake_lap"]
+        );
+        let [low, high] = [&keys[0], &keys[1]].map(|key| {
+            let entry = design.entries().into_iter().find(|entry| entry.key == *key).unwrap();
+            entry.range.unwrap()
+        });
+        let value = |point: &Point, place: usize| match &point.drawn[place] {
+            Some(Drawn::Value(Value::Number(value))) => *value,
+            other => panic!("{other:?}"),
+        };
+        assert!(points.iter().all(|point| value(point, 0) <= value(point, 1)));
+        // The same by a fine grid.
+        let cell = |[low, high]: [f64; 2], k: u32| low + (f64::from(k) + 0.5) / 500.0 * (high - low);
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (i, j) in (0..500).flat_map(|i| (0..500).map(move |j| (i, j))) {
+            if cell(low, i) <= cell(high, j) {
+                (sum, count) = (sum + cell(low, i), count + 1.0);
+            }
+        }
+        let mean = points.iter().map(|point| value(point, 0)).sum::<f64>() / N as f64;
+        assert!(
+            (mean - sum / count).abs() < 0.01 * (low[1] - low[0]),
+            "{mean} {}",
+            sum / count
+        );
+        let share = N as f64 / (N + rejections.values().sum::<u64>()) as f64;
+        assert!((share - count / 250_000.0).abs() < 0.02, "{share}");
+        // What is in no rule keeps its even points.
+        let mut cells = [0; 64];
+        points
+            .iter()
+            .for_each(|point| cells[(64.0 * point.shares[2]) as usize] += 1);
+        assert!(cells.iter().all(|count| *count == N / 64), "{cells:?}");
+    }
+
+    #[test]
+    fn a_point_depends_on_seed_and_index_alone() {
+        let design = design("");
+        let keys = ["supply.pressure", "piston.mass"];
+        let (first, again, other) = (
+            points(&design, &keys, 1).0,
+            points(&design, &keys, 1).0,
+            points(&design, &keys, 2).0,
+        );
+        assert_eq!(first, again);
+        assert_ne!(first[0], other[0]);
+    }
+}

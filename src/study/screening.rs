@@ -1,0 +1,211 @@
+//! Candidates and their shots: the cheap part of a study, before any sound is computed.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+
+use super::sampling::{Frame, Point, Rejections, Sampler};
+use crate::design::inputs::cycle::{cycle_settings, parameters};
+use crate::design::{Design, Values};
+use crate::error::Error;
+use crate::graph::Graph;
+use crate::stages::cycle::Cycle;
+use crate::stages::outcomes::{Fate, Outcomes};
+
+/// Candidates computed and kept at a time.
+const BLOCK: u64 = 64;
+/// Candidates drawn at most for each draw asked for, and before any is accepted.
+const MOST: u64 = 1000;
+const MOST_IN_VAIN: u64 = 4096;
+/// Interval of the samples, which no outcome needs \[s\].
+const SAMPLES: f64 = 1e-3;
+
+/// A candidate whose shots were computed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidate {
+    /// Its number in the sequence.
+    pub index: u64,
+    /// What is drawn.
+    pub point: Point,
+    /// What became of its shot in each design.
+    pub fates: Vec<Fate>,
+}
+
+/// What became of all candidates.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Tally {
+    /// Candidates drawn.
+    pub candidates: u64,
+    /// Values drawn anew because they do not go together, by their keys.
+    pub rejections: Rejections,
+    /// Candidates that are no designs, by the reason.
+    pub refused: BTreeMap<String, u64>,
+    /// Shots by outcome, `dry_fire` or `solver_failure`.
+    pub outcomes: BTreeMap<String, u64>,
+    /// Candidates whose shot cannot be computed, with the message.
+    pub failures: Vec<(u64, String)>,
+}
+
+impl Tally {
+    /// Counts another tally in.
+    pub fn add(&mut self, other: Self) {
+        self.candidates += other.candidates;
+        let into = |own: &mut BTreeMap<String, u64>, counts: BTreeMap<String, u64>| {
+            counts
+                .into_iter()
+                .for_each(|(name, count)| *own.entry(name).or_default() += count);
+        };
+        into(&mut self.rejections, other.rejections);
+        into(&mut self.refused, other.refused);
+        into(&mut self.outcomes, other.outcomes);
+        self.failures.extend(other.failures);
+    }
+
+    /// Shots that were computed.
+    pub fn shots(&self) -> u64 {
+        self.outcomes.values().sum()
+    }
+}
+
+/// The design with these values.
+pub(crate) fn with_values(design: &Design, values: &Values) -> Design {
+    let mut design = design.clone();
+    *std::ops::DerefMut::deref_mut(&mut design) = values.clone();
+    design
+}
+
+/// The design of a point.
+pub(crate) fn drawn(design: &Design, sampler: &Sampler, base: &Values, point: &Point) -> Result<Design, String> {
+    let mut drawn = with_values(design, base);
+    drawn.set(&sampler.changes(point)).map_err(|error| error.to_string())?;
+    match drawn.conflict() {
+        Some(conflict) => Err(conflict.keys().join(", ")),
+        None => Ok(drawn),
+    }
+}
+
+/// A candidate's point and the cycle of each design, or why it is no design.
+pub(super) fn cycles_of(
+    (designs, sampler): (&[Design], &Sampler),
+    frame: Frame<'_>,
+    index: u64,
+    rejections: &mut Rejections,
+) -> Result<(Point, Vec<Cycle>), String> {
+    let point = sampler.point(frame, index, rejections);
+    let point = point.ok_or_else(|| "no values of a group go together".to_owned())?;
+    let cycle = |(design, base): (&Design, &Values)| {
+        let design = drawn(design, sampler, base, &point)?;
+        let settings = nailnoise_dynamics::Settings {
+            sample_interval: SAMPLES,
+            ..cycle_settings(&design)
+        };
+        let parameters = parameters(&design).map_err(|error| error.to_string())?;
+        Ok(Cycle { parameters, settings })
+    };
+    let cycles = designs
+        .iter()
+        .zip(frame.bases)
+        .map(cycle)
+        .collect::<Result<_, String>>()?;
+    Ok((point, cycles))
+}
+
+/// The name under which the outcomes of a candidate are counted: one name, or those of the designs.
+fn name(fates: &[Fate]) -> String {
+    let mut names: Vec<&str> = fates.iter().map(Fate::name).collect();
+    names.dedup();
+    names.join(" / ")
+}
+
+/// Draws candidates until `want` of them are accepted in all of the designs, in the order of the sequence. Fewer come back where
+/// 1000 candidates for each were not enough.
+///
+/// # Errors
+/// [`Error::NothingDrawn`] where no candidate is accepted.
+pub fn screen(
+    graph: &Graph,
+    (designs, sampler): (&[Design], &Sampler),
+    frame: Frame<'_>,
+    want: usize,
+    found: impl Fn(usize),
+) -> Result<(Vec<Candidate>, Tally), Error> {
+    let (mut accepted, mut tally) = (Vec::new(), Tally::default());
+    while accepted.len() < want && tally.candidates < MOST.saturating_mul(want as u64) {
+        if accepted.is_empty() && tally.candidates >= MOST_IN_VAIN {
+            break;
+        }
+        let first = tally.candidates;
+        let candidate = |index: u64| {
+            let mut rejections = Rejections::new();
+            let cycles = cycles_of((designs, sampler), frame, index, &mut rejections);
+            (cycles, rejections)
+        };
+        let block: Vec<_> = (first..first + BLOCK).into_par_iter().map(candidate).collect();
+        let cycles = block
+            .iter()
+            .filter_map(|(cycles, _)| Some(cycles.as_ref().ok()?.1.clone()));
+        let outcomes = Outcomes {
+            cycles: cycles.flatten().collect(),
+        };
+        let fates = graph.get(outcomes)?;
+        let mut fates = fates.chunks(designs.len());
+        for (index, (cycles, rejections)) in (first..).zip(block) {
+            if accepted.len() == want {
+                break;
+            }
+            tally.candidates += 1;
+            for (keys, count) in rejections {
+                *tally.rejections.entry(keys).or_default() += count;
+            }
+            let (point, fates) = match cycles {
+                Ok((point, _)) => (point, fates.next().unwrap_or_default().to_vec()),
+                Err(reason) => {
+                    *tally.refused.entry(reason).or_default() += 1;
+                    continue;
+                }
+            };
+            let refused = fates.iter().find_map(|fate| match fate {
+                Fate::Refused(reason) => Some(reason.clone()),
+                _ => None,
+            });
+            if let Some(reason) = refused {
+                *tally.refused.entry(reason).or_default() += 1;
+                continue;
+            }
+            *tally.outcomes.entry(name(&fates)).or_default() += 1;
+            let messages = fates.iter().filter_map(|fate| match fate {
+                Fate::SolverFailure(message) => Some((index, message.clone())),
+                _ => None,
+            });
+            tally.failures.extend(messages);
+            if fates.iter().zip(designs).all(|(fate, design)| counts(design, fate)) {
+                accepted.push(Candidate { index, point, fates });
+            }
+        }
+        found(accepted.len());
+    }
+    if accepted.is_empty() && want > 0 {
+        let named = |counts: &BTreeMap<String, u64>| {
+            let counts = counts
+                .iter()
+                .map(|(name, count)| format!("{} {count}", name.replace('_', " ")));
+            counts.collect::<Vec<_>>().join(", ")
+        };
+        return Err(Error::NothingDrawn {
+            candidates: tally.candidates,
+            outcomes: named(&tally.outcomes),
+            refused: named(&tally.refused),
+            require: designs[0].study().require.join(", "),
+        });
+    }
+    Ok((accepted, tally))
+}
+
+/// Whether a study of a design counts a shot.
+fn counts(design: &Design, fate: &Fate) -> bool {
+    let require = &design.study().require;
+    match fate {
+        Fate::Shot(shot) => require.is_empty() || require.contains(&shot.outcome.as_str()),
+        Fate::DryFire | Fate::SolverFailure(_) | Fate::Refused(_) => false,
+    }
+}

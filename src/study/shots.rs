@@ -1,0 +1,124 @@
+//! Designs drawn for the nailing cycle alone: what becomes of each shot.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::parameters::{Parameter, taking_part};
+use super::sampling::{Frame, Rejections, Sampler};
+use super::screening::cycles_of;
+use super::variables::{Drawn, Kind, Scope, Variable, without_sensors};
+use crate::design::{Design, Value, Values};
+use crate::error::Error;
+use crate::stages::Progress;
+use crate::stages::outcomes::{Fate, fate};
+
+/// Candidates drawn at most for each design asked for, lest a design whose ranges hardly go together never ends.
+const MOST_CANDIDATES: usize = 1000;
+/// Candidates computed at a time.
+const BATCH: usize = 256;
+
+/// Designs drawn from the ranges of one, with their shots.
+#[derive(Debug, Clone, Serialize)]
+pub struct Shots {
+    /// Seed of the draws.
+    pub seed: u64,
+    /// The keys that were drawn.
+    pub parameters: Vec<Parameter>,
+    /// Candidates drawn for the designs, those that were refused among them.
+    pub candidates: usize,
+    /// How many were refused, by the rule of the cycle that is broken.
+    pub refused: BTreeMap<String, usize>,
+    /// Values drawn anew because they do not go together, by their keys.
+    pub rejections: Rejections,
+    /// How many designs came to each end: an outcome, `dry_fire` or `solver_failure`.
+    pub counts: BTreeMap<String, usize>,
+    /// The designs, in the order they were drawn.
+    pub draws: Vec<DrawnShot>,
+}
+
+/// One design drawn.
+#[derive(Debug, Clone, Serialize)]
+pub struct DrawnShot {
+    /// Number of the candidate.
+    pub candidate: usize,
+    /// Values of the parameters, in their order.
+    pub values: Vec<Value>,
+    /// What became of it.
+    pub fate: Fate,
+}
+
+/// Draws `count` designs from the ranges of the keys of `design` that take part in the cycle, and computes the cycle of each.
+///
+/// The draws depend on `seed` and the ranges alone, not on the number of threads. Fewer than `count` designs come back
+/// where a thousand candidates for each were not enough.
+///
+/// # Errors
+/// As [`taking_part`].
+pub fn shots(design: &Design, count: usize, seed: u64, progress: &Progress) -> Result<Shots, Error> {
+    let parameters = taking_part(design)?;
+    let variable = |parameter: &Parameter| Variable {
+        name: parameter.key.clone(),
+        scope: Scope::Shot,
+        kind: Kind::Quantity(parameter.clone()),
+    };
+    let design = without_sensors(design);
+    let sampler = Sampler::new(&design, parameters.iter().map(variable).collect(), seed);
+    let active = vec![true; parameters.len()];
+    let bases = [Values::clone(&design)];
+    let frame = Frame {
+        bases: &bases,
+        active: &active,
+        stream: 0,
+    };
+    let mut all = Shots {
+        seed,
+        parameters,
+        candidates: 0,
+        refused: BTreeMap::new(),
+        rejections: Rejections::new(),
+        counts: BTreeMap::new(),
+        draws: Vec::new(),
+    };
+    while all.draws.len() < count && all.candidates < MOST_CANDIDATES.saturating_mul(count) {
+        let first = all.candidates;
+        let candidate = |index: usize| {
+            let mut rejections = Rejections::new();
+            let designs = std::slice::from_ref(&design);
+            let cycle = cycles_of((designs, &sampler), frame, index as u64, &mut rejections);
+            let shot = cycle.and_then(|(point, cycles)| match fate(&cycles[0]) {
+                Fate::Refused(reason) => Err(reason),
+                fate => Ok((point, fate)),
+            });
+            (index, shot, rejections)
+        };
+        let batch: Vec<_> = (first..first + BATCH).into_par_iter().map(candidate).collect();
+        for (candidate, shot, rejections) in batch {
+            if all.draws.len() == count {
+                break;
+            }
+            all.candidates += 1;
+            for (keys, count) in rejections {
+                *all.rejections.entry(keys).or_default() += count;
+            }
+            match shot {
+                Ok((point, fate)) => {
+                    *all.counts.entry(fate.name().to_owned()).or_default() += 1;
+                    let value = |drawn| match drawn {
+                        Some(Drawn::Value(value)) => Some(value),
+                        _ => None,
+                    };
+                    all.draws.push(DrawnShot {
+                        candidate,
+                        values: point.drawn.into_iter().filter_map(value).collect(),
+                        fate,
+                    });
+                }
+                Err(reason) => *all.refused.entry(reason).or_default() += 1,
+            }
+        }
+        progress.done(all.draws.len() as u64, count as u64);
+    }
+    Ok(all)
+}

@@ -1,0 +1,255 @@
+//! Levels over a grid of values.
+
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use serde::Serialize;
+
+use super::statistics::energy_sum;
+use super::variables::without_sensors;
+use crate::chain::{Chain, Options};
+use crate::design::{Assignment, AssignmentError, Design, DesignError};
+use crate::error::Error;
+use crate::graph::Graph;
+use crate::stages::Progress;
+use crate::stages::levels::Levels;
+
+/// Points of a grid at most.
+const MOST: usize = 100_000;
+
+/// A key and the values that a sweep gives it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Axis {
+    /// Full name of the key.
+    pub key: String,
+    /// Values as they would stand in a design file, without quotes.
+    pub values: Vec<String>,
+}
+
+/// A point of the grid.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SweptPoint {
+    /// The value of each key, in the order of the axes.
+    pub values: Vec<String>,
+    /// Its levels; none where the values are no design or the shot cannot be computed.
+    pub levels: Option<Levels>,
+    /// Level of all sources together \[dB re 1 pW s\].
+    pub total_db: Option<f64>,
+    /// Why there are no levels; empty where there are.
+    pub refused: String,
+}
+
+impl std::str::FromStr for Axis {
+    type Err = String;
+
+    /// `KEY=LOW..HIGH:N` with equal steps, `KEY=LOW..HIGH:N:log` with equal ratios, or `KEY=A,B,C`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (key, values) = text
+            .split_once('=')
+            .ok_or("give KEY=VALUES, as in supply.pressure=80psig..110psig:7")?;
+        let key = key.trim().to_owned();
+        let values: Vec<String> = match values.split_once("..") {
+            Some((low, rest)) => range(low, rest)?,
+            None => values.split(',').map(|value| value.trim().to_owned()).collect(),
+        };
+        if key.is_empty() || values.iter().any(String::is_empty) {
+            return Err(format!("`{text}` lacks a key or a value"));
+        }
+        Ok(Self { key, values })
+    }
+}
+
+/// The values of a range.
+fn range(low: &str, rest: &str) -> Result<Vec<String>, String> {
+    let mut parts = rest.split(':');
+    let high = parts.next().unwrap_or_default();
+    let count = parts.next().and_then(|count| count.trim().parse::<usize>().ok());
+    let count = count.filter(|count| (2..=MOST).contains(count));
+    let count = count.ok_or("give the number of values behind the range: LOW..HIGH:7, two or more")?;
+    let log = match parts.next().map(str::trim) {
+        None => false,
+        Some("log") => true,
+        Some(other) => return Err(format!("`{other}` is no spacing; `log` is one")),
+    };
+    let ((from, unit_of_low), (to, unit)) = (number(low)?, number(high)?);
+    if !unit_of_low.is_empty() && unit_of_low != unit {
+        return Err(format!(
+            "both ends of the range need the same unit, not `{unit_of_low}` and `{unit}`"
+        ));
+    }
+    if log && from.min(to) <= 0.0 {
+        return Err("a range with equal ratios lies above zero".to_owned());
+    }
+    let value = |place: usize| {
+        let part = place as f64 / (count - 1) as f64;
+        let value = if log {
+            from * (to / from).powf(part)
+        } else {
+            from + part * (to - from)
+        };
+        // Twelve digits leave out the rounding of the steps.
+        let value: f64 = format!("{value:.11e}").parse().unwrap_or(value);
+        format!("{value} {unit}").trim().to_owned()
+    };
+    Ok((0..count).map(value).collect())
+}
+
+/// A number and the unit behind it.
+fn number(text: &str) -> Result<(f64, String), String> {
+    let text = text.trim();
+    let ends = (1..=text.len()).rev().filter(|end| text.is_char_boundary(*end));
+    let parsed = ends
+        .into_iter()
+        .find_map(|end| Some((text[..end].trim().parse::<f64>().ok()?, text[end..].trim())));
+    let (value, unit) = parsed.ok_or_else(|| format!("`{text}` does not begin with a number"))?;
+    Ok((value, unit.to_owned()))
+}
+
+/// The grid of all values, the last axis fastest.
+fn grid(axes: &[Axis]) -> Vec<Vec<String>> {
+    axes.iter().fold(vec![Vec::new()], |points, axis| {
+        let longer = |point: &Vec<String>| {
+            let point = point.clone();
+            axis.values
+                .iter()
+                .map(move |value| [&point[..], std::slice::from_ref(value)].concat())
+        };
+        points.iter().flat_map(longer).collect()
+    })
+}
+
+/// What gives the values of a point.
+fn assignments(axes: &[Axis], values: &[String]) -> Result<Vec<Assignment>, AssignmentError> {
+    let pairs = axes.iter().zip(values);
+    pairs
+        .map(|(axis, value)| format!("{}={value}", axis.key).parse())
+        .collect()
+}
+
+/// Levels of the design in a file, with changes that all points share, over a grid of values; points whose values do not go together are refused, with their conflict.
+///
+/// # Errors
+/// A key or value that no design can have; a grid of too many points.
+pub fn sweep(
+    graph: &Graph,
+    (path, changes): (&Path, &[Assignment]),
+    axes: &[Axis],
+    progress: &Progress,
+) -> Result<Vec<SweptPoint>, Error> {
+    let count = axes
+        .iter()
+        .map(|axis| axis.values.len())
+        .try_fold(1_usize, usize::checked_mul);
+    if count.is_none_or(|count| count > MOST) {
+        return Err(Error::SweptTooMuch { most: MOST });
+    }
+    let points = grid(axes);
+    let mut designs = Vec::with_capacity(points.len());
+    for values in &points {
+        let own = assignments(axes, values).map_err(|error| Error::NoAxis { error })?;
+        designs.push(match Design::load_with(path, &[changes, &own].concat()) {
+            Ok(design) => Ok(without_sensors(&design)),
+            Err(DesignError::Conflict { conflict, .. }) => Err(conflict.to_string()),
+            Err(error) => return Err(error.into()),
+        });
+    }
+    // Structures stay at hand while the points that share them are computed.
+    let anchor = designs.iter().find_map(|design| design.as_ref().ok());
+    let anchor = anchor
+        .map(|design| Chain::new(graph, design, Options::default()))
+        .transpose()?;
+    let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let results: Mutex<Vec<Option<Result<Levels, String>>>> = Mutex::new(vec![None; points.len()]);
+    let work = || loop {
+        let place = next.fetch_add(1, Ordering::Relaxed);
+        let Some(design) = designs.get(place) else { return };
+        let computed = design.as_ref().map_err(String::clone).and_then(|design| {
+            let levels = Chain::new(graph, design, Options::default()).and_then(|chain| {
+                chain.check_bodies()?;
+                chain.levels.get()
+            });
+            levels
+                .map(|levels| Levels::clone(&levels))
+                .map_err(|error| error.to_string())
+        });
+        if let Ok(mut results) = results.lock() {
+            results[place] = Some(computed);
+        }
+        progress.done(done.fetch_add(1, Ordering::Relaxed) as u64 + 1, points.len() as u64);
+    };
+    std::thread::scope(|scope| {
+        (1..rayon::current_num_threads().min(points.len())).for_each(|_| drop(scope.spawn(work)));
+        work();
+    });
+    drop(anchor);
+    let results = results.into_inner().unwrap_or_default();
+    let point = |(values, result): (Vec<String>, Option<Result<Levels, String>>)| {
+        let result = result.unwrap_or_else(|| Err("its computation ended".to_owned()));
+        let (levels, refused) = match result {
+            Ok(levels) => (Some(levels), String::new()),
+            Err(reason) => (None, reason),
+        };
+        let total = levels.as_ref().map(|levels| {
+            energy_sum(
+                levels
+                    .sources
+                    .iter()
+                    .map(|source| source.lwa_db.unwrap_or(f64::NEG_INFINITY)),
+            )
+        });
+        SweptPoint {
+            values,
+            levels,
+            total_db: total.filter(|total| total.is_finite()),
+            refused,
+        }
+    };
+    Ok(points.into_iter().zip(results).map(point).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn values(text: &str) -> Vec<String> {
+        text.parse::<Axis>().map(|axis| axis.values).unwrap_or_default()
+    }
+
+    #[test]
+    fn ranges_have_equal_steps_or_ratios_and_keep_the_unit() {
+        assert_eq!(
+            values("supply.pressure=80psig..110psig:4"),
+            ["80 psig", "90 psig", "100 psig", "110 psig"]
+        );
+        assert_eq!(
+            values("wood.density=400..480 kg/m3:3"),
+            ["400 kg/m3", "440 kg/m3", "480 kg/m3"]
+        );
+        assert_eq!(values("a.b=1..100:3:log"), ["1", "10", "100"]);
+        assert_eq!(values("exhaust.holes=3, 5,12"), ["3", "5", "12"]);
+    }
+
+    #[test]
+    fn what_is_no_axis_is_refused() {
+        for text in [
+            "a.b",
+            "a.b=",
+            "=1",
+            "a.b=1..2",
+            "a.b=1..2:1",
+            "a.b=1 m..2 s:3",
+            "a.b=0..2:3:log",
+            "a.b=x..2:3",
+            "a.b=1..2:3:cubic",
+        ] {
+            assert!(text.parse::<Axis>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn the_last_axis_is_the_fastest() {
+        let axes = ["a=1,2", "b=x,y"].map(|text| text.parse::<Axis>().unwrap_or_else(|error| panic!("{error}")));
+        assert_eq!(grid(&axes), [["1", "x"], ["1", "y"], ["2", "x"], ["2", "y"]]);
+    }
+}

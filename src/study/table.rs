@@ -1,0 +1,88 @@
+//! `draws.csv`: a row for every draw.
+
+use super::draws::Draws;
+use super::statistics::energy_sum;
+use super::variables::{Drawn, Kind, Variable};
+use crate::design::Value;
+use crate::error::Error;
+use crate::output;
+
+/// A row for every draw: its structure and candidate, levels with the errors of methods \[dB re 1 pW s\], the errors \[dB\], figures
+/// of the shot, then the variables in SI units; empty where one is held.
+///
+/// # Errors
+/// [`Error::Table`], where rows differ in length.
+pub fn csv(made: &Draws) -> Result<Vec<u8>, Error> {
+    let sources: Vec<&str> = made.draws.first().map_or_else(Vec::new, |draw| {
+        draw.levels
+            .sources
+            .iter()
+            .map(|source| source.source.as_str())
+            .collect()
+    });
+    let of_variable = |variable: &Variable| match variable.unit() {
+        "" => format!("{} [-]", variable.name),
+        unit => format!("{} [{unit}]", variable.name),
+    };
+    let inputs = || {
+        made.variables
+            .iter()
+            .enumerate()
+            .filter(|(_, own)| !matches!(own.kind, Kind::Method(_)))
+    };
+    let header = ["draw", "structure", "candidate", "outcome"]
+        .map(str::to_owned)
+        .into_iter();
+    let header = header
+        .chain(sources.iter().map(|source| format!("L_WA,1s {source} [dB]")))
+        .chain(["L_WA,1s total [dB]".to_owned()])
+        .chain(sources.iter().map(|source| format!("method.{source} [dB]")))
+        .chain(["mean_drive_speed [m/s]", "penetration [m]", "exhaust_mass [kg]"].map(str::to_owned))
+        .chain(inputs().map(|(_, variable)| of_variable(variable)));
+    let rows = made.draws.iter().enumerate().map(|(index, draw)| {
+        let levels: Vec<f64> = draw
+            .levels
+            .sources
+            .iter()
+            .zip(draw.method_db)
+            .map(|(source, error)| source.lwa_db.map_or(f64::NEG_INFINITY, |level| level + error))
+            .collect();
+        let total = energy_sum(levels.iter().copied());
+        let decibels = |level: f64| {
+            if level.is_finite() {
+                format!("{level:.4}")
+            } else {
+                String::new()
+            }
+        };
+        let figure = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:e}"));
+        let shot = &draw.shot;
+        let figures = [shot.mean_drive_speed, Some(shot.penetration), Some(shot.exhaust_mass)].map(figure);
+        let names = [
+            index.to_string(),
+            draw.structure.to_string(),
+            draw.candidate.to_string(),
+            draw.levels.outcome.clone(),
+        ];
+        let drawn = inputs().map(|(place, variable)| match (&draw.drawn[place], &variable.kind) {
+            (Some(Drawn::Value(Value::Number(value))), _) => format!("{value:e}"),
+            (Some(Drawn::Value(Value::Count(count))), _) => count.to_string(),
+            (Some(Drawn::Alternative(chosen)), Kind::Alternatives(options)) => options[*chosen].name.clone(),
+            _ => String::new(),
+        });
+        let errors = draw
+            .method_db
+            .iter()
+            .take(levels.len())
+            .map(|error| format!("{error:.4}"));
+        let levels: Vec<String> = levels.into_iter().chain([total]).map(decibels).collect();
+        names
+            .into_iter()
+            .chain(levels)
+            .chain(errors)
+            .chain(figures)
+            .chain(drawn)
+            .collect::<Vec<_>>()
+    });
+    output::table(header, rows)
+}

@@ -1,0 +1,259 @@
+//! What a study draws: keys with a range, alternatives, errors of methods.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::parameters::Parameter;
+use crate::chain::{Chain, Options};
+use crate::design::{Alternative, Design, Entry, Provenance, SOURCES, Value};
+use crate::error::Error;
+use crate::graph::Graph;
+use crate::stages::Digest;
+
+/// What a variable changes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Scope {
+    /// The shot: cycle, loads, damping, contact, exhaust. Modes and radiation matrices stay.
+    Shot,
+    /// Modes or radiation matrices of a body, which are dear.
+    Structure,
+    /// The level of a source, by the error of its method.
+    Method,
+}
+
+/// A random variable of a study.
+#[derive(Debug, Clone)]
+pub struct Variable {
+    /// Key, name of alternatives, or `method.SOURCE`.
+    pub name: String,
+    /// What it changes.
+    pub scope: Scope,
+    /// What is drawn.
+    pub kind: Kind,
+}
+
+/// What a variable draws.
+#[derive(Debug, Clone)]
+pub enum Kind {
+    /// The value of a key.
+    Quantity(Parameter),
+    /// One of several sets of values.
+    Alternatives(Vec<Alternative>),
+    /// The error of a method, uniform between bounds: those given \[dB\], else the method's own.
+    Method(Option<[f64; 2]>),
+}
+
+/// What a variable is in a draw.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Drawn {
+    /// Value of a key.
+    Value(Value),
+    /// Number of an alternative.
+    Alternative(usize),
+    /// Share of the way from the lower to the upper bound of a method's error.
+    Share(f64),
+}
+
+impl Variable {
+    /// The value below which a share `u` of the distribution lies, 0 < u < 1.
+    pub fn at(&self, u: f64) -> Drawn {
+        match &self.kind {
+            Kind::Quantity(parameter) => Drawn::Value(parameter.at(u)),
+            Kind::Alternatives(options) => {
+                let mut above = u;
+                let chosen = options.iter().position(|option| {
+                    above -= option.probability;
+                    above < 0.0
+                });
+                Drawn::Alternative(chosen.unwrap_or(options.len() - 1))
+            }
+            Kind::Method(_) => Drawn::Share(u),
+        }
+    }
+
+    /// Keys and values that a draw sets.
+    pub fn changes<'a>(&'a self, drawn: &Drawn) -> Vec<(&'a str, Value)> {
+        match (&self.kind, drawn) {
+            (Kind::Quantity(parameter), Drawn::Value(value)) => vec![(&parameter.key, value.clone())],
+            (Kind::Alternatives(options), Drawn::Alternative(chosen)) => {
+                let values = options[*chosen].values.iter();
+                values.map(|(key, value)| (key.as_str(), value.clone())).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// SI unit; empty where there is none.
+    pub fn unit(&self) -> &str {
+        match &self.kind {
+            Kind::Quantity(parameter) => &parameter.unit,
+            Kind::Alternatives(_) => "",
+            Kind::Method(_) => "dB",
+        }
+    }
+}
+
+/// The design as a study runs it: without sensors, which would refuse draws that move the surface below them.
+pub(crate) fn without_sensors(design: &Design) -> Design {
+    let mut design = design.clone();
+    design.sensors.clear();
+    design
+}
+
+/// Keys of what a design's levels are made of: of the levels, and of modes and matrices.
+struct Keys {
+    levels: Digest,
+    structures: Vec<Digest>,
+}
+
+fn keys(design: &Design) -> Result<Keys, Error> {
+    let chain = Chain::new(&Graph::default(), design, Options::default())?;
+    Ok(Keys {
+        levels: *chain.levels.key(),
+        structures: chain.structures,
+    })
+}
+
+/// The variables of a study of `design`, in the order of the reference: every key with a range that changes the levels, unless
+/// it is a property of the numerical method; the alternatives; the error of each source's method.
+///
+/// A key changes the levels where the digest of their inputs changes with it. Keys of a form of the physics that is not
+/// chosen may be among them; what they do to the levels is nothing.
+///
+/// # Errors
+/// Those of the chain for the design itself.
+pub fn variables(design: &Design) -> Result<Vec<Variable>, Error> {
+    let settings = design.study();
+    let mut bases = vec![without_sensors(design)];
+    for option in settings.alternatives.values().flatten() {
+        let mut other = bases[0].clone();
+        let changes: Vec<_> = option
+            .values
+            .iter()
+            .map(|(key, value)| (key.as_str(), value.clone()))
+            .collect();
+        if other.set(&changes).is_ok() && other.conflict().is_none() {
+            bases.push(other);
+        }
+    }
+    // Whether a key is in force may depend on the alternative: `support.worktable.preset` brings other keys.
+    let known = bases.iter().map(|base| Ok((base, keys(base)?)));
+    let known = known.collect::<Result<Vec<_>, Error>>()?;
+    let scope = |changes: &[(&str, Value)]| {
+        let mut scope = None;
+        for (base, keys_of_base) in &known {
+            let mut changed = Design::clone(base);
+            let moved = changed.set(changes).ok().and_then(|()| keys(&changed).ok());
+            match moved {
+                Some(moved) if moved.structures != keys_of_base.structures => return Some(Scope::Structure),
+                Some(moved) if moved.levels != keys_of_base.levels => scope = Some(Scope::Shot),
+                _ => {}
+            }
+        }
+        scope
+    };
+    let chosen = |key: &str| {
+        let mut values = settings
+            .alternatives
+            .values()
+            .flatten()
+            .flat_map(|option| &option.values);
+        values.any(|(own, _)| own == key)
+    };
+    let entries = bases[0].entries();
+    let entries = entries
+        .into_iter()
+        .filter(|entry| entry.provenance != Provenance::Numerical && !chosen(&entry.key));
+    let parameters: Vec<Parameter> = entries.filter_map(Parameter::of).collect();
+    let in_force = parameters.into_par_iter().filter_map(|parameter| {
+        let ends = [0.001, 0.5, 0.999].map(|u| parameter.at(u));
+        let mut scopes = ends
+            .map(|value| scope(&[(parameter.key.as_str(), value)]))
+            .into_iter()
+            .flatten();
+        let first = scopes.next()?;
+        let scope = if scopes.any(|other| other == Scope::Structure) {
+            Scope::Structure
+        } else {
+            first
+        };
+        Some(Variable {
+            name: parameter.key.clone(),
+            scope,
+            kind: Kind::Quantity(parameter),
+        })
+    });
+    let mut variables: Vec<Variable> = in_force.collect();
+    for (name, options) in &settings.alternatives {
+        let scopes = options.iter().filter_map(|option| {
+            let changes: Vec<_> = option
+                .values
+                .iter()
+                .map(|(key, value)| (key.as_str(), value.clone()))
+                .collect();
+            scope(&changes)
+        });
+        let scopes: Vec<Scope> = scopes.collect();
+        let structure = scopes.contains(&Scope::Structure);
+        variables.push(Variable {
+            name: name.clone(),
+            scope: if structure { Scope::Structure } else { Scope::Shot },
+            kind: Kind::Alternatives(options.clone()),
+        });
+    }
+    variables.extend(SOURCES.map(|source| Variable {
+        name: format!("method.{source}"),
+        scope: Scope::Method,
+        kind: Kind::Method(settings.model.get(source).copied()),
+    }));
+    Ok(variables)
+}
+
+/// The variables of designs that are drawn in common: those of all of them, but for keys whose values the designs decide
+/// differently, which each holds at its own.
+///
+/// # Errors
+/// As [`variables`].
+pub fn common(designs: &[&Design]) -> Result<Vec<Variable>, Error> {
+    let Some((first, others)) = designs.split_first() else {
+        return Ok(Vec::new());
+    };
+    let mut joint = variables(first)?;
+    for other in others {
+        for variable in variables(other)? {
+            match joint.iter_mut().find(|own| own.name == variable.name) {
+                Some(own) if variable.scope == Scope::Structure => own.scope = Scope::Structure,
+                Some(_) => {}
+                None => joint.push(variable),
+            }
+        }
+    }
+    let decided = decided(designs);
+    joint.retain(|variable| !decided.contains(&variable.name));
+    Ok(joint)
+}
+
+/// Keys whose values differ between designs, in the order of the reference.
+pub fn decided(designs: &[&Design]) -> Vec<String> {
+    let Some((first, others)) = designs.split_first() else {
+        return Vec::new();
+    };
+    let values = |design: &Design| -> BTreeMap<String, Value> {
+        design
+            .entries()
+            .into_iter()
+            .map(|entry| (entry.key, entry.value))
+            .collect()
+    };
+    let others: Vec<_> = others.iter().map(|other| values(other)).collect();
+    let differs = |entry: &Entry| others.iter().any(|other| other.get(&entry.key) != Some(&entry.value));
+    first
+        .entries()
+        .into_iter()
+        .filter(differs)
+        .map(|entry| entry.key)
+        .collect()
+}

@@ -1,0 +1,182 @@
+//! `nailnoise study`: the draws as a user makes them.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use serde_json::Value;
+
+use crate::common::{ROOT, SMALL, command, design, folder, json, over};
+
+/// Shots of all outcomes count, so that few candidates are drawn.
+const ANY: &str =
+    "[study]\nscreening = 4\nrequire = [\"drives\", \"underdriven\", \"overdriven\", \"strikes_bumper\"]\n";
+
+/// Runs the command on a design in a folder with a cache of its own.
+fn study(folder: &Path, design: &str, arguments: &[&str]) -> Output {
+    let arguments = [&["study", design, "--out", "out"], arguments].concat();
+    let cache = folder.join("cache");
+    command(&arguments)
+        .current_dir(folder)
+        .env("NAILNOISE_CACHE", cache)
+        .output()
+        .unwrap()
+}
+
+/// The files of a study.
+fn files(folder: &Path) -> [Vec<u8>; 2] {
+    ["study.json", "draws.csv"].map(|name| fs::read(folder.join("out/study").join(name)).unwrap())
+}
+
+fn made(name: &str) -> (PathBuf, String) {
+    let folder = folder(&format!("study/{name}"));
+    let design = over(&folder, "drawn", ANY);
+    (folder, design)
+}
+
+#[test]
+fn more_draws_begin_with_those_that_are_kept_and_threads_change_nothing() {
+    let (grown, design) = made("grown");
+    json(&study(&grown, &design, &["-n", "3", "--threads", "1", "--json"]));
+    json(&study(&grown, &design, &["-n", "6", "--threads", "2", "--json"]));
+    let (once, design) = made("once");
+    let result = json(&study(&once, &design, &["-n", "6", "--threads", "1", "--json"]));
+    assert!(files(&grown) == files(&once), "the files differ");
+    assert_eq!(result["draws"], 6);
+    assert_eq!(result["sources"].as_array().unwrap().len(), 3);
+    let orders = result["orders"].as_array().unwrap().iter();
+    let sum: f64 = orders.map(|own| own["probability"]["value"].as_f64().unwrap()).sum();
+    assert!((sum - 1.0).abs() < 1e-12, "{sum}");
+    let page = fs::read_to_string(once.join("out/study/study.html")).unwrap();
+    assert!(page.contains("study-levels") && page.contains("P(first)"));
+    // A run of the design shows what the study knows.
+    let cache = once.join("cache");
+    let run = command(&["run", &design, "--out", "out"]);
+    let output = { run }
+        .current_dir(&once)
+        .env("NAILNOISE_CACHE", cache)
+        .output()
+        .unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("6 draws dB") && text.contains("P(first)"), "{text}");
+    // Another seed draws others.
+    let other = json(&study(&once, &design, &["-n", "3", "--seed", "2", "--json"]));
+    assert_ne!(other["total"]["level_db"], result["total"]["level_db"]);
+}
+
+/// Draws from ranges of no width are the design itself.
+#[test]
+fn ranges_of_no_width_reproduce_the_run() {
+    let folder = folder("study/zero");
+    let base = design(SMALL);
+    let mut text = String::from("base = \"");
+    text += &format!("{ROOT}/{SMALL}\"\n");
+    for entry in base.entries() {
+        if let (Some(_), Ok(Value::Number(value))) = (entry.range, serde_json::to_value(&entry.value)) {
+            text += &format!("{} = {{ range = [{value}, {value}] }}\n", entry.key);
+        }
+    }
+    text += "[study]\nscreening = 0\n[study.model]\n";
+    text += "workpiece = \"0 .. 0 dB\"\nexhaust = \"0 .. 0 dB\"\nbody = \"0 .. 0 dB\"\n";
+    let path = folder.join("zero.toml");
+    fs::write(&path, text).unwrap();
+    let path = path.to_str().unwrap();
+    let result = json(&study(&folder, path, &["-n", "3", "--json"]));
+    let run = command(&["run", path, "--json", "--out", "out"])
+        .current_dir(&folder)
+        .output()
+        .unwrap();
+    let run = json(&run);
+    for source in run["ranking"].as_array().unwrap() {
+        let own = result["sources"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .find(|own| own["source"] == source["source"]);
+        let level = &own.unwrap()["level"];
+        for quantile in ["p05", "p50", "p95"] {
+            assert_eq!(
+                level["level_db"][quantile]["value"], source["lwa_db"],
+                "{}",
+                source["source"]
+            );
+        }
+        let bands = own.unwrap()["bands"].as_array().unwrap().iter();
+        for (band, expected) in bands.zip(source["bands"].as_array().unwrap()) {
+            assert_eq!(band["level_db"]["p50"]["value"], expected["lwa_db"]);
+        }
+    }
+    assert!(
+        result["variables"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .all(|own| own["scope"] == "method")
+    );
+}
+
+#[test]
+fn what_cannot_be_drawn_is_refused_with_a_remedy() {
+    let refused = |name: &str, text: &str, arguments: &[&str], words: &[&str]| {
+        let folder = folder(&format!("study/{name}"));
+        let design = over(&folder, "refused", text);
+        let output = study(&folder, &design, arguments);
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{name}: {message}");
+        let flat = message.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(words.iter().all(|word| flat.contains(word)), "{name}: {message}");
+    };
+    refused("none", "", &["-n", "0"], &["0 is not in"]);
+    refused(
+        "outcome",
+        "[study]\nrequire = \"flies\"",
+        &[],
+        &["study.require", "underdriven"],
+    );
+    refused(
+        "key",
+        "[study]\nrequires = \"drives\"",
+        &[],
+        &["study.requires", "study.require"],
+    );
+    let two = "[[study.correlation]]\nkeys = [\"piston.mass\", \"piston.mas\"]\nrank = 0.5";
+    refused("correlated", two, &[], &["piston.mas", "with a range"]);
+    let against = "[[study.correlation]]\nkeys = [\"piston.mass\", \"tool.mass\", \"piston.stroke\"]\nrank = -0.9";
+    refused("against", against, &[], &["study.correlation.rank"]);
+    refused(
+        "distributed",
+        "piston.mass = { value = \"0.2 kg\", distribution = \"triangular\" }",
+        &[],
+        &["triangular", "the mode"],
+    );
+    refused(
+        "word",
+        "piston.mass = { distribution = \"gauss\" }",
+        &[],
+        &["normal", "log-uniform"],
+    );
+    refused("model", "[study.model]\nexhaust = \"4 dB\"", &[], &["low .. high dB"]);
+    refused(
+        "alternative",
+        "[study.alternatives]\n\"support.kind\" = { table = 1 }",
+        &[],
+        &["worktable"],
+    );
+}
+
+#[test]
+fn alternatives_are_drawn_with_their_probabilities() {
+    let (folder, _) = made("alternatives");
+    let text = format!("{ANY}[study.alternatives]\nexhaust = [{{ holes = 5 }}, {{ holes = 3, weight = 3 }}]\n");
+    let design = over(&folder, "alternatives", &text);
+    let result = json(&study(&folder, &design, &["-n", "4", "--json"]));
+    let variables = result["variables"].as_array().unwrap();
+    let own = variables.iter().find(|own| own["name"] == "exhaust").unwrap();
+    assert_eq!(own["distribution"], "holes 5 (25 %); holes 3 (75 %)");
+    assert!(!variables.iter().any(|own| own["name"] == "exhaust.holes"));
+    let table = fs::read_to_string(folder.join("out/study/draws.csv")).unwrap();
+    let mut lines = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let _ = lines.next();
+    assert!(table.contains("holes 3") || table.contains("holes 5"));
+    assert_eq!(lines.count(), 4);
+}
