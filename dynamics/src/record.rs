@@ -262,6 +262,30 @@ pub enum Outcome {
     DoesNotRelease,
 }
 
+impl Outcome {
+    /// All outcomes.
+    pub const ALL: [Self; 6] = [
+        Self::Drives,
+        Self::StrikesBumper,
+        Self::Underdriven,
+        Self::Overdriven,
+        Self::DoesNotOpen,
+        Self::DoesNotRelease,
+    ];
+
+    /// The name under which it is serialised.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Drives => "drives",
+            Self::StrikesBumper => "strikes_bumper",
+            Self::Underdriven => "underdriven",
+            Self::Overdriven => "overdriven",
+            Self::DoesNotOpen => "does_not_open",
+            Self::DoesNotRelease => "does_not_release",
+        }
+    }
+}
+
 /// Key figures of a shot (SI); a figure of a phase that does not occur is `None`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Summary {

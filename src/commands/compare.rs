@@ -66,6 +66,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     start_threads(arguments.threads)?;
     let progress = progress();
     let cache = arguments.keeping.cache()?;
+    if arguments.draws.is_some()
+        && let Some(path) = arguments.designs.iter().find(|path| Finished::is_at(path).is_some())
+    {
+        return Err(Error::NothingToDraw { path: path.clone() });
+    }
     let (mut results, mut checks): (Vec<Finished>, Vec<Check>) = (Vec::new(), Vec::new());
     for path in &arguments.designs {
         let mut result = match Finished::is_at(path) {
@@ -123,14 +128,8 @@ fn paired(arguments: &Arguments, cache: &Store, progress: &Progress) -> Result<V
         seed: arguments.seed,
         shots_a_structure: None,
     };
-    if let Some(path) = arguments.designs.iter().find(|path| Finished::is_at(path).is_some()) {
-        return Err(Error::NothingToDraw { path: path.clone() });
-    }
-    let designs = arguments
-        .designs
-        .iter()
-        .map(Design::load)
-        .collect::<Result<Vec<_>, _>>()?;
+    let load = |path: &PathBuf| Design::load_with(path, &arguments.changes.set);
+    let designs = arguments.designs.iter().map(load).collect::<Result<Vec<_>, _>>()?;
     let observer = Arc::new(WithoutStages(progress.observer()));
     let graph = Graph::new(Arc::new(cache.clone()), observer);
     let pair = |other: &Design| {
@@ -197,7 +196,7 @@ fn finish(
         &design,
         &folder,
         false,
-        super::run::words,
+        super::run::text,
         cache,
         arguments.memory.limit(),
         progress,

@@ -134,7 +134,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let mut figures = Vec::new();
     if with_files {
         progress.stage("writing files");
-        let subject = format!("{}{form}: {}", design.name(), words(&record.outcome));
+        let subject = format!("{}{form}: {}", design.name(), record.outcome.name().replace('_', " "));
         let charts = arguments.figures.then(|| figures::cycle(&subject, &design, &record));
         figures = write(&folder, &record, &charts.unwrap_or_default())?;
     }
@@ -181,7 +181,11 @@ fn write(folder: &Path, record: &CycleRecord, charts: &[Chart]) -> Result<Vec<Pa
 }
 
 fn text(form: &str, result: &CycleResult<'_>, record: &CycleRecord) -> String {
-    let mut text = format!("{}{form}: {}\n\n", result.design.name, words(&result.outcome));
+    let mut text = format!(
+        "{}{form}: {}\n\n",
+        result.design.name,
+        result.outcome.name().replace('_', " ")
+    );
     let events: Vec<Vec<String>> = result
         .events
         .to_array()
@@ -264,10 +268,4 @@ fn words_of(preset: Preset) -> &'static str {
         Preset::PublishedAll => ", every form as published",
         Preset::PublishedNailOnly => ", nail as published",
     }
-}
-
-/// A serialised name (`strikes_bumper`) as text.
-fn words(outcome: &Outcome) -> String {
-    let value = serde_json::to_value(outcome).unwrap_or_default();
-    value.as_str().unwrap_or_default().replace('_', " ")
 }

@@ -202,10 +202,9 @@ fn text(e: &Explanation) -> String {
         .map(|(word, count)| format!("{count} {word}"))
         .collect();
     text.push_str(&format!("  values: {}\n", standing.join(", ")));
-    let outcome = serde_json::to_value(e.shot.outcome).unwrap_or_default();
     text.push_str(&format!(
         "  the shot: {}, {}penetration {:.1} mm, {:.2} g of air through the exhaust\n\n",
-        outcome.as_str().unwrap_or_default().replace('_', " "),
+        e.shot.outcome.name().replace('_', " "),
         e.shot
             .mean_drive_speed
             .map_or_else(String::new, |speed| format!("mean drive speed {speed:.1} m/s, ")),

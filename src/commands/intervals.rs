@@ -1,4 +1,4 @@
-//! What is known of a design's levels beyond their values: the study that is kept, else a screening.
+//! Intervals of a design's levels: from the study that is kept, else from a screening.
 
 use std::fmt::Write as _;
 
@@ -17,7 +17,7 @@ const SEED: u64 = 1;
 
 /// The study of a design that is kept; else a screening of a few draws, which is kept. None where the design asks for none, or
 /// why there is none.
-pub(super) fn known(store: &Store, design: &Design, progress: &Progress) -> Result<StudyResult, String> {
+pub(super) fn study_of(store: &Store, design: &Design, progress: &Progress) -> Result<StudyResult, String> {
     if store.folder().is_none() {
         return Err("without the cache no study is known".to_owned());
     }
@@ -36,7 +36,7 @@ pub(super) fn known(store: &Store, design: &Design, progress: &Progress) -> Resu
         "no study of this design is kept: {} draws show how firm the levels are; `nailnoise study` makes more",
         request.draws
     ));
-    let made = super::study::made(store, design, &request, progress);
+    let made = super::study::compute(store, design, &request, progress);
     made.map(|(result, _)| result).map_err(|error: Error| error.to_string())
 }
 
@@ -77,7 +77,7 @@ fn of_draws(share: f64, draws: usize) -> String {
 }
 
 /// What the columns hold, and what not.
-pub(super) fn explained(study: &StudyResult) -> String {
+pub(super) fn legend(study: &StudyResult) -> String {
     let structures = match study.structures {
         0 => "structures as in the design".to_owned(),
         count => format!("{count} structures"),

@@ -48,7 +48,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         &design,
         &folder,
         arguments.figures,
-        words,
+        text,
         &cache,
         common.memory.limit(),
         &progress,
@@ -66,9 +66,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     if common.json {
         print(&bundle.json)?;
     } else {
-        let known = intervals::known(&store, &design, &progress);
+        let study = intervals::study_of(&store, &design, &progress);
         progress.end();
-        print(&with_intervals(&bundle.text, known.as_ref()))?;
+        print(&with_intervals(&bundle.text, study.as_ref()))?;
         if arguments.components {
             print(&bundle.text.parts)?;
         }
@@ -83,13 +83,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     Ok(status_of(&checks))
 }
 
-/// A run as text.
-pub(super) fn words(run: &Run) -> Text {
-    text(&run.result)
-}
-
-/// The table with what a study knows of the levels, or why nothing is known.
-fn with_intervals(text: &Text, known: Result<&StudyResult, &String>) -> String {
+/// The table with the intervals of a study, or why there is none.
+fn with_intervals(text: &Text, study: Result<&StudyResult, &String>) -> String {
     let Text {
         before,
         headings,
@@ -98,7 +93,7 @@ fn with_intervals(text: &Text, known: Result<&StudyResult, &String>) -> String {
         ..
     } = text;
     let (mut headings, mut rows) = (headings.clone(), rows.clone());
-    let explained = match known {
+    let legend = match study {
         Ok(study) => {
             let columns = [intervals::heading(study), "P(first)".to_owned()];
             headings.splice(2..2, columns);
@@ -109,12 +104,12 @@ fn with_intervals(text: &Text, known: Result<&StudyResult, &String>) -> String {
                 };
                 row.splice(2..2, cells);
             }
-            intervals::explained(study)
+            intervals::legend(study)
         }
         Err(reason) => format!("\n  how sure these levels are is not known: {reason}\n"),
     };
     let headings: Vec<&str> = headings.iter().map(String::as_str).collect();
-    format!("{before}{}{explained}{after}", table(&headings, &rows))
+    format!("{before}{}{legend}{after}", table(&headings, &rows))
 }
 
 /// The largest by a level; none where all are silent.
@@ -193,7 +188,8 @@ fn coupled(coupling: &Coupling) -> String {
 }
 
 /// The result as a person reads it.
-fn text(result: &RunResult) -> Text {
+pub(super) fn text(run: &Run) -> Text {
+    let result = &run.result;
     let rows: Vec<Vec<String>> = result
         .ranking
         .iter()

@@ -12,7 +12,6 @@ use crate::error::Error;
 use crate::output;
 use crate::result::DesignId;
 use crate::sensitivity::{self, Derivative, End, OutputSensitivity, ParameterOutcome, Sensitivity, USUAL};
-use crate::stages::outcomes::outcome_name;
 use crate::staging;
 
 /// Parameters shown for each figure; the file has them all.
@@ -65,7 +64,7 @@ pub(super) fn execute(
 }
 
 fn text(name: &str, sensitivity: &Sensitivity) -> String {
-    let outcome = outcome_name(sensitivity.outcome).replace('_', " ");
+    let outcome = sensitivity.outcome.name().replace('_', " ");
     let count = sensitivity.parameters.len();
     let mut text = format!("{name}: {outcome}; sensitivity to {count} parameters, all in SI units\n");
     for output in &sensitivity.outputs {
@@ -166,7 +165,7 @@ fn short(value: f64) -> String {
 
 fn end(end: &End) -> String {
     match end {
-        End::Outcome(outcome) => outcome_name(*outcome).replace('_', " "),
+        End::Outcome(outcome) => outcome.name().replace('_', " "),
         End::Refused(_) => "no design".to_owned(),
         End::Failed(_) => "cannot be computed".to_owned(),
     }

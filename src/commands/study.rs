@@ -86,10 +86,7 @@ impl FromStr for Until {
 impl Until {
     /// Whether a study is within the limit.
     fn is_met(self, result: &StudyResult) -> bool {
-        let within = |estimate: &Estimate, limit: f64| match estimate.interval {
-            [Some(low), Some(high)] => 0.5 * (high - low) <= limit,
-            _ => false,
-        };
+        let within = |estimate: &Estimate, limit: f64| estimate.half_width().is_some_and(|half| half <= limit);
         match self {
             Self::Order(limit) => result.sources.iter().all(|source| within(&source.first, limit)),
             Self::Median(limit) => within(&result.total.level_db.p50, limit),
@@ -116,7 +113,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     };
     let store = arguments.keeping.cache()?;
     let (result, made) = loop {
-        let (result, made) = made(&store, &design, &request, &progress)?;
+        let (result, made) = compute(&store, &design, &request, &progress)?;
         // Where candidates run out, more are of no use.
         if request.draws >= most
             || result.draws < request.draws
@@ -130,13 +127,13 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let json = serde_json::to_string_pretty(&result).map_err(Error::Json)? + "\n";
     progress.stage("writing files");
     let staging = Staging::within(&folder)?;
-    let (charts, deciding) = (figures::study(&result), figures::deciding(&result, &made));
+    let (charts, scatter) = (figures::study(&result), figures::scatter(&result, &made));
     if arguments.figures {
-        figures::write(&staging, "figures".as_ref(), &[&charts[..], &deciding[..]].concat())?;
+        figures::write(&staging, "figures".as_ref(), &[&charts[..], &scatter[..]].concat())?;
     }
     staging.write(
         "study.html".as_ref(),
-        report::study(&result, &charts, &deciding).as_bytes(),
+        report::study(&result, &charts, &scatter).as_bytes(),
     )?;
     staging.write("draws.csv".as_ref(), &study::csv(&made)?)?;
     staging.write(LAST.as_ref(), json.as_bytes())?;
@@ -169,7 +166,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
 }
 
 /// A study of a design, kept for later runs, and its draws.
-pub(super) fn made(
+pub(super) fn compute(
     store: &Store,
     design: &Design,
     request: &Request,
@@ -191,16 +188,16 @@ pub(super) fn probability(estimate: &Estimate) -> String {
     let value = estimate
         .value
         .map_or_else(|| "-".to_owned(), |value| format!("{value:.2}"));
-    match estimate.interval {
-        [Some(low), Some(high)] => format!("{value} +-{:.2}", 0.5 * (high - low)),
-        _ => value,
+    match estimate.half_width() {
+        Some(half) => format!("{value} +-{half:.2}"),
+        None => value,
     }
 }
 
 /// A level with the half width of its interval.
 fn level(estimate: &Estimate) -> String {
-    match (estimate.value, estimate.interval) {
-        (Some(value), [Some(low), Some(high)]) => format!("{value:.1} +-{:.1}", 0.5 * (high - low)),
+    match (estimate.value, estimate.half_width()) {
+        (Some(value), Some(half)) => format!("{value:.1} +-{half:.1}"),
         (value, _) => decibels(value),
     }
 }

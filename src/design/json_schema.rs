@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 use super::distribution::Distribution;
 use super::groups::Values;
 use super::provenance::Provenance;
-use super::study::{OUTCOMES, SOURCES};
+use super::study::{SOURCES, outcomes};
 
 /// A JSON Schema (draft 2020-12) of the design file: completion, descriptions and first checks in an editor that knows
 /// TOML schemas. Units and limits are checked by this program alone.
@@ -37,7 +37,7 @@ pub fn json_schema() -> Value {
 
 /// `[study]`, which holds no quantities of the design.
 fn study() -> Value {
-    let outcome = json!({"enum": OUTCOMES});
+    let outcome = json!({"enum": outcomes().collect::<Vec<_>>()});
     let band = json!({"type": "string", "pattern": "^.*\\.\\..*dB\\s*$"});
     json!({
         "type": "object",

@@ -56,7 +56,7 @@ pub use reference::reference;
 pub use sensors::{Carrier, Sensor, SensorProblem};
 pub use set::SetError;
 pub use springs::{Spring, Sprung};
-pub use study::{Alternative, Correlation, OUTCOMES, SOURCES, StudySettings};
+pub use study::{Alternative, Correlation, SOURCES, StudySettings};
 pub use surfaces::{NamedSurface, SurfaceName, SurfaceOf, SurfaceProblem};
 
 use resolve::{Record, Records, Resolved};

@@ -64,12 +64,13 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
     let mut derived = Vec::new();
     let mut studies = Vec::new();
     for (depth, file) in chain.iter().enumerate().rev() {
-        let layer = Layer::read(file, &Values::SPEC)?;
+        let table = file.table()?;
+        let layer = Layer::read(file, &table, &Values::SPEC)?;
         for setting in layer.settings {
             merge(&mut merged, setting, depth);
         }
         derived.extend(layer.derived);
-        studies.extend(StudyLayer::of(file, &Values::SPEC)?);
+        studies.extend(StudyLayer::of(file, &table, &Values::SPEC)?);
     }
     complete(&merged, chain)?;
 

@@ -52,11 +52,10 @@ pub(crate) struct Layer {
 }
 
 impl Layer {
-    /// Reads `file` by the declaration `root`.
-    pub(crate) fn read(file: &File, root: &'static GroupSpec) -> Result<Self, DesignError> {
-        let table = file.table()?;
+    /// Reads the `table` of a `file` by the declaration `root`.
+    pub(crate) fn read(file: &File, table: &DeTable<'_>, root: &'static GroupSpec) -> Result<Self, DesignError> {
         let mut layer = Self::default();
-        Reader { file, root }.group(&table, root, "", &mut layer)?;
+        Reader { file, root }.group(table, root, "", &mut layer)?;
         Ok(layer)
     }
 }

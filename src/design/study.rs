@@ -18,6 +18,7 @@
 
 use std::collections::BTreeMap;
 
+use nailnoise_dynamics::Outcome;
 use nailnoise_quantities::dimension::NUMBER;
 use nailnoise_quantities::{GroupSpec, KeySpec, Value, dotted, range};
 use serde::Serialize;
@@ -36,15 +37,10 @@ const MOST_SCREENED: u32 = 8;
 /// Options of an alternative at most.
 const MOST_OPTIONS: usize = 64;
 
-/// Outcomes of a shot by their names.
-pub const OUTCOMES: [&str; 6] = [
-    "drives",
-    "strikes_bumper",
-    "underdriven",
-    "overdriven",
-    "does_not_open",
-    "does_not_release",
-];
+/// Names of the outcomes of a shot.
+pub(super) fn outcomes() -> impl Iterator<Item = &'static str> {
+    Outcome::ALL.into_iter().map(Outcome::name)
+}
 
 /// Sources by their names.
 pub const SOURCES: [&str; 3] = ["workpiece", "exhaust", "body"];
@@ -107,8 +103,7 @@ struct DraftOption {
 
 impl StudyLayer {
     /// Reads `[study]` of a file, if there is one, by the declaration `root` of the design's keys.
-    pub(crate) fn of(file: &File, root: &'static GroupSpec) -> Result<Option<Self>, DesignError> {
-        let table = file.table()?;
+    pub(crate) fn of(file: &File, table: &DeTable<'_>, root: &'static GroupSpec) -> Result<Option<Self>, DesignError> {
         let reader = Reader { file, root };
         table.get("study").map(|value| Self::read(&reader, value)).transpose()
     }
@@ -237,12 +232,15 @@ impl Reader<'_> {
     fn outcomes(&self, value: &Spanned<DeValue<'_>>) -> Result<Vec<&'static str>, DesignError> {
         let one = |value: &Spanned<DeValue<'_>>| {
             let word = value.get_ref().as_str().unwrap_or_default();
-            let known = OUTCOMES.into_iter().find(|own| *own == word);
+            let known = outcomes().find(|own| *own == word);
             known.ok_or_else(|| {
                 self.wrong(
                     "study.require",
                     value,
-                    &format!("as an outcome, or a list of outcomes: {}", OUTCOMES.join(", ")),
+                    &format!(
+                        "as an outcome, or a list of outcomes: {}",
+                        outcomes().collect::<Vec<_>>().join(", ")
+                    ),
                 )
             })
         };

@@ -27,7 +27,7 @@ pub(crate) use levels::in_palette;
 pub use levels::{levels, power};
 pub(crate) use penetration::MOST as MOST_LAWS;
 pub use penetration::penetration;
-pub use study::{deciding, study, sweep};
+pub use study::{scatter, study, sweep};
 
 /// Colours of series: Okabe and Ito, "Color universal design" (2008), without the yellow that is too light for lines.
 /// Colour-blind readers can tell them apart.

@@ -182,7 +182,7 @@ fn convergence(result: &StudyResult) -> Panel {
 }
 
 /// Levels over the inputs that decide them most, a dot a draw: for the total and for the difference of the two loudest sources.
-pub fn deciding(result: &StudyResult, made: &Draws) -> Vec<Chart> {
+pub fn scatter(result: &StudyResult, made: &Draws) -> Vec<Chart> {
     let of_interest = |own: &&Contributions| own.output == "total" || own.output.contains(" less ");
     let outputs = result.contributions.iter().filter(of_interest);
     let panel = |own: &Contributions, input: &crate::study::Contribution| {

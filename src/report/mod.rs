@@ -192,8 +192,8 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
 }
 
 /// The report of a study with these charts.
-pub fn study(result: &StudyResult, charts: &[figures::Chart], deciding: &[figures::Chart]) -> String {
-    study::page(result, charts, deciding).html()
+pub fn study(result: &StudyResult, charts: &[figures::Chart], scatter: &[figures::Chart]) -> String {
+    study::page(result, charts, scatter).html()
 }
 
 /// The report of a comparison of the files with this identity.

@@ -8,7 +8,7 @@ use super::tables::decibels;
 use crate::figures::Chart;
 use crate::study::{Estimate, LevelStudy, StudyResult};
 
-pub(super) fn page(result: &StudyResult, charts: &[Chart], deciding: &[Chart]) -> Page {
+pub(super) fn page(result: &StudyResult, charts: &[Chart], scatter: &[Chart]) -> Page {
     let chart = |name: &str| charts.iter().find(|chart| chart.name == name).map(markup);
     let sections = vec![
         Section::new(
@@ -24,7 +24,7 @@ pub(super) fn page(result: &StudyResult, charts: &[Chart], deciding: &[Chart]) -
         Section::new(
             "inputs",
             "What decides",
-            html! { (contributions(result)) @for c in deciding { (markup(c)) } },
+            html! { (contributions(result)) @for c in scatter { (markup(c)) } },
         ),
         Section::new(
             "bands",
@@ -59,20 +59,15 @@ fn lead(result: &StudyResult) -> Markup {
     }
 }
 
-fn half(estimate: &Estimate) -> Option<f64> {
-    let [low, high] = estimate.interval;
-    Some(0.5 * (high? - low?))
-}
-
 /// A level with half of its interval.
 fn level(estimate: &Estimate) -> Markup {
-    html! { b { (decibels(estimate.value)) } @if let Some(half) = half(estimate) { " " span.quiet { "\u{b1}" (format!("{half:.1}")) } } }
+    html! { b { (decibels(estimate.value)) } @if let Some(half) = estimate.half_width() { " " span.quiet { "\u{b1}" (format!("{half:.1}")) } } }
 }
 
 fn probability(estimate: &Estimate) -> Markup {
     html! {
         b { (estimate.value.map_or_else(|| "\u{2013}".to_owned(), |value| format!("{value:.2}"))) }
-        @if let Some(half) = half(estimate) { " " span.quiet { "\u{b1}" (format!("{half:.2}")) } }
+        @if let Some(half) = estimate.half_width() { " " span.quiet { "\u{b1}" (format!("{half:.2}")) } }
     }
 }
 

@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 
 use super::exhaust::{Openings, noise};
 use super::intervals::EventEdges;
-use super::outcomes::outcome_name;
 use super::ranking::rank;
 use super::sound::SoundSource;
 use super::sources::{BodySound, WorkpieceSound};
@@ -70,7 +69,6 @@ impl Stage for ShotLevels {
         stages_intervals,
         stages_levels,
         stages_microphones,
-        stages_outcomes,
         stages_radiation,
         stages_ranking,
         stages_response,
@@ -115,7 +113,7 @@ impl Stage for ShotLevels {
         };
         let failed = record.checks.iter().filter(|check| !check.ok);
         Ok(Levels {
-            outcome: outcome_name(record.outcome).to_owned(),
+            outcome: record.outcome.name().to_owned(),
             sources: sources.iter().filter_map(levels).collect(),
             failed_checks: failed.map(|check| check.name.to_string()).collect(),
         })

@@ -1,6 +1,6 @@
 //! What many shots do, without their sound: the cheap part of a study.
 
-use nailnoise_dynamics::{CycleError, Outcome, simulate};
+use nailnoise_dynamics::{CycleError, simulate};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -53,18 +53,6 @@ impl Fate {
     }
 }
 
-/// The name of an outcome, as in the output.
-pub fn outcome_name(outcome: Outcome) -> &'static str {
-    match outcome {
-        Outcome::Drives => "drives",
-        Outcome::StrikesBumper => "strikes_bumper",
-        Outcome::Underdriven => "underdriven",
-        Outcome::Overdriven => "overdriven",
-        Outcome::DoesNotOpen => "does_not_open",
-        Outcome::DoesNotRelease => "does_not_release",
-    }
-}
-
 impl Stage for Outcomes {
     type Output = Vec<Fate>;
     type Codec = Postcard;
@@ -80,7 +68,7 @@ impl Stage for Outcomes {
 pub fn fate(cycle: &Cycle) -> Fate {
     match simulate(&cycle.parameters, &cycle.settings) {
         Ok(record) => Fate::Shot(Shot {
-            outcome: outcome_name(record.outcome).to_owned(),
+            outcome: record.outcome.name().to_owned(),
             mean_drive_speed: record.summary.mean_drive_speed,
             penetration: record.summary.penetration,
             exhaust_mass: record.summary.exhaust_mass,

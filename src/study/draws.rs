@@ -8,12 +8,12 @@
 //! Nothing is written but the outcomes of candidates and the levels of draws, as outputs of stages in the store: a study that
 //! ended early goes on where it was, and a larger one begins with the draws of a smaller one.
 
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use super::jobs::{levels_of_shot, on_threads};
 use super::sampling::{Frame, Point, Sampler};
 use super::screening::{Candidate, Tally, drawn, screen};
-use super::variables::{Drawn, Kind, Scope, Variable, common, without_sensors};
+use super::variables::{Drawn, Kind, Scope, Variable, common_variables, without_sensors};
 use crate::chain::{Chain, Options};
 use crate::design::{Design, Values};
 use crate::error::Error;
@@ -84,8 +84,8 @@ pub fn draws(graph: &Graph, design: &Design, request: &Request, progress: &Progr
     Ok(made.into_iter().next().unwrap_or_default())
 }
 
-/// Draws of several designs in common: in each draw, all that the designs do not decide differently is the same, so that it cancels
-/// in their differences. A draw counts where it counts in all of them. The draws of each design come in the same order.
+/// Draws of several designs in common: in each draw, everything that the designs share is the same, so that it cancels in
+/// their differences. A draw counts where it counts in all of them. The draws of each design come in the same order.
 ///
 /// # Errors
 /// As [`draws`].
@@ -99,7 +99,7 @@ pub fn common_draws(
         return Ok(Vec::new());
     };
     progress.stage("which quantities change the levels");
-    let variables = graph.time("variables", || common(designs))?;
+    let variables = graph.time("variables", || common_variables(designs))?;
     let sampler = graph.time("rules between values", || {
         Sampler::new(&without_sensors(first), variables, request.seed)
     });
@@ -222,35 +222,16 @@ fn levels(
         // Hold the structures' stages while their draws come and go.
         let anchors: Vec<_> = designs.iter().map(|design| of(0, design)).collect();
         let count = group.len() * designs.len();
-        let (next, results) = (AtomicUsize::new(0), Mutex::new(vec![None; count]));
-        let work = || loop {
-            let job = next.fetch_add(1, Ordering::Relaxed);
-            if job >= count {
-                return;
-            }
-            let levels = of(job / designs.len(), &designs[job % designs.len()]).and_then(|chain| {
-                chain.check_bodies()?;
-                chain.levels.get()
-            });
-            let levels = levels
-                .map(|levels| Levels::clone(&levels))
-                .map_err(|error| error.to_string());
-            if let Ok(mut results) = results.lock() {
-                results[job] = Some(levels);
-            }
+        let results = on_threads(count, |job| {
+            let levels = levels_of_shot(of(job / designs.len(), &designs[job % designs.len()]));
             progress.done(done.fetch_add(1, Ordering::Relaxed) as u64 + 1, total);
-        };
-        std::thread::scope(|scope| {
-            let workers = rayon::current_num_threads().min(count);
-            (1..workers).for_each(|_| drop(scope.spawn(work)));
-            work();
+            levels
         });
         drop(anchors);
-        let results = results.into_inner().unwrap_or_default();
         for (place, (planned, results)) in group.iter().zip(results.chunks(designs.len())).enumerate() {
             let candidate = &planned.candidate;
-            let draw = |(result, fate): (&Option<Result<Levels, String>>, &Fate)| match (result, fate) {
-                (Some(Ok(levels)), Fate::Shot(shot)) => Ok(Draw {
+            let draw = |(result, fate): (&Result<Levels, String>, &Fate)| match (result, fate) {
+                (Ok(levels), Fate::Shot(shot)) => Ok(Draw {
                     structure: planned.structure,
                     candidate: candidate.index,
                     method_db: method_errors(sampler.variables(), &candidate.point, levels),
@@ -259,7 +240,7 @@ fn levels(
                     shot: shot.clone(),
                     levels: levels.clone(),
                 }),
-                (Some(Err(message)), _) => Err(message.clone()),
+                (Err(message), _) => Err(message.clone()),
                 _ => Err("its computation ended".to_owned()),
             };
             match results

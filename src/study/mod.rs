@@ -5,8 +5,11 @@
 
 mod contributions;
 mod draws;
+mod jobs;
 mod kept;
+mod level_table;
 mod normal;
+mod notes;
 mod paired;
 mod parameters;
 mod result;
@@ -16,15 +19,17 @@ mod shots;
 mod statistics;
 mod sweep;
 mod table;
+mod variable_report;
 mod variables;
 
 pub use draws::{Draw, Draws, Request, common_draws, draws, nominal};
 pub use kept::{keep, kept};
+pub use level_table::{column, levels_of};
 pub use paired::{Change, PairedStudy};
 pub use parameters::{Parameter, taking_part};
 pub use result::{
     Candidates, Contribution, Contributions, Convergence, LabelledStudy, LevelStudy, Louder, OrderProbability, SCHEMA,
-    SourceStudy, StudyResult, VariableReport, column, levels_of,
+    SourceStudy, StudyResult,
 };
 pub use sampling::{Frame, Point, Rejections, Sampler};
 pub use screening::{Candidate, Tally, screen};
@@ -32,6 +37,7 @@ pub use shots::{DrawnShot, Shots, shots};
 pub use statistics::{Estimate, Quantiles};
 pub use sweep::{Axis, SweptPoint, sweep};
 pub use table::csv;
-pub use variables::{Drawn, Kind, Scope, Variable, common, decided, variables};
+pub use variable_report::VariableReport;
+pub use variables::{Drawn, Kind, Scope, Variable, common_variables, differing_keys, variables};
 
-pub use crate::stages::outcomes::{Fate, Shot, outcome_name};
+pub use crate::stages::outcomes::{Fate, Shot};

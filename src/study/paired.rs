@@ -4,9 +4,9 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::draws::{Draws, Request};
-use super::result::{LevelTable, TOTAL};
-use super::statistics::{Bootstrap, Estimate, Quantiles, energy_sum};
-use super::variables::decided;
+use super::level_table::{LevelTable, TOTAL};
+use super::statistics::{Bootstrap, Estimate, Quantiles};
+use super::variables::differing_keys;
 use crate::design::Design;
 
 /// A design against a reference over common draws. What both share is the same in each draw, the errors of methods included, and
@@ -67,22 +67,11 @@ impl PairedStudy {
                 level_width_db: width(&bootstrap.quantiles(before)),
             }
         };
-        let column = |table: &LevelTable, name: &str| -> Vec<f64> {
-            let place = table.names.iter().position(|own| own == name).unwrap_or(0);
-            table.levels.iter().map(|levels| levels[place]).collect()
-        };
-        let total = |table: &LevelTable| -> Vec<f64> {
-            table
-                .levels
-                .iter()
-                .map(|levels| energy_sum(levels.iter().copied()))
-                .collect()
-        };
-        let names = of_a.names.iter();
+        let names = of_a.names.iter().enumerate();
         let mut changes: Vec<Change> = names
-            .map(|name| change(name, &column(&of_a, name), &column(&of_b, name)))
+            .map(|(place, name)| change(name, &of_a.column(place), &of_b.column(of_b.place(name))))
             .collect();
-        changes.push(change(TOTAL, &total(&of_a), &total(&of_b)));
+        changes.push(change(TOTAL, &of_a.totals(), &of_b.totals()));
         Self {
             reference: reference.name().to_owned(),
             design: design.name().to_owned(),
@@ -92,7 +81,7 @@ impl PairedStudy {
                 Some(_) => clusters.last().map_or(0, |last| last + 1),
                 None => 0,
             },
-            decided: decided(&[reference, design]),
+            decided: differing_keys(&[reference, design]),
             changes,
         }
     }

@@ -6,25 +6,18 @@ use rayon::prelude::*;
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
-use super::contributions::{self, Binned};
+use super::contributions::{self as first_order, Binned};
 use super::draws::{Draw, Draws, Request};
-use super::statistics::{Bootstrap, Estimate, Quantiles, benefit, energy_sum, loss, order};
-use super::variables::{Drawn, Kind, Scope, Variable};
-use crate::design::{Design, Value};
+use super::level_table::{LevelTable, TOTAL, number, total_of};
+use super::notes::notes;
+use super::statistics::{Bootstrap, Estimate, Quantiles, benefit, loss, order, weighted_mean};
+use super::variable_report::{VariableReport, variable_reports};
+use crate::design::Design;
 use crate::result::{DesignId, schema_of};
 use crate::stages::levels::Levels;
 
 /// Version of the layout of [`StudyResult`].
 pub const SCHEMA: &str = "nailnoise-study/1";
-
-/// Name of the sum of all sources.
-pub(super) const TOTAL: &str = "total";
-
-/// Share of a distribution at which a value stands at its end.
-const AT_THE_END: f64 = 0.02;
-
-/// Standard errors by which the condition moves the mean of a variable before that is stated.
-const SHIFTED: f64 = 4.0;
 
 /// The result of `nailnoise study`. Levels are A-weighted single-event sound power levels in dB re 1 pW s. Further keys may be
 /// added.
@@ -179,27 +172,6 @@ pub struct Convergence {
     pub first: Vec<Estimate>,
 }
 
-/// A variable.
-#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
-pub struct VariableReport {
-    /// Key, name of alternatives, or `method.SOURCE`.
-    pub name: String,
-    /// What it changes: `shot`, `structure` or `method`.
-    pub scope: String,
-    /// SI unit; empty where there is none.
-    pub unit: String,
-    /// Whether it was drawn; false for structures that are held.
-    pub drawn: bool,
-    /// Ends of the range in SI units; null for alternatives and for a method's own band.
-    pub range: Option<[f64; 2]>,
-    /// Distribution, or the names of the alternatives with their probabilities.
-    pub distribution: String,
-    /// Place of the design's value in the distribution, 0 .. 1; null for alternatives.
-    pub nominal_place: Option<f64>,
-    /// Mean place of the draws in the distribution, 0.5 without condition; null where it was not drawn.
-    pub mean_place: Option<f64>,
-}
-
 impl StudyResult {
     /// JSON Schema (draft 2020-12) of a result.
     pub fn json_schema() -> Schema {
@@ -213,12 +185,7 @@ impl StudyResult {
         let clusters: Vec<usize> = draws.iter().map(|draw| draw.structure).collect();
         let bootstrap = Bootstrap::new(&clusters);
         let count = table.names.len();
-        let own = |source: usize| -> Vec<f64> { table.levels.iter().map(|levels| levels[source]).collect() };
-        let totals: Vec<f64> = table
-            .levels
-            .iter()
-            .map(|levels| energy_sum(levels.iter().copied()))
-            .collect();
+        let totals = table.totals();
         let nominal_of = |name: &str| nominal?.sources.iter().find(|own| own.source == name)?.lwa_db;
         let level = |levels: &[f64], nominal_db: Option<f64>| LevelStudy {
             nominal_db,
@@ -242,7 +209,7 @@ impl StudyResult {
                 let first: Vec<bool> = table.levels.iter().map(|levels| order(levels)[0] == source).collect();
                 SourceStudy {
                     source: name.clone(),
-                    level: level(&own(source), nominal_of(name)),
+                    level: level(&table.column(source), nominal_of(name)),
                     first: bootstrap.share(&first),
                     loss_db: bootstrap.mean(&figures(loss)),
                     silencing_db: bootstrap.mean(&figures(benefit)),
@@ -261,29 +228,18 @@ impl StudyResult {
             .collect();
         let median = |source: &SourceStudy| source.level.level_db.p50.value.unwrap_or(f64::NEG_INFINITY);
         sources.sort_by(|a, b| median(b).total_cmp(&median(a)));
-        let total_nominal = nominal.map(|levels| {
-            energy_sum(
-                levels
-                    .sources
-                    .iter()
-                    .map(|source| source.lwa_db.unwrap_or(f64::NEG_INFINITY)),
-            )
-        });
-        let best = |levels: &[f64]| (0..count).map(|source| benefit(levels, source)).fold(0.0, f64::max);
+        let figures =
+            |of: &dyn Fn(&[f64]) -> f64| -> Vec<f64> { table.levels.iter().map(|levels| of(levels)).collect() };
+        let of_each: Vec<Vec<f64>> = (0..count)
+            .map(|source| figures(&|levels| benefit(levels, source)))
+            .collect();
+        let best = figures(&|levels| (0..count).map(|source| benefit(levels, source)).fold(0.0, f64::max));
         let perfect = bootstrap.estimate(draws.len(), |counts| {
-            let mean = |figure: &dyn Fn(&[f64]) -> f64| {
-                let weighted = table
-                    .levels
-                    .iter()
-                    .zip(counts)
-                    .map(|(levels, &n)| f64::from(n) * figure(levels));
-                weighted.sum::<f64>() / f64::from(counts.iter().sum::<u32>())
-            };
-            let of_one = (0..count).map(|source| mean(&|levels| benefit(levels, source)));
-            mean(&best) - of_one.fold(0.0, f64::max)
+            let of_one = of_each.iter().map(|benefits| weighted_mean(benefits, counts));
+            weighted_mean(&best, counts) - of_one.fold(0.0, f64::max)
         });
         let names: Vec<String> = sources.iter().map(|source| source.source.clone()).collect();
-        let variables = reports(request, made);
+        let variables = variable_reports(request, made);
         let mut notes = notes(design, request, made, &variables);
         if clusters.last().is_some_and(|last| (1..9).contains(last)) {
             notes.push(format!(
@@ -311,11 +267,11 @@ impl StudyResult {
                 rejections: made.tally.rejections.clone(),
                 failures: made.failures.len() + made.tally.failures.len(),
             },
-            total: level(&totals, total_nominal.filter(|level| level.is_finite())),
+            total: level(&totals, nominal.and_then(total_of)),
             orders: orders(&table, &bootstrap),
             louder: louder(&table, &bootstrap, &names),
             perfect_information_db: perfect,
-            contributions: decided(made, &table, &totals, &names),
+            contributions: contributions(made, &table, &totals, &names),
             convergence: convergence(&table, &totals, &clusters, &names),
             variables,
             notes,
@@ -326,30 +282,6 @@ impl StudyResult {
     /// A source by its name.
     pub fn source(&self, name: &str) -> Option<&SourceStudy> {
         self.sources.iter().find(|source| source.source == name)
-    }
-}
-
-/// Levels of all draws with the errors of methods; minus infinity is silence.
-pub(super) struct LevelTable {
-    pub(super) names: Vec<String>,
-    pub(super) levels: Vec<Vec<f64>>,
-}
-
-impl LevelTable {
-    pub(super) fn new(draws: &[Draw]) -> Self {
-        let names = draws.first().map_or_else(Vec::new, |draw| {
-            draw.levels.sources.iter().map(|source| source.source.clone()).collect()
-        });
-        let levels = |draw: &Draw| {
-            let sources = draw.levels.sources.iter().zip(draw.method_db);
-            sources
-                .map(|(source, error)| source.lwa_db.map_or(f64::NEG_INFINITY, |level| level + error))
-                .collect()
-        };
-        Self {
-            names,
-            levels: draws.iter().map(levels).collect(),
-        }
     }
 }
 
@@ -411,13 +343,12 @@ fn orders(table: &LevelTable, bootstrap: &Bootstrap) -> Vec<OrderProbability> {
 }
 
 fn louder(table: &LevelTable, bootstrap: &Bootstrap, names: &[String]) -> Vec<Louder> {
-    let place = |name: &String| table.names.iter().position(|own| own == name).unwrap_or(0);
     let pairs = names
         .iter()
         .enumerate()
         .flat_map(|(k, a)| names[k + 1..].iter().map(move |b| (a, b)));
     let pair = |(a, b): (&String, &String)| {
-        let (first, second) = (place(a), place(b));
+        let (first, second) = (table.place(a), table.place(b));
         let is_so: Vec<bool> = table
             .levels
             .iter()
@@ -432,20 +363,9 @@ fn louder(table: &LevelTable, bootstrap: &Bootstrap, names: &[String]) -> Vec<Lo
     pairs.map(pair).collect()
 }
 
-/// A number for what a variable is in a draw.
-pub(super) fn number(drawn: Option<&Drawn>) -> Option<f64> {
-    match drawn? {
-        Drawn::Value(Value::Number(value)) => Some(*value),
-        Drawn::Value(Value::Count(count)) => Some(f64::from(*count)),
-        Drawn::Value(_) => None,
-        Drawn::Alternative(chosen) => Some(*chosen as f64),
-        Drawn::Share(share) => Some(*share),
-    }
-}
-
 /// Contributions of inputs to each source, to the total, and to the difference of the two loudest sources.
-fn decided(made: &Draws, table: &LevelTable, totals: &[f64], names: &[String]) -> Vec<Contributions> {
-    if made.draws.len() < contributions::FEWEST {
+fn contributions(made: &Draws, table: &LevelTable, totals: &[f64], names: &[String]) -> Vec<Contributions> {
+    if made.draws.len() < first_order::FEWEST {
         return Vec::new();
     }
     let column = |place: usize| -> Option<Vec<f64>> {
@@ -464,10 +384,7 @@ fn decided(made: &Draws, table: &LevelTable, totals: &[f64], names: &[String]) -
             known.push((*variable, values));
         }
     }
-    let of = |name: &String| {
-        let place = table.names.iter().position(|own| own == name).unwrap_or(0);
-        table.levels.iter().map(|levels| levels[place]).collect::<Vec<f64>>()
-    };
+    let of = |name: &String| table.column(table.place(name));
     let mut outputs: Vec<(String, Vec<f64>)> = vec![(TOTAL.to_owned(), totals.to_vec())];
     outputs.extend(names.iter().map(|name| (name.clone(), of(name))));
     if let [first, second, ..] = names {
@@ -477,14 +394,14 @@ fn decided(made: &Draws, table: &LevelTable, totals: &[f64], names: &[String]) -
     outputs.retain(|(_, levels)| levels.iter().all(|level| level.is_finite()));
     let contribution = |(output, levels): (String, Vec<f64>)| {
         let mean = levels.iter().sum::<f64>() / levels.len() as f64;
-        let by_chance = contributions::by_chance(&inputs, &levels);
+        let by_chance = first_order::by_chance(&inputs, &levels);
         let estimates = inputs
             .iter()
             .zip(&known)
             .map(|(binned, (variable, values))| Contribution {
                 variable: made.variables[*variable].name.clone(),
                 first_order: binned.first_order(&levels),
-                effect_db: contributions::effect(values, &levels),
+                effect_db: first_order::effect(values, &levels),
             });
         let mut above: Vec<Contribution> = estimates.filter(|own| own.first_order > by_chance).collect();
         above.sort_by(|a, b| b.first_order.total_cmp(&a.first_order));
@@ -516,188 +433,4 @@ fn convergence(table: &LevelTable, totals: &[f64], clusters: &[usize], names: &[
         }
     };
     sizes.into_iter().map(at).collect()
-}
-
-/// Share of a parameter's distribution below its value in the design, by bisection.
-fn place_of_nominal(variable: &Variable) -> Option<f64> {
-    let Kind::Quantity(parameter) = &variable.kind else {
-        return None;
-    };
-    let (mut low, mut high) = (0.0_f64, 1.0_f64);
-    let value = |share: f64| number(Some(&Drawn::Value(parameter.at(share.clamp(1e-9, 1.0 - 1e-9)))));
-    for _ in 0..40 {
-        let middle = 0.5 * (low + high);
-        if value(middle)? < parameter.number() {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    // A count takes a part of the distribution: its middle.
-    let (mut above, mut top) = (high, 1.0_f64);
-    for _ in 0..40 {
-        let middle = 0.5 * (above + top);
-        if value(middle)? <= parameter.number() {
-            above = middle;
-        } else {
-            top = middle;
-        }
-    }
-    Some(if matches!(parameter.value, Value::Count(_)) {
-        0.5 * (low + top)
-    } else {
-        low
-    })
-}
-
-fn reports(request: &Request, made: &Draws) -> Vec<VariableReport> {
-    let report = |(place, variable): (usize, &Variable)| {
-        let shares = made.draws.iter().map(|draw| draw.shares[place]);
-        let sum: f64 = shares.sum();
-        let drawn = request.shots_a_structure.is_some() || variable.scope != Scope::Structure;
-        let (range, distribution) = match &variable.kind {
-            Kind::Quantity(parameter) => (Some(parameter.range), parameter.distribution.as_str().to_owned()),
-            Kind::Alternatives(options) => {
-                let option = |option: &crate::design::Alternative| {
-                    format!("{} ({:.0} %)", option.name, 100.0 * option.probability)
-                };
-                (None, options.iter().map(option).collect::<Vec<_>>().join("; "))
-            }
-            Kind::Method(bounds) => (*bounds, "uniform".to_owned()),
-        };
-        VariableReport {
-            name: variable.name.clone(),
-            scope: match variable.scope {
-                Scope::Shot => "shot",
-                Scope::Structure => "structure",
-                Scope::Method => "method",
-            }
-            .to_owned(),
-            unit: variable.unit().to_owned(),
-            drawn,
-            range,
-            distribution,
-            nominal_place: place_of_nominal(variable),
-            mean_place: drawn
-                .then(|| sum / made.draws.len().max(1) as f64)
-                .filter(|mean| mean.is_finite()),
-        }
-    };
-    made.variables.iter().enumerate().map(report).collect()
-}
-
-fn notes(design: &Design, request: &Request, made: &Draws, variables: &[VariableReport]) -> Vec<String> {
-    let mut notes = Vec::new();
-    let held: Vec<&str> = variables
-        .iter()
-        .filter(|own| !own.drawn)
-        .map(|own| own.name.as_str())
-        .collect();
-    if request.shots_a_structure.is_none() && !held.is_empty() {
-        notes.push(format!(
-            "the structures are held as in the design: {} quantities of bodies are not drawn ({}, ...), so that the intervals are \
-             too narrow; `--structures` draws them",
-            held.len(),
-            held.iter().take(3).copied().collect::<Vec<_>>().join(", ")
-        ));
-    }
-    if !made.open_ends.is_empty() {
-        notes.push(format!(
-            "the error of these methods has no bound and counts as 0 dB there: {}; give it in [study.model]",
-            made.open_ends.join(", ")
-        ));
-    }
-    let shots = made.tally.shots();
-    if !design.study().require.is_empty() && shots > 0 {
-        let count = |word: &&&str| made.tally.outcomes.get(**word).copied().unwrap_or(0);
-        let counted: u64 = design
-            .study()
-            .require
-            .iter()
-            .collect::<Vec<_>>()
-            .iter()
-            .map(count)
-            .sum();
-        notes.push(format!(
-            "only these outcomes count: {}, {:.1} % of {shots} shots; all results hold on that condition",
-            design.study().require.join(", ").replace('_', " "),
-            100.0 * counted as f64 / shots as f64
-        ));
-    }
-    let limit = SHIFTED / (12.0 * made.draws.len().max(1) as f64).sqrt();
-    let mut shifted: Vec<(&str, f64)> = variables
-        .iter()
-        .filter_map(|own| Some((own.name.as_str(), own.mean_place?)))
-        .filter(|(_, place)| (place - 0.5).abs() > limit)
-        .collect();
-    shifted.sort_by(|a, b| (b.1 - 0.5).abs().total_cmp(&(a.1 - 0.5).abs()));
-    if !shifted.is_empty() {
-        let list = shifted
-            .iter()
-            .take(6)
-            .map(|(name, place)| format!("{name} to {place:.2}"));
-        notes.push(format!(
-            "rejected values and shots move the mean place of {} quantities in their distributions from 0.50: {}{}",
-            shifted.len(),
-            list.collect::<Vec<_>>().join(", "),
-            if shifted.len() > 6 { ", ..." } else { "" }
-        ));
-    }
-    let ends: Vec<&str> = variables
-        .iter()
-        .filter(|own| {
-            own.nominal_place
-                .is_some_and(|place| !(AT_THE_END..=1.0 - AT_THE_END).contains(&place))
-        })
-        .map(|own| own.name.as_str())
-        .collect();
-    if !ends.is_empty() {
-        notes.push(format!(
-            "{} values of the design stand at an end of what is drawn: {}",
-            ends.len(),
-            ends.join(", ")
-        ));
-    }
-    let failed: usize = made
-        .draws
-        .iter()
-        .filter(|draw| !draw.levels.failed_checks.is_empty())
-        .count();
-    if failed > 0 {
-        notes.push(format!(
-            "a check of the cycle fails in {failed} of the draws: do not rely on them"
-        ));
-    }
-    let other = made
-        .draws
-        .iter()
-        .filter(|draw| draw.levels.outcome != draw.shot.outcome)
-        .count();
-    if other > 0 {
-        notes.push(format!(
-            "{other} draws have another outcome with two-way coupling than with the lumped workpiece"
-        ));
-    }
-    notes
-}
-
-/// What a variable is in each draw, as a number; NaN where it is held.
-pub fn column(made: &Draws, variable: &str) -> Vec<f64> {
-    let place = made.variables.iter().position(|own| own.name == variable);
-    let value = |draw: &Draw| number(place.and_then(|place| draw.drawn[place].as_ref())).unwrap_or(f64::NAN);
-    made.draws.iter().map(value).collect()
-}
-
-/// The levels of an output in each draw \[dB\]: of a source, of the total, or a difference `A less B`.
-pub fn levels_of(made: &Draws, output: &str) -> Vec<f64> {
-    let table = LevelTable::new(&made.draws);
-    let level = |levels: &[f64], name: &str| {
-        let place = table.names.iter().position(|own| own == name);
-        place.map_or_else(|| energy_sum(levels.iter().copied()), |place| levels[place])
-    };
-    let of = |levels: &Vec<f64>| match output.split_once(" less ") {
-        Some((a, b)) => level(levels, a) - level(levels, b),
-        None => level(levels, output),
-    };
-    table.levels.iter().map(of).collect()
 }

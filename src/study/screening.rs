@@ -178,7 +178,7 @@ pub fn screen(
                 _ => None,
             });
             tally.failures.extend(messages);
-            if fates.iter().zip(designs).all(|(fate, design)| counts(design, fate)) {
+            if fates.iter().zip(designs).all(|(fate, design)| qualifies(design, fate)) {
                 accepted.push(Candidate { index, point, fates });
             }
         }
@@ -202,7 +202,7 @@ pub fn screen(
 }
 
 /// Whether a study of a design counts a shot.
-fn counts(design: &Design, fate: &Fate) -> bool {
+fn qualifies(design: &Design, fate: &Fate) -> bool {
     let require = &design.study().require;
     match fate {
         Fate::Shot(shot) => require.is_empty() || require.contains(&shot.outcome.as_str()),

@@ -22,6 +22,14 @@ pub struct Estimate {
     pub interval: [Option<f64>; 2],
 }
 
+impl Estimate {
+    /// Half the width of the interval; none where silence is in it.
+    pub fn half_width(&self) -> Option<f64> {
+        let [low, high] = self.interval;
+        Some(0.5 * (high? - low?))
+    }
+}
+
 /// Levels below which 5, 50 and 95 % of the draws lie \[dB re 1 pW s\].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Quantiles {
@@ -40,12 +48,25 @@ pub(super) fn quantile(sorted: &[f64], p: f64) -> f64 {
     };
     let at = p * last as f64;
     let (low, part) = (at.floor() as usize, at.fract());
-    let (below, above) = (sorted[low.min(last)], sorted[(low + 1).min(last)]);
+    interpolated(sorted[low.min(last)], sorted[(low + 1).min(last)], part)
+}
+
+/// Between two values; both may be minus infinity.
+fn interpolated(below: f64, above: f64, part: f64) -> f64 {
     if part == 0.0 || below == above {
         below
     } else {
         below + part * (above - below)
     }
+}
+
+/// The mean of figures that count several times each.
+pub(super) fn weighted_mean(figures: &[f64], counts: &[u32]) -> f64 {
+    let weighted = figures
+        .iter()
+        .zip(counts)
+        .map(|(figure, &count)| f64::from(count) * figure);
+    weighted.sum::<f64>() / f64::from(counts.iter().sum::<u32>())
 }
 
 /// The level of the sum of energies of levels \[dB\].
@@ -101,13 +122,7 @@ impl Bootstrap {
 
     /// The mean of a figure of each draw.
     pub(super) fn mean(&self, figures: &[f64]) -> Estimate {
-        self.estimate(figures.len(), |counts| {
-            let weighted = figures
-                .iter()
-                .zip(counts)
-                .map(|(figure, &count)| f64::from(count) * figure);
-            weighted.sum::<f64>() / counts.iter().map(|&count| f64::from(count)).sum::<f64>()
-        })
+        self.estimate(figures.len(), |counts| weighted_mean(figures, counts))
     }
 
     /// The part of the draws of which something is true.
@@ -134,12 +149,8 @@ impl Bootstrap {
                     own.map_or(f64::NAN, |&draw| levels[draw])
                 };
                 let (low, part) = (at.floor(), at.fract());
-                let (below, above) = (value(low as u32), value((low as u32 + 1).min(total.saturating_sub(1))));
-                if part == 0.0 || below == above {
-                    below
-                } else {
-                    below + part * (above - below)
-                }
+                let next = (low as u32 + 1).min(total.saturating_sub(1));
+                interpolated(value(low as u32), value(next), part)
             })
         };
         Quantiles {

@@ -1,12 +1,12 @@
 //! Levels over a grid of values.
 
 use std::path::Path;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use serde::Serialize;
 
-use super::statistics::energy_sum;
+use super::jobs::{levels_of_shot, on_threads};
+use super::level_table::total_of;
 use super::variables::without_sensors;
 use crate::chain::{Chain, Options};
 use crate::design::{Assignment, AssignmentError, Design, DesignError};
@@ -127,7 +127,8 @@ fn assignments(axes: &[Axis], values: &[String]) -> Result<Vec<Assignment>, Assi
         .collect()
 }
 
-/// Levels of the design in a file, with changes that all points share, over a grid of values; points whose values do not go together are refused, with their conflict.
+/// Levels of the design in a file, with changes that all points share, over a grid of values. Points whose values do not go
+/// together are refused with their conflict.
 ///
 /// # Errors
 /// A key or value that no design can have; a grid of too many points.
@@ -159,49 +160,25 @@ pub fn sweep(
     let anchor = anchor
         .map(|design| Chain::new(graph, design, Options::default()))
         .transpose()?;
-    let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let results: Mutex<Vec<Option<Result<Levels, String>>>> = Mutex::new(vec![None; points.len()]);
-    let work = || loop {
-        let place = next.fetch_add(1, Ordering::Relaxed);
-        let Some(design) = designs.get(place) else { return };
-        let computed = design.as_ref().map_err(String::clone).and_then(|design| {
-            let levels = Chain::new(graph, design, Options::default()).and_then(|chain| {
-                chain.check_bodies()?;
-                chain.levels.get()
-            });
-            levels
-                .map(|levels| Levels::clone(&levels))
-                .map_err(|error| error.to_string())
-        });
-        if let Ok(mut results) = results.lock() {
-            results[place] = Some(computed);
-        }
+    let done = AtomicUsize::new(0);
+    let results = on_threads(points.len(), |place| {
+        let computed = designs[place]
+            .as_ref()
+            .map_err(String::clone)
+            .and_then(|design| levels_of_shot(Chain::new(graph, design, Options::default())));
         progress.done(done.fetch_add(1, Ordering::Relaxed) as u64 + 1, points.len() as u64);
-    };
-    std::thread::scope(|scope| {
-        (1..rayon::current_num_threads().min(points.len())).for_each(|_| drop(scope.spawn(work)));
-        work();
+        computed
     });
     drop(anchor);
-    let results = results.into_inner().unwrap_or_default();
-    let point = |(values, result): (Vec<String>, Option<Result<Levels, String>>)| {
-        let result = result.unwrap_or_else(|| Err("its computation ended".to_owned()));
+    let point = |(values, result): (Vec<String>, Result<Levels, String>)| {
         let (levels, refused) = match result {
             Ok(levels) => (Some(levels), String::new()),
             Err(reason) => (None, reason),
         };
-        let total = levels.as_ref().map(|levels| {
-            energy_sum(
-                levels
-                    .sources
-                    .iter()
-                    .map(|source| source.lwa_db.unwrap_or(f64::NEG_INFINITY)),
-            )
-        });
         SweptPoint {
             values,
+            total_db: levels.as_ref().and_then(total_of),
             levels,
-            total_db: total.filter(|total| total.is_finite()),
             refused,
         }
     };

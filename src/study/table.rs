@@ -1,7 +1,7 @@
 //! `draws.csv`: a row for every draw.
 
 use super::draws::Draws;
-use super::statistics::energy_sum;
+use super::level_table::LevelTable;
 use super::variables::{Drawn, Kind, Variable};
 use crate::design::Value;
 use crate::error::Error;
@@ -13,13 +13,9 @@ use crate::output;
 /// # Errors
 /// [`Error::Table`], where rows differ in length.
 pub fn csv(made: &Draws) -> Result<Vec<u8>, Error> {
-    let sources: Vec<&str> = made.draws.first().map_or_else(Vec::new, |draw| {
-        draw.levels
-            .sources
-            .iter()
-            .map(|source| source.source.as_str())
-            .collect()
-    });
+    let levels = LevelTable::new(&made.draws);
+    let sources = &levels.names;
+    let totals = levels.totals();
     let of_variable = |variable: &Variable| match variable.unit() {
         "" => format!("{} [-]", variable.name),
         unit => format!("{} [{unit}]", variable.name),
@@ -40,14 +36,6 @@ pub fn csv(made: &Draws) -> Result<Vec<u8>, Error> {
         .chain(["mean_drive_speed [m/s]", "penetration [m]", "exhaust_mass [kg]"].map(str::to_owned))
         .chain(inputs().map(|(_, variable)| of_variable(variable)));
     let rows = made.draws.iter().enumerate().map(|(index, draw)| {
-        let levels: Vec<f64> = draw
-            .levels
-            .sources
-            .iter()
-            .zip(draw.method_db)
-            .map(|(source, error)| source.lwa_db.map_or(f64::NEG_INFINITY, |level| level + error))
-            .collect();
-        let total = energy_sum(levels.iter().copied());
         let decibels = |level: f64| {
             if level.is_finite() {
                 format!("{level:.4}")
@@ -73,12 +61,13 @@ pub fn csv(made: &Draws) -> Result<Vec<u8>, Error> {
         let errors = draw
             .method_db
             .iter()
-            .take(levels.len())
+            .take(sources.len())
             .map(|error| format!("{error:.4}"));
-        let levels: Vec<String> = levels.into_iter().chain([total]).map(decibels).collect();
+        let own = levels.levels[index].iter().chain([&totals[index]]);
+        let own: Vec<String> = own.copied().map(decibels).collect();
         names
             .into_iter()
-            .chain(levels)
+            .chain(own)
             .chain(errors)
             .chain(figures)
             .chain(drawn)

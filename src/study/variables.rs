@@ -212,12 +212,12 @@ pub fn variables(design: &Design) -> Result<Vec<Variable>, Error> {
     Ok(variables)
 }
 
-/// The variables of designs that are drawn in common: those of all of them, but for keys whose values the designs decide
-/// differently, which each holds at its own.
+/// The variables of designs that are drawn in common: those of all of them, without keys whose values differ
+/// between the designs: each design keeps its own.
 ///
 /// # Errors
 /// As [`variables`].
-pub fn common(designs: &[&Design]) -> Result<Vec<Variable>, Error> {
+pub fn common_variables(designs: &[&Design]) -> Result<Vec<Variable>, Error> {
     let Some((first, others)) = designs.split_first() else {
         return Ok(Vec::new());
     };
@@ -231,13 +231,13 @@ pub fn common(designs: &[&Design]) -> Result<Vec<Variable>, Error> {
             }
         }
     }
-    let decided = decided(designs);
-    joint.retain(|variable| !decided.contains(&variable.name));
+    let differing = differing_keys(designs);
+    joint.retain(|variable| !differing.contains(&variable.name));
     Ok(joint)
 }
 
 /// Keys whose values differ between designs, in the order of the reference.
-pub fn decided(designs: &[&Design]) -> Vec<String> {
+pub fn differing_keys(designs: &[&Design]) -> Vec<String> {
     let Some((first, others)) = designs.split_first() else {
         return Vec::new();
     };

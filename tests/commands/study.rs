@@ -180,3 +180,24 @@ fn alternatives_are_drawn_with_their_probabilities() {
     assert!(table.contains("holes 3") || table.contains("holes 5"));
     assert_eq!(lines.count(), 4);
 }
+
+/// Designs that differ in a value alone do not differ where the command line sets that value.
+#[test]
+fn a_comparison_over_draws_holds_the_values_of_the_command_line() {
+    let (folder, first) = made("set");
+    let second = over(&folder, "other", &format!("exhaust.holes = 4\n{ANY}"));
+    let compare = |set: &[&str]| {
+        let arguments = [
+            &["compare", &first, &second, "--draws", "2", "--json", "--out", "out"],
+            set,
+        ]
+        .concat();
+        let output = command(&arguments)
+            .current_dir(&folder)
+            .env("NAILNOISE_CACHE", folder.join("cache"))
+            .output();
+        json(&output.unwrap())["paired"][0].clone()
+    };
+    assert_eq!(compare(&[])["decided"], serde_json::json!(["exhaust.holes"]));
+    assert_eq!(compare(&["--set", "exhaust.holes=5"])["decided"], serde_json::json!([]));
+}

@@ -1,0 +1,45 @@
+//! Jobs on threads of their own. The pool of threads serves the stages within a job, which wait for each other.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::chain::Chain;
+use crate::error::Error;
+use crate::stages::levels::Levels;
+
+/// Computes the jobs `0 .. count`, as many at a time as the pool has threads; the results come in the order of the jobs.
+pub(super) fn on_threads<T: Send>(
+    count: usize,
+    compute: impl Fn(usize) -> Result<T, String> + Sync,
+) -> Vec<Result<T, String>> {
+    let next = AtomicUsize::new(0);
+    let results: Mutex<Vec<Option<Result<T, String>>>> = Mutex::new((0..count).map(|_| None).collect());
+    let work = || loop {
+        let job = next.fetch_add(1, Ordering::Relaxed);
+        if job >= count {
+            return;
+        }
+        let result = compute(job);
+        if let Ok(mut results) = results.lock() {
+            results[job] = Some(result);
+        }
+    };
+    std::thread::scope(|scope| {
+        (1..rayon::current_num_threads().min(count)).for_each(|_| drop(scope.spawn(work)));
+        work();
+    });
+    let results = results.into_inner().unwrap_or_default();
+    let ended = || Err("its computation ended".to_owned());
+    results.into_iter().map(|result| result.unwrap_or_else(ended)).collect()
+}
+
+/// The levels of the shot of a chain whose bodies a run can use.
+pub(super) fn levels_of_shot(chain: Result<Chain, Error>) -> Result<Levels, String> {
+    let levels = chain.and_then(|chain| {
+        chain.check_bodies()?;
+        chain.levels.get()
+    });
+    levels
+        .map(|levels| Levels::clone(&levels))
+        .map_err(|error| error.to_string())
+}

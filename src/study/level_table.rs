@@ -1,0 +1,90 @@
+//! Levels of the draws as a table: a row for each draw, a column for each source.
+
+use super::draws::{Draw, Draws};
+use super::statistics::energy_sum;
+use super::variables::Drawn;
+use crate::design::Value;
+use crate::stages::levels::Levels;
+
+/// Name of the sum of all sources.
+pub(super) const TOTAL: &str = "total";
+
+/// Levels of all draws with the errors of methods; minus infinity is silence.
+pub(super) struct LevelTable {
+    pub(super) names: Vec<String>,
+    pub(super) levels: Vec<Vec<f64>>,
+}
+
+impl LevelTable {
+    pub(super) fn new(draws: &[Draw]) -> Self {
+        let names = draws.first().map_or_else(Vec::new, |draw| {
+            draw.levels.sources.iter().map(|source| source.source.clone()).collect()
+        });
+        let levels = |draw: &Draw| {
+            let sources = draw.levels.sources.iter().zip(draw.method_db);
+            sources
+                .map(|(source, error)| source.lwa_db.map_or(f64::NEG_INFINITY, |level| level + error))
+                .collect()
+        };
+        Self {
+            names,
+            levels: draws.iter().map(levels).collect(),
+        }
+    }
+
+    /// Place of a source in the rows; the first for a name that is none.
+    pub(super) fn place(&self, source: &str) -> usize {
+        self.names.iter().position(|own| own == source).unwrap_or(0)
+    }
+
+    /// Levels of the source at a place, draw by draw.
+    pub(super) fn column(&self, place: usize) -> Vec<f64> {
+        self.levels.iter().map(|levels| levels[place]).collect()
+    }
+
+    /// Levels of all sources together, draw by draw.
+    pub(super) fn totals(&self) -> Vec<f64> {
+        self.levels
+            .iter()
+            .map(|levels| energy_sum(levels.iter().copied()))
+            .collect()
+    }
+}
+
+/// Level of all sources of a shot together \[dB re 1 pW s\]; none where all are silent.
+pub(super) fn total_of(levels: &Levels) -> Option<f64> {
+    let sources = levels.sources.iter();
+    let total = energy_sum(sources.map(|source| source.lwa_db.unwrap_or(f64::NEG_INFINITY)));
+    total.is_finite().then_some(total)
+}
+
+/// A number for what a variable is in a draw.
+pub(super) fn number(drawn: Option<&Drawn>) -> Option<f64> {
+    match drawn? {
+        Drawn::Value(Value::Number(value)) => Some(*value),
+        Drawn::Value(Value::Count(count)) => Some(f64::from(*count)),
+        Drawn::Value(_) => None,
+        Drawn::Alternative(chosen) => Some(*chosen as f64),
+        Drawn::Share(share) => Some(*share),
+    }
+}
+
+/// What a variable is in each draw, as a number; NaN where it is held.
+pub fn column(made: &Draws, variable: &str) -> Vec<f64> {
+    let place = made.variables.iter().position(|own| own.name == variable);
+    let value = |draw: &Draw| number(place.and_then(|place| draw.drawn[place].as_ref())).unwrap_or(f64::NAN);
+    made.draws.iter().map(value).collect()
+}
+
+/// The levels of an output in each draw \[dB\]: of a source, of the total, or a difference `A less B`.
+pub fn levels_of(made: &Draws, output: &str) -> Vec<f64> {
+    let table = LevelTable::new(&made.draws);
+    let of = |name: &str| match name {
+        TOTAL => table.totals(),
+        source => table.column(table.place(source)),
+    };
+    match output.split_once(" less ") {
+        Some((a, b)) => of(a).iter().zip(of(b)).map(|(a, b)| a - b).collect(),
+        None => of(output),
+    }
+}

@@ -1,0 +1,100 @@
+//! What a reader of a study must know beside its numbers.
+
+use super::draws::{Draws, Request};
+use super::variable_report::VariableReport;
+use crate::design::Design;
+
+/// Share of a distribution at which a value stands at its end.
+const AT_THE_END: f64 = 0.02;
+
+/// Standard errors by which the condition moves the mean of a variable before that is stated.
+const SHIFTED: f64 = 4.0;
+
+/// The notes on draws of a design.
+pub(super) fn notes(design: &Design, request: &Request, made: &Draws, variables: &[VariableReport]) -> Vec<String> {
+    let mut notes = Vec::new();
+    let held: Vec<&str> = variables
+        .iter()
+        .filter(|own| !own.drawn)
+        .map(|own| own.name.as_str())
+        .collect();
+    if request.shots_a_structure.is_none() && !held.is_empty() {
+        notes.push(format!(
+            "the structures are held as in the design: {} quantities of bodies are not drawn ({}, ...), so that the intervals are \
+             too narrow; `--structures` draws them",
+            held.len(),
+            held.iter().take(3).copied().collect::<Vec<_>>().join(", ")
+        ));
+    }
+    if !made.open_ends.is_empty() {
+        notes.push(format!(
+            "the error of these methods has no bound and counts as 0 dB there: {}; give it in [study.model]",
+            made.open_ends.join(", ")
+        ));
+    }
+    let shots = made.tally.shots();
+    if !design.study().require.is_empty() && shots > 0 {
+        let count = |word: &&str| made.tally.outcomes.get(*word).copied().unwrap_or(0);
+        let counted: u64 = design.study().require.iter().map(count).sum();
+        notes.push(format!(
+            "only these outcomes count: {}, {:.1} % of {shots} shots; all results hold on that condition",
+            design.study().require.join(", ").replace('_', " "),
+            100.0 * counted as f64 / shots as f64
+        ));
+    }
+    let limit = SHIFTED / (12.0 * made.draws.len().max(1) as f64).sqrt();
+    let mut shifted: Vec<(&str, f64)> = variables
+        .iter()
+        .filter_map(|own| Some((own.name.as_str(), own.mean_place?)))
+        .filter(|(_, place)| (place - 0.5).abs() > limit)
+        .collect();
+    shifted.sort_by(|a, b| (b.1 - 0.5).abs().total_cmp(&(a.1 - 0.5).abs()));
+    if !shifted.is_empty() {
+        let list = shifted
+            .iter()
+            .take(6)
+            .map(|(name, place)| format!("{name} to {place:.2}"));
+        notes.push(format!(
+            "rejected values and shots move the mean place of {} quantities in their distributions from 0.50: {}{}",
+            shifted.len(),
+            list.collect::<Vec<_>>().join(", "),
+            if shifted.len() > 6 { ", ..." } else { "" }
+        ));
+    }
+    let ends: Vec<&str> = variables
+        .iter()
+        .filter(|own| {
+            own.nominal_place
+                .is_some_and(|place| !(AT_THE_END..=1.0 - AT_THE_END).contains(&place))
+        })
+        .map(|own| own.name.as_str())
+        .collect();
+    if !ends.is_empty() {
+        notes.push(format!(
+            "{} values of the design stand at an end of what is drawn: {}",
+            ends.len(),
+            ends.join(", ")
+        ));
+    }
+    let failed: usize = made
+        .draws
+        .iter()
+        .filter(|draw| !draw.levels.failed_checks.is_empty())
+        .count();
+    if failed > 0 {
+        notes.push(format!(
+            "a check of the cycle fails in {failed} of the draws: do not rely on them"
+        ));
+    }
+    let other = made
+        .draws
+        .iter()
+        .filter(|draw| draw.levels.outcome != draw.shot.outcome)
+        .count();
+    if other > 0 {
+        notes.push(format!(
+            "{other} draws have another outcome with two-way coupling than with the lumped workpiece"
+        ));
+    }
+    notes
+}
