@@ -275,7 +275,7 @@ fn a_drawn_law_has_the_covariance_of_the_fit() {
     const DRAWS: usize = 20_000;
     for _ in 0..DRAWS {
         let numbers: Vec<f64> = (0..law.draw_size()).map(|_| normal()).collect();
-        let drawn = law.drawn(&numbers, 4e5);
+        let drawn = law.drawn(&numbers);
         let error = drawn.coefficients() - law.coefficients();
         found += &error * error.transpose() / DRAWS as f64;
         specimen += drawn.file().specimen_deviation.unwrap().powi(2) / DRAWS as f64;

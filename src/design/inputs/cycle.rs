@@ -79,7 +79,10 @@ pub fn fitted_law(design: &Design) -> Result<Option<FittedLaw>, Error> {
             .into());
         }
     }
-    Ok(Some(law))
+    Ok(Some(match design.law_scores() {
+        [] => law,
+        scores => law.drawn(scores),
+    }))
 }
 
 /// The conditions of a design's shot as those of a drive; `impact` is the speed of the rod at the nail \[m/s\].

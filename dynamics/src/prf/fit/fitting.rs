@@ -5,10 +5,12 @@ use std::collections::BTreeMap;
 use nalgebra::DVector;
 use serde::Serialize;
 
+use super::distributions::probability_beyond;
 use super::drive::{Drive, Driving};
 use super::error::FitError;
+use super::file::{Counts, FIT_SCHEMA, FitFile, Quality, Ranges, TermFit};
 use super::form::{Form, Variable};
-use super::law::{Counts, FIT_SCHEMA, FitFile, FittedLaw, Quality, Ranges, TermFit, probability_beyond};
+use super::law::FittedLaw;
 use super::regression::{Method, Regression, Solution};
 
 /// A law with the residuals of its data.
@@ -36,7 +38,6 @@ pub fn fit(form: &Form, drives: &[Drive], method: Method) -> Result<Fitted, FitE
         sigma_within: solution.sigma_within,
         degrees_of_freedom: solution.degrees_of_freedom,
         specimen_deviation: None,
-        hardness_modulus: None,
         covariance: solution
             .covariance
             .row_iter()

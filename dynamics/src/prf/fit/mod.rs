@@ -5,8 +5,11 @@
 
 mod basis;
 mod clean;
+mod distributions;
 mod drive;
+mod drive_law;
 mod error;
+mod file;
 mod fitting;
 mod form;
 mod law;
@@ -15,13 +18,13 @@ mod regression;
 mod split;
 
 pub use clean::{CleanError, Cleaned, Cleaning, Masses, Start, Trace};
+pub use distributions::{probability_beyond, standard_normal, student_t};
 pub use drive::{Conditions, Drive, Driving, Point};
+pub use drive_law::{LawOfDrive, Resisting};
 pub use error::FitError;
+pub use file::{Counts, FIT_SCHEMA, FitFile, LawError, Quality, Ranges, TermFit};
 pub use fitting::{DROP_BELOW, Fitted, Leave, Reduction, Validation, fit, reduce, roots, validate};
 pub use form::{Form, FormError, HIGHEST_DEGREE, Term, VARIABLES, Values, Variable};
-pub use law::{
-    Counts, FIT_SCHEMA, FitFile, FittedLaw, LawError, LawOfDrive, Placement, Quality, Ranges, Resisting, Scatter,
-    TermFit, probability_beyond, standard_normal, student_t,
-};
+pub use law::{FittedLaw, Placement, Scatter};
 pub use regression::{Method, Regression, Solution};
 pub use split::{Split, split};
