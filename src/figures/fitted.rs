@@ -2,7 +2,6 @@
 
 use nailnoise_dynamics::prf::fit::{Drive, FittedLaw, Scatter, VARIABLES, Variable};
 
-use super::PALETTE;
 use super::chart::{Axis, Chart, Panel, Series, Shape};
 
 /// Points of a curve.
@@ -30,8 +29,12 @@ pub fn fit(subject: &str, law: &FittedLaw, drives: &[Drive]) -> Chart {
         name: "fit".to_owned(),
         title: "Fitted penetration law",
         subject: format!(
-            "{subject}; {shown} of {} conditions; narrow band: law, broad band: one shot, both 95 %",
-            groups.len()
+            "{subject}, {}",
+            match groups.len() {
+                1 => "one condition".to_owned(),
+                all if all == shown => format!("{all} conditions"),
+                all => format!("{shown} of {all} conditions"),
+            }
         ),
         caption: "Measured penetration resistance over depth, the fitted law, and its bands.".to_owned(),
         panels,
@@ -85,11 +88,11 @@ fn panel(group: &str, law: &FittedLaw, drives: &[Drive]) -> Panel {
                 points.iter().map(|point| Some(1e-3 * point.2)),
             )
         },
-        curve(law_high, 1, Shape::Band(law_low), ""),
-        curve(shot_high, 1, Shape::Band(shot_low), ""),
+        curve(law_high, 6, Shape::Band(law_low), "95 % of the law"),
+        curve(shot_high, 1, Shape::Band(shot_low), "95 % of one shot"),
     ];
     Panel {
-        x: Axis::new(format!("Depth of the nail's tip, {group}"), "mm", [0.0, 1e3 * deepest]),
+        x: Axis::new(format!("{group}: depth of the nail's tip"), "mm", [0.0, 1e3 * deepest]),
         y: Axis::around("Resistance", "kN", &series),
         height: 50,
         series,
@@ -132,12 +135,7 @@ pub fn residuals(subject: &str, drives: &[Drive], residuals: &[f64]) -> Chart {
             Series::rule("", &x, 0.0),
             Series {
                 x: points.iter().map(|point| point.0).collect(),
-                ..Series::over(
-                    "",
-                    variable as usize % PALETTE.len(),
-                    Shape::Points,
-                    points.iter().map(|p| Some(p.1)),
-                )
+                ..Series::over("", 0, Shape::Points, points.iter().map(|p| Some(p.1)))
             },
         ];
         panels.push(Panel {

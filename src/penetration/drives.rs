@@ -1,10 +1,10 @@
-//! `drives.csv` and the recordings it names: a row a drive.
+//! `drives.csv`: a row a drive, with the name of its recording.
 
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use nailnoise_dynamics::prf::Specimen;
-use nailnoise_dynamics::prf::fit::{Cleaned, Cleaning, Conditions, Drive, Driving, Masses, Trace};
+use nailnoise_dynamics::prf::fit::{Conditions, Driving, Masses};
 use sha2::{Digest as _, Sha256};
 
 use super::{PenetrationError, nail, read_text, unreadable, wood};
@@ -366,95 +366,4 @@ impl Fields<'_> {
             id,
         })
     }
-}
-
-/// The recording of a row, cleaned, and the digest of its file.
-///
-/// # Errors
-/// [`PenetrationError::Data`] with the recording's file and line.
-pub fn clean(row: &Row, how: &Cleaning) -> Result<(Drive, Cleaned, String), PenetrationError> {
-    let help = format!("line {} of {} names it", row.place.1, row.place.0.display());
-    let text = read_text(&row.file).map_err(|cause| unreadable(&row.file, &cause, &help))?;
-    let digest = digest(text.as_bytes());
-    let (trace, lines) = trace(&row.file, &text)?;
-    let cleaned = trace
-        .clean(&row.conditions, &row.masses, how)
-        .map_err(|error| PenetrationError::Data {
-            path: row.file.clone(),
-            line: error
-                .sample()
-                .and_then(|sample| lines.get(sample).copied())
-                .unwrap_or(1),
-            problem: error.to_string(),
-            help: error.remedy().to_owned(),
-        })?;
-    let drive = Drive {
-        id: row.id.clone(),
-        group: row.group.clone(),
-        nail: row.nail.clone(),
-        wood: row.wood.clone(),
-        conditions: row.conditions,
-        points: cleaned.points.clone(),
-    };
-    Ok((drive, cleaned, digest))
-}
-
-/// The samples of a recording, and the line of each.
-fn trace(path: &Path, text: &str) -> Result<(Trace, Vec<usize>), PenetrationError> {
-    let data = |line: usize, problem: String, help: &str| PenetrationError::Data {
-        path: path.to_owned(),
-        line,
-        problem,
-        help: help.to_owned(),
-    };
-    const NAMES: &str = "the first line names the columns: time_s,depth_m,force_n (time_s optional at constant speed)";
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut lines = text
-        .lines()
-        .enumerate()
-        .map(|(i, line)| (i + 1, line.trim()))
-        .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
-    let Some((first, headings)) = lines.next() else {
-        return Err(data(1, "it is empty".to_owned(), NAMES));
-    };
-    let headings: Vec<&str> = headings.split(',').map(str::trim).collect();
-    let place = |name: &str| headings.iter().position(|heading| *heading == name);
-    let (time, Some(depth), Some(force)) = (place("time_s"), place("depth_m"), place("force_n")) else {
-        let shown: String = headings.join(",").chars().take(60).collect();
-        return Err(data(first, format!("its columns are \"{shown}\""), NAMES));
-    };
-    let mut trace = Trace::default();
-    let mut places = Vec::new();
-    for (number, line) in lines {
-        let mut values = [0.0; 3];
-        let mut count = 0;
-        for (column, field) in line.split(',').enumerate() {
-            count += 1;
-            let target = match Some(column) {
-                c if c == time => 0,
-                c if c == Some(depth) => 1,
-                c if c == Some(force) => 2,
-                _ => continue,
-            };
-            match field.trim().parse::<f64>() {
-                Ok(value) if value.is_finite() => values[target] = value,
-                _ => {
-                    let shown: String = field.trim().chars().take(40).collect();
-                    let problem = format!("{} is \"{shown}\", no number", headings.get(column).unwrap_or(&""));
-                    return Err(data(number, problem, "give numbers with a point before the decimals"));
-                }
-            }
-        }
-        if count != headings.len() {
-            let problem = format!("it has {count} fields, and the first line names {}", headings.len());
-            return Err(data(number, problem, "give every line a field for every column"));
-        }
-        if time.is_some() {
-            trace.time.push(values[0]);
-        }
-        trace.depth.push(values[1]);
-        trace.force.push(values[2]);
-        places.push(number);
-    }
-    Ok((trace, places))
 }

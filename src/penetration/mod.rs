@@ -1,7 +1,9 @@
 //! Penetration laws, woods, nails and measured drives by the names and files that a user gives.
 
 pub mod drives;
+pub mod fitting;
 pub mod machine;
+pub mod recordings;
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -53,6 +55,15 @@ pub enum PenetrationError {
         problem: String,
         /// What to do about it.
         help: String,
+    },
+    /// A recording in a universal file that cannot be read.
+    #[error("{cause}")]
+    #[diagnostic(help(
+        "write displacement and force as datasets 58 in text, or give a CSV file: time_s,depth_m,force_n"
+    ))]
+    Universal {
+        /// Why, with file and line.
+        cause: String,
     },
     /// A text that is no form of a law.
     #[error(transparent)]

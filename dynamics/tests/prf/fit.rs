@@ -244,13 +244,13 @@ fn a_reduction_never_improves_the_fit_and_validation_predicts_worse_than_it() {
             .for_each(|point| point.root += common + 0.003 * normal());
     }
     let form = form("slender + poly(x,7)");
-    let (chosen, steps) = reduce(&form, &drives).unwrap();
+    let (chosen, steps) = reduce(&form, &drives, None).unwrap();
     assert_eq!(steps.len(), 9);
     assert!(steps.windows(2).all(|pair| pair[1].r_squared <= pair[0].r_squared));
     assert!(steps.iter().filter(|step| step.chosen).count() == 1);
     assert!(chosen.terms().len() < 9);
     let whole = fit(&form, &drives, Method::LeastSquares).unwrap();
-    let error = validate(&form, &drives, Leave::Nail).unwrap();
+    let error = validate(&form, &drives, Method::LeastSquares, Leave::Nail).unwrap();
     assert_eq!(error.folds.len(), 6);
     assert!(error.root_mean_square > whole.law.file().quality.standard_error);
 }

@@ -1,17 +1,12 @@
 //! `nailnoise prf fit`: a penetration law from measured drives.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
-use nailnoise_dynamics::prf::fit::{
-    Cleaning, Drive, FitError, FitFile, FittedLaw, Form, Leave, Method, Reduction, Scatter, Split, Start, Validation,
-    Variable, fit, reduce, split, validate,
-};
+use nailnoise_dynamics::prf::fit::{Cleaning, Drive, FitFile, FittedLaw, Form, Leave, Method, Start};
 use nailnoise_quantities::dimension::FORCE;
 use nailnoise_quantities::measure;
-use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::commands::table::table;
@@ -20,14 +15,11 @@ use crate::error::Error;
 use crate::figures;
 use crate::output;
 use crate::penetration::PenetrationError;
-use crate::penetration::drives::{Row, check, clean, hole, rows};
+use crate::penetration::fitting::{Fitting, Options, fit_files};
 use crate::staging::Staging;
 
 /// The form of the published general law (Eq. 2.2).
 const FORM: &str = "poly(x,7) + rate + slender";
-
-/// VIF from which a coefficient alone has little meaning (Belsley, Kuh and Welsch, 1980).
-const HIGH_VIF: f64 = 1e3;
 
 /// The file that is written last.
 const FIT: &str = "fit.toml";
@@ -40,7 +32,7 @@ pub(super) struct Arguments {
     /// Terms of s = sqrt(F_r/(H_M NL)): products of powers of x, rate, slender, inertia, decay, energy
     #[arg(long, value_name = "TERMS", default_value = FORM)]
     form: String,
-    /// How the coefficients are found [default: within-between where the form has decay, else least-squares]
+    /// How the coefficients are found [default: within-between after impacts, else least-squares]
     #[arg(long, value_name = "METHOD", value_enum)]
     method: Option<MethodName>,
     /// Drop terms from the end while the standard error grows by 5 % at most, and list every step
@@ -90,6 +82,15 @@ enum LeaveName {
     Drive,
 }
 
+impl From<MethodName> for Method {
+    fn from(name: MethodName) -> Self {
+        match name {
+            MethodName::LeastSquares => Self::LeastSquares,
+            MethodName::WithinBetween => Self::WithinBetween,
+        }
+    }
+}
+
 impl From<LeaveName> for Leave {
     fn from(name: LeaveName) -> Self {
         match name {
@@ -125,125 +126,50 @@ fn odd(text: &str) -> Result<usize, String> {
 struct FitResult<'a> {
     schema: &'static str,
     fit: &'a FitFile,
-    /// Null where the data have one group only.
-    validation: Option<Validation>,
-    reduction: Vec<Reduction>,
-    split: Option<Split>,
-    /// Force, 95 % band and work at full depth under each condition of the data.
-    conditions: Vec<Condition>,
-    notes: Vec<String>,
+    #[serde(flatten)]
+    fitting: &'a Fitting,
     files: Vec<String>,
-}
-
-/// The law under a condition of the data, at the deepest point.
-#[derive(Serialize)]
-struct Condition {
-    group: String,
-    drives: usize,
-    depth: f64,
-    force: f64,
-    law: [f64; 2],
-    shot: [f64; 2],
-    /// Work over the nail's length and its standard error \[J\]; null for a law with decay or a force that is cut off.
-    work: Option<[f64; 2]>,
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let form: Form = arguments.form.parse().map_err(PenetrationError::Form)?;
-    let mut all: Vec<Row> = Vec::new();
-    let mut digests: Vec<(String, String)> = Vec::new();
-    for path in &arguments.data {
-        let (own, digest) = rows(path)?;
-        all.extend(own);
-        digests.push((name_of(path), digest));
-    }
-    check(&all)?;
-    let how = Cleaning {
-        start: arguments.start.unwrap_or(Start::Automatic),
-        slope_samples: arguments.slope_samples,
-        ..Cleaning::default()
-    };
-    let cleaned: Vec<_> = all.par_iter().map(|row| clean(row, &how)).collect::<Result<_, _>>()?;
-    let mut notes = Vec::new();
-    let (mut drives, mut again) = (Vec::new(), Vec::new());
-    let mut noisiest: Option<f64> = None;
-    for (row, (drive, cleaned, digest)) in all.iter().zip(cleaned) {
-        notes.extend(cleaned.flags.iter().map(|flag| format!("drive {}: {flag}", row.id)));
-        noisiest = noisiest.into_iter().chain(cleaned.speed_error).reduce(f64::max);
-        digests.push((name_of(&row.file), digest));
-        if row.drive == 1 {
-            drives.push(drive)
-        } else {
-            again.push((hole(row), row, drive))
-        }
-    }
-    if let Some(error) = noisiest {
-        notes.push(format!(
-            "the speed of the nail has a standard error of up to {error:.2} m/s"
-        ));
-    }
-    let refuse = |error: FitError| refused(error, &all, &arguments.data[0]);
-    let (form, reduction) = if arguments.reduce {
-        reduce(&form, &drives).map_err(refuse)?
-    } else {
-        (form, Vec::new())
-    };
-    let method = arguments.method.map_or_else(
-        || Method::of(&form),
-        |name| match name {
-            MethodName::LeastSquares => Method::LeastSquares,
-            MethodName::WithinBetween => Method::WithinBetween,
+    let options = Options {
+        form,
+        method: arguments.method.map(Method::from),
+        reduce: arguments.reduce,
+        leave: arguments.leave.map(Leave::from),
+        split: arguments.split,
+        cleaning: Cleaning {
+            start: arguments.start.unwrap_or(Start::Automatic),
+            slope_samples: arguments.slope_samples,
+            ..Cleaning::default()
         },
-    );
-    let fitted = fit(&form, &drives, method).map_err(refuse)?;
-    let mut file = fitted.law.file().clone();
-    file.extrapolate = arguments.extrapolate;
-    file.data = digests;
-    let law = FittedLaw::try_from(file).map_err(|error| PenetrationError::Law {
-        path: PathBuf::from(FIT),
-        line: None,
-        problem: error.to_string(),
-    })?;
-    let validation = match (
-        validate(&form, &drives, arguments.leave.map_or(Leave::Group, Leave::from)),
-        arguments.leave,
-    ) {
-        (Ok(validation), _) => Some(validation),
-        (Err(_), None) => None,
-        (Err(error), Some(_)) => return Err(refuse(error).into()),
+        extrapolate: arguments.extrapolate,
     };
-    let split = if arguments.split {
-        Some(parts(&all, &drives, &again, &arguments.data[0])?)
-    } else {
-        None
-    };
-    notes.extend(remarks(&law, &drives, method));
-    notes.iter().for_each(|note| message(&format!("note: {note}")));
+    let fitting = fit_files(&arguments.data, &options)?;
+    fitting.notes.iter().for_each(|note| message(&format!("note: {note}")));
+    let (law, drives) = (&fitting.law, &fitting.drives);
 
     let folder = arguments
         .out
         .clone()
         .unwrap_or_else(|| Path::new("out").join("prf-fit"));
     let staging = Staging::within(&folder)?;
-    let subject = format!("{}, {} drives", shortened(&form.to_string()), drives.len());
+    let subject = format!("{}, {} drives", shortened(&law.form().to_string()), drives.len());
     let charts = [
-        figures::fit(&subject, &law, &drives),
-        figures::residuals(&subject, &drives, &fitted.residuals),
+        figures::fit(&subject, law, drives),
+        figures::residuals(&subject, drives, &fitting.residuals),
     ];
     let mut files = figures::write(&staging, Path::new(""), &charts)?;
     files.push(PathBuf::from("residuals.csv"));
-    staging.write(&files[files.len() - 1], &residuals(&drives, &fitted.residuals)?)?;
+    staging.write(&files[files.len() - 1], &residuals(drives, &fitting.residuals)?)?;
     files.push(PathBuf::from(FIT));
-    staging.write(Path::new(FIT), toml(&law)?.as_bytes())?;
+    staging.write(Path::new(FIT), toml(law)?.as_bytes())?;
     staging.place(&[], Path::new(FIT))?;
     let result = FitResult {
         schema: "nailnoise-prf-fit/1",
         fit: law.file(),
-        validation,
-        reduction,
-        split,
-        conditions: conditions(&law, &drives),
-        notes,
+        fitting: &fitting,
         files: files
             .iter()
             .map(|file| folder.join(file).display().to_string())
@@ -257,145 +183,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn name_of(path: &Path) -> String {
-    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
-}
-
 fn shortened(form: &str) -> String {
     if form.chars().count() > 60 {
         form.chars().take(57).chain("...".chars()).collect()
     } else {
         form.to_owned()
     }
-}
-
-/// The error with the line of the drive that it is about.
-fn refused(source: FitError, rows: &[Row], data: &Path) -> PenetrationError {
-    let about = match &source {
-        FitError::Value { drive, .. } | FitError::NoImpact { drive, .. } => rows.iter().find(|row| row.id == *drive),
-        _ => None,
-    };
-    PenetrationError::Fit {
-        path: about.map_or_else(|| data.to_owned(), |row| row.place.0.clone()),
-        line: about.map(|row| row.place.1),
-        source,
-    }
-}
-
-/// Friction and deformation by the second drives.
-fn parts(
-    rows: &[Row],
-    drives: &[Drive],
-    again: &[((&str, &str), &Row, Drive)],
-    data: &Path,
-) -> Result<Split, PenetrationError> {
-    let place = |row: &Row, problem: String, help: &str| PenetrationError::Data {
-        path: row.place.0.clone(),
-        line: row.place.1,
-        problem,
-        help: help.to_owned(),
-    };
-    if let Some((_, row, _)) = again
-        .iter()
-        .find(|(_, row, _)| row.shank.eq_ignore_ascii_case("helical"))
-    {
-        return Err(place(
-            row,
-            "a helical nail turns: its second drive does not measure friction alone".to_owned(),
-            "leave helical nails out of --split",
-        ));
-    }
-    let first = |key: (&str, &str)| {
-        let row = rows.iter().find(|row| row.drive == 1 && hole(row) == key)?;
-        drives.iter().find(|drive| drive.id == row.id)
-    };
-    let pairs: Vec<(&Drive, &Drive)> = again
-        .iter()
-        .filter_map(|(key, _, second)| first(*key).map(|first| (first, second)))
-        .collect();
-    split(&pairs).ok_or_else(|| PenetrationError::Data {
-        path: data.to_owned(),
-        line: 1,
-        problem: "no hole has a first and a second drive over a common depth".to_owned(),
-        help: "drive some nails again into their holes, as rows with drive = 2 and the group and repeat of the first"
-            .to_owned(),
-    })
-}
-
-/// What a reader of the fit must know.
-fn remarks(law: &FittedLaw, drives: &[Drive], method: Method) -> Vec<String> {
-    let mut notes = Vec::new();
-    let form = law.form();
-    let file = law.file();
-    let [slow, fast] = file.ranges.speed_m_s;
-    if form.uses(Variable::Rate) && !law.dynamic() && fast <= slow * (1.0 + 1e-9) {
-        notes.push(
-            "all drives have one speed: the term rate is NL rho/H_M there, of nail and wood, and no effect of the speed"
-                .to_owned(),
-        );
-    }
-    if !law.dynamic() {
-        notes.push(format!(
-            "the tests end at {:.3} mm/s; a design uses the law at that speed, and what the wood does at 25 m/s is not known \
-             from them",
-            1e3 * fast
-        ));
-    }
-    if form.uses(Variable::Decay) && method == Method::LeastSquares {
-        notes.push(
-            "least squares is biased with decay, which answers to the specimen: prefer within-between".to_owned(),
-        );
-    }
-    if drives.len() < 2 {
-        notes.push("one drive: the standard errors do not hold what differs between specimens".to_owned());
-    } else if file.counts.groups == file.counts.drives {
-        notes.push("no condition is repeated: sigma_b holds the error of the form too".to_owned());
-    }
-    if drives.iter().any(|drive| drive.wood.contains("ply")) && drives.iter().any(|drive| !drive.wood.contains("ply")) {
-        notes.push("the data mix plywood and solid wood".to_owned());
-    }
-    if let Some(term) = file.terms.iter().find(|term| term.vif > HIGH_VIF) {
-        notes.push(format!(
-            "coefficients such as that of {} (VIF {:.0}) have no meaning alone: judge the law by its band",
-            term.name, term.vif
-        ));
-    }
-    if let Some(drive) = drives.iter().find(|drive| {
-        (0..=100).any(|i| {
-            let point = drive.points[(drive.points.len() - 1) * i / 100];
-            law.root(&drive.conditions, point.depth, point.speed) < 0.0
-        })
-    }) {
-        notes.push(format!(
-            "the law is below zero within the data of {}; the force is 0 there",
-            drive.group
-        ));
-    }
-    notes
-}
-
-fn conditions(law: &FittedLaw, drives: &[Drive]) -> Vec<Condition> {
-    let mut groups: BTreeMap<&str, Vec<&Drive>> = BTreeMap::new();
-    for drive in drives {
-        groups.entry(&drive.group).or_default().push(drive);
-    }
-    groups
-        .into_iter()
-        .filter_map(|(group, own)| {
-            let drive = own[0];
-            let point = drive.points.last()?;
-            let at = (point.depth, point.speed);
-            Some(Condition {
-                group: group.to_owned(),
-                drives: own.len(),
-                depth: point.depth,
-                force: law.force(&drive.conditions, at.0, at.1),
-                law: law.band(&drive.conditions, at, 0.95, Scatter::Law),
-                shot: law.band(&drive.conditions, at, 0.95, Scatter::Shot),
-                work: law.work(&drive.conditions, point.speed),
-            })
-        })
-        .collect()
 }
 
 /// `residuals.csv`: a row a point.
@@ -524,7 +317,7 @@ fn text(result: &FitResult<'_>) -> String {
         ),
     ];
     text.push_str(&table(&["quality", "of s", "of the force"], &rows));
-    if let Some(validation) = &result.validation {
+    if let Some(validation) = &result.fitting.validation {
         text.push_str(&format!(
             "\n  cross-validation, one {} left out at a time: root mean square error of s {:.5}\n",
             validation.left_out.name(),
@@ -538,9 +331,10 @@ fn text(result: &FitResult<'_>) -> String {
             ));
         }
     }
-    if !result.reduction.is_empty() {
+    if !result.fitting.reduction.is_empty() {
         text.push('\n');
         let rows: Vec<Vec<String>> = result
+            .fitting
             .reduction
             .iter()
             .map(|step| {
@@ -568,7 +362,7 @@ fn text(result: &FitResult<'_>) -> String {
             &rows,
         ));
     }
-    if let Some(split) = &result.split {
+    if let Some(split) = &result.fitting.split {
         let error = split
             .share_error
             .map_or_else(String::new, |error| format!(" +- {error:.3}"));
@@ -587,6 +381,7 @@ fn text(result: &FitResult<'_>) -> String {
     text.push('\n');
     let interval = |[low, high]: [f64; 2]| format!("{low:.0} .. {high:.0}");
     let rows: Vec<Vec<String>> = result
+        .fitting
         .conditions
         .iter()
         .take(20)
@@ -615,8 +410,11 @@ fn text(result: &FitResult<'_>) -> String {
         ],
         &rows,
     ));
-    if result.conditions.len() > 20 {
-        text.push_str(&format!("  and {} more conditions\n", result.conditions.len() - 20));
+    if result.fitting.conditions.len() > 20 {
+        text.push_str(&format!(
+            "  and {} more conditions\n",
+            result.fitting.conditions.len() - 20
+        ));
     }
     text.push('\n');
     result

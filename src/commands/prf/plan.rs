@@ -158,7 +158,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             });
         }
     }
-    let not_identifiable = Regression::new(&form, &drives, Method::of(&form))
+    let not_identifiable = Regression::new(&form, &drives, Method::of(&form, &drives))
         .err()
         .map(|error| error.to_string());
     let repeats = match (arguments.standard_error, &not_identifiable) {

@@ -9,7 +9,7 @@ use thiserror::Error;
 use super::drive::{Conditions, Driving, Point};
 
 /// Depth of a bin as a part of the nail's length; all bins of a drive weigh alike.
-const BIN: f64 = 0.01;
+pub(super) const BIN: f64 = 0.01;
 /// Length of the tip as a part of the nail's: the start is sought there.
 const TIP: f64 = 0.09;
 /// Parts of the largest force between which the line of the start is laid.
@@ -83,7 +83,42 @@ pub struct Cleaned {
     /// sigma_v, standard error of the speed \[m/s\]; after an impact only.
     pub speed_error: Option<f64>,
     /// What the user should look at.
-    pub flags: Vec<String>,
+    pub flags: Vec<Flag>,
+}
+
+/// Something about a drive that the user should look at.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[non_exhaustive]
+pub enum Flag {
+    /// No line of the start can be laid.
+    #[error("the force rises too fast for a line on the tip: the drive begins at 2 % of its largest force")]
+    FastRise,
+    /// Forces that are negative by less than their noise.
+    #[error("{bins} bins have a mean force below zero by less than its noise, taken as 0")]
+    Clipped {
+        /// Number of bins.
+        bins: usize,
+    },
+    /// Samples beyond the law.
+    #[error("{samples} samples deeper than the nail's length are left out: the head is in the wood")]
+    HeadInWood {
+        /// Number of samples.
+        samples: usize,
+    },
+    /// Force and motion that disagree.
+    #[error(
+        "the forces take {impulse:.4} N s and the motion loses {loss:.4} N s ({:+.1} % of the momentum): check masses, speed of \
+         impact and cell",
+        100.0 * share
+    )]
+    Momentum {
+        /// Impulse of the forces \[N s\].
+        impulse: f64,
+        /// Momentum lost by the motion \[N s\].
+        loss: f64,
+        /// Their difference as a part of the momentum after the impact.
+        share: f64,
+    },
 }
 
 /// Why a recording cannot be used.
@@ -297,7 +332,7 @@ impl Trace {
         start: Start,
         force: &[f64],
         peak: f64,
-        flags: &mut Vec<String>,
+        flags: &mut Vec<Flag>,
     ) -> Result<f64, CleanError> {
         match start {
             Start::Recorded => return Ok(0.0),
@@ -330,9 +365,7 @@ impl Trace {
                 return Ok(surface);
             }
         }
-        flags.push(
-            "the force rises too fast for a line on the tip: the drive begins at 2 % of its largest force".to_owned(),
-        );
+        flags.push(Flag::FastRise);
         Ok(self.depth[contact])
     }
 
@@ -374,7 +407,7 @@ impl Trace {
         surface: f64,
         conditions: &Conditions,
         noise: Option<f64>,
-        flags: &mut Vec<String>,
+        flags: &mut Vec<Flag>,
     ) -> Result<Vec<Point>, CleanError> {
         let length = conditions.specimen.length;
         let bin = |k: usize| ((self.depth[k] - surface) / (BIN * length)).floor();
@@ -414,14 +447,10 @@ impl Trace {
             });
         }
         if clipped > 0 {
-            flags.push(format!(
-                "{clipped} bins have a mean force below zero by less than its noise, taken as 0"
-            ));
+            flags.push(Flag::Clipped { bins: clipped });
         }
         if beyond > 0 {
-            flags.push(format!(
-                "{beyond} samples deeper than the nail's length are left out: the head is in the wood"
-            ));
+            flags.push(Flag::HeadInWood { samples: beyond });
         }
         if points.is_empty() {
             return Err(CleanError::TooFew { count: 0, least: 1 });
@@ -448,7 +477,7 @@ impl Impact<'_> {
         (first, deepest): (usize, usize),
         slope_samples: usize,
         conditions: &Conditions,
-        flags: &mut Vec<String>,
+        flags: &mut Vec<Flag>,
     ) -> Result<Vec<(usize, f64, f64)>, CleanError> {
         if !(self.masses.ahead >= 0.0 && self.masses.ahead < self.mass) {
             return Err(CleanError::CellMass {
@@ -484,11 +513,11 @@ impl Impact<'_> {
         let found = impulse - joined * self.gravity * time;
         let expected = joined * (start - speed);
         if (found - expected).abs() > MOMENTUM * joined * start {
-            flags.push(format!(
-                "momentum: the forces take {found:.4} N s, the motion loses {expected:.4} N s ({:+.1} %): check masses, \
-                 speed of impact and cell",
-                100.0 * (found - expected) / (joined * start)
-            ));
+            flags.push(Flag::Momentum {
+                impulse: found,
+                loss: expected,
+                share: (found - expected) / (joined * start),
+            });
         }
         Ok(samples)
     }

@@ -109,7 +109,7 @@ impl Ranges {
 pub struct FitFile {
     /// `nailnoise-fit/1`.
     pub schema: String,
-    /// The form, as `poly(x,7) + rate`, written out.
+    /// The form, as `poly(x,7) + rate`.
     pub form: String,
     /// How the coefficients were found.
     pub method: Method,

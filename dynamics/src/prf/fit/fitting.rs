@@ -206,17 +206,17 @@ pub struct Reduction {
 pub const DROP_BELOW: f64 = 5.0;
 
 /// Drops terms from the end of a form, refits, and chooses the shortest form on the way down to which no term raised
-/// SEE by more than [`DROP_BELOW`]. Published choice for plywood: "reduced 5" (Table 2-8), by judgement.
+/// SEE by more than [`DROP_BELOW`]. Each form is fitted by `method`, or by the one that it needs. Published choice for plywood: "reduced 5" (Table 2-8), by judgement.
 ///
 /// # Errors
 /// As [`fit`].
-pub fn reduce(form: &Form, drives: &[Drive]) -> Result<(Form, Vec<Reduction>), FitError> {
+pub fn reduce(form: &Form, drives: &[Drive], method: Option<Method>) -> Result<(Form, Vec<Reduction>), FitError> {
     let mut steps: Vec<Reduction> = Vec::new();
     let mut chosen = form.clone();
     let (mut current, mut choosing) = (Some(form.clone()), true);
     let mut last: Option<Vec<TermFit>> = None;
     while let Some(form) = current {
-        let fitted = fit(&form, drives, Method::of(&form))?;
+        let fitted = fit(&form, drives, method.unwrap_or_else(|| Method::of(&form, drives)))?;
         let file = fitted.law.file();
         let dropped = last.as_ref().and_then(|terms| terms.last());
         let growth = steps.last().map_or(0.0, |before| {
@@ -297,11 +297,11 @@ fn distinct(drives: &[Drive], key: impl Fn(&Drive) -> &String) -> BTreeMap<&Stri
     all
 }
 
-/// Cross-validation: each fold is predicted by the law of all the others.
+/// Cross-validation: each fold is predicted by the law of all the others, fitted by `method`.
 ///
 /// # Errors
 /// [`FitError::OneFold`] where there is nothing else to fit.
-pub fn validate(form: &Form, drives: &[Drive], leave: Leave) -> Result<Validation, FitError> {
+pub fn validate(form: &Form, drives: &[Drive], method: Method, leave: Leave) -> Result<Validation, FitError> {
     let folds = distinct(drives, |drive| leave.key(drive));
     if folds.len() < 2 {
         return Err(FitError::OneFold { what: leave.name() });
@@ -315,7 +315,7 @@ pub fn validate(form: &Form, drives: &[Drive], leave: Leave) -> Result<Validatio
             .filter(|(index, _)| !members.contains(index))
             .map(|(_, drive)| drive.clone())
             .collect();
-        let Ok(fitted) = fit(form, &rest, Method::of(form)) else {
+        let Ok(fitted) = fit(form, &rest, method) else {
             found.push((name.clone(), None));
             continue;
         };

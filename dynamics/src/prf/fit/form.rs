@@ -204,9 +204,24 @@ impl Form {
 
 impl fmt::Display for Form {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (index, term) in self.terms.iter().enumerate() {
-            let plus = if index > 0 { " + " } else { "" };
+        // Powers of x from the constant on are one polynomial.
+        let power = |term: &Term, power: usize| *term == Term::ONE.with_depth_power(power as f64);
+        let powers = self
+            .terms
+            .iter()
+            .enumerate()
+            .take_while(|(n, term)| power(term, *n))
+            .count();
+        let mut rest = self.terms.iter();
+        let mut plus = "";
+        if powers > 2 && powers - 1 <= HIGHEST_DEGREE as usize {
+            write!(f, "poly(x,{})", powers - 1)?;
+            rest.nth(powers - 1);
+            plus = " + ";
+        }
+        for term in rest {
             write!(f, "{plus}{term}")?;
+            plus = " + ";
         }
         Ok(())
     }

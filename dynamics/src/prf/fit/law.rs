@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use serde::{Deserialize, Serialize};
 
+use super::clean::BIN;
 use super::distributions::student_t;
 use super::drive::{Conditions, Driving};
 use super::drive_law::LawOfDrive;
@@ -119,6 +120,13 @@ impl FittedLaw {
     /// The fit as it is written.
     pub fn file(&self) -> &FitFile {
         &self.file
+    }
+
+    /// The law with the digests of its files of data, by name, and whether it may be used beyond their range.
+    #[must_use]
+    pub fn with_data(mut self, data: Vec<(String, String)>, extrapolate: bool) -> Self {
+        (self.file.data, self.file.extrapolate) = (data, extrapolate);
+        self
     }
 
     /// The form.
@@ -266,7 +274,11 @@ impl FittedLaw {
                 if matches!(variable, Variable::X) || (variable == Variable::Rate && self.dynamic()) {
                     low = 0.0;
                 }
-                let slack = SLACK * high.abs();
+                let mut slack = SLACK * high.abs();
+                if variable == Variable::X {
+                    // A point is the mean of a bin.
+                    slack += BIN;
+                }
                 found.push(Placement {
                     variable: variable.name(),
                     value,

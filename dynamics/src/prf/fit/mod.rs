@@ -17,7 +17,7 @@ mod least_squares;
 mod regression;
 mod split;
 
-pub use clean::{CleanError, Cleaned, Cleaning, Masses, Start, Trace};
+pub use clean::{CleanError, Cleaned, Cleaning, Flag, Masses, Start, Trace};
 pub use distributions::{probability_beyond, standard_normal, student_t};
 pub use drive::{Conditions, Drive, Driving, Point};
 pub use drive_law::{LawOfDrive, Resisting};
