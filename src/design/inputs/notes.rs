@@ -1,6 +1,7 @@
 //! Inputs of the notes: support and values outside their ranges, in words.
 
 use nailnoise_dynamics::CycleRecord;
+use nailnoise_dynamics::prf::fit::{Placement, Variable};
 
 use super::cycle::{conditions, fitted_law as law_of};
 use super::radiation::workpiece_floor;
@@ -45,7 +46,7 @@ pub(crate) fn fitted_law(design: &Design, record: &CycleRecord) -> Result<Vec<St
     };
     let impact = record.summary.speed_before_impact.filter(|_| law.dynamic());
     let places = law.placement(&conditions(design, &law, impact));
-    let place = |place: &nailnoise_dynamics::prf::fit::Placement| {
+    let place = |place: &Placement| {
         let [low, high] = place.range;
         let inside = if place.inside {
             ""
@@ -61,12 +62,12 @@ pub(crate) fn fitted_law(design: &Design, record: &CycleRecord) -> Result<Vec<St
         "fitted penetration law: {}",
         places.iter().map(place).collect::<Vec<_>>().join(", ")
     )];
-    if law.dynamic() {
+    if law.form().uses(Variable::Decay) {
         notes.push(
             "the gas pushes on behind the piston, and v/v0 is held to the range of the tests, in which nothing pushes"
                 .to_owned(),
         );
-    } else {
+    } else if !law.dynamic() {
         notes.push(format!(
             "the tests of the fitted law end at {:.3} mm/s; what the wood does at the speed of the shot is not known from them",
             1e3 * law.reference_speed()
