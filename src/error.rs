@@ -63,6 +63,19 @@ pub enum Error {
         /// Outcomes that count.
         require: String,
     },
+    /// Draws that tasks were to compute are not there.
+    #[error("the levels of {missing} of {draws} draws are not in {}", store.display())]
+    #[diagnostic(help(
+        "run the tasks that are missing, with the same design, draws and seed; without --collect, this command computes what is missing"
+    ))]
+    NotCollected {
+        /// Draws that are not kept.
+        missing: usize,
+        /// All draws.
+        draws: usize,
+        /// Where they should be.
+        store: PathBuf,
+    },
     /// A finished result has no ranges to draw from.
     #[error("{} is a finished result, from which nothing can be drawn", path.display())]
     #[diagnostic(help("give the design file itself, or leave --draws out"))]

@@ -14,6 +14,7 @@ use super::{
 };
 use crate::bundle::deliver;
 use crate::comparison::{Comparison, Finished, Labelled, Levels, Limit};
+use crate::cost;
 use crate::design::Design;
 use crate::error::Error;
 use crate::graph::Graph;
@@ -22,7 +23,7 @@ use crate::result::Check;
 use crate::stages::{Progress, WithoutStages};
 use crate::staging;
 use crate::store::Store;
-use crate::study::{self, Estimate, PairedStudy, Request, common_draws};
+use crate::study::{self, Estimate, PairedStudy, Part, Request, common_draws};
 use crate::wording::{band, change, order};
 
 #[derive(Args)]
@@ -127,9 +128,13 @@ fn paired(arguments: &Arguments, cache: &Store, progress: &Progress) -> Result<V
         draws: draws as usize,
         seed: arguments.seed,
         shots_a_structure: None,
+        part: Part::All,
     };
     let load = |path: &PathBuf| Design::load_with(path, &arguments.changes.set);
     let designs = arguments.designs.iter().map(load).collect::<Result<Vec<_>, _>>()?;
+    for design in &designs {
+        cost::refuse(design, &cost::of_run(design)?, arguments.memory.limit())?;
+    }
     let observer = Arc::new(WithoutStages(progress.observer()));
     let graph = Graph::new(Arc::new(cache.clone()), observer);
     let pair = |other: &Design| {

@@ -3,11 +3,13 @@
 use std::fmt::Write as _;
 
 use super::table::decibels;
+use crate::bundle::Text;
 use crate::design::Design;
 use crate::error::Error;
+use crate::report::Intervals;
 use crate::stages::Progress;
 use crate::store::Store;
-use crate::study::{self, LevelStudy, Request, StudyResult};
+use crate::study::{self, LevelStudy, Part, Request, StudyResult};
 
 /// Draws from which percentiles are shown; below them, the lowest and the highest draw.
 const PERCENTILES_FROM: usize = 40;
@@ -28,6 +30,7 @@ pub(super) fn study_of(store: &Store, design: &Design, progress: &Progress) -> R
         draws: design.study().screening as usize,
         seed: SEED,
         shots_a_structure: None,
+        part: Part::All,
     };
     if request.draws == 0 {
         return Err("`study.screening` is 0".to_owned());
@@ -40,16 +43,38 @@ pub(super) fn study_of(store: &Store, design: &Design, progress: &Progress) -> R
     made.map(|(result, _)| result).map_err(|error: Error| error.to_string())
 }
 
-/// Heading of the column of levels over the draws.
-pub(super) fn heading(study: &StudyResult) -> String {
-    match study.draws {
+/// Headings of the columns of a study.
+pub(super) fn headings(study: &StudyResult) -> [String; 2] {
+    let levels = match study.draws {
         PERCENTILES_FROM.. => "90 % of draws dB".to_owned(),
         draws => format!("{draws} draws dB"),
+    };
+    [levels, "P(first)".to_owned()]
+}
+
+/// Cells of these columns in the row of a source, or of the total.
+pub(super) fn cells(study: &StudyResult, source: &str) -> [String; 2] {
+    match study.source(source) {
+        Some(own) => [span(study, &own.level), first(study, source)],
+        None => [span(study, &study.total), String::new()],
+    }
+}
+
+/// The columns for the report, beside the levels of the printed table.
+pub(super) fn of_report(study: &StudyResult, text: &Text) -> Intervals {
+    let row = |row: &Vec<String>| {
+        let [interval, first] = cells(study, &row[0]);
+        [row[0].clone(), row[1].clone(), interval, first]
+    };
+    Intervals {
+        headings: headings(study),
+        rows: text.rows.iter().map(row).collect(),
+        legend: legend(study),
     }
 }
 
 /// Levels over the draws: P5 .. P95, or the lowest and the highest.
-pub(super) fn span(study: &StudyResult, level: &LevelStudy) -> String {
+fn span(study: &StudyResult, level: &LevelStudy) -> String {
     let ends = match study.draws {
         PERCENTILES_FROM.. => [level.level_db.p05.value, level.level_db.p95.value],
         _ => level.extremes_db,
@@ -58,7 +83,7 @@ pub(super) fn span(study: &StudyResult, level: &LevelStudy) -> String {
 }
 
 /// Probability of being the loudest, or how many draws it is.
-pub(super) fn first(study: &StudyResult, source: &str) -> String {
+fn first(study: &StudyResult, source: &str) -> String {
     let Some(share) = study.source(source).and_then(|own| own.first.value) else {
         return "-".to_owned();
     };

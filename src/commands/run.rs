@@ -1,5 +1,7 @@
 //! `nailnoise run`: the ranked sources of a design.
 
+use std::fs;
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 
@@ -7,14 +9,16 @@ use clap::Args;
 
 use super::intervals;
 use super::table::{decibels, table};
-use super::{Common, Keeping, print, progress, status_of};
+use super::{Common, Keeping, message, print, progress, status_of};
 use crate::bundle::{Text, deliver};
 use crate::chain::{Chain, Options};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::output;
+use crate::report::{self, Intervals};
 use crate::result::{Component, Coupling, RankedSource, RunResult};
 use crate::run::Run;
+use crate::staging;
 use crate::study::StudyResult;
 use crate::wording::{band, order};
 
@@ -68,6 +72,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     } else {
         let study = intervals::study_of(&store, &design, &progress);
         progress.end();
+        if let Ok(study) = &study
+            && let Err(error) = add_to_report(&folder, &intervals::of_report(study, &bundle.text))
+        {
+            message(&format!("the report lacks the intervals of the levels: {error}"));
+        }
         print(&with_intervals(&bundle.text, study.as_ref()))?;
         if arguments.components {
             print(&bundle.text.parts)?;
@@ -83,6 +92,16 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     Ok(status_of(&checks))
 }
 
+/// Adds intervals to the report in a folder, which is whole without them.
+fn add_to_report(folder: &Path, intervals: &Intervals) -> Result<(), Error> {
+    let path = folder.join("report.html");
+    let report = fs::read_to_string(&path).map_err(|source| Error::Write {
+        path: path.clone(),
+        source,
+    })?;
+    staging::write(&path, report::with_intervals(&report, intervals).as_bytes())
+}
+
 /// The table with the intervals of a study, or why there is none.
 fn with_intervals(text: &Text, study: Result<&StudyResult, &String>) -> String {
     let Text {
@@ -95,14 +114,9 @@ fn with_intervals(text: &Text, study: Result<&StudyResult, &String>) -> String {
     let (mut headings, mut rows) = (headings.clone(), rows.clone());
     let legend = match study {
         Ok(study) => {
-            let columns = [intervals::heading(study), "P(first)".to_owned()];
-            headings.splice(2..2, columns);
+            headings.splice(2..2, intervals::headings(study));
             for row in &mut rows {
-                let cells = match study.source(&row[0]) {
-                    Some(own) => [intervals::span(study, &own.level), intervals::first(study, &row[0])],
-                    None => [intervals::span(study, &study.total), String::new()],
-                };
-                row.splice(2..2, cells);
+                row.splice(2..2, intervals::cells(study, &row[0]));
             }
             intervals::legend(study)
         }

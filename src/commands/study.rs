@@ -1,14 +1,16 @@
 //! `nailnoise study`: levels and orders over designs drawn from the ranges of one.
 
 use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::str::FromStr;
 use std::sync::Arc;
 
 use clap::Args;
+use serde::Serialize;
 
 use super::table::{decibels, table};
-use super::{Common, Keeping, message, print, progress};
+use super::{Common, Keeping, message, print, print_json, progress};
 use crate::cost;
 use crate::design::Design;
 use crate::error::Error;
@@ -16,7 +18,7 @@ use crate::graph::Graph;
 use crate::stages::{Progress, WithoutStages};
 use crate::staging::Staging;
 use crate::store::Store;
-use crate::study::{self, Draws, Estimate, Request, StudyResult};
+use crate::study::{self, Draws, Estimate, Part, Request, StudyResult};
 use crate::{figures, report};
 
 /// The file that is written last, so that a folder that holds it holds all the rest.
@@ -44,11 +46,53 @@ pub(super) struct Arguments {
     structures: Option<u16>,
     /// Begin with 32 draws and double them until half of the 90 % interval is below a limit, with N draws at most: order=0.05 for
     /// the probability of being first, p50=0.3 for the median of the total in dB, or both
-    #[arg(long, value_name = "WHAT=LIMIT", value_delimiter = ',', conflicts_with = "no_cache")]
+    #[arg(long, value_name = "WHAT=LIMIT", value_delimiter = ',', conflicts_with_all = ["no_cache", "task"])]
     until: Vec<Until>,
+    /// Keep the draws in this folder, which tasks on several machines may share, and not in the cache
+    #[arg(long, value_name = "DIR", conflicts_with = "no_cache")]
+    store: Option<PathBuf>,
+    /// Compute only task K of N of the draws, and state no result: for the jobs of an array that share a store
+    #[arg(long, value_name = "K/N", requires = "store", conflicts_with_all = ["collect", "figures"])]
+    task: Option<Task>,
+    /// State the result of draws that are in the store, and compute none
+    #[arg(long, requires = "store", conflicts_with = "until")]
+    collect: bool,
     /// Draw the charts of the page as SVG
     #[arg(long)]
     figures: bool,
+}
+
+/// One of the tasks into which the draws are divided.
+#[derive(Debug, Clone, Copy)]
+struct Task {
+    number: u32,
+    of: u32,
+}
+
+impl FromStr for Task {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = text
+            .split_once('/')
+            .and_then(|(number, of)| Some((number.trim().parse().ok()?, of.trim().parse().ok()?)));
+        match numbers {
+            Some((number, of)) if (1..=of).contains(&number) => Ok(Self { number, of }),
+            _ => Err("give K/N with K from 1 to N, as in 3/16".to_owned()),
+        }
+    }
+}
+
+/// Layout of `study --task --json`.
+#[derive(Serialize)]
+struct TaskResult {
+    schema: &'static str,
+    task: [u32; 2],
+    /// Draws of this task whose levels are in the store.
+    draws: usize,
+    /// Draws that cannot be computed, with the message.
+    failures: Vec<(usize, String)>,
+    store: PathBuf,
 }
 
 /// Draws at first, where a limit says how many there are at last.
@@ -110,8 +154,26 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         },
         seed: arguments.seed,
         shots_a_structure: arguments.structures.map(usize::from),
+        part: match (arguments.task, arguments.collect) {
+            (Some(Task { number, of }), _) => Part::Task { number, of },
+            (None, true) => Part::Kept,
+            (None, false) => Part::All,
+        },
     };
-    let store = arguments.keeping.cache()?;
+    let cache = arguments.keeping.cache()?;
+    let store = match &arguments.store {
+        Some(folder) => Store::at(folder.clone(), u64::MAX),
+        None => cache.clone(),
+    };
+    if let (Some(task), Some(folder)) = (arguments.task, &arguments.store) {
+        return execute_task(
+            task,
+            &draws(&store, &design, &request, &progress)?.0,
+            folder,
+            common.json,
+            &progress,
+        );
+    }
     let (result, made) = loop {
         let (result, made) = compute(&store, &design, &request, &progress)?;
         // Where candidates run out, more are of no use.
@@ -123,6 +185,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         }
         request.draws = most.min(2 * request.draws);
     };
+    if arguments.store.is_some() {
+        study::keep(&cache, &design, &result)?;
+    }
     let within = arguments.until.iter().all(|own| own.is_met(&result));
     let json = serde_json::to_string_pretty(&result).map_err(Error::Json)? + "\n";
     progress.stage("writing files");
@@ -165,6 +230,39 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     })
 }
 
+/// States what a task did.
+fn execute_task(task: Task, made: &Draws, folder: &Path, json: bool, progress: &Progress) -> Result<ExitCode, Error> {
+    progress.end();
+    made.failures
+        .iter()
+        .for_each(|(draw, error)| message(&format!("draw {draw} of the task cannot be computed: {error}")));
+    if json {
+        print_json(&TaskResult {
+            schema: "nailnoise-study-task/1",
+            task: [task.number, task.of],
+            draws: made.draws.len(),
+            failures: made.failures.clone(),
+            store: folder.to_owned(),
+        })?;
+    } else {
+        print(&format!(
+            "task {} of {}: the levels of {} draws are in {}; `--collect` states the result when all tasks are done\n",
+            task.number,
+            task.of,
+            made.draws.len(),
+            folder.display()
+        ))?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The draws that are asked for, and the graph that made them.
+fn draws(store: &Store, design: &Design, request: &Request, progress: &Progress) -> Result<(Draws, Graph), Error> {
+    let observer = Arc::new(WithoutStages(progress.observer()));
+    let graph = Graph::new(Arc::new(store.clone()), observer);
+    Ok((study::draws(&graph, design, request, progress)?, graph))
+}
+
 /// A study of a design, kept for later runs, and its draws.
 pub(super) fn compute(
     store: &Store,
@@ -172,9 +270,14 @@ pub(super) fn compute(
     request: &Request,
     progress: &Progress,
 ) -> Result<(StudyResult, Draws), Error> {
-    let observer = Arc::new(WithoutStages(progress.observer()));
-    let graph = Graph::new(Arc::new(store.clone()), observer);
-    let made = study::draws(&graph, design, request, progress)?;
+    let (made, graph) = draws(store, design, request, progress)?;
+    if request.part == Part::Kept && !made.failures.is_empty() {
+        return Err(Error::NotCollected {
+            missing: made.failures.len(),
+            draws: made.failures.len() + made.draws.len(),
+            store: store.folder().map(Path::to_owned).unwrap_or_default(),
+        });
+    }
     progress.stage("levels of the design itself");
     let nominal = study::nominal(&graph, design)?;
     progress.stage("statistics");

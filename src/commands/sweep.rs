@@ -6,6 +6,7 @@ use std::sync::Arc;
 use clap::Args;
 use serde::Serialize;
 
+use super::study::probability;
 use super::table::{decibels, table};
 use super::{Common, Keeping, print, print_json, progress};
 use crate::error::Error;
@@ -15,7 +16,7 @@ use crate::output;
 use crate::result::DesignId;
 use crate::stages::WithoutStages;
 use crate::staging::Staging;
-use crate::study::{Axis, SweptPoint, sweep};
+use crate::study::{Axis, Part, Quantiles, Request, SweptPoint, sweep};
 
 /// The file that is written last, so that a folder that holds it holds all the rest.
 const LAST: &str = "sweep.csv";
@@ -30,6 +31,12 @@ pub(super) struct Arguments {
     /// support.worktable.preset=A,B,C; given again, the grid of all
     #[arg(long, value_name = "KEY=VALUES", required = true)]
     vary: Vec<Axis>,
+    /// Draw N shots of all points in common, and state how sure levels and changes from the first point are
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=60_000))]
+    draws: Option<u32>,
+    /// Seed of --draws
+    #[arg(long, value_name = "SEED", default_value_t = 1, requires = "draws")]
+    seed: u64,
     /// Draw the levels over the first key as SVG
     #[arg(long)]
     figures: bool,
@@ -53,7 +60,15 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     progress.stage("levels over the grid");
     let store = arguments.keeping.cache()?;
     let graph = Graph::new(Arc::new(store), Arc::new(WithoutStages(progress.observer())));
-    let points = sweep(&graph, (design.path(), &common.changes.set), &arguments.vary, &progress)?;
+    let base = (design.path(), &common.changes.set[..]);
+    let request = arguments.draws.map(|draws| Request {
+        draws: draws as usize,
+        seed: arguments.seed,
+        shots_a_structure: None,
+        part: Part::All,
+    });
+    let limit = common.memory.limit();
+    let points = sweep(&graph, base, &arguments.vary, request.as_ref(), limit, &progress)?;
     let staging = Staging::within(&folder)?;
     if arguments.figures {
         let chart: Chart = figures::sweep(design.name(), &arguments.vary, &points);
@@ -111,6 +126,30 @@ fn text(name: &str, axes: &[Axis], points: &[SweptPoint]) -> String {
         "{name}: A-weighted single-event sound power levels, dB re 1 pW s, of the design itself; `nailnoise study` says how sure \
          they are\n\n{}",
         table(&headings, &rows)
+    ) + &over_draws(axes, points)
+}
+
+/// Levels over the draws that all points have in common; nothing without draws.
+fn over_draws(axes: &[Axis], points: &[SweptPoint]) -> String {
+    let Some(first) = points.iter().find_map(|point| point.drawn.as_ref()) else {
+        return String::new();
+    };
+    let mut headings: Vec<&str> = axes.iter().map(|axis| axis.key.as_str()).collect();
+    headings.extend(first.iter().map(|change| change.source.as_str()));
+    headings.extend(["change of the total", "P(quieter)"]);
+    let span = |own: &Quantiles| format!("{} .. {}", decibels(own.p05.value), decibels(own.p95.value));
+    let row = |point: &SweptPoint| {
+        let drawn = point.drawn.as_ref()?;
+        let total = drawn.last()?;
+        let mut cells = point.values.clone();
+        cells.extend(drawn.iter().map(|change| span(&change.level_db)));
+        cells.extend([span(&total.change_db), probability(&total.quieter)]);
+        Some(cells)
+    };
+    let rows: Vec<Vec<String>> = points.iter().filter_map(row).collect();
+    format!(
+        "\n  90 % of common draws that count at all points, structures as in the design, dB; changes from the first point\n\n{}",
+        table(&headings, &rows)
     )
 }
 
@@ -120,6 +159,13 @@ fn csv(axes: &[Axis], points: &[SweptPoint]) -> Result<Vec<u8>, Error> {
     let header = axes.iter().map(|axis| axis.key.clone());
     let header = header.chain(sources.iter().map(|source| format!("L_WA,1s {source} [dB]")));
     let header = header.chain(["L_WA,1s total [dB]", "outcome", "refused"].map(str::to_owned));
+    let drawn = points.iter().find_map(|point| point.drawn.as_ref());
+    let quantiles = |own: &Quantiles| [own.p05, own.p50, own.p95].map(|own| own.value);
+    let header = header.chain(drawn.into_iter().flatten().flat_map(|change| {
+        let of = |what: &str| ["P5", "P50", "P95"].map(|p| format!("{what} {} {p} [dB]", change.source));
+        [of("L_WA,1s"), of("change of")].concat()
+    }));
+    let widths = drawn.map_or(0, |drawn| 6 * drawn.len());
     let decibels = |level: Option<f64>| level.map_or_else(String::new, |level| format!("{level:.4}"));
     let row = |point: &SweptPoint| {
         let levels = point.levels.as_ref();
@@ -128,6 +174,14 @@ fn csv(axes: &[Axis], points: &[SweptPoint]) -> Result<Vec<u8>, Error> {
         let cells = point.values.iter().cloned().chain((0..sources.len()).map(own));
         cells
             .chain([decibels(point.total_db), outcome, point.refused.clone()])
+            .chain(match &point.drawn {
+                None => vec![String::new(); widths],
+                Some(drawn) => drawn
+                    .iter()
+                    .flat_map(|change| [quantiles(&change.level_db), quantiles(&change.change_db)].concat())
+                    .map(decibels)
+                    .collect(),
+            })
             .collect::<Vec<_>>()
     };
     output::table(header, points.iter().map(row))

@@ -35,6 +35,9 @@ pub struct StageCost {
 /// A key, and what to do with it for a cheaper stage: "raise" or "lower".
 pub type Remedy = (&'static str, &'static str);
 
+/// The count of a body's degrees of freedom.
+const DOFS: &str = "degrees of freedom";
+
 /// Histories of the nailing cycle, and their text in files \[byte a sample\].
 const CYCLE_SAMPLE: f64 = 60.0 * 8.0 + 700.0;
 
@@ -216,22 +219,24 @@ impl StageCost {
     fn of_modes(stage: &'static str, elements: f64, cost: ModalCost, keys: &'static [Remedy]) -> Self {
         Self {
             stage,
-            counts: vec![
-                ("elements", elements),
-                ("degrees of freedom", cost.dofs as f64),
-                ("modes", cost.modes),
-            ],
+            counts: vec![("elements", elements), (DOFS, cost.dofs as f64), ("modes", cost.modes)],
             gigabytes: cost.gigabytes,
             cpu_seconds: cost.cpu_seconds,
             keys,
         }
     }
 
+    /// Degrees of freedom of a body's modes; none for other stages.
+    pub fn dofs(&self) -> Option<f64> {
+        let own = self.counts.iter().find(|(what, _)| *what == DOFS);
+        own.map(|(_, count)| *count)
+    }
+
     /// Takes the counts and the cost of modes from a mesh.
     pub fn refine(&mut self, cost: &ModalCost) {
         for (what, count) in &mut self.counts {
             match *what {
-                "degrees of freedom" => *count = cost.dofs as f64,
+                DOFS => *count = cost.dofs as f64,
                 "modes" => *count = cost.modes,
                 _ => {}
             }

@@ -272,17 +272,45 @@ pub fn sweep(design: &str, axes: &[SweepAxis], points: &[SweptPoint]) -> Chart {
         own.map(|(index, others)| line(&others.join(", "), index % BLACK, &total, Some(others)))
             .collect()
     };
+    let across = || Axis::categories(axes.first().map_or("", |axis| axis.key.as_str()), "", names.clone());
+    let mut panels = vec![Panel {
+        x: across(),
+        y: Axis::levels("L_{WA,1s}", "dB", 30.0, &series),
+        height: 80,
+        series,
+    }];
+    // Bars of the total for each of the other values would lie on each other.
+    if axes.len() == 1 && points.iter().any(|point| point.drawn.is_some()) {
+        let sources = points.iter().find_map(|point| point.drawn.as_ref());
+        let sources = sources.into_iter().flatten().enumerate();
+        let series = sources.map(|(index, source)| {
+            let level = |point: &'_ SweptPoint| Some((place(point)?, point.drawn.as_ref()?.get(index)?.level_db));
+            let rows: Vec<(usize, Quantiles)> = points.iter().filter_map(level).collect();
+            let rows: Vec<(usize, &Quantiles)> = rows.iter().map(|(place, own)| (*place, own)).collect();
+            let colour = match source.source.as_str() {
+                "total" => BLACK,
+                name => in_palette(name, index),
+            };
+            whiskers(&source.source, colour, &rows)
+        });
+        let series: Vec<Series> = series.collect();
+        panels.push(Panel {
+            x: across(),
+            y: axis_of_levels(&series, SHOWN),
+            height: 80,
+            series,
+        });
+    }
+    let over_draws = match panels.len() {
+        1 => "",
+        _ => " Below: 90 % of the common draws lie in the bar, half below its line.",
+    };
     Chart {
         name: "sweep".to_owned(),
         title: "Sweep",
         subject: design.to_owned(),
-        caption: "A-weighted single-event sound power levels over the values, dB re 1 pW s.".to_owned(),
-        panels: vec![Panel {
-            x: Axis::categories(axes.first().map_or("", |axis| axis.key.as_str()), "", names.clone()),
-            y: Axis::levels("L_{WA,1s}", "dB", 30.0, &series),
-            height: 80,
-            series,
-        }],
+        caption: format!("A-weighted single-event sound power levels over the values, dB re 1 pW s.{over_draws}"),
+        panels,
         events: Vec::new(),
     }
 }

@@ -191,6 +191,34 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
     .html()
 }
 
+/// Where the report of a run holds the intervals of its levels.
+const INTERVALS: &str = "<!-- intervals of the levels -->";
+
+/// Intervals of the levels of a run, as the command prints them.
+pub struct Intervals {
+    /// Headings behind "source" and "level".
+    pub headings: [String; 2],
+    /// Source, level, interval \[dB\] and probability of being the loudest; the total comes last.
+    pub rows: Vec<[String; 4]>,
+    /// What the columns hold, and what not.
+    pub legend: String,
+}
+
+/// The report of a run with the intervals of its levels, which follow from a study and not from the run.
+pub fn with_intervals(report: &str, intervals: &Intervals) -> String {
+    let table = html! {
+        h3 { "How sure the levels are" }
+        div.scroll { table {
+            thead { tr { th { "source" } th.n { "level" } @for heading in &intervals.headings { th.n { (heading) } } } }
+            tbody { @for [source, cells @ ..] in &intervals.rows { tr.sum[source == "total"] {
+                td { (source) } @for cell in cells { td.n { (cell) } }
+            } } }
+        } }
+        @for line in intervals.legend.trim().lines() { p.quiet { (line.trim()) } }
+    };
+    report.replacen(INTERVALS, &table.into_string(), 1)
+}
+
 /// The report of a study with these charts.
 pub fn study(result: &StudyResult, charts: &[figures::Chart], scatter: &[figures::Chart]) -> String {
     study::page(result, charts, scatter).html()
@@ -239,6 +267,7 @@ fn ranking(result: &RunResult, value: &serde_json::Value) -> Markup {
     });
     html! {
         (tables::ranking(result))
+        (PreEscaped(INTERVALS))
         @if let Some(range) = range {
             p.quiet {
                 "Levels in dB re 1 pW s over the one-third-octave bands " (range) ", the same for all sources. The \

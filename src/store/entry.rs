@@ -139,13 +139,13 @@ fn used(file: &File) {
     let _ = file.set_modified(SystemTime::now());
 }
 
-/// Writes the bytes that `fill` gives, without a copy of them in memory. There is no sync: an entry that a failure of power
+/// Writes the bytes that `fill` gives and returns the size of the file, without a copy of them in memory. There is no sync: an entry that a failure of power
 /// leaves in parts is noticed like any other damage.
 pub(super) fn write_by(
     path: &Path,
     inputs: &[u8; 32],
     fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> io::Result<()> {
+) -> io::Result<u64> {
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder)?;
     }
@@ -154,8 +154,10 @@ pub(super) fn write_by(
         let mut content = Summed::over(&mut *file);
         fill(&mut content)?;
         let of_content = content.checksum();
+        let size = file.stream_position()?;
         file.seek(SeekFrom::Start((MAGIC.len() + inputs.len()) as u64))?;
-        file.write_all(&of_content)
+        file.write_all(&of_content)?;
+        Ok(size)
     })
 }
 

@@ -114,10 +114,10 @@ pub(super) fn entries(folder: &Path) -> io::Result<Vec<Listed>> {
     Ok(entries)
 }
 
-/// Removes the least recently used entries until the others keep the limit.
-pub(super) fn bound(folder: &Path, limit: u64) -> io::Result<()> {
+/// Removes the least recently used entries until the others keep the limit; the bytes that these take.
+pub(super) fn bound(folder: &Path, limit: u64) -> io::Result<u64> {
     sweep(folder)?;
-    let mut sum = 0;
+    let (mut sum, mut left) = (0, 0);
     let mut entries = entries(folder)?;
     // A clock that was set back leaves times in the future, whose order says nothing: they count as used now.
     let soon = SystemTime::now() + AHEAD;
@@ -129,9 +129,11 @@ pub(super) fn bound(folder: &Path, limit: u64) -> io::Result<()> {
         sum += entry.bytes;
         if sum > limit {
             remove(&entry.path)?;
+        } else {
+            left = sum;
         }
     }
-    Ok(())
+    Ok(left)
 }
 
 /// Removes what killed processes left half-written; a file of the last hour may still be under way.

@@ -16,7 +16,7 @@ mod replace;
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 
 pub use bytes::Bytes;
@@ -42,6 +42,24 @@ struct Place {
     folder: PathBuf,
     /// Bytes that all entries may take together.
     limit: u64,
+    /// Bytes that may be written before the folder is scanned again; none before the first scan.
+    allowance: Arc<Mutex<Option<u64>>>,
+}
+
+impl Place {
+    /// Keeps the folder within its limit. A scan costs time for every entry, and a study writes thousands: the folder is scanned
+    /// when as much was written as was free, or a sixteenth of the limit, which is what other processes may write meanwhile.
+    fn bound(&self, written: u64) -> std::io::Result<()> {
+        let mut allowance = self.allowance.lock().unwrap_or_else(PoisonError::into_inner);
+        *allowance = match allowance.and_then(|free| free.checked_sub(written)) {
+            Some(free) => Some(free),
+            None => {
+                let used = folder::bound(&self.folder, self.limit)?;
+                Some(self.limit.saturating_sub(used).min(self.limit / 16))
+            }
+        };
+        Ok(())
+    }
 }
 
 /// An entry as it lies in the folder.
@@ -81,7 +99,11 @@ impl Store {
     /// In this folder, with this many bytes at most.
     pub fn at(folder: PathBuf, limit: u64) -> Self {
         Self {
-            place: Some(Place { folder, limit }),
+            place: Some(Place {
+                folder,
+                limit,
+                allowance: Arc::default(),
+            }),
             notes: Arc::default(),
             noted: Arc::default(),
         }
@@ -143,8 +165,7 @@ impl Store {
         let Some(place) = &self.place else { return };
         let key = &in_this_layout(key);
         let path = place.folder.join(entry::name(stage, key));
-        let written = entry::write_by(&path, key, |to| C::write(value, to))
-            .and_then(|()| folder::bound(&place.folder, place.limit));
+        let written = entry::write_by(&path, key, |to| C::write(value, to)).and_then(|bytes| place.bound(bytes));
         match written {
             // A note on what has the name of the entry was taken when it was to be read.
             Err(source) if source.kind() == ErrorKind::IsADirectory => {}

@@ -13,7 +13,7 @@ static WRITTEN: AtomicU64 = AtomicU64::new(0);
 ///
 /// # Errors
 /// Those of the file system and of `fill`; the temporary file is removed.
-pub(super) fn replace(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
+pub(super) fn replace<T>(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<T>) -> io::Result<T> {
     let name = path
         .file_name()
         .ok_or_else(|| io::Error::from(io::ErrorKind::InvalidFilename))?;
@@ -25,7 +25,7 @@ pub(super) fn replace(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()
     let temporary = path.with_file_name(temporary);
     let written = File::create(&temporary)
         .and_then(|mut file| fill(&mut file))
-        .and_then(|()| std::fs::rename(&temporary, path));
+        .and_then(|value| std::fs::rename(&temporary, path).map(|()| value));
     if written.is_err() {
         // The first error is the one to report.
         let _ = std::fs::remove_file(&temporary);

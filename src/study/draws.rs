@@ -10,7 +10,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use super::jobs::{levels_of_shot, on_threads};
+use super::jobs::{kept_levels, levels_of_shot, on_threads};
 use super::sampling::{Frame, Point, Sampler};
 use super::screening::{Candidate, Tally, drawn, screen};
 use super::variables::{Drawn, Kind, Scope, Variable, common_variables, without_sensors};
@@ -31,6 +31,34 @@ pub struct Request {
     pub seed: u64,
     /// Shots on each structure that is drawn; `None` holds the structures of the design.
     pub shots_a_structure: Option<usize>,
+    /// The draws that are computed.
+    pub part: Part,
+}
+
+/// A part of the draws of a study.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// All draws.
+    All,
+    /// Every `of`-th structure, where structures are drawn, else every `of`-th draw: the `number`-th of them, from 1.
+    Task {
+        /// Its number, 1 .. `of`.
+        number: u32,
+        /// How many tasks there are.
+        of: u32,
+    },
+    /// All draws, but those alone whose levels are kept.
+    Kept,
+}
+
+impl Part {
+    /// Whether a structure, or a draw where structures are held, belongs to it.
+    fn holds(self, place: usize) -> bool {
+        match self {
+            Self::Task { number, of } => place % of as usize == (number - 1) as usize,
+            Self::All | Self::Kept => true,
+        }
+    }
 }
 
 /// A draw.
@@ -104,8 +132,14 @@ pub fn common_draws(
         Sampler::new(&without_sensors(first), variables, request.seed)
     });
     let designs: Vec<Design> = designs.iter().map(|design| without_sensors(design)).collect();
-    let (planned, tally) = plan(graph, (&designs, &sampler), request, progress)?;
-    let (draws, failures) = levels(graph, (&designs, &sampler), planned, progress)?;
+    let (mut planned, tally) = plan(graph, (&designs, &sampler), request, progress)?;
+    let held = request.shots_a_structure.is_none();
+    let mut place = 0..;
+    planned.retain(|own| {
+        let draw = place.next().unwrap_or_default();
+        request.part.holds(if held { draw } else { own.structure })
+    });
+    let (draws, failures) = levels(graph, (&designs, &sampler), planned, request.part, progress)?;
     let conflicting: Vec<Vec<String>> = sampler
         .conflicting()
         .into_iter()
@@ -145,7 +179,7 @@ fn plan(
     let done = |before: usize| move |found: usize| progress.done((before + found) as u64, request.draws as u64);
     let Some(each) = request.shots_a_structure else {
         let frame = frame(&shots, 0);
-        let (accepted, tally) = screen(graph, (designs, sampler), frame, request.draws, done(0))?;
+        let (accepted, tally) = screen(graph, (designs, sampler), frame, request.draws, request.part, done(0))?;
         let planned = accepted.into_iter().map(|candidate| Planned {
             structure: 0,
             candidate,
@@ -153,12 +187,20 @@ fn plan(
         return Ok((planned.collect(), tally));
     };
     let structures = request.draws.div_ceil(each);
-    let (first, mut tally) = screen(graph, (designs, sampler), frame(&all, 0), structures, done(0))?;
+    let (first, mut tally) = screen(
+        graph,
+        (designs, sampler),
+        frame(&all, 0),
+        structures,
+        request.part,
+        done(0),
+    )?;
     let mut planned = Vec::new();
-    for (structure, candidate) in first.into_iter().enumerate() {
+    let own = first.into_iter().enumerate();
+    for (structure, candidate) in own.filter(|(structure, _)| request.part.holds(*structure)) {
         let held = |design: &Design| structure_of(design, sampler, &candidate.point, &shots);
         let held: Vec<Values> = designs.iter().map(held).collect();
-        let more = each.min(request.draws - planned.len()) - 1;
+        let more = each.min(request.draws - each * structure) - 1;
         let mut own = vec![candidate];
         if more > 0 {
             let frame = Frame {
@@ -166,7 +208,7 @@ fn plan(
                 active: &shots,
                 stream: structure as u64 + 1,
             };
-            let (others, counts) = screen(graph, (designs, sampler), frame, more, done(planned.len()))?;
+            let (others, counts) = screen(graph, (designs, sampler), frame, more, Part::All, done(planned.len()))?;
             tally.add(counts);
             // What shots of a structure have in common is what the first of them drew.
             let first = own[0].clone();
@@ -207,6 +249,7 @@ fn levels(
     graph: &Graph,
     (designs, sampler): (&[Design], &Sampler),
     planned: Vec<Planned>,
+    part: Part,
     progress: &Progress,
 ) -> Result<Made, Error> {
     progress.stage("levels of the draws");
@@ -223,7 +266,11 @@ fn levels(
         let anchors: Vec<_> = designs.iter().map(|design| of(0, design)).collect();
         let count = group.len() * designs.len();
         let results = on_threads(count, |job| {
-            let levels = levels_of_shot(of(job / designs.len(), &designs[job % designs.len()]));
+            let chain = of(job / designs.len(), &designs[job % designs.len()]);
+            let levels = match part {
+                Part::Kept => kept_levels(graph, chain),
+                Part::All | Part::Task { .. } => levels_of_shot(chain),
+            };
             progress.done(done.fetch_add(1, Ordering::Relaxed) as u64 + 1, total);
             levels
         });

@@ -5,7 +5,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::chain::Chain;
 use crate::error::Error;
-use crate::stages::levels::Levels;
+use crate::graph::Graph;
+use crate::stages::levels::{Levels, ShotLevels};
+use crate::stages::{Postcard, Stage};
 
 /// Computes the jobs `0 .. count`, as many at a time as the pool has threads; the results come in the order of the jobs.
 pub(super) fn on_threads<T: Send>(
@@ -31,6 +33,15 @@ pub(super) fn on_threads<T: Send>(
     let results = results.into_inner().unwrap_or_default();
     let ended = || Err("its computation ended".to_owned());
     results.into_iter().map(|result| result.unwrap_or_else(ended)).collect()
+}
+
+/// The levels of the shot of a chain, where they are kept.
+pub(super) fn kept_levels(graph: &Graph, chain: Result<Chain, Error>) -> Result<Levels, String> {
+    let chain = chain.map_err(|error| error.to_string())?;
+    let kept = graph
+        .store()
+        .load::<Levels, Postcard>(ShotLevels::NAME, chain.levels.key());
+    kept.ok_or_else(|| "its levels are not kept".to_owned())
 }
 
 /// The levels of the shot of a chain whose bodies a run can use.

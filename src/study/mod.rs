@@ -23,7 +23,7 @@ mod table;
 mod variable_report;
 mod variables;
 
-pub use draws::{Draw, Draws, Request, common_draws, draws, nominal};
+pub use draws::{Draw, Draws, Part, Request, common_draws, draws, nominal};
 pub use kept::{keep, kept};
 pub use level_table::{column, levels_of};
 pub use paired::{Change, PairedStudy};

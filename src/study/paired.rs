@@ -30,10 +30,12 @@ pub struct PairedStudy {
 }
 
 /// Change of a level from the reference to the design.
-#[derive(Debug, Clone, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Change {
     /// `workpiece`, `exhaust`, `body` or `total`.
     pub source: String,
+    /// P5, P50 and P95 of the level of the design \[dB re 1 pW s\].
+    pub level_db: Quantiles,
     /// P5, P50 and P95 of the change over the draws \[dB\].
     pub change_db: Quantiles,
     /// Mean change \[dB\].
@@ -49,40 +51,47 @@ pub struct Change {
 impl PairedStudy {
     /// States what follows from common draws of a reference and a design.
     pub fn new((reference, a): (&Design, &Draws), (design, b): (&Design, &Draws), request: &Request) -> Self {
-        let clusters: Vec<usize> = a.draws.iter().map(|draw| draw.structure).collect();
-        let bootstrap = Bootstrap::new(&clusters);
-        let [of_a, of_b] = [a, b].map(|made| LevelTable::new(&made.draws));
-        let width = |own: &Quantiles| Some(own.p95.value? - own.p05.value?);
-        let change = |source: &str, before: &[f64], after: &[f64]| {
-            // Silence in both is no change.
-            let difference = |(a, b): (&f64, &f64)| if a == b { 0.0 } else { b - a };
-            let changes: Vec<f64> = before.iter().zip(after).map(difference).collect();
-            let change_db = bootstrap.quantiles(&changes);
-            Change {
-                source: source.to_owned(),
-                change_db,
-                mean_db: bootstrap.mean(&changes),
-                quieter: bootstrap.share(&changes.iter().map(|change| *change < 0.0).collect::<Vec<_>>()),
-                width_db: width(&change_db),
-                level_width_db: width(&bootstrap.quantiles(before)),
-            }
-        };
-        let names = of_a.names.iter().enumerate();
-        let mut changes: Vec<Change> = names
-            .map(|(place, name)| change(name, &of_a.column(place), &of_b.column(of_b.place(name))))
-            .collect();
-        changes.push(change(TOTAL, &of_a.totals(), &of_b.totals()));
+        let structures = a.draws.last().map_or(0, |last| last.structure + 1);
         Self {
             reference: reference.name().to_owned(),
             design: design.name().to_owned(),
             draws: a.draws.len(),
             seed: request.seed,
             structures: match request.shots_a_structure {
-                Some(_) => clusters.last().map_or(0, |last| last + 1),
+                Some(_) => structures,
                 None => 0,
             },
             decided: differing_keys(&[reference, design]),
-            changes,
+            changes: changes(a, b),
         }
     }
+}
+
+/// Change of each source, then of the total, from common draws of a reference and a design.
+pub(super) fn changes(a: &Draws, b: &Draws) -> Vec<Change> {
+    let clusters: Vec<usize> = a.draws.iter().map(|draw| draw.structure).collect();
+    let bootstrap = Bootstrap::new(&clusters);
+    let [of_a, of_b] = [a, b].map(|made| LevelTable::new(&made.draws));
+    let width = |own: &Quantiles| Some(own.p95.value? - own.p05.value?);
+    let change = |source: &str, before: &[f64], after: &[f64]| {
+        // Silence in both is no change.
+        let difference = |(a, b): (&f64, &f64)| if a == b { 0.0 } else { b - a };
+        let changes: Vec<f64> = before.iter().zip(after).map(difference).collect();
+        let change_db = bootstrap.quantiles(&changes);
+        Change {
+            source: source.to_owned(),
+            level_db: bootstrap.quantiles(after),
+            change_db,
+            mean_db: bootstrap.mean(&changes),
+            quieter: bootstrap.share(&changes.iter().map(|change| *change < 0.0).collect::<Vec<_>>()),
+            width_db: width(&change_db),
+            level_width_db: width(&bootstrap.quantiles(before)),
+        }
+    };
+    let names = of_a.names.iter().enumerate();
+    let mut changes: Vec<Change> = names
+        .map(|(place, name)| change(name, &of_a.column(place), &of_b.column(of_b.place(name))))
+        .collect();
+    changes.push(change(TOTAL, &of_a.totals(), &of_b.totals()));
+    changes
 }

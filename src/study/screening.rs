@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
+use super::draws::Part;
 use super::law;
 use super::sampling::{Frame, Point, Rejections, Sampler};
 use crate::design::inputs::cycle::{cycle_settings, parameters};
@@ -120,7 +121,8 @@ fn name(fates: &[Fate]) -> String {
 }
 
 /// Draws candidates until `want` of them are accepted in all of the designs, in the order of the sequence. Fewer come back where
-/// 1000 candidates for each were not enough.
+/// 1000 candidates for each were not enough. Tasks that share a store share the work: each computes its own of as many blocks as
+/// there are tasks, and then reads those of the others where they are kept by then.
 ///
 /// # Errors
 /// [`Error::NothingDrawn`] where no candidate is accepted.
@@ -129,26 +131,34 @@ pub fn screen(
     (designs, sampler): (&[Design], &Sampler),
     frame: Frame<'_>,
     want: usize,
+    part: Part,
     found: impl Fn(usize),
 ) -> Result<(Vec<Candidate>, Tally), Error> {
     let (mut accepted, mut tally) = (Vec::new(), Tally::default());
+    let candidate = |index: u64| {
+        let mut rejections = Rejections::new();
+        let cycles = cycles_of((designs, sampler), frame, index, &mut rejections);
+        (cycles, rejections)
+    };
+    let block = |first: u64| {
+        let block: Vec<_> = (first..first + BLOCK).into_par_iter().map(candidate).collect();
+        let cycles = block
+            .iter()
+            .filter_map(|(cycles, _)| Some(cycles.as_ref().ok()?.1.clone()));
+        let cycles = cycles.flatten().collect();
+        (block, Outcomes { cycles })
+    };
     while accepted.len() < want && tally.candidates < MOST.saturating_mul(want as u64) {
         if accepted.is_empty() && tally.candidates >= MOST_IN_VAIN {
             break;
         }
         let first = tally.candidates;
-        let candidate = |index: u64| {
-            let mut rejections = Rejections::new();
-            let cycles = cycles_of((designs, sampler), frame, index, &mut rejections);
-            (cycles, rejections)
-        };
-        let block: Vec<_> = (first..first + BLOCK).into_par_iter().map(candidate).collect();
-        let cycles = block
-            .iter()
-            .filter_map(|(cycles, _)| Some(cycles.as_ref().ok()?.1.clone()));
-        let outcomes = Outcomes {
-            cycles: cycles.flatten().collect(),
-        };
+        if let Part::Task { number, of } = part
+            && (first / BLOCK).is_multiple_of(u64::from(of))
+        {
+            graph.get(block(first + u64::from(number - 1) * BLOCK).1)?;
+        }
+        let (block, outcomes) = block(first);
         let fates = graph.get(outcomes)?;
         let mut fates = fates.chunks(designs.len());
         for (index, (cycles, rejections)) in (first..).zip(block) {

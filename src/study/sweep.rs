@@ -5,10 +5,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use serde::Serialize;
 
+use super::draws::{Request, common_draws};
 use super::jobs::{levels_of_shot, on_threads};
 use super::level_table::total_of;
+use super::paired::{Change, changes};
 use super::variables::without_sensors;
 use crate::chain::{Chain, Options};
+use crate::cost::{self, MemoryLimit};
 use crate::design::{Assignment, AssignmentError, Design, DesignError};
 use crate::error::Error;
 use crate::graph::Graph;
@@ -38,6 +41,10 @@ pub struct SweptPoint {
     pub total_db: Option<f64>,
     /// Why there are no levels; empty where there are.
     pub refused: String,
+    /// Each source, then the total, over draws that all points have in common, and the change from the first point; none where
+    /// no draws are asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub drawn: Option<Vec<Change>>,
 }
 
 impl std::str::FromStr for Axis {
@@ -127,15 +134,17 @@ fn assignments(axes: &[Axis], values: &[String]) -> Result<Vec<Assignment>, Assi
         .collect()
 }
 
-/// Levels of the design in a file, with changes that all points share, over a grid of values. Points whose values do not go
-/// together are refused with their conflict.
+/// Levels of the design in a file, with changes that all points share, over a grid of values; on `request`, over draws that all
+/// points have in common, too. Points whose values do not go together are refused with their conflict.
 ///
 /// # Errors
-/// A key or value that no design can have; a grid of too many points.
+/// A key or value that no design can have; a point that needs more memory than allowed; a grid of too many points.
 pub fn sweep(
     graph: &Graph,
     (path, changes): (&Path, &[Assignment]),
     axes: &[Axis],
+    request: Option<&Request>,
+    memory: MemoryLimit,
     progress: &Progress,
 ) -> Result<Vec<SweptPoint>, Error> {
     let count = axes
@@ -150,7 +159,10 @@ pub fn sweep(
     for values in &points {
         let own = assignments(axes, values).map_err(|error| Error::NoAxis { error })?;
         designs.push(match Design::load_with(path, &[changes, &own].concat()) {
-            Ok(design) => Ok(without_sensors(&design)),
+            Ok(design) => {
+                cost::refuse(&design, &cost::of_run(&design)?, memory)?;
+                Ok(without_sensors(&design))
+            }
             Err(DesignError::Conflict { conflict, .. }) => Err(conflict.to_string()),
             Err(error) => return Err(error.into()),
         });
@@ -170,7 +182,12 @@ pub fn sweep(
         computed
     });
     drop(anchor);
-    let point = |(values, result): (Vec<String>, Result<Levels, String>)| {
+    let mut drawn = match request {
+        None => vec![None; points.len()],
+        Some(request) => drawn(graph, &designs, request, progress)?,
+    }
+    .into_iter();
+    let mut point = |(values, result): (Vec<String>, Result<Levels, String>)| {
         let (levels, refused) = match result {
             Ok(levels) => (Some(levels), String::new()),
             Err(reason) => (None, reason),
@@ -180,9 +197,24 @@ pub fn sweep(
             total_db: levels.as_ref().and_then(total_of),
             levels,
             refused,
+            drawn: drawn.next().flatten(),
         }
     };
-    Ok(points.into_iter().zip(results).map(point).collect())
+    Ok(points.into_iter().zip(results).map(&mut point).collect())
+}
+
+/// Levels of each point that is a design over common draws, with the change from the first of them.
+fn drawn(
+    graph: &Graph,
+    designs: &[Result<Design, String>],
+    request: &Request,
+    progress: &Progress,
+) -> Result<Vec<Option<Vec<Change>>>, Error> {
+    let own: Vec<&Design> = designs.iter().filter_map(|design| design.as_ref().ok()).collect();
+    let made = common_draws(graph, &own, request, progress)?;
+    let mut of_points = made.iter().map(|own| changes(&made[0], own));
+    let point = |design: &Result<Design, String>| design.as_ref().ok().and_then(|_| of_points.next());
+    Ok(designs.iter().map(point).collect())
 }
 
 #[cfg(test)]

@@ -211,6 +211,24 @@ fn a_hundred_damaged_meshes_end_with_a_message_and_never_a_panic() {
     assert!(refused > 60, "{refused} of 100 were refused");
 }
 
+/// A body of 20 million degrees of freedom would take minutes and most of the memory.
+#[test]
+fn a_check_leaves_large_meshes_to_the_run() {
+    let large = [
+        ("analysis.worktable_element", "5 mm"),
+        ("analysis.worktable_top_layers", "50"),
+        ("analysis.mode_margin", "1"),
+    ];
+    let set = large.map(|(key, value)| format!("--set={key}={value}"));
+    let arguments = [
+        &["check", "designs/n80cb.toml", "--memory", "100TB"],
+        &set.each_ref().map(String::as_str)[..],
+    ];
+    let output = nailnoise(&arguments.concat());
+    assert!(output.status.success());
+    assert!(said(&output).contains("not meshed here"), "{}", said(&output));
+}
+
 #[test]
 fn an_exported_mesh_is_read_back_in_its_own_unit() {
     let folder = folder("round-trip");

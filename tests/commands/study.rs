@@ -59,6 +59,8 @@ fn more_draws_begin_with_those_that_are_kept_and_threads_change_nothing() {
         .unwrap();
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(text.contains("6 draws dB") && text.contains("P(first)"), "{text}");
+    let report = fs::read_to_string(once.join("out/report.html")).unwrap();
+    assert!(report.contains("6 draws dB"));
     // Another seed draws others.
     let other = json(&study(&once, &design, &["-n", "3", "--seed", "2", "--json"]));
     assert_ne!(other["total"]["level_db"], result["total"]["level_db"]);
@@ -200,4 +202,42 @@ fn a_comparison_over_draws_holds_the_values_of_the_command_line() {
     };
     assert_eq!(compare(&[])["decided"], serde_json::json!(["exhaust.holes"]));
     assert_eq!(compare(&["--set", "exhaust.holes=5"])["decided"], serde_json::json!([]));
+}
+
+/// Tasks that share a store make the draws of one study, to the byte; what is missing is counted and refused.
+#[test]
+fn tasks_and_their_collection_are_the_study() {
+    let (folder, design) = made("tasks");
+    let draw = |more: &[&str]| study(&folder, &design, &[&["-n", "5"], more].concat());
+    let refused = draw(&["--store", "shared", "--collect"]);
+    let message = String::from_utf8(refused.stderr).unwrap();
+    assert_eq!(refused.status.code(), Some(2), "{message}");
+    assert!(message.contains("5 of 5 draws are not in shared"), "{message}");
+    let counts = ["1/2", "2/2"].map(|task| {
+        let made = json(&draw(&["--store", "shared", "--task", task, "--json"]));
+        made["draws"].as_u64().unwrap()
+    });
+    assert_eq!(counts, [3, 2]);
+    json(&draw(&["--store", "shared", "--collect", "--json"]));
+    let collected = files(&folder);
+    json(&draw(&["--json"]));
+    assert_eq!(files(&folder), collected);
+}
+
+/// The change from one point of a sweep to another is that of a comparison over the same draws.
+#[test]
+fn a_sweep_over_draws_is_a_comparison_over_draws() {
+    let (folder, first) = made("sweep");
+    let second = over(&folder, "other", &format!("exhaust.holes = 4\n{ANY}"));
+    let run = |arguments: &[&str]| {
+        let own = ["--draws", "2", "--json", "--out", "out"];
+        let output = command(&[arguments, &own].concat())
+            .current_dir(&folder)
+            .env("NAILNOISE_CACHE", folder.join("cache"))
+            .output();
+        json(&output.unwrap())
+    };
+    let swept = run(&["sweep", &first, "--vary", "exhaust.holes=5,4"]);
+    let compared = run(&["compare", &first, &second]);
+    assert_eq!(swept["points"][1]["drawn"], compared["paired"][0]["changes"]);
 }

@@ -186,6 +186,8 @@ def named_cases(bench, tally):
         tally.hold("named", f"{command} {text[:60]}", outcome, statuses, BAD_INPUT, words)
     few = bench.run("run", bench.designs / "n80cb.toml", "--memory", "100MB")
     tally.hold("named", "run --memory 100MB", few, {2}, BAD_INPUT, ["--memory", "GB"])
+    layers = bench.run("check", bench.design("analysis.worktable_top_layers = 50"))
+    tally.hold("named", "check a body of many elements", layers, {0}, DRAW, ["not meshed here"])
     unit = bench.run("run", bench.designs / "n80cb.toml", "--memory", "8")
     tally.hold("named", "run --memory 8", unit, {2}, BAD_INPUT, ["unit"])
 

@@ -8,7 +8,8 @@ computed, with cached modes, into the folder of another design; nothing is compu
 a folder. A kill falls at a random moment of such a run. Files are put in place within milliseconds at the end of a run, so
 a random kill hardly ever falls there. In every second round, the script therefore watches the folder, waits for the first
 file to change, and kills at a random moment while the files are put in place. At the end, an undisturbed run must give the
-same digits as at the beginning. Where gmsh is installed, commands that it works for are ended, too: gmsh must end with them.
+same digits as at the beginning. A study that is ended again and again must end with the files of one that was not, to the byte.
+Where gmsh is installed, commands that it works for are ended, too: gmsh must end with them.
 """
 
 import json
@@ -178,16 +179,55 @@ def handles(pid: int, how: signal.Signals) -> bool:
     return bool(caught >> (how - 1) & 1)
 
 
+def end_studies(runs: "Runs", kills: int, chance: random.Random) -> None:
+    """Ends one study again and again: its files are those of a study that was not ended, to the byte."""
+    drawn = runs.work / "drawn.toml"
+    outcomes = '["drives", "underdriven", "overdriven", "strikes_bumper"]'
+    base = json.dumps(str(Path(runs.design).resolve()))
+    drawn.write_text(f"base = {base}\n[study]\nscreening = 8\nrequire = {outcomes}\n")
+
+    def study(name: str) -> tuple[list[str], dict]:
+        command = [runs.program, "study", str(drawn), "-n", "16", "--out", str(runs.work / name)]
+        return command, dict(runs.quiet, env=dict(runs.quiet["env"], NAILNOISE_CACHE=str(runs.work / f"{name}-cache")))
+
+    def files(name: str) -> list[bytes]:
+        return [(runs.work / name / "study" / file).read_bytes() for file in ("study.json", "draws.csv")]
+
+    command, quiet = study("undisturbed")
+    begin = time.monotonic()
+    subprocess.run(command, check=True, **quiet)
+    whole = time.monotonic() - begin
+    command, quiet = study("ended")
+    at_work = 0
+    for _ in range(kills):
+        process = subprocess.Popen(command, **quiet)
+        try:
+            # Later kills fall on a study of which much is kept.
+            process.wait(timeout=chance.uniform(0.0, whole) * chance.random())
+        except subprocess.TimeoutExpired:
+            end(process, chance.choice((signal.SIGKILL, signal.SIGTERM)))
+            at_work += 1
+        subprocess.run([runs.program, "cache", "verify"], check=True, **quiet)
+    subprocess.run(command, check=True, **quiet)
+    assert files("ended") == files("undisturbed"), "a study that was ended has other files"
+    left = list((runs.work / "ended" / "study").glob(".unfinished-*"))
+    assert not left, f"left after the next study: {left}"
+    print(f"{at_work} of {kills} studies ended at work within {whole:.1f} s; the same files to the byte")
+
+
 def end_meshers(runs: "Runs", kills: int, chance: random.Random) -> None:
     """Ends commands while gmsh works for them: no gmsh goes on, and the next command leaves no folder of theirs."""
     folder = runs.work / "temporary"
     folder.mkdir()
     quiet = dict(runs.quiet, env=dict(runs.quiet["env"], TMPDIR=str(folder)))
-    command = [runs.program, "mesh", runs.design, "--body", "tool", "--remesh", "--size", "25 mm"]
+    body = [runs.design, "--body", "tool", "--set", "body.barrel_wall=4 mm"]
+    modes = [*body, "--set", "analysis.body_top=500 Hz", "--no-cache", "--out", str(runs.work / "modes")]
+    commands = [[runs.program, "mesh", *body, "--size", "25 mm"], [runs.program, "modes", *modes]]
     begin = time.monotonic()
-    subprocess.run(command, check=True, **quiet)
+    subprocess.run(commands[0], check=True, **quiet)
     whole = time.monotonic() - begin
-    for _ in range(kills):
+    for kill in range(kills):
+        command = commands[kill % 2]
         process = subprocess.Popen(command, **quiet)
         try:
             process.wait(timeout=chance.uniform(0.0, whole))
@@ -197,7 +237,7 @@ def end_meshers(runs: "Runs", kills: int, chance: random.Random) -> None:
         while working := [pid for pid in Path("/proc").glob("[0-9]*") if works_in(pid, folder)]:
             assert time.monotonic() < deadline, f"still at work for a command that has ended: {working}"
             time.sleep(0.02)
-    subprocess.run(command, check=True, **quiet)
+    subprocess.run(commands[0], check=True, **quiet)
     left = list(folder.iterdir())
     assert not left, f"left after the next command: {left}"
     print(f"{kills} commands ended within {whole:.1f} s of gmsh's work; nothing works on and nothing is left")
@@ -244,6 +284,7 @@ def main(program: str, design: str, kills: int, seed: int) -> None:
     runs.whole(design)
     assert result(runs.out) == expected, "the run after the last kill has other digits"
     assert not list(runs.out.glob(".unfinished-*")), "what a killed run left is not removed"
+    end_studies(runs, kills // 3, chance)
     if shutil.which("gmsh"):
         end_meshers(runs, kills // 3, chance)
     shutil.rmtree(runs.work)
