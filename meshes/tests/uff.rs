@@ -222,7 +222,7 @@ fn a_time_history_is_read_in_each_of_its_forms() {
     let close = history(
         "         4         3         0  0.00000e+00  0.00000e+00  0.00000e+00",
         [TIME, FORCE],
-        " 1.00000e+000 1.00000000000000e+00 1.50000e+000 2.00000000000000e+00\n 2.00000e+000-3.00000000000000e+00",
+        " 1.00000e+000 1.00000000000000e+00 1.50000e+000 2.00000000000000e+00\n 2.00000e+000-3.0000000000000e+00",
     );
     for text in [even, single, uneven, close] {
         let found = uff::functions(text.as_bytes(), "a.uff".as_ref()).unwrap();

@@ -369,7 +369,7 @@ fn damaged_recordings_are_refused() {
         (
             "r-back",
             timeless(&back),
-            ["a2.csv, line 16", "one file holds one drive"],
+            ["a2.csv, line 15", "one file holds one drive"],
         ),
         (
             "r-negative",

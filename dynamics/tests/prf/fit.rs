@@ -310,7 +310,7 @@ fn derivatives_of_the_law_are_those_of_its_force() {
     .unwrap()
     .law;
     assert!(law.form().uses(Variable::Decay) && law.needs_impact());
-    let conditions = drives[40].conditions;
+    let conditions = drives[20].conditions;
     let of_drive = law.of(&conditions.specimen, 0.131);
     let Driving::Impact { speed: v0, .. } = conditions.driving else {
         unreachable!()
