@@ -12,13 +12,16 @@ use std::process::{Command, Output, Stdio};
 #[cfg(unix)]
 const WATCHED: &str = r#"
 exec 3<&0
-"$@" </dev/null 3<&- & child=$!
+( [ -z "$PROCESSOR_SECONDS" ] || ulimit -t "$PROCESSOR_SECONDS"; exec "$@" ) </dev/null 3<&- & child=$!
 { read -r _ <&3; kill -KILL "$child"; } >/dev/null 2>&1 & watcher=$!
 wait "$child"; status=$?
 exec 2>/dev/null
 kill "$watcher"; wait "$watcher"
 exit "$status"
 "#;
+
+/// The variable of the shell that holds the limit.
+const SECONDS: &str = "PROCESSOR_SECONDS";
 
 /// Statuses of a shell that cannot start a program.
 #[cfg(unix)]
@@ -34,6 +37,17 @@ pub(crate) fn command(program: &str) -> Command {
     }
     #[cfg(not(unix))]
     Command::new(program)
+}
+
+/// Ends a [`command()`] after so many seconds of processor time; on Windows it has no limit.
+pub(crate) fn limit(command: &mut Command, seconds: u64) {
+    command.env(SECONDS, seconds.to_string());
+}
+
+/// Whether the system ended a program because it had used up its [`limit`].
+pub(crate) fn ran_out(output: &Output) -> bool {
+    // The shell adds 128 to SIGKILL (9) and SIGXCPU (24).
+    output.status.code().is_some_and(|code| [137, 152].contains(&code))
 }
 
 /// Runs a [`command()`] to its end.
@@ -71,6 +85,14 @@ mod tests {
             (output.status.code(), &output.stdout[..], &output.stderr[..]),
             (Some(5), &b"a b\n"[..], &b"c\n"[..])
         );
+        Ok(())
+    }
+
+    #[test]
+    fn a_program_ends_at_its_limit() -> io::Result<()> {
+        let mut endless = command("sh");
+        limit(endless.args(["-c", "while :; do :; done"]), 1);
+        assert!(ran_out(&output(&mut endless)?));
         Ok(())
     }
 

@@ -29,6 +29,8 @@ pub(crate) struct Job<'a> {
     pub(crate) constants: Vec<(&'static str, f64)>,
     /// A geometry that the script opens, copied beside it under this name.
     pub(crate) beside: Option<(&'a Path, String)>,
+    /// Processor time after which gmsh is ended \[s\]; no limit without it.
+    pub(crate) seconds: Option<u64>,
 }
 
 /// Opens a solid geometry with the script below; lengths come in millimetres, whatever the file's own unit. A geometry whose
@@ -97,6 +99,7 @@ pub fn solid(path: &Path, size: f64, expected: [f64; 2]) -> Result<Imported, Mes
                 ("most", (expected[1] * 1e3).min(1e22)),
             ],
             beside: Some((path, name.clone())),
+            seconds: None,
         };
         run(&job).map_err(|error| match error {
             MeshError::Extent { what, extent, .. } => MeshError::Extent { what, extent, expected },
@@ -180,7 +183,19 @@ pub(crate) fn run(job: &Job<'_>) -> Result<Imported, MeshError> {
     for (name, value) in &job.constants {
         command.args(["-setnumber", name, &value.to_string()]);
     }
+    if let Some(seconds) = job.seconds {
+        child::limit(&mut command, seconds);
+    }
     let output = start(&mut command, &program)?;
+    if let Some(seconds) = job.seconds.filter(|_| child::ran_out(&output)) {
+        return Err(MeshError::Gmsh {
+            what: job.what.clone(),
+            reason: format!(
+                "it had not ended after {seconds} s of processor time, several times what such a body takes: its dimensions do not go \
+                 together, or its elements are too small for it"
+            ),
+        });
+    }
     let said = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
     let errors: Vec<&str> = said
         .lines()

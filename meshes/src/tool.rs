@@ -1,5 +1,6 @@
 //! The tool body: a parametric geometry that gmsh meshes, with the meshes of the ready designs on board.
 
+use std::f64::consts::TAU;
 use std::path::Path;
 
 use nailnoise_quantities::dimension::LENGTH;
@@ -124,6 +125,23 @@ pub fn tool_ships(spec: &Tool) -> bool {
     })
 }
 
+impl Tool {
+    /// Processor time that gmsh may take \[s\]: 20 s, and 38 ms for each square of an element's side on the walls, about five times
+    /// what the shipped dimensions take. Dimensions that fold the body into itself can keep gmsh busy without end.
+    fn seconds(&self) -> u64 {
+        let barrel = self.barrel_radius(self.sleeve_radius);
+        let tubes = [
+            (barrel, self.barrel_height),
+            (self.cap_radius, self.cap_height + self.cap_radius),
+            (self.handle_radius, self.handle_length),
+            (self.magazine_radius, self.magazine_height + self.magazine_radius),
+            (self.sleeve_radius, self.sleeve_height),
+        ];
+        let area: f64 = tubes.iter().map(|(radius, height)| TAU * radius * height).sum();
+        (20.0 + 0.038 * area / (self.size * self.size)) as u64
+    }
+}
+
 /// The mesh of a tool body: quadratic tetrahedra, parts `housing`, `nose` and `sleeve`, face groups `nose_tip`,
 /// `gas_bore`, `bumper_seat`, `seat`, `cap`, `handle`, `magazine`, `supply` (within the handle), `plenum` (within the cap)
 /// and `sleeve_outside`, and `fit_slave` (the sleeve's upper end), which is to be tied to `fit_master` (the barrel's inner
@@ -152,6 +170,7 @@ pub fn tool(spec: &Tool, anew: bool) -> Result<Imported, MeshError> {
             .map(|(name, value)| (name, value * 1e3))
             .collect(),
         beside: None,
+        seconds: Some(spec.seconds()),
     })?;
     built.mesh.straighten();
     built.comment = signature;

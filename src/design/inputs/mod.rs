@@ -24,7 +24,7 @@ pub(crate) fn air(design: &Design) -> Result<Air, Error> {
 }
 
 /// An error of a stage with its place in the design file, where it has one.
-pub(crate) fn located(design: &Design, error: Error) -> Error {
+pub fn located(design: &Design, error: Error) -> Error {
     match error {
         Error::Unusable { body, problems } => Error::Unusable {
             body,

@@ -1,0 +1,264 @@
+"""Results: numpy arrays, tables, and how they look in a notebook."""
+
+from __future__ import annotations
+
+import io
+import json
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._tables import as_html, as_text, decibels, table
+
+Floats = NDArray[np.float64]
+
+
+def _floats(data: bytes) -> Floats:
+    return np.frombuffer(data, dtype=np.float64)
+
+
+class _Shown:
+    """A result that is shown as a table."""
+
+    def _shown(self) -> tuple[str, list[str], list[list[str]]]:
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        title, headings, rows = self._shown()
+        return f"{title}\n{as_text(headings, rows)}"
+
+    def _repr_html_(self) -> str:
+        return as_html(*self._shown())
+
+
+class Run(_Shown):
+    """The ranked sources of a design. ``data`` is result.json as a dictionary, ``json`` its text."""
+
+    #: Samples a second of ``sound``.
+    sample_rate = 48_000
+
+    def __init__(self, text: str, signals: dict[str, list[bytes]]) -> None:
+        self.json = text
+        self.data: dict[str, Any] = json.loads(text)
+        self.sound: dict[str, Floats] = {
+            source: np.stack([_floats(signal) for signal in microphones]) for source, microphones in signals.items()
+        }
+        """Sound pressure of each source at each microphone from the trigger on: microphones x samples [Pa]."""
+
+    @property
+    def name(self) -> str:
+        """Name of the design."""
+        return str(self.data["design"]["name"])
+
+    @property
+    def total_db(self) -> float | None:
+        """Level of all sources together [dB re 1 pW s]."""
+        level: float | None = self.data["total"]["lwa_db"]
+        return level
+
+    @property
+    def levels(self) -> dict[str, float | None]:
+        """Level of each source, loudest first [dB re 1 pW s]; None for silence."""
+        return {source["source"]: source["lwa_db"] for source in self.data["ranking"]}
+
+    @property
+    def ranking(self) -> Any:
+        """Sources, loudest first, as a table."""
+        columns = ("source", "lwa_db", "lw_db", "share")
+        return table([{name: source[name] for name in columns} for source in self.data["ranking"]], "source")
+
+    @property
+    def bands(self) -> Any:
+        """A-weighted one-third-octave levels [dB re 1 pW s]: a row a band, a column a source."""
+        rows: dict[float, dict[str, Any]] = {}
+        for source in self.data["ranking"]:
+            for band in source["bands"]:
+                rows.setdefault(band["hz"], {"hz": band["hz"]})[source["source"]] = band["lwa_db"]
+        return table(list(rows.values()), "hz")
+
+    @property
+    def events(self) -> dict[str, float | None]:
+        """Times of the events t0 .. t18 [s]."""
+        return dict(self.data["events"])
+
+    @property
+    def failed_checks(self) -> list[str]:
+        """Names of checks that do not hold: with one, do not rely on the result."""
+        return [check["name"] for check in self.data["checks"] if not check["ok"]]
+
+    def _shown(self) -> tuple[str, list[str], list[list[str]]]:
+        title = f"{self.name}: single-event sound power levels re 1 pW s, one shot"
+        if self.failed_checks:
+            title += f"; do not rely on them, because checks failed: {', '.join(self.failed_checks)}"
+        rows = [
+            [source["source"], decibels(source["lwa_db"]), decibels(source["lw_db"]), f"{100 * source['share']:.1f} %"]
+            for source in self.data["ranking"]
+        ]
+        rows.append(["total", decibels(self.total_db), decibels(self.data["total"]["lw_db"]), ""])
+        return title, ["source", "L_WA,1s dB", "L_W,1s dB", "share (A)"], rows
+
+
+class Cycle(_Shown):
+    """One nailing cycle. Histories are arrays by name: ``cycle["piston_velocity"]`` [m/s] over ``cycle.time`` [s]."""
+
+    def __init__(self, name: str, text: str, histories: dict[str, tuple[str, bytes]]) -> None:
+        self.name = name
+        self.data: dict[str, Any] = json.loads(text)
+        self.units = {key: unit for key, (unit, _) in histories.items()}
+        self._histories = {key: _floats(data) for key, (_, data) in histories.items()}
+
+    def __getitem__(self, name: str) -> Floats:
+        return self._histories[name]
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the histories."""
+        return list(self._histories)
+
+    @property
+    def time(self) -> Floats:
+        """Times of the samples [s]."""
+        return self._histories["time"]
+
+    @property
+    def outcome(self) -> str:
+        """What the shot did: ``drives``, ``underdriven`` and so on."""
+        return str(self.data["outcome"])
+
+    @property
+    def events(self) -> dict[str, float | None]:
+        """Times of the events t0 .. t18 [s]."""
+        return dict(self.data["events"])
+
+    @property
+    def histories(self) -> Any:
+        """All histories as a table over time."""
+        names = [name for name in self._histories if name != "time"]
+        try:
+            import pandas
+        except ModuleNotFoundError:
+            return dict(self._histories)
+        return pandas.DataFrame({name: self._histories[name] for name in names}, index=pandas.Index(self.time, name="time"))
+
+    def _shown(self) -> tuple[str, list[str], list[list[str]]]:
+        rows = [[event, "-" if time is None else f"{1e3 * time:.3f}"] for event, time in self.events.items()]
+        return f"{self.name}: {self.outcome.replace('_', ' ')}", ["event", "time ms"], rows
+
+
+class Modes(_Shown):
+    """Modes of a body. ``shapes`` is modes x nodes x 3 [kg^-1/2] (of unit modal mass), ``points`` nodes x 3 [m]."""
+
+    def __init__(self, body: str, made: dict[str, Any]) -> None:
+        self.body = body
+        self.hz = _floats(made["hz"])
+        self.rigid = np.array(made["rigid"], dtype=bool)
+        self.loss_factor = float(made["loss_factor"])
+        self.modes_there_are = int(made["modes_there_are"])
+        self.points = _floats(made["points"]).reshape(-1, 3)
+        self.shapes = _floats(made["shapes"]).reshape(len(self.hz), -1, 3)
+
+    def _shown(self) -> tuple[str, list[str], list[list[str]]]:
+        rows = [[str(place + 1), f"{hz:.2f}"] for place, hz in enumerate(self.hz) if not self.rigid[place]]
+        return f"{self.body}: {len(self.hz)} modes, {int(self.rigid.sum())} of them rigid", ["mode", "Hz"], rows[:20]
+
+
+class Comparison(_Shown):
+    """Runs side by side. ``data`` is what ``nailnoise compare --json`` prints."""
+
+    def __init__(self, text: str) -> None:
+        self.data: dict[str, Any] = json.loads(text)
+
+    @property
+    def levels(self) -> Any:
+        """Level of each source in each run [dB re 1 pW s], as a table."""
+        return table(self._rows(), "source")
+
+    def _rows(self) -> list[dict[str, Any]]:
+        sources = [*self.data["sources"], {"source": "total", **self.data["total"]}]
+        return [{"source": own["source"], **dict(zip(self.data["designs"], own["level_db"]))} for own in sources]
+
+    def _shown(self) -> tuple[str, list[str], list[list[str]]]:
+        rows = self._rows()
+        headings = list(rows[0])
+        return "levels, dB re 1 pW s", headings, [[str(row["source"]), *(decibels(row[name]) for name in headings[1:])] for row in rows]
+
+
+class Study(_Shown):
+    """How sure levels and ranking are. ``data`` is study.json, ``draws`` a row for each draw."""
+
+    def __init__(self, text: str, draws: str) -> None:
+        self.json = text
+        self.data: dict[str, Any] = json.loads(text)
+        self.csv = draws
+
+    @property
+    def draws(self) -> Any:
+        """A row for each draw: what was drawn, and the levels."""
+        import csv
+
+        try:
+            import pandas
+        except ModuleNotFoundError:
+            return list(csv.DictReader(io.StringIO(self.csv)))
+        return pandas.read_csv(io.StringIO(self.csv))
+
+    @property
+    def levels(self) -> Any:
+        """P5, P50 and P95 of each source and of the total [dB re 1 pW s], and the probability of being the loudest."""
+        return table(self._rows(), "source")
+
+    @property
+    def first(self) -> dict[str, float | None]:
+        """Probability of each source of being the loudest."""
+        return {own["source"]: own["first"]["value"] for own in self.data["sources"]}
+
+    def _rows(self) -> list[dict[str, Any]]:
+        def row(name: str, level: dict[str, Any], first: dict[str, Any] | None) -> dict[str, Any]:
+            of_level = {key: level["level_db"][key]["value"] for key in ("p05", "p50", "p95")}
+            return {"source": name, "design": level["nominal_db"], **of_level, "first": first and first["value"]}
+
+        rows = [row(own["source"], own["level"], own["first"]) for own in self.data["sources"]]
+        return [*rows, row("total", self.data["total"], None)]
+
+    def _shown(self) -> tuple[str, list[str], list[list[str]]]:
+        title = f"{self.data['design']['name']}: {self.data['draws']} draws, levels in dB re 1 pW s"
+        headings = ["source", "design", "P5", "P50", "P95", "P(first)"]
+
+        def cells(row: dict[str, Any]) -> list[str]:
+            levels = [decibels(row[key]) for key in ("design", "p05", "p50", "p95")]
+            return [row["source"], *levels, "" if row["first"] is None else f"{row['first']:.2f}"]
+
+        return title, headings, [cells(row) for row in self._rows()]
+
+
+class Sweep(_Shown):
+    """Levels over a grid of values. ``points`` holds each as a dictionary."""
+
+    def __init__(self, keys: list[str], text: str) -> None:
+        self.keys = keys
+        self.points: list[dict[str, Any]] = json.loads(text)
+
+    @property
+    def table(self) -> Any:
+        """A row for each point: its values, the level of each source and of the total [dB re 1 pW s], and the outcome."""
+        return table(self._rows())
+
+    def _rows(self) -> list[dict[str, Any]]:
+        def row(point: dict[str, Any]) -> dict[str, Any]:
+            levels = point["levels"]
+            sources = {own["source"]: own["lwa_db"] for own in levels["sources"]} if levels else {}
+            outcome = levels["outcome"] if levels else None
+            values = dict(zip(self.keys, point["values"]))
+            return {**values, **sources, "total": point["total_db"], "outcome": outcome, "refused": point["refused"] or None}
+
+        return [row(point) for point in self.points]
+
+    def _shown(self) -> tuple[str, list[str], list[list[str]]]:
+        rows = self._rows()
+        headings = max((list(row) for row in rows), key=len)[:-1]
+
+        def cell(name: str, value: Any) -> str:
+            return decibels(value) if isinstance(value, float) and name not in self.keys else str(value if value is not None else "-")
+
+        return "levels, dB re 1 pW s", headings, [[cell(name, row.get(name)) for name in headings] for row in rows]

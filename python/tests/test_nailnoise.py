@@ -1,0 +1,196 @@
+"""The package does what the command does, to the last bit, and fails as a Python package should."""
+
+import json
+import logging
+import os
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import nailnoise as nn
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).parents[2]
+SMALL = ROOT / "tests/data/small.toml"
+COMMAND = Path(os.environ.get("NAILNOISE", ROOT / "target/release/nailnoise"))
+
+
+@pytest.fixture(scope="session")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("cache")
+
+
+@pytest.fixture(scope="session")
+def small() -> nn.Design:
+    return nn.load(SMALL)
+
+
+def command(cache: Path, folder: Path, *arguments: str) -> dict:
+    environment = dict(os.environ, NAILNOISE_CACHE=str(cache))
+    text = subprocess.run([COMMAND, *arguments, "--json"], cwd=folder, env=environment, capture_output=True, check=True).stdout
+    return json.loads(text)
+
+
+def test_a_design_is_a_mapping_of_its_values(small: nn.Design) -> None:
+    assert small["exhaust.holes"] == 5
+    assert small.entry("piston.mass")["unit"] == "kg"
+    assert len(small) == len(list(small)) > 200
+    other = small.with_({"supply.pressure": "80 psig", "exhaust.holes": 3})
+    assert other["exhaust.holes"] == 3 and small["exhaust.holes"] == 5
+    assert {"supply.pressure", "exhaust.holes"} <= set(small.differences(other).index)
+    assert other.with_({"exhaust.holes": 5, "supply.pressure": small["supply.pressure"]}) == small
+
+
+def test_a_run_is_that_of_the_command(small: nn.Design, cache: Path, tmp_path: Path) -> None:
+    run = nn.run(small, cache=cache)
+    expected = command(cache, tmp_path, "run", str(SMALL))
+    for result in (run.data, expected):
+        result.pop("timing")
+    assert run.data == expected
+    total = 10 * np.log10(sum(10 ** (level / 10) for level in run.levels.values() if level is not None))
+    assert abs(total - run.total_db) < 1e-9
+    assert run.sound["total"].shape == (9, run.sound["exhaust"].shape[1])
+    assert run.bands["exhaust"].notna().any()
+    assert "exhaust" in repr(run) and "<table>" in run._repr_html_()
+
+
+def test_a_cycle_has_the_histories_of_the_command(small: nn.Design, cache: Path, tmp_path: Path) -> None:
+    cycle = nn.cycle(small)
+    expected = command(cache, tmp_path, "cycle", str(SMALL))
+    assert cycle.data["events"] == expected["events"] and cycle.outcome == expected["outcome"]
+    assert cycle["piston_velocity"].shape == cycle.time.shape and cycle.units["piston_velocity"] == "m/s"
+    assert list(cycle.histories.columns)[0] == "piston_position"
+
+
+def test_modes_are_orthogonal_and_rigid_ones_come_first(small: nn.Design, cache: Path) -> None:
+    modes = nn.modes(small, "workpiece", cache=cache)
+    assert modes.rigid.sum() == 6 and np.all(np.diff(modes.hz) >= -1e-6)
+    assert modes.shapes.shape == (len(modes.hz), len(modes.points), 3)
+
+
+def test_a_comparison_is_that_of_its_runs(small: nn.Design, cache: Path) -> None:
+    runs = [nn.run(design, cache=cache) for design in (small, small.with_({"exhaust.holes": 4}))]
+    levels = nn.compare(*runs).levels
+    assert levels.loc["total"].tolist() == [run.total_db for run in runs]
+
+
+def test_a_study_is_that_of_the_command(cache: Path, tmp_path: Path) -> None:
+    design = tmp_path / "drawn.toml"
+    outcomes = '["drives", "underdriven", "overdriven", "strikes_bumper"]'
+    design.write_text(f"base = {json.dumps(str(SMALL))}\n[study]\nrequire = {outcomes}\n")
+    study = nn.study(nn.load(design), 4, cache=cache)
+    assert study.data == command(cache, tmp_path, "study", str(design), "-n", "4", "--no-cache")
+    assert len(study.draws) == 4
+    assert abs(sum(study.first.values()) - 1.0) < 1e-12
+
+
+def test_a_study_on_a_cluster_is_that_of_one_process_although_a_worker_dies(cache: Path, tmp_path: Path) -> None:
+    from distributed import Client, LocalCluster
+
+    design = tmp_path / "drawn.toml"
+    outcomes = '["drives", "underdriven", "overdriven", "strikes_bumper"]'
+    design.write_text(f"base = {json.dumps(str(SMALL))}\n[study]\nrequire = {outcomes}\n")
+    drawn = nn.load(design).with_({"exhaust.holes": 4})
+    alone = nn.study(drawn, 8, cache=cache)
+    tasks: list[int] = []
+
+    def kill_a_worker(stage: str, done: int, of: int) -> None:
+        tasks.append(of)
+        if done == 2:
+            os.kill(next(iter(client.run(os.getpid).values())), 9)
+
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+        spread = nn.study(drawn, 8, store=tmp_path / "store", client=client, tasks=6, cache=False, progress=kill_a_worker)
+    assert spread.json == alone.json and spread.csv == alone.csv
+    assert 6 in tasks
+
+
+def test_a_sweep_has_a_row_for_each_point(small: nn.Design, cache: Path) -> None:
+    swept = nn.sweep(small, {"exhaust.holes": [3, 5], "supply.pressure": "90psig..100psig:2"}, cache=cache)
+    assert len(swept.table) == 4
+    of_run = nn.run(small.with_({"supply.pressure": "100 psig"}), cache=cache)
+    assert abs(swept.points[3]["total_db"] - of_run.total_db) < 1e-9
+
+
+def test_a_small_pulsating_sphere_radiates_what_the_closed_form_says() -> None:
+    radius, rings, around = 0.1, 14, 28
+    points = [(0.0, 0.0, radius)]
+    for ring in range(1, rings + 1):
+        theta = np.pi * ring / (rings + 1)
+        phi = 2 * np.pi * np.arange(around) / around
+        points += [(radius * np.sin(theta) * np.cos(p), radius * np.sin(theta) * np.sin(p), radius * np.cos(theta)) for p in phi]
+    points.append((0.0, 0.0, -radius))
+    at = lambda ring, step: 1 + (ring - 1) * around + step % around  # noqa: E731
+    triangles = [(0, at(1, s), at(1, s + 1)) for s in range(around)]
+    triangles += [(at(rings, s), len(points) - 1, at(rings, s + 1)) for s in range(around)]
+    for ring in range(1, rings):
+        for s in range(around):
+            triangles += [(at(ring, s), at(ring + 1, s), at(ring, s + 1)), (at(ring, s + 1), at(ring + 1, s), at(ring + 1, s + 1))]
+    impedance, speed = 413.3, 343.2
+    power = nn.radiated_power(points, triangles, [1.0] * len(points), speed / (2 * np.pi * radius))
+    assert abs(power / (impedance * 4 * np.pi * radius**2 / 2) - 1) < 0.03
+
+
+def test_errors_have_place_and_remedy(small: nn.Design, tmp_path: Path) -> None:
+    design = tmp_path / "wrong.toml"
+    design.write_text(f"base = {json.dumps(str(SMALL))}\n\npiston.mass = \"3 s\"\n")
+    with pytest.raises(nn.NailnoiseError, match="piston.mass") as raised:
+        nn.load(design)
+    assert raised.value.line == 3 and "wrong.toml" in raised.value.file and raised.value.status == 2
+    with pytest.raises(nn.NailnoiseError, match="none.toml"):
+        nn.load(tmp_path / "none.toml")
+    with pytest.raises(ValueError, match="no body"):
+        nn.modes(small, "nail")
+    with pytest.raises(ValueError):
+        nn.study(small, 0)
+    with pytest.raises(ValueError, match="lacks a key"):
+        nn.sweep(small, {"": [1]})
+
+
+def test_progress_reaches_the_callback_and_remarks_the_logger(caplog: pytest.LogCaptureFixture, small: nn.Design) -> None:
+    stages: list[str] = []
+    with caplog.at_level(logging.INFO, "nailnoise"):
+        nn.run(small, cache=False, progress=lambda stage, done, of: stages.append(stage))
+    assert any("modes" in stage for stage in stages)
+
+    def fail(stage: str, done: int, of: int) -> None:
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        nn.run(small, cache=False, progress=fail)
+
+
+def test_other_threads_go_on(small: nn.Design) -> None:
+    ticks, ended = [], threading.Event()
+
+    def tick() -> None:
+        while not ended.is_set():
+            ticks.append(time.monotonic())
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    begin = time.monotonic()
+    nn.run(small, cache=False)
+    ended.set()
+    thread.join()
+    assert sum(tick >= begin for tick in ticks) > 20
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals")
+def test_an_interrupt_ends_the_work() -> None:
+    script = f"""
+import _thread, threading, nailnoise as nn
+threading.Timer(1.0, _thread.interrupt_main).start()
+try:
+    nn.run(nn.load({str(ROOT / "designs/n80cb.toml")!r}), cache=False)
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+    begin = time.monotonic()
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120)
+    assert done.stdout == "interrupted\n", done.stderr
+    assert done.stderr == "" and time.monotonic() - begin < 60.0
