@@ -2,9 +2,8 @@
 //! the covariance of its coefficients.
 
 use super::parameters::Parameter;
-use super::variables::{Drawn, Kind, Scope, Variable};
+use crate::design::Design;
 use crate::design::inputs::cycle::fitted_law;
-use crate::design::{Design, Value};
 use crate::error::Error;
 
 /// The key whose file holds the law; the variables are named after it.
@@ -21,31 +20,15 @@ pub(super) fn leave_out_held(design: &Design, parameters: &mut Vec<Parameter>) -
     Ok(())
 }
 
-/// Standard normal variables of the fitted laws of these designs, the specimen first; none without a fitted law.
-pub(super) fn scores(designs: &[Design]) -> Result<Vec<Variable>, Error> {
+/// Names of the standard normal scores of the fitted laws of these designs, the specimen first; none without a fitted law.
+pub(super) fn score_names(designs: &[Design]) -> Result<Vec<String>, Error> {
     let mut most = 0;
     for design in designs {
         most = most.max(fitted_law(design)?.map_or(0, |law| law.draw_size()));
     }
-    let variable = |place: usize| Variable {
-        name: match place {
-            0 => format!("{KEY}.specimen"),
-            _ => format!("{KEY}.component_{place}"),
-        },
-        scope: Scope::Shot,
-        kind: Kind::LawScore,
+    let name = |place: usize| match place {
+        0 => format!("{KEY}.specimen"),
+        _ => format!("{KEY}.component_{place}"),
     };
-    Ok((0..most).map(variable).collect())
-}
-
-/// The scores of a point, in their order.
-pub(super) fn drawn_scores(variables: &[Variable], drawn: &[Option<Drawn>]) -> Vec<f64> {
-    let scores = variables
-        .iter()
-        .zip(drawn)
-        .filter_map(|(variable, drawn)| match (&variable.kind, drawn) {
-            (Kind::LawScore, Some(Drawn::Value(Value::Number(score)))) => Some(*score),
-            _ => None,
-        });
-    scores.collect()
+    Ok((0..most).map(name).collect())
 }

@@ -9,7 +9,7 @@ use super::law;
 use super::parameters::{Parameter, taking_part};
 use super::sampling::{Frame, Rejections, Sampler};
 use super::screening::cycles_of;
-use super::variables::{Drawn, Kind, Scope, Variable, without_sensors};
+use super::variables::{Drawn, Kind, Scope, Variable, law_scores, without_sensors};
 use crate::design::{Design, Value, Values};
 use crate::error::Error;
 use crate::stages::Progress;
@@ -68,7 +68,7 @@ pub fn shots(design: &Design, count: usize, seed: u64, progress: &Progress) -> R
         kind: Kind::Quantity(parameter.clone()),
     };
     let design = without_sensors(design);
-    let scores = law::scores(std::slice::from_ref(&design))?;
+    let scores = law_scores(std::slice::from_ref(&design))?;
     let names = scores.iter().map(|score| score.name.clone()).collect();
     let sampler = Sampler::new(&design, parameters.iter().map(variable).chain(scores).collect(), seed);
     let active = vec![true; sampler.variables().len()];

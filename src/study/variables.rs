@@ -100,6 +100,25 @@ impl Variable {
     }
 }
 
+/// The scores by which the fitted penetration laws of these designs are drawn.
+pub(super) fn law_scores(designs: &[Design]) -> Result<Vec<Variable>, Error> {
+    let score = |name: String| Variable {
+        name,
+        scope: Scope::Shot,
+        kind: Kind::LawScore,
+    };
+    Ok(law::score_names(designs)?.into_iter().map(score).collect())
+}
+
+/// The scores of a point, in their order.
+pub(super) fn drawn_scores(variables: &[Variable], drawn: &[Option<Drawn>]) -> Vec<f64> {
+    let score = |(variable, drawn): (&Variable, &Option<Drawn>)| match (&variable.kind, drawn) {
+        (Kind::LawScore, Some(Drawn::Value(Value::Number(score)))) => Some(*score),
+        _ => None,
+    };
+    variables.iter().zip(drawn).filter_map(score).collect()
+}
+
 /// The design as a study runs it: without sensors, which would refuse draws that move the surface below them.
 pub(crate) fn without_sensors(design: &Design) -> Design {
     let mut design = design.clone();
@@ -210,7 +229,7 @@ pub fn variables(design: &Design) -> Result<Vec<Variable>, Error> {
             kind: Kind::Alternatives(options.clone()),
         });
     }
-    variables.extend(law::scores(&bases)?);
+    variables.extend(law_scores(&bases)?);
     variables.extend(SOURCES.map(|source| Variable {
         name: format!("method.{source}"),
         scope: Scope::Method,

@@ -6,7 +6,6 @@ use serde::{Deserialize, Serialize};
 use super::clean::BIN;
 use super::distributions::student_t;
 use super::drive::{Conditions, Driving};
-use super::drive_law::LawOfDrive;
 use super::file::{FIT_SCHEMA, FitFile, LawError, check};
 use super::form::{Form, Variable};
 
@@ -288,10 +287,5 @@ impl FittedLaw {
             }
         }
         found
-    }
-
-    /// The law for a nail in a wood, driven by a mass \[kg\].
-    pub fn of(&self, specimen: &crate::prf::Specimen, mass: f64) -> LawOfDrive {
-        LawOfDrive::new(self, specimen, mass)
     }
 }
