@@ -113,6 +113,7 @@ impl Chain {
                 ending: &response.ending,
                 idle_sensors: inputs::sensors::without_body(design),
                 limited_sensors: inputs::sensors::limited(design),
+                fitted_law: inputs::notes::fitted_law(design, &record)?,
                 outside_ranges: inputs::notes::outside_ranges(design),
                 idle_springs: design.idle_springs(),
                 idle_surfaces: design.idle_surfaces(),

@@ -96,6 +96,24 @@ pub enum CycleError {
         /// Nail length \[m\].
         length: f64,
     },
+    /// The law of a fit without a fit.
+    #[error(
+        "wood.penetration_law = \"fitted\" needs a fitted law; name its file in wood.penetration_fit, or choose another law"
+    )]
+    NoFit,
+    /// An impact beyond those that a fitted law comes from.
+    #[error(
+        "the rod strikes the nail at {speed} m/s, and the fitted law holds for {lowest} .. {highest} m/s; add drives at this \
+         speed and mass, or fit with --extrapolate to allow it"
+    )]
+    BeyondFit {
+        /// v0 \[m/s\].
+        speed: f64,
+        /// Lowest \[m/s\].
+        lowest: f64,
+        /// Highest \[m/s\].
+        highest: f64,
+    },
     /// The guard spring lifts the tool off the wood before the shot.
     #[error(
         "the tool is not seated: the guard spring carries {guard} N, hand and weight press with {press} N; push harder \

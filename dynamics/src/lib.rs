@@ -5,6 +5,7 @@ mod energy;
 mod error;
 mod geometry;
 mod log;
+pub mod machine;
 mod parameters;
 mod presets;
 pub mod prf;

@@ -9,6 +9,7 @@ use nailnoise_quantities::{
 };
 use serde::{Deserialize, Serialize};
 
+use crate::prf::fit::FittedLaw;
 use crate::prf::{ForceTable, ResistanceLaw};
 
 /// One tool, one nail, one block of wood, one hand: all the inputs of a nailing cycle (SI units throughout).
@@ -35,6 +36,8 @@ pub struct Parameters {
     pub wood: Wood,
     /// Penetration resistance by points, in place of the law of the wood.
     pub penetration_table: Option<ForceTable>,
+    /// The law of the word `fitted`.
+    pub penetration_fit: Option<FittedLaw>,
     /// The wood block.
     pub workpiece: Block,
     /// Bumper, stopper, head-valve, nose and guard contacts.

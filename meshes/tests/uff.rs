@@ -185,3 +185,74 @@ fn damaged_files_cause_no_panic() {
     }
     assert!(refused > 30, "{refused}");
 }
+
+/// A dataset 58 of these values.
+fn history(header: &str, axes: [&str; 2], values: &str) -> String {
+    let axis = |text: &str| format!("{text}\n");
+    let none = "         0    0    0    0 NONE                 NONE                \n";
+    format!(
+        "    -1\n    58\nforce\nNONE\nNONE\nNONE\nNONE\n    1         0    0         0 NONE                1   3 NONE                0   0\n\
+         {header}\n{}{}{none}{none}{values}\n    -1\n",
+        axis(axes[0]),
+        axis(axes[1])
+    )
+}
+
+const TIME: &str = "        17    0    0    0 time                 s                   ";
+const FORCE: &str = "        13    0    0    0 force                kN                  ";
+
+#[test]
+fn a_time_history_is_read_in_each_of_its_forms() {
+    let even = history(
+        "         4         3         1  1.00000e+00  5.00000e-01  0.00000e+00",
+        [TIME, FORCE],
+        "  1.000000000000e+00  2.000000000000e+00 -3.000000000000e+00",
+    );
+    let single = history(
+        "         2         3         1  1.00000e+00  5.00000e-01  0.00000e+00",
+        [TIME, FORCE],
+        "  1.00000e+00  2.00000e+00 -3.00000e+00",
+    );
+    let uneven = history(
+        "         2         3         0  0.00000e+00  0.00000e+00  0.00000e+00",
+        [TIME, FORCE],
+        "  1.00000e+00  1.00000e+00  1.50000e+00  2.00000e+00\n  2.00000e+00 -3.00000e+00",
+    );
+    // Fields of 13 and 20 columns that run together.
+    let close = history(
+        "         4         3         0  0.00000e+00  0.00000e+00  0.00000e+00",
+        [TIME, FORCE],
+        " 1.00000e+000 1.00000000000000e+00 1.50000e+000 2.00000000000000e+00\n 2.00000e+000-3.0000000000000e+00",
+    );
+    for text in [even, single, uneven, close] {
+        let found = uff::functions(text.as_bytes(), "a.uff".as_ref()).unwrap();
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].abscissa, [1.0, 1.5, 2.0], "{text}");
+        assert_eq!(found[0].ordinate, [1.0, 2.0, -3.0], "{text}");
+        assert_eq!(
+            (found[0].kinds, found[0].units.clone()),
+            ([17, 13], ["s".to_owned(), "kN".to_owned()])
+        );
+        assert_eq!(found[0].lines[0], 14);
+    }
+}
+
+#[test]
+fn damaged_time_histories_name_their_line() {
+    let header = "         4         3         1  1.00000e+00  5.00000e-01  0.00000e+00";
+    let few = history(header, [TIME, FORCE], "  1.0  2.0");
+    let text = history(header, [TIME, FORCE], "  1.0  2.0 none");
+    let complex = history(&header.replacen('4', "6", 1), [TIME, FORCE], "  1.0  2.0 3.0");
+    let binary = few.replacen("    58\n", "    58b     1     2\n", 1);
+    for (text, line) in [
+        (few, "line 9"),
+        (text, "line 14"),
+        (complex, "line 1"),
+        (binary, "line 1"),
+    ] {
+        let error = uff::functions(text.as_bytes(), "a.uff".as_ref())
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains(line), "{error}");
+    }
+}

@@ -94,8 +94,13 @@ fn failures(study: &Shots) -> Vec<Failure> {
 fn text(name: &str, study: &Shots) -> String {
     let drawn = study.draws.len();
     let mut text = format!(
-        "{name}: {drawn} designs drawn from the ranges of {} parameters (seed {})\n\n",
+        "{name}: {drawn} designs drawn from the ranges of {} parameters{} (seed {})\n\n",
         study.parameters.len(),
+        if study.scores.is_empty() {
+            ""
+        } else {
+            " and the uncertainty of the fitted penetration law"
+        },
         study.seed
     );
     let mut counts: Vec<(&String, &usize)> = study.counts.iter().collect();
@@ -146,6 +151,7 @@ fn csv(study: &Shots) -> Result<Vec<u8>, Error> {
         };
         format!("{} [{unit}]", parameter.key)
     });
+    let scores = study.scores.iter().map(|name| format!("{name} [-]"));
     let rows = study.draws.iter().map(|draw| {
         let (speed, depth, mass) = match &draw.fate {
             Fate::Shot(shot) => (shot.mean_drive_speed, Some(shot.penetration), Some(shot.exhaust_mass)),
@@ -162,5 +168,5 @@ fn csv(study: &Shots) -> Result<Vec<u8>, Error> {
         let names = [draw.candidate.to_string(), draw.fate.name().to_owned()];
         names.into_iter().chain(figures).chain(values)
     });
-    output::table(figures.map(str::to_owned).into_iter().chain(values), rows)
+    output::table(figures.map(str::to_owned).into_iter().chain(values).chain(scores), rows)
 }

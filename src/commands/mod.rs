@@ -79,7 +79,7 @@ enum Command {
     Mesh(mesh::Arguments),
     /// Explain a design, or check the quality of a mesh, and estimate the cost of the computation
     Check(check::Arguments),
-    /// Evaluate, compare and plot published laws of penetration resistance
+    /// Penetration laws: evaluate published ones, fit own tests, plan tests, compute a test machine
     Prf(prf::Arguments),
     /// List, verify or clear cached results
     Cache(cache::Arguments),

@@ -187,6 +187,8 @@ group! {
     /// The wood of the workpiece.
     Wood {
         ..cycle: dynamics::Wood;
+        /// Fitted law of the word `fitted`, a file that `nailnoise prf fit` writes; unused with the other laws.
+        penetration_fit: String = Kind::File, "";
         /// Share of the resistance at full depth that is friction along the shank; the rest acts at the tip.
         friction_share: f64 = fraction(), "";
         /// Direction of driving relative to the growth rings.

@@ -76,6 +76,8 @@ pub struct Design {
     records: Records,
     study: StudySettings,
     warnings: Vec<Warning>,
+    /// Standard normal scores by which the fitted penetration law is drawn; none for the law itself.
+    law_scores: Vec<f64>,
 }
 
 /// What is known about one key of a design.
@@ -152,6 +154,7 @@ impl Design {
             records,
             study,
             warnings,
+            law_scores: Vec::new(),
         })
     }
 
@@ -175,6 +178,17 @@ impl Design {
         &self.warnings
     }
 
+    /// Draws the fitted penetration law of this design by standard normal scores: the specimen's, then one a principal component
+    /// of the covariance of the coefficients. Without scores it is the law itself.
+    pub(crate) fn draw_law(&mut self, scores: Vec<f64>) {
+        self.law_scores = scores;
+    }
+
+    /// The scores of [`draw_law`](Self::draw_law).
+    pub(crate) fn law_scores(&self) -> &[f64] {
+        &self.law_scores
+    }
+
     /// SHA-256 of all values in hexadecimal digits.
     ///
     /// It is the same for two designs whose values agree to twelve digits, however and in whichever files and units
@@ -193,6 +207,9 @@ impl Design {
                 Value::File(path) => writeln!(text, "{key}={}", content(&path)),
             };
         });
+        for score in &self.law_scores {
+            let _ = writeln!(text, "law_score={score:.11e}");
+        }
         hexadecimal(&Sha256::digest(text))
     }
 

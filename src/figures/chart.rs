@@ -125,6 +125,14 @@ impl Axis {
         Self::new(label, unit, if low < high { [low, high] } else { [0.0, 1.0] })
     }
 
+    /// An axis that holds these values with a margin of 5 %.
+    pub(crate) fn holding(label: impl Into<String>, unit: &'static str, values: impl Iterator<Item = f64>) -> Self {
+        let [low, high] = ends(values).unwrap_or([0.0, 1.0]);
+        // Values that differ by rounding alone would have ticks without digits.
+        let margin = (0.05 * (high - low)).max(1e-6 * high.abs()).max(f64::MIN_POSITIVE);
+        Self::new(label, unit, [low - margin, high + margin])
+    }
+
     /// An axis of levels that ends above the highest of all series, with `shown` dB below its upper end.
     pub(crate) fn levels(label: impl Into<String>, unit: &'static str, shown: f64, series: &[Series]) -> Self {
         let highest = ends(series.iter().flat_map(|series| series.y.iter().copied())).map_or(0.0, |[_, high]| high);

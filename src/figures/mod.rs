@@ -6,6 +6,7 @@
 mod chart;
 mod cycle;
 mod energy;
+mod fitted;
 mod levels;
 mod penetration;
 mod study;
@@ -21,6 +22,7 @@ pub(crate) use chart::subscripts;
 pub use chart::{Axis, Chart, Event, Panel, Series, Shape};
 pub use cycle::cycle;
 pub use energy::energy;
+pub use fitted::{fit, residuals};
 pub(crate) use levels::in_palette;
 pub use levels::{levels, power};
 pub(crate) use penetration::MOST as MOST_LAWS;

@@ -331,6 +331,10 @@ impl Series {
             Shape::Bars(_) | Shape::Spans(_) | Shape::Whiskers(_) => {
                 Rectangle::new([(x, y - MM), (x + SAMPLE, y + MM)], self.colour().filled()).into_dyn()
             }
+            Shape::Band(_) => {
+                Rectangle::new([(x, y - MM), (x + SAMPLE, y + MM)], self.colour().mix(0.26).filled()).into_dyn()
+            }
+            Shape::Points => Circle::new((x + SAMPLE / 2, y), DOT, self.colour().filled()).into_dyn(),
             Shape::Dashed => DashedPathElement::new(ends, 25, 20, self.colour().stroke_width(FRAME)).into_dyn(),
             _ => PathElement::new(ends, self.stroke()).into_dyn(),
         }

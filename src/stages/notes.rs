@@ -26,6 +26,8 @@ pub struct NoteInputs<'a> {
     pub idle_sensors: Vec<&'a str>,
     /// Sensors whose band ends with the modes of their body, and the frequency of that end \[Hz\].
     pub limited_sensors: Vec<(&'a str, f64)>,
+    /// Where the shot lies in the range of a fitted penetration law, in words.
+    pub fitted_law: Vec<String>,
     /// Values outside the ranges that the design gives, in words.
     pub outside_ranges: Vec<String>,
     /// Springs on bodies that the design lacks.
@@ -58,6 +60,7 @@ pub fn notes(
         Outcome::DoesNotOpen => "the head valve does not open: no shot".to_owned(),
         Outcome::DoesNotRelease => "the tool does not rise far enough to release the trigger valve".to_owned(),
     }];
+    notes.extend(inputs.fitted_law.iter().cloned());
     notes.extend(inputs.outside_ranges.iter().cloned());
     let [workpiece, body] = inputs.radiation;
     notes.push(match workpiece {

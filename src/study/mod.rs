@@ -7,6 +7,7 @@ mod contributions;
 mod draws;
 mod jobs;
 mod kept;
+mod law;
 mod level_table;
 mod normal;
 mod notes;

@@ -3,6 +3,7 @@
 use super::draws::Draws;
 use super::request::Request;
 use super::variable_report::VariableReport;
+use super::variables::Kind;
 use crate::design::Design;
 
 /// Share of a distribution at which a value stands at its end.
@@ -26,6 +27,17 @@ pub(super) fn notes(design: &Design, request: &Request, made: &Draws, variables:
             held.len(),
             held.iter().take(3).copied().collect::<Vec<_>>().join(", ")
         ));
+    }
+    if made
+        .variables
+        .iter()
+        .any(|variable| matches!(variable.kind, Kind::LawScore))
+    {
+        notes.push(
+            "the fitted penetration law is drawn by its covariance and the scatter of its specimens; wood.hardness_modulus is \
+             held, because that scatter includes it; wood.resistance_scale is drawn if it has a range"
+                .to_owned(),
+        );
     }
     if !made.open_ends.is_empty() {
         notes.push(format!(

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::request::Part;
 use super::sampling::{Frame, Point, Rejections, Sampler};
+use super::variables::drawn_scores;
 use crate::design::inputs::cycle::{cycle_settings, parameters};
 use crate::design::{Design, Values};
 use crate::error::Error;
@@ -79,6 +80,7 @@ pub(crate) fn with_values(design: &Design, values: &Values) -> Design {
 pub(crate) fn drawn(design: &Design, sampler: &Sampler, base: &Values, point: &Point) -> Result<Design, String> {
     let mut drawn = with_values(design, base);
     drawn.set(&sampler.changes(point)).map_err(|error| error.to_string())?;
+    drawn.draw_law(drawn_scores(sampler.variables(), &point.drawn));
     match drawn.conflict() {
         Some(conflict) => Err(conflict.keys().join(", ")),
         None => Ok(drawn),

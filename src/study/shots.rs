@@ -5,10 +5,11 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::law;
 use super::parameters::{Parameter, taking_part};
 use super::sampling::{Frame, Rejections, Sampler};
 use super::screening::cycles_of;
-use super::variables::{Drawn, Kind, Scope, Variable, without_sensors};
+use super::variables::{Drawn, Kind, Scope, Variable, law_scores, without_sensors};
 use crate::design::{Design, Value, Values};
 use crate::error::Error;
 use crate::stages::Progress;
@@ -26,6 +27,8 @@ pub struct Shots {
     pub seed: u64,
     /// The keys that were drawn.
     pub parameters: Vec<Parameter>,
+    /// Names of the scores by which a fitted penetration law is drawn.
+    pub scores: Vec<String>,
     /// Candidates drawn for the designs, those that were refused among them.
     pub candidates: usize,
     /// How many were refused, by the rule of the cycle that is broken.
@@ -43,7 +46,7 @@ pub struct Shots {
 pub struct DrawnShot {
     /// Number of the candidate.
     pub candidate: usize,
-    /// Values of the parameters, in their order.
+    /// Values of the parameters, then the scores, in their order.
     pub values: Vec<Value>,
     /// What became of it.
     pub fate: Fate,
@@ -57,15 +60,18 @@ pub struct DrawnShot {
 /// # Errors
 /// As [`taking_part`].
 pub fn shots(design: &Design, count: usize, seed: u64, progress: &Progress) -> Result<Shots, Error> {
-    let parameters = taking_part(design)?;
+    let mut parameters = taking_part(design)?;
+    law::leave_out_held(design, &mut parameters)?;
     let variable = |parameter: &Parameter| Variable {
         name: parameter.key.clone(),
         scope: Scope::Shot,
         kind: Kind::Quantity(parameter.clone()),
     };
     let design = without_sensors(design);
-    let sampler = Sampler::new(&design, parameters.iter().map(variable).collect(), seed);
-    let active = vec![true; parameters.len()];
+    let scores = law_scores(std::slice::from_ref(&design))?;
+    let names = scores.iter().map(|score| score.name.clone()).collect();
+    let sampler = Sampler::new(&design, parameters.iter().map(variable).chain(scores).collect(), seed);
+    let active = vec![true; sampler.variables().len()];
     let bases = [Values::clone(&design)];
     let frame = Frame {
         bases: &bases,
@@ -75,6 +81,7 @@ pub fn shots(design: &Design, count: usize, seed: u64, progress: &Progress) -> R
     let mut all = Shots {
         seed,
         parameters,
+        scores: names,
         candidates: 0,
         refused: BTreeMap::new(),
         rejections: Rejections::new(),

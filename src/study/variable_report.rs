@@ -69,6 +69,7 @@ pub(super) fn variable_reports(request: &Request, made: &Draws) -> Vec<VariableR
                 let option = |option: &Alternative| format!("{} ({:.0} %)", option.name, 100.0 * option.probability);
                 (None, options.iter().map(option).collect::<Vec<_>>().join("; "))
             }
+            Kind::LawScore => (None, "normal".to_owned()),
             Kind::Method(bounds) => (*bounds, "uniform".to_owned()),
         };
         VariableReport {

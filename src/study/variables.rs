@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::parameters::Parameter;
+use super::{law, normal};
 use crate::chain::{Chain, Options};
 use crate::design::{Alternative, Design, Entry, Provenance, SOURCES, Value};
 use crate::error::Error;
@@ -27,7 +28,7 @@ pub enum Scope {
 /// A random variable of a study.
 #[derive(Debug, Clone)]
 pub struct Variable {
-    /// Key, name of alternatives, or `method.SOURCE`.
+    /// Key, name of alternatives, `wood.penetration_fit.SCORE`, or `method.SOURCE`.
     pub name: String,
     /// What it changes.
     pub scope: Scope,
@@ -42,6 +43,8 @@ pub enum Kind {
     Quantity(Parameter),
     /// One of several sets of values.
     Alternatives(Vec<Alternative>),
+    /// A standard normal score by which a fitted penetration law is drawn.
+    LawScore,
     /// The error of a method, uniform between bounds: those given \[dB\], else the method's own.
     Method(Option<[f64; 2]>),
 }
@@ -70,6 +73,7 @@ impl Variable {
                 });
                 Drawn::Alternative(chosen.unwrap_or(options.len() - 1))
             }
+            Kind::LawScore => Drawn::Value(Value::Number(normal::quantile(u))),
             Kind::Method(_) => Drawn::Share(u),
         }
     }
@@ -90,10 +94,29 @@ impl Variable {
     pub fn unit(&self) -> &str {
         match &self.kind {
             Kind::Quantity(parameter) => &parameter.unit,
-            Kind::Alternatives(_) => "",
+            Kind::Alternatives(_) | Kind::LawScore => "",
             Kind::Method(_) => "dB",
         }
     }
+}
+
+/// The scores by which the fitted penetration laws of these designs are drawn.
+pub(super) fn law_scores(designs: &[Design]) -> Result<Vec<Variable>, Error> {
+    let score = |name: String| Variable {
+        name,
+        scope: Scope::Shot,
+        kind: Kind::LawScore,
+    };
+    Ok(law::score_names(designs)?.into_iter().map(score).collect())
+}
+
+/// The scores of a point, in their order.
+pub(super) fn drawn_scores(variables: &[Variable], drawn: &[Option<Drawn>]) -> Vec<f64> {
+    let score = |(variable, drawn): (&Variable, &Option<Drawn>)| match (&variable.kind, drawn) {
+        (Kind::LawScore, Some(Drawn::Value(Value::Number(score)))) => Some(*score),
+        _ => None,
+    };
+    variables.iter().zip(drawn).filter_map(score).collect()
 }
 
 /// The design as a study runs it: without sensors, which would refuse draws that move the surface below them.
@@ -118,7 +141,8 @@ fn keys(design: &Design) -> Result<Keys, Error> {
 }
 
 /// The variables of a study of `design`, in the order of the reference: every key with a range that changes the levels, unless
-/// it is a property of the numerical method; the alternatives; the error of each source's method.
+/// it is a property of the numerical method; the alternatives; the scores of a fitted penetration law; the error of each source's
+/// method.
 ///
 /// A key changes the levels where the digest of their inputs changes with it. Keys of a form of the physics that is not
 /// chosen may be among them; what they do to the levels is nothing.
@@ -167,7 +191,8 @@ pub fn variables(design: &Design) -> Result<Vec<Variable>, Error> {
     let entries = entries
         .into_iter()
         .filter(|entry| entry.provenance != Provenance::Numerical && !chosen(&entry.key));
-    let parameters: Vec<Parameter> = entries.filter_map(Parameter::of).collect();
+    let mut parameters: Vec<Parameter> = entries.filter_map(Parameter::of).collect();
+    law::leave_out_held(design, &mut parameters)?;
     let in_force = parameters.into_par_iter().filter_map(|parameter| {
         let ends = [0.001, 0.5, 0.999].map(|u| parameter.at(u));
         let mut scopes = ends
@@ -204,6 +229,7 @@ pub fn variables(design: &Design) -> Result<Vec<Variable>, Error> {
             kind: Kind::Alternatives(options.clone()),
         });
     }
+    variables.extend(law_scores(&bases)?);
     variables.extend(SOURCES.map(|source| Variable {
         name: format!("method.{source}"),
         scope: Scope::Method,

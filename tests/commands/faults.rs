@@ -107,6 +107,7 @@ fn a_full_disk_leaves_the_older_files_of_laws() {
     let laws = |wood| {
         [
             "prf",
+            "law",
             "--law",
             "smooth",
             "--wood",
@@ -131,7 +132,7 @@ fn full() -> Stdio {
 fn a_full_standard_output_is_reported() {
     let out = folder("full-output");
     let init = folder("full-output-init").join("new.toml");
-    let law = ["prf", "--constant", "1 kN", "--nail", "8d"];
+    let law = ["prf", "law", "--constant", "1 kN", "--nail", "8d"];
     for arguments in [
         &["run", SMALL, "--json"][..],
         &["run", SMALL],
@@ -149,8 +150,8 @@ fn a_full_standard_output_is_reported() {
         &["check", SMALL],
         &["check", SMALL, "--body", "workpiece", "--json"],
         &["mesh", SMALL, "--body", "workpiece"],
-        &["prf", "--list"],
-        &["prf", "--list", "--json"],
+        &["prf", "law", "--list"],
+        &["prf", "law", "--list", "--json"],
         &["cache"],
         &["cache", "--json"],
         &["init", text(&init)],

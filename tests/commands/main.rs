@@ -11,6 +11,7 @@ mod examples;
 mod faults;
 mod mesh;
 mod prf;
+mod prf_fit;
 mod report;
 mod run;
 mod study;

@@ -9,7 +9,7 @@ fn prf(name: &str, arguments: &[&str]) -> (Output, PathBuf) {
     let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("prf").join(name);
     let _ = std::fs::remove_dir_all(&out);
     let output = Command::new(env!("CARGO_BIN_EXE_nailnoise"))
-        .arg("prf")
+        .args(["prf", "law"])
         .args(arguments)
         .args(["--out", out.to_str().unwrap()])
         .env("NO_COLOR", "1")

@@ -230,7 +230,7 @@ def whole_cases(bench, tally):
     for name in ("...toml", "..toml"):
         hold(f"a design named {name}", ["cycle", over("", name)], {2}, ["--out"], BAD_INPUT)
 
-    for command in (["schema"], ["completions", "bash"], ["cycle", small, "--json"], ["prf", "--list"], ["check", small]):
+    for command in (["schema"], ["completions", "bash"], ["cycle", small, "--json"], ["prf", "law", "--list"], ["check", small]):
         with open("/dev/full", "wb") as full:
             process = subprocess.run([bench.program, *map(str, command)], cwd=bench.folder, stdout=full, stderr=subprocess.PIPE)
         outcome = Outcome(process.returncode, 0.0, 0.0, 0.0, process.stderr.decode())

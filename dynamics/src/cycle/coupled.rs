@@ -211,13 +211,20 @@ impl<'s> Cycle<'s> {
         let guard = if mode.guard { system.guard_stiffness } else { 0.0 };
         let z = Dual {
             value: system.depth(mode, y),
-            slope: [1.0],
+            slope: [1.0, 0.0],
         };
-        let nail = match mode.penetration {
-            Penetration::Free { .. } => 0.0,
-            Penetration::Loading { seated: false } => system.envelope.law().evaluate(z).slope[0],
-            Penetration::Loading { seated: true } => system.envelope.head_stiffness(),
-            Penetration::Unloading { .. } => system.p.wood.unloading_stiffness,
+        let v = Dual {
+            value: y[V_P] - mode.nail_motion(y).1,
+            slope: [0.0, 1.0],
+        };
+        let [nail, nail_damping] = match mode.penetration {
+            Penetration::Free { .. } => [0.0; 2],
+            Penetration::Loading { seated: false } => system.envelope.law().evaluate(z, v, mode.impact).slope,
+            Penetration::Loading { seated: true } => {
+                let shank = system.envelope.seated(v, mode.impact).slope;
+                [system.envelope.head_stiffness(), shank[1]]
+            }
+            Penetration::Unloading { .. } => [system.p.wood.unloading_stiffness, 0.0],
         };
         Answer {
             forces: WoodForces {
@@ -226,7 +233,7 @@ impl<'s> Cycle<'s> {
                 seat: f.push[nose].max(0.0) + f.guard,
             },
             stiffness: [nail, stiffness + guard],
-            damping: [0.0, damping],
+            damping: [nail_damping, damping],
         }
     }
 }

@@ -75,9 +75,13 @@ impl System {
         let z = self.depth(mode, y);
         let penetration = match mode.penetration {
             Penetration::Free { .. } => zero,
-            Penetration::Loading { seated: false } => self.envelope.law().evaluate(z),
+            Penetration::Loading { seated: false } => {
+                let v = y[V_P] - mode.nail_motion(y).1;
+                self.envelope.law().evaluate(z, v, mode.impact)
+            }
             Penetration::Loading { seated: true } => {
-                (z - p.nail.length) * self.envelope.head_stiffness() + self.envelope.seated()
+                let v = y[V_P] - mode.nail_motion(y).1;
+                (z - p.nail.length) * self.envelope.head_stiffness() + self.envelope.seated(v, mode.impact)
             }
             Penetration::Unloading { deepest, force } => (z - deepest) * p.wood.unloading_stiffness + force,
         };

@@ -467,6 +467,13 @@ impl<'s> Cycle<'s> {
         let before = (self.mode, self.y);
         let impact = is_impact(slot, &self.mode);
         cross(self.system, slot, &mut self.mode, &mut self.y);
+        if impact && let Some(law) = self.system.envelope.law().fitted() {
+            let [lowest, highest] = law.impacts();
+            let speed = self.mode.impact;
+            if !(lowest..=highest).contains(&speed) {
+                return Err(CycleError::BeyondFit { speed, lowest, highest });
+            }
+        }
         if self.recording {
             self.note_crossing(slot, impact, &before);
         }

@@ -23,6 +23,7 @@ mod system;
 mod tolerances;
 mod wood;
 
+pub(crate) use gas::{Air, Gas};
 pub(crate) use real::Real;
 
 use crate::{CouplingWork, CycleError, CycleRecord, Parameters, Settings, Workpiece};

@@ -91,6 +91,8 @@ pub(crate) struct Mode {
     pub(crate) nail: NailState,
     /// Trigger channel at its far end, where a switching arrives late.
     pub(crate) channel: Channel,
+    /// v0, speed of the rod against the wood just before it struck the nail \[m/s\].
+    pub(crate) impact: f64,
     /// Whether the trigger is released (latched).
     pub(crate) released: bool,
     /// How the wood moves where it is no mass of the cycle's own.

@@ -8,6 +8,7 @@ use super::mode::{Channel, Contact, Mode, NailState, Penetration};
 use super::state::*;
 use super::system::System;
 use super::wood::DrivenWood;
+use crate::prf::ResistanceLaw;
 use crate::{CycleError, Parameters, SupportDamping, WoodMotion};
 
 /// Refuses designs the model does not hold for.
@@ -82,6 +83,9 @@ pub(crate) fn check(p: &Parameters) -> Result<(), CycleError> {
             stroke: p.piston.stroke,
             protrusion: p.piston.rod_protrusion,
         });
+    }
+    if p.wood.penetration_law == ResistanceLaw::Fitted && p.penetration_table.is_none() && p.penetration_fit.is_none() {
+        return Err(CycleError::NoFit);
     }
     if let Some(table) = &p.penetration_table
         && table.last_depth() < p.nail.length * (1.0 - 1e-9)
@@ -205,6 +209,7 @@ pub(crate) fn start(system: &System, rest: Option<&WoodMotion>) -> Result<(State
         },
         nail: NailState::Waiting,
         channel: Channel::Closed,
+        impact: system.envelope.usual_impact(),
         released: false,
         wood: rest.map(DrivenWood::at_rest),
     };

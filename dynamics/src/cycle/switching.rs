@@ -163,6 +163,7 @@ pub(crate) fn cross(system: &System, slot: usize, mode: &mut Mode, y: &mut State
         CHECK_HOLES => mode.check_holes = !mode.check_holes,
         NAIL => match mode.nail {
             NailState::Waiting => {
+                mode.impact = y[V_P] - mode.nail_motion(y).1;
                 // Plastic impact of the rod on the nail at rest; published, the nail comes up to speed by itself
                 // (C-08).
                 if system.p.model.impact == Form::Corrected {
@@ -206,7 +207,7 @@ pub(crate) fn cross(system: &System, slot: usize, mode: &mut Mode, y: &mut State
                     let deepest = system.depth(mode, y);
                     Penetration::Unloading {
                         deepest,
-                        force: system.envelope.force(deepest),
+                        force: system.envelope.at_rest(deepest, mode.impact),
                     }
                 }
                 Penetration::Unloading { deepest, force } => Penetration::Free { deepest, force },

@@ -2,6 +2,7 @@
 
 use super::Specimen;
 use super::resistance::Resistance;
+use crate::cycle::Real;
 use crate::{Form, Parameters};
 
 /// Envelope E(z) of the penetration resistance of one design, z the deepest depth of the nail's tip.
@@ -16,8 +17,10 @@ pub struct Envelope {
     law: Resistance,
     length: f64,
     head_stiffness: f64,
-    /// Force along the shank beyond l_n \[N\].
-    seated: f64,
+    /// Whether the force along the shank stays beyond l_n.
+    seated: bool,
+    /// Speed of impact where none is known \[m/s\].
+    usual_impact: f64,
 }
 
 impl Envelope {
@@ -30,24 +33,27 @@ impl Envelope {
         };
         let law = Resistance::new(p, &specimen);
         Self {
-            seated: if p.model.nail == Form::Corrected {
-                law.force(p.nail.length)
-            } else {
-                0.0
-            },
+            seated: p.model.nail == Form::Corrected,
+            usual_impact: law.fitted().map_or(0.0, |fitted| fitted.usual_impact()),
             law,
             length: p.nail.length,
             head_stiffness: p.wood.head_stiffness_scale * p.wood.hardness_modulus,
         }
     }
 
-    /// Part of E(z) along the shank and at the tip \[N\]; zero at or above the surface.
+    /// Part of E(z) along the shank and at the tip \[N\]; zero at or above the surface. A law that depends on the speed is
+    /// evaluated at rest, after an impact in the middle of its data.
     #[inline]
     pub fn shank(&self, depth: f64) -> f64 {
+        self.shank_after(depth, self.usual_impact)
+    }
+
+    /// The same after an impact at `impact` \[m/s\].
+    fn shank_after(&self, depth: f64, impact: f64) -> f64 {
         if depth > self.length {
-            self.seated
+            self.seated(0.0, impact)
         } else {
-            self.law.force(depth)
+            self.law.force(depth, impact)
         }
     }
 
@@ -63,6 +69,16 @@ impl Envelope {
         self.shank(depth) + self.head(depth)
     }
 
+    /// E(z) of a nail at rest after an impact at `impact` \[m/s\]: where unloading begins \[N\].
+    pub(crate) fn at_rest(&self, depth: f64, impact: f64) -> f64 {
+        self.shank_after(depth, impact) + self.head(depth)
+    }
+
+    /// Speed of impact where none is known \[m/s\].
+    pub(crate) fn usual_impact(&self) -> f64 {
+        self.usual_impact
+    }
+
     /// The law F_r as it is evaluated within the nail's length.
     pub(crate) fn law(&self) -> &Resistance {
         &self.law
@@ -74,8 +90,13 @@ impl Envelope {
     }
 
     /// Force along the shank beyond l_n \[N\].
-    pub(crate) fn seated(&self) -> f64 {
-        self.seated
+    #[inline]
+    pub(crate) fn seated<S: Real>(&self, v: S, impact: f64) -> S {
+        if self.seated {
+            self.law.evaluate(S::constant(self.length), v, impact)
+        } else {
+            S::constant(0.0)
+        }
     }
 }
 

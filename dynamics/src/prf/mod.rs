@@ -8,6 +8,7 @@
 //! they hold for penetration speeds of 20 to 500 mm/min, and a dynamic run uses the upper end, [`REFERENCE_SPEED`].
 
 mod envelope;
+pub mod fit;
 mod law;
 mod penetration_curve;
 mod resistance;
@@ -17,6 +18,7 @@ mod tables;
 pub use envelope::Envelope;
 pub use law::{PenetrationLaw, Specimen};
 pub use penetration_curve::{CurveError, CurveLaw, PenetrationCurve};
+pub(crate) use resistance::Resistance;
 pub use resistance::ResistanceLaw;
 pub use table::{ForceTable, TableError};
 pub use tables::{FitQuality, NAILS, NailSize, Shank, WOODS, WoodKind};

@@ -1,12 +1,13 @@
-//! The law a cycle is driven against: a published one, a constant force, or a table.
+//! The law a cycle is driven against: a published one, a constant force, a fitted law, or a table.
 
 use nailnoise_quantities::{Held, Kind, Value};
 use serde::{Deserialize, Serialize};
 
+use super::fit::{FittedLaw, LawOfDrive};
 use super::law::Curve;
 use super::{ForceTable, PenetrationLaw, REFERENCE_SPEED, Specimen};
-use crate::Parameters;
 use crate::cycle::Real;
+use crate::{Parameters, Wood};
 
 /// A law of the penetration resistance force for the nailing cycle, by its word in a design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -16,11 +17,14 @@ pub enum ResistanceLaw {
     Published(PenetrationLaw),
     /// The same force at every depth, `wood.penetration_force`.
     Constant,
+    /// A law fitted to own tests, [`Parameters::penetration_fit`].
+    Fitted,
 }
 
-/// Words of the published laws, then that of the constant force.
-const WORDS: [&str; PenetrationLaw::WORDS.len() + 1] = {
-    let mut words = ["constant"; PenetrationLaw::WORDS.len() + 1];
+/// Words of the published laws, then those of the constant force and of a fitted law.
+const WORDS: [&str; PenetrationLaw::WORDS.len() + 2] = {
+    let mut words = ["constant"; PenetrationLaw::WORDS.len() + 2];
+    words[PenetrationLaw::WORDS.len() + 1] = "fitted";
     let mut i = 0;
     while i < PenetrationLaw::WORDS.len() {
         words[i] = PenetrationLaw::WORDS[i];
@@ -38,6 +42,7 @@ impl Held for ResistanceLaw {
     fn from_value(value: &Value) -> Option<Self> {
         match value {
             Value::Choice("constant") => Some(Self::Constant),
+            Value::Choice("fitted") => Some(Self::Fitted),
             _ => PenetrationLaw::from_value(value).map(Self::Published),
         }
     }
@@ -46,6 +51,7 @@ impl Held for ResistanceLaw {
         match self {
             Self::Published(law) => law.to_value(),
             Self::Constant => Value::Choice("constant"),
+            Self::Fitted => Value::Choice("fitted"),
         }
     }
 }
@@ -67,14 +73,25 @@ pub(crate) struct Resistance {
 enum Law {
     Published(Curve),
     Constant(f64),
+    Fitted(LawOfDrive),
     Tabulated(ForceTable),
 }
 
 impl Resistance {
     /// The law of a cycle for the nail in its wood.
     pub(crate) fn new(p: &Parameters, specimen: &Specimen) -> Self {
-        let wood = &p.wood;
-        let law = match (&p.penetration_table, wood.penetration_law) {
+        let own = (p.penetration_table.as_ref(), p.penetration_fit.as_ref());
+        Self::of(&p.wood, own, specimen, p.piston.mass)
+    }
+
+    /// The law of a wood, or a table or fit in its place, for a nail that is driven by a mass \[kg\].
+    pub(crate) fn of(
+        wood: &Wood,
+        (table, fit): (Option<&ForceTable>, Option<&FittedLaw>),
+        specimen: &Specimen,
+        mass: f64,
+    ) -> Self {
+        let law = match (table, wood.penetration_law) {
             (Some(table), _) => Law::Tabulated(table.clone()),
             (None, ResistanceLaw::Published(law)) => {
                 let mut coefficients = law.coefficients();
@@ -85,6 +102,11 @@ impl Resistance {
                 Law::Published(Curve::new(&coefficients, specimen, REFERENCE_SPEED))
             }
             (None, ResistanceLaw::Constant) => Law::Constant(wood.penetration_force),
+            // Checked before a cycle starts; without a law there is no force.
+            (None, ResistanceLaw::Fitted) => match fit {
+                Some(fit) => Law::Fitted(fit.of(specimen, mass)),
+                None => Law::Constant(0.0),
+            },
         };
         Self {
             law,
@@ -92,12 +114,17 @@ impl Resistance {
         }
     }
 
-    /// Force at `z` with its derivative, continued smoothly above the surface.
+    /// Force at `z` and the nail's speed `v` in the wood after an impact of the rod at `impact` \[m/s\], with its
+    /// derivatives, continued smoothly above the surface.
     #[inline]
-    pub(crate) fn evaluate<S: Real>(&self, z: S) -> S {
+    pub(crate) fn evaluate<S: Real>(&self, z: S, v: S, impact: f64) -> S {
         let force = match &self.law {
             Law::Published(curve) => curve.evaluate(z),
             Law::Constant(force) => S::constant(*force),
+            Law::Fitted(law) => {
+                let at = law.evaluate(z.value(), v.value(), impact);
+                z.chain(at.force, at.by_depth) + v.chain(0.0, at.by_speed)
+            }
             Law::Tabulated(table) => {
                 let (force, slope) = table.evaluate(z.value());
                 z.chain(force, slope)
@@ -106,9 +133,21 @@ impl Resistance {
         force * self.scale
     }
 
-    /// Force at `depth`, 0 at or above the surface \[N\].
+    /// Force at `depth` with the nail at rest, 0 at or above the surface \[N\].
     #[inline]
-    pub(crate) fn force(&self, depth: f64) -> f64 {
-        if depth <= 0.0 { 0.0 } else { self.evaluate(depth) }
+    pub(crate) fn force(&self, depth: f64, impact: f64) -> f64 {
+        if depth <= 0.0 {
+            0.0
+        } else {
+            self.evaluate(depth, 0.0, impact)
+        }
+    }
+
+    /// The fitted law, if it is one.
+    pub(crate) fn fitted(&self) -> Option<&LawOfDrive> {
+        match &self.law {
+            Law::Fitted(law) => Some(law),
+            _ => None,
+        }
     }
 }

@@ -22,6 +22,7 @@ pub(crate) fn n80cb() -> Parameters {
         nail: group("nail"),
         wood: group("wood"),
         penetration_table: None,
+        penetration_fit: None,
         workpiece: group("workpiece"),
         contacts: group("contacts"),
         tool: group("tool"),

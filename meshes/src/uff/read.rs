@@ -1,9 +1,11 @@
 //! Reading universal files: nodes and measured modes.
 
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use nalgebra::{Complex, Point3};
+
+use super::dataset::{Block, UffError, blocks};
 
 /// What a universal file holds of a modal test.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -21,59 +23,6 @@ pub struct MeasuredMode {
     pub hz: f64,
     /// Complex displacement of each node along x, y and z, in any unit.
     pub shape: Vec<(u64, [Complex<f64>; 3])>,
-}
-
-/// What is wrong with a universal file.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum UffError {
-    /// The file cannot be read.
-    #[error("cannot read {}: {source}; check its name and that it may be read", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The system's reason.
-        source: std::io::Error,
-    },
-    /// A line is not what its dataset needs.
-    #[error("{}, line {line}, dataset {dataset}: expected {expected}, found \"{found}\"", path.display())]
-    Line {
-        /// The file.
-        path: PathBuf,
-        /// The line, from 1.
-        line: usize,
-        /// The dataset.
-        dataset: u64,
-        /// What is expected.
-        expected: &'static str,
-        /// The text found.
-        found: String,
-    },
-    /// A dataset has no end.
-    #[error("{}: dataset {dataset} of line {line} has no end (-1); the file is cut off", path.display())]
-    Truncated {
-        /// The file.
-        path: PathBuf,
-        /// Where it begins, from 1.
-        line: usize,
-        /// Its number.
-        dataset: u64,
-    },
-    /// There is no mode in it.
-    #[error("{} has no mode shapes: no dataset 55 with normal modes (2) or complex ones (3, 7)", path.display())]
-    NoModes {
-        /// The file.
-        path: PathBuf,
-    },
-}
-
-/// Lines of one dataset.
-struct Block<'a> {
-    path: &'a Path,
-    dataset: u64,
-    /// Number of its first line in the file, from 1.
-    first: usize,
-    lines: &'a [&'a str],
 }
 
 /// The largest file that is read \[byte\].
@@ -98,41 +47,14 @@ pub fn read(path: &Path) -> Result<Measurement, UffError> {
 pub fn parse(bytes: &[u8], path: &Path) -> Result<Measurement, UffError> {
     let text = String::from_utf8_lossy(bytes);
     let lines: Vec<&str> = text.lines().collect();
-    let is_end = |line: &str| line.trim() == "-1";
     let mut measurement = Measurement::default();
-    let mut at = 0;
-    while at < lines.len() {
-        if !is_end(lines[at]) {
-            at += 1;
-            continue;
-        }
-        let Some(header) = lines.get(at + 1) else { break };
-        // A binary dataset has more words in its header.
-        let dataset = header
-            .split_whitespace()
-            .next()
-            .and_then(|word| word.parse().ok())
-            .unwrap_or(0);
-        let Some(length) = lines[at + 2..].iter().position(|line| is_end(line)) else {
-            return Err(UffError::Truncated {
-                path: path.to_owned(),
-                line: at + 1,
-                dataset,
-            });
-        };
-        let block = Block {
-            path,
-            dataset,
-            first: at + 3,
-            lines: &lines[at + 2..at + 2 + length],
-        };
-        match dataset {
+    for block in blocks(&lines, path)? {
+        match block.dataset {
             15 => block.nodes(1, &mut measurement)?,
             2411 => block.nodes(2, &mut measurement)?,
             55 => block.mode(&mut measurement)?,
             _ => {}
         }
-        at += length + 3;
     }
     if measurement.modes.is_empty() {
         return Err(UffError::NoModes { path: path.to_owned() });
@@ -141,41 +63,6 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Measurement, UffError> {
 }
 
 impl Block<'_> {
-    fn error(&self, line: usize, expected: &'static str) -> UffError {
-        UffError::Line {
-            path: self.path.to_owned(),
-            line: self.first + line,
-            dataset: self.dataset,
-            expected,
-            found: self
-                .lines
-                .get(line)
-                .map_or_else(String::new, |text| text.trim().chars().take(60).collect()),
-        }
-    }
-
-    /// Numbers of one line, with `D` as an exponent; fields of 13 that have run together are taken apart.
-    fn numbers(&self, line: usize, expected: &'static str) -> Result<Vec<f64>, UffError> {
-        let text = self.lines.get(line).ok_or_else(|| self.error(line, expected))?;
-        let number = |word: &str| {
-            word.trim()
-                .replace(['D', 'd'], "E")
-                .parse::<f64>()
-                .ok()
-                .filter(|x| x.is_finite())
-        };
-        let words: Option<Vec<f64>> = text.split_whitespace().map(number).collect();
-        words
-            .or_else(|| {
-                let fields: Vec<char> = text.trim_end().chars().collect();
-                fields
-                    .chunks(13)
-                    .map(|field| number(&field.iter().collect::<String>()))
-                    .collect()
-            })
-            .ok_or_else(|| self.error(line, expected))
-    }
-
     fn nodes(&self, lines_each: usize, measurement: &mut Measurement) -> Result<(), UffError> {
         let expected = "a node: label, three numbers, three coordinates";
         for line in (0..self.lines.len()).step_by(lines_each) {

@@ -1,10 +1,15 @@
 //! Inputs of the nailing cycle: its parameters, and the settings of its integration.
 
+use std::path::Path;
+
 use nailnoise_dynamics as dynamics;
+use nailnoise_dynamics::prf::fit::{Conditions, Driving, FittedLaw};
+use nailnoise_dynamics::prf::{ResistanceLaw, Specimen};
 use nailnoise_fem::supports::{RectangularBase, Sand, contact_dashpot};
 
 use crate::design::{Design, MufflerKind, Sprung, SupportKind};
 use crate::error::Error;
+use crate::penetration::{self, PenetrationError};
 
 /// How the cycle of a design is integrated and recorded.
 pub fn cycle_settings(design: &Design) -> dynamics::Settings {
@@ -35,6 +40,7 @@ pub fn parameters(design: &Design) -> Result<dynamics::Parameters, Error> {
         nail: design.nail.cycle.clone(),
         wood: design.wood.cycle.clone(),
         penetration_table: None,
+        penetration_fit: fitted_law(design)?,
         workpiece: design.workpiece.block.clone(),
         contacts: design.contacts.clone(),
         tool: design.tool.clone(),
@@ -43,6 +49,61 @@ pub fn parameters(design: &Design) -> Result<dynamics::Parameters, Error> {
         ambient: design.ambient.clone(),
         model: design.model.clone(),
     })
+}
+
+/// The fitted law of a design, if that is its law.
+///
+/// # Errors
+/// [`Error::Penetration`] where the file holds no law, or the nail and wood lie beyond the range of its data and it does
+/// not allow that.
+pub fn fitted_law(design: &Design) -> Result<Option<FittedLaw>, Error> {
+    let wood = &design.wood;
+    if wood.penetration_law != ResistanceLaw::Fitted || wood.penetration_fit.is_empty() {
+        return Ok(None);
+    }
+    let path = Path::new(&wood.penetration_fit);
+    let law = penetration::fitted(path)?;
+    if !law.file().extrapolate {
+        // The speed of impact is a result of the cycle, which checks it.
+        let outside = law
+            .placement(&conditions(design, &law, None))
+            .into_iter()
+            .find(|place| !place.inside);
+        if let Some(place) = outside {
+            return Err(PenetrationError::Beyond {
+                path: path.to_owned(),
+                variable: place.variable,
+                value: place.value,
+                range: place.range,
+            }
+            .into());
+        }
+    }
+    Ok(Some(match design.law_scores() {
+        [] => law,
+        scores => law.drawn(scores),
+    }))
+}
+
+/// The conditions of a design's shot as those of a drive; `impact` is the speed of the rod at the nail \[m/s\].
+pub fn conditions(design: &Design, law: &FittedLaw, impact: Option<f64>) -> Conditions {
+    Conditions {
+        specimen: Specimen {
+            length: design.nail.length,
+            diameter: design.nail.diameter,
+            hardness_modulus: design.wood.hardness_modulus,
+            density: design.wood.density,
+        },
+        driving: match impact {
+            Some(speed) => Driving::Impact {
+                mass: design.piston.mass,
+                speed,
+            },
+            None => Driving::Constant {
+                speed: law.reference_speed(),
+            },
+        },
+    }
 }
 
 /// The support of the lumped workpiece in the cycle: on a floor the contact as one spring and dashpot, on springs their sum,

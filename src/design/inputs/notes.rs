@@ -1,7 +1,12 @@
 //! Inputs of the notes: support and values outside their ranges, in words.
 
+use nailnoise_dynamics::CycleRecord;
+use nailnoise_dynamics::prf::fit::{Placement, Variable};
+
+use super::cycle::{conditions, fitted_law as law_of};
 use super::radiation::workpiece_floor;
 use crate::design::{Design, SupportKind, Warning};
+use crate::error::Error;
 
 /// What supports the workpiece.
 pub(crate) fn support(design: &Design) -> String {
@@ -29,4 +34,44 @@ pub(crate) fn outside_ranges(design: &Design) -> Vec<String> {
     let warnings = design.warnings().iter();
     let outside = warnings.filter(|warning| matches!(warning, Warning::OutsideRange { .. }));
     outside.map(ToString::to_string).collect()
+}
+
+/// Where the shot lies in the range of the data of a fitted penetration law; nothing with another law.
+///
+/// # Errors
+/// As [`law_of`].
+pub(crate) fn fitted_law(design: &Design, record: &CycleRecord) -> Result<Vec<String>, Error> {
+    let Some(law) = law_of(design)? else {
+        return Ok(Vec::new());
+    };
+    let impact = record.summary.speed_before_impact.filter(|_| law.dynamic());
+    let places = law.placement(&conditions(design, &law, impact));
+    let place = |place: &Placement| {
+        let [low, high] = place.range;
+        let inside = if place.inside {
+            ""
+        } else {
+            ", beyond it: the law is extrapolated"
+        };
+        format!(
+            "{} = {:.4} (data {low:.4} to {high:.4}{inside})",
+            place.variable, place.value
+        )
+    };
+    let mut notes = vec![format!(
+        "fitted penetration law: {}",
+        places.iter().map(place).collect::<Vec<_>>().join(", ")
+    )];
+    if law.form().uses(Variable::Decay) {
+        notes.push(
+            "the gas pushes on behind the piston, and v/v0 is held to the range of the tests, in which nothing pushes"
+                .to_owned(),
+        );
+    } else if !law.dynamic() {
+        notes.push(format!(
+            "the tests of the fitted law end at {:.3} mm/s; what the wood does at the speed of the shot is not known from them",
+            1e3 * law.reference_speed()
+        ));
+    }
+    Ok(notes)
 }

@@ -1,4 +1,4 @@
-//! `nailnoise prf`: penetration laws, published and own, evaluated and compared.
+//! `nailnoise prf law`: penetration laws, published and own, evaluated and compared.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -9,8 +9,8 @@ use nailnoise_dynamics::prf::{
 };
 use serde::Serialize;
 
-use super::table::table;
-use super::{message, print, print_json};
+use crate::commands::table::table;
+use crate::commands::{message, print, print_json};
 use crate::error::Error;
 use crate::figures;
 use crate::output;

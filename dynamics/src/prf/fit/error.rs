@@ -1,0 +1,106 @@
+//! Why no law can be fitted.
+
+use thiserror::Error;
+
+/// Why no law can be fitted to drives.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum FitError {
+    /// No drive has points.
+    #[error("there are no points to fit")]
+    Empty,
+    /// A number of a drive that no test has.
+    #[error("drive \"{drive}\": {what} is {value}, and must be {rule}")]
+    Value {
+        /// The drive.
+        drive: String,
+        /// The quantity.
+        what: &'static str,
+        /// Its value \[SI\].
+        value: f64,
+        /// What it must be.
+        rule: &'static str,
+    },
+    /// A term that the drives have no value of.
+    #[error(
+        "the term {term} needs the mass and speed of a projectile, and drive \"{drive}\" was made at constant speed"
+    )]
+    NoImpact {
+        /// The term.
+        term: String,
+        /// The first drive without an impact.
+        drive: String,
+    },
+    /// As many distinct depths as the degree of the polynomial, or fewer.
+    #[error("the data have {depths} distinct depths, too few for x^{degree}")]
+    TooFewDepths {
+        /// Distinct depths.
+        depths: usize,
+        /// Highest power of x.
+        degree: f64,
+    },
+    /// As many terms that are constant in a drive as drives, or more.
+    #[error("{drives} drives do not determine {terms} terms that are constant in a drive")]
+    TooFewDrives {
+        /// Number of drives.
+        drives: usize,
+        /// Number of terms that are constant in a drive.
+        terms: usize,
+    },
+    /// As many terms as points, or more.
+    #[error("{points} points do not determine {terms} terms")]
+    TooFewPoints {
+        /// Number of points.
+        points: usize,
+        /// Number of terms.
+        terms: usize,
+    },
+    /// The data cannot tell a term from others.
+    #[error("the data do not tell the term {term} from {}", if partners.is_empty() { "0".to_owned() } else { partners.join(", ") })]
+    NotIdentifiable {
+        /// The term.
+        term: String,
+        /// The terms it is a combination of in these data; none where it is zero everywhere.
+        partners: Vec<String>,
+    },
+    /// A decomposition that did not converge.
+    #[error("the covariance of the coefficients cannot be computed")]
+    Covariance,
+    /// A group to leave out that is the only one.
+    #[error("all drives belong to one {what}, so that none can be left out")]
+    OneFold {
+        /// What was to be left out.
+        what: &'static str,
+    },
+}
+
+impl FitError {
+    /// What to do about it.
+    pub fn remedy(&self) -> String {
+        match self {
+            Self::Empty => "give at least one drive with points below the surface".to_owned(),
+            Self::Value { .. } => "correct the value in the file of the drives".to_owned(),
+            Self::NoImpact { term, .. } => {
+                format!("drop {term} from --form, or give projectile_mass_kg and impact_speed_m_s for every drive")
+            }
+            Self::TooFewDepths { depths, .. } => {
+                format!(
+                    "use poly(x,{}) or lower, or smaller bins of depth",
+                    depths.saturating_sub(1)
+                )
+            }
+            Self::TooFewDrives { .. } => {
+                "drive more nails under different conditions, or drop terms from --form".to_owned()
+            }
+            Self::TooFewPoints { .. } => "give more points, or drop terms from --form".to_owned(),
+            Self::NotIdentifiable { term, partners } => match partners.first() {
+                Some(partner) => format!(
+                    "drop {term} or {partner} from --form, or add drives in which {term} changes and {partner} does not"
+                ),
+                None => format!("drop {term} from --form"),
+            },
+            Self::Covariance => "drop the terms with the largest VIF from --form".to_owned(),
+            Self::OneFold { .. } => "leave out something that the drives differ in, with --leave".to_owned(),
+        }
+    }
+}

@@ -1,0 +1,232 @@
+//! The file of a fit: what it holds, and the domains of its numbers.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::form::{Form, FormError, Variable};
+use super::regression::Method;
+
+/// The layout of a fit in a file.
+pub const FIT_SCHEMA: &str = "nailnoise-fit/1";
+
+/// What is known of a term.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TermFit {
+    /// The term, as `x^2*decay`.
+    pub name: String,
+    /// C \[-\].
+    pub coefficient: f64,
+    /// Its standard error, allowing for deviations common to a drive.
+    pub standard_error: f64,
+    /// Its standard error as if all points were independent.
+    pub classical_error: f64,
+    /// t = C/standard error.
+    pub t: f64,
+    /// Probability of a larger |t| if C were 0 (two-sided).
+    pub p: f64,
+    /// Factor by which dependence on other terms raises its variance; 0 for a constant.
+    pub vif: f64,
+    /// F of the classical test that drops the term alone.
+    pub f_dropped: f64,
+}
+
+/// Quality of a fit, of s = sqrt(F_r/(H_M NL)) where it has no other unit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Quality {
+    /// 1 - SSE/SST about the mean.
+    pub r_squared: f64,
+    /// SEE = sqrt(SSE/(n - p)).
+    pub standard_error: f64,
+    /// MAE = mean |e|.
+    pub mean_absolute_error: f64,
+    /// Mean |e|/s \[%\], over points with a force.
+    pub mean_percentage_error: f64,
+    /// Root mean square error of the force \[N\], with n - p.
+    pub standard_error_n: f64,
+    /// Mean |error| of the force \[N\].
+    pub mean_absolute_error_n: f64,
+    /// Mean |error|/force \[%\], over points with a force.
+    pub mean_percentage_error_force: f64,
+}
+
+/// How much was fitted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Counts {
+    /// Points.
+    pub points: usize,
+    /// Drives.
+    pub drives: usize,
+    /// Groups of drives that repeat a condition.
+    pub groups: usize,
+}
+
+/// Lowest and highest value in the data; NaN is not written, a variable that no drive has is absent.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Ranges {
+    /// y/NL.
+    pub x: [f64; 2],
+    /// NL rho v^2/H_M.
+    pub rate: [f64; 2],
+    /// D/NL.
+    pub slender: [f64; 2],
+    /// NL rho v0^2/H_M.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inertia: Option<[f64; 2]>,
+    /// v/v0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub decay: Option<[f64; 2]>,
+    /// M v0^2/(H_M NL^2).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energy: Option<[f64; 2]>,
+    /// v, speed of penetration \[m/s\].
+    pub speed_m_s: [f64; 2],
+    /// v0 \[m/s\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub impact_speed_m_s: Option<[f64; 2]>,
+}
+
+impl Ranges {
+    /// The range of a variable.
+    pub fn of(&self, variable: Variable) -> Option<[f64; 2]> {
+        match variable {
+            Variable::X => Some(self.x),
+            Variable::Rate => Some(self.rate),
+            Variable::Slender => Some(self.slender),
+            Variable::Inertia => self.inertia,
+            Variable::Decay => self.decay,
+            Variable::Energy => self.energy,
+        }
+    }
+}
+
+/// The file as it is written.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FitFile {
+    /// `nailnoise-fit/1`.
+    pub schema: String,
+    /// The form, as `poly(x,7) + rate`.
+    pub form: String,
+    /// How the coefficients were found.
+    pub method: Method,
+    /// Whether a design may use the law beyond the range of its data.
+    pub extrapolate: bool,
+    /// Standard deviation between drives of one condition: specimens.
+    pub sigma_between: f64,
+    /// Standard deviation within a drive.
+    pub sigma_within: f64,
+    /// Degrees of freedom of the covariance.
+    pub degrees_of_freedom: f64,
+    /// Deviation of one specimen from the law, of s; only in a drawn law.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub specimen_deviation: Option<f64>,
+    /// V, covariance of the coefficients in the order of the terms.
+    pub covariance: Vec<Vec<f64>>,
+    /// Digests (SHA-256) of the files of data, by name.
+    #[serde(default)]
+    pub data: Vec<(String, String)>,
+    /// How much was fitted.
+    pub counts: Counts,
+    /// Quality.
+    pub quality: Quality,
+    /// Range of the data.
+    pub ranges: Ranges,
+    /// The terms.
+    pub terms: Vec<TermFit>,
+}
+
+/// Why a file holds no fitted law.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum LawError {
+    /// Another layout.
+    #[error("its schema is \"{found}\", not \"{FIT_SCHEMA}\"")]
+    Schema {
+        /// The schema found.
+        found: String,
+    },
+    /// A form or term that is none.
+    #[error(transparent)]
+    Form(#[from] FormError),
+    /// Terms that are not those of the form.
+    #[error("term {place} is \"{found}\", and the form has \"{expected}\" there")]
+    Term {
+        /// Place of the term, from 1.
+        place: usize,
+        /// The term found.
+        found: String,
+        /// The term of the form.
+        expected: String,
+    },
+    /// A number out of its domain.
+    #[error("{what} is {value}, and must be {rule}")]
+    Value {
+        /// The quantity.
+        what: String,
+        /// The number.
+        value: f64,
+        /// What it must be.
+        rule: &'static str,
+    },
+    /// A covariance of another size, not symmetric, or with a negative eigenvalue.
+    #[error("the covariance is no symmetric matrix of {size} rows without negative eigenvalues")]
+    Covariance {
+        /// Number of terms.
+        size: usize,
+    },
+}
+
+/// Numbers in their domains.
+pub(super) fn check(file: &FitFile, form: &Form) -> Result<(), LawError> {
+    let refuse = |what: &str, value: f64, rule: &'static str| {
+        let what = what.to_owned();
+        Err(LawError::Value { what, value, rule })
+    };
+    for term in &file.terms {
+        if !term.coefficient.is_finite() {
+            return refuse(&format!("the coefficient of {}", term.name), term.coefficient, "finite");
+        }
+    }
+    for (what, value) in [
+        ("sigma_between", file.sigma_between),
+        ("sigma_within", file.sigma_within),
+    ] {
+        if !(value >= 0.0 && value.is_finite()) {
+            return refuse(what, value, "finite and not negative");
+        }
+    }
+    if let Some(deviation) = file.specimen_deviation
+        && !deviation.is_finite()
+    {
+        return refuse("specimen_deviation", deviation, "finite");
+    }
+    if !(file.degrees_of_freedom >= 1.0 && file.degrees_of_freedom.is_finite()) {
+        return refuse("degrees_of_freedom", file.degrees_of_freedom, "1 or more");
+    }
+    for variable in Variable::ALL {
+        let range = file.ranges.of(variable);
+        let name = format!("ranges.{}", variable.name());
+        match range {
+            None if form.uses(variable) => return refuse(&name, f64::NAN, "a range, because the form has it"),
+            Some([low, high]) if !(low.is_finite() && high.is_finite() && low <= high && high >= 0.0) => {
+                return refuse(&name, low, "at most the upper end, both finite");
+            }
+            _ => {}
+        }
+    }
+    for (name, range) in [
+        ("ranges.speed_m_s", Some(file.ranges.speed_m_s)),
+        ("ranges.impact_speed_m_s", file.ranges.impact_speed_m_s),
+    ] {
+        if let Some([low, high]) = range
+            && !(low.is_finite() && high.is_finite() && low <= high && high > 0.0)
+        {
+            return refuse(name, low, "at most the upper end, which is above 0");
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,39 @@
+//! `nailnoise prf`: penetration laws, published and own.
+
+mod fit;
+mod law;
+mod machine;
+mod plan;
+
+use std::process::ExitCode;
+
+use clap::{Args, Subcommand};
+
+use crate::error::Error;
+
+#[derive(Args)]
+pub(super) struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Evaluate, compare and plot published laws, constant forces and tables
+    Law(law::Arguments),
+    /// Fit a law to measured drives, with its quality and uncertainty
+    Fit(fit::Arguments),
+    /// Compute a shot of a test machine, or write virtual tests for `fit`
+    Machine(machine::Arguments),
+    /// Plan tests at high speed: masses, speeds, what they reach, and which terms they tell apart
+    Plan(plan::Arguments),
+}
+
+pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+    match &arguments.command {
+        Command::Law(arguments) => law::execute(arguments),
+        Command::Fit(arguments) => fit::execute(arguments),
+        Command::Machine(arguments) => machine::execute(arguments),
+        Command::Plan(arguments) => plan::execute(arguments),
+    }
+}

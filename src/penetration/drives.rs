@@ -1,0 +1,369 @@
+//! `drives.csv`: a row a drive, with the name of its recording.
+
+use std::collections::{BTreeMap, HashSet};
+use std::path::{Path, PathBuf};
+
+use nailnoise_dynamics::prf::Specimen;
+use nailnoise_dynamics::prf::fit::{Conditions, Driving, Masses};
+use sha2::{Digest as _, Sha256};
+
+use super::{PenetrationError, nail, read_text, unreadable, wood};
+
+/// Columns of `drives.csv`.
+pub const COLUMNS: [&str; 18] = [
+    "id",
+    "group",
+    "repeat",
+    "drive",
+    "nail",
+    "shank",
+    "length_m",
+    "diameter_m",
+    "nail_mass_kg",
+    "wood",
+    "hardness_modulus_n_m",
+    "density_kg_m3",
+    "moisture",
+    "speed_m_s",
+    "projectile_mass_kg",
+    "impact_speed_m_s",
+    "mass_ahead_of_cell_kg",
+    "file",
+];
+
+/// The most drives that are read.
+const MOST_DRIVES: usize = 100_000;
+
+/// A drive as its row describes it.
+#[derive(Debug, Clone)]
+pub struct Row {
+    /// Name of the drive.
+    pub id: String,
+    /// The condition it repeats.
+    pub group: String,
+    /// Repeat of the condition.
+    pub repeat: String,
+    /// 1, or 2 for a drive into the same hole again.
+    pub drive: u8,
+    /// Name of the nail.
+    pub nail: String,
+    /// Form of the shank; may be empty.
+    pub shank: String,
+    /// Name of the wood.
+    pub wood: String,
+    /// Nail, wood and speed.
+    pub conditions: Conditions,
+    /// Masses after an impact.
+    pub masses: Masses,
+    /// The recording.
+    pub file: PathBuf,
+    /// The file that holds the row, and its line.
+    pub place: (PathBuf, usize),
+}
+
+/// The rows of a file of drives, and the digest of the file.
+///
+/// # Errors
+/// [`PenetrationError::Data`] with file, line and column.
+pub fn rows(path: &Path) -> Result<(Vec<Row>, String), PenetrationError> {
+    let text = read_text(path).map_err(|cause| unreadable(path, &cause, "name a CSV file with a row a drive"))?;
+    let digest = digest(text.as_bytes());
+    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+    let data = |line: usize, problem: String, help: String| PenetrationError::Data {
+        path: path.to_owned(),
+        line,
+        problem,
+        help,
+    };
+    let mut reader = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .flexible(true)
+        .from_reader(text.as_bytes());
+    let known = || COLUMNS.join(", ");
+    let headings: Vec<String> = match reader.headers() {
+        Ok(headings) => headings.iter().map(str::to_owned).collect(),
+        Err(cause) => {
+            return Err(data(
+                1,
+                cause.to_string(),
+                format!("the first line names the columns: {}", known()),
+            ));
+        }
+    };
+    for (place, heading) in headings.iter().enumerate() {
+        if !COLUMNS.contains(&heading.as_str()) {
+            let near = COLUMNS
+                .iter()
+                .min_by_key(|name| strsim::damerau_levenshtein(name, heading));
+            let near = near.filter(|name| strsim::damerau_levenshtein(name, heading) <= 2 + heading.len() / 4);
+            let hint = near.map_or_else(String::new, |near| format!("is it \"{near}\"? "));
+            let shown: String = heading.chars().take(40).collect();
+            return Err(data(
+                1,
+                format!("there is no column \"{shown}\""),
+                format!("{hint}the columns are: {}", known()),
+            ));
+        }
+        if headings[..place].contains(heading) {
+            return Err(data(
+                1,
+                format!("the column \"{heading}\" stands in it twice"),
+                "keep one of them".to_owned(),
+            ));
+        }
+    }
+    for needed in ["id", "file"] {
+        if !headings.iter().any(|heading| heading == needed) {
+            return Err(data(
+                1,
+                format!("the column \"{needed}\" is missing"),
+                format!(
+                    "the first line names the columns; the file has: {}",
+                    headings.join(", ")
+                ),
+            ));
+        }
+    }
+    let mut found = Vec::new();
+    let mut record = csv::StringRecord::new();
+    loop {
+        let start = usize::try_from(reader.position().byte()).unwrap_or(usize::MAX);
+        // The reader passes over empty lines.
+        let skipped = text.as_bytes()[start.min(text.len())..]
+            .iter()
+            .take_while(|b| b.is_ascii_whitespace())
+            .count();
+        let line = 1 + text.as_bytes()[..(start + skipped).min(text.len())]
+            .iter()
+            .filter(|b| **b == b'\n')
+            .count();
+        match reader.read_record(&mut record) {
+            Ok(false) => break,
+            Ok(true) => {}
+            Err(cause) => return Err(data(line, cause.to_string(), "write plain CSV in UTF-8".to_owned())),
+        }
+        if record.len() != headings.len() {
+            return Err(data(
+                line,
+                format!(
+                    "it has {} fields, and the first line names {}",
+                    record.len(),
+                    headings.len()
+                ),
+                "give every row a field for every column; it may be empty".to_owned(),
+            ));
+        }
+        if found.len() == MOST_DRIVES {
+            return Err(data(
+                line,
+                format!("there are more than {MOST_DRIVES} drives"),
+                "split the file".to_owned(),
+            ));
+        }
+        let fields: BTreeMap<&str, &str> = headings.iter().map(String::as_str).zip(record.iter()).collect();
+        found.push(Fields { path, line, fields }.row()?);
+    }
+    if found.is_empty() {
+        return Err(data(1, "it has no drive".to_owned(), "add a row a drive".to_owned()));
+    }
+    Ok((found, digest))
+}
+
+/// SHA-256 in hexadecimal digits.
+pub fn digest(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Refuses drives of the same name, and second drives without their first.
+///
+/// # Errors
+/// [`PenetrationError::Data`] with the place of the row.
+pub fn check(rows: &[Row]) -> Result<(), PenetrationError> {
+    let mut ids = HashSet::new();
+    let firsts: HashSet<_> = rows.iter().filter(|row| row.drive == 1).map(hole).collect();
+    for row in rows {
+        let data = |problem: String, help: &str| PenetrationError::Data {
+            path: row.place.0.clone(),
+            line: row.place.1,
+            problem,
+            help: help.to_owned(),
+        };
+        if !ids.insert(&row.id) {
+            return Err(data(
+                format!("the drive \"{}\" stands in the data twice", row.id),
+                "give every drive an id of its own",
+            ));
+        }
+        if row.drive == 2 && !firsts.contains(&hole(row)) {
+            return Err(data(
+                format!("drive 2 \"{}\" has no drive 1 with the same group and repeat", row.id),
+                "add the first drive into the same hole, or leave the second out",
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// What the two drives into one hole share.
+pub fn hole(row: &Row) -> (&str, &str) {
+    (&row.group, &row.repeat)
+}
+
+/// A row with its place.
+struct Fields<'a> {
+    path: &'a Path,
+    line: usize,
+    fields: BTreeMap<&'a str, &'a str>,
+}
+
+impl Fields<'_> {
+    fn text(&self, column: &str) -> &str {
+        self.fields.get(column).copied().unwrap_or("")
+    }
+
+    fn error(&self, problem: String, help: impl Into<String>) -> PenetrationError {
+        PenetrationError::Data {
+            path: self.path.to_owned(),
+            line: self.line,
+            problem,
+            help: help.into(),
+        }
+    }
+
+    /// A number that is given.
+    fn number(&self, column: &str) -> Result<Option<f64>, PenetrationError> {
+        let text = self.text(column);
+        if text.is_empty() {
+            return Ok(None);
+        }
+        match text.parse::<f64>() {
+            Ok(number) if number.is_finite() => Ok(Some(number)),
+            _ => {
+                let shown: String = text.chars().take(40).collect();
+                Err(self.error(
+                    format!("{column} is \"{shown}\", no number"),
+                    "give a number in the unit that the column's name ends with, with a point before the decimals",
+                ))
+            }
+        }
+    }
+
+    /// A number above 0.
+    fn positive(&self, column: &str) -> Result<Option<f64>, PenetrationError> {
+        match self.number(column)? {
+            Some(number) if number <= 0.0 => Err(self.error(
+                format!("{column} is {number}, and must be above 0"),
+                format!("correct {column}"),
+            )),
+            number => Ok(number),
+        }
+    }
+
+    fn row(&self) -> Result<Row, PenetrationError> {
+        let id = self.text("id").to_owned();
+        if id.is_empty() {
+            return Err(self.error("the id is empty".to_owned(), "give every drive an id of its own"));
+        }
+        let drive = match self.text("drive") {
+            "" | "1" => 1,
+            "2" => 2,
+            other => {
+                let shown: String = other.chars().take(40).collect();
+                return Err(self.error(
+                    format!("drive is \"{shown}\""),
+                    "1 is a nail into new wood, 2 the same nail again into its hole",
+                ));
+            }
+        };
+        let shank = self.text("shank").to_owned();
+        let (nail_name, wood_name) = (self.text("nail"), self.text("wood"));
+        let (given_length, given_diameter) = (self.positive("length_m")?, self.positive("diameter_m")?);
+        let (given_modulus, given_density) = (self.positive("hardness_modulus_n_m")?, self.positive("density_kg_m3")?);
+        // Published sizes fill what the row leaves out.
+        let published = nail(nail_name).ok();
+        let helical = shank.eq_ignore_ascii_case("helical");
+        let diameter = given_diameter.or_else(|| {
+            published.and_then(|nail| {
+                if helical {
+                    nail.helical_diameter
+                } else {
+                    Some(nail.diameter)
+                }
+            })
+        });
+        let length = given_length.or_else(|| published.map(|nail| nail.length));
+        let kind = wood(wood_name).ok();
+        let modulus = given_modulus.or_else(|| kind.map(|wood| wood.hardness_modulus));
+        let density = given_density.or_else(|| kind.map(|wood| wood.density));
+        let missing = |what: &str, column: &str| {
+            self.error(
+                format!("{what} of drive \"{id}\" is missing"),
+                format!(
+                    "give {column}, or name a published nail (6d) or wood (pine); `nailnoise prf law --list` shows them"
+                ),
+            )
+        };
+        let specimen = Specimen {
+            length: length.ok_or_else(|| missing("the length of the nail", "length_m"))?,
+            diameter: diameter.ok_or_else(|| missing("the diameter of the nail", "diameter_m"))?,
+            hardness_modulus: modulus.ok_or_else(|| missing("the hardness modulus", "hardness_modulus_n_m"))?,
+            density: density.ok_or_else(|| missing("the density of the wood", "density_kg_m3"))?,
+        };
+        let speed = self.positive("speed_m_s")?;
+        let impact = (self.positive("projectile_mass_kg")?, self.positive("impact_speed_m_s")?);
+        let nail_mass = self.positive("nail_mass_kg")?;
+        let ahead = self.number("mass_ahead_of_cell_kg")?.unwrap_or(0.0);
+        let driving = match (speed, impact) {
+            (Some(speed), (None, None)) => Driving::Constant { speed },
+            (None, (Some(mass), Some(speed))) => Driving::Impact { mass, speed },
+            _ => {
+                return Err(self.error(
+                    format!("the speed of drive \"{id}\" is not given once"),
+                    "give speed_m_s of a testing machine, or projectile_mass_kg and impact_speed_m_s",
+                ));
+            }
+        };
+        if matches!(driving, Driving::Impact { .. }) && nail_mass.is_none() {
+            return Err(self.error(
+                format!("the mass of the nail of drive \"{id}\" is missing"),
+                "give nail_mass_kg: nail and projectile move together after the impact",
+            ));
+        }
+        if matches!(driving, Driving::Impact { mass, .. } if !(0.0..mass).contains(&ahead)) {
+            return Err(self.error(
+                format!("mass_ahead_of_cell_kg is {ahead}, and must be 0 or more, below projectile_mass_kg"),
+                "correct mass_ahead_of_cell_kg",
+            ));
+        }
+        let file = self.text("file");
+        if file.is_empty() {
+            return Err(self.error(
+                format!("drive \"{id}\" names no file"),
+                "give the CSV file of the recording: time_s,depth_m,force_n",
+            ));
+        }
+        let group = match self.text("group") {
+            "" => id.clone(),
+            group => group.to_owned(),
+        };
+        Ok(Row {
+            group,
+            repeat: self.text("repeat").to_owned(),
+            drive,
+            nail: match nail_name {
+                "" => format!("{:.2} x {:.3} mm", 1e3 * specimen.length, 1e3 * specimen.diameter),
+                name => name.to_owned(),
+            },
+            shank,
+            wood: wood_name.to_owned(),
+            conditions: Conditions { specimen, driving },
+            masses: Masses {
+                nail: nail_mass.unwrap_or(0.0),
+                ahead,
+            },
+            file: self.path.parent().unwrap_or_else(|| Path::new("")).join(file),
+            place: (self.path.to_owned(), self.line),
+            id,
+        })
+    }
+}

@@ -1,0 +1,295 @@
+//! From files of drives to a fitted law with its quality, validation and notes.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use nailnoise_dynamics::prf::fit::{
+    Cleaning, Drive, FitError, FittedLaw, Flag, Form, Leave, Method, Reduction, Scatter, Split, Validation, Variable,
+    fit, reduce, split, validate,
+};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::PenetrationError;
+use super::drives::{Row, check, hole, rows};
+use super::recordings::clean;
+
+/// VIF from which a coefficient alone has little meaning (Belsley, Kuh and Welsch, 1980).
+const HIGH_VIF: f64 = 1e3;
+
+/// What is fitted, and how.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Terms of the law.
+    pub form: Form,
+    /// How the coefficients are found; none for the method that suits the form.
+    pub method: Option<Method>,
+    /// Whether terms are dropped from the end while SEE hardly grows.
+    pub reduce: bool,
+    /// What cross-validation leaves out; none for groups, if there are several.
+    pub leave: Option<Leave>,
+    /// Whether friction and deformation are separated.
+    pub split: bool,
+    /// How recordings become points.
+    pub cleaning: Cleaning,
+    /// Whether designs may use the law beyond the range of its data.
+    pub extrapolate: bool,
+}
+
+/// A fitted law, and what is to be said of it.
+#[derive(Debug, Clone, Serialize)]
+pub struct Fitting {
+    /// The law.
+    #[serde(skip)]
+    pub law: FittedLaw,
+    /// Its data.
+    #[serde(skip)]
+    pub drives: Vec<Drive>,
+    /// s less the law, by point in the order of the drives.
+    #[serde(skip)]
+    pub residuals: Vec<f64>,
+    /// Cross-validation; none where the data have one group only.
+    pub validation: Option<Validation>,
+    /// Steps of the reduction.
+    pub reduction: Vec<Reduction>,
+    /// Friction and deformation.
+    pub split: Option<Split>,
+    /// Force, 95 % bands and work under each condition of the data.
+    pub conditions: Vec<Condition>,
+    /// What a reader must know.
+    pub notes: Vec<String>,
+}
+
+/// The law under a condition of the data, at the deepest point.
+#[derive(Debug, Clone, Serialize)]
+pub struct Condition {
+    /// Name of the condition.
+    pub group: String,
+    /// Drives under it.
+    pub drives: usize,
+    /// Deepest point \[m\].
+    pub depth: f64,
+    /// Force of the law there \[N\].
+    pub force: f64,
+    /// 95 % band of the law \[N\].
+    pub law: [f64; 2],
+    /// 95 % band of one shot \[N\].
+    pub shot: [f64; 2],
+    /// Work over the nail's length and its standard error \[J\]; null for a law with decay or a force that is cut off.
+    pub work: Option<[f64; 2]>,
+}
+
+/// Fits a law to the drives of these files.
+///
+/// # Errors
+/// [`PenetrationError`] with file and line of what cannot be used, or of the drives that determine no law.
+pub fn fit_files(files: &[PathBuf], options: &Options) -> Result<Fitting, PenetrationError> {
+    let mut all: Vec<Row> = Vec::new();
+    let mut digests: Vec<(String, String)> = Vec::new();
+    for path in files {
+        let (own, digest) = rows(path)?;
+        all.extend(own);
+        digests.push((name_of(path), digest));
+    }
+    check(&all)?;
+    let data = files.first().map_or(Path::new(""), PathBuf::as_path);
+    let cleaned: Vec<_> = all
+        .par_iter()
+        .map(|row| clean(row, &options.cleaning))
+        .collect::<Result<_, _>>()?;
+    let mut notes = Vec::new();
+    let (mut drives, mut again) = (Vec::new(), Vec::new());
+    let mut flags: Vec<(Vec<&str>, Flag)> = Vec::new();
+    let mut noisiest: Option<f64> = None;
+    for (row, (drive, cleaned, digest)) in all.iter().zip(cleaned) {
+        for flag in cleaned.flags {
+            let kind = std::mem::discriminant(&flag);
+            match flags.iter().position(|(_, own)| std::mem::discriminant(own) == kind) {
+                Some(place) => flags[place].0.push(&row.id),
+                None => flags.push((vec![&row.id], flag)),
+            }
+        }
+        noisiest = noisiest.into_iter().chain(cleaned.speed_error).reduce(f64::max);
+        digests.push((name_of(&row.file), digest));
+        if row.drive == 1 {
+            drives.push(drive)
+        } else {
+            again.push((hole(row), row, drive))
+        }
+    }
+    notes.extend(flags.iter().map(|(ids, flag)| match ids.as_slice() {
+        [id] => format!("drive {id}: {flag}"),
+        ids => format!("drive {} and {} more: {flag}", ids[0], ids.len() - 1),
+    }));
+    if let Some(error) = noisiest {
+        notes.push(format!(
+            "the speed of the nail has a standard error of up to {error:.2} m/s"
+        ));
+    }
+    let refuse = |error: FitError| refused(error, &all, data);
+    let (form, reduction) = if options.reduce {
+        reduce(&options.form, &drives, options.method).map_err(refuse)?
+    } else {
+        (options.form.clone(), Vec::new())
+    };
+    let method = options.method.unwrap_or_else(|| Method::of(&form, &drives));
+    let fitted = fit(&form, &drives, method).map_err(refuse)?;
+    let law = fitted.law.with_data(digests, options.extrapolate);
+    let validation = match (
+        validate(&form, &drives, method, options.leave.unwrap_or(Leave::Group)),
+        options.leave,
+    ) {
+        (Ok(validation), _) => Some(validation),
+        (Err(_), None) => None,
+        (Err(error), Some(_)) => return Err(refuse(error)),
+    };
+    let split = if options.split {
+        Some(parts(&all, &drives, &again, data)?)
+    } else {
+        None
+    };
+    notes.extend(remarks(&law, &drives, method));
+    Ok(Fitting {
+        validation,
+        reduction,
+        split,
+        conditions: conditions(&law, &drives),
+        notes,
+        residuals: fitted.residuals,
+        law,
+        drives,
+    })
+}
+
+fn name_of(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// The error with the line of the drive that it is about.
+fn refused(source: FitError, rows: &[Row], data: &Path) -> PenetrationError {
+    let about = match &source {
+        FitError::Value { drive, .. } | FitError::NoImpact { drive, .. } => rows.iter().find(|row| row.id == *drive),
+        _ => None,
+    };
+    PenetrationError::Fit {
+        path: about.map_or_else(|| data.to_owned(), |row| row.place.0.clone()),
+        line: about.map(|row| row.place.1),
+        source,
+    }
+}
+
+/// Friction and deformation by the second drives.
+fn parts(
+    rows: &[Row],
+    drives: &[Drive],
+    again: &[((&str, &str), &Row, Drive)],
+    data: &Path,
+) -> Result<Split, PenetrationError> {
+    let place = |row: &Row, problem: String, help: &str| PenetrationError::Data {
+        path: row.place.0.clone(),
+        line: row.place.1,
+        problem,
+        help: help.to_owned(),
+    };
+    if let Some((_, row, _)) = again
+        .iter()
+        .find(|(_, row, _)| row.shank.eq_ignore_ascii_case("helical"))
+    {
+        return Err(place(
+            row,
+            "a helical nail turns: its second drive does not measure friction alone".to_owned(),
+            "leave helical nails out of --split",
+        ));
+    }
+    let first = |key: (&str, &str)| {
+        let row = rows.iter().find(|row| row.drive == 1 && hole(row) == key)?;
+        drives.iter().find(|drive| drive.id == row.id)
+    };
+    let pairs: Vec<(&Drive, &Drive)> = again
+        .iter()
+        .filter_map(|(key, _, second)| first(*key).map(|first| (first, second)))
+        .collect();
+    split(&pairs).ok_or_else(|| PenetrationError::Data {
+        path: data.to_owned(),
+        line: 1,
+        problem: "no hole has a first and a second drive over a common depth".to_owned(),
+        help: "drive some nails again into their holes, as rows with drive = 2 and the group and repeat of the first"
+            .to_owned(),
+    })
+}
+
+/// What a reader of the fit must know.
+fn remarks(law: &FittedLaw, drives: &[Drive], method: Method) -> Vec<String> {
+    let mut notes = Vec::new();
+    let form = law.form();
+    let file = law.file();
+    let [slow, fast] = file.ranges.speed_m_s;
+    if form.uses(Variable::Rate) && !law.dynamic() && fast <= slow * (1.0 + 1e-9) {
+        notes.push(
+            "all drives have one speed: the term rate is NL rho/H_M there, of nail and wood, and no effect of the speed"
+                .to_owned(),
+        );
+    }
+    if !law.dynamic() {
+        notes.push(format!(
+            "the tests end at {:.3} mm/s; a design uses the law at that speed, and what the wood does at 25 m/s is not known \
+             from them",
+            1e3 * fast
+        ));
+    }
+    if form.uses(Variable::Decay) && method == Method::LeastSquares {
+        notes.push(
+            "least squares is biased with decay, which answers to the specimen: prefer within-between".to_owned(),
+        );
+    }
+    if drives.len() < 2 {
+        notes.push("one drive: the standard errors do not hold what differs between specimens".to_owned());
+    } else if file.counts.groups == file.counts.drives {
+        notes.push("no condition is repeated: sigma_b holds the error of the form too".to_owned());
+    }
+    if drives.iter().any(|drive| drive.wood.contains("ply")) && drives.iter().any(|drive| !drive.wood.contains("ply")) {
+        notes.push("the data mix plywood and solid wood".to_owned());
+    }
+    if let Some(term) = file.terms.iter().find(|term| term.vif > HIGH_VIF) {
+        notes.push(format!(
+            "coefficients such as that of {} (VIF {:.0}) have no meaning alone: judge the law by its band",
+            term.name, term.vif
+        ));
+    }
+    if let Some(drive) = drives.iter().find(|drive| {
+        (0..=100).any(|i| {
+            let point = drive.points[(drive.points.len() - 1) * i / 100];
+            law.root(&drive.conditions, point.depth, point.speed) < 0.0
+        })
+    }) {
+        notes.push(format!(
+            "the law is below zero within the data of {}; the force is 0 there",
+            drive.group
+        ));
+    }
+    notes
+}
+
+fn conditions(law: &FittedLaw, drives: &[Drive]) -> Vec<Condition> {
+    let mut groups: BTreeMap<&str, Vec<&Drive>> = BTreeMap::new();
+    for drive in drives {
+        groups.entry(&drive.group).or_default().push(drive);
+    }
+    groups
+        .into_iter()
+        .filter_map(|(group, own)| {
+            let drive = own[0];
+            let point = drive.points.last()?;
+            let at = (point.depth, point.speed);
+            Some(Condition {
+                group: group.to_owned(),
+                drives: own.len(),
+                depth: point.depth,
+                force: law.force(&drive.conditions, at.0, at.1),
+                law: law.band(&drive.conditions, at, 0.95, Scatter::Law),
+                shot: law.band(&drive.conditions, at, 0.95, Scatter::Shot),
+                work: law.work(&drive.conditions, point.speed),
+            })
+        })
+        .collect()
+}

@@ -1,0 +1,221 @@
+//! Penetration laws, woods, nails and measured drives by the names and files that a user gives.
+
+pub mod drives;
+pub mod fitting;
+pub mod machine;
+pub mod recordings;
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use miette::Diagnostic;
+use nailnoise_dynamics::machine::{MachineError, PlanError};
+use nailnoise_dynamics::prf::fit::{FitError, FittedLaw, FormError};
+use nailnoise_dynamics::prf::{CurveError, ForceTable, NAILS, NailSize, PenetrationLaw, TableError, WOODS, WoodKind};
+use nailnoise_meshes::read_regular;
+use thiserror::Error;
+
+/// Why laws cannot be compared.
+#[derive(Debug, Clone, PartialEq, Error, Diagnostic)]
+#[non_exhaustive]
+pub enum PenetrationError {
+    /// A law, wood or nail that is not among the published ones.
+    #[error("there is no {what} \"{name}\" among the published ones")]
+    #[diagnostic(help("{}choose from: {known}", nearest.map_or_else(String::new, |near| format!("is it \"{near}\"? "))))]
+    Unknown {
+        /// `law`, `wood` or `nail`.
+        what: &'static str,
+        /// The name given.
+        name: String,
+        /// The name most like it, if one is near.
+        nearest: Option<&'static str>,
+        /// All names.
+        known: String,
+    },
+    /// A table that cannot be read.
+    #[error("cannot read {}: {cause}", path.display())]
+    #[diagnostic(help("{help}"))]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        cause: String,
+        /// What to do about it.
+        help: String,
+    },
+    /// Measured drives that cannot be used.
+    #[error("{}, line {line}: {problem}", path.display())]
+    #[diagnostic(help("{help}"))]
+    Data {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong.
+        problem: String,
+        /// What to do about it.
+        help: String,
+    },
+    /// A recording in a universal file that cannot be read.
+    #[error("{cause}")]
+    #[diagnostic(help(
+        "write displacement and force as datasets 58 in text, or give a CSV file: time_s,depth_m,force_n"
+    ))]
+    Universal {
+        /// Why, with file and line.
+        cause: String,
+    },
+    /// A text that is no form of a law.
+    #[error(transparent)]
+    #[diagnostic(help("{}", _0.remedy()))]
+    Form(#[from] FormError),
+    /// Drives that determine no law.
+    #[error("{}{}: {source}", path.display(), line.map_or_else(String::new, |line| format!(", line {line}")))]
+    #[diagnostic(help("{}", source.remedy()))]
+    Fit {
+        /// The file of the drives.
+        path: PathBuf,
+        /// The line of the drive that it is about, if it is about one.
+        line: Option<usize>,
+        /// Why.
+        source: FitError,
+    },
+    /// A file that holds no fitted law.
+    #[error("{}{} holds no fitted law: {problem}", path.display(), line.map_or_else(String::new, |line| format!(", line {line},")))]
+    #[diagnostic(help("make it with `nailnoise prf fit`"))]
+    Law {
+        /// The file.
+        path: PathBuf,
+        /// The line, if it is known.
+        line: Option<usize>,
+        /// What is wrong.
+        problem: String,
+    },
+    /// A condition beyond the range of the data of a law.
+    #[error("{}: {variable} is {value:.6}, beyond the range of the fit, {:.6} to {:.6}", path.display(), range[0], range[1])]
+    #[diagnostic(help(
+        "drive nails under conditions that include this one, or fit again with `nailnoise prf fit --extrapolate` to allow it"
+    ))]
+    Beyond {
+        /// The file of the law.
+        path: PathBuf,
+        /// The variable.
+        variable: &'static str,
+        /// Its value.
+        value: f64,
+        /// The range of the data.
+        range: [f64; 2],
+    },
+    /// A file that holds no law.
+    #[error("{} holds no penetration law", path.display())]
+    #[diagnostic(help("a line holds a depth in m and a force in N with a comma between; depths increase from 0"))]
+    Table {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: TableError,
+    },
+    /// Values that allow no plan of tests.
+    #[error(transparent)]
+    #[diagnostic(help("give masses in kg and the energy of the middle level in J; lighter projectiles fly faster"))]
+    Plan(#[from] PlanError),
+    /// A shot of the test machine that cannot be computed.
+    #[error(transparent)]
+    #[diagnostic(help("{}", _0.remedy()))]
+    Machine(#[from] MachineError),
+    /// A law that cannot be evaluated.
+    #[error(transparent)]
+    #[diagnostic(help("{}", _0.remedy()))]
+    Curve(#[from] CurveError),
+}
+
+/// The largest table that is read \[byte\].
+const LARGEST_TABLE: u64 = 16 << 20;
+
+pub(crate) fn read_text(path: &Path) -> io::Result<String> {
+    let bytes = read_regular(path, LARGEST_TABLE)?;
+    String::from_utf8(bytes).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
+}
+
+fn unreadable(path: &Path, cause: &io::Error, help: &str) -> PenetrationError {
+    PenetrationError::Unreadable {
+        path: path.to_owned(),
+        cause: cause.to_string(),
+        help: help.to_owned(),
+    }
+}
+
+/// Reads a fitted law, as `nailnoise prf fit` writes it.
+///
+/// # Errors
+/// [`PenetrationError::Unreadable`] or [`PenetrationError::Law`] with the file and, where it is known, the line.
+pub fn fitted(path: &Path) -> Result<FittedLaw, PenetrationError> {
+    let text = read_text(path).map_err(|cause| unreadable(path, &cause, "name a file made by `nailnoise prf fit`"))?;
+    toml::from_str(&text).map_err(|error: toml::de::Error| PenetrationError::Law {
+        path: path.to_owned(),
+        line: error
+            .span()
+            .map(|span| 1 + text[..span.start.min(text.len())].matches('\n').count()),
+        problem: error.message().to_owned(),
+    })
+}
+
+/// Reads a law from a CSV file of depths \[m\] and forces \[N\].
+///
+/// # Errors
+/// [`PenetrationError::Unreadable`] or [`PenetrationError::Table`] with the file.
+pub fn table(path: &Path) -> Result<ForceTable, PenetrationError> {
+    let text =
+        read_text(path).map_err(|cause| unreadable(path, &cause, "name a CSV file of depths in m and forces in N"))?;
+    ForceTable::from_csv(&text).map_err(|source| PenetrationError::Table {
+        path: path.to_owned(),
+        source,
+    })
+}
+
+/// The published law of this name; case, hyphens and spaces do not matter.
+///
+/// # Errors
+/// [`PenetrationError::Unknown`] with all names.
+pub fn law(name: &str) -> Result<PenetrationLaw, PenetrationError> {
+    find("law", name, PenetrationLaw::ALL, |law| law.as_str()).copied()
+}
+
+/// The wood of this name among those of the published tests.
+///
+/// # Errors
+/// [`PenetrationError::Unknown`] with all names.
+pub fn wood(name: &str) -> Result<&'static WoodKind, PenetrationError> {
+    find("wood", name, &WOODS, |wood| wood.name)
+}
+
+/// The nail of this penny size among those of the published tests.
+///
+/// # Errors
+/// [`PenetrationError::Unknown`] with all sizes.
+pub fn nail(name: &str) -> Result<&'static NailSize, PenetrationError> {
+    find("nail", name, &NAILS, |nail| nail.name)
+}
+
+fn find<T>(
+    what: &'static str,
+    name: &str,
+    all: &'static [T],
+    own: fn(&T) -> &'static str,
+) -> Result<&'static T, PenetrationError> {
+    let plain = |text: &str| text.trim().to_lowercase().replace(['-', '_', ' '], "");
+    all.iter().find(|item| plain(own(item)) == plain(name)).ok_or_else(|| {
+        let distance = |item: &T| strsim::damerau_levenshtein(&plain(own(item)), &plain(name));
+        let nearest = all
+            .iter()
+            .min_by_key(|item| distance(item))
+            .filter(|item| distance(item) <= 2 + name.len() / 4);
+        let known = all.iter().map(own).collect::<Vec<_>>().join(", ");
+        PenetrationError::Unknown {
+            what,
+            name: name.to_owned(),
+            nearest: nearest.map(own),
+            known,
+        }
+    })
+}
