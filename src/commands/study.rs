@@ -286,14 +286,17 @@ pub(super) fn compute(
     Ok((result, made))
 }
 
-/// An estimate with the half width of its interval: `0.83 +-0.04`.
+/// A probability with the half width of its interval, `0.83 +-0.04`, or its bound, `1.00, > 0.69`.
 pub(super) fn probability(estimate: &Estimate) -> String {
     let value = estimate
         .value
         .map_or_else(|| "-".to_owned(), |value| format!("{value:.2}"));
-    match estimate.half_width() {
-        Some(half) => format!("{value} +-{half:.2}"),
-        None => value,
+    match (estimate.value, estimate.interval, estimate.half_width()) {
+        // All draws or none: the interval lies on one side.
+        (Some(1.0), [Some(low), _], _) => format!("{value}, > {low:.2}"),
+        (Some(0.0), [_, Some(high)], _) => format!("{value}, < {high:.2}"),
+        (_, _, Some(half)) => format!("{value} +-{half:.2}"),
+        _ => value,
     }
 }
 

@@ -275,7 +275,7 @@ pub fn sweep(design: &str, axes: &[SweepAxis], points: &[SweptPoint]) -> Chart {
     let across = || Axis::categories(axes.first().map_or("", |axis| axis.key.as_str()), "", names.clone());
     let mut panels = vec![Panel {
         x: across(),
-        y: Axis::levels("L_{WA,1s}", "dB", 30.0, &series),
+        y: Axis::levels("L_{WA,1s}", "dB", 45.0, &series),
         height: 80,
         series,
     }];

@@ -267,7 +267,6 @@ fn ranking(result: &RunResult, value: &serde_json::Value) -> Markup {
     });
     html! {
         (tables::ranking(result))
-        (PreEscaped(INTERVALS))
         @if let Some(range) = range {
             p.quiet {
                 "Levels in dB re 1 pW s over the one-third-octave bands " (range) ", the same for all sources. The \
@@ -275,6 +274,7 @@ fn ranking(result: &RunResult, value: &serde_json::Value) -> Markup {
                  values is not included."
             }
         }
+        (PreEscaped(INTERVALS))
         @for (source, value) in result.ranking.iter().zip(value["ranking"].as_array().into_iter().flatten()) {
             details {
                 summary { (source.source) ": parts and method" }

@@ -67,7 +67,12 @@ fn level(estimate: &Estimate) -> Markup {
 fn probability(estimate: &Estimate) -> Markup {
     html! {
         b { (estimate.value.map_or_else(|| "\u{2013}".to_owned(), |value| format!("{value:.2}"))) }
-        @if let Some(half) = estimate.half_width() { " " span.quiet { "\u{b1}" (format!("{half:.2}")) } }
+        " " span.quiet { (match (estimate.value, estimate.interval, estimate.half_width()) {
+            (Some(1.0), [Some(low), _], _) => format!("> {low:.2}"),
+            (Some(0.0), [_, Some(high)], _) => format!("< {high:.2}"),
+            (_, _, Some(half)) => format!("\u{b1}{half:.2}"),
+            _ => String::new(),
+        }) }
     }
 }
 

@@ -81,6 +81,8 @@ pub(super) fn energy_sum(levels: impl IntoIterator<Item = f64>) -> f64 {
 /// Resampled draws: how often each draw is in each resample.
 pub(super) struct Bootstrap {
     counts: Vec<Vec<u32>>,
+    /// What is resampled: clusters, or single draws.
+    units: usize,
 }
 
 impl Bootstrap {
@@ -106,6 +108,7 @@ impl Bootstrap {
         };
         Self {
             counts: (0..RESAMPLES as u64).map(resample).collect(),
+            units: units.len(),
         }
     }
 
@@ -125,10 +128,18 @@ impl Bootstrap {
         self.estimate(figures.len(), |counts| weighted_mean(figures, counts))
     }
 
-    /// The part of the draws of which something is true.
+    /// The part of the draws of which something is true. Where it is true of all or of none, no resample differs: the interval is
+    /// then that of the binomial distribution, beyond whose end so many draws would show it with 5 % (Clopper and Pearson 1934).
     pub(super) fn share(&self, is_so: &[bool]) -> Estimate {
         let figures: Vec<f64> = is_so.iter().map(|&is_so| f64::from(u8::from(is_so))).collect();
-        self.mean(&figures)
+        let mut estimate = self.mean(&figures);
+        let least = 0.05_f64.powf(1.0 / self.units.max(1) as f64);
+        match estimate.value {
+            Some(1.0) => estimate.interval = [Some(least), Some(1.0)],
+            Some(0.0) => estimate.interval = [Some(0.0), Some(1.0 - least)],
+            _ => {}
+        }
+        estimate
     }
 
     /// P5, P50 and P95 of levels.
@@ -335,6 +346,19 @@ mod tests {
             covered += u32::from((low..=high).contains(&0.0));
         }
         assert!((168..=190).contains(&covered), "{covered} of 200");
+    }
+
+    /// Of a thing that is so with the probability at the interval's end, so many draws in a row show it with 5 %.
+    #[test]
+    fn what_is_always_so_is_not_certain() {
+        let [low, high] = Bootstrap::new(&[0; 8])
+            .share(&[true; 8])
+            .interval
+            .map(Option::unwrap_or_default);
+        assert!((low.powi(8) - 0.05).abs() < 1e-12 && high == 1.0);
+        let of_clusters = Bootstrap::new(&[0, 0, 0, 1, 1, 1]).share(&[false; 6]).interval;
+        let high = of_clusters[1].unwrap_or_default();
+        assert!(((1.0 - high).powi(2) - 0.05).abs() < 1e-12 && of_clusters[0] == Some(0.0));
     }
 
     #[test]
