@@ -148,6 +148,7 @@ pub fn deliver(
     memory: MemoryLimit,
     progress: &Progress,
 ) -> Result<(Bundle, bool), Error> {
+    // Also where no file differs and none is written.
     staging::sweep(folder);
     let key = key(design, draw)?;
     let kept = store.load::<Bundle, Postcard>(RUN, &key).and_then(|bundle| {

@@ -26,12 +26,14 @@ pub struct Staging {
 }
 
 impl Staging {
-    /// For files that belong under `folder`, which is created if it does not exist.
+    /// For files that belong under `folder`, which is created if it does not exist. What killed processes left half-written there
+    /// is removed.
     ///
     /// # Errors
     /// [`Error::Write`].
     pub fn within(folder: &Path) -> Result<Self, Error> {
         create(folder)?;
+        sweep(folder);
         let temporary = TemporaryFolder::new(folder, UNFINISHED).map_err(|source| failed(folder, source))?;
         let staging = Self {
             folder: folder.to_owned(),

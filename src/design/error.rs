@@ -456,6 +456,9 @@ impl DesignError {
             Self::BadDistribution { key, .. } => {
                 format!("correct value or range of `{key}`, or leave its distribution out: it is uniform then")
             }
+            Self::NoFile { key, .. } if key.ends_with("penetration_fit") => {
+                "name it relative to the folder of this design; `nailnoise prf fit` writes it".to_owned()
+            }
             Self::NoFile { key, .. } => {
                 format!(
                     "name it relative to the folder of this design, or write `{key} = \"\"` for the built-in geometry"

@@ -162,7 +162,7 @@ pub enum CleanError {
     #[error("a drive by a projectile needs the column time_s")]
     NoTime,
     /// The depth goes back before the deepest point.
-    #[error("the depth goes back by {back} m, more than three times its noise of {noise} m")]
+    #[error("the depth goes back by {:.3} mm, more than three times its noise of {:.3} mm", 1e3 * back, 1e3 * noise)]
     GoesBack {
         /// The sample, from 0.
         sample: usize,
@@ -173,7 +173,8 @@ pub enum CleanError {
     },
     /// A force below zero by more than its noise.
     #[error(
-        "the mean force is {force} N at a depth of {depth} m, below zero by more than three standard errors of {error} N"
+        "the mean force is {force:.1} N at a depth of {:.2} mm, below zero by more than three standard errors of {error:.1} N",
+        1e3 * depth
     )]
     Negative {
         /// The sample, from 0.
