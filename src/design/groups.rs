@@ -398,6 +398,16 @@ group! {
     }
 }
 
+choice! {
+    /// The plane on which the measurement surface around a sandbox stands.
+    SandboxPlane {
+        /// The sand's surface.
+        Sand = "sand",
+        /// The floor under the box, its depth lower.
+        Floor = "floor",
+    }
+}
+
 group! {
     /// Sandbox.
     Sand {
@@ -429,6 +439,10 @@ group! {
         moving_surface: bool = Kind::Switch, "";
         /// Highest frequency at which the sand's surface moves with the block.
         moving_surface_top: f64 = positive(FREQUENCY), "";
+        /// The plane on which the measurement surface of ISO 3744 stands: the area of that surface, with it the correction K2,
+        /// and the heights of the microphones. Radiation is the same in both: the sand reflects all sources, and the block
+        /// radiates over the sand's plane.
+        measurement_plane: SandboxPlane = SandboxPlane::KIND, "";
     }
 }
 

@@ -31,14 +31,16 @@ const LONGEST: f64 = 2.0;
 /// Name of the sum of all sources.
 const TOTAL: &str = "total";
 
-/// The microphones around a device on or above a reflecting plane.
+/// The microphones around a device above a reflecting plane.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MicrophoneArray {
     /// The ambient air.
     pub air: Air,
-    /// Foot of the device's axis on the reflecting plane, in the coordinates of the bodies \[m\].
+    /// Foot of the device's axis on the plane on which the measurement surface stands, in the coordinates of the bodies \[m\].
     pub foot: [f64; 3],
-    /// Height of the device's centre above the reflecting plane \[m\].
+    /// Height of the plane that reflects, not below that foot, in the same coordinates \[m\].
+    pub reflecting_plane: f64,
+    /// Height of the device's centre above the foot \[m\].
     pub centre_height: f64,
     /// Range in which sources are compared \[Hz\].
     pub range_hz: [f64; 2],
@@ -81,11 +83,6 @@ impl MicrophoneArray {
     /// Positions of the microphones, in the coordinates of the bodies \[m\].
     pub fn positions(&self) -> Vec<Point3<f64>> {
         self.surface().positions_around(self.foot.into())
-    }
-
-    /// Height of the reflecting plane \[m\].
-    fn plane(&self) -> f64 {
-        self.foot[2]
     }
 
     /// Levels of a source at the microphones, in the range in which all are compared.

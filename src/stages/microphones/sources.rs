@@ -140,7 +140,7 @@ impl MicrophoneArray {
         let mut pressures = DMatrix::zeros(receivers.positions.len(), frequency.len());
         // The cycle counts downwards.
         let down = -Vector3::z();
-        let plane = Some(self.plane());
+        let plane = Some(self.reflecting_plane);
         for (mut row, place) in pressures.row_iter_mut().zip(&receivers.positions) {
             for ((p, hz), a) in row.iter_mut().zip(&frequency).zip(&motion) {
                 let unit = oscillating_sphere_pressure(*hz, sphere.volume, centre, down, *place, plane, &self.air)?;
@@ -186,7 +186,7 @@ impl MicrophoneArray {
             directions: jets(outlet.thrust_share),
         };
         let floor = Floor {
-            height: self.plane(),
+            height: self.reflecting_plane,
             coherence: 0.0,
         };
         let (mut parts, mut signals) = (Vec::new(), Vec::new());
@@ -239,7 +239,7 @@ impl<'a> Receivers<'a> {
         Self {
             air: &array.air,
             positions: array.positions(),
-            plane: array.plane(),
+            plane: array.reflecting_plane,
             samples: samples(end),
         }
     }
