@@ -42,6 +42,7 @@ use crate::stages::sources::{
 use crate::stages::spectra::{BodyAnalysis, BodyMotion, MovingBody};
 use crate::stages::starts::OtherStarts;
 use crate::stages::tool_response::{ToolChecks, ToolReport, ToolResponse};
+use crate::stages::transducers::{PressureRecord, Transducers};
 use crate::stages::{Digest, Progress, Stage, Stored};
 
 /// What a run may change about the physics without being another design; for studies and tests of laws.
@@ -241,6 +242,8 @@ pub struct Chain {
     pub(crate) structures: Vec<Digest>,
     /// Signals of the sensors.
     pub sensors: Stored<Vec<SensorRecord>>,
+    /// Signals of the pressure transducers.
+    pub transducers: Stored<Vec<PressureRecord>>,
     /// Sound fields for inspection.
     pub fields: Stored<Fields>,
     /// Levels of other starts, for a workpiece that can lose contact.
@@ -477,6 +480,10 @@ impl Chain {
             vibration: vibration.clone(),
             motions: motions.iter().chain(&of_tool).cloned().collect(),
         });
+        let transducers = graph.add(Transducers {
+            transducers: inputs::sensors::transducers(design),
+            cycle: cycle.clone(),
+        });
         let energy = |vibration: &Stored<Vibration>| {
             graph.add(WorkpieceEnergy {
                 radiator: radiator.clone(),
@@ -562,6 +569,7 @@ impl Chain {
             levels,
             structures,
             sensors,
+            transducers,
             fields,
             starts,
             response_report,

@@ -15,6 +15,7 @@ use crate::stages::bodies::{FoundSurface, Origin};
 use crate::stages::microphones::Microphones;
 use crate::stages::ranking::SoundPower;
 use crate::stages::sensors::SensorRecord;
+use crate::stages::transducers::PressureRecord;
 use crate::stages::truncation::Truncation;
 use crate::stages::{Input, Stored, changes, notes, ranking};
 
@@ -30,6 +31,8 @@ pub struct Run {
     pub screech: Vec<Option<f64>>,
     /// Signals of the design's sensors, by name.
     pub sensors: Arc<Vec<SensorRecord>>,
+    /// Signals of the design's pressure transducers, by name.
+    pub transducers: Arc<Vec<PressureRecord>>,
     /// Sound at microphones around the device, source by source.
     pub microphones: Microphones,
 }
@@ -186,6 +189,7 @@ impl Chain {
             powers,
             screech: exhaust.details.screech.clone(),
             sensors,
+            transducers: self.transducers.get()?,
             microphones,
         })
     }

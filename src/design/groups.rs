@@ -15,6 +15,7 @@ use nailnoise_quantities::{Kind, any, choice, fraction, group, modulus, nonnegat
 use super::sensors::Sensor;
 use super::springs::Spring;
 use super::surfaces::NamedSurface;
+use super::transducers::Transducer;
 
 group! {
     /// All quantities of a design, in SI units.
@@ -43,6 +44,7 @@ group! {
         sensors: Sensor,
         springs: Spring,
         surfaces: NamedSurface,
+        transducers: Transducer,
     }
 }
 

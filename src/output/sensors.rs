@@ -1,4 +1,5 @@
-//! What the sensors recorded: `sensors.csv`, `sensors-spectrum.csv`, and `sensors.uff` for modal-test software.
+//! What the sensors recorded: `sensors.csv`, `sensors-spectrum.csv`, `transducers.csv`, and `sensors.uff` and `transducers.uff`
+//! for modal-test software.
 
 use std::fmt::Write;
 
@@ -10,6 +11,7 @@ use super::table::numbers;
 use crate::error::Error;
 use crate::run::Run;
 use crate::stages::sensors::SensorRecord;
+use crate::stages::transducers::PressureRecord;
 
 /// Lowest frequency of the spectra \[Hz\].
 const SPECTRUM_FROM: f64 = 5.0;
@@ -17,8 +19,87 @@ const SPECTRUM_FROM: f64 = 5.0;
 /// Highest frequency of the spectra \[Hz\].
 const SPECTRUM_TO: f64 = 20e3;
 
-/// The sensors' files; none when the design has no sensors.
+/// A time history in a universal file.
+struct TimeHistory<'a> {
+    /// Name of the sensor.
+    name: &'a str,
+    /// Where it is.
+    place: &'static str,
+    /// Specific data type, name and unit of what it measures.
+    quantity: (u8, &'static str, &'static str),
+    /// Sampling interval \[s\].
+    interval: f64,
+    /// Readings in that unit.
+    values: &'a [f64],
+}
+
+impl<'a> From<&'a SensorRecord> for TimeHistory<'a> {
+    fn from(sensor: &'a SensorRecord) -> Self {
+        Self {
+            name: &sensor.name,
+            place: sensor.body.as_str(),
+            quantity: (12, "acceleration", "m/s2"),
+            interval: sensor.interval,
+            values: &sensor.acceleration,
+        }
+    }
+}
+
+impl<'a> From<&'a PressureRecord> for TimeHistory<'a> {
+    fn from(transducer: &'a PressureRecord) -> Self {
+        Self {
+            name: &transducer.name,
+            place: transducer.chamber.as_str(),
+            quantity: (15, "pressure", "Pa"),
+            interval: transducer.interval,
+            values: &transducer.values,
+        }
+    }
+}
+
+/// The files of accelerometers and pressure transducers; none of a kind that the design does not have.
 pub(super) fn files(run: &Run) -> Result<Vec<File>, Error> {
+    let mut files = of_accelerometers(run)?;
+    files.extend(of_transducers(run)?);
+    Ok(files)
+}
+
+/// Name of a sensor and where it is.
+fn title(name: &str, place: &str) -> String {
+    format!("{name} ({place})")
+}
+
+fn of_transducers(run: &Run) -> Result<Vec<File>, Error> {
+    let transducers = &run.transducers;
+    let Some(interval) = transducers.first().map(|first| first.interval) else {
+        return Ok(Vec::new());
+    };
+    let titles = transducers
+        .iter()
+        .map(|own| title(&own.name, own.chamber.as_str()) + " [Pa]");
+    let columns: Vec<&[f64]> = transducers.iter().map(|own| own.values.as_slice()).collect();
+    let table = numbers(
+        ["time [s]".to_owned()].into_iter().chain(titles),
+        (|sample| sample as f64 * interval, 7),
+        (&columns, 6),
+    )?;
+    Ok(vec![
+        File::new("transducers.csv", table),
+        File::new("transducers.uff", universal(run, transducers.iter().map(Into::into))),
+    ])
+}
+
+/// Time histories as a universal file.
+fn universal<'a>(run: &Run, histories: impl Iterator<Item = TimeHistory<'a>>) -> Vec<u8> {
+    let origin = format!("nailnoise design {}", run.result.design.digest);
+    let mut text = Vec::new();
+    for (index, history) in histories.enumerate() {
+        dataset_58(&mut text, &history, index + 1, &origin);
+    }
+    text
+}
+
+fn of_accelerometers(run: &Run) -> Result<Vec<File>, Error> {
     let sensors = &run.sensors;
     let Some(first) = sensors.first() else {
         return Ok(Vec::new());
@@ -29,20 +110,15 @@ pub(super) fn files(run: &Run) -> Result<Vec<File>, Error> {
         ..TransformSettings::default()
     };
     let transform = Transform::new(first.acceleration.len(), first.interval, &settings)?;
-    let origin = format!("nailnoise design {}", run.result.design.digest);
-    let mut uff = Vec::new();
-    for (index, sensor) in sensors.iter().enumerate() {
-        dataset_58(&mut uff, sensor, index + 1, &origin);
-    }
     Ok(vec![
         File::new("sensors.csv", histories(sensors)?),
         File::new("sensors-spectrum.csv", spectra(sensors, &transform)?),
-        File::new("sensors.uff", uff),
+        File::new("sensors.uff", universal(run, sensors.iter().map(Into::into))),
     ])
 }
 
 fn header(abscissa: &str, sensors: &[SensorRecord], unit: &'static str) -> impl Iterator<Item = String> {
-    let title = move |sensor: &SensorRecord| format!("{} ({}) [{unit}]", sensor.name, sensor.body.as_str());
+    let title = move |sensor: &SensorRecord| title(&sensor.name, sensor.body.as_str()) + &format!(" [{unit}]");
     [abscissa.to_owned()].into_iter().chain(sensors.iter().map(title))
 }
 
@@ -75,10 +151,10 @@ fn spectra(sensors: &[SensorRecord], transform: &Transform) -> Result<Vec<u8>, E
 /// Appends a time history as dataset 58, "function at nodal DOF", of the Universal File Format (SDRC), in text.
 ///
 /// Function type 1 is a time response, data type 4 real double precision, abscissa spacing 1 even; specific data type 17 is
-/// time, 12 acceleration. Node numbers count the sensors; reference direction 0 is a scalar, which a sensor's axis is.
-fn dataset_58(text: &mut Vec<u8>, sensor: &SensorRecord, node: usize, origin: &str) {
-    text.extend_from_slice(records(sensor, node, origin).as_bytes());
-    for line in sensor.acceleration.chunks(4) {
+/// time, 12 acceleration, 15 pressure. Node numbers count the sensors; reference direction 0 is a scalar, which a sensor's axis is.
+fn dataset_58(text: &mut Vec<u8>, history: &TimeHistory<'_>, node: usize, origin: &str) {
+    text.extend_from_slice(records(history, node, origin).as_bytes());
+    for line in history.values.chunks(4) {
         line.iter().for_each(|value| fortran(text, *value, [20, 12]));
         text.push(b'\n');
     }
@@ -86,13 +162,14 @@ fn dataset_58(text: &mut Vec<u8>, sensor: &SensorRecord, node: usize, origin: &s
 }
 
 /// The records of a dataset before its values.
-fn records(sensor: &SensorRecord, node: usize, origin: &str) -> String {
+fn records(history: &TimeHistory<'_>, node: usize, origin: &str) -> String {
+    let (kind, quantity, unit) = history.quantity;
     let mut text = format!("{:>6}\n{:>6}\n", -1, 58);
     for line in [
-        &format!("{} ({})", sensor.name, sensor.body.as_str()),
+        &title(history.name, history.place),
         origin,
         "NONE",
-        "acceleration of one shot",
+        &format!("{quantity} of one shot"),
         "NONE",
     ] {
         let _ = writeln!(text, "{line:.80}");
@@ -100,18 +177,18 @@ fn records(sensor: &SensorRecord, node: usize, origin: &str) -> String {
     let _ = writeln!(
         text,
         "{:>5}{:>10}{:>5}{:>10} {:<10.10}{:>10}{:>4} {:<10.10}{:>10}{:>4}",
-        1, 0, 0, 0, sensor.name, node, 0, "NONE", 0, 0
+        1, 0, 0, 0, history.name, node, 0, "NONE", 0, 0
     );
     let mut abscissa = Vec::new();
-    [0.0, sensor.interval, 0.0]
+    [0.0, history.interval, 0.0]
         .iter()
         .for_each(|value| fortran(&mut abscissa, *value, [13, 5]));
-    let count = sensor.acceleration.len();
+    let count = history.values.len();
     let abscissa = String::from_utf8_lossy(&abscissa);
     let _ = writeln!(text, "{:>10}{count:>10}{:>10}{abscissa}", 4, 1);
     for (kind, label, unit) in [
         (17, "time", "s"),
-        (12, "acceleration", "m/s2"),
+        (kind, quantity, unit),
         (0, "NONE", "NONE"),
         (0, "NONE", "NONE"),
     ] {
@@ -163,7 +240,7 @@ mod tests {
             acceleration: vec![1.0, -2.0, 3.0, 4.0, 5.0],
         };
         let mut text = Vec::new();
-        dataset_58(&mut text, &sensor, 1, "nailnoise");
+        dataset_58(&mut text, &(&sensor).into(), 1, "nailnoise");
         let text = String::from_utf8(text).unwrap_or_default();
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(

@@ -29,6 +29,7 @@ pub mod sources;
 pub mod spectra;
 pub mod starts;
 pub mod tool_response;
+pub mod transducers;
 pub mod truncation;
 
 use std::sync::Arc;

@@ -16,4 +16,5 @@ mod sensitivity;
 mod store;
 mod study;
 mod tool;
+mod transducers;
 mod worktables;
