@@ -26,8 +26,8 @@ use crate::stages::cycle::{Cycle, Preset};
 use crate::stages::exhaust::{Exhaust, ExhaustSource, noise};
 use crate::stages::levels::{Levels, ShotLevels};
 use crate::stages::radiation::{
-    FlushMatrix, RadiationDamping, ToolMatrix, ToolRadiator, WorkpieceMatrix, WorkpieceMethod, WorkpieceRadiation,
-    WorkpieceRadiator,
+    FlushMatrix, RadiationDamping, ToolCapMatrix, ToolMatrix, ToolRadiator, WorkpieceMatrix, WorkpieceMethod,
+    WorkpieceRadiation, WorkpieceRadiator,
 };
 use crate::stages::requirements::{Radiating, Requirements, Usable};
 use crate::stages::response::{
@@ -153,7 +153,11 @@ fn requirements(
         return Ok(None);
     };
     let (carrier, radiating) = match kind {
-        BodyKind::Tool => (Carrier::Tool, inputs::radiation::tool(design).map(Radiating::Tool)),
+        BodyKind::Tool => {
+            let cap = inputs::radiation::cap(design);
+            let radiating = inputs::radiation::tool(design).map(|elements| Radiating::Tool(elements, cap));
+            (Carrier::Tool, radiating)
+        }
         BodyKind::Workpiece | BodyKind::Worktable => {
             let of = |wanted: BodyKind| stages.iter().find(|(kind, _)| *kind == wanted);
             let structure = [BodyKind::Workpiece, BodyKind::Worktable].into_iter().filter_map(of);
@@ -262,7 +266,7 @@ pub(crate) struct OneWay {
     pub(crate) cycle: Stored<CycleRecord>,
     pub(crate) workpiece: Stored<SourceSpectrum>,
     pub(crate) exhaust: Stored<ExhaustSource>,
-    pub(crate) body: Stored<SourceSpectrum>,
+    pub(crate) body: Stored<(SourceSpectrum, Option<SourceSpectrum>)>,
 }
 
 /// What sets workpiece and support in motion, and the cycle that goes with it.
@@ -321,6 +325,20 @@ impl Chain {
             tool_matrix_key = Some(*matrix.key());
             (elements, graph.add(ToolRadiator { matrix, air }))
         });
+        let cap = tool
+            .as_ref()
+            .zip(tool_matrix.as_ref())
+            .zip(inputs::radiation::cap(design));
+        let mut cap_matrix_key = None;
+        let cap_radiator = cap.map(|((stages, (elements, _)), cap)| {
+            let matrix = graph.add(ToolCapMatrix {
+                elements: elements.clone(),
+                cap,
+                body: stages.body.clone(),
+            });
+            cap_matrix_key = Some(*matrix.key());
+            graph.add(ToolRadiator { matrix, air })
+        });
         let tool_radiator = tool_matrix.as_ref().map(|(_, radiator)| radiator.clone());
         let tool_damping = tool.as_ref().zip(tool_radiator.clone()).filter(|_| damps);
         let tool_damping = tool_damping.map(|(stages, radiator)| {
@@ -331,7 +349,8 @@ impl Chain {
         });
 
         let modal = structure.iter().chain(&tool).map(|stages| *stages.body.key());
-        let structures = modal.chain(workpiece_matrix).chain(tool_matrix_key).collect();
+        let matrices = [workpiece_matrix, tool_matrix_key, cap_matrix_key];
+        let structures = modal.chain(matrices.into_iter().flatten()).collect();
 
         // Motion: of workpiece and support for each start and coupling, of the tool for each cycle.
         let shot = inputs::response::shot(design)?;
@@ -451,6 +470,7 @@ impl Chain {
                 motion,
                 radiator: tool_radiator.clone(),
                 radiation_damping: tool_damping.clone(),
+                cap: cap_radiator.clone(),
             }),
             volume: design.body.volume(design.piston.bore),
             air,
@@ -649,7 +669,7 @@ fn cycle_stage(design: &Design) -> Result<Cycle, Error> {
 /// # Errors
 /// Openings, plenum or muffler that cannot be, air that leaves against a higher pressure.
 pub fn exhaust_openings(design: &Design, record: &CycleRecord) -> Result<Vec<ExhaustNoise>, Error> {
-    Ok(noise(&inputs::exhaust::openings(design)?, record)?.1.openings)
+    Ok(noise(&inputs::exhaust::openings(design)?, record)?.2.openings)
 }
 
 #[cfg(test)]

@@ -37,6 +37,7 @@ group! {
         body: Body,
         ambient: Ambient,
         acoustics: Acoustics,
+        sources: Sources,
         analysis: Analysis,
         model: Model,
     }
@@ -524,6 +525,38 @@ group! {
         room_absorption: f64 = nonnegative(AREA), "A";
         /// Steady A-weighted sound pressure level of the background at the microphones, in dB; 0 for none.
         background_level: f64 = nonnegative(NUMBER).within(0.0, 200.0), "L_B";
+    }
+}
+
+choice! {
+    /// Which source a part counts to.
+    Convention {
+        /// By the mechanism: the exhaust is what the outflow radiates, the body all that vibrates.
+        Physical = "physical",
+        /// As selective wrapping measures: the exhaust is the outflow with the surfaces of cap and exhaust, which lie outside
+        /// the body's wrap, whatever sets them in motion.
+        Wrapping = "wrapping",
+    }
+}
+
+choice! {
+    /// The source to which the trigger vent counts by the convention of wrapping.
+    VentSource {
+        /// The body: the vent lies under the body's wrap.
+        Body = "body",
+        /// The exhaust, as by the physical convention.
+        Exhaust = "exhaust",
+    }
+}
+
+group! {
+    /// Bookkeeping of the sources. It moves energy between exhaust and body and leaves the total as it is: each part of the
+    /// body's surface has its own term and half of each cross term of the body's radiated power, and may be negative.
+    Sources {
+        /// Which source a part counts to.
+        convention: Convention = Convention::KIND, "";
+        /// Source of the trigger vent by the convention of wrapping; without effect by the physical one.
+        trigger_vent: VentSource = VentSource::KIND, "";
     }
 }
 

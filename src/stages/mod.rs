@@ -10,6 +10,7 @@
 pub mod bodies;
 pub mod changes;
 mod codec;
+pub mod convention;
 pub mod cycle;
 pub mod exhaust;
 pub mod intervals;

@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod convention;
 mod coupling;
 mod cycle;
 mod figures;
