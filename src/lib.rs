@@ -16,6 +16,7 @@ mod error;
 pub mod figures;
 pub mod graph;
 mod interrupt;
+pub mod measurement;
 pub mod output;
 pub mod penetration;
 pub mod report;
