@@ -119,6 +119,10 @@ pub enum Error {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Penetration(#[from] crate::penetration::PenetrationError),
+    /// A measurement cannot be used.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Measurement(#[from] crate::measurement::MeasurementError),
     /// A penetration law cannot be evaluated.
     #[error(transparent)]
     #[diagnostic(help("{}", _0.remedy()))]

@@ -2,7 +2,6 @@
 
 mod columns;
 mod csv;
-mod digits;
 mod fields;
 mod film;
 mod microphones;
