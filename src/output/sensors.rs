@@ -1,11 +1,9 @@
 //! What the sensors recorded: `sensors.csv`, `sensors-spectrum.csv`, and `sensors.uff` for modal-test software.
 
-use std::fmt::Write;
-
 use nailnoise_acoustics::fourier::{Transform, TransformSettings};
+use nailnoise_meshes::uff::{History, Ordinate};
 
 use super::File;
-use super::digits::exponential;
 use super::table::numbers;
 use crate::error::Error;
 use crate::run::Run;
@@ -32,7 +30,16 @@ pub(super) fn files(run: &Run) -> Result<Vec<File>, Error> {
     let origin = format!("nailnoise design {}", run.result.design.digest);
     let mut uff = Vec::new();
     for (index, sensor) in sensors.iter().enumerate() {
-        dataset_58(&mut uff, sensor, index + 1, &origin);
+        History {
+            title: &format!("{} ({})", sensor.name, sensor.body.as_str()),
+            origin: &origin,
+            sensor: &sensor.name,
+            node: index + 1,
+            ordinate: Ordinate::Acceleration,
+            interval: sensor.interval,
+            values: &sensor.acceleration,
+        }
+        .write(&mut uff);
     }
     Ok(vec![
         File::new("sensors.csv", histories(sensors)?),
@@ -70,114 +77,4 @@ fn spectra(sensors: &[SensorRecord], transform: &Transform) -> Result<Vec<u8>, E
         (|bin| frequencies[bin], 4),
         (&columns, 6),
     )
-}
-
-/// Appends a time history as dataset 58, "function at nodal DOF", of the Universal File Format (SDRC), in text.
-///
-/// Function type 1 is a time response, data type 4 real double precision, abscissa spacing 1 even; specific data type 17 is
-/// time, 12 acceleration. Node numbers count the sensors; reference direction 0 is a scalar, which a sensor's axis is.
-fn dataset_58(text: &mut Vec<u8>, sensor: &SensorRecord, node: usize, origin: &str) {
-    text.extend_from_slice(records(sensor, node, origin).as_bytes());
-    for line in sensor.acceleration.chunks(4) {
-        line.iter().for_each(|value| fortran(text, *value, [20, 12]));
-        text.push(b'\n');
-    }
-    text.extend_from_slice(b"    -1\n");
-}
-
-/// The records of a dataset before its values.
-fn records(sensor: &SensorRecord, node: usize, origin: &str) -> String {
-    let mut text = format!("{:>6}\n{:>6}\n", -1, 58);
-    for line in [
-        &format!("{} ({})", sensor.name, sensor.body.as_str()),
-        origin,
-        "NONE",
-        "acceleration of one shot",
-        "NONE",
-    ] {
-        let _ = writeln!(text, "{line:.80}");
-    }
-    let _ = writeln!(
-        text,
-        "{:>5}{:>10}{:>5}{:>10} {:<10.10}{:>10}{:>4} {:<10.10}{:>10}{:>4}",
-        1, 0, 0, 0, sensor.name, node, 0, "NONE", 0, 0
-    );
-    let mut abscissa = Vec::new();
-    [0.0, sensor.interval, 0.0]
-        .iter()
-        .for_each(|value| fortran(&mut abscissa, *value, [13, 5]));
-    let count = sensor.acceleration.len();
-    let abscissa = String::from_utf8_lossy(&abscissa);
-    let _ = writeln!(text, "{:>10}{count:>10}{:>10}{abscissa}", 4, 1);
-    for (kind, label, unit) in [
-        (17, "time", "s"),
-        (12, "acceleration", "m/s2"),
-        (0, "NONE", "NONE"),
-        (0, "NONE", "NONE"),
-    ] {
-        let _ = writeln!(text, "{kind:>10}{:>5}{:>5}{:>5} {label:<20} {unit:<20}", 0, 0, 0);
-    }
-    text
-}
-
-/// Appends a number as Fortran's 1PEwidth.digits writes and reads it: a sign and at least two digits in its exponent.
-fn fortran(text: &mut Vec<u8>, value: f64, [width, digits]: [usize; 2]) {
-    let mut number = Vec::with_capacity(width);
-    exponential(&mut number, value, digits);
-    if let Some(mark) = number.iter().position(|&c| c == b'e') {
-        if number.get(mark + 1) != Some(&b'-') {
-            number.insert(mark + 1, b'+');
-        }
-        if number.len() == mark + 3 {
-            number.insert(mark + 2, b'0');
-        }
-    }
-    text.resize(text.len() + width.saturating_sub(number.len()), b' ');
-    text.extend_from_slice(&number);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::design::Carrier;
-
-    #[test]
-    fn numbers_have_fortrans_width_and_exponent() {
-        let written = |value: f64, form| {
-            let mut text = Vec::new();
-            fortran(&mut text, value, form);
-            String::from_utf8(text).unwrap_or_default()
-        };
-        assert_eq!(written(4e-6, [13, 5]), "  4.00000e-06");
-        assert_eq!(written(-1.5, [20, 12]), " -1.500000000000e+00");
-        assert_eq!(written(2.5e-120, [20, 12]).len(), 20);
-        assert_eq!(written(0.0, [13, 5]), "  0.00000e+00");
-    }
-
-    #[test]
-    fn a_history_becomes_one_dataset_of_four_values_a_line() {
-        let sensor = SensorRecord {
-            name: "block_top".to_owned(),
-            body: Carrier::Workpiece,
-            interval: 4e-6,
-            acceleration: vec![1.0, -2.0, 3.0, 4.0, 5.0],
-        };
-        let mut text = Vec::new();
-        dataset_58(&mut text, &sensor, 1, "nailnoise");
-        let text = String::from_utf8(text).unwrap_or_default();
-        let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(
-            (lines[0], lines[1], lines[lines.len() - 1]),
-            ("    -1", "    58", "    -1")
-        );
-        assert_eq!(lines[2], "block_top (workpiece)");
-        assert_eq!(lines.len(), 2 + 5 + 2 + 4 + 2 + 1);
-        assert_eq!(lines[8].split_whitespace().nth(1), Some("5"));
-        let values: Vec<f64> = lines[13..15]
-            .iter()
-            .flat_map(|l| l.split_whitespace())
-            .map(|v| v.parse().unwrap_or(f64::NAN))
-            .collect();
-        assert_eq!(values, sensor.acceleration);
-    }
 }
