@@ -3,7 +3,7 @@
 //! [`design`] reads the design file, [`chain`] puts its stages together, [`run`] ranks its sources, [`output`] makes files of them,
 //! [`figures`] draws them, [`report`] makes a page of them, [`bundle`] keeps all of it for the next run, [`comparison`] lays
 //! results side by side and [`commands`] is the command line over all of it. [`penetration`] compares penetration laws,
-//! [`cost`] estimates what a run needs before it begins; [`sensitivity`] and [`study`] tell what a design's ranges do to its shot.
+//! [`measurement`] reads the recordings of a test, [`cost`] estimates what a run needs before it begins; [`sensitivity`] and [`study`] tell what a design's ranges do to its shot.
 #![forbid(unsafe_code)]
 
 pub mod bundle;
@@ -16,6 +16,7 @@ mod error;
 pub mod figures;
 pub mod graph;
 mod interrupt;
+pub mod measurement;
 pub mod output;
 pub mod penetration;
 pub mod report;

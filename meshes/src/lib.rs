@@ -12,6 +12,7 @@ struct Readme;
 
 mod block;
 mod child;
+pub mod digits;
 mod element;
 mod error;
 mod gauss;

@@ -70,6 +70,7 @@ const ATOMS: &[Atom] = &[
     metric("Pa", PRESSURE, 0),
     metric("J", ENERGY, 0),
     metric("W", POWER, 0),
+    metric("V", VOLTAGE, 0),
     metric("Hz", FREQUENCY, 0),
     metric("bar", PRESSURE, 5),
     metric("l", VOLUME, -3),

@@ -63,7 +63,9 @@ pub use transducers::{Chamber, Transducer};
 
 use resolve::{Record, Records, Resolved};
 
-use source::File;
+pub(crate) use settings::found;
+pub(crate) use source::File;
+pub(crate) use suggest::word as nearest_word;
 
 /// A design: every quantity in SI units, and where each comes from.
 ///

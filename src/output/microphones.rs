@@ -1,17 +1,14 @@
 //! What the virtual microphones hear: tables of levels, and a calibrated sound file for each source and microphone.
 
-use std::io::Cursor;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::File;
 use super::table::{optional, table};
 use crate::error::Error;
+use crate::measurement::recordings::wav::{Coding, encode};
 use crate::result::MicrophoneReport;
 use crate::run::Run;
 use crate::stages::microphones::SAMPLE_RATE;
-
-/// Largest sample of 24 bits: full scale.
-const FULL: f64 = 8_388_607.0;
 
 /// `microphones.csv`, `microphones-bands.csv` and `microphones/SOURCE-N.wav`: mono, 48 kHz, 24 bits, full scale as the table
 /// states.
@@ -25,7 +22,11 @@ pub(super) fn files(run: &Run) -> Result<Vec<File>, Error> {
     for (source, signals) in &microphones.signals {
         for (number, signal) in signals.iter().enumerate() {
             let path = sound(source, number);
-            let wave = wave(&path, signal, report.full_scale_pa)?;
+            let wave = encode(&[signal], SAMPLE_RATE, report.full_scale_pa, Coding::Integer24);
+            let wave = wave.map_err(|source| Error::Write {
+                path: path.clone(),
+                source,
+            })?;
             files.push(File::new(path, wave));
         }
     }
@@ -84,47 +85,4 @@ fn bands(report: &MicrophoneReport) -> Result<Vec<u8>, Error> {
         ["source", "band [Hz]", "microphones L_W [dB]", "radiated L_W [dB]"],
         rows,
     )
-}
-
-fn wave(path: &Path, signal: &[f64], full_scale: f64) -> Result<Vec<u8>, Error> {
-    let spec = hound::WavSpec {
-        channels: 1,
-        sample_rate: SAMPLE_RATE,
-        bits_per_sample: 24,
-        sample_format: hound::SampleFormat::Int,
-    };
-    let mut bytes = Cursor::new(Vec::new());
-    let failed = |error: hound::Error| Error::Write {
-        path: path.to_owned(),
-        source: std::io::Error::other(error),
-    };
-    let mut writer = hound::WavWriter::new(&mut bytes, spec).map_err(failed)?;
-    for pressure in signal {
-        writer
-            .write_sample((pressure / full_scale * FULL).round() as i32)
-            .map_err(failed)?;
-    }
-    writer.finalize().map_err(failed)?;
-    Ok(bytes.into_inner())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_sound_file_reads_back_its_pressures() {
-        let signal: Vec<f64> = (0..1000).map(|i| 3.0 * (0.05 * f64::from(i)).sin()).collect();
-        let bytes = wave(Path::new("a.wav"), &signal, 5.0);
-        let bytes = bytes.unwrap_or_default();
-        let Ok(mut reader) = hound::WavReader::new(Cursor::new(bytes)) else {
-            panic!("not a sound file");
-        };
-        assert_eq!(reader.spec().sample_rate, 48_000);
-        let read: Vec<i32> = reader.samples::<i32>().flatten().collect();
-        assert_eq!(read.len(), signal.len());
-        for (sample, pressure) in read.iter().zip(&signal) {
-            assert!((f64::from(*sample) / FULL * 5.0 - pressure).abs() < 5.0 / FULL);
-        }
-    }
 }

@@ -2,15 +2,16 @@
 
 mod columns;
 mod csv;
-mod digits;
 mod fields;
 mod film;
+pub mod measurement;
 mod microphones;
 mod motion;
 mod sensors;
 mod shot;
 mod sound_fields;
 mod table;
+pub mod virtual_test;
 
 use std::path::{Path, PathBuf};
 

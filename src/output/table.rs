@@ -1,9 +1,9 @@
 //! Comma-separated tables.
 
 use csv::{ByteRecord, IntoInnerError, QuoteStyle, Writer, WriterBuilder};
+use nailnoise_meshes::digits::{exponential, fixed};
 use rayon::prelude::*;
 
-use super::digits::{exponential, fixed};
 use crate::error::Error;
 
 /// Rows of a long table that are written together.

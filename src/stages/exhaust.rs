@@ -115,6 +115,8 @@ pub struct Exhaust {
     pub cycle: Stored<CycleRecord>,
     /// End of all records of the shot \[s\].
     pub end: Stored<f64>,
+    /// Seed of the jets' noise in the signals at the microphones.
+    pub noise_seed: u32,
 }
 
 /// Output of [`Exhaust`].
@@ -155,6 +157,7 @@ impl Stage for Exhaust {
             &self.microphones,
             &*self.cycle.get()?,
             *self.end.get()?,
+            self.noise_seed,
         )
     }
 }
@@ -169,12 +172,13 @@ pub fn exhaust(
     microphones: &MicrophoneArray,
     record: &CycleRecord,
     end: f64,
+    noise_seed: u32,
 ) -> Result<ExhaustSource, Error> {
     let (sound, vent, details) = noise(openings, record)?;
     let edges = EventEdges::new(&record.events, end);
     let analysed = |sound: Sound, first: usize, openings: &[ExhaustNoise]| {
         let source = SoundSource::new(sound, &edges, microphones.range_hz);
-        let received = microphones.exhaust(outlet, (first, openings), &source.spectrum, end)?;
+        let received = microphones.exhaust(outlet, (first, openings, noise_seed), &source.spectrum, end)?;
         Ok::<_, Error>(MovedPart { source, received })
     };
     let own = details.openings.len() - usize::from(vent.is_some());

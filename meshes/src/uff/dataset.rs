@@ -52,6 +52,20 @@ pub enum UffError {
         /// What is read.
         expected: &'static str,
     },
+    /// A binary dataset holds a number that is not finite.
+    #[error("{}, line {line}, dataset {dataset}: sample {sample} is {value}, which is not finite", path.display())]
+    NotFinite {
+        /// The file.
+        path: PathBuf,
+        /// Where it begins, from 1.
+        line: usize,
+        /// Its number.
+        dataset: u64,
+        /// The sample, from 1.
+        sample: usize,
+        /// What it is.
+        value: f64,
+    },
     /// There is no mode in it.
     #[error("{} has no mode shapes: no dataset 55 with normal modes (2) or complex ones (3, 7)", path.display())]
     NoModes {
@@ -64,47 +78,155 @@ pub enum UffError {
 pub(super) struct Block<'a> {
     pub(super) path: &'a Path,
     pub(super) dataset: u64,
-    /// Its header has more words than its number: a binary dataset.
-    pub(super) binary: bool,
     /// Number of its first line in the file, from 1.
     pub(super) first: usize,
     pub(super) lines: &'a [&'a str],
 }
 
+/// A dataset of a file; its text is decoded when it is read.
+pub(super) struct Dataset<'a> {
+    pub(super) number: u64,
+    /// Number of its first line in the file, from 1.
+    first: usize,
+    text: &'a [u8],
+    /// What follows the lines of a binary dataset.
+    pub(super) binary: Option<Binary<'a>>,
+}
+
+/// Bytes of a binary dataset.
+#[derive(Clone, Copy)]
+pub(super) struct Binary<'a> {
+    /// 1 least significant byte first, 2 most significant byte first.
+    pub(super) order: u64,
+    /// 1 DEC VMS, 2 IEEE 754, 3 IBM 5/370.
+    pub(super) format: u64,
+    pub(super) bytes: &'a [u8],
+}
+
+impl Dataset<'_> {
+    /// Calls `read` with the lines.
+    pub(super) fn read<T>(
+        &self,
+        path: &Path,
+        read: impl FnOnce(&Block<'_>) -> Result<T, UffError>,
+    ) -> Result<T, UffError> {
+        let text = String::from_utf8_lossy(self.text);
+        let lines: Vec<&str> = text.lines().collect();
+        read(&Block {
+            path,
+            dataset: self.number,
+            first: self.first,
+            lines: &lines,
+        })
+    }
+}
+
+/// Lines of a file, one after the other.
+struct Walk<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    /// Number of the line at `at`, from 1.
+    line: usize,
+}
+
+impl<'a> Walk<'a> {
+    /// The next line, with its end; none at the end of the file.
+    fn next(&mut self) -> Option<&'a [u8]> {
+        let rest = &self.bytes[self.at..];
+        if rest.is_empty() {
+            return None;
+        }
+        let length = rest
+            .iter()
+            .position(|byte| *byte == b'\n')
+            .map_or(rest.len(), |end| end + 1);
+        self.at += length;
+        self.line += 1;
+        Some(&rest[..length])
+    }
+
+    /// The next `count` bytes.
+    fn take(&mut self, count: usize) -> Option<&'a [u8]> {
+        let taken = self.bytes[self.at..].get(..count)?;
+        self.at += count;
+        self.line += taken.iter().filter(|byte| **byte == b'\n').count();
+        Some(taken)
+    }
+}
+
+fn is_end(line: &[u8]) -> bool {
+    line.trim_ascii() == b"-1"
+}
+
 /// The datasets of a file, in their order.
-pub(super) fn blocks<'a>(lines: &'a [&'a str], path: &'a Path) -> Result<Vec<Block<'a>>, UffError> {
-    let is_end = |line: &str| line.trim() == "-1";
-    let mut blocks = Vec::new();
-    let mut at = 0;
-    while at < lines.len() {
-        if !is_end(lines[at]) {
-            at += 1;
+pub(super) fn datasets<'a>(bytes: &'a [u8], path: &Path) -> Result<Vec<Dataset<'a>>, UffError> {
+    let mut walk = Walk { bytes, at: 0, line: 1 };
+    let mut datasets = Vec::new();
+    while let Some(line) = walk.next() {
+        if !is_end(line) {
             continue;
         }
-        let Some(header) = lines.get(at + 1) else { break };
+        let begin = walk.line - 1;
+        let Some(header) = walk.next() else { break };
+        let header = String::from_utf8_lossy(header);
         let mut words = header.split_whitespace();
-        let dataset = words
-            .next()
-            .and_then(|word| word.trim_end_matches('b').parse().ok())
-            .unwrap_or(0);
-        let binary = header.contains('b') || words.next().is_some();
-        let Some(length) = lines[at + 2..].iter().position(|line| is_end(line)) else {
-            return Err(UffError::Truncated {
-                path: path.to_owned(),
-                line: at + 1,
-                dataset,
-            });
+        let word = words.next().unwrap_or("");
+        let number = word.trim_end_matches('b').parse().unwrap_or(0);
+        let truncated = || UffError::Truncated {
+            path: path.to_owned(),
+            line: begin,
+            dataset: number,
         };
-        blocks.push(Block {
-            path,
-            dataset,
-            binary,
-            first: at + 3,
-            lines: &lines[at + 2..at + 2 + length],
+        let (first, start) = (walk.line, walk.at);
+        let mut fields: Vec<Option<u64>> = words.map(|word| word.parse().ok()).collect();
+        if word.ends_with('b') || fields.len() > 1 {
+            fields.resize(4, None);
+            let [Some(order), Some(format), Some(lines), Some(length)] = fields[..4] else {
+                return Err(UffError::Form {
+                    path: path.to_owned(),
+                    line: begin,
+                    dataset: number,
+                    found: "binary, and its header does not say how many lines and bytes it has",
+                    expected: "58b with byte order, format, lines and bytes, or as text",
+                });
+            };
+            for _ in 0..lines {
+                walk.next().ok_or_else(truncated)?;
+            }
+            let text = &bytes[start..walk.at];
+            let content = usize::try_from(length).ok().and_then(|length| walk.take(length));
+            let content = content.ok_or_else(truncated)?;
+            // Some programs end the line behind the bytes, some do not.
+            let end = std::iter::from_fn(|| walk.next()).find(|line| !line.trim_ascii().is_empty());
+            if !end.is_some_and(is_end) {
+                return Err(truncated());
+            }
+            datasets.push(Dataset {
+                number,
+                first,
+                text,
+                binary: Some(Binary {
+                    order,
+                    format,
+                    bytes: content,
+                }),
+            });
+            continue;
+        }
+        let end = loop {
+            let at = walk.at;
+            if is_end(walk.next().ok_or_else(truncated)?) {
+                break at;
+            }
+        };
+        datasets.push(Dataset {
+            number,
+            first,
+            text: &bytes[start..end],
+            binary: None,
         });
-        at += length + 3;
     }
-    Ok(blocks)
+    Ok(datasets)
 }
 
 impl Block<'_> {

@@ -1,8 +1,8 @@
-//! Reading time histories of universal files: dataset 58, "function at nodal DOF", in text.
+//! Reading time histories of universal files: dataset 58, "function at nodal DOF", in text and binary.
 
 use std::path::Path;
 
-use super::dataset::{Block, UffError, blocks};
+use super::dataset::{Binary, Block, UffError, datasets};
 
 /// Samples of a quantity over time or another abscissa.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,7 +20,7 @@ pub struct Function {
     pub abscissa: Vec<f64>,
     /// The ordinate, in its unit.
     pub ordinate: Vec<f64>,
-    /// Line of the file that holds each sample, from 1.
+    /// Line of the file that holds each sample, from 1; of binary samples that where their bytes begin.
     pub lines: Vec<usize>,
 }
 
@@ -28,38 +28,53 @@ const HEADER: &str = "data type, number of values, spacing, first abscissa, incr
 
 /// Reads the functions of a universal file, in their order; other datasets are left out. `path` is for messages.
 ///
+/// A function is text (58) or binary (58b: IEEE 754, either byte order, single or double precision).
+///
 /// # Errors
-/// [`UffError::Truncated`]; [`UffError::Line`] with the line that cannot be read; [`UffError::Form`] for binary and complex data.
+/// [`UffError::Truncated`]; [`UffError::Line`] with the line that cannot be read; [`UffError::NotFinite`]; [`UffError::Form`]
+/// for complex data and for binary data of machines without IEEE 754.
 pub fn functions(bytes: &[u8], path: &Path) -> Result<Vec<Function>, UffError> {
-    let text = String::from_utf8_lossy(bytes);
-    let lines: Vec<&str> = text.lines().collect();
-    let blocks = blocks(&lines, path)?;
-    blocks
+    datasets(bytes, path)?
         .iter()
-        .filter(|block| block.dataset == 58)
-        .map(Block::function)
+        .filter(|dataset| dataset.number == 58)
+        .map(|dataset| dataset.read(path, |block| block.function(dataset.binary)))
         .collect()
 }
 
+/// Data type, spacing and axis of the samples, record 7 of the dataset.
+struct Layout {
+    double: bool,
+    even: bool,
+    count: f64,
+    first: f64,
+    increment: f64,
+}
+
 impl Block<'_> {
-    fn function(&self) -> Result<Function, UffError> {
-        let form = |found, expected| UffError::Form {
+    fn form(&self, found: &'static str, expected: &'static str) -> UffError {
+        UffError::Form {
             path: self.path.to_owned(),
             line: self.first - 2,
             dataset: self.dataset,
             found,
             expected,
-        };
-        if self.binary {
-            return Err(form("binary", "text (ASCII)"));
         }
+    }
+
+    fn function(&self, binary: Option<Binary<'_>>) -> Result<Function, UffError> {
         let header = self.numbers(6, HEADER)?;
         let &[data, count, spacing, first, increment, ..] = header.as_slice() else {
             return Err(self.error(6, HEADER));
         };
-        let (double, even) = (data == 4.0, spacing == 1.0);
-        if data != 2.0 && !double {
-            return Err(form("complex", "real values"));
+        let layout = Layout {
+            double: data == 4.0,
+            even: spacing == 1.0,
+            count,
+            first,
+            increment,
+        };
+        if data != 2.0 && !layout.double {
+            return Err(self.form("complex", "real values"));
         }
         let axis = |line: usize| -> Result<(i64, String), UffError> {
             let expected = "the kind, label and unit of an axis";
@@ -80,19 +95,30 @@ impl Block<'_> {
             ordinate: Vec::new(),
             lines: Vec::new(),
         };
+        match binary {
+            Some(binary) => self.bytes(binary, &layout, &mut function)?,
+            None => self.words(&layout, &mut function)?,
+        }
+        if function.ordinate.len() as f64 != layout.count {
+            return Err(self.error(6, "as many values as the dataset holds"));
+        }
+        Ok(function)
+    }
+
+    /// Samples in text.
+    fn words(&self, layout: &Layout, function: &mut Function) -> Result<(), UffError> {
         // Fields of abscissa and ordinate in a row, from which run-together numbers are taken.
-        let widths: &[usize] = match (even, double) {
+        let widths: &[usize] = match (layout.even, layout.double) {
             (true, false) | (false, false) => &[13],
             (true, true) => &[20],
             (false, true) => &[13, 20],
         };
-        let mut pending = None;
+        let (mut pending, mut values) = (None, Vec::new());
         for line in 11..self.lines.len() {
-            for value in self.samples(line, widths)? {
-                if even {
-                    function
-                        .abscissa
-                        .push(first + increment * function.ordinate.len() as f64);
+            self.samples(line, widths, &mut values)?;
+            for &value in &values {
+                if layout.even {
+                    function.abscissa.push(layout.abscissa(function.ordinate.len()));
                 } else {
                     match pending.take() {
                         Some(abscissa) => function.abscissa.push(abscissa),
@@ -106,30 +132,82 @@ impl Block<'_> {
                 function.lines.push(self.first + line);
             }
         }
-        if pending.is_some() || function.ordinate.len() as f64 != count {
-            return Err(self.error(6, "as many values as the dataset holds"));
+        match pending {
+            Some(_) => Err(self.error(6, "as many values as the dataset holds")),
+            None => Ok(()),
         }
-        Ok(function)
+    }
+
+    /// Samples in IEEE 754. An uneven abscissa is in single precision or, as some programs write it, in that of the ordinate.
+    fn bytes(&self, binary: Binary<'_>, layout: &Layout, function: &mut Function) -> Result<(), UffError> {
+        const EXPECTED: &str = "IEEE 754 (format 2), byte order 1 or 2, or as text";
+        let little = match (binary.order, binary.format) {
+            (1, 2) => true,
+            (2, 2) => false,
+            _ => return Err(self.form("binary of a machine without IEEE 754", EXPECTED)),
+        };
+        let width = if layout.double { 8 } else { 4 };
+        let spread = if layout.even { 0.0 } else { layout.count };
+        let size = binary.bytes.len() as f64;
+        let abscissa = [0, 4, width]
+            .into_iter()
+            .find(|&own| (own == 0) == layout.even && spread * own as f64 + layout.count * width as f64 == size);
+        let Some(abscissa) = abscissa else {
+            return Err(self.error(6, "as many values as the dataset has bytes for"));
+        };
+        let number = |bytes: &[u8]| match (<[u8; 4]>::try_from(bytes), <[u8; 8]>::try_from(bytes), little) {
+            (Ok(bytes), _, true) => f64::from(f32::from_le_bytes(bytes)),
+            (Ok(bytes), _, false) => f64::from(f32::from_be_bytes(bytes)),
+            (_, Ok(bytes), true) => f64::from_le_bytes(bytes),
+            (_, Ok(bytes), false) => f64::from_be_bytes(bytes),
+            _ => f64::NAN,
+        };
+        for (index, sample) in binary.bytes.chunks_exact(abscissa + width).enumerate() {
+            let (x, y) = sample.split_at(abscissa);
+            let x = if layout.even { layout.abscissa(index) } else { number(x) };
+            let y = number(y);
+            if let Some(value) = [x, y].into_iter().find(|value| !value.is_finite()) {
+                return Err(UffError::NotFinite {
+                    path: self.path.to_owned(),
+                    line: self.first - 2,
+                    dataset: self.dataset,
+                    sample: index + 1,
+                    value,
+                });
+            }
+            function.abscissa.push(x);
+            function.ordinate.push(y);
+            function.lines.push(self.first + 11);
+        }
+        Ok(())
     }
 
     /// The values of a line: separate words, or fields of these widths in turn.
-    fn samples(&self, line: usize, widths: &[usize]) -> Result<Vec<f64>, UffError> {
+    fn samples(&self, line: usize, widths: &[usize], values: &mut Vec<f64>) -> Result<(), UffError> {
         let text = self.lines[line].trim_end();
         let number = |word: &str| {
-            let number = word.trim().replace(['D', 'd'], "E").parse::<f64>().ok();
-            number.filter(|x| x.is_finite())
+            let word = word.trim();
+            let number = word.parse::<f64>().or_else(|_| word.replace(['D', 'd'], "E").parse());
+            number.ok().filter(|x| x.is_finite())
         };
-        let words: Option<Vec<f64>> = text.split_whitespace().map(number).collect();
-        let fields = || {
-            let mut values = Vec::new();
-            let (mut rest, mut widths) = (text, widths.iter().cycle());
-            while let Some(width) = widths.next().filter(|_| !rest.is_empty()) {
-                let (field, more) = rest.split_at_checked(*width).unwrap_or((rest, ""));
-                values.push(number(field)?);
-                rest = more;
-            }
-            Some(values)
-        };
-        words.or_else(fields).ok_or_else(|| self.error(line, "finite numbers"))
+        values.clear();
+        let mut words = text.split_whitespace().map(number);
+        if words.all(|value| value.map(|value| values.push(value)).is_some()) {
+            return Ok(());
+        }
+        values.clear();
+        let (mut rest, mut widths) = (text, widths.iter().cycle());
+        while let Some(width) = widths.next().filter(|_| !rest.is_empty()) {
+            let (field, more) = rest.split_at_checked(*width).unwrap_or((rest, ""));
+            values.push(number(field).ok_or_else(|| self.error(line, "finite numbers"))?);
+            rest = more;
+        }
+        Ok(())
+    }
+}
+
+impl Layout {
+    fn abscissa(&self, index: usize) -> f64 {
+        self.first + self.increment * index as f64
     }
 }

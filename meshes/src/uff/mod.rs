@@ -7,10 +7,12 @@
 
 mod dataset;
 mod function;
+mod history;
 mod read;
 mod write;
 
 pub use dataset::UffError;
 pub use function::{Function, functions};
+pub use history::{History, Ordinate};
 pub use read::{MeasuredMode, Measurement, parse, read};
 pub use write::{Mode, text};

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use nalgebra::{Complex, Point3};
 
-use super::dataset::{Block, UffError, blocks};
+use super::dataset::{Block, UffError, datasets};
 
 /// What a universal file holds of a modal test.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -45,14 +45,12 @@ pub fn read(path: &Path) -> Result<Measurement, UffError> {
 /// # Errors
 /// As [`read`].
 pub fn parse(bytes: &[u8], path: &Path) -> Result<Measurement, UffError> {
-    let text = String::from_utf8_lossy(bytes);
-    let lines: Vec<&str> = text.lines().collect();
     let mut measurement = Measurement::default();
-    for block in blocks(&lines, path)? {
-        match block.dataset {
-            15 => block.nodes(1, &mut measurement)?,
-            2411 => block.nodes(2, &mut measurement)?,
-            55 => block.mode(&mut measurement)?,
+    for dataset in datasets(bytes, path)? {
+        match dataset.number {
+            15 => dataset.read(path, |block| block.nodes(1, &mut measurement))?,
+            2411 => dataset.read(path, |block| block.nodes(2, &mut measurement))?,
+            55 => dataset.read(path, |block| block.mode(&mut measurement))?,
             _ => {}
         }
     }

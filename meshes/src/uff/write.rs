@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use crate::digits::exponential;
 use crate::{FaceKind, MeshError, Surface};
 
 /// A mode to be written.
@@ -42,9 +43,9 @@ pub fn text(name: &str, surface: &Surface, modes: &[Mode<'_>]) -> Result<String,
             let _ = writeln!(
                 text,
                 "{}{}{}",
-                fortran(p.x, 25, 16),
-                fortran(p.y, 25, 16),
-                fortran(p.z, 25, 16)
+                field(p.x, 25, 16),
+                field(p.y, 25, 16),
+                field(p.z, 25, 16)
             );
         }
     });
@@ -57,9 +58,9 @@ pub fn text(name: &str, surface: &Surface, modes: &[Mode<'_>]) -> Result<String,
                 0,
                 0,
                 11,
-                fortran(p.x, 13, 5),
-                fortran(p.y, 13, 5),
-                fortran(p.z, 13, 5)
+                field(p.x, 13, 5),
+                field(p.y, 13, 5),
+                field(p.z, 13, 5)
             );
         }
     });
@@ -93,16 +94,16 @@ pub fn text(name: &str, surface: &Surface, modes: &[Mode<'_>]) -> Result<String,
             let _ = writeln!(text, "{:10}{:10}{:10}{:10}{:10}{:10}", 1, 2, 2, 8, 2, 3);
             let _ = writeln!(text, "{:10}{:10}{:10}{:10}", 2, 4, 1, index + 1);
             let numbers = [mode.hz, 1.0, 0.0, mode.loss_factor];
-            let _ = writeln!(text, "{}", numbers.map(|x| fortran(x, 13, 5)).concat());
+            let _ = writeln!(text, "{}", numbers.map(|x| field(x, 13, 5)).concat());
             for (point, &node) in surface.volume_nodes.iter().enumerate() {
                 let _ = writeln!(text, "{:10}", label(point));
                 let u = &mode.shape[3 * node..3 * node + 3];
                 let _ = writeln!(
                     text,
                     "{}{}{}",
-                    fortran(u[0], 13, 5),
-                    fortran(u[1], 13, 5),
-                    fortran(u[2], 13, 5)
+                    field(u[0], 13, 5),
+                    field(u[1], 13, 5),
+                    field(u[2], 13, 5)
                 );
             }
         });
@@ -126,18 +127,44 @@ fn dataset(text: &mut String, number: usize, content: impl FnOnce(&mut String)) 
     text.push_str("    -1\n");
 }
 
-/// A number as Fortran's 1PEw.d writes it, with two digits of exponent at least.
-fn fortran(x: f64, width: usize, digits: usize) -> String {
-    let text = format!("{x:.digits$e}");
-    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
-    let exponent: i32 = exponent.parse().unwrap_or(0);
-    // Beyond two digits of exponent a field of 13 would run over; nothing this small moves.
-    let (mantissa, exponent) = if exponent < -99 {
-        (format!("{:.digits$}", 0.0), 0)
-    } else {
-        (mantissa.to_owned(), exponent)
-    };
-    let sign = if exponent < 0 { '-' } else { '+' };
-    let number = format!("{mantissa}E{sign}{:02}", exponent.abs());
-    format!("{number:>width$}")
+/// A field of a number. Beyond two digits of exponent a field of 13 would run over; nothing this small moves.
+fn field(x: f64, width: usize, digits: usize) -> String {
+    let mut text = Vec::with_capacity(width);
+    fortran(&mut text, if x.abs() < 1e-99 { 0.0 } else { x }, [width, digits]);
+    String::from_utf8_lossy(&text).into_owned()
+}
+
+/// Appends a number as Fortran's 1PEwidth.digits writes and reads it: a sign and at least two digits in its exponent.
+pub(super) fn fortran(text: &mut Vec<u8>, value: f64, [width, digits]: [usize; 2]) {
+    let mut number = Vec::with_capacity(width);
+    exponential(&mut number, value, digits);
+    if let Some(mark) = number.iter().position(|&c| c == b'e') {
+        number[mark] = b'E';
+        if number.get(mark + 1) != Some(&b'-') {
+            number.insert(mark + 1, b'+');
+        }
+        if number.len() == mark + 3 {
+            number.insert(mark + 2, b'0');
+        }
+    }
+    text.resize(text.len() + width.saturating_sub(number.len()), b' ');
+    text.extend_from_slice(&number);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_fortrans_width_and_exponent() {
+        let written = |value: f64, form| {
+            let mut text = Vec::new();
+            fortran(&mut text, value, form);
+            String::from_utf8(text).unwrap_or_default()
+        };
+        assert_eq!(written(4e-6, [13, 5]), "  4.00000E-06");
+        assert_eq!(written(-1.5, [20, 12]), " -1.500000000000E+00");
+        assert_eq!(written(2.5e-120, [20, 12]).len(), 20);
+        assert_eq!(written(0.0, [13, 5]), "  0.00000E+00");
+    }
 }

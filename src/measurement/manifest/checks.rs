@@ -1,0 +1,175 @@
+//! What must hold between the keys of a manifest, and what lowers the value of a test.
+
+use std::path::Path;
+
+use nailnoise_acoustics::sound::Iso3744Box;
+
+use super::reader::Table;
+use super::{Manifest, Trigger};
+use crate::measurement::error::MeasurementError;
+use crate::measurement::recordings::unreadable;
+
+/// Largest distance of a microphone from the measurement surface \[m\]: at 1 m from a source, 5 cm change the level by 0.42 dB.
+const OFF_SURFACE: f64 = 0.05;
+
+/// Microphones of EN 12549.
+const MICROPHONES: usize = 9;
+
+/// Shots of a configuration from which a mean has a useful uncertainty.
+const REPEATS: usize = 5;
+
+/// What each configuration measures, by its number less one.
+const MEASURED: [&str; 5] = ["the total", "the residual", "the exhaust", "the body", "the workpiece"];
+
+/// Distance of a point from the five faces of the box that are no reflecting plane \[m\]; `point` is relative to the foot of
+/// the box on the plane.
+fn distance(surface: &Iso3744Box, point: [f64; 3]) -> f64 {
+    let [a, b, c] = surface.sides;
+    let [x, y, z] = point;
+    let over = [x.abs() - a, y.abs() - b, z - c];
+    let outside = over.map(|over| over.max(0.0));
+    let below = (-z).max(0.0);
+    let outside = (outside.iter().map(|over| over * over).sum::<f64>() + below * below).sqrt();
+    if outside > 0.0 {
+        return outside;
+    }
+    -over.into_iter().fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// There are microphones, and they are on the measurement surface above the reflecting plane.
+pub(super) fn microphones(root: &Table<'_, '_>, manifest: &Manifest) -> Result<(), MeasurementError> {
+    let [x, y, z] = manifest.centre;
+    let height = z - manifest.plane;
+    if height <= 0.0 {
+        let problem = format!("is {:.3} m below the reflecting plane", -height);
+        return Err(root.error(
+            "centre",
+            problem,
+            "correct `centre` or `plane`; both are in the same axes, z up",
+        ));
+    }
+    if manifest.microphones.is_empty() {
+        return Err(root.error(
+            "channels",
+            "has no microphone",
+            "name the channels of microphones mic1 to mic9",
+        ));
+    }
+    let surface = Iso3744Box::around(height);
+    for microphone in &manifest.microphones {
+        let [u, v, w] = microphone.position;
+        let off = distance(&surface, [u - x, v - y, w - manifest.plane]);
+        if off > OFF_SURFACE {
+            let [a, b, c] = surface.sides;
+            let Some(own) = root.table("channels", "[channels]")? else {
+                break;
+            };
+            let Some(own) = own.table(&microphone.name, "{ ... }")? else {
+                break;
+            };
+            let problem = format!("is {off:.3} m off the measurement surface, more than {OFF_SURFACE} m");
+            let help = format!(
+                "the surface of EN 12549 is the box within {a} m and {b} m of x = {x}, y = {y} m and up to {:.3} m, {c:.3} m \
+                 above the plane; correct the position, `centre` or `plane`",
+                manifest.plane + c
+            );
+            return Err(own.error("position", problem, help));
+        }
+    }
+    Ok(())
+}
+
+/// The residual is there where it is to be subtracted.
+pub(super) fn residual(root: &Table<'_, '_>, manifest: &Manifest) -> Result<(), MeasurementError> {
+    let has = |number: usize| manifest.configurations.iter().find(|own| own.number == number);
+    let subtracted = (3..=5).find_map(has);
+    match (subtracted, has(2)) {
+        (Some(own), None) => {
+            let letter = manifest.setup.letter();
+            let problem = format!("has {} without the residual {letter}-2", own.name);
+            let help = format!(
+                "record {letter}-2, everything wrapped: it is subtracted from {letter}-3, {letter}-4 and {letter}-5"
+            );
+            Err(root.error("configurations", problem, help))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Each shot has its own file or, by `{c}` and `{k}`, its own name.
+pub(super) fn placeholders(root: &Table<'_, '_>, manifest: &Manifest) -> Result<(), MeasurementError> {
+    let several = manifest.configurations.len() > 1;
+    let repeated = manifest.configurations.iter().any(|own| own.repeats > 1);
+    for channel in &manifest.channels {
+        for (mark, needed, what) in [("c", several, "configurations"), ("k", repeated, "repeats")] {
+            if needed && !channel.has(mark) {
+                let Some(own) = root.table("channels", "[channels]")? else {
+                    return Ok(());
+                };
+                let Some(own) = own.table(&channel.name, "{ ... }")? else {
+                    return Ok(());
+                };
+                let problem = format!("is \"{}\" for all {what}", channel.file);
+                let help = format!("name a file for each of the {what} with {{{mark}}}");
+                return Err(own.error("file", problem, help));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A recording is there and is a file.
+pub(super) fn is_file(path: &Path, channel: &str) -> Result<(), MeasurementError> {
+    let refuse = |error: &std::io::Error| Err(unreadable(path, channel, error));
+    match std::fs::metadata(path) {
+        Ok(data) if data.is_file() => Ok(()),
+        Ok(_) => refuse(&std::io::Error::other("it is no regular file")),
+        Err(error) => refuse(&error),
+    }
+}
+
+/// What lowers the value of the test without forbidding it.
+pub(super) fn warnings(manifest: &Manifest) -> Vec<String> {
+    let mut warnings = Vec::new();
+    for own in manifest.configurations.iter().filter(|own| own.repeats < REPEATS) {
+        let shots = if own.repeats == 1 { "shot" } else { "shots" };
+        warnings.push(format!(
+            "{} has {} {shots}; {REPEATS} at least are usual, fewer leave the uncertainty of the mean wide",
+            own.name, own.repeats
+        ));
+    }
+    for (index, measured) in MEASURED.iter().enumerate() {
+        if !manifest.configurations.iter().any(|own| own.number == index + 1) {
+            let letter = manifest.setup.letter();
+            warnings.push(format!(
+                "{letter}-{} is not in the manifest: {measured} is not measured",
+                index + 1
+            ));
+        }
+    }
+    if manifest.microphones.len() < MICROPHONES {
+        warnings.push(format!(
+            "{} of the {MICROPHONES} microphones of EN 12549 are in the manifest; the mean over the surface lacks the others",
+            manifest.microphones.len()
+        ));
+    }
+    let started = |name: &str| {
+        let by = |trigger: &Trigger| matches!(trigger, Trigger::Channel { name: own, .. } if own == name);
+        manifest.configurations.iter().any(|own| by(&own.trigger))
+    };
+    let unlimited = manifest
+        .channels
+        .iter()
+        .filter(|channel| !channel.calibration.limited());
+    let unlimited: Vec<&str> = unlimited
+        .map(|channel| channel.name.as_str())
+        .filter(|name| !started(name))
+        .collect();
+    if !unlimited.is_empty() {
+        warnings.push(format!(
+            "without `full_scale` a clipped record is not recognised: {}",
+            unlimited.join(", ")
+        ));
+    }
+    warnings
+}

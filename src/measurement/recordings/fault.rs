@@ -1,0 +1,259 @@
+//! What can be wrong with a recording.
+
+use std::path::PathBuf;
+
+use super::{LOWEST_RATE, RUN, SHOT};
+
+/// What is wrong with the recording of a channel.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Fault {
+    /// Bytes that are no recording of a known format.
+    #[error("the file is no recording that can be read: {problem}")]
+    Format {
+        /// What is wrong.
+        problem: String,
+    },
+    /// A WAV file of samples of another width.
+    #[error("the samples have {bits} bits of the kind {kind}; 16, 24 or 32 bit integers and 32 bit floats are read")]
+    Width {
+        /// Bits of a sample.
+        bits: u16,
+        /// `integer` or `float`.
+        kind: &'static str,
+    },
+    /// A file that ends before its header says.
+    #[error("the file is cut off: its header promises {expected} samples, {found} are there")]
+    CutOff {
+        /// Samples by the header.
+        expected: usize,
+        /// Samples in the file.
+        found: usize,
+    },
+    /// A channel beyond those of the file.
+    #[error("there is no channel {channel}: the file has {channels}")]
+    NoChannel {
+        /// The channel, from 1.
+        channel: usize,
+        /// Channels of the file.
+        channels: usize,
+    },
+    /// A column that a CSV file does not have.
+    #[error("there is no column \"{column}\"; the columns are {known}")]
+    NoColumn {
+        /// Its heading.
+        column: String,
+        /// The headings of the file.
+        known: String,
+    },
+    /// Two columns of one heading.
+    #[error("two columns have the heading \"{column}\"")]
+    TwoColumns {
+        /// The heading.
+        column: String,
+    },
+    /// A CSV file without times.
+    #[error("there is no column of times; the columns are {known}")]
+    NoTime {
+        /// The headings of the file.
+        known: String,
+    },
+    /// A channel named by `column` in a WAV or universal file, or by `channel` in a CSV file.
+    #[error("the file is {format}, whose channels are given by `{expected}`")]
+    Selector {
+        /// The format.
+        format: &'static str,
+        /// The key that selects a channel of it.
+        expected: &'static str,
+    },
+    /// A line of a CSV file that cannot be read.
+    #[error("line {line}: {problem}")]
+    Line {
+        /// The line, from 1.
+        line: u64,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// Times that are not evenly spaced.
+    #[error("the time axis is uneven: sample {sample} is at {time} s, even steps lead to {expected} s")]
+    Uneven {
+        /// The sample, from 1.
+        sample: usize,
+        /// Its time \[s\].
+        time: f64,
+        /// The time of an even axis \[s\].
+        expected: f64,
+    },
+    /// An abscissa that is no time.
+    #[error("the abscissa is no time: its kind is {kind} and its unit \"{unit}\"")]
+    NotTime {
+        /// Specific data type.
+        kind: i64,
+        /// Label of the unit.
+        unit: String,
+    },
+    /// A universal file that cannot be read.
+    #[error("{problem}")]
+    Universal {
+        /// Why, with file and line.
+        problem: String,
+    },
+    /// No samples, or too few for a sampling rate.
+    #[error("there are {samples} samples")]
+    Empty {
+        /// Samples in the file.
+        samples: usize,
+    },
+    /// A sample that is not a finite number.
+    #[error("sample {sample} is {value}, which is not finite")]
+    NotFinite {
+        /// The sample, from 1.
+        sample: usize,
+        /// What it is.
+        value: f64,
+    },
+    /// A rate too low for A-weighted bands to 10 kHz.
+    #[error("the sampling rate is {rate} Hz, at least {LOWEST_RATE} Hz are needed")]
+    LowRate {
+        /// The rate \[Hz\].
+        rate: f64,
+    },
+    /// Channels or shots of different rates.
+    #[error("the sampling rate is {rate} Hz, that of {} is {other} Hz", file.display())]
+    RatesDiffer {
+        /// The rate \[Hz\].
+        rate: f64,
+        /// That of another recording \[Hz\].
+        other: f64,
+        /// The other recording.
+        file: PathBuf,
+    },
+    /// Time axes that begin at different times.
+    #[error("the time axis begins at {start} s, that of {} at {other} s", file.display())]
+    StartsDiffer {
+        /// The first time \[s\].
+        start: f64,
+        /// That of another recording \[s\].
+        other: f64,
+        /// The other recording.
+        file: PathBuf,
+    },
+    /// Samples that run at full scale.
+    #[error(
+        "clipped: {count} samples from {at:.6} s on are at full scale, {value:.6} {unit}; {RUN} in a row are an overload"
+    )]
+    Clipped {
+        /// Samples in the first run.
+        count: usize,
+        /// Time of the first one from the record's start \[s\].
+        at: f64,
+        /// The value in the channel's unit.
+        value: f64,
+        /// The channel's unit.
+        unit: String,
+    },
+    /// Nothing states what the numbers mean.
+    #[error("no calibration: {why}")]
+    NoCalibration {
+        /// What is lacking.
+        why: &'static str,
+    },
+    /// A unit that cannot be read.
+    #[error("the unit \"{unit}\" of the file cannot be used: {problem}")]
+    Unit {
+        /// The label in the file.
+        unit: String,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// Manifest and file state different units.
+    #[error("the manifest states the unit \"{manifest}\", the file \"{file}\"")]
+    UnitsDiffer {
+        /// That of the manifest.
+        manifest: String,
+        /// That of the file.
+        file: String,
+    },
+    /// A record that ends before the shot.
+    #[error("the record ends {after:.4} s after the trigger, the shot needs {SHOT} s")]
+    Short {
+        /// Time from the trigger to the record's end \[s\].
+        after: f64,
+    },
+    /// A signal that does not cross the trigger's threshold.
+    #[error("no trigger: the signal does not cross {threshold} {unit}; it runs from {least:.4} to {most:.4} {unit}")]
+    NoTrigger {
+        /// The threshold.
+        threshold: f64,
+        /// Smallest value of the signal.
+        least: f64,
+        /// Largest value of the signal.
+        most: f64,
+        /// Unit of all three.
+        unit: &'static str,
+    },
+    /// A calibrator's record without the tone.
+    #[error(
+        "no tone of {frequency} Hz in the calibrator's record: {:.1} % of its energy lie within {:.0} % of it", 100.0 * share,
+        100.0 * band
+    )]
+    NoTone {
+        /// Frequency of the calibrator \[Hz\].
+        frequency: f64,
+        /// Share of the energy in the band.
+        share: f64,
+        /// Half width of the band, relative.
+        band: f64,
+    },
+    /// A calibrator's record that is too short.
+    #[error("the calibrator's record lasts {duration:.3} s, at least {needed} s are needed")]
+    ShortTone {
+        /// Its duration \[s\].
+        duration: f64,
+        /// The least duration \[s\].
+        needed: f64,
+    },
+}
+
+impl Fault {
+    /// What to do about it.
+    pub fn remedy(&self) -> &'static str {
+        match self {
+            Self::Format { .. } => {
+                "export the recording as WAV, as universal file with datasets 58, or as CSV with a time column"
+            }
+            Self::Width { .. } => "export it with 16, 24 or 32 bit integers, or as 32 bit float",
+            Self::CutOff { .. } => "export the recording again; a copy may have been interrupted",
+            Self::NoChannel { .. } => "correct `channel`, which counts from 1, or `file`",
+            Self::NoColumn { .. } | Self::TwoColumns { .. } => {
+                "correct `column`, the heading in the first line, or the file"
+            }
+            Self::NoTime { .. } => "give the file a column \"time [s]\"; its heading begins with time or is t",
+            Self::Selector { .. } => "use that key for this channel, or name another file",
+            Self::Line { .. } => "give each line a finite number for each column, with a point before the decimals",
+            Self::Uneven { .. } => {
+                "export it at a constant sampling rate, with times of more digits; a sample may be missing or doubled"
+            }
+            Self::NotTime { .. } => "export time histories: specific data type 17, in s",
+            Self::Universal { .. } => "export it again as datasets 58 or 58b of real values",
+            Self::Empty { .. } => "record this shot again, or correct `file`",
+            Self::NotFinite { .. } => "export the recording again, and check the converter that wrote the file",
+            Self::LowRate { .. } => {
+                "record at a higher rate: 48 kHz at least is usual, 160 kHz was used for the published test"
+            }
+            Self::RatesDiffer { .. } => "record all channels and shots at one sampling rate",
+            Self::StartsDiffer { .. } => "export all channels of a shot with a common time axis",
+            Self::Clipped { .. } => "repeat the shot with a larger input range",
+            Self::NoCalibration { .. } => {
+                "give `sensitivity` and `full_scale` (\"50 mV/Pa\", \"10 V\"), or `full_scale` in the channel's quantity (\"200 \
+                 Pa\"), or `calibrator`, or `unit` where the file holds numbers in a unit"
+            }
+            Self::Unit { .. } => "give `unit` in the manifest: Pa, kPa, m/s2 or g; V with a `sensitivity`",
+            Self::UnitsDiffer { .. } => "remove `unit` if the file is right, else export the file with the right unit",
+            Self::Short { .. } => "record longer, or correct `trigger`; the machine sounds for about 0.1 s",
+            Self::NoTrigger { .. } => "correct `threshold` or the trigger's channel, or give `trigger` as a time",
+            Self::NoTone { .. } => "name the calibrator's record of this microphone, or correct `frequency`",
+            Self::ShortTone { .. } => "record the calibrator for some seconds",
+        }
+    }
+}
