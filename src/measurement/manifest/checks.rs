@@ -85,12 +85,16 @@ pub(super) fn residual(root: &Table<'_, '_>, manifest: &Manifest) -> Result<(), 
     let subtracted = (3..=5).find_map(has);
     match (subtracted, has(2)) {
         (Some(own), None) => {
-            let letter = manifest.setup.letter();
-            let problem = format!("has {} without the residual {letter}-2", own.name);
+            let Some(all) = root.table("configurations", "[configurations]")? else {
+                return Ok(());
+            };
+            let residual = format!("{}-2", manifest.setup.letter());
+            let problem = format!("needs the residual {residual}, which is not in the manifest");
             let help = format!(
-                "record {letter}-2, everything wrapped: it is subtracted from {letter}-3, {letter}-4 and {letter}-5"
+                "record {residual}, everything wrapped: it is subtracted from {}",
+                own.name
             );
-            Err(root.error("configurations", problem, help))
+            Err(all.error(&own.name, problem, help))
         }
         _ => Ok(()),
     }
