@@ -49,6 +49,8 @@ use crate::stages::{Digest, Progress, Stage, Stored};
 pub struct Options {
     /// Factor on the forces of the shot on the workpiece, where a cycle drives it one way \[-\].
     pub workpiece_force_scale: f64,
+    /// Seed of the jets' noise at the microphones; its levels do not depend on it.
+    pub noise_seed: u32,
 }
 
 impl Default for Options {
@@ -56,6 +58,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             workpiece_force_scale: 1.0,
+            noise_seed: 0,
         }
     }
 }
@@ -439,6 +442,7 @@ impl Chain {
             microphones: microphones.clone(),
             cycle: cycle.clone(),
             end: end.clone(),
+            noise_seed: options.noise_seed,
         };
         let exhaust = graph.add(exhaust_of(&cycle, &end));
         let body_sound = |cycle: &Stored<CycleRecord>, motion: Option<Stored<BodyMotion>>| BodySound {

@@ -119,10 +119,19 @@ pub enum Error {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Penetration(#[from] crate::penetration::PenetrationError),
+    /// A design whose support the wrapping test does not have.
+    #[error("{design}: a wrapping test has its workpiece on the worktable or in the sandbox, not on \"{support}\"")]
+    #[diagnostic(help("set support.kind = \"worktable\" or \"sandbox\""))]
+    NoTestSetup {
+        /// Name of the design.
+        design: String,
+        /// Its support.
+        support: &'static str,
+    },
     /// A measurement cannot be used.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    Measurement(#[from] crate::measurement::MeasurementError),
+    Measurement(#[from] crate::measurement::error::MeasurementError),
     /// A penetration law cannot be evaluated.
     #[error(transparent)]
     #[diagnostic(help("{}", _0.remedy()))]

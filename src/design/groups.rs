@@ -38,6 +38,7 @@ group! {
         acoustics: Acoustics,
         analysis: Analysis,
         model: Model,
+        test: Test,
     }
     lists {
         sensors: Sensor,
@@ -558,5 +559,55 @@ group! {
         cycle_tolerance: f64 = positive(NUMBER).within(1e-12, 1e-2), "";
         /// Largest relative residual of a mode.
         mode_tolerance: f64 = positive(NUMBER).within(1e-14, 1e-2), "";
+    }
+}
+
+group! {
+    /// Virtual wrapping test of EN 12549 (`nailnoise test`). It changes no level of a run.
+    Test {
+        /// Shots of each configuration; EN 12549 asks for 5.
+        repeats: u32 = Kind::Count(100), "";
+        /// Sampling rate of the recordings.
+        sampling_rate: f64 = positive(FREQUENCY).within(25e3, 1e6), "";
+        /// Length of a recording; at least 1 s after the trigger is analysed.
+        record_length: f64 = positive(TIME).within(0.2, 10.0), "";
+        /// Latest trigger after the start of a recording; each is drawn uniformly from 0 to this.
+        trigger_delay: f64 = nonnegative(TIME).within(0.0, 1.0), "";
+        /// Relative standard deviation of the supply pressure from shot to shot.
+        pressure_scatter: f64 = nonnegative(NUMBER).within(0.0, 0.5), "";
+        /// Relative standard deviation of the wood's resistance from shot to shot.
+        resistance_scatter: f64 = nonnegative(NUMBER).within(0.0, 0.5), "";
+        /// Standard deviation of an accelerometer's noise.
+        acceleration_noise: f64 = nonnegative(ACCELERATION), "";
+    }
+    groups {
+        wraps: Wraps,
+    }
+}
+
+group! {
+    /// Wraps of the virtual wrapping test: foam inside a barrier on body or workpiece, a muffler on the exhaust. Losses are in
+    /// dB, linear in the logarithm of frequency between the two frequencies, constant outside.
+    Wraps {
+        /// Insertion loss of the workpiece's wrap up to 125 Hz, in dB.
+        workpiece_low: f64 = nonnegative(NUMBER).within(0.0, 200.0), "";
+        /// Insertion loss of the workpiece's wrap from 4 kHz on, in dB.
+        workpiece_high: f64 = nonnegative(NUMBER).within(0.0, 200.0), "";
+        /// Insertion loss of the body's wrap up to 125 Hz, in dB.
+        body_low: f64 = nonnegative(NUMBER).within(0.0, 200.0), "";
+        /// Insertion loss of the body's wrap from 4 kHz on, in dB.
+        body_high: f64 = nonnegative(NUMBER).within(0.0, 200.0), "";
+        /// Insertion loss of the muffler up to 50 Hz, in dB.
+        muffler_low: f64 = nonnegative(NUMBER).within(0.0, 200.0), "";
+        /// Insertion loss of the muffler from 400 Hz on, in dB.
+        muffler_high: f64 = nonnegative(NUMBER).within(0.0, 200.0), "";
+        /// What the body's wrap, tight on the exhaust, takes from the bare exhaust, in dB.
+        exhaust_mask: f64 = nonnegative(NUMBER).within(0.0, 200.0), "";
+        /// What the body's wrap, down over the nose, takes from the bare workpiece, in dB.
+        workpiece_mask: f64 = nonnegative(NUMBER).within(0.0, 200.0), "";
+        /// Mass of the body's wrap.
+        mass: f64 = nonnegative(MASS).within(0.0, 50.0), "";
+        /// Whether this mass is added to the tool's where its body is wrapped.
+        adds_mass: bool = Kind::Switch, "";
     }
 }

@@ -7,6 +7,7 @@
 mod assumptions;
 mod chart;
 mod compared;
+mod measurement;
 mod modes;
 mod page;
 mod picture;
@@ -23,6 +24,7 @@ use crate::comparison::Comparison;
 use crate::design::Design;
 use crate::error::Error;
 use crate::figures;
+use crate::measurement::result::MeasurementResult;
 use crate::result::RunResult;
 use crate::run::Run;
 use crate::stages::spectra::{Driven, MovingBody};
@@ -222,6 +224,11 @@ pub fn with_intervals(report: &str, intervals: &Intervals) -> String {
 /// The report of a study with these charts.
 pub fn study(result: &StudyResult, charts: &[figures::Chart], scatter: &[figures::Chart]) -> String {
     study::page(result, charts, scatter).html()
+}
+
+/// The page of a wrapping test with these charts.
+pub fn measurement(result: &MeasurementResult, charts: &[figures::Chart]) -> String {
+    measurement::page(result, charts).html()
 }
 
 /// The report of a comparison of the files with this identity.

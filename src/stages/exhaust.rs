@@ -113,6 +113,8 @@ pub struct Exhaust {
     pub cycle: Stored<CycleRecord>,
     /// End of all records of the shot \[s\].
     pub end: Stored<f64>,
+    /// Seed of the jets' noise in the signals at the microphones.
+    pub noise_seed: u32,
 }
 
 /// Output of [`Exhaust`].
@@ -151,6 +153,7 @@ impl Stage for Exhaust {
             &self.microphones,
             &*self.cycle.get()?,
             *self.end.get()?,
+            self.noise_seed,
         )
     }
 }
@@ -165,11 +168,12 @@ pub fn exhaust(
     microphones: &MicrophoneArray,
     record: &CycleRecord,
     end: f64,
+    noise_seed: u32,
 ) -> Result<ExhaustSource, Error> {
     let (sound, details) = noise(openings, record)?;
     let edges = EventEdges::new(&record.events, end);
     let source = SoundSource::new(sound, &edges, microphones.range_hz);
-    let received = microphones.exhaust(outlet, &details.openings, &source.spectrum, end)?;
+    let received = microphones.exhaust(outlet, (&details.openings, noise_seed), &source.spectrum, end)?;
     Ok(ExhaustSource {
         source,
         details,

@@ -30,7 +30,15 @@ fn ranked(run: &Run, source: &str) -> RankedSource {
 }
 
 fn scaled(design: &Design, workpiece_force_scale: f64) -> Run {
-    run(&graph(store()), design, Options { workpiece_force_scale }).unwrap()
+    run(
+        &graph(store()),
+        design,
+        Options {
+            workpiece_force_scale,
+            ..Options::default()
+        },
+    )
+    .unwrap()
 }
 
 #[test]

@@ -1,7 +1,9 @@
 //! Keys of a manifest: each fault is refused with file, line, key, value and remedy.
 
 use crate::written::{CORNER, Folder, HEAD, ONE, names, sine, wav};
-use nailnoise::measurement::{Manifest, MeasurementError, Setup, Trigger};
+use nailnoise::measurement::arrangement::Setup;
+use nailnoise::measurement::error::MeasurementError;
+use nailnoise::measurement::manifest::{Manifest, Trigger};
 
 const CHANNEL: &str = "file = \"{c}-{k}.wav\", full_scale = \"200 Pa\"";
 

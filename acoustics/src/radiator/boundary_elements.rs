@@ -13,7 +13,7 @@ use crate::radiation::{ModalSpectra, mode_energies, radiated_energy, radiated_si
 const JUDGED: usize = 3;
 
 /// Octaves over which pressures fade out at the upper end of single frequencies.
-const FADE_OCTAVES: f64 = 1.0 / 3.0;
+pub const FADE_OCTAVES: f64 = 1.0 / 3.0;
 
 impl Radiator for ModalBem {
     fn energy(&self, source: &str, motions: &[&ModalSpectra]) -> Result<SourceSpectrum, AcousticsError> {

@@ -10,6 +10,7 @@ mod report;
 mod separate;
 mod sphere;
 
+pub use boundary_elements::FADE_OCTAVES;
 pub use flush::FlushRadiator;
 pub use report::{ModeShare, RadiationBand, RadiationReport, Uncertainty};
 pub use separate::SeparateBodies;

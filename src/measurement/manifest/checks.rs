@@ -88,7 +88,7 @@ pub(super) fn residual(root: &Table<'_, '_>, manifest: &Manifest) -> Result<(), 
             let Some(all) = root.table("configurations", "[configurations]")? else {
                 return Ok(());
             };
-            let residual = format!("{}-2", manifest.setup.letter());
+            let residual = manifest.setup.configuration(2);
             let problem = format!("needs the residual {residual}, which is not in the manifest");
             let help = format!(
                 "record {residual}, everything wrapped: it is subtracted from {}",
@@ -144,11 +144,8 @@ pub(super) fn warnings(manifest: &Manifest) -> Vec<String> {
     }
     for (index, measured) in MEASURED.iter().enumerate() {
         if !manifest.configurations.iter().any(|own| own.number == index + 1) {
-            let letter = manifest.setup.letter();
-            warnings.push(format!(
-                "{letter}-{} is not in the manifest: {measured} is not measured",
-                index + 1
-            ));
+            let name = manifest.setup.configuration(index + 1);
+            warnings.push(format!("{name} is not in the manifest: {measured} is not measured"));
         }
     }
     if manifest.microphones.len() < MICROPHONES {

@@ -27,8 +27,10 @@ use nailnoise_quantities::measure;
 
 use self::channel::{Channel, Kind};
 use self::reader::Table;
+use super::arrangement::Setup;
 use super::error::MeasurementError;
-use super::recordings::{Calibrator, Fault, Quantity, Shot, Source, crossing, read, read_shot, refuse};
+use super::recordings::{Calibrator, Fault, Quantity, Source, crossing, read, read_shot, refuse};
+use super::shot::Shot;
 use crate::design::File;
 
 /// The largest manifest that is read \[byte\].
@@ -55,32 +57,8 @@ const MOST_REPEATS: usize = 1000;
 /// Longest time before a trigger \[s\].
 const LATEST: f64 = 1e3;
 
-/// What the workpiece stands on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Setup {
-    /// A worktable; the configurations are W-1 to W-5.
-    Worktable,
-    /// A box of sand; the configurations are S-1 to S-5.
-    Sandbox,
-}
-
-impl Setup {
-    /// Its name in a manifest.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Worktable => "worktable",
-            Self::Sandbox => "sandbox",
-        }
-    }
-
-    /// First letter of its configurations.
-    pub fn letter(self) -> char {
-        match self {
-            Self::Worktable => 'W',
-            Self::Sandbox => 'S',
-        }
-    }
-}
+/// What the workpiece stands on, by its name in a manifest.
+const SETUPS: [(&str, Setup); 2] = [("worktable", Setup::Worktable), ("sandbox", Setup::Sandbox)];
 
 /// A microphone on the measurement surface.
 #[derive(Debug, Clone, PartialEq)]
@@ -358,9 +336,10 @@ impl Channel {
 fn setup(root: &Table<'_, '_>) -> Result<Setup, MeasurementError> {
     root.required("setup", "\"worktable\"")?;
     let word = root.text("setup", "\"worktable\"")?.unwrap_or_default();
-    let setup = [Setup::Worktable, Setup::Sandbox]
+    let setup = SETUPS
         .into_iter()
-        .find(|setup| setup.as_str() == word);
+        .find(|(name, _)| *name == word)
+        .map(|(_, setup)| setup);
     setup.ok_or_else(|| root.error("setup", format!("is \"{word}\""), "choose from worktable, sandbox"))
 }
 
@@ -410,7 +389,7 @@ fn configurations(
     let Some(all) = root.table("configurations", "[configurations]")? else {
         return Ok(Vec::new());
     };
-    let known: Vec<String> = (1..=5).map(|number| format!("{}-{number}", setup.letter())).collect();
+    let known: Vec<String> = (1..=5).map(|number| setup.configuration(number)).collect();
     all.only(&known.iter().map(String::as_str).collect::<Vec<_>>())?;
     let mut found = Vec::new();
     for (index, name) in known.iter().enumerate() {

@@ -169,14 +169,14 @@ impl MicrophoneArray {
     }
 
     /// Sound of the exhaust's openings: jets in all directions around the tool's top, and the point source of the outflow;
-    /// `end` is that of all records \[s\].
+    /// `end` is that of all records \[s\], `noise_seed` that of the jets' noise.
     ///
     /// # Errors
     /// A microphone at the outlet; those of the levels.
     pub fn exhaust(
         &self,
         outlet: &JetOutlet,
-        openings: &[ExhaustNoise],
+        (openings, noise_seed): (&[ExhaustNoise], u32),
         radiated: &SourceSpectrum,
         end: f64,
     ) -> Result<AtMicrophones, Error> {
@@ -196,7 +196,7 @@ impl MicrophoneArray {
                 let recording = Recording {
                     rate: f64::from(SAMPLE_RATE),
                     samples: receivers.samples,
-                    seed: (100 * number + microphone) as u64,
+                    seed: (u64::from(noise_seed) << 32) + (100 * number + microphone) as u64,
                 };
                 let received = opening.at(&outlet, point, Some(&floor), &self.air)?;
                 let signal = opening.sound_at(&outlet, point, Some(&floor), &self.air, &recording)?;

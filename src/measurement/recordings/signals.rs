@@ -9,21 +9,6 @@ use super::fault::Fault;
 use super::{LARGEST, LOWEST_RATE, RUN, SAME_RATE, SHOT, Selector, Track, decode};
 use crate::measurement::error::MeasurementError;
 
-/// One shot of one configuration: all channels on one time axis, of the length of the shortest record.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Shot {
-    /// Sampling rate \[1/s\].
-    pub rate: f64,
-    /// Time of the trigger from the record's start \[s\].
-    pub trigger: f64,
-    /// Sound pressures in the order of the manifest's microphones \[Pa\].
-    pub microphones: Vec<Vec<f64>>,
-    /// Accelerations in the order of the manifest's accelerometers \[m/s²\].
-    pub accelerations: Vec<Vec<f64>>,
-    /// Gas pressures in the order of the manifest's pressures \[Pa\].
-    pub pressures: Vec<Vec<f64>>,
-}
-
 /// Where the record of a channel is, and what its numbers are.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Source<'a> {

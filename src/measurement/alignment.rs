@@ -1,0 +1,122 @@
+//! Records on one time axis: travel times, and delays between records.
+
+use std::f64::consts::PI;
+
+use nalgebra::Complex;
+use realfft::RealFftPlanner;
+
+/// A record later by `delay` \[s\], also by fractions of a sample: its lines times e^(-j 2 pi f delay). Zeros enter at one end, and
+/// what leaves at the other is lost.
+pub fn delayed(record: &[f64], rate: f64, delay: f64) -> Vec<f64> {
+    if record.is_empty() {
+        return Vec::new();
+    }
+    // Room for what is moved, so that nothing wraps around.
+    let moved = (delay.abs() * rate).ceil() as usize + 1;
+    let length = (record.len() + moved).next_power_of_two();
+    let mut planner = RealFftPlanner::new();
+    let (forward, inverse) = (planner.plan_fft_forward(length), planner.plan_fft_inverse(length));
+    let mut padded = forward.make_input_vec();
+    padded[..record.len()].copy_from_slice(record);
+    let mut lines = forward.make_output_vec();
+    let done = forward.process(&mut padded, &mut lines);
+    debug_assert!(done.is_ok(), "buffers of the plan's own lengths");
+    let step = -2.0 * PI * delay * rate / length as f64;
+    for (k, x) in lines.iter_mut().enumerate() {
+        *x *= Complex::from_polar(1.0 / length as f64, step * k as f64);
+    }
+    let last = lines.len() - 1;
+    (lines[0].im, lines[last].im) = (0.0, 0.0);
+    let done = inverse.process(&mut lines, &mut padded);
+    debug_assert!(done.is_ok(), "buffers of the plan's own lengths");
+    padded.truncate(record.len());
+    padded
+}
+
+/// Delay of `record` behind `reference` \[s\] by the largest correlation within `most` \[s\], to a fraction of a sample by the
+/// parabola through the three values at the largest; `None` where one of them is silent.
+pub fn delay(reference: &[f64], record: &[f64], rate: f64, most: f64) -> Option<f64> {
+    let reach = (most * rate).ceil() as usize;
+    let length = (reference.len().max(record.len()) + reach + 1).next_power_of_two();
+    let mut planner = RealFftPlanner::new();
+    let (forward, inverse) = (planner.plan_fft_forward(length), planner.plan_fft_inverse(length));
+    let lines = |signal: &[f64]| {
+        let mut padded = forward.make_input_vec();
+        padded[..signal.len()].copy_from_slice(signal);
+        let mut lines = forward.make_output_vec();
+        let done = forward.process(&mut padded, &mut lines);
+        debug_assert!(done.is_ok(), "buffers of the plan's own lengths");
+        lines
+    };
+    let mut product: Vec<Complex<f64>> = lines(record)
+        .iter()
+        .zip(&lines(reference))
+        .map(|(b, a)| b * a.conj())
+        .collect();
+    let last = product.len() - 1;
+    (product[0].im, product[last].im) = (0.0, 0.0);
+    let mut correlation = inverse.make_output_vec();
+    let done = inverse.process(&mut product, &mut correlation);
+    debug_assert!(done.is_ok(), "buffers of the plan's own lengths");
+    let at = |lag: i64| correlation[lag.rem_euclid(length as i64) as usize];
+    let reach = reach as i64;
+    let best = (-reach..=reach).max_by(|a, b| at(*a).total_cmp(&at(*b)))?;
+    let [before, peak, after] = [best - 1, best, best + 1].map(at);
+    if peak <= 0.0 {
+        return None;
+    }
+    let bend = before - 2.0 * peak + after;
+    let fraction = if bend < 0.0 { 0.5 * (before - after) / bend } else { 0.0 };
+    Some((best as f64 + fraction) / rate)
+}
+
+#[cfg(test)]
+mod tests {
+    use nailnoise_acoustics::random::uniform;
+
+    use super::*;
+
+    const RATE: f64 = 160_000.0;
+
+    fn shot() -> Vec<f64> {
+        let sample = |i: usize| {
+            let t = i as f64 / RATE - 0.02;
+            if t < 0.0 {
+                0.0
+            } else {
+                // Smooth at its beginning, so that a shift by parts of a sample is exact.
+                (t / 1e-3).powi(3).min(1.0) * (-t / 5e-3).exp() * (2.0 * PI * 900.0 * t).sin()
+            }
+        };
+        (0..16_000).map(sample).collect()
+    }
+
+    /// Microphone 5 is sqrt(3) m from the centre: 807.48 samples at 160 kHz and 343.2 m/s.
+    #[test]
+    fn a_travel_time_is_a_fraction_of_samples_and_is_taken_back() {
+        let travel = 3f64.sqrt() / 343.2;
+        assert!((travel * RATE - 807.48).abs() < 0.005);
+        let (clean, late) = (shot(), delayed(&shot(), RATE, travel));
+        let back = delayed(&late, RATE, -travel);
+        let error = clean.iter().zip(&back).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(error < 1e-6, "{error}");
+    }
+
+    #[test]
+    fn a_delay_is_found_in_noise_60_db_below_the_peak() {
+        let true_delay = 807.48 / RATE;
+        let noise = |i: usize| 1e-3 * (2.0 * uniform(1, i as u64, 0) - 1.0);
+        let late = delayed(&shot(), RATE, true_delay);
+        let noisy: Vec<f64> = late.iter().enumerate().map(|(i, x)| x + noise(i)).collect();
+        let found = delay(&shot(), &noisy, RATE, 0.01).unwrap_or(f64::NAN);
+        assert!((found - true_delay).abs() * RATE < 0.05, "{}", found * RATE);
+    }
+
+    #[test]
+    fn an_early_record_has_a_negative_delay_and_a_silent_one_none() {
+        let early = delayed(&shot(), RATE, -0.003);
+        let found = delay(&shot(), &early, RATE, 0.01).unwrap_or(f64::NAN);
+        assert!((found + 0.003).abs() < 1e-6, "{found}");
+        assert_eq!(delay(&shot(), &vec![0.0; 16_000], RATE, 0.01), None);
+    }
+}

@@ -1,0 +1,329 @@
+//! Event markers of the measurement: instants found on accelerometers and pressure transducers.
+//!
+//! Markers t0 to t13 are those of the published tests; [`MARKERS`] maps them to the events of the cycle. They are found by these
+//! rules: the block or the table first at 2 g (t3), the largest acceleration of table or block (t7), the handle below 6 g for 2 ms
+//! (t10), above 6 g again (t12) and for the last time (t13); the transducer in the cylinder wall sees the pressure behind the piston
+//! from its steepest rise (t4) to its steepest fall (t11), and its fluctuation ends (t8) where its range over 2 ms is below 2 %.
+
+use serde::{Deserialize, Serialize};
+
+/// Acceleration at which block or table start to move \[m/s2\]: 2 g.
+const START: f64 = 2.0 * STANDARD_GRAVITY;
+
+/// Acceleration of the handle that an impact exceeds \[m/s2\]: 6 g.
+const IMPACT: f64 = 6.0 * STANDARD_GRAVITY;
+
+/// Standard acceleration of gravity (ISO 80000-3) \[m/s2\].
+pub const STANDARD_GRAVITY: f64 = 9.80665;
+
+/// How long the handle stays below the limit \[s\], and over which a range of pressure is taken.
+const QUIET: f64 = 2e-3;
+
+/// Range of a pressure that has come to rest, over that of the record.
+const FLUCTUATION: f64 = 0.02;
+
+/// Time over which the steepest change of a pressure is taken \[s\].
+const STEEP: f64 = 0.1e-3;
+
+/// A marker, the event of the cycle that it stands for, and how it is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Marker {
+    /// Its name.
+    pub name: &'static str,
+    /// Event of the cycle; `None` without counterpart.
+    pub event: Option<&'static str>,
+    /// What happens.
+    pub meaning: &'static str,
+}
+
+/// The markers that the signals show, in the order of a shot.
+pub const MARKERS: [Marker; 8] = [
+    marker("t0", Some("t0"), "trigger"),
+    marker("t3", None, "block or table starts to move"),
+    marker("t4", Some("t7"), "transducer sees the chamber behind the piston"),
+    marker("t7", None, "largest acceleration of table or block"),
+    marker("t8", Some("t11"), "pressure in the cylinder has come to rest"),
+    marker("t10", None, "handle is quiet"),
+    marker("t11", Some("t15"), "transducer sees the return chamber again"),
+    marker("t12", Some("t16"), "piston hits its stop"),
+];
+
+/// The last burst of the handle, after all others.
+pub const LAST: Marker = marker("t13", Some("t18"), "handle is quiet for good");
+
+const fn marker(name: &'static str, event: Option<&'static str>, meaning: &'static str) -> Marker {
+    Marker { name, event, meaning }
+}
+
+/// Instants from the trigger on \[s\]; `None` where the signal is missing or never meets the rule.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Markers {
+    /// Block or table first at 2 g.
+    pub t3: Option<f64>,
+    /// The cylinder's transducer sees the pressure behind the piston.
+    pub t4: Option<f64>,
+    /// Largest acceleration of table or block.
+    pub t7: Option<f64>,
+    /// The cylinder's pressure has come to rest.
+    pub t8: Option<f64>,
+    /// The handle is quiet.
+    pub t10: Option<f64>,
+    /// The cylinder's transducer loses the pressure behind the piston.
+    pub t11: Option<f64>,
+    /// The handle exceeds 6 g again.
+    pub t12: Option<f64>,
+    /// The handle is at most at 6 g from here on.
+    pub t13: Option<f64>,
+}
+
+/// Signals on which markers are found; they share a sampling rate.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Signals<'a> {
+    /// Handle, N \[m/s2\].
+    pub handle: Option<&'a [f64]>,
+    /// Block, W; else what stands for its first motion \[m/s2\].
+    pub block: Option<&'a [f64]>,
+    /// Table under its centre, TC \[m/s2\].
+    pub table: Option<&'a [f64]>,
+    /// Transducer in the cylinder wall, PT-I \[Pa\].
+    pub cylinder: Option<&'a [f64]>,
+}
+
+impl Markers {
+    /// Finds the markers of a shot sampled at `rate` \[1/s\] with its trigger at `trigger` \[s\] from the record's start.
+    pub fn find(signals: &Signals<'_>, rate: f64, trigger: f64) -> Self {
+        let from = (trigger * rate).ceil().max(0.0) as usize;
+        let time = |sample: usize| sample as f64 / rate - trigger;
+        let first = |signal: &[f64], begin: usize, limit: f64| {
+            let rest = signal.get(begin..)?;
+            rest.iter().position(|a| a.abs() >= limit).map(|i| begin + i)
+        };
+        let t3 = signals
+            .block
+            .or(signals.table)
+            .and_then(|signal| first(signal, from, START));
+        let t7 = signals
+            .table
+            .or(signals.block)
+            .and_then(|signal| largest(signal, from, f64::abs));
+        let (t4, t8, t11) = signals.cylinder.map_or((None, None, None), |p| cylinder(p, rate, from));
+        let quiet = (QUIET * rate).ceil() as usize;
+        // The handle rings from the drive on; after it, the next burst is the piston's return.
+        let t10 = signals
+            .handle
+            .zip(t7.or(t4).or(t3))
+            .and_then(|(signal, begin)| quiet_from(signal, begin, IMPACT, quiet));
+        let t12 = signals
+            .handle
+            .zip(t10)
+            .and_then(|(signal, begin)| first(signal, begin.max(t11.unwrap_or(0).saturating_sub(quiet)), IMPACT));
+        let t13 = signals.handle.zip(t12).and_then(|(signal, begin)| {
+            let last = signal.get(begin..)?.iter().rposition(|a| a.abs() > IMPACT)?;
+            Some(begin + last + 1)
+        });
+        Self {
+            t3: t3.map(time),
+            t4: t4.map(time),
+            t7: t7.map(time),
+            t8: t8.map(time),
+            t10: t10.map(time),
+            t11: t11.map(time),
+            t12: t12.map(time),
+            t13: t13.map(time),
+        }
+    }
+
+    /// Names and instants of the markers that were found, in time, from t0 on.
+    pub fn found(&self) -> Vec<(&'static str, f64)> {
+        let own = [
+            self.t3, self.t4, self.t7, self.t8, self.t10, self.t11, self.t12, self.t13,
+        ];
+        let names = MARKERS.iter().skip(1).chain([&LAST]).map(|marker| marker.name);
+        let mut found: Vec<_> = names.zip(own).filter_map(|(name, at)| Some((name, at?))).collect();
+        found.push(("t0", 0.0));
+        found.sort_by(|a, b| a.1.total_cmp(&b.1));
+        found
+    }
+
+    /// The first pair of markers in the wrong order.
+    pub fn disorder(&self) -> Option<[(&'static str, f64); 2]> {
+        let order = [
+            ("t3", self.t3),
+            ("t7", self.t7),
+            ("t10", self.t10),
+            ("t12", self.t12),
+            ("t13", self.t13),
+        ];
+        let drive = [("t4", self.t4), ("t8", self.t8), ("t11", self.t11)];
+        let wrong = |markers: &[(&'static str, Option<f64>)]| {
+            let found: Vec<_> = markers.iter().filter_map(|(name, at)| Some((*name, (*at)?))).collect();
+            found
+                .windows(2)
+                .find(|pair| pair[1].1 < pair[0].1)
+                .map(|pair| [pair[0], pair[1]])
+        };
+        wrong(&order).or_else(|| wrong(&drive))
+    }
+}
+
+/// The sample of the largest value from `begin` on.
+fn largest(signal: &[f64], begin: usize, value: impl Fn(f64) -> f64) -> Option<usize> {
+    let rest = signal.get(begin..)?;
+    let best = rest
+        .iter()
+        .enumerate()
+        .max_by(|a, b| value(*a.1).total_cmp(&value(*b.1)))?;
+    Some(begin + best.0)
+}
+
+/// The first sample from `begin` on from which a signal stays below `limit` for `quiet` samples.
+fn quiet_from(signal: &[f64], begin: usize, limit: f64, quiet: usize) -> Option<usize> {
+    let mut since = begin;
+    for (i, a) in signal.iter().enumerate().skip(begin) {
+        if a.abs() >= limit {
+            since = i + 1;
+        } else if i + 1 - since >= quiet {
+            return Some(since);
+        }
+    }
+    None
+}
+
+/// Samples at which the transducer begins to see the pressure behind the piston, at which that has come to rest, and at which
+/// it is lost.
+fn cylinder(pressure: &[f64], rate: f64, from: usize) -> (Option<usize>, Option<usize>, Option<usize>) {
+    let step = ((STEEP * rate).round() as usize).max(1);
+    let Some(rest) = pressure.get(from..).filter(|rest| rest.len() > 2 * step) else {
+        return (None, None, None);
+    };
+    let slopes: Vec<f64> = rest.windows(step + 1).map(|window| window[step] - window[0]).collect();
+    let middle = |at: usize| from + at + step.div_ceil(2);
+    let rise = largest(&slopes, 0, |slope| slope);
+    let fall = rise.and_then(|rise| largest(&slopes, rise + 1, |slope| -slope));
+    let (low, high) = rest.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
+        (low.min(*p), high.max(*p))
+    });
+    let window = ((QUIET * rate).ceil() as usize).max(1);
+    let end = rise.zip(fall).and_then(|(rise, fall)| {
+        (rise + step..fall.saturating_sub(window)).find(|&begin| {
+            let (least, most) = rest[begin..begin + window]
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
+                    (low.min(*p), high.max(*p))
+                });
+            most - least < FLUCTUATION * (high - low)
+        })
+    });
+    (rise.map(middle), end.map(|sample| from + sample), fall.map(middle))
+}
+
+/// Root mean square over one second and peak of an acceleration, in the unit of the record.
+pub fn rms_and_peak(piece: &[f64], rate: f64) -> (f64, f64) {
+    let square: f64 = piece.iter().map(|a| a * a).sum::<f64>() / rate;
+    let peak = piece.iter().fold(0.0, |peak: f64, a| peak.max(a.abs()));
+    (square.sqrt(), peak)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+
+    const RATE: f64 = 160_000.0;
+
+    /// Bursts of 800 Hz that decay in 20 ms: instant \[s\] and peak \[g\].
+    fn bursts(at: &[(f64, f64)]) -> Vec<f64> {
+        let sample = |i: usize| {
+            let burst = |(start, peak): &(f64, f64)| {
+                let t = i as f64 / RATE - start;
+                if t < 0.0 {
+                    0.0
+                } else {
+                    peak * STANDARD_GRAVITY * (-t / 0.02).exp() * (2.0 * PI * 800.0 * t).sin()
+                }
+            };
+            at.iter().map(burst).sum()
+        };
+        (0..RATE as usize).map(sample).collect()
+    }
+
+    #[test]
+    fn a_decaying_burst_has_the_rms_of_its_integral() {
+        let (rms, _) = rms_and_peak(&bursts(&[(0.0, 100.0)]), RATE);
+        assert!(
+            (rms / STANDARD_GRAVITY - 7.0707).abs() < 5e-4,
+            "{}",
+            rms / STANDARD_GRAVITY
+        );
+    }
+
+    /// The envelope 100 g e^(-t/20 ms) is at 6 g after 56.27 ms; the last crest above 6 g lies within half a period before.
+    #[test]
+    fn the_handle_is_quiet_where_its_envelope_falls_to_6_g() {
+        let handle = bursts(&[(0.01, 100.0)]);
+        let signals = Signals {
+            handle: Some(&handle),
+            block: Some(&handle),
+            ..Signals::default()
+        };
+        let found = Markers::find(&signals, RATE, 0.0).t10.unwrap_or(f64::NAN) - 0.01;
+        assert!((0.05627 - found) > 0.0 && (0.05627 - found) < 0.5 / 800.0, "{found}");
+    }
+
+    #[test]
+    fn bursts_of_the_handle_become_markers_in_their_order() {
+        let handle = bursts(&[(0.02, 100.0), (0.12, 60.0)]);
+        let block = bursts(&[(0.02, 300.0)]);
+        let signals = Signals {
+            handle: Some(&handle),
+            block: Some(&block),
+            ..Signals::default()
+        };
+        let found = Markers::find(&signals, RATE, 0.01);
+        // 2 g of 300 g are reached within a fiftieth of a radian.
+        assert!((found.t3.unwrap_or(f64::NAN) - 0.01).abs() < 2e-5);
+        // 6 g of 60 g, a tenth of a radian of 800 Hz later; 0.7 g are left of the first burst.
+        assert!((found.t12.unwrap_or(f64::NAN) - 0.11).abs() < 0.12 / (2.0 * PI * 800.0));
+        assert!(found.t13 > found.t12 && found.t10 < found.t12);
+        assert_eq!(found.disorder(), None);
+    }
+
+    #[test]
+    fn the_transducer_sees_the_piston_pass_twice() {
+        let sample = |i: usize| {
+            let t = i as f64 / RATE;
+            match t {
+                t if t < 0.010 => 0.0,
+                t if t < 0.060 => 5e5 * (1.0 + 0.2 * (-(t - 0.010) / 2e-3).exp() * (2.0 * PI * 300.0 * t).sin()),
+                _ => 2e4,
+            }
+        };
+        let pressure: Vec<f64> = (0..(0.2 * RATE) as usize).map(sample).collect();
+        let signals = Signals {
+            cylinder: Some(&pressure),
+            ..Signals::default()
+        };
+        let found = Markers::find(&signals, RATE, 0.002);
+        assert!((found.t4.unwrap_or(f64::NAN) - 0.008).abs() < 0.1e-3);
+        assert!((found.t11.unwrap_or(f64::NAN) - 0.058).abs() < 0.1e-3);
+        // 2 % of the range are 12 kPa. Over 2 ms the oscillation of 100 kPa and 300 Hz spans about 1.5 of its amplitudes, which is
+        // below that after 2 ms ln(150/12).
+        assert!(
+            (found.t8.unwrap_or(f64::NAN) - 0.008 - 5e-3).abs() < 1e-3,
+            "{:?}",
+            found.t8
+        );
+    }
+
+    #[test]
+    fn markers_out_of_order_are_named() {
+        let markers = Markers {
+            t3: Some(0.02),
+            t7: Some(0.01),
+            ..Markers::default()
+        };
+        assert_eq!(markers.disorder(), Some([("t3", 0.02), ("t7", 0.01)]));
+        assert_eq!(Markers::default().disorder(), None);
+    }
+}

@@ -1,0 +1,101 @@
+//! Causal filters of a given magnitude.
+
+use nalgebra::Complex;
+use realfft::RealFftPlanner;
+use rustfft::FftPlanner;
+
+/// A filter on the lines of a transform of fixed length.
+pub(super) struct MinimumPhase {
+    length: usize,
+    response: Vec<Complex<f64>>,
+}
+
+/// Least magnitude, so that its logarithm exists: -200 dB.
+const LEAST: f64 = 1e-10;
+
+impl MinimumPhase {
+    /// The filter of least phase with the amplitude `magnitude(hz)`, for records of `samples` at `rate` \[1/s\]. The transform is
+    /// padded to twice the record.
+    ///
+    /// The phase is the Hilbert transform of the logarithm of the magnitude, by its cepstrum: the causal half is doubled
+    /// (Oppenheim and Schafer, Discrete-Time Signal Processing, 3rd ed., 12.5).
+    pub(super) fn new(samples: usize, rate: f64, magnitude: impl Fn(f64) -> f64) -> Self {
+        let length = (2 * samples).next_power_of_two();
+        let df = rate / length as f64;
+        let mut planner = FftPlanner::new();
+        let (forward, inverse) = (planner.plan_fft_forward(length), planner.plan_fft_inverse(length));
+        let log = |k: usize| Complex::from(magnitude(k.min(length - k) as f64 * df).max(LEAST).ln());
+        let mut cepstrum: Vec<Complex<f64>> = (0..length).map(log).collect();
+        inverse.process(&mut cepstrum);
+        let scale = 1.0 / length as f64;
+        for (n, value) in cepstrum.iter_mut().enumerate() {
+            *value *= match n {
+                0 => scale,
+                n if 2 * n == length => scale,
+                n if 2 * n < length => 2.0 * scale,
+                _ => 0.0,
+            };
+        }
+        forward.process(&mut cepstrum);
+        Self {
+            length,
+            response: cepstrum[..=length / 2].iter().map(|value| value.exp()).collect(),
+        }
+    }
+
+    /// The filtered record.
+    pub(super) fn apply(&self, record: &[f64]) -> Vec<f64> {
+        let mut planner = RealFftPlanner::new();
+        let (forward, inverse) = (
+            planner.plan_fft_forward(self.length),
+            planner.plan_fft_inverse(self.length),
+        );
+        let mut padded = forward.make_input_vec();
+        padded[..record.len()].copy_from_slice(record);
+        let mut lines = forward.make_output_vec();
+        let done = forward.process(&mut padded, &mut lines);
+        debug_assert!(done.is_ok(), "buffers of the plan's own lengths");
+        let scale = 1.0 / self.length as f64;
+        lines.iter_mut().zip(&self.response).for_each(|(x, h)| *x *= h * scale);
+        let last = lines.len() - 1;
+        (lines[0].im, lines[last].im) = (0.0, 0.0);
+        let done = inverse.process(&mut lines, &mut padded);
+        debug_assert!(done.is_ok(), "buffers of the plan's own lengths");
+        padded.truncate(record.len());
+        padded
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RATE: f64 = 48_000.0;
+
+    fn impulse() -> Vec<f64> {
+        let mut record = vec![0.0; 4096];
+        record[100] = 1.0;
+        record
+    }
+
+    #[test]
+    fn a_constant_magnitude_has_no_phase() {
+        let halved = MinimumPhase::new(4096, RATE, |_| 0.5).apply(&impulse());
+        assert!(halved.iter().zip(&impulse()).all(|(a, b)| (a - 0.5 * b).abs() < 1e-12));
+    }
+
+    /// A low-pass of first order has minimum phase: its impulse response is w e^(-w t).
+    #[test]
+    fn a_low_pass_of_first_order_is_causal_and_decays() {
+        let filter = MinimumPhase::new(4096, RATE, |hz| 1.0 / (1.0 + (hz / 500.0).powi(2)).sqrt());
+        let response = filter.apply(&impulse());
+        let before: f64 = response[..100].iter().map(|x| x * x).sum();
+        let all: f64 = response.iter().map(|x| x * x).sum();
+        assert!(before / all < 1e-4, "{}", before / all);
+        let decay = (response[110] / response[130]).ln() / 20.0 * RATE;
+        assert!(
+            (decay / (2.0 * std::f64::consts::PI * 500.0) - 1.0).abs() < 0.02,
+            "{decay}"
+        );
+    }
+}
