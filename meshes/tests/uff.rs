@@ -347,3 +347,22 @@ fn damaged_binary_time_histories_are_refused() {
     let nan = refused(&binary(4, 1, 1, 2, &nan)).to_string();
     assert!(nan.contains("sample 2 is NaN"), "{nan}");
 }
+
+/// `data/pyuff-58b.uff` was written by pyuff 2.5.8: two binary datasets and one in text, k 5 sin(0.3 i) for k = 1, 2, 3 at
+/// 48 kHz.
+#[test]
+fn a_file_of_another_program_is_read() {
+    let bytes = include_bytes!("data/pyuff-58b.uff");
+    let found = uff::functions(bytes, "pyuff-58b.uff".as_ref()).unwrap();
+    assert_eq!(found.len(), 3);
+    for (k, function) in (1..).zip(&found) {
+        assert_eq!(function.kinds, [17, 12]);
+        assert_eq!(function.units, ["s", "m/s2"]);
+        assert_eq!(function.ordinate.len(), 40);
+        for (i, (time, value)) in (0..).zip(function.abscissa.iter().zip(&function.ordinate)) {
+            // Six digits of the interval; twelve of the samples in text.
+            assert!((time - f64::from(i) / 48e3).abs() <= 2e-6 * time);
+            assert!((value - f64::from(k) * 5.0 * (0.3 * f64::from(i)).sin()).abs() < 1e-10);
+        }
+    }
+}

@@ -1,5 +1,5 @@
-//! Damaged recordings: none panics, and each is refused with an error that names its file and a remedy, or still holds all its
-//! samples.
+//! Damaged recordings: none panics, and each is refused with an error that names its file and a remedy, or still holds
+//! all its samples.
 
 use crate::written::{CORNER, Folder, HEAD, ONE, SAMPLES, binary_uff, csv, names, sine, uff, wav};
 use nailnoise::measurement::error::MeasurementError;

@@ -5,7 +5,7 @@ use std::io::Cursor;
 use crate::written::{CORNER, Folder, HEAD, ONE, RATE, SAMPLES, binary_uff, csv, names, sine, tone, uff, wav};
 use nailnoise::measurement::error::MeasurementError;
 use nailnoise::measurement::recordings::wav::{Coding, encode};
-use nailnoise::measurement::recordings::{LARGEST, SHOT};
+use nailnoise::measurement::recordings::{LARGEST, SHOT, Selector, decode};
 use nailnoise::measurement::shot::Shot;
 
 /// Largest difference of two signals.
@@ -591,6 +591,11 @@ fn a_trigger_is_where_its_channel_crosses_the_threshold() {
         shot.trigger
     );
     assert!(shot.accelerations.is_empty() && loaded.accelerometers.is_empty());
+    // A switch may run at full scale, which would be an overload of any other channel.
+    let whole: Vec<f64> = (0..SAMPLES).map(|i| if i < 960 { 0.0 } else { 1.0 }).collect();
+    folder.write("W-1-1.wav", wav(&[&sine(0.1), &whole]));
+    loaded.shot(0, 0).unwrap();
+    folder.write("W-1-1.wav", wav(&[&sine(0.1), &switch]));
     for never in ["6 V", "-1 V", "0.1 V"] {
         let error = folder.load(&manifest(never)).unwrap().shot(0, 0).unwrap_err();
         names(
@@ -629,4 +634,27 @@ fn a_value_beyond_full_scale_is_not_written_as_an_integer() {
     assert!(encode(&[&[0.0, -1.0]], RATE, 1.0, Coding::Integer24).is_ok());
     assert!(encode(&[&[0.0], &[0.0, 0.0]], RATE, 1.0, Coding::Integer24).is_err());
     assert!(encode(&[], RATE, 1.0, Coding::Integer24).is_err());
+}
+
+/// `data/libsndfile-*.wav` were written by libsndfile (Python's soundfile): two channels, 0.5 sin(0.3 i) and half of it.
+#[test]
+fn sound_files_of_another_program_are_read() {
+    let files: [(&[u8], i32); 4] = [
+        (include_bytes!("data/libsndfile-16.wav"), 16),
+        (include_bytes!("data/libsndfile-24-extensible.wav"), 24),
+        (include_bytes!("data/libsndfile-32-extensible.wav"), 32),
+        (include_bytes!("data/libsndfile-float.wav"), 24),
+    ];
+    for (bytes, bits) in files {
+        let tracks = decode(bytes, "a.wav".as_ref(), &[&Selector::Channel(1), &Selector::Channel(2)]).unwrap();
+        for (track, amplitude) in tracks.iter().zip([0.5, 0.25]) {
+            assert_eq!((track.rate, track.samples.len()), (48e3, 40));
+            let expected: Vec<f64> = (0..40).map(|i| amplitude * (0.3 * f64::from(i)).sin()).collect();
+            // It cuts off what is less than a step, and its full scale is a step larger.
+            assert!(
+                difference(&track.samples, &expected) < 1.5 * 2f64.powi(1 - bits),
+                "{bits} bits"
+            );
+        }
+    }
 }

@@ -130,7 +130,8 @@ pub struct Manifest {
 }
 
 impl Manifest {
-    /// Reads a manifest, checks that all its recordings are there, reads those of calibrators and the rate of the first one.
+    /// Reads a manifest, checks that all its recordings are there, reads those of calibrators and the rate of the first
+    /// one.
     ///
     /// # Errors
     /// [`MeasurementError`] with file, line and key, or with file and channel.

@@ -56,7 +56,8 @@ pub(crate) fn unreadable(path: &Path, channel: &str, error: &std::io::Error) -> 
     }
 }
 
-/// Reads the channels of one shot, each file once. `expected` is the rate of the other shots \[Hz\] and the file that has it.
+/// Reads the channels of one shot, each file once. `expected` is the rate of the other shots \[Hz\] and the file that
+/// has it.
 ///
 /// # Errors
 /// A file that cannot be read; the [`Fault`] of a channel.
@@ -120,6 +121,8 @@ fn si(track: Track, source: &Source<'_>) -> Result<Vec<f64>, Fault> {
         return Err(Fault::LowRate { rate: track.rate });
     }
     let Scale { factor, full } = source.calibration.scale(&track, source.quantity)?;
+    // A switch may run at full scale.
+    let full = full.filter(|_| source.quantity != Quantity::Voltage);
     if let Some((at, count)) = full.and_then(|full| overload(&track.samples, full)) {
         return Err(Fault::Clipped {
             count,
@@ -138,7 +141,8 @@ const LAST_STEP: f64 = 1.0 / 32_768.0;
 
 /// The first run of [`RUN`] samples or more at full scale: its first sample and its length.
 ///
-/// Samples of one sign are at full scale that reach it, and equal ones that fall short of it by a step of the converter.
+/// Samples of one sign are at full scale that reach it, and equal ones that fall short of it by a step of the
+/// converter.
 pub(crate) fn overload(samples: &[f64], full: f64) -> Option<(usize, usize)> {
     let near = (1.0 - LAST_STEP) * full;
     let continues = |a: f64, b: f64| a == b || (a.signum() == b.signum() && a.abs() >= full && b.abs() >= full);

@@ -21,8 +21,8 @@ pub enum Coding {
 /// `rate` is in Hz; `full_scale`, in the unit of the signals, is the value of the largest sample.
 ///
 /// # Errors
-/// Signals of different lengths, none or more than 65 535 of them, values that are not finite or, as integers, beyond full
-/// scale, or more bytes than a WAV file can hold (4 GiB).
+/// Signals of different lengths, none or more than 65 535 of them, values that are not finite or, as integers, beyond
+/// full scale, or more bytes than a WAV file can hold (4 GiB).
 pub fn encode(signals: &[&[f64]], rate: u32, full_scale: f64, coding: Coding) -> io::Result<Vec<u8>> {
     let invalid = |what: &str| io::Error::new(io::ErrorKind::InvalidInput, what);
     let length = signals.first().map_or(0, |signal| signal.len());
