@@ -5,7 +5,7 @@ use std::path::Path;
 
 use nailnoise::bundle::Bundle;
 use nailnoise::design::Design;
-use nailnoise::measurement::manifest::Manifest;
+use nailnoise::measurement::Manifest;
 use nailnoise::measurement::recordings::{Selector, decode};
 use nailnoise::stages::bodies::{Body, BodySensors, WholeModes};
 use nailnoise::stages::response::ResponseChecks;

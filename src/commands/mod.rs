@@ -15,6 +15,7 @@ mod explain;
 mod faults;
 mod init;
 mod intervals;
+mod measure;
 mod mesh;
 mod modes;
 mod optimise;
@@ -26,6 +27,7 @@ mod sensitivity;
 mod study;
 mod sweep;
 mod table;
+mod test;
 
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -81,6 +83,10 @@ enum Command {
     Check(check::Arguments),
     /// Penetration laws: evaluate published ones, fit own tests, plan tests, compute a test machine
     Prf(prf::Arguments),
+    /// Record a virtual wrapping test of a design as EN 12549 measures it
+    Test(test::Arguments),
+    /// Levels of the sources from the recordings of a wrapping test
+    Measure(measure::Arguments),
     /// List, verify or clear cached results
     Cache(cache::Arguments),
     /// Print the JSON Schema of the design file, for editors, or of the result
@@ -239,6 +245,8 @@ fn execute(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Mesh(arguments) => mesh::execute(arguments),
         Command::Check(arguments) => check::execute(arguments),
         Command::Prf(arguments) => prf::execute(arguments),
+        Command::Test(arguments) => test::execute(arguments),
+        Command::Measure(arguments) => measure::execute(arguments),
         Command::Cache(arguments) => cache::execute(arguments),
         Command::Schema(arguments) => schema::execute(arguments),
         Command::Completions(arguments) => completions::execute(arguments),

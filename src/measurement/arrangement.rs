@@ -1,35 +1,14 @@
 //! Where the microphones stand, and what the other channels are.
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::levels::REFERENCE_PRESSURE;
+use nailnoise_acoustics::levels::{COMMON_RANGE_HZ, REFERENCE_PRESSURE};
 use nailnoise_acoustics::sound::{Iso3744Box, environmental_correction};
 use nalgebra::Point3;
-use serde::{Deserialize, Serialize};
 
+use super::manifest::{Manifest, Setup};
 use crate::error::Error;
 
-/// What the workpiece stands on in a wrapping test.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Setup {
-    /// The worktable of EN 12549; configurations W-1 to W-5.
-    Worktable,
-    /// The sandbox of EN 12549; configurations S-1 to S-5.
-    Sandbox,
-}
-
-impl Setup {
-    /// Name of the configuration with a number from 1: `W-1`.
-    pub fn configuration(self, number: usize) -> String {
-        let letter = match self {
-            Self::Worktable => 'W',
-            Self::Sandbox => 'S',
-        };
-        format!("{letter}-{number}")
-    }
-}
-
-/// Microphones and other channels of a test, in the order of the channels of a [`Shot`](super::shot::Shot).
+/// Microphones and other channels of a test, in the order of the channels of a [`Shot`](super::Shot).
 #[derive(Debug, Clone)]
 pub struct Arrangement {
     /// What the workpiece stands on.
@@ -52,7 +31,28 @@ pub struct Arrangement {
     pub transducers: Vec<String>,
 }
 
+/// Range of the levels \[Hz\], that of a run.
+const RANGE: [f64; 2] = COMMON_RANGE_HZ;
+
 impl Arrangement {
+    /// That of the recordings of a manifest.
+    ///
+    /// # Errors
+    /// Air that cannot be.
+    pub fn of(manifest: &Manifest) -> Result<Self, Error> {
+        Ok(Self {
+            setup: manifest.setup,
+            centre: manifest.centre.into(),
+            microphones: manifest.microphones.iter().map(|own| own.position.into()).collect(),
+            plane: manifest.plane,
+            air: Air::at(manifest.temperature, manifest.static_pressure)?,
+            absorption: manifest.absorption,
+            range_hz: RANGE,
+            accelerometers: manifest.accelerometers.clone(),
+            transducers: manifest.pressures.clone(),
+        })
+    }
+
     /// The measurement surface.
     pub fn surface(&self) -> Iso3744Box {
         Iso3744Box::around(self.centre.z - self.plane)

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use nailnoise_acoustics::levels::{Weighting, energy_weights, third_octaves};
+use nailnoise_acoustics::levels::{Band, Weighting, energy_weights, third_octaves};
 use nalgebra::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
@@ -119,14 +119,16 @@ pub struct Bands {
 }
 
 impl Bands {
-    /// Bands on lines at these frequencies, within `range` \[Hz\]; bands that the range cuts are left out.
+    /// Bands on lines at these frequencies, within `range` \[Hz\]; a band that the range cuts holds the part inside.
     pub fn new(frequencies: &[f64], range: [f64; 2]) -> Self {
         let top = frequencies.last().copied().unwrap_or(0.0);
         let range = [range[0], range[1].min(top)];
-        let within = |low: f64, high: f64| low >= range[0] * (1.0 - 1e-9) && high <= range[1] * (1.0 + 1e-9);
-        let bands = third_octaves().into_iter().filter(|band| within(band.low, band.high));
-        let weights = |band: nailnoise_acoustics::levels::Band| {
-            let mut weights = energy_weights(frequencies, [band.low, band.high], Weighting::A);
+        let bands = third_octaves()
+            .into_iter()
+            .filter(|band| band.low.max(range[0]) < band.high.min(range[1]));
+        let weights = |band: Band| {
+            let cut = [band.low.max(range[0]), band.high.min(range[1])];
+            let mut weights = energy_weights(frequencies, cut, Weighting::A);
             let first = weights.iter().position(|w| *w > 0.0).unwrap_or(0);
             let end = weights.iter().rposition(|w| *w > 0.0).map_or(0, |last| last + 1);
             weights.truncate(end);

@@ -1,7 +1,7 @@
-//! The measurement side: a wrapping test of EN 12549 from its recordings to levels of the sources, and virtual ones of a design.
+//! The measurement side: wrapping tests of EN 12549, their recordings and levels, and virtual ones of a design.
 //!
-//! [`Manifest`](manifest::Manifest) reads the recordings of a test. [`process`](processing::process) takes its shots
-//! ([`Shot`](shot::Shot)), wherever they come from, to a [`MeasurementResult`](result::MeasurementResult).
+//! A [`Manifest`] names the recordings of a test. [`process`](processing::process) takes its shots ([`Shot`]), wherever they come
+//! from, to a [`MeasurementResult`](result::MeasurementResult).
 
 pub mod alignment;
 pub mod arrangement;
@@ -13,7 +13,10 @@ pub mod processing;
 pub mod recordings;
 pub mod repeats;
 pub mod result;
-pub mod shot;
 pub mod subtraction;
 pub mod virtual_test;
 pub mod wrapping;
+
+pub use error::MeasurementError;
+pub use manifest::{Manifest, Microphone, Setup, Trigger};
+pub use recordings::Shot;

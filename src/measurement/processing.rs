@@ -7,12 +7,12 @@ use super::alignment::delay;
 use super::arrangement::Arrangement;
 use super::lines::{BEFORE, Bands, OneSecond};
 use super::markers::{LAST, MARKERS, Markers, STANDARD_GRAVITY, Signals, rms_and_peak};
+use super::recordings::Shot;
 use super::repeats::RepeatedLevel;
 use super::result::{
     MeasuredAcceleration, MeasuredBand, MeasuredBound, MeasuredConfiguration, MeasuredInterval, MeasuredMarker,
     MeasuredSource, MeasurementResult, Processing, SCHEMA,
 };
-use super::shot::Shot;
 use super::subtraction::{SURVEY_LIMIT_DB, expected_energy};
 use super::wrapping::Configuration;
 use crate::error::Error;

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::arrangement::Setup;
+use super::manifest::Setup;
 use super::repeats::RepeatedLevel;
 use super::subtraction::Reading;
 use super::wrapping::Configuration;

@@ -4,12 +4,14 @@ mod columns;
 mod csv;
 mod fields;
 mod film;
+pub mod measurement;
 mod microphones;
 mod motion;
 mod sensors;
 mod shot;
 mod sound_fields;
 mod table;
+pub mod virtual_test;
 
 use std::path::{Path, PathBuf};
 

@@ -2,8 +2,7 @@
 //! all its samples.
 
 use crate::written::{CORNER, Folder, HEAD, ONE, SAMPLES, binary_uff, csv, names, sine, uff, wav};
-use nailnoise::measurement::error::MeasurementError;
-use nailnoise::measurement::shot::Shot;
+use nailnoise::measurement::{MeasurementError, Shot};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 

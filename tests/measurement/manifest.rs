@@ -1,9 +1,7 @@
 //! Keys of a manifest: each fault is refused with file, line, key, value and remedy.
 
 use crate::written::{CORNER, Folder, HEAD, ONE, names, sine, wav};
-use nailnoise::measurement::arrangement::Setup;
-use nailnoise::measurement::error::MeasurementError;
-use nailnoise::measurement::manifest::{Manifest, Trigger};
+use nailnoise::measurement::{Manifest, MeasurementError, Setup, Trigger};
 
 const CHANNEL: &str = "file = \"{c}-{k}.wav\", full_scale = \"200 Pa\"";
 
@@ -75,6 +73,31 @@ fn a_wrong_manifest_and_a_wrong_recording_end_with_status_2() {
     assert_eq!(status(folder.load(&text()).unwrap_err()), 2);
     folder.write("W-1-1.wav", "no sound");
     assert_eq!(status(folder.load(&text()).unwrap_err()), 2);
+}
+
+/// The command shows the place and the remedy, and ends with status 2.
+#[test]
+fn the_command_shows_the_place_of_a_fault() {
+    let folder = Folder::new("command");
+    let run = |text: &str| {
+        folder.write("test.toml", text);
+        let output = std::process::Command::new(env!("CARGO_BIN_EXE_nailnoise"))
+            .args(["measure".as_ref(), folder.path("test.toml").as_os_str()])
+            .current_dir(folder.path(""))
+            .env("NO_COLOR", "1")
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(2));
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let shown = run(&text().replace("\"21 degC\"", "21"));
+    for word in ["test.toml:4:", "temperature = 21", "is 21 K", "SI units"] {
+        assert!(shown.contains(word), "\"{word}\" is not in: {shown}");
+    }
+    let shown = run(&text());
+    for word in ["W-1-1.wav", "channel mic5", "`repeats`"] {
+        assert!(shown.contains(word), "\"{word}\" is not in: {shown}");
+    }
 }
 
 #[test]

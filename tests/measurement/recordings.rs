@@ -3,10 +3,10 @@
 use std::io::Cursor;
 
 use crate::written::{CORNER, Folder, HEAD, ONE, RATE, SAMPLES, binary_uff, csv, names, sine, tone, uff, wav};
-use nailnoise::measurement::error::MeasurementError;
+use nailnoise::measurement::MeasurementError;
+use nailnoise::measurement::Shot;
 use nailnoise::measurement::recordings::wav::{Coding, encode};
 use nailnoise::measurement::recordings::{LARGEST, SHOT, Selector, decode};
-use nailnoise::measurement::shot::Shot;
 
 /// Largest difference of two signals.
 fn difference(a: &[f64], b: &[f64]) -> f64 {

@@ -5,9 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use miette::Diagnostic;
-use nailnoise::measurement::error::MeasurementError;
-use nailnoise::measurement::manifest::Manifest;
 use nailnoise::measurement::recordings::wav::{Coding, encode};
+use nailnoise::measurement::{Manifest, MeasurementError};
 use nailnoise_meshes::uff::{History, Ordinate};
 
 /// Sampling rate of the recordings \[Hz\].
@@ -56,7 +55,7 @@ impl Folder {
         &self,
         extension: &str,
         keys: &str,
-    ) -> Result<(Manifest, nailnoise::measurement::shot::Shot), MeasurementError> {
+    ) -> Result<(Manifest, nailnoise::measurement::Shot), MeasurementError> {
         let manifest = self.load(&format!(
             "{HEAD}[channels]\nmic5 = {{ file = \"{{c}}-{{k}}.{extension}\", {keys}, {CORNER} }}\n{ONE}"
         ))?;

@@ -4,6 +4,9 @@ use std::fmt::Write as _;
 
 use super::write::fortran;
 
+/// Lines of a dataset before its values.
+const HEADER_LINES: usize = 11;
+
 /// What a time history is of: its specific data type, name and unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ordinate {
@@ -47,7 +50,8 @@ impl History<'_> {
     /// Function type 1 is a time response, data type 4 real double precision, abscissa spacing 1 even; specific data type 17
     /// is time. Reference direction 0 is a scalar, which a sensor's axis is.
     pub fn write(&self, text: &mut Vec<u8>) {
-        text.extend_from_slice(self.records().as_bytes());
+        text.extend_from_slice(format!("{:>6}\n{:>6}\n", -1, 58).as_bytes());
+        text.extend_from_slice(self.records(4).as_bytes());
         for line in self.values.chunks(4) {
             line.iter().for_each(|value| fortran(text, *value, [20, 12]));
             text.push(b'\n');
@@ -55,10 +59,34 @@ impl History<'_> {
         text.extend_from_slice(b"    -1\n");
     }
 
-    /// The records of the dataset before its values.
-    fn records(&self) -> String {
+    /// Appends the dataset with its values in binary form, 58b: IEEE 754, single precision, least significant byte first; five times
+    /// shorter than text.
+    pub fn write_binary(&self, bytes: &mut Vec<u8>) {
+        let header = format!(
+            "{:>6}\n{:>6}b{:>6}{:>6}{:>12}{:>12}{:>6}{:>6}{:>12}{:>12}\n",
+            -1,
+            58,
+            1,
+            2,
+            HEADER_LINES,
+            4 * self.values.len(),
+            0,
+            0,
+            0,
+            0
+        );
+        bytes.extend_from_slice(header.as_bytes());
+        bytes.extend_from_slice(self.records(2).as_bytes());
+        for value in self.values {
+            bytes.extend_from_slice(&(*value as f32).to_le_bytes());
+        }
+        bytes.extend_from_slice(b"\n    -1\n");
+    }
+
+    /// The records of the dataset before its values, of data type `data`: 2 real single, 4 real double precision.
+    fn records(&self, data: u32) -> String {
         // Writing to a string cannot fail, so the results of `writeln` are ignored.
-        let mut text = format!("{:>6}\n{:>6}\n", -1, 58);
+        let mut text = String::new();
         let (kind, quantity, unit) = self.ordinate.axis();
         for line in [
             self.title,
@@ -79,7 +107,7 @@ impl History<'_> {
             fortran(&mut abscissa, value, [13, 5]);
         }
         let abscissa = String::from_utf8_lossy(&abscissa);
-        let _ = writeln!(text, "{:>10}{:>10}{:>10}{abscissa}", 4, self.values.len(), 1);
+        let _ = writeln!(text, "{data:>10}{:>10}{:>10}{abscissa}", self.values.len(), 1);
         for (kind, label, unit) in [
             (17, "time", "s"),
             (kind, quantity, unit),
@@ -94,7 +122,34 @@ impl History<'_> {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
+    use super::super::functions;
     use super::*;
+
+    #[test]
+    fn a_binary_history_reads_back_to_single_precision() {
+        let values = [1.5, -2.25, 3.0e-3, 1e6, 5.0];
+        let mut bytes = Vec::new();
+        let history = History {
+            title: "N (tool)",
+            origin: "nailnoise",
+            sensor: "N",
+            node: 1,
+            ordinate: Ordinate::Acceleration,
+            interval: 6.25e-6,
+            values: &values,
+        };
+        history.write_binary(&mut bytes);
+        history.write(&mut bytes);
+        let read = functions(&bytes, Path::new("test.uff")).unwrap_or_default();
+        assert_eq!(read.len(), 2);
+        assert_eq!((read[0].units[1].as_str(), read[0].abscissa[1]), ("m/s2", 6.25e-6));
+        for (read, value) in read[0].ordinate.iter().zip(values) {
+            assert!((read / value - 1.0).abs() < 1e-7);
+        }
+        assert_eq!(read[1].ordinate, values);
+    }
 
     #[test]
     fn a_history_becomes_one_dataset_of_four_values_a_line() {

@@ -24,13 +24,13 @@ use std::path::{Path, PathBuf};
 use nailnoise_meshes::read_regular;
 use nailnoise_quantities::dimension::{AREA, LENGTH, PRESSURE, TEMPERATURE};
 use nailnoise_quantities::measure;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use self::channel::{Channel, Kind};
 use self::reader::Table;
-use super::arrangement::Setup;
 use super::error::MeasurementError;
-use super::recordings::{Calibrator, Fault, Quantity, Source, crossing, read, read_shot, refuse};
-use super::shot::Shot;
+use super::recordings::{Calibrator, Fault, Quantity, Shot, Source, crossing, read, read_shot, refuse};
 use crate::design::File;
 
 /// The largest manifest that is read \[byte\].
@@ -57,8 +57,33 @@ const MOST_REPEATS: usize = 1000;
 /// Longest time before a trigger \[s\].
 const LATEST: f64 = 1e3;
 
-/// What the workpiece stands on, by its name in a manifest.
-const SETUPS: [(&str, Setup); 2] = [("worktable", Setup::Worktable), ("sandbox", Setup::Sandbox)];
+/// What the workpiece stands on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Setup {
+    /// A worktable; the configurations are W-1 to W-5.
+    Worktable,
+    /// A box of sand; the configurations are S-1 to S-5.
+    Sandbox,
+}
+
+impl Setup {
+    /// Its name in a manifest.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Worktable => "worktable",
+            Self::Sandbox => "sandbox",
+        }
+    }
+
+    /// Name of its configuration with a number from 1: `W-1`.
+    pub fn configuration(self, number: usize) -> String {
+        match self {
+            Self::Worktable => format!("W-{number}"),
+            Self::Sandbox => format!("S-{number}"),
+        }
+    }
+}
 
 /// A microphone on the measurement surface.
 #[derive(Debug, Clone, PartialEq)]
@@ -337,10 +362,9 @@ impl Channel {
 fn setup(root: &Table<'_, '_>) -> Result<Setup, MeasurementError> {
     root.required("setup", "\"worktable\"")?;
     let word = root.text("setup", "\"worktable\"")?.unwrap_or_default();
-    let setup = SETUPS
+    let setup = [Setup::Worktable, Setup::Sandbox]
         .into_iter()
-        .find(|(name, _)| *name == word)
-        .map(|(_, setup)| setup);
+        .find(|setup| setup.as_str() == word);
     setup.ok_or_else(|| root.error("setup", format!("is \"{word}\""), "choose from worktable, sandbox"))
 }
 

@@ -3,6 +3,7 @@
 mod calibration;
 mod csv;
 mod fault;
+mod shot;
 mod signals;
 mod universal;
 pub mod wav;
@@ -12,6 +13,7 @@ use std::path::Path;
 pub(crate) use calibration::calibrator_rms;
 pub use calibration::{Calibration, Calibrator, FullScale, Quantity};
 pub use fault::Fault;
+pub use shot::Shot;
 pub(crate) use signals::{Source, crossing, read, read_shot, refuse, unreadable};
 
 /// Lowest sampling rate \[Hz\]: the highest one-third-octave band, 10 kHz, ends at 11.2 kHz.

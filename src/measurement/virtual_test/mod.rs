@@ -15,9 +15,10 @@ use std::sync::Arc;
 use nailnoise_dynamics::CycleRecord;
 use rayon::prelude::*;
 
-use super::arrangement::{Arrangement, Setup};
+use super::arrangement::Arrangement;
 use super::lines::BEFORE;
-use super::shot::Shot;
+use super::manifest::Setup;
+use super::recordings::Shot;
 use super::wrapping::{Configuration, InsertionLoss, SOURCES, Wrapping};
 use crate::chain::{Chain, Options};
 use crate::design::inputs::{self, located};
@@ -37,6 +38,9 @@ const MUFFLER_HZ: [f64; 2] = [50.0, 400.0];
 
 /// Range of the background noise, of equal energy in each third octave \[Hz\].
 const BACKGROUND_HZ: [f64; 2] = [20.0, 20e3];
+
+/// First sample of a trigger, so that its edge is in the record.
+const FIRST_TRIGGER: usize = 2;
 
 /// The wraps of a design.
 pub fn wrapping(design: &Design) -> Wrapping {
@@ -168,21 +172,40 @@ impl<'a> VirtualTest<'a> {
         Ok(design)
     }
 
-    /// Computes one shot, its sources bare.
+    /// The shot of the design itself, without scatter.
+    ///
+    /// # Errors
+    /// Those of the chain.
+    pub fn own(&self) -> Result<BareShot, Error> {
+        self.shot(self.design, 0)
+    }
+
+    /// One shot of a configuration, its sources bare.
     ///
     /// # Errors
     /// Those of the chain.
     pub fn bare(&self, configuration: Configuration, repeat: usize) -> Result<BareShot, Error> {
-        let design = self.scattered(configuration, repeat)?;
-        let stream = Self::stream(configuration, repeat);
+        self.shot(
+            &self.scattered(configuration, repeat)?,
+            Self::stream(configuration, repeat),
+        )
+    }
+
+    /// Largest pressure of any source at any microphone \[Pa\].
+    pub fn peak(&self, bare: &BareShot) -> f64 {
+        let pressures = bare.sources.iter().flatten().flatten();
+        pressures.fold(0.0, |peak: f64, p| peak.max(p.abs()))
+    }
+
+    fn shot(&self, design: &Design, stream: u64) -> Result<BareShot, Error> {
         let options = Options {
             noise_seed: (self.seed as u32).wrapping_mul(100_003).wrapping_add(stream as u32),
             ..Options::default()
         };
-        let chain = Chain::new(self.graph, &design, options)?;
-        chain.check_bodies().map_err(|error| located(&design, error))?;
+        let chain = Chain::new(self.graph, design, options)?;
+        chain.check_bodies().map_err(|error| located(design, error))?;
         let outputs: [&dyn Input; 4] = [&chain.workpiece, &chain.exhaust, &chain.body, &chain.sensors];
-        self.graph.prepare(&outputs).map_err(|error| located(&design, error))?;
+        self.graph.prepare(&outputs).map_err(|error| located(design, error))?;
         let (workpiece, exhaust, body) = (chain.workpiece.get()?, chain.exhaust.get()?, chain.body.get()?);
         let all = [
             (&workpiece.source, &workpiece.received),
@@ -209,7 +232,7 @@ impl<'a> VirtualTest<'a> {
         let rate = self.synthesis.rate;
         let trigger = test.trigger_delay * nailnoise_acoustics::random::uniform(self.seed, stream, 99);
         // The trigger falls on a sample, as the signals of the sources begin with it.
-        let start = (trigger * rate).round() as usize;
+        let start = ((trigger * rate).round() as usize).max(FIRST_TRIGGER);
         let samples = (test.record_length * rate).round() as usize;
         let wraps = self.filters(bare);
         let microphone = |place: usize| {

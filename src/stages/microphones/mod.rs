@@ -248,7 +248,7 @@ fn peak(signal: &[f64]) -> f64 {
 }
 
 /// The smallest of 1, 2, 5, 10 ... Pa above a peak, from 1 mPa on.
-fn full_scale(peak: f64) -> f64 {
+pub(crate) fn full_scale(peak: f64) -> f64 {
     let steps = (-3..6).flat_map(|decade| [1.0, 2.0, 5.0].map(|step| step * 10f64.powi(decade)));
     steps.into_iter().find(|scale| *scale > peak).unwrap_or(peak.max(1.0))
 }

@@ -1,0 +1,223 @@
+//! `nailnoise measure`: levels of the sources from the recordings of a wrapping test.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+
+use super::table::{decibels, table};
+use super::{folder_of, message, print, print_json, progress, start_threads};
+use crate::error::Error;
+use crate::measurement::processing::{CorrectedShot, Measured, Recorded, process};
+use crate::measurement::repeats::RepeatedLevel;
+use crate::measurement::result::{MeasurementResult, Processing};
+use crate::measurement::subtraction::Reading;
+use crate::measurement::wrapping::Configuration;
+use crate::measurement::{Manifest, arrangement::Arrangement};
+use crate::staging::Staging;
+use crate::{figures, output, report};
+
+/// The file that is written last, so that a folder that holds it holds all the rest.
+const LAST: &str = "measurement.json";
+
+#[derive(Args)]
+pub(super) struct Arguments {
+    /// Manifest of the recordings (TOML)
+    manifest: PathBuf,
+    /// Which lines the subtraction of the residual sets to zero
+    #[arg(long, value_enum, default_value_t)]
+    reading: Reading,
+    /// Subtract the residual of the same repeat instead of the mean of all
+    #[arg(long)]
+    paired: bool,
+    /// Subtract the residual from the total, too
+    #[arg(long)]
+    total_less_residual: bool,
+    /// Write the corrected signals of every repeat, not of the first alone
+    #[arg(long)]
+    signals: bool,
+    /// Draw the charts of the page as SVG
+    #[arg(long)]
+    figures: bool,
+    /// Print exactly one JSON value instead of tables
+    #[arg(long)]
+    json: bool,
+    /// Folder for the output files [default: out/NAME, of the manifest]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Number of threads; results do not depend on it [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+    start_threads(arguments.threads)?;
+    let path = &arguments.manifest;
+    let progress = progress();
+    progress.stage("manifest");
+    let manifest = Manifest::load(path)?;
+    manifest
+        .warnings
+        .iter()
+        .for_each(|warning| message(&format!("warning: {warning}")));
+    let folder = match &arguments.out {
+        Some(folder) => folder.clone(),
+        None => folder_of(Path::new("out"), &name_of(path), path)?,
+    };
+    let arrangement = Arrangement::of(&manifest)?;
+    let staging = Staging::within(&folder)?;
+    let recorded: Vec<Recorded> = manifest
+        .configurations
+        .iter()
+        .filter_map(|own| {
+            Some(Recorded {
+                configuration: Configuration::from_number(own.number)?,
+                repeats: own.repeats,
+            })
+        })
+        .collect();
+    let processing = Processing {
+        reading: arguments.reading,
+        paired: arguments.paired,
+        total_less_residual: arguments.total_less_residual,
+    };
+    let shots: usize = recorded.iter().map(|own| own.repeats).sum();
+    let mut signals = Vec::new();
+    let done = std::cell::Cell::new(0_u64);
+    progress.stage("shots");
+    let shot = |configuration: Configuration, repeat: usize| {
+        let place = manifest
+            .configurations
+            .iter()
+            .position(|own| own.number == configuration.number());
+        let shot = manifest.shot(place.unwrap_or_default(), repeat)?;
+        done.set(done.get() + 1);
+        progress.done(done.get(), shots as u64);
+        Ok(shot)
+    };
+    let keep = |shot: CorrectedShot| {
+        if shot.repeat > 0 && !arguments.signals {
+            return Ok(());
+        }
+        let (file, bytes, full_scale) = output::measurement::corrected_signal(&shot)?;
+        staging.write_unsynced(&file, &bytes)?;
+        signals.push((file, full_scale));
+        Ok(())
+    };
+    let mut measured = process(&arrangement, processing, &recorded, shot, keep)?;
+    measured.result.manifest = path.display().to_string();
+    progress.stage("writing files");
+    for (name, bytes) in output::measurement::tables(&measured.result, &signals)? {
+        staging.write(Path::new(name), &bytes)?;
+    }
+    let charts = figures::measurement(&measured);
+    if arguments.figures {
+        figures::write(&staging, Path::new("figures"), &charts)?;
+    }
+    staging.write(
+        Path::new("measurement.html"),
+        report::measurement(&measured.result, &charts).as_bytes(),
+    )?;
+    let json = serde_json::to_vec_pretty(&measured.result).map_err(Error::Json)?;
+    staging.write(Path::new(LAST), &json)?;
+    staging.place(&[], Path::new(LAST))?;
+    progress.end();
+    if arguments.json {
+        print_json(&measured.result)?;
+    } else {
+        print(&text(&measured, &folder))?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Name of a test: of its manifest, or of the folder where the manifest is called so.
+fn name_of(path: &Path) -> String {
+    let stem = |path: &Path| path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    let own = stem(path).filter(|name| !name.eq_ignore_ascii_case("manifest"));
+    let folder = || path.canonicalize().ok().and_then(|path| stem(path.parent()?));
+    own.or_else(folder).unwrap_or_default()
+}
+
+fn text(measured: &Measured, folder: &Path) -> String {
+    let result = &measured.result;
+    let mut text = format!(
+        "{}: A-weighted single-event sound power levels, dB re 1 pW s, {:.0} to {:.0} Hz, surface of {:.2} m2, K2 {:.1} dB\n\n",
+        result.manifest, result.range_hz[0], result.range_hz[1], result.area_m2, result.k2_db
+    );
+    text.push_str(&table(
+        &[
+            "recorded",
+            "shots",
+            "L_WA,1s dB",
+            "repeats 95 %",
+            "with method k=2",
+            "above residual",
+        ],
+        &result.configurations.iter().map(configuration).collect::<Vec<_>>(),
+    ));
+    if !result.sources.is_empty() {
+        text.push('\n');
+        text.push_str(&table(
+            &[
+                "less residual",
+                "shots",
+                "L_WA,1s dB",
+                "repeats 95 %",
+                "with method k=2",
+                "by energy",
+                "floor",
+            ],
+            &sources(result),
+        ));
+    }
+    if let Some(closure) = result.closure_db {
+        let _ = writeln!(
+            text,
+            "\n  the total lies {closure:+.1} dB above the sum of the three sources"
+        );
+    }
+    let _ = writeln!(text);
+    for note in &result.notes {
+        let _ = writeln!(text, "  - {note}");
+    }
+    let _ = writeln!(
+        text,
+        "\n  files in {}; open measurement.html for the page",
+        folder.display()
+    );
+    text
+}
+
+fn cells(level: Option<&RepeatedLevel>) -> [String; 4] {
+    let plus_minus = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("±{value:.1}"));
+    [
+        level.map_or(0, |own| own.repeats).to_string(),
+        decibels(level.map(|own| own.db)),
+        plus_minus(level.and_then(|own| own.half_width_db)),
+        plus_minus(level.map(|own| own.expanded_db)),
+    ]
+}
+
+fn configuration(own: &crate::measurement::result::MeasuredConfiguration) -> Vec<String> {
+    let mut row = vec![own.name.clone()];
+    row.extend(cells(own.level.as_ref()));
+    row.push(decibels(own.above_residual_db));
+    row
+}
+
+fn sources(result: &MeasurementResult) -> Vec<Vec<String>> {
+    let source = |own: &crate::measurement::result::MeasuredSource| {
+        let mut row = vec![own.source.clone()];
+        row.extend(cells(own.level.as_ref()));
+        row.extend([decibels(own.by_energy_db), decibels(own.floor_db)]);
+        row
+    };
+    let bound = result.bound.iter().map(|own| {
+        let mut row = vec!["workpiece, upper bound".to_owned()];
+        row.extend(cells(own.level.as_ref()));
+        row.extend([decibels(own.by_energy_db), String::new()]);
+        row
+    });
+    result.sources.iter().map(source).chain(bound).collect()
+}

@@ -1,0 +1,215 @@
+//! `nailnoise test`: a virtual wrapping test of a design, as recordings or in energies alone.
+
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+
+use super::table::{decibels, table};
+use super::{Common, Keeping, folder_of, print, print_json, progress};
+use crate::cost;
+use crate::design::Design;
+use crate::error::Error;
+use crate::graph::Graph;
+use crate::measurement::virtual_test::exact::{ExactTest, exact};
+use crate::measurement::virtual_test::{VirtualTest, wrapping};
+use crate::measurement::wrapping::{Configuration, SOURCES, Wrapping};
+use crate::output::virtual_test::{manifest, sensors, sounds};
+use crate::result::DesignId;
+use crate::stages::WithoutStages;
+use crate::staging::Staging;
+
+/// The file that is written last, so that a folder that holds it holds all the rest.
+const LAST: &str = "manifest.toml";
+
+#[derive(Args)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    common: Common,
+    #[command(flatten)]
+    keeping: Keeping,
+    /// The wraps: those of the design, or such that let nothing through and hide nothing
+    #[arg(long, value_enum, default_value_t)]
+    wraps: Wraps,
+    /// State what the test gives in energies, without recordings and scatter
+    #[arg(long)]
+    energies: bool,
+    /// Seed of scatter and noise
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, ValueEnum)]
+#[serde(rename_all = "snake_case")]
+enum Wraps {
+    /// Those of the design
+    #[default]
+    Design,
+    /// Wraps that let nothing through and hide nothing
+    Perfect,
+}
+
+/// Layout of `test --json`.
+#[derive(Serialize)]
+struct TestResult {
+    schema: &'static str,
+    design: DesignId,
+    wraps: Wraps,
+    seed: u64,
+    /// Without scatter: the design's own shot.
+    exact: ExactTest,
+    /// The manifest of the recordings; null with `--energies`.
+    manifest: Option<String>,
+    /// Recordings written.
+    shots: usize,
+}
+
+pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+    let common = &arguments.common;
+    common.start_threads()?;
+    let design = common.load()?;
+    cost::refuse(&design, &cost::of_run(&design)?, common.memory.limit())?;
+    let wraps = match arguments.wraps {
+        Wraps::Design => wrapping(&design),
+        Wraps::Perfect => Wrapping::perfect(),
+    };
+    let progress = progress();
+    let graph = Graph::new(
+        Arc::new(arguments.keeping.cache()?),
+        Arc::new(WithoutStages(progress.observer())),
+    );
+    let test = VirtualTest::new(&graph, &design, wraps, arguments.seed)?;
+    progress.stage("the design's shot, minutes where its modes and radiation are new");
+    let own = test.own()?;
+    let background = design.acoustics.background_level;
+    let rate = design.test.sampling_rate;
+    let exact = exact(&test.arrangement, rate, &wraps, &test.densities(&own), background)?;
+    drop(own);
+    let mut result = TestResult {
+        schema: "nailnoise-test/1",
+        design: DesignId {
+            name: design.name().to_owned(),
+            digest: design.digest(),
+        },
+        wraps: arguments.wraps,
+        seed: arguments.seed,
+        exact,
+        manifest: None,
+        shots: 0,
+    };
+    if !arguments.energies {
+        let folder = match &common.out {
+            Some(folder) => folder.clone(),
+            None => folder_of(Path::new("out"), &format!("{}-test", design.name()), design.path())?,
+        };
+        result.shots = record(&design, &test, &folder, &progress)?;
+        result.manifest = Some(folder.join(LAST).display().to_string());
+    }
+    progress.end();
+    if common.json {
+        print_json(&result)?;
+    } else {
+        print(&text(&result))?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Writes the recordings of all configurations with their manifest; returns the number of shots.
+fn record(
+    design: &Design,
+    test: &VirtualTest<'_>,
+    folder: &Path,
+    progress: &crate::stages::Progress,
+) -> Result<usize, Error> {
+    let staging = Staging::within(folder)?;
+    let repeats = design.test.repeats as usize;
+    let shots = repeats * Configuration::ALL.len();
+    progress.stage("shots");
+    let mut full_scale = 0.0_f64;
+    for (place, configuration) in Configuration::ALL.into_iter().enumerate() {
+        let name = test.arrangement.setup.configuration(configuration.number());
+        for repeat in 0..repeats {
+            let bare = test.bare(configuration, repeat)?;
+            let shot = test.record(&bare, configuration, repeat);
+            // One full scale for all: that of the loudest configuration, the first, with room for scatter.
+            if place == 0 && repeat == 0 {
+                full_scale = crate::stages::microphones::full_scale(4.0 * test.peak(&bare));
+            }
+            let stem = format!("{name}-{}", repeat + 1);
+            staging.write_unsynced(Path::new(&format!("{stem}.wav")), &sounds(&shot, full_scale, &stem)?)?;
+            staging.write_unsynced(
+                Path::new(&format!("{stem}.uff")),
+                &sensors(
+                    &test.arrangement,
+                    &shot,
+                    &format!("nailnoise design {}", design.digest()),
+                ),
+            )?;
+            progress.done((place * repeats + repeat + 1) as u64, shots as u64);
+        }
+    }
+    let text = manifest(design, &test.arrangement, full_scale, repeats);
+    staging.write(Path::new(LAST), text.as_bytes())?;
+    staging.place(&[], Path::new(LAST))?;
+    Ok(shots)
+}
+
+fn text(result: &TestResult) -> String {
+    let exact = &result.exact;
+    let mut text = format!(
+        "{}: virtual wrapping test, A-weighted single-event sound power levels, dB re 1 pW s\n\n",
+        result.design.name
+    );
+    let [e1, e2, e3, e4, e5] = exact.configurations_db;
+    text.push_str(&table(
+        &["configuration", "measures", "dB"],
+        &[
+            ("1", "total", e1),
+            ("2", "residual", e2),
+            ("3", "exhaust", e3),
+            ("4", "body", e4),
+            ("5", "workpiece", e5),
+        ]
+        .map(|(number, what, level)| vec![number.to_owned(), what.to_owned(), decibels(level)]),
+    ));
+    text.push('\n');
+    let rows = (0..SOURCES.len()).map(|place| {
+        vec![
+            SOURCES[place].to_owned(),
+            decibels(exact.sources_db[place]),
+            decibels(exact.separated_db[place]),
+            decibels(exact.unmixed_db[place]),
+            if place == 0 {
+                decibels(exact.bound_db)
+            } else {
+                String::new()
+            },
+        ]
+    });
+    text.push_str(&table(
+        &["source", "bare dB", "less residual dB", "least squares dB", "bound dB"],
+        &rows.collect::<Vec<_>>(),
+    ));
+    text.push_str(
+        "\n  bare: as the nine microphones measure it alone; less residual: what the test makes of it; least squares: from all five,\n  \
+         given the losses of the wraps; bound: the total less exhaust and body\n",
+    );
+    if let Some(closure) = exact.closure_db {
+        text.push_str(&format!(
+            "  closure: the total lies {closure:+.1} dB above the sum of the three\n"
+        ));
+    }
+    text.push_str(
+        "  energies of the design's own shot, without scatter; the losses of the wraps are estimated ([test.wraps])\n",
+    );
+    if let Some(manifest) = &result.manifest {
+        text.push_str(&format!(
+            "\n  {} shots in {}; next: nailnoise measure {manifest}\n",
+            result.shots,
+            Path::new(manifest).parent().unwrap_or_else(|| Path::new(".")).display()
+        ));
+    }
+    text
+}
