@@ -53,6 +53,9 @@ pub fn encode(signals: &[&[f64]], rate: u32, full_scale: f64, coding: Coding) ->
     for index in 0..length {
         for signal in signals {
             let fraction = signal[index] / full_scale;
+            if coding == Coding::Integer24 && (fraction * full).round().abs() > full {
+                return Err(invalid("a sample is beyond the full scale of its WAV file"));
+            }
             let written = match coding {
                 Coding::Integer24 => writer.write_sample((fraction * full).round() as i32),
                 Coding::Float32 => writer.write_sample(fraction as f32),
