@@ -121,7 +121,9 @@ pub enum Error {
     Penetration(#[from] crate::penetration::PenetrationError),
     /// One design has nothing to be compared with.
     #[error("{} alone has nothing to be compared with", path.display())]
-    #[diagnostic(help("name a second design or result, or give measurements with --measured designs/measured/n80cb.json"))]
+    #[diagnostic(help(
+        "name a second design or result, or give measurements with --measured designs/measured/n80cb.json"
+    ))]
     NothingToCompare {
         /// The design.
         path: std::path::PathBuf,
