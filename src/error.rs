@@ -276,6 +276,23 @@ pub enum Error {
         /// Distance of the nearest face that looks its way \[m\]; none if there is none.
         distance: Option<f64>,
     },
+    /// A cap that cannot be told from the rest of the body.
+    #[error("{} of {} panels of the tool's outline are its cap, which by `sources.convention = \"wrapping\"` counts to the exhaust",
+        panels[0], panels[1])]
+    #[diagnostic(help("{}", match surface {
+        Some(name) => format!(
+            "name the outer side of the cap with the exhaust's outlets (gmsh: Physical Surface(\"{name}\") = ...), give its \
+             place in the design ([surfaces.NAME] with surface = \"{name}\"), or choose `sources.convention = \"physical\"`"
+        ),
+        None => "the cap is what lies above `body.nose_height` and `body.barrel_height` within `body.cap_radius`; or choose \
+                 `sources.convention = \"physical\"`".to_owned(),
+    }))]
+    NoCapSurface {
+        /// Name of the surface in the file of a body; none for the parametric one.
+        surface: Option<&'static str>,
+        /// Panels of the cap, and of all of the outline.
+        panels: [usize; 2],
+    },
     /// Pieces of a body that nothing joins.
     #[error(
         "the {body} falls into {pieces} pieces that nothing joins or holds; the smallest has {:.2} cm3 around ({:.1}, {:.1}, \

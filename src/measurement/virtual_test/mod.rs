@@ -220,16 +220,26 @@ impl<'a> VirtualTest<'a> {
         let outputs: [&dyn Input; 4] = [&chain.workpiece, &chain.exhaust, &chain.body, &chain.sensors];
         self.graph.prepare(&outputs).map_err(|error| located(design, error))?;
         let (workpiece, exhaust, body) = (chain.workpiece.get()?, chain.exhaust.get()?, chain.body.get()?);
+        // A part that counts to another source is known over a range of its own.
+        let (cap, vent) = (body.moved.as_ref(), exhaust.vent.as_ref());
         let all = [
-            (&workpiece.source, &workpiece.received),
-            (&exhaust.source, &exhaust.received),
-            (&body.source, &body.received),
+            (&workpiece.source, &workpiece.received, None),
+            (&exhaust.source, &exhaust.received, cap),
+            (&body.source, &body.received, vent),
         ];
         let mut place = 0;
-        let sources = all.map(|(source, received)| {
+        let sources = all.map(|(source, received, part)| {
             place += 1;
-            self.synthesis
-                .signals(source, received, (self.seed, 8 * stream + place))
+            let noise = 8 * stream + place;
+            let mut signals = self.synthesis.signals(source, received, (self.seed, noise));
+            if let Some(part) = part {
+                let added = self
+                    .synthesis
+                    .signals(&part.source, &part.received, (self.seed, noise + 3));
+                let samples = signals.iter_mut().flatten().zip(added.iter().flatten());
+                samples.for_each(|(sum, p)| *sum += p);
+            }
+            signals
         });
         Ok(BareShot {
             cycle: chain.cycle.get()?,
