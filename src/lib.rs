@@ -2,8 +2,9 @@
 //!
 //! [`design`] reads the design file, [`chain`] puts its stages together, [`run`] ranks its sources, [`output`] makes files of them,
 //! [`figures`] draws them, [`report`] makes a page of them, [`bundle`] keeps all of it for the next run, [`comparison`] lays
-//! results side by side and [`commands`] is the command line over all of it. [`penetration`] compares penetration laws,
-//! [`measurement`] reads the recordings of a test, [`cost`] estimates what a run needs before it begins; [`sensitivity`] and [`study`] tell what a design's ranges do to its shot.
+//! results side by side and [`commands`] is the command line over all of it. [`measurement`] takes the recordings of a test to
+//! levels, [`penetration`] compares penetration laws, [`cost`] estimates what a run needs before it begins; [`sensitivity`] and
+//! [`study`] tell what a design's ranges do to its shot.
 #![forbid(unsafe_code)]
 
 pub mod bundle;

@@ -5,6 +5,8 @@ use std::path::Path;
 
 use nailnoise::bundle::Bundle;
 use nailnoise::design::Design;
+use nailnoise::measurement::Manifest;
+use nailnoise::measurement::recordings::{Selector, decode};
 use nailnoise::stages::bodies::{Body, BodySensors, WholeModes};
 use nailnoise::stages::response::ResponseChecks;
 use nailnoise::stages::{Codec, Postcard, WithMatrix};
@@ -15,13 +17,15 @@ use nailnoise_meshes::{Surface, msh, uff};
 pub type Target = (&'static str, fn(&[u8]));
 
 /// All targets; each has a corpus of its name.
-pub const TARGETS: [Target; 6] = [
+pub const TARGETS: [Target; 8] = [
     ("design", design),
     ("msh22", mesh),
     ("msh41", mesh),
     ("uff", universal_file),
     ("penetration_table", penetration_table),
     ("cache_entry", cache_entry),
+    ("manifest", manifest),
+    ("recording", recording),
 ];
 
 /// A design over the shipped ones, and the estimate of its cost.
@@ -62,6 +66,24 @@ pub fn universal_file(bytes: &[u8]) {
 pub fn penetration_table(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     let _ = ForceTable::from_csv(text);
+}
+
+/// The manifest of a test, without its recordings.
+pub fn manifest(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let _ = Manifest::parse(text, Path::new("fuzzed.toml"));
+}
+
+/// A recording of any format, by its channels and by a column.
+pub fn recording(bytes: &[u8]) {
+    let [first, second, column] = [
+        Selector::Channel(1),
+        Selector::Channel(2),
+        Selector::Column("N".to_owned()),
+    ];
+    for channels in [vec![&first], vec![&second, &first], vec![&column]] {
+        let _ = decode(bytes, Path::new("fuzzed.wav"), &channels);
+    }
 }
 
 /// What a cache entry holds behind its header: a value in the postcard format, or one with a matrix.

@@ -256,3 +256,113 @@ fn damaged_time_histories_name_their_line() {
         assert!(error.contains(line), "{error}");
     }
 }
+
+/// A binary dataset of the samples 1, 2, -3 at 1, 1.5 and 2 s with this header and these bytes.
+fn binary(data: u32, even: u32, order: u32, format: u32, bytes: &[u8]) -> Vec<u8> {
+    let header = format!("{data:10}         3{even:10}  1.00000e+00  5.00000e-01  0.00000e+00");
+    let text = history(&header, [TIME, FORCE], "");
+    let kind = format!(
+        "    58b{order:6}{format:6}{:12}{:12}     0     0           0           0",
+        11,
+        bytes.len()
+    );
+    let text = text.replacen("    58", &kind, 1);
+    let text = text.strip_suffix("\n    -1\n").unwrap();
+    [text.as_bytes(), bytes, b"\n    -1\n"].concat()
+}
+
+/// Samples as bytes, each with its time where that is not even.
+fn bytes(times: bool, number: impl Fn(f64) -> Vec<u8>, time: impl Fn(f64) -> Vec<u8>) -> Vec<u8> {
+    let samples = [(1.0, 1.0), (1.5, 2.0), (2.0, -3.0)];
+    let pair = |(x, y)| [if times { time(x) } else { Vec::new() }, number(y)].concat();
+    samples.into_iter().flat_map(pair).collect()
+}
+
+#[test]
+fn a_binary_time_history_is_read_in_each_of_its_forms() {
+    let single = |x: f64| (x as f32).to_le_bytes().to_vec();
+    let single_big = |x: f64| (x as f32).to_be_bytes().to_vec();
+    let double = |x: f64| x.to_le_bytes().to_vec();
+    let double_big = |x: f64| x.to_be_bytes().to_vec();
+    let files = [
+        binary(4, 1, 1, 2, &bytes(false, double, double)),
+        binary(4, 1, 2, 2, &bytes(false, double_big, double)),
+        binary(2, 1, 1, 2, &bytes(false, single, single)),
+        binary(2, 1, 2, 2, &bytes(false, single_big, single)),
+        binary(2, 0, 1, 2, &bytes(true, single, single)),
+        // The times of double precision are in single precision, or as some programs write them in double.
+        binary(4, 0, 1, 2, &bytes(true, double, single)),
+        binary(4, 0, 2, 2, &bytes(true, double_big, double_big)),
+    ];
+    for (index, file) in files.iter().enumerate() {
+        // Another dataset behind it is found whatever the bytes are.
+        let second = history(
+            "         2         3         1  1.00000e+00  5.00000e-01  0.00000e+00",
+            [TIME, FORCE],
+            "  1.00000e+00  2.00000e+00 -3.00000e+00",
+        );
+        let found = uff::functions(&[file, second.as_bytes()].concat(), "a.uff".as_ref()).unwrap();
+        assert_eq!(found.len(), 2, "{index}");
+        for function in &found {
+            assert_eq!(function.abscissa, [1.0, 1.5, 2.0], "{index}");
+            assert_eq!(function.ordinate, [1.0, 2.0, -3.0], "{index}");
+            assert_eq!(function.units, ["s", "kN"]);
+        }
+    }
+}
+
+#[test]
+fn the_mark_of_an_end_among_the_bytes_ends_no_dataset() {
+    let bytes: Vec<u8> = b"\n    -1\n    -1\n    -1\n  ".iter().copied().take(24).collect();
+    let found = uff::functions(&binary(4, 1, 1, 2, &bytes), "a.uff".as_ref()).unwrap();
+    let expected: Vec<f64> = bytes
+        .chunks_exact(8)
+        .map(|word| f64::from_le_bytes(word.try_into().unwrap()))
+        .collect();
+    assert_eq!(found[0].ordinate, expected);
+}
+
+#[test]
+fn damaged_binary_time_histories_are_refused() {
+    let good = bytes(false, |x| x.to_le_bytes().to_vec(), |x| x.to_le_bytes().to_vec());
+    let refused = |file: &[u8]| uff::functions(file, "a.uff".as_ref()).unwrap_err();
+    let vax = refused(&binary(4, 1, 1, 1, &good)).to_string();
+    assert!(vax.contains("line 1") && vax.contains("IEEE 754"), "{vax}");
+    let few = refused(&binary(4, 1, 1, 2, &good[..16])).to_string();
+    assert!(few.contains("line 9") && few.contains("bytes"), "{few}");
+    let whole = binary(4, 1, 1, 2, &good);
+    let cut = refused(&whole[..whole.len() - 12]);
+    assert!(
+        matches!(
+            cut,
+            UffError::Truncated {
+                line: 1,
+                dataset: 58,
+                ..
+            }
+        ),
+        "{cut}"
+    );
+    let nan = [&good[..8], &f64::NAN.to_le_bytes(), &good[16..]].concat();
+    let nan = refused(&binary(4, 1, 1, 2, &nan)).to_string();
+    assert!(nan.contains("sample 2 is NaN"), "{nan}");
+}
+
+/// `data/pyuff-58b.uff` was written by pyuff 2.5.8: two binary datasets and one in text, k 5 sin(0.3 i) for k = 1, 2, 3 at
+/// 48 kHz.
+#[test]
+fn a_file_of_another_program_is_read() {
+    let bytes = include_bytes!("data/pyuff-58b.uff");
+    let found = uff::functions(bytes, "pyuff-58b.uff".as_ref()).unwrap();
+    assert_eq!(found.len(), 3);
+    for (k, function) in (1..).zip(&found) {
+        assert_eq!(function.kinds, [17, 12]);
+        assert_eq!(function.units, ["s", "m/s2"]);
+        assert_eq!(function.ordinate.len(), 40);
+        for (i, (time, value)) in (0..).zip(function.abscissa.iter().zip(&function.ordinate)) {
+            // Six digits of the interval; twelve of the samples in text.
+            assert!((time - f64::from(i) / 48e3).abs() <= 2e-6 * time);
+            assert!((value - f64::from(k) * 5.0 * (0.3 * f64::from(i)).sin()).abs() < 1e-10);
+        }
+    }
+}

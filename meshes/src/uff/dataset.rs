@@ -230,16 +230,19 @@ pub(super) fn datasets<'a>(bytes: &'a [u8], path: &Path) -> Result<Vec<Dataset<'
 }
 
 impl Block<'_> {
+    /// An error of a whole line.
     pub(super) fn error(&self, line: usize, expected: &'static str) -> UffError {
+        self.unexpected(line, expected, self.lines.get(line).unwrap_or(&""))
+    }
+
+    /// An error of a part of a line.
+    pub(super) fn unexpected(&self, line: usize, expected: &'static str, found: &str) -> UffError {
         UffError::Line {
             path: self.path.to_owned(),
             line: self.first + line,
             dataset: self.dataset,
             expected,
-            found: self
-                .lines
-                .get(line)
-                .map_or_else(String::new, |text| text.trim().chars().take(60).collect()),
+            found: found.trim().chars().take(60).collect(),
         }
     }
 

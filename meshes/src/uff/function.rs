@@ -199,7 +199,10 @@ impl Block<'_> {
         let (mut rest, mut widths) = (text, widths.iter().cycle());
         while let Some(width) = widths.next().filter(|_| !rest.is_empty()) {
             let (field, more) = rest.split_at_checked(*width).unwrap_or((rest, ""));
-            values.push(number(field).ok_or_else(|| self.error(line, "finite numbers"))?);
+            values.push(number(field).ok_or_else(|| {
+                let word = text.split_whitespace().find(|word| number(word).is_none());
+                self.unexpected(line, "finite numbers", word.unwrap_or(field))
+            })?);
             rest = more;
         }
         Ok(())

@@ -4,12 +4,14 @@ use std::path::Path;
 
 use nailnoise_acoustics::sound::Iso3744Box;
 
+use super::Manifest;
+use super::channel::Kind;
 use super::reader::Table;
-use super::{Manifest, Trigger};
 use crate::measurement::error::MeasurementError;
 use crate::measurement::recordings::unreadable;
 
-/// Largest distance of a microphone from the measurement surface \[m\]: at 1 m from a source, 5 cm change the level by 0.42 dB.
+/// Largest distance of a microphone from the measurement surface \[m\]: at 1 m from a source, 5 cm change the level by
+/// 0.42 dB.
 const OFF_SURFACE: f64 = 0.05;
 
 /// Microphones of EN 12549.
@@ -21,8 +23,8 @@ const REPEATS: usize = 5;
 /// What each configuration measures, by its number less one.
 const MEASURED: [&str; 5] = ["the total", "the residual", "the exhaust", "the body", "the workpiece"];
 
-/// Distance of a point from the five faces of the box that are no reflecting plane \[m\]; `point` is relative to the foot of
-/// the box on the plane.
+/// Distance of a point from the five faces of the box that are no reflecting plane \[m\]; `point` is relative to the
+/// foot of the box on the plane.
 fn distance(surface: &Iso3744Box, point: [f64; 3]) -> f64 {
     let [a, b, c] = surface.sides;
     let [x, y, z] = point;
@@ -69,8 +71,8 @@ pub(super) fn microphones(root: &Table<'_, '_>, manifest: &Manifest) -> Result<(
             };
             let problem = format!("is {off:.3} m off the measurement surface, more than {OFF_SURFACE} m");
             let help = format!(
-                "the surface of EN 12549 is the box within {a} m and {b} m of x = {x}, y = {y} m and up to {:.3} m, {c:.3} m \
-                 above the plane; correct the position, `centre` or `plane`",
+                "the surface of EN 12549 is the box within {a} m and {b} m of x = {x}, y = {y} m and up to {:.3} m, \
+                 {c:.3} m above the plane; correct the position, `centre` or `plane`",
                 manifest.plane + c
             );
             return Err(own.error("position", problem, help));
@@ -85,12 +87,16 @@ pub(super) fn residual(root: &Table<'_, '_>, manifest: &Manifest) -> Result<(), 
     let subtracted = (3..=5).find_map(has);
     match (subtracted, has(2)) {
         (Some(own), None) => {
-            let letter = manifest.setup.letter();
-            let problem = format!("has {} without the residual {letter}-2", own.name);
+            let Some(all) = root.table("configurations", "[configurations]")? else {
+                return Ok(());
+            };
+            let residual = manifest.setup.configuration(2);
+            let problem = format!("needs the residual {residual}, which is not in the manifest");
             let help = format!(
-                "record {letter}-2, everything wrapped: it is subtracted from {letter}-3, {letter}-4 and {letter}-5"
+                "record {residual}, everything wrapped: it is subtracted from {}",
+                own.name
             );
-            Err(root.error("configurations", problem, help))
+            Err(all.error(&own.name, problem, help))
         }
         _ => Ok(()),
     }
@@ -140,31 +146,23 @@ pub(super) fn warnings(manifest: &Manifest) -> Vec<String> {
     }
     for (index, measured) in MEASURED.iter().enumerate() {
         if !manifest.configurations.iter().any(|own| own.number == index + 1) {
-            let letter = manifest.setup.letter();
-            warnings.push(format!(
-                "{letter}-{} is not in the manifest: {measured} is not measured",
-                index + 1
-            ));
+            let name = manifest.setup.configuration(index + 1);
+            warnings.push(format!("{name} is not in the manifest: {measured} is not measured"));
         }
     }
     if manifest.microphones.len() < MICROPHONES {
         warnings.push(format!(
-            "{} of the {MICROPHONES} microphones of EN 12549 are in the manifest; the mean over the surface lacks the others",
+            "{} of the {MICROPHONES} microphones of EN 12549 are in the manifest; the mean over the surface lacks the \
+             others",
             manifest.microphones.len()
         ));
     }
-    let started = |name: &str| {
-        let by = |trigger: &Trigger| matches!(trigger, Trigger::Channel { name: own, .. } if own == name);
-        manifest.configurations.iter().any(|own| by(&own.trigger))
-    };
+    // A switch may run at full scale.
     let unlimited = manifest
         .channels
         .iter()
-        .filter(|channel| !channel.calibration.limited());
-    let unlimited: Vec<&str> = unlimited
-        .map(|channel| channel.name.as_str())
-        .filter(|name| !started(name))
-        .collect();
+        .filter(|own| own.kind != Kind::Trigger && !own.calibration.limited());
+    let unlimited: Vec<&str> = unlimited.map(|own| own.name.as_str()).collect();
     if !unlimited.is_empty() {
         warnings.push(format!(
             "without `full_scale` a clipped record is not recognised: {}",

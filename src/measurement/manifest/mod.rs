@@ -78,14 +78,9 @@ impl Setup {
 
     /// Name of its configuration with a number from 1: `W-1`.
     pub fn configuration(self, number: usize) -> String {
-        format!("{}-{number}", self.letter())
-    }
-
-    /// First letter of its configurations.
-    pub fn letter(self) -> char {
         match self {
-            Self::Worktable => 'W',
-            Self::Sandbox => 'S',
+            Self::Worktable => format!("W-{number}"),
+            Self::Sandbox => format!("S-{number}"),
         }
     }
 }
@@ -160,7 +155,8 @@ pub struct Manifest {
 }
 
 impl Manifest {
-    /// Reads a manifest, checks that all its recordings are there, reads those of calibrators and the rate of the first one.
+    /// Reads a manifest, checks that all its recordings are there, reads those of calibrators and the rate of the first
+    /// one.
     ///
     /// # Errors
     /// [`MeasurementError`] with file, line and key, or with file and channel.
@@ -418,7 +414,7 @@ fn configurations(
     let Some(all) = root.table("configurations", "[configurations]")? else {
         return Ok(Vec::new());
     };
-    let known: Vec<String> = (1..=5).map(|number| format!("{}-{number}", setup.letter())).collect();
+    let known: Vec<String> = (1..=5).map(|number| setup.configuration(number)).collect();
     all.only(&known.iter().map(String::as_str).collect::<Vec<_>>())?;
     let mut found = Vec::new();
     for (index, name) in known.iter().enumerate() {

@@ -266,7 +266,8 @@ pub(crate) fn calibrator_rms(text: &str, quantity: Quantity) -> Result<f64, Stri
     }
 }
 
-/// Half width of the band of a calibrator's tone, relative: twice the tolerance of a class 2 calibrator (2 %, IEC 60942).
+/// Half width of the band of a calibrator's tone, relative: twice the tolerance of a class 2 calibrator (2 %, IEC
+/// 60942).
 const TONE: f64 = 0.04;
 
 /// Least share of the record's energy, without its mean, within the band of the tone.

@@ -1,7 +1,8 @@
 //! CSV files: a heading for each column, a column of times, a column for each channel.
 //!
-//! Fields are separated by commas, semicolons or tabs, whichever the first line has; lines that begin with # are comments. The
-//! column of times has the heading `t`, or one that begins with `time`. A heading may end with a unit: `time [ms]`, `time_ms`, `N (g)`.
+//! Fields are separated by commas, semicolons or tabs, whichever the first line has; lines that begin with # are
+//! comments. The column of times has the heading `t`, or one that begins with `time`. A heading may end with a unit:
+//! `time [ms]`, `time_ms`, `N (g)`.
 
 use ::csv::{ByteRecord, ReaderBuilder, Trim};
 use nailnoise_quantities::dimension::TIME;
@@ -59,7 +60,7 @@ pub(super) fn decode(bytes: &[u8], channels: &[&Selector]) -> Result<Vec<Track>,
     {
         let at = record.position().map_or(0, ::csv::Position::line);
         let value =
-            |column: usize| number(&record[column]).ok_or_else(|| not_a_number(at, &whole[column], &record[column]));
+            |column: usize| number(&record[column]).ok_or_else(|| not_a_number(at, whole[column], &record[column]));
         times.push(seconds * value(time).map_err(|fault| (0, fault))?);
         for (index, column) in columns.iter().enumerate() {
             samples[index].push(value(*column).map_err(|fault| (index, fault))?);

@@ -140,7 +140,8 @@ pub enum Fault {
     },
     /// Samples that run at full scale.
     #[error(
-        "clipped: {count} samples from {at:.6} s on are at full scale, {value:.6} {unit}; {RUN} in a row are an overload"
+        "clipped: {count} samples from {at:.6} s on are at full scale, {value:.6} {unit}; {RUN} in a row are an \
+         overload"
     )]
     Clipped {
         /// Samples in the first run.

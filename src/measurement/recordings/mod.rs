@@ -4,6 +4,7 @@ mod calibration;
 mod csv;
 mod fault;
 mod shot;
+mod signals;
 mod universal;
 pub mod wav;
 
@@ -13,13 +14,13 @@ pub(crate) use calibration::calibrator_rms;
 pub use calibration::{Calibration, Calibrator, FullScale, Quantity};
 pub use fault::Fault;
 pub use shot::Shot;
-pub(crate) use shot::{Source, crossing, read, read_shot, refuse, unreadable};
+pub(crate) use signals::{Source, crossing, read, read_shot, refuse, unreadable};
 
 /// Lowest sampling rate \[Hz\]: the highest one-third-octave band, 10 kHz, ends at 11.2 kHz.
 pub const LOWEST_RATE: f64 = 25e3;
 
-/// Least record after the trigger \[s\]: the machine sounds for about 0.1 s; the rest holds the decay of the room and the way
-/// to the microphones.
+/// Least record after the trigger \[s\]: the machine sounds for about 0.1 s; the rest holds the decay of the room and
+/// the way to the microphones.
 pub const SHOT: f64 = 0.15;
 
 /// Samples in a row at full scale that are an overload.
@@ -28,8 +29,8 @@ pub const RUN: usize = 3;
 /// The largest recording that is read \[byte\]: nine channels of 32 bits at 160 kHz for 44 s.
 pub const LARGEST: u64 = 1 << 28;
 
-/// Largest deviation of a sample's time from an even axis, in intervals. A missing sample is off by one; times of few digits
-/// are off by less.
+/// Largest deviation of a sample's time from an even axis, in intervals. A missing sample is off by one; times of few
+/// digits are off by less.
 pub const EVENNESS: f64 = 0.1;
 
 /// Largest relative difference of sampling rates that are the same: the six digits of a universal file.

@@ -15,7 +15,11 @@ const TIMES: [i64; 2] = [17, 0];
 /// Reads datasets 58 of a universal file.
 pub(super) fn decode(bytes: &[u8], path: &Path, channels: &[&Selector]) -> Result<Vec<Track>, Refusal> {
     let wanted = numbers(channels, "a universal file")?;
-    let universal = |problem: String| (0, Fault::Universal { problem });
+    let universal = |problem: String| {
+        // The error of the recording names the file already.
+        let problem = problem.replacen(&path.display().to_string(), "the file", 1);
+        (0, Fault::Universal { problem })
+    };
     let mut all: Vec<Option<Function>> = functions(bytes, path)
         .map_err(|error| universal(error.to_string()))?
         .into_iter()

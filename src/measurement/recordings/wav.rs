@@ -18,16 +18,22 @@ pub enum Coding {
 
 /// A WAV file of signals of one length, a channel each.
 ///
-/// `rate` is in Hz; `full_scale`, in the unit of the signals, is the value of the largest sample. Integers beyond it are
-/// limited to it.
+/// `rate` is in Hz; `full_scale`, in the unit of the signals, is the value of the largest sample.
 ///
 /// # Errors
-/// Signals of different lengths, none or more than 65 535 of them, or more bytes than a WAV file can hold (4 GiB).
+/// Signals of different lengths, none or more than 65 535 of them, values that are not finite or, as integers, beyond
+/// full scale, or more bytes than a WAV file can hold (4 GiB).
 pub fn encode(signals: &[&[f64]], rate: u32, full_scale: f64, coding: Coding) -> io::Result<Vec<u8>> {
     let invalid = |what: &str| io::Error::new(io::ErrorKind::InvalidInput, what);
     let length = signals.first().map_or(0, |signal| signal.len());
     if signals.iter().any(|signal| signal.len() != length) {
         return Err(invalid("the channels of a WAV file have one length"));
+    }
+    if signals
+        .iter()
+        .any(|signal| signal.iter().any(|value| !value.is_finite()))
+    {
+        return Err(invalid("the samples of a WAV file are finite"));
     }
     let channels = u16::try_from(signals.len()).ok().filter(|count| *count > 0);
     let channels = channels.ok_or_else(|| invalid("a WAV file has 1 to 65535 channels"))?;
@@ -47,8 +53,11 @@ pub fn encode(signals: &[&[f64]], rate: u32, full_scale: f64, coding: Coding) ->
     for index in 0..length {
         for signal in signals {
             let fraction = signal[index] / full_scale;
+            if coding == Coding::Integer24 && (fraction * full).round().abs() > full {
+                return Err(invalid("a sample is beyond the full scale of its WAV file"));
+            }
             let written = match coding {
-                Coding::Integer24 => writer.write_sample((fraction * full).round().clamp(-full, full) as i32),
+                Coding::Integer24 => writer.write_sample((fraction * full).round() as i32),
                 Coding::Float32 => writer.write_sample(fraction as f32),
             };
             written.map_err(io::Error::other)?;
@@ -107,8 +116,8 @@ pub(super) fn decode(bytes: &[u8], channels: &[&Selector]) -> Result<Vec<Track>,
     });
     let tracks: Vec<Track> = tracks.collect();
     match tracks.iter().map(|track| track.samples.len()).min().unwrap_or(0) {
-        0 => Err((0, Fault::Empty { samples: 0 })),
         found if found < expected => Err((0, Fault::CutOff { expected, found })),
+        0 => Err((0, Fault::Empty { samples: 0 })),
         _ => Ok(tracks),
     }
 }

@@ -1,0 +1,8 @@
+//! Manifests of tests and their recordings: what is written is read back, and each fault is refused with its file, its
+//! channel, its value and a remedy.
+#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
+
+mod damaged;
+mod manifest;
+mod recordings;
+mod written;
