@@ -119,6 +119,13 @@ pub enum Error {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Penetration(#[from] crate::penetration::PenetrationError),
+    /// One design has nothing to be compared with.
+    #[error("{} alone has nothing to be compared with", path.display())]
+    #[diagnostic(help("name a second design or result, or give measurements with --measured designs/measured/n80cb.json"))]
+    NothingToCompare {
+        /// The design.
+        path: std::path::PathBuf,
+    },
     /// A design whose support the wrapping test does not have.
     #[error("{design}: a wrapping test has its workpiece on the worktable or in the sandbox, not on \"{support}\"")]
     #[diagnostic(help("set support.kind = \"worktable\" or \"sandbox\""))]

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::table::{decibels, table};
 use super::{
-    Changes, Keeping, Memory, comparison_page, folder_of, message, print, print_json, progress, start_threads,
+    Changes, Keeping, Memory, compare_measured, comparison_page, folder_of, message, print, print_json, progress, start_threads,
     status_of,
 };
 use crate::bundle::deliver;
@@ -29,23 +29,27 @@ use crate::wording::{band, change, order};
 #[derive(Args)]
 pub(super) struct Arguments {
     /// Design files or finished results (a folder with result.json, or the file); the first is the reference
-    #[arg(required = true, num_args = 2.., value_name = "DESIGN")]
-    designs: Vec<PathBuf>,
+    #[arg(required = true, num_args = 1.., value_name = "DESIGN")]
+    pub(super) designs: Vec<PathBuf>,
+    /// Compare with measurements instead (JSON, as designs/measured/n80cb.json): one design, or one on the worktable and one in
+    /// the sandbox, as they were tested
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["bands", "intervals", "fail_above"])]
+    measured: Option<PathBuf>,
     /// Print exactly one JSON value instead of tables
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
     /// Folder for the results of the designs that are run, one subfolder each
     #[arg(long, value_name = "DIR", default_value = "out")]
-    out: PathBuf,
+    pub(super) out: PathBuf,
     /// Number of threads; results do not depend on it [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     #[command(flatten)]
     keeping: Keeping,
     #[command(flatten)]
-    memory: Memory,
+    pub(super) memory: Memory,
     #[command(flatten)]
-    changes: Changes,
+    pub(super) changes: Changes,
     /// Show the levels of every one-third-octave band
     #[arg(long)]
     bands: bool,
@@ -54,10 +58,10 @@ pub(super) struct Arguments {
     intervals: bool,
     /// Draw N shots of all designs in common, and state how sure the changes are; each argument must be a design file
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=60_000))]
-    draws: Option<u32>,
+    pub(super) draws: Option<u32>,
     /// Seed of --draws
     #[arg(long, value_name = "SEED", default_value_t = 1, requires = "draws")]
-    seed: u64,
+    pub(super) seed: u64,
     /// End with status 1 if a design other than the reference is louder: total=100, exhaust=95.5
     #[arg(long, value_name = "SOURCE=DB")]
     fail_above: Vec<Limit>,
@@ -67,6 +71,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     start_threads(arguments.threads)?;
     let progress = progress();
     let cache = arguments.keeping.cache()?;
+    if let Some(file) = &arguments.measured {
+        return compare_measured::execute(file, arguments, &cache, &progress);
+    }
+    if let [design] = arguments.designs.as_slice() {
+        return Err(Error::NothingToCompare { path: design.clone() });
+    }
     if arguments.draws.is_some()
         && let Some(path) = arguments.designs.iter().find(|path| Finished::is_at(path).is_some())
     {

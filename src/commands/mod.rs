@@ -7,6 +7,7 @@ mod bodies;
 mod cache;
 mod check;
 mod compare;
+mod compare_measured;
 mod comparison_page;
 mod completions;
 mod cycle;

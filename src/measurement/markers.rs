@@ -2,7 +2,7 @@
 //!
 //! Markers t0 to t13 are those of the published tests; [`MARKERS`] maps them to the events of the cycle. They are found by these
 //! rules: the block or the table first at 2 g (t3), the largest acceleration of table or block (t7), the handle below 6 g for 2 ms
-//! (t10), above 6 g again (t12) and for the last time (t13); the transducer in the cylinder wall sees the pressure behind the piston
+//! (t10), above 6 g again (t12; after t11, where it still rings, at twice the peak of the 2 ms before) and for the last time (t13); the transducer in the cylinder wall sees the pressure behind the piston
 //! from its steepest rise (t4) to its steepest fall (t11), and its fluctuation ends (t8) where its range over 2 ms is below 2 %.
 
 use serde::{Deserialize, Serialize};
@@ -112,11 +112,14 @@ impl Markers {
         let t10 = signals
             .handle
             .zip(t7.or(t4).or(t3))
-            .and_then(|(signal, begin)| quiet_from(signal, begin, IMPACT, quiet));
-        let t12 = signals
-            .handle
-            .zip(t10)
-            .and_then(|(signal, begin)| first(signal, begin.max(t11.unwrap_or(0).saturating_sub(quiet)), IMPACT));
+            .and_then(|(signal, begin)| quiet_from(signal, begin, IMPACT, quiet))
+            .filter(|quiet| t11.is_none_or(|back| *quiet <= back));
+        // A handle that still rings above 6 g when the piston is back shows a burst instead of an end of quiet.
+        let t12 = match (signals.handle, t10, t11) {
+            (Some(signal), Some(begin), None) => first(signal, begin, IMPACT),
+            (Some(signal), _, Some(back)) => burst(signal, back, rate),
+            _ => None,
+        };
         let t13 = signals.handle.zip(t12).and_then(|(signal, begin)| {
             let last = signal.get(begin..)?.iter().rposition(|a| a.abs() > IMPACT)?;
             Some(begin + last + 1)
@@ -185,6 +188,23 @@ fn quiet_from(signal: &[f64], begin: usize, limit: f64, quiet: usize) -> Option<
         } else if i + 1 - since >= quiet {
             return Some(since);
         }
+    }
+    None
+}
+
+/// The first sample from `begin` on at which a signal exceeds the impact limit and twice what it was in the 2 ms before; the limit
+/// is then that of the first motion.
+fn burst(signal: &[f64], begin: usize, rate: f64) -> Option<usize> {
+    let window = ((QUIET * rate).ceil() as usize).max(1);
+    let before = |at: usize| signal[at.saturating_sub(window)..at].iter().fold(0.0, |peak: f64, a| peak.max(a.abs()));
+    let mut at = begin.max(1);
+    while at < signal.len() {
+        let a = signal[at].abs();
+        // Most samples are below the limit; the peak before is looked at where one is not.
+        if a >= IMPACT && a > 2.0 * before(at) {
+            return Some(at);
+        }
+        at += 1;
     }
     None
 }
@@ -314,6 +334,20 @@ mod tests {
             "{:?}",
             found.t8
         );
+    }
+
+    /// The handle rings at 60 g and above until the piston strikes again with 300 g.
+    #[test]
+    fn a_burst_is_found_on_a_handle_that_still_rings() {
+        let sample = |i: usize| {
+            let t = i as f64 / RATE;
+            let ringing = 60.0 * (2.0 * PI * 800.0 * t).sin();
+            let struck = if t > 0.08 { 300.0 * (2.0 * PI * 2000.0 * (t - 0.08)).sin() } else { 0.0 };
+            STANDARD_GRAVITY * (ringing + struck)
+        };
+        let handle: Vec<f64> = (0..(0.1 * RATE) as usize).map(sample).collect();
+        let found = burst(&handle, (0.05 * RATE) as usize, RATE).map_or(f64::NAN, |at| at as f64 / RATE);
+        assert!((found - 0.08).abs() < 0.1e-3, "{found}");
     }
 
     #[test]

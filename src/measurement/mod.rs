@@ -5,6 +5,7 @@
 
 pub mod alignment;
 pub mod arrangement;
+pub mod comparison;
 pub mod error;
 pub mod lines;
 pub mod manifest;

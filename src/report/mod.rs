@@ -7,6 +7,7 @@
 mod assumptions;
 mod chart;
 mod compared;
+mod measured;
 mod measurement;
 mod modes;
 mod page;
@@ -24,6 +25,7 @@ use crate::comparison::Comparison;
 use crate::design::Design;
 use crate::error::Error;
 use crate::figures;
+use crate::measurement::comparison::MeasuredComparison;
 use crate::measurement::result::MeasurementResult;
 use crate::result::RunResult;
 use crate::run::Run;
@@ -224,6 +226,11 @@ pub fn with_intervals(report: &str, intervals: &Intervals) -> String {
 /// The report of a study with these charts.
 pub fn study(result: &StudyResult, charts: &[figures::Chart], scatter: &[figures::Chart]) -> String {
     study::page(result, charts, scatter).html()
+}
+
+/// The page of predictions beside measurements.
+pub fn measured(comparison: &MeasuredComparison) -> String {
+    measured::page(comparison).html()
 }
 
 /// The page of a wrapping test with these charts.

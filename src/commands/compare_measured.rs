@@ -1,0 +1,114 @@
+//! `nailnoise compare --measured`: predictions beside measurements, like with like.
+
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use super::compare::Arguments;
+use super::table::table;
+use super::{print, print_json};
+use crate::cost;
+use crate::design::Design;
+use crate::error::Error;
+use crate::graph::Graph;
+use crate::measurement::comparison::{ComparedQuantity, MeasuredComparison, Predicted, Published, compare, predict};
+use crate::measurement::virtual_test::{VirtualTest, wrapping};
+use crate::report;
+use crate::stages::{Progress, WithoutStages};
+use crate::staging;
+use crate::store::Store;
+use crate::study::{Draws, Part, Request, common_draws, nominal};
+
+/// Draws where `--draws` gives no number.
+const DRAWS: u32 = 64;
+
+pub(super) fn execute(
+    file: &Path,
+    arguments: &Arguments,
+    cache: &Store,
+    progress: &Progress,
+) -> Result<ExitCode, Error> {
+    let published = Published::read(file)?;
+    let load = |path| arguments.changes.load(path);
+    let designs = arguments.designs.iter().map(|path| load(path)).collect::<Result<Vec<Design>, _>>()?;
+    for design in &designs {
+        cost::refuse(design, &cost::of_run(design)?, arguments.memory.limit())?;
+    }
+    let graph = Graph::new(Arc::new(cache.clone()), Arc::new(WithoutStages(progress.observer())));
+    let request = Request {
+        draws: arguments.draws.unwrap_or(DRAWS) as usize,
+        seed: arguments.seed,
+        shots_a_structure: None,
+        part: Part::All,
+    };
+    let mut predicted = Vec::new();
+    // The designs' own shots first: the draws then find modes and radiation.
+    let mut shots = Vec::new();
+    for design in &designs {
+        progress.stage(&format!("shot of {}", design.name()));
+        let test = VirtualTest::new(&graph, design, wrapping(design), arguments.seed)?;
+        let shot = test.own()?;
+        shots.push((test, shot));
+    }
+    let references: Vec<&Design> = designs.iter().collect();
+    let drawn = common_draws(&graph, &references, &request, progress)?;
+    for ((design, (test, shot)), drawn) in designs.iter().zip(&shots).zip(&drawn) {
+        predicted.push(prediction(&graph, design, (test, shot), drawn, arguments.seed)?);
+    }
+    let comparison = compare(&published, &predicted);
+    let page = arguments.out.join(format!("measured-{}.html", designs[0].name()));
+    staging::write(&page, report::measured(&comparison).as_bytes())?;
+    progress.end();
+    if arguments.json {
+        print_json(&comparison)?;
+    } else {
+        print(&text(&comparison))?;
+        print(&format!("\n  as a page: {}\n", page.display()))?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn prediction(
+    graph: &Graph,
+    design: &Design,
+    (test, shot): (&VirtualTest<'_>, &crate::measurement::virtual_test::BareShot),
+    drawn: &Draws,
+    seed: u64,
+) -> Result<Predicted, Error> {
+    let levels = nominal(graph, design)?.ok_or(Error::Upstream { stage: "levels" })?;
+    predict(test, design, shot, (&levels, drawn), seed)
+}
+
+fn text(comparison: &MeasuredComparison) -> String {
+    let mut text = format!("measured: {}\n  {}\n", comparison.tool, comparison.source);
+    for own in &comparison.designs {
+        text.push_str(&format!("predicted: {}, {} draws of its ranges and wraps\n", own.name, own.draws));
+    }
+    text.push('\n');
+    let rows: Vec<Vec<String>> = comparison.rows.iter().map(row).collect();
+    text.push_str(&table(&["quantity", "unit", "measured", "predicted", "5 .. 95 %", "distance"], &rows));
+    text.push_str(
+        "\n  distance: between the intervals, 0 where they overlap, positive where the prediction is higher\n",
+    );
+    for open in &comparison.open {
+        text.push_str(&format!("  - not compared: {open}\n"));
+    }
+    text
+}
+
+fn row(own: &ComparedQuantity) -> Vec<String> {
+    let measured = match own.measured {
+        [None, Some(high)] => format!("<= {high:.2}"),
+        [Some(low), None] => format!(">= {low:.2}"),
+        [Some(low), Some(high)] => format!("{low:.2} .. {high:.2}"),
+        [None, None] => "-".to_owned(),
+    };
+    vec![
+        own.quantity.clone(),
+        own.unit.clone(),
+        measured,
+        format!("{:.2}", own.predicted),
+        own.interval.map_or_else(|| "-".to_owned(), |[low, high]| format!("{low:.2} .. {high:.2}")),
+        format!("{:+.2}", own.distance),
+    ]
+}

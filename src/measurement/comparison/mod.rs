@@ -1,0 +1,168 @@
+//! Measured beside predicted, like with like.
+//!
+//! A wrapping test does not measure the sound power of a source, but what its microphones, wraps and subtraction make of it. The
+//! prediction goes through the same steps in energies ([`exact`](super::virtual_test::exact)), over draws of the design's
+//! ranges and of the wraps; the verdict is the distance of the two intervals.
+
+mod predicted;
+mod published;
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+pub use predicted::{Predicted, Quantity, predict};
+pub use published::{Published, PublishedEntry};
+
+use crate::measurement::manifest::Setup;
+
+/// Layout of a comparison.
+pub const SCHEMA: &str = "nailnoise-measured-comparison/1";
+
+/// Measured quantities beside their predictions.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct MeasuredComparison {
+    /// Layout: `nailnoise-measured-comparison/1`.
+    pub schema: String,
+    /// The tool that was measured.
+    pub tool: String,
+    /// Where the measurements were published.
+    pub source: String,
+    /// Designs behind the predictions, by what the workpiece stands on.
+    pub designs: Vec<PredictedDesign>,
+    /// A row for each comparison.
+    pub rows: Vec<ComparedQuantity>,
+    /// Measured quantities without a prediction, and why.
+    pub open: Vec<String>,
+}
+
+/// A design behind predictions.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct PredictedDesign {
+    /// Its name.
+    pub name: String,
+    /// What the workpiece stands on.
+    pub setup: Setup,
+    /// Draws behind the intervals.
+    pub draws: usize,
+}
+
+/// A measured quantity beside its prediction.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct ComparedQuantity {
+    /// Name in the file of measurements.
+    pub id: String,
+    /// What is compared.
+    pub quantity: String,
+    /// Unit.
+    pub unit: String,
+    /// Interval of the measurement; null where it is open.
+    pub measured: [Option<f64>; 2],
+    /// Prediction of the design as it is.
+    pub predicted: f64,
+    /// 5 and 95 % of the draws; none where nothing was drawn.
+    pub interval: Option<[f64; 2]>,
+    /// Distance of the intervals, 0 where they overlap, positive where the prediction is higher: in dB for levels, in the unit for
+    /// others.
+    pub distance: f64,
+    /// Where the measurement was published.
+    pub source: String,
+    /// What stays open.
+    pub note: String,
+}
+
+/// Compares a file of measurements with predictions.
+pub fn compare(published: &Published, predicted: &[Predicted]) -> MeasuredComparison {
+    let (mut rows, mut open) = (Vec::new(), Vec::new());
+    for entry in published.all() {
+        let quantities = Quantity::of(&entry);
+        if quantities.is_empty() {
+            open.push(format!("{}: {}", entry.id, entry.quantity));
+        }
+        for quantity in quantities {
+            match quantity.predicted(predicted) {
+                Some(found) => rows.push(row(&entry, &quantity, &found)),
+                None => open.push(format!(
+                    "{}: {}; give a design whose workpiece stands as in the test",
+                    entry.id, entry.quantity
+                )),
+            }
+        }
+    }
+    MeasuredComparison {
+        schema: SCHEMA.to_owned(),
+        tool: published.tool.clone(),
+        source: published.source.clone(),
+        designs: predicted
+            .iter()
+            .map(|own| PredictedDesign {
+                name: own.name.clone(),
+                setup: own.setup,
+                draws: own.draws(),
+            })
+            .collect(),
+        rows,
+        open,
+    }
+}
+
+fn row(entry: &PublishedEntry, quantity: &Quantity, found: &predicted::Found) -> ComparedQuantity {
+    // A bound on the true source can only be exceeded; the bound by the test's own steps is compared as a value.
+    let mut measured = entry.interval();
+    if quantity.is_bounded() {
+        measured[0] = None;
+    } else if let (None, Some(high)) = (measured[0], measured[1])
+        && entry.is_upper_bound()
+        && quantity.is_of_the_test()
+    {
+        measured[0] = Some(high - 2.0 * entry.rounding());
+    }
+    let [low, high] = found.interval.unwrap_or([found.own; 2]);
+    let distance = match measured {
+        [_, Some(most)] if low > most => low - most,
+        [Some(least), _] if high < least => high - least,
+        _ => 0.0,
+    };
+    ComparedQuantity {
+        id: entry.id.clone(),
+        quantity: quantity.in_words(entry),
+        unit: entry.unit.clone(),
+        measured,
+        predicted: found.own,
+        interval: found.interval,
+        distance,
+        source: entry.source.clone(),
+        note: entry.note.clone(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entry(id: &str, low: Option<f64>, high: Option<f64>) -> PublishedEntry {
+        PublishedEntry::interval_of(id, [low, high])
+    }
+
+    fn distance(measured: [Option<f64>; 2], own: f64, interval: Option<[f64; 2]>) -> f64 {
+        let entry = entry("closure_worktable", measured[0], measured[1]);
+        let quantity = Quantity::of(&entry).remove(0);
+        row(&entry, &quantity, &predicted::Found { own, interval }).distance
+    }
+
+    #[test]
+    fn intervals_that_overlap_have_no_distance() {
+        assert_eq!(distance([Some(3.85), Some(3.95)], 2.5, Some([1.0, 4.0])), 0.0);
+    }
+
+    #[test]
+    fn the_distance_of_intervals_has_the_sign_of_the_prediction() {
+        assert!((distance([Some(3.85), Some(3.95)], 2.5, Some([1.0, 3.0])) + 0.85).abs() < 1e-12);
+        assert!((distance([Some(3.85), Some(3.95)], 5.0, None) - 1.05).abs() < 1e-12);
+    }
+
+    #[test]
+    fn an_open_end_is_never_exceeded() {
+        assert_eq!(distance([None, Some(95.0)], 80.0, None), 0.0);
+        assert!((distance([None, Some(95.0)], 96.0, None) - 1.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,107 @@
+//! The page of predictions beside measurements.
+
+use maud::{Markup, html};
+
+use super::chart::markup;
+use super::page::{Page, Section};
+use crate::figures::{Axis, BLACK, Chart, Panel, Series, Shape};
+use crate::measurement::comparison::{ComparedQuantity, MeasuredComparison};
+
+/// Levels below and above those shown in the chart \[dB\].
+const MARGIN: f64 = 3.0;
+
+pub(super) fn page(comparison: &MeasuredComparison) -> Page {
+    let sections = vec![
+        Section::new("levels", "Levels", html! { (markup(&chart(comparison))) }),
+        Section::new("quantities", "Quantities", quantities(comparison)),
+        Section::new("open", "What stays open", open(comparison)),
+    ];
+    Page {
+        title: "measured beside predicted".to_owned(),
+        compared: None,
+        heading: "Measured beside predicted".to_owned(),
+        lead: html! {
+            p { (comparison.tool) ". " (comparison.source) }
+            ul { @for own in &comparison.designs { li { "predicted by " b { (own.name) } ", " (own.draws)
+                " draws of its ranges and of the wraps" } } }
+            p.quiet { "Like is compared with like: the prediction goes through the microphones, wraps and subtraction of the test. No \
+                       parameter of the design was fitted to these measurements." }
+        },
+        sections,
+    }
+}
+
+/// Levels alone: other quantities have other units.
+fn chart(comparison: &MeasuredComparison) -> Chart {
+    let rows: Vec<&ComparedQuantity> = comparison.rows.iter().filter(|own| own.unit.starts_with("dB(A)")).collect();
+    let lowest = rows
+        .iter()
+        .flat_map(|own| own.interval.map(|[low, _]| low).into_iter().chain(own.measured[0]).chain([own.predicted]))
+        .fold(f64::INFINITY, f64::min);
+    // A bound without a lower end begins at the end of the axis.
+    let floor = lowest - MARGIN;
+    let ends = |own: &ComparedQuantity| [own.measured[0].unwrap_or(floor), own.measured[1].unwrap_or(f64::NAN)];
+    let measured = Series {
+        shape: Shape::Whiskers(rows.iter().map(|own| ends(own)).collect()),
+        ..Series::over(
+            "measured",
+            BLACK,
+            Shape::Line,
+            rows.iter().map(|own| own.measured[1].map(|high| 0.5 * (high + own.measured[0].unwrap_or(high)))),
+        )
+    };
+    let predicted = Series {
+        shape: Shape::Whiskers(rows.iter().map(|own| own.interval.unwrap_or([own.predicted; 2])).collect()),
+        ..Series::over("predicted", 0, Shape::Line, rows.iter().map(|own| Some(own.predicted)))
+    };
+    let highest = rows
+        .iter()
+        .flat_map(|own| own.interval.map(|[_, high]| high).into_iter().chain(own.measured[1]))
+        .fold(f64::NEG_INFINITY, f64::max);
+    Chart {
+        name: "measured-predicted".to_owned(),
+        title: "Measured and predicted levels",
+        subject: String::new(),
+        caption: "Intervals of the measured levels (rounding, or a bound from above) beside 5 to 95 % of the draws of the \
+                  prediction; the line across is the design as it is."
+            .to_owned(),
+        panels: vec![Panel {
+            x: Axis::categories("Row of the table below", "", (1..=rows.len()).map(|n| n.to_string()).collect()),
+            y: Axis::new("Level", "dB(A)", [floor, highest + MARGIN]),
+            height: 70,
+            series: vec![measured, predicted],
+        }],
+        events: Vec::new(),
+    }
+}
+
+fn quantities(comparison: &MeasuredComparison) -> Markup {
+    let measured = |own: &ComparedQuantity| match own.measured {
+        [None, Some(high)] => format!("\u{2264} {high:.2}"),
+        [Some(low), None] => format!("\u{2265} {low:.2}"),
+        [Some(low), Some(high)] => format!("{low:.2} .. {high:.2}"),
+        [None, None] => "\u{2013}".to_owned(),
+    };
+    // Levels first, with the numbers of the chart.
+    let (levels, others): (Vec<_>, Vec<_>) = comparison.rows.iter().partition(|own| own.unit.starts_with("dB(A)"));
+    html! {
+        div.scroll { table {
+            thead { tr { th.n { "row" } th { "quantity" } th { "unit" } th.n { "measured" } th.n { "predicted" } th.n { "5 .. 95 %" } th.n { "distance" } th { "published in" } } }
+            tbody { @for (place, own) in levels.iter().chain(&others).enumerate() { tr {
+                td.n { (place + 1) } td { (own.quantity) } td { (own.unit) } td.n { (measured(own)) } td.n { (format!("{:.2}", own.predicted)) }
+                td.n { @if let Some([low, high]) = own.interval { (format!("{low:.2} .. {high:.2}")) } @else { "\u{2013}" } }
+                td.n { (format!("{:+.2}", own.distance)) } td { (own.source) }
+            } } }
+        } }
+        p.quiet { "Distance of the intervals: 0 where they overlap, positive where the prediction is higher, in the unit of the row." }
+    }
+}
+
+fn open(comparison: &MeasuredComparison) -> Markup {
+    html! {
+        ul {
+            @for own in comparison.rows.iter().filter(|own| !own.note.is_empty()) { li { (own.quantity) ": " (own.note) } }
+            @for own in &comparison.open { li { "not compared: " (own) } }
+        }
+    }
+}
