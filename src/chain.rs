@@ -26,8 +26,8 @@ use crate::stages::cycle::{Cycle, Preset};
 use crate::stages::exhaust::{Exhaust, ExhaustSource, noise};
 use crate::stages::levels::{Levels, ShotLevels};
 use crate::stages::radiation::{
-    FlushMatrix, RadiationDamping, ToolMatrix, ToolRadiator, WorkpieceMatrix, WorkpieceMethod, WorkpieceRadiation,
-    WorkpieceRadiator,
+    FlushMatrix, RadiationDamping, ToolCapMatrix, ToolMatrix, ToolRadiator, WorkpieceMatrix, WorkpieceMethod,
+    WorkpieceRadiation, WorkpieceRadiator,
 };
 use crate::stages::requirements::{Radiating, Requirements, Usable};
 use crate::stages::response::{
@@ -42,6 +42,7 @@ use crate::stages::sources::{
 use crate::stages::spectra::{BodyAnalysis, BodyMotion, MovingBody};
 use crate::stages::starts::OtherStarts;
 use crate::stages::tool_response::{ToolChecks, ToolReport, ToolResponse};
+use crate::stages::transducers::{PressureRecord, Transducers};
 use crate::stages::{Digest, Progress, Stage, Stored};
 
 /// What a run may change about the physics without being another design; for studies and tests of laws.
@@ -155,7 +156,11 @@ fn requirements(
         return Ok(None);
     };
     let (carrier, radiating) = match kind {
-        BodyKind::Tool => (Carrier::Tool, inputs::radiation::tool(design).map(Radiating::Tool)),
+        BodyKind::Tool => {
+            let cap = inputs::radiation::cap(design);
+            let radiating = inputs::radiation::tool(design).map(|elements| Radiating::Tool(elements, cap));
+            (Carrier::Tool, radiating)
+        }
         BodyKind::Workpiece | BodyKind::Worktable => {
             let of = |wanted: BodyKind| stages.iter().find(|(kind, _)| *kind == wanted);
             let structure = [BodyKind::Workpiece, BodyKind::Worktable].into_iter().filter_map(of);
@@ -244,6 +249,8 @@ pub struct Chain {
     pub(crate) structures: Vec<Digest>,
     /// Signals of the sensors.
     pub sensors: Stored<Vec<SensorRecord>>,
+    /// Signals of the pressure transducers.
+    pub transducers: Stored<Vec<PressureRecord>>,
     /// Sound fields for inspection.
     pub fields: Stored<Fields>,
     /// Levels of other starts, for a workpiece that can lose contact.
@@ -262,7 +269,7 @@ pub(crate) struct OneWay {
     pub(crate) cycle: Stored<CycleRecord>,
     pub(crate) workpiece: Stored<SourceSpectrum>,
     pub(crate) exhaust: Stored<ExhaustSource>,
-    pub(crate) body: Stored<SourceSpectrum>,
+    pub(crate) body: Stored<(SourceSpectrum, Option<SourceSpectrum>)>,
 }
 
 /// What sets workpiece and support in motion, and the cycle that goes with it.
@@ -321,6 +328,20 @@ impl Chain {
             tool_matrix_key = Some(*matrix.key());
             (elements, graph.add(ToolRadiator { matrix, air }))
         });
+        let cap = tool
+            .as_ref()
+            .zip(tool_matrix.as_ref())
+            .zip(inputs::radiation::cap(design));
+        let mut cap_matrix_key = None;
+        let cap_radiator = cap.map(|((stages, (elements, _)), cap)| {
+            let matrix = graph.add(ToolCapMatrix {
+                elements: elements.clone(),
+                cap,
+                body: stages.body.clone(),
+            });
+            cap_matrix_key = Some(*matrix.key());
+            graph.add(ToolRadiator { matrix, air })
+        });
         let tool_radiator = tool_matrix.as_ref().map(|(_, radiator)| radiator.clone());
         let tool_damping = tool.as_ref().zip(tool_radiator.clone()).filter(|_| damps);
         let tool_damping = tool_damping.map(|(stages, radiator)| {
@@ -331,7 +352,8 @@ impl Chain {
         });
 
         let modal = structure.iter().chain(&tool).map(|stages| *stages.body.key());
-        let structures = modal.chain(workpiece_matrix).chain(tool_matrix_key).collect();
+        let matrices = [workpiece_matrix, tool_matrix_key, cap_matrix_key];
+        let structures = modal.chain(matrices.into_iter().flatten()).collect();
 
         // Motion: of workpiece and support for each start and coupling, of the tool for each cycle.
         let shot = inputs::response::shot(design)?;
@@ -452,6 +474,7 @@ impl Chain {
                 motion,
                 radiator: tool_radiator.clone(),
                 radiation_damping: tool_damping.clone(),
+                cap: cap_radiator.clone(),
             }),
             volume: design.body.volume(design.piston.bore),
             air,
@@ -480,6 +503,10 @@ impl Chain {
             cycle: cycle.clone(),
             vibration: vibration.clone(),
             motions: motions.iter().chain(&of_tool).cloned().collect(),
+        });
+        let transducers = graph.add(Transducers {
+            transducers: inputs::sensors::transducers(design),
+            cycle: cycle.clone(),
         });
         let energy = |vibration: &Stored<Vibration>| {
             graph.add(WorkpieceEnergy {
@@ -566,6 +593,7 @@ impl Chain {
             levels,
             structures,
             sensors,
+            transducers,
             fields,
             starts,
             response_report,
@@ -645,7 +673,7 @@ fn cycle_stage(design: &Design) -> Result<Cycle, Error> {
 /// # Errors
 /// Openings, plenum or muffler that cannot be, air that leaves against a higher pressure.
 pub fn exhaust_openings(design: &Design, record: &CycleRecord) -> Result<Vec<ExhaustNoise>, Error> {
-    Ok(noise(&inputs::exhaust::openings(design)?, record)?.1.openings)
+    Ok(noise(&inputs::exhaust::openings(design)?, record)?.2.openings)
 }
 
 #[cfg(test)]

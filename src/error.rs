@@ -121,7 +121,9 @@ pub enum Error {
     Penetration(#[from] crate::penetration::PenetrationError),
     /// One design has nothing to be compared with.
     #[error("{} alone has nothing to be compared with", path.display())]
-    #[diagnostic(help("name a second design or result, or give measurements with --measured designs/measured/n80cb.json"))]
+    #[diagnostic(help(
+        "name a second design or result, or give measurements with --measured designs/measured/n80cb.json"
+    ))]
     NothingToCompare {
         /// The design.
         path: std::path::PathBuf,
@@ -273,6 +275,23 @@ pub enum Error {
         entry: String,
         /// Distance of the nearest face that looks its way \[m\]; none if there is none.
         distance: Option<f64>,
+    },
+    /// A cap that cannot be told from the rest of the body.
+    #[error("{} of {} panels of the tool's outline are its cap, which by `sources.convention = \"wrapping\"` counts to the exhaust",
+        panels[0], panels[1])]
+    #[diagnostic(help("{}", match surface {
+        Some(name) => format!(
+            "name the outer side of the cap with the exhaust's outlets (gmsh: Physical Surface(\"{name}\") = ...), give its \
+             place in the design ([surfaces.NAME] with surface = \"{name}\"), or choose `sources.convention = \"physical\"`"
+        ),
+        None => "the cap is what lies above `body.nose_height` and `body.barrel_height` within `body.cap_radius`; or choose \
+                 `sources.convention = \"physical\"`".to_owned(),
+    }))]
+    NoCapSurface {
+        /// Name of the surface in the file of a body; none for the parametric one.
+        surface: Option<&'static str>,
+        /// Panels of the cap, and of all of the outline.
+        panels: [usize; 2],
     },
     /// Pieces of a body that nothing joins.
     #[error(

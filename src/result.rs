@@ -6,6 +6,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
+use nailnoise_acoustics::levels::level_energy;
 pub use nailnoise_acoustics::radiator::{ModeShare, RadiationBand, RadiationReport, Uncertainty};
 pub use nailnoise_quantities::Check;
 use schemars::generate::SchemaSettings;
@@ -276,6 +277,18 @@ pub struct IntervalLevel {
     /// The level that a measurement finds, which cuts the signal at both events: cuts add energy
     /// \[dB re 1 pW s\]; null when silent.
     pub lwa_cut_db: Option<f64>,
+    /// Energies of both levels \[J\] where one is negative and has no level: the source absorbs more than it radiates. Absent
+    /// elsewhere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energies_j: Option<[f64; 2]>,
+}
+
+impl IntervalLevel {
+    /// Energy of the interval \[J\].
+    pub(crate) fn energy(&self) -> f64 {
+        self.energies_j
+            .map_or_else(|| level_energy(self.lwa_db), |[energy, _]| energy)
+    }
 }
 
 /// Level of one band.
@@ -287,9 +300,19 @@ pub struct BandLevel {
     pub lw_db: Option<f64>,
     /// The same with A weighting.
     pub lwa_db: Option<f64>,
+    /// Unweighted and A-weighted energy \[J\] where one is negative and has no level: the part absorbs more than it radiates.
+    /// Absent elsewhere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energies_j: Option<[f64; 2]>,
 }
 
 impl BandLevel {
+    /// Unweighted and A-weighted energy \[J\].
+    pub(crate) fn energies(&self) -> [f64; 2] {
+        self.energies_j
+            .unwrap_or_else(|| [self.lw_db, self.lwa_db].map(level_energy))
+    }
+
     /// Its frequency as text.
     pub(crate) fn label(&self) -> String {
         self.hz.to_string()
@@ -305,6 +328,10 @@ pub struct Component {
     pub lwa_db: Option<f64>,
     /// The same without weighting.
     pub lw_db: Option<f64>,
+    /// Unweighted and A-weighted energy \[J\] where one is negative and has no level: the part absorbs more than it radiates.
+    /// Absent elsewhere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energies_j: Option<[f64; 2]>,
     /// One-third-octave bands of the common range.
     pub bands: Vec<BandLevel>,
 }

@@ -12,9 +12,11 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::result::{DesignId, RunResult, SCHEMA};
 use crate::stages::bodies::{FoundSurface, Origin};
+use crate::stages::convention::{counted, received, spectrum_with};
 use crate::stages::microphones::Microphones;
 use crate::stages::ranking::SoundPower;
 use crate::stages::sensors::SensorRecord;
+use crate::stages::transducers::PressureRecord;
 use crate::stages::truncation::Truncation;
 use crate::stages::{Input, Stored, changes, notes, ranking};
 
@@ -30,6 +32,8 @@ pub struct Run {
     pub screech: Vec<Option<f64>>,
     /// Signals of the design's sensors, by name.
     pub sensors: Arc<Vec<SensorRecord>>,
+    /// Signals of the design's pressure transducers, by name.
+    pub transducers: Arc<Vec<PressureRecord>>,
     /// Sound at microphones around the device, source by source.
     pub microphones: Microphones,
 }
@@ -118,6 +122,7 @@ impl Chain {
                 idle_springs: design.idle_springs(),
                 idle_surfaces: design.idle_surfaces(),
                 guessed: self.guessed()?,
+                convention: inputs::notes::convention(design),
             },
             &record,
             &inputs::exhaust::openings(design)?,
@@ -125,22 +130,26 @@ impl Chain {
         );
         notes.iter().for_each(|note| progress.note(note));
         let range_hz = [design.analysis.range_low, design.analysis.range_high];
-        let sources = [&workpiece.source, &exhaust.source, &body.source];
+        let (cap, vent) = (body.moved.as_ref(), exhaust.vent.as_ref());
+        let parts = [cap, vent].map(|part| part.map(|part| &part.source));
+        let [exhaust_source, body_source] = counted([&exhaust.source, &body.source], parts, range_hz);
+        let sources = [&workpiece.source, &exhaust_source, &body_source];
         let (mut ranking, total) = ranking::rank(&sources, range_hz);
         let microphones = self.graph.time("microphones", || {
             let room = inputs::microphones::room(design);
-            let received = [&workpiece.received, &exhaust.received, &body.received];
-            inputs::microphones::array(design)?.measurement(&room, received, end)
+            let parts = [cap, vent].map(|part| part.map(|part| &part.received));
+            let [exhaust, body] = received([&exhaust.received, &body.received], parts);
+            inputs::microphones::array(design)?.measurement(&room, [&workpiece.received, &exhaust, &body], end)
         })?;
         let powers = ranking::powers(&ranking, &sources, end);
         let interval_checks = ranking::interval_checks(&ranking, &sources, design.acoustics.bem_tolerance);
         let coupling = self.one_way.as_ref().map(|one_way| {
             let report = one_way.report.get()?;
-            let lumped = [
-                SourceSpectrum::clone(&*one_way.workpiece.get()?),
-                one_way.exhaust.get()?.source.spectrum.clone(),
-                SourceSpectrum::clone(&*one_way.body.get()?),
-            ];
+            let (exhaust, body) = (one_way.exhaust.get()?, one_way.body.get()?);
+            let vent = exhaust.vent.as_ref().map(|vent| &vent.source.spectrum);
+            let own = [(&exhaust.source.spectrum, body.1.as_ref()), (&body.0, vent)];
+            let [exhaust, body] = own.map(|(source, part)| spectrum_with(source, part));
+            let lumped = [SourceSpectrum::clone(&*one_way.workpiece.get()?), exhaust, body];
             let (before, after) = ((&*one_way.cycle.get()?, &lumped[..]), (&*record, &ranking[..], &total));
             let changes = changes::changes(report.work, before, after, range_hz);
             Ok::<_, Error>((changes, report.checks.clone()))
@@ -186,6 +195,7 @@ impl Chain {
             powers,
             screech: exhaust.details.screech.clone(),
             sensors,
+            transducers: self.transducers.get()?,
             microphones,
         })
     }

@@ -9,8 +9,8 @@ use serde::Serialize;
 
 use super::table::{decibels, table};
 use super::{
-    Changes, Keeping, Memory, compare_measured, comparison_page, folder_of, message, print, print_json, progress, start_threads,
-    status_of,
+    Changes, Keeping, Memory, compare_measured, comparison_page, folder_of, message, print, print_json, progress,
+    start_threads, status_of,
 };
 use crate::bundle::deliver;
 use crate::comparison::{Comparison, Finished, Labelled, Levels, Limit};

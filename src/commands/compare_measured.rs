@@ -30,7 +30,11 @@ pub(super) fn execute(
 ) -> Result<ExitCode, Error> {
     let published = Published::read(file)?;
     let load = |path| arguments.changes.load(path);
-    let designs = arguments.designs.iter().map(|path| load(path)).collect::<Result<Vec<Design>, _>>()?;
+    let designs = arguments
+        .designs
+        .iter()
+        .map(|path| load(path))
+        .collect::<Result<Vec<Design>, _>>()?;
     for design in &designs {
         cost::refuse(design, &cost::of_run(design)?, arguments.memory.limit())?;
     }
@@ -82,11 +86,17 @@ fn prediction(
 fn text(comparison: &MeasuredComparison) -> String {
     let mut text = format!("measured: {}\n  {}\n", comparison.tool, comparison.source);
     for own in &comparison.designs {
-        text.push_str(&format!("predicted: {}, {} draws of its ranges and wraps\n", own.name, own.draws));
+        text.push_str(&format!(
+            "predicted: {}, {} draws of its ranges and wraps\n",
+            own.name, own.draws
+        ));
     }
     text.push('\n');
     let rows: Vec<Vec<String>> = comparison.rows.iter().map(row).collect();
-    text.push_str(&table(&["quantity", "unit", "measured", "predicted", "5 .. 95 %", "distance"], &rows));
+    text.push_str(&table(
+        &["quantity", "unit", "measured", "predicted", "5 .. 95 %", "distance"],
+        &rows,
+    ));
     text.push_str(
         "\n  distance: between the intervals, 0 where they overlap, positive where the prediction is higher\n",
     );
@@ -108,7 +118,8 @@ fn row(own: &ComparedQuantity) -> Vec<String> {
         own.unit.clone(),
         measured,
         format!("{:.2}", own.predicted),
-        own.interval.map_or_else(|| "-".to_owned(), |[low, high]| format!("{low:.2} .. {high:.2}")),
+        own.interval
+            .map_or_else(|| "-".to_owned(), |[low, high]| format!("{low:.2} .. {high:.2}")),
         format!("{:+.2}", own.distance),
     ]
 }

@@ -2,7 +2,9 @@
 
 use serde_json::Value;
 
-use crate::result::{BandLevel, RankedSource, Total};
+use nailnoise_acoustics::levels::REFERENCE_ENERGY;
+
+use crate::result::{BandLevel, Component, IntervalLevel, RankedSource, Total};
 
 /// Largest difference between a level and the sum of its parts \[dB\]: that of levels rounded to two decimals.
 const ROUNDING_DB: f64 = 0.02;
@@ -85,7 +87,7 @@ pub(super) fn sums(ranking: &[RankedSource], total: &Total) -> Result<(), Fault>
         }
         source_sums(source, &at)?;
     }
-    let all = |level: fn(&RankedSource) -> Option<f64>| ranking.iter().map(level).collect::<Vec<_>>();
+    let all = |level: fn(&RankedSource) -> Option<f64>| ranking.iter().map(level).map(energy).collect::<Vec<_>>();
     sum("total.lwa_db", total.lwa_db, &all(|source| source.lwa_db), "sources")?;
     sum("total.lw_db", total.lw_db, &all(|source| source.lw_db), "sources")?;
     let energy_of_all = energy(total.lwa_db);
@@ -110,15 +112,19 @@ fn source_sums(source: &RankedSource, at: &str) -> Result<(), Fault> {
     let (weighted, plain) = (format!("{at}.lwa_db"), format!("{at}.lw_db"));
     let parts = &source.components;
     if !parts.is_empty() {
-        let levels: Vec<_> = parts.iter().map(|part| part.lwa_db).collect();
-        sum_of_surfaces(&weighted, source.lwa_db, &levels, "components")?;
-        let levels: Vec<_> = parts.iter().map(|part| part.lw_db).collect();
-        sum_of_surfaces(&plain, source.lw_db, &levels, "components")?;
+        let of =
+            |level: Option<f64>, place: usize, part: &Component| part_energy(level, part.energies_j.map(|e| e[place]));
+        let energies: Vec<f64> = parts.iter().map(|part| of(part.lwa_db, 1, part)).collect();
+        sum_of_surfaces(&weighted, source.lwa_db, &energies, "components")?;
+        let energies: Vec<f64> = parts.iter().map(|part| of(part.lw_db, 0, part)).collect();
+        sum_of_surfaces(&plain, source.lw_db, &energies, "components")?;
     }
-    let bands = |bands: &[BandLevel]| -> [Vec<Option<f64>>; 2] {
+    let bands = |bands: &[BandLevel]| -> [Vec<f64>; 2] {
+        let of =
+            |level: Option<f64>, place: usize, band: &BandLevel| part_energy(level, band.energies_j.map(|e| e[place]));
         [
-            bands.iter().map(|band| band.lwa_db).collect(),
-            bands.iter().map(|band| band.lw_db).collect(),
+            bands.iter().map(|band| of(band.lwa_db, 1, band)).collect(),
+            bands.iter().map(|band| of(band.lw_db, 0, band)).collect(),
         ]
     };
     let [of_weighted, of_plain] = bands(&source.bands);
@@ -130,15 +136,16 @@ fn source_sums(source: &RankedSource, at: &str) -> Result<(), Fault> {
         sum_of_surfaces(&format!("{at}.lwa_db"), part.lwa_db, &of_weighted, "bands")?;
         sum_of_surfaces(&format!("{at}.lw_db"), part.lw_db, &of_plain, "bands")?;
     }
-    let intervals: Vec<_> = source.intervals.iter().map(|interval| interval.lwa_db).collect();
+    let of = |interval: &IntervalLevel| part_energy(interval.lwa_db, interval.energies_j.map(|e| e[0]));
+    let intervals: Vec<f64> = source.intervals.iter().map(of).collect();
     sum(&weighted, source.lwa_db, &intervals, "intervals")
 }
 
 /// A level is that of the energies of its parts. A part of a surface that takes sound from the others has no level, and
 /// those of the others then sum to more.
-fn sum_of_surfaces(at: &str, whole: Option<f64>, parts: &[Option<f64>], what: &str) -> Result<(), Fault> {
-    let radiated: f64 = parts.iter().copied().map(energy).sum();
-    let absorbs = parts.iter().any(Option::is_none);
+fn sum_of_surfaces(at: &str, whole: Option<f64>, parts: &[f64], what: &str) -> Result<(), Fault> {
+    let radiated: f64 = parts.iter().sum();
+    let absorbs = parts.contains(&0.0);
     if absorbs && energy(whole) < radiated {
         return Ok(());
     }
@@ -146,8 +153,8 @@ fn sum_of_surfaces(at: &str, whole: Option<f64>, parts: &[Option<f64>], what: &s
 }
 
 /// A level is that of the energies of its parts.
-fn sum(at: &str, whole: Option<f64>, parts: &[Option<f64>], what: &str) -> Result<(), Fault> {
-    let energy: f64 = parts.iter().copied().map(energy).sum();
+fn sum(at: &str, whole: Option<f64>, parts: &[f64], what: &str) -> Result<(), Fault> {
+    let energy: f64 = parts.iter().sum();
     let expected = (energy > 0.0).then(|| 10.0 * energy.log10());
     let agrees = match (whole, expected) {
         (Some(whole), Some(expected)) => (whole - expected).abs() <= ROUNDING_DB,
@@ -161,6 +168,11 @@ fn sum(at: &str, whole: Option<f64>, parts: &[Option<f64>], what: &str) -> Resul
         found: level(whole),
         expected: format!("{}, the sum of its {what}", level(expected)),
     })
+}
+
+/// Energy of a part relative to the reference: the one stated, which may be negative, or that of its level.
+fn part_energy(level: Option<f64>, stated: Option<f64>) -> f64 {
+    stated.map_or_else(|| energy(level), |joule| joule / REFERENCE_ENERGY)
 }
 
 /// Energy of a level relative to its reference; none of a silent source.

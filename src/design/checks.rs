@@ -143,6 +143,14 @@ pub enum Conflict {
         /// The key that takes other supports away.
         key: &'static str,
     },
+    /// Microphones below the sand, on a measurement surface that stands on the floor.
+    #[error("a sandbox of {} on the floor is not below {}, where the microphones would be in the sand", mm(*depth), mm(*highest))]
+    MicrophonesInSand {
+        /// Depth of the box \[m\].
+        depth: f64,
+        /// Depth that it must not reach \[m\].
+        highest: f64,
+    },
     /// Ratio of specific heats of 1 or less.
     #[error("`ambient.heat_capacity_ratio` is {}, a gas has more than 1", Short(*value))]
     HeatCapacityRatio {
@@ -220,6 +228,7 @@ impl Conflict {
             Self::NotPlaneWaves { key, .. } => vec![key, "exhaust.muffler.kind", "analysis.exhaust_top"],
             Self::NotCarried { key, .. } => vec![key],
             Self::MufflerArea { .. } => vec!["exhaust.muffler.flow_area", "exhaust.muffler.tail_diameter"],
+            Self::MicrophonesInSand { .. } => vec!["support.sand.box_depth", "support.sand.measurement_plane"],
             Self::FittingAndMuffler => vec!["exhaust.fitting.kind", "exhaust.muffler.kind"],
             Self::HeatCapacityRatio { .. } => vec!["ambient.heat_capacity_ratio"],
             Self::EmptyRange { .. } => vec!["analysis.range_low", "analysis.range_high"],
@@ -269,6 +278,9 @@ impl Conflict {
             }
             Self::FittingAndMuffler => {
                 "choose one: `exhaust.fitting.kind = \"none\"` or `exhaust.muffler.kind = \"none\"`".to_owned()
+            }
+            Self::MicrophonesInSand { .. } => {
+                "lower `support.sand.box_depth`, or choose `support.sand.measurement_plane = \"sand\"`".to_owned()
             }
             Self::NotCarried { body, .. } => format!(
                 "name its springs: [springs.NAME] with body = \"{}\", x, y, z, and stiffness and damping along each axis",
@@ -668,9 +680,24 @@ fn support(v: &Values) -> Option<Conflict> {
                     below(thickness, ("support.sand.box_depth", sand.box_depth), in_sand)
                 })
                 .or_else(|| incompressible("support.sand.poisson_ratio", sand.poisson_ratio))
+                .or_else(|| microphones_above_sand(v))
         }
         SupportKind::Floor | SupportKind::Clamped | SupportKind::Springs => None,
     }
+}
+
+/// Conflict unless the microphones half way up stand above the sand: they are at half of 1 m more than the height of the
+/// tool's middle above the floor.
+fn microphones_above_sand(v: &Values) -> Option<Conflict> {
+    let (sand, body) = (&v.support.sand, &v.body);
+    let centre = 0.5 * (body.nose_height + body.barrel_height + body.cap_height);
+    let highest = 1.0 + centre;
+    (sand.measurement_plane == SandboxPlane::Floor && sand.box_depth >= highest).then_some(
+        Conflict::MicrophonesInSand {
+            depth: sand.box_depth,
+            highest,
+        },
+    )
 }
 
 impl Grain {

@@ -15,6 +15,7 @@ use nailnoise_quantities::{Kind, any, choice, fraction, group, modulus, nonnegat
 use super::sensors::Sensor;
 use super::springs::Spring;
 use super::surfaces::NamedSurface;
+use super::transducers::Transducer;
 
 group! {
     /// All quantities of a design, in SI units.
@@ -36,6 +37,7 @@ group! {
         body: Body,
         ambient: Ambient,
         acoustics: Acoustics,
+        sources: Sources,
         analysis: Analysis,
         model: Model,
         test: Test,
@@ -44,6 +46,7 @@ group! {
         sensors: Sensor,
         springs: Spring,
         surfaces: NamedSurface,
+        transducers: Transducer,
     }
 }
 
@@ -399,6 +402,16 @@ group! {
     }
 }
 
+choice! {
+    /// The plane on which the measurement surface around a sandbox stands.
+    SandboxPlane {
+        /// The sand's surface.
+        Sand = "sand",
+        /// The floor under the box, its depth lower.
+        Floor = "floor",
+    }
+}
+
 group! {
     /// Sandbox.
     Sand {
@@ -430,6 +443,10 @@ group! {
         moving_surface: bool = Kind::Switch, "";
         /// Highest frequency at which the sand's surface moves with the block.
         moving_surface_top: f64 = positive(FREQUENCY), "";
+        /// The plane on which the measurement surface of ISO 3744 stands: the area of that surface, with it the correction K2,
+        /// and the heights of the microphones. Radiation is the same in both: the sand reflects all sources, and the block
+        /// radiates over the sand's plane.
+        measurement_plane: SandboxPlane = SandboxPlane::KIND, "";
     }
 }
 
@@ -509,6 +526,38 @@ group! {
         room_absorption: f64 = nonnegative(AREA), "A";
         /// Steady A-weighted sound pressure level of the background at the microphones, in dB; 0 for none.
         background_level: f64 = nonnegative(NUMBER).within(0.0, 200.0), "L_B";
+    }
+}
+
+choice! {
+    /// Which source a part counts to.
+    Convention {
+        /// By the mechanism: the exhaust is what the outflow radiates, the body all that vibrates.
+        Physical = "physical",
+        /// As selective wrapping measures: the exhaust is the outflow with the surfaces of cap and exhaust, which lie outside
+        /// the body's wrap, whatever sets them in motion.
+        Wrapping = "wrapping",
+    }
+}
+
+choice! {
+    /// The source to which the trigger vent counts by the convention of wrapping.
+    VentSource {
+        /// The body: the vent lies under the body's wrap.
+        Body = "body",
+        /// The exhaust, as by the physical convention.
+        Exhaust = "exhaust",
+    }
+}
+
+group! {
+    /// Bookkeeping of the sources. It moves energy between exhaust and body and leaves the total as it is: each part of the
+    /// body's surface has its own term and half of each cross term of the body's radiated power, and may be negative.
+    Sources {
+        /// Which source a part counts to.
+        convention: Convention = Convention::KIND, "";
+        /// Source of the trigger vent by the convention of wrapping; without effect by the physical one.
+        trigger_vent: VentSource = VentSource::KIND, "";
     }
 }
 

@@ -34,6 +34,7 @@ mod springs;
 mod study;
 mod suggest;
 mod surfaces;
+mod transducers;
 
 use std::fmt::Write as _;
 use std::ops::{Deref, DerefMut};
@@ -58,6 +59,7 @@ pub use set::SetError;
 pub use springs::{Spring, Sprung};
 pub use study::{Alternative, Correlation, SOURCES, StudySettings};
 pub use surfaces::{NamedSurface, SurfaceName, SurfaceOf, SurfaceProblem};
+pub use transducers::{Chamber, Transducer};
 
 use resolve::{Record, Records, Resolved};
 

@@ -38,6 +38,8 @@ choice! {
         Supply = "supply",
         /// Walls of the exhaust's volume in the cap.
         Plenum = "plenum",
+        /// Outer side of the cap with the exhaust's outlets, which counts to the exhaust by the convention of wrapping.
+        CapOutside = "cap_outside",
         /// Outer side of the cylinder, between supply and return volume.
         SleeveOutside = "sleeve_outside",
         /// Inner side of the barrel around the cylinder.
@@ -138,6 +140,7 @@ impl SurfaceOf {
                 Magazine,
                 Supply,
                 Plenum,
+                CapOutside,
                 SleeveOutside,
                 BarrelInside,
             ],

@@ -63,7 +63,8 @@ impl File {
 /// What a run leaves behind beside its [fields](BodyFields), [`of_cycle`] and [`of_microphones`]: `levels.csv`,
 /// `intervals.csv`, `power.csv`, `paraview.py`, where a source's power is evaluated twice `radiation.csv` and
 /// `radiation-modes.csv` (for the tool's body `radiation-body.csv`), where the design has sensors `sensors.csv`,
-/// `sensors-spectrum.csv` and `sensors.uff`, and last `result.json`.
+/// `sensors-spectrum.csv` and `sensors.uff`, where it has pressure transducers `transducers.csv` and `transducers.uff`, and last
+/// `result.json`.
 ///
 /// # Errors
 /// [`Error::Json`] and those of the sensors' spectra.

@@ -1,4 +1,5 @@
-//! What the sensors recorded: `sensors.csv`, `sensors-spectrum.csv`, and `sensors.uff` for modal-test software.
+//! What the sensors recorded: `sensors.csv`, `sensors-spectrum.csv`, `transducers.csv`, and `sensors.uff` and `transducers.uff`
+//! for modal-test software.
 
 use nailnoise_acoustics::fourier::{Transform, TransformSettings};
 use nailnoise_meshes::uff::{History, Ordinate};
@@ -15,8 +16,52 @@ const SPECTRUM_FROM: f64 = 5.0;
 /// Highest frequency of the spectra \[Hz\].
 const SPECTRUM_TO: f64 = 20e3;
 
-/// The sensors' files; none when the design has no sensors.
+/// The files of accelerometers and pressure transducers; none of a kind that the design does not have.
 pub(super) fn files(run: &Run) -> Result<Vec<File>, Error> {
+    let mut files = of_accelerometers(run)?;
+    files.extend(of_transducers(run)?);
+    Ok(files)
+}
+
+/// Name of a sensor and where it is.
+fn title(name: &str, place: &str) -> String {
+    format!("{name} ({place})")
+}
+
+fn of_transducers(run: &Run) -> Result<Vec<File>, Error> {
+    let transducers = &run.transducers;
+    let Some(interval) = transducers.first().map(|first| first.interval) else {
+        return Ok(Vec::new());
+    };
+    let titles = transducers
+        .iter()
+        .map(|own| title(&own.name, own.chamber.as_str()) + " [Pa]");
+    let columns: Vec<&[f64]> = transducers.iter().map(|own| own.values.as_slice()).collect();
+    let table = numbers(
+        ["time [s]".to_owned()].into_iter().chain(titles),
+        (|sample| sample as f64 * interval, 7),
+        (&columns, 6),
+    )?;
+    let mut uff = Vec::new();
+    for (index, own) in transducers.iter().enumerate() {
+        History {
+            title: &title(&own.name, own.chamber.as_str()),
+            origin: &format!("nailnoise design {}", run.result.design.digest),
+            sensor: &own.name,
+            node: index + 1,
+            ordinate: Ordinate::Pressure,
+            interval,
+            values: &own.values,
+        }
+        .write(&mut uff);
+    }
+    Ok(vec![
+        File::new("transducers.csv", table),
+        File::new("transducers.uff", uff),
+    ])
+}
+
+fn of_accelerometers(run: &Run) -> Result<Vec<File>, Error> {
     let sensors = &run.sensors;
     let Some(first) = sensors.first() else {
         return Ok(Vec::new());
@@ -31,7 +76,7 @@ pub(super) fn files(run: &Run) -> Result<Vec<File>, Error> {
     let mut uff = Vec::new();
     for (index, sensor) in sensors.iter().enumerate() {
         History {
-            title: &format!("{} ({})", sensor.name, sensor.body.as_str()),
+            title: &title(&sensor.name, sensor.body.as_str()),
             origin: &origin,
             sensor: &sensor.name,
             node: index + 1,
@@ -49,7 +94,7 @@ pub(super) fn files(run: &Run) -> Result<Vec<File>, Error> {
 }
 
 fn header(abscissa: &str, sensors: &[SensorRecord], unit: &'static str) -> impl Iterator<Item = String> {
-    let title = move |sensor: &SensorRecord| format!("{} ({}) [{unit}]", sensor.name, sensor.body.as_str());
+    let title = move |sensor: &SensorRecord| title(&sensor.name, sensor.body.as_str()) + &format!(" [{unit}]");
     [abscissa.to_owned()].into_iter().chain(sensors.iter().map(title))
 }
 

@@ -33,10 +33,20 @@ pub(super) fn page(comparison: &MeasuredComparison) -> Page {
 
 /// Levels alone: other quantities have other units.
 fn chart(comparison: &MeasuredComparison) -> Chart {
-    let rows: Vec<&ComparedQuantity> = comparison.rows.iter().filter(|own| own.unit.starts_with("dB(A)")).collect();
+    let rows: Vec<&ComparedQuantity> = comparison
+        .rows
+        .iter()
+        .filter(|own| own.unit.starts_with("dB(A)"))
+        .collect();
     let lowest = rows
         .iter()
-        .flat_map(|own| own.interval.map(|[low, _]| low).into_iter().chain(own.measured[0]).chain([own.predicted]))
+        .flat_map(|own| {
+            own.interval
+                .map(|[low, _]| low)
+                .into_iter()
+                .chain(own.measured[0])
+                .chain([own.predicted])
+        })
         .fold(f64::INFINITY, f64::min);
     // A bound without a lower end begins at the end of the axis.
     let floor = lowest - MARGIN;
@@ -47,11 +57,16 @@ fn chart(comparison: &MeasuredComparison) -> Chart {
             "measured",
             BLACK,
             Shape::Line,
-            rows.iter().map(|own| own.measured[1].map(|high| 0.5 * (high + own.measured[0].unwrap_or(high)))),
+            rows.iter()
+                .map(|own| own.measured[1].map(|high| 0.5 * (high + own.measured[0].unwrap_or(high)))),
         )
     };
     let predicted = Series {
-        shape: Shape::Whiskers(rows.iter().map(|own| own.interval.unwrap_or([own.predicted; 2])).collect()),
+        shape: Shape::Whiskers(
+            rows.iter()
+                .map(|own| own.interval.unwrap_or([own.predicted; 2]))
+                .collect(),
+        ),
         ..Series::over("predicted", 0, Shape::Line, rows.iter().map(|own| Some(own.predicted)))
     };
     let highest = rows
@@ -62,11 +77,16 @@ fn chart(comparison: &MeasuredComparison) -> Chart {
         name: "measured-predicted".to_owned(),
         title: "Measured and predicted levels",
         subject: String::new(),
-        caption: "Intervals of the measured levels (rounding, or a bound from above) beside 5 to 95 % of the draws of the \
+        caption:
+            "Intervals of the measured levels (rounding, or a bound from above) beside 5 to 95 % of the draws of the \
                   prediction; the line across is the design as it is."
-            .to_owned(),
+                .to_owned(),
         panels: vec![Panel {
-            x: Axis::categories("Row of the table below", "", (1..=rows.len()).map(|n| n.to_string()).collect()),
+            x: Axis::categories(
+                "Row of the table below",
+                "",
+                (1..=rows.len()).map(|n| n.to_string()).collect(),
+            ),
             y: Axis::new("Level", "dB(A)", [floor, highest + MARGIN]),
             height: 70,
             series: vec![measured, predicted],

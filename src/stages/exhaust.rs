@@ -13,10 +13,10 @@ use nailnoise_acoustics::muffler::{self, BandLosses, MufflerChain};
 use nailnoise_dynamics::CycleRecord;
 use serde::Serialize;
 
+use super::convention::MovedPart;
 use super::intervals::EventEdges;
 use super::microphones::{AtMicrophones, JetOutlet, MicrophoneArray};
-use super::ranking::parts_of;
-use super::sound::{Sound, SoundSource};
+use super::sound::{Sound, SoundSource, parts_of};
 use super::{Code, Input, NotKept, Progress, Stage, Stored, code};
 use crate::error::Error;
 use crate::result::{Check, CrossCheck, Uncertainty};
@@ -45,6 +45,8 @@ pub struct Openings {
     pub muffler: Option<Muffler>,
     /// Effective area of the trigger valve's vent, its discharge coefficient included \[m²\].
     pub vent_area: f64,
+    /// Whether the vent counts to another source.
+    pub vent_apart: bool,
 }
 
 /// A muffler behind the exhaust holes.
@@ -126,6 +128,8 @@ pub struct ExhaustSource {
     pub details: ExhaustDetails,
     /// Its sound at the microphones.
     pub received: AtMicrophones,
+    /// The trigger vent, where it counts to another source and is no part of this one.
+    pub vent: Option<MovedPart>,
 }
 
 impl Stage for Exhaust {
@@ -135,10 +139,10 @@ impl Stage for Exhaust {
     const CODE: Code = code!(
         dynamics,
         acoustics,
+        stages_convention,
         stages_exhaust,
         stages_intervals,
         stages_microphones,
-        stages_ranking,
         stages_sound
     );
 
@@ -170,22 +174,31 @@ pub fn exhaust(
     end: f64,
     noise_seed: u32,
 ) -> Result<ExhaustSource, Error> {
-    let (sound, details) = noise(openings, record)?;
+    let (sound, vent, details) = noise(openings, record)?;
     let edges = EventEdges::new(&record.events, end);
-    let source = SoundSource::new(sound, &edges, microphones.range_hz);
-    let received = microphones.exhaust(outlet, (&details.openings, noise_seed), &source.spectrum, end)?;
+    let analysed = |sound: Sound, first: usize, openings: &[ExhaustNoise]| {
+        let source = SoundSource::new(sound, &edges, microphones.range_hz);
+        let received = microphones.exhaust(outlet, (first, openings, noise_seed), &source.spectrum, end)?;
+        Ok::<_, Error>(MovedPart { source, received })
+    };
+    let own = details.openings.len() - usize::from(vent.is_some());
+    let MovedPart { source, received } = analysed(sound, 0, &details.openings[..own])?;
+    let vent = vent
+        .map(|vent| analysed(vent, own, &details.openings[own..]))
+        .transpose()?;
     Ok(ExhaustSource {
         source,
         details,
         received,
+        vent,
     })
 }
 
-/// The noise of exhaust holes, muffler and trigger vent from the cycle's flow.
+/// The noise of exhaust holes, muffler and trigger vent from the cycle's flow, and that of the vent by itself where it is apart.
 ///
 /// # Errors
 /// Openings, plenum or muffler that cannot be, air that leaves against a higher pressure.
-pub fn noise(inputs: &Openings, record: &CycleRecord) -> Result<(Sound, ExhaustDetails), Error> {
+pub fn noise(inputs: &Openings, record: &CycleRecord) -> Result<(Sound, Option<Sound>, ExhaustDetails), Error> {
     let air = &inputs.air;
     let bare = ExhaustSettings {
         transform: TransformSettings {
@@ -254,8 +267,12 @@ pub fn noise(inputs: &Openings, record: &CycleRecord) -> Result<(Sound, ExhaustD
     let vent = &record.vent;
     let vent = through(&vent.pressure, None, &vent.mass_flow, &vent.temperature);
     let vent = exhaust_noise("trigger vent", &vent, &round(inputs.vent_area), air, &bare)?;
-    parts.push(vent.spectrum.clone());
+    let vent_alone = inputs.vent_apart.then(|| vent_alone(&vent));
+    if vent_alone.is_none() {
+        parts.push(vent.spectrum.clone());
+    }
     openings.push(vent);
+    let own = openings.len() - usize::from(inputs.vent_apart);
     let (valve_noise_lw, jets_lw) = (energy_level(valve_noise), energy_level(jets_energy));
     let spectrum = SourceSpectrum::sum("exhaust", method, &parts);
     let [minus, plus] = match &inputs.fitting {
@@ -269,7 +286,7 @@ pub fn noise(inputs: &Openings, record: &CycleRecord) -> Result<(Sound, ExhaustD
     let sound = Sound {
         spectrum,
         signals: Vec::new(),
-        openings: openings.iter().map(|opening| opening.history.clone()).collect(),
+        openings: openings[..own].iter().map(|opening| opening.history.clone()).collect(),
         uncertainty: Uncertainty {
             minus: Some(MODEL_BAND + minus),
             plus: Some(MODEL_BAND + plus),
@@ -292,7 +309,23 @@ pub fn noise(inputs: &Openings, record: &CycleRecord) -> Result<(Sound, ExhaustD
         openings,
         screech: screech_track(&flow, &jets, air),
     };
-    Ok((sound, details))
+    Ok((sound, vent_alone, details))
+}
+
+/// The trigger vent as a sound of its own.
+fn vent_alone(vent: &ExhaustNoise) -> Sound {
+    Sound {
+        spectrum: vent.spectrum.clone(),
+        signals: Vec::new(),
+        openings: vec![vent.history.clone()],
+        uncertainty: Uncertainty {
+            minus: Some(MODEL_BAND),
+            plus: Some(MODEL_BAND),
+            basis: "distance of the jet correlations from the efficiencies of IEC 60534-8-3".to_owned(),
+        },
+        cross_check: None,
+        radiation: None,
+    }
 }
 
 /// How far the A-weighted level of the exhaust is lower and higher \[dB\] if the resonances of a fitting act on the jets

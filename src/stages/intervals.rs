@@ -2,8 +2,37 @@
 
 use nailnoise_acoustics::levels::IntervalLevels;
 use nailnoise_dynamics::Events;
+use serde::{Deserialize, Serialize};
 
 use crate::result::IntervalLevel;
+
+/// What a source radiates between two events.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Interval {
+    /// Event at its start.
+    pub from: String,
+    /// Event at its end.
+    pub to: String,
+    /// Its ends, energies and levels.
+    pub levels: IntervalLevels,
+}
+
+impl Interval {
+    /// Its levels in a result.
+    pub(super) fn in_result(&self) -> IntervalLevel {
+        let own = &self.levels;
+        let absorbed = own.energy < 0.0 || own.cut_energy < 0.0;
+        IntervalLevel {
+            from: self.from.clone(),
+            to: self.to.clone(),
+            from_s: own.from,
+            to_s: own.to,
+            lwa_db: own.lwa,
+            lwa_cut_db: own.lwa_cut,
+            energies_j: absorbed.then_some([own.energy, own.cut_energy]),
+        }
+    }
+}
 
 /// The events of a shot in the order of their times: the edges of its intervals.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,14 +69,11 @@ impl EventEdges {
     }
 
     /// Levels between these edges, with the names of the events on either side.
-    pub(super) fn named(&self, levels: &[IntervalLevels]) -> Vec<IntervalLevel> {
-        let interval = |(names, level): (&[String], &IntervalLevels)| IntervalLevel {
+    pub(super) fn named(&self, levels: &[IntervalLevels]) -> Vec<Interval> {
+        let interval = |(names, levels): (&[String], &IntervalLevels)| Interval {
             from: names[0].clone(),
             to: names[1].clone(),
-            from_s: level.from,
-            to_s: level.to,
-            lwa_db: level.lwa,
-            lwa_cut_db: level.lwa_cut,
+            levels: *levels,
         };
         self.names.windows(2).zip(levels).map(interval).collect()
     }

@@ -3,6 +3,7 @@
 use nailnoise_dynamics::CycleRecord;
 use serde::{Deserialize, Serialize};
 
+use super::convention::counted;
 use super::exhaust::{Openings, noise};
 use super::intervals::EventEdges;
 use super::ranking::rank;
@@ -64,6 +65,7 @@ impl Stage for ShotLevels {
         fem,
         acoustics,
         stages_bodies,
+        stages_convention,
         stages_cycle,
         stages_exhaust,
         stages_intervals,
@@ -88,12 +90,12 @@ impl Stage for ShotLevels {
     fn compute(&self, _: &Progress) -> Result<Levels, Error> {
         let record = self.cycle.get()?;
         let edges = EventEdges::new(&record.events, *self.end.get()?);
-        let sounds = [
-            self.workpiece.sound()?,
-            noise(&self.openings, &record)?.0,
-            self.body.sound()?,
-        ];
-        let sources = sounds.map(|sound| SoundSource::new(sound, &edges, self.range_hz));
+        let analysed = |sound| SoundSource::new(sound, &edges, self.range_hz);
+        let (exhaust, vent, _) = noise(&self.openings, &record)?;
+        let (body, cap) = self.body.analysed(self.body.sound()?, &edges)?;
+        let (exhaust, vent) = (analysed(exhaust), vent.map(analysed));
+        let [exhaust, body] = counted([&exhaust, &body], [cap.as_ref(), vent.as_ref()], self.range_hz);
+        let sources = [analysed(self.workpiece.sound()?), exhaust, body];
         let (ranking, _) = rank(&sources.each_ref(), self.range_hz);
         let levels = |source: &SoundSource| {
             let ranked = ranking.iter().find(|own| own.source == source.spectrum.source)?;

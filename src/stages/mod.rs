@@ -10,6 +10,7 @@
 pub mod bodies;
 pub mod changes;
 mod codec;
+pub mod convention;
 pub mod cycle;
 pub mod exhaust;
 pub mod intervals;
@@ -29,6 +30,7 @@ pub mod sources;
 pub mod spectra;
 pub mod starts;
 pub mod tool_response;
+pub mod transducers;
 pub mod truncation;
 
 use std::sync::Arc;

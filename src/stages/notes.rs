@@ -36,6 +36,8 @@ pub struct NoteInputs<'a> {
     pub idle_surfaces: Vec<&'a str>,
     /// Surfaces that the program recognised, in words.
     pub guessed: Vec<String>,
+    /// What counts to another source than by the physical convention, in words.
+    pub convention: Option<String>,
 }
 
 /// Notes on one run, most important first.
@@ -105,6 +107,7 @@ pub fn notes(
     }
     notes.extend(inputs.truncations.iter().cloned());
     notes.extend(exhaust_notes(inputs.range_high, record, openings, exhaust));
+    notes.extend(inputs.convention.iter().cloned());
     notes.push(inputs.ending.to_owned());
     let list = |what: &str, names: &[&str]| (!names.is_empty()).then(|| format!("{what}: {}", names.join(", ")));
     notes.extend(list("sensors on bodies that this design lacks", &inputs.idle_sensors));

@@ -1,11 +1,12 @@
 //! The ranking: levels, bands and intervals of every source over the common range, and its power over time.
 
 use nailnoise_acoustics::levels::{
-    self, BandLevel as Band, Level, PowerHistory, SourceSpectrum, Weighting, level_energy,
+    self, BandLevel as Band, Level, PowerHistory, SourceSpectrum, Weighting, energy_level, level_energy,
 };
 
-use super::sound::SoundSource;
-use crate::result::{BandLevel, Check, Component, RankedSource, Starts, Total};
+use super::intervals::Interval;
+use super::sound::{SoundSource, parts_of};
+use crate::result::{BandLevel, Check, Component, IntervalLevel, RankedSource, Starts, Total};
 
 /// Cells of the power histories \[s\].
 const CELL: f64 = 1e-4;
@@ -44,11 +45,11 @@ pub fn rank(sources: &[&SoundSource], range_hz: [f64; 2]) -> (Vec<RankedSource>,
             range_hz: sound.spectrum.range_hz,
             lwa_own_range_db: sound.spectrum.level(sound.spectrum.range_hz, Weighting::A),
             bands: bands(&sound.spectrum, range_hz),
-            components: components(&sound.spectrum, range_hz),
+            components: components(sound, range_hz),
             uncertainty_db: sound.uncertainty.clone(),
             cross_check: sound.cross_check.clone(),
             radiation: sound.radiation.clone(),
-            intervals: sound.intervals.clone(),
+            intervals: sound.intervals.iter().map(Interval::in_result).collect(),
         }
     };
     let total = Total {
@@ -65,6 +66,7 @@ fn bands(spectrum: &SourceSpectrum, range_hz: [f64; 2]) -> Vec<BandLevel> {
         hz: b.band.nominal_hz(),
         lw_db: b.lw,
         lwa_db: b.lwa,
+        energies_j: (b.energy < 0.0 || b.a_energy < 0.0).then_some([b.energy, b.a_energy]),
     };
     spectrum
         .band_levels(range_hz)
@@ -74,29 +76,27 @@ fn bands(spectrum: &SourceSpectrum, range_hz: [f64; 2]) -> Vec<BandLevel> {
         .collect()
 }
 
-fn components(spectrum: &SourceSpectrum, range_hz: [f64; 2]) -> Vec<Component> {
-    parts_of(spectrum)
+fn components(source: &SoundSource, range_hz: [f64; 2]) -> Vec<Component> {
+    let moved = |part: &SourceSpectrum| source.moved.contains(&part.source);
+    parts_of(&source.spectrum)
         .into_iter()
-        .map(|part| Component {
-            lwa_db: part.level(range_hz, Weighting::A),
-            lw_db: part.level(range_hz, Weighting::Z),
-            bands: bands(&part, range_hz),
-            name: part.source,
+        .map(|part| {
+            let [plain, weighted] = [Weighting::Z, Weighting::A].map(|weighting| part.energy(range_hz, weighting));
+            Component {
+                lwa_db: energy_level(weighted),
+                lw_db: energy_level(plain),
+                energies_j: (moved(&part) && (plain < 0.0 || weighted < 0.0)).then_some([plain, weighted]),
+                bands: bands(&part, range_hz)
+                    .into_iter()
+                    .map(|band| BandLevel {
+                        energies_j: band.energies_j.filter(|_| moved(&part)),
+                        ..band
+                    })
+                    .collect(),
+                name: part.source,
+            }
         })
         .collect()
-}
-
-/// The contributions of a spectrum as spectra of their own.
-pub(super) fn parts_of(spectrum: &SourceSpectrum) -> Vec<SourceSpectrum> {
-    let part = |contribution: &levels::Contribution| SourceSpectrum {
-        source: contribution.name.clone(),
-        method: spectrum.method.clone(),
-        frequency: spectrum.frequency.clone(),
-        energy_density: contribution.energy_density.clone(),
-        range_hz: spectrum.range_hz,
-        contributions: Vec::new(),
-    };
-    spectrum.contributions.iter().map(part).collect()
 }
 
 /// Power over time of the ranked sources, for records that last until `end` \[s\].
@@ -118,8 +118,10 @@ pub fn checks(ranking: &[RankedSource], total: &Total) -> Vec<Check> {
     let mut checks: Vec<Check> = ranking
         .iter()
         .map(|source| {
-            let weighted: f64 = source.bands.iter().map(|band| level_energy(band.lwa_db)).sum();
-            let plain: f64 = source.bands.iter().map(|band| level_energy(band.lw_db)).sum();
+            let [plain, weighted] = source.bands.iter().fold([0.0; 2], |[plain, weighted], band| {
+                let [own_plain, own_weighted] = band.energies();
+                [plain + own_plain, weighted + own_weighted]
+            });
             let worst = gap(weighted, source.lwa_db).max(gap(plain, source.lw_db));
             Check::at_most(format!("{}: bands sum to the total", source.source), worst, ROUNDING)
         })
@@ -139,7 +141,7 @@ pub fn interval_checks(ranking: &[RankedSource], sources: &[&SoundSource], toler
     let mut checks = Vec::new();
     for (ranked, source) in paired(ranking, sources) {
         let total = level_energy(ranked.lwa_db);
-        let sum: f64 = source.intervals.iter().map(|level| level_energy(level.lwa_db)).sum();
+        let sum: f64 = ranked.intervals.iter().map(IntervalLevel::energy).sum();
         let gap = if total > 0.0 { sum / total - 1.0 } else { sum };
         let name = format!("{}: intervals sum to the total", ranked.source);
         checks.push(Check::at_most(name, gap, ROUNDING));

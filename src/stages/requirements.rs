@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::bodies::tool_loads::MASS_LIMIT;
 use super::bodies::{BodyKind, FoundSurface, Meshed, Model, SensorPoint};
-use super::radiation::{ToolRadiation, WorkpieceRadiation};
+use super::radiation::{CapSurface, ToolRadiation, WorkpieceRadiation};
 use super::{Code, Input, Postcard, Progress, Stage, Stored, all, code};
 use crate::error::Error;
 
@@ -30,8 +30,8 @@ pub struct Requirements {
 /// A surface that radiates, of one body or of several.
 #[derive(Serialize)]
 pub enum Radiating {
-    /// The tool's body.
-    Tool(ToolRadiation),
+    /// The tool's body, and its cap where that is apart.
+    Tool(ToolRadiation, Option<CapSurface>),
     /// The workpiece, and the table that it may stand on.
     Workpiece(WorkpieceRadiation, Vec<Stored<Meshed>>),
 }
@@ -95,7 +95,7 @@ impl Stage for Requirements {
 impl Radiating {
     fn check(&self, own: &Surface) -> Result<(), Error> {
         match self {
-            Self::Tool(radiation) => radiation.check(own),
+            Self::Tool(radiation, cap) => radiation.check(own, cap.as_ref()),
             Self::Workpiece(radiation, bodies) => {
                 let surfaces: Vec<Surface> = all(bodies)?
                     .iter()

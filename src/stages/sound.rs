@@ -1,12 +1,15 @@
 //! A source: its energy over frequency and time, and its uncertainty.
 
 use nailnoise_acoustics::exhaust::ExhaustHistory;
-use nailnoise_acoustics::levels::{IntervalLevels, PowerHistory, PowerSignals, SourceSpectrum};
+use nailnoise_acoustics::levels::{
+    Contribution, IntervalLevels, LevelsError, PowerHistory, PowerSignals, SourceSpectrum,
+};
+use nailnoise_acoustics::radiation::PartOfSurface;
 use nailnoise_acoustics::radiator::RadiatedSound;
 use serde::{Deserialize, Serialize};
 
-use super::intervals::EventEdges;
-use crate::result::{CrossCheck, IntervalLevel, RadiationReport, Uncertainty};
+use super::intervals::{EventEdges, Interval};
+use crate::result::{CrossCheck, RadiationReport, Uncertainty};
 
 /// A source with the signals that it consists of.
 pub struct Sound {
@@ -45,7 +48,9 @@ pub struct SoundSource {
     /// Histories whose sum is the power of the source.
     pub histories: Vec<PowerHistory>,
     /// Levels between the events.
-    pub intervals: Vec<IntervalLevel>,
+    pub intervals: Vec<Interval>,
+    /// Names of the contributions that the convention of wrapping moves from one source to another.
+    pub moved: Vec<String>,
     /// Relative difference between the bins of each signal and those of the spectrum, by the signal's name.
     pub mismatches: Vec<(String, f64)>,
     /// Uncertainty of the method.
@@ -74,6 +79,7 @@ impl SoundSource {
         Self {
             histories,
             intervals: edges.named(&IntervalLevels::sum(&levels)),
+            moved: Vec::new(),
             mismatches: sound.signals.iter().map(mismatch).collect(),
             spectrum: sound.spectrum,
             uncertainty: sound.uncertainty,
@@ -81,4 +87,91 @@ impl SoundSource {
             radiation: sound.radiation,
         }
     }
+
+    /// Analyses a part of a surface, whose energy may have either sign; it is as uncertain as `uncertainty` says.
+    pub(super) fn of_part(
+        part: PartOfSurface,
+        uncertainty: Uncertainty,
+        edges: &EventEdges,
+        range_hz: [f64; 2],
+    ) -> Self {
+        let analysis = part.analyse(edges.times(), range_hz);
+        let mismatches = vec![(part.spectrum.source.clone(), part.mismatch())];
+        Self {
+            spectrum: part.spectrum,
+            histories: vec![analysis.history],
+            intervals: edges.named(&analysis.intervals),
+            moved: Vec::new(),
+            mismatches,
+            uncertainty,
+            cross_check: None,
+            radiation: None,
+        }
+    }
+
+    /// The source without a part of it on the same frequencies.
+    ///
+    /// # Errors
+    /// A part on other frequencies.
+    pub(super) fn without(&self, part: &Self) -> Result<Self, LevelsError> {
+        let mut rest = self.clone();
+        rest.spectrum = self.spectrum.without(&part.spectrum)?;
+        rest.moved
+            .extend(rest.spectrum.contributions.last().map(|taken| taken.name.clone()));
+        rest.histories
+            .extend(part.histories.iter().map(|history| history.scaled(-1.0)));
+        rest.add_intervals(&part.intervals, -1.0);
+        Ok(rest)
+    }
+
+    /// The source with a part that counts to it. The range of the source stays, and the part becomes a contribution.
+    #[must_use]
+    pub(super) fn with(&self, part: &Self) -> Self {
+        let mut whole = self.clone();
+        whole.spectrum = sum_with(&self.spectrum, &part.spectrum);
+        whole.moved.push(part.spectrum.source.clone());
+        whole.histories.extend(part.histories.iter().cloned());
+        whole.mismatches.extend(part.mismatches.iter().cloned());
+        whole.add_intervals(&part.intervals, 1.0);
+        whole
+    }
+
+    fn add_intervals(&mut self, others: &[Interval], factor: f64) {
+        for (own, other) in self.intervals.iter_mut().zip(others) {
+            let other = IntervalLevels::scaled(std::slice::from_ref(&other.levels), factor);
+            own.levels = IntervalLevels::sum(&[vec![own.levels], other])[0];
+        }
+    }
+}
+
+/// A spectrum with that of a part, which becomes a contribution; the range is that of the first.
+pub(super) fn sum_with(own: &SourceSpectrum, part: &SourceSpectrum) -> SourceSpectrum {
+    let alone = SourceSpectrum {
+        contributions: Vec::new(),
+        ..own.clone()
+    };
+    let method = format!("{}; {}: {}", own.method, part.source, part.method);
+    let mut sum = SourceSpectrum::sum(&*own.source, method, &[alone, part.clone()]);
+    sum.range_hz = own.range_hz;
+    let added = sum.contributions.pop();
+    let on_all = |contribution: SourceSpectrum| Contribution {
+        energy_density: sum.frequency.iter().map(|&hz| contribution.density_at(hz)).collect(),
+        name: contribution.source,
+    };
+    let of_own: Vec<Contribution> = parts_of(own).into_iter().map(on_all).collect();
+    sum.contributions = of_own.into_iter().chain(added).collect();
+    sum
+}
+
+/// The contributions of a spectrum as spectra of their own.
+pub(super) fn parts_of(spectrum: &SourceSpectrum) -> Vec<SourceSpectrum> {
+    let part = |contribution: &Contribution| SourceSpectrum {
+        source: contribution.name.clone(),
+        method: spectrum.method.clone(),
+        frequency: spectrum.frequency.clone(),
+        energy_density: contribution.energy_density.clone(),
+        range_hz: spectrum.range_hz,
+        contributions: Vec::new(),
+    };
+    spectrum.contributions.iter().map(part).collect()
 }

@@ -34,6 +34,7 @@ impl Stage for OtherStarts {
         fem,
         acoustics,
         stages_bodies,
+        stages_convention,
         stages_intervals,
         stages_microphones,
         stages_radiation,

@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod convention;
 mod coupling;
 mod cycle;
 mod figures;
@@ -16,4 +17,5 @@ mod sensitivity;
 mod store;
 mod study;
 mod tool;
+mod transducers;
 mod worktables;

@@ -26,18 +26,20 @@ fn file(name: &str) -> PathBuf {
 }
 
 /// Takes a mesh for the tool's body; the name of the file lives as long as the program.
-fn put(design: &mut Design, mesh: &Mesh, name: &str) {
+pub fn put(design: &mut Design, mesh: &Mesh, name: &str) {
     let path = file(name);
     std::fs::write(&path, msh::to_bytes(mesh, Format::Binary41, "of a test")).unwrap();
     design.body.mesh = path.to_string_lossy().into_owned();
     design.body.mesh_unit = 1.0;
 }
 
-/// A square bar as long as the tool, with the surfaces on which its forces act, of the tool's mass.
-fn bar(stiffening: f64) -> Design {
-    let size = [0.08, 0.08, 0.3];
+/// Lengths of the bar \[m\].
+const SIZE: [f64; 3] = [0.08, 0.08, 0.3];
+
+/// A square bar as long as the tool, with the surfaces on which its forces act.
+pub fn bar_mesh() -> Mesh {
     let mut mesh = block(&Block {
-        size,
+        size: SIZE,
         divisions: [4, 4, 6],
         origin: [-0.04, -0.04, 0.0],
     })
@@ -59,7 +61,7 @@ fn bar(stiffening: f64) -> Design {
                 .all(|&n| (surface.points[n][axis] - value).abs() < 1e-9)
         };
         let group = match () {
-            () if at(2, size[2]) => 0,
+            () if at(2, SIZE[2]) => 0,
             () if at(2, 0.0) => 1,
             () if at(0, 0.04) => 2,
             () if centre.z > 0.25 => 4,
@@ -75,15 +77,20 @@ fn bar(stiffening: f64) -> Design {
             faces,
         })
         .collect();
+    mesh
+}
+
+/// The bar as the body of a tool, of its mass.
+pub fn bar(stiffening: f64) -> Design {
     let mut design = design("tests/data/small.toml");
     design.support.kind = SupportKind::Sandbox;
     design.body.model = BodyModel::Elastic;
     design.body.lumped = false;
-    design.body.housing.density = design.tool.mass / size.iter().product::<f64>();
+    design.body.housing.density = design.tool.mass / SIZE.iter().product::<f64>();
     design.body.housing.young_modulus *= stiffening;
     design.analysis.body_top = 2000.0;
     design.sensors.remove("handle"); // the bar has none
-    put(&mut design, &mesh, "bar.msh");
+    put(&mut design, &bar_mesh(), "bar.msh");
     design
 }
 

@@ -9,6 +9,7 @@ mod compare;
 mod cycle;
 mod examples;
 mod faults;
+mod measure;
 mod mesh;
 mod prf;
 mod prf_fit;

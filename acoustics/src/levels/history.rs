@@ -16,6 +16,15 @@ pub struct PowerHistory {
 }
 
 impl PowerHistory {
+    /// The history times a factor, which may be negative.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self {
+            power: self.power.iter().map(|power| factor * power).collect(),
+            ..*self
+        }
+    }
+
     /// Energy of the whole history \[J\].
     pub fn total(&self) -> f64 {
         self.power.iter().sum::<f64>() * self.sample_interval
@@ -100,6 +109,12 @@ impl IntervalLevels {
             cut_energy,
             lwa_cut: energy_level(cut_energy),
         }
+    }
+
+    /// Intervals with energies times a factor, which may be negative.
+    pub fn scaled(intervals: &[Self], factor: f64) -> Vec<Self> {
+        let scaled = |own: &Self| Self::new(own.from, own.to, factor * own.energy, factor * own.cut_energy);
+        intervals.iter().map(scaled).collect()
     }
 
     /// Sum of the intervals of independent sources: energies add. All must have the same edges.

@@ -81,6 +81,25 @@ impl SourceSpectrum {
         })
     }
 
+    /// The spectrum without a part of it on the same frequencies, which becomes a contribution of its own, negative.
+    ///
+    /// # Errors
+    /// Another number of frequencies than the spectrum's.
+    pub fn without(&self, part: &Self) -> Result<Self, LevelsError> {
+        same_length("energy density of the part", part.frequency.len(), self.frequency.len())?;
+        let taken: Vec<f64> = part.energy_density.iter().map(|energy| -energy).collect();
+        let mut rest = self.clone();
+        rest.energy_density
+            .iter_mut()
+            .zip(&taken)
+            .for_each(|(energy, taken)| *energy += taken);
+        rest.contributions.push(Contribution {
+            name: format!("{}, counted elsewhere", part.source),
+            energy_density: taken,
+        });
+        Ok(rest)
+    }
+
     /// The spectrum of a silent source.
     pub fn silent(source: impl Into<String>, method: impl Into<String>, range_hz: [f64; 2]) -> Self {
         Self {

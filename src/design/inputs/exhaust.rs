@@ -6,7 +6,7 @@ use nailnoise_acoustics::muffler::{BandLosses, Lining, MufflerChain, MufflerElem
 
 use super::air;
 use super::microphones::{on_axis, tool_height};
-use crate::design::{self, Design, FittingKind, MufflerKind};
+use crate::design::{self, Convention, Design, FittingKind, MufflerKind, VentSource};
 use crate::error::Error;
 use crate::stages::exhaust::{Muffler, Openings};
 use crate::stages::microphones::JetOutlet;
@@ -40,6 +40,8 @@ pub(crate) fn openings(design: &Design) -> Result<Openings, Error> {
         }),
         muffler: muffler(&own.muffler)?,
         vent_area: design.trigger.vent_area,
+        vent_apart: design.sources.convention == Convention::Wrapping
+            && design.sources.trigger_vent == VentSource::Body,
     })
 }
 

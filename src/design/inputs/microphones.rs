@@ -5,7 +5,7 @@ use nailnoise_acoustics::sound_fields::Cuts;
 use nalgebra::Point3;
 
 use super::air;
-use crate::design::{Design, SupportKind};
+use crate::design::{Design, SandboxPlane, SupportKind};
 use crate::error::Error;
 use crate::stages::microphones::{MicrophoneArray, Room, ToolSphere};
 
@@ -17,6 +17,7 @@ pub(crate) fn array(design: &Design) -> Result<MicrophoneArray, Error> {
     Ok(MicrophoneArray {
         air: air(design)?,
         foot: foot(design),
+        reflecting_plane: reflecting_plane(design),
         centre_height: centre_height(design),
         range_hz: [design.analysis.range_low, design.analysis.range_high],
     })
@@ -27,16 +28,26 @@ pub(crate) fn positions(design: &Design) -> Vec<Point3<f64>> {
     Iso3744Box::around(centre_height(design)).positions_around(foot(design).into())
 }
 
-/// Foot of the axis of driving on the reflecting plane \[m\].
+/// Foot of the axis of driving on the plane of the measurement surface \[m\].
 fn foot(design: &Design) -> [f64; 3] {
     let [x, y, _] = on_axis(design, 0.0);
-    [x, y, reflecting_plane(design)]
+    [x, y, measurement_plane(design)]
 }
 
-/// Height of the device's centre, half the tool's height above the workpiece, above the reflecting plane \[m\].
+/// Height of the device's centre, half the tool's height above the workpiece, above the plane of the measurement surface \[m\].
 fn centre_height(design: &Design) -> f64 {
     let [_, _, centre] = on_axis(design, 0.5 * tool_height(design));
-    centre - reflecting_plane(design)
+    centre - measurement_plane(design)
+}
+
+/// Height of the plane on which the measurement surface stands \[m\]: the reflecting plane, or the floor under a sandbox.
+fn measurement_plane(design: &Design) -> f64 {
+    let sand = &design.support.sand;
+    let below = match (design.support.kind, sand.measurement_plane) {
+        (SupportKind::Sandbox, SandboxPlane::Floor) => sand.box_depth,
+        _ => 0.0,
+    };
+    reflecting_plane(design) - below
 }
 
 /// The room of a design.
@@ -92,5 +103,39 @@ pub(crate) fn reflecting_plane(design: &Design) -> f64 {
         SupportKind::Sandbox => design.workpiece.thickness,
         SupportKind::Floor | SupportKind::Clamped => 0.0,
         SupportKind::Springs => -design.support.clearance,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    /// The areas of the specification for a device whose centre is 0.1725 m above the sand.
+    #[test]
+    fn the_floor_under_the_sandbox_makes_the_measurement_surface_larger() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb-as-tested-sandbox.toml");
+        let area = |plane: SandboxPlane| {
+            let mut design = Design::load(path).unwrap();
+            design.support.sand.measurement_plane = plane;
+            assert!((0.5 * tool_height(&design) - 0.1725).abs() < 1e-12);
+            let microphones = array(&design).unwrap();
+            // All microphones stay above the sand, which reflects in both cases.
+            assert_eq!(microphones.reflecting_plane, design.workpiece.thickness);
+            assert!(
+                microphones
+                    .positions()
+                    .iter()
+                    .all(|p| p.z > design.workpiece.thickness + 0.3)
+            );
+            Iso3744Box::around(microphones.centre_height).area()
+        };
+        let [sand, floor] = [SandboxPlane::Sand, SandboxPlane::Floor].map(area);
+        assert!(
+            (sand - 13.38).abs() < 1e-9 && (floor - 16.58).abs() < 1e-9,
+            "{sand} {floor}"
+        );
+        assert!((10.0 * (floor / sand).log10() - 0.931).abs() < 5e-4);
     }
 }

@@ -4,8 +4,8 @@ use nailnoise_dynamics::CycleRecord;
 use nailnoise_dynamics::prf::fit::{Placement, Variable};
 
 use super::cycle::{conditions, fitted_law as law_of};
-use super::radiation::workpiece_floor;
-use crate::design::{Design, SupportKind, Warning};
+use super::radiation::{cap, workpiece_floor};
+use crate::design::{Convention, Design, SupportKind, VentSource, Warning};
 use crate::error::Error;
 
 /// What supports the workpiece.
@@ -27,6 +27,28 @@ pub(crate) fn support(design: &Design) -> String {
         ),
         SupportKind::Springs => "workpiece alone on its springs and the floor, its underside silent".to_owned(),
     }
+}
+
+/// What counts to another source by the convention of wrapping; nothing by the physical one.
+pub(crate) fn convention(design: &Design) -> Option<String> {
+    let own = &design.sources;
+    if own.convention == Convention::Physical {
+        return None;
+    }
+    let cap = if cap(design).is_some() {
+        "the outer side of the cap counts to the exhaust, with its own term of the body's radiated energy and half of each cross \
+         term: where it absorbs sound of the rest its energy is negative and has no level"
+    } else {
+        "the cap stays with the body: the radiation of a rigid body, or as that of a sphere, has no surface from which a part could \
+         be taken"
+    };
+    let vent = match own.trigger_vent {
+        VentSource::Body => "the trigger vent counts to the body",
+        VentSource::Exhaust => "the trigger vent stays with the exhaust",
+    };
+    Some(format!(
+        "sources as selective wrapping separates them: {cap}; {vent}; the total is the same"
+    ))
 }
 
 /// Values outside the ranges that the design gives.

@@ -6,10 +6,10 @@ use nailnoise_fem::supports::Sand;
 use nalgebra::Vector3;
 
 use super::microphones::{positions, reflecting_plane, tool_height};
-use crate::design::{Design, RadiationMethod, SupportKind, WorktablePreset};
+use crate::design::{BodyModel, Convention, Design, RadiationMethod, SupportKind, SurfaceName, WorktablePreset};
 use crate::error::Error;
 use crate::stages::radiation::{
-    Covered, FlushTop, Places, Resolution, ToolRadiation, WorkpieceBoundaryElements, WorkpieceRadiation,
+    CapSurface, Covered, FlushTop, Places, Resolution, ToolRadiation, WorkpieceBoundaryElements, WorkpieceRadiation,
 };
 
 /// Highest underside of a hung block whose floor is part of the equations \[m\]. The floor at the height h changes the power
@@ -70,6 +70,24 @@ pub(crate) fn tool(design: &Design) -> Option<ToolRadiation> {
         resolution: resolution(design),
         floor,
         places: Places::new(microphones, floor.is_none().then_some(plane), 0.5 * height),
+    })
+}
+
+/// The outer side of the tool's cap, where it counts to another source than the rest of the body; none where the body's
+/// radiation has no surface, as that of a rigid body or a sphere.
+pub(crate) fn cap(design: &Design) -> Option<CapSurface> {
+    let body = &design.body;
+    let by_surface = body.model == BodyModel::Elastic && design.acoustics.body_method == RadiationMethod::Bem;
+    let apart = by_surface && design.sources.convention == Convention::Wrapping;
+    apart.then(|| {
+        if body.mesh.is_empty() {
+            CapSurface::Above {
+                height: body.nose_height + body.barrel_height,
+                radius: body.cap_radius,
+            }
+        } else {
+            CapSurface::Named(SurfaceName::CapOutside.as_str())
+        }
     })
 }
 

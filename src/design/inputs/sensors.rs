@@ -1,13 +1,14 @@
-//! Accelerometers of a design, and their points on its bodies.
+//! Accelerometers of a design, and their points on its bodies; pressure transducers in its chambers.
 
 use nailnoise_acoustics::radiation::MovingSand;
 use nalgebra::Vector3;
 
 use super::radiation::moving_sand;
-use crate::design::{BodyModel, Carrier, Design, Sensor, SensorProblem, SupportKind};
+use crate::design::{BodyModel, Carrier, Design, Sensor, SensorProblem, SupportKind, Transducer};
 use crate::error::Error;
 use crate::stages::bodies::SensorPoint;
 use crate::stages::sensors::Accelerometer;
+use crate::stages::transducers::PressureTransducer;
 
 /// The sensors whose body the design has, by name.
 ///
@@ -29,6 +30,17 @@ pub(crate) fn accelerometers(design: &Design) -> Result<Vec<Accelerometer>, Erro
         })
     };
     present(design).map(accelerometer).collect()
+}
+
+/// The pressure transducers, by name.
+pub(crate) fn transducers(design: &Design) -> Vec<PressureTransducer> {
+    let transducer = |(name, own): (&String, &Transducer)| PressureTransducer {
+        name: name.clone(),
+        chamber: own.chamber,
+        position: own.position,
+        discharge_time: own.discharge_time,
+    };
+    design.transducers.iter().map(transducer).collect()
 }
 
 /// Points of the sensors that measure a body: those on the sand measure the edge of the workpiece.

@@ -21,7 +21,7 @@ const LEAST_DRAWS: usize = 8;
 
 /// Levels of a wrapping test \[dB\]; NaN where nothing is left.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TestLevels {
+pub(super) struct TestLevels {
     /// The total, E_1.
     pub total: f64,
     /// X_5, X_3, X_4: workpiece, exhaust, body less residual.
@@ -160,7 +160,10 @@ impl Quantity {
                 let (table, sand) = (of(Setup::Worktable)?, of(Setup::Sandbox)?);
                 // Draws of both are common where they were drawn together.
                 let pairs = table.drawn.iter().zip(&sand.drawn);
-                found(table.own.total - sand.own.total, pairs.map(|(a, b)| a.total - b.total).collect())
+                found(
+                    table.own.total - sand.own.total,
+                    pairs.map(|(a, b)| a.total - b.total).collect(),
+                )
             }
             Self::BlockRms(setup) => found(of(setup)?.block_rms?, Vec::new()),
             Self::Speed => {
@@ -170,7 +173,10 @@ impl Quantity {
             Self::PenetrationTime => {
                 let own = all.iter().find(|own| own.speed.is_some())?;
                 let milliseconds = |speed: f64| 1e3 * own.nail_length / speed;
-                found(milliseconds(own.speed?), own.drawn_speed.iter().copied().map(milliseconds).collect())
+                found(
+                    milliseconds(own.speed?),
+                    own.drawn_speed.iter().copied().map(milliseconds).collect(),
+                )
             }
         }
     }
@@ -209,12 +215,21 @@ pub fn predict(
 ) -> Result<Predicted, Error> {
     let rate = design.test.sampling_rate;
     let background = design.acoustics.background_level;
-    let own = exact(&test.arrangement, rate, &wrapping(design), &test.densities(shot), background)?;
+    let own = exact(
+        &test.arrangement,
+        rate,
+        &wrapping(design),
+        &test.densities(shot),
+        background,
+    )?;
     let levels = drawn.draws.iter().enumerate().map(|(place, draw)| {
         let wraps = drawn_wraps(design, seed, place as u64);
         levels_of(&own, &wraps, |source, band| change(nominal, draw, source, band))
     });
-    let block = test.arrangement.accelerometer(&["W", "block_top"]).and_then(|place| shot.sensors.get(place));
+    let block = test
+        .arrangement
+        .accelerometer(&["W", "block_top"])
+        .and_then(|place| shot.sensors.get(place));
     let own_speed = shot.cycle.summary.mean_drive_speed;
     Ok(Predicted {
         name: design.name().to_owned(),
@@ -224,7 +239,11 @@ pub fn predict(
         block_rms: block.map(|own| rms_and_peak(&own.acceleration, 1.0 / own.interval).0 / STANDARD_GRAVITY),
         speed: own_speed,
         nail_length: design.nail.length,
-        drawn_speed: drawn.draws.iter().filter_map(|draw| draw.shot.mean_drive_speed).collect(),
+        drawn_speed: drawn
+            .draws
+            .iter()
+            .filter_map(|draw| draw.shot.mean_drive_speed)
+            .collect(),
     })
 }
 

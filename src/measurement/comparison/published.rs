@@ -95,7 +95,10 @@ impl PublishedEntry {
     /// The interval that the printed value stands for; an open end is `None`.
     pub fn interval(&self) -> [Option<f64>; 2] {
         let [low, high] = self.ends;
-        [low.map(|low| low - self.rounding), high.map(|high| high + self.rounding)]
+        [
+            low.map(|low| low - self.rounding),
+            high.map(|high| high + self.rounding),
+        ]
     }
 
     /// Half of the last printed digit.
@@ -133,7 +136,9 @@ impl Published {
             path: path.to_owned(),
             channel: None,
             cause,
-            help: format!("give a JSON file of layout {LAYOUT}, as designs/measured/n80cb.json; docs/validation.md describes it"),
+            help: format!(
+                "give a JSON file of layout {LAYOUT}, as designs/measured/n80cb.json; docs/validation.md describes it"
+            ),
         };
         let bytes = read_regular(path, LARGEST).map_err(|error| unreadable(error.to_string()))?;
         let read: Self = serde_json::from_slice(&bytes).map_err(|error| unreadable(error.to_string()))?;
@@ -203,6 +208,9 @@ mod tests {
     #[test]
     fn a_file_of_another_layout_is_refused() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
-        assert!(matches!(Published::read(&path), Err(MeasurementError::Unreadable { .. })));
+        assert!(matches!(
+            Published::read(&path),
+            Err(MeasurementError::Unreadable { .. })
+        ));
     }
 }

@@ -39,6 +39,9 @@ const MUFFLER_HZ: [f64; 2] = [50.0, 400.0];
 /// Range of the background noise, of equal energy in each third octave \[Hz\].
 const BACKGROUND_HZ: [f64; 2] = [20.0, 20e3];
 
+/// Time over which the end of a sensor's record falls to zero \[s\].
+const FADE: f64 = 5e-3;
+
 /// First sample of a trigger, so that its edge is in the record.
 const FIRST_TRIGGER: usize = 2;
 
@@ -87,6 +90,16 @@ pub fn arrangement(design: &Design) -> Result<Arrangement, Error> {
         accelerometers: names.into_iter().map(|own| own.name).collect(),
         transducers: Vec::new(),
     })
+}
+
+/// A sensor's record with an end that falls to zero: it ends with the response of the workpiece, when the handle may still ring.
+fn faded(record: &[f64], interval: f64) -> Vec<f64> {
+    let count = ((FADE / interval).round() as usize).min(record.len());
+    let first = record.len() - count;
+    let fall = |i: usize| 0.5 * (1.0 + (std::f64::consts::PI * (i as f64 + 0.5) / count as f64).cos());
+    let mut faded = record.to_vec();
+    faded[first..].iter_mut().enumerate().for_each(|(i, a)| *a *= fall(i));
+    faded
 }
 
 /// A shot of a virtual test before it is wrapped.
@@ -207,16 +220,26 @@ impl<'a> VirtualTest<'a> {
         let outputs: [&dyn Input; 4] = [&chain.workpiece, &chain.exhaust, &chain.body, &chain.sensors];
         self.graph.prepare(&outputs).map_err(|error| located(design, error))?;
         let (workpiece, exhaust, body) = (chain.workpiece.get()?, chain.exhaust.get()?, chain.body.get()?);
+        // A part that counts to another source is known over a range of its own.
+        let (cap, vent) = (body.moved.as_ref(), exhaust.vent.as_ref());
         let all = [
-            (&workpiece.source, &workpiece.received),
-            (&exhaust.source, &exhaust.received),
-            (&body.source, &body.received),
+            (&workpiece.source, &workpiece.received, None),
+            (&exhaust.source, &exhaust.received, cap),
+            (&body.source, &body.received, vent),
         ];
         let mut place = 0;
-        let sources = all.map(|(source, received)| {
+        let sources = all.map(|(source, received, part)| {
             place += 1;
-            self.synthesis
-                .signals(source, received, (self.seed, 8 * stream + place))
+            let noise = 8 * stream + place;
+            let mut signals = self.synthesis.signals(source, received, (self.seed, noise));
+            if let Some(part) = part {
+                let added = self
+                    .synthesis
+                    .signals(&part.source, &part.received, (self.seed, noise + 3));
+                let samples = signals.iter_mut().flatten().zip(added.iter().flatten());
+                samples.for_each(|(sum, p)| *sum += p);
+            }
+            signals
         });
         Ok(BareShot {
             cycle: chain.cycle.get()?,
@@ -250,7 +273,7 @@ impl<'a> VirtualTest<'a> {
             let noise =
                 |n: usize| test.acceleration_noise * normal(self.seed, 64 * stream + 32 + place as u64, n as u64);
             let mut record: Vec<f64> = (0..samples).map(noise).collect();
-            let moved = resampling.apply(&own.acceleration);
+            let moved = resampling.apply(&faded(&own.acceleration, own.interval));
             record.iter_mut().skip(start).zip(moved).for_each(|(sum, a)| *sum += a);
             record
         };

@@ -43,7 +43,7 @@ impl Synthesis {
             .par_iter()
             .map(|signal| resampling.apply(signal))
             .collect();
-        let end = received.levels.range_hz[1];
+        let end = received.range_hz[1];
         if end >= self.top_hz * (1.0 - 1e-9) || source.spectrum.energy([end, self.top_hz], Weighting::Z) <= 0.0 {
             return signals;
         }

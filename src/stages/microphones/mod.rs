@@ -31,14 +31,16 @@ const LONGEST: f64 = 2.0;
 /// Name of the sum of all sources.
 const TOTAL: &str = "total";
 
-/// The microphones around a device on or above a reflecting plane.
+/// The microphones around a device above a reflecting plane.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MicrophoneArray {
     /// The ambient air.
     pub air: Air,
-    /// Foot of the device's axis on the reflecting plane, in the coordinates of the bodies \[m\].
+    /// Foot of the device's axis on the plane on which the measurement surface stands, in the coordinates of the bodies \[m\].
     pub foot: [f64; 3],
-    /// Height of the device's centre above the reflecting plane \[m\].
+    /// Height of the plane that reflects, not below that foot, in the same coordinates \[m\].
+    pub reflecting_plane: f64,
+    /// Height of the device's centre above the foot \[m\].
     pub centre_height: f64,
     /// Range in which sources are compared \[Hz\].
     pub range_hz: [f64; 2],
@@ -53,13 +55,85 @@ pub struct Room {
     pub background_level: f64,
 }
 
-/// Sound of a source at the microphones.
+/// Sound of a source, or of a part of one, at the microphones. The energies of a part may have either sign.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct AtMicrophones {
-    /// Its levels.
-    pub levels: ReceivedSource,
+    /// Name of the source.
+    pub source: String,
+    /// How its sound is carried to a place.
+    pub how: String,
+    /// Frequencies over which it is received and compared \[Hz\].
+    pub range_hz: [f64; 2],
+    /// Error of interpolated pressures over frequency, see [`ReceivedSource`].
+    pub interpolation_error: Option<f64>,
+    /// A-weighted and unweighted exposure at each microphone \[Pa² s\].
+    pub exposures: Vec<[f64; 2]>,
+    /// A-weighted energy by the microphones, and radiated over the same range \[J\].
+    pub energies: [f64; 2],
+    /// Bands that lie in the range: nominal mid-band frequency \[Hz\], energy by the microphones and radiated \[J\].
+    pub bands: Vec<(f64, [f64; 2])>,
     /// Its pressure at 48 kHz from the trigger on, microphone by microphone \[Pa\].
     pub signals: Vec<Vec<f64>>,
+}
+
+impl AtMicrophones {
+    /// Its levels.
+    fn levels(&self) -> ReceivedSource {
+        let microphones = self.exposures.iter().zip(&self.signals);
+        let [measured, radiated] = self.energies.map(energy_level);
+        let of_band = |&(hz, energies): &(f64, [f64; 2])| {
+            let [lw_db, true_lw_db] = energies.map(energy_level);
+            MicrophoneBand { hz, lw_db, true_lw_db }
+        };
+        ReceivedSource {
+            source: self.source.clone(),
+            how: self.how.clone(),
+            range_hz: self.range_hz,
+            interpolation_error: self.interpolation_error,
+            levels: microphones
+                .map(|([weighted, plain], signal)| MicrophoneLevel {
+                    lae_db: exposure_level(*weighted),
+                    le_db: exposure_level(*plain),
+                    peak_pa: peak(signal),
+                })
+                .collect(),
+            lwa_db: measured,
+            true_lwa_db: radiated,
+            bands: self.bands.iter().map(of_band).collect(),
+        }
+    }
+
+    /// The source with `factor` times a part: 1 for one that counts to it, -1 for one that does not. Each part keeps the range
+    /// over which it is received.
+    #[must_use]
+    pub fn with(&self, part: &Self, factor: f64) -> Self {
+        let add = |own: [f64; 2], other: [f64; 2]| [own[0] + factor * other[0], own[1] + factor * other[1]];
+        let mut sum = self.clone();
+        for (own, other) in sum.exposures.iter_mut().zip(&part.exposures) {
+            *own = add(*own, *other);
+        }
+        sum.energies = add(sum.energies, part.energies);
+        for (hz, energies) in &part.bands {
+            match sum.bands.iter_mut().find(|(own, _)| own == hz) {
+                Some((_, own)) => *own = add(*own, *energies),
+                None => sum.bands.push((*hz, add([0.0; 2], *energies))),
+            }
+        }
+        sum.bands.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (own, other) in sum.signals.iter_mut().zip(&part.signals) {
+            own.iter_mut().zip(other).for_each(|(own, p)| *own += factor * p);
+        }
+        if factor > 0.0 {
+            let ([low, high], [from, to]) = (sum.range_hz, part.range_hz);
+            sum.how = format!("{}; {}: {}, {from:.0} to {to:.0} Hz", sum.how, part.source, part.how);
+            sum.range_hz = [low.min(from), high.max(to)];
+            sum.interpolation_error = [sum.interpolation_error, part.interpolation_error]
+                .into_iter()
+                .flatten()
+                .reduce(f64::max);
+        }
+        sum
+    }
 }
 
 /// Levels and signals of all sources at the microphones.
@@ -83,19 +157,11 @@ impl MicrophoneArray {
         self.surface().positions_around(self.foot.into())
     }
 
-    /// Height of the reflecting plane \[m\].
-    fn plane(&self) -> f64 {
-        self.foot[2]
-    }
-
-    /// Levels of a source at the microphones, in the range in which all are compared.
-    fn levels(&self, received: Received<'_>) -> Result<AtMicrophones, Error> {
+    /// Energies of a source at the microphones, in the range in which all are compared.
+    fn received(&self, received: Received<'_>) -> Result<AtMicrophones, Error> {
         let [low, high] = self.range_hz;
         let within = [received.range[0].max(low), received.range[1].min(high)];
-        Ok(AtMicrophones {
-            levels: levels(&received, self.surface().area(), within)?,
-            signals: received.signals,
-        })
+        energies(received, self.surface().area(), within)
     }
 
     /// Levels and signals of every source and of all together, for a shot whose records last until `end` \[s\].
@@ -111,11 +177,9 @@ impl MicrophoneArray {
                 sum.iter_mut().zip(signal).for_each(|(sum, p)| *sum += p);
             }
         }
-        let sources: Vec<ReceivedSource> = all.iter().map(|source| source.levels.clone()).collect();
-        let measured = by_iso_3744(room, &self.air, &surface, &sources, &total)?;
-        let own = all
-            .iter()
-            .map(|source| (source.levels.source.clone(), source.signals.clone()));
+        let sources: Vec<ReceivedSource> = all.iter().map(|source| source.levels()).collect();
+        let measured = by_iso_3744(room, &self.air, &surface, &all, &total)?;
+        let own = all.iter().map(|source| (source.source.clone(), source.signals.clone()));
         let signals: Vec<(String, Vec<Vec<f64>>)> = own.chain([(TOTAL.to_owned(), total)]).collect();
         let peaks = signals
             .iter()
@@ -133,8 +197,8 @@ impl MicrophoneArray {
     }
 }
 
-/// A source's levels at the microphones, and by the standard's surface without room and background.
-fn levels(received: &Received<'_>, area: f64, range: [f64; 2]) -> Result<ReceivedSource, Error> {
+/// A source's energies at the microphones, and by the standard's surface without room and background.
+fn energies(received: Received<'_>, area: f64, range: [f64; 2]) -> Result<AtMicrophones, Error> {
     let exposure = |row: usize, weighting: Weighting| -> f64 {
         let of_part = |part: &Part| -> f64 {
             let weights = energy_weights(&part.frequency, range, weighting);
@@ -146,15 +210,7 @@ fn levels(received: &Received<'_>, area: f64, range: [f64; 2]) -> Result<Receive
         };
         received.parts.iter().map(of_part).sum()
     };
-    let levels = received
-        .signals
-        .iter()
-        .enumerate()
-        .map(|(row, signal)| MicrophoneLevel {
-            lae_db: exposure_level(exposure(row, Weighting::A)),
-            le_db: exposure_level(exposure(row, Weighting::Z)),
-            peak_pa: peak(signal),
-        });
+    let exposures = (0..received.signals.len()).map(|row| [Weighting::A, Weighting::Z].map(|w| exposure(row, w)));
     // The mean exposure over the surface, as the power that an impedance of 400 Pa s/m makes of it.
     let as_power = |part: &Part| {
         let mean = part.exposure.row_mean().iter().map(|e| e * area / REFERENCE).collect();
@@ -164,25 +220,23 @@ fn levels(received: &Received<'_>, area: f64, range: [f64; 2]) -> Result<Receive
     let measured = SourceSpectrum::sum("microphones", "ISO 3744", &parts);
     let whole = |b: &BandLevel| b.band.low >= range[0] * (1.0 - 1e-9) && b.band.high <= range[1] * (1.0 + 1e-9);
     let bands = measured.band_levels(range);
-    let of_band = |(measured, radiated): (&BandLevel, &BandLevel)| MicrophoneBand {
-        hz: measured.band.nominal_hz(),
-        lw_db: measured.lw,
-        true_lw_db: radiated.lw,
+    let of_band = |(measured, radiated): (&BandLevel, &BandLevel)| {
+        (measured.band.nominal_hz(), [measured.energy, radiated.energy])
     };
-    Ok(ReceivedSource {
+    Ok(AtMicrophones {
         source: received.radiated.source.clone(),
         how: received.how.to_owned(),
         range_hz: range,
         interpolation_error: received.interpolation_error,
-        levels: levels.collect(),
-        lwa_db: energy_level(measured.energy(range, Weighting::A)),
-        true_lwa_db: energy_level(received.radiated.energy(range, Weighting::A)),
+        exposures: exposures.collect(),
+        energies: [&measured, received.radiated].map(|spectrum| spectrum.energy(range, Weighting::A)),
         bands: bands
             .iter()
             .zip(&received.radiated.band_levels(range))
             .filter(|(b, _)| whole(b))
             .map(of_band)
             .collect(),
+        signals: received.signals,
     })
 }
 
@@ -191,21 +245,27 @@ fn by_iso_3744(
     room: &Room,
     air: &Air,
     surface: &Iso3744Box,
-    sources: &[ReceivedSource],
+    sources: &[&AtMicrophones],
     signals: &[Vec<f64>],
 ) -> Result<ArrayMeasurement, Error> {
-    let sum = |level: &dyn Fn(&ReceivedSource) -> Option<f64>| -> f64 {
-        sources.iter().map(|s| level_energy(level(s))).sum()
+    // Those of the levels that the result gives of each source.
+    let rounded = |energy: f64| {
+        if energy < 0.0 {
+            energy
+        } else {
+            level_energy(energy_level(energy))
+        }
     };
+    let sum = |energy: &dyn Fn(&AtMicrophones) -> f64| -> f64 { sources.iter().map(|s| rounded(energy(s))).sum() };
     let levels = (0..signals.len()).map(|row| MicrophoneLevel {
-        lae_db: energy_level(sum(&|s| s.levels[row].lae_db)),
-        le_db: energy_level(sum(&|s| s.levels[row].le_db)),
+        lae_db: energy_level(sum(&|s| s.exposures[row][0] / REFERENCE)),
+        le_db: energy_level(sum(&|s| s.exposures[row][1] / REFERENCE)),
         peak_pa: peak(&signals[row]),
     });
     let area = surface.area();
-    let radiated = sum(&|s| s.true_lwa_db);
+    let radiated = sum(&|s| s.energies[1]);
     // Energies as they stand for mean exposures: E = 400 Pa s/m x S x mean.
-    let direct = sum(&|s| s.lwa_db);
+    let direct = sum(&|s| s.energies[0]);
     let (reverberant, k2) = if room.absorption > 0.0 {
         let absorption = room.absorption;
         (

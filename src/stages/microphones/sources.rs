@@ -67,18 +67,51 @@ impl MicrophoneArray {
     ///
     /// # Errors
     /// Those of the levels.
-    pub fn pressures(&self, found: Pressures, radiated: &SourceSpectrum, end: f64) -> Result<AtMicrophones, Error> {
+    pub fn pressures(&self, found: &Pressures, radiated: &SourceSpectrum, end: f64) -> Result<AtMicrophones, Error> {
+        let exposure = self.reflected(found).map(|p| 2.0 * p.norm_sqr());
+        self.of_pressures(found, exposure, radiated, end)
+    }
+
+    /// Sound of a part of a source from the pressures of the whole and of the part at the same places and frequencies:
+    /// exposures 2 Re(p_i conj p), of either sign, whose sum over all parts is that of the source; signals those of p_i.
+    ///
+    /// # Errors
+    /// Those of the levels.
+    pub fn part(
+        &self,
+        whole: &Pressures,
+        part: &Pressures,
+        radiated: &SourceSpectrum,
+        end: f64,
+    ) -> Result<AtMicrophones, Error> {
+        let [all, own] = [whole, part].map(|found| self.reflected(found));
+        let exposure = own.zip_map(&all, |own, all| 2.0 * (own * all.conj()).re);
+        self.of_pressures(part, exposure, radiated, end)
+    }
+
+    /// Pressures at the microphones with those reflected from the plane, which are the pressures at the microphones' images.
+    fn reflected(&self, found: &Pressures) -> DMatrix<Complex<f64>> {
+        let (values, places) = (&found.values, self.positions().len());
+        if values.nrows() == 2 * places {
+            values.rows(0, places) + values.rows(places, places)
+        } else {
+            values.clone()
+        }
+    }
+
+    fn of_pressures(
+        &self,
+        found: &Pressures,
+        exposure: DMatrix<f64>,
+        radiated: &SourceSpectrum,
+        end: f64,
+    ) -> Result<AtMicrophones, Error> {
         let receivers = Receivers::new(self, end);
         let frequency = &found.frequency;
-        let mut pressures = found.values;
-        let places = receivers.positions.len();
-        if pressures.nrows() == 2 * places {
-            // Reflections from the plane are the pressures at the microphones' images.
-            pressures = pressures.rows(0, places) + pressures.rows(places, places);
-        }
+        let mut pressures = self.reflected(found);
         let part = Part {
             frequency: frequency.clone(),
-            exposure: pressures.map(|p| 2.0 * p.norm_sqr()),
+            exposure,
         };
         if let Some([from, to]) = found.fade_hz {
             for (mut bin, hz) in pressures.column_iter_mut().zip(frequency) {
@@ -87,7 +120,7 @@ impl MicrophoneArray {
             }
         }
         let (_, signals) = receivers.of_pressures(frequency, &pressures);
-        self.levels(Received {
+        self.received(Received {
             radiated,
             how: found.method,
             range: found.range_hz,
@@ -106,7 +139,7 @@ impl MicrophoneArray {
         let spread = |(_, signals): &(&str, PowerSignals)| receivers.spread(centre.into(), signals);
         let parts = source.signals.iter().map(spread);
         let (parts, signals): (Vec<Part>, Vec<_>) = parts.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
-        self.levels(Received {
+        self.received(Received {
             radiated: &source.spectrum,
             how: "spread evenly: ERP knows no directions",
             range: source.spectrum.range_hz,
@@ -140,7 +173,7 @@ impl MicrophoneArray {
         let mut pressures = DMatrix::zeros(receivers.positions.len(), frequency.len());
         // The cycle counts downwards.
         let down = -Vector3::z();
-        let plane = Some(self.plane());
+        let plane = Some(self.reflecting_plane);
         for (mut row, place) in pressures.row_iter_mut().zip(&receivers.positions) {
             for ((p, hz), a) in row.iter_mut().zip(&frequency).zip(&motion) {
                 let unit = oscillating_sphere_pressure(*hz, sphere.volume, centre, down, *place, plane, &self.air)?;
@@ -154,7 +187,7 @@ impl MicrophoneArray {
             parts.push(part);
             signals.push(signal);
         }
-        self.levels(Received {
+        self.received(Received {
             radiated: &source.spectrum,
             how: if parts.len() > 1 {
                 "shaken sphere, vibration of the housing spread evenly"
@@ -168,15 +201,15 @@ impl MicrophoneArray {
         })
     }
 
-    /// Sound of the exhaust's openings: jets in all directions around the tool's top, and the point source of the outflow;
-    /// `end` is that of all records \[s\], `noise_seed` that of the jets' noise.
+    /// Sound of the exhaust's openings, numbered from `first` on: jets in all directions around the tool's top, and the point
+    /// source of the outflow; `end` is that of all records \[s\], `noise_seed` that of the jets' noise.
     ///
     /// # Errors
     /// A microphone at the outlet; those of the levels.
     pub fn exhaust(
         &self,
         outlet: &JetOutlet,
-        (openings, noise_seed): (&[ExhaustNoise], u32),
+        (first, openings, noise_seed): (usize, &[ExhaustNoise], u32),
         radiated: &SourceSpectrum,
         end: f64,
     ) -> Result<AtMicrophones, Error> {
@@ -186,11 +219,11 @@ impl MicrophoneArray {
             directions: jets(outlet.thrust_share),
         };
         let floor = Floor {
-            height: self.plane(),
+            height: self.reflecting_plane,
             coherence: 0.0,
         };
         let (mut parts, mut signals) = (Vec::new(), Vec::new());
-        for (number, opening) in openings.iter().enumerate() {
+        for (number, opening) in (first..).zip(openings) {
             let at = |(microphone, place): (usize, &Point3<f64>)| {
                 let point: [f64; 3] = (*place).into();
                 let recording = Recording {
@@ -212,7 +245,7 @@ impl MicrophoneArray {
             });
             signals.push(of_opening);
         }
-        self.levels(Received {
+        self.received(Received {
             radiated,
             how: "jets all around the tool's top",
             range: radiated.range_hz,
@@ -239,7 +272,7 @@ impl<'a> Receivers<'a> {
         Self {
             air: &array.air,
             positions: array.positions(),
-            plane: array.plane(),
+            plane: array.reflecting_plane,
             samples: samples(end),
         }
     }

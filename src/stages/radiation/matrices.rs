@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::CODE;
 use super::boundary_elements::Places;
 use super::flush::{sampled, sampling_to, top_of};
-use super::tool::ToolRadiation;
+use super::tool::{CapSurface, ToolRadiation};
 use super::workpiece::WorkpieceBoundaryElements;
 use crate::error::Error;
 use crate::stages::bodies::Body;
@@ -62,6 +62,34 @@ impl Stage for ToolMatrix {
 
     fn compute(&self, progress: &Progress) -> Result<ModalBem, Error> {
         self.elements.compute(&self.body.get()?.moving_surface(), progress)
+    }
+}
+
+/// Boundary elements of the tool's housing in the motion of each mode, and behind them with its cap alone in that motion.
+#[derive(Serialize)]
+pub struct ToolCapMatrix {
+    /// Surroundings and resolution.
+    pub elements: ToolRadiation,
+    /// The cap.
+    pub cap: CapSurface,
+    /// The body.
+    pub body: Stored<Body>,
+}
+
+impl Stage for ToolCapMatrix {
+    type Output = ModalBem;
+    type Codec = Postcard;
+    const NAME: &'static str = "radiation of the tool's cap";
+    const CODE: Code = CODE;
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        vec![&self.body]
+    }
+
+    fn compute(&self, progress: &Progress) -> Result<ModalBem, Error> {
+        let body = self.body.get()?;
+        self.elements
+            .compute_with_cap(&body.moving_surface(), &self.cap, progress)
     }
 }
 

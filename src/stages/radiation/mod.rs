@@ -12,9 +12,9 @@ mod workpiece;
 
 pub use boundary_elements::{Places, Resolution};
 pub use flush::{FlushTop, top_of};
-pub use matrices::{FlushMatrix, ToolMatrix, WorkpieceMatrix};
+pub use matrices::{FlushMatrix, ToolCapMatrix, ToolMatrix, WorkpieceMatrix};
 pub use radiators::{RadiationDamping, ToolRadiator, WorkpieceMethod, WorkpieceRadiator};
-pub use tool::ToolRadiation;
+pub use tool::{CapSurface, ToolRadiation};
 pub use workpiece::{Covered, WorkpieceBoundaryElements, WorkpieceRadiation};
 
 use super::{Code, code};

@@ -8,7 +8,9 @@
 //! frequencies and cancel in every band that is wider; its reflection at a microphone is the sound at the microphone's image.
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::bem::{Boundary, ClosedOutline, Exterior, MeshRange, ModalBem, Parity, Patterns};
+use nailnoise_acoustics::bem::{
+    Boundary, BoundaryMesh, ClosedOutline, Exterior, MeshRange, ModalBem, Panel, Parity, Patterns,
+};
 use nailnoise_meshes::Surface;
 use nalgebra::DMatrix;
 use serde::Serialize;
@@ -17,6 +19,51 @@ use super::boundary_elements::{LOWEST_SAMPLE, MeshRanges, Places, Resolution};
 use crate::error::Error;
 use crate::stages::Progress;
 use crate::stages::bodies::MovingSurface;
+
+/// How far a node may be off the cap that it belongs to, as a share of the cap's radius.
+const OFF_CAP: f64 = 1e-3;
+
+/// The outer side of the tool's cap.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub enum CapSurface {
+    /// All of the outline from a height on, within a radius around the axis \[m\].
+    Above {
+        /// Height of the cap's underside in the tool's coordinates \[m\].
+        height: f64,
+        /// Radius of the cap \[m\].
+        radius: f64,
+    },
+    /// The surface of this name.
+    Named(&'static str),
+}
+
+impl CapSurface {
+    /// Which panels of a boundary are part of it.
+    ///
+    /// # Errors
+    /// [`Error::NoCapSurface`] where none or all are.
+    fn panels(&self, mesh: &BoundaryMesh) -> Result<Vec<bool>, Error> {
+        let inside = |panel: &Panel| match *self {
+            Self::Above { height, radius } => panel.corners().iter().all(|&node| {
+                let (point, slack) = (mesh.points[node], OFF_CAP * radius);
+                point.z >= height - slack && point.x.hypot(point.y) <= radius + slack
+            }),
+            Self::Named(name) => mesh.patches[panel.patch] == name,
+        };
+        let panels: Vec<bool> = mesh.panels.iter().map(inside).collect();
+        let own = panels.iter().filter(|own| **own).count();
+        if own == 0 || own == panels.len() {
+            return Err(Error::NoCapSurface {
+                surface: match self {
+                    Self::Above { .. } => None,
+                    Self::Named(name) => Some(name),
+                },
+                panels: [own, panels.len()],
+            });
+        }
+        Ok(panels)
+    }
+}
 
 /// Most panels of a useful coarser mesh over those of the finest.
 const WORTH_WHILE: f64 = 0.6;
@@ -44,40 +91,64 @@ impl ToolRadiation {
     /// # Errors
     /// Those of mesh and boundary elements.
     pub fn compute(&self, body: &MovingSurface<'_>, progress: &Progress) -> Result<ModalBem, Error> {
-        let levels = self.levels(body, &Air::default())?;
+        self.solve(
+            self.levels(body, None, &Air::default())?,
+            ("tool", "boundary elements of the tool"),
+            progress,
+        )
+    }
+
+    /// The same with two columns a mode: first each mode of the whole body, then each with the cap alone in motion.
+    ///
+    /// # Errors
+    /// As [`Self::compute`], and [`Error::NoCapSurface`].
+    pub fn compute_with_cap(
+        &self,
+        body: &MovingSurface<'_>,
+        cap: &CapSurface,
+        progress: &Progress,
+    ) -> Result<ModalBem, Error> {
+        self.solve(
+            self.levels(body, Some(cap), &Air::default())?,
+            ("tool with its cap apart", "boundary elements of the tool's cap"),
+            progress,
+        )
+    }
+
+    fn solve(
+        &self,
+        levels: Vec<MeshRange>,
+        (body, task): (&str, &'static str),
+        progress: &Progress,
+    ) -> Result<ModalBem, Error> {
         let top_hz = levels.iter().map(|level| level.top_hz).fold(0.0, f64::max);
         let ranges = MeshRanges {
             solves: solves(&levels),
             levels,
             lowest_hz: LOWEST_SAMPLE.min(0.1 * top_hz),
         };
-        ranges.note("tool", SAMPLES, progress);
+        ranges.note(body, SAMPLES, progress);
         if let Some(finest) = ranges.finest() {
             let repairs = finest.problem.boundary().repairs();
             if repairs.flipped > 0 {
                 progress.note(&format!("tool: {repairs}; look at its mesh"));
             }
         }
-        ranges.solve(
-            "boundary elements of the tool",
-            &self.resolution,
-            &self.places,
-            progress,
-        )
+        ranges.solve(task, &self.resolution, &self.places, progress)
     }
 
-    /// Checks that the housing's own mesh can radiate, before it has modes.
+    /// Checks that the housing's own mesh can radiate, and has a cap where that is asked for, before it has modes.
     ///
     /// # Errors
-    /// As [`Self::level`].
-    pub fn check(&self, surface: &Surface) -> Result<(), Error> {
+    /// As [`Self::level`], and [`Error::NoCapSurface`].
+    pub fn check(&self, surface: &Surface, cap: Option<&CapSurface>) -> Result<(), Error> {
         let modes = DMatrix::zeros(3 * surface.points.len(), 0);
         let body = MovingSurface {
             body: "tool",
             surface,
             modes: &modes,
         };
-        self.level(&body, &Air::default()).map(drop)
+        self.level_with_cap(&body, cap, &Air::default()).map(drop)
     }
 
     /// The housing's own mesh, its nose closed, up to the frequency that it resolves.
@@ -85,12 +156,26 @@ impl ToolRadiation {
     /// # Errors
     /// Those of the mesh.
     pub fn level(&self, body: &MovingSurface<'_>, air: &Air) -> Result<MeshRange, Error> {
+        self.level_with_cap(body, None, air)
+    }
+
+    /// The same, with each mode of the cap alone behind those of the whole where it is apart.
+    fn level_with_cap(
+        &self,
+        body: &MovingSurface<'_>,
+        cap: Option<&CapSurface>,
+        air: &Air,
+    ) -> Result<MeshRange, Error> {
         let outline = ClosedOutline::new(body.surface, self.floor)?;
         let motion = outline.motion(body.surface, body.modes);
         let boundary = Boundary::new(outline.mesh, self.floor)?;
+        let mut velocities = boundary.project_displacements(&motion)?;
+        if let Some(cap) = cap {
+            velocities = beside_part(velocities, boundary.mesh(), &cap.panels(boundary.mesh())?);
+        }
         let patterns = Patterns {
             parity: Parity::default(),
-            velocities: boundary.project_displacements(&motion)?,
+            velocities,
         };
         let Resolution { top_hz, panels, .. } = self.resolution;
         let top_hz = boundary.highest_hz(air.sound_speed, panels).min(top_hz);
@@ -105,9 +190,9 @@ impl ToolRadiation {
     /// The housing's mesh, below it where that saves much a coarser one of the same surface, which resolves the same waves:
     /// alone in the lower part of the range, in the upper part to predict the matrix between the few frequencies of the
     /// finer.
-    fn levels(&self, body: &MovingSurface<'_>, air: &Air) -> Result<Vec<MeshRange>, Error> {
+    fn levels(&self, body: &MovingSurface<'_>, cap: Option<&CapSurface>, air: &Air) -> Result<Vec<MeshRange>, Error> {
         let panels = self.resolution.panels;
-        let fine = self.level(body, air)?;
+        let fine = self.level_with_cap(body, cap, air)?;
         let boundary = fine.problem.boundary();
         let edge = air.sound_speed / (panels * fine.top_hz);
         let worth_while = WORTH_WHILE * boundary.mesh().panels.len() as f64;
@@ -132,6 +217,23 @@ impl ToolRadiation {
         };
         Ok(vec![below, fine])
     }
+}
+
+/// Velocity patterns (corner values of the panels x modes), and behind them the same with `part` of the panels alone in
+/// motion.
+fn beside_part(velocities: DMatrix<f64>, mesh: &BoundaryMesh, part: &[bool]) -> DMatrix<f64> {
+    let modes = velocities.ncols();
+    let mut both = velocities.resize_horizontally(2 * modes, 0.0);
+    let mut row = 0;
+    for (panel, own) in mesh.panels.iter().zip(part) {
+        for row in row..row + panel.corners().len() {
+            if *own {
+                (0..modes).for_each(|mode| both[(row, modes + mode)] = both[(row, mode)]);
+            }
+        }
+        row += panel.corners().len();
+    }
+    both
 }
 
 /// Number of frequencies that are solved on each mesh, about: alone on three pieces of the range, beside a coarser one at

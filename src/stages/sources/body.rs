@@ -1,12 +1,13 @@
 //! The tool's body as a source: rigid, or elastic by boundary elements or as the sphere of its volume.
 
-use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::ModalBem;
 use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
 use nailnoise_acoustics::radiation::{
-    CompactErp, Erp, ModalSpectra, RadiatingSurface, radiated_energy, radiated_signals, sphere_efficiency,
+    CompactErp, Erp, ModalSpectra, PartOfSurface, RadiatingSurface, radiated_energy, radiated_signals,
+    sphere_efficiency,
 };
 use nailnoise_acoustics::radiator::{MovingBody, Radiator, RigidSphere};
+use nailnoise_acoustics::{AcousticsError, Air};
 use nailnoise_dynamics::CycleRecord;
 use nailnoise_meshes::open_faces;
 use nalgebra::Complex;
@@ -16,14 +17,19 @@ use super::{CODE, SurfaceSource};
 use crate::error::Error;
 use crate::result::{CrossCheck, Uncertainty};
 use crate::stages::bodies::Body;
+use crate::stages::convention::MovedPart;
+use crate::stages::intervals::EventEdges;
 use crate::stages::microphones::{MicrophoneArray, ToolSphere};
-use crate::stages::sound::Sound;
+use crate::stages::sound::{Sound, SoundSource};
 use crate::stages::spectra::BodyMotion;
-use crate::stages::truncation::Part;
+use crate::stages::truncation::{Part, truncations};
 use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored};
 
 /// Name of the source.
 const NAME: &str = "body";
+
+/// Name of the part of the source that counts to the exhaust by the convention of wrapping.
+const CAP: &str = "cap";
 
 /// Name of the part of the source that the elastic modes radiate.
 const VIBRATION: &str = "housing";
@@ -56,6 +62,8 @@ pub struct Housing {
     pub radiator: Option<Stored<ModalBem>>,
     /// Damping ratio that radiation adds to its modes, where it damps them \[-\].
     pub radiation_damping: Option<Stored<Vec<Vec<f64>>>>,
+    /// How it radiates with its cap alone in motion, behind each mode of the whole, where the cap counts to another source.
+    pub cap: Option<Stored<ModalBem>>,
 }
 
 impl BodySound {
@@ -66,6 +74,7 @@ impl BodySound {
             inputs.extend([&housing.body as &dyn Input, &housing.motion]);
             inputs.extend(housing.radiator.iter().map(|radiator| radiator as &dyn Input));
             inputs.extend(housing.radiation_damping.iter().map(|damping| damping as &dyn Input));
+            inputs.extend(housing.cap.iter().map(|cap| cap as &dyn Input));
         }
         inputs
     }
@@ -85,6 +94,31 @@ impl BodySound {
             }
             None => self.as_sphere(&body, &motion.spectra, &record),
         }
+    }
+
+    /// Energy and signals of its cap, where that counts to another source.
+    pub(in crate::stages) fn cap(&self) -> Result<Option<PartOfSurface>, Error> {
+        let housing = self.housing.as_ref();
+        let Some((housing, cap)) = housing.and_then(|housing| Some((housing, housing.cap.as_ref()?))) else {
+            return Ok(None);
+        };
+        let motion = housing.motion.get()?;
+        Ok(Some(PartOfSurface::new(CAP, &*cap.get()?, &motion.spectra)?))
+    }
+
+    /// The source without its cap, and the cap, analysed between the events.
+    pub(in crate::stages) fn analysed(
+        &self,
+        sound: Sound,
+        edges: &EventEdges,
+    ) -> Result<(SoundSource, Option<SoundSource>), Error> {
+        let uncertainty = sound.uncertainty.clone();
+        let whole = SoundSource::new(sound, edges, self.range_hz);
+        let Some(cap) = self.cap()? else {
+            return Ok((whole, None));
+        };
+        let cap = SoundSource::of_part(cap, uncertainty, edges, self.range_hz);
+        Ok((whole.without(&cap).map_err(AcousticsError::from)?, Some(cap)))
     }
 
     fn rigid<'a>(&'a self, record: &'a CycleRecord) -> RigidSphere<'a> {
@@ -237,7 +271,7 @@ impl Stage for BodySource {
             Some((bem, motion)) => Radiator::pressures(&*bem.get()?, &[&motion.get()?.spectra])?,
             None => None,
         };
-        let received = match pressures {
+        let mut received = match &pressures {
             Some(pressures) => self.microphones.pressures(pressures, &sound.spectrum, end)?,
             None => self
                 .microphones
@@ -249,17 +283,35 @@ impl Stage for BodySource {
             top_hz: housing.top_hz,
         });
         let range = self.microphones.range_hz;
-        Ok(SurfaceSource::new(
-            (NAME, sound),
+        let truncations = truncations((NAME, &sound.spectrum), range, parts);
+        let (source, cap) = self.sound.analysed(sound, &EventEdges::new(&record.events, end))?;
+        let moving = housing.and_then(|housing| Some((housing.cap.as_ref()?, &housing.motion)));
+        let moved = match (cap, moving, pressures) {
+            (Some(source), Some((bem, motion)), Some(whole)) => {
+                let motion = motion.get()?;
+                let still = ModalSpectra {
+                    accelerations: &motion.spectra.accelerations * Complex::default(),
+                    ..motion.spectra.clone()
+                };
+                let cap = Radiator::pressures(&*bem.get()?, &[&still, &motion.spectra])?;
+                let cap = cap.map(|cap| self.microphones.part(&whole, &cap, &source.spectrum, end));
+                cap.transpose()?.map(|received| MovedPart { source, received })
+            }
+            _ => None,
+        };
+        if let Some(cap) = &moved {
+            received = received.with(&cap.received, -1.0);
+        }
+        Ok(SurfaceSource {
+            source,
             received,
-            parts,
-            (&record.events, end),
-            range,
-        ))
+            truncations,
+            moved,
+        })
     }
 }
 
-/// Energy of the tool's body over frequency alone.
+/// Energy of the tool's body over frequency alone, and of its cap where that counts to another source.
 #[derive(Serialize)]
 pub struct BodyEnergy {
     /// What it is computed from.
@@ -267,7 +319,8 @@ pub struct BodyEnergy {
 }
 
 impl Stage for BodyEnergy {
-    type Output = SourceSpectrum;
+    /// The body without its cap, and the cap.
+    type Output = (SourceSpectrum, Option<SourceSpectrum>);
     type Codec = Postcard;
     const NAME: &'static str = "energy of the tool's body";
     const CODE: Code = CODE;
@@ -276,7 +329,12 @@ impl Stage for BodyEnergy {
         self.sound.inputs()
     }
 
-    fn compute(&self, _: &Progress) -> Result<SourceSpectrum, Error> {
-        Ok(self.sound.sound()?.spectrum)
+    fn compute(&self, _: &Progress) -> Result<(SourceSpectrum, Option<SourceSpectrum>), Error> {
+        let whole = self.sound.sound()?.spectrum;
+        let Some(cap) = self.sound.cap()? else {
+            return Ok((whole, None));
+        };
+        let rest = whole.without(&cap.spectrum).map_err(AcousticsError::from)?;
+        Ok((rest, Some(cap.spectrum)))
     }
 }

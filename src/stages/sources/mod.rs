@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 pub use body::{BodyEnergy, BodySound, BodySource, Housing};
 pub use workpiece::{WorkpieceEnergy, WorkpieceSound, WorkpieceSource};
 
+use super::convention::MovedPart;
 use super::intervals::EventEdges;
 use super::microphones::AtMicrophones;
 use super::sound::{Sound, SoundSource};
@@ -23,6 +24,7 @@ const CODE: Code = code!(
     fem,
     acoustics,
     stages_bodies,
+    stages_convention,
     stages_intervals,
     stages_microphones,
     stages_radiation,
@@ -43,8 +45,10 @@ pub struct SurfaceSource {
     pub source: SoundSource,
     /// Its sound at the microphones.
     pub received: AtMicrophones,
-    /// Energy that its model lacks above top frequencies.
+    /// Energy that its model lacks above top frequencies, those parts included that count to another source.
     pub truncations: Vec<Truncation>,
+    /// What of it counts to another source and is no part of this one.
+    pub moved: Option<MovedPart>,
 }
 
 impl SurfaceSource {
@@ -61,6 +65,7 @@ impl SurfaceSource {
             truncations: truncations((name, &sound.spectrum), range_hz, parts),
             source: SoundSource::new(sound, &EventEdges::new(events, end), range_hz),
             received,
+            moved: None,
         }
     }
 

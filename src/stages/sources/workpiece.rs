@@ -98,7 +98,7 @@ impl Stage for WorkpieceSource {
         let (bodies, motions) = (all(&self.sound.bodies)?, all(&self.sound.motions)?);
         let spectra: Vec<&ModalSpectra> = motions.iter().map(|motion| &motion.spectra).collect();
         let received = match self.sound.radiator.get()?.pressures(&spectra)? {
-            Some(pressures) => self.microphones.pressures(pressures, &sound.spectrum, end)?,
+            Some(pressures) => self.microphones.pressures(&pressures, &sound.spectrum, end)?,
             None => self.microphones.spread_evenly(self.centre, &sound, end)?,
         };
         let parts = bodies.iter().zip(&self.top_hz).map(|(body, top_hz)| Part {

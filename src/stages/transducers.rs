@@ -1,0 +1,137 @@
+//! Pressure transducers in the chambers of the tool.
+
+use nailnoise_dynamics::CycleRecord;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::{Code, Input, NotKept, Progress, Stage, Stored, code};
+use crate::design::Chamber;
+use crate::error::Error;
+
+/// A piezoelectric pressure transducer.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PressureTransducer {
+    /// Name in the design.
+    pub name: String,
+    /// Where it is.
+    pub chamber: Chamber,
+    /// Travel of the piston at which it passes a transducer in the cylinder's wall \[m\].
+    pub position: f64,
+    /// Discharge time of its amplifier, tau \[s\].
+    pub discharge_time: f64,
+}
+
+/// Signal of one transducer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PressureRecord {
+    /// Name in the design.
+    pub name: String,
+    /// Where it is.
+    pub chamber: Chamber,
+    /// Sampling interval, the first sample at t = 0 \[s\].
+    pub interval: f64,
+    /// Reading, 0 for the pressure at t = 0 \[Pa\].
+    pub values: Vec<f64>,
+}
+
+/// Signals of all pressure transducers of a shot.
+///
+/// Its output is not kept: to compute it takes less time than to read it would.
+#[derive(Serialize)]
+pub struct Transducers {
+    /// The transducers.
+    pub transducers: Vec<PressureTransducer>,
+    /// The cycle.
+    pub cycle: Stored<CycleRecord>,
+}
+
+impl Stage for Transducers {
+    type Output = Vec<PressureRecord>;
+    type Codec = NotKept;
+    const NAME: &'static str = "pressure transducers";
+    const CODE: Code = code!(dynamics, stages_transducers);
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        vec![&self.cycle]
+    }
+
+    fn compute(&self, _: &Progress) -> Result<Vec<PressureRecord>, Error> {
+        let record = self.cycle.get()?;
+        let signal = |transducer: &PressureTransducer| PressureRecord {
+            name: transducer.name.clone(),
+            chamber: transducer.chamber,
+            interval: record.sample_interval,
+            values: discharged(
+                &transducer.pressure(&record),
+                record.sample_interval,
+                transducer.discharge_time,
+            ),
+        };
+        Ok(self.transducers.par_iter().map(signal).collect())
+    }
+}
+
+impl PressureTransducer {
+    /// Absolute pressure before it \[Pa\]. In the cylinder's wall it belongs to the volume below the piston until the piston
+    /// has passed it, and to that above while the piston is lower.
+    fn pressure(&self, record: &CycleRecord) -> Vec<f64> {
+        let (above, below) = (&record.above_piston.pressure, &record.below_piston.pressure);
+        match self.chamber {
+            Chamber::Return => record.return_volume.pressure.clone(),
+            Chamber::Cylinder => {
+                let travel = record.motion.piston_travel.iter();
+                let volumes = above.iter().zip(below);
+                travel
+                    .zip(volumes)
+                    .map(|(y, (above, below))| if *y > self.position { *above } else { *below })
+                    .collect()
+            }
+        }
+    }
+}
+
+/// A signal behind the first-order high-pass of a discharging charge, from rest at its first value.
+///
+/// ```text
+/// y' + y/tau = p'      H = s tau/(1 + s tau)
+/// ```
+///
+/// The solution is exact for a pressure that is linear between its samples, `interval` \[s\] apart.
+fn discharged(pressure: &[f64], interval: f64, tau: f64) -> Vec<f64> {
+    let ratio = interval / tau;
+    let (kept, gained) = ((-ratio).exp(), -(-ratio).exp_m1() / ratio);
+    let mut reading = 0.0;
+    let steps = pressure.windows(2).map(|pair| {
+        reading = kept * reading + gained * (pair[1] - pair[0]);
+        reading
+    });
+    let first = pressure.first().map(|_| 0.0);
+    first.into_iter().chain(steps).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ramp_is_read_up_to_its_slope_times_the_discharge_time() {
+        let (interval, tau, slope) = (1e-3, 0.02, 5e6);
+        let ramp: Vec<f64> = (0..100).map(|n| 1e5 + slope * interval * f64::from(n)).collect();
+        let read = discharged(&ramp, interval, tau);
+        for (n, value) in read.iter().enumerate() {
+            let exact = slope * tau * -(-(n as f64) * interval / tau).exp_m1();
+            assert!((value - exact).abs() <= 1e-9 * slope * tau, "{n}: {value} {exact}");
+        }
+    }
+
+    #[test]
+    fn a_static_pressure_is_not_read_and_a_long_discharge_keeps_every_change() {
+        assert!(discharged(&[7e5; 50], 1e-5, 0.1).iter().all(|value| *value == 0.0));
+        assert_eq!(discharged(&[], 1e-5, 0.1), [0.0; 0]);
+        let pressure: Vec<f64> = (0..200).map(|n| 1e5 * (0.1 * f64::from(n)).sin()).collect();
+        let read = discharged(&pressure, 1e-5, 1e6);
+        for (value, p) in read.iter().zip(&pressure) {
+            assert!((value - (p - pressure[0])).abs() < 1e-3);
+        }
+    }
+}

@@ -1,0 +1,238 @@
+//! Bookkeeping of the sources: what the convention of wrapping moves from one source to another, and what stays.
+
+use std::sync::LazyLock;
+
+use nailnoise::Design;
+use nailnoise::chain::{Chain, Options};
+use nailnoise::design::{Convention, RadiationMethod, VentSource};
+use nailnoise::result::{BandLevel, IntervalLevel, RankedSource};
+use nailnoise::run::Run;
+use nailnoise_meshes::{FaceGroup, FaceRef, Surface};
+
+use crate::common::{graph, store, try_run};
+use crate::tool::{bar, bar_mesh, put};
+
+/// The bar of the tests of the tool by boundary elements; half of the sides of its upper end is the outer side of a cap.
+static CAPPED: LazyLock<Design> = LazyLock::new(|| {
+    let (mut design, mut mesh) = (bar(1.0), bar_mesh());
+    let surface = Surface::of(&mesh);
+    let right = |of: &FaceRef| {
+        let face = surface.faces.iter().find(|face| face.of == *of).unwrap();
+        face.nodes.iter().map(|&node| surface.points[node].y).sum::<f64>() > 0.0
+    };
+    let seat = mesh.groups.iter_mut().find(|group| group.name == "seat").unwrap();
+    let (cap, rest): (Vec<FaceRef>, Vec<FaceRef>) = seat.faces.iter().partition(|face| right(face));
+    seat.faces = rest;
+    mesh.groups.push(FaceGroup {
+        name: "cap_outside".to_owned(),
+        faces: cap,
+    });
+    put(&mut design, &mesh, "capped.msh");
+    design.acoustics.body_method = RadiationMethod::Bem;
+    design.acoustics.bem_top = 800.0;
+    design
+});
+
+fn capped(convention: Convention, vent: VentSource) -> Design {
+    let mut design = CAPPED.clone();
+    (design.sources.convention, design.sources.trigger_vent) = (convention, vent);
+    design
+}
+
+fn run(convention: Convention, vent: VentSource) -> Run {
+    let design = capped(convention, vent);
+    try_run(&design, store()).unwrap().0
+}
+
+static PHYSICAL: LazyLock<Run> = LazyLock::new(|| run(Convention::Physical, VentSource::Body));
+static WRAPPING: LazyLock<Run> = LazyLock::new(|| run(Convention::Wrapping, VentSource::Body));
+
+fn energy(level: Option<f64>) -> f64 {
+    level.map_or(0.0, |level| 10f64.powf(0.1 * level))
+}
+
+/// Energy of a part re 1 pW s: that stated where it is negative, else that of its level.
+fn stated(level: Option<f64>, joule: Option<f64>) -> f64 {
+    joule.map_or_else(|| energy(level), |joule| 1e12 * joule)
+}
+
+fn source<'a>(run: &'a Run, name: &str) -> &'a RankedSource {
+    run.result.ranking.iter().find(|own| own.source == name).unwrap()
+}
+
+#[track_caller]
+fn equal(a: f64, b: f64, tolerance: f64, what: &str) {
+    assert!(
+        (a / b - 1.0).abs() < tolerance,
+        "{what}: {a} and {b}, {:e}",
+        a / b - 1.0
+    );
+}
+
+#[test]
+fn totals_of_both_conventions_are_equal() {
+    let [physical, wrapping] = [&PHYSICAL, &WRAPPING].map(|run| &run.result.total);
+    equal(energy(physical.lwa_db), energy(wrapping.lwa_db), 1e-12, "A-weighted");
+    equal(energy(physical.lw_db), energy(wrapping.lw_db), 1e-12, "unweighted");
+    assert_eq!(
+        source(&PHYSICAL, "workpiece").lwa_db,
+        source(&WRAPPING, "workpiece").lwa_db
+    );
+    for name in ["exhaust", "body"] {
+        let [before, after] = [&PHYSICAL, &WRAPPING].map(|run| source(run, name).lwa_db.unwrap());
+        assert!((before - after).abs() > 1e-3, "{name}: {before} and {after} dB");
+    }
+    assert!(
+        WRAPPING
+            .result
+            .checks
+            .iter()
+            .all(|check| !check.name.contains("sum to the total") || check.ok)
+    );
+}
+
+#[test]
+fn sources_of_both_conventions_sum_to_the_same_in_every_band_and_interval() {
+    let bands = |run: &Run, of: &dyn Fn(&BandLevel) -> f64| -> Vec<f64> {
+        let number = run.result.ranking[0].bands.len();
+        let of_band = |k: usize| run.result.ranking.iter().map(|own| of(&own.bands[k])).sum();
+        (0..number).map(of_band).collect()
+    };
+    let plain = |band: &BandLevel| stated(band.lw_db, band.energies_j.map(|e| e[0]));
+    let weighted = |band: &BandLevel| stated(band.lwa_db, band.energies_j.map(|e| e[1]));
+    let forms: [&dyn Fn(&BandLevel) -> f64; 2] = [&plain, &weighted];
+    for of in forms {
+        for (k, (a, b)) in bands(&PHYSICAL, of).into_iter().zip(bands(&WRAPPING, of)).enumerate() {
+            equal(a, b, 1e-11, &format!("band {k}"));
+        }
+    }
+    let intervals = |run: &Run, place: usize| -> Vec<f64> {
+        let level = |own: &IntervalLevel| [own.lwa_db, own.lwa_cut_db][place];
+        let of = |own: &IntervalLevel| stated(level(own), own.energies_j.map(|e| e[place]));
+        let number = run.result.ranking[0].intervals.len();
+        let of_interval = |k: usize| run.result.ranking.iter().map(|own| of(&own.intervals[k])).sum();
+        (0..number).map(of_interval).collect()
+    };
+    for place in [0, 1] {
+        let pairs = intervals(&PHYSICAL, place).into_iter().zip(intervals(&WRAPPING, place));
+        for (k, (a, b)) in pairs.enumerate().filter(|(_, (a, _))| *a > 0.0) {
+            equal(a, b, 1e-10, &format!("interval {k}"));
+        }
+    }
+}
+
+#[test]
+fn powers_over_time_sum_to_the_same_in_every_cell() {
+    let sums = |run: &Run| -> Vec<f64> {
+        let cells = run.powers[0].history.power.len();
+        let of_cell = |cell: usize| run.powers.iter().map(|own| own.history.power[cell]).sum();
+        (0..cells).map(of_cell).collect()
+    };
+    let (physical, wrapping) = (sums(&PHYSICAL), sums(&WRAPPING));
+    let peak = physical.iter().copied().fold(0.0, f64::max);
+    assert_eq!(physical.len(), wrapping.len());
+    for (a, b) in physical.iter().zip(&wrapping) {
+        assert!((a - b).abs() < 1e-12 * peak, "{a} {b}");
+    }
+}
+
+#[test]
+fn microphones_receive_the_same_from_all_sources_together() {
+    let [physical, wrapping] = [&PHYSICAL, &WRAPPING].map(|run| &run.microphones);
+    for (a, b) in physical.report.total.levels.iter().zip(&wrapping.report.total.levels) {
+        equal(energy(a.lae_db), energy(b.lae_db), 1e-11, "exposure");
+        equal(a.peak_pa, b.peak_pa, 1e-11, "peak");
+    }
+    equal(
+        energy(physical.report.total.lwa_db),
+        energy(wrapping.report.total.lwa_db),
+        1e-11,
+        "level by the array",
+    );
+    let total = |run: &Run| {
+        run.microphones
+            .signals
+            .iter()
+            .find(|(name, _)| name == "total")
+            .unwrap()
+            .1
+            .clone()
+    };
+    for (a, b) in total(&PHYSICAL).iter().flatten().zip(total(&WRAPPING).iter().flatten()) {
+        assert!((a - b).abs() < 1e-11 * physical.report.full_scale_pa, "{a} {b}");
+    }
+    // The sources themselves are others.
+    let of = |run: &Run| {
+        run.microphones
+            .signals
+            .iter()
+            .find(|(name, _)| name == "exhaust")
+            .unwrap()
+            .1[0]
+            .clone()
+    };
+    assert_ne!(of(&PHYSICAL), of(&WRAPPING));
+}
+
+#[test]
+fn the_cap_is_a_part_of_the_exhaust_and_the_vent_of_the_source_that_the_design_gives_it_to() {
+    let has = |run: &Run, name: &str, part: &str| source(run, name).components.iter().any(|own| own.name == part);
+    assert!(has(&PHYSICAL, "exhaust", "trigger vent") && !has(&PHYSICAL, "exhaust", "cap"));
+    assert!(has(&WRAPPING, "exhaust", "cap") && !has(&WRAPPING, "exhaust", "trigger vent"));
+    assert!(has(&WRAPPING, "body", "trigger vent") && has(&WRAPPING, "body", "cap, counted elsewhere"));
+    let switched = run(Convention::Wrapping, VentSource::Exhaust);
+    assert!(has(&switched, "exhaust", "trigger vent") && has(&switched, "exhaust", "cap"));
+    assert!(!has(&switched, "body", "trigger vent"));
+    equal(
+        energy(PHYSICAL.result.total.lwa_db),
+        energy(switched.result.total.lwa_db),
+        1e-12,
+        "total",
+    );
+    assert!(
+        WRAPPING
+            .result
+            .notes
+            .iter()
+            .any(|note| note.contains("selective wrapping"))
+    );
+}
+
+#[test]
+fn the_levels_of_a_draw_are_those_of_the_run() {
+    let design = capped(Convention::Wrapping, VentSource::Body);
+    let chain = Chain::new(&graph(store()), &design, Options::default()).unwrap();
+    let levels = chain.levels.get().unwrap();
+    for own in &levels.sources {
+        let run = source(&WRAPPING, &own.source);
+        assert_eq!(own.lwa_db, run.lwa_db, "{}", own.source);
+        assert_eq!(own.method_db, run.uncertainty_db.bounds(), "{}", own.source);
+    }
+}
+
+#[test]
+fn a_body_without_a_named_cap_is_refused_and_a_rigid_one_says_that_the_cap_stays() {
+    let mut design = capped(Convention::Wrapping, VentSource::Body);
+    put(&mut design, &bar_mesh(), "capless.msh");
+    let error = try_run(&design, store()).map(drop).unwrap_err();
+    assert_eq!(error.exit_status(), 2);
+    let text = format!("{:?}", miette::Report::new(error));
+    assert!(text.contains("cap_outside") && text.contains("physical"), "{text}");
+    design.sources.convention = Convention::Physical;
+    assert!(try_run(&design, store()).is_ok());
+    design.sources.convention = Convention::Wrapping;
+    design.body.model = nailnoise::design::BodyModel::Rigid;
+    let run = try_run(&design, store()).unwrap().0;
+    assert!(
+        run.result
+            .notes
+            .iter()
+            .any(|note| note.contains("the cap stays with the body"))
+    );
+    assert!(
+        source(&run, "body")
+            .components
+            .iter()
+            .any(|part| part.name == "trigger vent")
+    );
+}

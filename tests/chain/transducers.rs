@@ -1,0 +1,59 @@
+//! Pressure transducers of the design as tested.
+
+use nailnoise::Design;
+use nailnoise::chain::{Chain, Options};
+use nailnoise::graph::Graph;
+use nailnoise::stages::transducers::PressureRecord;
+use nailnoise_dynamics::CycleRecord;
+
+use crate::common::ROOT;
+
+/// The readings of both transducers without a loss of charge, and the cycle.
+fn readings() -> (Vec<PressureRecord>, CycleRecord) {
+    let mut design = Design::load(format!("{ROOT}/designs/n80cb-as-tested.toml")).unwrap();
+    for own in design.transducers.values_mut() {
+        own.discharge_time = 1e9;
+    }
+    let chain = Chain::new(&Graph::default(), &design, Options::default()).unwrap();
+    let readings = chain.transducers.get().unwrap();
+    (Vec::clone(&readings), CycleRecord::clone(&*chain.cycle.get().unwrap()))
+}
+
+#[test]
+fn a_transducer_in_the_cylinder_reads_above_the_piston_from_t7_to_t15_and_below_it_at_all_other_times() {
+    let (readings, record) = readings();
+    let reading = readings.iter().find(|own| own.name == "PT-I").unwrap();
+    assert_eq!(
+        (reading.interval, reading.values.len()),
+        (record.sample_interval, record.len())
+    );
+    let [t7, t15] = [record.events.t7.unwrap(), record.events.t15.unwrap()];
+    let (above, below) = (&record.above_piston.pressure, &record.below_piston.pressure);
+    let mut apart: f64 = 0.0;
+    for (n, value) in reading.values.iter().enumerate() {
+        let time = record.time(n);
+        // The sample at the passage itself belongs to either.
+        if [t7, t15]
+            .iter()
+            .any(|event| (time - event).abs() <= record.sample_interval)
+        {
+            continue;
+        }
+        let volume = if t7 < time && time < t15 { above } else { below };
+        assert!((value - (volume[n] - below[0])).abs() < 1.0, "{time} s");
+        apart = apart.max((above[n] - below[n]).abs());
+    }
+    assert!(apart > 1e5, "the volumes differ by {apart} Pa");
+}
+
+#[test]
+fn a_transducer_in_the_return_chamber_reads_its_change_of_pressure() {
+    let (readings, record) = readings();
+    let reading = readings.iter().find(|own| own.name == "PT-R").unwrap();
+    let pressure = &record.return_volume.pressure;
+    let most = reading.values.iter().fold(0.0, |most: f64, value| most.max(*value));
+    assert!(most > 1e4, "{most} Pa");
+    for (value, p) in reading.values.iter().zip(pressure) {
+        assert!((value - (p - pressure[0])).abs() < 1.0);
+    }
+}
