@@ -26,7 +26,7 @@ fn file(name: &str) -> PathBuf {
 }
 
 /// Takes a mesh for the tool's body; the name of the file lives as long as the program.
-pub fn put(design: &mut Design, mesh: &Mesh, name: &str) {
+pub(crate) fn put(design: &mut Design, mesh: &Mesh, name: &str) {
     let path = file(name);
     std::fs::write(&path, msh::to_bytes(mesh, Format::Binary41, "of a test")).unwrap();
     design.body.mesh = path.to_string_lossy().into_owned();
@@ -37,7 +37,7 @@ pub fn put(design: &mut Design, mesh: &Mesh, name: &str) {
 const SIZE: [f64; 3] = [0.08, 0.08, 0.3];
 
 /// A square bar as long as the tool, with the surfaces on which its forces act.
-pub fn bar_mesh() -> Mesh {
+pub(crate) fn bar_mesh() -> Mesh {
     let mut mesh = block(&Block {
         size: SIZE,
         divisions: [4, 4, 6],
@@ -81,7 +81,7 @@ pub fn bar_mesh() -> Mesh {
 }
 
 /// The bar as the body of a tool, of its mass.
-pub fn bar(stiffening: f64) -> Design {
+pub(crate) fn bar(stiffening: f64) -> Design {
     let mut design = design("tests/data/small.toml");
     design.support.kind = SupportKind::Sandbox;
     design.body.model = BodyModel::Elastic;
