@@ -19,7 +19,7 @@ use super::arrangement::Arrangement;
 use super::lines::BEFORE;
 use super::manifest::Setup;
 use super::recordings::Shot;
-use super::wrapping::{Configuration, InsertionLoss, SOURCES, Wrapping};
+use super::wrapping::{Configuration, InsertionLoss, Wrapping};
 use crate::chain::{Chain, Options};
 use crate::design::inputs::{self, located};
 use crate::design::{Design, SupportKind, Value};
@@ -273,9 +273,8 @@ impl<'a> VirtualTest<'a> {
         let wraps = self.filters(bare);
         let microphone = |place: usize| {
             let mut record = self.background(samples, (stream, place));
-            for source in 0..SOURCES.len() {
-                let own = &bare.sources[source][place];
-                let passed = self.passed(own, (source, &wraps[source]), configuration);
+            for (source, (signals, wrap)) in bare.sources.iter().zip(&wraps).enumerate() {
+                let passed = self.passed(&signals[place], (source, wrap), configuration);
                 record.iter_mut().skip(start).zip(passed).for_each(|(sum, p)| *sum += p);
             }
             record
