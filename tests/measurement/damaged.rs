@@ -27,7 +27,7 @@ fn damage(mut bytes: Vec<u8>, random: &mut Xoshiro256PlusPlus) -> Vec<u8> {
     let length = bytes.len();
     // Headers are short beside the samples; half of the damage is to them.
     let place = |random: &mut Xoshiro256PlusPlus| {
-        let within = if random.next_u32() % 2 == 0 {
+        let within = if random.next_u32().is_multiple_of(2) {
             length.min(600)
         } else {
             length

@@ -19,7 +19,7 @@ use super::arrangement::Arrangement;
 use super::lines::BEFORE;
 use super::manifest::Setup;
 use super::recordings::Shot;
-use super::wrapping::{Configuration, InsertionLoss, SOURCES, Wrapping};
+use super::wrapping::{Configuration, InsertionLoss, Wrapping};
 use crate::chain::{Chain, Options};
 use crate::design::inputs::{self, located};
 use crate::design::{Design, SupportKind, Value};
@@ -27,6 +27,7 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::Input;
 use crate::stages::sensors::SensorRecord;
+use crate::stages::transducers::PressureRecord;
 use minimum_phase::MinimumPhase;
 use noise::{normal, under_envelope};
 use resampling::Resampling;
@@ -88,7 +89,10 @@ pub fn arrangement(design: &Design) -> Result<Arrangement, Error> {
         absorption: (design.acoustics.room_absorption > 0.0).then_some(design.acoustics.room_absorption),
         range_hz: array.range_hz,
         accelerometers: names.into_iter().map(|own| own.name).collect(),
-        transducers: Vec::new(),
+        transducers: inputs::sensors::transducers(design)
+            .into_iter()
+            .map(|own| own.name)
+            .collect(),
     })
 }
 
@@ -110,6 +114,8 @@ pub struct BareShot {
     pub sources: [Vec<Vec<f64>>; 3],
     /// Signals of the accelerometers.
     pub sensors: Arc<Vec<SensorRecord>>,
+    /// Signals of the pressure transducers.
+    pub transducers: Arc<Vec<PressureRecord>>,
 }
 
 /// A virtual test of a design.
@@ -217,7 +223,13 @@ impl<'a> VirtualTest<'a> {
         };
         let chain = Chain::new(self.graph, design, options)?;
         chain.check_bodies().map_err(|error| located(design, error))?;
-        let outputs: [&dyn Input; 4] = [&chain.workpiece, &chain.exhaust, &chain.body, &chain.sensors];
+        let outputs: [&dyn Input; 5] = [
+            &chain.workpiece,
+            &chain.exhaust,
+            &chain.body,
+            &chain.sensors,
+            &chain.transducers,
+        ];
         self.graph.prepare(&outputs).map_err(|error| located(design, error))?;
         let (workpiece, exhaust, body) = (chain.workpiece.get()?, chain.exhaust.get()?, chain.body.get()?);
         // A part that counts to another source is known over a range of its own.
@@ -245,6 +257,7 @@ impl<'a> VirtualTest<'a> {
             cycle: chain.cycle.get()?,
             sources,
             sensors: chain.sensors.get()?,
+            transducers: chain.transducers.get()?,
         })
     }
 
@@ -260,9 +273,8 @@ impl<'a> VirtualTest<'a> {
         let wraps = self.filters(bare);
         let microphone = |place: usize| {
             let mut record = self.background(samples, (stream, place));
-            for source in 0..SOURCES.len() {
-                let own = &bare.sources[source][place];
-                let passed = self.passed(own, (source, &wraps[source]), configuration);
+            for (source, (signals, wrap)) in bare.sources.iter().zip(&wraps).enumerate() {
+                let passed = self.passed(&signals[place], (source, wrap), configuration);
                 record.iter_mut().skip(start).zip(passed).for_each(|(sum, p)| *sum += p);
             }
             record
@@ -277,13 +289,21 @@ impl<'a> VirtualTest<'a> {
             record.iter_mut().skip(start).zip(moved).for_each(|(sum, a)| *sum += a);
             record
         };
+        let transducer = |own: &PressureRecord| {
+            let length = (own.values.len() as f64 * own.interval * rate).floor() as usize;
+            let resampling = Resampling::new((own.values.len(), 1.0 / own.interval), (length, rate));
+            let mut record = vec![0.0; samples];
+            let read = resampling.apply(&faded(&own.values, own.interval));
+            record.iter_mut().skip(start).zip(read).for_each(|(sum, p)| *sum += p);
+            record
+        };
         let places = 0..self.arrangement.microphones.len();
         Shot {
             rate,
             trigger: start as f64 / rate,
             microphones: places.into_par_iter().map(microphone).collect(),
             accelerations: bare.sensors.par_iter().enumerate().map(sensor).collect(),
-            pressures: Vec::new(),
+            pressures: bare.transducers.par_iter().map(transducer).collect(),
         }
     }
 
