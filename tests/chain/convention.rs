@@ -44,6 +44,9 @@ fn run(convention: Convention, vent: VentSource) -> Run {
     try_run(&design, store()).unwrap().0
 }
 
+/// An energy of a band.
+type OfBand<'a> = &'a dyn Fn(&BandLevel) -> f64;
+
 static PHYSICAL: LazyLock<Run> = LazyLock::new(|| run(Convention::Physical, VentSource::Body));
 static WRAPPING: LazyLock<Run> = LazyLock::new(|| run(Convention::Wrapping, VentSource::Body));
 
@@ -93,7 +96,7 @@ fn totals_of_both_conventions_are_equal() {
 
 #[test]
 fn sources_of_both_conventions_sum_to_the_same_in_every_band_and_interval() {
-    let bands = |run: &Run, of: &dyn Fn(&BandLevel) -> f64| -> Vec<f64> {
+    let bands = |run: &Run, of: OfBand<'_>| -> Vec<f64> {
         let number = run.result.ranking[0].bands.len();
         let of_band = |k: usize| run.result.ranking.iter().map(|own| of(&own.bands[k])).sum();
         (0..number).map(of_band).collect()
@@ -101,7 +104,7 @@ fn sources_of_both_conventions_sum_to_the_same_in_every_band_and_interval() {
     let plain = |band: &BandLevel| stated(band.lw_db, band.energies_j.map(|e| e[0]));
     let weighted = |band: &BandLevel| stated(band.lwa_db, band.energies_j.map(|e| e[1]));
     // The weighting is integrated by a rule on the intervals of a grid, which is finer where the grids of two parts are joined.
-    let forms: [(&dyn Fn(&BandLevel) -> f64, f64); 2] = [(&plain, 1e-12), (&weighted, 1e-9)];
+    let forms: [(OfBand<'_>, f64); 2] = [(&plain, 1e-12), (&weighted, 1e-9)];
     for (of, tolerance) in forms {
         for (k, (a, b)) in bands(&PHYSICAL, of).into_iter().zip(bands(&WRAPPING, of)).enumerate() {
             equal(a, b, tolerance, &format!("band {k}"));
