@@ -65,8 +65,8 @@ fn lead(c: &Comparison) -> Markup {
         }
         p.quiet { "L" sub { "WA,1s" } " re 1 pW s: A-weighted sound energy of one shot; changes are from the first design." }
         p.quiet {
-            "Absolute levels are predictions that have not been compared with a measurement; differences between designs of \
-             one tool are worth more than levels."
+            "Absolute levels are predictions; those of one tool stand beside published tests on the page Validation of the \
+             documentation. Differences between designs of one tool are more reliable than levels."
         }
     }
 }

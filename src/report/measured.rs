@@ -33,11 +33,7 @@ pub(super) fn page(comparison: &MeasuredComparison) -> Page {
 
 /// Levels alone: other quantities have other units.
 fn chart(comparison: &MeasuredComparison) -> Chart {
-    let rows: Vec<&ComparedQuantity> = comparison
-        .rows
-        .iter()
-        .filter(|own| own.unit.starts_with("dB(A)"))
-        .collect();
+    let rows: Vec<&ComparedQuantity> = comparison.rows.iter().filter(|own| own.level).collect();
     let lowest = rows
         .iter()
         .flat_map(|own| {
@@ -103,7 +99,7 @@ fn quantities(comparison: &MeasuredComparison) -> Markup {
         [None, None] => "\u{2013}".to_owned(),
     };
     // Levels first, with the numbers of the chart.
-    let (levels, others): (Vec<_>, Vec<_>) = comparison.rows.iter().partition(|own| own.unit.starts_with("dB(A)"));
+    let (levels, others): (Vec<_>, Vec<_>) = comparison.rows.iter().partition(|own| own.level);
     html! {
         div.scroll { table {
             thead { tr { th.n { "row" } th { "quantity" } th { "unit" } th.n { "measured" } th.n { "predicted" } th.n { "5 .. 95 %" } th.n { "distance" } th { "published in" } } }

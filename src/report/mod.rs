@@ -260,8 +260,8 @@ fn lead(result: &RunResult) -> Markup {
             }
         }
         p.quiet {
-            "Absolute levels are predictions that have not been compared with a measurement; differences between designs \
-             of one tool are more reliable than levels. " a href="#assumptions" { "Assumptions" } " lists what is estimated."
+            "Absolute levels are predictions; those of one tool stand beside published tests on the page Validation of the \
+             documentation. Differences between designs of one tool are more reliable than levels. " a href="#assumptions" { "Assumptions" } " lists what is estimated."
         }
         @if result.checks.iter().any(|check| !check.ok) {
             p.alarm { "A check of this run failed. Do not rely on the result. " a href="#checks" { "Checks" } }

@@ -55,6 +55,8 @@ pub struct ComparedQuantity {
     pub quantity: String,
     /// Unit.
     pub unit: String,
+    /// Whether it is a level, and no difference of levels or other quantity.
+    pub level: bool,
     /// Interval of the measurement; null where it is open.
     pub measured: [Option<f64>; 2],
     /// Prediction of the design as it is.
@@ -126,6 +128,7 @@ fn row(entry: &PublishedEntry, quantity: &Quantity, found: &predicted::Found) ->
         id: entry.id.clone(),
         quantity: quantity.in_words(entry),
         unit: entry.unit.clone(),
+        level: quantity.is_level(),
         measured,
         predicted: found.own,
         interval: found.interval,

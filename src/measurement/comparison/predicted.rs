@@ -131,6 +131,14 @@ impl Quantity {
         matches!(self, Self::Bound(_))
     }
 
+    /// Whether it is a level.
+    pub fn is_level(self) -> bool {
+        !matches!(
+            self,
+            Self::Closure(_) | Self::Fall | Self::BlockRms(_) | Self::Speed | Self::PenetrationTime
+        )
+    }
+
     /// What is compared with an entry.
     pub fn in_words(self, entry: &PublishedEntry) -> String {
         match self {

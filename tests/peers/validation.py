@@ -1,0 +1,72 @@
+"""Holds the table of docs/validation.md to the program, or writes it anew.
+
+    validation.py NAILNOISE PAGE           the predictions of the designs as they are, to the digit; no draws
+    validation.py NAILNOISE PAGE --update  writes the whole table, with the intervals of 32 draws
+
+The page's table stands between two comments; each row has the quantity, what was measured, what is predicted, the interval of
+the draws and the distance of both intervals.
+"""
+
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+BEGIN = "<!-- predicted and measured: written by tests/peers/validation.py --update -->"
+END = "<!-- end of the table -->"
+DESIGNS = ["designs/n80cb-as-tested.toml", "designs/n80cb-as-tested-sandbox.toml"]
+DRAWS = 32
+
+
+def compared(program, draws):
+    with tempfile.TemporaryDirectory() as folder:
+        command = [program, "compare", *DESIGNS, "--measured", "designs/measured/n80cb.json", "--json", "--quiet"]
+        done = subprocess.run([*command, "--draws", str(draws), "--out", folder], check=True, capture_output=True, text=True)
+    return json.loads(done.stdout)["rows"]
+
+
+def measured(ends):
+    low, high = ends
+    if low is None:
+        return f"<= {high:.2f}"
+    if high is None:
+        return f">= {low:.2f}"
+    return f"{low:.2f} .. {high:.2f}"
+
+
+def unit(row):
+    return row["unit"].replace(" re 1 pW s", "")
+
+
+def cells(row):
+    low, high = row["interval"] or [None, None]
+    interval = "" if low is None else f"{low:.1f} .. {high:.1f}"
+    return [row["quantity"], unit(row), measured(row["measured"]), f"{row['predicted']:.1f}", interval, f"{row['distance']:+.1f}"]
+
+
+def table(rows):
+    lines = [["quantity", "unit", "measured", "predicted", "5 .. 95 %", "distance"], ["---", "---", "--:", "--:", "--:", "--:"]]
+    lines += [cells(row) for row in rows]
+    return "".join("| " + " | ".join(line) + " |\n" for line in lines)
+
+
+def main(program, page, update):
+    text = Path(page).read_text()
+    before, rest = text.split(BEGIN)
+    old, after = rest.split(END)
+    program = str(Path(program).resolve())
+    if update:
+        Path(page).write_text(before + BEGIN + "\n" + table(compared(program, DRAWS)) + END + after)
+        return
+    stated = [[cell.strip() for cell in line.strip("|").split("|")] for line in old.strip().splitlines()[2:]]
+    found = [cells(row) for row in compared(program, 2)]
+    # Quantity, unit, measured and predicted; the intervals need the draws.
+    wrong = [(a[:4], b[:4]) for a, b in zip(stated, found, strict=True) if a[:4] != b[:4]]
+    for a, b in wrong:
+        print("page", a, "program", b)
+    print(f"{len(found)} rows, {len(wrong)} differ")
+    sys.exit(bool(wrong))
+
+
+main(sys.argv[1], sys.argv[2], "--update" in sys.argv[3:])
