@@ -240,3 +240,24 @@ fn a_body_without_a_named_cap_is_refused_and_a_rigid_one_says_that_the_cap_stays
             .any(|part| part.name == "trigger vent")
     );
 }
+
+/// The intensity on the cap's own faces, of the motion of the whole, is another evaluation of the same part by another matrix. It
+/// has in addition the sound that the cap and the rest exchange in the near field, which is small here.
+#[test]
+fn the_cap_radiates_what_the_intensity_on_its_faces_says() {
+    let part = |run: &Run, of: &str, name: &str| {
+        let components = &source(run, of).components;
+        components.iter().find(|own| own.name == name).unwrap().clone()
+    };
+    let (by_faces, by_motion) = (
+        part(&PHYSICAL, "body", "cap_outside"),
+        part(&WRAPPING, "exhaust", "cap"),
+    );
+    let apart = |a: Option<f64>, b: Option<f64>| (a.unwrap() - b.unwrap()).abs();
+    let level = apart(by_faces.lwa_db, by_motion.lwa_db);
+    assert!(level < 0.05, "{level} dB");
+    for (a, b) in by_faces.bands.iter().zip(&by_motion.bands) {
+        let band = apart(a.lw_db, b.lw_db);
+        assert!(band < 0.1, "{} Hz: {band} dB", a.hz);
+    }
+}
