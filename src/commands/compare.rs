@@ -30,26 +30,26 @@ use crate::wording::{band, change, order};
 pub(super) struct Arguments {
     /// Design files or finished results (a folder with result.json, or the file); the first is the reference
     #[arg(required = true, num_args = 1.., value_name = "DESIGN")]
-    pub(super) designs: Vec<PathBuf>,
+    designs: Vec<PathBuf>,
     /// Compare with measurements instead (JSON, as designs/measured/n80cb.json): one design, or one on the worktable and one in
     /// the sandbox, as they were tested
     #[arg(long, value_name = "FILE", conflicts_with_all = ["bands", "intervals", "fail_above"])]
     measured: Option<PathBuf>,
     /// Print exactly one JSON value instead of tables
     #[arg(long)]
-    pub(super) json: bool,
+    json: bool,
     /// Folder for the results of the designs that are run, one subfolder each
     #[arg(long, value_name = "DIR", default_value = "out")]
-    pub(super) out: PathBuf,
+    out: PathBuf,
     /// Number of threads; results do not depend on it [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     #[command(flatten)]
     keeping: Keeping,
     #[command(flatten)]
-    pub(super) memory: Memory,
+    memory: Memory,
     #[command(flatten)]
-    pub(super) changes: Changes,
+    changes: Changes,
     /// Show the levels of every one-third-octave band
     #[arg(long)]
     bands: bool,
@@ -58,10 +58,10 @@ pub(super) struct Arguments {
     intervals: bool,
     /// Draw N shots of all designs in common, and state how sure the changes are; each argument must be a design file
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=60_000))]
-    pub(super) draws: Option<u32>,
+    draws: Option<u32>,
     /// Seed of --draws
     #[arg(long, value_name = "SEED", default_value_t = 1, requires = "draws")]
-    pub(super) seed: u64,
+    seed: u64,
     /// End with status 1 if a design other than the reference is louder: total=100, exhaust=95.5
     #[arg(long, value_name = "SOURCE=DB")]
     fail_above: Vec<Limit>,
@@ -72,7 +72,17 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let progress = progress();
     let cache = arguments.keeping.cache()?;
     if let Some(file) = &arguments.measured {
-        return compare_measured::execute(file, arguments, &cache, &progress);
+        let request = compare_measured::Request {
+            file,
+            designs: &arguments.designs,
+            changes: &arguments.changes,
+            draws: arguments.draws,
+            seed: arguments.seed,
+            out: &arguments.out,
+            json: arguments.json,
+            memory: &arguments.memory,
+        };
+        return compare_measured::execute(&request, &cache, &progress);
     }
     if let [design] = arguments.designs.as_slice() {
         return Err(Error::NothingToCompare { path: design.clone() });

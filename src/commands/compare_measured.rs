@@ -1,12 +1,11 @@
 //! `nailnoise compare --measured`: predictions beside measurements, like with like.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use super::compare::Arguments;
 use super::table::table;
-use super::{print, print_json};
+use super::{Changes, Memory, print, print_json};
 use crate::cost;
 use crate::design::Design;
 use crate::error::Error;
@@ -17,29 +16,43 @@ use crate::report;
 use crate::stages::{Progress, WithoutStages};
 use crate::staging;
 use crate::store::Store;
-use crate::study::{Draws, Part, Request, common_draws, nominal};
+use crate::study::{self, Draws, Part, common_draws, nominal};
 
 /// Draws where `--draws` gives no number.
 const DRAWS: u32 = 64;
 
-pub(super) fn execute(
-    file: &Path,
-    arguments: &Arguments,
-    cache: &Store,
-    progress: &Progress,
-) -> Result<ExitCode, Error> {
-    let published = Published::read(file)?;
-    let load = |path| arguments.changes.load(path);
+/// What of the arguments of `compare` takes part.
+pub(super) struct Request<'a> {
+    /// File of measurements.
+    pub(super) file: &'a Path,
+    /// Design files.
+    pub(super) designs: &'a [PathBuf],
+    /// Values over those of the files.
+    pub(super) changes: &'a Changes,
+    /// Number of draws.
+    pub(super) draws: Option<u32>,
+    /// Their seed.
+    pub(super) seed: u64,
+    /// Folder of the page.
+    pub(super) out: &'a Path,
+    /// Whether one JSON value is printed.
+    pub(super) json: bool,
+    /// Memory of a stage.
+    pub(super) memory: &'a Memory,
+}
+
+pub(super) fn execute(arguments: &Request<'_>, cache: &Store, progress: &Progress) -> Result<ExitCode, Error> {
+    let published = Published::read(arguments.file)?;
     let designs = arguments
         .designs
         .iter()
-        .map(|path| load(path))
+        .map(|path| arguments.changes.load(path))
         .collect::<Result<Vec<Design>, _>>()?;
     for design in &designs {
         cost::refuse(design, &cost::of_run(design)?, arguments.memory.limit())?;
     }
     let graph = Graph::new(Arc::new(cache.clone()), Arc::new(WithoutStages(progress.observer())));
-    let request = Request {
+    let request = study::Request {
         draws: arguments.draws.unwrap_or(DRAWS) as usize,
         seed: arguments.seed,
         shots_a_structure: None,

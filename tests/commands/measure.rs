@@ -43,6 +43,10 @@ fn measured(folder: &Path, more: &[&str]) -> Value {
 /// Places of the sources in arrays of the exact test.
 const PLACES: [(&str, usize); 3] = [("workpiece", 0), ("exhaust", 1), ("body", 2)];
 
+fn bands_of(test: &Value) -> impl Iterator<Item = &Value> {
+    test["exact"]["bands"].as_array().unwrap().iter()
+}
+
 /// Without scatter, with wraps that let nothing through, and after WAV files of 24 bits.
 #[test]
 fn perfect_wraps_return_the_sources_of_the_run() {
@@ -96,20 +100,34 @@ fn recordings_give_what_the_energies_give() {
     let still = ["--set", "test.pressure_scatter=0", "--set", "test.resistance_scatter=0"];
     let (test, folder) = recorded("measure-wrapped", &still);
     let result = measured(&folder, &["--figures"]);
+    let mut compared = 0;
     for (source, place) in PLACES {
-        let found = result["sources"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .find(|own| own["source"] == source)
-            .unwrap();
-        let (lines, exact) = (&found["level"]["db"], &test["exact"]["separated_db"][place]);
-        let (lines, exact) = (lines.as_f64().unwrap(), exact.as_f64().unwrap());
-        assert!((lines - exact).abs() < 0.5, "{source}: {lines} for {exact} dB");
+        let sources = result["sources"].as_array().unwrap();
+        let found = sources.iter().find(|own| own["source"] == source).unwrap();
+        for (exact, own) in bands_of(&test).zip(found["bands"].as_array().unwrap()) {
+            assert_eq!(exact["hz"], own["hz"]);
+            let levels = (exact["separated_db"][place].as_f64(), own["lwa_db"].as_f64());
+            let (Some(exact_db), Some(own_db)) = levels else {
+                continue;
+            };
+            // The small design ends at 2 kHz; lines near the residual have a bias, which the energies do not have.
+            let residual = exact["configurations_db"][1].as_f64().unwrap();
+            if exact["hz"].as_f64() < Some(1900.0) && exact_db > (residual + 6.0).max(40.0) {
+                assert!(
+                    (exact_db - own_db).abs() < 1.0,
+                    "{source} {} Hz: {own_db} for {exact_db} dB",
+                    exact["hz"]
+                );
+                compared += 1;
+            }
+        }
     }
-    let bound = result["bound"]["level"]["db"].as_f64().unwrap();
-    let exact = test["exact"]["bound_db"].as_f64().unwrap();
-    assert!((bound - exact).abs() < 0.5, "{bound} for {exact} dB");
+    assert!(compared > 20, "{compared} bands compared");
+    let bound = result["bound"]["bands"].as_array().unwrap();
+    let exact = bands_of(&test).find(|band| band["hz"] == 500.0).unwrap();
+    let of_bound = bound.iter().find(|band| band["hz"] == 500.0).unwrap();
+    let [exact, own] = [&exact["bound_db"], &of_bound["lwa_db"]].map(|level| level.as_f64().unwrap());
+    assert!((own - exact).abs() < 1.0, "{own} for {exact} dB");
     assert!(folder.join("measured/figures/measured-signals.svg").is_file());
 }
 
@@ -120,10 +138,10 @@ fn energies_alone_write_nothing() {
     assert!(output.status.success());
     let result: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(result["manifest"].is_null() && std::fs::read_dir(&out).unwrap().next().is_none());
-    // Least squares with the wraps' own losses return the sources.
+    // Least squares return the sources, up to what the wraps' losses vary within a band.
     for place in 0..3 {
         let [own, unmixed] = ["sources_db", "unmixed_db"].map(|key| result["exact"][key][place].as_f64().unwrap());
-        assert!((own - unmixed).abs() < 0.2, "{place}: {unmixed} for {own} dB");
+        assert!((own - unmixed).abs() < 0.6, "{place}: {unmixed} for {own} dB");
     }
 }
 
