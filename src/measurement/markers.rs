@@ -19,6 +19,9 @@ pub const STANDARD_GRAVITY: f64 = 9.80665;
 /// How long the handle stays below the limit \[s\], and over which a range of pressure is taken.
 const QUIET: f64 = 2e-3;
 
+/// Time within which an impact exceeds what was before \[s\].
+const RISE: f64 = 0.2e-3;
+
 /// Range of a pressure that has come to rest, over that of the record.
 const FLUCTUATION: f64 = 0.02;
 
@@ -192,25 +195,18 @@ fn quiet_from(signal: &[f64], begin: usize, limit: f64, quiet: usize) -> Option<
     None
 }
 
-/// The first sample from `begin` on at which a signal exceeds the impact limit and twice what it was in the 2 ms before; the limit
-/// is then that of the first motion.
+/// The first sample from `begin` on at which a signal exceeds the impact limit and twice its peak over the 2 ms that end [`RISE`]
+/// before.
 fn burst(signal: &[f64], begin: usize, rate: f64) -> Option<usize> {
     let window = ((QUIET * rate).ceil() as usize).max(1);
+    let rise = (RISE * rate).ceil() as usize;
     let before = |at: usize| {
-        signal[at.saturating_sub(window)..at]
-            .iter()
-            .fold(0.0, |peak: f64, a| peak.max(a.abs()))
+        let end = at.saturating_sub(rise);
+        let ringing = &signal[end.saturating_sub(window)..end];
+        ringing.iter().fold(0.0, |peak: f64, a| peak.max(a.abs()))
     };
-    let mut at = begin.max(1);
-    while at < signal.len() {
-        let a = signal[at].abs();
-        // Most samples are below the limit; the peak before is looked at where one is not.
-        if a >= IMPACT && a > 2.0 * before(at) {
-            return Some(at);
-        }
-        at += 1;
-    }
-    None
+    // Most samples are below the limit; the peak before is looked at where one is not.
+    (begin..signal.len()).find(|at| signal[*at].abs() >= IMPACT && signal[*at].abs() > 2.0 * before(*at))
 }
 
 /// Samples at which the transducer begins to see the pressure behind the piston, at which that has come to rest, and at which

@@ -106,7 +106,7 @@ mod tests {
         // A tenth of the energy may be nothing, or more than six times itself.
         let part = within(0.2, found, String::new());
         assert!(
-            part.minus.is_none() && part.plus.is_some_and(|plus| (plus - 8.31).abs() < 0.01),
+            part.minus.is_none() && part.plus.is_some_and(|plus| (plus - 8.356).abs() < 0.001),
             "{part:?}"
         );
     }

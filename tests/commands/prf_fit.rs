@@ -416,7 +416,7 @@ fn damaged_recordings_are_refused() {
         (
             "u-binary",
             universal(8, "mm").replacen("    58\n", "    58b     1\n", 1),
-            ["a2.csv, line 1: dataset 58 is binary", "text (ASCII)"],
+            ["a2.csv, line 1: dataset 58 is binary", "as text"],
         ),
     ] {
         refused(

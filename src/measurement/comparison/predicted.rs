@@ -144,6 +144,7 @@ impl Quantity {
         match self {
             Self::Bound(_) => format!("{}: the bound, by the same steps", entry.quantity),
             Self::Workpiece(_) => format!("{}: the source itself, which the bound must hold", entry.quantity),
+            Self::BlockRms(setup) => format!("{}, {}", entry.quantity, setup.as_str()),
             _ => entry.quantity.clone(),
         }
     }

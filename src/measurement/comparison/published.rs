@@ -200,7 +200,8 @@ mod tests {
     fn the_shipped_file_is_read() {
         let all = shipped().all();
         let of = |id: &str| all.iter().find(|entry| entry.id == id).map(PublishedEntry::interval);
-        assert_eq!(of("closure_worktable"), Some([Some(3.85), Some(3.95)]));
+        let closure = of("closure_worktable").map(|ends| ends.map(|end| end.unwrap_or(f64::NAN)));
+        assert!(closure.is_some_and(|[low, high]| (low - 3.85).abs() < 1e-12 && (high - 3.95).abs() < 1e-12));
         assert_eq!(of("lwa_workpiece_worktable"), Some([None, Some(103.75)]));
         assert_eq!(of("total, worktable"), Some([Some(105.4), Some(106.1)]));
     }
