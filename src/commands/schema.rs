@@ -3,10 +3,12 @@
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
+use schemars::schema_for;
 
 use super::print_json;
 use crate::design::json_schema;
 use crate::error::Error;
+use crate::measurement::result::MeasurementResult;
 use crate::result::RunResult;
 use crate::study::StudyResult;
 
@@ -25,6 +27,8 @@ enum Layout {
     Result,
     /// `study.json` and the output of `study --json`
     Study,
+    /// `measurement.json` and the output of `measure --json`
+    Measurement,
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
@@ -32,6 +36,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         Layout::Design => print_json(&json_schema())?,
         Layout::Result => print_json(&RunResult::json_schema())?,
         Layout::Study => print_json(&StudyResult::json_schema())?,
+        Layout::Measurement => print_json(&schema_for!(MeasurementResult))?,
     }
     Ok(ExitCode::SUCCESS)
 }
