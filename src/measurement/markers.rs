@@ -1,9 +1,10 @@
 //! Event markers of the measurement: instants found on accelerometers and pressure transducers.
 //!
-//! Markers t0 to t13 are those of the published tests; [`MARKERS`] maps them to the events of the cycle. They are found by these
-//! rules: the block or the table first at 2 g (t3), the largest acceleration of table or block in the drive (t7), the handle below 6 g for 2 ms
-//! (t10), above 6 g again (t12; after t11, where it still rings, at twice the peak of the 2 ms before) and for the last time (t13); the transducer in the cylinder wall sees the pressure behind the piston
-//! from its steepest rise (t4) to its steepest fall (t11), and its fluctuation ends (t8) where its range over 2 ms is below 2 %.
+//! Markers t0 to t13 are those of the published tests; [`MARKERS`] maps them to the events of the cycle. They are found by
+//! these rules. Block or table: first at 2 g (t3), largest acceleration in the drive (t7). Handle: below 6 g for 2 ms (t10),
+//! above 6 g again (t12; after t11, where it still rings, at twice the peak of the 2 ms before), for the last time (t13).
+//! Transducer in the cylinder wall: it sees the pressure behind the piston from its steepest rise (t4) to its next step of
+//! either sign (t11); its fluctuation ends (t8) where its range over 2 ms is below 2 %.
 
 use serde::{Deserialize, Serialize};
 
@@ -18,6 +19,9 @@ pub const STANDARD_GRAVITY: f64 = 9.80665;
 
 /// How long the handle stays below the limit \[s\], and over which a range of pressure is taken.
 const QUIET: f64 = 2e-3;
+
+/// Time after the piston's passage within which its return is not looked for \[s\].
+const SETTLED: f64 = 5e-3;
 
 /// Time within which an impact exceeds what was before \[s\].
 const RISE: f64 = 0.2e-3;
@@ -220,7 +224,10 @@ fn cylinder(pressure: &[f64], rate: f64, from: usize) -> (Option<usize>, Option<
     let slopes: Vec<f64> = rest.windows(step + 1).map(|window| window[step] - window[0]).collect();
     let middle = |at: usize| from + at + step.div_ceil(2);
     let rise = largest(&slopes, 0, |slope| slope);
-    let fall = rise.and_then(|rise| largest(&slopes, rise + 1, |slope| -slope));
+    // When the piston is back, the pressure behind it may have fallen below that of the return chamber: a step of either sign. The
+    // step of the passage rings in the record at first.
+    let settled = (SETTLED * rate).ceil() as usize;
+    let fall = rise.and_then(|rise| largest(&slopes, rise + settled, f64::abs));
     let (low, high) = rest.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
         (low.min(*p), high.max(*p))
     });

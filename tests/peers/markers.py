@@ -7,6 +7,7 @@ processed by `nailnoise measure`. The markers of the total that stand for events
 t4 with t7, t11 with t15 (transducer PT-I), t12 with t16 (handle). The limit is 0.1 ms.
 """
 
+import csv
 import json
 import subprocess
 import sys
@@ -26,11 +27,13 @@ def drawn(program, design, count, seed):
     """Assignments of the first shots that drive the nail."""
     with tempfile.TemporaryDirectory() as folder:
         shots = value(program, "cycle", design, "--draw", str(4 * count), "--seed", str(seed), "--out", folder)
-    keys = [parameter["key"] for parameter in shots["parameters"]]
+        with open(shots["file"], newline="") as file:
+            rows = list(csv.DictReader(file))
     found = []
-    for draw in shots["draws"]:
-        if "drives" in json.dumps(draw["fate"]):
-            pairs = zip(keys, draw["values"], strict=False)
+    for row in rows:
+        if row["fate"] == "drives":
+            # Columns of keys have a dot in their names: `supply.pressure [Pa]`.
+            pairs = [(name.split(" ")[0], number) for name, number in row.items() if "." in name.split(" ")[0] and number]
             found.append([word for key, number in pairs for word in ("--set", f"{key}={number}")])
     return found[:count]
 
