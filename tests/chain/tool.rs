@@ -28,7 +28,10 @@ fn file(name: &str) -> PathBuf {
 /// Takes a mesh for the tool's body; the name of the file lives as long as the program.
 pub(crate) fn put(design: &mut Design, mesh: &Mesh, name: &str) {
     let path = file(name);
-    std::fs::write(&path, msh::to_bytes(mesh, Format::Binary41, "of a test")).unwrap();
+    // Tests that run at the same time write the same mesh; each reads a whole one.
+    let own = path.with_extension(format!("{:?}", std::thread::current().id()));
+    std::fs::write(&own, msh::to_bytes(mesh, Format::Binary41, "of a test")).unwrap();
+    std::fs::rename(&own, &path).unwrap();
     design.body.mesh = path.to_string_lossy().into_owned();
     design.body.mesh_unit = 1.0;
 }
@@ -147,6 +150,17 @@ fn a_soft_body_radiates_more_and_keeps_its_rigid_motion() {
     assert!((part(&soft, "rigid motion") - part(&stiff, "rigid motion")).abs() < 1e-9);
 }
 
+/// On a cap of 1.1e8 N/mm the head valve stays for 4 us, less than a sample; the body's velocity follows the cycle's all the same.
+#[test]
+fn an_impact_shorter_than_a_sample_keeps_its_impulse() {
+    let mut design = bar(1.0);
+    design.contacts.cap_stiffness = 1.1e11;
+    let run = run(&design);
+    let name = "tool: velocity beside the cycle's";
+    let check = run.result.checks.iter().find(|check| check.name == name).unwrap();
+    assert!(check.ok, "{check:?}");
+}
+
 #[test]
 fn a_mesh_without_the_group_of_a_force_is_refused_with_its_name() {
     let mut design = bar(1.0);
@@ -235,10 +249,9 @@ fn sensors_on_the_tool_read_its_motion_as_a_whole_at_low_frequencies_and_its_mod
     let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
     let rigid = records(1.0, BodyModel::Rigid, low);
     let elastic = records(1.0, BodyModel::Elastic, low);
-    // By name: cap, nose, side; all records are as long as the workpiece's response.
+    // By name: cap, nose, side. A record ends where its bodies have come to rest.
     for end in [0, 1] {
         let (a, b) = (&elastic[end].acceleration, &rigid[end].acceleration);
-        assert_eq!(a.len(), b.len());
         assert!(apart(a, b) < 0.02 * largest(b), "{}: {}", apart(a, b), largest(b));
     }
     assert_eq!(largest(&rigid[2].acceleration), 0.0, "a rigid tool moves along z alone");

@@ -16,6 +16,9 @@
 //! and weight: their sum is the force on the tool in the cycle's equation of motion. Beside them gas presses on walls
 //! without moving the whole: p_1 and p_2 on the bore on both sides of the piston, p_ext within the handle and around the
 //! cylinder above the check-ring holes, p_r around it below them, and the plenum's pressure in the cap.
+//!
+//! A stiff cap or seat throws the head valve back within less than a sample's interval. The impulse of these forces follows from the
+//! valve's velocity; their means around each sample take the place of the samples ([`unsampled`]).
 
 use nailnoise_dynamics::{CycleRecord, Form, Geometry, Parameters, Volume};
 use nailnoise_meshes::{Mesh, MeshError};
@@ -39,12 +42,13 @@ pub(super) fn histories(parameters: &Parameters, mesh: &Mesh, record: &CycleReco
     let ambient = p.ambient.pressure;
     let unbalanced = ambient * (g.valve_control_area - g.valve_supply_area - underside);
     let f = &record.forces;
+    let unsampled = unsampled(parameters, record);
     let mut histories = DMatrix::zeros(LOADS, record.len());
     for (n, mut column) in histories.column_iter_mut().enumerate() {
         let over = |volume: &Volume| volume.pressure[n] - ambient;
         let (above, below) = (over(&record.above_piston), over(&record.below_piston));
         let (control, supply) = (over(&record.above_valve), over(&record.supply));
-        let mut axial = |place: Axial, force: f64| column[place as usize] = force;
+        let mut axial = |place: Axial, force: f64| column[place as usize] += force;
         axial(Axial::Roof, f.stopper[n] - above * within);
         axial(
             Axial::Cap,
@@ -54,6 +58,7 @@ pub(super) fn histories(parameters: &Parameters, mesh: &Mesh, record: &CycleReco
             Axial::Rim,
             f.seat[n] + above * (within + underside - g.piston_area) + supply * g.valve_supply_area,
         );
+        axial(stop(parameters, record, n), unsampled[n]);
         axial(Axial::Floor, f.bumper[n] + below * g.ring_area);
         axial(Axial::Bore, f.piston_friction[n]);
         axial(Axial::Nose, f.magazine[n] - f.nose[n] - f.guard[n]);
@@ -67,4 +72,35 @@ pub(super) fn histories(parameters: &Parameters, mesh: &Mesh, record: &CycleReco
         column[PLENUM] = record.exhaust.plenum_pressure[n] - ambient;
     }
     Ok(histories)
+}
+
+/// The stop that the head valve is nearer to at a sample.
+fn stop(parameters: &Parameters, record: &CycleRecord, sample: usize) -> Axial {
+    if record.motion.valve_lift[sample] > 0.5 * parameters.head_valve.lift {
+        Axial::Cap
+    } else {
+        Axial::Rim
+    }
+}
+
+/// Mean force of the head valve on its stops around each sample, less the sampled one, down \[N\].
+///
+/// Between two samples, h apart, the valve's momentum changes by M_h (v' - v). Gas, spring, friction and weight, M_h a + cap + seat,
+/// change it by their mean, for they are smooth; the rest is the impulse of cap and seat. Half of it counts at either sample.
+pub(super) fn unsampled(parameters: &Parameters, record: &CycleRecord) -> Vec<f64> {
+    let (valve, interval, mass) = (&record.head_valve, record.sample_interval, parameters.head_valve.mass);
+    let sampled = |n: usize| record.forces.cap[n] + record.forces.seat[n];
+    let smooth = |n: usize| mass * valve.acceleration[n] + sampled(n);
+    let mut forces: Vec<f64> = (0..record.len()).map(|n| -sampled(n)).collect();
+    for n in 1..record.len() {
+        let gained = mass * (valve.velocity[n] - valve.velocity[n - 1]) / interval;
+        let force = 0.5 * (smooth(n - 1) + smooth(n)) - gained;
+        forces[n - 1] += 0.5 * force;
+        forces[n] += 0.5 * force;
+    }
+    // Half an interval is missing at either end, where the valve rests.
+    for end in [0, record.len() - 1] {
+        forces[end] += 0.5 * sampled(end);
+    }
+    forces
 }

@@ -142,7 +142,8 @@ const FORCE_LIMIT: f64 = 1e-9;
 /// approximate cylinders leave.
 const STRAY_LIMIT: f64 = 1e-4;
 
-/// Largest deviation of the body's velocity from the cycle's, over its largest: forces that jump between two samples.
+/// Largest deviation of the body's velocity from the cycle's, over its largest: forces of piston, nose and hand that jump between two
+/// samples.
 const VELOCITY_LIMIT: f64 = 5e-3;
 
 impl ToolShot {
@@ -268,8 +269,10 @@ impl Guided {
         let largest = |values: &[f64]| values.iter().fold(f64::MIN_POSITIVE, |a: f64, b| a.max(b.abs()));
         let force = mass * largest(&tool.acceleration);
         let sums = loads.history.tr_mul(&self.resultants());
-        let gap = |(sum, a): (&f64, &f64)| (sum - mass * a).abs();
-        let off = sums.iter().zip(&tool.acceleration).map(gap).fold(0.0, f64::max);
+        let unsampled = forces::unsampled(parameters, record);
+        let gap = |((sum, beside), a): ((&f64, &f64), &f64)| (sum - beside - mass * a).abs();
+        let sums = sums.iter().zip(&unsampled).zip(&tool.acceleration);
+        let off = sums.map(gap).fold(0.0, f64::max);
         let stray = |sample: usize| {
             let pressures = loads.history.column(sample);
             let left = |(k, area): (usize, &f64)| pressures[AXIAL + k] * area;
@@ -278,11 +281,13 @@ impl Guided {
         let stray = (0..record.len()).map(stray).fold(0.0, f64::max);
         let fall = DMatrix::from_column_slice(self.descent.len(), 1, self.descent.as_slice()) / self.mass;
         let velocity = response.points(0, &fall, Motion::Velocity)?;
-        let drift = |(n, v): (usize, &f64)| {
-            let sample = (n as f64 * record.sample_interval / response.step).round() as usize;
-            velocity.get(sample).map_or(0.0, |found| (found - v).abs())
+        // An impulse between two samples is spread over both, and the velocity over four.
+        let smooth = |v: &[f64]| 0.25 * (v[0] + 2.0 * v[1] + v[2]);
+        let drift = |(n, v): (usize, &[f64])| {
+            let sample = ((n + 1) as f64 * record.sample_interval / response.step).round() as usize;
+            velocity.get(sample).map_or(0.0, |found| (found - smooth(v)).abs())
         };
-        let drift = tool.velocity.iter().enumerate().map(drift).fold(0.0, f64::max);
+        let drift = tool.velocity.windows(3).enumerate().map(drift).fold(0.0, f64::max);
         let mut checks = vec![
             Check::at_most(
                 "tool: mass beside the cycle's",
