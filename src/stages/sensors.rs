@@ -23,6 +23,12 @@ const STANDARD_GRAVITY: f64 = 9.80665;
 /// Length of the transforms over that of the record; the slowest filter decays within the rest.
 const PADDING: f64 = 4.0;
 
+/// Share of a signal's energy that the end of its record may leave out: 4e-5 dB of its level.
+const REST: f64 = 1e-5;
+
+/// Shortest record, in samples: what a spectrum needs.
+const SHORTEST: usize = 8;
+
 /// An accelerometer with its measuring chain.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Accelerometer {
@@ -75,7 +81,7 @@ pub struct Sensors {
     pub accelerometers: Vec<Accelerometer>,
     /// The cycle.
     pub cycle: Stored<CycleRecord>,
-    /// Response of workpiece and support, whose samples the signals share.
+    /// Response of workpiece and support, whose step the signals share.
     pub vibration: Stored<Vibration>,
     /// Motions of the elastic bodies.
     pub motions: Vec<Stored<BodyMotion>>,
@@ -106,17 +112,15 @@ impl Stage for Sensors {
         let motions = all(&self.motions)?;
         let motions: Vec<&SensorMotion> = motions.iter().map(|motion| &motion.sensors).collect();
         let response = &vibration.response;
-        signals(
-            &self.accelerometers,
-            (response.step, response.samples()),
-            &record,
-            &motions,
-        )
+        let others = motions.iter().filter(|motion| !motion.names.is_empty());
+        let others = others.map(|motion| motion.acceleration.nrows());
+        let samples = others.fold(response.samples(), usize::max);
+        signals(&self.accelerometers, (response.step, samples), &record, &motions)
     }
 }
 
-/// Signals of sensors on the time grid of the workpiece's response (`step` \[s\], number of `samples`). Sensors without a
-/// motion of their body are on a rigid tool, which moves as in the cycle.
+/// Signals of sensors on a time grid (`step` \[s\], number of `samples`), cut where all have come to rest. Sensors without a motion
+/// of their body are on a rigid tool, which moves as in the cycle.
 ///
 /// # Errors
 /// Those of the filter.
@@ -129,7 +133,8 @@ fn signals(
     let signal = |sensor: &Accelerometer| {
         let elastic = motions.iter().find_map(|motion| motion.of(&sensor.name));
         // The cycle counts downwards, the sensor upwards.
-        let raw = elastic.unwrap_or_else(|| rigid(record, (step, samples), -sensor.axis_z));
+        let mut raw = elastic.unwrap_or_else(|| rigid(record, (step, samples), -sensor.axis_z));
+        raw.resize(samples, 0.0);
         let mut acceleration = filtered(&raw, step, PADDING, |hz| sensor.transfer(hz))?;
         acceleration.truncate(samples);
         Ok(SensorRecord {
@@ -139,7 +144,25 @@ fn signals(
             acceleration,
         })
     };
-    sensors.par_iter().map(signal).collect()
+    let mut records: Vec<SensorRecord> = sensors.par_iter().map(signal).collect::<Result<_, Error>>()?;
+    let end = records
+        .iter()
+        .map(|record| end(&record.acceleration))
+        .max()
+        .unwrap_or(0);
+    records.iter_mut().for_each(|record| record.acceleration.truncate(end));
+    Ok(records)
+}
+
+/// Number of samples after which less than [`REST`] of a signal's energy is left.
+fn end(signal: &[f64]) -> usize {
+    let left = REST * signal.iter().map(|a| a * a).sum::<f64>();
+    let mut after = 0.0;
+    let last = signal.iter().rposition(|a| {
+        after += a * a;
+        after > left
+    });
+    last.map_or(0, |last| last + 1).max(SHORTEST.min(signal.len()))
 }
 
 /// Acceleration of a rigid tool, times a factor.
@@ -188,6 +211,15 @@ mod tests {
         assert!((level(0.02) - level(0.2) + 20.0).abs() < 0.1);
         assert!((level(5e5) - level(5e4) + 80.0).abs() < 0.1);
         assert!((20.0 * sensor(4e3).transfer(4e3).norm().log10() + 3.0103).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_record_ends_where_nothing_of_its_energy_is_left() {
+        let decay = |n: i32| (-0.01 * f64::from(n)).exp();
+        let signal: Vec<f64> = (0..5000).map(decay).collect();
+        // The energy left after n samples is exp(-0.02 n).
+        assert_eq!(end(&signal), (REST.ln() / -0.02).ceil() as usize);
+        assert_eq!(end(&[0.0; 20]), SHORTEST);
     }
 
     #[test]
