@@ -4,7 +4,7 @@ use super::BLACK;
 use super::chart::{Axis, Chart, Event, Panel, Series, Shape, symbol};
 use super::levels::{SHOWN, in_palette};
 use crate::measurement::lines::BEFORE;
-use crate::measurement::markers::{LAST, MARKERS, STANDARD_GRAVITY};
+use crate::measurement::markers::{MARKERS, STANDARD_GRAVITY};
 use crate::measurement::processing::Measured;
 use crate::measurement::repeats::RepeatedLevel;
 use crate::measurement::result::{MeasuredBand, MeasurementResult};
@@ -224,7 +224,6 @@ fn signals(measured: &Measured) -> Option<Chart> {
     let meaning = |name: &str| {
         MARKERS
             .iter()
-            .chain([&LAST])
             .find(|own| own.name == name)
             .map_or("", |own| own.meaning)
     };

@@ -2,7 +2,7 @@
 
 use super::shots::{Between, Energies, Processed};
 use crate::measurement::arrangement::Arrangement;
-use crate::measurement::markers::{LAST, MARKERS, Marker};
+use crate::measurement::markers::{MARKERS, Marker};
 use crate::measurement::repeats::RepeatedLevel;
 use crate::measurement::result::{
     MeasuredAcceleration, MeasuredBand, MeasuredBound, MeasuredConfiguration, MeasuredInterval, MeasuredMarker,
@@ -310,5 +310,5 @@ fn markers(shots: &[Processed]) -> Vec<MeasuredMarker> {
             deviation_s: (count > 1).then(|| (squares / (count - 1) as f64).sqrt()),
         })
     };
-    MARKERS.iter().chain([&LAST]).filter_map(of).collect()
+    MARKERS.iter().filter_map(of).collect()
 }
