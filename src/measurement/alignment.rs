@@ -3,7 +3,8 @@
 use std::f64::consts::PI;
 
 use nalgebra::Complex;
-use realfft::RealFftPlanner;
+
+use super::transform::RealTransform;
 
 /// A record later by `delay` \[s\], also by fractions of a sample: its lines times e^(-j 2 pi f delay). Zeros enter at one end, and
 /// what leaves at the other is lost.
@@ -12,25 +13,17 @@ pub fn delayed(record: &[f64], rate: f64, delay: f64) -> Vec<f64> {
         return Vec::new();
     }
     // Room for what is moved, so that nothing wraps around.
-    let moved = (delay.abs() * rate).ceil() as usize + 1;
-    let length = (record.len() + moved).next_power_of_two();
-    let mut planner = RealFftPlanner::new();
-    let (forward, inverse) = (planner.plan_fft_forward(length), planner.plan_fft_inverse(length));
-    let mut padded = forward.make_input_vec();
-    padded[..record.len()].copy_from_slice(record);
-    let mut lines = forward.make_output_vec();
-    let done = forward.process(&mut padded, &mut lines);
-    debug_assert!(done.is_ok(), "buffers of the plan's own lengths");
+    let room = (delay.abs() * rate).ceil() as usize + 1;
+    let length = (record.len() + room).next_power_of_two();
+    let transform = RealTransform::new(length);
+    let mut lines = transform.lines(record);
     let step = -2.0 * PI * delay * rate / length as f64;
     for (k, x) in lines.iter_mut().enumerate() {
-        *x *= Complex::from_polar(1.0 / length as f64, step * k as f64);
+        *x *= Complex::from_polar(1.0, step * k as f64);
     }
-    let last = lines.len() - 1;
-    (lines[0].im, lines[last].im) = (0.0, 0.0);
-    let done = inverse.process(&mut lines, &mut padded);
-    debug_assert!(done.is_ok(), "buffers of the plan's own lengths");
-    padded.truncate(record.len());
-    padded
+    let mut moved = transform.signal(lines);
+    moved.truncate(record.len());
+    moved
 }
 
 /// Delay of `record` behind `reference` \[s\] by the largest correlation within `most` \[s\], to a fraction of a sample by the
@@ -38,26 +31,9 @@ pub fn delayed(record: &[f64], rate: f64, delay: f64) -> Vec<f64> {
 pub fn delay(reference: &[f64], record: &[f64], rate: f64, most: f64) -> Option<f64> {
     let reach = (most * rate).ceil() as usize;
     let length = (reference.len().max(record.len()) + reach + 1).next_power_of_two();
-    let mut planner = RealFftPlanner::new();
-    let (forward, inverse) = (planner.plan_fft_forward(length), planner.plan_fft_inverse(length));
-    let lines = |signal: &[f64]| {
-        let mut padded = forward.make_input_vec();
-        padded[..signal.len()].copy_from_slice(signal);
-        let mut lines = forward.make_output_vec();
-        let done = forward.process(&mut padded, &mut lines);
-        debug_assert!(done.is_ok(), "buffers of the plan's own lengths");
-        lines
-    };
-    let mut product: Vec<Complex<f64>> = lines(record)
-        .iter()
-        .zip(&lines(reference))
-        .map(|(b, a)| b * a.conj())
-        .collect();
-    let last = product.len() - 1;
-    (product[0].im, product[last].im) = (0.0, 0.0);
-    let mut correlation = inverse.make_output_vec();
-    let done = inverse.process(&mut product, &mut correlation);
-    debug_assert!(done.is_ok(), "buffers of the plan's own lengths");
+    let transform = RealTransform::new(length);
+    let lines = transform.lines(record).into_iter().zip(transform.lines(reference));
+    let correlation = transform.signal(lines.map(|(b, a)| b * a.conj()).collect());
     let at = |lag: i64| correlation[lag.rem_euclid(length as i64) as usize];
     let reach = reach as i64;
     let best = (-reach..=reach).max_by(|a, b| at(*a).total_cmp(&at(*b)))?;

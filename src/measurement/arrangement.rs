@@ -34,6 +34,31 @@ pub struct Arrangement {
 /// Range of the levels \[Hz\], that of a run.
 const RANGE: [f64; 2] = COMMON_RANGE_HZ;
 
+/// A part of tool or workpiece that carries an accelerometer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// The tool's handle.
+    Handle,
+    /// The block of wood.
+    Block,
+    /// The edge of the sandbox.
+    BoxEdge,
+    /// The table under its centre.
+    Table,
+}
+
+impl Part {
+    /// Names of its channels: that of the published tests, and that of the shipped designs.
+    fn names(self) -> [&'static str; 2] {
+        match self {
+            Self::Handle => ["N", "handle"],
+            Self::Block => ["W", "block_top"],
+            Self::BoxEdge => ["SE", "sand_edge"],
+            Self::Table => ["TC", "table_centre"],
+        }
+    }
+}
+
 impl Arrangement {
     /// That of the recordings of a manifest.
     ///
@@ -87,11 +112,10 @@ impl Arrangement {
         })
     }
 
-    /// Place of a channel with one of these names, the first that is there.
-    pub fn accelerometer(&self, names: &[&str]) -> Option<usize> {
-        names
-            .iter()
-            .find_map(|name| self.accelerometers.iter().position(|own| own == name))
+    /// Place of the first accelerometer on one of these parts, in their order.
+    pub fn accelerometer(&self, parts: &[Part]) -> Option<usize> {
+        let mut names = parts.iter().flat_map(|part| part.names());
+        names.find_map(|name| self.accelerometers.iter().position(|own| own == name))
     }
 
     /// Place of a transducer.

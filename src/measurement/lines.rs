@@ -1,11 +1,11 @@
 //! Spectra of one second: lines 1 Hz apart, energies of bands, signals back from lines.
 
 use std::f64::consts::PI;
-use std::sync::Arc;
 
 use nailnoise_acoustics::levels::{Band, Weighting, energy_weights, third_octaves};
 use nalgebra::Complex;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+
+use super::transform::RealTransform;
 
 /// Length of the analysed piece of a record \[s\].
 pub const LENGTH: f64 = 1.0;
@@ -20,37 +20,31 @@ const TAPER: f64 = 5e-3;
 #[derive(Clone)]
 pub struct OneSecond {
     rate: f64,
-    samples: usize,
-    forward: Arc<dyn RealToComplex<f64>>,
-    inverse: Arc<dyn ComplexToReal<f64>>,
+    transform: RealTransform,
 }
 
 impl OneSecond {
     /// For a sampling rate \[1/s\].
     pub fn new(rate: f64) -> Self {
-        let samples = (rate * LENGTH).round() as usize;
-        let mut planner = RealFftPlanner::new();
         Self {
             rate,
-            samples,
-            forward: planner.plan_fft_forward(samples),
-            inverse: planner.plan_fft_inverse(samples),
+            transform: RealTransform::new((rate * LENGTH).round() as usize),
         }
     }
 
     /// Distance of the lines \[Hz\].
     pub fn df(&self) -> f64 {
-        self.rate / self.samples as f64
+        self.rate / self.samples() as f64
     }
 
     /// Number of samples.
     pub fn samples(&self) -> usize {
-        self.samples
+        self.transform.length()
     }
 
     /// Frequencies of the lines \[Hz\].
     pub fn frequencies(&self) -> Vec<f64> {
-        (0..=self.samples / 2).map(|k| k as f64 * self.df()).collect()
+        (0..=self.samples() / 2).map(|k| k as f64 * self.df()).collect()
     }
 
     /// The second of a record that begins [`BEFORE`] the trigger, at `trigger` \[s\] from the record's start: the record with
@@ -58,8 +52,8 @@ impl OneSecond {
     pub fn cut(&self, record: &[f64], trigger: f64) -> Vec<f64> {
         let start = ((trigger - BEFORE) * self.rate).round() as i64;
         let begin = start.max(0) as usize;
-        let end = record.len().min((start + self.samples as i64).max(0) as usize);
-        let mut piece = vec![0.0; self.samples];
+        let end = record.len().min((start + self.samples() as i64).max(0) as usize);
+        let mut piece = vec![0.0; self.samples()];
         if begin < end {
             let kept = &record[begin..end];
             let at = (begin as i64 - start) as usize;
@@ -71,30 +65,14 @@ impl OneSecond {
 
     /// X(f) = dt sum x e^(-j 2 pi f t) \[unit s\] of a piece of one second.
     pub fn lines(&self, piece: &[f64]) -> Vec<Complex<f64>> {
-        let mut input = piece.to_vec();
-        input.resize(self.samples, 0.0);
-        let mut output = self.forward.make_output_vec();
-        let done = self.forward.process(&mut input, &mut output);
-        debug_assert!(done.is_ok(), "buffers of the plan's own lengths");
-        let dt = 1.0 / self.rate;
-        output.iter_mut().for_each(|x| *x *= dt);
-        output
+        let mut lines = self.transform.lines(piece);
+        lines.iter_mut().for_each(|x| *x /= self.rate);
+        lines
     }
 
     /// The piece of one second with these lines.
     pub fn signal(&self, lines: &[Complex<f64>]) -> Vec<f64> {
-        let scale = self.rate / self.samples as f64;
-        let mut input: Vec<Complex<f64>> = lines.iter().map(|x| x * scale).collect();
-        // Lines of a real signal at 0 Hz and at half the sampling rate are real.
-        let last = input.len() - 1;
-        input[0].im = 0.0;
-        if self.samples.is_multiple_of(2) {
-            input[last].im = 0.0;
-        }
-        let mut output = self.inverse.make_output_vec();
-        let done = self.inverse.process(&mut input, &mut output);
-        debug_assert!(done.is_ok(), "buffers of the plan's own lengths");
-        output
+        self.transform.signal(lines.iter().map(|x| x * self.rate).collect())
     }
 }
 

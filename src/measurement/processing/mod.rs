@@ -4,7 +4,7 @@ mod shots;
 mod summary;
 
 use super::alignment::delay;
-use super::arrangement::Arrangement;
+use super::arrangement::{Arrangement, Part};
 use super::error::MeasurementError;
 use super::recordings::Shot;
 use super::result::{MeasurementResult, Processing};
@@ -96,7 +96,7 @@ pub fn process(
                     microphones,
                 })?;
             }
-            let moving = arrangement.accelerometer(&["N", "handle", "TC", "table_centre", "W", "block_top"]);
+            let moving = arrangement.accelerometer(&[Part::Handle, Part::Table, Part::Block]);
             let moving = moving.and_then(|place| recording.accelerations.get(place));
             let piece = moving.map(|record| context.transform.cut(record, recording.trigger));
             delays.push(match (&reference, &piece) {

@@ -3,7 +3,7 @@
 use nalgebra::Complex;
 use rayon::prelude::*;
 
-use crate::measurement::arrangement::Arrangement;
+use crate::measurement::arrangement::{Arrangement, Part};
 use crate::measurement::lines::{BEFORE, Bands, OneSecond};
 use crate::measurement::markers::{Markers, STANDARD_GRAVITY, Signals, rms_and_peak};
 use crate::measurement::recordings::Shot;
@@ -219,15 +219,15 @@ impl<'a> Context<'a> {
     }
 
     fn markers(&self, shot: &Shot) -> Markers {
-        let acceleration = |names: &[&str]| {
-            let place = self.arrangement.accelerometer(names)?;
+        let acceleration = |parts: &[Part]| {
+            let place = self.arrangement.accelerometer(parts)?;
             shot.accelerations.get(place).map(Vec::as_slice)
         };
         let cylinder = self.arrangement.transducer("PT-I");
         let signals = Signals {
-            handle: acceleration(&["N", "handle"]),
-            block: acceleration(&["W", "block_top", "SE", "sand_edge"]),
-            table: acceleration(&["TC", "table_centre"]),
+            handle: acceleration(&[Part::Handle]),
+            block: acceleration(&[Part::Block, Part::BoxEdge]),
+            table: acceleration(&[Part::Table]),
             cylinder: cylinder.and_then(|place| shot.pressures.get(place)).map(Vec::as_slice),
         };
         Markers::find(&signals, shot.rate, shot.trigger)

@@ -1,12 +1,13 @@
 //! Causal filters of a given magnitude.
 
 use nalgebra::Complex;
-use realfft::RealFftPlanner;
 use rustfft::FftPlanner;
+
+use crate::measurement::transform::RealTransform;
 
 /// A filter on the lines of a transform of fixed length.
 pub(super) struct MinimumPhase {
-    length: usize,
+    transform: RealTransform,
     response: Vec<Complex<f64>>,
 }
 
@@ -38,31 +39,18 @@ impl MinimumPhase {
         }
         forward.process(&mut cepstrum);
         Self {
-            length,
+            transform: RealTransform::new(length),
             response: cepstrum[..=length / 2].iter().map(|value| value.exp()).collect(),
         }
     }
 
     /// The filtered record.
     pub(super) fn apply(&self, record: &[f64]) -> Vec<f64> {
-        let mut planner = RealFftPlanner::new();
-        let (forward, inverse) = (
-            planner.plan_fft_forward(self.length),
-            planner.plan_fft_inverse(self.length),
-        );
-        let mut padded = forward.make_input_vec();
-        padded[..record.len()].copy_from_slice(record);
-        let mut lines = forward.make_output_vec();
-        let done = forward.process(&mut padded, &mut lines);
-        debug_assert!(done.is_ok(), "buffers of the plan's own lengths");
-        let scale = 1.0 / self.length as f64;
-        lines.iter_mut().zip(&self.response).for_each(|(x, h)| *x *= h * scale);
-        let last = lines.len() - 1;
-        (lines[0].im, lines[last].im) = (0.0, 0.0);
-        let done = inverse.process(&mut lines, &mut padded);
-        debug_assert!(done.is_ok(), "buffers of the plan's own lengths");
-        padded.truncate(record.len());
-        padded
+        let mut lines = self.transform.lines(record);
+        lines.iter_mut().zip(&self.response).for_each(|(x, h)| *x *= h);
+        let mut filtered = self.transform.signal(lines);
+        filtered.truncate(record.len());
+        filtered
     }
 }
 

@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 use nailnoise_acoustics::random::uniform;
 use nalgebra::Complex;
-use realfft::RealFftPlanner;
+
+use crate::measurement::transform::RealTransform;
 
 /// A standard normal number for a place of a sequence (Box and Muller 1958).
 pub(super) fn normal(seed: u64, first: u64, second: u64) -> f64 {
@@ -24,32 +25,24 @@ pub(super) fn under_envelope(
     if sum <= 0.0 {
         return vec![0.0; envelope.len()];
     }
-    let length = envelope.len().next_power_of_two();
-    let mut planner = RealFftPlanner::new();
-    let (forward, inverse) = (planner.plan_fft_forward(length), planner.plan_fft_inverse(length));
-    let mut padded = forward.make_input_vec();
     // E|sum_n w_n sqrt(p_n) dt e^..|^2 = dt^2 sum p_n = 1/2 for a one-sided density of 1.
     let scale = rate * (0.5 / sum).sqrt();
-    for (n, (x, power)) in padded.iter_mut().zip(envelope).enumerate() {
-        *x = if *power > 0.0 {
-            scale * power.sqrt() * normal(seed, stream, n as u64)
-        } else {
-            0.0
-        };
-    }
-    let mut lines = forward.make_output_vec();
-    let done = forward.process(&mut padded, &mut lines);
-    debug_assert!(done.is_ok(), "buffers of the plan's own lengths");
-    let df = rate / length as f64;
+    let modulated = |(n, power): (usize, &f64)| match *power {
+        power if power > 0.0 => scale * power.sqrt() * normal(seed, stream, n as u64),
+        _ => 0.0,
+    };
+    let white: Vec<f64> = envelope.iter().enumerate().map(modulated).collect();
+    let transform = RealTransform::new(envelope.len().next_power_of_two());
+    let df = rate / transform.length() as f64;
+    let mut lines = transform.lines(&white);
     for (k, x) in lines.iter_mut().enumerate() {
-        *x *= density(k as f64 * df).max(0.0).sqrt() / length as f64;
+        *x *= density(k as f64 * df).max(0.0).sqrt();
     }
     let last = lines.len() - 1;
     (lines[0], lines[last]) = (Complex::default(), Complex::default());
-    let done = inverse.process(&mut lines, &mut padded);
-    debug_assert!(done.is_ok(), "buffers of the plan's own lengths");
-    padded.truncate(envelope.len());
-    padded
+    let mut noise = transform.signal(lines);
+    noise.truncate(envelope.len());
+    noise
 }
 
 #[cfg(test)]

@@ -2,7 +2,8 @@
 
 use nailnoise_acoustics::sound::ChirpTransform;
 use nalgebra::Complex;
-use realfft::RealFftPlanner;
+
+use crate::measurement::transform::RealTransform;
 
 /// A plan that brings band-limited records of one length from one rate to another, from their first sample on.
 ///
@@ -10,9 +11,9 @@ use realfft::RealFftPlanner;
 /// does not reach its beginning.
 pub(super) struct Resampling {
     from: f64,
-    length: usize,
     kept: usize,
-    transform: ChirpTransform,
+    forward: RealTransform,
+    back: ChirpTransform,
 }
 
 impl Resampling {
@@ -24,27 +25,22 @@ impl Resampling {
         let frequency: Vec<f64> = (0..kept).map(|k| k as f64 * df).collect();
         Self {
             from,
-            length,
             kept,
-            transform: ChirpTransform::new(&frequency, to, samples),
+            forward: RealTransform::new(length),
+            back: ChirpTransform::new(&frequency, to, samples),
         }
     }
 
     /// The record at the new rate.
     pub(super) fn apply(&self, record: &[f64]) -> Vec<f64> {
-        let forward = RealFftPlanner::new().plan_fft_forward(self.length);
-        let mut padded = forward.make_input_vec();
-        padded[..record.len()].copy_from_slice(record);
-        let mut lines = forward.make_output_vec();
-        let done = forward.process(&mut padded, &mut lines);
-        debug_assert!(done.is_ok(), "buffers of the plan's own lengths");
+        let mut lines = self.forward.lines(record);
         lines.truncate(self.kept);
         lines.iter_mut().for_each(|x| *x /= self.from);
         // The sum counts each line twice, for its negative frequency; that of 0 Hz is its own.
         if let Some(mean) = lines.first_mut() {
             *mean *= Complex::from(0.5);
         }
-        self.transform.signal(&lines)
+        self.back.signal(&lines)
     }
 }
 
