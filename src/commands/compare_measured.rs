@@ -107,7 +107,15 @@ fn text(comparison: &MeasuredComparison) -> String {
     text.push('\n');
     let rows: Vec<Vec<String>> = comparison.rows.iter().map(row).collect();
     text.push_str(&table(
-        &["quantity", "unit", "measured", "predicted", "5 .. 95 %", "distance"],
+        &[
+            "quantity",
+            "design",
+            "unit",
+            "measured",
+            "predicted",
+            "5 .. 95 %",
+            "distance",
+        ],
         &rows,
     ));
     text.push_str(
@@ -128,6 +136,7 @@ fn row(own: &ComparedQuantity) -> Vec<String> {
     };
     vec![
         own.quantity.clone(),
+        own.design.clone(),
         own.unit.clone(),
         measured,
         format!("{:.2}", own.predicted),

@@ -102,9 +102,9 @@ fn quantities(comparison: &MeasuredComparison) -> Markup {
     let (levels, others): (Vec<_>, Vec<_>) = comparison.rows.iter().partition(|own| own.level);
     html! {
         div.scroll { table {
-            thead { tr { th.n { "row" } th { "quantity" } th { "unit" } th.n { "measured" } th.n { "predicted" } th.n { "5 .. 95 %" } th.n { "distance" } th { "published in" } } }
+            thead { tr { th.n { "row" } th { "quantity" } th { "design" } th { "unit" } th.n { "measured" } th.n { "predicted" } th.n { "5 .. 95 %" } th.n { "distance" } th { "published in" } } }
             tbody { @for (place, own) in levels.iter().chain(&others).enumerate() { tr {
-                td.n { (place + 1) } td { (own.quantity) } td { (own.unit) } td.n { (measured(own)) } td.n { (format!("{:.2}", own.predicted)) }
+                td.n { (place + 1) } td { (own.quantity) } td { (own.design) } td { (own.unit) } td.n { (measured(own)) } td.n { (format!("{:.2}", own.predicted)) }
                 td.n { @if let Some([low, high]) = own.interval { (format!("{low:.2} .. {high:.2}")) } @else { "\u{2013}" } }
                 td.n { (format!("{:+.2}", own.distance)) } td { (own.source) }
             } } }

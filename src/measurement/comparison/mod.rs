@@ -53,6 +53,8 @@ pub struct ComparedQuantity {
     pub id: String,
     /// What is compared.
     pub quantity: String,
+    /// The design or designs behind the prediction.
+    pub design: String,
     /// Unit.
     pub unit: String,
     /// Whether it is a level, and no difference of levels or other quantity.
@@ -81,13 +83,14 @@ pub fn compare(published: &Published, predicted: &[Predicted]) -> MeasuredCompar
             open.push(format!("{}: {}", entry.id, entry.quantity));
         }
         for quantity in quantities {
-            match quantity.predicted(predicted) {
-                Some(found) => rows.push(row(&entry, &quantity, &found)),
-                None => open.push(format!(
+            let found = quantity.predicted(predicted);
+            if found.is_empty() {
+                open.push(format!(
                     "{}: {}; give a design whose workpiece stands as in the test",
                     entry.id, entry.quantity
-                )),
+                ));
             }
+            rows.extend(found.iter().map(|found| row(&entry, &quantity, found)));
         }
     }
     MeasuredComparison {
@@ -107,14 +110,14 @@ pub fn compare(published: &Published, predicted: &[Predicted]) -> MeasuredCompar
     }
 }
 
-fn row(entry: &PublishedEntry, quantity: &Quantity, found: &predicted::Found) -> ComparedQuantity {
+fn row(entry: &PublishedEntry, quantity: &Quantity, (design, found): &(String, predicted::Found)) -> ComparedQuantity {
     // A bound on the true source can only be exceeded; the bound by the test's own steps is compared as a value.
     let mut measured = entry.interval();
-    if quantity.is_bounded() {
+    if quantity.is_held_by_a_bound() {
         measured[0] = None;
     } else if let (None, Some(high)) = (measured[0], measured[1])
         && entry.is_upper_bound()
-        && quantity.is_of_the_test()
+        && quantity.repeats_the_test()
     {
         measured[0] = Some(high - 2.0 * entry.rounding());
     }
@@ -127,6 +130,7 @@ fn row(entry: &PublishedEntry, quantity: &Quantity, found: &predicted::Found) ->
     ComparedQuantity {
         id: entry.id.clone(),
         quantity: quantity.in_words(entry),
+        design: design.clone(),
         unit: entry.unit.clone(),
         level: quantity.is_level(),
         measured,
@@ -149,7 +153,7 @@ mod tests {
     fn distance(measured: [Option<f64>; 2], own: f64, interval: Option<[f64; 2]>) -> f64 {
         let entry = entry("closure_worktable", measured[0], measured[1]);
         let quantity = Quantity::of(&entry).remove(0);
-        row(&entry, &quantity, &predicted::Found { own, interval }).distance
+        row(&entry, &quantity, &(String::new(), predicted::Found { own, interval })).distance
     }
 
     #[test]

@@ -5,6 +5,7 @@ use nailnoise_acoustics::random::uniform;
 use super::published::PublishedEntry;
 use crate::design::{Design, Value};
 use crate::error::Error;
+use crate::measurement::arrangement::Part;
 use crate::measurement::manifest::Setup;
 use crate::measurement::markers::{STANDARD_GRAVITY, rms_and_peak};
 use crate::measurement::virtual_test::exact::{ExactTest, exact};
@@ -122,12 +123,12 @@ impl Quantity {
     }
 
     /// Whether the measurement bounds it from above alone.
-    pub fn is_bounded(self) -> bool {
+    pub fn is_held_by_a_bound(self) -> bool {
         matches!(self, Self::Workpiece(_))
     }
 
     /// Whether it is the outcome of the test's own steps, so that a printed bound is compared as a value.
-    pub fn is_of_the_test(self) -> bool {
+    pub fn repeats_the_test(self) -> bool {
         matches!(self, Self::Bound(_))
     }
 
@@ -149,12 +150,17 @@ impl Quantity {
         }
     }
 
-    /// Its prediction.
-    pub fn predicted(self, all: &[Predicted]) -> Option<Found> {
-        let of = |setup: Setup| all.iter().find(|own| own.setup == setup);
+    /// Its prediction by each of the designs whose workpiece stands as in the test, with the names of these designs.
+    pub fn predicted(self, all: &[Predicted]) -> Vec<(String, Found)> {
+        let of = |setup: Setup| all.iter().filter(move |own| own.setup == setup);
+        let each = |setup: Setup, value: &dyn Fn(&Predicted) -> Option<Found>| -> Vec<(String, Found)> {
+            let found = of(setup).filter_map(|own| Some((own.name.clone(), value(own)?)));
+            found.collect()
+        };
         let levels = |setup: Setup, value: &dyn Fn(&TestLevels) -> f64| {
-            let own = of(setup)?;
-            found(value(&own.own), own.drawn.iter().map(value).collect())
+            each(setup, &|own| {
+                found(value(&own.own), own.drawn.iter().map(value).collect())
+            })
         };
         let sum = |levels: &[f64]| 10.0 * levels.iter().map(|level| 10f64.powf(0.1 * level)).sum::<f64>().log10();
         match self {
@@ -166,26 +172,29 @@ impl Quantity {
             Self::Others(setup) => levels(setup, &|own| sum(&own.separated[1..])),
             Self::Closure(setup) => levels(setup, &|own| own.closure),
             Self::Fall => {
-                let (table, sand) = (of(Setup::Worktable)?, of(Setup::Sandbox)?);
-                // Draws of both are common where they were drawn together.
-                let pairs = table.drawn.iter().zip(&sand.drawn);
-                found(
-                    table.own.total - sand.own.total,
-                    pairs.map(|(a, b)| a.total - b.total).collect(),
-                )
+                let pairs = of(Setup::Worktable).flat_map(|table| of(Setup::Sandbox).map(move |sand| (table, sand)));
+                let fall = |(table, sand): (&Predicted, &Predicted)| {
+                    // Draws of both are common where they were drawn together.
+                    let drawn = table.drawn.iter().zip(&sand.drawn);
+                    let drawn = drawn.map(|(a, b)| a.total - b.total).collect();
+                    let found = found(table.own.total - sand.own.total, drawn)?;
+                    Some((format!("{}, {}", table.name, sand.name), found))
+                };
+                pairs.filter_map(fall).collect()
             }
-            Self::BlockRms(setup) => found(of(setup)?.block_rms?, Vec::new()),
-            Self::Speed => {
-                let own = all.iter().find(|own| own.speed.is_some())?;
-                found(own.speed?, own.drawn_speed.clone())
-            }
-            Self::PenetrationTime => {
-                let own = all.iter().find(|own| own.speed.is_some())?;
-                let milliseconds = |speed: f64| 1e3 * own.nail_length / speed;
-                found(
-                    milliseconds(own.speed?),
-                    own.drawn_speed.iter().copied().map(milliseconds).collect(),
-                )
+            Self::BlockRms(setup) => each(setup, &|own| found(own.block_rms?, Vec::new())),
+            // The published speed is that of the nailer; the support hardly changes it.
+            Self::Speed | Self::PenetrationTime => {
+                let quantity = |own: &Predicted, speed: f64| match self {
+                    Self::Speed => speed,
+                    _ => 1e3 * own.nail_length / speed,
+                };
+                let first = all.iter().find_map(|own| {
+                    let drawn = own.drawn_speed.iter().map(|speed| quantity(own, *speed));
+                    let found = found(quantity(own, own.speed?), drawn.collect())?;
+                    Some((own.name.clone(), found))
+                });
+                first.into_iter().collect()
             }
         }
     }
@@ -237,7 +246,7 @@ pub fn predict(
     });
     let block = test
         .arrangement
-        .accelerometer(&["W", "block_top"])
+        .accelerometer(&[Part::Block])
         .and_then(|place| shot.sensors.get(place));
     let own_speed = shot.cycle.summary.mean_drive_speed;
     Ok(Predicted {
