@@ -3,7 +3,7 @@
     validation.py NAILNOISE PAGE           the predictions of the designs as they are, to the digit; no draws
     validation.py NAILNOISE PAGE --update  writes the whole table, with the intervals of 32 draws
 
-The page's table stands between two comments; each row has the quantity, what was measured, what is predicted, the interval of
+The page's table stands between two comments; each row has the quantity, the design, what was measured, what is predicted, the interval of
 the draws and the distance of both intervals.
 """
 
@@ -15,7 +15,7 @@ from pathlib import Path
 
 BEGIN = "<!-- predicted and measured: written by tests/peers/validation.py --update -->"
 END = "<!-- end of the table -->"
-DESIGNS = ["designs/n80cb-as-tested.toml", "designs/n80cb-as-tested-sandbox.toml"]
+DESIGNS = [f"designs/n80cb-as-tested{kind}.toml" for kind in ("", "-sandbox", "-sandbox-floor")]
 DRAWS = 32
 
 
@@ -42,11 +42,12 @@ def unit(row):
 def cells(row):
     low, high = row["interval"] or [None, None]
     interval = "" if low is None else f"{low:.1f} .. {high:.1f}"
-    return [row["quantity"], unit(row), measured(row["measured"]), f"{row['predicted']:.1f}", interval, f"{row['distance']:+.1f}"]
+    design = row["design"].replace("n80cb-as-tested", "tested").replace("tested-", "")
+    return [row["quantity"], design, unit(row), measured(row["measured"]), f"{row['predicted']:.1f}", interval, f"{row['distance']:+.1f}"]
 
 
 def table(rows):
-    lines = [["quantity", "unit", "measured", "predicted", "5 .. 95 %", "distance"], ["---", "---", "--:", "--:", "--:", "--:"]]
+    lines = [["quantity", "design", "unit", "measured", "predicted", "5 .. 95 %", "distance"], ["---", "---", "---", "--:", "--:", "--:", "--:"]]
     lines += [cells(row) for row in rows]
     return "".join("| " + " | ".join(line) + " |\n" for line in lines)
 
@@ -61,8 +62,8 @@ def main(program, page, update):
         return
     stated = [[cell.strip() for cell in line.strip("|").split("|")] for line in old.strip().splitlines()[2:]]
     found = [cells(row) for row in compared(program, 2)]
-    # Quantity, unit, measured and predicted; the intervals need the draws.
-    wrong = [(a[:4], b[:4]) for a, b in zip(stated, found, strict=True) if a[:4] != b[:4]]
+    # Quantity, design, unit, measured and predicted; the intervals need the draws.
+    wrong = [(a[:5], b[:5]) for a, b in zip(stated, found, strict=True) if a[:5] != b[:5]]
     for a, b in wrong:
         print("page", a, "program", b)
     print(f"{len(found)} rows, {len(wrong)} differ")
