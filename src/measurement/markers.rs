@@ -111,7 +111,7 @@ impl Markers {
             .or(signals.table)
             .and_then(|signal| first(signal, from, START));
         let (t4, t8, t11) = signals.cylinder.map_or((None, None, None), |p| cylinder(p, rate, from));
-        // Of the drive: a block that bounces may land harder after the piston has turned back.
+        // Only the drive counts: a bouncing block may land with a larger acceleration after the piston has turned back.
         let t7 = signals.table.or(signals.block).and_then(|signal| {
             let end = t11.unwrap_or(signal.len()).min(signal.len());
             largest(&signal[..end], from, f64::abs)
@@ -165,7 +165,7 @@ impl Markers {
     }
 
     /// The first pair of markers in the wrong order.
-    pub fn disorder(&self) -> Option<[(&'static str, f64); 2]> {
+    pub fn out_of_order(&self) -> Option<[(&'static str, f64); 2]> {
         let order = [
             ("t3", self.t3),
             ("t7", self.t7),
@@ -365,7 +365,7 @@ mod tests {
         // 6 g of 60 g, a tenth of a radian of 800 Hz later; 0.7 g are left of the first burst.
         assert!((found.t12.unwrap_or(f64::NAN) - 0.11).abs() < 0.03e-3);
         assert!(found.t13 > found.t12 && found.t10 < found.t12);
-        assert_eq!(found.disorder(), None);
+        assert_eq!(found.out_of_order(), None);
     }
 
     #[test]
@@ -448,7 +448,7 @@ mod tests {
             t7: Some(0.01),
             ..Markers::default()
         };
-        assert_eq!(markers.disorder(), Some([("t3", 0.02), ("t7", 0.01)]));
-        assert_eq!(Markers::default().disorder(), None);
+        assert_eq!(markers.out_of_order(), Some([("t3", 0.02), ("t7", 0.01)]));
+        assert_eq!(Markers::default().out_of_order(), None);
     }
 }

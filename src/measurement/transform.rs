@@ -1,4 +1,4 @@
-//! Real Fourier transforms of one length. Buffers come from the plan, so that nothing can fail.
+//! Fourier transforms of real records of a fixed length. The plan allocates all buffers, so the transforms cannot fail.
 
 use std::sync::Arc;
 
@@ -39,7 +39,7 @@ impl RealTransform {
         lines
     }
 
-    /// The record with these lines. Those at 0 Hz and at half the sampling rate are real; an imaginary part is left out.
+    /// Inverse transform of the lines. The lines at 0 Hz and at half the sampling rate are real; their imaginary parts are ignored.
     pub(super) fn signal(&self, mut lines: Vec<Complex<f64>>) -> Vec<f64> {
         lines[0].im = 0.0;
         if self.length.is_multiple_of(2) {

@@ -1,6 +1,6 @@
 //! Accelerometers on the bodies of a shot.
 
-use std::f64::consts::FRAC_PI_8;
+use std::f64::consts::{FRAC_PI_8, TAU};
 
 use nailnoise_acoustics::fourier::filtered;
 use nailnoise_acoustics::radiation::MovingSand;
@@ -20,8 +20,11 @@ use crate::result::SensorLevel;
 /// Standard acceleration of gravity, the unit of accelerometer readings (ISO 80000-3) \[m/s2\].
 const STANDARD_GRAVITY: f64 = 9.80665;
 
-/// Length of the transforms over that of the record; the slowest filter decays within the rest.
-const PADDING: f64 = 4.0;
+/// Time constants of a high-pass that a transform lasts longer than the motion, so that exp(-12) of its decay wraps around.
+const DECAY: f64 = 12.0;
+
+/// Longest decay of a high-pass that a transform holds \[s\]; only one below 0.5 Hz lasts longer.
+const LONGEST_DECAY: f64 = 4.0;
 
 /// Share of a signal's energy that the end of its record may leave out: 4e-5 dB of its level.
 const REST: f64 = 1e-5;
@@ -114,7 +117,9 @@ impl Stage for Sensors {
         let response = &vibration.response;
         let others = motions.iter().filter(|motion| !motion.names.is_empty());
         let others = others.map(|motion| motion.acceleration.nrows());
-        let samples = others.fold(response.samples(), usize::max);
+        // The tool may still move when the workpiece has come to rest.
+        let cycle = (record.len() as f64 * record.sample_interval / response.step).ceil() as usize;
+        let samples = others.fold(response.samples().max(cycle), usize::max);
         signals(&self.accelerometers, (response.step, samples), &record, &motions)
     }
 }
@@ -134,9 +139,9 @@ fn signals(
         let elastic = motions.iter().find_map(|motion| motion.of(&sensor.name));
         // The cycle counts downwards, the sensor upwards.
         let mut raw = elastic.unwrap_or_else(|| rigid(record, (step, samples), -sensor.axis_z));
-        raw.resize(samples, 0.0);
-        let mut acceleration = filtered(&raw, step, PADDING, |hz| sensor.transfer(hz))?;
-        acceleration.truncate(samples);
+        let decay = (DECAY / (TAU * sensor.band_hz[0])).min(LONGEST_DECAY);
+        raw.resize(samples + (decay / step).ceil() as usize, 0.0);
+        let acceleration = filtered(&raw, step, 1.0, |hz| sensor.transfer(hz))?;
         Ok(SensorRecord {
             name: sensor.name.clone(),
             body: sensor.body,
@@ -145,17 +150,19 @@ fn signals(
         })
     };
     let mut records: Vec<SensorRecord> = sensors.par_iter().map(signal).collect::<Result<_, Error>>()?;
-    let end = records
+    let length = records
         .iter()
-        .map(|record| end(&record.acceleration))
+        .map(|record| decayed_length(&record.acceleration))
         .max()
         .unwrap_or(0);
-    records.iter_mut().for_each(|record| record.acceleration.truncate(end));
+    records
+        .iter_mut()
+        .for_each(|record| record.acceleration.truncate(length));
     Ok(records)
 }
 
 /// Number of samples after which less than [`REST`] of a signal's energy is left.
-fn end(signal: &[f64]) -> usize {
+fn decayed_length(signal: &[f64]) -> usize {
     let left = REST * signal.iter().map(|a| a * a).sum::<f64>();
     let mut after = 0.0;
     let last = signal.iter().rposition(|a| {
@@ -214,12 +221,12 @@ mod tests {
     }
 
     #[test]
-    fn a_record_ends_where_nothing_of_its_energy_is_left() {
+    fn a_record_ends_where_its_energy_has_decayed() {
         let decay = |n: i32| (-0.01 * f64::from(n)).exp();
         let signal: Vec<f64> = (0..5000).map(decay).collect();
         // The energy left after n samples is exp(-0.02 n).
-        assert_eq!(end(&signal), (REST.ln() / -0.02).ceil() as usize);
-        assert_eq!(end(&[0.0; 20]), SHORTEST);
+        assert_eq!(decayed_length(&signal), (REST.ln() / -0.02).ceil() as usize);
+        assert_eq!(decayed_length(&[0.0; 20]), SHORTEST);
     }
 
     #[test]

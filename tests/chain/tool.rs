@@ -246,10 +246,13 @@ fn sensors_on_the_tool_read_its_motion_as_a_whole_at_low_frequencies_and_its_mod
     };
     let (low, wide) = ([1.0, 150.0], [1.0, 10e3]);
     let largest = |values: &[f64]| values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
-    let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
+    let apart = |a: &[f64], b: &[f64]| {
+        let at = |signal: &[f64], n: usize| signal.get(n).copied().unwrap_or(0.0);
+        (0..a.len().max(b.len())).fold(0.0, |m: f64, n| m.max((at(a, n) - at(b, n)).abs()))
+    };
     let rigid = records(1.0, BodyModel::Rigid, low);
     let elastic = records(1.0, BodyModel::Elastic, low);
-    // By name: cap, nose, side. A record ends where its bodies have come to rest.
+    // By name: cap, nose, side. A record ends where the bodies have come to rest; beyond its end it is zero.
     for end in [0, 1] {
         let (a, b) = (&elastic[end].acceleration, &rigid[end].acceleration);
         assert!(apart(a, b) < 0.02 * largest(b), "{}: {}", apart(a, b), largest(b));
@@ -293,13 +296,13 @@ fn a_sensor_on_the_tool_reads_the_sum_of_its_modal_accelerations() {
         let product: Complex<f64> = poles.iter().map(|pole| Complex::new(0.0, hz / high) - pole).product();
         pass / (1.0 + pass) / product
     };
-    let expected = filtered(raw.as_slice(), response.step, 4.0, band).unwrap();
+    let expected = filtered(raw.as_slice(), response.step, 16.0, band).unwrap();
     let found = &run.sensors[0];
     assert_eq!(found.name, "cap");
     let largest = expected.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
     for (found, expected) in found.acceleration.iter().zip(&expected) {
         assert!(
-            (found - expected).abs() < 1e-9 * largest,
+            (found - expected).abs() < 1e-7 * largest,
             "{found} {expected} of {largest}"
         );
     }

@@ -113,11 +113,11 @@ pub fn compare(published: &Published, predicted: &[Predicted]) -> MeasuredCompar
 fn row(entry: &PublishedEntry, quantity: &Quantity, (design, found): &(String, predicted::Found)) -> ComparedQuantity {
     // A bound on the true source can only be exceeded; the bound by the test's own steps is compared as a value.
     let mut measured = entry.interval();
-    if quantity.is_held_by_a_bound() {
+    if quantity.is_bounded_above() {
         measured[0] = None;
     } else if let (None, Some(high)) = (measured[0], measured[1])
         && entry.is_upper_bound()
-        && quantity.repeats_the_test()
+        && quantity.is_test_outcome()
     {
         measured[0] = Some(high - 2.0 * entry.rounding());
     }

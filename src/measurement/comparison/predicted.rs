@@ -123,12 +123,12 @@ impl Quantity {
     }
 
     /// Whether the measurement bounds it from above alone.
-    pub fn is_held_by_a_bound(self) -> bool {
+    pub fn is_bounded_above(self) -> bool {
         matches!(self, Self::Workpiece(_))
     }
 
     /// Whether it is the outcome of the test's own steps, so that a printed bound is compared as a value.
-    pub fn repeats_the_test(self) -> bool {
+    pub fn is_test_outcome(self) -> bool {
         matches!(self, Self::Bound(_))
     }
 

@@ -11,7 +11,7 @@ use super::result::{MeasurementResult, Processing};
 use super::wrapping::Configuration;
 use crate::error::Error;
 pub use shots::ShotSignals;
-use shots::{Context, Processed, Residual};
+use shots::{Context, ProcessedShot, Residual};
 use summary::Summary;
 pub use summary::{LEAST_REPEATS, Recorded};
 
@@ -60,7 +60,7 @@ pub fn process(
     let mut residual: Option<Residual> = None;
     let mut signals = Vec::new();
     let mut reference: Option<Vec<f64>> = None;
-    let mut all: Vec<(Recorded, Vec<Processed>, Vec<Option<f64>>)> = Vec::new();
+    let mut all: Vec<(Recorded, Vec<ProcessedShot>, Vec<Option<f64>>)> = Vec::new();
     // The residual first: the others need it. The delays refer to the first shot that is read.
     let mut order: Vec<Recorded> = recorded.to_vec();
     order.sort_by_key(|one| (one.configuration != Configuration::Residual, one.configuration));
@@ -75,7 +75,7 @@ pub fn process(
                     squares: Vec::new(),
                     shots: if processing.paired { 1 } else { one.repeats as u32 },
                 });
-                context.add_residual(made, &lines, one.repeats);
+                context.accumulate_residual(made, &lines, one.repeats);
             }
             let own = residual.as_ref().map(|residual| residual.of(repeat));
             let subtracted = match one.configuration {
@@ -84,8 +84,8 @@ pub fn process(
                 _ => own,
             };
             let (processed, corrected) = context.process(&recording, &lines, subtracted);
-            if let Some(pair) = processed.markers.disorder() {
-                return Err(disorder(arrangement, one.configuration, repeat, pair));
+            if let Some(pair) = processed.markers.out_of_order() {
+                return Err(out_of_order(arrangement, one.configuration, repeat, pair));
             }
             if let Some((source, microphones)) = one.configuration.source().zip(corrected) {
                 let rate = recording.rate;
@@ -133,7 +133,7 @@ pub fn process(
     })
 }
 
-fn disorder(
+fn out_of_order(
     arrangement: &Arrangement,
     configuration: Configuration,
     repeat: usize,

@@ -33,18 +33,18 @@ pub(super) struct Energies {
     pub(super) whole: f64,
     pub(super) bands: Vec<f64>,
     /// Markers on either side, their instants \[s\], and the energy between them.
-    pub(super) intervals: Vec<Between>,
+    pub(super) intervals: Vec<IntervalEnergy>,
 }
 
 #[derive(Debug, Clone)]
-pub(super) struct Between {
+pub(super) struct IntervalEnergy {
     pub(super) names: [&'static str; 2],
     pub(super) seconds: [f64; 2],
     pub(super) energy: f64,
 }
 
 /// One shot after processing.
-pub(super) struct Processed {
+pub(super) struct ProcessedShot {
     pub(super) raw: Energies,
     pub(super) corrected: Option<Energies>,
     pub(super) zeroed: f64,
@@ -94,7 +94,7 @@ impl<'a> Context<'a> {
         shot.microphones.par_iter().map(of).collect()
     }
 
-    pub(super) fn add_residual(&self, residual: &mut Residual, lines: &[Vec<Complex<f64>>], repeats: usize) {
+    pub(super) fn accumulate_residual(&self, residual: &mut Residual, lines: &[Vec<Complex<f64>>], repeats: usize) {
         let share = if self.processing.paired {
             1.0
         } else {
@@ -118,7 +118,7 @@ impl<'a> Context<'a> {
         shot: &Shot,
         lines: &[Vec<Complex<f64>>],
         residual: Option<&[Vec<f64>]>,
-    ) -> (Processed, Option<Vec<Vec<f64>>>) {
+    ) -> (ProcessedShot, Option<Vec<Vec<f64>>>) {
         let markers = self.markers(shot);
         let corrected = residual.map(|residual| self.corrected(lines, residual));
         let raw = self.energies(lines, None, &markers);
@@ -130,8 +130,10 @@ impl<'a> Context<'a> {
             }
             None => (None, None, 0.0),
         };
-        let processed = Processed {
-            before_trigger: signals.as_ref().map_or(0.0, |signals| self.before_trigger(signals)),
+        let processed = ProcessedShot {
+            before_trigger: signals
+                .as_ref()
+                .map_or(0.0, |signals| self.share_before_trigger(signals)),
             raw,
             corrected: after,
             zeroed,
@@ -141,7 +143,7 @@ impl<'a> Context<'a> {
         (processed, signals)
     }
 
-    /// Lines less a residual, and the share of the A-weighted energy that was set to zero.
+    /// Subtracts a residual from the lines. Also returns the share of the A-weighted energy that was set to zero.
     fn corrected(&self, lines: &[Vec<Complex<f64>>], residual: &[Vec<f64>]) -> (Vec<Vec<Complex<f64>>>, f64) {
         let df = self.transform.df();
         let of = |(lines, squares): (&Vec<Complex<f64>>, &Vec<f64>)| {
@@ -178,8 +180,8 @@ impl<'a> Context<'a> {
         }
     }
 
-    /// Energies between neighbouring markers, the signal of each microphone taken back by its travel time.
-    fn intervals(&self, signals: &[Vec<f64>], markers: &Markers) -> Vec<Between> {
+    /// Energies between consecutive markers. The signal of each microphone is shifted back by its travel time.
+    fn intervals(&self, signals: &[Vec<f64>], markers: &Markers) -> Vec<IntervalEnergy> {
         let found = markers.found();
         let rate = self.transform.df() * self.transform.samples() as f64;
         let between = |pair: &[(&'static str, f64)]| {
@@ -195,7 +197,7 @@ impl<'a> Context<'a> {
                 self.bands.energy(&self.transform.lines(&piece))
             };
             let energy: f64 = signals.par_iter().zip(&self.travel).map(of).sum();
-            Between {
+            IntervalEnergy {
                 names: [pair[0].0, pair[1].0],
                 seconds: [pair[0].1, pair[1].1],
                 energy: energy / signals.len().max(1) as f64,
@@ -205,7 +207,7 @@ impl<'a> Context<'a> {
     }
 
     /// Share of the signals' energy before the trigger.
-    fn before_trigger(&self, signals: &[Vec<f64>]) -> f64 {
+    fn share_before_trigger(&self, signals: &[Vec<f64>]) -> f64 {
         let rate = self.transform.df() * self.transform.samples() as f64;
         let first = (BEFORE * rate).round() as usize;
         let energy = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();

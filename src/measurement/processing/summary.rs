@@ -1,6 +1,6 @@
 //! What all shots of a test give together: levels with uncertainty, sources, bound, closure, notes.
 
-use super::shots::{Between, Energies, Processed};
+use super::shots::{Energies, IntervalEnergy, ProcessedShot};
 use crate::measurement::arrangement::Arrangement;
 use crate::measurement::markers::{MARKERS, Marker};
 use crate::measurement::repeats::RepeatedLevel;
@@ -26,7 +26,7 @@ pub struct Recorded {
 /// Level above the residual below which a source is not measured \[dB\].
 const LEAST_ABOVE: f64 = 3.0;
 
-/// Processed shots of all configurations.
+/// ProcessedShot shots of all configurations.
 pub(super) struct Summary<'a> {
     pub(super) arrangement: &'a Arrangement,
     pub(super) room: f64,
@@ -34,7 +34,7 @@ pub(super) struct Summary<'a> {
     /// Nominal mid-band frequencies \[Hz\].
     pub(super) hz: Vec<f64>,
     pub(super) residual_shots: u32,
-    pub(super) all: Vec<(Recorded, Vec<Processed>, Vec<Option<f64>>)>,
+    pub(super) all: Vec<(Recorded, Vec<ProcessedShot>, Vec<Option<f64>>)>,
 }
 
 impl Summary<'_> {
@@ -90,7 +90,7 @@ impl Summary<'_> {
     }
 
     fn intervals<'e>(&self, shots: impl Iterator<Item = &'e Energies>) -> Vec<MeasuredInterval> {
-        let mut found: Vec<([&'static str; 2], Vec<&Between>)> = Vec::new();
+        let mut found: Vec<([&'static str; 2], Vec<&IntervalEnergy>)> = Vec::new();
         for own in shots.flat_map(|energies| &energies.intervals) {
             match found.iter_mut().find(|(names, _)| *names == own.names) {
                 Some((_, all)) => all.push(own),
@@ -113,7 +113,7 @@ impl Summary<'_> {
         intervals
     }
 
-    /// Mean energies as recorded, of all microphones and repeats, of the range and its bands.
+    /// Energies as recorded, averaged over microphones and repeats: of the whole range, and of each band.
     fn mean_raw(&self, configuration: Configuration) -> Option<(f64, Vec<f64>)> {
         let (_, shots, _) = self.all.iter().find(|(one, ..)| one.configuration == configuration)?;
         let count = shots.len() as f64;
@@ -129,7 +129,7 @@ impl Summary<'_> {
 
     fn configuration(
         &self,
-        (one, shots, delays): &(Recorded, Vec<Processed>, Vec<Option<f64>>),
+        (one, shots, delays): &(Recorded, Vec<ProcessedShot>, Vec<Option<f64>>),
     ) -> MeasuredConfiguration {
         let raw = || shots.iter().map(|shot| &shot.raw);
         let residual = self.mean_raw(Configuration::Residual).map(|own| own.0);
@@ -167,7 +167,7 @@ impl Summary<'_> {
         }
     }
 
-    fn source(&self, one: Recorded, shots: &[Processed]) -> Option<MeasuredSource> {
+    fn source(&self, one: Recorded, shots: &[ProcessedShot]) -> Option<MeasuredSource> {
         let name = one.configuration.source()?;
         let corrected: Vec<&Energies> = shots.iter().filter_map(|shot| shot.corrected.as_ref()).collect();
         if corrected.is_empty() {
@@ -291,7 +291,7 @@ impl Summary<'_> {
 }
 
 /// Mean markers of shots.
-fn markers(shots: &[Processed]) -> Vec<MeasuredMarker> {
+fn markers(shots: &[ProcessedShot]) -> Vec<MeasuredMarker> {
     let of = |marker: &Marker| {
         let found = shots.iter().filter_map(|shot| {
             let all = shot.markers.found();

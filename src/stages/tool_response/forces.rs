@@ -17,8 +17,8 @@
 //! without moving the whole: p_1 and p_2 on the bore on both sides of the piston, p_ext within the handle and around the
 //! cylinder above the check-ring holes, p_r around it below them, and the plenum's pressure in the cap.
 //!
-//! A stiff cap or seat throws the head valve back within less than a sample's interval. The impulse of these forces follows from the
-//! valve's velocity; their means around each sample take the place of the samples ([`unsampled`]).
+//! The head valve leaves a stiff cap or seat within less than a sampling interval. The impulse of the contact follows from the
+//! valve's velocity; their means around each sample take the place of the samples ([`impulse_correction`]).
 
 use nailnoise_dynamics::{CycleRecord, Form, Geometry, Parameters, Volume};
 use nailnoise_meshes::{Mesh, MeshError};
@@ -42,7 +42,7 @@ pub(super) fn histories(parameters: &Parameters, mesh: &Mesh, record: &CycleReco
     let ambient = p.ambient.pressure;
     let unbalanced = ambient * (g.valve_control_area - g.valve_supply_area - underside);
     let f = &record.forces;
-    let unsampled = unsampled(parameters, record);
+    let impulse_correction = impulse_correction(parameters, record);
     let mut histories = DMatrix::zeros(LOADS, record.len());
     for (n, mut column) in histories.column_iter_mut().enumerate() {
         let over = |volume: &Volume| volume.pressure[n] - ambient;
@@ -58,7 +58,7 @@ pub(super) fn histories(parameters: &Parameters, mesh: &Mesh, record: &CycleReco
             Axial::Rim,
             f.seat[n] + above * (within + underside - g.piston_area) + supply * g.valve_supply_area,
         );
-        axial(stop(parameters, record, n), unsampled[n]);
+        axial(nearest_stop(parameters, record, n), impulse_correction[n]);
         axial(Axial::Floor, f.bumper[n] + below * g.ring_area);
         axial(Axial::Bore, f.piston_friction[n]);
         axial(Axial::Nose, f.magazine[n] - f.nose[n] - f.guard[n]);
@@ -75,7 +75,7 @@ pub(super) fn histories(parameters: &Parameters, mesh: &Mesh, record: &CycleReco
 }
 
 /// The stop that the head valve is nearer to at a sample.
-fn stop(parameters: &Parameters, record: &CycleRecord, sample: usize) -> Axial {
+fn nearest_stop(parameters: &Parameters, record: &CycleRecord, sample: usize) -> Axial {
     if record.motion.valve_lift[sample] > 0.5 * parameters.head_valve.lift {
         Axial::Cap
     } else {
@@ -87,7 +87,7 @@ fn stop(parameters: &Parameters, record: &CycleRecord, sample: usize) -> Axial {
 ///
 /// Between two samples, h apart, the valve's momentum changes by M_h (v' - v). Gas, spring, friction and weight, M_h a + cap + seat,
 /// change it by their mean, for they are smooth; the rest is the impulse of cap and seat. Half of it counts at either sample.
-pub(super) fn unsampled(parameters: &Parameters, record: &CycleRecord) -> Vec<f64> {
+pub(super) fn impulse_correction(parameters: &Parameters, record: &CycleRecord) -> Vec<f64> {
     let (valve, interval, mass) = (&record.head_valve, record.sample_interval, parameters.head_valve.mass);
     let sampled = |n: usize| record.forces.cap[n] + record.forces.seat[n];
     let smooth = |n: usize| mass * valve.acceleration[n] + sampled(n);

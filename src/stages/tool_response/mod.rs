@@ -269,9 +269,9 @@ impl Guided {
         let largest = |values: &[f64]| values.iter().fold(f64::MIN_POSITIVE, |a: f64, b| a.max(b.abs()));
         let force = mass * largest(&tool.acceleration);
         let sums = loads.history.tr_mul(&self.resultants());
-        let unsampled = forces::unsampled(parameters, record);
+        let correction = forces::impulse_correction(parameters, record);
         let gap = |((sum, beside), a): ((&f64, &f64), &f64)| (sum - beside - mass * a).abs();
-        let sums = sums.iter().zip(&unsampled).zip(&tool.acceleration);
+        let sums = sums.iter().zip(&correction).zip(&tool.acceleration);
         let off = sums.map(gap).fold(0.0, f64::max);
         let stray = |sample: usize| {
             let pressures = loads.history.column(sample);
