@@ -10,13 +10,15 @@ use crate::cost;
 use crate::design::Design;
 use crate::error::Error;
 use crate::graph::Graph;
-use crate::measurement::comparison::{ComparedQuantity, MeasuredComparison, Predicted, Published, compare, predict};
+use crate::measurement::comparison::{ComparedQuantity, MeasuredComparison, Measurements, Predicted, compare, predict};
+use crate::measurement::error::MeasurementError;
 use crate::measurement::virtual_test::{VirtualTest, wrapping};
 use crate::report;
 use crate::stages::{Progress, WithoutStages};
 use crate::staging;
 use crate::store::Store;
 use crate::study::{self, Draws, Part, common_draws, nominal};
+use crate::wording::drawn_structures;
 
 /// Draws where `--draws` gives no number.
 const DRAWS: u32 = 64;
@@ -33,6 +35,8 @@ pub(super) struct Request<'a> {
     pub(super) draws: Option<u32>,
     /// Their seed.
     pub(super) seed: u64,
+    /// Draws on each structure that is drawn; structures are held without it.
+    pub(super) structures: Option<u16>,
     /// Folder of the page.
     pub(super) out: &'a Path,
     /// Whether one JSON value is printed.
@@ -42,21 +46,32 @@ pub(super) struct Request<'a> {
 }
 
 pub(super) fn execute(arguments: &Request<'_>, cache: &Store, progress: &Progress) -> Result<ExitCode, Error> {
-    let published = Published::read(arguments.file)?;
+    let measured = Measurements::read(arguments.file)?;
     let designs = arguments
         .designs
         .iter()
         .map(|path| arguments.changes.load(path))
         .collect::<Result<Vec<Design>, _>>()?;
     for design in &designs {
+        let predicted = [design.analysis.range_low, design.analysis.range_high];
+        if let Some(range) = measured.range_hz.filter(|range| *range != predicted) {
+            return Err(MeasurementError::Range {
+                path: arguments.file.to_owned(),
+                measured: range,
+                design: design.name().to_owned(),
+                predicted,
+            }
+            .into());
+        }
         cost::refuse(design, &cost::of_run(design)?, arguments.memory.limit())?;
     }
     let graph = Graph::new(Arc::new(cache.clone()), Arc::new(WithoutStages(progress.observer())));
     let request = study::Request {
         draws: arguments.draws.unwrap_or(DRAWS) as usize,
         seed: arguments.seed,
-        shots_a_structure: None,
+        shots_a_structure: arguments.structures.map(usize::from),
         part: Part::All,
+        workpiece_sensors: true,
     };
     let mut predicted = Vec::new();
     // The designs' own shots first: the draws then find modes and radiation.
@@ -70,9 +85,9 @@ pub(super) fn execute(arguments: &Request<'_>, cache: &Store, progress: &Progres
     let references: Vec<&Design> = designs.iter().collect();
     let drawn = common_draws(&graph, &references, &request, progress)?;
     for ((design, (test, shot)), drawn) in designs.iter().zip(&shots).zip(&drawn) {
-        predicted.push(prediction(&graph, design, (test, shot), drawn, arguments.seed)?);
+        predicted.push(prediction(&graph, design, (test, shot), (&request, drawn))?);
     }
-    let comparison = compare(&published, &predicted);
+    let comparison = compare(&measured, &predicted);
     let page = arguments.out.join(format!("measured-{}.html", designs[0].name()));
     staging::write(&page, report::measured(&comparison).as_bytes())?;
     progress.end();
@@ -89,19 +104,20 @@ fn prediction(
     graph: &Graph,
     design: &Design,
     (test, shot): (&VirtualTest<'_>, &crate::measurement::virtual_test::BareShot),
-    drawn: &Draws,
-    seed: u64,
+    (request, drawn): (&study::Request, &Draws),
 ) -> Result<Predicted, Error> {
-    let levels = nominal(graph, design)?.ok_or(Error::Upstream { stage: "levels" })?;
-    predict(test, design, shot, (&levels, drawn), seed)
+    let levels = nominal(graph, design, request)?.ok_or(Error::Upstream { stage: "levels" })?;
+    predict(test, design, shot, (&levels, drawn), request.seed)
 }
 
 fn text(comparison: &MeasuredComparison) -> String {
     let mut text = format!("measured: {}\n  {}\n", comparison.tool, comparison.source);
     for own in &comparison.designs {
         text.push_str(&format!(
-            "predicted: {}, {} draws of its ranges and wraps\n",
-            own.name, own.draws
+            "predicted: {}, {} draws of its ranges and wraps, {}\n",
+            own.name,
+            own.draws,
+            drawn_structures(own.structures)
         ));
     }
     text.push('\n');

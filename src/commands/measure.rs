@@ -6,8 +6,9 @@ use std::process::ExitCode;
 
 use clap::Args;
 
+use super::progress::noted;
 use super::table::{decibels, table};
-use super::{folder_of, message, print, print_json, progress, start_threads};
+use super::{Threads, folder_of, message, print, print_json, progress};
 use crate::error::Error;
 use crate::measurement::processing::{CorrectedShot, Measured, Recorded, process};
 use crate::measurement::repeats::RepeatedLevel;
@@ -22,6 +23,10 @@ use crate::{figures, output, report};
 const LAST: &str = "measurement.json";
 
 #[derive(Args)]
+#[command(after_help = examples!(
+    "nailnoise measure test.toml" => "levels of the sources from the recordings that the manifest names",
+    "nailnoise measure test.toml --figures --out out/march" => "charts as SVG, too, in a folder of its own",
+))]
 pub(super) struct Arguments {
     /// Manifest of the recordings (TOML)
     manifest: PathBuf,
@@ -46,13 +51,12 @@ pub(super) struct Arguments {
     /// Folder for the output files [default: out/NAME, of the manifest]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Number of threads; results do not depend on it [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: Threads,
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
-    start_threads(arguments.threads)?;
+    arguments.threads.start()?;
     let path = &arguments.manifest;
     let progress = progress();
     progress.stage("manifest");
@@ -178,9 +182,7 @@ fn text(measured: &Measured, folder: &Path) -> String {
         );
     }
     let _ = writeln!(text);
-    for note in &result.notes {
-        let _ = writeln!(text, "  - {note}");
-    }
+    text.push_str(&noted(&result.notes));
     let _ = writeln!(
         text,
         "\n  files in {}; open measurement.html for the page",

@@ -13,10 +13,11 @@ use crate::cost;
 use crate::design::Design;
 use crate::error::Error;
 use crate::graph::Graph;
+use crate::measurement::virtual_test::bare::{BareLevels, BareSource};
 use crate::measurement::virtual_test::exact::{ExactTest, exact};
 use crate::measurement::virtual_test::{VirtualTest, wrapping};
 use crate::measurement::wrapping::{Configuration, SOURCES, Wrapping};
-use crate::output::virtual_test::{manifest, sensors, sounds};
+use crate::output::virtual_test::{SensorPeaks, manifest, sensors, sounds};
 use crate::result::DesignId;
 use crate::stages::WithoutStages;
 use crate::staging::Staging;
@@ -25,6 +26,10 @@ use crate::staging::Staging;
 const LAST: &str = "manifest.toml";
 
 #[derive(Args)]
+#[command(after_help = examples!(
+    "nailnoise test my-tool.toml" => "recordings as a wrapping test makes them, in out/my-tool/test/",
+    "nailnoise test my-tool.toml --energies --wraps perfect" => "levels alone, with wraps that let nothing through",
+))]
 pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
@@ -62,6 +67,8 @@ struct TestResult {
     exact: ExactTest,
     /// The manifest of the recordings; null with `--energies`.
     manifest: Option<String>,
+    /// The sources of the shots before they are wrapped; empty with `--energies`.
+    recorded: Vec<BareSource>,
     /// Recordings written.
     shots: usize,
 }
@@ -97,6 +104,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         seed: arguments.seed,
         exact,
         manifest: None,
+        recorded: Vec::new(),
         shots: 0,
     };
     if !arguments.energies {
@@ -104,7 +112,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             Some(folder) => folder.clone(),
             None => folder_of(Path::new("out"), &format!("{}-test", design.name()), design.path())?,
         };
-        result.shots = record(&design, &test, &folder, &progress)?;
+        (result.shots, result.recorded) = record(&design, &test, &folder, &progress)?;
         result.manifest = Some(folder.join(LAST).display().to_string());
     }
     progress.end();
@@ -116,23 +124,27 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Writes the recordings of all configurations with their manifest; returns the number of shots.
+/// Writes the recordings of all configurations with their manifest; returns the number of shots, and their sources bare.
 fn record(
     design: &Design,
     test: &VirtualTest<'_>,
     folder: &Path,
     progress: &crate::stages::Progress,
-) -> Result<usize, Error> {
+) -> Result<(usize, Vec<BareSource>), Error> {
     let staging = Staging::within(folder)?;
     let repeats = design.test.repeats as usize;
     let shots = repeats * Configuration::ALL.len();
     progress.stage("shots");
     let mut full_scale = 0.0_f64;
+    let mut bare_levels = BareLevels::new(test)?;
+    let mut peaks = SensorPeaks::default();
     for (place, configuration) in Configuration::ALL.into_iter().enumerate() {
         let name = test.arrangement.setup.configuration(configuration.number());
         for repeat in 0..repeats {
             let bare = test.bare(configuration, repeat)?;
+            bare_levels.add(configuration, &bare);
             let shot = test.record(&bare, configuration, repeat);
+            peaks.add(&shot);
             // One full scale for all: that of the loudest configuration, the first, with room for scatter.
             if place == 0 && repeat == 0 {
                 full_scale = crate::stages::microphones::full_scale(4.0 * test.peak(&bare));
@@ -150,10 +162,10 @@ fn record(
             progress.done((place * repeats + repeat + 1) as u64, shots as u64);
         }
     }
-    let text = manifest(design, &test.arrangement, full_scale, repeats);
+    let text = manifest(design, &test.arrangement, (full_scale, &peaks), repeats);
     staging.write(Path::new(LAST), text.as_bytes())?;
     staging.place(&[], Path::new(LAST))?;
-    Ok(shots)
+    Ok((shots, bare_levels.sources()))
 }
 
 fn text(result: &TestResult) -> String {
@@ -175,27 +187,37 @@ fn text(result: &TestResult) -> String {
         .map(|(number, what, level)| vec![number.to_owned(), what.to_owned(), decibels(level)]),
     ));
     text.push('\n');
-    let rows = (0..SOURCES.len()).map(|place| {
-        vec![
-            SOURCES[place].to_owned(),
-            decibels(exact.sources_db[place]),
-            decibels(exact.separated_db[place]),
-            decibels(exact.unmixed_db[place]),
-            if place == 0 {
-                decibels(exact.bound_db)
-            } else {
-                String::new()
-            },
-        ]
-    });
-    text.push_str(&table(
-        &["source", "bare dB", "less residual dB", "least squares dB", "bound dB"],
-        &rows.collect::<Vec<_>>(),
-    ));
+    let recorded = !result.recorded.is_empty();
+    let mut titles = vec!["source", "bare dB", "less residual dB", "least squares dB", "bound dB"];
+    let mut rows: Vec<Vec<String>> = (0..SOURCES.len())
+        .map(|place| {
+            vec![
+                SOURCES[place].to_owned(),
+                decibels(exact.sources_db[place]),
+                decibels(exact.separated_db[place]),
+                decibels(exact.unmixed_db[place]),
+                if place == 0 {
+                    decibels(exact.bound_db)
+                } else {
+                    String::new()
+                },
+            ]
+        })
+        .collect();
+    if recorded {
+        titles.push("recorded, bare dB");
+        rows.iter_mut()
+            .zip(&result.recorded)
+            .for_each(|(row, own)| row.push(decibels(own.lwa_db)));
+    }
+    text.push_str(&table(&titles, &rows));
     text.push_str(
-        "\n  bare: as the nine microphones measure it alone; less residual: what the test makes of it; least squares: from all five,\n  \
+        "\n  bare: as the nine microphones measure it alone; less residual: what the test makes of it;\n  least squares: from all five, \
          given the losses of the wraps; bound: the total less exhaust and body\n",
     );
+    if recorded {
+        text.push_str("  recorded, bare: mean of the shots that measure the source, with their scatter\n");
+    }
     if let Some(closure) = exact.closure_db {
         text.push_str(&format!(
             "  closure: the total lies {closure:+.1} dB above the sum of the three\n"

@@ -49,7 +49,7 @@ pub enum Part {
 
 impl Part {
     /// Names of its channels: that of the published tests, and that of the shipped designs.
-    fn names(self) -> [&'static str; 2] {
+    pub(super) fn names(self) -> [&'static str; 2] {
         match self {
             Self::Handle => ["N", "handle"],
             Self::Block => ["W", "block_top"],

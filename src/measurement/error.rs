@@ -49,6 +49,19 @@ pub enum MeasurementError {
         /// What is wrong with it.
         fault: Box<Fault>,
     },
+    /// Levels over another range than those of a design.
+    #[error("{} has levels over {:.0} to {:.0} Hz, the design {design} over {:.0} to {:.0} Hz", path.display(), measured[0], measured[1],
+        predicted[0], predicted[1])]
+    Range {
+        /// The file of measurements.
+        path: PathBuf,
+        /// Its range \[Hz\].
+        measured: [f64; 2],
+        /// Name of the design.
+        design: String,
+        /// Its range \[Hz\].
+        predicted: [f64; 2],
+    },
     /// A shot that the manifest does not have.
     #[error("the manifest has no shot {repeat} of configuration {configuration}, both counted from 0")]
     NoShot {
@@ -89,6 +102,10 @@ impl Diagnostic for MeasurementError {
             }
             Self::Syntax(error) => error.help(),
             Self::Recording { fault, .. } => Some(Box::new(fault.remedy())),
+            Self::Range { measured, .. } => Some(Box::new(format!(
+                "add --set \"analysis.range_low={} Hz\" --set \"analysis.range_high={} Hz\"",
+                measured[0], measured[1]
+            ))),
             Self::NoShot { .. } => Some(Box::new("ask for configurations and repeats that the manifest lists")),
         }
     }

@@ -48,7 +48,7 @@ impl OneSecond {
     }
 
     /// The second of a record that begins [`BEFORE`] the trigger, at `trigger` \[s\] from the record's start: the record with
-    /// half-cosine ends, zeros beyond it.
+    /// half-cosine ends, zeros beyond it. The first end lies before the trigger.
     pub fn cut(&self, record: &[f64], trigger: f64) -> Vec<f64> {
         let start = ((trigger - BEFORE) * self.rate).round() as i64;
         let begin = start.max(0) as usize;
@@ -58,7 +58,8 @@ impl OneSecond {
             let kept = &record[begin..end];
             let at = (begin as i64 - start) as usize;
             piece[at..at + kept.len()].copy_from_slice(kept);
-            taper(&mut piece[at..at + kept.len()], self.rate);
+            let lead = ((trigger * self.rate).round() as usize).saturating_sub(begin);
+            taper(&mut piece[at..at + kept.len()], self.rate, lead);
         }
         piece
     }
@@ -76,15 +77,13 @@ impl OneSecond {
     }
 }
 
-/// Half-cosine ends of 5 ms, shorter on a shorter record.
-fn taper(record: &mut [f64], rate: f64) {
+/// Half-cosine ends of 5 ms, shorter on a shorter record; the first one has at most `lead` samples.
+fn taper(record: &mut [f64], rate: f64, lead: usize) {
     let count = ((TAPER * rate).round() as usize).min(record.len() / 2);
-    let last = record.len().saturating_sub(1);
-    for i in 0..count {
-        let rise = 0.5 * (1.0 - (PI * (i as f64 + 0.5) / count as f64).cos());
-        record[i] *= rise;
-        record[last - i] *= rise;
-    }
+    let rise = |i: usize, count: usize| 0.5 * (1.0 - (PI * (i as f64 + 0.5) / count as f64).cos());
+    let first = count.min(lead);
+    (record.iter_mut().take(first).enumerate()).for_each(|(i, x)| *x *= rise(i, first));
+    (record.iter_mut().rev().take(count).enumerate()).for_each(|(i, x)| *x *= rise(i, count));
 }
 
 /// Energies of spectra within bands: A-weighted over a range, and by one-third octave.
@@ -168,6 +167,15 @@ mod tests {
         let by_time: f64 = piece.iter().map(|x| x * x / 8000.0).sum();
         let by_lines: f64 = lines.iter().map(|x| 2.0 * x.norm_sqr() * transform.df()).sum();
         assert!((by_lines / by_time - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn the_signal_after_the_trigger_is_whole_where_the_record_begins_late() {
+        let transform = OneSecond::new(1000.0);
+        for lead in [0, 1, 4, 5, 9] {
+            let piece = transform.cut(&[1.0; 500], 1e-3 * lead as f64);
+            assert!(piece[10..].iter().take(400).all(|x| *x == 1.0), "{lead}");
+        }
     }
 
     #[test]

@@ -5,6 +5,9 @@
 //! above 6 g again (t12; after t11, where it still rings above 6 g, the onset of a burst of twice its peak), for the last time (t13).
 //! Transducer in the cylinder wall: it sees the pressure behind the piston from its steepest rise (t4) to its next step of
 //! either sign (t11); its fluctuation ends (t8) where its range over 2 ms is below 2 %.
+//!
+//! Where the body alone is bare, the burst of t12 is also found by the microphones ([`arrival`]), which shows whether they share the
+//! clock of the accelerometers.
 
 use serde::{Deserialize, Serialize};
 
@@ -25,6 +28,9 @@ const SETTLED: f64 = 5e-3;
 
 /// Time after its first steep rise that a burst is looked at to find its onset \[s\].
 const RISE: f64 = 0.2e-3;
+
+/// Time before and after the expected arrival of a burst at a microphone within which it is looked for \[s\].
+const ARRIVAL: f64 = 4e-3;
 
 /// Fewest samples of a part of a signal whose variance is taken.
 const FEWEST: usize = 4;
@@ -58,6 +64,13 @@ pub const MARKERS: [Marker; 9] = [
     marker("t12", Some("t16"), "piston hits its stop"),
     marker("t13", Some("t18"), "handle is quiet for good"),
 ];
+
+/// The burst of t12 as the microphones find it where the body alone is bare.
+pub const AT_MICROPHONES: Marker = marker(
+    "t12 at the microphones",
+    Some("t16"),
+    "its sound arrives, less the travel time from the device's centre",
+);
 
 const fn marker(name: &'static str, event: Option<&'static str>, meaning: &'static str) -> Marker {
     Marker { name, event, meaning }
@@ -229,11 +242,19 @@ fn burst(signal: &[f64], begin: usize, rate: f64) -> Option<usize> {
 /// Changes rise with the frequency, and an impact stands out of the ringing of low modes. The burst is steep where a change reaches
 /// half of the largest one.
 fn onset(signal: &[f64], begin: usize, rate: f64) -> Option<usize> {
-    let changes: Vec<f64> = signal.get(begin..)?.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let changes = changes(signal.get(begin..)?);
     let largest = changes.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
     let steep = changes.iter().position(|x| x.abs() >= 0.5 * largest)?;
     let rise = (RISE * rate).ceil() as usize;
-    let piece = &changes[..(steep + rise).min(changes.len())];
+    Some(begin + least(&criterion(&changes[..(steep + rise).min(changes.len())]))?)
+}
+
+fn changes(signal: &[f64]) -> Vec<f64> {
+    signal.windows(2).map(|pair| pair[1] - pair[0]).collect()
+}
+
+/// The information criterion of [`onset`] at every sample of a signal; infinite where a part is too short for a variance.
+fn criterion(signal: &[f64]) -> Vec<f64> {
     let variances = || {
         let (mut count, mut mean, mut squares) = (0.0, 0.0, 0.0);
         move |x: &f64| {
@@ -245,17 +266,41 @@ fn onset(signal: &[f64], begin: usize, rate: f64) -> Option<usize> {
         }
     };
     // Silence has no logarithm.
-    let least = f64::MIN_POSITIVE;
-    let before: Vec<f64> = piece.iter().map(variances()).collect();
-    let mut after: Vec<f64> = piece.iter().rev().map(variances()).collect();
+    let silence = f64::MIN_POSITIVE;
+    let before: Vec<f64> = signal.iter().map(variances()).collect();
+    let mut after: Vec<f64> = signal.iter().rev().map(variances()).collect();
     after.reverse();
-    let criterion = |k: &usize| {
-        let (first, second) = (*k as f64, (piece.len() - k) as f64);
-        first * before[k - 1].max(least).ln() + second * after[*k].max(least).ln()
+    let divisions = FEWEST..signal.len().saturating_sub(FEWEST);
+    let of = |k: usize| {
+        let (first, second) = (k as f64, (signal.len() - k) as f64);
+        first * before[k - 1].max(silence).ln() + second * after[k].max(silence).ln()
     };
-    let divisions = FEWEST..piece.len().saturating_sub(FEWEST);
-    let best = divisions.min_by(|a, b| criterion(a).total_cmp(&criterion(b)))?;
-    Some(begin + best)
+    let at = |k: usize| if divisions.contains(&k) { of(k) } else { f64::INFINITY };
+    (0..signal.len()).map(at).collect()
+}
+
+/// Place of the least finite value.
+fn least(criterion: &[f64]) -> Option<usize> {
+    let finite = (0..criterion.len()).filter(|&k| criterion[k].is_finite());
+    finite.min_by(|&a, &b| criterion[a].total_cmp(&criterion[b]))
+}
+
+/// How much later than expected the burst of t12 arrives at the microphones \[s\], from their pressures and the instants at which each
+/// expects it, from the record's start on \[s\].
+///
+/// The microphones are one array: the sample has the least sum of their information criteria (Maeda 1985), because single microphones
+/// may lie where the tool hardly radiates. It is looked for within 4 ms; `None` where a record ends before.
+pub fn arrival(pressures: &[Vec<f64>], rate: f64, expected: &[f64]) -> Option<f64> {
+    let around = (ARRIVAL * rate).round() as usize;
+    let mut sum = vec![0.0; 2 * around];
+    for (pressure, expected) in pressures.iter().zip(expected) {
+        let begin = ((expected * rate).round() as usize).checked_sub(around)?;
+        let window = pressure.get(begin..=begin + 2 * around)?;
+        sum.iter_mut()
+            .zip(criterion(&changes(window)))
+            .for_each(|(sum, own)| *sum += own);
+    }
+    Some((least(&sum)? as f64 - around as f64) / rate)
 }
 
 /// Samples at which the transducer begins to see the pressure behind the piston, at which that has come to rest, and at which
@@ -335,6 +380,32 @@ mod tests {
             "{}",
             rms / STANDARD_GRAVITY
         );
+    }
+
+    #[test]
+    fn a_burst_arrives_at_the_microphones_together() {
+        // Four records of the burst, each with its delay. The first two have only a hum of a tenth of its frequency, and begin.
+        let delays = [0.0, 3e-3, 5e-3, 8e-3];
+        let record = |n: usize, delay: f64| {
+            let hum = |k: usize| 60.0 * (2.0 * PI * 80.0 * k as f64 / RATE).sin();
+            let burst = if n < 2 {
+                vec![0.0; (0.4 * RATE) as usize]
+            } else {
+                bursts(&[(0.1 + delay, 60.0)])
+            };
+            burst.iter().enumerate().map(|(k, p)| p + hum(k)).collect::<Vec<f64>>()
+        };
+        let records: Vec<_> = delays.iter().enumerate().map(|(n, delay)| record(n, *delay)).collect();
+        for late in [-2e-3, 0.0, 2e-3] {
+            let expected = delays.map(|delay| 0.1 + delay - late);
+            let found = arrival(&records, RATE, &expected).unwrap();
+            assert!((found - late).abs() < 0.1e-3, "{found}");
+        }
+    }
+
+    #[test]
+    fn nothing_arrives_after_the_end_of_a_record() {
+        assert_eq!(arrival(&[bursts(&[(0.1, 60.0)])], RATE, &[100.0]), None);
     }
 
     /// The envelope 100 g e^(-t/20 ms) is at 6 g after 56.27 ms; the last crest above 6 g lies within half a period before.

@@ -5,7 +5,7 @@ use nailnoise_acoustics::fourier::{Transform, TransformSettings};
 use nailnoise_meshes::uff::{History, Ordinate};
 
 use super::File;
-use super::table::numbers;
+use super::table::{coarse, numbers};
 use crate::error::Error;
 use crate::run::Run;
 use crate::stages::sensors::SensorRecord;
@@ -16,10 +16,11 @@ const SPECTRUM_FROM: f64 = 5.0;
 /// Highest frequency of the spectra \[Hz\].
 const SPECTRUM_TO: f64 = 20e3;
 
-/// The files of accelerometers and pressure transducers; none of a kind that the design does not have.
-pub(super) fn files(run: &Run) -> Result<Vec<File>, Error> {
-    let mut files = of_accelerometers(run)?;
-    files.extend(of_transducers(run)?);
+/// The files of accelerometers and pressure transducers; none of a kind that the design does not have. Tables have `all` samples,
+/// or every so many; universal files have all of them, binary.
+pub(super) fn files(run: &Run, all: bool) -> Result<Vec<File>, Error> {
+    let mut files = of_accelerometers(run, all)?;
+    files.extend(of_transducers(run, all)?);
     Ok(files)
 }
 
@@ -28,7 +29,7 @@ fn title(name: &str, place: &str) -> String {
     format!("{name} ({place})")
 }
 
-fn of_transducers(run: &Run) -> Result<Vec<File>, Error> {
+fn of_transducers(run: &Run, all: bool) -> Result<Vec<File>, Error> {
     let transducers = &run.transducers;
     let Some(interval) = transducers.first().map(|first| first.interval) else {
         return Ok(Vec::new());
@@ -41,6 +42,7 @@ fn of_transducers(run: &Run) -> Result<Vec<File>, Error> {
         ["time [s]".to_owned()].into_iter().chain(titles),
         (|sample| sample as f64 * interval, 7),
         (&columns, 6),
+        if all { 1 } else { coarse(interval) },
     )?;
     let mut uff = Vec::new();
     for (index, own) in transducers.iter().enumerate() {
@@ -53,7 +55,7 @@ fn of_transducers(run: &Run) -> Result<Vec<File>, Error> {
             interval,
             values: &own.values,
         }
-        .write(&mut uff);
+        .write_binary(&mut uff);
     }
     Ok(vec![
         File::new("transducers.csv", table),
@@ -61,7 +63,7 @@ fn of_transducers(run: &Run) -> Result<Vec<File>, Error> {
     ])
 }
 
-fn of_accelerometers(run: &Run) -> Result<Vec<File>, Error> {
+fn of_accelerometers(run: &Run, all: bool) -> Result<Vec<File>, Error> {
     let sensors = &run.sensors;
     let Some(first) = sensors.first() else {
         return Ok(Vec::new());
@@ -84,10 +86,10 @@ fn of_accelerometers(run: &Run) -> Result<Vec<File>, Error> {
             interval: sensor.interval,
             values: &sensor.acceleration,
         }
-        .write(&mut uff);
+        .write_binary(&mut uff);
     }
     Ok(vec![
-        File::new("sensors.csv", histories(sensors)?),
+        File::new("sensors.csv", histories(sensors, all)?),
         File::new("sensors-spectrum.csv", spectra(sensors, &transform)?),
         File::new("sensors.uff", uff),
     ])
@@ -98,13 +100,14 @@ fn header(abscissa: &str, sensors: &[SensorRecord], unit: &'static str) -> impl 
     [abscissa.to_owned()].into_iter().chain(sensors.iter().map(title))
 }
 
-fn histories(sensors: &[SensorRecord]) -> Result<Vec<u8>, Error> {
+fn histories(sensors: &[SensorRecord], all: bool) -> Result<Vec<u8>, Error> {
     let columns: Vec<&[f64]> = sensors.iter().map(|sensor| sensor.acceleration.as_slice()).collect();
     let interval = sensors[0].interval;
     numbers(
         header("time [s]", sensors, "m/s2"),
         (|sample| sample as f64 * interval, 7),
         (&columns, 6),
+        if all { 1 } else { coarse(interval) },
     )
 }
 
@@ -121,5 +124,6 @@ fn spectra(sensors: &[SensorRecord], transform: &Transform) -> Result<Vec<u8>, E
         header("frequency [Hz]", sensors, "(m/s2)2 s/Hz"),
         (|bin| frequencies[bin], 4),
         (&columns, 6),
+        1,
     )
 }

@@ -15,6 +15,9 @@ use crate::measurement::wrapping::Configuration;
 /// Voltage of the push-button below the trigger \[V\], full scale of its channel, and the threshold.
 const BUTTON: [f64; 3] = [5.0, 10.0, 2.5];
 
+/// Full scale of a sensor over the largest value of the test, at least.
+const HEADROOM: f64 = 2.0;
+
 /// The microphones of a shot as a sound file with a channel each, and the push-button below the trigger as the last channel.
 ///
 /// # Errors
@@ -57,8 +60,30 @@ pub fn sensors(arrangement: &Arrangement, shot: &Shot, origin: &str) -> Vec<u8> 
     bytes
 }
 
-/// The manifest of a test with so many repeats of each configuration.
-pub fn manifest(design: &Design, arrangement: &Arrangement, full_scale: f64, repeats: usize) -> String {
+/// Largest values of the sensors of a test.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct SensorPeaks {
+    acceleration: f64,
+    pressure: f64,
+}
+
+impl SensorPeaks {
+    /// Adds those of a shot.
+    pub fn add(&mut self, shot: &Shot) {
+        let peak = |records: &[Vec<f64>]| records.iter().flatten().fold(0.0, |peak: f64, x| peak.max(x.abs()));
+        self.acceleration = self.acceleration.max(peak(&shot.accelerations));
+        self.pressure = self.pressure.max(peak(&shot.pressures));
+    }
+}
+
+/// The manifest of a test with so many repeats of each configuration, from the full scale of the microphones \[Pa\] and the largest
+/// values of the sensors.
+pub fn manifest(
+    design: &Design,
+    arrangement: &Arrangement,
+    (full_scale, peaks): (f64, &SensorPeaks),
+    repeats: usize,
+) -> String {
     let mut text = String::new();
     let air = &arrangement.air;
     let [x, y, z] = [arrangement.centre.x, arrangement.centre.y, arrangement.centre.z];
@@ -87,13 +112,17 @@ pub fn manifest(design: &Design, arrangement: &Arrangement, full_scale: f64, rep
     let accelerometers = arrangement
         .accelerometers
         .iter()
-        .map(|name| (name, "accelerometer", "m/s2"));
-    let transducers = arrangement.transducers.iter().map(|name| (name, "pressure", "Pa"));
-    for (place, (name, kind, unit)) in accelerometers.chain(transducers).enumerate() {
+        .map(|name| (name, "accelerometer", "m/s2", peaks.acceleration));
+    let transducers = arrangement
+        .transducers
+        .iter()
+        .map(|name| (name, "pressure", "Pa", peaks.pressure));
+    for (place, (name, kind, unit, peak)) in accelerometers.chain(transducers).enumerate() {
         let _ = writeln!(
             text,
-            "{name} = {{ file = \"{{c}}-{{k}}.uff\", channel = {}, unit = \"{unit}\", kind = \"{kind}\" }}",
-            place + 1
+            "{name} = {{ file = \"{{c}}-{{k}}.uff\", channel = {}, unit = \"{unit}\", full_scale = \"{} {unit}\", kind = \"{kind}\" }}",
+            place + 1,
+            crate::stages::microphones::full_scale(HEADROOM * peak)
         );
     }
     let _ = writeln!(

@@ -6,6 +6,7 @@ use super::chart::markup;
 use super::page::{Page, Section};
 use crate::figures::{Axis, BLACK, Chart, Panel, Series, Shape};
 use crate::measurement::comparison::{ComparedQuantity, MeasuredComparison};
+use crate::wording::drawn_structures;
 
 /// Levels below and above those shown in the chart \[dB\].
 const MARGIN: f64 = 3.0;
@@ -23,7 +24,7 @@ pub(super) fn page(comparison: &MeasuredComparison) -> Page {
         lead: html! {
             p { (comparison.tool) ". " (comparison.source) }
             ul { @for own in &comparison.designs { li { "predicted by " b { (own.name) } ", " (own.draws)
-                " draws of its ranges and of the wraps" } } }
+                " draws of its ranges and of the wraps, " (drawn_structures(own.structures)) } } }
             p.quiet { "Like is compared with like: the prediction goes through the microphones, wraps and subtraction of the test. No \
                        parameter of the design was fitted to these measurements." }
         },

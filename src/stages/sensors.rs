@@ -78,7 +78,7 @@ pub struct SensorRecord {
 }
 
 /// Signals of all sensors of a shot.
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 pub struct Sensors {
     /// The sensors.
     pub accelerometers: Vec<Accelerometer>,
@@ -111,6 +111,16 @@ impl Stage for Sensors {
     }
 
     fn compute(&self, _: &Progress) -> Result<Vec<SensorRecord>, Error> {
+        self.records()
+    }
+}
+
+impl Sensors {
+    /// The signals, in the order of the sensors.
+    ///
+    /// # Errors
+    /// Those of the stages before and of the filter.
+    pub(super) fn records(&self) -> Result<Vec<SensorRecord>, Error> {
         let (record, vibration) = (self.cycle.get()?, self.vibration.get()?);
         let motions = all(&self.motions)?;
         let motions: Vec<&SensorMotion> = motions.iter().map(|motion| &motion.sensors).collect();

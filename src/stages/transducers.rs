@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::{Code, Input, NotKept, Progress, Stage, Stored, code};
 use crate::design::Chamber;
 use crate::error::Error;
+use crate::result::TransducerRange;
 
 /// A piezoelectric pressure transducer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -32,6 +33,19 @@ pub struct PressureRecord {
     pub interval: f64,
     /// Reading, 0 for the pressure at t = 0 \[Pa\].
     pub values: Vec<f64>,
+}
+
+impl PressureRecord {
+    /// Lowest and highest reading.
+    pub fn range(&self) -> TransducerRange {
+        let of = |value: fn(f64, f64) -> f64| self.values.iter().copied().fold(0.0, value);
+        TransducerRange {
+            name: self.name.clone(),
+            chamber: self.chamber.as_str(),
+            lowest_pa: of(f64::min),
+            highest_pa: of(f64::max),
+        }
+    }
 }
 
 /// Signals of all pressure transducers of a shot.

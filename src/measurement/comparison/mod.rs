@@ -4,14 +4,14 @@
 //! prediction goes through the same steps in energies ([`exact`](super::virtual_test::exact)), over draws of the design's
 //! ranges and of the wraps; the verdict is the distance of the two intervals.
 
+mod measurements;
 mod predicted;
-mod published;
 
 use schemars::JsonSchema;
 use serde::Serialize;
 
+pub use measurements::{MeasuredQuantity, Measurements};
 pub use predicted::{Predicted, Quantity, predict};
-pub use published::{Published, PublishedEntry};
 
 use crate::measurement::manifest::Setup;
 
@@ -25,7 +25,7 @@ pub struct MeasuredComparison {
     pub schema: String,
     /// The tool that was measured.
     pub tool: String,
-    /// Where the measurements were published.
+    /// Where the measurements were published, or the manifest of their recordings.
     pub source: String,
     /// Designs behind the predictions, by what the workpiece stands on.
     pub designs: Vec<PredictedDesign>,
@@ -44,6 +44,8 @@ pub struct PredictedDesign {
     pub setup: Setup,
     /// Draws behind the intervals.
     pub draws: usize,
+    /// Structures (block, table, tool body) that were drawn; 0 where they are those of the design.
+    pub structures: usize,
 }
 
 /// A measured quantity beside its prediction.
@@ -68,17 +70,17 @@ pub struct ComparedQuantity {
     /// Distance of the intervals, 0 where they overlap, positive where the prediction is higher: in dB for levels, in the unit for
     /// others.
     pub distance: f64,
-    /// Where the measurement was published.
+    /// Where the measurement was published, or the manifest of its recordings.
     pub source: String,
     /// What stays open.
     pub note: String,
 }
 
 /// Compares a file of measurements with predictions.
-pub fn compare(published: &Published, predicted: &[Predicted]) -> MeasuredComparison {
+pub fn compare(measured: &Measurements, predicted: &[Predicted]) -> MeasuredComparison {
     let (mut rows, mut open) = (Vec::new(), Vec::new());
-    for entry in published.all() {
-        let quantities = Quantity::of(&entry);
+    for entry in &measured.quantities {
+        let quantities = Quantity::of(entry);
         if quantities.is_empty() {
             open.push(format!("{}: {}", entry.id, entry.quantity));
         }
@@ -90,19 +92,20 @@ pub fn compare(published: &Published, predicted: &[Predicted]) -> MeasuredCompar
                     entry.id, entry.quantity
                 ));
             }
-            rows.extend(found.iter().map(|found| row(&entry, &quantity, found)));
+            rows.extend(found.iter().map(|found| row(entry, &quantity, found)));
         }
     }
     MeasuredComparison {
         schema: SCHEMA.to_owned(),
-        tool: published.tool.clone(),
-        source: published.source.clone(),
+        tool: measured.tool.clone(),
+        source: measured.source.clone(),
         designs: predicted
             .iter()
             .map(|own| PredictedDesign {
                 name: own.name.clone(),
                 setup: own.setup,
                 draws: own.draws(),
+                structures: own.structures(),
             })
             .collect(),
         rows,
@@ -110,7 +113,11 @@ pub fn compare(published: &Published, predicted: &[Predicted]) -> MeasuredCompar
     }
 }
 
-fn row(entry: &PublishedEntry, quantity: &Quantity, (design, found): &(String, predicted::Found)) -> ComparedQuantity {
+fn row(
+    entry: &MeasuredQuantity,
+    quantity: &Quantity,
+    (design, found): &(String, predicted::Found),
+) -> ComparedQuantity {
     // A bound on the true source can only be exceeded; the bound by the test's own steps is compared as a value.
     let mut measured = entry.interval();
     if quantity.is_bounded_above() {
@@ -146,8 +153,8 @@ fn row(entry: &PublishedEntry, quantity: &Quantity, (design, found): &(String, p
 mod tests {
     use super::*;
 
-    fn entry(id: &str, low: Option<f64>, high: Option<f64>) -> PublishedEntry {
-        PublishedEntry::interval_of(id, [low, high])
+    fn entry(id: &str, low: Option<f64>, high: Option<f64>) -> MeasuredQuantity {
+        MeasuredQuantity::interval_of(id, [low, high])
     }
 
     fn distance(measured: [Option<f64>; 2], own: f64, interval: Option<[f64; 2]>) -> f64 {

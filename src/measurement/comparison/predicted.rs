@@ -2,12 +2,11 @@
 
 use nailnoise_acoustics::random::uniform;
 
-use super::published::PublishedEntry;
+use super::measurements::MeasuredQuantity;
 use crate::design::{Design, Value};
 use crate::error::Error;
 use crate::measurement::arrangement::Part;
 use crate::measurement::manifest::Setup;
-use crate::measurement::markers::{STANDARD_GRAVITY, rms_and_peak};
 use crate::measurement::virtual_test::exact::{ExactTest, exact};
 use crate::measurement::virtual_test::{BareShot, VirtualTest, wrapping};
 use crate::measurement::wrapping::{Wrapping, configurations, separated};
@@ -44,8 +43,10 @@ pub struct Predicted {
     pub setup: Setup,
     own: TestLevels,
     drawn: Vec<TestLevels>,
-    /// RMS acceleration of the block over 1 s \[g\].
+    structures: usize,
+    /// RMS acceleration of the block over 1 s \[g\], of the design and of the draws.
     block_rms: Option<f64>,
+    drawn_block_rms: Vec<f64>,
     /// Mean speed of the nail over its length \[m/s\], of the design and of the draws.
     speed: Option<f64>,
     drawn_speed: Vec<f64>,
@@ -66,6 +67,11 @@ impl Predicted {
     /// Number of draws.
     pub fn draws(&self) -> usize {
         self.drawn.len()
+    }
+
+    /// Number of structures that were drawn; 0 where they are held.
+    pub fn structures(&self) -> usize {
+        self.structures
     }
 }
 
@@ -98,14 +104,15 @@ pub enum Quantity {
 
 impl Quantity {
     /// What an entry is compared with; none where the program predicts nothing of the kind.
-    pub fn of(entry: &PublishedEntry) -> Vec<Self> {
+    pub fn of(entry: &MeasuredQuantity) -> Vec<Self> {
         use Setup::{Sandbox, Worktable};
         match entry.id.as_str() {
             "lwa_workpiece_worktable" => vec![Self::Bound(Worktable), Self::Workpiece(Worktable)],
             "lwa_workpiece_sandbox" => vec![Self::Bound(Sandbox), Self::Workpiece(Sandbox)],
-            "lwa_exhaust_sandbox" => vec![Self::Source(Sandbox, 1)],
+            "lwa_exhaust_sandbox" | "exhaust, corrected, sandbox" => vec![Self::Source(Sandbox, 1)],
             "lwa_total_fall" => vec![Self::Fall],
             "closure_worktable" => vec![Self::Closure(Worktable)],
+            "closure_sandbox" => vec![Self::Closure(Sandbox)],
             "rms_w_worktable" => vec![Self::BlockRms(Worktable)],
             "rms_w_sandbox" => vec![Self::BlockRms(Sandbox)],
             "mean_penetration_speed" => vec![Self::Speed],
@@ -117,6 +124,7 @@ impl Quantity {
             "body, corrected, worktable" => vec![Self::Source(Worktable, 2)],
             "body, corrected, sandbox" => vec![Self::Source(Sandbox, 2)],
             "workpiece as measured directly (X5), worktable" => vec![Self::Source(Worktable, 0)],
+            "workpiece as measured directly (X5), sandbox" => vec![Self::Source(Sandbox, 0)],
             "sum of the three corrected sources, worktable" => vec![Self::Sum(Worktable)],
             _ => Vec::new(),
         }
@@ -141,7 +149,7 @@ impl Quantity {
     }
 
     /// What is compared with an entry.
-    pub fn in_words(self, entry: &PublishedEntry) -> String {
+    pub fn in_words(self, entry: &MeasuredQuantity) -> String {
         match self {
             Self::Bound(_) => format!("{}: the bound, by the same steps", entry.quantity),
             Self::Workpiece(_) => format!("{}: the source itself, which the bound must hold", entry.quantity),
@@ -182,7 +190,7 @@ impl Quantity {
                 };
                 pairs.filter_map(fall).collect()
             }
-            Self::BlockRms(setup) => each(setup, &|own| found(own.block_rms?, Vec::new())),
+            Self::BlockRms(setup) => each(setup, &|own| found(own.block_rms?, own.drawn_block_rms.clone())),
             // The published speed is that of the nailer; the support hardly changes it.
             Self::Speed | Self::PenetrationTime => {
                 let quantity = |own: &Predicted, speed: f64| match self {
@@ -248,13 +256,23 @@ pub fn predict(
         .arrangement
         .accelerometer(&[Part::Block])
         .and_then(|place| shot.sensors.get(place));
+    let drawn_rms = |draw: &Draw| {
+        let own = draw
+            .levels
+            .sensors
+            .iter()
+            .find(|(name, _)| Some(name) == block.map(|own| &own.name))?;
+        Some(own.1)
+    };
     let own_speed = shot.cycle.summary.mean_drive_speed;
     Ok(Predicted {
         name: design.name().to_owned(),
         setup: test.arrangement.setup,
         own: levels_of(&own, &wrapping(design), |_, _| 0.0),
         drawn: levels.collect(),
-        block_rms: block.map(|own| rms_and_peak(&own.acceleration, 1.0 / own.interval).0 / STANDARD_GRAVITY),
+        structures: drawn.structures,
+        block_rms: block.map(|own| own.level().rms_g),
+        drawn_block_rms: drawn.draws.iter().filter_map(drawn_rms).collect(),
         speed: own_speed,
         nail_length: design.nail.length,
         drawn_speed: drawn

@@ -83,7 +83,7 @@ pub fn process(
                 Configuration::Total => own.filter(|_| processing.total_less_residual),
                 _ => own,
             };
-            let (processed, corrected) = context.process(&recording, &lines, subtracted);
+            let (processed, corrected) = context.process(one.configuration, &recording, &lines, subtracted);
             if let Some(pair) = processed.markers.out_of_order() {
                 return Err(out_of_order(arrangement, one.configuration, repeat, pair));
             }

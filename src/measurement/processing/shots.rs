@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::measurement::arrangement::{Arrangement, Part};
 use crate::measurement::lines::{BEFORE, Bands, OneSecond};
-use crate::measurement::markers::{Markers, STANDARD_GRAVITY, Signals, rms_and_peak};
+use crate::measurement::markers::{Markers, STANDARD_GRAVITY, Signals, arrival, rms_and_peak};
 use crate::measurement::recordings::Shot;
 use crate::measurement::result::Processing;
 use crate::measurement::wrapping::Configuration;
@@ -51,6 +51,11 @@ pub(super) struct ProcessedShot {
     pub(super) before_trigger: f64,
     pub(super) markers: Markers,
     pub(super) accelerations: Vec<(f64, f64)>,
+    /// Time from the record's start to the trigger \[s\].
+    pub(super) lead: f64,
+    /// Instant at which the burst of t12 leaves the device's centre by the microphones, from the trigger on \[s\]; none where the
+    /// body is wrapped or t12 is missing.
+    pub(super) arrival: Option<f64>,
 }
 
 /// Residual of a test: mean squares of the lines at each microphone, of all shots or shot by shot.
@@ -112,9 +117,10 @@ impl<'a> Context<'a> {
         }
     }
 
-    /// Energies of a shot, raw and less a residual, and its corrected signals.
+    /// Energies of a shot of a configuration, raw and less a residual, and its corrected signals.
     pub(super) fn process(
         &self,
+        configuration: Configuration,
         shot: &Shot,
         lines: &[Vec<Complex<f64>>],
         residual: Option<&[Vec<f64>]>,
@@ -139,6 +145,14 @@ impl<'a> Context<'a> {
             zeroed,
             markers,
             accelerations: self.accelerations(shot),
+            lead: shot.trigger,
+            arrival: markers
+                .t12
+                .filter(|_| configuration == Configuration::Body)
+                .and_then(|burst| {
+                    let expected: Vec<f64> = self.travel.iter().map(|travel| shot.trigger + burst + travel).collect();
+                    Some(burst + arrival(&shot.microphones, shot.rate, &expected)?)
+                }),
         };
         (processed, signals)
     }

@@ -2,7 +2,8 @@
 
 use super::shots::{Energies, IntervalEnergy, ProcessedShot};
 use crate::measurement::arrangement::Arrangement;
-use crate::measurement::markers::{MARKERS, Marker};
+use crate::measurement::lines::BEFORE;
+use crate::measurement::markers::{AT_MICROPHONES, MARKERS, Marker};
 use crate::measurement::repeats::RepeatedLevel;
 use crate::measurement::result::{
     MeasuredAcceleration, MeasuredBand, MeasuredBound, MeasuredConfiguration, MeasuredInterval, MeasuredMarker,
@@ -26,7 +27,10 @@ pub struct Recorded {
 /// Level above the residual below which a source is not measured \[dB\].
 const LEAST_ABOVE: f64 = 3.0;
 
-/// ProcessedShot shots of all configurations.
+/// Largest difference of travel times to a microphone between parts of the device and its centre \[s\].
+const PATHS: f64 = 1.5e-3;
+
+/// Processed shots of all configurations.
 pub(super) struct Summary<'a> {
     pub(super) arrangement: &'a Arrangement,
     pub(super) room: f64,
@@ -259,11 +263,36 @@ impl Summary<'_> {
                 one.repeats
             ));
         }
+        for (one, shots, _) in &self.all {
+            let late = shots.iter().filter(|shot| shot.lead < BEFORE * (1.0 - 1e-6)).count();
+            if late > 0 {
+                notes.push(format!(
+                    "{}: {late} of {} records begin less than {:.0} ms before the trigger, so that the start of the shot may be \
+                     missing: record earlier",
+                    name(one),
+                    shots.len(),
+                    1e3 * BEFORE
+                ));
+            }
+        }
         for one in self.all.iter().map(|one| self.configuration(one)) {
             if let Some(above) = one.above_residual_db.filter(|above| *above < LEAST_ABOVE) {
                 notes.push(format!(
                     "{}: {above:.1} dB above the residual; below {LEAST_ABOVE:.0} dB its source is not measured, the level shown is the floor",
                     one.name
+                ));
+            }
+            let at = |name: &str| one.markers.iter().find(|own| own.name == name).map(|own| own.seconds);
+            let late = at(AT_MICROPHONES.name)
+                .zip(at("t12"))
+                .map(|(arrived, burst)| arrived - burst);
+            if let Some(late) = late.filter(|late| late.abs() > PATHS) {
+                notes.push(format!(
+                    "{}: the microphones put the burst t12 {:+.1} ms from where the handle puts it, more than the {:.1} ms that the \
+                     paths of the sound explain: check that microphones and accelerometers share a clock, and the positions",
+                    one.name,
+                    1e3 * late,
+                    1e3 * PATHS
                 ));
             }
         }
@@ -292,12 +321,17 @@ impl Summary<'_> {
 
 /// Mean markers of shots.
 fn markers(shots: &[ProcessedShot]) -> Vec<MeasuredMarker> {
+    let found = |shot: &ProcessedShot, marker: &Marker| match marker.name {
+        name if name == AT_MICROPHONES.name => shot.arrival,
+        name => shot
+            .markers
+            .found()
+            .into_iter()
+            .find(|own| own.0 == name)
+            .map(|own| own.1),
+    };
     let of = |marker: &Marker| {
-        let found = shots.iter().filter_map(|shot| {
-            let all = shot.markers.found();
-            all.into_iter().find(|(name, _)| *name == marker.name).map(|(_, at)| at)
-        });
-        let found: Vec<f64> = found.collect();
+        let found: Vec<f64> = shots.iter().filter_map(|shot| found(shot, marker)).collect();
         let count = found.len();
         let mean = found.iter().sum::<f64>() / count as f64;
         let squares: f64 = found.iter().map(|at| (at - mean).powi(2)).sum();
@@ -310,5 +344,5 @@ fn markers(shots: &[ProcessedShot]) -> Vec<MeasuredMarker> {
             deviation_s: (count > 1).then(|| (squares / (count - 1) as f64).sqrt()),
         })
     };
-    MARKERS.iter().filter_map(of).collect()
+    MARKERS.iter().chain([&AT_MICROPHONES]).filter_map(of).collect()
 }

@@ -4,6 +4,7 @@
 //! new noise, the trigger comes at another instant. The sources' pressures pass the wraps by filters of minimum phase and add.
 //! [`exact`] does the same with energies, without recordings.
 
+pub mod bare;
 pub mod exact;
 mod minimum_phase;
 mod noise;
@@ -42,9 +43,6 @@ const BACKGROUND_HZ: [f64; 2] = [20.0, 20e3];
 
 /// Time over which the end of a sensor's record falls to zero \[s\].
 const FADE: f64 = 5e-3;
-
-/// First sample of a trigger, so that its edge is in the record.
-const FIRST_TRIGGER: usize = 2;
 
 /// The wraps of a design.
 pub fn wrapping(design: &Design) -> Wrapping {
@@ -96,7 +94,7 @@ pub fn arrangement(design: &Design) -> Result<Arrangement, Error> {
     })
 }
 
-/// A sensor's record with an end that falls to zero: it ends with the response of the workpiece, when the handle may still ring.
+/// A sensor's record with an end that falls to zero, where its body still moves a little.
 fn faded(record: &[f64], interval: f64) -> Vec<f64> {
     let count = ((FADE / interval).round() as usize).min(record.len());
     let first = record.len() - count;
@@ -268,7 +266,7 @@ impl<'a> VirtualTest<'a> {
         let rate = self.synthesis.rate;
         let trigger = test.trigger_delay * nailnoise_acoustics::random::uniform(self.seed, stream, 99);
         // The trigger falls on a sample, as the signals of the sources begin with it.
-        let start = ((trigger * rate).round() as usize).max(FIRST_TRIGGER);
+        let start = ((BEFORE + trigger) * rate).round() as usize;
         let samples = (test.record_length * rate).round() as usize;
         let wraps = self.filters(bare);
         let microphone = |place: usize| {

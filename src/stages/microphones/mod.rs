@@ -307,9 +307,9 @@ fn peak(signal: &[f64]) -> f64 {
     signal.iter().fold(0.0, |peak: f64, p| peak.max(p.abs()))
 }
 
-/// The smallest of 1, 2, 5, 10 ... Pa above a peak, from 1 mPa on.
+/// The smallest of 1, 2, 5, 10 ... above a peak, from 1e-3 on, in its unit.
 pub(crate) fn full_scale(peak: f64) -> f64 {
-    let steps = (-3..6).flat_map(|decade| [1.0, 2.0, 5.0].map(|step| step * 10f64.powi(decade)));
+    let steps = (-3..9).flat_map(|decade| [1.0, 2.0, 5.0].map(|step| step * 10f64.powi(decade)));
     steps.into_iter().find(|scale| *scale > peak).unwrap_or(peak.max(1.0))
 }
 

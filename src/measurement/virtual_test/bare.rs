@@ -1,0 +1,84 @@
+//! Levels of the sources of recorded shots before they are wrapped: what a measurement of the recordings should find.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::sources::{energies, mean_density};
+use super::{BareShot, VirtualTest};
+use crate::error::Error;
+use crate::measurement::arrangement::Arrangement;
+use crate::measurement::lines::{Bands, OneSecond};
+use crate::measurement::repeats::RepeatedLevel;
+use crate::measurement::result::MeasuredBand;
+use crate::measurement::wrapping::{Configuration, SOURCES};
+
+/// A source as the array would measure it alone, mean over the shots of the configuration that measures it.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct BareSource {
+    /// Its name.
+    pub source: &'static str,
+    /// Shots.
+    pub shots: usize,
+    /// A-weighted single-event sound power level \[dB re 1 pW s\].
+    pub lwa_db: Option<f64>,
+    /// The same by one-third octave.
+    pub bands: Vec<MeasuredBand>,
+}
+
+/// Collects the energies of the sources, shot by shot.
+pub struct BareLevels<'a> {
+    arrangement: &'a Arrangement,
+    room: f64,
+    transform: OneSecond,
+    bands: Bands,
+    /// A-weighted energies of the range and by band, one pair a shot, in the order of [`SOURCES`].
+    energies: [Vec<(f64, Vec<f64>)>; 3],
+}
+
+impl<'a> BareLevels<'a> {
+    /// For the shots of a test.
+    ///
+    /// # Errors
+    /// Those of the room's correction.
+    pub fn new(test: &'a VirtualTest<'_>) -> Result<Self, Error> {
+        let transform = OneSecond::new(test.synthesis.rate);
+        Ok(Self {
+            arrangement: &test.arrangement,
+            room: test.arrangement.room_correction()?,
+            bands: Bands::new(&transform.frequencies(), test.arrangement.range_hz),
+            transform,
+            energies: Default::default(),
+        })
+    }
+
+    /// Adds the shot of a configuration, which counts to the source that it measures.
+    pub fn add(&mut self, configuration: Configuration, shot: &BareShot) {
+        let measured = configuration.source();
+        if let Some(place) = SOURCES.iter().position(|name| Some(*name) == measured) {
+            let density = mean_density(&shot.sources[place], &self.transform);
+            self.energies[place].push(energies(&density, &self.bands));
+        }
+    }
+
+    /// Mean levels of the shots.
+    pub fn sources(&self) -> Vec<BareSource> {
+        let mean = |energies: &mut dyn Iterator<Item = f64>| {
+            let levels: Vec<f64> = energies
+                .filter_map(|energy| self.arrangement.level(energy, self.room))
+                .collect();
+            RepeatedLevel::of(&levels).map(|level| level.db)
+        };
+        let of = |(source, shots): (&&'static str, &Vec<(f64, Vec<f64>)>)| BareSource {
+            source,
+            shots: shots.len(),
+            lwa_db: mean(&mut shots.iter().map(|own| own.0)),
+            bands: (self.bands.nominal_hz().into_iter().enumerate())
+                .map(|(band, hz)| MeasuredBand {
+                    hz,
+                    lwa_db: mean(&mut shots.iter().map(|own| own.1[band])),
+                })
+                .collect(),
+        };
+        SOURCES.iter().zip(&self.energies).map(of).collect()
+    }
+}
