@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::str::FromStr;
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
@@ -60,7 +61,61 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     emit("layout", layout);
     println!("cargo:rerun-if-changed=src/stages");
+    describe(&root);
     Ok(())
+}
+
+/// What `--version` says of the build. It is part of no key: the digests above are those of the sources alone.
+fn describe(root: &Path) {
+    let set = |name: &str| std::env::var(name).unwrap_or_default();
+    let features = std::env::vars_os().filter_map(|(name, _)| name.into_string().ok());
+    let features =
+        features.filter_map(|name| Some(name.strip_prefix("CARGO_FEATURE_")?.to_lowercase().replace('_', "-")));
+    let features: Vec<String> = features.collect();
+    let features = if features.is_empty() {
+        "none".to_owned()
+    } else {
+        features.join(", ")
+    };
+    println!(
+        "cargo:rustc-env=NAILNOISE_COMMIT={}",
+        commit(root).unwrap_or_else(|| "not known".to_owned())
+    );
+    println!(
+        "cargo:rustc-env=NAILNOISE_PROFILE={}, opt-level {}",
+        set("PROFILE"),
+        set("OPT_LEVEL")
+    );
+    println!("cargo:rustc-env=NAILNOISE_TARGET={}", set("TARGET"));
+    println!("cargo:rustc-env=NAILNOISE_FEATURES={features}");
+}
+
+/// The commit of the sources, if they are those of a repository or of a package made from one. The script runs when a source
+/// changes and not when a commit is made, which changes no source: it may name the commit before, and the changes since.
+fn commit(root: &Path) -> Option<String> {
+    if let Ok(package) = fs::read_to_string(root.join(".cargo_vcs_info.json")) {
+        let hash = package.split("\"sha1\"").nth(1)?.split('"').nth(1)?;
+        return Some(hash.to_owned());
+    }
+    let git = |arguments: &[&str]| {
+        let output = Command::new("git").arg("-C").arg(root).args(arguments).output().ok()?;
+        let text = String::from_utf8(output.stdout)
+            .ok()
+            .filter(|_| output.status.success())?;
+        Some(text.trim().to_owned())
+    };
+    // A repository that holds a copy of the sources says nothing about them.
+    let top = PathBuf::from(git(&["rev-parse", "--show-toplevel"])?);
+    if top.canonicalize().ok()? != root.canonicalize().ok()? {
+        return None;
+    }
+    let hash = git(&["rev-parse", "HEAD"])?;
+    let changed = git(&["status", "--porcelain", "--untracked-files=no"])?;
+    Some(if changed.is_empty() {
+        hash
+    } else {
+        format!("{hash} and changes")
+    })
 }
 
 /// Passes a digest on to the compiler as `NAILNOISE_CODE_unit`.
@@ -79,6 +134,14 @@ fn digest_code(root: &Path, path: &Path, digest: &mut Sha256) -> Result<(), Box<
             .collect::<Result<_, _>>()?;
         entries.sort();
         return entries.iter().try_for_each(|entry| digest_code(root, entry, digest));
+    }
+    // Style, scripts and whatever else a page or an export holds.
+    if path
+        .extension()
+        .is_some_and(|extension| ["css", "js", "py"].iter().any(|own| extension == *own))
+    {
+        digest.update(path.strip_prefix(root)?.to_string_lossy().as_bytes());
+        digest.update(fs::read(path)?);
     }
     if path.extension().is_some_and(|extension| extension == "rs") {
         digest.update(path.strip_prefix(root)?.to_string_lossy().as_bytes());

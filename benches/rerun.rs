@@ -1,4 +1,5 @@
-//! How long a first run takes and how long later ones, as a user waits for them: `cargo bench -p nailnoise --bench rerun`.
+//! How long a first run takes and how long later ones, as a user waits for them, and how large its files are:
+//! `cargo bench -p nailnoise --bench rerun`.
 //!
 //! Each design runs in an empty cache, then unchanged, then with one thing changed. The figures are wall times of the whole
 //! command, files included, and where the system tells it the processor time of all its threads, which a machine that is
@@ -36,6 +37,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         for what in ["first", "unchanged"] {
             println!("  {what:<22}{}", spent(&design, &cache, &work)?);
         }
+        let out = work.join("out");
+        let report = std::fs::metadata(out.join("report.html"))?.len();
+        println!(
+            "  {:<22}{:7.2} MB, of it the report {:.2} MB",
+            "files",
+            1e-6 * size(&out)? as f64,
+            1e-6 * report as f64
+        );
         for (what, key) in CHANGES {
             let changed: PathBuf = work.join(format!("{name}-changed.toml"));
             std::fs::write(&changed, format!("base = {design:?}\n{key}\n"))?;
@@ -43,6 +52,20 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     Ok(())
+}
+
+/// Bytes of the files in a folder and below it.
+fn size(folder: &Path) -> std::io::Result<u64> {
+    let of = |entry: std::io::Result<std::fs::DirEntry>| {
+        let entry = entry?;
+        let data = entry.metadata()?;
+        if data.is_dir() {
+            size(&entry.path())
+        } else {
+            Ok(data.len())
+        }
+    };
+    std::fs::read_dir(folder)?.map(of).sum()
 }
 
 /// Wall and processor time of a run.

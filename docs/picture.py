@@ -19,12 +19,13 @@ COLOURS = {"workpiece": "#0072B2", "exhaust": "#D55E00", "body": "#009E73"}  # O
 def levels(name):
     with open(ROOT / "out" / name / "levels.csv", newline="") as file:
         rows = list(csv.DictReader(file))
-    bands, total = rows[:-1], rows[-1]
-    band, *sources = rows[0]
-    return [float(row[band]) for row in bands], {
+    with open(ROOT / "out" / name / "ranking.csv", newline="") as file:
+        ranking = [row for row in csv.DictReader(file) if row["source"] != "total"]
+    return [float(row["band [Hz]"]) for row in rows], {
         # A body's modes may end below the last band, whose cell is empty then.
-        source.replace(" L_W [dB] ", " "): ([float(row[source] or "nan") for row in bands], float(total[source]))
-        for source in sources
+        f"{own['source']} ({own['method']})": (
+            [float(row[f"{own['source']} L_W [dB]"] or "nan") for row in rows], float(own["L_WA [dB]"]))
+        for own in ranking
     }
 
 

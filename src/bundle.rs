@@ -14,7 +14,7 @@ use crate::design::Design;
 use crate::design::inputs::{self, located};
 use crate::error::Error;
 use crate::graph::{Graph, first_cause};
-use crate::output::{BodyFields, Fields, File};
+use crate::output::{BodyFields, Exports, Fields, File};
 use crate::report::{self, BodyPictures, Pictures, Recording};
 use crate::result::Check;
 use crate::run::Run;
@@ -56,6 +56,10 @@ pub struct Text {
     /// A row for each source, and the total.
     pub rows: Vec<Vec<String>>,
     /// What stands behind the table.
+    pub between: String,
+    /// Notes on the shot and on sources.
+    pub notes: Vec<String>,
+    /// What stands behind the notes.
     pub after: String,
     /// The parts of the sources.
     pub parts: String,
@@ -133,7 +137,7 @@ impl Wanted {
 /// A run in words.
 pub type Words = fn(&Run) -> Text;
 
-/// Runs a design and leaves its files in `folder`: all of them, or the folder as it was. Nothing is computed when the store
+/// Runs a design and leaves its files in `folder`, those of `exports` among them: all of them, or the folder as it was. Nothing is computed when the store
 /// holds what this very design gives; the flag says whether it did.
 ///
 /// # Errors
@@ -142,7 +146,7 @@ pub type Words = fn(&Run) -> Text;
 pub fn deliver(
     design: &Design,
     folder: &Path,
-    draw: bool,
+    exports: Exports,
     words: Words,
     store: &Store,
     memory: MemoryLimit,
@@ -150,13 +154,13 @@ pub fn deliver(
 ) -> Result<(Bundle, bool), Error> {
     // Also where no file differs and none is written.
     staging::sweep(folder);
-    let key = key(design, draw)?;
+    let key = key(design, exports)?;
     let kept = store.load::<Bundle, Postcard>(RUN, &key).and_then(|bundle| {
         let fields = bundle.fields.wanted(folder, store)?;
         Some((bundle, fields))
     });
     store.take_notes().iter().for_each(|note| progress.note(note));
-    let outdated = output::sound_fields_of_others(folder, &design.digest());
+    let outdated = output::outdated_fields(folder, &design.digest(), exports.films);
     if let Some((bundle, fields)) = kept {
         progress.stage("the design has not changed: its files are those kept from the last run");
         bundle.restore(folder, &fields, &outdated)?;
@@ -173,9 +177,9 @@ pub fn deliver(
         pictures,
         fields: (fields, wanted),
         of_cycle,
-    } = made(design, folder, &staging, store, progress).map_err(|error| located(design, error))?;
+    } = made(design, exports, (folder, &staging), store, progress).map_err(|error| located(design, error))?;
     progress.stage("writing files");
-    let mut files = files(design, &run, &pictures, draw)?;
+    let mut files = files(design, &run, &pictures, exports)?;
     files.extend(of_cycle);
     let json = files.iter().find(|file| file.path == Path::new(LAST));
     let bundle = Bundle {
@@ -200,6 +204,29 @@ pub fn deliver(
     Ok((bundle, false))
 }
 
+/// Runs a design and makes its report, and no other file.
+///
+/// # Errors
+/// Those of [`Chain::run`].
+pub fn page(graph: &Graph, design: &Design) -> Result<(Run, String), Error> {
+    let made = || {
+        let chain = Chain::new(graph, design, Options::default())?;
+        let pictures = graph.add(BodyPictures {
+            moving: chain.moving.clone(),
+            surroundings: inputs::exports::surroundings(design)?,
+        });
+        chain.check_bodies()?;
+        let mut outputs = chain.outputs();
+        outputs.push(&pictures);
+        graph.prepare(&outputs)?;
+        let run = chain.run(design)?;
+        let recordings = heard_at(&output::of_microphones(&run)?, &run, IN_THE_REPORT);
+        let report = report::run(design, &run, &*pictures.get()?, &recordings);
+        Ok((run, report))
+    };
+    made().map_err(|error| located(design, error))
+}
+
 /// A run with what its files are made of.
 struct Made {
     run: Run,
@@ -210,7 +237,13 @@ struct Made {
 }
 
 /// Runs a design and the exports of its bodies side by side. Files of fields that are new are written at once.
-fn made(design: &Design, folder: &Path, staging: &Staging, store: &Store, progress: &Progress) -> Result<Made, Error> {
+fn made(
+    design: &Design,
+    exports: Exports,
+    (folder, staging): (&Path, &Staging),
+    store: &Store,
+    progress: &Progress,
+) -> Result<Made, Error> {
     let graph = Graph::new(Arc::new(store.clone()), progress.observer());
     let chain = Chain::new(&graph, design, Options::default())?;
     let pictures = graph.add(BodyPictures {
@@ -220,11 +253,17 @@ fn made(design: &Design, folder: &Path, staging: &Staging, store: &Store, progre
     let fields = graph.add(BodyFields {
         moving: chain.moving.clone(),
         cycle: chain.cycle.clone(),
+        films: exports.films,
     });
     chain.check_bodies()?;
     thread::scope(|scope| {
         // The cycle's tables are the longest of all.
-        let of_cycle = scope.spawn(|| chain.cycle.get().and_then(|record| output::of_cycle(&record)));
+        let of_cycle = scope.spawn(|| {
+            chain
+                .cycle
+                .get()
+                .and_then(|record| output::of_cycle(&record, exports.histories))
+        });
         let files = scope.spawn(|| field_files(&fields, folder, staging, store));
         let mut outputs = chain.outputs();
         outputs.push(&pictures);
@@ -273,7 +312,7 @@ fn field_files(
 }
 
 /// Everything the files depend on: all values, what is said about them, and which files are asked for.
-fn key(design: &Design, draw: bool) -> Result<Digest, Error> {
+fn key(design: &Design, exports: Exports) -> Result<Digest, Error> {
     let entries: Vec<_> = design
         .entries()
         .into_iter()
@@ -288,26 +327,26 @@ fn key(design: &Design, draw: bool) -> Result<Digest, Error> {
             )
         })
         .collect();
-    let entries = serde_json::to_string(&entries).map_err(Error::Json)?;
+    // The report says what the design wants in its head.
+    let entries = serde_json::to_string(&(entries, design.report(), exports)).map_err(Error::Json)?;
     // The digest follows the content of the files that the design names.
     Ok(Key::new()
         .with(design.name())
         .with(&design.digest())
         .with(&entries)
-        .with(&draw)
         .digest())
 }
 
 /// All files but the fields and those of the cycle.
-fn files(design: &Design, run: &Run, pictures: &Pictures, draw: bool) -> Result<Vec<File>, Error> {
+fn files(design: &Design, run: &Run, pictures: &Pictures, exports: Exports) -> Result<Vec<File>, Error> {
     let of_microphones = output::of_microphones(run)?;
     let recordings = heard_at(&of_microphones, run, IN_THE_REPORT);
     let report = || File::new("report.html", report::run(design, run, pictures, &recordings));
-    let (files, report) = rayon::join(|| output::files(run), report);
+    let (files, report) = rayon::join(|| output::files(run, exports), report);
     let mut files = files?;
     files.extend(of_microphones);
     files.push(report);
-    if draw {
+    if exports.figures {
         let level = run.result.total.lwa_db;
         let level = level.map_or_else(|| "silent".to_owned(), |level| format!("L_{{WA,1s}} {level:.1} dB"));
         let subject = format!("{}: one shot, {level}", design.name());

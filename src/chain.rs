@@ -482,6 +482,12 @@ impl Chain {
             cycle: cycle.clone(),
         };
         let of_tool = tool_motion.as_ref().map(|(_, motion)| motion.clone());
+        let sensors = Sensors {
+            accelerometers: inputs::sensors::accelerometers(design)?,
+            cycle: cycle.clone(),
+            vibration: vibration.clone(),
+            motions: motions.iter().chain(&of_tool).cloned().collect(),
+        };
         let levels = graph.add(ShotLevels {
             workpiece: workpiece_sound,
             openings: openings.clone(),
@@ -489,6 +495,17 @@ impl Chain {
             cycle: cycle.clone(),
             end: end.clone(),
             range_hz,
+            bodies: bodies
+                .iter()
+                .cloned()
+                .chain(tool.iter().map(|stages| stages.body.clone()))
+                .collect(),
+            responses: [&vibration]
+                .into_iter()
+                .chain(tool_motion.iter().map(|(response, _)| response))
+                .cloned()
+                .collect(),
+            sensors: (!sensors.accelerometers.is_empty()).then(|| sensors.clone()),
         });
         let body = graph.add(BodySource {
             sound: body_sound(&cycle, of_tool.clone()),
@@ -498,12 +515,7 @@ impl Chain {
         });
 
         // What stands beside them: sensors, other starts, checks, the same shot one way, fields.
-        let sensors = graph.add(Sensors {
-            accelerometers: inputs::sensors::accelerometers(design)?,
-            cycle: cycle.clone(),
-            vibration: vibration.clone(),
-            motions: motions.iter().chain(&of_tool).cloned().collect(),
-        });
+        let sensors = graph.add(sensors);
         let transducers = graph.add(Transducers {
             transducers: inputs::sensors::transducers(design),
             cycle: cycle.clone(),

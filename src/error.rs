@@ -18,6 +18,13 @@ pub enum Error {
         /// Name of the stage that failed.
         stage: &'static str,
     },
+    /// The page of a watched design cannot be served.
+    #[error("the page cannot be served on this machine: {source}")]
+    #[diagnostic(help("permit connections to 127.0.0.1, or use `nailnoise run`"))]
+    Serve {
+        /// What the system said.
+        source: std::io::Error,
+    },
     /// The design file is wrong.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -122,7 +129,7 @@ pub enum Error {
     /// One design has nothing to be compared with.
     #[error("{} alone has nothing to be compared with", path.display())]
     #[diagnostic(help(
-        "name a second design or result, or give measurements with --measured designs/measured/n80cb.json"
+        "name a second design or result, or give measurements: --measured measurement.json, or --measured n80cb for the published ones"
     ))]
     NothingToCompare {
         /// The design.
@@ -276,17 +283,8 @@ pub enum Error {
         /// Distance of the nearest face that looks its way \[m\]; none if there is none.
         distance: Option<f64>,
     },
-    /// A cap that cannot be told from the rest of the body.
-    #[error("{} of {} panels of the tool's outline are its cap, which by `sources.convention = \"wrapping\"` counts to the exhaust",
-        panels[0], panels[1])]
-    #[diagnostic(help("{}", match surface {
-        Some(name) => format!(
-            "name the outer side of the cap with the exhaust's outlets (gmsh: Physical Surface(\"{name}\") = ...), give its \
-             place in the design ([surfaces.NAME] with surface = \"{name}\"), or choose `sources.convention = \"physical\"`"
-        ),
-        None => "the cap is what lies above `body.nose_height` and `body.barrel_height` within `body.cap_radius`; or choose \
-                 `sources.convention = \"physical\"`".to_owned(),
-    }))]
+    /// A cap that cannot be separated from the rest of the body.
+    #[error("{} of {} panels of the tool's outline are its cap", panels[0], panels[1])]
     NoCapSurface {
         /// Name of the surface in the file of a body; none for the parametric one.
         surface: Option<&'static str>,
@@ -446,6 +444,33 @@ pub enum Error {
     Exists {
         /// The file.
         path: PathBuf,
+    },
+    /// A design would be written under the name of its base.
+    #[error("{} is the name of a base of this design", path.display())]
+    #[diagnostic(help("choose another name for the design; its base is written beside it"))]
+    NameOfBase {
+        /// The file.
+        path: PathBuf,
+    },
+    /// No folder is known for what is to be installed.
+    #[error("no folder for {what} is known: neither {variable} nor HOME is set")]
+    #[diagnostic(help("name a folder with --out DIR"))]
+    NoUserFolder {
+        /// What is to be installed.
+        what: &'static str,
+        /// The variable that would name the folder.
+        variable: &'static str,
+    },
+    /// A shell whose completions are asked for is not named.
+    #[error("which shell you use is not known")]
+    #[diagnostic(help("name it: nailnoise completions bash --install"))]
+    NoShell,
+    /// There is no such command.
+    #[error("there is no command `{name}`")]
+    #[diagnostic(help("`nailnoise --help` lists the commands"))]
+    NoSuchCommand {
+        /// The name given.
+        name: String,
     },
     /// There is no folder for the cache, or no sense in its limit.
     #[error(transparent)]

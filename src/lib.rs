@@ -2,7 +2,7 @@
 //!
 //! [`design`] reads the design file, [`chain`] puts its stages together, [`run`] ranks its sources, [`output`] makes files of them,
 //! [`figures`] draws them, [`report`] makes a page of them, [`bundle`] keeps all of it for the next run, [`comparison`] lays
-//! results side by side and [`commands`] is the command line over all of it. [`measurement`] takes the recordings of a test to
+//! results side by side, [`watch`] serves the page of a design that is being changed, and [`commands`] is the command line over all of it. [`measurement`] takes the recordings of a test to
 //! levels, [`penetration`] compares penetration laws, [`cost`] estimates what a run needs before it begins; [`sensitivity`] and
 //! [`study`] tell what a design's ranges do to its shot.
 #![forbid(unsafe_code)]
@@ -24,10 +24,12 @@ pub mod report;
 pub mod result;
 pub mod run;
 pub mod sensitivity;
+pub mod shipped;
 pub mod stages;
 pub mod staging;
 pub mod store;
 pub mod study;
+pub mod watch;
 mod wording;
 
 pub use design::Design;

@@ -48,12 +48,16 @@ pub struct RunResult {
     pub starts: Option<Starts>,
     /// What the design's sensors measure, by name.
     pub sensors: Vec<SensorLevel>,
+    /// What the design's pressure transducers read.
+    pub transducers: Vec<TransducerRange>,
     /// What microphones around the device measure, beside what is radiated.
     pub microphones: MicrophoneReport,
     /// Checks of every stage.
     pub checks: Vec<Check>,
-    /// What a reader must know beside the numbers.
+    /// What a reader must know of the shot, of the values of the design, and of sources of which there is only an estimate.
     pub notes: Vec<String>,
+    /// Ranges, errors and limits of the methods.
+    pub method_notes: Vec<String>,
     /// Wall time of each stage and of the whole run \[s\]; some stages run side by side.
     #[schemars(with = "BTreeMap<String, f64>")]
     pub timing: Timing,
@@ -286,8 +290,13 @@ pub struct IntervalLevel {
 impl IntervalLevel {
     /// Energy of the interval \[J\].
     pub(crate) fn energy(&self) -> f64 {
+        self.energies()[0]
+    }
+
+    /// Energy of the interval, and of the signal cut at its ends \[J\].
+    pub(crate) fn energies(&self) -> [f64; 2] {
         self.energies_j
-            .map_or_else(|| level_energy(self.lwa_db), |[energy, _]| energy)
+            .unwrap_or_else(|| [self.lwa_db, self.lwa_cut_db].map(level_energy))
     }
 }
 
@@ -347,6 +356,19 @@ pub struct SensorLevel {
     pub rms_g: f64,
     /// Largest magnitude of the acceleration \[g\].
     pub peak_g: f64,
+}
+
+/// What a pressure transducer reads of the shot. A piezoelectric one has no static pressure: it reads changes from the trigger on.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub struct TransducerRange {
+    /// Its name in the design.
+    pub name: String,
+    /// Where it is: `cylinder` or `return`.
+    pub chamber: &'static str,
+    /// Lowest reading \[Pa\].
+    pub lowest_pa: f64,
+    /// Highest reading \[Pa\].
+    pub highest_pa: f64,
 }
 
 /// What coupling the structures two ways changes against driving them one way.

@@ -100,6 +100,7 @@ impl Chain {
         let (record, end) = (self.cycle.get()?, *self.end.get()?);
         let (workpiece, body, exhaust) = (self.workpiece.get()?, self.body.get()?, self.exhaust.get()?);
         let (response, sensors) = (self.response_report.get()?, self.sensors.get()?);
+        let transducers = self.transducers.get()?;
         let tool = self.tool_report.as_ref().map(Stored::get).transpose()?;
         let starts = match &self.starts {
             Some(starts) => Option::clone(&*starts.get()?),
@@ -128,7 +129,7 @@ impl Chain {
             &inputs::exhaust::openings(design)?,
             &exhaust.details,
         );
-        notes.iter().for_each(|note| progress.note(note));
+        notes.shot.iter().for_each(|note| progress.note(note));
         let range_hz = [design.analysis.range_low, design.analysis.range_high];
         let (cap, vent) = (body.moved.as_ref(), exhaust.vent.as_ref());
         let parts = [cap, vent].map(|part| part.map(|part| &part.source));
@@ -184,9 +185,11 @@ impl Chain {
             coupling,
             starts,
             sensors: sensors.iter().map(SensorRecord::level).collect(),
+            transducers: transducers.iter().map(PressureRecord::range).collect(),
             microphones: microphones.report.clone(),
             checks,
-            notes,
+            notes: notes.shot,
+            method_notes: notes.methods,
             timing,
         };
         Ok(Run {
@@ -195,7 +198,7 @@ impl Chain {
             powers,
             screech: exhaust.details.screech.clone(),
             sensors,
-            transducers: self.transducers.get()?,
+            transducers,
             microphones,
         })
     }

@@ -10,6 +10,53 @@ pub(crate) fn change(db: f64) -> String {
     }
 }
 
+/// Unit of a figure of the shot by its name in [`nailnoise_dynamics::Summary`]; empty for counts and fractions.
+pub(crate) fn unit_of_figure(figure: &str) -> &'static str {
+    match figure {
+        "penetration" | "head_depth" => "m",
+        "full_penetration" => "s",
+        "mean_drive_speed" => "m/s",
+        _ if figure.starts_with("speed_") => "m/s",
+        _ if figure.ends_with("_force") => "N",
+        _ if figure.ends_with("_mass") => "kg",
+        _ => "",
+    }
+}
+
+/// A figure of the shot, from its name and its value in SI units, in the unit that people use for it: mm, ms, kN, g, %.
+pub(crate) fn figure(name: &str, value: f64) -> String {
+    let (scale, unit, digits) = match unit_of_figure(name) {
+        "m" => (1e3, " mm", 2),
+        "s" => (1e3, " ms", 3),
+        "N" => (1e-3, " kN", 3),
+        "kg" => (1e3, " g", 3),
+        "m/s" => (1.0, " m/s", 2),
+        _ if name.ends_with("_fraction") => (1e2, " %", 1),
+        _ => (1.0, "", 0),
+    };
+    format!("{:.digits$}{unit}", scale * value)
+}
+
+/// Whether structures (block, table, tool body) were drawn, from their number.
+pub(crate) fn drawn_structures(count: usize) -> String {
+    match count {
+        0 => "structures held".to_owned(),
+        1 => "1 structure drawn".to_owned(),
+        count => format!("{count} structures drawn"),
+    }
+}
+
+/// The unit in which a person reads a quantity in this SI unit, and the factor to it: mm, ms, kN, g.
+pub(crate) fn readable(unit: &str) -> (&str, f64) {
+    match unit {
+        "m" => ("mm", 1e3),
+        "s" => ("ms", 1e3),
+        "N" => ("kN", 1e-3),
+        "kg" => ("g", 1e3),
+        unit => (unit, 1.0),
+    }
+}
+
 /// The band around a predicted level: `-4.0 .. +4.0`. Bounds other than zero are rounded to at least a tenth; `open`
 /// means no bound.
 pub(crate) fn band([minus, plus]: [Option<f64>; 2]) -> String {
@@ -60,6 +107,21 @@ mod tests {
         ];
         for (db, text) in expected {
             assert_eq!(change(db), text);
+        }
+    }
+
+    #[test]
+    fn a_figure_of_the_shot_has_the_unit_that_people_use() {
+        let expected = [
+            ("peak_cap_force", 10_226.3, "10.226 kN"),
+            ("head_depth", -0.00402, "-4.02 mm"),
+            ("exhaust_mass", 0.00226, "2.260 g"),
+            ("full_penetration", 0.02117, "21.170 ms"),
+            ("exhaust_choked_fraction", 0.607, "60.7 %"),
+            ("cap_contacts", 8.0, "8"),
+        ];
+        for (name, value, text) in expected {
+            assert_eq!(figure(name, value), text);
         }
     }
 

@@ -235,6 +235,7 @@ fn request(draws: u32, seed: u64, structures: Option<u16>, task: Option<(u32, u3
         seed,
         shots_a_structure: structures.filter(|each| *each > 0).map(usize::from),
         part,
+        workpiece_sensors: false,
     })
 }
 
@@ -261,7 +262,7 @@ fn study_of(
         let progress = Progress::to(Arc::clone(&observer));
         let graph = quiet(shared.as_ref().unwrap_or(&cache), observer);
         let made = study::draws(&graph, &design, &request, &progress)?;
-        let nominal = study::nominal(&graph, &design)?;
+        let nominal = study::nominal(&graph, &design, &request)?;
         let result = StudyResult::new(&design, &request, &made, nominal.as_deref());
         study::keep(&cache, &design, &result)?;
         Ok((result, study::csv(&made)?))

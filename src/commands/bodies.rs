@@ -10,7 +10,7 @@ use nailnoise_meshes::msh::Imported;
 use nailnoise_quantities::dimension::LENGTH;
 use nailnoise_quantities::measure;
 
-use super::{Changes, Memory};
+use super::{Changes, Memory, Threads};
 use crate::chain;
 use crate::cost::{self, MemoryLimit};
 use crate::design::inputs::{bodies as inputs, located};
@@ -100,6 +100,8 @@ pub(super) struct Input {
     memory: Memory,
     #[command(flatten)]
     changes: Changes,
+    #[command(flatten)]
+    threads: Threads,
 }
 
 /// A mesh, with the body of a design that it is, if it is one.
@@ -171,6 +173,11 @@ impl Input {
         (is_design && self.body.is_none())
             .then(|| self.changes.load(&self.path))
             .transpose()
+    }
+
+    /// Sets the size of the thread pool of the whole process.
+    pub(super) fn start_threads(&self) -> Result<(), Error> {
+        self.threads.start()
     }
 
     /// Memory that the command may use.

@@ -12,6 +12,11 @@ use crate::error::Error;
 use crate::store::{Listed, Store};
 
 #[derive(Args)]
+#[command(after_help = examples!(
+    "nailnoise cache" => "lists the results that are kept",
+    "nailnoise cache verify" => "reads them all and removes damaged ones",
+    "NAILNOISE_CACHE_LIMIT=10 nailnoise run my-tool.toml" => "lets them take 10 GiB",
+))]
 pub(super) struct Arguments {
     #[command(subcommand)]
     action: Option<Action>,

@@ -15,6 +15,11 @@ use crate::error::Error;
 use crate::stages::bodies::{Meshed, Origin, SIDES_PER_WAVE as FEWEST};
 
 #[derive(Args)]
+#[command(after_help = examples!(
+    "nailnoise check my-tool.toml" => "what the design rests on, and what a run costs",
+    "nailnoise check my-tool.toml --body tool" => "the mesh of a body: quality, surfaces, what a run lacks",
+    "nailnoise check housing.msh" => "a mesh of your own",
+))]
 pub(super) struct Arguments {
     #[command(flatten)]
     input: Input,
@@ -68,6 +73,7 @@ struct Group {
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+    arguments.input.start_threads()?;
     if let Some(design) = arguments.input.whole_design()? {
         return super::explain::execute(&design, arguments.input.memory(), arguments.json);
     }

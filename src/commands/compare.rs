@@ -9,8 +9,8 @@ use serde::Serialize;
 
 use super::table::{decibels, table};
 use super::{
-    Changes, Keeping, Memory, compare_measured, comparison_page, folder_of, message, print, print_json, progress,
-    start_threads, status_of,
+    Changes, Keeping, Memory, Threads, compare_measured, comparison_page, comparison_sounds, folder_of, message, print,
+    print_json, progress, status_of,
 };
 use crate::bundle::deliver;
 use crate::comparison::{Comparison, Finished, Labelled, Levels, Limit};
@@ -18,21 +18,29 @@ use crate::cost;
 use crate::design::Design;
 use crate::error::Error;
 use crate::graph::Graph;
+use crate::output::Exports;
 use crate::report;
 use crate::result::Check;
 use crate::stages::{Progress, WithoutStages};
 use crate::staging;
 use crate::store::Store;
 use crate::study::{self, Estimate, PairedStudy, Part, Request, common_draws};
-use crate::wording::{band, change, order};
+use crate::wording::{band, change, drawn_structures, order};
 
 #[derive(Args)]
+#[command(after_help = examples!(
+    "nailnoise compare as-it-is.toml muffler.toml" => "what differs, and what that does to each source",
+    "nailnoise compare as-it-is.toml muffler.toml --draws 64" => "how sure the changes are",
+    "nailnoise compare old.toml new.toml --fail-above total=100" => "status 1 if the new design is louder than 100 dB",
+    "nailnoise compare my-tool.toml --measured out/test/measurement.json" => "beside the measurements of the tool",
+    "nailnoise compare n80cb-as-tested.toml --measured n80cb" => "the tool of the program beside its published tests",
+))]
 pub(super) struct Arguments {
     /// Design files or finished results (a folder with result.json, or the file); the first is the reference
     #[arg(required = true, num_args = 1.., value_name = "DESIGN")]
     designs: Vec<PathBuf>,
-    /// Compare with measurements instead (JSON, as designs/measured/n80cb.json): one design, or one on the worktable and one in
-    /// the sandbox, as they were tested
+    /// Compare with measurements instead: measurement.json of `measure`, a file as designs/measured/n80cb.json, or n80cb for
+    /// the published ones. One design, or one on the worktable and one in the sandbox, as they were tested
     #[arg(long, value_name = "FILE", conflicts_with_all = ["bands", "intervals", "fail_above"])]
     measured: Option<PathBuf>,
     /// Print exactly one JSON value instead of tables
@@ -41,9 +49,8 @@ pub(super) struct Arguments {
     /// Folder for the results of the designs that are run, one subfolder each
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
-    /// Number of threads; results do not depend on it [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: Threads,
     #[command(flatten)]
     keeping: Keeping,
     #[command(flatten)]
@@ -62,13 +69,18 @@ pub(super) struct Arguments {
     /// Seed of --draws
     #[arg(long, value_name = "SEED", default_value_t = 1, requires = "draws")]
     seed: u64,
+    /// Draw the structures (block, table, tool body), too, each for N of the draws; without it they are those of the designs.
+    /// Modes and radiation of a new structure take minutes
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "8", requires = "draws")]
+    #[arg(value_parser = clap::value_parser!(u16).range(1..))]
+    structures: Option<u16>,
     /// End with status 1 if a design other than the reference is louder: total=100, exhaust=95.5
     #[arg(long, value_name = "SOURCE=DB")]
     fail_above: Vec<Limit>,
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
-    start_threads(arguments.threads)?;
+    arguments.threads.start()?;
     let progress = progress();
     let cache = arguments.keeping.cache()?;
     if let Some(file) = &arguments.measured {
@@ -78,6 +90,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             changes: &arguments.changes,
             draws: arguments.draws,
             seed: arguments.seed,
+            structures: arguments.structures,
             out: &arguments.out,
             json: arguments.json,
             memory: &arguments.memory,
@@ -93,21 +106,27 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         return Err(Error::NothingToDraw { path: path.clone() });
     }
     let (mut results, mut checks): (Vec<Finished>, Vec<Check>) = (Vec::new(), Vec::new());
+    let mut folders = Vec::new();
     for path in &arguments.designs {
-        let mut result = match Finished::is_at(path) {
-            Some(file) => Finished::read(&file)?,
+        let (mut result, folder) = match Finished::is_at(path) {
+            Some(file) => (Finished::read(&file)?, file.parent().map(Path::to_owned)),
             None => finish(path, &results, arguments, &cache, &progress, &mut checks)?,
         };
         let name = free_name(result.name(), &results);
+        folders.extend(folder.map(|folder| (name.clone(), folder)));
         result.rename(name);
         results.push(result);
     }
     let paired = paired(arguments, &cache, &progress)?;
     progress.end();
     let comparison = Comparison::new(&results);
+    let recordings = comparison_sounds::recordings(&folders);
     let identity = comparison_page::identity(&arguments.designs);
     let page = comparison_page::place(&arguments.out, &comparison.designs, &identity);
-    staging::write(&page, report::comparison(&comparison, &identity).as_bytes())?;
+    staging::write(
+        &page,
+        report::comparison(&comparison, &identity, &recordings).as_bytes(),
+    )?;
     if arguments.json {
         print_json(&Layout {
             comparison: &comparison,
@@ -147,8 +166,9 @@ fn paired(arguments: &Arguments, cache: &Store, progress: &Progress) -> Result<V
     let request = Request {
         draws: draws as usize,
         seed: arguments.seed,
-        shots_a_structure: None,
+        shots_a_structure: arguments.structures.map(usize::from),
         part: Part::All,
+        workpiece_sensors: false,
     };
     let load = |path: &PathBuf| Design::load_with(path, &arguments.changes.set);
     let designs = arguments.designs.iter().map(load).collect::<Result<Vec<_>, _>>()?;
@@ -190,11 +210,12 @@ fn changes(paired: &PairedStudy) -> String {
         "width of the level dB",
     ];
     format!(
-        "\n{} against {} over {} common draws (seed {}), structures held; not drawn, because the designs differ in them: {}\n\n{}",
+        "\n{} against {} over {} common draws (seed {}), {}; not drawn, because the designs differ in them: {}\n\n{}",
         paired.design,
         paired.reference,
         paired.draws,
         paired.seed,
+        drawn_structures(paired.structures),
         if paired.decided.is_empty() {
             "nothing".to_owned()
         } else {
@@ -212,7 +233,7 @@ fn finish(
     cache: &Store,
     progress: &Progress,
     checks: &mut Vec<Check>,
-) -> Result<Finished, Error> {
+) -> Result<(Finished, Option<PathBuf>), Error> {
     let design = arguments.changes.load(path)?;
     progress.note(&format!("design {}", design.name()));
     let name = free_name(design.name(), before);
@@ -220,14 +241,14 @@ fn finish(
     let (bundle, _) = deliver(
         &design,
         &folder,
-        false,
+        Exports::default(),
         super::run::text,
         cache,
         arguments.memory.limit(),
         progress,
     )?;
     checks.extend(bundle.checks.into_iter().map(|check| check.of(&name)));
-    Finished::parse(&folder, &bundle.json)
+    Ok((Finished::parse(&folder, &bundle.json)?, Some(folder)))
 }
 
 /// The name, with a number behind it if another result of the comparison has it.

@@ -19,11 +19,16 @@ use crate::penetration;
 use crate::result::{Check, DesignId};
 use crate::stages::cycle::Preset;
 use crate::staging::Staging;
+use crate::wording::figure;
 
 /// The file that is written last, so that a folder that holds it holds all the rest.
 const LAST: &str = "events.csv";
 
 #[derive(Args)]
+#[command(after_help = examples!(
+    "nailnoise cycle my-tool.toml --figures" => "pressures, motion and forces of one shot, with charts",
+    "nailnoise cycle my-tool.toml --sensitivity --outputs speed,penetration" => "which parameters decide speed and depth",
+))]
 pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
@@ -172,7 +177,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
 /// Writes the tables of a cycle and these charts together; returns the files of the charts.
 fn write(folder: &Path, record: &CycleRecord, charts: &[Chart]) -> Result<Vec<PathBuf>, Error> {
     let staging = Staging::within(folder)?;
-    for file in output::of_cycle(record)? {
+    for file in output::of_cycle(record, true)? {
         staging.write(&file.path, &file.content.0)?;
     }
     let figures = figures::write(&staging, Path::new("figures"), charts)?;
@@ -207,11 +212,11 @@ fn text(form: &str, result: &CycleResult<'_>, record: &CycleRecord) -> String {
         .map(|(name, value)| {
             let value = value
                 .as_f64()
-                .map_or_else(|| "-".to_owned(), |value| format!("{value:.5}"));
+                .map_or_else(|| "-".to_owned(), |value| figure(name, value));
             vec![name.replace('_', " "), value]
         })
         .collect();
-    text.push_str(&table(&["summary", "SI"], &rows));
+    text.push_str(&table(&["summary", "value"], &rows));
     text.push('\n');
     text.push_str(&table(&["energy", "J"], &energy(result.energy)));
     text.push('\n');

@@ -14,6 +14,9 @@ use crate::study::{self, LevelStudy, Part, Request, StudyResult};
 /// Draws from which percentiles are shown; below them, the lowest and the highest draw.
 const PERCENTILES_FROM: usize = 40;
 
+/// Inputs that are named as those which decide the total.
+const DECIDING: usize = 3;
+
 /// Seed of screenings: the draws are the first ones of a study with the default seed.
 const SEED: u64 = 1;
 
@@ -31,6 +34,7 @@ pub(super) fn study_of(store: &Store, design: &Design, progress: &Progress) -> R
         seed: SEED,
         shots_a_structure: None,
         part: Part::All,
+        workpiece_sensors: false,
     };
     if request.draws == 0 {
         return Err("`study.screening` is 0".to_owned());
@@ -64,12 +68,12 @@ pub(super) fn cells(study: &StudyResult, source: &str) -> [String; 2] {
 pub(super) fn of_report(study: &StudyResult, text: &Text) -> Intervals {
     let row = |row: &Vec<String>| {
         let [interval, first] = cells(study, &row[0]);
-        [row[0].clone(), row[1].clone(), interval, first]
+        [row[0].clone(), interval, first]
     };
     Intervals {
         headings: headings(study),
         rows: text.rows.iter().map(row).collect(),
-        legend: legend(study),
+        legend: legend(study).replace(";\n", ";").replace(",\n   ", ","),
     }
 }
 
@@ -116,14 +120,14 @@ pub(super) fn legend(study: &StudyResult) -> String {
     let _ = match study.draws {
         PERCENTILES_FROM.. => writeln!(
             text,
-            "90 % of draws, P(first): {} draws from the ranges, {structures}{condition}; `nailnoise study` has the details",
+            "90 % of draws, P(first): {} draws from the ranges, {structures}{condition};\n  `nailnoise study` has the details",
             study.draws
         ),
         draws => writeln!(
             text,
-            "{draws} draws: lowest and highest of a crude screening of the ranges, {structures}{condition}; a further draw lies \
-             between them in {:.0} % of cases; `nailnoise study` makes more",
-            100.0 * (draws as f64 - 1.0) / (draws as f64 + 1.0)
+            "{draws} draws: lowest and highest over the ranges, {structures}{condition};\n  another draw lies outside in {:.0} % of \
+             cases; `nailnoise study` makes more and says which inputs decide",
+            200.0 / (draws as f64 + 1.0)
         ),
     };
     let mut orders = study.orders.iter();
@@ -142,9 +146,20 @@ pub(super) fn legend(study: &StudyResult) -> String {
             of_draws(share, study.draws),
             orders.next().map_or_else(String::new, |next| {
                 let share = next.probability.value.unwrap_or(0.0);
-                format!(", {} in {}", next.order.join(" > "), of_draws(share, study.draws))
+                format!(",\n    {} in {}", next.order.join(" > "), of_draws(share, study.draws))
             })
         );
+    }
+    let of_total = study.contributions.iter().find(|own| own.output == "total");
+    let mut inputs = of_total
+        .into_iter()
+        .flat_map(|own| &own.inputs)
+        .take(DECIDING)
+        .peekable();
+    if inputs.peek().is_some() {
+        let named = inputs.map(|own| format!("`{}` ({:.0} %)", own.variable, 100.0 * own.first_order));
+        let named: Vec<String> = named.collect();
+        let _ = writeln!(text, "  inputs that decide the total: {}", named.join(", "));
     }
     text
 }

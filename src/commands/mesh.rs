@@ -14,6 +14,10 @@ use crate::error::Error;
 use crate::staging;
 
 #[derive(Args)]
+#[command(after_help = examples!(
+    "nailnoise mesh my-tool.toml --body tool --write tool.vtu" => "the mesh of a body, for ParaView",
+    "nailnoise mesh housing.step --size \"6 mm\" --write housing.msh" => "a geometry of your own, meshed by gmsh",
+))]
 pub(super) struct Arguments {
     #[command(flatten)]
     input: Input,
@@ -69,6 +73,7 @@ struct MeshResult {
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+    arguments.input.start_threads()?;
     let loaded = arguments.input.load(false)?;
     let mesh = &loaded.imported.mesh;
     for path in &arguments.write {

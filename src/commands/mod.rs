@@ -3,12 +3,20 @@
 //! Results go to standard output, progress and warnings to standard error. Exit status: 0 done; 1 done, but a limit is
 //! not met; 2 wrong usage or input; 3 a numerical check failed; 101 a fault of the program; 130 interrupted.
 
+/// Commands as a user gives them, each with what it is for: the end of a help text.
+macro_rules! examples {
+    ($($command:literal => $what:literal),+ $(,)?) => {
+        concat!("Examples:", $("\n  ", $command, "\n      ", $what),+)
+    };
+}
+
 mod bodies;
 mod cache;
 mod check;
 mod compare;
 mod compare_measured;
 mod comparison_page;
+mod comparison_sounds;
 mod completions;
 mod cycle;
 mod draw;
@@ -16,6 +24,7 @@ mod explain;
 mod faults;
 mod init;
 mod intervals;
+mod manual;
 mod measure;
 mod mesh;
 mod modes;
@@ -29,6 +38,8 @@ mod study;
 mod sweep;
 mod table;
 mod test;
+mod user_folders;
+mod watch;
 
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -44,13 +55,33 @@ use crate::staging::is_file_name;
 use crate::store::Store;
 use progress::progress;
 
+/// What `--version` says.
+const BUILD: &str = concat!(
+    env!("CARGO_PKG_VERSION"),
+    "\ncommit: ",
+    env!("NAILNOISE_COMMIT"),
+    "\nsources (SHA-256): ",
+    env!("NAILNOISE_SOURCES"),
+    "\nbuild: ",
+    env!("NAILNOISE_PROFILE"),
+    "\ntarget: ",
+    env!("NAILNOISE_TARGET"),
+    "\nfeatures: ",
+    env!("NAILNOISE_FEATURES"),
+);
+
 /// Predicts the sound power of each source of a pneumatic nailer from its design.
 #[derive(Parser)]
-#[command(name = "nailnoise", version, about, max_term_width = 120)]
-#[command(
-    after_help = "Exit status: 0 done; 1 done, but a limit is not met; 2 wrong usage or input; \
-                        3 a numerical check failed; 101 a fault of the program; 130 interrupted."
-)]
+#[command(name = "nailnoise", version, long_version = BUILD, about, max_term_width = 120)]
+#[command(after_help = concat!(
+    examples!(
+        "nailnoise init my-tool.toml" => "a design to start from",
+        "nailnoise watch my-tool.toml" => "its report in the browser, anew at every save",
+        "nailnoise run my-tool.toml" => "the ranked sources, with all files in out/my-tool/",
+    ),
+    "\n\nExit status: 0 done; 1 done, but a limit is not met; 2 wrong usage or input; 3 a numerical check failed; \
+     101 a fault of the program; 130 interrupted."
+))]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -65,6 +96,8 @@ enum Command {
     Init(init::Arguments),
     /// Rank the sources of a design by their sound power
     Run(run::Arguments),
+    /// Run a design whenever it is saved, and show its report with what has changed in the browser
+    Watch(watch::Arguments),
     /// Compare designs or finished results: the differences and their effect on each source
     Compare(compare::Arguments),
     /// Draw designs from the ranges: intervals of the levels, probability of each order, and the inputs that decide
@@ -92,8 +125,10 @@ enum Command {
     Cache(cache::Arguments),
     /// Print the JSON Schema of the design file, for editors, or of the result
     Schema(schema::Arguments),
-    /// Print the completions for a shell
+    /// Print the completions for a shell, or install them
     Completions(completions::Arguments),
+    /// Print the manual page of a command, or install all
+    Manual(manual::Arguments),
 }
 
 /// Arguments common to all commands that compute.
@@ -107,9 +142,8 @@ struct Common {
     /// Folder for the output files [default: out/NAME]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Number of threads; results do not depend on it [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: Threads,
     #[command(flatten)]
     memory: Memory,
     #[command(flatten)]
@@ -132,7 +166,7 @@ impl Common {
 
     /// Sets the size of the thread pool of the whole process.
     fn start_threads(&self) -> Result<(), Error> {
-        start_threads(self.threads)
+        self.threads.start()
     }
 }
 
@@ -198,12 +232,22 @@ impl Changes {
     }
 }
 
-/// Sets the size of the thread pool of the whole process; all cores without a number.
-fn start_threads(threads: Option<u16>) -> Result<(), Error> {
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads.map_or(0, usize::from))
-        .build_global()
-        .map_err(Error::Threads)
+/// Threads that a command may use.
+#[derive(Args)]
+struct Threads {
+    /// Number of threads; results do not depend on it [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+impl Threads {
+    /// Sets the size of the thread pool of the whole process; all cores without a number.
+    fn start(&self) -> Result<(), Error> {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(self.threads.map_or(0, usize::from))
+            .build_global()
+            .map_err(Error::Threads)
+    }
 }
 
 /// Runs the command line of this process.
@@ -237,6 +281,7 @@ fn execute(cli: &Cli) -> Result<ExitCode, Error> {
     match &cli.command {
         Command::Init(arguments) => init::execute(arguments),
         Command::Run(arguments) => run::execute(arguments),
+        Command::Watch(arguments) => watch::execute(arguments),
         Command::Compare(arguments) => compare::execute(arguments),
         Command::Study(arguments) => study::execute(arguments),
         Command::Sweep(arguments) => sweep::execute(arguments),
@@ -251,6 +296,7 @@ fn execute(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Cache(arguments) => cache::execute(arguments),
         Command::Schema(arguments) => schema::execute(arguments),
         Command::Completions(arguments) => completions::execute(arguments),
+        Command::Manual(arguments) => manual::execute(arguments),
     }
 }
 
@@ -315,4 +361,86 @@ fn print_json<T: serde::Serialize>(value: &T) -> Result<(), Error> {
     let mut text = serde_json::to_string_pretty(value).map_err(Error::Json)?;
     text.push('\n');
     print(&text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory as _;
+
+    /// Calls `visit` with every command.
+    fn each<'a>(command: &'a clap::Command, visit: &mut impl FnMut(&'a clap::Command)) {
+        visit(command);
+        command.get_subcommands().for_each(|own| each(own, visit));
+    }
+
+    /// The words of a line for a shell, up to a pipe or a redirection, without variables before the command.
+    fn words(line: &str) -> Vec<String> {
+        let (mut words, mut word, mut quoted) = (Vec::new(), String::new(), false);
+        for letter in line.chars().chain([' ']) {
+            match letter {
+                '"' => quoted = !quoted,
+                ' ' if !quoted => words.push(std::mem::take(&mut word)),
+                letter => word.push(letter),
+            }
+        }
+        let end = words.iter().position(|word| ["|", ">"].contains(&word.as_str()));
+        words.truncate(end.unwrap_or(words.len()));
+        words.into_iter().skip_while(|word| word != "nailnoise").collect()
+    }
+
+    #[test]
+    fn every_command_has_examples_and_each_can_be_parsed() {
+        let mut count = 0;
+        each(&Cli::command(), &mut |command| {
+            let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+            let examples: Vec<&str> = help
+                .lines()
+                .filter(|line| line.starts_with("  ") && !line.starts_with("   ") && line.contains("nailnoise "))
+                .collect();
+            // Of the subcommands of `cache` their parent has examples.
+            let parent = ["list", "verify", "clear"].contains(&command.get_name());
+            assert!(!examples.is_empty() || parent, "{} has no examples", command.get_name());
+            for line in examples {
+                let parsed = Cli::try_parse_from(words(line));
+                assert!(
+                    parsed.is_ok(),
+                    "{line}: {}",
+                    parsed.err().map_or_else(String::new, |error| error.to_string())
+                );
+                count += 1;
+            }
+        });
+        assert!(count > 35, "{count} examples");
+    }
+
+    /// Commands that compute or read a design take the same flags under the same names.
+    #[test]
+    fn flags_are_alike() {
+        let has = |command: &clap::Command, flag: &str| command.get_arguments().any(|own| own.get_long() == Some(flag));
+        let of = |name: &str| -> clap::Command {
+            let found = Cli::command().find_subcommand(name).cloned();
+            found.unwrap_or_else(|| panic!("no command {name}"))
+        };
+        for name in [
+            "run", "compare", "study", "sweep", "cycle", "modes", "test", "mesh", "check", "watch",
+        ] {
+            for flag in ["set", "memory", "threads"] {
+                assert!(has(&of(name), flag), "{name} has no --{flag}");
+            }
+        }
+        for name in ["run", "compare", "study", "sweep", "cycle", "modes", "test", "measure"] {
+            for flag in ["json", "out", "threads"] {
+                assert!(has(&of(name), flag), "{name} has no --{flag}");
+            }
+        }
+        for name in ["mesh", "check", "cache"] {
+            assert!(has(&of(name), "json"), "{name} has no --json");
+        }
+        assert!(
+            Cli::command()
+                .get_arguments()
+                .any(|own| own.get_long() == Some("quiet") && own.is_global_set())
+        );
+    }
 }

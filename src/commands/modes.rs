@@ -23,6 +23,11 @@ use crate::stages::bodies::Body;
 use crate::staging::Staging;
 
 #[derive(Args)]
+#[command(after_help = examples!(
+    "nailnoise modes my-tool.toml --body workpiece" => "all modes of the block below the top frequency",
+    "nailnoise modes my-tool.toml --body tool --mac measured.uff" => "beside the modes of a modal test",
+    "nailnoise modes my-tool.toml --body worktable --animate 1" => "a film of the first mode for ParaView",
+))]
 pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,

@@ -18,6 +18,10 @@ const PROBE: &str = "import nailnoise, optuna";
 
 #[derive(Args)]
 #[command(disable_help_flag = true)]
+#[command(after_help = examples!(
+    "nailnoise optimise my-tool.toml --vary exhaust.holes=3..12 --subject-to \"penetration >= 80 mm\"" =>
+        "the quietest number of holes that still drives the nail",
+))]
 pub(super) struct Arguments {
     /// DESIGN --vary KEY=LOW..HIGH [--minimise WHAT] [--subject-to "penetration >= 80 mm"] [--pareto=-drive_energy] [--trials N];
     /// --help lists all

@@ -18,6 +18,21 @@ pub(super) fn silence() {
     QUIET.store(true, Ordering::Relaxed);
 }
 
+/// Shows a remark of a command that has no progress.
+pub(super) fn note(text: &str) {
+    if !QUIET.load(Ordering::Relaxed) {
+        message(&format!("note: {text}"));
+    }
+}
+
+/// Remarks below a table, one a line; none with `--quiet`.
+pub(super) fn noted(notes: &[String]) -> String {
+    match QUIET.load(Ordering::Relaxed) {
+        true => String::new(),
+        false => notes.iter().map(|note| format!("  - {note}\n")).collect(),
+    }
+}
+
 /// Progress on this process's standard error.
 pub(super) fn progress() -> Progress {
     let quiet = QUIET.load(Ordering::Relaxed);

@@ -8,21 +8,27 @@ use std::sync::Arc;
 use clap::Args;
 
 use super::intervals;
+use super::progress::noted;
 use super::table::{decibels, table};
 use super::{Common, Keeping, message, print, progress, status_of};
 use crate::bundle::{Text, deliver};
 use crate::chain::{Chain, Options};
 use crate::error::Error;
 use crate::graph::Graph;
-use crate::output;
+use crate::output::{self, Exports, event_name};
 use crate::report::{self, Intervals};
 use crate::result::{Component, Coupling, RankedSource, RunResult};
 use crate::run::Run;
 use crate::staging;
 use crate::study::StudyResult;
-use crate::wording::{band, order};
+use crate::wording::{band, order, readable};
 
 #[derive(Args)]
+#[command(after_help = examples!(
+    "nailnoise run my-tool.toml" => "ranks the sources; files and report in out/my-tool/",
+    "nailnoise run my-tool.toml --set supply.pressure=80psig --out out/80psig" => "the same tool at another pressure, in a folder of its own",
+    "nailnoise run my-tool.toml --json | jq .total.lwa_db" => "one number of the result, for a script",
+))]
 pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
@@ -31,10 +37,13 @@ pub(super) struct Arguments {
     /// Draw third-octave levels, levels between events, and sound power over time as SVG
     #[arg(long)]
     figures: bool,
-    /// Write the sound field for ParaView: on surfaces, in planes and by direction, in third octaves. With boundary
-    /// elements this takes about four times as long as a first run
+    /// Write films and the sound field for ParaView: the bodies over the shot and over the bands; the sound on surfaces, in
+    /// planes and by direction, in third octaves. With boundary elements this takes about four times as long as a first run
     #[arg(long)]
     fields: bool,
+    /// Write every sample of the histories of the cycle and of the sensors, instead of one each 10 us or more
+    #[arg(long)]
+    histories: bool,
     /// Also print the parts of each source, and the error of its method
     #[arg(long)]
     components: bool,
@@ -51,7 +60,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let (bundle, unchanged) = deliver(
         &design,
         &folder,
-        arguments.figures,
+        Exports {
+            figures: arguments.figures,
+            films: arguments.fields,
+            histories: arguments.histories,
+        },
         text,
         &cache,
         common.memory.limit(),
@@ -108,6 +121,8 @@ fn with_intervals(text: &Text, study: Result<&StudyResult, &String>) -> String {
         before,
         headings,
         rows,
+        between,
+        notes,
         after,
         ..
     } = text;
@@ -123,7 +138,11 @@ fn with_intervals(text: &Text, study: Result<&StudyResult, &String>) -> String {
         Err(reason) => format!("\n  how sure these levels are is not known: {reason}\n"),
     };
     let headings: Vec<&str> = headings.iter().map(String::as_str).collect();
-    format!("{before}{}{legend}{after}", table(&headings, &rows))
+    let notes = match noted(notes) {
+        notes if notes.is_empty() => notes,
+        notes => format!("\n{notes}"),
+    };
+    format!("{before}{}{legend}{between}{notes}{after}", table(&headings, &rows))
 }
 
 /// The largest by a level; none where all are silent.
@@ -155,10 +174,23 @@ fn components(result: &RunResult) -> String {
     }
     let headings = ["source", "part", "L_WA,1s dB", "L_W,1s dB", "loudest band (A)"];
     let mut text = format!("\n{}\n", table(&headings, &rows));
-    let methods = result.ranking.iter();
-    let methods = methods.map(|source| vec![source.source.clone(), band(source.uncertainty_db.bounds())]);
+    let methods = result.ranking.iter().map(|source| {
+        vec![
+            source.source.clone(),
+            decibels(source.lw_db),
+            band(source.uncertainty_db.bounds()),
+            format!("{:.0} - {:.0} Hz", source.range_hz[0], source.range_hz[1]),
+            source.method.clone(),
+        ]
+    });
     text.push_str(&table(
-        &["source", "error of the method alone dB"],
+        &[
+            "source",
+            "L_W,1s dB",
+            "error of the method dB",
+            "computed over",
+            "method",
+        ],
         &methods.collect::<Vec<_>>(),
     ));
     let placed: Vec<_> = result.ranking.iter().map(RankedSource::placed).collect();
@@ -184,21 +216,61 @@ fn coupled(coupling: &Coupling) -> String {
     }
     let milli = |x: Option<f64>| x.map(|x| 1e3 * x);
     for event in &coupling.events {
-        row(&event.event, "ms", 3, milli(event.one_way_s), milli(event.two_way_s));
+        row(
+            &event_name(&event.event),
+            "ms",
+            3,
+            milli(event.one_way_s),
+            milli(event.two_way_s),
+        );
     }
     for figure in &coupling.figures {
-        let (unit, digits, scale) = match figure.unit {
-            "m" => ("mm", 2, 1e3),
-            "kg" => ("g", 3, 1e3),
-            "N" => ("N", 0, 1.0),
-            unit => (unit, 3, 1.0),
-        };
+        let (unit, scale) = readable(figure.unit);
+        let digits = if unit == "mm" { 2 } else { 3 };
         let scaled = |x: Option<f64>| x.map(|x| scale * x);
         let name = figure.figure.replace('_', " ");
         row(&name, unit, digits, scaled(figure.one_way), scaled(figure.two_way));
     }
     let headings = ["coupling", "one way", "two ways", "change"];
     format!("\n{}", table(&headings, &rows))
+}
+
+/// Notes beside that on the shot that are printed, each by its first clause.
+const CLAUSES: usize = 3;
+
+/// What the shot did, and what else is noted: the report has all notes in full.
+fn in_short(result: &RunResult) -> Vec<String> {
+    let (shot, more) = result.notes.split_at(result.notes.len().min(1));
+    let clauses = more
+        .iter()
+        .take(CLAUSES)
+        .filter_map(|note| note.split([',', ';']).next());
+    let clauses = shot.iter().map(String::as_str).chain(clauses).map(str::to_owned);
+    let rest = match more.len().saturating_sub(CLAUSES) {
+        0 => String::new(),
+        count => format!("{count} more and "),
+    };
+    let methods = format!("{rest}{} notes on methods: report.html", result.method_notes.len());
+    clauses.chain([methods]).collect()
+}
+
+/// Whether the checks hold; those that fail are named.
+fn checked(result: &RunResult) -> String {
+    let failed: Vec<&str> = result
+        .checks
+        .iter()
+        .filter(|check| !check.ok)
+        .map(|check| &*check.name)
+        .collect();
+    let (total, checks) = (result.timing.whole(), result.checks.len());
+    match failed.as_slice() {
+        [] => format!("\n  all {checks} checks ok; {total:.1} s\n"),
+        failed => format!(
+            "\n  {} of {checks} checks FAILED: {}; {total:.1} s\n",
+            failed.len(),
+            failed.join("; ")
+        ),
+    }
 }
 
 /// The result as a person reads it.
@@ -213,41 +285,22 @@ pub(super) fn text(run: &Run) -> Text {
             vec![
                 source.source.clone(),
                 decibels(source.lwa_db),
-                decibels(source.lw_db),
                 format!("{:.1} %", 100.0 * source.share),
                 band_of.map_or_else(|| "-".to_owned(), |band| format!("{} Hz", band.hz)),
-                interval.map_or_else(
-                    || "-".to_owned(),
-                    |interval| format!("{} - {}", interval.from, interval.to),
-                ),
-                format!("{:.0} - {:.0} Hz", source.range_hz[0], source.range_hz[1]),
-                source.method.clone(),
+                interval.map_or_else(|| "-".to_owned(), |interval| event_name(&interval.from)),
             ]
         })
-        .chain([vec![
-            "total".to_owned(),
-            decibels(result.total.lwa_db),
-            decibels(result.total.lw_db),
-        ]])
+        .chain([vec!["total".to_owned(), decibels(result.total.lwa_db)]])
         .collect();
-    let headings = [
-        "source",
-        "L_WA,1s dB",
-        "L_W,1s dB",
-        "share (A)",
-        "loudest band (A)",
-        "loudest interval",
-        "computed over",
-        "method",
-    ];
+    let headings = ["source", "L_WA,1s dB", "share", "band", "loudest after"];
     let mut before = format!(
-        "{}: single-event sound power levels re 1 pW s, one shot",
+        "{}: A-weighted single-event sound power levels re 1 pW s, one shot",
         result.design.name
     );
     if let Some(source) = result.ranking.first() {
         let (first, last) = (source.bands.first(), source.bands.last());
         if let (Some(first), Some(last)) = (first, last) {
-            before.push_str(&format!(", third-octave bands {} to {} Hz", first.hz, last.hz));
+            before.push_str(&format!(",\nthird-octave bands {} to {} Hz", first.hz, last.hz));
         }
     }
     before.push_str("\n\n");
@@ -263,22 +316,13 @@ pub(super) fn text(run: &Run) -> Text {
     if let Some(coupling) = &result.coupling {
         text.push_str(&coupled(coupling));
     }
-    text.push('\n');
-    for note in &result.notes {
-        text.push_str(&format!("  - {note}\n"));
-    }
-    let failed = result.checks.iter().filter(|check| !check.ok).count();
-    let total = result.timing.whole();
-    let checks = result.checks.len();
-    text.push_str(&match failed {
-        0 => format!("\n  all {checks} checks ok; {total:.1} s\n"),
-        _ => format!("\n  {failed} of {checks} checks FAILED; {total:.1} s\n"),
-    });
     Text {
         before,
         headings: headings.map(str::to_owned).to_vec(),
         rows,
-        after: text,
+        between: text,
+        notes: in_short(result),
+        after: checked(result),
         parts: components(result),
     }
 }

@@ -13,6 +13,10 @@ use crate::result::RunResult;
 use crate::study::StudyResult;
 
 #[derive(Args)]
+#[command(after_help = examples!(
+    "nailnoise schema > nailnoise.schema.json" => "for an editor that completes and checks design files",
+    "nailnoise schema --of result" => "the layout of result.json",
+))]
 pub(super) struct Arguments {
     /// The file to describe
     #[arg(long, value_enum, default_value_t = Layout::Design)]

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use clap::Args;
 use serde::Serialize;
 
+use super::progress::noted;
 use super::table::{decibels, table};
 use super::{Common, Keeping, message, print, print_json, progress};
 use crate::cost;
@@ -19,6 +20,7 @@ use crate::stages::{Progress, WithoutStages};
 use crate::staging::Staging;
 use crate::store::Store;
 use crate::study::{self, Draws, Estimate, Part, Request, StudyResult};
+use crate::wording::drawn_structures;
 use crate::{figures, report};
 
 /// The file that is written last, so that a folder that holds it holds all the rest.
@@ -28,6 +30,10 @@ const LAST: &str = "study.json";
 const PRINTED: usize = 6;
 
 #[derive(Args)]
+#[command(after_help = examples!(
+    "nailnoise study my-tool.toml" => "256 draws from the ranges of the design",
+    "nailnoise study my-tool.toml -n 2048 --until order=0.05" => "more draws, until the probabilities of the order are known to 0.05",
+))]
 pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
@@ -159,6 +165,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             (None, true) => Part::Kept,
             (None, false) => Part::All,
         },
+        workpiece_sensors: false,
     };
     let cache = arguments.keeping.cache()?;
     let store = match &arguments.store {
@@ -279,7 +286,7 @@ pub(super) fn compute(
         });
     }
     progress.stage("levels of the design itself");
-    let nominal = study::nominal(&graph, design)?;
+    let nominal = study::nominal(&graph, design, request)?;
     progress.stage("statistics");
     let result = StudyResult::new(design, request, &made, nominal.as_deref());
     study::keep(store, design, &result)?;
@@ -313,10 +320,7 @@ fn percent(part: u64, whole: u64) -> String {
 }
 
 fn text(result: &StudyResult) -> String {
-    let structures = match result.structures {
-        0 => "structures held".to_owned(),
-        count => format!("{count} structures drawn"),
-    };
+    let structures = drawn_structures(result.structures);
     let drawn = result.variables.iter().filter(|variable| variable.drawn).count();
     let mut text = format!(
         "{}: {} draws of {drawn} quantities, {structures} (seed {})\n\
@@ -417,8 +421,5 @@ fn text(result: &StudyResult) -> String {
         text.push_str(&table(&["values that do not go together", "drawn anew"], &rows));
     }
     text.push('\n');
-    for note in &result.notes {
-        let _ = writeln!(text, "  - {note}");
-    }
-    text
+    text + &noted(&result.notes)
 }

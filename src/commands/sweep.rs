@@ -22,6 +22,10 @@ use crate::study::{Axis, Part, Quantiles, Request, SweptPoint, sweep};
 const LAST: &str = "sweep.csv";
 
 #[derive(Args)]
+#[command(after_help = examples!(
+    "nailnoise sweep my-tool.toml --vary supply.pressure=80psig..110psig:7" => "levels over the pressure",
+    "nailnoise sweep my-tool.toml --vary exhaust.holes=3,5,12 --vary ambient.temperature=0degC,20degC --figures" => "a grid of two keys, as a chart, too",
+))]
 pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
@@ -66,6 +70,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         seed: arguments.seed,
         shots_a_structure: None,
         part: Part::All,
+        workpiece_sensors: false,
     });
     let limit = common.memory.limit();
     let points = sweep(&graph, base, &arguments.vary, request.as_ref(), limit, &progress)?;

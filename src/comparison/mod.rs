@@ -9,7 +9,7 @@ mod finished;
 use serde::Serialize;
 
 use crate::result::RankedSource;
-use crate::wording::Placed;
+use crate::wording::{Placed, unit_of_figure};
 
 pub use finished::{Finished, Input};
 
@@ -69,19 +69,6 @@ impl ValueRow {
             "" => name,
             unit => format!("{name}{before}{unit}{behind}"),
         }
-    }
-}
-
-/// Unit of a figure of the shot, as [`nailnoise_dynamics::Summary`] has it.
-fn unit_of(figure: &str) -> &'static str {
-    match figure {
-        "penetration" => "m",
-        "full_penetration" => "s",
-        "mean_drive_speed" => "m/s",
-        _ if figure.starts_with("speed_") => "m/s",
-        _ if figure.ends_with("_force") => "N",
-        _ if figure.ends_with("_mass") => "kg",
-        _ => "",
     }
 }
 
@@ -196,7 +183,7 @@ impl Comparison {
                 .into_iter()
                 .map(|name| ValueRow {
                     values: each(&|r| r.cycle.get(&name).and_then(serde_json::Value::as_f64)),
-                    unit: unit_of(&name),
+                    unit: unit_of_figure(&name),
                     name,
                 })
                 .collect(),

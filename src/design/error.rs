@@ -303,6 +303,17 @@ pub enum DesignError {
         /// The key to look at; none for a surface that no file gives.
         at: Option<Box<Place>>,
     },
+    /// A cap that cannot be separated from the rest of the tool body, where its outer side counts to the exhaust.
+    #[error("{} of {} panels of the tool's outline are its cap, which by this convention counts to the exhaust", panels[0],
+        panels[1])]
+    Cap {
+        /// Name of the surface in the file of a body; none for the parametric one.
+        surface: Option<&'static str>,
+        /// Panels of the cap, and of all of the outline.
+        panels: [usize; 2],
+        /// The key of the convention; none if no file gives it.
+        at: Option<Box<Place>>,
+    },
     /// A spring that is not on its body.
     #[error("the spring `{name}` at ({}, {}, {}) is {} outside the {}", show(point[0], LENGTH), show(point[1], LENGTH),
         show(point[2], LENGTH), show(*distance, LENGTH), body.as_str())]
@@ -364,6 +375,7 @@ impl DesignError {
             | Self::Sensor { at, .. }
             | Self::TooCostly { at, .. }
             | Self::Surface { at, .. }
+            | Self::Cap { at, .. }
             | Self::Spring { at, .. } => at.as_deref(),
             Self::Syntax { at, .. }
             | Self::InheritanceLoop { at, .. }
@@ -425,6 +437,15 @@ impl DesignError {
                 format!("{}, or allow more with --memory", remedies.join(" or "))
             }
             Self::Surface { problem, .. } => problem.remedy(),
+            Self::Cap { surface: Some(name), .. } => format!(
+                "name the outer side of the cap with the exhaust's outlets (gmsh: Physical Surface(\"{name}\") = ...), give its \
+                 place in the design ([surfaces.NAME] with surface = \"{name}\"), or choose \"physical\""
+            ),
+            Self::Cap { surface: None, .. } => {
+                "the cap is what lies above `body.nose_height` and `body.barrel_height` within `body.cap_radius`; or choose \
+                 \"physical\""
+                    .to_owned()
+            }
             Self::Spring { .. } => {
                 "move x, y and z onto the body; the origin is the centre of the workpiece's underside, \
                                     z up"
@@ -500,6 +521,7 @@ impl DesignError {
             Self::Sensor { .. } => "of this sensor",
             Self::TooCostly { .. } => "too costly",
             Self::Surface { .. } => "of this surface",
+            Self::Cap { .. } => "the convention",
             Self::Spring { .. } => "of this spring",
             Self::WrongKind { .. } => "wrong type",
             Self::BadNumber { .. } => "not a number with a unit",
@@ -532,6 +554,7 @@ impl DesignError {
             Self::Sensor { .. } => "sensor",
             Self::TooCostly { .. } => "too_costly",
             Self::Surface { .. } => "surface",
+            Self::Cap { .. } => "cap",
             Self::Spring { .. } => "spring",
             Self::WrongKind { .. } => "wrong_kind",
             Self::BadNumber { .. } => "bad_number",
@@ -594,6 +617,14 @@ pub enum Warning {
         /// Where the value is given.
         at: Box<Place>,
     },
+    /// A base that is not there, in whose place stands the design of this name that comes with the program.
+    #[error("`base = \"{name}\"` is not found beside the design: it is the one that comes with nailnoise {}", env!("CARGO_PKG_VERSION"))]
+    ShippedBase {
+        /// The base as it is named.
+        name: String,
+        /// Where it is named.
+        at: Box<Place>,
+    },
     /// A derived quantity is given and agrees with its primary ones.
     #[error("`{key}` has no effect: it is computed from {}", primaries.join(", "))]
     Computed {
@@ -610,7 +641,7 @@ impl Warning {
     /// What it points at.
     pub fn place(&self) -> &Place {
         match self {
-            Self::OutsideRange { at, .. } | Self::Computed { at, .. } => at,
+            Self::OutsideRange { at, .. } | Self::Computed { at, .. } | Self::ShippedBase { at, .. } => at,
         }
     }
 }
@@ -624,6 +655,7 @@ impl Diagnostic for Warning {
         Some(Box::new(match self {
             Self::OutsideRange { .. } => "design::outside_range",
             Self::Computed { .. } => "design::computed",
+            Self::ShippedBase { .. } => "design::shipped_base",
         }))
     }
 
@@ -633,6 +665,10 @@ impl Diagnostic for Warning {
                 "if the value is meant, give its own range: {key} = {{ value = ..., range = \"low .. high unit\" }}"
             ),
             Self::Computed { key, .. } => format!("remove `{key}`"),
+            Self::ShippedBase { name, .. } => format!(
+                "`nailnoise init --from {0}` writes it beside the design, where another version of the program does not change it",
+                name.trim_end_matches(".toml")
+            ),
         }))
     }
 
@@ -644,6 +680,7 @@ impl Diagnostic for Warning {
         let label = match self {
             Self::OutsideRange { .. } => "outside its range",
             Self::Computed { .. } => "computed",
+            Self::ShippedBase { .. } => "not there",
         };
         labels(self.place(), label)
     }

@@ -620,7 +620,7 @@ group! {
         sampling_rate: f64 = positive(FREQUENCY).within(25e3, 1e6), "";
         /// Length of a recording; at least 1 s after the trigger is analysed.
         record_length: f64 = positive(TIME).within(0.2, 10.0), "";
-        /// Latest trigger after the start of a recording; each is drawn uniformly from 0 to this.
+        /// Latest trigger after the first 10 ms of a recording; each is drawn uniformly from 0 to this.
         trigger_delay: f64 = nonnegative(TIME).within(0.0, 1.0), "";
         /// Relative standard deviation of the supply pressure from shot to shot.
         pressure_scatter: f64 = nonnegative(NUMBER).within(0.0, 0.5), "";

@@ -6,6 +6,7 @@ use serde_json::{Map, Value, json};
 use super::distribution::Distribution;
 use super::groups::Values;
 use super::provenance::Provenance;
+use super::report;
 use super::study::{SOURCES, outcomes};
 
 /// A JSON Schema (draft 2020-12) of the design file: completion, descriptions and first checks in an editor that knows
@@ -20,6 +21,7 @@ pub fn json_schema() -> Value {
         properties.extend(own);
     }
     properties.insert("study".to_owned(), study());
+    properties.insert("report".to_owned(), head_of_report());
     let provenances = Provenance::ALL.map(Provenance::as_str).join("|");
     root["properties"] = properties.into();
     root["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
@@ -59,6 +61,18 @@ fn study() -> Value {
                     "rank": {"type": "number", "exclusiveMinimum": -1, "exclusiveMaximum": 1},
                 }}},
         },
+        "additionalProperties": false,
+    })
+}
+
+/// `[report]`, which holds no quantities of the design either.
+fn head_of_report() -> Value {
+    let text =
+        |(key, description): (&str, &str)| (key.to_owned(), json!({"type": "string", "description": description}));
+    json!({
+        "type": "object",
+        "description": "What the head of the report says beside the design. No result depends on it.",
+        "properties": report::KEYS.into_iter().map(text).collect::<Map<_, _>>(),
         "additionalProperties": false,
     })
 }

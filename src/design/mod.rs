@@ -14,6 +14,7 @@
 
 mod assignment;
 mod checks;
+mod dependencies;
 mod derived;
 mod distribution;
 mod error;
@@ -24,6 +25,7 @@ mod lists;
 mod place;
 mod provenance;
 mod reference;
+mod report;
 mod resolve;
 mod sensors;
 mod set;
@@ -45,6 +47,7 @@ use sha2::{Digest as _, Sha256};
 
 pub use assignment::{Assignment, AssignmentError};
 pub use checks::Conflict;
+pub use dependencies::dependencies;
 pub use derived::{AGREEMENT, DERIVED, Derived};
 pub use distribution::Distribution;
 pub use error::{DesignError, Warning};
@@ -54,6 +57,7 @@ pub use nailnoise_quantities::{Dimension, GroupSpec, KeySpec, Kind, Sign, UnitEr
 pub use place::Place;
 pub use provenance::Provenance;
 pub use reference::reference;
+pub use report::ReportSettings;
 pub use sensors::{Carrier, Sensor, SensorProblem};
 pub use set::SetError;
 pub use springs::{Spring, Sprung};
@@ -79,6 +83,7 @@ pub struct Design {
     values: Values,
     records: Records,
     study: StudySettings,
+    report: ReportSettings,
     warnings: Vec<Warning>,
     /// Standard normal scores by which the fitted penetration law is drawn; none for the law itself.
     law_scores: Vec<f64>,
@@ -146,8 +151,10 @@ impl Design {
             values,
             records,
             study,
-            warnings,
+            report,
+            mut warnings,
         } = resolve::resolve(&chain)?;
+        warnings.extend(File::shipped_base(&chain));
         let name = path
             .file_stem()
             .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
@@ -157,6 +164,7 @@ impl Design {
             values,
             records,
             study,
+            report,
             warnings,
             law_scores: Vec::new(),
         })
@@ -175,6 +183,11 @@ impl Design {
     /// What a study draws beside the ranges, and which shots count.
     pub fn study(&self) -> &StudySettings {
         &self.study
+    }
+
+    /// What the head of the report says beside the design. No result depends on it.
+    pub fn report(&self) -> &ReportSettings {
+        &self.report
     }
 
     /// What the user should know about the design; each is a [`miette::Diagnostic`].
@@ -249,9 +262,33 @@ impl Design {
         resolve::too_costly((stage, needs, allowed), keys, &self.records)
     }
 
+    /// The error that the cap's panels cannot be separated from those of the rest of the tool body, of how many.
+    pub(crate) fn refuse_cap(&self, surface: Option<&'static str>, panels: [usize; 2]) -> DesignError {
+        let convention = self.records.get("sources.convention");
+        DesignError::Cap {
+            surface,
+            panels,
+            at: convention.map(|record| record.place.clone()),
+        }
+    }
+
     /// The error that the place of a surface of this design is wrong.
     pub(crate) fn refuse_surface(&self, name: &str, problem: SurfaceProblem) -> DesignError {
         resolve::surface(name, problem, &self.records)
+    }
+
+    /// Every key with its value in a readable unit, in the order of the reference. A file has a part of the digest of its
+    /// content behind its name.
+    pub fn in_words(&self) -> Vec<(String, String)> {
+        let mut words = Vec::new();
+        self.values.visit("", &mut |key, spec, value| {
+            let text = match &value {
+                Value::File(path) if !path.is_empty() => format!("{path} ({:.8})", content(path)),
+                _ => resolve::shown(value, spec),
+            };
+            words.push((key.to_owned(), text));
+        });
+        words
     }
 
     /// Every key with its value and where it comes from, in the order of the reference.

@@ -11,6 +11,7 @@ use super::error::{DesignError, Warning};
 use super::groups::Values;
 use super::place::Place;
 use super::provenance::Provenance;
+use super::report::ReportSettings;
 use super::sensors::SensorProblem;
 use super::settings::{Given, GivenDerived, Layer, Setting};
 use super::show::show;
@@ -55,6 +56,7 @@ pub(crate) struct Resolved {
     pub(crate) values: Values,
     pub(crate) records: Records,
     pub(crate) study: StudySettings,
+    pub(crate) report: ReportSettings,
     pub(crate) warnings: Vec<Warning>,
 }
 
@@ -63,6 +65,7 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
     let mut merged = HashMap::new();
     let mut derived = Vec::new();
     let mut studies = Vec::new();
+    let mut report = ReportSettings::default();
     for (depth, file) in chain.iter().enumerate().rev() {
         let table = file.table()?;
         let layer = Layer::read(file, &table, &Values::SPEC)?;
@@ -71,6 +74,7 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
         }
         derived.extend(layer.derived);
         studies.extend(StudyLayer::of(file, &table, &Values::SPEC)?);
+        report.read(file, &table)?;
     }
     complete(&merged, chain)?;
 
@@ -108,6 +112,7 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
         values,
         records,
         study,
+        report,
         warnings,
     })
 }
@@ -424,7 +429,8 @@ fn agree(given: GivenDerived, values: &Values) -> Result<Warning, DesignError> {
     })
 }
 
-fn shown(value: Value, spec: &KeySpec) -> String {
+/// A value in a readable unit.
+pub(crate) fn shown(value: Value, spec: &KeySpec) -> String {
     match value {
         Value::Number(value) => show(value, dimension(spec.kind)),
         Value::Count(count) => count.to_string(),

@@ -93,8 +93,8 @@ impl Reader<'_> {
         for (key, value) in table {
             let name = key.get_ref().as_ref();
             let full = dotted(path, name);
-            // Read by others: neither holds a quantity of the tool.
-            if path.is_empty() && matches!(name, "base" | "study") {
+            // Read by others: none holds a quantity of the tool.
+            if path.is_empty() && matches!(name, "base" | "study" | "report") {
                 continue;
             }
             if let Some(spec) = spec.key(name) {

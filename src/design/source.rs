@@ -1,6 +1,7 @@
 //! Design files as text, and the chain of files that one inherits from.
 
 use std::fs;
+use std::io::ErrorKind;
 use std::ops::Range;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
@@ -10,8 +11,9 @@ use nailnoise_meshes::read_regular;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::error::DesignError;
+use super::error::{DesignError, Warning};
 use super::place::Place;
+use crate::shipped;
 
 /// The largest design file that is read \[byte\].
 const LARGEST: u64 = 4 << 20;
@@ -21,6 +23,8 @@ const LARGEST: u64 = 4 << 20;
 pub(crate) struct File {
     path: PathBuf,
     text: Arc<str>,
+    /// Whether it comes with the program and is no file.
+    is_shipped: bool,
 }
 
 impl File {
@@ -30,7 +34,18 @@ impl File {
         Self {
             path: path.to_owned(),
             text: text.into(),
+            is_shipped: false,
         }
+    }
+
+    /// A design that comes with the program, by the name of its file.
+    fn shipped(name: &str) -> Option<Self> {
+        let (path, text) = shipped::design(name).filter(|_| name.ends_with(".toml"))?;
+        Some(Self {
+            path: PathBuf::from(format!("{path} of nailnoise {}", env!("CARGO_PKG_VERSION"))),
+            text: text.into(),
+            is_shipped: true,
+        })
     }
 
     pub(crate) fn read(path: &Path, at: Option<&Place>) -> Result<Self, DesignError> {
@@ -80,8 +95,8 @@ impl File {
         self.path.with_file_name("").join(name)
     }
 
-    /// The file named by `base`, relative to the folder of this file.
-    fn base(&self) -> Result<Option<(PathBuf, Box<Place>)>, DesignError> {
+    /// What stands behind `base`.
+    fn base(&self) -> Result<Option<(String, Box<Place>)>, DesignError> {
         let table = self.table()?;
         let Some((key, value)) = table.get_key_value("base") else {
             return Ok(None);
@@ -95,17 +110,49 @@ impl File {
                 at: place,
             });
         };
+        Ok(Some((name.as_ref().to_owned(), place)))
+    }
+
+    /// The path of a base, relative to the folder of this file.
+    fn base_path(&self, name: &str) -> PathBuf {
         let folder = self.path.parent().unwrap_or(Path::new(""));
-        Ok(Some((tidy(&folder.join(name.as_ref())), place)))
+        tidy(&folder.join(name))
+    }
+
+    /// The file of the base, if there is a base.
+    pub(crate) fn base_file(&self) -> Option<PathBuf> {
+        let (name, _) = self.base().ok()??;
+        Some(self.base_path(&name))
+    }
+
+    /// The base of this name: a file, or the design of this name that comes with the program, where there is no such file and for
+    /// the bases of such designs.
+    fn read_base(&self, name: &str, at: &Place) -> Result<Self, DesignError> {
+        if self.is_shipped
+            && let Some(base) = Self::shipped(shipped::file_name(name))
+        {
+            return Ok(base);
+        }
+        let path = self.base_path(name);
+        let absent = || fs::symlink_metadata(&path).is_err_and(|error| error.kind() == ErrorKind::NotFound);
+        match Self::shipped(name) {
+            Some(base) if absent() => Ok(base),
+            _ => Self::read(&path, Some(at)),
+        }
     }
 
     /// This file and those it inherits from, the nearest first.
     pub(crate) fn chain(self) -> Result<Vec<Self>, DesignError> {
         let mut chain = vec![self];
         let mut seen: Vec<PathBuf> = chain.iter().map(|file| identity(&file.path)).collect();
-        while let Some((path, at)) = chain[chain.len() - 1].base()? {
-            let own = identity(&path);
-            if let Some(first) = seen.iter().position(|other| *other == own) {
+        while let Some((name, at)) = chain[chain.len() - 1].base()? {
+            let base = &chain[chain.len() - 1];
+            // Before it is read: a loop is the nearer cause.
+            let own = identity(&base.base_path(&name));
+            if !base.is_shipped
+                && let Some(first) = seen.iter().position(|other| *other == own)
+            {
+                let path = base.base_path(&name);
                 let names = chain[first..]
                     .iter()
                     .map(|file| file.path.as_path())
@@ -114,9 +161,19 @@ impl File {
                 return Err(DesignError::InheritanceLoop { chain, at });
             }
             seen.push(own);
-            chain.push(Self::read(&path, Some(&at))?);
+            let base = base.read_base(&name, &at)?;
+            chain.push(base);
         }
         Ok(chain)
+    }
+
+    /// That a base was not found and is the one that comes with the program, if a file of a chain inherits from one.
+    pub(crate) fn shipped_base(chain: &[Self]) -> Option<Warning> {
+        let pair = chain
+            .windows(2)
+            .find(|pair| !pair[0].is_shipped && pair[1].is_shipped)?;
+        let (name, at) = pair[0].base().ok()??;
+        Some(Warning::ShippedBase { name, at })
     }
 }
 

@@ -81,7 +81,7 @@ pub enum Shape {
     /// A horizontal line over each category.
     Steps,
     /// A bar from the lower end of the axis for each category, beside those of other series. Lines across the bars mark
-    /// these ordinates, of which there may be none.
+    /// these values, of which there may be none. The bars are horizontal where the vertical axis has the categories.
     Bars(Vec<f64>),
     /// A dot at each point.
     Points,
@@ -186,6 +186,15 @@ impl Series {
             x: (0..y.len()).map(|place| place as f64).collect(),
             y,
             notes: Vec::new(),
+        }
+    }
+
+    /// The series with abscissas and ordinates exchanged: horizontal bars.
+    pub(crate) fn sideways(self) -> Self {
+        Self {
+            x: self.y,
+            y: self.x,
+            ..self
         }
     }
 

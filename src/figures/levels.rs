@@ -6,7 +6,7 @@ use nailnoise_dynamics::CycleRecord;
 
 use super::BLACK;
 use super::chart::{Axis, Chart, Panel, Series, Shape, events, symbol};
-use super::cycle::time_axis;
+use crate::output::event_name;
 use crate::result::{BandLevel, IntervalLevel, RunResult};
 use crate::stages::ranking::SoundPower;
 
@@ -38,7 +38,7 @@ pub fn levels(subject: &str, result: &RunResult) -> Vec<Chart> {
     let mut charts = vec![chart(
         "bands",
         "Level of each source",
-        "One-third-octave levels of each source, A-weighted and unweighted, dB re 1 pW s. A click on a name hides it.",
+        "One-third-octave levels of each source, A-weighted and unweighted, dB re 1 pW s.",
         vec![
             bands("L_{WA,1s} per 1/3 octave", result, sources(result, weighted)),
             bands("L_{W,1s} per 1/3 octave", result, sources(result, |band| band.lw_db)),
@@ -64,9 +64,8 @@ pub fn levels(subject: &str, result: &RunResult) -> Vec<Chart> {
     charts.push(chart(
         "intervals",
         "Level between events",
-        "A-weighted levels of the energy radiated between neighbouring events, dB re 1 pW s; lines across the bars: levels \
-         of the signal cut at both events, as a measurement finds them. The energies of a source's intervals sum to its \
-         total.",
+        "A-weighted levels of the energy radiated from each event to the next, dB re 1 pW s; lines across the bars: levels of \
+         the signal cut at both events, as a measurement finds them. The energies of a source's intervals sum to its total.",
         vec![intervals(result)],
     ));
     charts
@@ -113,7 +112,7 @@ fn intervals(result: &RunResult) -> Panel {
         let level = interval
             .lwa_db
             .map_or_else(|| "silent".to_owned(), |db| format!("{db:.1} dB"));
-        format!("{level}, {:.2} ms", 1e3 * (interval.to_s - interval.from_s))
+        format!("{level} in {:.2} ms", 1e3 * (interval.to_s - interval.from_s))
     };
     let bars = |(place, source): (usize, &crate::result::RankedSource)| {
         let cut = of(&source.intervals, &|interval| interval.lwa_cut_db);
@@ -126,21 +125,20 @@ fn intervals(result: &RunResult) -> Panel {
     };
     let series: Vec<Series> = result.ranking.iter().enumerate().map(bars).collect();
     let first = result.ranking.first().map_or(&[][..], |source| &source.intervals);
-    // Open where the record begins and ends.
-    let event = |name: &str| {
-        if name.starts_with('t') {
-            symbol(name)
-        } else {
-            String::new()
-        }
-    };
-    let name = |interval: &IntervalLevel| format!("{}\u{2013}{}", event(&interval.from), event(&interval.to));
-    let names = first.iter().filter(lasting).map(name).collect();
+    let names: Vec<String> = first.iter().filter(lasting).map(|own| from_event(&own.from)).collect();
     Panel {
-        x: Axis::categories("Interval between events (lines: signal cut at both events)", "", names),
-        y: Axis::levels("L_{WA,1s} in the interval", "dB", SHOWN, &series),
-        height: 80,
-        series,
+        x: Axis::levels("L_{WA,1s} in the interval", "dB", SHOWN, &series),
+        height: 6 * names.len() as u32,
+        y: Axis::categories("From this event to the next", "", names),
+        series: series.into_iter().map(Series::sideways).collect(),
+    }
+}
+
+/// The event at the start of an interval by symbol and name.
+pub(crate) fn from_event(name: &str) -> String {
+    match event_name(name).split_once(' ') {
+        Some((_, words)) => format!("{} {words}", symbol(name)),
+        None => format!("{name} of the record"),
     }
 }
 
@@ -156,14 +154,19 @@ pub fn power(subject: &str, record: &CycleRecord, powers: &[SoundPower]) -> Char
         Series::line(&power.source, in_palette(&power.source, place), &times, &levels)
     };
     let series: Vec<Series> = powers.iter().enumerate().map(curve).collect();
+    let levels = Axis::levels("A-weighted sound power level", "dB re 1 pW", SHOWN, &series);
+    // To the last level that is shown, which is behind the end of the cycle where a body rings on.
+    let shown = series.iter().flat_map(|own| own.x.iter().zip(&own.y));
+    let shown = shown.filter(|(_, level)| **level >= levels.range[0]);
+    let end = shown.map(|(time, _)| *time).fold(1.0, f64::max);
     Chart {
         name: "power".to_owned(),
         title: "Sound power over time",
         subject: subject.to_owned(),
         caption: "A-weighted sound power of each source over the shot, means over 0.1 ms.".to_owned(),
         panels: vec![Panel {
-            x: time_axis(record),
-            y: Axis::levels("A-weighted sound power level", "dB re 1 pW", SHOWN, &series),
+            x: Axis::new("Time from the trigger", "ms", [0.0, end]),
+            y: levels,
             height: 88,
             series,
         }],

@@ -101,7 +101,7 @@ fn sources(result: &StudyResult) -> Panel {
 }
 
 fn orders(result: &StudyResult) -> Panel {
-    let names = result.orders.iter().map(|own| own.order.join(" > ")).collect();
+    let names: Vec<String> = result.orders.iter().map(|own| own.order.join(" > ")).collect();
     let share = |own: &Estimate| own.value.map(|value| 100.0 * value);
     let series = Series {
         notes: result
@@ -117,10 +117,11 @@ fn orders(result: &StudyResult) -> Panel {
         )
     };
     Panel {
-        x: Axis::categories("Order, loudest first", "", names),
-        y: Axis::new("Probability", "%", [0.0, 100.0]),
-        height: 50,
-        series: vec![series],
+        // The probability stands behind each bar.
+        x: Axis::new("Probability", "%", [0.0, 110.0]),
+        height: 8 * names.len() as u32,
+        y: Axis::categories("Order, loudest first", "", names),
+        series: vec![series.sideways()],
     }
 }
 

@@ -264,6 +264,20 @@ impl Series {
                 let style = self.colour().stroke_width(FRAME);
                 elements.push(DashedPathElement::new(points().collect::<Vec<_>>(), 25, 20, style).into_dyn());
             }
+            Shape::Bars(marks) if !panel.y.categories.is_empty() => {
+                let width = 0.8 / bars as f64;
+                let floor = panel.x.range[0];
+                for (index, (value, row)) in points().enumerate() {
+                    let [from, to] = [0, 1].map(|end| row + 0.1 + width * (place + end) as f64);
+                    if value > floor {
+                        elements.push(Rectangle::new([(floor, from), (value, to - 0.02)], filled).into_dyn());
+                    }
+                    if let Some(mark) = marks.get(index).filter(|mark| **mark > floor) {
+                        elements
+                            .push(PathElement::new([(*mark, from), (*mark, to)], INK.stroke_width(FRAME)).into_dyn());
+                    }
+                }
+            }
             Shape::Bars(marks) => {
                 let width = 0.8 / bars as f64;
                 let floor = panel.y.range[0];

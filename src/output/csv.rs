@@ -1,12 +1,13 @@
-//! Tables of a run: `levels.csv`, `intervals.csv`, `power.csv`, `events.csv`, `log.csv`, `histories.csv`, `modes.csv`.
-//! Units stand in the header.
+//! Tables of a run: `ranking.csv`, `levels.csv`, `intervals.csv`, `power.csv`, `events.csv`, `log.csv`, `histories.csv`,
+//! `modes.csv`. A header says `name [unit]`; names of columns are an interface, which docs/output.md lists.
 
+use nailnoise_acoustics::levels::energy_level;
 use nailnoise_dynamics::{CycleRecord, Events, LogEntry};
 
 use super::columns::columns;
-use super::table::{numbers, optional, table};
+use super::table::{coarse, numbers, optional, table};
 use crate::error::Error;
-use crate::result::{RadiationReport, RankedSource, RunResult};
+use crate::result::{BandLevel, IntervalLevel, RadiationReport, RankedSource, RunResult};
 use crate::run::Run;
 use crate::stages::spectra::Driven;
 
@@ -14,7 +15,7 @@ use crate::stages::spectra::Driven;
 pub const EVENT_NAMES: [&str; 19] = [
     "trigger pulled",
     "head valve lifts",
-    "volume above the head valve vented",
+    "volume above valve vented",
     "intake opens",
     "piston starts",
     "rod meets the nail",
@@ -32,6 +33,17 @@ pub const EVENT_NAMES: [&str; 19] = [
     "exhaust ended",
     "piston at rest on the stopper",
 ];
+
+/// Sources that have a place of their own in tables, and what all together are called.
+const SOURCES: [&str; 3] = ["workpiece", "exhaust", "body"];
+const TOTAL: &str = "total";
+
+/// An event, given as "t12", with its name.
+pub fn event_name(number: &str) -> String {
+    let index = number.strip_prefix('t').and_then(|index| index.parse::<usize>().ok());
+    let name = index.and_then(|index| EVENT_NAMES.get(index));
+    name.map_or_else(|| number.to_owned(), |name| format!("{number} {name}"))
+}
 
 /// What stands beside the power of a source; none where it is the equivalent radiated power.
 fn report_of<'a>(result: &'a RunResult, source: &str) -> Option<&'a RadiationReport> {
@@ -125,71 +137,113 @@ pub(super) fn radiation_modes(result: &RunResult, source: &str) -> Option<Result
     Some(table(header, rows))
 }
 
-/// `levels.csv`: one-third-octave bands by sources, unweighted; then the A-weighted total of each. The header tells how
-/// each source was computed. Silence is empty.
-pub(super) fn levels(result: &RunResult) -> Result<Vec<u8>, Error> {
-    let ranking = &result.ranking;
-    let row = |first: String, levels: &dyn Fn(&RankedSource) -> Option<f64>| -> Vec<String> {
-        [first]
-            .into_iter()
-            .chain(ranking.iter().map(|source| level(levels(source))))
-            .collect()
+/// The sources in an order that no level changes: workpiece, exhaust, body, then others by name.
+fn in_order(result: &RunResult) -> Vec<&RankedSource> {
+    let place = |source: &&RankedSource| {
+        let known = SOURCES.iter().position(|known| *known == source.source);
+        (known.unwrap_or(SOURCES.len()), source.source.clone())
     };
-    let titles = ranking
-        .iter()
-        .map(|source| format!("{} L_W [dB] ({})", source.source, source.method.replace(',', " with")));
-    let bands = ranking.first().map_or(&[][..], |source| &source.bands);
-    let rows = bands
-        .iter()
-        .enumerate()
-        .map(|(band, first)| row(first.hz.to_string(), &|source| source.bands[band].lw_db));
-    let total = row("A-weighted total".to_owned(), &|source| source.lwa_db);
-    table(["band [Hz]".to_owned()].into_iter().chain(titles), rows.chain([total]))
+    let mut sources: Vec<&RankedSource> = result.ranking.iter().collect();
+    sources.sort_by_key(place);
+    sources
 }
 
-/// `intervals.csv`: interval by source, the energy-additive level and that of the signal cut at the events. Silence is
-/// empty.
+/// `ranking.csv`: the sources, loudest first, and the total.
+pub(super) fn ranking(result: &RunResult) -> Result<Vec<u8>, Error> {
+    let sources = result.ranking.iter().map(|source| {
+        [
+            source.source.clone(),
+            level(source.lwa_db),
+            level(source.lw_db),
+            format!("{:.6}", source.share),
+            source.method.replace(", ", "; ").replace(',', ";"),
+        ]
+    });
+    let total = [
+        TOTAL.to_owned(),
+        level(result.total.lwa_db),
+        level(result.total.lw_db),
+        String::new(),
+        String::new(),
+    ];
+    let header = [
+        "source",
+        "L_WA [dB]",
+        "L_W [dB]",
+        "share of A-weighted energy [-]",
+        "method",
+    ];
+    table(header, sources.chain([total]))
+}
+
+/// Titles of a column of each quantity for each source and the total.
+fn titles<const N: usize>(sources: &[&RankedSource], quantities: [&str; N]) -> Vec<String> {
+    let names = sources.iter().map(|source| source.source.as_str()).chain([TOTAL]);
+    names
+        .flat_map(|name| quantities.map(|quantity| format!("{name} {quantity}")))
+        .collect()
+}
+
+/// `levels.csv`: one-third-octave bands by sources and of all together, unweighted and A-weighted. Silence is empty.
+pub(super) fn levels(result: &RunResult) -> Result<Vec<u8>, Error> {
+    let sources = in_order(result);
+    let bands = sources.first().map_or(&[][..], |source| &source.bands);
+    let rows = bands.iter().enumerate().map(|(index, first)| {
+        let own: Vec<&BandLevel> = sources.iter().filter_map(|source| source.bands.get(index)).collect();
+        let sums = [0, 1].map(|weighted| own.iter().map(|band| band.energies()[weighted]).sum());
+        let levels = own.iter().flat_map(|band| [band.lw_db, band.lwa_db]);
+        let levels: Vec<String> = levels.chain(sums.map(energy_level)).map(level).collect();
+        [first.hz.to_string()].into_iter().chain(levels)
+    });
+    let header = titles(&sources, ["L_W [dB]", "L_WA [dB]"]);
+    table(["band [Hz]".to_owned()].into_iter().chain(header), rows)
+}
+
+/// `intervals.csv`: interval by source and of all together, the energy-additive level and that of the signal cut at the events.
+/// Silence is empty.
 pub(super) fn intervals(result: &RunResult) -> Result<Vec<u8>, Error> {
-    let ranking = &result.ranking;
-    let titles = ranking
-        .iter()
-        .flat_map(|source| ["L_WA", "L_WA cut"].map(|quantity| format!("{} {quantity} [dB]", source.source)));
+    let sources = in_order(result);
     let header = ["from", "to", "from [s]", "to [s]"].map(str::to_owned);
-    let intervals = ranking.first().map_or(&[][..], |source| &source.intervals);
+    let intervals = sources.first().map_or(&[][..], |source| &source.intervals);
     let rows = intervals.iter().enumerate().map(|(index, interval)| {
         let times = [interval.from_s, interval.to_s].map(|time| format!("{time:.7}"));
-        let levels = ranking.iter().flat_map(move |source| {
-            let own = &source.intervals[index];
-            [own.lwa_db, own.lwa_cut_db].map(level)
-        });
+        let own: Vec<&IntervalLevel> = sources
+            .iter()
+            .filter_map(|source| source.intervals.get(index))
+            .collect();
+        let sums = [0, 1].map(|cut| own.iter().map(|interval| interval.energies()[cut]).sum());
+        let levels = own.iter().flat_map(|interval| [interval.lwa_db, interval.lwa_cut_db]);
+        let levels: Vec<String> = levels.chain(sums.map(energy_level)).map(level).collect();
         [interval.from.clone(), interval.to.clone()]
             .into_iter()
             .chain(times)
             .chain(levels)
     });
+    let titles = titles(&sources, ["L_WA [dB]", "L_WA cut [dB]"]);
     table(header.into_iter().chain(titles), rows)
 }
 
-/// `power.csv`: A-weighted sound power of every source over time, mean of each cell around the time given, and the
-/// screech frequency of the exhaust's jets there; empty while they are subsonic.
+/// `power.csv`: A-weighted sound power of every source and of all together over time, mean of each cell around the time given,
+/// and the screech frequency of the exhaust's jets there; empty while they are subsonic.
 pub(super) fn power(run: &Run) -> Result<Vec<u8>, Error> {
-    let titles = run.powers.iter().map(|power| format!("{} W_A [W]", power.source));
-    let header = ["time [s]".to_owned()].into_iter().chain(titles);
-    let cells = run.powers.first().map_or(0, |power| power.history.power.len());
+    let sources = in_order(&run.result);
+    let named = |source: &&RankedSource| run.powers.iter().find(|power| power.source == source.source);
+    let powers: Vec<_> = sources.iter().filter_map(named).collect();
+    let cells = powers.first().map_or(0, |power| power.history.power.len());
     let rows = (0..cells).map(|cell| {
-        let first = &run.powers[0].history;
+        let first = &powers[0].history;
         let time = first.start + cell as f64 * first.sample_interval;
-        let powers = run
-            .powers
-            .iter()
-            .map(move |power| format!("{:.9e}", power.history.power[cell]));
+        let own = powers.iter().map(move |power| power.history.power[cell]);
+        let total: f64 = own.clone().sum();
         let sample = (time >= 0.0).then(|| (time / run.record.sample_interval).round() as usize);
         let screech = sample.and_then(|sample| run.screech.get(sample).copied().flatten());
         [format!("{time:.7}")]
             .into_iter()
-            .chain(powers)
+            .chain(own.chain([total]).map(|power| format!("{power:.6e}")))
             .chain([optional(screech, 1)])
     });
+    let titles = titles(&sources, ["W_A [W]"]);
+    let header = ["time [s]".to_owned()].into_iter().chain(titles);
     table(header.chain(["screech of the exhaust [Hz]".to_owned()]), rows)
 }
 
@@ -198,27 +252,27 @@ pub(super) fn events(events: &Events) -> Result<Vec<u8>, Error> {
     let times = events.to_array();
     let rows = times.iter().zip(EVENT_NAMES).enumerate();
     let rows = rows.map(|(index, (time, name))| [format!("t{index}"), name.to_owned(), optional(*time, 9)]);
-    table(["event", "description", "time_s"], rows)
+    table(["event", "description", "time [s]"], rows)
 }
 
 /// `log.csv`: everything that happened, with the state at that instant.
 pub(super) fn log(log: &[LogEntry]) -> Result<Vec<u8>, Error> {
     let header = [
-        "time_s",
+        "time [s]",
         "entry",
         "description",
-        "piston_travel_m",
-        "piston_velocity_m_s",
-        "valve_lift_m",
-        "valve_velocity_m_s",
-        "tool_rise_m",
-        "tool_velocity_m_s",
-        "tip_depth_m",
-        "p_above_piston_pa",
-        "p_below_piston_pa",
-        "p_return_pa",
-        "p_above_valve_pa",
-        "p_supply_pa",
+        "piston_travel [m]",
+        "piston_velocity [m/s]",
+        "valve_lift [m]",
+        "valve_velocity [m/s]",
+        "tool_rise [m]",
+        "tool_velocity [m/s]",
+        "tip_depth [m]",
+        "above_piston_pressure [Pa]",
+        "below_piston_pressure [Pa]",
+        "return_volume_pressure [Pa]",
+        "above_valve_pressure [Pa]",
+        "supply_pressure [Pa]",
     ];
     let rows = log.iter().map(|entry| {
         let word = |value: serde_json::Result<serde_json::Value>| {
@@ -252,17 +306,23 @@ pub(super) fn log(log: &[LogEntry]) -> Result<Vec<u8>, Error> {
     table(header, rows)
 }
 
-/// `histories.csv`: time and every history of the cycle.
-pub(super) fn histories(record: &CycleRecord) -> Result<Vec<u8>, Error> {
+/// `histories.csv`: time and every history of the cycle; all samples and digits, or every so many samples and seven digits.
+pub(super) fn histories(record: &CycleRecord, all: bool) -> Result<Vec<u8>, Error> {
     let columns = columns(record);
     let titles = columns
         .iter()
         .map(|column| format!("{} [{}]", column.name, column.unit));
+    let (stride, digits) = if all {
+        (1, 9)
+    } else {
+        (coarse(record.sample_interval), 6)
+    };
     let values: Vec<&[f64]> = columns.iter().map(|column| column.values).collect();
     numbers(
         ["time [s]".to_owned()].into_iter().chain(titles),
         (|index| record.time(index), 7),
-        (&values, 9),
+        (&values, digits),
+        stride,
     )
 }
 

@@ -26,9 +26,9 @@ const REFERENCE: f64 = 50e-9 * 50e-9;
 /// L_vE = 10 lg( 2 int |v(f)|^2 df / ((50 nm/s)^2 x 1 s) )
 /// ```
 ///
-/// with v the velocity vector, from the coherent sum of all modes; no lower than 60 dB below the highest point. And the
-/// same as a series of the bands that ParaView steps through, `BODY-bands.pvd`.
-pub(super) fn add(fields: &mut Fields, driven: &Driven) {
+/// with v the velocity vector, from the coherent sum of all modes; no lower than 60 dB below the highest point. And, as a `film`,
+/// the same as a series of the bands that ParaView steps through, `BODY-bands.pvd`.
+pub(super) fn add(fields: &mut Fields, driven: &Driven, film: bool) {
     let (body, spectra) = (&driven.body, &driven.motion.spectra);
     let factor = |octave: &Band| Some((octave.nominal_hz(), factor(spectra, [octave.low, octave.high])?));
     let (nominal, factors): (Vec<f64>, Vec<LowRank>) = octaves().par_iter().filter_map(factor).unzip();
@@ -47,6 +47,9 @@ pub(super) fn add(fields: &mut Fields, driven: &Driven) {
         Array::new(name, 1, levels)
     };
     fields.frame(&format!("{}.vtu", body.name), bands().map(of_octave).collect());
+    if !film {
+        return;
+    }
     let of_band = |(nominal, levels): (&f64, &Vec<f32>)| {
         let values = Array::new("velocity exposure level [dB]", 1, levels);
         (*nominal, format!("{nominal:05.0}"), values)

@@ -30,10 +30,10 @@ use crate::staging::Staging;
 use crate::store::Bytes;
 
 pub use columns::{Column, columns};
-pub use csv::EVENT_NAMES;
+pub use csv::{EVENT_NAMES, event_name};
 pub use film::Fields;
 pub(crate) use microphones::sound;
-pub use sound_fields::{sound_fields_of_others, write_sound_fields};
+pub use sound_fields::{outdated_fields, write_sound_fields};
 pub(crate) use table::table;
 
 /// The folder of the fields in that of a run.
@@ -60,7 +60,18 @@ impl File {
     }
 }
 
-/// What a run leaves behind beside its [fields](BodyFields), [`of_cycle`] and [`of_microphones`]: `levels.csv`,
+/// Files that a run leaves behind where they are asked for.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct Exports {
+    /// Charts as SVG.
+    pub figures: bool,
+    /// Films of the bodies for ParaView, beside the sound fields.
+    pub films: bool,
+    /// All samples of histories.
+    pub histories: bool,
+}
+
+/// What a run leaves behind beside its [fields](BodyFields), [`of_cycle`] and [`of_microphones`]: `ranking.csv`, `levels.csv`,
 /// `intervals.csv`, `power.csv`, `paraview.py`, where a source's power is evaluated twice `radiation.csv` and
 /// `radiation-modes.csv` (for the tool's body `radiation-body.csv`), where the design has sensors `sensors.csv`,
 /// `sensors-spectrum.csv` and `sensors.uff`, where it has pressure transducers `transducers.csv` and `transducers.uff`, and last
@@ -68,8 +79,9 @@ impl File {
 ///
 /// # Errors
 /// [`Error::Json`] and those of the sensors' spectra.
-pub fn files(run: &Run) -> Result<Vec<File>, Error> {
-    let mut files = sensors::files(run)?;
+pub fn files(run: &Run, exports: Exports) -> Result<Vec<File>, Error> {
+    let mut files = sensors::files(run, exports.histories)?;
+    files.push(File::new("ranking.csv", csv::ranking(&run.result)?));
     files.push(File::new("levels.csv", csv::levels(&run.result)?));
     for (source, name) in [("workpiece", "radiation"), ("body", "radiation-body")] {
         let tables = [
@@ -89,17 +101,19 @@ pub fn files(run: &Run) -> Result<Vec<File>, Error> {
     Ok(files)
 }
 
-/// What the bodies of a shot leave: `modes.csv`, and for ParaView `fields/*`.
+/// What the bodies of a shot leave: `modes.csv`, and for ParaView `fields/*`, with the films if they are asked for.
 ///
 /// # Errors
 /// Those of the bodies' response.
-fn fields(moving: &[Driven], events: &Events) -> Result<Fields, Error> {
+fn fields(moving: &[Driven], events: &Events, films: bool) -> Result<Fields, Error> {
     let mut fields = Fields::default();
     fields.text("modes.csv", csv::modes(moving)?);
     for driven in moving {
         fields.show(Frames::of(&Grid::of_surface(&driven.body.surface))?);
-        fields::add(&mut fields, driven);
-        shot::add(&mut fields, driven, events)?;
+        fields::add(&mut fields, driven, films);
+        if films {
+            shot::add(&mut fields, driven, events)?;
+        }
     }
     Ok(fields)
 }
@@ -111,6 +125,8 @@ pub struct BodyFields {
     pub moving: Vec<MovingBody>,
     /// The cycle, whose events the films show.
     pub cycle: Stored<CycleRecord>,
+    /// Whether films of the shot and series over the bands are among the files.
+    pub films: bool,
 }
 
 impl Stage for BodyFields {
@@ -141,19 +157,19 @@ impl Stage for BodyFields {
 
     fn compute(&self, _: &Progress) -> Result<Fields, Error> {
         let moving: Vec<Driven> = self.moving.iter().map(MovingBody::get).collect::<Result<_, _>>()?;
-        fields(&moving, &self.cycle.get()?.events)
+        fields(&moving, &self.cycle.get()?.events, self.films)
     }
 }
 
-/// `events.csv`, `log.csv` and `histories.csv` of a cycle.
+/// `events.csv`, `log.csv` and `histories.csv` of a cycle, the latter with `all` samples or every so many.
 ///
 /// # Errors
 /// [`Error::Table`] where a table is not rectangular.
-pub fn of_cycle(record: &CycleRecord) -> Result<Vec<File>, Error> {
+pub fn of_cycle(record: &CycleRecord, all: bool) -> Result<Vec<File>, Error> {
     Ok(vec![
         File::new("events.csv", csv::events(&record.events)?),
         File::new("log.csv", csv::log(&record.log)?),
-        File::new("histories.csv", csv::histories(record)?),
+        File::new("histories.csv", csv::histories(record, all)?),
     ])
 }
 

@@ -47,12 +47,27 @@ pub fn write_sound_fields(folder: &Path, digest: &str, found: &Fields) -> Result
     staging.place(&outdated, &last)
 }
 
-/// Files and folders of the sound fields in a folder, relative to it, unless they are those of the design with this digest.
-pub fn sound_fields_of_others(folder: &Path, digest: &str) -> Vec<PathBuf> {
-    index_in(folder)
-        .filter(|index| index.design != digest)
-        .map(|index| index.paths())
-        .unwrap_or_default()
+/// Files and folders of the sound fields in a folder, relative to it, unless they are those of the design with this digest; and of
+/// films, unless they stand beside these fields or `films` are written anew. What an earlier run left would belong to another shot.
+pub fn outdated_fields(folder: &Path, digest: &str, films: bool) -> Vec<PathBuf> {
+    let index = index_in(folder);
+    if index.as_ref().is_some_and(|index| index.design == digest) {
+        return Vec::new();
+    }
+    let mut outdated = index.map(|index| index.paths()).unwrap_or_default();
+    if !films {
+        outdated.extend(films_in(folder));
+    }
+    outdated
+}
+
+/// Films of bodies in a folder, relative to it: a list and a folder of frames for each.
+fn films_in(folder: &Path) -> Vec<PathBuf> {
+    let fields = Path::new(FIELDS);
+    let bodies = ["workpiece", "worktable", "tool"].into_iter();
+    let films = bodies.flat_map(|body| ["shot", "bands"].map(|film| format!("{body}-{film}")));
+    let paths = films.flat_map(|film| [fields.join(format!("{film}.pvd")), fields.join(film)]);
+    paths.filter(|path| folder.join(path).exists()).collect()
 }
 
 fn index_in(folder: &Path) -> Option<Index> {

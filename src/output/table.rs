@@ -30,8 +30,16 @@ where
     finished(writer)
 }
 
-/// A long table of numbers: row by row an abscissa with so many decimals, then a value of each column with so many
-/// digits behind its first.
+/// Shortest interval between the rows of a table of histories that is not asked for whole \[s\].
+const COARSE: f64 = 1e-5;
+
+/// Every which of samples with this interval \[s\] stands in such a table: samples themselves, none between them.
+pub(super) fn coarse(interval: f64) -> usize {
+    (COARSE / interval - 1e-6).ceil().max(1.0) as usize
+}
+
+/// A long table of numbers: for every `stride`-th row an abscissa with so many decimals, then a value of each column with so
+/// many digits behind its first.
 ///
 /// # Errors
 /// [`Error::Table`] where the header does not name each column.
@@ -39,14 +47,15 @@ pub(super) fn numbers(
     header: impl IntoIterator<Item = String>,
     (abscissa, decimals): (impl Fn(usize) -> f64 + Sync, usize),
     (columns, digits): (&[&[f64]], usize),
+    stride: usize,
 ) -> Result<Vec<u8>, Error> {
-    let rows = columns.first().map_or(0, |column| column.len());
+    let rows = columns.first().map_or(0, |column| column.len()).div_ceil(stride);
     let block = |first: usize| {
         let bytes = Vec::with_capacity(BLOCK * WIDTH * (columns.len() + 1));
         // Numbers need no quotes.
         let mut writer = WriterBuilder::new().quote_style(QuoteStyle::Never).from_writer(bytes);
         let (mut row, mut field) = (ByteRecord::new(), Vec::with_capacity(WIDTH));
-        for index in first..rows.min(first + BLOCK) {
+        for index in (first..rows.min(first + BLOCK)).map(|row| row * stride) {
             row.clear();
             field.clear();
             fixed(&mut field, abscissa(index), decimals);
@@ -95,7 +104,7 @@ mod tests {
     fn rows_of_numbers_are_complete_and_in_order() {
         let column: Vec<f64> = (0..3 * BLOCK + 1).map(|i| i as f64).collect();
         let header = ["x", "y"].map(str::to_owned);
-        let text = numbers(header, (|i| i as f64, 1), (&[&column], 3)).unwrap_or_default();
+        let text = numbers(header, (|i| i as f64, 1), (&[&column], 3), 1).unwrap_or_default();
         let text = String::from_utf8(text).unwrap_or_default();
         let mut lines = text.lines();
         assert_eq!(lines.next(), Some("x,y"));
@@ -103,5 +112,14 @@ mod tests {
             assert_eq!(line, format!("{index}.0,{:.3e}", column[index]));
         }
         assert_eq!(text.lines().count(), 1 + column.len());
+    }
+
+    #[test]
+    fn a_coarse_table_holds_samples_at_least_ten_microseconds_apart() {
+        assert_eq!([4e-6, 5e-6, 1e-5, 3e-5].map(coarse), [3, 2, 1, 1]);
+        let header = ["x", "y"].map(str::to_owned);
+        let column = [0.0, 1.0, 2.0, 3.0, 4.0];
+        let text = numbers(header, (|i| i as f64, 0), (&[&column], 1), 3).unwrap_or_default();
+        assert_eq!(String::from_utf8_lossy(&text), "x,y\n0,0.0e0\n3,3.0e0\n");
     }
 }

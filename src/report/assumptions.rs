@@ -43,7 +43,7 @@ pub(super) fn section(design: &Design) -> Markup {
                     div.scroll { table {
                         thead { tr { th { "key" } th.n { "value" } th { "unit" } th { "range" } th { "source" } } }
                         tbody { @for entry in own { tr {
-                            td.key { (entry.key) }
+                            td.key-name { (entry.key) }
                             td.n { (plain(&serde_json::to_value(&entry.value).unwrap_or_default())) }
                             td { (entry.unit) }
                             td { @if let Some([low, high]) = entry.range { (plain(&low.into())) " \u{2026} " (plain(&high.into())) } }

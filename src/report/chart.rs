@@ -1,259 +1,139 @@
-//! Charts of a page: data for plotly.js, short enough for a file that is sent by mail.
+//! Charts of a page: the curves as SVG that stretches to the width of the window, texts as HTML around it.
 //!
-//! Written as JSON: the types of the plotly crate lack the base of a bar and the data behind its label.
+//! A chart is complete without a script. The script of the page reads the values under the pointer from the curves
+//! themselves: their coordinates are those of a box of [`ACROSS`] by [`UP`] between the ends of the axes.
 
-use maud::{Markup, PreEscaped, html};
-use serde_json::{Value, json};
+use maud::{Markup, html};
 
-use crate::figures::{Axis, Chart, Event, PALETTE, Panel, Series, Shape, subscripts};
+use super::axis::{Tick, across, labels, percent, rows, upwards};
+use super::legend::{legend, marked};
+use super::path::{self, ACROSS, UP};
+use crate::figures::{Chart, Event, PALETTE, Panel, Series, subscripts};
 
-/// Rows over a chart on which the symbols of events take turns.
-const ROWS: usize = 3;
+/// Width of the symbol of an event \[px\].
+const SYMBOL: f64 = 21.0;
 
-/// A drawing by plotly.js.
-pub(super) struct Plot {
-    /// Its name in the page.
-    pub(super) id: String,
-    /// What it shows, for screen readers.
-    pub(super) description: String,
-    /// Curves and bars.
-    pub(super) data: Vec<Value>,
-    /// Axes.
-    pub(super) layout: Value,
-    /// Height \[px\].
-    pub(super) height: u32,
-    /// Plots of one group are zoomed along x together.
-    pub(super) group: &'static str,
-}
+/// Colours on a dark page, in the order of the [`PALETTE`].
+const DARK: [&str; 20] = [
+    "#4DA3DC", "#F0803C", "#2FBF93", "#DC98BD", "#E9B23C", "#7CC8F2", "#ECEFF2", "#9AA2AB", "#8C84F0", "#5DBB7B",
+    "#D487C6", "#C2C25A", "#E58A99", "#52BDAE", "#B9527B", "#8DB5D6", "#D98A5F", "#A7AFBA", "#DDAF3A", "#E0C3FF",
+];
 
-impl Plot {
-    /// The plot as part of the page.
-    pub(super) fn markup(&self) -> Markup {
-        html! {
-            div.plot id={ "chart-" (self.id) } data-group=(self.group) style={ "height:" (self.height) "px" } role="img"
-                aria-label=(self.description) {}
-            (data(&format!("chart-{}-data", self.id), &json!({ "data": self.data, "layout": self.layout })))
-        }
-    }
-}
-
-/// A chart as part of the page: a plot for each panel.
+/// A chart as part of the page.
 pub(super) fn markup(chart: &Chart) -> Markup {
     html! {
-        figure.chart {
-            @for (index, panel) in chart.panels.iter().enumerate() { (plot(chart, index, panel).markup()) }
-            figcaption { (chart.caption) }
-        }
-    }
-}
-
-fn plot(chart: &Chart, index: usize, panel: &Panel) -> Plot {
-    let mut layout = json!({
-        "xaxis": axis(&panel.x), "yaxis": axis(&panel.y), "barmode": "group",
-        "hovermode": if panel.x.categories.is_empty() { "closest" } else { "x unified" },
-    });
-    if !panel.y.categories.is_empty() {
-        layout["yaxis"]["autorange"] = json!("reversed");
-        layout["yaxis"]["title"]["standoff"] = json!(12);
-        layout["barmode"] = json!("overlay");
-    }
-    let mut data: Vec<Value> = panel.series.iter().flat_map(|series| traces(panel, series)).collect();
-    // The last trace is drawn on top, and bars stand in the order of their traces.
-    if !panel
-        .series
-        .iter()
-        .any(|series| matches!(series.shape, Shape::Bars(_) | Shape::Whiskers(_)))
-    {
-        data.reverse();
-        layout["legend"] = json!({ "traceorder": "reversed" });
-    }
-    mark_events(&mut layout, &chart.events);
-    Plot {
-        id: if index == 0 {
-            chart.name.clone()
-        } else {
-            format!("{}-{}", chart.name, index + 1)
-        },
-        description: subscripts(&format!("{}: {}", panel.y.title(), chart.caption), "", ""),
-        data,
-        layout,
-        height: 160 + 3 * panel.height,
-        group: if chart.events.is_empty() { "" } else { "time" },
-    }
-}
-
-fn axis(axis: &Axis) -> Value {
-    let title = json!({ "text": subscripts(&axis.title(), "<sub>", "</sub>") });
-    if axis.categories.is_empty() {
-        return json!({ "title": title, "range": axis.range.map(short) });
-    }
-    let ticks: Vec<&String> = axis.ticks.iter().map(|&place| &axis.categories[place]).collect();
-    json!({ "title": title, "type": "category", "tickmode": "array", "tickvals": ticks, "categoryarray": axis.categories })
-}
-
-/// Marks the events over a chart in time.
-fn mark_events(layout: &mut Value, events: &[Event]) {
-    let line = |event: &Event| {
-        json!({
-            "type": "line", "xref": "x", "yref": "paper", "x0": event.at, "x1": event.at, "y0": 0, "y1": 1,
-            "line": { "color": "#b8b8b8", "width": 0.8 }, "layer": "below",
-        })
-    };
-    let name = |(place, event): (usize, &Event)| {
-        json!({
-            "xref": "x", "yref": "paper", "x": event.at, "y": 1.0, "yshift": 2 + 11 * (place % ROWS) as i64,
-            "yanchor": "bottom", "showarrow": false, "text": event.symbol, "font": { "size": 11, "color": "#555" },
-            "hovertext": format!("{}: {}, {:.2} ms", event.symbol, event.name, event.at),
-        })
-    };
-    if !events.is_empty() {
-        layout["shapes"] = events.iter().map(line).collect();
-        layout["annotations"] = events.iter().enumerate().map(name).collect();
-        layout["margin"] = json!({ "t": 48 });
-    }
-}
-
-/// A series as traces of plotly.
-fn traces(panel: &Panel, series: &Series) -> Vec<Value> {
-    let numbers = |values: &[f64]| values.iter().copied().map(short).collect::<Vec<_>>();
-    let names = |axis: &Axis, values: &[f64]| match axis.categories.as_slice() {
-        [] => numbers(values),
-        names => values.iter().map(|&place| json!(names[place as usize])).collect(),
-    };
-    let (x, y, color) = (
-        names(&panel.x, &series.x),
-        names(&panel.y, &series.y),
-        colour(series.colour),
-    );
-    let line = |more: Value| {
-        let mut style = json!({ "color": color, "width": 1.6 });
-        style
-            .as_object_mut()
-            .into_iter()
-            .for_each(|style| style.extend(more.as_object().cloned().unwrap_or_default()));
-        json!({ "type": "scatter", "mode": "lines", "name": series.name, "x": x, "y": y, "line": style })
-    };
-    match &series.shape {
-        Shape::Line => vec![line(json!({}))],
-        Shape::Broad => vec![line(json!({ "width": 5 }))],
-        Shape::Dashed => vec![line(json!({ "dash": "dash", "width": 1.2 }))],
-        Shape::Steps => {
-            let mut steps = line(json!({ "shape": "hvh", "width": 2 }));
-            steps["mode"] = json!("lines+markers");
-            vec![steps]
-        }
-        Shape::Points => {
-            let mut dots = line(json!({}));
-            dots["mode"] = json!("markers");
-            dots["marker"] = json!({ "color": color, "size": 5, "opacity": 0.7 });
-            vec![dots]
-        }
-        Shape::Whiskers(ends) => {
-            // Bars of a group without a name would not lie over each other.
-            let group = format!("group {}", series.name);
-            let low: Vec<f64> = ends.iter().map(|[low, _]| *low).collect();
-            let heights: Vec<f64> = ends.iter().map(|[low, high]| high - low).collect();
-            let middle: Vec<Value> = series.y.iter().map(|y| short(y - 0.1)).collect();
-            let thin: Vec<f64> = series
-                .y
-                .iter()
-                .map(|y| if y.is_finite() { 0.2 } else { f64::NAN })
-                .collect();
-            vec![
-                json!({
-                    "type": "bar", "name": series.name, "offsetgroup": group, "x": x, "base": numbers(&low),
-                    "y": numbers(&heights), "customdata": series.notes, "hovertemplate": "%{customdata}", "showlegend": !series.name.is_empty(),
-                    "marker": { "color": format!("{color}80") },
-                }),
-                json!({
-                    "type": "bar", "offsetgroup": group, "x": x, "base": middle, "y": numbers(&thin), "hoverinfo": "skip",
-                    "marker": { "color": "#222" }, "showlegend": false,
-                }),
-            ]
-        }
-        Shape::Band(lower) => {
-            let back = |values: &[f64]| values.iter().rev().copied().map(short).collect::<Vec<_>>();
-            vec![json!({
-                "type": "scatter", "mode": "lines", "fill": "toself", "fillcolor": format!("{color}21"), "hoverinfo": "skip",
-                "x": ([x, back(&series.x)].concat()), "y": ([y, back(lower)].concat()), "line": { "width": 0 }, "showlegend": false,
-            })]
-        }
-        // Bars stand on the lower end of the axis: a level has no zero of its own.
-        Shape::Bars(marks) => {
-            let floor = panel.y.range[0];
-            let above = |values: &[f64]| {
-                let height = |value: &f64| short((value - floor).max(0.0));
-                values.iter().map(height).collect::<Vec<_>>()
-            };
-            let mut traces = vec![json!({
-                "type": "bar", "name": series.name, "offsetgroup": series.name, "x": x, "base": floor, "y": above(&series.y),
-                "customdata": series.notes, "hovertemplate": "%{customdata}", "marker": { "color": color }, "showlegend": !series.name.is_empty(),
-            })];
-            if !marks.is_empty() {
-                let base: Vec<Value> = marks.iter().map(|mark| short(mark - 0.1)).collect();
-                let thin: Vec<f64> = marks
-                    .iter()
-                    .map(|mark| if *mark > floor { 0.2 } else { f64::NAN })
-                    .collect();
-                traces.push(json!({
-                    "type": "bar", "offsetgroup": series.name, "x": x, "base": base, "y": numbers(&thin), "hoverinfo": "skip",
-                    "marker": { "color": "#222" }, "showlegend": false,
-                }));
+        figure.chart id={ "chart-" (chart.name) } {
+            @for panel in &chart.panels {
+                @if panel.y.categories.is_empty() { (plot(chart, panel)) } @else { (super::rows::markup(panel)) }
             }
-            traces
-        }
-        Shape::Spans(from) => {
-            // To the right, where the text has its place.
-            let lower: Vec<f64> = series.x.iter().zip(from).map(|(to, from)| from.min(*to)).collect();
-            let lengths: Vec<f64> = series.x.iter().zip(from).map(|(to, from)| (to - from).abs()).collect();
-            vec![json!({
-                "type": "bar", "orientation": "h", "name": series.name, "base": numbers(&lower), "x": numbers(&lengths), "y": y,
-                "text": series.notes, "textposition": "outside", "cliponaxis": false, "hovertemplate": "%{y}: %{text} J",
-                "marker": { "color": color },
-            })]
+            figcaption { (marked(&chart.caption)) }
         }
     }
 }
 
-/// A JSON value that the page's script finds under this name.
-fn data(id: &str, value: &Value) -> Markup {
-    // A text in the data must not end the element that holds it.
-    let text = value.to_string().replace('<', "\\u003c");
-    html! { script type="application/json" id=(id) { (PreEscaped(text)) } }
+/// The symbols of events with their names and times.
+pub(super) fn key_of_events(events: &[Event]) -> Markup {
+    html! { ul.key-of-events { @for event in events { li { b { (event.symbol) } " " (event.name) " " span.quiet { (format!("{:.2} ms", event.at)) } } } } }
+}
+
+/// The colours of series as custom properties, for light and for dark pages.
+pub(super) fn colours() -> String {
+    let property = |(place, colour): (usize, String)| format!("--c{place}:{colour};");
+    let light: String = (0..PALETTE.len()).map(colour).enumerate().map(property).collect();
+    let dark: String = DARK.map(str::to_owned).into_iter().enumerate().map(property).collect();
+    let classes: String = (0..PALETTE.len())
+        .map(|place| format!(".c{place}{{--c:var(--c{place})}}"))
+        .collect();
+    format!(":root{{{light}}}@media screen and (prefers-color-scheme:dark){{:root{{{dark}}}}}{classes}")
+}
+
+/// A pair of axes with values upwards.
+fn plot(chart: &Chart, panel: &Panel) -> Markup {
+    let height = 90 + 12 * panel.height / 5;
+    let (xs, ys) = (across(&panel.x), upwards(&panel.y, height));
+    let [left, right] = panel.x.range;
+    let events: Vec<(&Event, f64)> = chart
+        .events
+        .iter()
+        .map(|event| (event, (event.at - left) / (right - left)))
+        .filter(|(_, at)| (0.0..=1.0).contains(at))
+        .collect();
+    let description = format!("{}: {}", panel.y.title(), chart.caption);
+    html! {
+        div.panel data-x={ (left) " " (right) } data-y={ (panel.y.range[0]) " " (panel.y.range[1]) } data-unit=(panel.y.unit)
+            data-across=(panel.x.unit) data-group=[(!chart.events.is_empty()).then_some("time")]
+            data-categories=[(!panel.x.categories.is_empty()).then(|| panel.x.categories.join("|"))] {
+            (legend(panel))
+            p.axis { (marked(&panel.y.title())) }
+            div.frame {
+                (symbols(&events))
+                div.ys aria-hidden="true" { (labels(&ys, "bottom")) }
+                div.plot style={ "height:" (height) "px" } role="img" aria-label=(subscripts(&description, "", "")) {
+                    svg viewBox={ "0 0 " (ACROSS) " " (UP) } preserveAspectRatio="none" aria-hidden="true" {
+                        path.grid d=(grid(&ys)) {}
+                        @if !events.is_empty() { path.moments d=(moments(&events)) {} }
+                        @for (place, own) in in_order(panel) { (series(panel, place, own)) }
+                    }
+                }
+                div.xs aria-hidden="true" { (labels(&xs, "left")) }
+            }
+            p.axis.below { (marked(&panel.x.title())) }
+        }
+    }
+}
+
+/// Series in the order in which they are drawn: what comes last lies on top, and that is the first of a panel.
+fn in_order(panel: &Panel) -> impl Iterator<Item = (usize, &Series)> {
+    panel.series.iter().enumerate().rev()
+}
+
+fn series(panel: &Panel, place: usize, series: &Series) -> Markup {
+    let of_categories = !panel.x.categories.is_empty();
+    // A place for each category: a gap where the series has no value.
+    let values = || {
+        let mut values = vec![String::new(); panel.x.categories.len()];
+        for (x, y) in series.x.iter().zip(&series.y).filter(|(_, y)| y.is_finite()) {
+            if let Some(value) = values.get_mut(*x as usize) {
+                *value = format!("{y:.2}");
+            }
+        }
+        values.join(" ")
+    };
+    html! {
+        g class={ "s c" (series.colour) } data-series=(place) data-name=[(!series.name.is_empty()).then(|| subscripts(&series.name, "", ""))]
+            data-values=[of_categories.then(values)] data-notes=[(!series.notes.is_empty()).then(|| series.notes.join("|"))] {
+            @for (class, d) in path::of(panel, place, series) { path class=(class) d=(d) {} }
+        }
+    }
+}
+
+/// The symbols of events over a plot.
+fn symbols(events: &[(&Event, f64)]) -> Markup {
+    let places: Vec<f64> = events.iter().map(|(_, at)| *at).collect();
+    let rows = rows(&places, SYMBOL);
+    let most = |window: usize| rows.iter().map(|row| row[window] + 1).max().unwrap_or(0);
+    html! { @if !events.is_empty() {
+        div.events style={ "--wide:" (most(0)) ";--narrow:" (most(1)) } {
+            @for ((event, at), [wide, narrow]) in events.iter().zip(&rows) {
+                abbr data-at=(event.at) title={ (event.symbol) " " (event.name) ", " (format!("{:.2} ms", event.at)) }
+                    style={ "left:" (percent(*at)) ";--wide:" (wide) ";--narrow:" (narrow) } { (event.symbol) }
+            }
+        }
+    } }
+}
+
+fn grid(ticks: &[Tick]) -> String {
+    let line = |tick: &Tick| format!("M0 {:.0}h{ACROSS}", UP * (1.0 - tick.at));
+    ticks.iter().map(line).collect()
+}
+
+fn moments(events: &[(&Event, f64)]) -> String {
+    let line = |(_, at): &(&Event, f64)| format!("M{:.0} 0v{UP}", ACROSS * at);
+    events.iter().map(line).collect()
 }
 
 /// The colour at a place of the palette.
-pub(super) fn colour(place: usize) -> String {
+fn colour(place: usize) -> String {
     let [red, green, blue] = PALETTE[place];
     format!("#{red:02X}{green:02X}{blue:02X}")
-}
-
-/// A number with five digits; null where it is none.
-fn short(value: f64) -> Value {
-    let rounded = format!("{value:.4e}").parse::<f64>().ok().filter(|v| v.is_finite());
-    rounded.map_or(Value::Null, |value| {
-        if value.fract() == 0.0 && value.abs() < 1e9 {
-            json!(value as i64)
-        } else {
-            json!(value)
-        }
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn data_cannot_end_its_element() {
-        let text = data("d", &json!("</script><b>")).into_string();
-        assert_eq!(text.matches("</script>").count(), 1, "{text}");
-    }
-
-    #[test]
-    fn numbers_are_short() {
-        assert_eq!(short(0.123_456_789), json!(0.12346));
-        assert_eq!(short(f64::NAN), Value::Null);
-        assert_eq!(short(2000.0), json!(2000));
-    }
 }

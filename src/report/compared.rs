@@ -2,21 +2,26 @@
 
 use maud::{Markup, html};
 
-use super::chart::{colour, markup};
+use super::chart::markup;
 use super::page::{Page, Section};
+use super::sound::{self, Recording};
 use super::tables::{decibels, plain};
 use crate::comparison::{Comparison, Labelled, Levels, SourceRow, ValueRow};
-use crate::figures::{Axis, BLACK, Chart, Panel, Series, Shape};
-use crate::wording;
+use crate::figures::{Axis, Chart, Panel, Series, Shape, from_event, of_design};
+use crate::output::event_name;
+use crate::wording::{self, readable};
 
 /// Levels shown below the highest \[dB\].
 const SHOWN: f64 = 50.0;
 
-pub(super) fn page(c: &Comparison, identity: &str) -> Page {
+pub(super) fn page(c: &Comparison, identity: &str, recordings: &[Recording]) -> Page {
     let mut sections = vec![
         Section::new("levels", "Levels", html! { (markup(&overview(c))) (levels(c)) }),
         Section::new("differences", "Differences", inputs(c)),
     ];
+    if !recordings.is_empty() {
+        sections.push(Section::new("listen", "Listen", sound::players(recordings)));
+    }
     let charts = |f: &dyn Fn(&SourceRow) -> Option<Chart>| html! { @for row in &c.sources { @if let Some(chart) = f(row) { (markup(&chart)) } } };
     sections.push(Section::new(
         "bands",
@@ -32,7 +37,10 @@ pub(super) fn page(c: &Comparison, identity: &str) -> Page {
     Page {
         title: format!("{}: compared", c.designs.join(", ")),
         compared: Some(identity.to_owned()),
-        heading: c.designs.join(" \u{2194} "),
+        heading: match c.designs.as_slice() {
+            [first, others @ ..] if others.len() > 3 => format!("{first} \u{2194} {} others", others.len()),
+            designs => designs.join(" \u{2194} "),
+        },
         lead: lead(c),
         sections,
     }
@@ -47,12 +55,12 @@ fn change(db: Option<f64>) -> String {
 
 fn lead(c: &Comparison) -> Markup {
     html! {
-        div.totals { @for (place, name) in c.designs.iter().enumerate() {
+        div.totals.many[c.designs.len() > 4] { @for (place, name) in c.designs.iter().enumerate() {
             div.total {
                 span.number { (decibels(c.total.level_db[place])) }
                 span.unit { "dB" }
                 span.what {
-                    span.dot style={ "background:" (colour(place % BLACK)) } {} (name)
+                    span class={ "dot c" (of_design(place)) } {} (name)
                     @if place > 0 { ", " (change(c.total.change_db[place])) " dB" } @else { ", reference" }
                 }
             }
@@ -110,7 +118,7 @@ fn bars(c: &Comparison, x: &str, unit: &'static str, y: &str, rows: Vec<(&str, &
         let levels = rows.iter().map(|(_, row)| row.level_db[place]);
         Series {
             notes: rows.iter().map(note).collect(),
-            ..Series::over(name, place % BLACK, Shape::Bars(Vec::new()), levels)
+            ..Series::over(name, of_design(place), Shape::Bars(Vec::new()), levels)
         }
     };
     let series: Vec<Series> = c.designs.iter().enumerate().map(series).collect();
@@ -127,13 +135,36 @@ fn labelled(c: &Comparison, row: &SourceRow, kind: &str, own: &[Labelled]) -> Op
     own.iter()
         .flat_map(|l| &l.levels.level_db)
         .find(|level| level.is_some())?;
-    let (x, unit) = if kind == "bands" {
-        ("Mid-band frequency", "Hz")
+    let y = format!("{}, L_{{WA,1s}}", row.source);
+    let panel = if kind == "bands" {
+        bars(
+            c,
+            "Mid-band frequency",
+            "Hz",
+            &y,
+            own.iter().map(|l| (l.label.as_str(), &l.levels)).collect(),
+        )
     } else {
-        ("Interval between events", "")
+        // Each interval by the event at its start.
+        let names = own
+            .iter()
+            .map(|l| from_event(l.label.split('-').next().unwrap_or_default()));
+        let names: Vec<String> = names.collect();
+        let rows = names.iter().zip(own).map(|(name, l)| (name.as_str(), &l.levels));
+        let upright = bars(
+            c,
+            &format!("{}: from this event to the next", row.source),
+            "",
+            "L_{WA,1s}",
+            rows.collect(),
+        );
+        Panel {
+            x: upright.y,
+            y: upright.x,
+            height: 6 * names.len() as u32,
+            series: upright.series.into_iter().map(Series::sideways).collect(),
+        }
     };
-    let rows = own.iter().map(|l| (l.label.as_str(), &l.levels)).collect();
-    let panel = bars(c, x, unit, &format!("{}, L_{{WA,1s}}", row.source), rows);
     let caption = format!("{}: A-weighted levels, dB re 1 pW s.", row.source);
     Some(chart(
         c,
@@ -144,27 +175,22 @@ fn labelled(c: &Comparison, row: &SourceRow, kind: &str, own: &[Labelled]) -> Op
 }
 
 fn levels(c: &Comparison) -> Markup {
-    let rows: Vec<(&str, &Levels, Option<&SourceRow>)> = c
+    let rows: Vec<(&str, &Levels, bool)> = c
         .sources
         .iter()
-        .map(|row| (row.source.as_str(), &row.levels, Some(row)))
-        .chain([("total", &c.total, None)])
+        .map(|row| (row.source.as_str(), &row.levels, false))
+        .chain([("total", &c.total, true)])
         .collect();
     html! {
-        div.scroll { table {
+        div.scroll { table.pinned {
             thead { tr { th { "source" } @for name in &c.designs { th.n { (name) } } @for name in c.designs.iter().skip(1) { th.n { "change, " (name) } } } }
-            tbody { @for (name, levels, row) in rows { tr.sum[row.is_none()] {
-                td { (name) }
-                @for (place, level) in levels.level_db.iter().enumerate() { td.n {
-                    b { (decibels(*level)) }
-                    @if let Some(row) = row {
-                        " " span.quiet { (wording::band(row.uncertainty_db[place]).replace('-', "\u{2212}")) }
-                    }
-                } }
+            tbody { @for (name, levels, sum) in rows { tr.sum[sum] {
+                th scope="row" { (name) }
+                @for level in &levels.level_db { td.n { b { (decibels(*level)) } } }
                 @for db in levels.change_db.iter().skip(1) { td.n { (change(*db)) } }
             } } }
         } }
-        p.quiet { "Beside each level: the uncertainty of its method alone, dB; open means no bound. The uncertainty of the design's values is not included." }
+        p.quiet { "How sure a level is depends on the values of its design first: " code { "nailnoise compare --draws" } " states the interval of each change." }
         @for row in &c.sources {
             @let methods: Vec<&str> = row.methods.iter().flatten().map(String::as_str).collect();
             @if methods.windows(2).any(|pair| pair[0] != pair[1]) {
@@ -172,14 +198,25 @@ fn levels(c: &Comparison) -> Markup {
             }
         }
         h3 { "Ranking" }
-        div.scroll { table {
+        div.scroll { table.pinned {
             thead { tr { th { "place" } @for name in &c.designs { th { (name) } } } }
             tbody { @for place in 0..c.rankings.iter().map(Vec::len).max().unwrap_or(0) { tr {
                 td { (place + 1) } @for ranking in &c.rankings { td { (ranking.get(place).map_or("", String::as_str)) } }
             } } }
         } }
-        @for (place, name) in c.designs.iter().enumerate() {
-            p.quiet { (name) ": ranking " (wording::order(&c.placed(place))) "." }
+        details {
+            summary { "Errors of the methods alone" }
+            div.scroll { table.pinned {
+                thead { tr { th { "source" } @for name in &c.designs { th.n { (name) ", dB" } } } }
+                tbody { @for row in &c.sources { tr {
+                    th scope="row" { (row.source) }
+                    @for bounds in &row.uncertainty_db { td.n { (wording::band(*bounds).replace('-', "\u{2212}")) } }
+                } } }
+            } }
+            p.quiet { "Open means no bound. The uncertainty of the design's values is not in these bands." }
+            @for (place, name) in c.designs.iter().enumerate() {
+                p.quiet { (name) ": by these bands the ranking is " (wording::order(&c.placed(place))) "." }
+            }
         }
     }
 }
@@ -187,10 +224,10 @@ fn levels(c: &Comparison) -> Markup {
 fn inputs(c: &Comparison) -> Markup {
     html! {
         @if c.inputs.is_empty() { p { "None: the designs have the same values." } }
-        @else { div.scroll { table {
+        @else { div.scroll { table.pinned {
             thead { tr { th { "key" } th { "unit" } @for name in &c.designs { th { (name) } } } }
             tbody { @for row in &c.inputs { tr {
-                td.key { (row.key) } td { (row.unit) } @for value in &row.values { td { (plain(value)) } }
+                td.key-name { (row.key) } td { (row.unit) } @for value in &row.values { td { (plain(value)) } }
             } } }
         } } }
     }
@@ -205,15 +242,17 @@ fn shot(c: &Comparison) -> Markup {
     };
     let cell = |value: Option<f64>| value.map_or_else(|| "\u{2013}".to_owned(), |value| plain(&value.into()));
     html! {
-        div.scroll { table {
+        div.scroll { table.pinned {
             thead { tr { th { "figure" } @for name in &c.designs { th.n { (name) } } } }
             tbody {
-                tr { td { "outcome" } @for outcome in &c.outcomes { td.n { (outcome.replace('_', " ")) } } }
+                tr { th scope="row" { "outcome" } @for outcome in &c.outcomes { td.n { (outcome.replace('_', " ")) } } }
                 @for row in c.cycle.iter().filter(differs) { tr {
-                    td { (row.labelled(", ", "")) } @for value in &row.values { td.n { (cell(*value)) } }
+                    @let (unit, factor) = readable(row.unit);
+                    th scope="row" { (row.name.replace('_', " ")) @if !unit.is_empty() { ", " (unit) } }
+                    @for value in &row.values { td.n { (cell(value.map(|value| factor * value))) } }
                 } }
                 @for row in c.events.iter().filter(differs) { tr {
-                    td { (row.name) ", ms" } @for value in &row.values { td.n { (cell(value.map(|t| 1e3 * t))) } }
+                    th scope="row" { (event_name(&row.name)) ", ms" } @for value in &row.values { td.n { (cell(value.map(|t| 1e3 * t))) } }
                 } }
             }
         } }

@@ -1,17 +1,23 @@
 //! Reports: one HTML file that opens without a network, for people who do not run the program.
 //!
 //! A report of a run shows whatever its result holds: every source, check, note and sensor by itself, and what a newer
-//! result adds as tables of their own. Charts are drawn by plotly.js, whose script is in the file; printed, the page
-//! is a clean document.
+//! result adds as tables of their own. Charts and pictures are in the page itself, so that it is complete without a script, with
+//! light and dark colours and in print; scripts add values under the pointer, a zoom, and a view in space that turns.
 
 mod assumptions;
+mod axis;
 mod chart;
 mod compared;
+mod head;
+mod legend;
 mod measured;
 mod measurement;
 mod modes;
 mod page;
+mod path;
 mod picture;
+mod raster;
+mod rows;
 mod scene;
 mod sound;
 mod study;
@@ -41,7 +47,7 @@ use surface::Painted;
 pub use surface::Surroundings;
 
 /// Keys of a result that the report shows in a form of their own.
-const SHOWN: [&str; 13] = [
+const SHOWN: [&str; 15] = [
     "schema",
     "design",
     "inputs",
@@ -51,9 +57,11 @@ const SHOWN: [&str; 13] = [
     "cycle",
     "events",
     "sensors",
+    "transducers",
     "microphones",
     "checks",
     "notes",
+    "method_notes",
     "timing",
 ];
 
@@ -109,118 +117,145 @@ impl Stage for BodyPictures {
         let paint = |driven| Painted::new(&self.surroundings, driven);
         let bodies: Vec<Painted<'_>> = moving.iter().map(paint).collect();
         Ok(Pictures {
-            scene: scene::chart(&bodies)
-                .map(|view| html! { figure.chart { (view.markup()) figcaption { (view.description) } } }.into_string()),
+            scene: scene::figure(&bodies).map(Markup::into_string),
             sources: bodies.iter().map(|painted| painted.source().to_owned()).collect(),
             modes: modes::section(&bodies).into_string(),
         })
     }
 }
 
-/// The report of a run, with the pictures and sounds that belong to it.
+/// The report of a run, with the pictures and sounds that belong to it. A summary comes first, then an appendix.
 pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Recording]) -> String {
     let (result, subject) = (&run.result, run.result.design.name.as_str());
     let value = serde_json::to_value(result).unwrap_or_default();
-    let mut sections = vec![Section::new("ranking", "Ranking", ranking(result, &value))];
-    sections.push(Section::new(
-        "levels",
-        "Levels",
-        html! { @for chart in figures::levels(subject, result) { (chart::markup(&chart)) } },
-    ));
-    sections.push(Section::new(
-        "sound",
-        "Sound",
-        sound::section(&result.microphones, recordings),
-    ));
-    if let Some(view) = &pictures.scene {
-        let without: Vec<&str> = result
-            .ranking
-            .iter()
-            .map(|source| source.source.as_str())
-            .filter(|source| !pictures.sources.iter().any(|shown| shown == source))
-            .collect();
-        sections.push(Section::new(
-            "surfaces",
-            "Surfaces",
-            html! {
-                (PreEscaped(view))
-                @if !without.is_empty() {
-                    p.quiet { "Sources without a vibrating surface in this model: " (without.join(", ")) "." }
-                }
-            },
-        ));
+    let mut levels = figures::levels(subject, result);
+    let mut more = levels.iter_mut().find_map(more_panels);
+    for (chart, weighting) in levels
+        .first_mut()
+        .into_iter()
+        .zip(["A-weighted"])
+        .chain(more.iter_mut().zip(["unweighted"]))
+    {
+        chart.caption = format!("One-third-octave levels of each source, {weighting}, dB re 1 pW s.");
     }
-    sections.push(Section::new(
-        "modes",
-        "Loudest modes",
-        html! { (PreEscaped(&pictures.modes)) },
-    ));
+    let of_exhaust = |chart: &figures::Chart| chart.name == "exhaust";
     let mut cycle = figures::cycle(subject, design, &run.record);
     let energy = cycle.pop();
-    sections.push(Section::new(
-        "cycle",
-        "Nailing cycle",
-        html! {
-            (chart::markup(&figures::power(subject, &run.record, &run.powers)))
-            @for chart in &cycle { (chart::markup(chart)) }
-            div.columns { (tables::events(&run.record)) (tables::figures(&value["cycle"])) }
-        },
-    ));
-    sections.push(Section::new(
-        "energy",
-        "Energy flow",
-        html! { @if let Some(chart) = &energy { (chart::markup(chart)) } },
-    ));
-    if !result.sensors.is_empty() {
-        sections.push(Section::new(
-            "sensors",
-            "Accelerometers",
-            tables::generic(&value["sensors"]),
-        ));
+    let power = figures::power(subject, &run.record, &run.powers);
+    let mut sections = vec![
+        Section::new("ranking", "Ranking", ranking(result)),
+        Section::new(
+            "levels",
+            "Levels",
+            html! { @for chart in levels.iter().filter(|own| !of_exhaust(own)) { (chart::markup(chart)) } },
+        )
+        .on_a_page(),
+    ];
+    if let Some(view) = &pictures.scene {
+        sections.push(Section::new("surfaces", "Surfaces", surfaces(result, pictures, view)).on_a_page());
     }
-    let further = tables::further(&value, &SHOWN);
-    if let Some(further) = further {
-        sections.push(Section::new("further", "Further results", further));
+    sections.extend([
+        Section::new(
+            "shot",
+            "Over the shot",
+            html! { (chart::markup(&power)) (chart::key_of_events(&power.events)) },
+        )
+        .on_a_page(),
+        Section::new("listen", "Listen", sound::players(recordings)),
+        Section::new(
+            "more-levels",
+            "More levels",
+            html! {
+                @if let Some(chart) = &more { (chart::markup(chart)) }
+                @for chart in levels.iter().filter(|own| of_exhaust(own)) { (chart::markup(chart)) }
+            },
+        )
+        .in_the_appendix(),
+        Section::new("microphones", "Microphones", sound::measured(result)).in_the_appendix(),
+        Section::new("modes", "Loudest modes", html! { (PreEscaped(&pictures.modes)) }).in_the_appendix(),
+        Section::new(
+            "cycle",
+            "Nailing cycle",
+            html! {
+                @for chart in &cycle { (chart::markup(chart)) }
+                div.columns { (tables::events(&run.record)) (tables::figures(&value["cycle"])) }
+            },
+        )
+        .in_the_appendix(),
+        Section::new(
+            "energy",
+            "Energy flow",
+            html! { @if let Some(chart) = &energy { (chart::markup(chart)) } },
+        )
+        .in_the_appendix(),
+    ]);
+    if !result.sensors.is_empty() || !result.transducers.is_empty() {
+        sections.push(
+            Section::new(
+                "sensors",
+                "Sensors",
+                html! {
+                    @for kind in ["sensors", "transducers"] {
+                        @if value[kind].as_array().is_some_and(|own| !own.is_empty()) { (tables::generic(&value[kind])) }
+                    }
+                },
+            )
+            .in_the_appendix(),
+        );
     }
-    sections.push(Section::new("assumptions", "Assumptions", assumptions::section(design)));
-    sections.push(Section::new("checks", "Checks", tables::checks(result)));
-    sections.push(Section::new("origin", "Origin", origin(result)));
+    if let Some(further) = tables::further(&value, &SHOWN) {
+        sections.push(Section::new("further", "Further results", further).in_the_appendix());
+    }
+    sections.extend([
+        Section::new("methods", "Methods", methods(result, &value)).in_the_appendix(),
+        Section::new("assumptions", "Assumptions", assumptions::section(design)).in_the_appendix(),
+        Section::new("checks", "Checks", tables::checks(result)).in_the_appendix(),
+        Section::new("origin", "Origin", origin(result)).in_the_appendix(),
+    ]);
     Page {
-        title: format!("{}: sound power of a nailer", result.design.name),
+        title: format!("{}: sound power of a nailer", head::heading(design)),
         compared: None,
-        heading: result.design.name.clone(),
-        lead: lead(result),
+        heading: head::heading(design),
+        lead: head::lead(design, result),
         sections,
     }
     .html()
 }
 
-/// Where the report of a run holds the intervals of its levels.
-const INTERVALS: &str = "<!-- intervals of the levels -->";
+/// Takes all panels of a chart but the first out of it, as a chart of their own.
+fn more_panels(chart: &mut figures::Chart) -> Option<figures::Chart> {
+    let panels = chart.panels.split_off(1);
+    (!panels.is_empty()).then(|| figures::Chart {
+        name: format!("{}-more", chart.name),
+        panels,
+        ..chart.clone()
+    })
+}
+
+fn surfaces(result: &RunResult, pictures: &Pictures, view: &str) -> Markup {
+    let sources = result.ranking.iter().map(|source| source.source.as_str());
+    let without: Vec<&str> = sources
+        .filter(|source| !pictures.sources.iter().any(|shown| shown == source))
+        .collect();
+    html! {
+        (PreEscaped(view))
+        @if !without.is_empty() { p.quiet { "Sources without a vibrating surface in this model: " (without.join(", ")) "." } }
+    }
+}
 
 /// Intervals of the levels of a run, as the command prints them.
 pub struct Intervals {
-    /// Headings behind "source" and "level".
+    /// Headings of interval and probability.
     pub headings: [String; 2],
-    /// Source, level, interval \[dB\] and probability of being the loudest; the total comes last.
-    pub rows: Vec<[String; 4]>,
+    /// Source or total, interval \[dB\] and probability of being the loudest.
+    pub rows: Vec<[String; 3]>,
     /// What the columns hold, and what not.
     pub legend: String,
 }
 
 /// The report of a run with the intervals of its levels, which follow from a study and not from the run.
 pub fn with_intervals(report: &str, intervals: &Intervals) -> String {
-    let table = html! {
-        h3 { "How sure the levels are" }
-        div.scroll { table {
-            thead { tr { th { "source" } th.n { "level" } @for heading in &intervals.headings { th.n { (heading) } } } }
-            tbody { @for [source, cells @ ..] in &intervals.rows { tr.sum[source == "total"] {
-                td { (source) } @for cell in cells { td.n { (cell) } }
-            } } }
-        } }
-        @for line in intervals.legend.trim().lines() { p.quiet { (line.trim()) } }
-    };
-    report.replacen(INTERVALS, &table.into_string(), 1)
+    tables::with_intervals(report, intervals)
 }
 
 /// The report of a study with these charts.
@@ -238,43 +273,12 @@ pub fn measurement(result: &MeasurementResult, charts: &[figures::Chart]) -> Str
     measurement::page(result, charts).html()
 }
 
-/// The report of a comparison of the files with this identity.
-pub fn comparison(comparison: &Comparison, identity: &str) -> String {
-    compared::page(comparison, identity).html()
+/// The report of a comparison of the files with this identity, with a sound for each design that has one.
+pub fn comparison(comparison: &Comparison, identity: &str, recordings: &[Recording]) -> String {
+    compared::page(comparison, identity, recordings).html()
 }
 
-/// What a reader must know first.
-fn lead(result: &RunResult) -> Markup {
-    let first = result.ranking.first().filter(|source| source.lwa_db.is_some());
-    html! {
-        div.total {
-            span.number { (tables::decibels(result.total.lwa_db)) }
-            span.unit { "dB" }
-            span.what { "L" sub { "WA,1s" } " re 1 pW s: A-weighted sound energy of one shot" }
-        }
-        @if let Some(first) = first {
-            p.verdict {
-                "The " b { (first.source) } " radiates most, " (format!("{:.0} %", 100.0 * first.share))
-                " of the A-weighted energy. Without it the total would be "
-                (format!("{:.1} dB", without(first.share))) " lower."
-            }
-        }
-        p.quiet {
-            "Absolute levels are predictions; those of one tool stand beside published tests on the page Validation of the \
-             documentation. Differences between designs of one tool are more reliable than levels. " a href="#assumptions" { "Assumptions" } " lists what is estimated."
-        }
-        @if result.checks.iter().any(|check| !check.ok) {
-            p.alarm { "A check of this run failed. Do not rely on the result. " a href="#checks" { "Checks" } }
-        }
-    }
-}
-
-/// How much lower the total would be without a source that has this share \[dB\].
-fn without(share: f64) -> f64 {
-    -10.0 * (1.0 - share).max(1e-12).log10()
-}
-
-fn ranking(result: &RunResult, value: &serde_json::Value) -> Markup {
+fn ranking(result: &RunResult) -> Markup {
     let range = result.ranking.first().and_then(|source| {
         let (first, last) = (source.bands.first()?, source.bands.last()?);
         Some(format!("{} to {} Hz", first.hz, last.hz))
@@ -283,12 +287,17 @@ fn ranking(result: &RunResult, value: &serde_json::Value) -> Markup {
         (tables::ranking(result))
         @if let Some(range) = range {
             p.quiet {
-                "Levels in dB re 1 pW s over the one-third-octave bands " (range) ", the same for all sources. The \
-                 uncertainty is that of the method alone; \u{201c}open\u{201d} means no bound. The uncertainty of the design's \
-                 values is not included."
+                "Levels in dB re 1 pW s over the one-third-octave bands " (range) ", the same for all sources. "
+                a href="#methods" { "Methods" } " says how each was computed, of which parts it consists, and what limits it."
             }
         }
-        (PreEscaped(INTERVALS))
+        ul.notes { @for note in &result.notes { li { (note) } } }
+    }
+}
+
+/// Parts and method of each source, and notes on methods.
+fn methods(result: &RunResult, value: &serde_json::Value) -> Markup {
+    html! {
         @for (source, value) in result.ranking.iter().zip(value["ranking"].as_array().into_iter().flatten()) {
             details {
                 summary { (source.source) ": parts and method" }
@@ -296,9 +305,9 @@ fn ranking(result: &RunResult, value: &serde_json::Value) -> Markup {
                 @if let Some(more) = tables::further(value, &tables::SOURCE) { (more) }
             }
         }
-        @if !result.notes.is_empty() {
-            h3 { "Notes" }
-            ul.notes { @for note in &result.notes { li { (note) } } }
+        details {
+            summary { "Notes on methods, their ranges and limits" }
+            ul.notes { @for note in &result.method_notes { li { (note) } } }
         }
     }
 }

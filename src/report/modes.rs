@@ -1,6 +1,6 @@
 //! The loudest modes: table and pictures.
 
-use maud::{Markup, PreEscaped, html};
+use maud::{Markup, html};
 
 use super::picture;
 use super::surface::{Painted, level};
@@ -29,7 +29,8 @@ pub(super) fn section(bodies: &[Painted<'_>]) -> Markup {
         }
         div.pictures { @for (painted, mode) in modes.iter().take(DRAWN) {
             figure {
-                (PreEscaped(picture::mode(painted.body, *mode)))
+                img src=(picture::mode(painted.body, *mode)) width="480" height="330"
+                    alt={ "deflection of the " (painted.body.name) " in mode " (mode + 1) ", " (name(painted, *mode)) };
                 figcaption {
                     (painted.body.name) ", mode " (mode + 1) ", " b { (name(painted, *mode)) } br;
                     (super::tables::decibels(level(painted.modes[*mode]))) " dB alone"

@@ -1,111 +1,206 @@
-//! The surfaces in space, coloured by what they would radiate.
+//! The surfaces in space, coloured by what they would radiate: a picture, and the data by which the page turns it.
 
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use maud::{Markup, PreEscaped, html};
 use nailnoise_acoustics::levels::octaves;
-use serde_json::{Value, json};
+use serde_json::json;
 
-use super::chart::Plot;
+use super::raster::{self, Triangle, picture, scale};
 use super::surface::{Painted, level};
 
 /// Levels shown below the highest \[dB\].
 const SHOWN: f64 = 30.0;
 
-/// A triangulated part of a surface: the triangles' corners, and the face of each.
-struct Triangles {
-    corners: [Vec<usize>; 3],
+/// Size of the picture \[px\].
+const SIZE: [usize; 2] = [1400, 880];
+
+/// Colour of faces that are covered.
+const COVERED: [f64; 3] = [200.0, 200.0, 200.0];
+
+/// Steps of the levels and of the coordinates that the page turns.
+const LEVEL_STEPS: f64 = 255.0;
+const PLACE_STEPS: f64 = 30_000.0;
+
+/// A triangulated surface: corners of the triangles and the face of each, those that are free first.
+struct Triangles<'a> {
+    painted: &'a Painted<'a>,
+    corners: Vec<[usize; 3]>,
     faces: Vec<usize>,
+    free: usize,
 }
 
-/// A view of all bodies that turns with the mouse; none where there is no surface.
-pub(super) fn chart(bodies: &[Painted<'_>]) -> Option<Plot> {
-    let mut data = Vec::new();
-    let mut coloured: Vec<(&Painted<'_>, Triangles)> = Vec::new();
-    for painted in bodies {
-        let free = triangles(painted, true);
-        let mut trace = mesh(painted, &free);
-        trace["name"] = json!(painted.body.name);
-        trace["coloraxis"] = json!("coloraxis");
-        trace["intensitymode"] = json!("cell");
-        trace["intensity"] = values(&painted.whole, &free);
-        trace["hovertemplate"] = json!(format!("{}: %{{intensity:.0f}} dB<extra></extra>", painted.body.name));
-        data.push(trace);
-        coloured.push((painted, free));
-    }
-    let count = data.len();
-    for painted in bodies {
-        let covered = triangles(painted, false);
-        if !covered.faces.is_empty() {
-            let mut trace = mesh(painted, &covered);
-            trace["name"] = json!(format!("{}, covered", painted.body.name));
-            trace["color"] = json!("#c8c8c8");
-            trace["hovertemplate"] = json!(format!(
-                "{}, covered: does not radiate<extra></extra>",
-                painted.body.name
-            ));
-            data.push(trace);
-        }
-    }
-    if data.is_empty() {
+/// A choice of the range that the colours show.
+struct View {
+    label: String,
+    /// Level at the upper end of the colours \[dB re 1 pW s/m2\].
+    high: f64,
+    /// Energies of the faces of each body \[J/m2\].
+    energies: Vec<Vec<f64>>,
+}
+
+/// A view of all bodies; none where there is no surface.
+pub(super) fn figure(bodies: &[Painted<'_>]) -> Option<Markup> {
+    let surfaces: Vec<Triangles<'_>> = bodies.iter().map(Triangles::new).collect();
+    let whole = View::new(
+        "all, A-weighted".to_owned(),
+        &surfaces,
+        bodies.iter().map(|painted| painted.whole.clone()).collect(),
+    );
+    if surfaces.iter().all(|surface| surface.faces.is_empty()) {
         return None;
     }
-    let top = |energies: &dyn Fn(&Painted<'_>) -> Vec<f64>| {
-        let highest = coloured.iter().flat_map(|(painted, own)| {
-            let energies = energies(painted);
-            own.faces.iter().map(|&face| energies[face]).collect::<Vec<_>>()
-        });
-        level(highest.fold(0.0, f64::max)).unwrap_or(0.0).ceil()
+    let image = image(&surfaces, &whole);
+    let in_octave = |(index, octave): (usize, &nailnoise_acoustics::levels::Band)| {
+        bodies.iter().find(|painted| painted.octaves[index].is_some())?;
+        // A body that is not analysed there does not radiate there either.
+        let energies = |painted: &Painted<'_>| {
+            let own = painted.octaves[index].clone();
+            own.unwrap_or_else(|| vec![0.0; painted.whole.len()])
+        };
+        let label = format!("{} Hz octave", octave.nominal_hz());
+        Some(View::new(label, &surfaces, bodies.iter().map(energies).collect()))
     };
-    let button = |label: String, energies: &dyn Fn(&Painted<'_>) -> Vec<f64>| {
-        let high = top(energies);
-        let each: Vec<Value> = coloured
-            .iter()
-            .map(|(painted, own)| values(&energies(painted), own))
-            .collect();
-        json!({
-            "label": label, "method": "update",
-            "args": [
-                { "intensity": each },
-                { "coloraxis.cmin": high - SHOWN, "coloraxis.cmax": high },
-                (0..count).collect::<Vec<_>>(),
-            ],
-        })
-    };
-    let mut buttons = vec![button("all, A-weighted".to_owned(), &|painted| painted.whole.clone())];
-    for (index, octave) in octaves().iter().enumerate() {
-        if coloured.iter().any(|(painted, _)| painted.octaves[index].is_some()) {
-            // A body that is not analysed there does not radiate there either.
-            let energies = |painted: &Painted<'_>| {
-                let own = painted.octaves[index].clone();
-                own.unwrap_or_else(|| vec![0.0; painted.whole.len()])
-            };
-            buttons.push(button(format!("{} Hz octave", octave.nominal_hz()), &energies));
+    let octaves = octaves();
+    let mut views = vec![whole];
+    views.extend(octaves.iter().enumerate().filter_map(in_octave));
+    let names: Vec<&str> = bodies.iter().map(|painted| painted.body.name).collect();
+    let alternative = format!(
+        "{} from the front, the right and above, coloured by the A-weighted energy per area that each face would radiate",
+        names.join(", ")
+    );
+    // Numbers alone: nothing in it can end the element that holds it.
+    let data = data(&surfaces, &views).to_string().replace('<', "\\u003c");
+    Some(html! {
+        figure.scene {
+            div.choice { label { "Shown " select.view { @for (index, view) in views.iter().enumerate() { option value=(index) { (view.label) } } } } }
+            div.stage { img src=(image) width=(SIZE[0]) height=(SIZE[1]) alt=(alternative); }
+            div.scale { span.low { (format!("{:.0}", views[0].high - SHOWN)) } i {} span.high { (format!("{:.0}", views[0].high)) } " dB re 1 pW s/m\u{b2}" output {} }
+            figcaption {
+                "Where the surfaces move so that they can sound: A-weighted equivalent radiated energy per area at radiation \
+                 efficiency 1, whatever the method of the ranking; how much of it leaves as sound is there. Taken over "
+                (ranges(bodies)) "; octaves are cut at these ends. Grey faces are covered and do not radiate. "
+                span.with-script { "Drag to turn (or the arrow keys), scroll with Ctrl or pinch to come closer." }
+            }
+            script type="application/json" { (PreEscaped(data)) }
         }
+    })
+}
+
+impl<'a> Triangles<'a> {
+    /// The faces as triangles between their corners.
+    fn new(painted: &'a Painted<'a>) -> Self {
+        let faces = &painted.body.surface.faces;
+        let mut found = Self {
+            painted,
+            corners: Vec::new(),
+            faces: Vec::new(),
+            free: 0,
+        };
+        for free in [true, false] {
+            for (index, face) in faces
+                .iter()
+                .enumerate()
+                .filter(|(index, _)| painted.free[*index] == free)
+            {
+                for last in 2..face.kind.corners() {
+                    found.corners.push([0, last - 1, last].map(|corner| face.nodes[corner]));
+                    found.faces.push(index);
+                }
+            }
+            if free {
+                found.free = found.faces.len();
+            }
+        }
+        found
     }
-    let high = top(&|painted| painted.whole.clone());
-    let hidden = json!({ "visible": false });
-    Some(Plot {
-        id: "surfaces".to_owned(),
-        description: format!(
-            "Where the surfaces move so that they can sound: A-weighted equivalent radiated energy per area, dB re 1 pW s/m\u{b2}, \
-             at radiation efficiency 1 whatever the method of the ranking; how much of it leaves as sound is there. Taken \
-             over {}; octaves are cut at these ends. Drag to turn, scroll to come closer, choose an octave on the left. \
-             Grey faces are covered and do not radiate.",
-            ranges(bodies)
-        ),
-        data,
-        layout: json!({
-            "scene": {
-                "aspectmode": "data", "xaxis": hidden, "yaxis": hidden, "zaxis": hidden,
-                "camera": { "eye": { "x": 1.3, "y": -1.7, "z": 1.0 }, "center": { "x": 0, "y": 0, "z": -0.1 } }, "dragmode": "turntable",
+
+    /// The points that the triangles use, in rising order.
+    fn used(&self) -> Vec<usize> {
+        let mut used: Vec<usize> = self.corners.iter().flatten().copied().collect();
+        used.sort_unstable();
+        used.dedup();
+        used
+    }
+}
+
+impl View {
+    fn new(label: String, surfaces: &[Triangles<'_>], energies: Vec<Vec<f64>>) -> Self {
+        let free = surfaces
+            .iter()
+            .zip(&energies)
+            .flat_map(|(surface, own)| surface.faces[..surface.free].iter().map(|&face| own[face]));
+        let high = level(free.fold(0.0, f64::max)).unwrap_or(0.0).ceil();
+        Self { label, high, energies }
+    }
+
+    /// The level of a face between the ends of the colours, 0 to 1.
+    fn shade(&self, body: usize, face: usize) -> f64 {
+        let level = level(self.energies[body][face]).unwrap_or(f64::NEG_INFINITY);
+        (1.0 - (self.high - level) / SHOWN).clamp(0.0, 1.0)
+    }
+}
+
+fn image(surfaces: &[Triangles<'_>], view: &View) -> String {
+    let mut triangles = Vec::new();
+    for (body, surface) in surfaces.iter().enumerate() {
+        let painted = surface.painted;
+        let point = |index: usize| painted.body.surface.points[index].coords + painted.origin;
+        let own = surface.corners.iter().zip(&surface.faces).enumerate();
+        triangles.extend(own.map(|(index, (corners, &face))| Triangle {
+            corners: corners.map(point),
+            colour: if index < surface.free {
+                scale(view.shade(body, face))
+            } else {
+                COVERED
             },
-            "coloraxis": {
-                "colorscale": "Cividis", "cmin": high - SHOWN, "cmax": high,
-                "colorbar": { "title": { "text": "dB re 1 pW s/m\u{b2}", "side": "right" }, "thickness": 14, "len": 0.8 },
-            },
-            "margin": { "l": 0, "r": 0, "t": 36, "b": 0 },
-            "updatemenus": [{ "type": "dropdown", "x": 0, "xanchor": "left", "y": 1.0, "yanchor": "bottom", "buttons": buttons }],
-        }),
-        height: 560,
-        group: "",
+        }));
+    }
+    picture(&triangles, SIZE)
+}
+
+/// Points in whole steps, corners of triangles, and levels of the free ones for each view, as base64 of little-endian numbers.
+fn data(surfaces: &[Triangles<'_>], views: &[View]) -> serde_json::Value {
+    let reach = surfaces
+        .iter()
+        .flat_map(|surface| {
+            let painted = surface.painted;
+            painted
+                .body
+                .surface
+                .points
+                .iter()
+                .map(|point| (point.coords + painted.origin).amax())
+        })
+        .fold(f64::MIN_POSITIVE, f64::max);
+    let step = reach / PLACE_STEPS;
+    let bodies: Vec<_> = surfaces
+        .iter()
+        .enumerate()
+        .map(|(body, surface)| {
+            let (painted, used) = (surface.painted, surface.used());
+            let places = used.iter().flat_map(|&point| {
+                let at = painted.body.surface.points[point].coords + painted.origin;
+                [at.x, at.y, at.z].map(|own| (own / step).round() as i16)
+            });
+            let corners = surface.corners.iter().flatten();
+            let corners = corners.map(|point| used.partition_point(|own| own < point) as u32);
+            let levels = |view: &View| {
+                let free = surface.faces[..surface.free].iter();
+                let levels = free.map(|&face| (LEVEL_STEPS * view.shade(body, face)).round() as u8);
+                STANDARD.encode(levels.collect::<Vec<u8>>())
+            };
+            json!({
+                "name": painted.body.name,
+                "points": STANDARD.encode(places.flat_map(i16::to_le_bytes).collect::<Vec<u8>>()),
+                "triangles": STANDARD.encode(corners.flat_map(u32::to_le_bytes).collect::<Vec<u8>>()),
+                "levels": views.iter().map(levels).collect::<Vec<_>>(),
+            })
+        })
+        .collect();
+    json!({
+        "step": step, "shown": SHOWN, "bodies": bodies, "colours": raster::COLOURS, "axes": raster::view().transpose().as_slice(),
+        "views": views.iter().map(|view| view.high).collect::<Vec<_>>(),
     })
 }
 
@@ -116,55 +211,4 @@ fn ranges(bodies: &[Painted<'_>]) -> String {
         format!("{from:.0} to {to:.0} Hz ({})", painted.body.name)
     };
     bodies.iter().map(range).collect::<Vec<_>>().join(", ")
-}
-
-/// The faces that are free, or those that are not, as triangles between their corners.
-fn triangles(painted: &Painted<'_>, free: bool) -> Triangles {
-    let mut found = Triangles {
-        corners: Default::default(),
-        faces: Vec::new(),
-    };
-    for (index, face) in painted.body.surface.faces.iter().enumerate() {
-        if painted.free[index] != free {
-            continue;
-        }
-        for last in 2..face.kind.corners() {
-            for (list, corner) in found.corners.iter_mut().zip([0, last - 1, last]) {
-                list.push(face.nodes[corner]);
-            }
-            found.faces.push(index);
-        }
-    }
-    found
-}
-
-/// The triangles with the points that they use, in millimetres.
-fn mesh(painted: &Painted<'_>, triangles: &Triangles) -> Value {
-    let points = &painted.body.surface.points;
-    let mut used: Vec<usize> = triangles.corners.iter().flatten().copied().collect();
-    used.sort_unstable();
-    used.dedup();
-    let place = |point: &usize| used.partition_point(|own| own < point);
-    let axis = |axis: usize| -> Vec<f64> {
-        let at = |&p: &usize| (1e4 * (points[p][axis] + painted.origin[axis])).round() / 10.0;
-        used.iter().map(at).collect()
-    };
-    let corners = triangles
-        .corners
-        .each_ref()
-        .map(|list| list.iter().map(place).collect::<Vec<_>>());
-    json!({
-        "type": "mesh3d", "x": axis(0), "y": axis(1), "z": axis(2),
-        "i": corners[0], "j": corners[1], "k": corners[2], "flatshading": true,
-        "lighting": { "ambient": 0.75, "diffuse": 0.4, "specular": 0.05 },
-    })
-}
-
-/// Levels of the triangles, to a tenth of a decibel.
-fn values(energies: &[f64], triangles: &Triangles) -> Value {
-    let level = |&face: &usize| {
-        let level = level(energies[face]).unwrap_or(-100.0);
-        (10.0 * level).round() / 10.0
-    };
-    json!(triangles.faces.iter().map(level).collect::<Vec<f64>>())
 }

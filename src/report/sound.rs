@@ -4,7 +4,8 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use maud::{Markup, html};
 
-use crate::result::{MicrophoneLevel, MicrophoneReport};
+use crate::result::{MicrophoneLevel, MicrophoneReport, RunResult};
+use crate::wording;
 
 /// A recording that belongs to a run.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -15,19 +16,14 @@ pub struct Recording {
     pub wav: Vec<u8>,
 }
 
-/// What the microphones measure, and what is heard at one of them.
-pub(super) fn section(report: &MicrophoneReport, recordings: &[Recording]) -> Markup {
-    html! {
-        @if !recordings.is_empty() { (players(recordings)) }
-        (measured(report))
-        (levels(report))
-    }
+/// What the microphones measure beside what is radiated.
+pub(super) fn measured(result: &RunResult) -> Markup {
+    html! { (by_source(&result.microphones)) (totals(result)) (levels(&result.microphones)) }
 }
 
 /// Sources by the array beside what they radiate.
-fn measured(report: &MicrophoneReport) -> Markup {
+fn by_source(report: &MicrophoneReport) -> Markup {
     let [a, b, c] = report.box_m;
-    let total = &report.total;
     html! {
         p {
             "Nine microphones by EN 12549 and ISO 3744 on a parallelepiped of half sides " (format!("{a:.2} and {b:.2} m"))
@@ -35,24 +31,56 @@ fn measured(report: &MicrophoneReport) -> Markup {
              microphones, not with the true power: nine positions do not cover all directions of a source."
         }
         div.scroll { table {
-            thead { tr { @for head in ["source", "sound carried by", "range (Hz)", "L_WA by microphones (dB)", "radiated (dB)"] { th { (head) } } } }
-            tbody {
-                @for source in &report.sources { tr {
-                    td { (source.source) }
-                    td { (source.how) }
-                    td.n { (format!("{:.0} to {:.0}", source.range_hz[0], source.range_hz[1])) }
-                    td.n { (decibels(source.lwa_db)) }
-                    td.n { (decibels(source.true_lwa_db)) }
-                } }
-                tr {
-                    td { "all" }
-                    td { "K1 " (decibels(total.k1_db)) " dB, K2 " (format!("{:.1} dB", total.k2_db)) }
-                    td {}
-                    td.n { (decibels(total.lwa_db)) }
-                    td.n { (decibels(total.true_lwa_db)) }
-                }
-            }
+            thead { tr { th { "source" } th { "sound carried by" } th.n { "range, Hz" } th.n { "by microphones, dB" } th.n { "radiated in this range, dB" } } }
+            tbody { @for source in &report.sources { tr {
+                th scope="row" { (source.source) }
+                td { (source.how) }
+                td.n { (format!("{:.0} to {:.0}", source.range_hz[0], source.range_hz[1])) }
+                td.n { (decibels(source.lwa_db)) }
+                td.n { (decibels(source.true_lwa_db)) }
+            } } }
         } }
+    }
+}
+
+/// The three levels of all sources together, and why they differ.
+fn totals(result: &RunResult) -> Markup {
+    let array = &result.microphones.total;
+    let step = |from: Option<f64>, to: Option<f64>| {
+        to.zip(from).map_or_else(
+            || "\u{2013}".to_owned(),
+            |(to, from)| wording::change(to - from).replace('-', "\u{2212}"),
+        )
+    };
+    let rows = [
+        (
+            "radiated, all bands of the ranking: the total of this report",
+            result.total.lwa_db,
+            String::new(),
+            "",
+        ),
+        (
+            "radiated, in the ranges above",
+            array.true_lwa_db,
+            step(result.total.lwa_db, array.true_lwa_db),
+            "pressures are not carried to the microphones over the whole range of each source",
+        ),
+        (
+            "by the nine microphones",
+            array.lwa_db,
+            step(array.true_lwa_db, array.lwa_db),
+            "nine positions do not cover all directions; energies of sources add",
+        ),
+    ];
+    html! {
+        h3 { "The level of all sources together" }
+        div.scroll { table {
+            thead { tr { th { "level" } th.n { "L" sub { "WA,1s" } " dB" } th.n { "step, dB" } th { "because" } } }
+            tbody { @for (what, level, step, why) in rows { tr {
+                th scope="row" { (what) } td.n { b { (decibels(level)) } } td.n { (step) } td { (why) }
+            } } }
+        } }
+        p.quiet { "The level by the microphones holds K1 " (decibels(array.k1_db)) " dB and K2 " (format!("{:.1} dB", array.k2_db)) "." }
     }
 }
 
@@ -65,13 +93,14 @@ fn levels(report: &MicrophoneReport) -> Markup {
         .chain([("all", report.total.levels.as_slice())])
         .collect();
     html! {
+        h3 { "Exposure levels at each microphone" }
         div.scroll { table {
             thead { tr {
-                th { "microphone" } th { "x, y, z (m)" }
-                @for (name, _) in &columns { th { (name) " L_AE (dB)" } }
+                th.n { "microphone" } th { "x, y, z, m" }
+                @for (name, _) in &columns { th.n { (name) ", L" sub { "AE" } " dB" } }
             } }
             tbody { @for (number, [x, y, z]) in report.positions_m.iter().enumerate() { tr {
-                td.n { (number + 1) }
+                th.n scope="row" { (number + 1) }
                 td { (format!("{x:.2}, {y:.2}, {z:.2}")) }
                 @for (_, levels) in &columns { td.n { (decibels(levels.get(number).and_then(|level| level.lae_db))) } }
             } } }
@@ -83,12 +112,12 @@ fn decibels(level: Option<f64>) -> String {
     level.map_or_else(|| "\u{2013}".to_owned(), |level| format!("{level:.1}"))
 }
 
-/// A player for each recording, and a switch between any two at the same moment.
-fn players(recordings: &[Recording]) -> Markup {
-    html! {
+/// A player for each recording, and two of them in a loop and in step; nothing where there is none.
+pub(super) fn players(recordings: &[Recording]) -> Markup {
+    html! { @if !recordings.is_empty() {
         p.quiet {
-            "One shot, 1 m in front of the device. All recordings have one scale: what sounds louder is louder. A/B switches \
-             between two while they play. Jets are random noise, drawn once."
+            "One shot, 1 m in front of the device. All recordings have one scale: what sounds louder is louder. A and B run in a \
+             loop and in step; the switch changes which one is heard. Jets are random noise, drawn once."
         }
         div.ab {
             @for (letter, chosen) in [("A", 0), ("B", 1)] {
@@ -99,14 +128,26 @@ fn players(recordings: &[Recording]) -> Markup {
                     } }
                 }
             }
-            button type="button" data-ab="switch" { "play A/B" }
+            button type="button" data-ab="play" { "play A and B in a loop" }
+            button type="button" data-ab="switch" disabled { "switch" }
             output data-ab="now" {}
         }
         @for recording in recordings {
-            figure.recording {
-                figcaption { (recording.name) }
-                audio controls preload="auto" src={ "data:audio/wav;base64," (STANDARD.encode(&recording.wav)) } {}
+            figure.recording data-name=(recording.name) {
+                figcaption { (recording.name) " " span.quiet.duration { (duration(&recording.wav)) } }
+                audio controls preload="auto" aria-label=(recording.name) src={ "data:audio/wav;base64," (STANDARD.encode(&recording.wav)) } {}
             }
         }
-    }
+    } }
+}
+
+/// How long a recording lasts, where it can be read.
+fn duration(wav: &[u8]) -> String {
+    let reader = hound::WavReader::new(wav).ok();
+    reader.map_or_else(String::new, |reader| {
+        format!(
+            "{:.2} s",
+            f64::from(reader.duration()) / f64::from(reader.spec().sample_rate)
+        )
+    })
 }

@@ -128,8 +128,8 @@ fn contributions(result: &StudyResult) -> Markup {
             @else { div.scroll { table {
                 thead { tr { th { "input" } th.n { "part of the variance" } th { } th.n { "upper less lower third, dB" } } }
                 tbody { @for input in &own.inputs { tr {
-                    td.key { (input.variable) } td.n { (format!("{:.2}", input.first_order)) }
-                    td { div style={ "height:0.8em;background:#0072B2;width:" (format!("{:.1}", 12.0 * input.first_order.clamp(0.0, 1.0))) "em" } {} }
+                    td.key-name { (input.variable) } td.n { (format!("{:.2}", input.first_order)) }
+                    td { div.c0 style={ "height:0.8em;background:var(--c);width:" (format!("{:.1}", 12.0 * input.first_order.clamp(0.0, 1.0))) "em" } {} }
                     td.n { (format!("{:+.1}", input.effect_db)) }
                 } } }
             } } }
@@ -149,7 +149,7 @@ fn candidates(result: &StudyResult) -> Markup {
         } }
         @if !result.candidates.rejections.is_empty() { div.scroll { table {
             thead { tr { th { "values that do not go together" } th.n { "drawn anew" } } }
-            tbody { @for (keys, count) in &result.candidates.rejections { tr { td.key { (keys) } td.n { (count) } } } }
+            tbody { @for (keys, count) in &result.candidates.rejections { tr { td.key-name { (keys) } td.n { (count) } } } }
         } } }
     }
 }
@@ -161,7 +161,7 @@ fn variables(result: &StudyResult) -> Markup {
             thead { tr { th { "quantity" } th { "changes" } th { "range (SI)" } th { "distribution" } th.n { "place of the design" }
                 th.n { "mean place of draws" } } }
             tbody { @for own in &result.variables { tr {
-                td.key { (own.name) } td { (own.scope) @if !own.drawn { ", held" } }
+                td.key-name { (own.name) } td { (own.scope) @if !own.drawn { ", held" } }
                 td { @if let Some([low, high]) = own.range { (format!("{low:.4e} .. {high:.4e} {}", own.unit)) } @else { "own" } }
                 td { (own.distribution) } td.n { (place(own.nominal_place)) } td.n { (place(own.mean_place)) }
             } } }

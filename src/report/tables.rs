@@ -1,14 +1,14 @@
 //! Tables of a report.
 
-use maud::{Markup, html};
+use maud::{Markup, PreEscaped, html};
 use nailnoise_dynamics::CycleRecord;
 use serde_json::Value;
 
-use super::chart::colour;
+use super::Intervals;
 use crate::figures::in_palette;
-use crate::output::EVENT_NAMES;
+use crate::output::{EVENT_NAMES, event_name};
 use crate::result::{RankedSource, RunResult};
-use crate::wording::{band, order};
+use crate::wording::{band, readable, unit_of_figure};
 
 /// Keys of a ranked source that the report shows in a form of their own.
 pub(super) const SOURCE: [&str; 11] = [
@@ -33,48 +33,77 @@ pub(super) fn decibels(level: Option<f64>) -> String {
     level.map_or_else(|| "silent".to_owned(), |level| format!("{level:.1}"))
 }
 
+/// How much lower the total would be without a source that has this share \[dB\].
+pub(super) fn without(share: f64) -> f64 {
+    -10.0 * (1.0 - share).max(1e-12).log10()
+}
+
 fn loudest<T>(items: &[T], level: impl Fn(&T) -> Option<f64>) -> Option<&T> {
     let heard = items.iter().filter_map(|item| Some((item, level(item)?)));
     heard.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(item, _)| item)
 }
 
-/// The sources, loudest first.
+/// The sources, loudest first, with places for the intervals of their levels.
 pub(super) fn ranking(result: &RunResult) -> Markup {
     html! {
         div.scroll { table.ranking {
             thead { tr {
-                th { "source" } th.n { "L" sub { "WA,1s" } } th.n { "uncertainty of the method" } th.n { "L" sub { "W,1s" } }
-                th { "share of A-weighted energy" } th.n { "total without it" } th { "loudest band (A)" }
-                th { "loudest interval" } th { "method" }
+                th { "source" } th.n { "L" sub { "WA,1s" } " dB" } (interval_of("headings"))
+                th { "share of A-weighted energy" } th.n { "total without it" } th { "loudest band (A)" } th { "loudest after" }
             } }
             tbody {
                 @for (place, source) in result.ranking.iter().enumerate() {
                     tr {
-                        td { span.dot style={ "background:" (colour(in_palette(&source.source, place))) } {} (source.source) }
+                        @let colour = format!("c{}", in_palette(&source.source, place));
+                        th scope="row" { span class={ "dot " (colour) } {} (source.source) }
                         td.n { b { (decibels(source.lwa_db)) } }
-                        td.n { (band(source.uncertainty_db.bounds()).replace('-', "\u{2212}")) }
-                        td.n { (decibels(source.lw_db)) }
+                        (interval_of(&source.source))
                         td { div.share {
-                            div.bar style={
-                                "width:" (format!("{:.1}%", 100.0 * source.share)) ";background:"
-                                (colour(in_palette(&source.source, place)))
-                            } {}
+                            div class={ "bar " (colour) } style={ "width:" (format!("{:.1}%", 100.0 * source.share)) } {}
                             span { (format!("{:.1} %", 100.0 * source.share)) }
                         } }
-                        td.n { (format!("\u{2212}{:.1}", super::without(source.share))) }
+                        td.n { (format!("\u{2212}{:.1} dB", without(source.share))) }
                         td { @if let Some(band) = loudest(&source.bands, |band| band.lwa_db) { (band.hz) " Hz" } }
-                        td { @if let Some(i) = loudest(&source.intervals, |i| i.lwa_db) { (i.from) "\u{2013}" (i.to) } }
-                        td { (source.method) }
+                        td { @if let Some(i) = loudest(&source.intervals, |i| i.lwa_db) { (event_name(&i.from)) } }
                     }
                 }
                 tr.sum {
-                    td { "total" } td.n { b { (decibels(result.total.lwa_db)) } } td {} td.n { (decibels(result.total.lw_db)) }
-                    td {} td {} td {} td {} td {}
+                    th scope="row" { "total" } td.n { b { (decibels(result.total.lwa_db)) } } (interval_of("total"))
+                    td {} td {} td {} td {}
                 }
             }
         } }
-        p.quiet { "Ranking: " (order(&result.ranking.iter().map(RankedSource::placed).collect::<Vec<_>>())) "." }
+        (interval_of("legend"))
     }
+}
+
+/// Where the report of a run holds the interval of a source's level, the headings or the legend of the intervals.
+pub(super) fn interval_of(what: &str) -> Markup {
+    PreEscaped(format!("<!-- interval: {what} -->"))
+}
+
+/// The report of a run with the intervals of its levels.
+pub(super) fn with_intervals(report: &str, intervals: &Intervals) -> String {
+    let cells = |row: &[String; 3]| (row[0].clone(), html! { @for cell in &row[1..] { td.n { (cell) } } });
+    let headings = html! { @for heading in &intervals.headings { th.n { (heading) } } };
+    let legend = html! { @for line in intervals.legend.trim().lines() { p.quiet { (line.trim()) } } };
+    let row = |source: &str| intervals.rows.iter().find(|row| row[0] == source);
+    let heading = |place: usize| intervals.headings[place].trim_end_matches(" dB");
+    let total = html! { @if let Some(row) = row("total") { "; " (heading(0)) " " (row[1]) " dB" } };
+    let all = intervals.rows.iter().map(cells);
+    let all = all.chain([
+        ("headings".to_owned(), headings),
+        ("legend".to_owned(), legend),
+        ("lead".to_owned(), total),
+    ]);
+    let firsts = intervals.rows.iter().map(|row| {
+        let first = html! { @if !row[2].is_empty() { " " (heading(1)) " " (row[2]) "." } };
+        (format!("{}, first", row[0]), first)
+    });
+    let all = all.chain(firsts);
+    all.fold(report.to_owned(), |report, (what, markup)| {
+        report.replacen(&interval_of(&what).into_string(), &markup.into_string(), 1)
+    })
 }
 
 /// Parts of a source, and how it was computed.
@@ -85,7 +114,8 @@ pub(super) fn source(source: &RankedSource) -> Markup {
     html! {
         p.quiet {
             (source.method) ", computed over " (format!("{:.0} to {:.0} Hz", source.range_hz[0], source.range_hz[1]))
-            ". Band: " (source.uncertainty_db.basis) "."
+            ". Without A-weighting " (decibels(source.lw_db)) " dB. Error of the method alone "
+            (band(source.uncertainty_db.bounds()).replace('-', "\u{2212}")) " dB: " (source.uncertainty_db.basis) "."
         }
         @if !parts.is_empty() {
             div.scroll { table {
@@ -116,12 +146,20 @@ pub(super) fn events(record: &CycleRecord) -> Markup {
 pub(super) fn figures(object: &Value) -> Markup {
     html! {
         div.scroll { table {
-            thead { tr { th { "figure of the shot" } th.n { "SI" } } }
+            thead { tr { th { "figure of the shot" } th.n { "value" } th { "unit" } } }
             tbody { @for (name, value) in object.as_object().into_iter().flatten() {
-                tr { td { (words(name)) } td.n { (plain(value)) } }
+                @let (unit, factor) = readable(unit_of_figure(name));
+                tr { td { (words(name)) } td.n { (plain(&scaled(value, factor))) } td { (unit) } }
             } }
         } }
     }
+}
+
+/// A number in another unit; other values as they are.
+pub(super) fn scaled(value: &Value, factor: f64) -> Value {
+    value
+        .as_f64()
+        .map_or_else(|| value.clone(), |number| (factor * number).into())
 }
 
 /// The checks, failed ones first.
@@ -188,11 +226,11 @@ pub(super) fn generic(value: &Value) -> Markup {
             }
             html! {
                 div.scroll { table {
-                    thead { tr { @for column in &columns { th { (words(column)) } } } }
+                    thead { tr { @for column in &columns { th.n[rows.iter().any(|row| row[column.as_str()].is_number())] { (titled(column)) } } } }
                     tbody { @for row in rows.iter().take(ROWS) { tr {
                         @for column in &columns {
                             @let cell = &row[column.as_str()];
-                            td.n[cell.is_number()] { (plain(cell)) }
+                            td.n[cell.is_number()] { (of_key(column, cell)) }
                         }
                     } } }
                 } }
@@ -201,7 +239,7 @@ pub(super) fn generic(value: &Value) -> Markup {
         }
         Value::Object(fields) => html! {
             table.facts { @for (key, value) in fields.iter().filter(|(_, value)| !nested(value)) {
-                tr { th { (words(key)) } td { (plain(value)) } }
+                tr { th { (titled(key)) } td { (of_key(key, value)) } }
             } }
             @for (key, value) in fields.iter().filter(|(_, value)| nested(value) && !is_empty(value)) {
                 h4 { (words(key)) }
@@ -214,6 +252,48 @@ pub(super) fn generic(value: &Value) -> Markup {
 
 fn words(key: &str) -> String {
     key.replace('_', " ")
+}
+
+/// A key in words, with the unit that its ending says.
+fn titled(key: &str) -> String {
+    const UNITS: [(&str, &str); 8] = [
+        ("_db", "dB"),
+        ("_hz", "Hz"),
+        ("_pa", "Pa"),
+        ("_m2", "m\u{b2}"),
+        ("_m", "m"),
+        ("_s", "s"),
+        ("_g", "g"),
+        ("_j", "J"),
+    ];
+    let unit = |(ending, unit): &(&str, &'static str)| Some((key.strip_suffix(*ending)?, *unit));
+    match key {
+        "hz" => "frequency (Hz)".to_owned(),
+        "share" => "share (%)".to_owned(),
+        _ => UNITS
+            .iter()
+            .find_map(unit)
+            .map_or_else(|| words(key), |(name, unit)| format!("{} ({unit})", words(name))),
+    }
+}
+
+/// The value of a key: a share in percent, levels to a thousandth of a decibel. What rounds to nothing is 0.
+fn of_key(key: &str, value: &Value) -> String {
+    match value {
+        Value::Array(items) => items
+            .iter()
+            .map(|item| of_key(key, item))
+            .collect::<Vec<_>>()
+            .join(", "),
+        Value::Number(number) if key == "share" => {
+            let percent = (1e4 * number.as_f64().unwrap_or(0.0)).round() / 1e2;
+            format!("{:.2}", percent + 0.0)
+        }
+        Value::Number(number) if key.ends_with("_db") => {
+            plain(&((1e3 * number.as_f64().unwrap_or(0.0)).round() / 1e3 + 0.0).into())
+        }
+        _ => plain(value),
+    }
 }
 
 /// A value with the digits that it needs.
@@ -267,6 +347,17 @@ mod tests {
         }
         assert!(!text.contains("known") && !text.contains("nothing"));
         assert!(further(&json!({ "known": 1 }), &["known"]).is_none());
+    }
+
+    #[test]
+    fn what_rounds_to_nothing_has_no_digits() {
+        assert_eq!(of_key("share", &json!(-2.6e-45)), "0.00");
+        assert_eq!(
+            of_key("surface_difference_db", &json!([-1.2e-7, 91.234_56])),
+            "0, 91.235"
+        );
+        assert_eq!(titled("limit_error_db"), "limit error (dB)");
+        assert_eq!(titled("share"), "share (%)");
     }
 
     #[test]

@@ -1,15 +1,18 @@
-//! Levels of a shot alone, without its sound at microphones, sensors and histories: what a study keeps of a draw.
+//! Levels of a shot alone, without its sound at microphones and histories: what a study keeps of a draw.
 
 use nailnoise_dynamics::CycleRecord;
 use serde::{Deserialize, Serialize};
 
+use super::bodies::Body;
 use super::convention::counted;
 use super::exhaust::{Openings, noise};
 use super::intervals::EventEdges;
 use super::ranking::rank;
+use super::response::Vibration;
+use super::sensors::{SensorRecord, Sensors};
 use super::sound::SoundSource;
 use super::sources::{BodySound, WorkpieceSound};
-use super::{Code, Input, Postcard, Progress, Stage, Stored, code};
+use super::{Code, Input, Postcard, Progress, Stage, Stored, all, code};
 use crate::error::Error;
 
 /// Inputs of the levels of a shot.
@@ -27,6 +30,12 @@ pub struct ShotLevels {
     pub end: Stored<f64>,
     /// Range in which sources are compared \[Hz\].
     pub range_hz: [f64; 2],
+    /// Elastic bodies, whose checks count.
+    pub bodies: Vec<Stored<Body>>,
+    /// Their responses, whose checks count.
+    pub responses: Vec<Stored<Vibration>>,
+    /// Sensors, where the design has any.
+    pub sensors: Option<Sensors>,
 }
 
 /// Levels of a shot.
@@ -36,8 +45,10 @@ pub struct Levels {
     pub outcome: String,
     /// Workpiece, exhaust, body, in this order.
     pub sources: Vec<SourceLevels>,
-    /// Checks of the cycle that do not hold.
+    /// Checks of cycle, bodies and responses that do not hold.
     pub failed_checks: Vec<String>,
+    /// Name of each sensor and its RMS acceleration over 1 s \[g\].
+    pub sensors: Vec<(String, f64)>,
 }
 
 /// Levels of a source.
@@ -74,6 +85,7 @@ impl Stage for ShotLevels {
         stages_radiation,
         stages_ranking,
         stages_response,
+        stages_sensors,
         stages_sound,
         stages_sources,
         stages_spectra,
@@ -84,6 +96,9 @@ impl Stage for ShotLevels {
         let mut inputs = self.workpiece.inputs();
         inputs.extend(self.body.inputs());
         inputs.extend([&self.cycle as &dyn Input, &self.end]);
+        inputs.extend(self.bodies.iter().map(|body| body as &dyn Input));
+        inputs.extend(self.responses.iter().map(|response| response as &dyn Input));
+        inputs.extend(self.sensors.iter().flat_map(Stage::inputs));
         inputs
     }
 
@@ -113,11 +128,21 @@ impl Stage for ShotLevels {
                     .collect(),
             })
         };
-        let failed = record.checks.iter().filter(|check| !check.ok);
+        let mut checks = record.checks.clone();
+        for body in all(&self.bodies)? {
+            checks.extend(body.checks());
+        }
+        for response in all(&self.responses)? {
+            checks.extend(response.checks.iter().cloned());
+        }
+        let failed = checks.iter().filter(|check| !check.ok);
+        let records = self.sensors.as_ref().map(Sensors::records).transpose()?;
+        let rms = |record: &SensorRecord| (record.name.clone(), record.level().rms_g);
         Ok(Levels {
             outcome: record.outcome.name().to_owned(),
             sources: sources.iter().filter_map(levels).collect(),
             failed_checks: failed.map(|check| check.name.to_string()).collect(),
+            sensors: records.iter().flatten().map(rms).collect(),
         })
     }
 }

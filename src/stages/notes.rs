@@ -41,14 +41,18 @@ pub struct NoteInputs<'a> {
 }
 
 /// Notes on one run, most important first.
-pub fn notes(
-    inputs: &NoteInputs<'_>,
-    record: &CycleRecord,
-    openings: &Openings,
-    exhaust: &ExhaustDetails,
-) -> Vec<String> {
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Notes {
+    /// On the shot, the values of the design, and sources of which there is only an estimate.
+    pub shot: Vec<String>,
+    /// On methods: their ranges, errors and limits.
+    pub methods: Vec<String>,
+}
+
+/// Notes on one run.
+pub fn notes(inputs: &NoteInputs<'_>, record: &CycleRecord, openings: &Openings, exhaust: &ExhaustDetails) -> Notes {
     let depth = 1e3 * record.summary.head_depth;
-    let mut notes = vec![match record.outcome {
+    let mut shot = vec![match record.outcome {
         Outcome::Drives => format!("the nail is driven, its head {depth:.1} mm below the surface"),
         Outcome::Overdriven => format!(
             "the nail is overdriven: its head ends {depth:.1} mm below the surface; the model of the wood under a \
@@ -62,20 +66,50 @@ pub fn notes(
         Outcome::DoesNotOpen => "the head valve does not open: no shot".to_owned(),
         Outcome::DoesNotRelease => "the tool does not rise far enough to release the trigger valve".to_owned(),
     }];
-    notes.extend(inputs.fitted_law.iter().cloned());
-    notes.extend(inputs.outside_ranges.iter().cloned());
+    shot.extend(inputs.fitted_law.iter().cloned());
+    shot.extend(inputs.outside_ranges.iter().cloned());
+    shot.extend(estimates(inputs));
+    let list = |what: &str, names: &[&str]| (!names.is_empty()).then(|| format!("{what}: {}", names.join(", ")));
+    shot.extend(list("springs on bodies that this design lacks", &inputs.idle_springs));
+    shot.extend(list(
+        "surfaces of bodies that this design builds itself",
+        &inputs.idle_surfaces,
+    ));
+    let guessed: Vec<&str> = inputs.guessed.iter().map(String::as_str).collect();
+    shot.extend(list(
+        "surfaces that the file of a body does not name, by its shape",
+        &guessed,
+    ));
+    let mut methods = radiation_notes(inputs);
+    methods.extend(inputs.truncations.iter().cloned());
+    methods.extend(exhaust_notes(inputs.range_high, record, openings, exhaust));
+    methods.extend(inputs.convention.iter().cloned());
+    methods.push(inputs.ending.to_owned());
+    methods.extend(list("sensors on bodies that this design lacks", &inputs.idle_sensors));
+    let limited: Vec<String> = inputs
+        .limited_sensors
+        .iter()
+        .map(|(name, hz)| format!("{name} at {hz:.0} Hz"))
+        .collect();
+    let limited: Vec<&str> = limited.iter().map(String::as_str).collect();
+    methods.extend(list("sensors whose band ends with the modes of their body", &limited));
+    methods.push("the tool's later landing is not part of the shot".to_owned());
+    Notes { shot, methods }
+}
+
+/// Sources whose level is a bound or an estimate, because nothing computes their radiation.
+fn estimates(inputs: &NoteInputs<'_>) -> Vec<String> {
     let [workpiece, body] = inputs.radiation;
-    notes.push(match workpiece {
-        Some(report) if inputs.in_sand => flush_note(report),
-        Some(report) => radiation_note(inputs.support, report),
-        None => format!(
+    let mut notes = Vec::new();
+    if workpiece.is_none() {
+        notes.push(format!(
             "{}: radiated power is the ERP reference (radiation efficiency 1), an estimate that is far too high at low \
              frequencies; it follows from the surface velocity alone, of which there is no second evaluation",
             inputs.support
-        ),
-    });
-    match inputs.stiffness {
-        None => {
+        ));
+    }
+    match (inputs.stiffness, body) {
+        (None, body) => {
             let difference = body.and_then(|report| report.surface_difference_db);
             let difference = difference.map_or_else(String::new, |decibels| {
                 format!(
@@ -86,50 +120,38 @@ pub fn notes(
                 "body: rigid motion only, without the vibration of its housing: a lower bound{difference}"
             ));
         }
-        Some([cap, rim]) => {
-            notes.push(match body {
-                Some(report) => radiation_note("body, without the workpiece", report),
-                None => "body: rigid motion, and vibration of its housing as ERP times the radiation efficiency of an \
-                         oscillating sphere of its volume; an estimate of which there is no second evaluation"
-                    .to_owned(),
-            });
-            notes.push(format!(
-                "body: under the forces of the head valve the housing is as stiff as {:.0} N/um at the {} (the cycle's contact: \
-                 {:.0}) and {:.0} N/um at the {} ({:.0}); this compliance is counted once, in the cycle's forces",
-                1e-6 * cap.body,
-                cap.place,
-                1e-6 * cap.contact,
-                1e-6 * rim.body,
-                rim.place,
-                1e-6 * rim.contact
-            ));
-        }
+        (Some(_), None) => notes.push(
+            "body: rigid motion, and vibration of its housing as ERP times the radiation efficiency of an oscillating sphere of \
+             its volume; an estimate of which there is no second evaluation"
+                .to_owned(),
+        ),
+        (Some(_), Some(_)) => {}
     }
-    notes.extend(inputs.truncations.iter().cloned());
-    notes.extend(exhaust_notes(inputs.range_high, record, openings, exhaust));
-    notes.extend(inputs.convention.iter().cloned());
-    notes.push(inputs.ending.to_owned());
-    let list = |what: &str, names: &[&str]| (!names.is_empty()).then(|| format!("{what}: {}", names.join(", ")));
-    notes.extend(list("sensors on bodies that this design lacks", &inputs.idle_sensors));
-    let limited: Vec<String> = inputs
-        .limited_sensors
-        .iter()
-        .map(|(name, hz)| format!("{name} at {hz:.0} Hz"))
-        .collect();
-    let limited: Vec<&str> = limited.iter().map(String::as_str).collect();
-    notes.extend(list("sensors whose band ends with the modes of their body", &limited));
-    notes.extend(list("springs on bodies that this design lacks", &inputs.idle_springs));
-    notes.extend(list(
-        "surfaces of bodies that this design builds itself",
-        &inputs.idle_surfaces,
-    ));
-    let guessed: Vec<&str> = inputs.guessed.iter().map(String::as_str).collect();
-    notes.extend(list(
-        "surfaces that the file of a body does not name, by its shape",
-        &guessed,
-    ));
-    notes.push("the tool's later landing is not part of the shot".to_owned());
     notes
+}
+
+/// Notes on the radiation of workpiece and body.
+fn radiation_notes(inputs: &NoteInputs<'_>) -> Vec<String> {
+    let [workpiece, body] = inputs.radiation;
+    let workpiece = workpiece.map(|report| match inputs.in_sand {
+        true => flush_note(report),
+        false => radiation_note(inputs.support, report),
+    });
+    let body = body.filter(|_| inputs.stiffness.is_some());
+    let body = body.map(|report| radiation_note("body, without the workpiece", report));
+    let stiffness = inputs.stiffness.map(|[cap, rim]| {
+        format!(
+            "body: under the forces of the head valve the housing is as stiff as {:.0} N/um at the {} (the cycle's contact: \
+             {:.0}) and {:.0} N/um at the {} ({:.0}); this compliance is counted once, in the cycle's forces",
+            1e-6 * cap.body,
+            cap.place,
+            1e-6 * cap.contact,
+            1e-6 * rim.body,
+            rim.place,
+            1e-6 * rim.contact
+        )
+    });
+    [workpiece, body, stiffness].into_iter().flatten().collect()
 }
 
 /// Notes on the exhaust.

@@ -13,6 +13,8 @@ pub trait Observer: Send + Sync {
     fn done(&self, _items: u64, _of: u64) {}
     /// A long task of a stage has advanced.
     fn task(&self, _task: &Task) {}
+    /// Work has advanced that reports no stages; called now and then, so that it can be ended.
+    fn step(&self) {}
     /// Nothing more is to come.
     fn end(&self) {}
 }
@@ -21,7 +23,9 @@ pub trait Observer: Send + Sync {
 pub struct WithoutStages(pub Arc<dyn Observer>);
 
 impl Observer for WithoutStages {
-    fn stage(&self, _: &str) {}
+    fn stage(&self, _: &str) {
+        self.0.step();
+    }
 
     fn note(&self, text: &str) {
         self.0.note(text);
@@ -33,6 +37,10 @@ impl Observer for WithoutStages {
 
     fn task(&self, task: &Task) {
         self.0.task(task);
+    }
+
+    fn step(&self) {
+        self.0.step();
     }
 
     fn end(&self) {

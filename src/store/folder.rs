@@ -44,6 +44,11 @@ pub(super) fn of_user() -> Result<PathBuf, StoreError> {
     set("NAILNOISE_CACHE")
         .map(PathBuf::from)
         .or_else(|| under("XDG_CACHE_HOME", "nailnoise"))
+        .or_else(|| {
+            cfg!(windows)
+                .then(|| under("LOCALAPPDATA", "nailnoise\\cache"))
+                .flatten()
+        })
         .or_else(|| under("HOME", ".cache/nailnoise"))
         .ok_or(StoreError::NoFolder)
 }

@@ -87,7 +87,8 @@ impl Store {
         Self::default()
     }
 
-    /// The user's own: `$NAILNOISE_CACHE`, else `$XDG_CACHE_HOME/nailnoise`, else `~/.cache/nailnoise`; at most
+    /// The user's own: `$NAILNOISE_CACHE`, else `$XDG_CACHE_HOME/nailnoise`, else `~/.cache/nailnoise` (on Windows
+    /// `%LOCALAPPDATA%\nailnoise\cache`); at most
     /// `$NAILNOISE_CACHE_LIMIT` GiB, else [`LIMIT`].
     ///
     /// # Errors

@@ -14,7 +14,7 @@ use super::jobs::{kept_levels, levels_of_shot, on_threads};
 use super::request::{Part, Request};
 use super::sampling::{Frame, Point, Sampler};
 use super::screening::{Candidate, Tally, drawn, screen};
-use super::variables::{Drawn, Kind, Scope, Variable, common_variables, without_sensors};
+use super::variables::{Drawn, Kind, Scope, Variable, common_variables, with_workpiece_sensors, without_sensors};
 use crate::chain::{Chain, Options};
 use crate::design::{Design, Values};
 use crate::error::Error;
@@ -51,12 +51,25 @@ pub struct Draws {
     pub conflicting: Vec<Vec<String>>,
     /// The draws.
     pub draws: Vec<Draw>,
+    /// Structures that were drawn; 0 where they are those of the design.
+    pub structures: usize,
     /// What became of all candidates.
     pub tally: Tally,
     /// Draws whose sound cannot be computed, with the message.
     pub failures: Vec<(usize, String)>,
     /// Ends of methods' errors that are open and taken as 0 dB.
     pub open_ends: Vec<String>,
+}
+
+impl Request {
+    /// The design with the sensors that its draws keep.
+    fn with_sensors(&self, design: &Design) -> Design {
+        if self.workpiece_sensors {
+            with_workpiece_sensors(design)
+        } else {
+            without_sensors(design)
+        }
+    }
 }
 
 /// A draw before its sound.
@@ -93,7 +106,7 @@ pub fn common_draws(
     let sampler = graph.time("rules between values", || {
         Sampler::new(&without_sensors(first), variables, request.seed)
     });
-    let designs: Vec<Design> = designs.iter().map(|design| without_sensors(design)).collect();
+    let designs: Vec<Design> = designs.iter().map(|design| request.with_sensors(design)).collect();
     let (mut planned, tally) = plan(graph, (&designs, &sampler), request, progress)?;
     let held = request.shots_a_structure.is_none();
     let mut place = 0..;
@@ -111,6 +124,10 @@ pub fn common_draws(
         open_ends: open_ends(&sampler, &draws),
         conflicting: conflicting.clone(),
         variables: sampler.variables().to_vec(),
+        structures: match draws.last() {
+            Some(last) if !held => last.structure + 1,
+            _ => 0,
+        },
         draws,
         tally: tally.clone(),
         failures: failures.clone(),
@@ -302,7 +319,7 @@ fn open_ends(sampler: &Sampler, draws: &[Draw]) -> Vec<String> {
 ///
 /// # Errors
 /// Those of the chain's inputs.
-pub fn nominal(graph: &Graph, design: &Design) -> Result<Option<std::sync::Arc<Levels>>, Error> {
-    let chain = Chain::new(graph, &without_sensors(design), Options::default())?;
+pub fn nominal(graph: &Graph, design: &Design, request: &Request) -> Result<Option<std::sync::Arc<Levels>>, Error> {
+    let chain = Chain::new(graph, &request.with_sensors(design), Options::default())?;
     Ok(chain.levels.get().ok())
 }

@@ -1,5 +1,6 @@
 //! Jobs on threads of their own. The pool of threads serves the stages within a job, which wait for each other.
 
+use std::panic::resume_unwind;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -27,8 +28,14 @@ pub(super) fn on_threads<T: Send>(
         }
     };
     std::thread::scope(|scope| {
-        (1..rayon::current_num_threads().min(count)).for_each(|_| drop(scope.spawn(work)));
+        let others: Vec<_> = (1..rayon::current_num_threads().min(count))
+            .map(|_| scope.spawn(work))
+            .collect();
         work();
+        // A panic goes on as it began: it may be the end of work that was abandoned.
+        for thread in others {
+            thread.join().unwrap_or_else(|panic| resume_unwind(panic));
+        }
     });
     let results = results.into_inner().unwrap_or_default();
     let ended = || Err("its computation ended".to_owned());

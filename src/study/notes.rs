@@ -1,6 +1,8 @@
 //! What a reader of a study must know beside its numbers.
 
-use super::draws::Draws;
+use std::collections::BTreeSet;
+
+use super::draws::{Draw, Draws};
 use super::request::Request;
 use super::variable_report::VariableReport;
 use super::variables::Kind;
@@ -89,14 +91,14 @@ pub(super) fn notes(design: &Design, request: &Request, made: &Draws, variables:
             ends.join(", ")
         ));
     }
-    let failed: usize = made
-        .draws
-        .iter()
-        .filter(|draw| !draw.levels.failed_checks.is_empty())
-        .count();
+    let failed = |draw: &&Draw| !draw.levels.failed_checks.is_empty();
+    let failed = made.draws.iter().filter(failed).count();
     if failed > 0 {
+        let names = made.draws.iter().flat_map(|draw| &draw.levels.failed_checks);
+        let names: BTreeSet<&str> = names.map(String::as_str).collect();
         notes.push(format!(
-            "a check of the cycle fails in {failed} of the draws: do not rely on them"
+            "a check fails in {failed} of the draws ({}): do not rely on them",
+            names.into_iter().collect::<Vec<_>>().join(", ")
         ));
     }
     let other = made

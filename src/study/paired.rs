@@ -52,16 +52,12 @@ pub struct Change {
 impl PairedStudy {
     /// States what follows from common draws of a reference and a design.
     pub fn new((reference, a): (&Design, &Draws), (design, b): (&Design, &Draws), request: &Request) -> Self {
-        let structures = a.draws.last().map_or(0, |last| last.structure + 1);
         Self {
             reference: reference.name().to_owned(),
             design: design.name().to_owned(),
             draws: a.draws.len(),
             seed: request.seed,
-            structures: match request.shots_a_structure {
-                Some(_) => structures,
-                None => 0,
-            },
+            structures: a.structures,
             decided: differing_keys(&[reference, design]),
             changes: changes(a, b),
         }

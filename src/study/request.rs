@@ -11,6 +11,8 @@ pub struct Request {
     pub shots_a_structure: Option<usize>,
     /// The draws that are computed.
     pub part: Part,
+    /// Whether the draws keep the sensors on the workpiece.
+    pub workpiece_sensors: bool,
 }
 
 /// A part of the draws of a study.

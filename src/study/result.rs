@@ -242,10 +242,10 @@ impl StudyResult {
         let names: Vec<String> = sources.iter().map(|source| source.source.clone()).collect();
         let variables = variable_reports(request, made);
         let mut notes = notes(design, request, made, &variables);
-        if clusters.last().is_some_and(|last| (1..9).contains(last)) {
+        if (2..10).contains(&made.structures) {
             notes.push(format!(
                 "only {} structures were drawn: the intervals of the estimates are too narrow below ten",
-                clusters.last().map_or(0, |last| last + 1)
+                made.structures
             ));
         }
         Self {
@@ -256,10 +256,7 @@ impl StudyResult {
             },
             seed: request.seed,
             draws: draws.len(),
-            structures: match request.shots_a_structure {
-                Some(_) => clusters.last().map_or(0, |last| last + 1),
-                None => 0,
-            },
+            structures: made.structures,
             require: design.study().require.iter().map(|word| (*word).to_owned()).collect(),
             candidates: Candidates {
                 drawn: made.tally.candidates,

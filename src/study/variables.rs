@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::parameters::Parameter;
 use super::{law, normal};
 use crate::chain::{Chain, Options};
-use crate::design::{Alternative, Design, Entry, Provenance, SOURCES, Value};
+use crate::design::{Alternative, Carrier, Design, Entry, Provenance, SOURCES, Value};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::Digest;
@@ -123,6 +123,13 @@ pub(super) fn drawn_scores(variables: &[Variable], drawn: &[Option<Drawn>]) -> V
 pub(crate) fn without_sensors(design: &Design) -> Design {
     let mut design = design.clone();
     design.sensors.clear();
+    design
+}
+
+/// The design with its sensors on the workpiece alone.
+pub(crate) fn with_workpiece_sensors(design: &Design) -> Design {
+    let mut design = design.clone();
+    design.sensors.retain(|_, sensor| sensor.body == Carrier::Workpiece);
     design
 }
 

@@ -196,7 +196,7 @@ fn the_cap_is_a_part_of_the_exhaust_and_the_vent_of_the_source_that_the_design_g
     assert!(
         WRAPPING
             .result
-            .notes
+            .method_notes
             .iter()
             .any(|note| note.contains("selective wrapping"))
     );
@@ -229,7 +229,7 @@ fn a_body_without_a_named_cap_is_refused_and_a_rigid_one_says_that_the_cap_stays
     let run = try_run(&design, store()).unwrap().0;
     assert!(
         run.result
-            .notes
+            .method_notes
             .iter()
             .any(|note| note.contains("the cap stays with the body"))
     );

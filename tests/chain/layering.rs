@@ -199,8 +199,8 @@ fn a_circle_would_be_found() {
 }
 
 /// Modules of the program that no stage may import from.
-const ABOVE_STAGES: [&str; 9] = [
-    "bundle", "chain", "commands", "graph", "output", "report", "staging", "store", "study",
+const ABOVE_STAGES: [&str; 10] = [
+    "bundle", "chain", "commands", "graph", "output", "report", "staging", "store", "study", "watch",
 ];
 
 #[test]

@@ -5,7 +5,7 @@ use std::sync::{Arc, LazyLock};
 
 use crate::common::{design, folder, run as of, run_with_chain, small, store};
 use nailnoise::Design;
-use nailnoise::output::{sound_fields_of_others, write_sound_fields};
+use nailnoise::output::{outdated_fields, write_sound_fields};
 use nailnoise::result::{RadiationReport, RankedSource, ReceivedSource};
 use nailnoise::run::Run;
 use nailnoise::stages::sound_fields::Fields;
@@ -111,7 +111,7 @@ fn without_a_table_surface_and_far_field_give_the_same_power() {
 #[test]
 fn without_a_table_a_note_names_the_place_of_the_block() {
     for (place, run) in &*WITHOUT_TABLE {
-        let notes = &run.result.notes;
+        let notes = &run.result.method_notes;
         assert!(
             notes
                 .iter()
@@ -329,8 +329,8 @@ fn files_of_sound_fields_are_outdated_for_another_design_only() {
         list.contains("timestep=\"63\"") && list.contains("sound-sphere/00315.vtu"),
         "{list}"
     );
-    assert!(sound_fields_of_others(&folder, "this").is_empty());
-    let mut outdated = sound_fields_of_others(&folder, "another");
+    assert!(outdated_fields(&folder, "this", false).is_empty());
+    let mut outdated = outdated_fields(&folder, "another", false);
     outdated.sort();
     let mut files: Vec<PathBuf> = std::fs::read_dir(folder.join("fields"))
         .unwrap()
@@ -346,7 +346,7 @@ fn an_index_of_sound_fields_names_no_file_elsewhere() {
     std::fs::create_dir(folder.join("fields")).unwrap();
     let index = r#"{"design": "this", "method": "", "notes": [], "series": ["..", "../../other", "/", "plane"]}"#;
     std::fs::write(folder.join("fields/sound.json"), index).unwrap();
-    let outdated = sound_fields_of_others(&folder, "another");
+    let outdated = outdated_fields(&folder, "another", false);
     assert_eq!(
         outdated,
         ["fields/plane.pvd", "fields/plane", "fields/sound.json"].map(PathBuf::from)

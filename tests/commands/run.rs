@@ -82,6 +82,7 @@ fn run_writes_every_file() {
     let out = &SMALL_RUN.out;
     for file in [
         "result.json",
+        "ranking.csv",
         "levels.csv",
         "intervals.csv",
         "power.csv",
@@ -89,8 +90,6 @@ fn run_writes_every_file() {
         "histories.csv",
         "fields/workpiece.vtu",
         "fields/worktable.vtu",
-        "fields/workpiece-shot.pvd",
-        "fields/worktable-shot/000.vtu",
         "modes.csv",
         "sensors.csv",
         "sensors-spectrum.csv",
@@ -98,6 +97,84 @@ fn run_writes_every_file() {
     ] {
         assert!(out.join(file).metadata().unwrap().len() > 100, "{file}");
     }
+}
+
+/// Names of columns are an interface: neither the method nor the order of the levels changes them.
+#[test]
+fn headers_are_those_of_the_documentation() {
+    let documentation = std::fs::read_to_string("docs/output.md").unwrap();
+    for file in [
+        "ranking",
+        "levels",
+        "intervals",
+        "power",
+        "events",
+        "log",
+        "modes",
+        "microphones",
+        "microphones-bands",
+    ] {
+        let text = std::fs::read_to_string(SMALL_RUN.out.join(format!("{file}.csv"))).unwrap();
+        let header = text.lines().next().unwrap();
+        assert!(documentation.contains(&format!("{header}\n")), "{file}.csv: {header}");
+    }
+}
+
+/// What a run leaves unasked is small, and all of it is there where it is asked for.
+#[test]
+fn films_and_whole_histories_are_written_where_they_are_asked_for() {
+    let out = folder("exports");
+    let run = |more: &[&str]| {
+        let mut arguments = vec![
+            "run",
+            "tests/data/small.toml",
+            "--out",
+            out.to_str().unwrap(),
+            "--quiet",
+        ];
+        arguments.extend(more);
+        assert!(nailnoise(&arguments).status.success());
+    };
+    let rows = |file: &str| std::fs::read_to_string(out.join(file)).unwrap().lines().count() - 1;
+    let films = [
+        "fields/workpiece-shot.pvd",
+        "fields/worktable-shot/000.vtu",
+        "fields/worktable-bands.pvd",
+    ];
+    run(&[]);
+    assert!(films.iter().all(|film| !out.join(film).exists()));
+    let few = ["histories.csv", "sensors.csv"].map(rows);
+    run(&["--histories", "--fields"]);
+    assert!(films.iter().all(|film| out.join(film).exists()));
+    for (few, all) in few.into_iter().zip(["histories.csv", "sensors.csv"].map(rows)) {
+        assert!(all > 2 * few, "{few} of {all}");
+    }
+    // The films of another shot do not stay beside a new one.
+    run(&["--set", "supply.pressure=700 kPa"]);
+    assert!(films.iter().all(|film| !out.join(film).exists()));
+}
+
+/// The head of the report is of no concern to any result.
+#[test]
+fn the_head_of_the_report_changes_the_page_alone() {
+    let out = folder("head");
+    let output = nailnoise(&[
+        "run",
+        "tests/data/small.toml",
+        "--json",
+        "--set",
+        "report.title=A <new> nailer",
+        "--set",
+        "report.client=Tools & Co",
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    let mut result = json(&output);
+    let mut expected = SMALL_RUN.result.clone();
+    (result["timing"], expected["timing"]) = (Value::Null, Value::Null);
+    assert_eq!(result, expected);
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.contains("<h1>A &lt;new&gt; nailer</h1>") && page.contains("for Tools &amp; Co"));
 }
 
 #[test]

@@ -241,3 +241,30 @@ fn a_sweep_over_draws_is_a_comparison_over_draws() {
     let compared = run(&["compare", &first, &second]);
     assert_eq!(swept["points"][1]["drawn"], compared["paired"][0]["changes"]);
 }
+
+#[test]
+fn designs_are_compared_over_drawn_structures_too() {
+    let (folder, reference) = made("structures");
+    let other = over(&folder, "other", &format!("{ANY}[exhaust]\nholes = 3\n"));
+    let arguments = [
+        "compare",
+        &reference,
+        &other,
+        "--draws",
+        "4",
+        "--structures=2",
+        "--json",
+        "--out",
+        "out",
+    ];
+    let output = command(&arguments)
+        .current_dir(&folder)
+        .env("NAILNOISE_CACHE", folder.join("cache"))
+        .output()
+        .unwrap();
+    let paired = &json(&output)["paired"][0];
+    assert_eq!(
+        (&paired["draws"], &paired["structures"]),
+        (&Value::from(4), &Value::from(2))
+    );
+}

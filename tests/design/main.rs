@@ -8,4 +8,5 @@ mod assignment;
 mod base_design;
 mod corpora;
 mod files;
+mod report;
 mod set;

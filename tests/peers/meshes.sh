@@ -39,7 +39,7 @@ TOML
 "$nailnoise" modes tests/data/small.toml --body workpiece --mesh "$work/plate.step" --out "$work/line" --json \
     > "$work/line.json"
 # The whole chain: fields, films and sensors.
-"$nailnoise" run tests/data/small.toml --out "$work/run" --json > "$work/run.json"
+"$nailnoise" run tests/data/small.toml --fields --out "$work/run" --json > "$work/run.json"
 # The program's own file serves as the measured one: every mode is its own best match.
 "$nailnoise" modes "$work/plate.toml" --body tool --mac "$work/plate/modes/tool/modes.uff" --out "$work/again" --json \
     > "$work/mac.json"

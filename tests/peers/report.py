@@ -1,150 +1,243 @@
-"""Opens reports in headless Chromium as a reader would, without a network.
+"""Opens reports in headless Chromium as readers would, without a network.
 
     report.py PICTURES REPORT.html ...
 
-Asserts that there is no network request and no error in the console, that every chart has data and is drawn, that the 3D
-view draws and rotates, and that every sound loads and A/B switches between two. Saves screenshots of wide and narrow
-windows and the page as printed. Uses the Chromium of the system, or else that of playwright.
+Windows of four widths, light and dark, without JavaScript, without WebGL, and in print. Asserts for each that nothing is asked of a
+network, that no error is in the console, that no label of a chart touches another or leaves the window, that texts have
+enough contrast and pictures a text; that the values under the pointer are there, series can be hidden, time is zoomed in all
+charts together, the 3D view turns, sounds load, and A and B run in step; that the file is short enough, and in print the summary
+has at most four pages. Saves screenshots and the page as printed. Uses the Chromium of the system, or else that of playwright.
 """
 
 import shutil
+import subprocess
 import sys
 from pathlib import Path
 
-from playwright.sync_api import sync_playwright
+from playwright.sync_api import Browser, Page, sync_playwright
 
-GRAPHICS = ["--autoplay-policy=no-user-gesture-required", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--no-sandbox"]
+ARGUMENTS = ["--autoplay-policy=no-user-gesture-required", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--no-sandbox"]
+WIDTHS = [360, 420, 768, 1400]
+SUMMARY_PAGES = 4
+MEGABYTE = 1_000_000
 
-# For each chart: how many finite values its data hold, and how large its drawing is.
-CHARTS = """
-async () => {
-  await window.nailnoise.ready;
-  const finite = (values) => values === undefined || values === null ? 0
-    : typeof values.length === "number" ? Array.from(values).filter((v) => Number.isFinite(+v) && v !== null).length : 0;
-  return [...document.querySelectorAll(".plot")].map((plot) => ({
-    id: plot.id,
-    values: plot.data.map((trace) => Math.max(finite(trace.x), finite(trace.y), finite(trace.intensity), finite(trace.z))),
-    drawn: plot.querySelectorAll(".main-svg, canvas").length,
-    width: plot.getBoundingClientRect().width,
-    scene: !!plot.layout.scene,
-  }));
+# Labels that touch a label of the same panel, or leave the window.
+OVERLAPS = """
+() => {
+  const found = [];
+  const shown = (e) => { const s = getComputedStyle(e); return s.visibility !== "hidden" && e.getClientRects().length > 0; };
+  for (const panel of document.querySelectorAll(".panel")) {
+    const labels = [...panel.querySelectorAll(".tick, .events abbr, .note, .row .name, .axis, .legend button")].filter(shown).map((e) => {
+      // The text itself, not the box that holds it.
+      const range = document.createRange();
+      range.selectNodeContents(e);
+      const unseen = e.querySelector(".unseen");
+      if (unseen) range.setEndBefore(unseen);
+      const own = [...range.getClientRects()].filter((r) => r.width > 1 && r.height > 1);
+      return own.length ? { text: e.textContent.slice(0, 30), left: Math.min(...own.map((r) => r.left)), right: Math.max(...own.map((r) => r.right)),
+        top: Math.min(...own.map((r) => r.top)), bottom: Math.max(...own.map((r) => r.bottom)) } : null;
+    }).filter(Boolean);
+    const where = panel.closest("figure").id;
+    for (const [i, a] of labels.entries()) {
+      if (a.left < -1 || a.right > innerWidth + 1) found.push(`${where}: "${a.text}" leaves the window`);
+      for (const b of labels.slice(i + 1)) {
+        const across = Math.min(a.right, b.right) - Math.max(a.left, b.left), down = Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);
+        if (across > 1 && down > 2.5) found.push(`${where}: "${a.text}" over "${b.text}"`);
+      }
+    }
+  }
+  return found;
 }
+"""
+
+# Lowest contrast of texts against the page (WCAG 2.1, 1.4.3).
+CONTRAST = """
+() => {
+  const parts = (text) => text.match(/[\\d.]+/g).map(Number);
+  const luminance = ([r, g, b]) => [r, g, b].map((v) => v / 255).map((v) => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)
+    .reduce((sum, v, i) => sum + v * [0.2126, 0.7152, 0.0722][i], 0);
+  const paper = luminance(parts(getComputedStyle(document.body).backgroundColor));
+  const texts = ["body", ".quiet", "a", "th", ".tick", "figcaption", "nav a", ".brand"].map((s) => document.querySelector(s)).filter(Boolean);
+  return Math.min(...texts.map((e) => luminance(parts(getComputedStyle(e).color))).map((l) => (Math.max(l, paper) + 0.05) / (Math.min(l, paper) + 0.05)));
+}
+"""
+
+UNNAMED = """
+() => [...document.querySelectorAll("img")].filter((e) => !e.alt).length + [...document.querySelectorAll("table")].filter((e) => !e.querySelector("th")).length
+  + [...document.querySelectorAll(".plot")].filter((e) => !e.getAttribute("aria-label")).length
+"""
+
+NO_WEBGL = """
+const get = HTMLCanvasElement.prototype.getContext;
+HTMLCanvasElement.prototype.getContext = function (kind, ...more) { return kind.startsWith("webgl") ? null : get.call(this, kind, ...more); };
 """
 
 SOUNDS = """
 async () => Promise.all([...document.querySelectorAll("audio")].map(async (audio) => {
   for (let i = 0; i < 100 && audio.readyState < 2; i++) await new Promise((r) => setTimeout(r, 50));
-  return { state: audio.readyState, duration: audio.duration };
+  return { state: audio.readyState, duration: audio.duration, said: audio.closest(".recording").querySelector(".duration").textContent };
 }))
 """
 
 
-def colours(png: bytes) -> int:
-    """Different bytes in a picture: an empty view has next to none."""
-    return len(set(png))
-
-
-# Switches twice, the second time while the first sound plays; tells which sound began each time, where, and how many play.
-SWITCH = """
-async () => {
-  const sounds = [...document.querySelectorAll(".recording audio")], begun = [];
-  let reached = 0;
-  sounds.forEach((audio, i) => audio.addEventListener("playing", () => begun.push({
-    sound: i, at: audio.currentTime, playing: sounds.filter((other) => !other.paused).length })));
-  for (let turn = 1; turn <= 2; turn++) {
-    const before = begun.length ? sounds[begun[0].sound] : null;
-    reached = before && !before.paused ? before.currentTime : 0;
-    document.querySelector('[data-ab="switch"]').click();
-    for (let i = 0; i < 4000 && begun.length < turn; i++) await new Promise((r) => setTimeout(r, 5));
-    if (turn === 1) await new Promise((r) => setTimeout(r, 40));
-  }
-  sounds.forEach((audio) => audio.pause());
-  return { begun, reached };
-}
-"""
-
-
-def listen(page, report: Path) -> None:
-    """A/B: a sound plays, the switch goes over to another at the same moment, and only that one plays then."""
-    told = page.evaluate(SWITCH)
-    begun, reached = told["begun"], told["reached"]
-    assert len(begun) == 2, f"{report}: A/B plays {begun}"
-    first, second = begun
-    assert first["sound"] != second["sound"], f"{report}: the switch stays at one sound: {begun}"
-    # The clock of a sound is coarse: what plays goes on where the other was, to a hundredth of a second.
-    assert second["at"] >= reached - 0.01 and second["playing"] == 1, f"{report}: the switch does not go on: {begun}"
-
-
-def look(page, report: Path, pictures: Path, errors: list[str]) -> None:
+def opened(browser: Browser, report: Path, errors: list[str], before: str = "", **settings: object) -> Page:
+    context = browser.new_context(offline=True, **settings)
+    page = context.new_page()
+    page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.on("request", lambda request: errors.append(request.url) if not request.url.startswith(("file:", "data:", "blob:")) else None)
+    if before:
+        page.add_init_script(before)
     page.goto(report.resolve().as_uri(), wait_until="load")
-    charts = page.evaluate(CHARTS)
-    assert charts, f"{report}: no charts"
-    for chart in charts:
-        assert sum(chart["values"]) > 0, f"{report}: {chart['id']} has no data"
-        assert chart["drawn"] > 0 and chart["width"] > 200, f"{report}: {chart['id']} is not drawn: {chart}"
-    name = f"{report.parent.name}-{report.stem}"
-    for chart in (chart for chart in charts if chart["scene"]):
-        view = page.locator(f"#{chart['id']}")
-        view.scroll_into_view_if_needed()
-        page.wait_for_timeout(1500)
-        before = view.screenshot(path=pictures / f"{name}-view.png")
-        box = view.bounding_box()
-        x, y = box["x"] + 0.4 * box["width"], box["y"] + 0.5 * box["height"]
-        camera = f"document.getElementById('{chart['id']}')._fullLayout.scene._scene.getCamera().eye"
-        eye = page.evaluate(camera)
-        page.mouse.move(x, y)
-        page.mouse.down()
-        page.mouse.move(x + 160, y + 40, steps=12)
-        page.mouse.up()
-        page.wait_for_timeout(1000)
-        after = view.screenshot(path=pictures / f"{name}-view-turned.png")
-        turned = page.evaluate(camera)
-        assert max(abs(eye[k] - turned[k]) for k in "xyz") > 0.1, f"{report}: the view does not turn: {eye} {turned}"
-        assert before != after and colours(before) > 200, f"{report}: the view is empty"
-    sounds = page.evaluate(SOUNDS)
-    for sound in sounds:
-        assert sound["state"] >= 2 and sound["duration"] > 0, f"{report}: a sound does not load: {sound}"
-    if len(sounds) > 1:
-        listen(page, report)
-    page.evaluate("window.scrollTo(0, 0)")
-    for width in (1280, 400):
-        page.set_viewport_size({"width": width, "height": 900})
-        page.wait_for_timeout(1200)
-        scroll(page, lambda part: pictures / f"{name}-{width}-{part}.png")
-        over = page.evaluate("document.documentElement.scrollWidth - window.innerWidth")
-        assert over <= 0, f"{report}: {over} px wider than a window of {width}"
-    page.pdf(path=pictures / f"{name}.pdf", format="A4", print_background=True)
-    assert not errors, f"{report}: {errors}"
-    print(f"{report}: {len(charts)} charts, {len(sounds)} sounds, no error")
+    return page
 
 
-def scroll(page, path) -> None:
+def sound(page: Page, report: Path, what: str) -> None:
+    """What holds for every reader: nothing overlaps or is cut, contrast, texts in the place of pictures."""
+    overlaps = page.evaluate(OVERLAPS)
+    assert not overlaps, f"{report}, {what}: {overlaps[:8]}"
+    over = page.evaluate("document.documentElement.scrollWidth - window.innerWidth")
+    assert over <= 0, f"{report}, {what}: {over} px too wide"
+    contrast = page.evaluate(CONTRAST)
+    assert contrast >= 4.5, f"{report}, {what}: contrast {contrast:.2f}"
+    assert page.evaluate(UNNAMED) == 0, f"{report}, {what}: a picture or a table without a name"
+
+
+def scroll(page: Page, path) -> None:
     """Pictures of a page from top to bottom: one of the whole would be higher than what can be drawn at once."""
     step = 1800
     page.set_viewport_size({"width": page.viewport_size["width"], "height": step})
     for part in range(-(-page.evaluate("document.documentElement.scrollHeight") // step)):
-        page.evaluate(f"window.scrollTo(0, {part * step})")
-        page.wait_for_timeout(300)
+        page.evaluate(f"window.scrollTo({{ top: {part * step}, behavior: 'instant' }})")
+        page.wait_for_timeout(150)
         page.screenshot(path=path(part))
+    page.evaluate("window.scrollTo(0, 0)")
+
+
+def charts(page: Page, report: Path) -> int:
+    """Values under the pointer and by the keys, series that are hidden, the zoom."""
+    count = page.evaluate("window.nailnoise.charts")
+    for index in range(count):
+        read = page.evaluate(f"[0.05, 0.2, 0.35, 0.5, 0.65, 0.8].flatMap((place) => window.nailnoise.values({index}, place).rows.map((row) => row[2]))")
+        assert read and all(any(c.isdigit() for c in text) or text == "silent" for text in read), f"{report}: chart {index} has no values: {read}"
+    plot = page.locator(".plot").first
+    plot.scroll_into_view_if_needed()
+    plot.focus()
+    page.keyboard.press("ArrowRight")
+    assert page.locator(".tip").is_visible(), f"{report}: no values by the keys"
+    key = page.locator(".legend [data-series]").first
+    key.click()
+    assert page.locator(".panel").first.locator(".s.off, .row .off").count() > 0, f"{report}: no series is hidden"
+    key.click()
+    timed = page.locator('.panel[data-group="time"] .plot')
+    if timed.count() > 1:
+        timed.first.scroll_into_view_if_needed()
+        box = timed.first.bounding_box()
+        page.mouse.move(box["x"] + 0.2 * box["width"], box["y"] + 60)
+        page.mouse.down()
+        page.mouse.move(box["x"] + 0.4 * box["width"], box["y"] + 60, steps=4)
+        page.mouse.up()
+        assert page.locator(".zoomed").count() == timed.count(), f"{report}: the charts of time are not zoomed together"
+        overlaps = page.evaluate(OVERLAPS)
+        assert not overlaps, f"{report}, zoomed: {overlaps[:8]}"
+        page.locator(".zoomed .whole").first.click()
+        assert page.locator(".zoomed").count() == 0
+    return count
+
+
+def scene(page: Page, report: Path, picture: Path) -> None:
+    """The view in space draws, begins as the picture, turns by the pointer and by the keys."""
+    canvas = page.locator(".scene canvas")
+    assert canvas.count() == 1, f"{report}: no view by WebGL"
+    canvas.scroll_into_view_if_needed()
+    page.wait_for_timeout(300)
+    before = canvas.screenshot(path=picture)
+    assert len(set(before)) > 200, f"{report}: the view is empty"
+    azimuth = page.evaluate("window.nailnoise.scene.azimuth")
+    box = canvas.bounding_box()
+    page.mouse.move(box["x"] + 0.4 * box["width"], box["y"] + 0.5 * box["height"])
+    read = page.locator(".scene output").inner_text()
+    assert "dB" in read or "covered" in read or read == "", read
+    page.mouse.down()
+    page.mouse.move(box["x"] + 0.4 * box["width"] + 120, box["y"] + 0.5 * box["height"] + 30, steps=6)
+    page.mouse.up()
+    turned = page.evaluate("window.nailnoise.scene.azimuth")
+    canvas.focus()
+    page.keyboard.press("ArrowLeft")
+    page.wait_for_timeout(300)
+    assert abs(turned - azimuth) > 0.5 and page.evaluate("window.nailnoise.scene.azimuth") < turned, f"{report}: the view does not turn"
+    assert before != canvas.screenshot(), f"{report}: the view does not change"
+    page.locator(".view").select_option("1")
+    page.keyboard.press("Escape")
+
+
+def listen(page: Page, report: Path) -> int:
+    """Every sound loads; A and B run in step, and the switch changes which one is heard."""
+    sounds = page.evaluate(SOUNDS)
+    for own in sounds:
+        assert own["state"] >= 2 and own["duration"] > 0 and own["said"] == f"{own['duration']:.2f} s", f"{report}: a sound does not load: {own}"
+    if len(sounds) > 1:
+        page.locator('[data-ab="play"]').click()
+        page.wait_for_function("window.nailnoise.sounds.heard()")
+        first = page.evaluate("window.nailnoise.sounds.heard().letter")
+        page.locator('[data-ab="switch"]').click()
+        page.wait_for_timeout(300)
+        heard = page.evaluate("window.nailnoise.sounds.heard()")
+        at = "AB".index(heard["letter"])
+        assert heard["letter"] != first and heard["gains"][at] > 0.9 and heard["gains"][1 - at] < 0.1, f"{report}: the switch: {heard}"
+        page.locator('[data-ab="play"]').click()
+    return len(sounds)
+
+
+def printed(page: Page, report: Path, path: Path) -> None:
+    """A summary of few pages comes first."""
+    page.pdf(path=path, format="A4", print_background=True)
+    if shutil.which("pdftotext") and page.locator(".appendix-begins").count():
+        pages = subprocess.run(["pdftotext", "-layout", path, "-"], capture_output=True, text=True, check=True).stdout.split("\f")
+        summary = next(number for number, text in enumerate(pages) if text.lstrip().startswith("Appendix"))
+        assert summary <= SUMMARY_PAGES, f"{report}: a summary of {summary} pages"
+        print(f"{report}: {summary} pages of summary, {len(pages) - 1} in all")
+
+
+def look(browser: Browser, report: Path, pictures: Path) -> None:
+    name = f"{report.parent.name}-{report.stem}"
+    limit = 2 if report.stem.startswith("compare") else 3
+    assert report.stat().st_size <= limit * MEGABYTE, f"{report}: {report.stat().st_size} bytes"
+    errors: list[str] = []
+    for scheme in ("light", "dark"):
+        for width in WIDTHS:
+            page = opened(browser, report, errors, viewport={"width": width, "height": 900}, color_scheme=scheme)
+            sound(page, report, f"{width} px, {scheme}")
+            scroll(page, lambda part: pictures / f"{name}-{width}-{scheme}-{part}.png")
+            page.context.close()
+    # A reader without JavaScript sees every chart and the picture of the surfaces.
+    page = opened(browser, report, errors, viewport={"width": 1000, "height": 900}, java_script_enabled=False)
+    assert page.locator(".plot path").count() > 0 and (page.locator(".scene").count() == 0 or page.locator(".stage img").is_visible())
+    page.screenshot(path=pictures / f"{name}-no-script.png", full_page=True)
+    page.context.close()
+    page = opened(browser, report, errors, NO_WEBGL, viewport={"width": 1000, "height": 900})
+    assert page.locator(".scene canvas").count() == 0 and (page.locator(".scene").count() == 0 or page.locator(".stage img").is_visible())
+    sound(page, report, "without WebGL")
+    page.context.close()
+    page = opened(browser, report, errors, viewport={"width": 1280, "height": 900})
+    count = charts(page, report)
+    if page.locator(".scene").count():
+        scene(page, report, pictures / f"{name}-view.png")
+    sounds = listen(page, report)
+    printed(page, report, pictures / f"{name}.pdf")
+    page.context.close()
+    assert not errors, f"{report}: {errors}"
+    print(f"{report}: {count} charts, {sounds} sounds, {report.stat().st_size / MEGABYTE:.2f} MB, no error")
 
 
 def main(pictures: Path, reports: list[Path]) -> None:
     pictures.mkdir(parents=True, exist_ok=True)
     system = next((found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name))), None)
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=system, args=GRAPHICS)
+        browser = playwright.chromium.launch(executable_path=system, args=ARGUMENTS)
         for report in reports:
-            context = browser.new_context(viewport={"width": 1280, "height": 900}, offline=True)
-            page = context.new_page()
-            errors: list[str] = []
-            page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
-            page.on("pageerror", lambda error: errors.append(str(error)))
-            asked = lambda request: errors.append(f"asks for {request.url}") if request.url.startswith("http") else None
-            page.on("request", asked)
-            look(page, report, pictures, errors)
-            context.close()
+            look(browser, report, pictures)
         browser.close()
 
 
-if __name__ == "__main__":
-    main(Path(sys.argv[1]), [Path(report) for report in sys.argv[2:]])
+main(Path(sys.argv[1]), [Path(report) for report in sys.argv[2:]])

@@ -9,8 +9,9 @@ use nailnoise_quantities::dimension::FORCE;
 use nailnoise_quantities::measure;
 use serde::Serialize;
 
+use crate::commands::progress::note;
 use crate::commands::table::table;
-use crate::commands::{message, print, print_json};
+use crate::commands::{Threads, print, print_json};
 use crate::error::Error;
 use crate::figures;
 use crate::output;
@@ -25,6 +26,10 @@ const FORM: &str = "poly(x,7) + rate + slender";
 const FIT: &str = "fit.toml";
 
 #[derive(Args)]
+#[command(after_help = examples!(
+    "nailnoise prf fit drives.csv --form \"poly(x,7) + rate + slender\"" => "a law fitted to measured drives",
+    "nailnoise prf fit drives.csv --reduce --leave group" => "terms that carry nothing left out; cross-validation by group",
+))]
 pub(super) struct Arguments {
     /// CSV files with a row a drive: id, group, repeat, nail, wood, speed, file, ...
     #[arg(value_name = "DRIVES", required = true)]
@@ -57,6 +62,8 @@ pub(super) struct Arguments {
     /// Print exactly one JSON value instead of tables
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    threads: Threads,
     /// Folder for fit.toml, residuals.csv and the figures [default: out/prf-fit]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -146,8 +153,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         },
         extrapolate: arguments.extrapolate,
     };
+    arguments.threads.start()?;
     let fitting = fit_files(&arguments.data, &options)?;
-    fitting.notes.iter().for_each(|note| message(&format!("note: {note}")));
+    fitting.notes.iter().for_each(|text| note(text));
     let (law, drives) = (&fitting.law, &fitting.drives);
 
     let folder = arguments

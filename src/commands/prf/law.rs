@@ -9,8 +9,9 @@ use nailnoise_dynamics::prf::{
 };
 use serde::Serialize;
 
+use crate::commands::progress::note;
 use crate::commands::table::table;
-use crate::commands::{message, print, print_json};
+use crate::commands::{print, print_json};
 use crate::error::Error;
 use crate::figures;
 use crate::output;
@@ -20,6 +21,11 @@ use nailnoise_quantities::dimension::{FORCE, LENGTH, VELOCITY};
 use nailnoise_quantities::measure;
 
 #[derive(Args)]
+#[command(after_help = examples!(
+    "nailnoise prf law --list" => "the published laws, woods and nails",
+    "nailnoise prf law --law smooth,annular --wood pine --nail 8d" => "two laws side by side",
+    "nailnoise prf law --constant \"1.2 kN\" --table own.csv --nail 8d" => "laws of your own",
+))]
 pub(super) struct Arguments {
     /// Only list the published laws, woods and nails
     #[arg(long)]
@@ -101,7 +107,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     staging.write(&table, &csv(&laws)?)?;
     staging.place(&[], &table)?;
     files.push(table);
-    result.notes.iter().for_each(|note| message(&format!("note: {note}")));
+    result.notes.iter().for_each(|text| note(text));
     if arguments.json {
         print_json(&result)?;
     } else {

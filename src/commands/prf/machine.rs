@@ -24,6 +24,10 @@ use crate::staging::Staging;
 const BALANCE: f64 = 1e-8;
 
 #[derive(Args)]
+#[command(after_help = examples!(
+    "nailnoise prf machine machine.toml" => "a shot of the machine",
+    "nailnoise prf machine machine.toml --virtual 12" => "recordings of 12 repeats with noise, for `prf fit`",
+))]
 pub(super) struct Arguments {
     /// File of the machine (TOML)
     machine: PathBuf,

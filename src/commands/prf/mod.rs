@@ -12,6 +12,10 @@ use clap::{Args, Subcommand};
 use crate::error::Error;
 
 #[derive(Args)]
+#[command(after_help = examples!(
+    "nailnoise prf law --law smooth,annular --wood pine --nail 8d" => "published laws side by side",
+    "nailnoise prf fit drives.csv --form \"poly(x,7) + rate + slender\"" => "a law fitted to your own tests",
+))]
 pub(super) struct Arguments {
     #[command(subcommand)]
     command: Command,

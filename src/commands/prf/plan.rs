@@ -17,8 +17,10 @@ use nalgebra::DMatrix;
 use serde::Serialize;
 
 use crate::chain;
+use crate::commands::progress::note;
 use crate::commands::table::table;
-use crate::commands::{Changes, message, print, print_json};
+use crate::commands::{Changes, print, print_json};
+use crate::design::Assignment;
 use crate::error::Error;
 use crate::output;
 use crate::penetration::{self, PenetrationError};
@@ -30,6 +32,10 @@ const STEEL: f64 = 7850.0;
 const STATIONS: u32 = 20;
 
 #[derive(Args)]
+#[command(after_help = examples!(
+    "nailnoise prf plan --nail 12d --energy 42.125J" => "masses and speeds, and the terms that they tell apart",
+    "nailnoise prf plan --nail 12d --from my-tool.toml" => "the energy of the piston of a design",
+))]
 pub(super) struct Arguments {
     /// Nail size, for example 12d
     #[arg(long, value_name = "SIZE")]
@@ -41,6 +47,9 @@ pub(super) struct Arguments {
     /// Take the energy from the piston of a design: its mass and its mean speed while it drives the nail
     #[arg(long, value_name = "DESIGN")]
     from: Option<PathBuf>,
+    /// Another value for a key of the design of --from, as supply.pressure=80psig; may be repeated
+    #[arg(long, value_name = "KEY=VALUE", requires = "from")]
+    set: Vec<Assignment>,
     /// Masses of the projectiles, for example "0.131 kg,0.2 kg" [default: 0.131 0.2 0.3 0.4 0.5 kg]
     #[arg(long, value_name = "MASSES", value_delimiter = ',', value_parser = |text: &str| measure(text, MASS))]
     mass: Vec<f64>,
@@ -116,7 +125,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let form: Form = arguments.form.parse().map_err(PenetrationError::Form)?;
     let energy = match (arguments.energy, &arguments.from) {
         (Some(energy), _) => energy,
-        (None, Some(path)) => energy_of(path)?,
+        (None, Some(path)) => energy_of(path, &arguments.set)?,
         (None, None) => f64::NAN,
     };
     let masses: &[f64] = if arguments.mass.is_empty() {
@@ -170,7 +179,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         .clone()
         .unwrap_or_else(|| Path::new("out").join("prf-plan").join("plan.csv"));
     staging::write(&path, &csv(&rows)?)?;
-    notes.iter().for_each(|note| message(&format!("note: {note}")));
+    notes.iter().for_each(|text| note(text));
     let result = PlanResult {
         schema: "nailnoise-prf-plan/1",
         nail: nail.name,
@@ -190,8 +199,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
 }
 
 /// M v^2/2 of a design's piston at its mean speed while it drives the nail \[J\].
-fn energy_of(path: &Path) -> Result<f64, Error> {
-    let design = Changes { set: Vec::new() }.load(path)?;
+fn energy_of(path: &Path, set: &[Assignment]) -> Result<f64, Error> {
+    let design = Changes { set: set.to_vec() }.load(path)?;
     let record = chain::cycle(&design)?;
     let speed = record.summary.mean_drive_speed.unwrap_or(0.0);
     Ok(0.5 * design.piston.mass * speed * speed)

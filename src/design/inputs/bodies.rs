@@ -445,6 +445,7 @@ pub(crate) fn located(design: &Design, error: Error) -> Error {
             }
             None => Error::SurfaceOutside { entry, distance },
         },
+        Error::NoCapSurface { surface, panels } => design.refuse_cap(surface, panels).into(),
         other => other,
     }
 }

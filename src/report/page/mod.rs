@@ -2,19 +2,47 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
+use super::chart;
+
 const STYLE: &str = include_str!("style.css");
-const SCRIPT: &str = include_str!("report.js");
+
+/// What a page adds to charts, scene and sounds for readers whose browser runs scripts.
+const SCRIPTS: [&str; 3] = [
+    include_str!("charts.js"),
+    include_str!("scene.js"),
+    include_str!("sound.js"),
+];
 
 /// A part of a page.
 pub(super) struct Section {
     id: &'static str,
     title: &'static str,
     content: Markup,
+    /// Whether it begins a page in print.
+    page: bool,
+    /// Whether it is behind the summary in print.
+    appendix: bool,
 }
 
 impl Section {
     pub(super) fn new(id: &'static str, title: &'static str, content: Markup) -> Self {
-        Self { id, title, content }
+        Self {
+            id,
+            title,
+            content,
+            page: false,
+            appendix: false,
+        }
+    }
+
+    /// The section on a page of its own in print.
+    pub(super) fn on_a_page(self) -> Self {
+        Self { page: true, ..self }
+    }
+
+    /// The section as part of the appendix in print.
+    pub(super) fn in_the_appendix(self) -> Self {
+        Self { appendix: true, ..self }
     }
 }
 
@@ -39,6 +67,7 @@ pub(crate) fn compared_by(identity: &str) -> Markup {
 impl Page {
     /// The file.
     pub(super) fn html(self) -> String {
+        let first_of_appendix = self.sections.iter().position(|section| section.appendix);
         html! {
             (DOCTYPE)
             html lang="en" {
@@ -50,7 +79,7 @@ impl Page {
                     link rel="icon" href="data:,";
                     @if let Some(identity) = &self.compared { (compared_by(identity)) }
                     title { (self.title) }
-                    style { (PreEscaped(STYLE)) }
+                    style { (PreEscaped(STYLE)) (PreEscaped(chart::colours())) }
                 }
                 body {
                     header {
@@ -58,32 +87,21 @@ impl Page {
                         h1 { (self.heading) }
                         (self.lead)
                     }
-                    nav { @for section in &self.sections { a href={ "#" (section.id) } { (section.title) } } }
+                    nav aria-label="Sections" { @for section in &self.sections { a href={ "#" (section.id) } { (section.title) } } }
                     main {
-                        @for section in &self.sections {
-                            section id=(section.id) {
+                        @for (place, section) in self.sections.iter().enumerate() {
+                            @if Some(place) == first_of_appendix { p.appendix-begins { "Appendix" } }
+                            section.page[section.page] id=(section.id) {
                                 h2 { (section.title) }
                                 (section.content)
                             }
                         }
                     }
                     footer { "nailnoise " (env!("CARGO_PKG_VERSION")) ". This file needs no network." }
-                    (plotly())
-                    script { (PreEscaped(SCRIPT)) }
+                    @for script in SCRIPTS { script { (PreEscaped("\"use strict\";\n")) (PreEscaped(script)) } }
                 }
             }
         }
         .into_string()
     }
-}
-
-/// The script of plotly.js (MIT licence) as the plotly crate carries it, without the formula typesetter that follows it there.
-fn plotly() -> PreEscaped<String> {
-    let sources = plotly::Plot::offline_js_sources();
-    let end = "</script>";
-    PreEscaped(
-        sources
-            .split_once(end)
-            .map_or(sources.clone(), |(script, _)| format!("{script}{end}")),
-    )
 }

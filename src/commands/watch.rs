@@ -1,0 +1,260 @@
+//! `nailnoise watch`: a design that runs again when it is saved, on a page that follows.
+
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
+
+use super::progress::note;
+use super::table::decibels;
+use super::{Changes, Keeping, Memory, Threads, intervals, print, progress, run};
+use crate::bundle;
+use crate::cost;
+use crate::design::Design;
+use crate::error::Error;
+use crate::graph::Graph;
+use crate::report;
+use crate::run::Run;
+use crate::stages::{Observer, Progress, Task};
+use crate::store::Store;
+use crate::watch::{Board, Differences, Server, Shot, Watched};
+use crate::wording::change;
+
+#[derive(Args)]
+#[command(after_help = examples!(
+    "nailnoise watch my-tool.toml" => "then open the address that it prints, and edit my-tool.toml",
+    "nailnoise watch my-tool.toml --set exhaust.holes=12" => "with another value for one key",
+))]
+pub(super) struct Arguments {
+    /// Design file (TOML)
+    design: PathBuf,
+    #[command(flatten)]
+    threads: Threads,
+    #[command(flatten)]
+    memory: Memory,
+    #[command(flatten)]
+    changes: Changes,
+    #[command(flatten)]
+    keeping: Keeping,
+}
+
+pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+    arguments.threads.start()?;
+    let name = arguments.design.file_stem().unwrap_or_default().to_string_lossy();
+    let board = Arc::new(Board::new(name.into_owned()));
+    let server = Server::start(Arc::clone(&board)).map_err(|source| Error::Serve { source })?;
+    print(&format!("{}\n", server.address()))?;
+    note("open this address in a browser on this machine; Ctrl-C ends the command and the page");
+    let mut watching = Watching {
+        arguments,
+        store: arguments.keeping.cache()?,
+        board,
+        runs: 0,
+    };
+    // An interruption ends the process, and with it the server.
+    loop {
+        watching.follow()?;
+    }
+}
+
+/// A design that is watched.
+struct Watching<'a> {
+    arguments: &'a Arguments,
+    store: Store,
+    board: Arc<Board>,
+    /// Runs that succeeded.
+    runs: u32,
+}
+
+impl Watching<'_> {
+    /// Runs the design as it is now, and waits until it is another.
+    fn follow(&mut self) -> Result<(), Error> {
+        let Arguments { design, changes, .. } = self.arguments;
+        let watched = Arc::new(Watched::new(design, &changes.set));
+        let progress = Progress::to(Arc::new(Interested {
+            terminal: progress().observer(),
+            board: Arc::clone(&self.board),
+            watched: Arc::clone(&watched),
+            looked: Mutex::new(Instant::now()),
+        }));
+        self.board.begin("the design");
+        // A fault of one run is no reason to lose the next; what the run held is gone.
+        let outcome = catch_unwind(AssertUnwindSafe(|| self.run(&progress)));
+        progress.end();
+        match outcome {
+            Ok(Ok(())) => {}
+            Ok(Err(error @ Error::Output { .. })) => return Err(error),
+            Ok(Err(error)) => {
+                self.board.fail(shown(&error));
+                super::report(error);
+            }
+            Err(panic) if panic.is::<Abandoned>() => {
+                // The files may be by now what they were: they have no result all the same.
+                watched.settle();
+                return Ok(());
+            }
+            Err(_) => self
+                .board
+                .fail("nailnoise has a fault; the terminal says what to report".to_owned()),
+        }
+        self.board.rest();
+        watched.wait();
+        watched.settle();
+        Ok(())
+    }
+
+    /// Runs the design and shows the result, and then how sure its levels are.
+    fn run(&mut self, progress: &Progress) -> Result<(), Error> {
+        let begin = Instant::now();
+        let Arguments { design, changes, .. } = self.arguments;
+        let design = Design::load_with(design, &changes.set)?;
+        let mut warnings = Vec::new();
+        for warning in design.warnings() {
+            warnings.push(shown(warning));
+            super::report(warning.clone());
+        }
+        cost::refuse(&design, &cost::of_run(&design)?, self.arguments.memory.limit())?;
+        let graph = Graph::new(Arc::new(self.store.clone()), progress.observer());
+        let (run, page) = bundle::page(&graph, &design)?;
+        self.runs += 1;
+        let shot = Shot::new(self.runs, begin.elapsed().as_secs_f64(), &design, &run.result);
+        let [before, pinned] = self.board.show(shot.clone(), warnings, page.clone());
+        let mut text = line(&shot);
+        let other = pinned.filter(|own| own.from != shot.number && before.as_ref().is_none_or(|b| b.from != own.from));
+        text.extend(before.iter().map(|own| changed(own, "")));
+        text.extend(other.iter().map(|own| changed(own, ", pinned")));
+        print(&text)?;
+        self.amend(&design, &run, &page, progress)
+    }
+
+    /// Adds the intervals of the levels to the report: those of a study that is kept, else of a few draws.
+    fn amend(&self, design: &Design, run: &Run, page: &str, progress: &Progress) -> Result<(), Error> {
+        self.board.begin("how sure the levels are");
+        if let Ok(study) = intervals::study_of(&self.store, design, progress) {
+            let intervals = intervals::of_report(&study, &run::text(run));
+            self.board.amend(report::with_intervals(page, &intervals));
+        }
+        Ok(())
+    }
+}
+
+/// The levels of a run on one line.
+fn line(shot: &Shot) -> String {
+    let levels = shot
+        .levels
+        .iter()
+        .map(|(name, level)| format!("{name} {}", decibels(*level)));
+    let failed = match shot.failed.as_slice() {
+        [] => String::new(),
+        failed => format!("; do not rely on it, check failed: {}", failed.join(", ")),
+    };
+    let levels: Vec<String> = levels.collect();
+    format!(
+        "run {}: {} dB ({:.1} s){failed}\n",
+        shot.number,
+        levels.join(", "),
+        shot.seconds
+    )
+}
+
+/// What has changed, on one line.
+fn changed(differences: &Differences, behind: &str) -> String {
+    let levels = differences.levels.iter();
+    let levels = levels.filter_map(|(name, db)| Some(format!("{name} {}", change((*db)?))));
+    let values = differences
+        .values
+        .iter()
+        .map(|(key, before, now)| format!("{key} {before} -> {now}"));
+    let (levels, values): (Vec<String>, Vec<String>) = (levels.collect(), values.take(NAMED).collect());
+    let more = match differences.values.len() {
+        0 => "no value changed".to_owned(),
+        all if all > NAMED => format!("{} and {} more", values.join(", "), all - NAMED),
+        _ => values.join(", "),
+    };
+    format!(
+        "  from run {}{behind}: {} dB; {more}\n",
+        differences.from,
+        levels.join(", ")
+    )
+}
+
+/// Changed values that are named on a line.
+const NAMED: usize = 4;
+
+/// An error or a warning as the terminal shows it, for the page.
+fn shown(diagnostic: &dyn Diagnostic) -> String {
+    let mut text = String::new();
+    let handler = GraphicalReportHandler::new_themed(GraphicalTheme::none())
+        .with_links(false)
+        .with_width(100)
+        .with_context_lines(1);
+    // What cannot be drawn is said in words.
+    if handler.render_report(&mut text, diagnostic).is_err() {
+        text = diagnostic.to_string();
+    }
+    text.trim_matches('\n').to_owned()
+}
+
+/// Between two looks at the files while a run works.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// The payload of the unwinding that ends work on files that have changed. No panic hook sees it.
+struct Abandoned;
+
+/// Shows progress in the terminal and on the page, and ends the work at its next report when the files have changed.
+struct Interested {
+    terminal: Arc<dyn Observer>,
+    board: Arc<Board>,
+    watched: Arc<Watched>,
+    looked: Mutex<Instant>,
+}
+
+impl Interested {
+    fn look(&self) {
+        // One thread looks, the others go on.
+        let Ok(mut looked) = self.looked.try_lock() else { return };
+        if looked.elapsed() < LOOK {
+            return;
+        }
+        *looked = Instant::now();
+        drop(looked);
+        if self.watched.changed() {
+            resume_unwind(Box::new(Abandoned));
+        }
+    }
+}
+
+impl Observer for Interested {
+    fn stage(&self, name: &str) {
+        self.look();
+        self.board.begin(name);
+        self.terminal.stage(name);
+    }
+
+    fn note(&self, text: &str) {
+        self.terminal.note(text);
+    }
+
+    fn done(&self, items: u64, of: u64) {
+        self.look();
+        self.terminal.done(items, of);
+    }
+
+    fn task(&self, task: &Task) {
+        self.look();
+        self.terminal.task(task);
+    }
+
+    fn step(&self) {
+        self.look();
+    }
+
+    fn end(&self) {
+        self.terminal.end();
+    }
+}

@@ -1,0 +1,101 @@
+//! `[report]` of a design file: what the head of the report says beside the design.
+//!
+//! ```toml
+//! [report]
+//! title = "Framing nailer, second prototype"
+//! client = "Example Tools Ltd"
+//! author = "A. Engineer"
+//! revision = "B"
+//! note = "Exhaust with twelve holes"
+//! ```
+//!
+//! It changes no value of the design and no digest of it: no stage reads it.
+
+use serde::Serialize;
+use toml::de::{DeTable, DeValue};
+
+use super::error::DesignError;
+use super::settings::found;
+use super::source::File;
+use super::suggest;
+
+/// Characters of a text at most: it stands in the head of a page.
+const LONGEST: usize = 2000;
+
+/// What the head of the report says; empty texts are left out.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct ReportSettings {
+    /// Heading in place of the name of the design.
+    pub title: String,
+    /// For whom the report is.
+    pub client: String,
+    /// Who is responsible for it.
+    pub author: String,
+    /// Revision of the design or of the report.
+    pub revision: String,
+    /// A remark below the head.
+    pub note: String,
+}
+
+/// The keys with their descriptions.
+pub(super) const KEYS: [(&str, &str); 5] = [
+    ("title", "Heading of the report in place of the name of the design."),
+    ("client", "For whom the report is."),
+    ("author", "Who is responsible for the report."),
+    ("revision", "Revision of the design or of the report."),
+    ("note", "A remark below the head of the report."),
+];
+
+impl ReportSettings {
+    fn text(&mut self, key: &str) -> Option<&mut String> {
+        Some(match key {
+            "title" => &mut self.title,
+            "client" => &mut self.client,
+            "author" => &mut self.author,
+            "revision" => &mut self.revision,
+            "note" => &mut self.note,
+            _ => return None,
+        })
+    }
+
+    /// Takes what a file says in `[report]` in place of what its bases say.
+    pub(super) fn read(&mut self, file: &File, table: &DeTable<'_>) -> Result<(), DesignError> {
+        let Some(value) = table.get("report") else {
+            return Ok(());
+        };
+        let wrong = |key: &str, value: &toml::Spanned<DeValue<'_>>, expected: String| DesignError::WrongKind {
+            key: key.to_owned(),
+            found: found(value.get_ref()),
+            expected,
+            at: file.place(value.span()),
+        };
+        let DeValue::Table(own) = value.get_ref() else {
+            return Err(wrong("report", value, "as a group of keys: [report]".to_owned()));
+        };
+        for (name, value) in own {
+            let key = name.get_ref().as_ref();
+            let full = format!("report.{key}");
+            let Some(text) = self.text(key) else {
+                let known = KEYS.map(|(key, _)| key.to_owned()).to_vec();
+                return Err(DesignError::UnknownKey {
+                    nearest: suggest::word(known.iter().map(String::as_str), key).map(|near| format!("report.{near}")),
+                    key: full,
+                    known,
+                    at: file.place(name.span()),
+                });
+            };
+            match value.get_ref() {
+                DeValue::String(given) if given.chars().count() <= LONGEST => *text = given.to_string(),
+                DeValue::String(_) => {
+                    return Err(wrong(
+                        &full,
+                        value,
+                        format!("as a text of {LONGEST} characters at most"),
+                    ));
+                }
+                _ => return Err(wrong(&full, value, "as text in quotes".to_owned())),
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,156 @@
+//! The head of the report of a run: what was computed, and the result in a sentence.
+
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use maud::{Markup, html};
+
+use super::tables::{self, without};
+use crate::design::{Design, SupportKind, Value};
+use crate::result::RunResult;
+
+/// Pressure of 1 psi \[Pa\].
+const PSI: f64 = 6894.757;
+
+/// The heading: the title that the design gives, or its name.
+pub(super) fn heading(design: &Design) -> String {
+    match design.report().title.as_str() {
+        "" => design.name().to_owned(),
+        title => title.to_owned(),
+    }
+}
+
+/// What a reader must know first.
+pub(super) fn lead(design: &Design, result: &RunResult) -> Markup {
+    let first = result.ranking.first().filter(|source| source.lwa_db.is_some());
+    let note = &design.report().note;
+    html! {
+        (byline(design))
+        (given(design))
+        @if !note.is_empty() { p { (note) } }
+        div.total {
+            span.number { (tables::decibels(result.total.lwa_db)) }
+            span.unit { "dB" }
+            span.what {
+                "L" sub { "WA,1s" } " re 1 pW s: A-weighted sound energy of one shot" (tables::interval_of("lead"))
+            }
+        }
+        @if let Some(first) = first {
+            p.verdict {
+                "The " b { (first.source) } " radiates most, " (format!("{:.0} %", 100.0 * first.share))
+                " of the A-weighted energy. Without it the total would be "
+                (format!("{:.1} dB", without(first.share))) " lower."
+                (tables::interval_of(&format!("{}, first", first.source)))
+            }
+        }
+        p.quiet {
+            "Absolute levels are predictions; those of one tool stand beside published tests on the page Validation of the \
+             documentation. Differences between designs of one tool are more reliable than levels. " a href="#assumptions" { "Assumptions" } " lists what is estimated."
+        }
+        @if result.checks.iter().any(|check| !check.ok) {
+            p.alarm { "A check of this run failed. Do not rely on the result. " a href="#checks" { "Checks" } }
+        }
+    }
+}
+
+/// For whom and by whom, as the design says it.
+fn byline(design: &Design) -> Markup {
+    let report = design.report();
+    let said = [
+        ("for ", &report.client),
+        ("by ", &report.author),
+        ("revision ", &report.revision),
+    ];
+    let said: Vec<String> = said
+        .iter()
+        .filter(|(_, text)| !text.is_empty())
+        .map(|(before, text)| format!("{before}{text}"))
+        .collect();
+    html! { @if !said.is_empty() { p.byline { (said.join(" \u{b7} ")) } } }
+}
+
+/// Tool, pressure, nail, wood, support, date and program.
+fn given(design: &Design) -> Markup {
+    let [supply, ambient] = [design.supply.pressure, design.ambient.pressure];
+    let nail = format!(
+        "{}{:.1} \u{d7} {:.2} mm",
+        named(design, "nail.kind"),
+        1e3 * design.nail.length,
+        1e3 * design.nail.diameter
+    );
+    let block = &design.workpiece;
+    let wood = format!(
+        "{}{:.0} kg/m\u{b3}; {:.0} \u{d7} {:.0} \u{d7} {:.0} mm",
+        named(design, "wood.species"),
+        design.wood.density,
+        1e3 * block.length,
+        1e3 * block.width,
+        1e3 * block.thickness
+    );
+    let facts = [
+        ("tool", design.name().to_owned()),
+        (
+            "supply pressure",
+            format!("{:.0} kPa, {:.0} psi gauge", 1e-3 * supply, (supply - ambient) / PSI),
+        ),
+        ("nail", nail),
+        ("wood, block", wood),
+        ("support", support(design)),
+        ("computed", format!("{} (UTC)", today())),
+        ("program", format!("nailnoise {}", env!("CARGO_PKG_VERSION"))),
+    ];
+    html! { dl.given { @for (what, value) in facts { div { dt { (what) } dd { (value) } } } } }
+}
+
+/// The word that a key holds, before other text; nothing where the design has no such key or none is chosen.
+fn named(design: &Design, key: &str) -> String {
+    let entry = design.entries().into_iter().find(|entry| entry.key == key);
+    match entry.map(|entry| entry.value) {
+        Some(Value::Choice(word)) if word != "none" && word != "own" => format!("{word}, "),
+        _ => String::new(),
+    }
+}
+
+fn support(design: &Design) -> String {
+    match design.support.kind {
+        SupportKind::Worktable => format!(
+            "worktable {}",
+            named(design, "support.worktable.preset").trim_end_matches(", ")
+        ),
+        SupportKind::Sandbox => "sandbox of EN 12549".to_owned(),
+        SupportKind::Springs => "springs".to_owned(),
+        SupportKind::Floor => "floor".to_owned(),
+        SupportKind::Clamped => "clamped".to_owned(),
+    }
+}
+
+fn today() -> String {
+    let seconds = SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .map_or(0, |time| time.as_secs());
+    let [year, month, day] = date((seconds / 86_400) as i64);
+    format!("{year}-{month:02}-{day:02}")
+}
+
+/// Year, month and day of the Gregorian calendar, so many days after 1 January 1970: eras of 400 years that begin on 1 March.
+fn date(days: i64) -> [i64; 3] {
+    let days = days + 719_468;
+    let (era, of_era) = (days.div_euclid(146_097), days.rem_euclid(146_097));
+    let year = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
+    let of_year = of_era - (365 * year + year / 4 - year / 100);
+    let month = (5 * of_year + 2) / 153;
+    let day = of_year - (153 * month + 2) / 5 + 1;
+    let month = if month < 10 { month + 3 } else { month - 9 };
+    [year + 400 * era + i64::from(month <= 2), month, day]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn days_are_dates_of_the_calendar() {
+        assert_eq!(date(0), [1970, 1, 1]);
+        assert_eq!(date(11_016), [2000, 2, 29]);
+        assert_eq!(date(20_454), [2026, 1, 1]);
+    }
+}

@@ -1,0 +1,101 @@
+//! Designs and measurements that come with the program, in the program itself: it works alone, wherever it is installed.
+
+/// Files of the folder `designs`, by their paths in it with what they hold.
+macro_rules! files {
+    ($($path:literal),+ $(,)?) => {
+        &[$(($path, include_str!(concat!("../designs/", $path)))),+]
+    };
+}
+
+/// Every design, by its path in the folder `designs`.
+pub const DESIGNS: &[(&str, &str)] = files![
+    "n80cb.toml",
+    "n80cb-sandbox.toml",
+    "n80cb-feet.toml",
+    "n80cb-free.toml",
+    "n80cb-as-tested.toml",
+    "n80cb-as-tested-sandbox.toml",
+    "n80cb-as-tested-sandbox-floor.toml",
+    "quieter/as-it-is.toml",
+    "quieter/on-worktable.toml",
+    "quieter/muffler.toml",
+    "quieter/muffler-on-worktable.toml",
+    "quieter/small-holes.toml",
+];
+
+/// Published measurements, for `compare --measured`.
+pub const MEASURED: &[(&str, &str)] = files!["measured/n80cb.json"];
+
+/// The design of this name, with or without folder and extension: `n80cb`, `muffler.toml`, `quieter/muffler`.
+pub fn design(name: &str) -> Option<(&'static str, &'static str)> {
+    find(DESIGNS, name)
+}
+
+/// The measurements of this name, as those of [`design`].
+pub fn measured(name: &str) -> Option<(&'static str, &'static str)> {
+    find(MEASURED, name)
+}
+
+/// Names of all designs, as a person writes them.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    DESIGNS.iter().map(|(path, _)| stem(path))
+}
+
+fn find(files: &[(&'static str, &'static str)], name: &str) -> Option<(&'static str, &'static str)> {
+    let has_name = |path: &str| {
+        let file = file_name(path);
+        [path, stem(path), file, stem(file)].contains(&name)
+    };
+    files.iter().find(|(path, _)| has_name(path)).copied()
+}
+
+/// The last part of a path.
+pub fn file_name(path: &str) -> &str {
+    path.rsplit('/').next().unwrap_or(path)
+}
+
+/// A path without its extension.
+fn stem(path: &str) -> &str {
+    path.rsplit_once('.').map_or(path, |(stem, _)| stem)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    /// Files under a folder, by their paths in it.
+    fn files(folder: &Path, within: &str) -> Vec<String> {
+        let entries = std::fs::read_dir(folder).expect("a folder of the repository");
+        let each = entries.flatten().flat_map(|entry| {
+            let name = format!("{within}{}", entry.file_name().to_string_lossy());
+            match entry.path().is_dir() {
+                true => files(&entry.path(), &format!("{name}/")),
+                false => vec![name],
+            }
+        });
+        each.collect()
+    }
+
+    #[test]
+    fn every_file_of_the_folder_is_in_the_program() {
+        let mut found = files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("designs"), "");
+        let mut own: Vec<&str> = DESIGNS.iter().chain(MEASURED).map(|(path, _)| *path).collect();
+        found.sort();
+        own.sort_unstable();
+        assert_eq!(own, found);
+    }
+
+    #[test]
+    fn a_design_has_its_path_and_its_name() {
+        for name in ["quieter/muffler.toml", "quieter/muffler", "muffler.toml", "muffler"] {
+            assert_eq!(
+                design(name).map(|(path, _)| path),
+                Some("quieter/muffler.toml"),
+                "{name}"
+            );
+        }
+        assert_eq!(design("uffler"), None);
+        assert!(measured("n80cb").is_some());
+    }
+}

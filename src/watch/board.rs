@@ -1,0 +1,178 @@
+//! What the page shows now, shared by the command that computes and the connections that wait for news.
+
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use super::shot::{Differences, Shot};
+
+/// The state of the page.
+#[derive(Debug)]
+pub struct Board {
+    /// Name of the design.
+    pub name: String,
+    state: Mutex<State>,
+    news: Condvar,
+}
+
+/// What is shown.
+#[derive(Debug, Clone, Default)]
+pub(super) struct State {
+    /// Counts everything that changes.
+    pub(super) version: u64,
+    /// What is being computed; none when nothing is.
+    pub(super) doing: Option<String>,
+    /// The last run that succeeded.
+    pub(super) last: Option<Arc<Shot>>,
+    /// The one before it.
+    pub(super) before: Option<Arc<Shot>>,
+    /// The run that others are compared with.
+    pub(super) pinned: Option<Arc<Shot>>,
+    /// Why what was saved last has no result.
+    pub(super) failure: Option<String>,
+    /// What the user should know about the design of the last run.
+    pub(super) warnings: Vec<String>,
+    /// The report of the last run, and how many there have been.
+    pub(super) report: Option<(u32, Arc<str>)>,
+}
+
+impl Board {
+    /// Without a result yet.
+    pub fn new(name: String) -> Self {
+        Self {
+            name,
+            state: Mutex::default(),
+            news: Condvar::new(),
+        }
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Changes what is shown, and says so to all who wait.
+    fn change(&self, change: impl FnOnce(&mut State)) {
+        let mut state = self.state();
+        change(&mut state);
+        state.version += 1;
+        self.news.notify_all();
+    }
+
+    /// Something is being computed.
+    pub fn begin(&self, what: &str) {
+        self.change(|state| state.doing = Some(what.to_owned()));
+    }
+
+    /// Nothing is being computed any more.
+    pub fn rest(&self) {
+        self.change(|state| state.doing = None);
+    }
+
+    /// A run has succeeded; what has changed since the one before it and since the pinned one.
+    pub fn show(&self, shot: Shot, warnings: Vec<String>, report: String) -> [Option<Differences>; 2] {
+        let shot = Arc::new(shot);
+        self.change(|state| {
+            let number = state.report.as_ref().map_or(0, |(number, _)| *number);
+            state.before = state.last.replace(shot);
+            state.report = Some((number + 1, report.into()));
+            (state.doing, state.failure, state.warnings) = (None, None, warnings);
+        });
+        self.state().differences()
+    }
+
+    /// The report of the last run has become another.
+    pub fn amend(&self, report: String) {
+        self.change(|state| {
+            let number = state.report.as_ref().map_or(0, |(number, _)| *number);
+            state.report = Some((number + 1, report.into()));
+        });
+    }
+
+    /// What was saved has no result; the last one stays.
+    pub fn fail(&self, message: String) {
+        self.change(|state| (state.doing, state.failure) = (None, Some(message)));
+    }
+
+    /// Compares later runs with the last one, or no longer.
+    pub fn pin(&self, pin: bool) {
+        self.change(|state| state.pinned = state.last.clone().filter(|_| pin));
+    }
+
+    /// The state when it is no longer of this version, or after a while.
+    pub(super) fn wait(&self, version: u64, most: Duration) -> State {
+        let same = |state: &mut State| state.version == version;
+        let waited = self.news.wait_timeout_while(self.state(), most, same);
+        waited.unwrap_or_else(PoisonError::into_inner).0.clone()
+    }
+
+    /// The state as it is.
+    pub(super) fn now(&self) -> State {
+        self.state().clone()
+    }
+
+    /// Lets all who wait look again.
+    pub(super) fn wake(&self) {
+        self.change(|_| {});
+    }
+}
+
+impl State {
+    /// What has changed from the run before to the last one, and from the pinned one.
+    pub(super) fn differences(&self) -> [Option<Differences>; 2] {
+        let pinned = self.pinned.as_ref();
+        [self.before.as_ref(), pinned].map(|other| Some(self.last.as_ref()?.differences(other?)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shot(number: u32) -> Shot {
+        Shot {
+            number,
+            seconds: 1.0,
+            values: Vec::new(),
+            levels: Vec::new(),
+            failed: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_failure_keeps_the_last_result_until_the_next() {
+        let board = Board::new("own".to_owned());
+        board.show(shot(1), Vec::new(), "one".to_owned());
+        board.fail("wrong unit".to_owned());
+        let state = board.now();
+        assert_eq!(state.report, Some((1, "one".into())));
+        assert_eq!(state.failure.as_deref(), Some("wrong unit"));
+        board.show(shot(2), Vec::new(), "two".to_owned());
+        assert_eq!(
+            (board.now().failure, board.now().report),
+            (None, Some((2, "two".into())))
+        );
+    }
+
+    #[test]
+    fn runs_are_compared_with_the_one_before_and_the_pinned_one() {
+        let board = Board::new("own".to_owned());
+        let from = |found: [Option<Differences>; 2]| found.map(|found| found.map(|found| found.from));
+        assert_eq!(from(board.show(shot(1), Vec::new(), String::new())), [None, None]);
+        board.pin(true);
+        assert_eq!(from(board.show(shot(2), Vec::new(), String::new())), [Some(1), Some(1)]);
+        assert_eq!(from(board.show(shot(3), Vec::new(), String::new())), [Some(2), Some(1)]);
+        board.pin(false);
+        assert_eq!(from(board.now().differences()), [Some(2), None]);
+    }
+
+    #[test]
+    fn who_waits_is_woken_by_news_alone() {
+        let board = Board::new("own".to_owned());
+        let none = board.wait(0, Duration::from_millis(10));
+        assert_eq!(none.version, 0);
+        std::thread::scope(|scope| {
+            let waiting = scope.spawn(|| board.wait(0, Duration::from_secs(60)).version);
+            board.begin("modes");
+            assert_eq!(waiting.join().ok(), Some(1));
+        });
+    }
+}

@@ -1,0 +1,154 @@
+//! What a browser asks for, and whether it may.
+//!
+//! Any page that a user opens may send requests to this machine. An answer therefore takes the token, which only the command
+//! shows to its user; the address of this server as host, which a name that another one made point here is not; and an origin
+//! that is this server or none.
+
+use std::io::{self, ErrorKind, Read};
+
+use rand::TryRng as _;
+use rand::rngs::SysRng;
+
+/// Longest head of a request \[byte\].
+const LONGEST: usize = 16 << 10;
+
+/// Most headers of a request.
+const HEADERS: usize = 64;
+
+/// The head of a request.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Request {
+    pub(super) method: String,
+    pub(super) path: String,
+    headers: Vec<(String, String)>,
+}
+
+impl Request {
+    /// Reads a head; none where the connection ends before.
+    ///
+    /// # Errors
+    /// Those of the connection; [`ErrorKind::InvalidData`] for what is no head of HTTP 1, or too long.
+    pub(super) fn read(from: &mut impl Read) -> io::Result<Option<Self>> {
+        let (mut bytes, mut part) = (Vec::new(), [0; 2048]);
+        loop {
+            let count = from.read(&mut part)?;
+            if count == 0 {
+                return Ok(None);
+            }
+            bytes.extend_from_slice(&part[..count]);
+            if let Some(request) = Self::parse(&bytes)? {
+                return Ok(Some(request));
+            }
+            if bytes.len() > LONGEST {
+                return Err(ErrorKind::InvalidData.into());
+            }
+        }
+    }
+
+    /// The head in bytes that begin with one; none where it is not complete.
+    fn parse(bytes: &[u8]) -> io::Result<Option<Self>> {
+        let mut headers = [httparse::EMPTY_HEADER; HEADERS];
+        let mut request = httparse::Request::new(&mut headers);
+        let wrong = |error| io::Error::new(ErrorKind::InvalidData, error);
+        if request.parse(bytes).map_err(wrong)?.is_partial() {
+            return Ok(None);
+        }
+        let text = |value: &[u8]| String::from_utf8_lossy(value).into_owned();
+        let header = |header: &httparse::Header<'_>| (header.name.to_ascii_lowercase(), text(header.value));
+        Ok(Some(Self {
+            method: request.method.unwrap_or_default().to_owned(),
+            path: request.path.unwrap_or_default().to_owned(),
+            headers: request.headers.iter().map(header).collect(),
+        }))
+    }
+
+    /// All values of a header.
+    fn header<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a str> {
+        let own = self.headers.iter().filter(move |(own, _)| own == name);
+        own.map(|(_, value)| value.as_str())
+    }
+
+    /// What is asked for behind the token, if the request may have an answer of the server at `host`.
+    pub(super) fn admitted(&self, host: &str, token: &str) -> Option<&str> {
+        let mut hosts = self.header("host");
+        let own_host = hosts.next() == Some(host) && hosts.next().is_none();
+        let own_origin = self
+            .header("origin")
+            .all(|origin| origin.strip_prefix("http://") == Some(host));
+        // What the browser itself says of the page that asks; `none` is the user.
+        let own_site = self
+            .header("sec-fetch-site")
+            .all(|site| ["same-origin", "none"].contains(&site));
+        let (given, rest) = self.path.strip_prefix('/')?.split_once('/')?;
+        (own_host && own_origin && own_site && same(given, token)).then_some(rest)
+    }
+}
+
+/// Whether two texts are the same, in a time that does not say how much of them is.
+fn same(given: &str, token: &str) -> bool {
+    let differences = given.bytes().zip(token.bytes()).fold(0, |all, (a, b)| all | (a ^ b));
+    given.len() == token.len() && differences == 0
+}
+
+/// A token that nobody can guess: 128 bits of the system's random numbers.
+///
+/// # Errors
+/// Where the system has none.
+pub(super) fn token() -> io::Result<String> {
+    let mut bytes = [0u8; 16];
+    SysRng.try_fill_bytes(&mut bytes).map_err(io::Error::other)?;
+    Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HOST: &str = "127.0.0.1:4711";
+
+    fn admitted(head: &str) -> Option<String> {
+        let request = Request::read(&mut head.as_bytes()).expect("a head").expect("whole");
+        request.admitted(HOST, "secret").map(str::to_owned)
+    }
+
+    #[test]
+    fn the_users_own_request_is_admitted() {
+        let head = "GET /secret/report HTTP/1.1\r\nHost: 127.0.0.1:4711\r\n";
+        assert_eq!(admitted(&format!("{head}\r\n")).as_deref(), Some("report"));
+        assert!(admitted(&format!("{head}Sec-Fetch-Site: none\r\n\r\n")).is_some());
+        assert!(admitted(&format!("{head}Origin: http://127.0.0.1:4711\r\n\r\n")).is_some());
+    }
+
+    #[test]
+    fn foreign_hosts_origins_and_tokens_are_not() {
+        for head in [
+            "GET /other/ HTTP/1.1\r\nHost: 127.0.0.1:4711\r\n\r\n",
+            "GET /secre/ HTTP/1.1\r\nHost: 127.0.0.1:4711\r\n\r\n",
+            "GET /secrets/ HTTP/1.1\r\nHost: 127.0.0.1:4711\r\n\r\n",
+            "GET / HTTP/1.1\r\nHost: 127.0.0.1:4711\r\n\r\n",
+            "GET /secret HTTP/1.1\r\nHost: 127.0.0.1:4711\r\n\r\n",
+            "GET /secret/ HTTP/1.1\r\n\r\n",
+            "GET /secret/ HTTP/1.1\r\nHost: evil.example:4711\r\n\r\n",
+            "GET /secret/ HTTP/1.1\r\nHost: 127.0.0.1:4711\r\nHost: evil.example\r\n\r\n",
+            "GET /secret/ HTTP/1.1\r\nHost: 127.0.0.1:4711\r\nOrigin: http://evil.example\r\n\r\n",
+            "GET /secret/ HTTP/1.1\r\nHost: 127.0.0.1:4711\r\nOrigin: null\r\n\r\n",
+            "GET /secret/ HTTP/1.1\r\nHost: 127.0.0.1:4711\r\nSec-Fetch-Site: cross-site\r\n\r\n",
+            "GET /secret/ HTTP/1.1\r\nHost: 127.0.0.1:4711\r\nSec-Fetch-Site: same-site\r\n\r\n",
+        ] {
+            assert_eq!(admitted(head), None, "{head}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_head_or_has_no_end_is_refused() {
+        assert!(Request::read(&mut &b"\x16\x03\x01 hello\r\n\r\n"[..]).is_err());
+        assert!(Request::read(&mut io::repeat(b'a')).is_err());
+        assert_eq!(Request::read(&mut &b"GET /secret/ HT"[..]).ok(), Some(None));
+    }
+
+    #[test]
+    fn no_token_is_given_twice() {
+        let (one, other) = (token().expect("numbers"), token().expect("numbers"));
+        assert!(one != other && one.len() == 32);
+    }
+}

@@ -1,0 +1,122 @@
+//! What one run of a design has come to, as far as it is compared with others.
+
+use crate::design::Design;
+use crate::result::RunResult;
+
+/// A finished run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shot {
+    /// Its number, from 1.
+    pub number: u32,
+    /// How long it took \[s\].
+    pub seconds: f64,
+    /// Every key with its value in a readable unit.
+    pub values: Vec<(String, String)>,
+    /// A-weighted levels of the total and of the sources in the order of the ranking \[dB re 1 pW s\]; none where silent.
+    pub levels: Vec<(String, Option<f64>)>,
+    /// Checks that failed.
+    pub failed: Vec<String>,
+}
+
+impl Shot {
+    /// The run of a design.
+    pub fn new(number: u32, seconds: f64, design: &Design, result: &RunResult) -> Self {
+        let sources = result.ranking.iter().map(|own| (own.source.clone(), own.lwa_db));
+        let failed = result.checks.iter().filter(|check| !check.ok);
+        Self {
+            number,
+            seconds,
+            values: design.in_words(),
+            levels: std::iter::once(("total".to_owned(), result.total.lwa_db))
+                .chain(sources)
+                .collect(),
+            failed: failed.map(|check| check.name.clone().into_owned()).collect(),
+        }
+    }
+
+    /// Level of a source or of the total \[dB\].
+    pub fn level(&self, name: &str) -> Option<f64> {
+        self.levels.iter().find(|(own, _)| own == name)?.1
+    }
+
+    /// What differs in this run from an earlier one.
+    pub fn differences(&self, before: &Self) -> Differences {
+        let value = |shot: &Self, key: &str| {
+            let own = shot.values.iter().find(|(own, _)| own == key);
+            own.map(|(_, value)| value.clone())
+        };
+        let new = self.values.iter().map(|(key, _)| key);
+        // Members of lists may go.
+        let gone = before
+            .values
+            .iter()
+            .map(|(key, _)| key)
+            .filter(|key| value(self, key).is_none());
+        let changed = new.chain(gone).filter_map(|key| {
+            let [old, new] = [before, self].map(|shot| value(shot, key));
+            let shown = |value: Option<String>| value.unwrap_or_else(|| "none".to_owned());
+            (old != new).then(|| (key.clone(), shown(old), shown(new)))
+        });
+        let change = |(name, now): &(String, Option<f64>)| {
+            let change = now.zip(before.level(name)).map(|(now, before)| now - before);
+            (name.clone(), change)
+        };
+        Differences {
+            from: before.number,
+            values: changed.collect(),
+            levels: self.levels.iter().map(change).collect(),
+        }
+    }
+}
+
+/// What differs between two runs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Differences {
+    /// Number of the earlier run.
+    pub from: u32,
+    /// Keys with their values before and now.
+    pub values: Vec<(String, String, String)>,
+    /// Changes of the levels of the total and of the sources \[dB\]; none where one of the two is silent.
+    pub levels: Vec<(String, Option<f64>)>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shot(number: u32, values: &[(&str, &str)], total: Option<f64>) -> Shot {
+        let values = values
+            .iter()
+            .map(|(key, value)| ((*key).to_owned(), (*value).to_owned()));
+        Shot {
+            number,
+            seconds: 1.0,
+            values: values.collect(),
+            levels: vec![("total".to_owned(), total)],
+            failed: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn values_that_change_come_and_go_are_named() {
+        let before = shot(1, &[("a", "1 m"), ("b", "2"), ("gone", "3")], Some(100.0));
+        let now = shot(2, &[("a", "4 m"), ("b", "2"), ("new", "5")], Some(98.5));
+        let found = now.differences(&before);
+        let named: Vec<_> = found
+            .values
+            .iter()
+            .map(|(a, b, c)| (a.as_str(), b.as_str(), c.as_str()))
+            .collect();
+        assert_eq!(
+            named,
+            [("a", "1 m", "4 m"), ("new", "none", "5"), ("gone", "3", "none")]
+        );
+        assert_eq!(found.levels, [("total".to_owned(), Some(-1.5))]);
+    }
+
+    #[test]
+    fn a_silent_level_has_no_change() {
+        let found = shot(2, &[], None).differences(&shot(1, &[], Some(90.0)));
+        assert_eq!(found.levels, [("total".to_owned(), None)]);
+    }
+}

@@ -1,0 +1,273 @@
+//! `nailnoise watch`: every save reaches the page, what is broken keeps the last result, and nobody else is answered.
+
+use std::fs;
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::net::TcpStream;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::common::{ROOT, SMALL, command, folder};
+
+/// How long anything may take on a machine that does other things as well.
+const PATIENCE: Duration = Duration::from_secs(300);
+
+/// A design of its own that is watched, and the news of its page.
+struct Watched {
+    design: PathBuf,
+    process: Child,
+    /// `127.0.0.1:PORT`.
+    host: String,
+    token: String,
+    news: BufReader<TcpStream>,
+}
+
+impl Watched {
+    fn start(name: &str) -> Self {
+        let folder = folder(name);
+        let design = folder.join("own.toml");
+        fs::write(
+            folder.join("between.toml"),
+            format!("base = {:?}\n", Path::new(ROOT).join(SMALL)),
+        )
+        .unwrap();
+        fs::write(&design, text("690 kPa")).unwrap();
+        let mut process = command(&["watch", design.to_str().unwrap()])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let mut address = String::new();
+        let mut output = BufReader::new(process.stdout.take().unwrap());
+        output.read_line(&mut address).unwrap();
+        // What it prints later is read, so that it never waits for a reader.
+        std::thread::spawn(move || std::io::copy(&mut output, &mut std::io::sink()));
+        let address = address.trim().strip_prefix("http://").unwrap();
+        let (host, token) = address.trim_end_matches('/').split_once('/').unwrap();
+        let (host, token) = (host.to_owned(), token.to_owned());
+        let mut stream = TcpStream::connect(&host).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        write!(stream, "GET /{token}/events HTTP/1.1\r\nHost: {host}\r\n\r\n").unwrap();
+        let news = BufReader::new(stream);
+        Self {
+            design,
+            process,
+            host,
+            token,
+            news,
+        }
+    }
+
+    /// The first news that are as they should be.
+    #[track_caller]
+    fn until(&mut self, what: &str, wanted: impl Fn(&Value) -> bool) -> Value {
+        let since = Instant::now();
+        let mut last = String::new();
+        while since.elapsed() < PATIENCE {
+            let mut line = String::new();
+            self.news.read_line(&mut line).unwrap();
+            let Some(data) = line.strip_prefix("data: ") else {
+                continue;
+            };
+            let news: Value = serde_json::from_str(data).unwrap();
+            if wanted(&news) {
+                return news;
+            }
+            last = line;
+        }
+        panic!("no news of {what}; the last: {last}");
+    }
+
+    /// The news of a run that succeeded, whose bar names this value.
+    #[track_caller]
+    fn shown(&mut self, value: &str) -> Value {
+        let end = format!("\u{2192} {value}");
+        self.until(value, |news| {
+            news["failure"].is_null() && news["bar"].as_str().unwrap().contains(&end)
+        })
+    }
+
+    /// Status and body of the answer to a request with these headers.
+    fn ask(&self, method: &str, path: &str, headers: &str) -> (u16, String) {
+        let mut stream = TcpStream::connect(&self.host).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        write!(stream, "{method} {path} HTTP/1.1\r\n{headers}\r\n").unwrap();
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).unwrap();
+        let (head, body) = answer.split_once("\r\n\r\n").unwrap();
+        (head.split(' ').nth(1).unwrap().parse().unwrap(), body.to_owned())
+    }
+
+    /// What the user's own browser gets.
+    fn page(&self, path: &str) -> (u16, String) {
+        self.ask(
+            "GET",
+            &format!("/{}/{path}", self.token),
+            &format!("Host: {}\r\n", self.host),
+        )
+    }
+}
+
+impl Drop for Watched {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+fn text(pressure: &str) -> String {
+    format!("base = \"between.toml\"\nsupply.pressure = \"{pressure}\"\n")
+}
+
+/// Ways in which editors save.
+const WAYS: [fn(&Path, &str); 4] = [
+    |path, text| fs::write(path, text).unwrap(),
+    |path, text| {
+        let new = path.with_extension("toml.swp");
+        fs::write(&new, text).unwrap();
+        fs::rename(new, path).unwrap();
+    },
+    |path, text| {
+        fs::remove_file(path).unwrap();
+        std::thread::sleep(Duration::from_millis(30));
+        fs::write(path, text).unwrap();
+    },
+    |path, text| {
+        let (half, rest) = text.split_at(text.len() / 2);
+        let mut file = fs::File::create(path).unwrap();
+        file.write_all(half.as_bytes()).unwrap();
+        std::thread::sleep(Duration::from_millis(150));
+        file.write_all(rest.as_bytes()).unwrap();
+    },
+];
+
+/// What is no design, and what the page says of it.
+const BROKEN: [(&str, &str); 4] = [
+    ("supply.pressure = \"600 ", "own.toml:1"),
+    ("base = \"between.toml\"\nsupply.presure = 1\n", "supply.pressure"),
+    ("base = \"between.toml\"\nsupply.pressure = \"3 mm\"\n", "wrong unit"),
+    ("base = \"beneath.toml\"\n", "beneath.toml"),
+];
+
+#[test]
+fn every_save_reaches_the_page_and_what_is_broken_keeps_the_last_result() {
+    let mut watched = Watched::start("watch-saves");
+    watched.until("the first run", |news| !news["report"].is_null());
+    let design = watched.design.clone();
+    for (turn, (save, (broken, message))) in WAYS.iter().zip(BROKEN).enumerate() {
+        let pressure = format!("70{turn} kPa");
+        save(&design, &text(&pressure));
+        let news = watched.shown(&pressure);
+        assert!(news["title"].as_str().unwrap().contains("dB own"), "{news}");
+        let (status, report) = watched.page("report");
+        assert!(status == 200 && report.contains("<!DOCTYPE html>"));
+        save(&design, broken);
+        let failed = |news: &Value| news["failure"].as_str().is_some_and(|text| text.contains(message));
+        let news = watched.until(message, failed);
+        assert!(
+            news["bar"].as_str().unwrap().contains(&format!("\u{2192} {pressure}")),
+            "{news}"
+        );
+        assert!(watched.page("report").1 == report, "the last result stays");
+    }
+    // Saves that follow each other: the last one counts.
+    for turn in 0..10 {
+        WAYS[turn % 2](&design, &text(&format!("71{turn} kPa")));
+    }
+    watched.shown("719 kPa");
+    // A base is a file of the design as well.
+    let base = design.with_file_name("between.toml");
+    let changed = fs::read_to_string(&base).unwrap() + "exhaust.holes = 4\n";
+    fs::write(base, changed).unwrap();
+    watched.shown("4");
+}
+
+#[test]
+fn a_pinned_run_is_compared_with() {
+    let mut watched = Watched::start("watch-pin");
+    watched.until("the first run", |news| {
+        !news["report"].is_null() && news["status"].as_str().unwrap().contains("run 1")
+    });
+    let (host, pin) = (
+        format!("Host: {}\r\nContent-Length: 0\r\n", watched.host),
+        format!("/{}/pin", watched.token),
+    );
+    assert_eq!(watched.ask("POST", &pin, &host).0, 200);
+    watched.until("the pin", |news| {
+        news["bar"].as_str().unwrap().contains("run 1, pinned")
+    });
+    for pressure in ["700 kPa", "710 kPa"] {
+        fs::write(&watched.design, text(pressure)).unwrap();
+        watched.shown(pressure);
+    }
+    let bar = watched.page("").1;
+    assert!(
+        bar.contains("from run 2") && bar.contains("from run 1, pinned"),
+        "{bar}"
+    );
+    assert!(
+        bar.contains("690 kPa \u{2192} 710 kPa") && bar.contains("700 kPa \u{2192} 710 kPa"),
+        "{bar}"
+    );
+}
+
+#[test]
+fn nobody_else_is_answered() {
+    let watched = Watched::start("watch-others");
+    let (host, token) = (&watched.host, &watched.token);
+    let own = format!("Host: {host}\r\n");
+    assert_eq!(watched.page("").0, 200);
+    assert_eq!(
+        watched
+            .ask("GET", &format!("/{token}/"), &format!("{own}Origin: http://{host}\r\n"))
+            .0,
+        200
+    );
+    let port = host.split_once(':').unwrap().1;
+    for path in ["", "report", "events", "watch.js"] {
+        let path = format!("/{token}/{path}");
+        for headers in [
+            String::new(),
+            format!("Host: nailnoise.example:{port}\r\n"),
+            format!("Host: localhost:{port}\r\n"),
+            format!("{own}Origin: http://nailnoise.example\r\n"),
+            format!("{own}Origin: null\r\n"),
+            format!("{own}Sec-Fetch-Site: cross-site\r\n"),
+        ] {
+            let (status, body) = watched.ask("GET", &path, &headers);
+            assert!(
+                status == 403 && !body.contains(token.as_str()),
+                "{path} {headers}: {status} {body}"
+            );
+        }
+    }
+    let other: String = token.chars().rev().collect();
+    for path in [
+        "/".to_owned(),
+        format!("/{other}/"),
+        format!("/{}/", &token[1..]),
+        format!("/{other}/events"),
+    ] {
+        assert_eq!(watched.ask("GET", &path, &own).0, 403, "{path}");
+    }
+    let foreign = format!("{own}Origin: http://nailnoise.example\r\nContent-Length: 0\r\n");
+    assert_eq!(watched.ask("POST", &format!("/{token}/pin"), &foreign).0, 403);
+    assert_eq!(watched.page("other").0, 404);
+}
+
+#[test]
+#[cfg(unix)]
+fn an_interruption_ends_command_and_page() {
+    let mut watched = Watched::start("watch-end");
+    watched.until("the first run", |news| !news["report"].is_null());
+    let number = watched.process.id().to_string();
+    let sent = std::process::Command::new("kill")
+        .args(["-INT", &number])
+        .status()
+        .unwrap();
+    assert!(sent.success());
+    assert_eq!(watched.process.wait().unwrap().code(), Some(130));
+    assert!(TcpStream::connect(&watched.host).is_err());
+}
