@@ -135,6 +135,48 @@ fn the_gains_of_two_fittings_are_those_of_the_table() {
 }
 
 #[test]
+fn the_resonances_of_two_fittings_are_those_of_the_table() {
+    // |H|^2 at f_r; its maximum, and where; maximum of the gain; half-power width; int |H|^2 df over f_r/2 .. 3 f_r/2 and
+    // 2 f_r/(r + M).
+    for (pipe, f0, [at_resonance, maximum, maximum_hz, gain, width, integral, closed]) in [
+        (
+            fitting(0.1, 0.052, 0.05),
+            740.00,
+            [162.88, 163.30, 741.24, 21.967, 72.99, 17727.0, 18549.0],
+        ),
+        (
+            fitting(0.16, 0.102, 0.02),
+            448.56,
+            [272.16, 273.24, 450.49, 24.175, 34.06, 14027.0, 14443.0],
+        ),
+    ] {
+        let (air, f_r) = (air(), resonance(&pipe));
+        let impedance = |hz: f64| OpenEnd::new(PI * hz / 343.2 * pipe.diameter).unwrap().impedance;
+        let density = |hz: f64| pipe.flow_ratio(hz, impedance(hz) + pipe.outlet_mach, &air).norm_sqr();
+        let near = |found: f64, expected: f64, tolerance: f64| {
+            assert!((found - expected).abs() < tolerance, "{found} for {expected}");
+        };
+        near(343.2 / (4.0 * (pipe.length + 0.306_65 * pipe.diameter)), f0, 0.005);
+        near(density(f_r), at_resonance, 0.006);
+        let df = 0.02;
+        let grid: Vec<(f64, f64)> = (0..)
+            .map(|i| 0.5 * f_r + (f64::from(i) + 0.5) * df)
+            .take_while(|hz| *hz < 1.5 * f_r)
+            .map(|hz| (hz, density(hz)))
+            .collect();
+        let (peak_hz, peak) = grid.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+        near(peak, maximum, 0.006);
+        near(peak_hz, maximum_hz, df);
+        let largest = grid.iter().map(|(hz, _)| pipe.gain(*hz, &air).unwrap()).fold(0.0, f64::max);
+        near(10.0 * largest.log10(), gain, 6e-4);
+        let above = grid.iter().filter(|(_, value)| *value > 0.5 * peak).count();
+        near(above as f64 * df, width, 2.0 * df);
+        near(grid.iter().map(|(_, value)| value * df).sum(), integral, 1.0);
+        near(2.0 * f_r / (impedance(f_r).re + pipe.outlet_mach), closed, 1.0);
+    }
+}
+
+#[test]
 fn the_resonance_carries_the_energy_of_its_closed_form() {
     // int |H|^2 df over f/2 .. 3 f/2 against 2 f_r/(r + M), with r = 0 and x = tan(0.6133 ka).
     let air = air();

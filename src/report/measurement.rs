@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::chart::markup;
 use super::page::{Page, Section};
-use super::tables::decibels;
+use super::tables::{decibels, with_code};
 use crate::figures::Chart;
 use crate::measurement::repeats::RepeatedLevel;
 use crate::measurement::result::{MeasuredConfiguration, MeasurementResult};
@@ -38,7 +38,7 @@ pub(super) fn page(result: &MeasurementResult, charts: &[Chart]) -> Page {
         title: format!("{}: measurement", result.manifest),
         compared: None,
         heading: format!("{}: what the test measured", result.manifest),
-        lead: html! { @if !result.notes.is_empty() { ul { @for note in &result.notes { li { (note) } } } } },
+        lead: html! { @if !result.notes.is_empty() { ul { @for note in &result.notes { li { (with_code(note)) } } } } },
         sections,
     }
 }

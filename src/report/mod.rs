@@ -291,7 +291,7 @@ fn ranking(result: &RunResult) -> Markup {
                 a href="#methods" { "Methods" } " says how each was computed, of which parts it consists, and what limits it."
             }
         }
-        ul.notes { @for note in &result.notes { li { (note) } } }
+        ul.notes { @for note in &result.notes { li { (tables::with_code(note)) } } }
     }
 }
 
@@ -307,7 +307,7 @@ fn methods(result: &RunResult, value: &serde_json::Value) -> Markup {
         }
         details {
             summary { "Notes on methods, their ranges and limits" }
-            ul.notes { @for note in &result.method_notes { li { (note) } } }
+            ul.notes { @for note in &result.method_notes { li { (tables::with_code(note)) } } }
         }
     }
 }

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::chart::markup;
 use super::page::{Page, Section};
-use super::tables::decibels;
+use super::tables::{decibels, with_code};
 use crate::figures::Chart;
 use crate::study::{Estimate, LevelStudy, StudyResult};
 
@@ -55,7 +55,7 @@ fn lead(result: &StudyResult) -> Markup {
     html! {
         p { (result.draws) " draws, " (structures) ", seed " (result.seed)
             ". Beside each estimate: half of its 90 % interval over resampled draws." }
-        ul { @for note in &result.notes { li { (note) } } }
+        ul { @for note in &result.notes { li { (with_code(note)) } } }
     }
 }
 

@@ -82,11 +82,17 @@ pub(super) fn interval_of(what: &str) -> Markup {
     PreEscaped(format!("<!-- interval: {what} -->"))
 }
 
+/// A line of plain text whose words between backticks are code.
+pub(super) fn with_code(line: &str) -> Markup {
+    let parts = line.split('`').enumerate();
+    html! { @for (place, part) in parts { @if place % 2 == 1 { code { (part) } } @else { (part) } } }
+}
+
 /// The report of a run with the intervals of its levels.
 pub(super) fn with_intervals(report: &str, intervals: &Intervals) -> String {
     let cells = |row: &[String; 3]| (row[0].clone(), html! { @for cell in &row[1..] { td.n { (cell) } } });
     let headings = html! { @for heading in &intervals.headings { th.n { (heading) } } };
-    let legend = html! { @for line in intervals.legend.trim().lines() { p.quiet { (line.trim()) } } };
+    let legend = html! { @for line in intervals.legend.trim().lines() { p.quiet { (with_code(line.trim())) } } };
     let row = |source: &str| intervals.rows.iter().find(|row| row[0] == source);
     let heading = |place: usize| intervals.headings[place].trim_end_matches(" dB");
     let total = html! { @if let Some(row) = row("total") { "; " (heading(0)) " " (row[1]) " dB" } };
