@@ -532,6 +532,12 @@ group! {
         room_absorption: f64 = nonnegative(AREA), "A";
         /// Steady A-weighted sound pressure level of the background at the microphones, in dB; 0 for none.
         background_level: f64 = nonnegative(NUMBER).within(0.0, 200.0), "L_B";
+        /// Operator's ear: distance from the axis of driving along the workpiece's length.
+        ear_along: f64 = any(LENGTH).within(-5.0, 5.0), "";
+        /// Operator's ear: distance from the axis of driving across the workpiece's width.
+        ear_across: f64 = any(LENGTH).within(-5.0, 5.0), "";
+        /// Operator's ear: height above the workpiece's upper face.
+        ear_height: f64 = positive(LENGTH).within(0.1, 5.0), "";
     }
 }
 
