@@ -16,7 +16,7 @@ use crate::error::Error;
 use crate::graph::{Graph, first_cause};
 use crate::output::{BodyFields, Exports, Fields, File};
 use crate::report::{self, BodyPictures, Pictures, Recording};
-use crate::result::Check;
+use crate::result::{Check, Declaration, EarReport};
 use crate::run::Run;
 use crate::stages::{Digest, Postcard, Progress, Stage, Stored};
 use crate::staging::{self, Staging};
@@ -59,6 +59,8 @@ pub struct Text {
     pub between: String,
     /// Notes on the shot and on sources.
     pub notes: Vec<String>,
+    /// Levels of a declaration, and those at the operator's ear.
+    pub declared: (Declaration, EarReport),
     /// What stands behind the notes.
     pub after: String,
     /// The parts of the sources.

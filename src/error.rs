@@ -518,6 +518,24 @@ pub enum Error {
         /// What should be.
         expected: String,
     },
+    /// A name that a list does not have.
+    #[error("there is no \"{name}\" among the {list} that nailnoise knows")]
+    #[diagnostic(help("{}`nailnoise list {list}` prints all names", nearest.as_ref().map_or_else(String::new, |near| format!("is it \"{near}\"? "))))]
+    UnknownName {
+        /// The list.
+        list: &'static str,
+        /// The name given.
+        name: String,
+        /// The name most like it, if one is near.
+        nearest: Option<String>,
+    },
+    /// A name for a list that is printed as a whole.
+    #[error("{list} are listed as a whole")]
+    #[diagnostic(help("leave the name out: `nailnoise list tables`; `nailnoise list woods NAME` prints one wood"))]
+    ListName {
+        /// The lists.
+        list: &'static str,
+    },
     /// The thread pool could not be started.
     #[error("the thread pool cannot be started")]
     #[diagnostic(help("choose a smaller --threads N"))]

@@ -12,6 +12,7 @@ pub mod chain;
 pub mod commands;
 pub mod comparison;
 pub mod cost;
+pub mod declaration;
 pub mod design;
 mod error;
 pub mod figures;

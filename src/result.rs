@@ -52,6 +52,10 @@ pub struct RunResult {
     pub transducers: Vec<TransducerRange>,
     /// What microphones around the device measure, beside what is radiated.
     pub microphones: MicrophoneReport,
+    /// Emission sound pressure at the operator's ear, for a declaration.
+    pub ear: EarReport,
+    /// The levels of a declaration.
+    pub declaration: Declaration,
     /// Checks of every stage.
     pub checks: Vec<Check>,
     /// What a reader must know of the shot, of the values of the design, and of sources of which there is only an estimate.
@@ -181,6 +185,39 @@ pub struct MicrophoneReport {
     pub sources: Vec<ReceivedSource>,
     /// All sources at once, in the design's room with its background.
     pub total: ArrayMeasurement,
+}
+
+/// Levels of a declaration in the dual-number form of ISO 4871, each rounded to the nearest decibel. K is one for all of them: that
+/// of the sound power, as no study draws the directivity.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Declaration {
+    /// L_WA,1s \[dB re 1 pW s\]; null when silent.
+    pub lwa_1s_db: Option<i32>,
+    /// L_pA,1s at the operator's ear \[dB re 20 uPa\]; null when silent.
+    pub lpa_1s_db: Option<i32>,
+    /// L_pC,peak there \[dB re 20 uPa\]; null when silent, or where `ear.not_stated` says why.
+    pub lpc_peak_db: Option<i32>,
+    /// K = 1.645 sigma over the draws of a study or screening, inputs and methods \[dB\]; null while there is none.
+    pub k_db: Option<i32>,
+    /// Where sigma comes from; null while there is none.
+    pub k_basis: Option<String>,
+}
+
+/// Emission sound pressure of all sources at the operator's ear, without room and background.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct EarReport {
+    /// The ear relative to the middle of the block's underside, z up \[m\].
+    pub position_m: [f64; 3],
+    /// A-weighted level L_pA,1s of one shot over 1 s \[dB re 20 uPa\]; null when silent.
+    pub lpa_1s_db: Option<f64>,
+    /// Part of that exposure which lies outside the ranges over which pressures are known; it is spread evenly \[-\].
+    pub spread_share: f64,
+    /// C-weighted peak level L_pC,peak \[dB re 20 uPa\]; null when silent, or not stated.
+    pub lpc_peak_db: Option<f64>,
+    /// The same over the ranges in which pressures are known \[dB re 20 uPa\]; null when silent.
+    pub lpc_peak_known_db: Option<f64>,
+    /// Why L_pC,peak is not stated; null where it is.
+    pub not_stated: Option<String>,
 }
 
 /// A source at the microphones.

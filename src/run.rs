@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use nailnoise_acoustics::levels::SourceSpectrum;
+use nailnoise_acoustics::levels::{SourceSpectrum, level_energy};
 use nailnoise_dynamics::CycleRecord;
 
 use crate::chain::{Chain, Options};
+use crate::declaration;
 use crate::design::inputs::{self, located};
 use crate::design::{Design, SupportKind};
 use crate::error::Error;
@@ -140,7 +141,11 @@ impl Chain {
             let room = inputs::microphones::room(design);
             let parts = [cap, vent].map(|part| part.map(|part| &part.received));
             let [exhaust, body] = received([&exhaust.received, &body.received], parts);
-            inputs::microphones::array(design)?.measurement(&room, [&workpiece.received, &exhaust, &body], end)
+            inputs::microphones::array(design)?.measurement(
+                &room,
+                [&workpiece.received, &exhaust, &body],
+                (end, level_energy(total.lwa_db)),
+            )
         })?;
         let powers = ranking::powers(&ranking, &sources, end);
         let interval_checks = ranking::interval_checks(&ranking, &sources, design.acoustics.bem_tolerance);
@@ -187,6 +192,8 @@ impl Chain {
             sensors: sensors.iter().map(SensorRecord::level).collect(),
             transducers: transducers.iter().map(PressureRecord::range).collect(),
             microphones: microphones.report.clone(),
+            ear: microphones.ear.clone(),
+            declaration: declaration::declaration(total.lwa_db, &microphones.ear),
             checks,
             notes: notes.shot,
             method_notes: notes.methods,

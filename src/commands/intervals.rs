@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use super::table::decibels;
 use crate::bundle::Text;
+use crate::declaration;
 use crate::design::Design;
 use crate::error::Error;
 use crate::report::Intervals;
@@ -73,8 +74,16 @@ pub(super) fn of_report(study: &StudyResult, text: &Text) -> Intervals {
     Intervals {
         headings: headings(study),
         rows: text.rows.iter().map(row).collect(),
-        legend: legend(study).replace(";\n", ";").replace(",\n   ", ","),
+        legend: (legend(study) + &uncertainty(study))
+            .replace(";\n", ";")
+            .replace(",\n   ", ","),
     }
+}
+
+/// K of a declaration in words.
+fn uncertainty(study: &StudyResult) -> String {
+    let of = |(k, basis)| format!("  declaration: K = {k} dB (1.645 sigma, {basis})\n");
+    declaration::uncertainty(study).map(of).unwrap_or_default()
 }
 
 /// Levels over the draws: P5 .. P95, or the lowest and the highest.

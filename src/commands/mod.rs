@@ -24,6 +24,7 @@ mod explain;
 mod faults;
 mod init;
 mod intervals;
+mod list;
 mod manual;
 mod measure;
 mod mesh;
@@ -121,6 +122,8 @@ enum Command {
     Test(test::Arguments),
     /// Levels of the sources from the recordings of a wrapping test
     Measure(measure::Arguments),
+    /// Print the woods, nails, worktables and designs that the program knows by name
+    List(list::Arguments),
     /// List, verify or clear cached results
     Cache(cache::Arguments),
     /// Print the JSON Schema of the design file, for editors, or of the result
@@ -293,6 +296,7 @@ fn execute(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Prf(arguments) => prf::execute(arguments),
         Command::Test(arguments) => test::execute(arguments),
         Command::Measure(arguments) => measure::execute(arguments),
+        Command::List(arguments) => list::execute(arguments),
         Command::Cache(arguments) => cache::execute(arguments),
         Command::Schema(arguments) => schema::execute(arguments),
         Command::Completions(arguments) => completions::execute(arguments),
@@ -434,7 +438,7 @@ mod tests {
                 assert!(has(&of(name), flag), "{name} has no --{flag}");
             }
         }
-        for name in ["mesh", "check", "cache"] {
+        for name in ["mesh", "check", "cache", "list"] {
             assert!(has(&of(name), "json"), "{name} has no --json");
         }
         assert!(

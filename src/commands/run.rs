@@ -13,6 +13,7 @@ use super::table::{decibels, table};
 use super::{Common, Keeping, message, print, progress, status_of};
 use crate::bundle::{Text, deliver};
 use crate::chain::{Chain, Options};
+use crate::declaration;
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::output::{self, Exports, event_name};
@@ -90,6 +91,15 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         {
             message(&format!("the report lacks the intervals of the levels: {error}"));
         }
+        if let Ok(study) = &study
+            && let Some(uncertainty) = declaration::uncertainty(study)
+        {
+            let path = folder.join("result.json");
+            staging::write(
+                &path,
+                declaration::with_uncertainty(&bundle.json, &uncertainty).as_bytes(),
+            )?;
+        }
         print(&with_intervals(&bundle.text, study.as_ref()))?;
         if arguments.components {
             print(&bundle.text.parts)?;
@@ -137,12 +147,19 @@ fn with_intervals(text: &Text, study: Result<&StudyResult, &String>) -> String {
         }
         Err(reason) => format!("\n  how sure these levels are is not known: {reason}\n"),
     };
+    let (mut own, ear) = text.declared.clone();
+    (own.k_db, own.k_basis) = study.ok().and_then(declaration::uncertainty).unzip();
+    let [power, peak] = declaration::lines(&own, &ear);
+    let declared = format!("\n  declared: {power}\n  {peak}\n");
     let headings: Vec<&str> = headings.iter().map(String::as_str).collect();
     let notes = match noted(notes) {
         notes if notes.is_empty() => notes,
         notes => format!("\n{notes}"),
     };
-    format!("{before}{}{legend}{between}{notes}{after}", table(&headings, &rows))
+    format!(
+        "{before}{}{legend}{declared}{between}{notes}{after}",
+        table(&headings, &rows)
+    )
 }
 
 /// The largest by a level; none where all are silent.
@@ -322,6 +339,7 @@ pub(super) fn text(run: &Run) -> Text {
         rows,
         between: text,
         notes: in_short(result),
+        declared: (result.declaration.clone(), result.ear.clone()),
         after: checked(result),
         parts: components(result),
     }

@@ -5,10 +5,7 @@ use std::str::FromStr;
 
 use toml::de::{DeTable, DeValue};
 
-use super::source::File;
-
-/// The name that stands for the command line in the places of errors and entries.
-const COMMAND_LINE: &str = "command line";
+use super::source::{COMMAND_LINE, File};
 
 /// One value for one key, as `supply.pressure=80psig`.
 ///

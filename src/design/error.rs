@@ -233,6 +233,20 @@ pub enum DesignError {
         /// Where.
         at: Box<Place>,
     },
+    /// A name that no catalogue has.
+    #[error("`{key}` is \"{found}\", which is no name that nailnoise knows")]
+    UnknownName {
+        /// Full name of the key.
+        key: String,
+        /// The name found.
+        found: String,
+        /// The name most like it, if one is near.
+        nearest: Option<String>,
+        /// The list that has all names.
+        list: &'static str,
+        /// Where.
+        at: Box<Place>,
+    },
     /// Keys that neither the file nor its bases give.
     #[error("`{key}` is missing{}", others(*count))]
     Missing {
@@ -394,6 +408,7 @@ impl DesignError {
             | Self::BadProvenance { at, .. }
             | Self::BadDistribution { at, .. }
             | Self::NoFile { at, .. }
+            | Self::UnknownName { at, .. }
             | Self::Missing { at, .. }
             | Self::Derived { at, .. }
             | Self::Conflict { at, .. } => Some(at),
@@ -485,6 +500,12 @@ impl DesignError {
                     "name it relative to the folder of this design, or write `{key} = \"\"` for the built-in geometry"
                 )
             }
+            Self::UnknownName { nearest, list, .. } => {
+                let meant = nearest
+                    .as_ref()
+                    .map_or_else(String::new, |near| format!("did you mean \"{near}\"? "));
+                format!("{meant}`nailnoise list {list}` prints all names; \"own\" is for values of your own")
+            }
             Self::Missing { key, example, .. } => format!(
                 "begin the file with `base = \"n80cb.toml\"` (relative to its folder) and give only what differs, \
                  or add `{key} = {example}`"
@@ -534,6 +555,7 @@ impl DesignError {
             Self::BadProvenance { .. } => "unknown provenance",
             Self::BadDistribution { .. } => "not possible here",
             Self::NoFile { .. } => "no such file",
+            Self::UnknownName { .. } => "unknown name",
             Self::Missing { .. } => "no base here",
             Self::Derived { .. } => "disagrees",
             Self::Conflict { .. } => "in conflict",
@@ -567,6 +589,7 @@ impl DesignError {
             Self::BadProvenance { .. } => "bad_provenance",
             Self::BadDistribution { .. } => "bad_distribution",
             Self::NoFile { .. } => "no_file",
+            Self::UnknownName { .. } => "unknown_name",
             Self::Missing { .. } => "missing",
             Self::Derived { .. } => "derived",
             Self::Conflict { .. } => "conflict",

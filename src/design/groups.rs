@@ -12,6 +12,7 @@ pub use nailnoise_fem::Orthotropic;
 use nailnoise_quantities::dimension::*;
 use nailnoise_quantities::{Kind, any, choice, fraction, group, modulus, nonnegative, positive};
 
+use super::catalogue::{NailKind, Species};
 use super::sensors::Sensor;
 use super::springs::Spring;
 use super::surfaces::NamedSurface;
@@ -169,6 +170,8 @@ group! {
 group! {
     /// The nail, and where it stands under the rod.
     Nail {
+        /// Nail by size and shank, which sets length, diameter and head; keys beside it win. `nailnoise list nails` prints them.
+        kind: NailKind = NailKind::KIND, "";
         ..cycle: dynamics::Nail;
         /// Where the nail is driven: distance from the block's centre along its length.
         offset_along: f64 = any(LENGTH), "";
@@ -190,6 +193,9 @@ choice! {
 group! {
     /// The wood of the workpiece.
     Wood {
+        /// Wood by name, which sets density, hardness modulus, loss factor, elastic constants and, with the shank of `nail.kind`,
+        /// penetration law and share of friction; keys beside it win. `nailnoise list woods` prints them.
+        species: Species = Species::KIND, "";
         ..cycle: dynamics::Wood;
         /// Fitted law of the word `fitted`, a file that `nailnoise prf fit` writes; unused with the other laws.
         penetration_fit: String = Kind::File, "";
@@ -526,6 +532,12 @@ group! {
         room_absorption: f64 = nonnegative(AREA), "A";
         /// Steady A-weighted sound pressure level of the background at the microphones, in dB; 0 for none.
         background_level: f64 = nonnegative(NUMBER).within(0.0, 200.0), "L_B";
+        /// Operator's ear: distance from the axis of driving along the workpiece's length.
+        ear_along: f64 = any(LENGTH).within(-5.0, 5.0), "";
+        /// Operator's ear: distance from the axis of driving across the workpiece's width.
+        ear_across: f64 = any(LENGTH).within(-5.0, 5.0), "";
+        /// Operator's ear: height above the workpiece's upper face.
+        ear_height: f64 = positive(LENGTH).within(0.1, 5.0), "";
     }
 }
 

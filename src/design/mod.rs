@@ -13,6 +13,7 @@
 //! remedy ([`DesignError`]).
 
 mod assignment;
+mod catalogue;
 mod checks;
 mod dependencies;
 mod derived;
@@ -46,6 +47,7 @@ use nailnoise_quantities::Group;
 use sha2::{Digest as _, Sha256};
 
 pub use assignment::{Assignment, AssignmentError};
+pub use catalogue::{NailKind, Named, NamedValue, Species, nails, woods};
 pub use checks::Conflict;
 pub use dependencies::dependencies;
 pub use derived::{AGREEMENT, DERIVED, Derived};

@@ -5,6 +5,7 @@ use std::collections::{BTreeSet, HashMap};
 use nailnoise_quantities::dimension::NUMBER;
 use nailnoise_quantities::{Dimension, Group, KeySpec, Kind, Measured, Value, dotted, members};
 
+use super::catalogue::Names;
 use super::derived::AGREEMENT;
 use super::distribution::Distribution;
 use super::error::{DesignError, Warning};
@@ -63,19 +64,18 @@ pub(crate) struct Resolved {
 /// Reads the files of a chain, the nearest first, and resolves every key.
 pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
     let mut merged = HashMap::new();
-    let mut derived = Vec::new();
+    let (mut layers, mut derived) = (Vec::new(), Vec::new());
     let mut studies = Vec::new();
     let mut report = ReportSettings::default();
     for (depth, file) in chain.iter().enumerate().rev() {
         let table = file.table()?;
         let layer = Layer::read(file, &table, &Values::SPEC)?;
-        for setting in layer.settings {
-            merge(&mut merged, setting, depth);
-        }
+        layers.push((depth, file.is_command_line(), layer.settings));
         derived.extend(layer.derived);
         studies.extend(StudyLayer::of(file, &table, &Values::SPEC)?);
         report.read(file, &table)?;
     }
+    let names = merge_layers(&mut merged, layers)?;
     complete(&merged, chain)?;
 
     let ambient = match merged.get("ambient.pressure").and_then(|merged| merged.value.as_ref()) {
@@ -89,7 +89,7 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
         }
     }
     let ranged = |key: &str| records.get(key).is_some_and(|record| record.range.is_some());
-    let study = study::joined(studies, ranged, ambient)?;
+    let study = study::joined(studies, &names, ranged, ambient)?;
     let found = records
         .iter()
         .map(|(key, record)| (key.clone(), record.value.clone()))
@@ -115,6 +115,33 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
         report,
         warnings,
     })
+}
+
+/// Merges what the files say, the furthest base first. Names stand below the keys of their own file, and all values of the
+/// command line count as one file: a key wins over a name in whichever order they are given.
+fn merge_layers(
+    merged: &mut HashMap<String, Merged>,
+    layers: Vec<(usize, bool, Vec<Setting>)>,
+) -> Result<Names, DesignError> {
+    let (on_command_line, in_files): (Vec<_>, Vec<_>) =
+        layers.into_iter().partition(|(_, is_command_line, _)| *is_command_line);
+    let files = in_files.into_iter().map(|layer| vec![layer]);
+    let mut names = Names::default();
+    for file in files.chain([on_command_line]) {
+        let all: Vec<&Setting> = file.iter().flat_map(|(.., settings)| settings).collect();
+        let depth = file.iter().map(|(depth, ..)| *depth).max().unwrap_or(0);
+        for setting in names.expand(&all)? {
+            // Nothing of a base is left: neither its range nor its note.
+            merged.remove(&setting.key);
+            merge(merged, setting, depth);
+        }
+        for (depth, _, settings) in file {
+            for setting in settings {
+                merge(merged, setting, depth);
+            }
+        }
+    }
+    Ok(names)
 }
 
 fn merge(merged: &mut HashMap<String, Merged>, setting: Setting, depth: usize) {

@@ -77,6 +77,9 @@ const REPLACED: &[(&str, &str)] = &[
     ),
 ];
 
+/// Keys whose words are names, with the list that `nailnoise list` prints of them.
+const NAMED: &[(&str, &str)] = &[("wood.species", "woods"), ("nail.kind", "nails")];
+
 struct Reader<'a> {
     file: &'a File,
     root: &'static GroupSpec,
@@ -289,7 +292,7 @@ impl Field<'_> {
             (Kind::Switch, DeValue::Boolean(on)) => Given::Other(Value::Switch(*on)),
             (Kind::Choice(words), DeValue::String(word)) => match words.iter().find(|own| **own == word.as_ref()) {
                 Some(word) => Given::Other(Value::Choice(word)),
-                None => return Err(self.wrong_kind(value, one_of(words))),
+                None => return Err(self.unknown_word(value, word, words)),
             },
             (Kind::File, DeValue::String(name)) if name.is_empty() => Given::Other(Value::File(String::new())),
             (Kind::File, DeValue::String(name)) => {
@@ -315,6 +318,26 @@ impl Field<'_> {
             (Kind::Choice(words), _) => return Err(self.wrong_kind(value, one_of(words))),
         };
         Ok((given, text, at))
+    }
+
+    fn unknown_word(&self, value: &Spanned<DeValue<'_>>, word: &str, words: &[&str]) -> DesignError {
+        let Some((_, list)) = NAMED.iter().find(|(key, _)| *key == self.key) else {
+            return self.wrong_kind(value, one_of(words));
+        };
+        let plain = |word: &str| word.to_lowercase().replace(['-', '_', ' '], "");
+        let same = words.iter().copied().find(|own| plain(own) == plain(word));
+        let nearest = same.or_else(|| {
+            let lower: Vec<String> = words.iter().map(|own| own.to_lowercase()).collect();
+            let near = suggest::word(lower.iter().map(String::as_str), word)?;
+            words.iter().copied().find(|own| own.to_lowercase() == near)
+        });
+        DesignError::UnknownName {
+            key: self.key.to_owned(),
+            found: word.to_owned(),
+            nearest: nearest.map(str::to_owned),
+            list,
+            at: self.file.place(value.span()),
+        }
     }
 
     fn measured(

@@ -15,6 +15,9 @@ use super::error::{DesignError, Warning};
 use super::place::Place;
 use crate::shipped;
 
+/// The name that stands for the command line in the places of errors and entries.
+pub(super) const COMMAND_LINE: &str = "command line";
+
 /// The largest design file that is read \[byte\].
 const LARGEST: u64 = 4 << 20;
 
@@ -88,6 +91,11 @@ impl File {
                 message: error.message().to_owned(),
                 at: self.place(error.span().unwrap_or(0..0)),
             })
+    }
+
+    /// Whether it is a value given on the command line.
+    pub(crate) fn is_command_line(&self) -> bool {
+        self.path == Path::new(COMMAND_LINE)
     }
 
     /// A file relative to the folder of this one.

@@ -25,6 +25,7 @@ use serde::Serialize;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use super::catalogue::Names;
 use super::error::DesignError;
 use super::place::Place;
 use super::settings::{Field, Given, found, found_value};
@@ -141,10 +142,11 @@ impl StudyLayer {
     }
 }
 
-/// Joins what the files say, the nearest last; `ranged` says whether a key has a range, `ambient` is the pressure from which
+/// Joins what the files say, the nearest last; `names` are the names of its wood and nail, `ranged` says whether a key has a range, `ambient` is the pressure from which
 /// gauge pressures count \[Pa\].
 pub(crate) fn joined(
     layers: Vec<StudyLayer>,
+    names: &Names,
     ranged: impl Fn(&str) -> bool,
     ambient: f64,
 ) -> Result<StudySettings, DesignError> {
@@ -164,14 +166,16 @@ pub(crate) fn joined(
                 Given::Quantity(measured) => (key, Value::Number(measured.absolute(ambient))),
                 Given::Other(value) => (key, value),
             };
-            let option = |option: DraftOption| Alternative {
-                name: option.name,
-                probability: option.weight / sum,
-                values: option.values.into_iter().map(absolute).collect(),
+            let option = |option: DraftOption| {
+                let own: Vec<(String, Value)> = option.values.into_iter().map(absolute).collect();
+                Ok(Alternative {
+                    name: option.name,
+                    probability: option.weight / sum,
+                    values: names.with_values(own)?,
+                })
             };
-            settings
-                .alternatives
-                .insert(name, options.into_iter().map(option).collect());
+            let options = options.into_iter().map(option).collect::<Result<_, DesignError>>()?;
+            settings.alternatives.insert(name, options);
         }
         settings.model.extend(layer.model);
         correlations = layer.correlations.unwrap_or(correlations);

@@ -8,6 +8,7 @@ mod assumptions;
 mod axis;
 mod chart;
 mod compared;
+mod declared;
 mod head;
 mod legend;
 mod measured;
@@ -47,7 +48,7 @@ use surface::Painted;
 pub use surface::Surroundings;
 
 /// Keys of a result that the report shows in a form of their own.
-const SHOWN: [&str; 15] = [
+const SHOWN: [&str; 17] = [
     "schema",
     "design",
     "inputs",
@@ -59,6 +60,8 @@ const SHOWN: [&str; 15] = [
     "sensors",
     "transducers",
     "microphones",
+    "ear",
+    "declaration",
     "checks",
     "notes",
     "method_notes",
@@ -291,6 +294,7 @@ fn ranking(result: &RunResult) -> Markup {
                 a href="#methods" { "Methods" } " says how each was computed, of which parts it consists, and what limits it."
             }
         }
+        (declared::section(result))
         ul.notes { @for note in &result.notes { li { (tables::with_code(note)) } } }
     }
 }

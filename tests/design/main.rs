@@ -8,5 +8,6 @@ mod assignment;
 mod base_design;
 mod corpora;
 mod files;
+mod names;
 mod report;
 mod set;

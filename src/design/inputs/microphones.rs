@@ -19,13 +19,23 @@ pub(crate) fn array(design: &Design) -> Result<MicrophoneArray, Error> {
         foot: foot(design),
         reflecting_plane: reflecting_plane(design),
         centre_height: centre_height(design),
+        ear: ear(design),
         range_hz: [design.analysis.range_low, design.analysis.range_high],
     })
 }
 
-/// Positions of the microphones, in the coordinates of the bodies \[m\].
+/// Positions of the microphones and, behind them, of the operator's ear, in the coordinates of the bodies \[m\].
 pub(crate) fn positions(design: &Design) -> Vec<Point3<f64>> {
-    Iso3744Box::around(centre_height(design)).positions_around(foot(design).into())
+    let mut all = Iso3744Box::around(centre_height(design)).positions_around(foot(design).into());
+    all.push(ear(design).into());
+    all
+}
+
+/// The operator's ear \[m\].
+fn ear(design: &Design) -> [f64; 3] {
+    let acoustics = &design.acoustics;
+    let [x, y, z] = on_axis(design, acoustics.ear_height);
+    [x + acoustics.ear_along, y + acoustics.ear_across, z]
 }
 
 /// Foot of the axis of driving on the plane of the measurement surface \[m\].

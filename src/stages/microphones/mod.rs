@@ -1,5 +1,6 @@
 //! Virtual microphones around the device: sound power as EN 12549 would measure it, beside the power radiated.
 
+mod ear;
 mod sources;
 
 use nailnoise_acoustics::Air;
@@ -11,7 +12,8 @@ use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
-use crate::result::{ArrayMeasurement, MicrophoneBand, MicrophoneLevel, MicrophoneReport, ReceivedSource};
+use crate::result::{ArrayMeasurement, EarReport, MicrophoneBand, MicrophoneLevel, MicrophoneReport, ReceivedSource};
+pub use ear::AtEar;
 pub use sources::{JetOutlet, ToolSphere};
 use sources::{Part, Received, samples};
 
@@ -42,6 +44,8 @@ pub struct MicrophoneArray {
     pub reflecting_plane: f64,
     /// Height of the device's centre above the foot \[m\].
     pub centre_height: f64,
+    /// The operator's ear, in the same coordinates \[m\].
+    pub ear: [f64; 3],
     /// Range in which sources are compared \[Hz\].
     pub range_hz: [f64; 2],
 }
@@ -74,6 +78,8 @@ pub struct AtMicrophones {
     pub bands: Vec<(f64, [f64; 2])>,
     /// Its pressure at 48 kHz from the trigger on, microphone by microphone \[Pa\].
     pub signals: Vec<Vec<f64>>,
+    /// At the operator's ear.
+    pub ear: AtEar,
 }
 
 impl AtMicrophones {
@@ -123,6 +129,7 @@ impl AtMicrophones {
         for (own, other) in sum.signals.iter_mut().zip(&part.signals) {
             own.iter_mut().zip(other).for_each(|(own, p)| *own += factor * p);
         }
+        sum.ear.add(&part.ear, factor);
         if factor > 0.0 {
             let ([low, high], [from, to]) = (sum.range_hz, part.range_hz);
             sum.how = format!("{}; {}: {}, {from:.0} to {to:.0} Hz", sum.how, part.source, part.how);
@@ -141,6 +148,8 @@ impl AtMicrophones {
 pub struct Microphones {
     /// Levels, and how they compare with the power radiated.
     pub report: MicrophoneReport,
+    /// Levels at the operator's ear.
+    pub ear: EarReport,
     /// Pressure at 48 kHz from the trigger on, source by source and of all of them (`total`), microphone by microphone
     /// \[Pa\].
     pub signals: Vec<(String, Vec<Vec<f64>>)>,
@@ -157,6 +166,13 @@ impl MicrophoneArray {
         self.surface().positions_around(self.foot.into())
     }
 
+    /// Where sound is received: the microphones, then the operator's ear \[m\].
+    fn receivers(&self) -> Vec<Point3<f64>> {
+        let mut all = self.positions();
+        all.push(self.ear.into());
+        all
+    }
+
     /// Energies of a source at the microphones, in the range in which all are compared.
     fn received(&self, received: Received<'_>) -> Result<AtMicrophones, Error> {
         let [low, high] = self.range_hz;
@@ -164,11 +180,17 @@ impl MicrophoneArray {
         energies(received, self.surface().area(), within)
     }
 
-    /// Levels and signals of every source and of all together, for a shot whose records last until `end` \[s\].
+    /// Levels and signals of every source and of all together, for a shot whose records last until `end` \[s\]; `radiated` is
+    /// the A-weighted energy of all sources \[J\].
     ///
     /// # Errors
     /// Those of the standard's corrections.
-    pub fn measurement(&self, room: &Room, all: [&AtMicrophones; 3], end: f64) -> Result<Microphones, Error> {
+    pub fn measurement(
+        &self,
+        room: &Room,
+        all: [&AtMicrophones; 3],
+        (end, radiated): (f64, f64),
+    ) -> Result<Microphones, Error> {
         let surface = self.surface();
         let positions = surface.positions();
         let mut total = vec![vec![0.0; samples(end)]; positions.len()];
@@ -193,13 +215,14 @@ impl MicrophoneArray {
             sources,
             total: measured,
         };
-        Ok(Microphones { report, signals })
+        let ear = self.at_ear(&all, radiated);
+        Ok(Microphones { report, ear, signals })
     }
 }
 
 /// A source's energies at the microphones, and by the standard's surface without room and background.
-fn energies(received: Received<'_>, area: f64, range: [f64; 2]) -> Result<AtMicrophones, Error> {
-    let exposure = |row: usize, weighting: Weighting| -> f64 {
+fn energies(mut received: Received<'_>, area: f64, range: [f64; 2]) -> Result<AtMicrophones, Error> {
+    let exposure = |row: usize, parts: &[Part], weighting: Weighting| -> f64 {
         let of_part = |part: &Part| -> f64 {
             let weights = energy_weights(&part.frequency, range, weighting);
             weights
@@ -208,12 +231,21 @@ fn energies(received: Received<'_>, area: f64, range: [f64; 2]) -> Result<AtMicr
                 .map(|(w, e)| w * e)
                 .sum()
         };
-        received.parts.iter().map(of_part).sum()
+        parts.iter().map(of_part).sum()
     };
-    let exposures = (0..received.signals.len()).map(|row| [Weighting::A, Weighting::Z].map(|w| exposure(row, w)));
+    // The ear is the last receiver.
+    let signal = received.signals.pop().unwrap_or_default();
+    let microphones = received.signals.len();
+    let ear = AtEar {
+        exposure: exposure(microphones, &received.parts, Weighting::A),
+        signal,
+    };
+    let of_row = |row: usize| [Weighting::A, Weighting::Z].map(|weighting| exposure(row, &received.parts, weighting));
+    let exposures: Vec<[f64; 2]> = (0..microphones).map(of_row).collect();
     // The mean exposure over the surface, as the power that an impedance of 400 Pa s/m makes of it.
     let as_power = |part: &Part| {
-        let mean = part.exposure.row_mean().iter().map(|e| e * area / REFERENCE).collect();
+        let mean = part.exposure.rows(0, microphones).row_mean();
+        let mean = mean.iter().map(|e| e * area / REFERENCE).collect();
         SourceSpectrum::new("microphones", "ISO 3744", part.frequency.clone(), mean, range)
     };
     let parts = received.parts.iter().map(as_power).collect::<Result<Vec<_>, _>>()?;
@@ -228,7 +260,8 @@ fn energies(received: Received<'_>, area: f64, range: [f64; 2]) -> Result<AtMicr
         how: received.how.to_owned(),
         range_hz: range,
         interpolation_error: received.interpolation_error,
-        exposures: exposures.collect(),
+        exposures,
+        ear,
         energies: [&measured, received.radiated].map(|spectrum| spectrum.energy(range, Weighting::A)),
         bands: bands
             .iter()

@@ -17,6 +17,9 @@ use super::{AtMicrophones, LONGEST, MicrophoneArray, SAMPLE_RATE, TAIL};
 use crate::error::Error;
 use crate::stages::sound::Sound;
 
+/// How a source is received of which neither directions nor phases are known.
+pub(super) const SPREAD_EVENLY: &str = "spread evenly: ERP knows no directions";
+
 /// Azimuths of the exhaust's jets: enough that the mean over them is that over all.
 const AZIMUTHS: usize = 12;
 
@@ -42,7 +45,7 @@ pub struct ToolSphere {
 pub(super) struct Part {
     /// \[Hz\].
     pub(super) frequency: Vec<f64>,
-    /// Density of the sound exposure, microphones x frequencies \[Pa² s/Hz\].
+    /// Density of the sound exposure, receivers x frequencies, the ear behind the microphones \[Pa² s/Hz\].
     pub(super) exposure: DMatrix<f64>,
 }
 
@@ -91,7 +94,7 @@ impl MicrophoneArray {
 
     /// Pressures at the microphones with those reflected from the plane, which are the pressures at the microphones' images.
     fn reflected(&self, found: &Pressures) -> DMatrix<Complex<f64>> {
-        let (values, places) = (&found.values, self.positions().len());
+        let (values, places) = (&found.values, self.receivers().len());
         if values.nrows() == 2 * places {
             values.rows(0, places) + values.rows(places, places)
         } else {
@@ -141,7 +144,7 @@ impl MicrophoneArray {
         let (parts, signals): (Vec<Part>, Vec<_>) = parts.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
         self.received(Received {
             radiated: &source.spectrum,
-            how: "spread evenly: ERP knows no directions",
+            how: SPREAD_EVENLY,
             range: source.spectrum.range_hz,
             interpolation_error: None,
             parts,
@@ -256,7 +259,7 @@ impl MicrophoneArray {
     }
 }
 
-/// The array's positions, and the length of its records.
+/// The array's positions with the ear, and the length of its records.
 struct Receivers<'a> {
     air: &'a Air,
     positions: Vec<Point3<f64>>,
@@ -271,7 +274,7 @@ impl<'a> Receivers<'a> {
     fn new(array: &'a MicrophoneArray, end: f64) -> Self {
         Self {
             air: &array.air,
-            positions: array.positions(),
+            positions: array.receivers(),
             plane: array.reflecting_plane,
             samples: samples(end),
         }

@@ -1,0 +1,332 @@
+//! Woods and nails by name: which keys `wood.species` and `nail.kind` set.
+//!
+//! The values are pieces of design files inside the program (`woods.toml`, `nails.toml`), each with range and provenance. A
+//! name replaces what the bases of its file say about these keys; a key beside the name, in the same file or on the same
+//! command line, wins over it. Wood and shank together choose the penetration law and its share of friction (`pairs.toml`).
+
+mod names;
+
+use std::path::Path;
+
+use nailnoise_quantities::{Group as _, Value};
+use toml::de::{DeTable, DeValue};
+
+use super::error::DesignError;
+use super::groups::Values;
+use super::place::Place;
+use super::settings::{Given, Layer, Setting};
+use super::source::File;
+
+pub use names::{NailKind, Species};
+
+/// Keys whose value is a name.
+const SPECIES: &str = "wood.species";
+const KIND: &str = "nail.kind";
+
+/// The name of values without a name.
+const OWN: &str = "own";
+
+/// A file of names with what each sets.
+struct Catalogue {
+    file: &'static str,
+    text: &'static str,
+    /// The key beside `sets` by which pairs are chosen.
+    sort: &'static str,
+}
+
+const WOODS: Catalogue = Catalogue {
+    file: "woods.toml of nailnoise",
+    text: include_str!("woods.toml"),
+    sort: "class",
+};
+
+const NAILS: Catalogue = Catalogue {
+    file: "nails.toml of nailnoise",
+    text: include_str!("nails.toml"),
+    sort: "shank",
+};
+
+const PAIRS: Catalogue = Catalogue {
+    file: "pairs.toml of nailnoise",
+    text: include_str!("pairs.toml"),
+    sort: "",
+};
+
+/// What a name stands for.
+#[derive(Debug, Default)]
+struct Meaning {
+    /// Class of a wood, shank of a nail.
+    sort: String,
+    sets: Vec<Setting>,
+}
+
+impl Catalogue {
+    /// What stands under a path of tables; empty where nothing does.
+    fn meaning(&self, path: &[&str]) -> Result<Meaning, DesignError> {
+        let file = File::new(Path::new(self.file), self.text);
+        let root = file.table()?;
+        let mut table: &DeTable<'_> = &root;
+        for name in path {
+            match table.get(*name).map(|value| value.get_ref()) {
+                Some(DeValue::Table(inner)) => table = inner,
+                _ => return Ok(Meaning::default()),
+            }
+        }
+        let sort = table.get(self.sort).and_then(|value| value.get_ref().as_str());
+        let sets = match table.get("sets").map(|value| value.get_ref()) {
+            Some(DeValue::Table(sets)) => Layer::read(&file, sets, &Values::SPEC)?.settings,
+            _ => Vec::new(),
+        };
+        Ok(Meaning {
+            sort: sort.unwrap_or_default().to_owned(),
+            sets,
+        })
+    }
+}
+
+/// The names that a chain of files has given so far.
+#[derive(Debug, Clone)]
+pub(crate) struct Names {
+    /// Class of the wood; none while it has no name.
+    class: Option<String>,
+    shank: String,
+}
+
+impl Default for Names {
+    fn default() -> Self {
+        Self {
+            class: None,
+            shank: OWN.to_owned(),
+        }
+    }
+}
+
+impl Names {
+    /// What the names among the settings of a file set, in its place and before its own settings.
+    ///
+    /// Wood and shank set what belongs to both only where one of them changes: a law of own tests outlasts another nail of the
+    /// same shank.
+    ///
+    /// # Errors
+    /// None with the catalogue of a tested program.
+    pub(crate) fn expand(&mut self, settings: &[&Setting]) -> Result<Vec<Setting>, DesignError> {
+        let [species, kind] = [SPECIES, KIND].map(|key| named(settings, key));
+        let mut sets = Vec::new();
+        for (name, meaning) in self.meanings([species, kind].map(|name| name.map(|(word, _)| word)))? {
+            let at = if name == KIND { kind } else { species };
+            let Some((_, at)) = at else { continue };
+            sets.extend(meaning.into_iter().map(|setting| placed(setting, at)));
+        }
+        Ok(sets)
+    }
+
+    /// Values with what the names among them set; a value wins over a name.
+    ///
+    /// # Errors
+    /// None with the catalogue of a tested program.
+    pub(super) fn with_values(&self, values: Vec<(String, Value)>) -> Result<Vec<(String, Value)>, DesignError> {
+        let word = |key: &str| match values.iter().find(|(own, _)| own == key) {
+            Some((_, Value::Choice(word))) => Some(*word),
+            _ => None,
+        };
+        let meanings = self.clone().meanings([SPECIES, KIND].map(word))?;
+        let sets = meanings.into_iter().flat_map(|(_, sets)| sets);
+        let mut all: Vec<(String, Value)> = sets.filter_map(value_of).map(|own| (own.key, own.value)).collect();
+        all.retain(|(key, _)| !values.iter().any(|(own, _)| own == key));
+        all.extend(values);
+        Ok(all)
+    }
+
+    /// What the words of [`SPECIES`] and [`KIND`] set, and what their pair does under the key named last.
+    fn meanings(
+        &mut self,
+        [species, kind]: [Option<&str>; 2],
+    ) -> Result<Vec<(&'static str, Vec<Setting>)>, DesignError> {
+        let before = (self.class.clone(), self.shank.clone());
+        let mut sets = Vec::new();
+        if let Some(word) = species {
+            let meaning = WOODS.meaning(&[word])?;
+            self.class = (word != OWN).then_some(meaning.sort);
+            sets.push((SPECIES, meaning.sets));
+        }
+        if let Some(word) = kind {
+            let meaning = NAILS.meaning(&[word])?;
+            self.shank = if word == OWN { OWN.to_owned() } else { meaning.sort };
+            sets.push((KIND, meaning.sets));
+        }
+        if let Some(class) = &self.class
+            && before != (self.class.clone(), self.shank.clone())
+        {
+            let pair = PAIRS.meaning(&[class, &self.shank])?;
+            sets.push((if kind.is_some() { KIND } else { SPECIES }, pair.sets));
+        }
+        Ok(sets)
+    }
+}
+
+/// The last word that settings give a key, and where.
+fn named<'a>(settings: &[&'a Setting], key: &str) -> Option<(&'static str, &'a Place)> {
+    settings
+        .iter()
+        .rev()
+        .find(|setting| setting.key == key)
+        .and_then(|setting| {
+            let (given, _, at) = setting.value.as_ref()?;
+            match given {
+                Given::Other(Value::Choice(word)) => Some((*word, &**at)),
+                _ => None,
+            }
+        })
+}
+
+/// A setting of the catalogue at the place of its name, to which errors and warnings then point.
+fn placed(mut setting: Setting, at: &Place) -> Setting {
+    if let Some((.., own)) = &mut setting.value {
+        **own = at.clone();
+    }
+    if let Some((_, own)) = &mut setting.range {
+        **own = at.clone();
+    }
+    setting
+}
+
+/// One value of a name, for lists.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct NamedValue {
+    /// Full name of the key.
+    pub key: String,
+    /// Symbol in the field; empty where there is none.
+    pub symbol: &'static str,
+    /// The value, quantities in SI units.
+    pub value: Value,
+    /// SI unit; empty for plain numbers and choices.
+    pub unit: String,
+    /// Range of plausible values, in SI units.
+    pub range: Option<[f64; 2]>,
+    /// Where it comes from.
+    pub provenance: super::Provenance,
+    /// The source in words; may be empty.
+    pub source: String,
+}
+
+/// A name with all that it sets, for lists.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Named {
+    /// The word for the design file.
+    pub name: &'static str,
+    /// Class of a wood (`solid`, `plywood`), shank of a nail (`smooth`, `annular`, `helical`).
+    pub sort: String,
+    /// What it sets.
+    pub sets: Vec<NamedValue>,
+}
+
+/// The woods that `wood.species` can name.
+///
+/// # Errors
+/// None with the catalogue of a tested program.
+pub fn woods() -> Result<Vec<Named>, DesignError> {
+    listed(&WOODS, Species::WORDS)
+}
+
+/// The nails that `nail.kind` can name.
+///
+/// # Errors
+/// None with the catalogue of a tested program.
+pub fn nails() -> Result<Vec<Named>, DesignError> {
+    listed(&NAILS, NailKind::WORDS)
+}
+
+fn listed(catalogue: &Catalogue, words: &[&'static str]) -> Result<Vec<Named>, DesignError> {
+    let of_word = |name: &&'static str| {
+        let meaning = catalogue.meaning(&[name])?;
+        Ok(Named {
+            name,
+            sort: meaning.sort,
+            sets: meaning.sets.into_iter().filter_map(value_of).collect(),
+        })
+    };
+    words.iter().filter(|word| **word != OWN).map(of_word).collect()
+}
+
+fn value_of(setting: Setting) -> Option<NamedValue> {
+    let (given, ..) = setting.value?;
+    let value = match given {
+        Given::Quantity(measured) => Value::Number(measured.si),
+        Given::Other(value) => value,
+    };
+    let (provenance, source) = setting.provenance?;
+    Some(NamedValue {
+        key: setting.key,
+        symbol: setting.spec.symbol,
+        value,
+        unit: setting.spec.unit(),
+        range: setting.range.map(|(ends, _)| ends.map(|end| end.si)),
+        provenance,
+        source,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    /// Names of the tables of a catalogue.
+    fn tables(catalogue: &Catalogue) -> Vec<String> {
+        let file = File::new(Path::new(catalogue.file), catalogue.text);
+        let table = file.table().unwrap();
+        let mut names: Vec<String> = table.keys().map(|name| name.get_ref().to_string()).collect();
+        names.sort();
+        names
+    }
+
+    fn sorted(words: &[&str]) -> Vec<String> {
+        let mut words: Vec<String> = words
+            .iter()
+            .filter(|word| **word != OWN)
+            .map(|word| (*word).to_owned())
+            .collect();
+        words.sort();
+        words
+    }
+
+    #[test]
+    fn every_word_stands_in_the_catalogue_and_every_entry_has_a_word() {
+        assert_eq!(tables(&WOODS), sorted(Species::WORDS));
+        assert_eq!(tables(&NAILS), sorted(NailKind::WORDS));
+    }
+
+    #[test]
+    fn every_value_has_provenance_and_lies_within_its_range() {
+        for named in woods().unwrap().into_iter().chain(nails().unwrap()) {
+            assert!(named.sets.len() >= 4, "{}", named.name);
+            for own in &named.sets {
+                assert!(!own.source.is_empty(), "{}: {} has no source", named.name, own.key);
+                if let (Value::Number(value), Some([low, high])) = (&own.value, own.range) {
+                    assert!(low <= *value && *value <= high, "{}: {}", named.name, own.key);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_wood_has_the_same_keys_and_a_law_for_every_shank() {
+        let keys = |named: &Named| -> Vec<String> {
+            let own = named.sets.iter().map(|own| own.key.clone());
+            own.filter(|key| key != "wood.driven").collect()
+        };
+        let woods = woods().unwrap();
+        for wood in &woods {
+            assert_eq!(keys(wood), keys(&woods[0]), "{}", wood.name);
+            for shank in ["smooth", "annular", "helical", OWN] {
+                assert_eq!(
+                    PAIRS.meaning(&[&wood.sort, shank]).unwrap().sets.len(),
+                    2,
+                    "{}",
+                    wood.name
+                );
+            }
+        }
+    }
+}

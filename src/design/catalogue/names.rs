@@ -1,0 +1,71 @@
+//! The names of the catalogue as words of the design file; a test holds them against the files.
+
+use nailnoise_quantities::choice;
+
+choice! {
+    /// Wood of the workpiece by name; `nailnoise list woods` has the values.
+    Species {
+        /// A wood without a name: all keys of the wood are given.
+        Own = "own",
+        /// Pine of the published tests.
+        Pine = "pine",
+        /// Douglas-fir of the published tests.
+        DouglasFir = "Douglas-fir",
+        /// Poplar of the published tests.
+        Poplar = "poplar",
+        /// Sitka spruce.
+        Spruce = "spruce",
+        /// Northern red oak.
+        RedOak = "red oak",
+        /// Plywood of Douglas-fir of the published tests.
+        DouglasFirPlywood = "Douglas-fir plywood",
+        /// Canadian softwood plywood of the published tests.
+        CanadianSoftwoodPlywood = "Canadian softwood plywood",
+        /// Plywood of poplar of the published tests.
+        PoplarPlywood = "poplar plywood",
+    }
+}
+
+choice! {
+    /// Nail by size and shank; `nailnoise list nails` has the values.
+    NailKind {
+        /// A nail without a name: all its dimensions are given.
+        Own = "own",
+        /// 31.75 mm long, smooth shank.
+        Smooth3D = "3d smooth",
+        /// 38.1 mm long, smooth shank.
+        Smooth4D = "4d smooth",
+        /// 50.8 mm long, smooth shank.
+        Smooth6D = "6d smooth",
+        /// 63.5 mm long, smooth shank.
+        Smooth8D = "8d smooth",
+        /// 76.2 mm long, smooth shank.
+        Smooth10D = "10d smooth",
+        /// 82.55 mm long, smooth shank.
+        Smooth12D = "12d smooth",
+        /// 88.9 mm long, smooth shank.
+        Smooth16D = "16d smooth",
+        /// 31.75 mm long, annular rings.
+        Annular3D = "3d annular",
+        /// 38.1 mm long, annular rings.
+        Annular4D = "4d annular",
+        /// 50.8 mm long, annular rings.
+        Annular6D = "6d annular",
+        /// 63.5 mm long, annular rings.
+        Annular8D = "8d annular",
+        /// 76.2 mm long, annular rings.
+        Annular10D = "10d annular",
+        /// 82.55 mm long, annular rings.
+        Annular12D = "12d annular",
+        /// 88.9 mm long, annular rings.
+        Annular16D = "16d annular",
+        /// 63.5 mm long, helical thread.
+        Helical8D = "8d helical",
+        /// 76.2 mm long, helical thread.
+        Helical10D = "10d helical",
+        /// 82.55 mm long, helical thread.
+        Helical12D = "12d helical",
+        /// 88.9 mm long, helical thread.
+        Helical16D = "16d helical",
+    }
+}

@@ -1,0 +1,28 @@
+//! Declared values of a run: sound power, and emission sound pressure at the operator's ear.
+
+use maud::{Markup, html};
+
+use crate::declaration;
+use crate::result::RunResult;
+
+/// The declared levels with what they hold; K follows from a study and stands in the line below the ranking.
+pub(super) fn section(result: &RunResult) -> Markup {
+    let ear = &result.ear;
+    let [along, across, height] = ear.position_m;
+    html! {
+        h3 { "Levels for a declaration (ISO 4871, EN 12549)" }
+        ul.notes {
+            @for line in declaration::lines(&result.declaration, ear) { li { (line.replace("K not known without a study", "K in the legend of the intervals")) } }
+        }
+        p.quiet {
+            "L_WA,1s in dB re 1 pW s, one shot; L_pA,1s in dB re 20 \u{b5}Pa over 1 s and L_pC,peak in dB re 20 \u{b5}Pa at the \
+             operator's ear, " (format!("x = {along:.2} m, y = {across:.2} m, z = {height:.2} m"))
+            " from the middle of the block's underside (acoustics.ear_along, ear_across and ear_height). K = 1.645 sigma over draws of inputs and methods is that \
+             of the sound power for all three. "
+            @if ear.spread_share > 0.005 {
+                (format!("{:.0} % ", 100.0 * ear.spread_share))
+                "of the exposure at the ear lies above the frequencies to which pressures are known and is spread evenly."
+            }
+        }
+    }
+}
