@@ -84,7 +84,9 @@ pub enum Error {
     },
     /// A study that is to come with the program is of a design that does not.
     #[error("`--provide` writes studies of shipped designs, and `{design}` is none")]
-    #[diagnostic(help("give a file of the folder `designs` of the repository; the study of any other design is in its `study.json`"))]
+    #[diagnostic(help(
+        "give a file of the folder `designs` of the repository; the study of any other design is in its `study.json`"
+    ))]
     NotShipped {
         /// Its name.
         design: String,

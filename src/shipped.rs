@@ -83,7 +83,12 @@ mod tests {
     #[test]
     fn every_file_of_the_folder_is_in_the_program() {
         let mut found = files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("designs"), "");
-        let mut own: Vec<&str> = DESIGNS.iter().chain(MEASURED).chain(STUDIES).map(|(path, _)| *path).collect();
+        let mut own: Vec<&str> = DESIGNS
+            .iter()
+            .chain(MEASURED)
+            .chain(STUDIES)
+            .map(|(path, _)| *path)
+            .collect();
         found.sort();
         own.sort_unstable();
         assert_eq!(own, found);

@@ -153,7 +153,12 @@ fn header(sampler: &ShotSampler) -> Vec<String> {
         format!("{} [{unit}]", parameter.key)
     });
     let scores = sampler.scores.iter().map(|name| format!("{name} [-]"));
-    figures.map(str::to_owned).into_iter().chain(values).chain(scores).collect()
+    figures
+        .map(str::to_owned)
+        .into_iter()
+        .chain(values)
+        .chain(scores)
+        .collect()
 }
 
 /// Cells of a design drawn.

@@ -70,7 +70,10 @@ pub(super) fn study_of(store: &Store, design: &Design, progress: &Progress) -> R
 
 /// Where a study is from that comes with the program.
 fn origin(study: &ProvidedStudy, changed: &[&str]) -> String {
-    let made = format!("  this study comes with the program: `{}`, version {}", study.command, study.version);
+    let made = format!(
+        "  this study comes with the program: `{}`, version {}",
+        study.command, study.version
+    );
     match changed {
         [] => format!("{made}\n"),
         changed => format!(

@@ -267,7 +267,9 @@ fn provide(
     (arguments, path): (&Arguments, &str),
     (design, result, made): (&Design, &StudyResult, &Draws),
 ) -> Result<(), Error> {
-    let structures = arguments.structures.map_or_else(String::new, |each| format!(" --structures={each}"));
+    let structures = arguments
+        .structures
+        .map_or_else(String::new, |each| format!(" --structures={each}"));
     let groups = if arguments.groups { " --groups" } else { "" };
     let command = format!(
         "nailnoise study designs/{path} -n {} --seed {}{structures}{groups}",
@@ -385,7 +387,10 @@ fn of_groups(study: &GroupStudy) -> String {
             ]
         });
         let rows: Vec<Vec<String>> = rows.collect();
-        text.push_str(&table(&["group", "quantities", "first-order index", "total index"], &rows));
+        text.push_str(&table(
+            &["group", "quantities", "first-order index", "total index"],
+            &rows,
+        ));
     }
     text
 }

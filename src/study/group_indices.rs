@@ -34,11 +34,16 @@ pub(super) fn indices(rows: &[Row]) -> Option<(Vec<[Estimate; 2]>, f64)> {
         .iter()
         .map(|row| {
             let deviations = all(row).into_iter().map(|level| level - middle);
-            deviations.fold([0.0; 2], |[sum, squares], d| [sum + d / per_row, squares + d * d / per_row])
+            deviations.fold([0.0; 2], |[sum, squares], d| {
+                [sum + d / per_row, squares + d * d / per_row]
+            })
         })
         .collect();
     let sums = |counts: &[u32], figure: &dyn Fn(usize) -> f64| -> f64 {
-        let weighted = counts.iter().enumerate().map(|(row, count)| f64::from(*count) * figure(row));
+        let weighted = counts
+            .iter()
+            .enumerate()
+            .map(|(row, count)| f64::from(*count) * figure(row));
         weighted.sum::<f64>() / f64::from(counts.iter().sum::<u32>())
     };
     let variance = |counts: &[u32]| sums(counts, &|row| moments[row][1]) - sums(counts, &|row| moments[row][0]).powi(2);
@@ -86,7 +91,10 @@ mod tests {
             std::array::from_fn(number)
         };
         let row = |index: u64| {
-            let base = (0..).map(|attempt| point(0, index, attempt)).find(|own| counts(own)).unwrap();
+            let base = (0..)
+                .map(|attempt| point(0, index, attempt))
+                .find(|own| counts(own))
+                .unwrap();
             let partner = |shared: &dyn Fn(usize) -> bool, stream: u64| {
                 let joined = |attempt: u64| {
                     let other = point(stream, index, attempt);
@@ -156,14 +164,19 @@ mod tests {
         let mut covered = [0; 2];
         for seed in 0..200 {
             // Points that are random and not evenly placed: one of each scramble.
-            let rows: Vec<Row> = (0..120).flat_map(|k| rows(1, 1000 * seed + k, level, |_| true)).collect();
+            let rows: Vec<Row> = (0..120)
+                .flat_map(|k| rows(1, 1000 * seed + k, level, |_| true))
+                .collect();
             let (found, _) = indices(&rows).unwrap();
             for (covered, estimate) in covered.iter_mut().zip(found[0]) {
                 let [low, high] = estimate.interval.map(Option::unwrap);
                 *covered += u32::from((low..=high).contains(&0.8));
             }
         }
-        assert!(covered.iter().all(|covered| (168..=190).contains(covered)), "{covered:?} of 200");
+        assert!(
+            covered.iter().all(|covered| (168..=190).contains(covered)),
+            "{covered:?} of 200"
+        );
     }
 
     #[test]

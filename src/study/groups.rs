@@ -93,7 +93,10 @@ fn groups(sampler: &Sampler) -> Vec<(String, Vec<usize>)> {
         let table = first.split('.').next().unwrap_or(first);
         let named = GROUPS.iter().find(|(_, tables)| tables.contains(&table));
         let name = named.map_or(table, |(name, _)| name);
-        let drawn = members.iter().copied().filter(|&own| variables[own].scope != Scope::Structure);
+        let drawn = members
+            .iter()
+            .copied()
+            .filter(|&own| variables[own].scope != Scope::Structure);
         let drawn: Vec<usize> = drawn.collect();
         match groups.iter_mut().find(|(own, _)| own == name) {
             _ if drawn.is_empty() => {}
@@ -157,7 +160,10 @@ pub fn group_study(
                 };
                 for candidate in found {
                     places.push((row, group, shared));
-                    planned.push(Planned { structure: 0, candidate });
+                    planned.push(Planned {
+                        structure: 0,
+                        candidate,
+                    });
                 }
             }
         }
@@ -169,7 +175,12 @@ pub fn group_study(
     }
     let partners = draws.into_iter().flatten().zip(places);
     let partners: Vec<PartnerDraw> = partners
-        .map(|(draw, (row, group, shared))| PartnerDraw { row, group, shared, draw })
+        .map(|(draw, (row, group, shared))| PartnerDraw {
+            row,
+            group,
+            shared,
+            draw,
+        })
         .collect();
     let table = csv(&groups, made, &partners)?;
     Ok((stated(&sampler, &groups, made, &partners), table))
@@ -182,12 +193,7 @@ fn levels_of(draw: &Draw) -> Vec<f64> {
 }
 
 /// What follows from the partners.
-fn stated(
-    sampler: &Sampler,
-    groups: &[(String, Vec<usize>)],
-    made: &Draws,
-    partners: &[PartnerDraw],
-) -> GroupStudy {
+fn stated(sampler: &Sampler, groups: &[(String, Vec<usize>)], made: &Draws, partners: &[PartnerDraw]) -> GroupStudy {
     // Levels of the draws, and of their partners by group and part that is shared.
     let mut all: Vec<(Vec<f64>, Vec<[Option<Vec<f64>>; 2]>)> = made
         .draws
@@ -198,7 +204,9 @@ fn stated(
         all[own.row].1[own.group][own.shared] = Some(levels_of(&own.draw));
     }
     let whole = all.iter().filter_map(|(base, partners)| {
-        let partners = partners.iter().map(|[alone, rest]| Some([alone.as_ref()?, rest.as_ref()?]));
+        let partners = partners
+            .iter()
+            .map(|[alone, rest]| Some([alone.as_ref()?, rest.as_ref()?]));
         Some((base, partners.collect::<Option<Vec<_>>>()?))
     });
     let whole: Vec<(&Vec<f64>, Vec<[&Vec<f64>; 2]>)> = whole.collect();
@@ -239,7 +247,10 @@ fn stated(
     };
     let named = |(name, members): &(String, Vec<usize>)| Group {
         name: name.clone(),
-        variables: members.iter().map(|&own| sampler.variables()[own].name.clone()).collect(),
+        variables: members
+            .iter()
+            .map(|&own| sampler.variables()[own].name.clone())
+            .collect(),
     };
     GroupStudy {
         groups: groups.iter().map(named).collect(),
@@ -265,7 +276,11 @@ fn csv(groups: &[(String, Vec<usize>)], made: &Draws, partners: &[PartnerDraw]) 
     let bases = made.draws.iter().enumerate();
     let bases = bases.map(|(number, draw)| row([number.to_string(), String::new(), "all".to_owned()], draw));
     let partners = partners.iter().map(|own| {
-        let names = [own.row.to_string(), groups[own.group].0.clone(), SHARED[own.shared].to_owned()];
+        let names = [
+            own.row.to_string(),
+            groups[own.group].0.clone(),
+            SHARED[own.shared].to_owned(),
+        ];
         row(names, &own.draw)
     });
     output::table(header, bases.chain(partners))

@@ -57,7 +57,10 @@ pub(super) fn population(design: &Design, result: &StudyResult) -> Result<String
         .filter_map(Parameter::of)
         .map(|parameter| (parameter.key.clone(), parameter.at(0.5)))
         .collect();
-    let middles: Vec<(&str, _)> = middles.iter().map(|(key, value)| (key.as_str(), value.clone())).collect();
+    let middles: Vec<(&str, _)> = middles
+        .iter()
+        .map(|(key, value)| (key.as_str(), value.clone()))
+        .collect();
     let mut design = design.clone();
     let ranges = ranges(&design)?;
     // A value of a key's own distribution can be set.

@@ -138,11 +138,18 @@ mod tests {
             assert_eq!(total.len(), own.result.draws, "{path}");
             for source in &own.result.sources {
                 let levels = &own.levels_db[&source.source];
-                let others = own.levels_db.iter().filter(|(name, _)| *name != TOTAL && **name != source.source);
+                let others = own
+                    .levels_db
+                    .iter()
+                    .filter(|(name, _)| *name != TOTAL && **name != source.source);
                 let others: Vec<_> = others.map(|(_, levels)| levels).collect();
                 let first = (0..levels.len()).filter(|&draw| others.iter().all(|other| levels[draw] > other[draw]));
                 let share = first.count() as f64 / levels.len() as f64;
-                assert!((share - source.first.value.unwrap()).abs() < 1e-5, "{path}: {}", source.source);
+                assert!(
+                    (share - source.first.value.unwrap()).abs() < 1e-5,
+                    "{path}: {}",
+                    source.source
+                );
             }
         }
     }
@@ -152,16 +159,38 @@ mod tests {
         let (_, text) = shipped::STUDIES[0];
         let own: ProvidedStudy = serde_json::from_str(text).unwrap();
         let base = Design::shipped(&own.design).unwrap();
-        let is_drawn = |key: &str| own.result.variables.iter().any(|variable| variable.drawn && variable.name == key);
+        let is_drawn = |key: &str| {
+            own.result
+                .variables
+                .iter()
+                .any(|variable| variable.drawn && variable.name == key)
+        };
         let entries = base.entries();
-        let drawn = entries.iter().find(|entry| is_drawn(&entry.key) && entry.unit == "Pa").unwrap();
+        let drawn = entries
+            .iter()
+            .find(|entry| is_drawn(&entry.key) && entry.unit == "Pa")
+            .unwrap();
         let [low, high] = drawn.range.unwrap();
         let mut moved = base.clone();
-        moved.set(&[(&drawn.key, crate::design::Value::Number(0.4 * low + 0.6 * high))]).unwrap();
+        moved
+            .set(&[(&drawn.key, crate::design::Value::Number(0.4 * low + 0.6 * high))])
+            .unwrap();
         assert!(ProvidedStudy::of(&moved).unwrap().is_some());
-        assert_eq!(population(&moved, &own.result).unwrap(), population(&base, &own.result).unwrap());
-        let text = format!("base = \"{}\"\n{} = {{ range = [{low}, {}] }}\n", own.design, drawn.key, 1.01 * high);
+        assert_eq!(
+            population(&moved, &own.result).unwrap(),
+            population(&base, &own.result).unwrap()
+        );
+        let text = format!(
+            "base = \"{}\"\n{} = {{ range = [{low}, {}] }}\n",
+            own.design,
+            drawn.key,
+            1.01 * high
+        );
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/designs/wider.toml");
-        assert!(ProvidedStudy::of(&Design::parse(&text, folder).unwrap()).unwrap().is_none());
+        assert!(
+            ProvidedStudy::of(&Design::parse(&text, folder).unwrap())
+                .unwrap()
+                .is_none()
+        );
     }
 }

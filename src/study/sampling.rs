@@ -132,7 +132,9 @@ impl Sampler {
             },
         };
         // Each further candidate for a partner comes from another scramble.
-        let index = frame.partner_of.map_or(index, |partner| index * LENGTH + partner.number);
+        let index = frame
+            .partner_of
+            .map_or(index, |partner| index * LENGTH + partner.number);
         for component in &self.components {
             let members: Vec<usize> = component.members.iter().copied().filter(|&m| frame.active[m]).collect();
             if members.is_empty() {

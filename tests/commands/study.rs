@@ -285,7 +285,11 @@ fn groups_hold_every_quantity_and_each_draw_has_its_partners() {
     };
     let groups = result["groups"]["groups"].as_array().unwrap();
     let mut grouped: Vec<String> = groups.iter().flat_map(|own| names(&own["variables"])).collect();
-    let drawn = result["variables"].as_array().unwrap().iter().filter(|own| own["drawn"] == true);
+    let drawn = result["variables"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|own| own["drawn"] == true);
     let mut drawn: Vec<String> = drawn.map(|own| own["name"].as_str().unwrap().to_owned()).collect();
     grouped.sort();
     drawn.sort();
