@@ -27,7 +27,7 @@ pub const DESIGNS: &[(&str, &str)] = files![
 pub const MEASURED: &[(&str, &str)] = files!["measured/n80cb.json"];
 
 /// Studies of designs, for the intervals of `nailnoise run`.
-pub const STUDIES: &[(&str, &str)] = files![];
+pub const STUDIES: &[(&str, &str)] = files!["studies/n80cb.json"];
 
 /// The design of this name, with or without folder and extension: `n80cb`, `muffler.toml`, `quieter/muffler`.
 pub fn design(name: &str) -> Option<(&'static str, &'static str)> {
