@@ -167,7 +167,7 @@ pub fn group_study(
                 }
             }
         }
-        progress.done((places.len()) as u64, count as u64);
+        progress.done(places.len() as u64, count as u64);
     }
     let (draws, failures) = levels(graph, (&designs, &sampler), planned, Part::All, progress)?;
     for (place, _) in failures.iter().rev() {
@@ -192,27 +192,40 @@ fn levels_of(draw: &Draw) -> Vec<f64> {
     table.levels.concat().into_iter().chain(table.totals()).collect()
 }
 
+/// Levels of a draw and of those partners that there are, by group and by the part that they share.
+struct Levels {
+    base: Vec<f64>,
+    partners: Vec<[Option<Vec<f64>>; 2]>,
+}
+
+impl Levels {
+    /// What `figure` says of the draw and of all its partners; none where one is missing.
+    fn row(&self, figure: impl Fn(&[f64]) -> f64) -> Option<Row> {
+        let pair = |[group, rest]: &[Option<Vec<f64>>; 2]| Some([figure(group.as_ref()?), figure(rest.as_ref()?)]);
+        Some(Row {
+            base: figure(&self.base),
+            partners: self.partners.iter().map(pair).collect::<Option<_>>()?,
+        })
+    }
+}
+
 /// What follows from the partners.
 fn stated(sampler: &Sampler, groups: &[(String, Vec<usize>)], made: &Draws, partners: &[PartnerDraw]) -> GroupStudy {
-    // Levels of the draws, and of their partners by group and part that is shared.
-    let mut all: Vec<(Vec<f64>, Vec<[Option<Vec<f64>>; 2]>)> = made
-        .draws
-        .iter()
-        .map(|draw| (levels_of(draw), vec![[const { None }; 2]; groups.len()]))
-        .collect();
+    let of_draw = |draw: &Draw| Levels {
+        base: levels_of(draw),
+        partners: vec![[const { None }; 2]; groups.len()],
+    };
+    let mut all: Vec<Levels> = made.draws.iter().map(of_draw).collect();
     for own in partners {
-        all[own.row].1[own.group][own.shared] = Some(levels_of(&own.draw));
+        all[own.row].partners[own.group][own.shared] = Some(levels_of(&own.draw));
     }
-    let whole = all.iter().filter_map(|(base, partners)| {
-        let partners = partners
-            .iter()
-            .map(|[alone, rest]| Some([alone.as_ref()?, rest.as_ref()?]));
-        Some((base, partners.collect::<Option<Vec<_>>>()?))
-    });
-    let whole: Vec<(&Vec<f64>, Vec<[&Vec<f64>; 2]>)> = whole.collect();
     let names = LevelTable::new(&made.draws).names;
     let total = names.len();
-    let mean = |place: usize| whole.iter().map(|(base, _)| base[place]).sum::<f64>() / whole.len().max(1) as f64;
+    let rows = |figure: &dyn Fn(&[f64]) -> f64| -> Vec<Row> { all.iter().filter_map(|own| own.row(figure)).collect() };
+    let mean = |source: usize| {
+        let rows = rows(&|levels| levels[source]);
+        rows.iter().map(|row| row.base).sum::<f64>() / rows.len().max(1) as f64
+    };
     let mut order: Vec<usize> = (0..total).collect();
     order.sort_by(|a, b| mean(*b).total_cmp(&mean(*a)));
     let mut outputs: Vec<(String, Vec<usize>)> = vec![(TOTAL.to_owned(), vec![total])];
@@ -221,15 +234,10 @@ fn stated(sampler: &Sampler, groups: &[(String, Vec<usize>)], made: &Draws, part
         outputs.push((format!("{} less {}", names[first], names[second]), vec![first, second]));
     }
     let contributions = |(output, places): (String, Vec<usize>)| {
-        let figure = |levels: &Vec<f64>| match places[..] {
+        let rows = rows(&|levels| match places[..] {
             [one, other] => levels[one] - levels[other],
             _ => levels[places[0]],
-        };
-        let row = |(base, partners): &(&Vec<f64>, Vec<[&Vec<f64>; 2]>)| Row {
-            base: figure(base),
-            partners: partners.iter().map(|pair| pair.map(figure)).collect(),
-        };
-        let rows: Vec<Row> = whole.iter().map(row).collect();
+        });
         let finite = |row: &Row| row.base.is_finite() && row.partners.iter().flatten().all(|level| level.is_finite());
         let (estimates, variance_db2) = rows.iter().all(finite).then(|| indices(&rows)).flatten()?;
         let of_group = |((name, _), [first_order, total]): (&(String, Vec<usize>), [Estimate; 2])| GroupContribution {
@@ -245,6 +253,7 @@ fn stated(sampler: &Sampler, groups: &[(String, Vec<usize>)], made: &Draws, part
             groups: own,
         })
     };
+    let whole = rows(&|levels| levels[total]).len();
     let named = |(name, members): &(String, Vec<usize>)| Group {
         name: name.clone(),
         variables: members
@@ -254,8 +263,8 @@ fn stated(sampler: &Sampler, groups: &[(String, Vec<usize>)], made: &Draws, part
     };
     GroupStudy {
         groups: groups.iter().map(named).collect(),
-        rows: whole.len(),
-        incomplete: all.len() - whole.len(),
+        rows: whole,
+        incomplete: all.len() - whole,
         outputs: outputs.into_iter().filter_map(contributions).collect(),
     }
 }
