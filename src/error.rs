@@ -82,6 +82,15 @@ pub enum Error {
         /// What it said.
         reason: String,
     },
+    /// A study that is to come with the program is of a design that does not.
+    #[error("`--provide` writes studies of shipped designs, and `{design}` is none")]
+    #[diagnostic(help(
+        "give a file of the folder `designs` of the repository; the study of any other design is in its `study.json`"
+    ))]
+    NotShipped {
+        /// Its name.
+        design: String,
+    },
     /// Draws that tasks were to compute are not there.
     #[error("the levels of {missing} of {draws} draws are not in {}", store.display())]
     #[diagnostic(help(

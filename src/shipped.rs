@@ -2,8 +2,8 @@
 
 /// Files of the folder `designs`, by their paths in it with what they hold.
 macro_rules! files {
-    ($($path:literal),+ $(,)?) => {
-        &[$(($path, include_str!(concat!("../designs/", $path)))),+]
+    ($($path:literal),* $(,)?) => {
+        &[$(($path, include_str!(concat!("../designs/", $path)))),*]
     };
 }
 
@@ -25,6 +25,9 @@ pub const DESIGNS: &[(&str, &str)] = files![
 
 /// Published measurements, for `compare --measured`.
 pub const MEASURED: &[(&str, &str)] = files!["measured/n80cb.json"];
+
+/// Studies of designs, for the intervals of `nailnoise run`.
+pub const STUDIES: &[(&str, &str)] = files!["studies/n80cb.json"];
 
 /// The design of this name, with or without folder and extension: `n80cb`, `muffler.toml`, `quieter/muffler`.
 pub fn design(name: &str) -> Option<(&'static str, &'static str)> {
@@ -80,7 +83,12 @@ mod tests {
     #[test]
     fn every_file_of_the_folder_is_in_the_program() {
         let mut found = files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("designs"), "");
-        let mut own: Vec<&str> = DESIGNS.iter().chain(MEASURED).map(|(path, _)| *path).collect();
+        let mut own: Vec<&str> = DESIGNS
+            .iter()
+            .chain(MEASURED)
+            .chain(STUDIES)
+            .map(|(path, _)| *path)
+            .collect();
         found.sort();
         own.sort_unstable();
         assert_eq!(own, found);

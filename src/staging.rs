@@ -4,7 +4,7 @@
 //! of them fails, those before it are undone, so that the folder is as it was. A full disk is met before the first rename.
 
 use std::fs::{self, File};
-use std::io::{self, ErrorKind, Write as _};
+use std::io::{self, BufWriter, ErrorKind, Write as _};
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
@@ -73,6 +73,21 @@ impl Staging {
         self.fill(path, |file| file.write_all(bytes))
     }
 
+    /// Opens a file beside its place that is written bit by bit: for tables that do not fit in memory.
+    ///
+    /// # Errors
+    /// [`Error::Write`].
+    pub fn file(&self, path: &Path) -> Result<GrowingFile, Error> {
+        self.fill(path, |_| Ok(()))?;
+        let place = self.folder.join(path);
+        let file = File::options().append(true).open(self.incoming().join(path));
+        let file = file.map_err(|source| failed(&place, source))?;
+        Ok(GrowingFile {
+            file: BufWriter::new(file),
+            place,
+        })
+    }
+
     fn fill(&self, path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), Error> {
         let staged = self.incoming().join(path);
         let written = staged
@@ -106,6 +121,32 @@ impl Staging {
             swap.undo();
         }
         swapped
+    }
+}
+
+/// A file that is written bit by bit.
+#[derive(Debug)]
+pub struct GrowingFile {
+    file: BufWriter<File>,
+    place: PathBuf,
+}
+
+impl GrowingFile {
+    /// Adds bytes.
+    ///
+    /// # Errors
+    /// [`Error::Write`].
+    pub fn write(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        self.file.write_all(bytes).map_err(|source| failed(&self.place, source))
+    }
+
+    /// Waits until all is on the disk.
+    ///
+    /// # Errors
+    /// [`Error::Write`].
+    pub fn finish(mut self) -> Result<(), Error> {
+        let flushed = self.file.flush().and_then(|()| self.file.get_ref().sync_all());
+        flushed.map_err(|source| failed(&self.place, source))
     }
 }
 

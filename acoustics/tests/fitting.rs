@@ -167,7 +167,10 @@ fn the_resonances_of_two_fittings_are_those_of_the_table() {
         let (peak_hz, peak) = grid.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
         near(peak, maximum, 0.006);
         near(peak_hz, maximum_hz, df);
-        let largest = grid.iter().map(|(hz, _)| pipe.gain(*hz, &air).unwrap()).fold(0.0, f64::max);
+        let largest = grid
+            .iter()
+            .map(|(hz, _)| pipe.gain(*hz, &air).unwrap())
+            .fold(0.0, f64::max);
         near(10.0 * largest.log10(), gain, 6e-4);
         let above = grid.iter().filter(|(_, value)| *value > 0.5 * peak).count();
         near(above as f64 * df, width, 2.0 * df);

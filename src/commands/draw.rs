@@ -12,8 +12,8 @@ use crate::design::{Design, Value};
 use crate::error::Error;
 use crate::output;
 use crate::result::DesignId;
-use crate::staging;
-use crate::study::{DrawnShot, Fate, Rejections, Shots, shots};
+use crate::staging::Staging;
+use crate::study::{Counted, DrawnShot, Fate, Rejections, ShotSampler};
 
 /// Layout of `cycle --draw --json`; the draws themselves are in the file.
 #[derive(Serialize)]
@@ -41,11 +41,25 @@ pub(super) fn execute(common: &Common, design: &Design, count: usize, seed: u64)
     let folder = common.out(design)?;
     let progress = progress();
     progress.stage("drawing designs");
-    let study = shots(design, count, seed, &progress)?;
-    progress.end();
+    let sampler = ShotSampler::new(design, seed)?;
     let path = folder.join("draws.csv");
-    staging::write(&path, &csv(&study)?)?;
-    let failures = failures(&study);
+    let staging = Staging::within(&folder)?;
+    let mut file = staging.file("draws.csv".as_ref())?;
+    file.write(&row(header(&sampler))?)?;
+    let mut failures = Vec::new();
+    // Every draw goes to the file at once: memory does not grow with their number.
+    let counted = sampler.each(count, &progress, |draw| {
+        if let Fate::SolverFailure(error) = &draw.fate {
+            failures.push(Failure {
+                candidate: draw.candidate,
+                error: error.clone(),
+            });
+        }
+        file.write(&row(cells(&draw))?)
+    })?;
+    file.finish()?;
+    staging.place(&[], "draws.csv".as_ref())?;
+    progress.end();
     let status = if failures.is_empty() {
         ExitCode::SUCCESS
     } else {
@@ -62,46 +76,33 @@ pub(super) fn execute(common: &Common, design: &Design, count: usize, seed: u64)
                 digest: design.digest(),
             },
             seed,
-            drawn: study.draws.len(),
-            parameters: study.parameters.len(),
-            candidates: study.candidates,
-            counts: &study.counts,
-            refused: &study.refused,
-            rejections: &study.rejections,
+            drawn: counted.drawn,
+            parameters: sampler.parameters.len(),
+            candidates: counted.candidates,
+            counts: &counted.counts,
+            refused: &counted.refused,
+            rejections: &counted.rejections,
             failures,
             file: path.display().to_string(),
         })?;
     } else {
-        print(&text(design.name(), &study))?;
+        print(&text(design.name(), seed, &sampler, &counted))?;
         print(&format!("\n  every design in {}\n", path.display()))?;
     }
     Ok(status)
 }
 
-fn failures(study: &Shots) -> Vec<Failure> {
-    let failure = |draw: &'_ DrawnShot| match &draw.fate {
-        Fate::SolverFailure(error) => Some((draw.candidate, error.clone())),
-        _ => None,
-    };
-    study
-        .draws
-        .iter()
-        .filter_map(failure)
-        .map(|(candidate, error)| Failure { candidate, error })
-        .collect()
-}
-
-fn text(name: &str, study: &Shots) -> String {
-    let drawn = study.draws.len();
+fn text(name: &str, seed: u64, sampler: &ShotSampler, study: &Counted) -> String {
+    let drawn = study.drawn;
     let mut text = format!(
         "{name}: {drawn} designs drawn from the ranges of {} parameters{} (seed {})\n\n",
-        study.parameters.len(),
-        if study.scores.is_empty() {
+        sampler.parameters.len(),
+        if sampler.scores.is_empty() {
             ""
         } else {
             " and the uncertainty of the fitted penetration law"
         },
-        study.seed
+        seed
     );
     let mut counts: Vec<(&String, &usize)> = study.counts.iter().collect();
     counts.sort_by(|a, b| b.1.cmp(a.1));
@@ -134,8 +135,8 @@ fn text(name: &str, study: &Shots) -> String {
     text
 }
 
-/// `draws.csv`: a row for every design, its values in SI units.
-fn csv(study: &Shots) -> Result<Vec<u8>, Error> {
+/// Headings of `draws.csv`: a row for every design, its values in SI units.
+fn header(sampler: &ShotSampler) -> Vec<String> {
     let figures = [
         "candidate",
         "fate",
@@ -143,7 +144,7 @@ fn csv(study: &Shots) -> Result<Vec<u8>, Error> {
         "penetration [m]",
         "exhaust_mass [kg]",
     ];
-    let values = study.parameters.iter().map(|parameter| {
+    let values = sampler.parameters.iter().map(|parameter| {
         let unit = if parameter.unit.is_empty() {
             "-"
         } else {
@@ -151,22 +152,34 @@ fn csv(study: &Shots) -> Result<Vec<u8>, Error> {
         };
         format!("{} [{unit}]", parameter.key)
     });
-    let scores = study.scores.iter().map(|name| format!("{name} [-]"));
-    let rows = study.draws.iter().map(|draw| {
-        let (speed, depth, mass) = match &draw.fate {
-            Fate::Shot(shot) => (shot.mean_drive_speed, Some(shot.penetration), Some(shot.exhaust_mass)),
-            Fate::DryFire | Fate::SolverFailure(_) | Fate::Refused(_) => (None, None, None),
-        };
-        let figures = [speed, depth, mass].map(|value| value.map_or_else(String::new, |value| format!("{value:e}")));
-        let values = draw.values.iter().map(|value| match value {
-            Value::Number(value) => format!("{value:e}"),
-            Value::Count(count) => count.to_string(),
-            Value::Switch(on) => on.to_string(),
-            Value::Choice(word) => (*word).to_owned(),
-            Value::File(path) => path.clone(),
-        });
-        let names = [draw.candidate.to_string(), draw.fate.name().to_owned()];
-        names.into_iter().chain(figures).chain(values)
+    let scores = sampler.scores.iter().map(|name| format!("{name} [-]"));
+    figures
+        .map(str::to_owned)
+        .into_iter()
+        .chain(values)
+        .chain(scores)
+        .collect()
+}
+
+/// Cells of a design drawn.
+fn cells(draw: &DrawnShot) -> Vec<String> {
+    let (speed, depth, mass) = match &draw.fate {
+        Fate::Shot(shot) => (shot.mean_drive_speed, Some(shot.penetration), Some(shot.exhaust_mass)),
+        Fate::DryFire | Fate::SolverFailure(_) | Fate::Refused(_) => (None, None, None),
+    };
+    let figures = [speed, depth, mass].map(|value| value.map_or_else(String::new, |value| format!("{value:e}")));
+    let values = draw.values.iter().map(|value| match value {
+        Value::Number(value) => format!("{value:e}"),
+        Value::Count(count) => count.to_string(),
+        Value::Switch(on) => on.to_string(),
+        Value::Choice(word) => (*word).to_owned(),
+        Value::File(path) => path.clone(),
     });
-    output::table(figures.map(str::to_owned).into_iter().chain(values).chain(scores), rows)
+    let names = [draw.candidate.to_string(), draw.fate.name().to_owned()];
+    names.into_iter().chain(figures).chain(values).collect()
+}
+
+/// A row of the file.
+fn row(cells: Vec<String>) -> Result<Vec<u8>, Error> {
+    output::table(cells, std::iter::empty::<Vec<String>>())
 }

@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::report::Intervals;
 use crate::stages::Progress;
 use crate::store::Store;
-use crate::study::{self, LevelStudy, Part, Request, StudyResult};
+use crate::study::{self, LevelStudy, Part, ProvidedStudy, Request, StudyResult};
 
 /// Draws from which percentiles are shown; below them, the lowest and the highest draw.
 const PERCENTILES_FROM: usize = 40;
@@ -21,14 +21,35 @@ const DECIDING: usize = 3;
 /// Seed of screenings: the draws are the first ones of a study with the default seed.
 const SEED: u64 = 1;
 
-/// The study of a design that is kept; else a screening of a few draws, which is kept. None where the design asks for none, or
-/// why there is none.
-pub(super) fn study_of(store: &Store, design: &Design, progress: &Progress) -> Result<StudyResult, String> {
+/// A study that is known of a design.
+pub(super) struct Known {
+    result: StudyResult,
+    /// Where it is from, if it is not the user's own; empty otherwise.
+    origin: String,
+}
+
+/// The study of a design that is kept, or that comes with the program if that is larger; else a screening of a few draws, which is
+/// kept. None where the design asks for none, or why there is none.
+pub(super) fn study_of(store: &Store, design: &Design, progress: &Progress) -> Result<Known, String> {
+    let message = |error: Error| error.to_string();
+    let own = |result| Known {
+        result,
+        origin: String::new(),
+    };
+    let kept = study::kept(store, design).map_err(message)?;
+    if let Some(provided) = ProvidedStudy::of(design).map_err(message)?
+        && kept.as_ref().is_none_or(|kept| kept.draws < provided.result.draws)
+    {
+        return Ok(Known {
+            origin: origin(&provided, &provided.changed(design).map_err(message)?),
+            result: provided.result,
+        });
+    }
+    if let Some(kept) = kept {
+        return Ok(own(kept));
+    }
     if store.folder().is_none() {
         return Err("without the cache no study is known".to_owned());
-    }
-    if let Some(kept) = study::kept(store, design).map_err(|error| error.to_string())? {
-        return Ok(kept);
     }
     let request = Request {
         draws: design.study().screening as usize,
@@ -45,11 +66,29 @@ pub(super) fn study_of(store: &Store, design: &Design, progress: &Progress) -> R
         request.draws
     ));
     let made = super::study::compute(store, design, &request, progress);
-    made.map(|(result, _)| result).map_err(|error: Error| error.to_string())
+    made.map(|(result, _)| own(result)).map_err(message)
+}
+
+/// Where a study is from that comes with the program.
+fn origin(study: &ProvidedStudy, changed: &[&str]) -> String {
+    let made = format!(
+        "  this study comes with the program: `{}`, version {}",
+        study.command, study.version
+    );
+    match changed {
+        [] => format!("{made}\n"),
+        changed => format!(
+            "{made};\n  {} changed since, so that its levels may differ from those of today; the command makes it anew\n",
+            match changed {
+                [one] => format!("{one} has"),
+                more => format!("{} have", more.join(" and ")),
+            }
+        ),
+    }
 }
 
 /// Headings of the columns of a study.
-pub(super) fn headings(study: &StudyResult) -> [String; 2] {
+pub(super) fn headings(Known { result: study, .. }: &Known) -> [String; 2] {
     let levels = match study.draws {
         PERCENTILES_FROM.. => "90 % of draws dB".to_owned(),
         draws => format!("{draws} draws dB"),
@@ -58,7 +97,7 @@ pub(super) fn headings(study: &StudyResult) -> [String; 2] {
 }
 
 /// Cells of these columns in the row of a source, or of the total.
-pub(super) fn cells(study: &StudyResult, source: &str) -> [String; 2] {
+pub(super) fn cells(Known { result: study, .. }: &Known, source: &str) -> [String; 2] {
     match study.source(source) {
         Some(own) => [span(study, &own.level), first(study, source)],
         None => [span(study, &study.total), String::new()],
@@ -66,7 +105,7 @@ pub(super) fn cells(study: &StudyResult, source: &str) -> [String; 2] {
 }
 
 /// The columns for the report, beside the levels of the printed table.
-pub(super) fn of_report(study: &StudyResult, text: &Text) -> Intervals {
+pub(super) fn of_report(study: &Known, text: &Text) -> Intervals {
     let row = |row: &Vec<String>| {
         let [interval, first] = cells(study, &row[0]);
         [row[0].clone(), interval, first]
@@ -115,7 +154,7 @@ fn of_draws(share: f64, draws: usize) -> String {
 }
 
 /// What the columns hold, and what not.
-pub(super) fn legend(study: &StudyResult) -> String {
+pub(super) fn legend(Known { result: study, origin }: &Known) -> String {
     let structures = match study.structures {
         0 => "structures as in the design".to_owned(),
         count => format!("{count} structures"),
@@ -139,6 +178,7 @@ pub(super) fn legend(study: &StudyResult) -> String {
             200.0 / (draws as f64 + 1.0)
         ),
     };
+    text.push_str(origin);
     let mut orders = study.orders.iter();
     if let Some(order) = orders.next() {
         let share = order.probability.value.unwrap_or(0.0);

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use clap::Args;
 
-use super::intervals;
+use super::intervals::{self, Known};
 use super::progress::noted;
 use super::table::{decibels, table};
 use super::{Common, Keeping, message, print, progress, status_of};
@@ -21,7 +21,6 @@ use crate::report::{self, Intervals};
 use crate::result::{Component, Coupling, RankedSource, RunResult};
 use crate::run::Run;
 use crate::staging;
-use crate::study::StudyResult;
 use crate::wording::{band, order, readable};
 
 #[derive(Args)]
@@ -126,7 +125,7 @@ fn add_to_report(folder: &Path, intervals: &Intervals) -> Result<(), Error> {
 }
 
 /// The table with the intervals of a study, or why there is none.
-fn with_intervals(text: &Text, study: Result<&StudyResult, &String>) -> String {
+fn with_intervals(text: &Text, study: Result<&Known, &String>) -> String {
     let Text {
         before,
         headings,

@@ -17,11 +17,11 @@ use crate::design::Design;
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::{Progress, WithoutStages};
-use crate::staging::Staging;
+use crate::staging::{self, Staging};
 use crate::store::Store;
-use crate::study::{self, Draws, Estimate, Part, Request, StudyResult};
+use crate::study::{self, Draws, Estimate, GroupStudy, Part, ProvidedStudy, Request, StudyResult};
 use crate::wording::drawn_structures;
-use crate::{figures, report};
+use crate::{figures, report, shipped};
 
 /// The file that is written last, so that a folder that holds it holds all the rest.
 const LAST: &str = "study.json";
@@ -63,6 +63,12 @@ pub(super) struct Arguments {
     /// State the result of draws that are in the store, and compute none
     #[arg(long, requires = "store", conflicts_with = "until")]
     collect: bool,
+    /// State which groups of inputs decide each level, by two more draws for each draw and group, as `exhaust` or `wood`
+    #[arg(long, conflicts_with_all = ["task", "collect", "structures"])]
+    groups: bool,
+    /// Also write the study of a shipped design to this file, as those in designs/studies that `nailnoise run` uses
+    #[arg(long, value_name = "FILE", conflicts_with = "task")]
+    provide: Option<PathBuf>,
     /// Draw the charts of the page as SVG
     #[arg(long)]
     figures: bool,
@@ -149,6 +155,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     common.start_threads()?;
     let design = common.load()?;
     let folder = common.out(&design)?.join("study");
+    let shipped = shipped::design(design.name()).map(|(path, _)| path);
+    if arguments.provide.is_some() && shipped.is_none() {
+        return Err(Error::NotShipped {
+            design: design.name().to_owned(),
+        });
+    }
     cost::refuse(&design, &cost::of_run(&design)?, common.memory.limit())?;
     let progress = progress();
     let most = arguments.draws as usize;
@@ -181,7 +193,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             &progress,
         );
     }
-    let (result, made) = loop {
+    let (mut result, made) = loop {
         let (result, made) = compute(&store, &design, &request, &progress)?;
         // Where candidates run out, more are of no use.
         if request.draws >= most
@@ -192,7 +204,13 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         }
         request.draws = most.min(2 * request.draws);
     };
-    if arguments.store.is_some() {
+    let mut partners = None;
+    if arguments.groups {
+        let graph = graph(&store, &progress);
+        let (groups, table) = study::group_study(&graph, &design, &request, &made, &progress)?;
+        (result.groups, partners) = (Some(groups), Some(table));
+    }
+    if arguments.store.is_some() || arguments.groups {
         study::keep(&cache, &design, &result)?;
     }
     let within = arguments.until.iter().all(|own| own.is_met(&result));
@@ -208,8 +226,14 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         report::study(&result, &charts, &scatter).as_bytes(),
     )?;
     staging.write("draws.csv".as_ref(), &study::csv(&made)?)?;
+    if let Some(partners) = partners {
+        staging.write("groups.csv".as_ref(), &partners)?;
+    }
     staging.write(LAST.as_ref(), json.as_bytes())?;
     staging.place(&[], LAST.as_ref())?;
+    if let (Some(file), Some(path)) = (&arguments.provide, shipped) {
+        provide(file, (arguments, path), (&design, &result, &made))?;
+    }
     progress.end();
     for (draw, error) in &made.failures {
         message(&format!("draw {draw} cannot be computed: {error}"));
@@ -235,6 +259,24 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     } else {
         ExitCode::from(1)
     })
+}
+
+/// Writes a study of a shipped design for those who have the program.
+fn provide(
+    file: &Path,
+    (arguments, path): (&Arguments, &str),
+    (design, result, made): (&Design, &StudyResult, &Draws),
+) -> Result<(), Error> {
+    let structures = arguments
+        .structures
+        .map_or_else(String::new, |each| format!(" --structures={each}"));
+    let groups = if arguments.groups { " --groups" } else { "" };
+    let command = format!(
+        "nailnoise study designs/{path} -n {} --seed {}{structures}{groups}",
+        result.draws, result.seed
+    );
+    let text = ProvidedStudy::new(path, design, &command, result, made)?.file()?;
+    staging::write(file, text.as_bytes())
 }
 
 /// States what a task did.
@@ -263,10 +305,14 @@ fn execute_task(task: Task, made: &Draws, folder: &Path, json: bool, progress: &
     Ok(ExitCode::SUCCESS)
 }
 
+/// A graph that says nothing of its stages.
+fn graph(store: &Store, progress: &Progress) -> Graph {
+    Graph::new(Arc::new(store.clone()), Arc::new(WithoutStages(progress.observer())))
+}
+
 /// The draws that are asked for, and the graph that made them.
 fn draws(store: &Store, design: &Design, request: &Request, progress: &Progress) -> Result<(Draws, Graph), Error> {
-    let observer = Arc::new(WithoutStages(progress.observer()));
-    let graph = Graph::new(Arc::new(store.clone()), observer);
+    let graph = graph(store, progress);
     Ok((study::draws(&graph, design, request, progress)?, graph))
 }
 
@@ -317,6 +363,36 @@ fn level(estimate: &Estimate) -> String {
 
 fn percent(part: u64, whole: u64) -> String {
     format!("{:.1}", 100.0 * part as f64 / whole.max(1) as f64)
+}
+
+/// The groups of inputs that decide each level.
+fn of_groups(study: &GroupStudy) -> String {
+    let mut text = format!(
+        "\n  groups of inputs, by {} draws with two partners for each group; first-order index: part of the variance that\n  \
+         knowing the group takes off; total index: part that remains where all else is known\n",
+        study.rows
+    );
+    if study.incomplete > 0 {
+        let _ = writeln!(text, "  {} draws lack a partner and are left out", study.incomplete);
+    }
+    for own in &study.outputs {
+        let _ = writeln!(text, "\n  {}: variance {:.1} dB2", own.output, own.variance_db2);
+        let rows = own.groups.iter().map(|group| {
+            let quantities = study.groups.iter().find(|known| known.name == group.group);
+            vec![
+                group.group.clone(),
+                quantities.map_or(0, |known| known.variables.len()).to_string(),
+                probability(&group.first_order),
+                probability(&group.total),
+            ]
+        });
+        let rows: Vec<Vec<String>> = rows.collect();
+        text.push_str(&table(
+            &["group", "quantities", "first-order index", "total index"],
+            &rows,
+        ));
+    }
+    text
 }
 
 fn text(result: &StudyResult) -> String {
@@ -396,6 +472,9 @@ fn text(result: &StudyResult) -> String {
                 &rows,
             ));
         }
+    }
+    if let Some(groups) = &result.groups {
+        text.push_str(&of_groups(groups));
     }
     let candidates = &result.candidates;
     let shots: u64 = candidates.outcomes.values().sum();

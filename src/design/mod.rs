@@ -146,6 +146,11 @@ impl Design {
         Self::resolve(path, File::new(path, text), &[])
     }
 
+    /// The design of this path in the folder `designs` that comes with the program.
+    pub fn shipped(path: &str) -> Option<Self> {
+        Self::resolve(Path::new(path), File::shipped(path)?, &[]).ok()
+    }
+
     fn resolve(path: &Path, file: File, assignments: &[Assignment]) -> Result<Self, DesignError> {
         let over = assignments.iter().rev().map(Assignment::file);
         let chain: Vec<File> = over.chain(file.chain()?).collect();

@@ -42,7 +42,7 @@ impl File {
     }
 
     /// A design that comes with the program, by the name of its file.
-    fn shipped(name: &str) -> Option<Self> {
+    pub(crate) fn shipped(name: &str) -> Option<Self> {
         let (path, text) = shipped::design(name).filter(|_| name.ends_with(".toml"))?;
         Some(Self {
             path: PathBuf::from(format!("{path} of nailnoise {}", env!("CARGO_PKG_VERSION"))),

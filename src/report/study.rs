@@ -6,7 +6,7 @@ use super::chart::markup;
 use super::page::{Page, Section};
 use super::tables::{decibels, with_code};
 use crate::figures::Chart;
-use crate::study::{Estimate, LevelStudy, StudyResult};
+use crate::study::{Estimate, GroupStudy, LevelStudy, StudyResult};
 
 pub(super) fn page(result: &StudyResult, charts: &[Chart], scatter: &[Chart]) -> Page {
     let chart = |name: &str| charts.iter().find(|chart| chart.name == name).map(markup);
@@ -24,7 +24,7 @@ pub(super) fn page(result: &StudyResult, charts: &[Chart], scatter: &[Chart]) ->
         Section::new(
             "inputs",
             "What decides",
-            html! { (contributions(result)) @for c in scatter { (markup(c)) } },
+            html! { (contributions(result)) @if let Some(own) = &result.groups { (groups(own)) } @for c in scatter { (markup(c)) } },
         ),
         Section::new(
             "bands",
@@ -134,6 +134,31 @@ fn contributions(result: &StudyResult) -> Markup {
                 } } }
             } } }
         }
+    }
+}
+
+/// Groups of inputs, each output a table.
+fn groups(study: &GroupStudy) -> Markup {
+    html! {
+        h3 { "Groups of inputs" }
+        p.quiet { (study.rows) " draws with two partners for each group. First-order index: part of the variance that knowing the group takes off. \
+                   Total index: part that remains where all else is known."
+            @if study.incomplete > 0 { " " (study.incomplete) " draws lack a partner and are left out." } }
+        @for own in &study.outputs {
+            h3 { (own.output) ", variance " (format!("{:.1}", own.variance_db2)) " dB\u{b2}" }
+            div.scroll { table {
+                thead { tr { th { "group" } th.n { "first-order index" } th.n { "total index" } th { } } }
+                tbody { @for group in &own.groups { tr {
+                    td.key-name { (group.group) } td.n { (probability(&group.first_order)) } td.n { (probability(&group.total)) }
+                    td { div.c0 style={ "height:0.8em;background:var(--c);width:"
+                        (format!("{:.1}", 12.0 * group.total.value.unwrap_or(0.0).clamp(0.0, 1.0))) "em" } {} }
+                } } }
+            } }
+        }
+        div.scroll { table {
+            thead { tr { th { "group" } th { "quantities" } } }
+            tbody { @for own in &study.groups { tr { td.key-name { (own.name) } td { (own.variables.join(", ")) } } } }
+        } }
     }
 }
 

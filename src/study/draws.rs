@@ -73,9 +73,9 @@ impl Request {
 }
 
 /// A draw before its sound.
-struct Planned {
-    structure: usize,
-    candidate: Candidate,
+pub(super) struct Planned {
+    pub(super) structure: usize,
+    pub(super) candidate: Candidate,
 }
 
 /// Makes the draws that are asked for on a graph, and says on `progress` how far they are.
@@ -154,6 +154,7 @@ fn plan(
         bases: &bases,
         active,
         stream,
+        partner_of: None,
     };
     let done = |before: usize| move |found: usize| progress.done((before + found) as u64, request.draws as u64);
     let Some(each) = request.shots_a_structure else {
@@ -186,6 +187,7 @@ fn plan(
                 bases: &held,
                 active: &shots,
                 stream: structure as u64 + 1,
+                partner_of: None,
             };
             let (others, counts) = screen(graph, (designs, sampler), frame, more, Part::All, done(planned.len()))?;
             tally.add(counts);
@@ -221,10 +223,10 @@ impl Candidate {
 }
 
 /// Draws of each design, and those that cannot be computed.
-type Made = (Vec<Vec<Draw>>, Vec<(usize, String)>);
+pub(super) type Made = (Vec<Vec<Draw>>, Vec<(usize, String)>);
 
 /// The levels of all planned draws, structure by structure, each shot on a thread of its own.
-fn levels(
+pub(super) fn levels(
     graph: &Graph,
     (designs, sampler): (&[Design], &Sampler),
     planned: Vec<Planned>,

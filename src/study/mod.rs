@@ -5,6 +5,8 @@
 
 mod contributions;
 mod draws;
+mod group_indices;
+mod groups;
 mod jobs;
 mod kept;
 mod law;
@@ -13,6 +15,7 @@ mod normal;
 mod notes;
 mod paired;
 mod parameters;
+mod provided;
 mod request;
 mod result;
 mod sampling;
@@ -25,18 +28,20 @@ mod variable_report;
 mod variables;
 
 pub use draws::{Draw, Draws, common_draws, draws, nominal};
+pub use groups::{Group, GroupContribution, GroupContributions, GroupStudy, group_study};
 pub use kept::{keep, kept};
 pub use level_table::{column, levels_of};
 pub use paired::{Change, PairedStudy};
 pub use parameters::{Parameter, taking_part};
+pub use provided::ProvidedStudy;
 pub use request::{Part, Request};
 pub use result::{
     Candidates, Contribution, Contributions, Convergence, LabelledStudy, LevelStudy, Louder, OrderProbability, SCHEMA,
     SourceStudy, StudyResult,
 };
-pub use sampling::{Frame, Point, Rejections, Sampler};
+pub use sampling::{Frame, Partner, Point, Rejections, Sampler};
 pub use screening::{Candidate, Tally, screen};
-pub use shots::{DrawnShot, Shots, shots};
+pub use shots::{Counted, DrawnShot, ShotSampler, Shots, shots};
 pub use statistics::{Estimate, Quantiles};
 pub use sweep::{Axis, SweptPoint, sweep};
 pub use table::csv;

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::contributions::{self as first_order, Binned};
 use super::draws::{Draw, Draws};
+use super::groups::GroupStudy;
 use super::level_table::{LevelTable, TOTAL, number, total_of};
 use super::notes::notes;
 use super::request::Request;
@@ -52,6 +53,9 @@ pub struct StudyResult {
     pub perfect_information_db: Estimate,
     /// Which inputs decide each level, the largest contribution first.
     pub contributions: Vec<Contributions>,
+    /// Which groups of inputs decide each level; null without `--groups`.
+    #[serde(default)]
+    pub groups: Option<GroupStudy>,
     /// P50 of the total and P(first) of each source over the first draws, doubling.
     pub convergence: Vec<Convergence>,
     /// What was drawn.
@@ -270,6 +274,7 @@ impl StudyResult {
             louder: louder(&table, &bootstrap, &names),
             perfect_information_db: perfect,
             contributions: contributions(made, &table, &totals, &names),
+            groups: None,
             convergence: convergence(&table, &totals, &clusters, &names),
             variables,
             notes,

@@ -70,6 +70,17 @@ pub struct Frame<'a> {
     pub active: &'a [bool],
     /// Number of the sequence.
     pub stream: u64,
+    /// A point that gives all variables that are not drawn; without it they are those of the bases.
+    pub partner_of: Option<Partner<'a>>,
+}
+
+/// A point of which some variables are drawn anew.
+#[derive(Clone, Copy)]
+pub struct Partner<'a> {
+    /// The point.
+    pub point: &'a Point,
+    /// Its number: the first candidates for the partners of all points are the points of one sequence.
+    pub number: u64,
 }
 
 /// How often values were rejected, by the keys that do not go together.
@@ -98,6 +109,11 @@ impl Sampler {
         components.map(|component| self.names(&component.members)).collect()
     }
 
+    /// Places of the variables of each component.
+    pub(super) fn components(&self) -> impl Iterator<Item = &[usize]> {
+        self.components.iter().map(|component| component.members.as_slice())
+    }
+
     fn names(&self, members: &[usize]) -> Vec<&str> {
         members
             .iter()
@@ -108,10 +124,17 @@ impl Sampler {
     /// Point `index` of a frame, or none where a component has no values that go together.
     pub fn point(&self, frame: Frame<'_>, index: u64, rejections: &mut Rejections) -> Option<Point> {
         let count = self.variables.len();
-        let mut point = Point {
-            shares: vec![f64::NAN; count],
-            drawn: vec![None; count],
+        let mut point = match frame.partner_of {
+            Some(partner) => partner.point.clone(),
+            None => Point {
+                shares: vec![f64::NAN; count],
+                drawn: vec![None; count],
+            },
         };
+        // Each further candidate for a partner comes from another scramble.
+        let index = frame
+            .partner_of
+            .map_or(index, |partner| index * LENGTH + partner.number);
         for component in &self.components {
             let members: Vec<usize> = component.members.iter().copied().filter(|&m| frame.active[m]).collect();
             if members.is_empty() {
@@ -337,6 +360,7 @@ mod tests {
             bases: &bases,
             active: &active,
             stream: 0,
+            partner_of: None,
         };
         let points = (0..N).map(|index| sampler.point(frame, index, &mut rejections).unwrap());
         (points.collect(), rejections)

@@ -14,8 +14,9 @@ use crate::graph::Graph;
 use crate::stages::cycle::Cycle;
 use crate::stages::outcomes::{Fate, Outcomes};
 
-/// Candidates computed and kept at a time.
+/// Candidates computed and kept at a time; for a partner of a point, which needs one, at first and then twice as many each time.
 const BLOCK: u64 = 64;
+const FIRST_BLOCK: u64 = 2;
 /// Candidates drawn at most for each draw asked for, and before any is accepted.
 const MOST: u64 = 1000;
 const MOST_IN_VAIN: u64 = 4096;
@@ -140,8 +141,12 @@ pub fn screen(
         let cycles = cycles_of((designs, sampler), frame, index, &mut rejections);
         (cycles, rejections)
     };
-    let block = |first: u64| {
-        let block: Vec<_> = (first..first + BLOCK).into_par_iter().map(candidate).collect();
+    let mut size = match frame.partner_of {
+        Some(_) => FIRST_BLOCK,
+        None => BLOCK,
+    };
+    let block = |first: u64, size: u64| {
+        let block: Vec<_> = (first..first + size).into_par_iter().map(candidate).collect();
         let cycles = block
             .iter()
             .filter_map(|(cycles, _)| Some(cycles.as_ref().ok()?.1.clone()));
@@ -156,9 +161,10 @@ pub fn screen(
         if let Part::Task { number, of } = part
             && (first / BLOCK).is_multiple_of(u64::from(of))
         {
-            graph.get(block(first + u64::from(number - 1) * BLOCK).1)?;
+            graph.get(block(first + u64::from(number - 1) * BLOCK, BLOCK).1)?;
         }
-        let (block, outcomes) = block(first);
+        let (block, outcomes) = block(first, size);
+        size = BLOCK.min(2 * size);
         let fates = graph.get(outcomes)?;
         let mut fates = fates.chunks(designs.len());
         for (index, (cycles, rejections)) in (first..).zip(block) {

@@ -268,3 +268,52 @@ fn designs_are_compared_over_drawn_structures_too() {
         (&Value::from(4), &Value::from(2))
     );
 }
+
+/// Every quantity that is drawn is in one group, every draw has two partners for each group, and threads change nothing.
+#[test]
+fn groups_hold_every_quantity_and_each_draw_has_its_partners() {
+    let (folder, design) = made("groups");
+    let draw = |threads: &str| {
+        let arguments = ["-n", "2", "--groups", "--threads", threads, "--json"];
+        let result = json(&study(&folder, &design, &arguments));
+        (result, fs::read_to_string(folder.join("out/study/groups.csv")).unwrap())
+    };
+    let (result, table) = draw("2");
+    let names = |value: &Value| -> Vec<String> {
+        let names = value.as_array().unwrap().iter();
+        names.map(|name| name.as_str().unwrap().to_owned()).collect()
+    };
+    let groups = result["groups"]["groups"].as_array().unwrap();
+    let mut grouped: Vec<String> = groups.iter().flat_map(|own| names(&own["variables"])).collect();
+    let drawn = result["variables"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|own| own["drawn"] == true);
+    let mut drawn: Vec<String> = drawn.map(|own| own["name"].as_str().unwrap().to_owned()).collect();
+    grouped.sort();
+    drawn.sort();
+    assert_eq!(grouped, drawn);
+    assert_eq!(result["groups"]["rows"], 2);
+    assert_eq!(table.lines().count(), 1 + 2 * (1 + 2 * groups.len()));
+    let outputs = result["groups"]["outputs"].as_array().unwrap();
+    assert!(outputs.iter().any(|own| own["output"] == "total"));
+    for own in outputs {
+        assert_eq!(own["groups"].as_array().unwrap().len(), groups.len());
+    }
+    fs::remove_dir_all(folder.join("cache")).unwrap();
+    let (again, same) = draw("1");
+    assert!(table == same && result == again, "threads change the partners");
+    let page = fs::read_to_string(folder.join("out/study/study.html")).unwrap();
+    assert!(page.contains("Groups of inputs"));
+}
+
+#[test]
+fn a_study_to_come_with_the_program_is_of_a_shipped_design() {
+    let (folder, design) = made("provided");
+    let output = study(&folder, &design, &["-n", "1", "--provide", "study.json"]);
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("`drawn` is none"), "{message}");
+    assert!(!folder.join("study.json").exists());
+}
