@@ -10,6 +10,7 @@ use super::table::table;
 use super::{Common, message, print, print_json, progress};
 use crate::design::{Design, Value};
 use crate::error::Error;
+use crate::graph::Graph;
 use crate::output;
 use crate::result::DesignId;
 use crate::staging;
@@ -41,7 +42,7 @@ pub(super) fn execute(common: &Common, design: &Design, count: usize, seed: u64)
     let folder = common.out(design)?;
     let progress = progress();
     progress.stage("drawing designs");
-    let study = shots(design, count, seed, &progress)?;
+    let study = shots(&Graph::default(), design, count, seed, &progress)?;
     progress.end();
     let path = folder.join("draws.csv");
     staging::write(&path, &csv(&study)?)?;

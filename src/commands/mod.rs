@@ -31,6 +31,7 @@ mod modes;
 mod optimise;
 mod prf;
 mod progress;
+mod python;
 mod run;
 mod schema;
 mod sensitivity;

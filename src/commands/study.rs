@@ -10,6 +10,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::progress::noted;
+use super::python::Cluster;
 use super::table::{decibels, table};
 use super::{Common, Keeping, message, print, print_json, progress};
 use crate::cost;
@@ -63,6 +64,10 @@ pub(super) struct Arguments {
     /// State the result of draws that are in the store, and compute none
     #[arg(long, requires = "store", conflicts_with = "until")]
     collect: bool,
+    /// Compute the draws on a cluster of Dask, by the address of its scheduler (needs the Python package); with --store, in that
+    /// folder, which its workers share
+    #[arg(long, value_name = "ADDRESS", conflicts_with_all = ["no_cache", "task", "collect"])]
+    scheduler: Option<String>,
     /// Draw the charts of the page as SVG
     #[arg(long)]
     figures: bool,
@@ -182,6 +187,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         );
     }
     let (result, made) = loop {
+        if let (Some(scheduler), Some(folder)) = (&arguments.scheduler, store.folder()) {
+            progress.stage("draws on the cluster");
+            let shared = arguments.store.is_some();
+            let cluster = Cluster { scheduler, folder, shared };
+            cluster.fill("study-on", (common, &design), &arguments_of(&request))?;
+        }
         let (result, made) = compute(&store, &design, &request, &progress)?;
         // Where candidates run out, more are of no use.
         if request.draws >= most
@@ -235,6 +246,14 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     } else {
         ExitCode::from(1)
     })
+}
+
+/// A request in the words of the Python package.
+fn arguments_of(request: &Request) -> Vec<String> {
+    let numbers = [("--draws", request.draws as u64), ("--seed", request.seed)];
+    let each = request.shots_a_structure.map(|each| ("--structures", each as u64));
+    let pairs = numbers.into_iter().chain(each);
+    pairs.flat_map(|(name, number)| [name.to_owned(), number.to_string()]).collect()
 }
 
 /// States what a task did.

@@ -21,6 +21,7 @@ mod shots;
 mod statistics;
 mod sweep;
 mod table;
+pub mod tasks;
 mod variable_report;
 mod variables;
 

@@ -15,7 +15,7 @@ use crate::stages::cycle::Cycle;
 use crate::stages::outcomes::{Fate, Outcomes};
 
 /// Candidates computed and kept at a time.
-const BLOCK: u64 = 64;
+pub(super) const BLOCK: u64 = 64;
 /// Candidates drawn at most for each draw asked for, and before any is accepted.
 const MOST: u64 = 1000;
 const MOST_IN_VAIN: u64 = 4096;
@@ -113,6 +113,24 @@ pub(super) fn cycles_of(
     Ok((point, cycles))
 }
 
+/// A candidate before its shot: its point and cycles, or why it is no design; and what was drawn anew for it.
+pub(super) type Prepared = (Result<(Point, Vec<Cycle>), String>, Rejections);
+
+/// The candidates of the block that begins with `first`, and the stage that computes their shots.
+pub(super) fn block_of((designs, sampler): (&[Design], &Sampler), frame: Frame<'_>, first: u64) -> (Vec<Prepared>, Outcomes) {
+    let candidate = |index: u64| {
+        let mut rejections = Rejections::new();
+        let cycles = cycles_of((designs, sampler), frame, index, &mut rejections);
+        (cycles, rejections)
+    };
+    let block: Vec<Prepared> = (first..first + BLOCK).into_par_iter().map(candidate).collect();
+    let cycles = block
+        .iter()
+        .filter_map(|(cycles, _)| Some(cycles.as_ref().ok()?.1.clone()));
+    let cycles = cycles.flatten().collect();
+    (block, Outcomes { cycles })
+}
+
 /// The name under which the outcomes of a candidate are counted: one name, or those of the designs.
 fn name(fates: &[Fate]) -> String {
     let mut names: Vec<&str> = fates.iter().map(Fate::name).collect();
@@ -135,19 +153,7 @@ pub fn screen(
     found: impl Fn(usize),
 ) -> Result<(Vec<Candidate>, Tally), Error> {
     let (mut accepted, mut tally) = (Vec::new(), Tally::default());
-    let candidate = |index: u64| {
-        let mut rejections = Rejections::new();
-        let cycles = cycles_of((designs, sampler), frame, index, &mut rejections);
-        (cycles, rejections)
-    };
-    let block = |first: u64| {
-        let block: Vec<_> = (first..first + BLOCK).into_par_iter().map(candidate).collect();
-        let cycles = block
-            .iter()
-            .filter_map(|(cycles, _)| Some(cycles.as_ref().ok()?.1.clone()));
-        let cycles = cycles.flatten().collect();
-        (block, Outcomes { cycles })
-    };
+    let block = |first: u64| block_of((designs, sampler), frame, first);
     while accepted.len() < want && tally.candidates < MOST.saturating_mul(want as u64) {
         if accepted.is_empty() && tally.candidates >= MOST_IN_VAIN {
             break;
@@ -214,7 +220,7 @@ pub fn screen(
 }
 
 /// Whether a study of a design counts a shot.
-fn qualifies(design: &Design, fate: &Fate) -> bool {
+pub(super) fn qualifies(design: &Design, fate: &Fate) -> bool {
     let require = &design.study().require;
     match fate {
         Fate::Shot(shot) => require.is_empty() || require.contains(&shot.outcome.as_str()),

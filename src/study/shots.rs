@@ -1,25 +1,23 @@
 //! Designs drawn for the nailing cycle alone: what becomes of each shot.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::law;
 use super::parameters::{Parameter, taking_part};
 use super::sampling::{Frame, Rejections, Sampler};
-use super::screening::cycles_of;
+use super::screening::block_of;
 use super::variables::{Drawn, Kind, Scope, Variable, law_scores, without_sensors};
 use crate::design::{Design, Value, Values};
 use crate::error::Error;
-use crate::stages::Progress;
-use crate::stages::outcomes::{Fate, fate};
+use crate::graph::Graph;
+use crate::stages::{Progress, Stage};
+use crate::stages::outcomes::Fate;
 
 /// Candidates drawn at most for each design asked for, lest a design whose ranges hardly go together never ends.
 const MOST_CANDIDATES: usize = 1000;
-/// Candidates computed at a time.
-const BATCH: usize = 256;
-
 /// Designs drawn from the ranges of one, with their shots.
 #[derive(Debug, Clone, Serialize)]
 pub struct Shots {
@@ -52,25 +50,37 @@ pub struct DrawnShot {
     pub fate: Fate,
 }
 
-/// Draws `count` designs from the ranges of the keys of `design` that take part in the cycle, and computes the cycle of each.
+/// The design without its sensors, and the sampler of all that takes part in its cycle.
+pub(super) fn shots_sampler(design: &Design, seed: u64) -> Result<(Design, Sampler), Error> {
+    let mut parameters = taking_part(design)?;
+    law::leave_out_held(design, &mut parameters)?;
+    let variable = |parameter: Parameter| Variable {
+        name: parameter.key.clone(),
+        scope: Scope::Shot,
+        kind: Kind::Quantity(parameter),
+    };
+    let design = without_sensors(design);
+    let scores = law_scores(std::slice::from_ref(&design))?;
+    let sampler = Sampler::new(&design, parameters.into_iter().map(variable).chain(scores).collect(), seed);
+    Ok((design, sampler))
+}
+
+/// Draws `count` designs from the ranges of the keys of `design` that take part in the cycle, and computes the cycle of each on a graph.
 ///
 /// The draws depend on `seed` and the ranges alone, not on the number of threads. Fewer than `count` designs come back
 /// where a thousand candidates for each were not enough.
 ///
 /// # Errors
 /// As [`taking_part`].
-pub fn shots(design: &Design, count: usize, seed: u64, progress: &Progress) -> Result<Shots, Error> {
-    let mut parameters = taking_part(design)?;
-    law::leave_out_held(design, &mut parameters)?;
-    let variable = |parameter: &Parameter| Variable {
-        name: parameter.key.clone(),
-        scope: Scope::Shot,
-        kind: Kind::Quantity(parameter.clone()),
-    };
-    let design = without_sensors(design);
-    let scores = law_scores(std::slice::from_ref(&design))?;
-    let names = scores.iter().map(|score| score.name.clone()).collect();
-    let sampler = Sampler::new(&design, parameters.iter().map(variable).chain(scores).collect(), seed);
+pub fn shots(graph: &Graph, design: &Design, count: usize, seed: u64, progress: &Progress) -> Result<Shots, Error> {
+    let (design, sampler) = shots_sampler(design, seed)?;
+    let (mut parameters, mut scores) = (Vec::new(), Vec::new());
+    for variable in sampler.variables() {
+        match &variable.kind {
+            Kind::Quantity(parameter) => parameters.push(parameter.clone()),
+            _ => scores.push(variable.name.clone()),
+        }
+    }
     let active = vec![true; sampler.variables().len()];
     let bases = [Values::clone(&design)];
     let frame = Frame {
@@ -81,27 +91,23 @@ pub fn shots(design: &Design, count: usize, seed: u64, progress: &Progress) -> R
     let mut all = Shots {
         seed,
         parameters,
-        scores: names,
+        scores,
         candidates: 0,
         refused: BTreeMap::new(),
         rejections: Rejections::new(),
         counts: BTreeMap::new(),
         draws: Vec::new(),
     };
+    let designs = std::slice::from_ref(&design);
     while all.draws.len() < count && all.candidates < MOST_CANDIDATES.saturating_mul(count) {
         let first = all.candidates;
-        let candidate = |index: usize| {
-            let mut rejections = Rejections::new();
-            let designs = std::slice::from_ref(&design);
-            let cycle = cycles_of((designs, &sampler), frame, index as u64, &mut rejections);
-            let shot = cycle.and_then(|(point, cycles)| match fate(&cycles[0]) {
-                Fate::Refused(reason) => Err(reason),
-                fate => Ok((point, fate)),
-            });
-            (index, shot, rejections)
+        let (block, outcomes) = block_of((designs, &sampler), frame, first as u64);
+        let fates = match graph.store().folder() {
+            Some(_) => graph.get(outcomes)?,
+            None => Arc::new(outcomes.compute(progress)?),
         };
-        let batch: Vec<_> = (first..first + BATCH).into_par_iter().map(candidate).collect();
-        for (candidate, shot, rejections) in batch {
+        let mut fates = fates.iter();
+        for (candidate, (cycles, rejections)) in (first..).zip(block) {
             if all.draws.len() == count {
                 break;
             }
@@ -109,6 +115,11 @@ pub fn shots(design: &Design, count: usize, seed: u64, progress: &Progress) -> R
             for (keys, count) in rejections {
                 *all.rejections.entry(keys).or_default() += count;
             }
+            let shot = cycles.and_then(|(point, _)| match fates.next() {
+                Some(Fate::Refused(reason)) => Err(reason.clone()),
+                Some(fate) => Ok((point, fate.clone())),
+                None => Err("its computation ended".to_owned()),
+            });
             match shot {
                 Ok((point, fate)) => {
                     *all.counts.entry(fate.name().to_owned()).or_default() += 1;
