@@ -5,7 +5,7 @@ use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior, Panel};
 use nailnoise_acoustics::exhaust::{ExhaustSettings, FlowHistory, Opening, exhaust_noise};
 use nailnoise_acoustics::fourier::{Transform, TransformSettings};
 use nailnoise_acoustics::levels::{
-    REFERENCE_PRESSURE, Weighting, energy_level, exposure_level, peak_level, third_octaves, energy_weights,
+    REFERENCE_PRESSURE, Weighting, energy_level, energy_weights, exposure_level, peak_level, third_octaves,
 };
 use nailnoise_fem::{Constraints, Material, ModalSettings, Orthotropic, assemble, modes};
 use nailnoise_meshes::{ElementKind, FaceKind, Mesh};

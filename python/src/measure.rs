@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use nailnoise::cost::{self, MemoryLimit};
 use nailnoise::figures;
+use nailnoise::measurement::Manifest;
 use nailnoise::measurement::arrangement::Arrangement;
 use nailnoise::measurement::processing::{Recorded, process};
 use nailnoise::measurement::result::Processing;
@@ -12,7 +13,6 @@ use nailnoise::measurement::subtraction::Reading;
 use nailnoise::measurement::virtual_test::exact::exact;
 use nailnoise::measurement::virtual_test::{VirtualTest, wrapping};
 use nailnoise::measurement::wrapping::{Configuration, Wrapping};
-use nailnoise::measurement::Manifest;
 use nailnoise::stages::Progress;
 use pyo3::prelude::*;
 
@@ -99,7 +99,13 @@ pub(crate) fn test_energies(
         let own = test.own()?;
         let rate = design.test.sampling_rate;
         let background = design.acoustics.background_level;
-        Ok(exact(&test.arrangement, rate, &wraps, &test.densities(&own), background)?)
+        Ok(exact(
+            &test.arrangement,
+            rate,
+            &wraps,
+            &test.densities(&own),
+            background,
+        )?)
     })?;
     json_of(&made)
 }

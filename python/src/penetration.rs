@@ -62,7 +62,11 @@ pub(crate) fn penetration_curve<'py>(
     let work = work.collect::<Result<Vec<f64>, _>>().map_err(refused)?;
     let bands = depths.iter().map(|depth| curve.band(*depth));
     let bands = bands.collect::<Result<Option<Vec<[f64; 2]>>, _>>().map_err(refused)?;
-    let chart = figures::penetration(&curve.name, std::slice::from_ref(&curve), std::slice::from_ref(&curve.name));
+    let chart = figures::penetration(
+        &curve.name,
+        std::slice::from_ref(&curve),
+        std::slice::from_ref(&curve.name),
+    );
     let made = PyDict::new(py);
     made.set_item("name", &curve.name)?;
     made.set_item("depth", floats(py, &depths))?;

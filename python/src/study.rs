@@ -43,10 +43,7 @@ pub(crate) fn study_of(
     folder: Option<PathBuf>,
     report: Option<Py<PyAny>>,
 ) -> PyResult<(String, String, Vec<(String, String)>)> {
-    let (design, request) = (
-        Arc::clone(&design.design),
-        request(draws, seed, structures, Part::All)?,
-    );
+    let (design, request) = (Arc::clone(&design.design), request(draws, seed, structures, Part::All)?);
     let (result, table, charts) = work::off_the_lock(py, report, move |observer| {
         cost::refuse(&design, &cost::of_run(&design)?, MemoryLimit::default())?;
         let cache = store(cache, keep)?;

@@ -190,7 +190,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         if let (Some(scheduler), Some(folder)) = (&arguments.scheduler, store.folder()) {
             progress.stage("draws on the cluster");
             let shared = arguments.store.is_some();
-            let cluster = Cluster { scheduler, folder, shared };
+            let cluster = Cluster {
+                scheduler,
+                folder,
+                shared,
+            };
             cluster.fill("study-on", (common, &design), &arguments_of(&request))?;
         }
         let (result, made) = compute(&store, &design, &request, &progress)?;
@@ -253,7 +257,9 @@ fn arguments_of(request: &Request) -> Vec<String> {
     let numbers = [("--draws", request.draws as u64), ("--seed", request.seed)];
     let each = request.shots_a_structure.map(|each| ("--structures", each as u64));
     let pairs = numbers.into_iter().chain(each);
-    pairs.flat_map(|(name, number)| [name.to_owned(), number.to_string()]).collect()
+    pairs
+        .flat_map(|(name, number)| [name.to_owned(), number.to_string()])
+        .collect()
 }
 
 /// States what a task did.

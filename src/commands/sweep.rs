@@ -79,7 +79,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         let shared = arguments.store.is_some();
         let axes = arguments.vary.iter();
         let axes = axes.flat_map(|axis| ["--vary".to_owned(), format!("{}={}", axis.key, axis.values.join(","))]);
-        let cluster = Cluster { scheduler, folder, shared };
+        let cluster = Cluster {
+            scheduler,
+            folder,
+            shared,
+        };
         cluster.fill("sweep-on", (common, &design), &axes.collect::<Vec<_>>())?;
     }
     let graph = Graph::new(Arc::new(store), Arc::new(WithoutStages(progress.observer())));

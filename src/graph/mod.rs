@@ -173,7 +173,11 @@ impl<S: Stage> Node<S> {
     /// The output from the store, else computed and kept.
     fn make(&self, stage: &S) -> Result<S::Output, Error> {
         let Context { store, progress, .. } = &*self.context;
-        let before = if S::Codec::KEPT { store.stamp(S::NAME, &self.key) } else { None };
+        let before = if S::Codec::KEPT {
+            store.stamp(S::NAME, &self.key)
+        } else {
+            None
+        };
         if let Some(value) = self.kept() {
             return Ok(value);
         }

@@ -96,14 +96,20 @@ impl Seen {
             return false;
         };
         this_machine().is_some_and(|own| own == machine)
-            && process.parse().is_ok_and(|process| start_of(process).as_deref() != Some(started))
+            && process
+                .parse()
+                .is_ok_and(|process| start_of(process).as_deref() != Some(started))
     }
 }
 
 /// Removes a claim that is nobody's. Of several who try, one renames it; a claim that was taken over meanwhile is put back.
 fn take_over(path: &Path, stale: &Seen) {
     let mut aside = path.as_os_str().to_owned();
-    aside.push(format!(".{}-{}.tmp", std::process::id(), TAKEN.fetch_add(1, Ordering::Relaxed)));
+    aside.push(format!(
+        ".{}-{}.tmp",
+        std::process::id(),
+        TAKEN.fetch_add(1, Ordering::Relaxed)
+    ));
     let aside = PathBuf::from(aside);
     if fs::rename(path, &aside).is_err() {
         return;
@@ -197,7 +203,10 @@ mod tests {
     fn a_claim_is_one_owners_and_goes_with_it() {
         let entry = entry("one");
         let claim = wait(&entry, || false, || ()).unwrap();
-        assert_eq!(Claim::create(&beside(&entry)).unwrap_err().kind(), io::ErrorKind::AlreadyExists);
+        assert_eq!(
+            Claim::create(&beside(&entry)).unwrap_err().kind(),
+            io::ErrorKind::AlreadyExists
+        );
         drop(claim);
         assert_eq!(fs::read_dir(entry.parent().unwrap()).unwrap().count(), 0);
         fs::remove_dir_all(entry.parent().unwrap()).unwrap();
@@ -239,7 +248,10 @@ mod tests {
         fs::write(beside(&entry), "elsewhere 1 1 0\n").unwrap();
         drop(claim);
         assert!(beside(&entry).exists());
-        let stale = Seen { token: "gone".to_owned(), time: SystemTime::UNIX_EPOCH };
+        let stale = Seen {
+            token: "gone".to_owned(),
+            time: SystemTime::UNIX_EPOCH,
+        };
         take_over(&beside(&entry), &stale);
         assert!(beside(&entry).exists(), "a claim that is not the stale one is put back");
         fs::remove_dir_all(entry.parent().unwrap()).unwrap();

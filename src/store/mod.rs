@@ -171,7 +171,11 @@ impl Store {
 
     /// When the entry of a stage was written or last read, and its size.
     pub fn stamp(&self, stage: &str, key: &Digest) -> Stamp {
-        let path = self.place.as_ref()?.folder.join(entry::name(stage, &in_this_layout(key)));
+        let path = self
+            .place
+            .as_ref()?
+            .folder
+            .join(entry::name(stage, &in_this_layout(key)));
         let data = std::fs::metadata(path).ok()?;
         Some((data.modified().ok()?, data.len()))
     }
@@ -179,7 +183,11 @@ impl Store {
     /// The claim to compute the output of a stage, which other processes heed until it is dropped. Waits while another one has it;
     /// none where nothing is kept, or where the entry is no longer that of `before`. `step` is called now and then meanwhile.
     pub fn claim(&self, stage: &str, key: &Digest, before: Stamp, step: impl Fn()) -> Option<Claim> {
-        let path = self.place.as_ref()?.folder.join(entry::name(stage, &in_this_layout(key)));
+        let path = self
+            .place
+            .as_ref()?
+            .folder
+            .join(entry::name(stage, &in_this_layout(key)));
         claim::wait(&path, || self.stamp(stage, key) != before, step)
     }
 

@@ -117,7 +117,11 @@ pub(super) fn cycles_of(
 pub(super) type Prepared = (Result<(Point, Vec<Cycle>), String>, Rejections);
 
 /// The candidates of the block that begins with `first`, and the stage that computes their shots.
-pub(super) fn block_of((designs, sampler): (&[Design], &Sampler), frame: Frame<'_>, first: u64) -> (Vec<Prepared>, Outcomes) {
+pub(super) fn block_of(
+    (designs, sampler): (&[Design], &Sampler),
+    frame: Frame<'_>,
+    first: u64,
+) -> (Vec<Prepared>, Outcomes) {
     let candidate = |index: u64| {
         let mut rejections = Rejections::new();
         let cycles = cycles_of((designs, sampler), frame, index, &mut rejections);

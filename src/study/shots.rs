@@ -13,8 +13,8 @@ use super::variables::{Drawn, Kind, Scope, Variable, law_scores, without_sensors
 use crate::design::{Design, Value, Values};
 use crate::error::Error;
 use crate::graph::Graph;
-use crate::stages::{Progress, Stage};
 use crate::stages::outcomes::Fate;
+use crate::stages::{Progress, Stage};
 
 /// Candidates drawn at most for each design asked for, lest a design whose ranges hardly go together never ends.
 const MOST_CANDIDATES: usize = 1000;
@@ -61,7 +61,11 @@ pub(super) fn shots_sampler(design: &Design, seed: u64) -> Result<(Design, Sampl
     };
     let design = without_sensors(design);
     let scores = law_scores(std::slice::from_ref(&design))?;
-    let sampler = Sampler::new(&design, parameters.into_iter().map(variable).chain(scores).collect(), seed);
+    let sampler = Sampler::new(
+        &design,
+        parameters.into_iter().map(variable).chain(scores).collect(),
+        seed,
+    );
     Ok((design, sampler))
 }
 

@@ -15,8 +15,8 @@ use crate::commands::{Threads, print, print_json};
 use crate::error::Error;
 use crate::figures;
 use crate::output;
-use crate::penetration::{PenetrationError, file_of};
 use crate::penetration::fitting::{Fitting, Options, fit_files};
+use crate::penetration::{PenetrationError, file_of};
 use crate::staging::Staging;
 
 /// The form of the published general law (Eq. 2.2).
