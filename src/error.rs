@@ -70,15 +70,17 @@ pub enum Error {
         /// Outcomes that count.
         require: String,
     },
-    /// The optimiser cannot be called.
-    #[error("{python} cannot optimise: {reason}")]
+    /// The Python package cannot be called.
+    #[error("{python} cannot import nailnoise and {needed}: {reason}")]
     #[diagnostic(help(
-        "the optimiser is called from Python: pip install './python[optimise]' in the repository, or name an interpreter that has it in \
-         NAILNOISE_PYTHON"
+        "install it in the repository, pip install './python[{}]', or name an interpreter that has it in NAILNOISE_PYTHON",
+        if *needed == "optuna" { "optimise" } else { "cluster" }
     ))]
-    NoOptimiser {
+    NoPython {
         /// The interpreter.
         python: String,
+        /// What it needs beside the package.
+        needed: &'static str,
         /// What it said.
         reason: String,
     },
@@ -90,6 +92,17 @@ pub enum Error {
     NotShipped {
         /// Its name.
         design: String,
+    },
+    /// A cluster did not compute what it was asked for.
+    #[error("the cluster of the scheduler {scheduler} did not compute all of it")]
+    #[diagnostic(help(
+        "its message stands above; what is done is kept, and the same command goes on from there, with or without --scheduler"
+    ))]
+    OnCluster {
+        /// Address of the scheduler.
+        scheduler: String,
+        /// Exit status of the client.
+        status: u8,
     },
     /// Draws that tasks were to compute are not there.
     #[error("the levels of {missing} of {draws} draws are not in {}", store.display())]

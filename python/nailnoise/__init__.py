@@ -6,35 +6,65 @@
     >>> nn.run(design.with_({"supply.pressure": "80 psig"}))
 
 Levels are A-weighted single-event sound power levels in dB re 1 pW s; all other numbers are in SI units. Tables are pandas
-data frames where pandas is installed, else lists of dictionaries.
+data frames where pandas is installed, else lists of dictionaries; ``to_xarray()`` gives arrays with coordinates.
 """
 
+from ._blocks import (
+    Elastic,
+    ExhaustLevels,
+    MeshModes,
+    SignalLevels,
+    exhaust_levels,
+    mesh_modes,
+    radiated_power,
+    signal_levels,
+)
 from ._design import Design, load
-from ._native import NailnoiseError, __version__, radiated_power
+from ._measure import Measurement, WrappingTest, measure, test_energies
+from ._native import NailnoiseError, __version__
 from ._optimise import Optimisation, Proposal, optimise
-from ._results import Comparison, Cycle, Modes, Run, Study, Sweep
-from ._work import compare, cycle, modes, run, study, study_task, sweep
+from ._penetration import Penetration, PenetrationFit, fit_penetration, penetration, penetration_names
+from ._results import Comparison, Cycle, Modes, Run, Shots, Study, Sweep
+from ._work import compare, cycle, modes, run, shots, study, study_task, sweep
 
 __all__ = [
     "Comparison",
     "Cycle",
     "Design",
+    "Elastic",
+    "ExhaustLevels",
+    "Measurement",
+    "MeshModes",
     "Modes",
     "NailnoiseError",
     "Optimisation",
+    "Penetration",
+    "PenetrationFit",
     "Proposal",
     "Run",
+    "Shots",
+    "SignalLevels",
     "Study",
     "Sweep",
+    "WrappingTest",
     "__version__",
     "compare",
     "cycle",
+    "exhaust_levels",
+    "fit_penetration",
     "load",
+    "measure",
+    "mesh_modes",
     "modes",
     "optimise",
+    "penetration",
+    "penetration_names",
     "radiated_power",
     "run",
+    "shots",
+    "signal_levels",
     "study",
     "study_task",
     "sweep",
+    "test_energies",
 ]

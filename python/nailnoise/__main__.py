@@ -1,13 +1,14 @@
-"""``python -m nailnoise optimise``: what `nailnoise optimise` calls."""
+"""What commands of nailnoise call: ``optimise``, and ``study-on`` and ``sweep-on``, which compute on a cluster of Dask."""
 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import sys
 from pathlib import Path
 
-from . import NailnoiseError, load, optimise
+from . import Design, NailnoiseError, load, optimise
 
 
 def _pair(text: str) -> tuple[str, str]:
@@ -35,41 +36,93 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--set", metavar="KEY=VALUE", type=_pair, action="append", default=[], help="another value of the design")
     parser.add_argument("--out", metavar="DIR", help="folder for the designs [default: out/NAME/optimised]")
     parser.add_argument("--no-cache", action="store_true")
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="compute the designs on a cluster of Dask")
+    parser.add_argument("--batch", metavar="N", type=int, help="designs at a time on the cluster [default: its threads]")
+    parser.add_argument("--store", metavar="DIR", help="a folder that the workers of the cluster share")
     parser.add_argument("--json", action="store_true")
     return parser.parse_args(sys.argv[2:])
 
 
+def _progress(what: str, done: int, of: int) -> None:
+    if sys.stderr.isatty():
+        print(f"\r{done} of {of} {what}", end="\n" if done == of else "", file=sys.stderr, flush=True)
+
+
+def _refused(error: Exception) -> int:
+    """Prints an error as the command does; its exit status."""
+    help_ = error.help if isinstance(error, NailnoiseError) else None
+    print(f"error: {error}" + (f"\n  help: {help_}" if help_ else ""), file=sys.stderr)
+    return error.status if isinstance(error, NailnoiseError) else 2
+
+
+def _on_cluster(command: str) -> int:
+    """Fills the folder of a study or sweep on a cluster; the command that asks for it states the result."""
+    parser = argparse.ArgumentParser(f"nailnoise {command}")
+    parser.add_argument("design")
+    parser.add_argument("--scheduler", required=True)
+    parser.add_argument("--folder", required=True, help="where the client collects results")
+    parser.add_argument("--shared", action="store_true", help="workers share that folder")
+    parser.add_argument("--set", metavar="KEY=VALUE", type=_pair, action="append", default=[])
+    parser.add_argument("--draws", type=int, default=256)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--structures", type=int)
+    parser.add_argument("--vary", metavar="KEY=VALUES", action="append", default=[])
+    given = parser.parse_args(sys.argv[2:])
+    from distributed import Client
+
+    from ._cluster import Cluster
+    from ._work import _points
+
+    try:
+        design: Design = load(given.design, dict(given.set))
+        with Client(given.scheduler, timeout=30) as client:  # type: ignore[no-untyped-call]
+            cluster = Cluster(client, given.folder if given.shared else None, given.folder, _progress)
+            if command == "study-on":
+                cluster.study(design, given.draws, given.seed, given.structures, None)
+            else:
+                cluster.levels(_points(design, given.vary))
+    except (NailnoiseError, ValueError, RuntimeError, OSError) as error:
+        return _refused(error)
+    return 0
+
+
 def main() -> int:
     """The exit status: 0, 1 where no design meets the constraints, 2 for wrong input."""
-    if sys.argv[1:2] != ["optimise"]:
+    command = sys.argv[1] if len(sys.argv) > 1 else ""
+    if command in ("study-on", "sweep-on"):
+        return _on_cluster(command)
+    if command != "optimise":
         print("usage: python -m nailnoise optimise DESIGN --vary KEY=LOW..HIGH ...", file=sys.stderr)
         return 2
-    given = _arguments()
+    return _optimise(_arguments())
 
-    def progress(_: str, done: int, of: int) -> None:
-        if sys.stderr.isatty():
-            print(f"\r{done} of {of} designs", end="\n" if done == of else "", file=sys.stderr, flush=True)
 
+def _optimise(given: argparse.Namespace) -> int:
     try:
         if given.trials < 1:
             raise ValueError("an optimisation needs at least one trial")
-        found = optimise(
-            load(given.design, dict(given.set)),
-            dict(given.vary),
-            minimise=given.minimise,
-            subject_to=given.subject_to or ("outcome == drives",),
-            pareto=given.pareto,
-            trials=given.trials,
-            seed=given.seed,
-            cache=False if given.no_cache else None,
-            progress=progress,
-        )
-    except NailnoiseError as error:
-        print(f"error: {error}" + (f"\n  help: {error.help}" if error.help else ""), file=sys.stderr)
-        return error.status
-    except (ValueError, ModuleNotFoundError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
+        with contextlib.ExitStack() as stack:
+            client = None
+            if given.scheduler:
+                from distributed import Client
+
+                client = stack.enter_context(Client(given.scheduler, timeout=30))  # type: ignore[no-untyped-call]
+            found = optimise(
+                load(given.design, dict(given.set)),
+                dict(given.vary),
+                minimise=given.minimise,
+                subject_to=given.subject_to or ("outcome == drives",),
+                pareto=given.pareto,
+                trials=given.trials,
+                seed=given.seed,
+                cache=False if given.no_cache else None,
+                client=client,
+                store=given.store,
+                batch=given.batch,
+                progress=_progress,
+            )
+    except (NailnoiseError, ValueError, OSError, ModuleNotFoundError) as error:
+        return _refused(error)
     files = found.write(given.out or Path("out") / found.design.name / "optimised")
     if given.json:
         rows = [{"values": own.values, "figures": own.figures, "feasible": own.feasible, "refused": own.refused} for own in found.trials]

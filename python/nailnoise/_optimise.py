@@ -7,7 +7,7 @@ import json
 import math
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,9 +16,10 @@ from . import _native
 from ._design import Design, Value, _text
 from ._results import _Shown
 from ._tables import decibels, table
-from ._work import Cache, Progress, _cache, _reporter, cycle
+from ._work import Cache, Progress, _cache, _reporter, _shown, cycle
 
 if TYPE_CHECKING:
+    from distributed import Client
     from optuna.trial import Trial
 
 #: Sources and their sum, whose levels are in dB.
@@ -143,7 +144,7 @@ def _figures(design: Design) -> dict[str, Any]:
 def _levels(design: Design, key: str, cache: Cache) -> dict[str, float | None]:
     """Levels of the sources and of all together [dB re 1 pW s]."""
     value = design.entry(key)["value"]
-    text = _native.sweep(design._native, [f"{key}={_text(value)}"], None, 1, *_cache(cache), _reporter(None))
+    text, _ = _native.sweep(design._native, [f"{key}={_text(value)}"], None, 1, *_cache(cache), _reporter(None))
     (point,) = json.loads(text)
     if point["levels"] is None:
         raise _native.NailnoiseError(point["refused"])
@@ -244,13 +245,20 @@ def optimise(
     trials: int = 60,
     seed: int = 1,
     cache: Cache = None,
-    progress: Progress | None = None,
+    client: Client | None = None,
+    store: str | os.PathLike[str] | None = None,
+    batch: int | None = None,
+    progress: Progress | bool | None = None,
 ) -> Optimisation:
     """Looks for the design of the lowest level.
 
     ``vary`` maps keys to ranges (``"80psig..110psig"``, ``"0.01..0.08:log"``) or choices. ``minimise`` is ``total``, a source, or a
     figure of the shot; ``pareto`` a second objective, with a minus to maximise it (``"-drive_energy"``). A shot that breaks a
     constraint costs a cycle and no sound. The same seed tries the same designs.
+
+    With a ``client`` of dask.distributed, ``batch`` designs at a time (one for each thread of the cluster) are tasks on its workers.
+    The optimiser then knows less when it proposes one, so that seed and batch decide which designs are tried. ``store`` is that of
+    :func:`nailnoise.study`.
     """
     try:
         import optuna
@@ -266,21 +274,57 @@ def optimise(
     for name in [*(own.lstrip("-") for own in objectives), *(own.figure for own in constraints)]:
         if name not in known:
             raise ValueError(f"there is no figure `{name}`; there are {', '.join(sorted(known))}")
-    sampler = optuna.samplers.TPESampler(seed=seed, n_startup_trials=max(10, 3 * len(variables)))
+    sampler = optuna.samplers.TPESampler(seed=seed, n_startup_trials=max(10, 3 * len(variables)), constant_liar=client is not None)
     study = optuna.create_study(sampler=sampler, directions=["minimize"] * len(objectives))
     found = Optimisation(design, objectives, [])
-    for number in range(trials):
-        trial = study.ask()
-        proposal, excesses = _tried(design, variables, constraints, trial, cache)
-        found.trials.append(proposal)
-        for name, excess in excesses.items():
-            trial.set_constraint(name, excess)
-        # Of an infeasible trial only the constraints count.
-        score = found._score(proposal) if proposal.feasible else tuple(math.inf for _ in objectives)
-        study.tell(trial, [max(-1e9, min(value, 1e9)) for value in score])
-        if progress is not None:
-            progress("designs", number + 1, trials)
+    show = _shown(progress)
+    tried = _here(design, variables, constraints, cache)
+    at_once = 1
+    if client is not None:
+        folder = None if store is None else os.path.abspath(store)
+        tried, threads = _on_cluster(client, folder, design, variables, constraints)
+        at_once = batch or threads
+    while len(found.trials) < trials:
+        asked = [study.ask() for _ in range(min(at_once, trials - len(found.trials)))]
+        values = [{variable.key: variable.suggest(trial) for variable in variables} for trial in asked]
+        for trial, (proposal, excesses) in zip(asked, tried(values)):
+            found.trials.append(proposal)
+            for name, excess in excesses.items():
+                trial.set_constraint(name, excess)
+            # Of an infeasible trial only the constraints count.
+            score = found._score(proposal) if proposal.feasible else tuple(math.inf for _ in objectives)
+            study.tell(trial, [max(-1e9, min(value, 1e9)) for value in score])
+        if show is not None:
+            show("designs", len(found.trials), trials)
     return found
+
+
+Values = dict[str, Value]
+Tried = tuple[Proposal, dict[str, float]]
+
+
+def _here(
+    design: Design, variables: Sequence[Variable], constraints: Sequence[Constraint], cache: Cache
+) -> Callable[[list[Values]], list[Tried]]:
+    """Tries designs in this process."""
+    return lambda batch: [_tried(design, variables[0].key, values, constraints, cache) for values in batch]
+
+
+def _on_cluster(
+    client: Client, shared: str | None, design: Design, variables: Sequence[Variable], constraints: Sequence[Constraint]
+) -> tuple[Callable[[list[Values]], list[Tried]], int]:
+    """Tries designs on a cluster, after the structures of the design itself are made; and the threads of the cluster."""
+    from ._cluster import Cluster, Sent, structures, trial
+
+    cluster = Cluster(client, shared, "", None)
+    sent = cluster.scatter(Sent.of(design))
+    first = cluster.submit(structures, sent, shared)
+
+    def tried(batch: list[Values]) -> list[Tried]:
+        futures = [cluster.submit(trial, sent, variables[0].key, values, tuple(constraints), shared, first) for values in batch]
+        return [future.result() for future in futures]
+
+    return tried, cluster.threads()
 
 
 def _variable(design: Design, key: str, given: str | Sequence[Value]) -> Variable:
@@ -291,11 +335,8 @@ def _variable(design: Design, key: str, given: str | Sequence[Value]) -> Variabl
     return Variable.parse(key, text, whole)
 
 
-def _tried(
-    design: Design, variables: Sequence[Variable], constraints: Sequence[Constraint], trial: Trial, cache: Cache
-) -> tuple[Proposal, dict[str, float]]:
-    """A trial's design, and how far it is beyond each constraint."""
-    values = {variable.key: variable.suggest(trial) for variable in variables}
+def _tried(design: Design, key: str, values: Values, constraints: Sequence[Constraint], cache: Cache) -> Tried:
+    """A design with these values, and how far it is beyond each constraint; ``key`` is one of those varied."""
     excesses: dict[str, float] = {"is a design": 0.0}
     try:
         own = design.with_(values)
@@ -303,7 +344,7 @@ def _tried(
         of_shot = [constraint for constraint in constraints if constraint.figure not in LEVELS]
         excesses |= {constraint.text: constraint.excess(figures) for constraint in of_shot}
         if all(excess <= 0.0 for excess in excesses.values()):
-            figures |= _levels(own, variables[0].key, cache)
+            figures |= _levels(own, key, cache)
             of_levels = [constraint for constraint in constraints if constraint.figure in LEVELS]
             excesses |= {constraint.text: constraint.excess(figures) for constraint in of_levels}
     except _native.NailnoiseError as error:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._tables import as_html, as_text, decibels, table
+from ._tables import as_figures, as_html, as_text, decibels, table
 
 Floats = NDArray[np.float64]
 
@@ -18,8 +18,19 @@ def _floats(data: bytes) -> Floats:
     return np.frombuffer(data, dtype=np.float64)
 
 
+def _xarray() -> Any:
+    """xarray, for arrays with their coordinates."""
+    try:
+        import xarray
+    except ModuleNotFoundError as error:
+        raise ModuleNotFoundError("arrays with coordinates need xarray: pip install xarray") from error
+    return xarray
+
+
 class _Shown:
-    """A result that is shown as a table."""
+    """A result that is shown as a table, in a notebook with its charts. ``charts`` maps their names to SVG."""
+
+    charts: dict[str, str] = {}
 
     def _shown(self) -> tuple[str, list[str], list[list[str]]]:
         raise NotImplementedError
@@ -29,7 +40,7 @@ class _Shown:
         return f"{title}\n{as_text(headings, rows)}"
 
     def _repr_html_(self) -> str:
-        return as_html(*self._shown())
+        return as_html(*self._shown()) + as_figures(self.charts)
 
 
 class Run(_Shown):
@@ -38,8 +49,8 @@ class Run(_Shown):
     #: Samples a second of ``sound``.
     sample_rate = 48_000
 
-    def __init__(self, text: str, signals: dict[str, list[bytes]]) -> None:
-        self.json = text
+    def __init__(self, text: str, signals: dict[str, list[bytes]], charts: list[tuple[str, str]]) -> None:
+        self.json, self.charts = text, dict(charts)
         self.data: dict[str, Any] = json.loads(text)
         self.sound: dict[str, Floats] = {
             source: np.stack([_floats(signal) for signal in microphones]) for source, microphones in signals.items()
@@ -77,6 +88,24 @@ class Run(_Shown):
                 rows.setdefault(band["hz"], {"hz": band["hz"]})[source["source"]] = band["lwa_db"]
         return table(list(rows.values()), "hz")
 
+    def to_xarray(self) -> Any:
+        """Levels of the sources in bands [dB re 1 pW s] and sound pressure at the microphones [Pa], as a data set of xarray."""
+        xarray = _xarray()
+        hz = [band["hz"] for band in self.data["ranking"][0]["bands"]]
+        levels = [[band["lwa_db"] for band in source["bands"]] for source in self.data["ranking"]]
+        names = list(self.levels)
+        units = {"units": "dB re 1 pW s"}
+        arrays = {
+            "lwa_band": (("source", "hz"), np.array(levels, dtype=float), units),
+            "lwa": ("source", np.array(list(self.levels.values()), dtype=float), units),
+        }
+        coordinates: dict[str, Any] = {"source": names, "hz": ("hz", hz, {"units": "Hz"})}
+        if self.sound:
+            sound = np.stack(list(self.sound.values()))
+            arrays["pressure"] = (("heard", "microphone", "time"), sound, {"units": "Pa"})
+            coordinates |= {"heard": list(self.sound), "time": np.arange(sound.shape[2]) / self.sample_rate}
+        return xarray.Dataset(arrays, coordinates, {"design": self.name})
+
     @property
     def events(self) -> dict[str, float | None]:
         """Times of the events t0 .. t18 [s]."""
@@ -102,8 +131,8 @@ class Run(_Shown):
 class Cycle(_Shown):
     """One nailing cycle. Histories are arrays by name: ``cycle["piston_velocity"]`` [m/s] over ``cycle.time`` [s]."""
 
-    def __init__(self, name: str, text: str, histories: dict[str, tuple[str, bytes]]) -> None:
-        self.name = name
+    def __init__(self, name: str, text: str, histories: dict[str, tuple[str, bytes]], charts: list[tuple[str, str]]) -> None:
+        self.name, self.charts = name, dict(charts)
         self.data: dict[str, Any] = json.loads(text)
         self.units = {key: unit for key, (unit, _) in histories.items()}
         self._histories = {key: _floats(data) for key, (_, data) in histories.items()}
@@ -130,6 +159,11 @@ class Cycle(_Shown):
     def events(self) -> dict[str, float | None]:
         """Times of the events t0 .. t18 [s]."""
         return dict(self.data["events"])
+
+    def to_xarray(self) -> Any:
+        """All histories over time [s], as a data set of xarray with their units."""
+        histories = {name: ("time", self[name], {"units": self.units[name]}) for name in self._histories if name != "time"}
+        return _xarray().Dataset(histories, {"time": ("time", self.time, {"units": "s"})}, {"design": self.name})
 
     @property
     def histories(self) -> Any:
@@ -187,8 +221,8 @@ class Comparison(_Shown):
 class Study(_Shown):
     """How sure levels and ranking are. ``data`` is study.json, ``draws`` a row for each draw."""
 
-    def __init__(self, text: str, draws: str) -> None:
-        self.json = text
+    def __init__(self, text: str, draws: str, charts: list[tuple[str, str]]) -> None:
+        self.json, self.charts = text, dict(charts)
         self.data: dict[str, Any] = json.loads(text)
         self.csv = draws
 
@@ -202,6 +236,16 @@ class Study(_Shown):
         except ModuleNotFoundError:
             return list(csv.DictReader(io.StringIO(self.csv)))
         return pandas.read_csv(io.StringIO(self.csv))
+
+    def to_xarray(self) -> Any:
+        """Levels with the errors of methods [dB re 1 pW s]: draw x source, the total among the sources; NaN for silence."""
+        import csv
+
+        rows = list(csv.DictReader(io.StringIO(self.csv)))
+        columns = [name for name in (rows[0] if rows else {}) if name.startswith("L_WA,1s ")]
+        levels = np.array([[float(row[name] or "nan") for name in columns] for row in rows])
+        coordinates = {"draw": np.arange(len(rows)), "source": [name.split()[1] for name in columns]}
+        return _xarray().DataArray(levels, coordinates, ("draw", "source"), "lwa", {"units": "dB re 1 pW s"})
 
     @property
     def levels(self) -> Any:
@@ -232,11 +276,48 @@ class Study(_Shown):
         return title, headings, [cells(row) for row in self._rows()]
 
 
+class Shots(_Shown):
+    """What becomes of drawn shots. ``data`` holds keys, counts and draws."""
+
+    def __init__(self, text: str) -> None:
+        self.json = text
+        self.data: dict[str, Any] = json.loads(text)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Draws of each outcome."""
+        return dict(self.data["counts"])
+
+    @property
+    def draws(self) -> Any:
+        """A row for each draw, in SI units: candidate, outcome, figures of the shot, and the values drawn."""
+        return table(self._rows())
+
+    def _rows(self) -> list[dict[str, Any]]:
+        names = [own["key"] for own in self.data["parameters"]] + self.data["scores"]
+
+        def row(draw: dict[str, Any]) -> dict[str, Any]:
+            fate = draw["fate"]
+            figures = dict(fate["Shot"]) if isinstance(fate, dict) and "Shot" in fate else {"outcome": _failed(fate)}
+            return {"candidate": draw["candidate"], **figures, **dict(zip(names, draw["values"]))}
+
+        return [row(draw) for draw in self.data["draws"]]
+
+    def _shown(self) -> tuple[str, list[str], list[list[str]]]:
+        counts = sorted(self.counts.items(), key=lambda own: -own[1])
+        return f"{len(self.data['draws'])} shots (seed {self.data['seed']})", ["outcome", "draws"], [[own, str(n)] for own, n in counts]
+
+
+def _failed(fate: Any) -> str:
+    """Name of the end of a shot that has no figures."""
+    return {"DryFire": "dry_fire"}.get(fate, "solver_failure") if isinstance(fate, str) else "solver_failure"
+
+
 class Sweep(_Shown):
     """Levels over a grid of values. ``points`` holds each as a dictionary."""
 
-    def __init__(self, keys: list[str], text: str) -> None:
-        self.keys = keys
+    def __init__(self, keys: list[str], text: str, charts: list[tuple[str, str]]) -> None:
+        self.keys, self.charts = keys, dict(charts)
         self.points: list[dict[str, Any]] = json.loads(text)
 
     @property

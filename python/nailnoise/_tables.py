@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import html
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -27,6 +28,16 @@ def as_html(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]]) 
 
     body = "".join(f"<tr>{cells(row)}</tr>" for row in rows)
     return f"<table><caption>{html.escape(title)}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def as_figures(charts: Mapping[str, str]) -> str:
+    """Charts as pictures of a page. As data they bring no styles or names into the page around them."""
+
+    def figure(name: str, svg: str) -> str:
+        data = base64.b64encode(svg.encode()).decode()
+        return f"<img alt='{html.escape(name)}' style='max-width:100%' src='data:image/svg+xml;base64,{data}'>"
+
+    return "".join(figure(name, svg) for name, svg in charts.items())
 
 
 def as_text(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

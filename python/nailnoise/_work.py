@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import os
-from collections.abc import Callable, Mapping, Sequence
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from . import _native
 from ._design import Design, Value
-from ._results import Comparison, Cycle, Modes, Run, Study, Sweep
+from ._results import Comparison, Cycle, Modes, Run, Shots, Study, Sweep
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -18,11 +20,32 @@ _LOGGER = logging.getLogger("nailnoise")
 
 Cache = str | os.PathLike[str] | bool | None
 Progress = Callable[[str, int, int], None]
+"""Called with the stage, and items done of how many; ``progress=True`` shows a bar of tqdm instead."""
 
 
-def _reporter(progress: Progress | None) -> Callable[[str, str, int, int], None]:
+def _bar() -> Progress:
+    """A bar of tqdm, in a notebook or on a terminal."""
+    try:
+        from tqdm.auto import tqdm  # type: ignore[import-untyped, unused-ignore]
+    except ModuleNotFoundError as error:
+        raise ModuleNotFoundError("progress=True needs tqdm: pip install tqdm; or give a function(stage, done, of)") from error
+    bar: Any = tqdm()
+
+    def show(stage: str, done: int, of: int) -> None:
+        bar.set_description(stage, refresh=False)
+        bar.total, bar.n = of or None, done
+        bar.refresh()
+
+    return show
+
+
+def _shown(progress: Progress | bool | None) -> Progress | None:
+    return _bar() if progress is True else progress or None
+
+
+def _reporter(progress: Progress | bool | None) -> Callable[[str, str, int, int], None]:
     """Passes remarks to the logger, and stages and counts to ``progress(stage, done, of)``."""
-    stage = ""
+    stage, progress = "", _shown(progress)
 
     def report(kind: str, text: str, done: int, of: int) -> None:
         nonlocal stage
@@ -46,14 +69,13 @@ def _cache(cache: Cache) -> tuple[str | None, bool]:
     return os.fspath(cache), True
 
 
-def run(design: Design, *, cache: Cache = None, progress: Progress | None = None) -> Run:
+def run(design: Design, *, cache: Cache = None, progress: Progress | bool | None = None) -> Run:
     """Ranks the sources of a design by their sound power.
 
     The first run of a design takes minutes. ``cache`` is a folder for results of stages, None for the user's own, or False;
-    ``progress(stage, done, of)`` is called as the work goes on.
+    ``progress(stage, done, of)`` is called as the work goes on, and True shows a bar of tqdm.
     """
-    text, signals = _native.run(design._native, *_cache(cache), _reporter(progress))
-    return Run(text, signals)
+    return Run(*_native.run(design._native, *_cache(cache), _reporter(progress)))
 
 
 def cycle(design: Design) -> Cycle:
@@ -61,7 +83,7 @@ def cycle(design: Design) -> Cycle:
     return Cycle(design.name, *_native.cycle(design._native, _reporter(None)))
 
 
-def modes(design: Design, body: str, *, cache: Cache = None, progress: Progress | None = None) -> Modes:
+def modes(design: Design, body: str, *, cache: Cache = None, progress: Progress | bool | None = None) -> Modes:
     """Computes the vibration modes of a body: ``workpiece``, ``worktable`` or ``tool``."""
     return Modes(body, _native.modes(design._native, body, *_cache(cache), _reporter(progress)))
 
@@ -74,6 +96,17 @@ def compare(*runs: Run | Design, cache: Cache = None) -> Comparison:
     return Comparison(_native.compare([one.json for one in done]))
 
 
+@contextlib.contextmanager
+def _collecting(cache: Cache) -> Iterator[str]:
+    """The folder into which results of a cluster come: the cache, or one that goes when the work is done."""
+    folder, keep = _cache(cache)
+    if keep:
+        yield folder or os.fspath(_native.cache_folder())
+    else:
+        with tempfile.TemporaryDirectory(prefix="nailnoise-") as place:
+            yield place
+
+
 def study(
     design: Design,
     n: int = 256,
@@ -84,50 +117,56 @@ def study(
     store: str | os.PathLike[str] | None = None,
     client: Client | None = None,
     tasks: int | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> Study:
     """Draws ``n`` designs from the ranges, and states how sure levels and ranking are.
 
     ``structures`` draws block, table and tool body, too, a new structure every so many draws; without it they are held.
 
-    With a ``client`` of dask.distributed the draws are divided into ``tasks`` on its workers (four for each thread of the cluster
-    unless given). ``store`` is then a folder that this process and all workers share; the file of the design must be there for
-    all, too. A task that a worker loses is done again, and what it had finished is read from the folder. Numbers do not depend on
-    client or tasks.
+    With a ``client`` of dask.distributed the draws are tasks on its workers: one for each structure, or ``tasks`` (four for each
+    thread of the cluster unless given) where structures are held. ``store`` is a folder that this process and all workers share;
+    without it, results travel with the tasks. A task whose worker dies is done again. Numbers depend on none of these.
     """
     folder = None if store is None else os.path.abspath(store)
-    report = _reporter(progress)
-    if client is not None:
-        if folder is None:
-            raise ValueError("workers leave their draws in a folder that all share: store=...")
-        _on_cluster(client, tasks, progress, (design, n, folder, seed, structures))
-    return Study(*_native.study(design._native, n, seed, structures, *_cache(cache), folder, report))
+    progress = _shown(progress)
+    if client is None:
+        return Study(*_native.study(design._native, n, seed, structures, *_cache(cache), folder, _reporter(progress)))
+    from ._cluster import Cluster
+
+    if n < 1:
+        raise ValueError("a study needs at least one draw")
+    with _collecting(cache) as place:
+        Cluster(client, folder, folder or place, progress).study(design, n, seed, structures, tasks)
+        made = _native.study(design._native, n, seed, structures, *_cache(cache), folder or place, _reporter(None))
+    return Study(*made)
 
 
-def _on_cluster(client: Client, tasks: int | None, progress: Progress | None, study: _Task) -> None:
-    """Computes all draws of a study on the workers of a cluster."""
-    from distributed import as_completed
+def shots(
+    design: Design,
+    n: int = 1000,
+    *,
+    seed: int = 1,
+    cache: Cache = False,
+    store: str | os.PathLike[str] | None = None,
+    client: Client | None = None,
+    progress: Progress | bool | None = None,
+) -> Shots:
+    """Draws ``n`` designs from the ranges of what takes part in the cycle, and computes what becomes of the shot of each.
 
-    threads = sum(worker["nthreads"] for worker in client.scheduler_info(n_workers=-1)["workers"].values())
-    count = tasks or max(1, min(study[1], 4 * threads))
-    futures = client.map(_task, range(1, count + 1), of=count, study=study, pure=False, retries=3)
-    for done, future in enumerate(as_completed(futures), 1):  # type: ignore[no-untyped-call]
-        future.result()
-        if progress is not None:
-            progress("tasks of the study", done, count)
+    ``client`` and ``store`` are those of :func:`study`.
+    """
+    progress = _shown(progress)
+    if n < 1:
+        raise ValueError("shots are drawn from one on")
+    folder = None if store is None else os.path.abspath(store)
+    if client is None:
+        place, keep = (folder, True) if folder else _cache(cache)
+        return Shots(_native.shots(design._native, n, seed, place, keep, _reporter(progress)))
+    from ._cluster import Cluster
 
-
-_Task = tuple[Design, int, str, int, int | None]
-
-
-def _task(number: int, *, of: int, study: _Task) -> int:
-    """One task of a study, on a worker, with as many threads as the worker has."""
-    from distributed import get_worker
-
-    # Read where the pool of threads of the process begins, with its first task.
-    os.environ.setdefault("RAYON_NUM_THREADS", str(get_worker().state.nthreads))
-    design, n, folder, seed, structures = study
-    return study_task(design, n, (number, of), folder, seed=seed, structures=structures)
+    with _collecting(cache) as own:
+        Cluster(client, folder, folder or own, progress).shots(design, n, seed)
+        return Shots(_native.shots(design._native, n, seed, folder or own, True, _reporter(None)))
 
 
 def sweep(
@@ -137,16 +176,46 @@ def sweep(
     draws: int | None = None,
     seed: int = 1,
     cache: Cache = None,
-    progress: Progress | None = None,
+    store: str | os.PathLike[str] | None = None,
+    client: Client | None = None,
+    progress: Progress | bool | None = None,
 ) -> Sweep:
-    """Computes the levels over a grid: ``sweep(design, {"supply.pressure": "80psig..110psig:7", "exhaust.holes": [3, 5, 12]})``."""
+    """Computes the levels over a grid: ``sweep(design, {"supply.pressure": "80psig..110psig:7", "exhaust.holes": [3, 5, 12]})``.
 
-    def values(given: Sequence[Value] | str) -> str:
-        return given if isinstance(given, str) else ",".join(str(value) for value in given)
+    With a ``client`` of dask.distributed each point is a task, and points that share structures wait for the first of them;
+    ``store`` is that of :func:`study`. Draws over the grid (``draws``) are computed by this process.
+    """
+    progress = _shown(progress)
+    axes = [f"{key}={_listed(given)}" for key, given in vary.items()]
+    folder = None if store is None else os.path.abspath(store)
 
-    axes = [f"{key}={values(given)}" for key, given in vary.items()]
-    text = _native.sweep(design._native, axes, draws, seed, *_cache(cache), _reporter(progress))
-    return Sweep(list(vary), text)
+    def stated(place: str | None, keep: bool, progress: Progress | None) -> Sweep:
+        return Sweep(list(vary), *_native.sweep(design._native, axes, draws, seed, place, keep, _reporter(progress)))
+
+    if client is None:
+        return stated(*((folder, True) if folder else _cache(cache)), progress)
+    from ._cluster import Cluster
+
+    with _collecting(cache) as own:
+        Cluster(client, folder, folder or own, progress).levels(_points(design, axes))
+        return stated(folder or own, True, None)
+
+
+def _listed(given: Sequence[Value] | str) -> str:
+    return given if isinstance(given, str) else ",".join(str(value) for value in given)
+
+
+def _points(design: Design, axes: list[str]) -> list[Design]:
+    """The designs of a grid, without values that are none: the sweep itself says why."""
+    values = _native.axis_values(axes)
+    points: list[dict[str, Value]] = [{}]
+    for key, own in values:
+        points = [{**point, key: value} for point in points for value in own]
+    designs = []
+    for point in points:
+        with contextlib.suppress(_native.NailnoiseError):
+            designs.append(design.with_(point))
+    return designs
 
 
 def study_task(
@@ -160,4 +229,4 @@ def study_task(
 ) -> int:
     """Computes task ``(k, of)`` of a study into a shared folder; returns how many draws it made."""
     report: Any = _reporter(None)
-    return _native.study_task(design._native, n, seed, structures, task, os.fspath(folder), report)
+    return _native.study_task(design._native, n, seed, structures, task, False, os.fspath(folder), report)[0]

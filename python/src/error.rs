@@ -13,7 +13,7 @@ create_exception!(
     nailnoise._native,
     NailnoiseError,
     pyo3::exceptions::PyException,
-    "A design, a file or a computation that failed; `help`, `file`, `line`, `code` and `status` say more."
+    "A design, a file or a computation that failed; `help`, `file`, `line`, `key`, `code` and `status` say more."
 );
 
 /// Why work on a thread of its own came to nothing.
@@ -52,6 +52,10 @@ pub(crate) fn raised(error: Error) -> PyErr {
     let text = |part: Option<Box<dyn Display + '_>>| part.map(|part| part.to_string());
     let (help, code) = (text(Diagnostic::help(&error)), text(Diagnostic::code(&error)));
     let (file, line) = place(&error);
+    let key = match &error {
+        Error::Design(design) => design.key().map(str::to_owned),
+        _ => None,
+    };
     let status = error.exit_status();
     Python::attach(|py| {
         let exception = NailnoiseError::new_err(message);
@@ -61,6 +65,7 @@ pub(crate) fn raised(error: Error) -> PyErr {
             value.setattr("code", code)?;
             value.setattr("file", file)?;
             value.setattr("line", line)?;
+            value.setattr("key", key)?;
             value.setattr("status", status)
         };
         match set() {

@@ -30,9 +30,7 @@ struct Cancelled;
 
 impl Reporter {
     fn send(&self, event: Event) {
-        if self.cancelled.load(Ordering::Relaxed) {
-            resume_unwind(Box::new(Cancelled));
-        }
+        self.step();
         if let Ok(events) = self.events.lock() {
             // Nobody listens any more once the interpreter has been interrupted.
             let _ = events.send(event);
@@ -51,6 +49,12 @@ impl Observer for Reporter {
 
     fn done(&self, items: u64, of: u64) {
         self.send(("done", String::new(), items, of));
+    }
+
+    fn step(&self) {
+        if self.cancelled.load(Ordering::Relaxed) {
+            resume_unwind(Box::new(Cancelled));
+        }
     }
 
     fn task(&self, task: &Task) {

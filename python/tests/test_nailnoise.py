@@ -54,7 +54,11 @@ def test_a_run_is_that_of_the_command(small: nn.Design, cache: Path, tmp_path: P
     assert abs(total - run.total_db) < 1e-9
     assert run.sound["total"].shape == (9, run.sound["exhaust"].shape[1])
     assert run.bands["exhaust"].notna().any()
-    assert "exhaust" in repr(run) and "<table>" in run._repr_html_()
+    assert "exhaust" in repr(run) and "<table>" in run._repr_html_() and "image/svg+xml" in run._repr_html_()
+    assert all(svg.startswith("<svg") for svg in run.charts.values())
+    arrays = run.to_xarray()
+    assert float(arrays["lwa"].sel(source="exhaust")) == run.levels["exhaust"]
+    assert arrays["pressure"].sel(heard="total").shape == run.sound["total"].shape
 
 
 def test_a_cycle_has_the_histories_of_the_command(small: nn.Design, cache: Path, tmp_path: Path) -> None:
@@ -63,6 +67,7 @@ def test_a_cycle_has_the_histories_of_the_command(small: nn.Design, cache: Path,
     assert cycle.data["events"] == expected["events"] and cycle.outcome == expected["outcome"]
     assert cycle["piston_velocity"].shape == cycle.time.shape and cycle.units["piston_velocity"] == "m/s"
     assert list(cycle.histories.columns)[0] == "piston_position"
+    assert cycle.to_xarray()["piston_velocity"].attrs["units"] == "m/s"
 
 
 def test_modes_are_orthogonal_and_rigid_ones_come_first(small: nn.Design, cache: Path) -> None:
@@ -84,6 +89,8 @@ def test_a_study_is_that_of_the_command(cache: Path, tmp_path: Path) -> None:
     study = nn.study(nn.load(design), 4, cache=cache)
     assert study.data == command(cache, tmp_path, "study", str(design), "-n", "4", "--no-cache")
     assert len(study.draws) == 4
+    levels = study.to_xarray()
+    assert levels.dims == ("draw", "source") and levels.shape == (4, 4) and "total" in levels.source
     assert abs(sum(study.first.values()) - 1.0) < 1e-12
 
 
@@ -140,6 +147,7 @@ def test_errors_have_place_and_remedy(small: nn.Design, tmp_path: Path) -> None:
     with pytest.raises(nn.NailnoiseError, match="piston.mass") as raised:
         nn.load(design)
     assert raised.value.line == 3 and "wrong.toml" in raised.value.file and raised.value.status == 2
+    assert raised.value.key == "piston.mass" and "kg" in raised.value.help
     with pytest.raises(nn.NailnoiseError, match="none.toml"):
         nn.load(tmp_path / "none.toml")
     with pytest.raises(ValueError, match="no body"):
@@ -161,6 +169,7 @@ def test_progress_reaches_the_callback_and_remarks_the_logger(caplog: pytest.Log
 
     with pytest.raises(RuntimeError, match="enough"):
         nn.run(small, cache=False, progress=fail)
+    nn.sweep(small, {"exhaust.holes": [3, 5]}, cache=False, progress=True)
 
 
 def test_other_threads_go_on(small: nn.Design) -> None:

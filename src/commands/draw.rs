@@ -10,6 +10,7 @@ use super::table::table;
 use super::{Common, message, print, print_json, progress};
 use crate::design::{Design, Value};
 use crate::error::Error;
+use crate::graph::Graph;
 use crate::output;
 use crate::result::DesignId;
 use crate::staging::Staging;
@@ -48,7 +49,7 @@ pub(super) fn execute(common: &Common, design: &Design, count: usize, seed: u64)
     file.write(&row(header(&sampler))?)?;
     let mut failures = Vec::new();
     // Every draw goes to the file at once: memory does not grow with their number.
-    let counted = sampler.each(count, &progress, |draw| {
+    let counted = sampler.each(&Graph::default(), count, &progress, |draw| {
         if let Fate::SolverFailure(error) = &draw.fate {
             failures.push(Failure {
                 candidate: draw.candidate,

@@ -32,6 +32,7 @@ mod modes;
 mod optimise;
 mod prf;
 mod progress;
+mod python;
 mod run;
 mod schema;
 mod sensitivity;

@@ -4,17 +4,12 @@
 //! them; this command passes its arguments on.
 
 use std::ffi::OsString;
-use std::process::{Command, ExitCode};
+use std::process::ExitCode;
 
 use clap::Args;
 
+use super::python;
 use crate::error::Error;
-
-/// Variable that names the interpreter.
-const PYTHON: &str = "NAILNOISE_PYTHON";
-
-/// Whether the interpreter has the package and the optimiser.
-const PROBE: &str = "import nailnoise, optuna";
 
 #[derive(Args)]
 #[command(disable_help_flag = true)]
@@ -30,22 +25,5 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
-    let python = std::env::var_os(PYTHON).unwrap_or_else(|| "python3".into());
-    let missing = |reason: String| Error::NoOptimiser {
-        python: python.to_string_lossy().into_owned(),
-        reason,
-    };
-    let probe = Command::new(&python).args(["-c", PROBE]).output();
-    let probe = probe.map_err(|error| missing(error.to_string()))?;
-    if !probe.status.success() {
-        let said = String::from_utf8_lossy(&probe.stderr);
-        return Err(missing(said.trim().lines().last().unwrap_or_default().to_owned()));
-    }
-    let status = Command::new(&python)
-        .args(["-m", "nailnoise", "optimise"])
-        .args(&arguments.arguments)
-        .status()
-        .map_err(|error| missing(error.to_string()))?;
-    let code = status.code().and_then(|code| u8::try_from(code).ok());
-    Ok(ExitCode::from(code.unwrap_or(1)))
+    python::call("optuna", "optimise", &arguments.arguments)
 }

@@ -10,6 +10,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::progress::noted;
+use super::python::Cluster;
 use super::table::{decibels, table};
 use super::{Common, Keeping, message, print, print_json, progress};
 use crate::cost;
@@ -69,6 +70,10 @@ pub(super) struct Arguments {
     /// Also write the study of a shipped design to this file, as those in designs/studies that `nailnoise run` uses
     #[arg(long, value_name = "FILE", conflicts_with = "task")]
     provide: Option<PathBuf>,
+    /// Compute the draws on a cluster of Dask, by the address of its scheduler (needs the Python package); with --store, in that
+    /// folder, which its workers share
+    #[arg(long, value_name = "ADDRESS", conflicts_with_all = ["no_cache", "task", "collect"])]
+    scheduler: Option<String>,
     /// Draw the charts of the page as SVG
     #[arg(long)]
     figures: bool,
@@ -194,6 +199,16 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         );
     }
     let (mut result, made) = loop {
+        if let (Some(scheduler), Some(folder)) = (&arguments.scheduler, store.folder()) {
+            progress.stage("draws on the cluster");
+            let shared = arguments.store.is_some();
+            let cluster = Cluster {
+                scheduler,
+                folder,
+                shared,
+            };
+            cluster.fill("study-on", (common, &design), &arguments_of(&request))?;
+        }
         let (result, made) = compute(&store, &design, &request, &progress)?;
         // Where candidates run out, more are of no use.
         if request.draws >= most
@@ -277,6 +292,16 @@ fn provide(
     );
     let text = ProvidedStudy::new(path, design, &command, result, made)?.file()?;
     staging::write(file, text.as_bytes())
+}
+
+/// A request in the words of the Python package.
+fn arguments_of(request: &Request) -> Vec<String> {
+    let numbers = [("--draws", request.draws as u64), ("--seed", request.seed)];
+    let each = request.shots_a_structure.map(|each| ("--structures", each as u64));
+    let pairs = numbers.into_iter().chain(each);
+    pairs
+        .flat_map(|(name, number)| [name.to_owned(), number.to_string()])
+        .collect()
 }
 
 /// States what a task did.

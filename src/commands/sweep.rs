@@ -1,11 +1,13 @@
 //! `nailnoise sweep`: levels over a grid of values.
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 
 use clap::Args;
 use serde::Serialize;
 
+use super::python::Cluster;
 use super::study::probability;
 use super::table::{decibels, table};
 use super::{Common, Keeping, print, print_json, progress};
@@ -16,6 +18,7 @@ use crate::output;
 use crate::result::DesignId;
 use crate::stages::WithoutStages;
 use crate::staging::Staging;
+use crate::store::Store;
 use crate::study::{Axis, Part, Quantiles, Request, SweptPoint, sweep};
 
 /// The file that is written last, so that a folder that holds it holds all the rest.
@@ -41,6 +44,12 @@ pub(super) struct Arguments {
     /// Seed of --draws
     #[arg(long, value_name = "SEED", default_value_t = 1, requires = "draws")]
     seed: u64,
+    /// Compute the points on a cluster of Dask, by the address of its scheduler (needs the Python package)
+    #[arg(long, value_name = "ADDRESS", conflicts_with = "no_cache")]
+    scheduler: Option<String>,
+    /// Keep the points in this folder, which the workers of the cluster share
+    #[arg(long, value_name = "DIR", conflicts_with = "no_cache")]
+    store: Option<PathBuf>,
     /// Draw the levels over the first key as SVG
     #[arg(long)]
     figures: bool,
@@ -62,7 +71,21 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let folder = common.out(&design)?.join("sweep");
     let progress = progress();
     progress.stage("levels over the grid");
-    let store = arguments.keeping.cache()?;
+    let store = match &arguments.store {
+        Some(folder) => Store::at(folder.clone(), u64::MAX),
+        None => arguments.keeping.cache()?,
+    };
+    if let (Some(scheduler), Some(folder)) = (&arguments.scheduler, store.folder()) {
+        let shared = arguments.store.is_some();
+        let axes = arguments.vary.iter();
+        let axes = axes.flat_map(|axis| ["--vary".to_owned(), format!("{}={}", axis.key, axis.values.join(","))]);
+        let cluster = Cluster {
+            scheduler,
+            folder,
+            shared,
+        };
+        cluster.fill("sweep-on", (common, &design), &axes.collect::<Vec<_>>())?;
+    }
     let graph = Graph::new(Arc::new(store), Arc::new(WithoutStages(progress.observer())));
     let base = (design.path(), &common.changes.set[..]);
     let request = arguments.draws.map(|draws| Request {

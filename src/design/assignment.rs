@@ -1,5 +1,6 @@
 //! Values given on the command line, over those of the design file.
 
+use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
 
@@ -30,6 +31,13 @@ pub enum AssignmentError {
     /// A design inherits in its file alone.
     #[error("`base` can be given in a design file only")]
     Base,
+}
+
+impl fmt::Display for Assignment {
+    /// In a form that can be read again.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.line)
+    }
 }
 
 impl FromStr for Assignment {

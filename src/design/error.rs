@@ -415,6 +415,28 @@ impl DesignError {
         }
     }
 
+    /// Full name of the key that it is about; none where it is about none or about several.
+    pub fn key(&self) -> Option<&str> {
+        match self {
+            Self::UnknownKey { key, .. }
+            | Self::Replaced { key, .. }
+            | Self::WrongKind { key, .. }
+            | Self::BadNumber { key, .. }
+            | Self::BadUnit { key, .. }
+            | Self::WrongUnit { key, .. }
+            | Self::Gauge { key, .. }
+            | Self::NotFinite { key, .. }
+            | Self::OutsideLimits { key, .. }
+            | Self::BadRange { key, .. }
+            | Self::BadProvenance { key, .. }
+            | Self::BadDistribution { key, .. }
+            | Self::NoFile { key, .. }
+            | Self::Missing { key, .. } => Some(key),
+            Self::Derived { key, .. } => Some(key),
+            _ => None,
+        }
+    }
+
     /// What to do about it.
     pub fn remedy(&self) -> String {
         match self {

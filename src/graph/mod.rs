@@ -173,16 +173,26 @@ impl<S: Stage> Node<S> {
     /// The output from the store, else computed and kept.
     fn make(&self, stage: &S) -> Result<S::Output, Error> {
         let Context { store, progress, .. } = &*self.context;
-        if S::Codec::KEPT {
-            let found = self
-                .context
-                .time(S::NAME, || store.load::<_, S::Codec>(S::NAME, &self.key));
-            store.take_notes().iter().for_each(|note| progress.note(note));
-            if let Some(value) = found {
-                return Ok(value);
-            }
+        let before = if S::Codec::KEPT {
+            store.stamp(S::NAME, &self.key)
+        } else {
+            None
+        };
+        if let Some(value) = self.kept() {
+            return Ok(value);
         }
         Stopwatch::wait(|| prepare(&stage.inputs()))?;
+        // Held until the output is kept. Inputs are made before, so that a process waits for what it needs and for nothing else.
+        let _claim = S::Codec::KEPT.then(|| {
+            let step = || progress.observer().step();
+            Stopwatch::wait(|| store.claim(S::NAME, &self.key, before, step))
+        });
+        if S::Codec::KEPT
+            && store.stamp(S::NAME, &self.key) != before
+            && let Some(value) = self.kept()
+        {
+            return Ok(value);
+        }
         progress.stage(S::NAME);
         let value = self.context.time(S::NAME, || stage.compute(progress))?;
         if S::Codec::KEPT {
@@ -191,6 +201,19 @@ impl<S: Stage> Node<S> {
             store.take_notes().iter().for_each(|note| progress.note(note));
         }
         Ok(value)
+    }
+
+    /// The output from the store, if it is there.
+    fn kept(&self) -> Option<S::Output> {
+        let Context { store, progress, .. } = &*self.context;
+        if !S::Codec::KEPT {
+            return None;
+        }
+        let found = self
+            .context
+            .time(S::NAME, || store.load::<_, S::Codec>(S::NAME, &self.key));
+        store.take_notes().iter().for_each(|note| progress.note(note));
+        found
     }
 }
 

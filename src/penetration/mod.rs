@@ -160,6 +160,23 @@ pub fn fitted(path: &Path) -> Result<FittedLaw, PenetrationError> {
     })
 }
 
+/// `fit.toml`, as [`fitted`] reads it.
+///
+/// # Errors
+/// [`PenetrationError::Law`] for a law that cannot be written.
+pub fn file_of(law: &FittedLaw) -> Result<String, PenetrationError> {
+    let text = toml::to_string(law).map_err(|error| PenetrationError::Law {
+        path: PathBuf::from("fit.toml"),
+        line: None,
+        problem: error.to_string(),
+    })?;
+    Ok(format!(
+        "# Penetration law fitted by nailnoise prf fit: F_r = H_M NL max(0, s)^2, s = sum of coefficient x term.\n\
+         # In a design: wood.penetration_law = \"fitted\" and wood.penetration_fit = \"fit.toml\".\n\
+         # Covariance and standard errors allow for deviations common to a drive; sigma_* are of s.\n\n{text}"
+    ))
+}
+
 /// Reads a law from a CSV file of depths \[m\] and forces \[N\].
 ///
 /// # Errors

@@ -8,11 +8,13 @@
 
 mod bytes;
 mod checksum;
+mod claim;
 mod entry;
 mod folder;
 mod key;
 mod replace;
 
+use std::collections::BTreeSet;
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -21,6 +23,7 @@ use std::time::SystemTime;
 
 pub use bytes::Bytes;
 pub(crate) use checksum::{Checksum, checksum};
+pub use claim::Claim;
 pub use entry::Damage;
 pub use folder::{LIMIT, StoreError};
 pub use key::Key;
@@ -35,7 +38,12 @@ pub struct Store {
     notes: Arc<Mutex<Vec<String>>>,
     /// Whether a note says that nothing can be kept.
     noted: Arc<AtomicBool>,
+    /// Names of the entries that were read or written.
+    used: Arc<Mutex<BTreeSet<String>>>,
 }
+
+/// An entry's time and size, by which a new one is told from an old one; none where there is no entry.
+pub type Stamp = Option<(SystemTime, u64)>;
 
 #[derive(Debug, Clone)]
 struct Place {
@@ -107,6 +115,7 @@ impl Store {
             }),
             notes: Arc::default(),
             noted: Arc::default(),
+            used: Arc::default(),
         }
     }
 
@@ -151,14 +160,46 @@ impl Store {
         let path = self.place.as_ref()?.folder.join(entry::name(stage, key));
         let read = |from: &mut dyn Read, length| C::read(from, length);
         let found = self.undamaged(&path, entry::read_by(&path, key, read))?;
-        found
-            .map_err(|error| {
-                self.note(format!(
-                    "the cache entry {} {error}; it is computed anew",
-                    path.display()
-                ))
-            })
-            .ok()
+        let value = found.map_err(|error| {
+            self.note(format!(
+                "the cache entry {} {error}; it is computed anew",
+                path.display()
+            ))
+        });
+        value.ok().inspect(|_| self.count_as_used(&path))
+    }
+
+    /// When the entry of a stage was written or last read, and its size.
+    pub fn stamp(&self, stage: &str, key: &Digest) -> Stamp {
+        let path = self
+            .place
+            .as_ref()?
+            .folder
+            .join(entry::name(stage, &in_this_layout(key)));
+        let data = std::fs::metadata(path).ok()?;
+        Some((data.modified().ok()?, data.len()))
+    }
+
+    /// The claim to compute the output of a stage, which other processes heed until it is dropped. Waits while another one has it;
+    /// none where nothing is kept, or where the entry is no longer that of `before`. `step` is called now and then meanwhile.
+    pub fn claim(&self, stage: &str, key: &Digest, before: Stamp, step: impl Fn()) -> Option<Claim> {
+        let path = self
+            .place
+            .as_ref()?
+            .folder
+            .join(entry::name(stage, &in_this_layout(key)));
+        claim::wait(&path, || self.stamp(stage, key) != before, step)
+    }
+
+    /// Names of the entries that were read or written since this was last asked, by this value and its clones.
+    pub fn take_used(&self) -> Vec<String> {
+        let mut used = self.used.lock().unwrap_or_else(PoisonError::into_inner);
+        std::mem::take(&mut *used).into_iter().collect()
+    }
+
+    fn count_as_used(&self, path: &Path) {
+        let mut used = self.used.lock().unwrap_or_else(PoisonError::into_inner);
+        used.extend(path.file_name().map(|name| name.to_string_lossy().into_owned()));
     }
 
     /// Keeps the output of a stage; trouble becomes a note.
@@ -171,7 +212,7 @@ impl Store {
             // A note on what has the name of the entry was taken when it was to be read.
             Err(source) if source.kind() == ErrorKind::IsADirectory => {}
             Err(source) => self.unkept(place, &source),
-            Ok(()) => {}
+            Ok(()) => self.count_as_used(&path),
         }
     }
 

@@ -250,7 +250,7 @@ pub(super) fn levels(
             let chain = of(job / designs.len(), &designs[job % designs.len()]);
             let levels = match part {
                 Part::Kept => kept_levels(graph, chain),
-                Part::All | Part::Task { .. } => levels_of_shot(chain),
+                Part::All | Part::Task { .. } | Part::Screened { .. } => levels_of_shot(chain),
             };
             progress.done(done.fetch_add(1, Ordering::Relaxed) as u64 + 1, total);
             levels

@@ -24,6 +24,7 @@ mod shots;
 mod statistics;
 mod sweep;
 mod table;
+pub mod tasks;
 mod variable_report;
 mod variables;
 

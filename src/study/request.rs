@@ -27,6 +27,13 @@ pub enum Part {
         /// How many tasks there are.
         of: u32,
     },
+    /// The same, where the outcomes of the candidates are kept by then: none is computed ahead for other tasks.
+    Screened {
+        /// Its number, 1 .. `of`.
+        number: u32,
+        /// How many tasks there are.
+        of: u32,
+    },
     /// All draws, but those alone whose levels are kept.
     Kept,
 }
@@ -35,7 +42,7 @@ impl Part {
     /// Whether a structure, or a draw where structures are held, belongs to it.
     pub(super) fn holds(self, place: usize) -> bool {
         match self {
-            Self::Task { number, of } => place % of as usize == (number - 1) as usize,
+            Self::Task { number, of } | Self::Screened { number, of } => place % of as usize == (number - 1) as usize,
             Self::All | Self::Kept => true,
         }
     }

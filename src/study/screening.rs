@@ -1,6 +1,7 @@
 //! Candidates and their shots: the cheap part of a study, before any sound is computed.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use rayon::prelude::*;
 
@@ -15,7 +16,7 @@ use crate::stages::cycle::Cycle;
 use crate::stages::outcomes::{Fate, Outcomes};
 
 /// Candidates computed and kept at a time; for a partner of a point, which needs one, at first and then twice as many each time.
-const BLOCK: u64 = 64;
+pub(super) const BLOCK: u64 = 64;
 const FIRST_BLOCK: u64 = 2;
 /// Candidates drawn at most for each draw asked for, and before any is accepted.
 const MOST: u64 = 1000;
@@ -114,6 +115,28 @@ pub(super) fn cycles_of(
     Ok((point, cycles))
 }
 
+/// A candidate before its shot: its point and cycles, or why it is no design; and what was drawn anew for it.
+pub(super) type Prepared = (Result<(Point, Vec<Cycle>), String>, Rejections);
+
+/// The candidates of a block, and the stage that computes their shots.
+pub(super) fn block_of(
+    (designs, sampler): (&[Design], &Sampler),
+    frame: Frame<'_>,
+    indices: Range<u64>,
+) -> (Vec<Prepared>, Outcomes) {
+    let candidate = |index: u64| {
+        let mut rejections = Rejections::new();
+        let cycles = cycles_of((designs, sampler), frame, index, &mut rejections);
+        (cycles, rejections)
+    };
+    let block: Vec<Prepared> = indices.into_par_iter().map(candidate).collect();
+    let cycles = block
+        .iter()
+        .filter_map(|(cycles, _)| Some(cycles.as_ref().ok()?.1.clone()));
+    let cycles = cycles.flatten().collect();
+    (block, Outcomes { cycles })
+}
+
 /// The name under which the outcomes of a candidate are counted: one name, or those of the designs.
 fn name(fates: &[Fate]) -> String {
     let mut names: Vec<&str> = fates.iter().map(Fate::name).collect();
@@ -136,23 +159,11 @@ pub fn screen(
     found: impl Fn(usize),
 ) -> Result<(Vec<Candidate>, Tally), Error> {
     let (mut accepted, mut tally) = (Vec::new(), Tally::default());
-    let candidate = |index: u64| {
-        let mut rejections = Rejections::new();
-        let cycles = cycles_of((designs, sampler), frame, index, &mut rejections);
-        (cycles, rejections)
-    };
     let mut size = match frame.partner_of {
         Some(_) => FIRST_BLOCK,
         None => BLOCK,
     };
-    let block = |first: u64, size: u64| {
-        let block: Vec<_> = (first..first + size).into_par_iter().map(candidate).collect();
-        let cycles = block
-            .iter()
-            .filter_map(|(cycles, _)| Some(cycles.as_ref().ok()?.1.clone()));
-        let cycles = cycles.flatten().collect();
-        (block, Outcomes { cycles })
-    };
+    let block = |first: u64, size: u64| block_of((designs, sampler), frame, first..first + size);
     while accepted.len() < want && tally.candidates < MOST.saturating_mul(want as u64) {
         if accepted.is_empty() && tally.candidates >= MOST_IN_VAIN {
             break;
@@ -220,7 +231,7 @@ pub fn screen(
 }
 
 /// Whether a study of a design counts a shot.
-fn qualifies(design: &Design, fate: &Fate) -> bool {
+pub(super) fn qualifies(design: &Design, fate: &Fate) -> bool {
     let require = &design.study().require;
     match fate {
         Fate::Shot(shot) => require.is_empty() || require.contains(&shot.outcome.as_str()),

@@ -1,24 +1,23 @@
 //! Designs drawn for the nailing cycle alone: what becomes of each shot.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::law;
 use super::parameters::{Parameter, taking_part};
 use super::sampling::{Frame, Rejections, Sampler};
-use super::screening::cycles_of;
+use super::screening::{BLOCK, block_of};
 use super::variables::{Drawn, Kind, Scope, Variable, law_scores, without_sensors};
 use crate::design::{Design, Value, Values};
 use crate::error::Error;
-use crate::stages::Progress;
-use crate::stages::outcomes::{Fate, fate};
+use crate::graph::Graph;
+use crate::stages::outcomes::Fate;
+use crate::stages::{Progress, Stage};
 
 /// Candidates drawn at most for each design asked for, lest a design whose ranges hardly go together never ends.
 const MOST_CANDIDATES: usize = 1000;
-/// Candidates computed at a time.
-const BATCH: usize = 256;
 
 /// Designs drawn from the ranges of one, with their shots.
 #[derive(Debug, Clone, Serialize)]
@@ -52,17 +51,17 @@ pub struct DrawnShot {
     pub fate: Fate,
 }
 
-/// Draws `count` designs from the ranges of the keys of `design` that take part in the cycle, and computes the cycle of each.
+/// Draws `count` designs from the ranges of the keys of `design` that take part in the cycle, and computes the cycle of each on a graph.
 ///
 /// The draws depend on `seed` and the ranges alone, not on the number of threads. Fewer than `count` designs come back
 /// where a thousand candidates for each were not enough.
 ///
 /// # Errors
 /// As [`ShotSampler::new`].
-pub fn shots(design: &Design, count: usize, seed: u64, progress: &Progress) -> Result<Shots, Error> {
+pub fn shots(graph: &Graph, design: &Design, count: usize, seed: u64, progress: &Progress) -> Result<Shots, Error> {
     let sampler = ShotSampler::new(design, seed)?;
     let mut draws = Vec::new();
-    let counted = sampler.each(count, progress, |draw| {
+    let counted = sampler.each(graph, count, progress, |draw| {
         draws.push(draw);
         Ok(())
     })?;
@@ -95,8 +94,8 @@ pub struct Counted {
 
 /// Draws designs for the cycle alone, one batch after the other: no draw is kept.
 pub struct ShotSampler {
-    design: Design,
-    sampler: Sampler,
+    pub(super) design: Design,
+    pub(super) sampler: Sampler,
     /// The keys that are drawn.
     pub parameters: Vec<Parameter>,
     /// Names of the scores by which a fitted penetration law is drawn.
@@ -128,12 +127,13 @@ impl ShotSampler {
         })
     }
 
-    /// Draws `count` designs and hands each to `sink`, in their order.
+    /// Draws `count` designs, computes their cycles on a graph and hands each to `sink`, in their order.
     ///
     /// # Errors
-    /// Those of `sink`.
+    /// Those of the graph and of `sink`.
     pub fn each(
         &self,
+        graph: &Graph,
         count: usize,
         progress: &Progress,
         mut sink: impl FnMut(DrawnShot) -> Result<(), Error>,
@@ -146,21 +146,19 @@ impl ShotSampler {
             stream: 0,
             partner_of: None,
         };
+        let designs = std::slice::from_ref(&self.design);
         let mut all = Counted::default();
         while all.drawn < count && all.candidates < MOST_CANDIDATES.saturating_mul(count) {
             let first = all.candidates;
-            let candidate = |index: usize| {
-                let mut rejections = Rejections::new();
-                let designs = std::slice::from_ref(&self.design);
-                let cycle = cycles_of((designs, &self.sampler), frame, index as u64, &mut rejections);
-                let shot = cycle.and_then(|(point, cycles)| match fate(&cycles[0]) {
-                    Fate::Refused(reason) => Err(reason),
-                    fate => Ok((point, fate)),
-                });
-                (index, shot, rejections)
+            let block = first as u64..first as u64 + BLOCK;
+            let (block, outcomes) = block_of((designs, &self.sampler), frame, block);
+            // Without a store, a graph would hold the outcomes of all blocks.
+            let fates = match graph.store().folder() {
+                Some(_) => graph.get(outcomes)?,
+                None => Arc::new(outcomes.compute(progress)?),
             };
-            let batch: Vec<_> = (first..first + BATCH).into_par_iter().map(candidate).collect();
-            for (candidate, shot, rejections) in batch {
+            let mut fates = fates.iter();
+            for (candidate, (cycles, rejections)) in (first..).zip(block) {
                 if all.drawn == count {
                     break;
                 }
@@ -168,6 +166,11 @@ impl ShotSampler {
                 for (keys, count) in rejections {
                     *all.rejections.entry(keys).or_default() += count;
                 }
+                let shot = cycles.and_then(|(point, _)| match fates.next() {
+                    Some(Fate::Refused(reason)) => Err(reason.clone()),
+                    Some(fate) => Ok((point, fate.clone())),
+                    None => Err("its computation ended".to_owned()),
+                });
                 match shot {
                     Ok((point, fate)) => {
                         *all.counts.entry(fate.name().to_owned()).or_default() += 1;

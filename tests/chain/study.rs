@@ -8,6 +8,7 @@ use std::sync::OnceLock;
 use nailnoise::Design;
 use nailnoise::design::Value;
 use nailnoise::design::inputs::cycle as inputs;
+use nailnoise::graph::Graph;
 use nailnoise::stages::Progress;
 use nailnoise::study::{DrawnShot, Fate, Shots, shots, taking_part};
 use nailnoise_dynamics::{Parameters, simulate};
@@ -20,7 +21,7 @@ fn design() -> Design {
 /// The thousand designs, drawn once.
 fn thousand() -> &'static Shots {
     static STUDY: OnceLock<Shots> = OnceLock::new();
-    STUDY.get_or_init(|| shots(&design(), 1000, 1, &Progress::silent()).unwrap())
+    STUDY.get_or_init(|| shots(&Graph::default(), &design(), 1000, 1, &Progress::silent()).unwrap())
 }
 
 #[test]
@@ -137,7 +138,7 @@ fn ten_of_each_outcome_agree_with_the_reference() {
 fn draws_depend_on_the_seed_and_not_on_threads() {
     let draws = |seed: u64, threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let study = pool.install(|| shots(&design(), 12, seed, &Progress::silent()).unwrap());
+        let study = pool.install(|| shots(&Graph::default(), &design(), 12, seed, &Progress::silent()).unwrap());
         study
             .draws
             .iter()
@@ -165,7 +166,7 @@ fn what_is_drawn_takes_part_in_the_cycle_and_stays_in_its_range() {
     for group in ["body.", "support.sand.", "analysis.", "wood.elastic."] {
         assert!(!keys.iter().any(|key| key.starts_with(group)), "{group}");
     }
-    let study = shots(&design, 30, 3, &Progress::silent()).unwrap();
+    let study = shots(&Graph::default(), &design, 30, 3, &Progress::silent()).unwrap();
     for draw in &study.draws {
         for (parameter, value) in study.parameters.iter().zip(&draw.values) {
             let value = match value {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
-use nailnoise_dynamics::prf::fit::{Cleaning, Drive, FitFile, FittedLaw, Form, Leave, Method, Start};
+use nailnoise_dynamics::prf::fit::{Cleaning, Drive, FitFile, Form, Leave, Method, Start};
 use nailnoise_quantities::dimension::FORCE;
 use nailnoise_quantities::measure;
 use serde::Serialize;
@@ -15,8 +15,8 @@ use crate::commands::{Threads, print, print_json};
 use crate::error::Error;
 use crate::figures;
 use crate::output;
-use crate::penetration::PenetrationError;
 use crate::penetration::fitting::{Fitting, Options, fit_files};
+use crate::penetration::{PenetrationError, file_of};
 use crate::staging::Staging;
 
 /// The form of the published general law (Eq. 2.2).
@@ -172,7 +172,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     files.push(PathBuf::from("residuals.csv"));
     staging.write(&files[files.len() - 1], &residuals(drives, &fitting.residuals)?)?;
     files.push(PathBuf::from(FIT));
-    staging.write(Path::new(FIT), toml(law)?.as_bytes())?;
+    staging.write(Path::new(FIT), file_of(law)?.as_bytes())?;
     staging.place(&[], Path::new(FIT))?;
     let result = FitResult {
         schema: "nailnoise-prf-fit/1",
@@ -231,20 +231,6 @@ fn residuals(drives: &[Drive], residuals: &[f64]) -> Result<Vec<u8>, Error> {
         ],
         rows,
     )
-}
-
-/// `fit.toml`.
-fn toml(law: &FittedLaw) -> Result<String, PenetrationError> {
-    let text = toml::to_string(law).map_err(|error| PenetrationError::Law {
-        path: PathBuf::from(FIT),
-        line: None,
-        problem: error.to_string(),
-    })?;
-    Ok(format!(
-        "# Penetration law fitted by nailnoise prf fit: F_r = H_M NL max(0, s)^2, s = sum of coefficient x term.\n\
-         # In a design: wood.penetration_law = \"fitted\" and wood.penetration_fit = \"fit.toml\".\n\
-         # Covariance and standard errors allow for deviations common to a drive; sigma_* are of s.\n\n{text}"
-    ))
 }
 
 fn text(result: &FitResult<'_>) -> String {

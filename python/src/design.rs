@@ -1,0 +1,103 @@
+//! Designs, and where results of their stages are kept.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use nailnoise::Error;
+use nailnoise::design::{Assignment, Design, dependencies};
+use nailnoise::graph::Graph;
+use nailnoise::stages::{Observer, WithoutStages};
+use nailnoise::store::{LIMIT, Store};
+use pyo3::prelude::*;
+
+use crate::error::{json_of, raised, value_error};
+
+/// A design file with the values set over it.
+#[pyclass(frozen, name = "Design", module = "nailnoise._native")]
+pub(crate) struct NativeDesign {
+    pub(crate) design: Arc<Design>,
+    pub(crate) assignments: Vec<String>,
+}
+
+/// Assignments `key=value`.
+pub(crate) fn parsed(assignments: &[String]) -> PyResult<Vec<Assignment>> {
+    assignments
+        .iter()
+        .map(|text| text.parse().map_err(value_error))
+        .collect()
+}
+
+#[pymethods]
+impl NativeDesign {
+    /// Reads a design file with assignments `key=value` over it.
+    #[staticmethod]
+    fn load(path: PathBuf, assignments: Vec<String>) -> PyResult<Self> {
+        let design = Design::load_with(&path, &parsed(&assignments)?).map_err(|error| raised(error.into()))?;
+        Ok(Self {
+            design: Arc::new(design),
+            assignments,
+        })
+    }
+
+    /// The same file with more assignments.
+    fn with_assignments(&self, more: Vec<String>) -> PyResult<Self> {
+        Self::load(self.design.path().to_owned(), [&self.assignments[..], &more].concat())
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        self.design.name()
+    }
+
+    #[getter]
+    fn digest(&self) -> String {
+        self.design.digest()
+    }
+
+    #[getter]
+    fn path(&self) -> PathBuf {
+        self.design.path().to_owned()
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.design.warnings().iter().map(ToString::to_string).collect()
+    }
+
+    /// The files that it is made of: its own, its bases, and those that its keys name.
+    fn files(&self) -> PyResult<Vec<PathBuf>> {
+        Ok(dependencies(self.design.path(), &parsed(&self.assignments)?))
+    }
+
+    /// All values with units, ranges and sources, as JSON.
+    fn entries(&self) -> PyResult<String> {
+        json_of(&self.design.entries())
+    }
+}
+
+/// Where results are kept: the folder given, the user's cache, or nowhere.
+pub(crate) fn store(cache: Option<PathBuf>, keep: bool) -> Result<Store, Error> {
+    Ok(match cache {
+        _ if !keep => Store::none(),
+        Some(folder) => Store::at(folder, LIMIT),
+        None => Store::of_user()?,
+    })
+}
+
+/// A folder that tasks fill and nobody bounds.
+pub(crate) fn unbounded(folder: PathBuf) -> Store {
+    Store::at(folder, u64::MAX)
+}
+
+/// A graph that does not report the stages of each of many shots.
+pub(crate) fn quiet(store: &Store, observer: Arc<dyn Observer>) -> Graph {
+    Graph::new(Arc::new(store.clone()), Arc::new(WithoutStages(observer)))
+}
+
+/// The folder of the user's cache.
+#[pyfunction]
+pub(crate) fn cache_folder() -> PyResult<PathBuf> {
+    let store = Store::of_user().map_err(|error| raised(error.into()))?;
+    let folder = store.folder().map(ToOwned::to_owned);
+    folder.ok_or_else(|| value_error("there is no folder for the cache"))
+}

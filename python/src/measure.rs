@@ -1,0 +1,111 @@
+//! The measurement side: levels from recordings, and virtual tests of a design.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use nailnoise::cost::{self, MemoryLimit};
+use nailnoise::figures;
+use nailnoise::measurement::Manifest;
+use nailnoise::measurement::arrangement::Arrangement;
+use nailnoise::measurement::processing::{Recorded, process};
+use nailnoise::measurement::result::Processing;
+use nailnoise::measurement::subtraction::Reading;
+use nailnoise::measurement::virtual_test::exact::exact;
+use nailnoise::measurement::virtual_test::{VirtualTest, wrapping};
+use nailnoise::measurement::wrapping::{Configuration, Wrapping};
+use nailnoise::stages::Progress;
+use pyo3::prelude::*;
+
+use crate::design::{NativeDesign, quiet, store};
+use crate::error::{json_of, value_error};
+use crate::values::drawn;
+use crate::work;
+
+/// Levels of the sources from the recordings that a manifest names; the text of `measurement.json`, and charts.
+#[pyfunction]
+pub(crate) fn measure(
+    py: Python<'_>,
+    manifest: PathBuf,
+    reading: &str,
+    paired: bool,
+    total_less_residual: bool,
+    report: Option<Py<PyAny>>,
+) -> PyResult<(String, Vec<(String, String)>)> {
+    let reading = match reading {
+        "margin" => Reading::Margin,
+        "corrected" => Reading::Corrected,
+        "literal" => Reading::Literal,
+        other => {
+            return Err(value_error(format!(
+                "there is no reading `{other}`; give margin, corrected or literal"
+            )));
+        }
+    };
+    let processing = Processing {
+        reading,
+        paired,
+        total_less_residual,
+    };
+    let measured = work::off_the_lock(py, report, move |observer| {
+        let progress = Progress::to(observer);
+        let path = manifest;
+        let manifest = Manifest::load(&path).map_err(nailnoise::Error::from)?;
+        manifest
+            .warnings
+            .iter()
+            .for_each(|warning| progress.note(&format!("warning: {warning}")));
+        let arrangement = Arrangement::of(&manifest).map_err(nailnoise::Error::from)?;
+        let recorded = manifest.configurations.iter().filter_map(|own| {
+            Some(Recorded {
+                configuration: Configuration::from_number(own.number)?,
+                repeats: own.repeats,
+            })
+        });
+        let recorded: Vec<Recorded> = recorded.collect();
+        let shot = |configuration: Configuration, repeat: usize| {
+            progress.observer().step();
+            let mut places = manifest.configurations.iter();
+            let place = places.position(|own| own.number == configuration.number());
+            Ok(manifest.shot(place.unwrap_or_default(), repeat)?)
+        };
+        let mut measured = process(&arrangement, processing, &recorded, shot, |_| Ok(()))?;
+        measured.result.manifest = path.display().to_string();
+        let charts = drawn(&figures::measurement(&measured));
+        Ok((measured.result, charts))
+    })?;
+    Ok((json_of(&measured.0)?, measured.1))
+}
+
+/// What a wrapping test of a design gives in energies, without recordings and scatter, as JSON.
+#[pyfunction]
+pub(crate) fn test_energies(
+    py: Python<'_>,
+    design: &NativeDesign,
+    perfect_wraps: bool,
+    cache: Option<PathBuf>,
+    keep: bool,
+    report: Option<Py<PyAny>>,
+) -> PyResult<String> {
+    let design = Arc::clone(&design.design);
+    let made = work::off_the_lock(py, report, move |observer| {
+        cost::refuse(&design, &cost::of_run(&design)?, MemoryLimit::default())?;
+        let wraps = if perfect_wraps {
+            Wrapping::perfect()
+        } else {
+            wrapping(&design)
+        };
+        let graph = quiet(&store(cache, keep)?, observer);
+        let test = VirtualTest::new(&graph, &design, wraps, 1)?;
+        let own = test.own()?;
+        let rate = design.test.sampling_rate;
+        let background = design.acoustics.background_level;
+        Ok(exact(
+            &test.arrangement,
+            rate,
+            &wraps,
+            &test.densities(&own),
+            background,
+        )?)
+    })?;
+    json_of(&made)
+}

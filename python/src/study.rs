@@ -1,0 +1,122 @@
+//! Studies, sweeps and draws of shots.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use nailnoise::cost::{self, MemoryLimit};
+use nailnoise::figures;
+use nailnoise::stages::Progress;
+use nailnoise::study::{self, Axis, Part, Request, StudyResult};
+use pyo3::prelude::*;
+
+use crate::design::{NativeDesign, parsed, quiet, store, unbounded};
+use crate::error::{json_of, value_error};
+use crate::values::drawn;
+use crate::work;
+
+/// What a study is asked for.
+pub(crate) fn request(draws: u32, seed: u64, structures: Option<u16>, part: Part) -> PyResult<Request> {
+    if draws == 0 {
+        return Err(value_error("a study needs at least one draw"));
+    }
+    Ok(Request {
+        draws: draws as usize,
+        seed,
+        shots_a_structure: structures.filter(|each| *each > 0).map(usize::from),
+        part,
+        workpiece_sensors: false,
+    })
+}
+
+/// Draws designs from the ranges; the text of `study.json` and of `draws.csv`, and charts. Draws that tasks have left in `folder` are
+/// read from there, and those that are missing are computed into it.
+#[pyfunction(name = "study")]
+#[allow(clippy::too_many_arguments)] // they are those of the Python function
+pub(crate) fn study_of(
+    py: Python<'_>,
+    design: &NativeDesign,
+    draws: u32,
+    seed: u64,
+    structures: Option<u16>,
+    cache: Option<PathBuf>,
+    keep: bool,
+    folder: Option<PathBuf>,
+    report: Option<Py<PyAny>>,
+) -> PyResult<(String, String, Vec<(String, String)>)> {
+    let (design, request) = (Arc::clone(&design.design), request(draws, seed, structures, Part::All)?);
+    let (result, table, charts) = work::off_the_lock(py, report, move |observer| {
+        cost::refuse(&design, &cost::of_run(&design)?, MemoryLimit::default())?;
+        let cache = store(cache, keep)?;
+        let shared = folder.map(unbounded);
+        let progress = Progress::to(Arc::clone(&observer));
+        let graph = quiet(shared.as_ref().unwrap_or(&cache), observer);
+        let made = study::draws(&graph, &design, &request, &progress)?;
+        let nominal = study::nominal(&graph, &design, &request)?;
+        let result = StudyResult::new(&design, &request, &made, nominal.as_deref());
+        study::keep(&cache, &design, &result)?;
+        let charts = drawn(&figures::study(&result));
+        Ok((result, study::csv(&made)?, charts))
+    })?;
+    Ok((json_of(&result)?, String::from_utf8_lossy(&table).into_owned(), charts))
+}
+
+/// Draws designs for the cycle alone, as JSON.
+#[pyfunction]
+#[allow(clippy::too_many_arguments)] // they are those of the Python function
+pub(crate) fn shots(
+    py: Python<'_>,
+    design: &NativeDesign,
+    draws: u32,
+    seed: u64,
+    cache: Option<PathBuf>,
+    keep: bool,
+    report: Option<Py<PyAny>>,
+) -> PyResult<String> {
+    let design = Arc::clone(&design.design);
+    let made = work::off_the_lock(py, report, move |observer| {
+        let progress = Progress::to(Arc::clone(&observer));
+        let graph = quiet(&store(cache, keep)?, observer);
+        Ok(study::shots(&graph, &design, draws as usize, seed, &progress)?)
+    })?;
+    json_of(&made)
+}
+
+/// Levels over a grid of values, as JSON, and a chart over the first key.
+#[pyfunction]
+#[allow(clippy::too_many_arguments)] // they are those of the Python function
+pub(crate) fn sweep(
+    py: Python<'_>,
+    design: &NativeDesign,
+    vary: Vec<String>,
+    draws: Option<u32>,
+    seed: u64,
+    cache: Option<PathBuf>,
+    keep: bool,
+    report: Option<Py<PyAny>>,
+) -> PyResult<(String, Vec<(String, String)>)> {
+    let axes = axes(&vary)?;
+    let request = draws.map(|draws| request(draws, seed, None, Part::All)).transpose()?;
+    let (design, assignments) = (Arc::clone(&design.design), parsed(&design.assignments)?);
+    let (points, charts) = work::off_the_lock(py, report, move |observer| {
+        let progress = Progress::to(Arc::clone(&observer));
+        let graph = quiet(&store(cache, keep)?, observer);
+        let base = (design.path(), &assignments[..]);
+        let limit = MemoryLimit::default();
+        let points = study::sweep(&graph, base, &axes, request.as_ref(), limit, &progress)?;
+        let charts = drawn(&[figures::sweep(design.name(), &axes, &points)]);
+        Ok((points, charts))
+    })?;
+    Ok((json_of(&points)?, charts))
+}
+
+fn axes(vary: &[String]) -> PyResult<Vec<Axis>> {
+    vary.iter()
+        .map(|text| text.parse::<Axis>().map_err(value_error))
+        .collect()
+}
+
+/// The values of each key of a sweep, as they would stand in a design.
+#[pyfunction]
+pub(crate) fn axis_values(vary: Vec<String>) -> PyResult<Vec<(String, Vec<String>)>> {
+    Ok(axes(&vary)?.into_iter().map(|axis| (axis.key, axis.values)).collect())
+}

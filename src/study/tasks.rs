@@ -1,0 +1,105 @@
+//! Parts of studies, draws of shots and sweeps that a scheduler may compute anywhere and in any order.
+//!
+//! Each part leaves outputs of stages in a store. The work itself ([`draws`](super::draws), [`shots`](super::shots()),
+//! [`sweep`](super::sweep())) then finds them there, so that it states the same result whoever computed them, and computes what is
+//! missing.
+
+use super::sampling::{Frame, Sampler};
+use super::screening::{BLOCK, block_of, qualifies};
+use super::shots::ShotSampler;
+use super::variables::{Scope, common_variables, without_sensors};
+use crate::chain::{Chain, Options};
+use crate::design::{Design, Values};
+use crate::error::Error;
+use crate::graph::Graph;
+use crate::stages::levels::Levels;
+use crate::stages::outcomes::Fate;
+
+/// The candidates of a study, or of draws of shots, in blocks.
+pub struct Candidates {
+    design: Design,
+    sampler: Sampler,
+    active: Vec<bool>,
+    /// Whether the outcome decides which of them count.
+    conditional: bool,
+}
+
+impl Candidates {
+    /// Those of a study, with its structures or with those held.
+    ///
+    /// # Errors
+    /// Those of the chain's inputs.
+    pub fn of_study(design: &Design, seed: u64, structures: bool) -> Result<Self, Error> {
+        let variables = common_variables(&[design])?;
+        let design = without_sensors(design);
+        let sampler = Sampler::new(&design, variables, seed);
+        let scopes = sampler.variables().iter().map(|variable| variable.scope);
+        let active = scopes.map(|scope| structures || scope != Scope::Structure).collect();
+        Ok(Self {
+            design,
+            sampler,
+            active,
+            conditional: true,
+        })
+    }
+
+    /// Those of draws of shots.
+    ///
+    /// # Errors
+    /// Those of the cycle's inputs.
+    pub fn of_shots(design: &Design, seed: u64) -> Result<Self, Error> {
+        let ShotSampler { design, sampler, .. } = ShotSampler::new(design, seed)?;
+        Ok(Self {
+            active: vec![true; sampler.variables().len()],
+            design,
+            sampler,
+            conditional: false,
+        })
+    }
+
+    /// Computes the shots of a block, and counts the candidates that are accepted.
+    ///
+    /// # Errors
+    /// Those of the graph.
+    pub fn outcomes(&self, graph: &Graph, block: u64) -> Result<usize, Error> {
+        let designs = std::slice::from_ref(&self.design);
+        let bases = [Values::clone(&self.design)];
+        let frame = Frame {
+            bases: &bases,
+            active: &self.active,
+            stream: 0,
+            partner_of: None,
+        };
+        let (_, outcomes) = block_of((designs, &self.sampler), frame, block * BLOCK..(block + 1) * BLOCK);
+        let fates = graph.get(outcomes)?;
+        let counts = |fate: &&Fate| match fate {
+            Fate::Refused(_) => false,
+            fate => !self.conditional || qualifies(&self.design, fate),
+        };
+        Ok(fates.iter().filter(counts).count())
+    }
+}
+
+/// Candidates of a block.
+pub const CANDIDATES: u64 = BLOCK;
+
+/// Computes the levels of a design as a sweep or a study has them: without its sensors.
+///
+/// # Errors
+/// Those of the chain.
+pub fn levels(graph: &Graph, design: &Design) -> Result<Levels, Error> {
+    let chain = Chain::new(graph, &without_sensors(design), Options::default())?;
+    chain.check_bodies()?;
+    Ok(Levels::clone(&*chain.levels.get()?))
+}
+
+/// Name of the modes and radiation matrices of a design: designs of one name share them.
+///
+/// # Errors
+/// Those of the chain's inputs.
+pub fn structures(design: &Design) -> Result<String, Error> {
+    let graph = Graph::default();
+    let chain = Chain::new(&graph, &without_sensors(design), Options::default())?;
+    let digits = chain.structures.iter().flatten().map(|byte| format!("{byte:02x}"));
+    Ok(digits.collect())
+}
