@@ -25,7 +25,7 @@ struct Kept {
 
 /// Digest of the code on which levels of draws depend.
 pub(super) fn code() -> String {
-    hexadecimal(&Key::new().with(&ShotLevels::NAME).with(&ShotLevels::CODE).digest())
+    hexadecimal(&Key::empty().with(&ShotLevels::NAME).with(&ShotLevels::CODE).digest())
 }
 
 fn hexadecimal(digest: &Digest) -> String {
@@ -65,7 +65,7 @@ pub(super) fn population(design: &Design, result: &StudyResult) -> Result<String
     let ranges = ranges(&design)?;
     // A value of a key's own distribution can be set.
     let _ = design.set(&middles);
-    Ok(hexadecimal(&Key::new().with(&ranges).with(&design.digest()).digest()))
+    Ok(hexadecimal(&Key::empty().with(&ranges).with(&design.digest()).digest()))
 }
 
 fn all(store: &Store, design: &Design) -> Result<(Digest, Vec<Kept>), Error> {
