@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import json
+import os
 import sys
 from pathlib import Path
 
@@ -76,7 +77,9 @@ def _on_cluster(command: str) -> int:
     try:
         design: Design = load(given.design, dict(given.set))
         with Client(given.scheduler, timeout=30) as client:  # type: ignore[no-untyped-call]
-            cluster = Cluster(client, given.folder if given.shared else None, given.folder, _progress)
+            # Workers have working folders of their own.
+            folder = os.path.abspath(given.folder)
+            cluster = Cluster(client, folder if given.shared else None, folder, _progress)
             if command == "study-on":
                 cluster.study(design, given.draws, given.seed, given.structures, None)
             else:

@@ -188,7 +188,8 @@ class Cluster:
 
     def scatter(self, value: Any) -> Any:
         """A value that many tasks read: it goes to a worker once, and from there to others that need it."""
-        return self.client.scatter(value, hash=False)  # type: ignore[no-untyped-call]
+        # In a list, because a dictionary would be scattered value by value.
+        return self.client.scatter([value], hash=False)[0]  # type: ignore[no-untyped-call]
 
     def collect(self, what: str, futures: Sequence[Any]) -> None:
         """Waits for tasks and puts what they return into the client's folder."""

@@ -82,6 +82,7 @@ def test_the_command_reaches_a_scheduler(drawn: nn.Design, client: Client, tmp_p
     alone = command(*study, "--no-cache")
     assert command(*study, "--scheduler", address) == alone
     assert command(*study, "--scheduler", address, "--store", "shared") == alone
+    assert len(list((tmp_path / "shared").glob("levels-*.entry"))) >= 3 and not Path("shared").exists()
     sweep = ("sweep", drawn.path, "--vary", "exhaust.holes=3,5", "--set", "supply.pressure=95 psig")
     assert command(*sweep, "--scheduler", address) == command(*sweep, "--no-cache")
     refused = subprocess.run(
