@@ -26,8 +26,8 @@ use crate::stages::cycle::{Cycle, Preset};
 use crate::stages::exhaust::{Exhaust, ExhaustSource, noise};
 use crate::stages::levels::{Levels, ShotLevels};
 use crate::stages::radiation::{
-    FlushMatrix, RadiatingShape, RadiationDamping, ShapeFit, ShapeMatrix, ToolCapMatrix, ToolMatrix, ToolRadiator,
-    WorkpieceMatrix, WorkpieceMethod, WorkpieceRadiation, WorkpieceRadiator,
+    FlushMatrix, RadiationDamping, ShapeFit, ShapeMatrix, ToolCapMatrix, ToolMatrix, ToolRadiator,
+    WorkpieceBoundaryElements, WorkpieceMatrix, WorkpieceMethod, WorkpieceRadiation, WorkpieceRadiator,
 };
 use crate::stages::requirements::{Radiating, Requirements, Usable};
 use crate::stages::response::{
@@ -318,20 +318,13 @@ impl Chain {
             })
         });
         let tool_elements = tool.as_ref().zip(inputs::radiation::tool(design));
-        let standard_tool = match &tool_elements {
-            Some(_) => standard_bodies(graph, design, &[BodyKind::Tool])?,
-            None => None,
-        };
         let mut tool_matrix_key = None;
         let tool_matrix = tool_elements.map(|(stages, elements)| {
-            let matrix = |bodies: Vec<Stored<Body>>| {
-                graph.add(ToolMatrix {
-                    elements: elements.clone(),
-                    body: bodies[0].clone(),
-                })
-            };
-            let shape = RadiatingShape::Tool(elements.clone());
-            let matrix = by_shape(graph, shape, standard_tool.clone(), vec![stages.body.clone()], matrix);
+            let body = stages.body.clone();
+            let matrix = graph.add(ToolMatrix {
+                elements: elements.clone(),
+                body,
+            });
             tool_matrix_key = Some(*matrix.key());
             (elements, graph.add(ToolRadiator { matrix, air }))
         });
@@ -341,15 +334,11 @@ impl Chain {
             .zip(inputs::radiation::cap(design));
         let mut cap_matrix_key = None;
         let cap_radiator = cap.map(|((stages, (elements, _)), cap)| {
-            let matrix = |bodies: Vec<Stored<Body>>| {
-                graph.add(ToolCapMatrix {
-                    elements: elements.clone(),
-                    cap,
-                    body: bodies[0].clone(),
-                })
-            };
-            let shape = RadiatingShape::Cap(elements.clone(), cap);
-            let matrix = by_shape(graph, shape, standard_tool.clone(), vec![stages.body.clone()], matrix);
+            let matrix = graph.add(ToolCapMatrix {
+                elements: elements.clone(),
+                cap,
+                body: stages.body.clone(),
+            });
             cap_matrix_key = Some(*matrix.key());
             graph.add(ToolRadiator { matrix, air })
         });
@@ -638,7 +627,7 @@ fn standard_bodies(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> Result
 /// The radiation matrix of bodies from that of standard bodies of their shape; `matrix` solves it for any bodies.
 fn by_shape(
     graph: &Graph,
-    shape: RadiatingShape,
+    elements: WorkpieceBoundaryElements,
     standard: Option<Vec<Stored<Body>>>,
     bodies: Vec<Stored<Body>>,
     matrix: impl Fn(Vec<Stored<Body>>) -> Stored<ModalBem>,
@@ -650,7 +639,7 @@ fn by_shape(
         return own;
     }
     let fit = graph.add(ShapeFit {
-        shape,
+        elements,
         standard,
         bodies,
     });
@@ -688,8 +677,7 @@ fn workpiece_radiation(
             };
             let kinds = [BodyKind::Workpiece, BodyKind::Worktable];
             let standard = standard_bodies(graph, design, &kinds[..bodies.len()])?;
-            let shape = RadiatingShape::Workpiece(elements.clone());
-            let matrix = by_shape(graph, shape, standard, bodies.to_vec(), matrix);
+            let matrix = by_shape(graph, elements.clone(), standard, bodies.to_vec(), matrix);
             let (field, key) = (FieldMethod::BoundaryElements(elements, matrix.clone()), *matrix.key());
             (radiator(WorkpieceMethod::BoundaryElements(matrix)), field, Some(key))
         }
@@ -859,7 +847,7 @@ mod tests {
         };
         let standard = standard_bodies(&graph, &design, &kinds).unwrap().unwrap();
         let fitted = ShapeFit {
-            shape: RadiatingShape::Workpiece(elements.clone()),
+            elements: elements.clone(),
             standard,
             bodies: bodies.to_vec(),
         };

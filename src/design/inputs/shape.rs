@@ -1,4 +1,4 @@
-//! Standard bodies: the shape of a design's bodies with the materials, the nail and the lumped masses of the N80CB.
+//! Standard bodies: the shape of a design's bodies with the materials and the nail of the N80CB.
 //!
 //! The radiation of boundary elements is solved for the modes of these bodies, and kept. Assumption: on the outer surface
 //! the modes of any body of this shape combine from them. How well is stated for every design; where it does not hold, the
@@ -26,7 +26,7 @@ fn shipped_design() -> Option<&'static Design> {
     READ.get_or_init(read).as_ref()
 }
 
-/// The design with standard materials, nail and masses; its bodies have the outer surfaces of the design's.
+/// The design with standard materials and nail; its bodies have the outer surfaces of the design's.
 fn standard(design: &Design) -> Option<Design> {
     let from = shipped_design()?;
     let mut standard = design.clone();
@@ -38,15 +38,6 @@ fn standard(design: &Design) -> Option<Design> {
     (table.top, table.top_density) = (own.top.clone(), own.top_density);
     (table.legs, table.leg_density) = (own.legs.clone(), own.leg_density);
     (table.steel.material, table.steel.tube_wall) = (own.steel.material.clone(), own.steel.tube_wall);
-    let (body, own) = (&mut standard.body, &from.body);
-    (body.housing, body.nose, body.sleeve) = (own.housing.clone(), own.nose.clone(), own.sleeve.clone());
-    if design.body.mesh.is_empty() && design.body.dimensions == own.dimensions {
-        (body.lumped, body.lumped_nose, body.lumped_magazine) = (own.lumped, own.lumped_nose, own.lumped_magazine);
-        standard.tool.mass = from.tool.mass;
-    } else {
-        // A housing of another size may be heavier than that tool.
-        standard.body.lumped = false;
-    }
     Some(standard)
 }
 

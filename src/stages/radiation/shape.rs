@@ -9,12 +9,11 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::bem::{MeshRange, ModalBem, SurfaceFit};
+use nailnoise_acoustics::bem::{ModalBem, SurfaceFit};
 use nalgebra::{Complex, DMatrix};
 use serde::{Deserialize, Serialize};
 
 use super::CODE;
-use super::tool::{CapSurface, ToolRadiation};
 use super::workpiece::WorkpieceBoundaryElements;
 use crate::error::Error;
 use crate::stages::bodies::Body;
@@ -53,42 +52,11 @@ impl Fitted {
     }
 }
 
-/// What makes panels of bodies' surfaces.
-#[derive(Clone, Serialize)]
-pub enum RadiatingShape {
-    /// Workpiece, and worktable where there is one.
-    Workpiece(WorkpieceBoundaryElements),
-    /// The tool's housing.
-    Tool(ToolRadiation),
-    /// The tool's housing, and behind it the motion of its cap alone.
-    Cap(ToolRadiation, CapSurface),
-}
-
-impl RadiatingShape {
-    /// The finest mesh with the velocities of all modes.
-    fn finest(&self, bodies: &[Arc<Body>]) -> Result<Option<MeshRange>, Error> {
-        let surfaces: Vec<_> = bodies.iter().map(|body| body.moving_surface()).collect();
-        let air = Air::default();
-        match self {
-            Self::Workpiece(elements) => elements.finest(&surfaces, &air),
-            Self::Tool(elements) => elements.finest(&surfaces[0], None, &air).map(Some),
-            Self::Cap(elements, cap) => elements.finest(&surfaces[0], Some(cap), &air).map(Some),
-        }
-    }
-
-    fn top_hz(&self) -> f64 {
-        match self {
-            Self::Workpiece(elements) => elements.resolution.top_hz,
-            Self::Tool(elements) | Self::Cap(elements, _) => elements.resolution.top_hz,
-        }
-    }
-}
-
 /// Fits the modes of the design's bodies by those of standard bodies of the same shape.
 #[derive(Serialize)]
 pub struct ShapeFit {
     /// Surfaces, surroundings and resolution.
-    pub shape: RadiatingShape,
+    pub elements: WorkpieceBoundaryElements,
     /// The standard bodies.
     pub standard: Vec<Stored<Body>>,
     /// The design's bodies.
@@ -108,10 +76,16 @@ impl Stage for ShapeFit {
 
     fn compute(&self, _: &Progress) -> Result<Fitted, Error> {
         let (standard, bodies) = (all(&self.standard)?, all(&self.bodies)?);
-        let both = self.shape.finest(&standard)?.zip(self.shape.finest(&bodies)?);
+        let finest = |bodies: &[Arc<Body>]| {
+            let surfaces: Vec<_> = bodies.iter().map(|body| body.moving_surface()).collect();
+            self.elements.finest(&surfaces, &Air::default())
+        };
+        let both = finest(&standard)?.zip(finest(&bodies)?);
         let fit = both.and_then(|(known, own)| SurfaceFit::new(&known, &own));
         let bodies: Vec<&Body> = bodies.iter().map(|body| &**body).collect();
-        let lacking = fit.as_ref().map(|fit| lacking(fit, &bodies, self.shape.top_hz()));
+        let lacking = fit
+            .as_ref()
+            .map(|fit| lacking(fit, &bodies, self.elements.resolution.top_hz));
         Ok(Fitted {
             lacking: lacking.unwrap_or_default(),
             fit,
@@ -120,8 +94,8 @@ impl Stage for ShapeFit {
 }
 
 /// The share of the energy of the surface's motion that a fit lacks, by frequency. Each body moves by itself under a force
-/// of one newton at each of its loads and supports; the energies under all are summed before they are divided. A fit with
-/// the modes of all bodies several times over, as with the cap's own motion, is judged by the worst.
+/// of one newton at each of its loads and supports; the energies under all are summed before they are divided.
+/// The worst body counts.
 fn lacking(fit: &SurfaceFit, bodies: &[&Body], top_hz: f64) -> Vec<[f64; 2]> {
     let modes: usize = bodies.iter().map(|body| body.omega.len()).sum();
     let places = (0..fit.modes() / modes.max(1)).flat_map(|part| {

@@ -159,14 +159,6 @@ impl ToolRadiation {
         self.level_with_cap(body, None, air)
     }
 
-    /// The housing's own mesh, with the cap apart where that is asked for.
-    ///
-    /// # Errors
-    /// As [`Self::level`], and [`Error::NoCapSurface`].
-    pub fn finest(&self, body: &MovingSurface<'_>, cap: Option<&CapSurface>, air: &Air) -> Result<MeshRange, Error> {
-        self.level_with_cap(body, cap, air)
-    }
-
     /// The same, with each mode of the cap alone behind those of the whole where it is apart.
     fn level_with_cap(
         &self,
