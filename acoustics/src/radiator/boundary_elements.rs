@@ -30,8 +30,9 @@ impl Radiator for ModalBem {
         let mut report = report(self, &together, [&spectrum, &surface, &erp]);
         report.modes = mode_shares(bodies, &energies);
         let signals = vec![(source, radiated_signals(self, &together, &spectrum)?)];
+        let lacking_db = lacking_db(self, &spectrum, &together);
         Ok(RadiatedSound {
-            uncertainty: uncertainty(self, &spectrum, together.range_hz, &report),
+            uncertainty: uncertainty(self, &spectrum, together.range_hz, (&report, lacking_db)),
             spectrum,
             signals,
             report: Some(report),
@@ -63,8 +64,14 @@ impl Radiator for ModalBem {
 }
 
 /// Uncertainty from the difference of both evaluations, and above the boundary elements from the error of the
-/// high-frequency limit: its difference to boundary elements in their uppermost bands is taken as its error above.
-fn uncertainty(bem: &ModalBem, source: &SourceSpectrum, range: [f64; 2], report: &RadiationReport) -> Uncertainty {
+/// high-frequency limit: its difference to boundary elements in their uppermost bands is taken as its error above. What
+/// standard modes of the same surface lack of the motion adds its bound.
+fn uncertainty(
+    bem: &ModalBem,
+    source: &SourceSpectrum,
+    range: [f64; 2],
+    (report, lacking_db): (&RadiationReport, Option<f64>),
+) -> Uncertainty {
     let above = |factor: f64| {
         let join = bem.transition_hz()[0].clamp(range[0], range[1]);
         let (low, high) = (
@@ -77,16 +84,36 @@ fn uncertainty(bem: &ModalBem, source: &SourceSpectrum, range: [f64; 2], report:
     if let Some(error) = report.blend_error_db {
         (least, most) = (least.min(error), most.max(error));
     }
-    let evaluations = report.surface_difference_db.map_or(0.0, f64::abs);
+    let evaluations = report.surface_difference_db.map_or(0.0, f64::abs) + lacking_db.unwrap_or(0.0);
+    let lacking = lacking_db.map_or_else(String::new, |db| {
+        format!("; standard modes of the same surface lack motion worth at most {db:.2} dB")
+    });
     Uncertainty {
         minus: Some(evaluations - above(10f64.powf(-most.max(0.0) / 10.0)).min(0.0)),
         plus: Some(evaluations + above(10f64.powf(-least.min(0.0) / 10.0)).max(0.0)),
         basis: format!(
             "power by surface and by far field, and above {:.0} Hz the limit of high frequencies, {least:+.1} to {most:+.1} dB \
-             off in the last bands of boundary elements",
+             off in the last bands of boundary elements{lacking}",
             bem.transition_hz()[0]
         ),
     }
+}
+
+/// Bound of the error in the A-weighted level \[dB\] by the motion that standard modes of the same surface lack; none where
+/// the radiation was solved for the body's own modes. Radiating with efficiency 1 and in phase with all else, the lacking
+/// energy E_r changes the energy E by 2 sqrt(E E_r) + E_r at most.
+fn lacking_db(bem: &ModalBem, source: &SourceSpectrum, together: &ModalSpectra) -> Option<f64> {
+    let rest = SourceSpectrum {
+        energy_density: bem.rest_energy(together)?,
+        contributions: Vec::new(),
+        ..source.clone()
+    };
+    let [whole, rest] = [source, &rest].map(|spectrum| spectrum.energy(together.range_hz, Weighting::A));
+    Some(if whole > 0.0 {
+        20.0 * (1.0 + (rest / whole).sqrt()).log10()
+    } else {
+        0.0
+    })
 }
 
 /// Distributes the difference between far field and surface over the patches that radiate, so that they add up to the

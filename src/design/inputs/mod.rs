@@ -14,6 +14,7 @@ pub(crate) mod notes;
 pub(crate) mod radiation;
 pub(crate) mod response;
 pub(crate) mod sensors;
+pub(crate) mod shape;
 
 /// The ambient air of a design.
 ///

@@ -1,12 +1,14 @@
 //! Radiation of the moving bodies per unit of modal motion, before the motion is known.
 //!
 //! What costs time depends on the wavelength alone: it is computed in standard air and kept ([`WorkpieceMatrix`],
-//! [`ToolMatrix`], [`FlushMatrix`]). [`WorkpieceRadiator`] and [`ToolRadiator`] take it over to the ambient air.
+//! [`ToolMatrix`], [`FlushMatrix`]), of boundary elements for the modes of standard bodies of the same shape
+//! ([`ShapeMatrix`]). [`WorkpieceRadiator`] and [`ToolRadiator`] take it over to the ambient air.
 
 mod boundary_elements;
 mod flush;
 mod matrices;
 mod radiators;
+mod shape;
 mod tool;
 mod workpiece;
 
@@ -14,6 +16,7 @@ pub use boundary_elements::{Places, Resolution};
 pub use flush::{FlushTop, top_of};
 pub use matrices::{FlushMatrix, ToolCapMatrix, ToolMatrix, WorkpieceMatrix};
 pub use radiators::{RadiationDamping, ToolRadiator, WorkpieceMethod, WorkpieceRadiator};
+pub use shape::{Fitted, ShapeFit, ShapeMatrix};
 pub use tool::{CapSurface, ToolRadiation};
 pub use workpiece::{Covered, WorkpieceBoundaryElements, WorkpieceRadiation};
 

@@ -147,6 +147,14 @@ impl WorkpieceBoundaryElements {
         self.of_bodies(bodies, air, &RANGES)
     }
 
+    /// The finest of these meshes.
+    ///
+    /// # Errors
+    /// As [`Self::levels`].
+    pub fn finest(&self, bodies: &[MovingSurface<'_>], air: &Air) -> Result<Option<MeshRange>, Error> {
+        Ok(self.of_bodies(bodies, air, &RANGES[RANGES.len() - 1..])?.pop())
+    }
+
     /// [`Self::levels`] up to these shares of the top of all ranges.
     fn of_bodies(&self, bodies: &[MovingSurface<'_>], air: &Air, shares: &[f64]) -> Result<Vec<MeshRange>, Error> {
         let of_boxes = shares.iter().map(|share| self.of_boxes(bodies, air, *share));

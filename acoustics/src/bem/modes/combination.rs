@@ -2,13 +2,14 @@ use crate::matrix::real_product;
 use nalgebra::{Complex, DMatrix};
 use serde::{Deserialize, Serialize};
 
-/// Matrix T of a parity: amplitudes of its independent modes for the amplitudes of all modes.
+/// Matrix T of a parity: amplitudes of the independent modes of which the radiation is known, for the amplitudes of all
+/// modes.
 ///
-/// The column of an independent mode is a unit vector, and most other modes have another parity, so that few columns
-/// have more than one entry.
+/// Of the same body the column of an independent mode is a unit vector, and most other modes have another parity, so that
+/// few columns have more than one entry. The modes of another body on the same surface are all combinations.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Combination {
-    /// Numbers of the independent modes.
+    /// Numbers of the independent modes among all modes; none where they belong to another body.
     independent: Vec<usize>,
     /// Indices of the modes that are combinations of them.
     dependent: Vec<usize>,
@@ -34,9 +35,29 @@ impl Combination {
         }
     }
 
+    /// Combinations of another set of independent modes: one column of `of_combined` for each mode in `combined`, nothing
+    /// for the others of `modes`.
+    pub(crate) fn of_others(modes: usize, combined: Vec<usize>, of_combined: DMatrix<f64>) -> Self {
+        Self::new(modes, Vec::new(), combined, of_combined)
+    }
+
+    /// Number of independent modes.
+    fn rows(&self) -> usize {
+        self.of_dependent.nrows()
+    }
+
+    /// Numbers of the independent modes among all modes.
+    pub(crate) fn independent(&self) -> &[usize] {
+        &self.independent
+    }
+
     /// T a for every column of `motion` (modes x columns).
     pub(crate) fn of(&self, motion: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
-        let mut of = motion.select_rows(&self.independent);
+        let mut of = if self.independent.is_empty() {
+            DMatrix::zeros(self.rows(), motion.ncols())
+        } else {
+            motion.select_rows(&self.independent)
+        };
         if !self.dependent.is_empty() {
             let dependent = motion.select_rows(&self.dependent);
             of += real_product(&self.of_dependent, &dependent);
@@ -64,7 +85,7 @@ impl Combination {
     /// T v for a sparse real motion v, given by its nonzero entries; the result has nonzero entries only, in rising
     /// order.
     pub(crate) fn of_sparse(&self, motion: &[(usize, f64)]) -> Vec<(usize, f64)> {
-        let mut of = vec![0.0; self.independent.len()];
+        let mut of = vec![0.0; self.rows()];
         for &(mode, v) in motion {
             if let Some(row) = self.independent.iter().position(|own| *own == mode) {
                 of[row] += v;
@@ -78,7 +99,7 @@ impl Combination {
 
     /// T as a dense matrix.
     pub(crate) fn dense(&self) -> DMatrix<f64> {
-        let mut dense = DMatrix::zeros(self.independent.len(), self.modes);
+        let mut dense = DMatrix::zeros(self.rows(), self.modes);
         for (row, &mode) in self.independent.iter().enumerate() {
             dense[(row, mode)] = 1.0;
         }

@@ -1,3 +1,4 @@
+use crate::bem::mesh::boundary::Boundary;
 use crate::bem::modes::combination::Combination;
 use crate::bem::modes::mesh_range::MeshRange;
 use crate::bem::solver::problem::Patterns;
@@ -26,23 +27,11 @@ impl Independent {
 
 /// By the Cholesky factorisation with pivots of the patterns' Gram matrix, every mode scaled by its whole pattern.
 pub(crate) fn independent(level: &MeshRange) -> Vec<Independent> {
-    let boundary = level.problem.boundary();
-    let mesh = boundary.mesh();
-    let mut weights = Vec::with_capacity(boundary.velocity_values());
-    for (p, panel) in mesh.panels.iter().enumerate() {
-        let corners = panel.corners().len();
-        weights.extend(std::iter::repeat_n(mesh.panel_area(p) / corners as f64, corners));
-    }
+    let weights = weights(level.problem.boundary());
     let grams: Vec<DMatrix<f64>> = level
         .patterns
         .iter()
-        .map(|p| {
-            let mut weighted = p.velocities.clone();
-            for mut column in weighted.column_iter_mut() {
-                column.iter_mut().zip(&weights).for_each(|(v, w)| *v *= w);
-            }
-            p.velocities.tr_mul(&weighted)
-        })
+        .map(|p| p.velocities.tr_mul(&weighted(&p.velocities, &weights)))
         .collect();
     let modes = grams.first().map_or(0, DMatrix::ncols);
     let scale: Vec<f64> = (0..modes)
@@ -56,6 +45,26 @@ pub(crate) fn independent(level: &MeshRange) -> Vec<Independent> {
         })
         .collect();
     grams.iter().map(|gram| pivoted(gram, &scale)).collect()
+}
+
+/// Area of every corner of every panel \[m2\], in the order of the velocity values.
+pub(crate) fn weights(boundary: &Boundary) -> Vec<f64> {
+    let mesh = boundary.mesh();
+    let mut weights = Vec::with_capacity(boundary.velocity_values());
+    for (p, panel) in mesh.panels.iter().enumerate() {
+        let corners = panel.corners().len();
+        weights.extend(std::iter::repeat_n(mesh.panel_area(p) / corners as f64, corners));
+    }
+    weights
+}
+
+/// Every row times its weight.
+pub(crate) fn weighted(values: &DMatrix<f64>, weights: &[f64]) -> DMatrix<f64> {
+    let mut weighted = values.clone();
+    for mut column in weighted.column_iter_mut() {
+        column.iter_mut().zip(weights).for_each(|(v, w)| *v *= w);
+    }
+    weighted
 }
 
 fn pivoted(gram: &DMatrix<f64>, scale: &[f64]) -> Independent {

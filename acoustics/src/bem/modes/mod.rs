@@ -9,3 +9,4 @@ pub(crate) mod range_solver;
 pub(crate) mod receivers;
 mod shared;
 pub(crate) mod summary;
+pub(crate) mod surface_fit;

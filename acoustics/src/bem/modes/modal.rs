@@ -8,9 +8,12 @@ use crate::bem::modes::range_solver::RangeSolver;
 use crate::bem::modes::receivers::{ModalPressures, ReceiverPressures, Receivers};
 use crate::bem::modes::shared;
 use crate::bem::modes::summary::Summary;
+use crate::bem::modes::surface_fit::SurfaceFit;
 use crate::checks::{InputError, same_length};
 use crate::error::AcousticsError;
-use crate::radiation::{AveragedResistance, Erp, ModalRadiation, ROUND, Resistance, SampledRadiation, Sampling};
+use crate::radiation::{
+    AveragedResistance, Erp, ModalRadiation, ModalSpectra, ROUND, Resistance, SampledRadiation, Sampling,
+};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -44,6 +47,9 @@ pub struct ModalBem {
     /// Summary of the sampling.
     pub summary: Summary,
     air: AirScale,
+    /// How the modes combine from those whose radiation was solved, where those are of another body.
+    #[serde(skip)]
+    fit: Option<Arc<SurfaceFit>>,
 }
 
 /// Conversion to another air than that of the computation. At the same wavenumber k = omega/c the boundary conditions
@@ -226,7 +232,29 @@ impl ModalBem {
             pressures: Arc::new(pressures),
             summary,
             air: AirScale::NONE,
+            fit: None,
         })
+    }
+
+    /// The same radiation for other modes on the same surface, of which `fit` tells how they combine from these; none
+    /// where it does not belong to these modes.
+    pub fn of_modes(&self, fit: &SurfaceFit) -> Option<Self> {
+        let combinations = fit.combinations_of(&self.combinations)?;
+        Some(Self {
+            modes: fit.modes(),
+            combinations,
+            fit: Some(Arc::new(fit.clone())),
+            ..self.clone()
+        })
+    }
+
+    /// Energy spectrum of the motion that the known modes do not hold, if it radiated with efficiency 1; none where the
+    /// radiation was solved for these modes.
+    pub(crate) fn rest_energy(&self, spectra: &ModalSpectra) -> Option<Vec<f64>> {
+        let fit = self.fit.as_ref()?;
+        let factor = self.air.resistance();
+        let energy = fit.rest_energy(&spectra.frequency, &spectra.accelerations);
+        Some(energy.into_iter().map(|energy| factor * energy).collect())
     }
 
     /// Fourier transform of the pressure at the receivers, receivers x bins \[Pa s\], for transforms of the modal

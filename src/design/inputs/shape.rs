@@ -1,0 +1,79 @@
+//! Standard bodies: the shape of a design's bodies with the materials and the nail of the N80CB.
+//!
+//! The radiation of boundary elements is solved for the modes of these bodies, and kept. Assumption: on the outer surface
+//! the modes of any body of this shape combine from them. How well is stated for every design; where it does not hold, the
+//! radiation is solved for the design's own modes. For a design with the N80CB's own materials the standard bodies are its
+//! bodies, and nothing is assumed.
+
+use std::sync::OnceLock;
+
+use super::bodies::geometry;
+use crate::design::Design;
+use crate::error::Error;
+use crate::shipped;
+use crate::stages::bodies::{BodyKind, MeshSource};
+
+/// Name of the shipped design that gives the materials.
+const STANDARD: &str = "n80cb";
+
+/// The shipped design, read once; none only if it does not parse, which a test excludes.
+fn shipped_design() -> Option<&'static Design> {
+    static READ: OnceLock<Option<Design>> = OnceLock::new();
+    let read = || {
+        let (path, text) = shipped::design(STANDARD)?;
+        Design::parse(text, path).ok()
+    };
+    READ.get_or_init(read).as_ref()
+}
+
+/// The design with standard materials and nail; its bodies have the outer surfaces of the design's.
+fn standard(design: &Design) -> Option<Design> {
+    let from = shipped_design()?;
+    let mut standard = design.clone();
+    let (wood, own) = (&mut standard.wood, &from.wood);
+    (wood.density, wood.elastic, wood.driven) = (own.density, own.elastic.clone(), own.driven);
+    // As deep in the block as the N80CB's.
+    standard.nail.length = from.nail.length * (design.workpiece.thickness / from.workpiece.thickness);
+    let (table, own) = (&mut standard.support.worktable, &from.support.worktable);
+    (table.top, table.top_density) = (own.top.clone(), own.top_density);
+    (table.legs, table.leg_density) = (own.legs.clone(), own.leg_density);
+    (table.steel.material, table.steel.tube_wall) = (own.steel.material.clone(), own.steel.tube_wall);
+    Some(standard)
+}
+
+/// The design with the standard bodies of these kinds; none where a body is meshed for its material, so that another
+/// material has another surface.
+///
+/// # Errors
+/// Those of the bodies' materials and mesh files.
+pub(crate) fn standard_bodies(design: &Design, kinds: &[BodyKind]) -> Result<Option<Design>, Error> {
+    let Some(standard) = standard(design) else {
+        return Ok(None);
+    };
+    for &kind in kinds {
+        let [own, other] = [design, &standard].map(|design| Ok::<_, Error>(geometry(design, kind, false)?.mesh));
+        let alike = match (own?, other?) {
+            // Their walls may differ.
+            (MeshSource::Worktable(own, _), MeshSource::Worktable(other, _)) => own == other,
+            (own, other) => own == other,
+        };
+        if !alike {
+            return Ok(None);
+        }
+    }
+    Ok(Some(standard))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    #[test]
+    fn the_standard_bodies_of_the_n80cb_are_its_own() {
+        let own = shipped_design().unwrap();
+        let standard = standard(own).unwrap();
+        assert_eq!(own.digest(), standard.digest());
+    }
+}

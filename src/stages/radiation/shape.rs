@@ -1,0 +1,172 @@
+//! Radiation kept by shape: the matrix of standard bodies, carried over to other bodies with the same outer surface.
+//!
+//! The radiation matrix is solved for the modes of standard bodies, which have the shape of the design's bodies and fixed
+//! materials. The velocities of the design's own modes are fitted by theirs on the finest mesh ([`ShapeFit`]), and the
+//! matrix follows by products ([`ShapeMatrix`]). A body of another material, loss factor or nail thus needs no boundary
+//! elements, as long as the fit holds its motion; otherwise the matrix is solved for the body's own modes.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use nailnoise_acoustics::Air;
+use nailnoise_acoustics::bem::{ModalBem, SurfaceFit};
+use nalgebra::{Complex, DMatrix};
+use serde::{Deserialize, Serialize};
+
+use super::CODE;
+use super::workpiece::WorkpieceBoundaryElements;
+use crate::error::Error;
+use crate::stages::bodies::Body;
+use crate::stages::{Code, Input, NotKept, Postcard, Progress, Stage, Stored, all};
+
+/// Largest share of a surface's energy of motion under any load that the known modes may lack; beyond it the matrix is
+/// solved for the body's own modes.
+const LIMIT: f64 = 1e-3;
+
+/// Loss factor with which responses to loads are compared: near resonances the modes count as much as they do in wood.
+const LOSS_FACTOR: f64 = 0.02;
+
+/// Frequencies an octave at which they are compared, from the lowest on \[Hz\].
+const PER_OCTAVE: f64 = 6.0;
+const LOWEST_HZ: f64 = 50.0;
+
+/// How well modes of standard bodies hold the motion of the design's bodies.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Fitted {
+    /// The fit; none where the surfaces differ.
+    pub fit: Option<SurfaceFit>,
+    /// Frequency \[Hz\] and share of the energy of the surface's motion that the known modes lack \[-\], root mean square
+    /// over the loads.
+    pub lacking: Vec<[f64; 2]>,
+}
+
+impl Fitted {
+    /// Largest share of the energy that the known modes lack \[-\].
+    pub fn worst(&self) -> f64 {
+        self.lacking.iter().map(|[_, share]| *share).fold(0.0, f64::max)
+    }
+
+    /// Whether the matrix of the standard bodies serves for the design's.
+    pub fn holds(&self) -> bool {
+        self.fit.is_some() && self.worst() <= LIMIT
+    }
+}
+
+/// Fits the modes of the design's bodies by those of standard bodies of the same shape.
+#[derive(Serialize)]
+pub struct ShapeFit {
+    /// Surfaces, surroundings and resolution.
+    pub elements: WorkpieceBoundaryElements,
+    /// The standard bodies.
+    pub standard: Vec<Stored<Body>>,
+    /// The design's bodies.
+    pub bodies: Vec<Stored<Body>>,
+}
+
+impl Stage for ShapeFit {
+    type Output = Fitted;
+    type Codec = Postcard;
+    const NAME: &'static str = "fit of surface velocities";
+    const CODE: Code = CODE;
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        let all = self.standard.iter().chain(&self.bodies);
+        all.map(|body| body as &dyn Input).collect()
+    }
+
+    fn compute(&self, _: &Progress) -> Result<Fitted, Error> {
+        let (standard, bodies) = (all(&self.standard)?, all(&self.bodies)?);
+        let finest = |bodies: &[Arc<Body>]| {
+            let surfaces: Vec<_> = bodies.iter().map(|body| body.moving_surface()).collect();
+            self.elements.finest(&surfaces, &Air::default())
+        };
+        let both = finest(&standard)?.zip(finest(&bodies)?);
+        let fit = both.and_then(|(known, own)| SurfaceFit::new(&known, &own));
+        let bodies: Vec<&Body> = bodies.iter().map(|body| &**body).collect();
+        let lacking = fit
+            .as_ref()
+            .map(|fit| lacking(fit, &bodies, self.elements.resolution.top_hz));
+        Ok(Fitted {
+            lacking: lacking.unwrap_or_default(),
+            fit,
+        })
+    }
+}
+
+/// The share of the energy of the surface's motion that a fit lacks, by frequency. Each body moves by itself under a force
+/// of one newton at each of its loads and supports; the energies under all are summed before they are divided.
+/// The worst body counts.
+fn lacking(fit: &SurfaceFit, bodies: &[&Body], top_hz: f64) -> Vec<[f64; 2]> {
+    let modes: usize = bodies.iter().map(|body| body.omega.len()).sum();
+    let places = (0..fit.modes() / modes.max(1)).flat_map(|part| {
+        let first = bodies.iter().scan(part * modes, |next, body| {
+            let first = *next;
+            *next += body.omega.len();
+            Some((first, *body))
+        });
+        first.collect::<Vec<_>>()
+    });
+    let places: Vec<(usize, &Body)> = places.collect();
+    let count = (PER_OCTAVE * (top_hz / LOWEST_HZ).log2()).ceil().max(1.0) as i32;
+    let at = |number: i32| {
+        let hz = LOWEST_HZ * 2f64.powf(f64::from(number) / PER_OCTAVE);
+        let share = |&(first, body): &(usize, &Body)| {
+            let loads = [&body.loads, &body.contacts];
+            let mut amplitudes = DMatrix::zeros(body.omega.len(), loads.iter().map(|loads| loads.ncols()).sum());
+            let columns = loads.into_iter().flat_map(|loads| loads.column_iter());
+            for (mut to, load) in amplitudes.column_iter_mut().zip(columns) {
+                for ((to, force), omega) in to.iter_mut().zip(load.iter()).zip(&body.omega) {
+                    let (square, driven) = (omega * omega, (TAU * hz).powi(2));
+                    *to = Complex::from(*force) / Complex::new(square - driven, LOSS_FACTOR * square);
+                }
+            }
+            let [whole, rest] = fit.squares(first, &amplitudes);
+            if whole > 0.0 { rest / whole } else { 0.0 }
+        };
+        [hz, places.iter().map(share).fold(0.0, f64::max)]
+    };
+    (0..=count).map(at).collect()
+}
+
+/// The radiation matrix of the design's bodies: that of standard bodies carried over, or where these do not hold their
+/// motion their own.
+#[derive(Serialize)]
+pub struct ShapeMatrix {
+    /// How the modes of standard bodies hold those of the design's.
+    pub fit: Stored<Fitted>,
+    /// The matrix of the standard bodies.
+    pub standard: Stored<ModalBem>,
+    /// The matrix of the design's own modes; read only where the fit does not hold.
+    pub own: Stored<ModalBem>,
+}
+
+impl Stage for ShapeMatrix {
+    type Output = ModalBem;
+    type Codec = NotKept;
+    const NAME: &'static str = "radiation by shape";
+    const CODE: Code = CODE;
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        vec![&self.fit]
+    }
+
+    fn compute(&self, progress: &Progress) -> Result<ModalBem, Error> {
+        let fitted = self.fit.get()?;
+        if let Some(fit) = fitted.fit.as_ref().filter(|_| fitted.holds()) {
+            if let Some(matrix) = self.standard.get()?.of_modes(fit) {
+                progress.note(&format!(
+                    "radiation: that of standard bodies of the same shape; their modes lack at most {:.1e} of the energy of the \
+                     surface's motion",
+                    fitted.worst()
+                ));
+                return Ok(matrix);
+            }
+        }
+        progress.note(&format!(
+            "radiation: standard bodies of the same shape lack up to {:.1e} of the energy of the surface's motion, more than \
+             {LIMIT:.0e}; solved for these bodies",
+            fitted.worst()
+        ));
+        Ok(ModalBem::clone(&*self.own.get()?))
+    }
+}
