@@ -76,11 +76,11 @@ fn expected_range(draws: usize) -> Option<f64> {
 pub fn lines(own: &Declaration, ear: &EarReport) -> [String; 2] {
     let level = |db: Option<i32>| db.map_or_else(|| "not stated: silent".to_owned(), |db| format!("{db} dB"));
     let k = match (own.k_db, &own.k_basis) {
-        (Some(k), Some(basis)) => format!("; K = {k} dB (1.645 sigma, {basis})"),
+        (Some(k), Some(_)) => format!("; K = {k} dB (1.645 sigma of the draws)"),
         _ => "; K not known without a study".to_owned(),
     };
     let peak = match (&ear.not_stated, ear.lpc_peak_known_db) {
-        (Some(reason), Some(known)) => format!("not stated: {reason}; {known:.0} dB by what is known"),
+        (Some(reason), Some(known)) => format!("not stated: {reason}; known part {known:.0} dB"),
         (Some(reason), None) => format!("not stated: {reason}"),
         (None, _) => level(own.lpc_peak_db),
     };
@@ -123,12 +123,9 @@ mod tests {
             "L_WA,1s 102 dB, at the ear L_pA,1s 92 dB; K not known without a study"
         );
         assert_eq!(peak, "L_pC,peak 128 dB");
-        let unknown = ear(Some("pressure of body known to 1818 Hz".to_owned()));
+        let unknown = ear(Some("body known to 1818 Hz".to_owned()));
         let [_, peak] = lines(&declaration(Some(102.3), &unknown), &unknown);
-        assert_eq!(
-            peak,
-            "L_pC,peak not stated: pressure of body known to 1818 Hz; 128 dB by what is known"
-        );
+        assert_eq!(peak, "L_pC,peak not stated: body known to 1818 Hz; known part 128 dB");
     }
 
     #[test]

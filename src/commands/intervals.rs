@@ -113,16 +113,21 @@ pub(super) fn of_report(study: &Known, text: &Text) -> Intervals {
     Intervals {
         headings: headings(study),
         rows: text.rows.iter().map(row).collect(),
-        legend: (legend(study) + &uncertainty(study))
+        legend: (legend(study) + &declared(study))
             .replace(";\n", ";")
             .replace(",\n   ", ","),
     }
 }
 
-/// K of a declaration in words.
-fn uncertainty(study: &StudyResult) -> String {
+/// K of a declaration \[dB\], and where its sigma comes from.
+pub(super) fn k_of(Known { result, .. }: &Known) -> Option<(i32, String)> {
+    declaration::uncertainty(result)
+}
+
+/// The same in words.
+fn declared(study: &Known) -> String {
     let of = |(k, basis)| format!("  declaration: K = {k} dB (1.645 sigma, {basis})\n");
-    declaration::uncertainty(study).map(of).unwrap_or_default()
+    k_of(study).map(of).unwrap_or_default()
 }
 
 /// Levels over the draws: P5 .. P95, or the lowest and the highest.

@@ -91,7 +91,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             message(&format!("the report lacks the intervals of the levels: {error}"));
         }
         if let Ok(study) = &study
-            && let Some(uncertainty) = declaration::uncertainty(study)
+            && let Some(uncertainty) = intervals::k_of(study)
         {
             let path = folder.join("result.json");
             staging::write(
@@ -147,7 +147,7 @@ fn with_intervals(text: &Text, study: Result<&Known, &String>) -> String {
         Err(reason) => format!("\n  how sure these levels are is not known: {reason}\n"),
     };
     let (mut own, ear) = text.declared.clone();
-    (own.k_db, own.k_basis) = study.ok().and_then(declaration::uncertainty).unzip();
+    (own.k_db, own.k_basis) = study.ok().and_then(intervals::k_of).unzip();
     let [power, peak] = declaration::lines(&own, &ear);
     let declared = format!("\n  declared: {power}\n  {peak}\n");
     let headings: Vec<&str> = headings.iter().map(String::as_str).collect();

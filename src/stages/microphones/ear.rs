@@ -77,11 +77,8 @@ impl MicrophoneArray {
         let peak_db = (peak > 0.0).then(|| 20.0 * (peak / REFERENCE_PRESSURE).log10());
         // A source whose pressure ends below the range lacks part of every pulse; one without phases has no pulses at all.
         let lacking = |source: &&AtMicrophones| match source.range_hz[1] < self.range_hz[1] * (1.0 - 1e-9) {
-            true => Some(format!(
-                "pressure of {} known to {:.0} Hz",
-                source.source, source.range_hz[1]
-            )),
-            false if source.how.starts_with(SPREAD_EVENLY) => Some(format!("phases of {} not known", source.source)),
+            true => Some(format!("{} known to {:.0} Hz", source.source, source.range_hz[1])),
+            false if source.how.starts_with(SPREAD_EVENLY) => Some(format!("{} has no phases", source.source)),
             false => None,
         };
         let lacking: Vec<String> = sources.iter().filter_map(lacking).collect();
