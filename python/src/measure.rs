@@ -54,7 +54,7 @@ pub(crate) fn measure(
             .warnings
             .iter()
             .for_each(|warning| progress.note(&format!("warning: {warning}")));
-        let arrangement = Arrangement::of(&manifest).map_err(nailnoise::Error::from)?;
+        let arrangement = Arrangement::of(&manifest)?;
         let recorded = manifest.configurations.iter().filter_map(|own| {
             Some(Recorded {
                 configuration: Configuration::from_number(own.number)?,

@@ -28,6 +28,9 @@ pub(crate) fn request(draws: u32, seed: u64, structures: Option<u16>, part: Part
     })
 }
 
+/// The text of `study.json` and of `draws.csv`, and charts as names and SVG.
+type StudyFiles = (String, String, Vec<(String, String)>);
+
 /// Draws designs from the ranges; the text of `study.json` and of `draws.csv`, and charts. Draws that tasks have left in `folder` are
 /// read from there, and those that are missing are computed into it.
 #[pyfunction(name = "study")]
@@ -42,7 +45,7 @@ pub(crate) fn study_of(
     keep: bool,
     folder: Option<PathBuf>,
     report: Option<Py<PyAny>>,
-) -> PyResult<(String, String, Vec<(String, String)>)> {
+) -> PyResult<StudyFiles> {
     let (design, request) = (Arc::clone(&design.design), request(draws, seed, structures, Part::All)?);
     let (result, table, charts) = work::off_the_lock(py, report, move |observer| {
         cost::refuse(&design, &cost::of_run(&design)?, MemoryLimit::default())?;

@@ -152,15 +152,15 @@ impl Stage for ShapeMatrix {
 
     fn compute(&self, progress: &Progress) -> Result<ModalBem, Error> {
         let fitted = self.fit.get()?;
-        if let Some(fit) = fitted.fit.as_ref().filter(|_| fitted.holds()) {
-            if let Some(matrix) = self.standard.get()?.of_modes(fit) {
-                progress.note(&format!(
-                    "radiation: that of standard bodies of the same shape; their modes lack at most {:.1e} of the energy of the \
-                     surface's motion",
-                    fitted.worst()
-                ));
-                return Ok(matrix);
-            }
+        if let Some(fit) = fitted.fit.as_ref().filter(|_| fitted.holds())
+            && let Some(matrix) = self.standard.get()?.of_modes(fit)
+        {
+            progress.note(&format!(
+                "radiation: that of standard bodies of the same shape; their modes lack at most {:.1e} of the energy of the \
+                 surface's motion",
+                fitted.worst()
+            ));
+            return Ok(matrix);
         }
         progress.note(&format!(
             "radiation: standard bodies of the same shape lack up to {:.1e} of the energy of the surface's motion, more than \

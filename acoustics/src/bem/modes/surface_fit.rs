@@ -126,9 +126,9 @@ impl SurfaceFit {
     /// 2 rho c a^H rest a / omega^2, for transforms of the modal accelerations at frequencies \[Hz\].
     pub(crate) fn rest_energy(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> Vec<f64> {
         let moved = real_product(&self.rest, accelerations);
-        let columns = moved.column_iter().zip(accelerations.column_iter()).zip(frequency);
-        let energy = |((moved, a), hz): ((DVectorView<'_, Complex<f64>>, DVectorView<'_, Complex<f64>>), &f64)| {
-            let form: f64 = a.iter().zip(moved.iter()).map(|(a, m)| (a.conj() * m).re).sum();
+        let columns = moved.column_iter().zip(accelerations.column_iter());
+        let forms = columns.map(|(moved, a)| a.iter().zip(moved.iter()).map(|(a, m)| (a.conj() * m).re).sum());
+        let energy = |(form, hz): (f64, &f64)| {
             let omega = TAU * hz;
             if omega > 0.0 {
                 2.0 * self.impedance * form.max(0.0) / (omega * omega)
@@ -136,7 +136,7 @@ impl SurfaceFit {
                 0.0
             }
         };
-        columns.map(energy).collect()
+        forms.zip(frequency).map(energy).collect()
     }
 
     /// The combinations in the order of those of known modes; none where those are of other modes.
