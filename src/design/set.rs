@@ -44,6 +44,7 @@ pub enum SetError {
 impl Values {
     /// Sets keys by their full names (`piston.mass`), quantities in SI units. A key given twice takes its last value.
     ///
+    /// `wood.species` and `nail.kind` change as words only: what a name sets is read with a design file or an assignment.
     /// Each value is held to the limits of its own key; whether the values go together is asked of
     /// [`conflict`](Self::conflict).
     ///

@@ -93,10 +93,9 @@ pub fn fit_files(files: &[PathBuf], options: &Options) -> Result<Fitting, Penetr
     }
     check(&all)?;
     let data = files.first().map_or(Path::new(""), PathBuf::as_path);
-    let cleaned: Vec<_> = all
-        .par_iter()
-        .map(|row| clean(row, &options.cleaning))
-        .collect::<Result<_, _>>()?;
+    // Collected before the first error is taken, so that the same one is reported whichever thread is first.
+    let cleaned: Vec<_> = all.par_iter().map(|row| clean(row, &options.cleaning)).collect();
+    let cleaned = cleaned.into_iter().collect::<Result<Vec<_>, _>>()?;
     let mut notes = Vec::new();
     let (mut drives, mut again) = (Vec::new(), Vec::new());
     let mut flags: Vec<(Vec<&str>, Flag)> = Vec::new();

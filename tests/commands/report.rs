@@ -430,7 +430,9 @@ fn keeps(schema: &Value, value: &Value, root: &Value, place: &str) {
     let name = match value {
         Value::Null => "null",
         Value::Bool(_) => "boolean",
-        Value::Number(number) if number.is_u64() && schema["format"] == "uint" => "integer",
+        Value::Number(number) if number.is_i64() && ["uint", "int32"].map(Value::from).contains(&schema["format"]) => {
+            "integer"
+        }
         Value::Number(_) => "number",
         Value::String(_) => "string",
         Value::Array(_) => "array",

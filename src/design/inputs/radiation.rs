@@ -187,14 +187,15 @@ mod tests {
         let design = |name: &str| Design::load(format!("{}/designs/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap();
         let sand = tool(&design("n80cb-sandbox.toml")).unwrap();
         assert_eq!(sand.floor, Some(0.0));
-        assert_eq!(sand.places.points.len(), 9);
+        // Nine microphones and the operator's ear.
+        assert_eq!(sand.places.points.len(), 10);
         let table = design("n80cb.toml");
         let plane = reflecting_plane(&table) - table.workpiece.thickness;
         let table = tool(&table).unwrap();
         assert_eq!(table.floor, None);
         let points = table.places.points;
-        assert_eq!(points.len(), 18);
-        for ([_, _, z], [_, _, image]) in points[..9].iter().zip(&points[9..]) {
+        assert_eq!(points.len(), 20);
+        for ([_, _, z], [_, _, image]) in points[..10].iter().zip(&points[10..]) {
             assert!(*z > plane && *image < plane);
             assert!((z + image - 2.0 * plane).abs() < 1e-12);
         }
