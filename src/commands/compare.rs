@@ -7,6 +7,7 @@ use std::sync::Arc;
 use clap::Args;
 use serde::Serialize;
 
+use super::intervals::Known;
 use super::table::{decibels, table};
 use super::{
     Changes, Keeping, Memory, Threads, compare_measured, comparison_page, comparison_sounds, folder_of, message, print,
@@ -247,6 +248,10 @@ fn finish(
         arguments.memory.limit(),
         progress,
     )?;
+    // Without it the report of an earlier run would lose its intervals.
+    if let Some(study) = Known::of(cache, &design)? {
+        super::run::add_study(&folder, &study, &bundle)?;
+    }
     checks.extend(bundle.checks.into_iter().map(|check| check.of(&name)));
     Ok((Finished::parse(&folder, &bundle.json)?, Some(folder)))
 }

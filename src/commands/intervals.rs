@@ -28,25 +28,38 @@ pub(super) struct Known {
     origin: String,
 }
 
-/// The study of a design that is kept, or that comes with the program if that is larger; else a screening of a few draws, which is
-/// kept. None where the design asks for none, or why there is none.
-pub(super) fn study_of(store: &Store, design: &Design, progress: &Progress) -> Result<Known, String> {
-    let message = |error: Error| error.to_string();
-    let own = |result| Known {
-        result,
-        origin: String::new(),
-    };
-    let kept = study::kept(store, design).map_err(message)?;
-    if let Some(provided) = ProvidedStudy::of(design).map_err(message)?
-        && kept.as_ref().is_none_or(|kept| kept.draws < provided.result.draws)
-    {
-        return Ok(Known {
-            origin: origin(&provided, &provided.changed(design).map_err(message)?),
-            result: provided.result,
-        });
+impl Known {
+    /// The study of a design that is kept, or that comes with the program if that is larger; none where there is neither.
+    ///
+    /// # Errors
+    /// Those of reading them.
+    pub(super) fn of(store: &Store, design: &Design) -> Result<Option<Self>, Error> {
+        let kept = study::kept(store, design)?;
+        if let Some(provided) = ProvidedStudy::of(design)?
+            && kept.as_ref().is_none_or(|kept| kept.draws < provided.result.draws)
+        {
+            return Ok(Some(Self {
+                origin: origin(&provided, &provided.changed(design)?),
+                result: provided.result,
+            }));
+        }
+        Ok(kept.map(Self::own))
     }
-    if let Some(kept) = kept {
-        return Ok(own(kept));
+
+    /// A study of the user's own.
+    fn own(result: StudyResult) -> Self {
+        Self {
+            result,
+            origin: String::new(),
+        }
+    }
+}
+
+/// The study that is known of a design; else a screening of a few draws, which is kept. None where the design asks for none, or why
+/// there is none.
+pub(super) fn study_of(store: &Store, design: &Design, progress: &Progress) -> Result<Known, String> {
+    if let Some(known) = Known::of(store, design).map_err(|error| error.to_string())? {
+        return Ok(known);
     }
     if store.folder().is_none() {
         return Err("without the cache no study is known".to_owned());
@@ -66,7 +79,8 @@ pub(super) fn study_of(store: &Store, design: &Design, progress: &Progress) -> R
         request.draws
     ));
     let made = super::study::compute(store, design, &request, progress);
-    made.map(|(result, _)| own(result)).map_err(message)
+    made.map(|(result, _)| Known::own(result))
+        .map_err(|error| error.to_string())
 }
 
 /// Where a study is from that comes with the program.

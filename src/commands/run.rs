@@ -11,13 +11,13 @@ use super::intervals::{self, Known};
 use super::progress::noted;
 use super::table::{decibels, table};
 use super::{Common, Keeping, message, print, progress, status_of};
-use crate::bundle::{Text, deliver};
+use crate::bundle::{Bundle, Text, deliver};
 use crate::chain::{Chain, Options};
 use crate::declaration;
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::output::{self, Exports, event_name};
-use crate::report::{self, Intervals};
+use crate::report;
 use crate::result::{Component, Coupling, RankedSource, RunResult};
 use crate::run::Run;
 use crate::staging;
@@ -86,18 +86,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         let study = intervals::study_of(&store, &design, &progress);
         progress.end();
         if let Ok(study) = &study
-            && let Err(error) = add_to_report(&folder, &intervals::of_report(study, &bundle.text))
+            && let Err(error) = add_study(&folder, study, &bundle)
         {
-            message(&format!("the report lacks the intervals of the levels: {error}"));
-        }
-        if let Ok(study) = &study
-            && let Some(uncertainty) = intervals::k_of(study)
-        {
-            let path = folder.join("result.json");
-            staging::write(
-                &path,
-                declaration::with_uncertainty(&bundle.json, &uncertainty).as_bytes(),
-            )?;
+            message(&format!("the files lack the intervals of the levels: {error}"));
         }
         print(&with_intervals(&bundle.text, study.as_ref()))?;
         if arguments.components {
@@ -114,14 +105,20 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     Ok(status_of(&checks))
 }
 
-/// Adds intervals to the report in a folder, which is whole without them.
-fn add_to_report(folder: &Path, intervals: &Intervals) -> Result<(), Error> {
+/// Adds what a study states to report and result in a folder, which are whole without it.
+pub(super) fn add_study(folder: &Path, study: &Known, bundle: &Bundle) -> Result<(), Error> {
     let path = folder.join("report.html");
     let report = fs::read_to_string(&path).map_err(|source| Error::Write {
         path: path.clone(),
         source,
     })?;
-    staging::write(&path, report::with_intervals(&report, intervals).as_bytes())
+    let intervals = intervals::of_report(study, &bundle.text);
+    staging::write(&path, report::with_intervals(&report, &intervals).as_bytes())?;
+    if let Some(uncertainty) = intervals::k_of(study) {
+        let json = declaration::with_uncertainty(&bundle.json, &uncertainty);
+        staging::write(&folder.join("result.json"), json.as_bytes())?;
+    }
+    Ok(())
 }
 
 /// The table with the intervals of a study, or why there is none.
