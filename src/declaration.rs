@@ -13,10 +13,10 @@ use crate::study::{LevelStudy, StudyResult};
 /// The 95 % quantile of the standard normal distribution, by which K follows from sigma_t (ISO 4871, A.2).
 const QUANTILE: f64 = 1.645;
 
-/// Draws from which the percentiles are those of the distribution; below them its range counts.
-const PERCENTILES_FROM: usize = 40;
+/// Draws from which a study states percentiles; with fewer, the lowest and the highest draw count.
+pub const PERCENTILES_FROM: usize = 40;
 
-/// A level, or the uncertainty of one, as it is declared: to the nearest decibel \[dB\]. Halves go up, to more noise.
+/// A level, or the uncertainty of one, as it is declared: to the nearest decibel \[dB\]. Halves are rounded up, towards more noise.
 pub fn rounded(db: f64) -> i32 {
     (db + 0.5).floor() as i32
 }

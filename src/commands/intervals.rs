@@ -4,16 +4,13 @@ use std::fmt::Write as _;
 
 use super::table::decibels;
 use crate::bundle::Text;
-use crate::declaration;
+use crate::declaration::{self, PERCENTILES_FROM};
 use crate::design::Design;
 use crate::error::Error;
 use crate::report::Intervals;
 use crate::stages::Progress;
 use crate::store::Store;
 use crate::study::{self, LevelStudy, Part, ProvidedStudy, Request, StudyResult};
-
-/// Draws from which percentiles are shown; below them, the lowest and the highest draw.
-const PERCENTILES_FROM: usize = 40;
 
 /// Inputs that are named as those which decide the total.
 const DECIDING: usize = 3;

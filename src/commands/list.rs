@@ -1,4 +1,4 @@
-//! `nailnoise list`: woods, nails, worktables and designs that the program knows by name.
+//! `nailnoise list`: the catalogue of woods, nails, worktables and designs.
 
 use std::process::ExitCode;
 

@@ -7,7 +7,7 @@
 //!
 //! Both hold under a condition, too, which makes inputs depend on each other, if the part that is not shared is drawn anew given
 //! the shared part and the condition (Kucherenko, Tarantola, Annoni, Comput. Phys. Commun. 183, 937 (2012)). S_g then holds what
-//! the group tells of the other inputs, and may be above T_g.
+//! the group implies about the other inputs, and may be above T_g.
 
 use super::statistics::{Bootstrap, Estimate};
 

@@ -24,7 +24,7 @@ const SIGN: Duration = Duration::from_secs(5);
 /// Connections at a time.
 const MOST: usize = 64;
 
-/// Every answer: nothing is kept, nothing tells others the address, nothing is shown within a foreign page.
+/// Every answer: nothing is kept, no other site learns the address, nothing is shown within a foreign page.
 const ALWAYS: &str = "Cache-Control: no-store\r\nReferrer-Policy: no-referrer\r\nX-Content-Type-Options: nosniff\r\n\
                       Cross-Origin-Resource-Policy: same-origin\r\nCross-Origin-Opener-Policy: same-origin\r\nConnection: close\r\n";
 
@@ -166,7 +166,7 @@ fn send(mut stream: &TcpStream, (status, kind, policy): (&str, &str, &str), body
     stream.flush()
 }
 
-/// Tells a window of every change until it is closed (server-sent events).
+/// Sends every change to a window until it is closed (server-sent events).
 fn news(mut stream: &TcpStream, shared: &Shared) -> io::Result<()> {
     let head = format!("HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\n{ALWAYS}\r\n");
     stream.write_all(head.as_bytes())?;

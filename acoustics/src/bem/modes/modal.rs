@@ -236,7 +236,7 @@ impl ModalBem {
         })
     }
 
-    /// The same radiation for other modes on the same surface, of which `fit` tells how they combine from these; none
+    /// The same radiation for other modes on the same surface, which `fit` states as combinations of these; none
     /// where it does not belong to these modes.
     pub fn of_modes(&self, fit: &SurfaceFit) -> Option<Self> {
         let combinations = fit.combinations_of(&self.combinations)?;
