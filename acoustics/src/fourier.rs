@@ -4,6 +4,10 @@
 //! X(f) = integral x(t) e^{-j 2 pi f t} dt  ~  dt sum_n x_n e^{-j 2 pi f n dt}
 //! ```
 
+mod real_transform;
+
+pub use real_transform::RealTransform;
+
 use crate::checks::{InputError, finite, positive, same_length};
 use realfft::{RealFftPlanner, RealToComplex};
 use rustfft::num_complex::Complex;

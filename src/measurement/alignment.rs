@@ -1,10 +1,10 @@
 //! Records on one time axis: travel times, and delays between records.
 
+use nailnoise_acoustics::fourier::RealTransform;
 use std::f64::consts::PI;
 
 use nalgebra::Complex;
 
-use super::transform::RealTransform;
 
 /// A record later by `delay` \[s\], also by fractions of a sample: its lines times e^(-j 2 pi f delay). Zeros enter at one end, and
 /// what leaves at the other is lost.

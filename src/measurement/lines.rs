@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
+use nailnoise_acoustics::fourier::RealTransform;
 use nailnoise_acoustics::levels::{Band, Weighting, energy_weights, third_octaves};
 use nalgebra::Complex;
 
-use super::transform::RealTransform;
 
 /// Length of the analysed piece of a record \[s\].
 pub const LENGTH: f64 = 1.0;

@@ -15,7 +15,6 @@ pub mod recordings;
 pub mod repeats;
 pub mod result;
 pub mod subtraction;
-mod transform;
 pub mod virtual_test;
 pub mod wrapping;
 

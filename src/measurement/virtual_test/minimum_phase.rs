@@ -1,9 +1,8 @@
 //! Causal filters of a given magnitude.
 
+use nailnoise_acoustics::fourier::RealTransform;
 use nalgebra::Complex;
-use rustfft::FftPlanner;
 
-use crate::measurement::transform::RealTransform;
 
 /// A filter on the lines of a transform of fixed length.
 pub(super) struct MinimumPhase {
@@ -23,25 +22,14 @@ impl MinimumPhase {
     pub(super) fn new(samples: usize, rate: f64, magnitude: impl Fn(f64) -> f64) -> Self {
         let length = (2 * samples).next_power_of_two();
         let df = rate / length as f64;
-        let mut planner = FftPlanner::new();
-        let (forward, inverse) = (planner.plan_fft_forward(length), planner.plan_fft_inverse(length));
-        let log = |k: usize| Complex::from(magnitude(k.min(length - k) as f64 * df).max(LEAST).ln());
-        let mut cepstrum: Vec<Complex<f64>> = (0..length).map(log).collect();
-        inverse.process(&mut cepstrum);
-        let scale = 1.0 / length as f64;
-        for (n, value) in cepstrum.iter_mut().enumerate() {
-            *value *= match n {
-                0 => scale,
-                n if 2 * n == length => scale,
-                n if 2 * n < length => 2.0 * scale,
-                _ => 0.0,
-            };
-        }
-        forward.process(&mut cepstrum);
-        Self {
-            transform: RealTransform::new(length),
-            response: cepstrum[..=length / 2].iter().map(|value| value.exp()).collect(),
-        }
+        let transform = RealTransform::new(length);
+        let log = |k: usize| Complex::from(magnitude(k as f64 * df).max(LEAST).ln());
+        let mut cepstrum = transform.signal((0..=length / 2).map(log).collect());
+        // The length is even: lag 0 and the middle are their own mirror images.
+        cepstrum[1..length / 2].iter_mut().for_each(|value| *value *= 2.0);
+        cepstrum[length / 2 + 1..].fill(0.0);
+        let response = transform.lines(&cepstrum).into_iter().map(Complex::exp).collect();
+        Self { transform, response }
     }
 
     /// The filtered record.

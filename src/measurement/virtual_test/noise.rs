@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
+use nailnoise_acoustics::fourier::RealTransform;
 use nailnoise_acoustics::random::uniform;
 use nalgebra::Complex;
 
-use crate::measurement::transform::RealTransform;
 
 /// A standard normal number for a place of a sequence (Box and Muller 1958).
 pub(super) fn normal(seed: u64, first: u64, second: u64) -> f64 {

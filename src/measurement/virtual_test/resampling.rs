@@ -1,9 +1,9 @@
 //! Signals at another sampling rate.
 
+use nailnoise_acoustics::fourier::RealTransform;
 use nailnoise_acoustics::sound::ChirpTransform;
 use nalgebra::Complex;
 
-use crate::measurement::transform::RealTransform;
 
 /// A plan that brings band-limited records of one length from one rate to another, from their first sample on.
 ///

@@ -215,7 +215,7 @@ impl MicrophoneArray {
             sources,
             total: measured,
         };
-        let ear = self.at_ear(&all, radiated);
+        let ear = self.at_ear(&all, radiated)?;
         Ok(Microphones { report, ear, signals })
     }
 }

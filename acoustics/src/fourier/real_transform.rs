@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use nalgebra::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use rustfft::num_complex::Complex;
 
 /// Transforms of real records, forwards and back.
 #[derive(Clone)]
-pub(super) struct RealTransform {
+pub struct RealTransform {
     length: usize,
     forward: Arc<dyn RealToComplex<f64>>,
     inverse: Arc<dyn ComplexToReal<f64>>,
@@ -15,7 +15,7 @@ pub(super) struct RealTransform {
 
 impl RealTransform {
     /// For records of up to `length` samples.
-    pub(super) fn new(length: usize) -> Self {
+    pub fn new(length: usize) -> Self {
         let mut planner = RealFftPlanner::new();
         Self {
             length,
@@ -25,12 +25,12 @@ impl RealTransform {
     }
 
     /// Number of samples.
-    pub(super) fn length(&self) -> usize {
+    pub fn length(&self) -> usize {
         self.length
     }
 
     /// Lines X_k = sum_n x_n e^(-j 2 pi k n/N), k = 0 .. N/2, of a record that is padded with zeros.
-    pub(super) fn lines(&self, record: &[f64]) -> Vec<Complex<f64>> {
+    pub fn lines(&self, record: &[f64]) -> Vec<Complex<f64>> {
         let mut padded = record.to_vec();
         padded.resize(self.length, 0.0);
         let mut lines = self.forward.make_output_vec();
@@ -40,7 +40,7 @@ impl RealTransform {
     }
 
     /// Inverse transform of the lines. The lines at 0 Hz and at half the sampling rate are real; their imaginary parts are ignored.
-    pub(super) fn signal(&self, mut lines: Vec<Complex<f64>>) -> Vec<f64> {
+    pub fn signal(&self, mut lines: Vec<Complex<f64>>) -> Vec<f64> {
         lines[0].im = 0.0;
         if self.length.is_multiple_of(2) {
             lines[self.length / 2].im = 0.0;
