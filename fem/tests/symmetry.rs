@@ -9,6 +9,7 @@ use nailnoise_fem::{
     Attachments, Constraints, GroundSpring, Material, ModalBasis, ModalSettings, Place, System, assemble,
     assemble_with, modes,
 };
+use nailnoise_meshes::jointed_block;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
 const DIVISIONS: [usize; 3] = [14, 6, 4];
@@ -57,6 +58,14 @@ fn assert_same(system: &System, top_hz: f64, sectors: usize) {
 #[test]
 fn the_free_block_falls_into_eight_sectors() {
     assert_same(&free_workpiece(DIVISIONS), 6e3, 8);
+}
+
+/// Where they touch, both have a node at the same place.
+#[test]
+fn two_pieces_that_touch_fall_into_four_sectors() {
+    let mesh = jointed_block([0.4064, 0.1524, 0.09525], 0.025, [0.0; 3], 0.05).unwrap();
+    let system = assemble(&mesh, &[pine_block(), pine_block()], &Constraints::free()).unwrap();
+    assert_same(&system, 4e3, 4);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The workpiece: a rectangular block.
+//! The workpiece: a rectangular block, of one piece or of two that touch.
 
 use nalgebra::Point3;
 
@@ -31,6 +31,32 @@ impl Block {
             origin,
         })
     }
+}
+
+/// Face groups in which the pieces of [`jointed_block`] touch: the top of the lower and the underside of the upper one.
+pub const JOINT: [&str; 2] = ["joint_lower", "joint_upper"];
+
+/// Meshes a block of two pieces that touch at a height \[m\] above its underside and share no node; parts `block` and
+/// `board`, the face groups of [`block`] and [`JOINT`].
+///
+/// # Errors
+/// As [`block`]; the height must lie within the block.
+pub fn jointed_block(size: [f64; 3], element_size: f64, origin: [f64; 3], height: f64) -> Result<Mesh, MeshError> {
+    let piece = |thickness: f64, from: f64, joint: [&str; 2]| {
+        let [x, y, z] = origin;
+        let spec = Block::with_element_size([size[0], size[1], thickness], element_size, [x, y, z + from])?;
+        let mut mesh = block(&spec)?;
+        let touching = mesh.groups.iter_mut().find(|group| group.name == joint[0]);
+        touching
+            .into_iter()
+            .for_each(|group| joint[1].clone_into(&mut group.name));
+        Ok::<_, MeshError>(mesh)
+    };
+    let mut mesh = piece(height, 0.0, ["top", JOINT[0]])?;
+    let mut board = piece(size[2] - height, height, ["bottom", JOINT[1]])?;
+    board.part_names = vec!["board".to_owned()];
+    mesh.join(&board);
+    Ok(mesh)
 }
 
 /// Meshes a block with 20-node hexahedra; part `block`, face groups `x_min`, `x_max`, `y_min`, `y_max`, `bottom`, `top`.

@@ -36,7 +36,7 @@ pub mod uff;
 pub mod vtu;
 mod worktable;
 
-pub use block::{Block, block};
+pub use block::{Block, JOINT, block, jointed_block};
 pub use element::{ElementKind, FaceKind, FaceNodes};
 pub use error::MeshError;
 pub use gauss::gauss_legendre;

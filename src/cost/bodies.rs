@@ -41,7 +41,7 @@ struct Count {
 pub(super) fn modes(design: &Design, kind: BodyKind) -> Result<StageCost, Error> {
     let geometry = geometry(design, kind, false)?;
     let count = match &geometry.mesh {
-        MeshSource::Block { size, element } => block(*size, *element),
+        MeshSource::Block { size, element, joint } => block(*size, *element, *joint),
         MeshSource::Worktable(table, wall) => worktable(table, *wall),
         MeshSource::Tool(tool, _) => of_tool(tool),
         MeshSource::File(file) => file_of(kind, file.element_size(), file.path()),
@@ -102,16 +102,15 @@ fn grid_nodes([x, y, z]: [f64; 3]) -> f64 {
     corners + x * (y + 1.0) * (z + 1.0) + (x + 1.0) * y * (z + 1.0) + (x + 1.0) * (y + 1.0) * z
 }
 
-fn block(size: [f64; 3], element: f64) -> Count {
-    let divisions = size.map(|length| along(length, element));
+fn block([x, y, z]: [f64; 3], element: f64, joint: Option<f64>) -> Count {
+    let pieces = joint.map_or(vec![[x, y, z]], |height| vec![[x, y, height], [x, y, z - height]]);
+    let divisions = |size: &[f64; 3]| size.map(|length| along(length, element));
+    let thinnest = |size: &[f64; 3]| size.iter().copied().fold(f64::INFINITY, f64::min);
+    let solid = |size: &[f64; 3]| (size.iter().product(), thinnest(size), 0);
     Count {
-        elements: divisions.iter().product(),
-        nodes: grid_nodes(divisions),
-        solids: vec![(
-            size.iter().product(),
-            size.iter().copied().fold(f64::INFINITY, f64::min),
-            0,
-        )],
+        elements: pieces.iter().map(|size| divisions(size).iter().product::<f64>()).sum(),
+        nodes: pieces.iter().map(|size| grid_nodes(divisions(size))).sum(),
+        solids: pieces.iter().map(solid).collect(),
         sectors: 4,
         thin: false,
     }

@@ -24,6 +24,9 @@ pub enum Conflict {
         /// Thickness of the block \[m\].
         thickness: f64,
     },
+    /// A board is part of the built-in block.
+    #[error("`workpiece.board.thickness` puts a board on the built-in block, and `workpiece.mesh` replaces that block")]
+    BoardOnMesh,
     /// The head of the waiting nail would be above the rod's end.
     #[error(
         "`nail.feed_height` ({}) must be below `piston.stroke` less `piston.rod_protrusion` ({})",
@@ -204,6 +207,7 @@ impl Conflict {
     pub fn keys(&self) -> Vec<&'static str> {
         match self {
             Self::NailLongerThanBlock { .. } => vec!["nail.length", "workpiece.thickness"],
+            Self::BoardOnMesh => vec!["workpiece.board.thickness", "workpiece.mesh"],
             Self::NailAboveRod { .. } => vec!["nail.feed_height", "piston.rod_protrusion", "piston.stroke"],
             Self::Order { small, large, .. } => vec![small, large],
             Self::SpringBeyondLaw { .. } => vec!["head_valve.lift", "head_valve.spring_preload"],
@@ -243,6 +247,7 @@ impl Conflict {
             Self::NailLongerThanBlock { .. } => {
                 "shorten `nail.length` or raise `workpiece.thickness`: the point must stay in the wood".to_owned()
             }
+            Self::BoardOnMesh => "set `workpiece.board.thickness` to 0, or remove `workpiece.mesh`".to_owned(),
             Self::NailAboveRod { .. } => {
                 "lower `nail.feed_height` or `piston.rod_protrusion`, or raise `piston.stroke`: the rod \
                                           begins above the nail's head"
@@ -376,6 +381,20 @@ fn nail(v: &Values) -> Option<Conflict> {
     let (length, thickness) = (v.nail.length, v.workpiece.thickness);
     if length > thickness {
         return Some(Conflict::NailLongerThanBlock { length, thickness });
+    }
+    let board = v.workpiece.board.thickness;
+    if board > 0.0 {
+        if !v.workpiece.mesh.is_empty() {
+            return Some(Conflict::BoardOnMesh);
+        }
+        let through = below(
+            ("workpiece.board.thickness", board),
+            ("nail.length", length),
+            "the nail goes through the board into the block",
+        );
+        if through.is_some() {
+            return through;
+        }
     }
     let shank = ("nail.diameter", v.nail.diameter);
     below(

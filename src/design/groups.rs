@@ -246,6 +246,26 @@ group! {
         /// Length of one unit of that file.
         mesh_unit: f64 = positive(LENGTH), "";
     }
+    groups {
+        board: Board,
+    }
+}
+
+group! {
+    /// A board on the block, of the same wood: the nail goes through it and fastens it. The pieces touch in unilateral points,
+    /// as block and table do; friction between them is left out.
+    Board {
+        /// Thickness, a part of `workpiece.thickness`; 0 for a workpiece of one piece.
+        thickness: f64 = nonnegative(LENGTH), "";
+        /// Stiffness per area of the contact between the pieces.
+        stiffness_per_area: f64 = positive(STIFFNESS_PER_AREA), "";
+        /// Stiffness of the nail along its axis: what the pieces resist to being pulled apart.
+        axial_stiffness: f64 = positive(STIFFNESS), "";
+        /// Stiffness of the nail across its axis: what the pieces resist to slip.
+        shear_stiffness: f64 = positive(STIFFNESS), "K_ser";
+        /// Loss ratio of contact and nail, at `support.contact.loss_frequency`.
+        loss_ratio: f64 = nonnegative(NUMBER).within(0.0, 10.0), "";
+    }
 }
 
 choice! {

@@ -5,7 +5,6 @@ use std::f64::consts::PI;
 
 use nalgebra::Complex;
 
-
 /// A record later by `delay` \[s\], also by fractions of a sample: its lines times e^(-j 2 pi f delay). Zeros enter at one end, and
 /// what leaves at the other is lost.
 pub fn delayed(record: &[f64], rate: f64, delay: f64) -> Vec<f64> {

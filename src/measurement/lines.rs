@@ -6,7 +6,6 @@ use nailnoise_acoustics::fourier::RealTransform;
 use nailnoise_acoustics::levels::{Band, Weighting, energy_weights, third_octaves};
 use nalgebra::Complex;
 
-
 /// Length of the analysed piece of a record \[s\].
 pub const LENGTH: f64 = 1.0;
 

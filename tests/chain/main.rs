@@ -9,6 +9,7 @@ mod coupling;
 mod cycle;
 mod figures;
 mod graph;
+mod joint;
 mod laws;
 mod layering;
 mod radiation;

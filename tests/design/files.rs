@@ -464,6 +464,7 @@ const BAD: &[(&str, usize, &str, &str)] = &[
     ("backward-range", 3, "piston.mass", "lower end"),
     ("base-not-text", 1, "base", "in quotes"),
     ("below-vacuum", 3, "supply.pressure", "from 1000 to 1e7 Pa"),
+    ("board-on-mesh", 5, "workpiece.board.thickness", "remove `workpiece.mesh`"),
     ("decimal-comma", 3, "piston.rod_diameter", "no comma"),
     ("derived-area", 3, "exhaust.area", "change `exhaust.holes`, `exhaust.hole_diameter`"),
     ("derived-mass", 4, "workpiece.mass", "`wood.density`"),

@@ -59,6 +59,8 @@ impl Mirror {
 /// Nodes sorted along a direction in which no two of a regular mesh coincide.
 struct Places<'a> {
     mesh: &'a Mesh,
+    /// The piece of each node: where two pieces touch, both have a node at the same place.
+    pieces: Vec<Option<usize>>,
     sorted: Vec<(f64, usize)>,
     lower: [f64; 3],
     upper: [f64; 3],
@@ -83,6 +85,7 @@ impl<'a> Places<'a> {
         sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
         Self {
             mesh,
+            pieces: mesh.piece_of_nodes(),
             sorted,
             lower,
             upper,
@@ -103,11 +106,13 @@ impl<'a> Places<'a> {
             place[axis] = self.lower[axis] + self.upper[axis] - place[axis];
             let height = Self::height(place);
             let start = self.sorted.partition_point(|&(h, _)| h < height - 2.0 * near);
-            opposite[node] = self.sorted[start..]
+            let there = self.sorted[start..]
                 .iter()
                 .take_while(|&&(h, _)| h < height + 2.0 * near)
-                .find(|&&(_, n)| (0..3).all(|a| (self.mesh.nodes[n][a] - place[a]).abs() < near))?
-                .1;
+                .map(|&(_, n)| n)
+                .filter(|&n| (0..3).all(|a| (self.mesh.nodes[n][a] - place[a]).abs() < near));
+            let own = |n: &usize| self.pieces[*n] == self.pieces[node];
+            opposite[node] = there.clone().find(own).or_else(|| there.clone().next())?;
         }
         Some(opposite)
     }

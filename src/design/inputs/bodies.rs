@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use nailnoise_fem::Material;
-use nailnoise_fem::supports::{RectangularBase, Sand};
+use nailnoise_fem::supports::{RectangularBase, Sand, contact_dashpot};
 use nailnoise_fem::transient::{Support, SupportLaw};
 use nailnoise_meshes::{Tool, Worktable, element_size};
 use nalgebra::Matrix3;
@@ -13,8 +13,8 @@ use crate::design::{
 };
 use crate::error::Error;
 use crate::stages::bodies::{
-    AddedSand, BodyKind, ContactCells, Extent, Geometry, LoadPlaces, MeshFile, MeshSource, NailPlace, Naming,
-    PartMaterials, Remainder, SideSand, SpringFoot, SurfacePlace, ToolPlaces, ToolShape,
+    AddedSand, BodyKind, ContactCells, Extent, Geometry, Joint, JointSpring, LoadPlaces, MeshFile, MeshSource,
+    NailPlace, Naming, PartMaterials, Remainder, SideSand, SpringFoot, SurfacePlace, ToolPlaces, ToolShape,
 };
 
 /// Inputs of a body's stages.
@@ -107,6 +107,7 @@ fn workpiece(design: &Design) -> Result<Geometry, Error> {
         mesh: own.unwrap_or(MeshSource::Block {
             size: block_size(design),
             element: design.analysis.workpiece_element,
+            joint: joint(design).map(|joint| joint.height),
         }),
         naming: naming(design, BodyKind::Workpiece),
         materials: PartMaterials::Same(Box::new(material)),
@@ -304,12 +305,7 @@ fn places(design: &Design, kind: BodyKind) -> LoadPlaces {
     let on_cells = |group, outward| (contact_cells(design), group, outward);
     match kind {
         BodyKind::Workpiece => LoadPlaces {
-            nail: Some(NailPlace {
-                at: [design.nail.offset_along, design.nail.offset_across],
-                top: design.workpiece.thickness,
-                length: design.nail.length,
-                nose: [design.body.nose_width, design.body.nose_depth],
-            }),
+            nail: Some(nail_place(design)),
             contact: match design.support.kind {
                 SupportKind::Clamped | SupportKind::Springs => None,
                 SupportKind::Worktable | SupportKind::Sandbox | SupportKind::Floor => {
@@ -318,11 +314,13 @@ fn places(design: &Design, kind: BodyKind) -> LoadPlaces {
             },
             side_sand: side_sand(design),
             springs: spring_feet(design, Sprung::Workpiece),
-            tool: None,
+            joint: joint(design),
+            ..LoadPlaces::default()
         },
         BodyKind::Worktable => LoadPlaces {
             contact: Some(on_cells("top", [0.0, 0.0, 1.0])),
             springs: spring_feet(design, Sprung::Worktable),
+            elsewhere: joint(design).map_or(0, |joint| joint.supports_count()),
             ..LoadPlaces::default()
         },
         BodyKind::Tool => LoadPlaces {
@@ -333,6 +331,42 @@ fn places(design: &Design, kind: BodyKind) -> LoadPlaces {
             ..LoadPlaces::default()
         },
     }
+}
+
+fn nail_place(design: &Design) -> NailPlace {
+    NailPlace {
+        at: [design.nail.offset_along, design.nail.offset_across],
+        top: design.workpiece.thickness,
+        length: design.nail.length,
+        nose: [design.body.nose_width, design.body.nose_depth],
+    }
+}
+
+/// Length of the shank next to a joint that resists slip, in diameters: about the decay length of a dowel in wood,
+/// (4 E I/k)^(1/4) with a foundation modulus k of 0.1 to 0.3 kN/mm2.
+const DOWEL: f64 = 5.0;
+
+/// Joint of the board on the block, if there is a board.
+fn joint(design: &Design) -> Option<Joint> {
+    let (block, board) = (&design.workpiece, &design.workpiece.board);
+    (board.thickness > 0.0).then(|| Joint {
+        height: block.thickness - board.thickness,
+        cells: contact_cells(design),
+        nail: nail_place(design),
+        dowel: DOWEL * design.nail.diameter,
+    })
+}
+
+/// Springs and dashpots of that joint.
+pub(crate) fn joint_supports(design: &Design) -> Vec<Support> {
+    let (board, contact) = (&design.workpiece.board, &design.support.contact);
+    let spring = |stiffness: f64| JointSpring {
+        stiffness,
+        damping: contact_dashpot(stiffness, board.loss_ratio, contact.loss_frequency),
+    };
+    let springs = [board.stiffness_per_area, board.axial_stiffness, board.shear_stiffness].map(spring);
+    let [touch, axial, shear] = springs;
+    joint(design).map_or_else(Vec::new, |joint| joint.supports(touch, axial, shear))
 }
 
 /// Lengths of the workpiece along x, y and z \[m\].

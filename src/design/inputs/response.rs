@@ -30,12 +30,13 @@ pub(crate) fn shot(design: &Design) -> Result<Shot, Error> {
     })
 }
 
-/// Springs and dashpots of the contact cells between the workpiece and what it stands on, of the sand at its sides, and those
-/// of the user to the ground.
+/// Springs and dashpots of the contact cells between the workpiece and what it stands on, of the sand at its sides, those
+/// of the user to the ground, and those of the joint of two pieces.
 fn supports(design: &Design) -> Result<Vec<Support>, Error> {
     let mut supports = contact_supports(design)?;
     supports.extend(bodies::side_supports(design)?);
     supports.extend(bodies::spring_supports(design));
+    supports.extend(bodies::joint_supports(design));
     Ok(supports)
 }
 

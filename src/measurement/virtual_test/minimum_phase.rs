@@ -3,7 +3,6 @@
 use nailnoise_acoustics::fourier::RealTransform;
 use nalgebra::Complex;
 
-
 /// A filter on the lines of a transform of fixed length.
 pub(super) struct MinimumPhase {
     transform: RealTransform,

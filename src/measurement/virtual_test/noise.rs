@@ -6,7 +6,6 @@ use nailnoise_acoustics::fourier::RealTransform;
 use nailnoise_acoustics::random::uniform;
 use nalgebra::Complex;
 
-
 /// A standard normal number for a place of a sequence (Box and Muller 1958).
 pub(super) fn normal(seed: u64, first: u64, second: u64) -> f64 {
     let (u, v) = (uniform(seed, first, 2 * second), uniform(seed, first, 2 * second + 1));

@@ -4,7 +4,6 @@ use nailnoise_acoustics::fourier::RealTransform;
 use nailnoise_acoustics::sound::ChirpTransform;
 use nalgebra::Complex;
 
-
 /// A plan that brings band-limited records of one length from one rate to another, from their first sample on.
 ///
 /// The spectrum up to half the lower rate is summed at the new instants. The record is padded to twice its length, so that its end

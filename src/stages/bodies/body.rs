@@ -100,8 +100,8 @@ pub struct Body {
     /// Generalised displacement of each load, downwards positive: modes x loads.
     #[serde(with = "matrix")]
     pub loads: DMatrix<f64>,
-    /// Generalised displacement of each contact cell along the body's outward normal, then of the sand's cells at its sides
-    /// and of springs to the ground: modes x supports.
+    /// Generalised displacement of each contact cell along the body's outward normal, then of the sand's cells at its sides,
+    /// of springs to the ground and of the joint of two pieces: modes x supports.
     #[serde(with = "matrix")]
     pub contacts: DMatrix<f64>,
 }

@@ -3,7 +3,7 @@
 use nailnoise_fem::{Attachments, Constraints, Coupling, LumpedMass, Material, Tie};
 use nailnoise_meshes::msh::Imported;
 use nailnoise_meshes::{
-    Block, Mesh, MeshError, Surface, Tool, Worktable, block, tool, tool_ships, tube_worktable, worktable,
+    Block, Mesh, MeshError, Surface, Tool, Worktable, block, jointed_block, tool, tool_ships, tube_worktable, worktable,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 use serde::Serialize;
@@ -75,6 +75,8 @@ pub enum MeshSource {
         size: [f64; 3],
         /// Longest element side \[m\].
         element: f64,
+        /// Height at which a board touches the block below it \[m\]; none for one piece.
+        joint: Option<f64>,
     },
     /// A table with solid legs or, given the thickness of their wall \[m\], on square tubes.
     Worktable(Worktable, Option<f64>),
@@ -131,8 +133,11 @@ impl MeshSource {
             comment: String::new(),
         };
         let imported = match self {
-            &Self::Block { size, element } => {
+            &Self::Block { size, element, joint } => {
                 let origin = [-0.5 * size[0], -0.5 * size[1], 0.0];
+                if let Some(height) = joint {
+                    return Ok(built_in(jointed_block(size, element, origin, height)?));
+                }
                 return Ok(built_in(block(&Block::with_element_size(size, element, origin)?)?));
             }
             Self::Worktable(table, None) => return Ok(built_in(worktable(table)?)),

@@ -10,6 +10,7 @@ use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 
 use super::geometry::{BodyKind, Meshed};
+use super::joint::Joint;
 use super::nail_stations;
 use super::tool_loads::{self, ToolPlaces};
 use crate::error::Error;
@@ -79,6 +80,10 @@ pub struct LoadPlaces {
     pub side_sand: Option<SideSand>,
     /// Springs to the ground.
     pub springs: Vec<SpringFoot>,
+    /// Joint of a workpiece of two pieces.
+    pub joint: Option<Joint>,
+    /// Number of supports behind these that act on another body alone.
+    pub elsewhere: usize,
 }
 
 /// Place of the nail and of the tool's nose on the top of the workpiece.
@@ -123,11 +128,17 @@ impl ContactCells {
         ContactGrid::new(length, width, along, across, GridRule::CellCentred)
     }
 
-    /// Mean displacement of each cell on a face group in the plane z = 0 along a direction.
-    fn load_vectors(&self, mesh: &Mesh, group: &str, direction: Vector3<f64>) -> Result<Vec<LoadVector>, MeshError> {
+    /// Mean displacement of each cell on a face group at a height \[m\] along a direction.
+    pub(super) fn load_vectors(
+        &self,
+        mesh: &Mesh,
+        group: &str,
+        height: f64,
+        direction: Vector3<f64>,
+    ) -> Result<Vec<LoadVector>, MeshError> {
         let size = [0, 1].map(|axis| self.size[axis] / f64::from(self.cells[axis]));
         let cell = |&[x, y]: &[f64; 2]| {
-            let cell = Rectangle::horizontal(Point3::new(x, y, 0.0), size);
+            let cell = Rectangle::horizontal(Point3::new(x, y, height), size);
             LoadVector::rectangle(mesh, group, &cell, direction)
         };
         self.grid().points.iter().map(cell).collect()
@@ -293,7 +304,7 @@ impl LoadPlaces {
     fn contacts(&self, mesh: &Mesh) -> Result<Vec<LoadVector>, Error> {
         let mut contacts = Vec::new();
         if let Some((cells, group, outward)) = self.contact {
-            contacts.extend(cells.load_vectors(mesh, group, Vector3::from(outward))?);
+            contacts.extend(cells.load_vectors(mesh, group, 0.0, Vector3::from(outward))?);
         }
         if let Some(side_sand) = &self.side_sand {
             contacts.extend(side_sand.load_vectors(mesh)?);
@@ -304,6 +315,10 @@ impl LoadPlaces {
                 contacts.extend(spring.load_vectors(mesh, &surface)?);
             }
         }
+        if let Some(joint) = &self.joint {
+            contacts.extend(joint.load_vectors(mesh)?);
+        }
+        contacts.extend((0..self.elsewhere).map(|_| LoadVector::zero()));
         Ok(contacts)
     }
 }

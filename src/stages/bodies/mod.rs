@@ -7,6 +7,7 @@
 
 mod body;
 mod geometry;
+mod joint;
 mod load_places;
 mod mesh_file;
 mod modes;
@@ -19,6 +20,7 @@ mod tool_surfaces;
 
 pub use body::{Body, ModalModel, MovingSurface, Resolution, SIDES_PER_WAVE};
 pub use geometry::{AddedSand, BodyKind, Geometry, MeshSource, Meshed, PartMaterials, Remainder};
+pub use joint::{Joint, JointSpring};
 pub use load_places::{ContactCells, Discretisation, LoadPlaces, Model, NailPlace, SideSand, SpringFoot};
 pub use mesh_file::{Extent, MeshFile};
 pub use modes::{Modes, WholeModes};

@@ -2,13 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use nailnoise_meshes::JOINT;
 use nalgebra::Vector3;
 
 use super::geometry::Meshed;
 use crate::error::Error;
 
 impl Meshed {
-    /// Checks that the pieces of the mesh are one body: joined by common nodes or ties, or held.
+    /// Checks that the pieces of the mesh are one body: joined by common nodes, ties or a joint, or held.
     ///
     /// # Errors
     /// [`Error::LoosePiece`] with the place of the smallest loose piece; [`Error::NotTied`] for pieces that a tie does not
@@ -33,6 +34,11 @@ impl Meshed {
                     join(slave, master);
                 }
             }
+        }
+        // The contact and the nail of a joint hold its two pieces together.
+        let touching = JOINT.map(|group| mesh.group_nodes(group).ok()?.first().and_then(|&node| piece_of[node]));
+        if let [Some(lower), Some(upper)] = touching {
+            join(lower, upper);
         }
         // A held piece moves with the ground.
         let held: Vec<usize> = self.constraints.iter().filter_map(|(node, _)| piece_of[node]).collect();

@@ -11,7 +11,7 @@ use nailnoise_acoustics::bem::{
 };
 use nailnoise_acoustics::radiation::{Erp, RadiatingSurface};
 use nailnoise_acoustics::{AcousticsError, Air};
-use nailnoise_meshes::{Surface, open_faces};
+use nailnoise_meshes::{JOINT, Surface, open_faces};
 use nalgebra::{DMatrix, Point3};
 use serde::Serialize;
 
@@ -279,6 +279,7 @@ impl Covered {
             "bottom" => body.body != "workpiece" || !self.underside_open,
             "floor" => true,
             _ if patch.ends_with("_slave") => true, // tied to another face
+            _ if JOINT.contains(&patch) => true,    // touches the other piece
             "top" => body.body == "worktable" && p.x.abs() < self.half_sides[0] && p.y.abs() < self.half_sides[1],
             _ => false,
         };
