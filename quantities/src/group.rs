@@ -193,6 +193,7 @@ macro_rules! group {
 
             fn key_mut(&mut self, name: &str) -> Option<(&'static $crate::KeySpec, &mut dyn $crate::Assign)> {
                 let Some((_head, _rest)) = name.split_once('.') else {
+                    let _of_part: Option<(&'static $crate::KeySpec, &mut dyn $crate::Assign)> = None;
                     $(if name == stringify!($key) {
                         return Some((Self::SPEC.key(name)?, &mut self.$key));
                     })*
@@ -200,11 +201,9 @@ macro_rules! group {
                         $(if name == stringify!($late) {
                             return Some((Self::SPEC.key(name)?, &mut self.$late));
                         })*
-                        if let Some(found) = $crate::Group::key_mut(&mut self.$part, name) {
-                            return Some(found);
-                        }
+                        let _of_part = $crate::Group::key_mut(&mut self.$part, name);
                     )?
-                    return None;
+                    return _of_part;
                 };
                 $($(if _head == stringify!($sub) {
                     return $crate::Group::key_mut(&mut self.$sub, _rest);
