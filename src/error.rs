@@ -93,6 +93,17 @@ pub enum Error {
         /// Its name.
         design: String,
     },
+    /// A ranking of groups of inputs over drawn structures.
+    #[error(
+        "`--groups` and `--structures` exclude each other: every partner of a draw would need a structure of its own"
+    )]
+    #[diagnostic(help(
+        "rank the groups on the structures of the design, without --structures; `{study} --structures` states beside it what structures add"
+    ))]
+    GroupsOfStructures {
+        /// The command without both.
+        study: String,
+    },
     /// A cluster did not compute what it was asked for.
     #[error("the cluster of the scheduler {scheduler} did not compute all of it")]
     #[diagnostic(help(

@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use crate::spec::{GroupSpec, KeySpec, dotted};
-use crate::value::{Held, Value};
+use crate::value::{Assign, Held, Value};
 
 /// Values by the full names of their keys.
 pub type Found = BTreeMap<String, Value>;
@@ -32,6 +32,9 @@ pub trait Group: Sized {
     fn build(path: &str, found: &Found) -> Result<Self, String>;
     /// Calls `f` with the full name, declaration and value of every key.
     fn visit(&self, path: &str, f: &mut dyn FnMut(&str, &'static KeySpec, Value));
+    /// The declaration and the place of one key by its name within this group (`friction.static_force`), if there is such a key. Costs
+    /// a few comparisons of names, where [`visit`](Self::visit) passes every key.
+    fn key_mut(&mut self, name: &str) -> Option<(&'static KeySpec, &mut dyn Assign)>;
 }
 
 /// The value of the key `name` of the group at `path`, or its full name if there is none of its kind.
@@ -186,6 +189,30 @@ macro_rules! group {
                     let list = $crate::dotted(path, stringify!($list));
                     $crate::Group::visit(member, &$crate::dotted(&list, name), f);
                 })+)?
+            }
+
+            fn key_mut(&mut self, name: &str) -> Option<(&'static $crate::KeySpec, &mut dyn $crate::Assign)> {
+                let Some((_head, _rest)) = name.split_once('.') else {
+                    let _of_part: Option<(&'static $crate::KeySpec, &mut dyn $crate::Assign)> = None;
+                    $(if name == stringify!($key) {
+                        return Some((Self::SPEC.key(name)?, &mut self.$key));
+                    })*
+                    $(
+                        $(if name == stringify!($late) {
+                            return Some((Self::SPEC.key(name)?, &mut self.$late));
+                        })*
+                        let _of_part = $crate::Group::key_mut(&mut self.$part, name);
+                    )?
+                    return _of_part;
+                };
+                $($(if _head == stringify!($sub) {
+                    return $crate::Group::key_mut(&mut self.$sub, _rest);
+                })+)?
+                $($(if _head == stringify!($list) {
+                    let (member, key) = _rest.split_once('.')?;
+                    return $crate::Group::key_mut(self.$list.get_mut(member)?, key);
+                })+)?
+                None
             }
         }
     };

@@ -24,6 +24,23 @@ pub trait Held: Sized {
     fn to_value(&self) -> Value;
 }
 
+/// A place for a value, whatever its type.
+pub trait Assign {
+    /// Takes a value if it is of this type's kind; whether it is.
+    fn assign(&mut self, value: &Value) -> bool;
+}
+
+impl<T: Held> Assign for T {
+    fn assign(&mut self, value: &Value) -> bool {
+        let read = T::from_value(value);
+        let taken = read.is_some();
+        if let Some(value) = read {
+            *self = value;
+        }
+        taken
+    }
+}
+
 macro_rules! held {
     ($($ty:ty => $variant:ident),+) => {$(
         impl Held for $ty {

@@ -65,7 +65,7 @@ pub(super) struct Arguments {
     #[arg(long, requires = "store", conflicts_with = "until")]
     collect: bool,
     /// State which groups of inputs decide each level, by two more draws for each draw and group, as `exhaust` or `wood`
-    #[arg(long, conflicts_with_all = ["task", "collect", "structures"])]
+    #[arg(long, conflicts_with_all = ["task", "collect"])]
     groups: bool,
     /// Also write the study of a shipped design to this file, as those in designs/studies that `nailnoise run` uses
     #[arg(long, value_name = "FILE", conflicts_with = "task")]
@@ -164,6 +164,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     if arguments.provide.is_some() && shipped.is_none() {
         return Err(Error::NotShipped {
             design: design.name().to_owned(),
+        });
+    }
+    if arguments.groups && arguments.structures.is_some() {
+        return Err(Error::GroupsOfStructures {
+            study: format!("nailnoise study {}", design.path().display()),
         });
     }
     cost::refuse(&design, &cost::of_run(&design)?, common.memory.limit())?;

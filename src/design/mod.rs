@@ -42,6 +42,7 @@ mod transducers;
 use std::fmt::Write as _;
 use std::ops::{Deref, DerefMut};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use nailnoise_quantities::Group;
 use sha2::{Digest as _, Sha256};
@@ -83,7 +84,8 @@ pub struct Design {
     name: String,
     path: PathBuf,
     values: Values,
-    records: Records,
+    /// Shared: a study makes thousands of designs that differ in values alone.
+    records: Arc<Records>,
     study: StudySettings,
     report: ReportSettings,
     warnings: Vec<Warning>,
@@ -169,7 +171,7 @@ impl Design {
             name,
             path: path.to_owned(),
             values,
-            records,
+            records: Arc::new(records),
             study,
             report,
             warnings,

@@ -1,7 +1,5 @@
 //! Setting keys by their full names, for programs that change a design: studies, sensitivities, sweeps.
 
-use std::collections::HashMap;
-
 use nailnoise_quantities::{Group, Kind, Value};
 
 use super::groups::Values;
@@ -51,24 +49,20 @@ impl Values {
     /// # Errors
     /// [`SetError`] for the first key that cannot be set; nothing is changed then.
     pub fn set(&mut self, changes: &[(&str, Value)]) -> Result<(), SetError> {
-        let mut values = HashMap::new();
-        self.visit("", &mut |key, spec, value| {
-            values.insert(key.to_owned(), (spec.kind, value));
-        });
         for (key, value) in changes {
-            let Some((kind, held)) = values.get_mut(*key) else {
+            let Some((spec, _)) = self.key_mut(key) else {
                 return Err(SetError::UnknownKey {
                     key: (*key).to_owned(),
                     nearest: suggest::key(&Self::SPEC, key),
                 });
             };
-            check(key, *kind, value)?;
-            *held = value.clone();
+            check(key, spec.kind, value)?;
         }
-        // Every key has been visited and every change is of its key's kind, so that nothing can be missing.
-        let found = values.into_iter().map(|(key, (_, value))| (key, value)).collect();
-        if let Ok(changed) = Self::build("", &found) {
-            *self = changed;
+        // Every change is of its key's kind, so that nothing can fail any more.
+        for (key, value) in changes {
+            if let Some((_, place)) = self.key_mut(key) {
+                place.assign(value);
+            }
         }
         Ok(())
     }
@@ -100,5 +94,32 @@ fn check(key: &str, kind: Kind, value: &Value) -> Result<(), SetError> {
         (Kind::Switch, _) => wrong("true or false"),
         (Kind::Choice(_), _) => wrong("one of its words"),
         (Kind::File, _) => wrong("the name of a file"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use crate::design::{Design, another};
+
+    #[test]
+    fn a_change_moves_its_own_key_and_no_other() {
+        // A design with members of a list.
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb-as-tested.toml");
+        let design = Design::load(file).unwrap();
+        let before = design.keys();
+        let mut moved = 0;
+        for (place, (key, kind, value)) in before.iter().enumerate() {
+            let Some(value) = another(value, *kind) else { continue };
+            let mut changed = design.clone();
+            changed.set(&[(key, value.clone())]).unwrap();
+            for (other, (own, was)) in changed.keys().iter().zip(&before).enumerate() {
+                let expected = if other == place { &value } else { &was.2 };
+                assert_eq!(&own.2, expected, "{key} set, {}", own.0);
+            }
+            moved += 1;
+        }
+        assert!(moved > 200, "{moved} keys");
     }
 }

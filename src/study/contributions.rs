@@ -26,8 +26,8 @@ const SEED: u64 = 0xC047_121B;
 
 /// An input in bins along its values.
 pub(super) struct Binned {
-    /// Bin of each draw.
-    bins: Vec<usize>,
+    /// Bin of each draw, below [`MOST_BINS`].
+    bins: Vec<u8>,
     count: usize,
 }
 
@@ -42,17 +42,20 @@ impl Binned {
         let (mut bin, mut first) = (0, 0);
         for (place, pair) in order.windows(2).enumerate() {
             bins[pair[0]] = bin;
-            let full = (place + 1) * wanted >= (bin + 1) * n;
+            let full = (place + 1) * wanted >= (usize::from(bin) + 1) * n;
             if full && place + 1 > first && values[pair[1]] > values[pair[0]] {
                 (bin, first) = (bin + 1, place + 1);
             }
             bins[pair[1]] = bin;
         }
         // A bin that ties made wide skips the numbers of those that it swallowed.
-        let mut used: Vec<usize> = bins.clone();
+        let mut used: Vec<u8> = bins.clone();
         used.sort_unstable();
         used.dedup();
-        (used.len() > 1).then_some(Self { bins, count: bin + 1 })
+        (used.len() > 1).then_some(Self {
+            bins,
+            count: usize::from(bin) + 1,
+        })
     }
 
     /// S of levels, which may be below 0 for an input that does nothing.
@@ -61,8 +64,8 @@ impl Binned {
         let mean = levels.iter().sum::<f64>() / n;
         let (mut sums, mut counts) = (vec![0.0; self.count], vec![0.0; self.count]);
         for (&bin, level) in self.bins.iter().zip(levels) {
-            sums[bin] += level - mean;
-            counts[bin] += 1.0;
+            sums[usize::from(bin)] += level - mean;
+            counts[usize::from(bin)] += 1.0;
         }
         let total: f64 = levels.iter().map(|level| (level - mean).powi(2)).sum();
         if total == 0.0 {

@@ -14,7 +14,7 @@ use super::jobs::{kept_levels, levels_of_shot, on_threads};
 use super::request::{Part, Request};
 use super::sampling::{Frame, Point, Sampler};
 use super::screening::{Candidate, Tally, drawn, screen};
-use super::variables::{Drawn, Kind, Scope, Variable, common_variables, with_workpiece_sensors, without_sensors};
+use super::variables::{Kind, Scope, Variable, common_variables, with_workpiece_sensors, without_sensors};
 use crate::chain::{Chain, Options};
 use crate::design::{Design, Values};
 use crate::error::Error;
@@ -30,9 +30,7 @@ pub struct Draw {
     pub structure: usize,
     /// Number of the candidate in its sequence.
     pub candidate: u64,
-    /// What each variable is; none for one that is held.
-    pub drawn: Vec<Option<Drawn>>,
-    /// Place of each variable in its distribution, 0 .. 1; NaN for one that is held.
+    /// Place of each variable in its distribution, 0 .. 1, from which [`Variable::drawn`] says what it is; NaN for one that is held.
     pub shares: Vec<f64>,
     /// Figures of the shot.
     pub shot: Shot,
@@ -204,8 +202,8 @@ fn plan(
 fn structure_of(design: &Design, sampler: &Sampler, point: &Point, shots: &[bool]) -> Values {
     let mut values: Values = Values::clone(design);
     let mut structure = point.clone();
-    let of_shots = structure.drawn.iter_mut().zip(shots).filter(|(_, shot)| **shot);
-    of_shots.for_each(|(drawn, _)| *drawn = None);
+    let of_shots = structure.shares.iter_mut().zip(shots).filter(|(_, shot)| **shot);
+    of_shots.for_each(|(share, _)| *share = f64::NAN);
     // A point that was accepted has values that can be set.
     let _ = values.set(&sampler.changes(&structure));
     values
@@ -215,7 +213,6 @@ impl Candidate {
     /// With what another one drew for all that is not part of the shot.
     fn with(mut self, other: &Self, shots: &[bool]) -> Self {
         for (place, _) in shots.iter().enumerate().filter(|(_, shot)| !**shot) {
-            self.point.drawn[place].clone_from(&other.point.drawn[place]);
             self.point.shares[place] = other.point.shares[place];
         }
         self
@@ -263,7 +260,6 @@ pub(super) fn levels(
                     structure: planned.structure,
                     candidate: candidate.index,
                     method_db: method_errors(sampler.variables(), &candidate.point, levels),
-                    drawn: candidate.point.drawn.clone(),
                     shares: candidate.point.shares.clone(),
                     shot: shot.clone(),
                     levels: levels.clone(),

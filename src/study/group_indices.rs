@@ -60,8 +60,8 @@ pub(super) fn indices(rows: &[Row]) -> Option<(Vec<[Estimate; 2]>, f64)> {
         let [alone, rest] = [half_square(group, 0), half_square(group, 1)];
         let part = |figures: &[f64], counts: &[u32]| sums(counts, &|row| figures[row]) / variance(counts);
         [
-            bootstrap.estimate(rows.len(), |counts| 1.0 - part(&alone, counts)),
-            bootstrap.estimate(rows.len(), |counts| part(&rest, counts)),
+            bootstrap.estimate(|counts| 1.0 - part(&alone, counts)),
+            bootstrap.estimate(|counts| part(&rest, counts)),
         ]
     };
     Some(((0..groups).map(of_group).collect(), whole))

@@ -137,7 +137,6 @@ pub fn group_study(
     for (row, draw) in made.draws.iter().enumerate() {
         let point = Point {
             shares: draw.shares.clone(),
-            drawn: draw.drawn.clone(),
         };
         for (group, (_, members)) in groups.iter().enumerate() {
             for (shared, _) in SHARED.iter().enumerate() {

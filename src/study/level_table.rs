@@ -59,21 +59,24 @@ pub(super) fn total_of(levels: &Levels) -> Option<f64> {
 }
 
 /// A number for what a variable is in a draw.
-pub(super) fn number(drawn: Option<&Drawn>) -> Option<f64> {
+pub(super) fn number(drawn: Option<Drawn>) -> Option<f64> {
     match drawn? {
-        Drawn::Value(Value::Number(value)) => Some(*value),
-        Drawn::Value(Value::Count(count)) => Some(f64::from(*count)),
+        Drawn::Value(Value::Number(value)) => Some(value),
+        Drawn::Value(Value::Count(count)) => Some(f64::from(count)),
         Drawn::Value(_) => None,
-        Drawn::Alternative(chosen) => Some(*chosen as f64),
-        Drawn::Share(share) => Some(*share),
+        Drawn::Alternative(chosen) => Some(chosen as f64),
+        Drawn::Share(share) => Some(share),
     }
 }
 
 /// What a variable is in each draw, as a number; NaN where it is held.
 pub fn column(made: &Draws, variable: &str) -> Vec<f64> {
-    let place = made.variables.iter().position(|own| own.name == variable);
-    let value = |draw: &Draw| number(place.and_then(|place| draw.drawn[place].as_ref())).unwrap_or(f64::NAN);
-    made.draws.iter().map(value).collect()
+    let own = made.variables.iter().enumerate().find(|(_, own)| own.name == variable);
+    let drawn = |draw: &Draw| own.and_then(|(place, variable)| variable.drawn(draw.shares[place]));
+    made.draws
+        .iter()
+        .map(|draw| number(drawn(draw)).unwrap_or(f64::NAN))
+        .collect()
 }
 
 /// The levels of an output in each draw \[dB\]: of a source, of the total, or a difference `A less B`.

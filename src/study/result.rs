@@ -239,7 +239,7 @@ impl StudyResult {
             .map(|source| figures(&|levels| benefit(levels, source)))
             .collect();
         let best = figures(&|levels| (0..count).map(|source| benefit(levels, source)).fold(0.0, f64::max));
-        let perfect = bootstrap.estimate(draws.len(), |counts| {
+        let perfect = bootstrap.estimate(|counts| {
             let of_one = of_each.iter().map(|benefits| weighted_mean(benefits, counts));
             weighted_mean(&best, counts) - of_one.fold(0.0, f64::max)
         });
@@ -374,17 +374,15 @@ fn contributions(made: &Draws, table: &LevelTable, totals: &[f64], names: &[Stri
     let column = |place: usize| -> Option<Vec<f64>> {
         made.draws
             .iter()
-            .map(|draw| number(draw.drawn[place].as_ref()))
+            .map(|draw| number(made.variables[place].drawn(draw.shares[place])))
             .collect()
     };
-    let columns: Vec<(usize, Vec<f64>)> = (0..made.variables.len())
-        .filter_map(|v| Some((v, column(v)?)))
-        .collect();
+    // The columns themselves are made anew where one is needed: of many draws they are long.
     let (mut inputs, mut known) = (Vec::new(), Vec::new());
-    for (variable, values) in &columns {
-        if let Some(binned) = Binned::new(values) {
+    for variable in 0..made.variables.len() {
+        if let Some(binned) = column(variable).and_then(|values| Binned::new(&values)) {
             inputs.push(binned);
-            known.push((*variable, values));
+            known.push(variable);
         }
     }
     let of = |name: &String| table.column(table.place(name));
@@ -398,15 +396,17 @@ fn contributions(made: &Draws, table: &LevelTable, totals: &[f64], names: &[Stri
     let contribution = |(output, levels): (String, Vec<f64>)| {
         let mean = levels.iter().sum::<f64>() / levels.len() as f64;
         let by_chance = first_order::by_chance(&inputs, &levels);
-        let estimates = inputs
-            .iter()
-            .zip(&known)
-            .map(|(binned, (variable, values))| Contribution {
-                variable: made.variables[*variable].name.clone(),
-                first_order: binned.first_order(&levels),
-                effect_db: first_order::effect(values, &levels),
-            });
-        let mut above: Vec<Contribution> = estimates.filter(|own| own.first_order > by_chance).collect();
+        let estimates = inputs.iter().zip(&known);
+        let estimates = estimates.map(|(binned, variable)| (*variable, binned.first_order(&levels)));
+        let above = estimates.filter(|(_, first_order)| *first_order > by_chance);
+        let above = above.filter_map(|(variable, first_order)| {
+            Some(Contribution {
+                variable: made.variables[variable].name.clone(),
+                first_order,
+                effect_db: first_order::effect(&column(variable)?, &levels),
+            })
+        });
+        let mut above: Vec<Contribution> = above.collect();
         above.sort_by(|a, b| b.first_order.total_cmp(&a.first_order));
         Contributions {
             output,

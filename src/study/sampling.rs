@@ -52,13 +52,11 @@ struct Correlated {
     pearson: f64,
 }
 
-/// A point: what each active variable is.
+/// A point: where each active variable is in its distribution, from which [`Variable::drawn`] says what it is.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
     /// Share of its distribution below each variable, 0 .. 1; NaN for one that is held.
     pub shares: Vec<f64>,
-    /// What each is; none for one that is held.
-    pub drawn: Vec<Option<Drawn>>,
 }
 
 /// Which variables are drawn, around which values, and which of many independent sequences is used.
@@ -128,7 +126,6 @@ impl Sampler {
             Some(partner) => partner.point.clone(),
             None => Point {
                 shares: vec![f64::NAN; count],
-                drawn: vec![None; count],
             },
         };
         // Each further candidate for a partner comes from another scramble.
@@ -184,9 +181,6 @@ impl Sampler {
                 point.shares[member] = normal::cumulative(z).clamp(HALF_STEP, 1.0 - HALF_STEP);
             }
         }
-        for &member in members {
-            point.drawn[member] = Some(self.variables[member].at(point.shares[member]));
-        }
     }
 
     /// A number of the sequence, in (0, 1).
@@ -204,9 +198,10 @@ impl Sampler {
     }
 
     fn changes_of<'a>(&'a self, members: &[usize], point: &Point) -> Vec<(&'a str, Value)> {
-        let changes = members
-            .iter()
-            .filter_map(|&m| Some(self.variables[m].changes(point.drawn[m].as_ref()?)));
+        let changes = members.iter().filter_map(|&m| {
+            let variable = &self.variables[m];
+            Some(variable.changes(&variable.drawn(point.shares[m])?))
+        });
         changes.flatten().collect()
     }
 
@@ -423,8 +418,9 @@ mod tests {
             let entry = design.entries().into_iter().find(|entry| entry.key == *key).unwrap();
             entry.range.unwrap()
         });
-        let value = |point: &Point, place: usize| match &point.drawn[place] {
-            Some(Drawn::Value(Value::Number(value))) => *value,
+        let variables = of(&design, &keys);
+        let value = |point: &Point, place: usize| match variables[place].drawn(point.shares[place]) {
+            Some(Drawn::Value(Value::Number(value))) => value,
             other => panic!("{other:?}"),
         };
         assert!(points.iter().all(|point| value(point, 0) <= value(point, 1)));

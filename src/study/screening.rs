@@ -82,7 +82,7 @@ pub(crate) fn with_values(design: &Design, values: &Values) -> Design {
 pub(crate) fn drawn(design: &Design, sampler: &Sampler, base: &Values, point: &Point) -> Result<Design, String> {
     let mut drawn = with_values(design, base);
     drawn.set(&sampler.changes(point)).map_err(|error| error.to_string())?;
-    drawn.draw_law(drawn_scores(sampler.variables(), &point.drawn));
+    drawn.draw_law(drawn_scores(sampler.variables(), &point.shares));
     match drawn.conflict() {
         Some(conflict) => Err(conflict.keys().join(", ")),
         None => Ok(drawn),

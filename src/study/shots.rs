@@ -175,13 +175,14 @@ impl ShotSampler {
                     Ok((point, fate)) => {
                         *all.counts.entry(fate.name().to_owned()).or_default() += 1;
                         all.drawn += 1;
-                        let value = |drawn| match drawn {
+                        let value = |(variable, share): (&Variable, &f64)| match variable.drawn(*share) {
                             Some(Drawn::Value(value)) => Some(value),
                             _ => None,
                         };
+                        let variables = self.sampler.variables();
                         sink(DrawnShot {
                             candidate,
-                            values: point.drawn.into_iter().filter_map(value).collect(),
+                            values: variables.iter().zip(&point.shares).filter_map(value).collect(),
                             fate,
                         })?;
                     }

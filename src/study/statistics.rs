@@ -3,6 +3,8 @@
 //! Levels are in dB re 1 pW s; minus infinity is silence. Quantiles interpolate between neighbouring draws linearly (type 7 of
 //! Hyndman and Fan, "Sample quantiles in statistical packages", The American Statistician 50, 361 (1996)).
 
+use std::collections::BTreeMap;
+
 use nailnoise_acoustics::random::uniform;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -78,54 +80,59 @@ pub(super) fn energy_sum(levels: impl IntoIterator<Item = f64>) -> f64 {
         .log10()
 }
 
-/// Resampled draws: how often each draw is in each resample.
+/// Resampled draws. A resample is made where it is needed: how often each draw is in it takes 4 bytes a draw for as long as one
+/// estimate looks at it, where all resamples together would take 4 kB a draw.
 pub(super) struct Bootstrap {
-    counts: Vec<Vec<u32>>,
-    /// What is resampled: clusters, or single draws.
+    /// Draws of each cluster; none where single draws are resampled.
+    clusters: Option<Vec<Vec<u32>>>,
+    /// Clusters, or draws.
     units: usize,
+    draws: usize,
 }
 
 impl Bootstrap {
     /// Resamples clusters of draws, or draws where all are in one cluster. `clusters` holds the cluster of each draw.
     pub(super) fn new(clusters: &[usize]) -> Self {
-        let draws = clusters.len();
-        let mut names: Vec<usize> = clusters.to_vec();
-        names.sort_unstable();
-        names.dedup();
-        let units: Vec<Vec<usize>> = if names.len() > 1 {
-            let members = |name: &usize| (0..draws).filter(|&draw| clusters[draw] == *name).collect();
-            names.iter().map(members).collect()
-        } else {
-            (0..draws).map(|draw| vec![draw]).collect()
-        };
-        let resample = |resample: u64| {
-            let mut counts = vec![0; draws];
-            for pick in 0..units.len() as u64 {
-                let unit = (uniform(SEED, resample, pick) * units.len() as f64) as usize;
-                units[unit].iter().for_each(|&draw| counts[draw] += 1);
+        let mut members: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
+        if clusters.iter().any(|cluster| *cluster != clusters[0]) {
+            for (draw, cluster) in (0..).zip(clusters) {
+                members.entry(*cluster).or_default().push(draw);
             }
-            counts
-        };
-        Self {
-            counts: (0..RESAMPLES as u64).map(resample).collect(),
-            units: units.len(),
         }
+        let members: Vec<Vec<u32>> = members.into_values().collect();
+        let draws = clusters.len();
+        let (units, clusters) = match members.len() {
+            0 => (draws, None),
+            count => (count, Some(members)),
+        };
+        Self { clusters, units, draws }
+    }
+
+    /// What `statistic` says of each resample, from how often each draw is in it.
+    fn resampled<T>(&self, mut statistic: impl FnMut(&[u32]) -> T) -> Vec<T> {
+        let mut counts = vec![0; self.draws];
+        let resample = |resample: u64| {
+            counts.fill(0);
+            for pick in 0..self.units as u64 {
+                let unit = (uniform(SEED, resample, pick) * self.units as f64) as usize;
+                match &self.clusters {
+                    Some(clusters) => clusters[unit].iter().for_each(|&draw| counts[draw as usize] += 1),
+                    None => counts[unit] += 1,
+                }
+            }
+            statistic(&counts)
+        };
+        (0..RESAMPLES as u64).map(resample).collect()
     }
 
     /// An estimate with its interval: `statistic` takes how often each draw counts.
-    pub(super) fn estimate(&self, draws: usize, statistic: impl Fn(&[u32]) -> f64) -> Estimate {
-        let mut resampled: Vec<f64> = self.counts.iter().map(|counts| statistic(counts)).collect();
-        resampled.sort_by(f64::total_cmp);
-        let finite = |value: f64| value.is_finite().then_some(value);
-        Estimate {
-            value: finite(statistic(&vec![1; draws])),
-            interval: [0.05, 0.95].map(|p| finite(quantile(&resampled, p))),
-        }
+    pub(super) fn estimate(&self, statistic: impl Fn(&[u32]) -> f64) -> Estimate {
+        estimate(statistic(&vec![1; self.draws]), self.resampled(&statistic))
     }
 
     /// The mean of a figure of each draw.
     pub(super) fn mean(&self, figures: &[f64]) -> Estimate {
-        self.estimate(figures.len(), |counts| weighted_mean(figures, counts))
+        self.estimate(|counts| weighted_mean(figures, counts))
     }
 
     /// The part of the draws of which something is true. Where it is true of all or of none, no resample differs: the interval is
@@ -144,32 +151,55 @@ impl Bootstrap {
 
     /// P5, P50 and P95 of levels.
     pub(super) fn quantiles(&self, levels: &[f64]) -> Quantiles {
-        let mut order: Vec<usize> = (0..levels.len()).collect();
-        order.sort_by(|a, b| levels[*a].total_cmp(&levels[*b]));
-        let of = |p: f64| {
-            self.estimate(levels.len(), |counts| {
-                let total: u32 = counts.iter().sum();
-                let at = p * f64::from(total.saturating_sub(1));
-                // The values at the places on either side, counted through the draws in order.
-                let value = |place: u32| {
-                    let mut seen = 0;
-                    let own = order.iter().find(|&&draw| {
-                        seen += counts[draw];
-                        seen > place
-                    });
-                    own.map_or(f64::NAN, |&draw| levels[draw])
-                };
-                let (low, part) = (at.floor(), at.fract());
-                let next = (low as u32 + 1).min(total.saturating_sub(1));
-                interpolated(value(low as u32), value(next), part)
-            })
-        };
-        Quantiles {
-            p05: of(0.05),
-            p50: of(0.5),
-            p95: of(0.95),
-        }
+        let mut order: Vec<u32> = (0..levels.len() as u32).collect();
+        order.sort_by(|a, b| levels[*a as usize].total_cmp(&levels[*b as usize]));
+        let of = |counts: &[u32]| counted_quantiles(levels, &order, counts, [0.05, 0.5, 0.95]);
+        let (all, resampled) = (of(&vec![1; self.draws]), self.resampled(of));
+        let [p05, p50, p95] =
+            [0, 1, 2].map(|place| estimate(all[place], resampled.iter().map(|own| own[place]).collect()));
+        Quantiles { p05, p50, p95 }
     }
+}
+
+/// An estimate, with the interval that resampled ones have.
+fn estimate(value: f64, mut resampled: Vec<f64>) -> Estimate {
+    resampled.sort_by(f64::total_cmp);
+    let finite = |value: f64| value.is_finite().then_some(value);
+    Estimate {
+        value: finite(value),
+        interval: [0.05, 0.95].map(|p| finite(quantile(&resampled, p))),
+    }
+}
+
+/// Quantiles of levels that count several times each; `order` holds their places from the lowest level on.
+fn counted_quantiles<const N: usize>(levels: &[f64], order: &[u32], counts: &[u32], shares: [f64; N]) -> [f64; N] {
+    let last = counts.iter().sum::<u32>().saturating_sub(1);
+    let at = shares.map(|p| p * f64::from(last));
+    let mut wanted: Vec<(u32, usize)> = at
+        .iter()
+        .enumerate()
+        .flat_map(|(own, at)| {
+            [
+                (at.floor() as u32, 2 * own),
+                ((at.floor() as u32 + 1).min(last), 2 * own + 1),
+            ]
+        })
+        .collect();
+    wanted.sort_unstable();
+    // The levels at all wanted places on one way through the draws in order.
+    let mut ends = [[f64::NAN; 2]; N];
+    let (mut seen, mut draws) = (0, order.iter());
+    let mut level = f64::NAN;
+    for (place, end) in wanted {
+        while seen <= place
+            && let Some(&draw) = draws.next()
+        {
+            seen += counts[draw as usize];
+            level = levels[draw as usize];
+        }
+        ends[end / 2][end % 2] = level;
+    }
+    std::array::from_fn(|own| interpolated(ends[own][0], ends[own][1], at[own].fract()))
 }
 
 /// Places of sources by their levels, loudest first; equal levels keep the order of the sources.

@@ -52,12 +52,14 @@ pub fn csv(made: &Draws) -> Result<Vec<u8>, Error> {
             draw.candidate.to_string(),
             draw.levels.outcome.clone(),
         ];
-        let drawn = inputs().map(|(place, variable)| match (&draw.drawn[place], &variable.kind) {
-            (Some(Drawn::Value(Value::Number(value))), _) => format!("{value:e}"),
-            (Some(Drawn::Value(Value::Count(count))), _) => count.to_string(),
-            (Some(Drawn::Alternative(chosen)), Kind::Alternatives(options)) => options[*chosen].name.clone(),
-            _ => String::new(),
-        });
+        let drawn = inputs().map(
+            |(place, variable)| match (variable.drawn(draw.shares[place]), &variable.kind) {
+                (Some(Drawn::Value(Value::Number(value))), _) => format!("{value:e}"),
+                (Some(Drawn::Value(Value::Count(count))), _) => count.to_string(),
+                (Some(Drawn::Alternative(chosen)), Kind::Alternatives(options)) => options[chosen].name.clone(),
+                _ => String::new(),
+            },
+        );
         let errors = draw
             .method_db
             .iter()

@@ -35,7 +35,7 @@ fn place_of_nominal(variable: &Variable) -> Option<f64> {
     let Kind::Quantity(parameter) = &variable.kind else {
         return None;
     };
-    let value = |share: f64| number(Some(&Drawn::Value(parameter.at(share.clamp(1e-9, 1.0 - 1e-9)))));
+    let value = |share: f64| number(Some(Drawn::Value(parameter.at(share.clamp(1e-9, 1.0 - 1e-9)))));
     // The share up to which a condition holds, from a share where it does, between two ends.
     let last = |low: f64, holds: &dyn Fn(f64) -> bool| {
         let (mut low, mut high) = (low, 1.0);

@@ -61,6 +61,11 @@ pub enum Drawn {
 }
 
 impl Variable {
+    /// What it is in a draw by the share of its distribution below it; none where it is held, as a share that is no number says.
+    pub fn drawn(&self, share: f64) -> Option<Drawn> {
+        (!share.is_nan()).then(|| self.at(share))
+    }
+
     /// The value below which a share `u` of the distribution lies, 0 < u < 1.
     pub fn at(&self, u: f64) -> Drawn {
         match &self.kind {
@@ -111,12 +116,12 @@ pub(super) fn law_scores(designs: &[Design]) -> Result<Vec<Variable>, Error> {
 }
 
 /// The scores of a point, in their order.
-pub(super) fn drawn_scores(variables: &[Variable], drawn: &[Option<Drawn>]) -> Vec<f64> {
-    let score = |(variable, drawn): (&Variable, &Option<Drawn>)| match (&variable.kind, drawn) {
-        (Kind::LawScore, Some(Drawn::Value(Value::Number(score)))) => Some(*score),
+pub(super) fn drawn_scores(variables: &[Variable], shares: &[f64]) -> Vec<f64> {
+    let score = |(variable, share): (&Variable, &f64)| match variable.kind {
+        Kind::LawScore if !share.is_nan() => Some(normal::quantile(*share)),
         _ => None,
     };
-    variables.iter().zip(drawn).filter_map(score).collect()
+    variables.iter().zip(shares).filter_map(score).collect()
 }
 
 /// The design as a study runs it: without sensors, which would refuse draws that move the surface below them.

@@ -309,6 +309,19 @@ fn groups_hold_every_quantity_and_each_draw_has_its_partners() {
 }
 
 #[test]
+fn groups_over_drawn_structures_are_refused_with_a_remedy() {
+    let (folder, design) = made("groups-structures");
+    let output = study(&folder, &design, &["-n", "2", "--groups", "--structures"]);
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(
+        message.contains("exclude each other") && message.contains("without --structures"),
+        "{message}"
+    );
+    assert!(!folder.join("out/study").exists());
+}
+
+#[test]
 fn a_study_to_come_with_the_program_is_of_a_shipped_design() {
     let (folder, design) = made("provided");
     let output = study(&folder, &design, &["-n", "1", "--provide", "study.json"]);

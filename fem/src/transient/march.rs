@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use pulp::Arch;
 
 use super::contact::ContactSolver;
-use super::energy::{EnergyHistory, Ledger, elastic_energy};
+use super::energy::{EnergyHistory, Ledger, Unresolved, elastic_energy};
 use super::error::TransientError;
 use super::kernels::{Lane, State, combine, finish, lanes, predict, project};
 use super::model::{Loads, ModalBody, ModalState, Settings, Start, Support, SupportLaw};
@@ -62,6 +62,7 @@ pub(super) struct Run<'a> {
     first_motion: Vec<f64>,
     load_ledger: Ledger,
     contact_ledger: Ledger,
+    unresolved: Unresolved,
     energy: EnergyHistory,
     /// q and q' at every [`MARK`]th sample.
     marks: Vec<[Vec<Lane>; 2]>,
@@ -117,6 +118,7 @@ impl<'a> Run<'a> {
             first_motion: Vec::new(),
             load_ledger: nothing.clone(),
             contact_ledger: nothing,
+            unresolved: Unresolved::new(bodies, &system, h),
             energy: EnergyHistory::new(bodies.len()),
             marks: Vec::new(),
             open_samples: 0,
@@ -163,6 +165,7 @@ impl<'a> Run<'a> {
         self.contact_ledger = Ledger::new(h, &c.force, &c.penetration, &c.rate);
         self.apply_loads(0);
         self.apply_supports();
+        self.unresolved.begin(&self.state);
         for (g, (a, c)) in self
             .state
             .g
@@ -193,11 +196,15 @@ impl<'a> Run<'a> {
         self.contact.solve(free, rate, time, &mut self.work)?;
         self.apply_supports();
         finish(self.arch, &self.system.coefficients, &mut self.state);
+        let [of_loads, of_supports] = self.unresolved.add(&self.state);
         self.project_loads();
         self.load_ledger
             .add(self.applied.column(n).as_slice(), &self.load_motion, &self.load_rate);
         let c = &self.contact;
         self.contact_ledger.add(&c.force, &c.penetration, &c.rate);
+        self.load_ledger.work += of_loads;
+        // What the supports do to the bodies they do not take in.
+        self.contact_ledger.work -= of_supports;
         self.after(n);
         self.work.steps += 1;
         self.work.contact_steps += usize::from(!self.contact.touching().is_empty());
