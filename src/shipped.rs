@@ -11,6 +11,7 @@ macro_rules! files {
 pub const DESIGNS: &[(&str, &str)] = files![
     "n80cb.toml",
     "n80cb-sandbox.toml",
+    "n80cb-board.toml",
     "n80cb-feet.toml",
     "n80cb-free.toml",
     "n80cb-as-tested.toml",

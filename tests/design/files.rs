@@ -208,6 +208,7 @@ fn ready_designs_load_without_warnings() {
         "designs/n80cb-sandbox.toml",
         "designs/n80cb-free.toml",
         "designs/n80cb-feet.toml",
+        "designs/n80cb-board.toml",
         "tests/data/small.toml",
     ] {
         let design = load(path);
