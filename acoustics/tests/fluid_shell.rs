@@ -273,11 +273,10 @@ impl Elements {
 
     /// Z of the shell's modes, all orders together: R of the far field and X of the surface, and R of the surface.
     fn impedance(&self, modes: &[Mode], hz: f64) -> (DMatrix<Complex<f64>>, DMatrix<f64>) {
-        let solution = self.problem.solve(hz, &self.patterns).unwrap();
-        let z = &self.problem.impedance(&self.patterns, &solution).unwrap()[0];
         let two = self.problem.resistance(hz, &self.patterns).unwrap();
-        let x = (z + z.transpose()) * Complex::from(0.5);
-        let z = x.zip_map(&two.far_field, |x, r| Complex::new(r, x.im));
+        let z = two
+            .far_field
+            .zip_map(&two.added_mass, |r, m| Complex::new(r, TAU * hz * m));
         let surface = self.of_modes(modes, &two.patches[0].map(Complex::from)).map(|z| z.re);
         (self.of_modes(modes, &z), surface)
     }

@@ -22,4 +22,13 @@ pub enum FluidLoadingError {
         /// Frequency \[Hz\].
         hz: f64,
     },
+    /// A method gives no mass of the fluid.
+    #[error(
+        "{method} gives radiation resistance alone, no mass of air that moves along; let radiation act as damping, or compute \
+         it by boundary elements"
+    )]
+    NoReactance {
+        /// The method.
+        method: &'static str,
+    },
 }
