@@ -132,6 +132,43 @@ fn a_simply_supported_plate_in_a_baffle() {
     assert!((wet.zeta() / 0.01061 - 1.0).abs() < 0.01, "{}", wet.zeta());
 }
 
+/// Sheets in air in a baffle, both sides wet, mode (1,1): shift of the frequency, damping ratio by radiation, and level
+/// 10 lg[zeta/(zeta + zeta_r)] at resonance. Between them the wall of a housing of 0.8 mm steel.
+#[test]
+fn sheets_in_air() {
+    for ([a, b], mass, hz, zeta, [shift, of_radiation, level]) in [
+        ([0.4, 0.3], 7850.0 * 1e-3, 42.7, 0.005, [-0.021, 0.0015, -1.1]),
+        ([0.4, 0.3], 7850.0 * 0.5e-3, 21.35, 0.005, [-0.041, 0.0015, -1.1]),
+        ([0.4, 0.3], 7850.0 * 0.8e-3, 34.16, 0.005, [-0.026, 0.0015, -1.1]),
+        ([0.4, 0.3], 2700.0 * 1e-3, 42.0, 0.005, [-0.057, 0.0043, -2.7]),
+        ([0.2, 0.1], 1740.0 * 3e-3, 905.0, 0.0075, [-0.009, 0.0062, -2.6]),
+    ] {
+        let amplitude = (mass * a * b / 4.0f64).sqrt().recip();
+        let midplane = Boundary::flat(rectangle(&even(a, 6), &even(b, 6)), [None; 2]).unwrap();
+        let patterns = Patterns {
+            parity: Parity::default(),
+            velocities: midplane.project(1, |_, _, point, v| {
+                v[0] = amplitude * (PI * point.position.x / a).sin() * (PI * point.position.y / b).sin();
+            }),
+        };
+        let sheet = Plate::new(midplane, &Air::default(), Wetted::OneInBaffle);
+        let both = |hz: f64| sheet.impedance(hz, &patterns).map(|z| z * Complex::from(2.0));
+        let table = ImpedanceTable::new([0.5 * hz, 1.5 * hz], 6, both).unwrap();
+        let modes = DryModes::new(vec![TAU * hz], vec![zeta]).unwrap();
+        let wet = resonances(&modes, f64::INFINITY, |omega| table.at(omega)).unwrap()[0]
+            .clone()
+            .unwrap();
+        let moved = wet.hz() / hz - 1.0;
+        // At the dry resonance, as radiation damping is stated.
+        let added = both(hz).unwrap()[(0, 0)].re / (2.0 * TAU * hz);
+        let change = 10.0 * (zeta / (zeta + added)).log10();
+        println!("{hz} Hz: {moved:.4} {shift}, {added:.5} {of_radiation}, {change:.2} dB {level}");
+        assert!((moved - shift).abs() < 0.0012, "{hz} Hz: {moved}");
+        assert!((added / of_radiation - 1.0).abs() < 0.1, "{hz} Hz: {added}");
+        assert!((change - level).abs() < 0.2, "{hz} Hz: {change}");
+    }
+}
+
 /// Modes of a thin cantilever of the span `a` and the width `b` by Ritz's method: products of polynomials.
 struct Cantilever {
     a: f64,
