@@ -10,7 +10,7 @@ use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::ModalBem;
 use nailnoise_acoustics::exhaust::ExhaustNoise;
 use nailnoise_acoustics::levels::SourceSpectrum;
-use nailnoise_acoustics::radiator::Radiator;
+use nailnoise_acoustics::radiator::{Loading, Radiator};
 use nailnoise_dynamics::CycleRecord;
 
 use crate::design::inputs;
@@ -26,7 +26,7 @@ use crate::stages::cycle::{Cycle, Preset};
 use crate::stages::exhaust::{Exhaust, ExhaustSource, noise};
 use crate::stages::levels::{Levels, ShotLevels};
 use crate::stages::radiation::{
-    FlushMatrix, RadiationDamping, ShapeFit, ShapeMatrix, ToolCapMatrix, ToolMatrix, ToolRadiator,
+    FluidLoadings, FlushMatrix, ShapeFit, ShapeMatrix, ToolCapMatrix, ToolMatrix, ToolRadiator,
     WorkpieceBoundaryElements, WorkpieceMatrix, WorkpieceMethod, WorkpieceRadiation, WorkpieceRadiator,
 };
 use crate::stages::requirements::{Radiating, Requirements, Usable};
@@ -310,12 +310,15 @@ impl Chain {
 
         // Radiation per unit of modal motion, and the damping that it adds to the modes.
         let (radiator, field_method, workpiece_matrix) = workpiece_radiation(graph, design, &bodies, air)?;
-        let damps = design.acoustics.radiation_damping;
-        let radiation_damping = damps.then(|| {
-            graph.add(RadiationDamping {
-                radiator: radiator.clone(),
-                bodies: bodies.clone(),
-            })
+        let acts = inputs::radiation::loading(design);
+        let zeta = |bodies: &[&BodyStages]| {
+            let zeta = bodies.iter().map(|stages| 0.5 * stages.loss_factor);
+            (acts == Loading::Full).then(|| zeta.collect())
+        };
+        let loads = graph.add(FluidLoadings {
+            radiator: radiator.clone(),
+            bodies: bodies.clone(),
+            with_mass: zeta(&structure.iter().collect::<Vec<_>>()),
         });
         let tool_elements = tool.as_ref().zip(inputs::radiation::tool(design));
         let mut tool_matrix_key = None;
@@ -343,11 +346,11 @@ impl Chain {
             graph.add(ToolRadiator { matrix, air })
         });
         let tool_radiator = tool_matrix.as_ref().map(|(_, radiator)| radiator.clone());
-        let tool_damping = tool.as_ref().zip(tool_radiator.clone()).filter(|_| damps);
-        let tool_damping = tool_damping.map(|(stages, radiator)| {
-            graph.add(RadiationDamping {
+        let tool_loads = tool.as_ref().zip(tool_radiator.clone()).map(|(stages, radiator)| {
+            graph.add(FluidLoadings {
                 radiator,
                 bodies: vec![stages.body.clone()],
+                with_mass: zeta(&[stages]),
             })
         });
 
@@ -360,7 +363,7 @@ impl Chain {
         let driven_bodies = Structure {
             bodies: bodies.clone(),
             loss_factors: structure.iter().map(|stages| stages.loss_factor).collect(),
-            radiation_damping: radiation_damping.clone(),
+            fluid: acts.damps().then(|| loads.clone()),
         };
         let driven = |start: u32, two_way: bool| {
             let (shot, structure) = (shot.with_start(start), driven_bodies.clone());
@@ -416,7 +419,7 @@ impl Chain {
                     shot: tool_shot.clone(),
                     body: stages.body.clone(),
                     loss_factor: stages.loss_factor,
-                    radiation_damping: tool_damping.clone(),
+                    fluid: tool_loads.clone().filter(|_| acts.damps()),
                     cycle: cycle.clone(),
                 });
                 let motion = graph.add(BodyAnalysis {
@@ -446,7 +449,9 @@ impl Chain {
         let workpiece_sound = WorkpieceSound {
             radiator: radiator.clone(),
             bodies: bodies.clone(),
-            radiation_damping,
+            loads,
+            acts,
+            loss_factors: driven_bodies.loss_factors.clone(),
             motions: motions.clone(),
         };
         let workpiece = graph.add(WorkpieceSource {
@@ -473,7 +478,9 @@ impl Chain {
                 top_hz: stages.top_hz,
                 motion,
                 radiator: tool_radiator.clone(),
-                radiation_damping: tool_damping.clone(),
+                loads: tool_loads.clone(),
+                acts,
+                loss_factor: stages.loss_factor,
                 cap: cap_radiator.clone(),
             }),
             volume: design.body.volume(design.piston.bore),

@@ -7,7 +7,9 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use nailnoise_acoustics::levels::level_energy;
-pub use nailnoise_acoustics::radiator::{ModeShare, RadiationBand, RadiationReport, Uncertainty};
+pub use nailnoise_acoustics::radiator::{
+    FluidLoading, Loading, ModeShare, RadiationBand, RadiationReport, Uncertainty,
+};
 pub use nailnoise_quantities::Check;
 use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;

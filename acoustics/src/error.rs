@@ -3,6 +3,7 @@ use thiserror::Error;
 use crate::bem::error::BemError;
 use crate::checks::{InputError, ReceiverError};
 use crate::exhaust::error::ExhaustError;
+use crate::fluid_loading::FluidLoadingError;
 use crate::fourier::FourierError;
 use crate::interpolation::error::SamplingError;
 use crate::levels::error::LevelsError;
@@ -33,6 +34,9 @@ pub enum AcousticsError {
     /// Boundary elements.
     #[error(transparent)]
     Bem(#[from] BemError),
+    /// Modes that are loaded by a fluid.
+    #[error(transparent)]
+    FluidLoading(#[from] FluidLoadingError),
     /// The noise of an opening.
     #[error(transparent)]
     Exhaust(#[from] ExhaustError),
@@ -54,6 +58,7 @@ impl AcousticsError {
             | Self::Levels(LevelsError::Input(cause))
             | Self::Radiation(RadiationError::Input(cause))
             | Self::Bem(BemError::Input(cause))
+            | Self::FluidLoading(FluidLoadingError::Input(cause))
             | Self::Exhaust(ExhaustError::Input(cause))
             | Self::Muffler(MufflerError::Input(cause)) => matches!(cause, InputError::OutsideRange { .. }),
             Self::Receiver(ReceiverError::BelowFloor { .. }) | Self::Radiation(RadiationError::SandBox { .. }) => true,

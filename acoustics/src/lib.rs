@@ -29,6 +29,7 @@ mod blocks;
 mod checks;
 mod error;
 pub mod exhaust;
+pub mod fluid_loading;
 pub mod fourier;
 mod interpolation;
 pub mod levels;

@@ -530,6 +530,18 @@ choice! {
     }
 }
 
+choice! {
+    /// What of the air's radiation impedance R + jX acts on the modes of workpiece, support and tool.
+    FluidLoading {
+        /// Nothing: they move as in vacuum.
+        None = "none",
+        /// R at each mode's resonance, as damping.
+        Damping = "damping",
+        /// R as damping, and X as mass of air that moves along; by boundary elements only.
+        Full = "full",
+    }
+}
+
 group! {
     /// Radiation of vibrating surfaces.
     Acoustics {
@@ -546,8 +558,9 @@ group! {
         /// Largest interpolation error of the radiation matrix over frequency: root mean square of the entries R_ij, relative
         /// to sqrt(R_ii R_jj).
         bem_tolerance: f64 = positive(NUMBER).within(1e-6, 0.5), "";
-        /// Whether radiation damps the modes of workpiece and support.
-        radiation_damping: bool = Kind::Switch, "";
+        /// What of the air's reaction acts on the modes of workpiece, support and tool: nothing, radiation as damping, or that
+        /// and the mass of air that moves along, which takes boundary elements. Every run states what it changes.
+        fluid_loading: FluidLoading = FluidLoading::KIND, "";
         /// Equivalent absorption area of the room in which the microphones stand; 0 for none but the reflecting plane.
         room_absorption: f64 = nonnegative(AREA), "A";
         /// Steady A-weighted sound pressure level of the background at the microphones, in dB; 0 for none.

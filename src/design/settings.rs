@@ -66,6 +66,11 @@ const MOST_MEMBERS: usize = 250;
 /// Keys of earlier versions, and what a design gives in their place.
 const REPLACED: &[(&str, &str)] = &[
     (
+        "acoustics.radiation_damping",
+        "`acoustics.fluid_loading`, \"damping\" where it was true and \"none\" where it was false; \"full\" adds the mass of air \
+         that moves along",
+    ),
+    (
         "nail.head_gap",
         "`nail.feed_height`, the height of the waiting nail's head above the nose's face, and `piston.rod_protrusion`, \
          the length of the rod beyond it on the bumper; the travel to the head is stroke - protrusion - feed height",

@@ -117,6 +117,8 @@ pub(super) fn radiation_modes(result: &RunResult, source: &str) -> Option<Result
         "mode",
         "frequency [Hz]",
         "radiation damping ratio [-]",
+        "added mass [-]",
+        "frequency shift by it [Hz]",
         "share of A-weighted energy [-]",
     ];
     let rows = report.modes.iter().map(|m| {
@@ -131,6 +133,8 @@ pub(super) fn radiation_modes(result: &RunResult, source: &str) -> Option<Result
             number,
             optional(m.hz, 2),
             damping,
+            m.added_mass.map_or_else(String::new, |mass| format!("{mass:.3e}")),
+            optional(m.shift_hz, 3),
             format!("{:.4e}", m.share),
         ]
     });

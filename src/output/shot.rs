@@ -20,7 +20,10 @@ const ROWS: usize = 512;
 pub(super) fn add(fields: &mut Fields, driven: &Driven, events: &Events) -> Result<(), Error> {
     let (response, skin) = (&*driven.vibration.response, &driven.body.skin);
     let samples = instants(events, response);
-    let velocities = response.at(driven.index, &samples, Motion::Velocity)?;
+    let mut velocities = response.at(driven.index, &samples, Motion::Velocity)?;
+    if let Some(coordinates) = &driven.vibration.coordinates[driven.index] {
+        velocities = coordinates * velocities;
+    }
     let amplitudes = velocities.map(|v| v as f32);
     let rows = skin.nrows();
     let starts: Vec<usize> = (0..rows).step_by(ROWS).collect();

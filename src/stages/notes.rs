@@ -4,7 +4,7 @@ use nailnoise_dynamics::{CycleRecord, Outcome};
 
 use super::exhaust::{ExhaustDetails, Muffler, Openings};
 use super::tool_response::Stiffness;
-use crate::result::RadiationReport;
+use crate::result::{FluidLoading, Loading, RadiationReport};
 
 /// What the notes of a run are made from, beside cycle and exhaust.
 pub struct NoteInputs<'a> {
@@ -138,6 +138,11 @@ fn radiation_notes(inputs: &NoteInputs<'_>) -> Vec<String> {
         false => radiation_note(inputs.support, report),
     });
     let body = body.filter(|_| inputs.stiffness.is_some());
+    let loading = [("workpiece", inputs.radiation[0]), ("body", body)];
+    let loading = loading
+        .into_iter()
+        .filter_map(|(name, report)| Some((name, report?.fluid_loading.as_ref()?)));
+    let loading = loading_note(&loading.collect::<Vec<_>>());
     let body = body.map(|report| radiation_note("body, without the workpiece", report));
     let stiffness = inputs.stiffness.map(|[cap, rim]| {
         format!(
@@ -151,7 +156,7 @@ fn radiation_notes(inputs: &NoteInputs<'_>) -> Vec<String> {
             1e-6 * rim.contact
         )
     });
-    [workpiece, body, stiffness].into_iter().flatten().collect()
+    [workpiece, body, loading, stiffness].into_iter().flatten().collect()
 }
 
 /// Notes on the exhaust.
@@ -215,6 +220,51 @@ fn radiation_note(what: &str, report: &RadiationReport) -> String {
         blend.map_or_else(|| "nothing".to_owned(), |error| format!("{error:+.1} dB")),
         decibels(report.erp_lwa_db),
     )
+}
+
+/// Added mass of a mode, relative to its own, beyond which it should act on the motion.
+const NOTABLE_MASS: f64 = 0.02;
+
+/// What fluid loading changes in some sources.
+fn loading_note(sources: &[(&str, &FluidLoading)]) -> Option<String> {
+    let mut parts = Vec::new();
+    let mut heaviest = None;
+    for (name, loading) in sources {
+        let (damping, mass) = (loading.damping_db, loading.mass_db);
+        let acting = match loading.acts {
+            Loading::None => 0.0,
+            Loading::Damping => damping,
+            Loading::Full => damping + mass.unwrap_or(0.0),
+        };
+        // Without the sign of a negative zero.
+        let db = |level: f64| format!("{:.1}", if level.abs() < 0.05 { 0.0 } else { level });
+        let left_out = |acts: bool| if acts { "" } else { ", left out," };
+        let mut part = format!(
+            "{name} {} dB (damping{} {}",
+            db(acting),
+            left_out(loading.acts.damps()),
+            db(damping)
+        );
+        if let Some(mass) = mass {
+            part += &format!("; mass{} {}", left_out(loading.acts == Loading::Full), db(mass));
+        }
+        part += ")";
+        if let Some(shift) = loading.largest_shift {
+            part += &format!(", modes down by at most {:.2} %", -100.0 * shift);
+        }
+        let mass = loading.largest_mass.filter(|_| loading.acts != Loading::Full);
+        if let Some(mass) = mass.filter(|mass| *mass > NOTABLE_MASS) {
+            heaviest = Some(mass.max(heaviest.unwrap_or(0.0)));
+        }
+        parts.push(part);
+    }
+    let warning = heaviest.map_or_else(String::new, |mass: f64| {
+        format!(
+            "; the air that moves along has up to {:.1} % of a mode's mass: `acoustics.fluid_loading = \"full\"` lets it act",
+            100.0 * mass
+        )
+    });
+    (!parts.is_empty()).then(|| format!("fluid loading: {}{warning}", parts.join("; ")))
 }
 
 /// Radiation of a workpiece in sand, compared with other methods.

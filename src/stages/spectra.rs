@@ -127,7 +127,8 @@ impl Stage for BodyAnalysis {
     }
 
     fn compute(&self, _: &Progress) -> Result<BodyMotion, Error> {
-        let response = &self.vibration.get()?.response;
+        let vibration = self.vibration.get()?;
+        let response = &vibration.response;
         let (names, shapes) = match &self.sensors {
             Some(sensors) => {
                 let sensors = sensors.get()?;
@@ -135,7 +136,12 @@ impl Stage for BodyAnalysis {
             }
             None => (Vec::new(), DMatrix::zeros(response.modes(self.index)?, 0)),
         };
-        let (spectra, acceleration) = body_spectra(response, self.index, self.range_hz, &shapes)?;
+        let coordinates = vibration.coordinates[self.index].as_ref();
+        let shapes = coordinates.map_or_else(|| shapes.clone(), |coordinates| coordinates.tr_mul(&shapes));
+        let (mut spectra, acceleration) = body_spectra(response, self.index, self.range_hz, &shapes)?;
+        if let Some(coordinates) = coordinates {
+            spectra = spectra.combined(coordinates);
+        }
         Ok(BodyMotion {
             spectra,
             sensors: SensorMotion { names, acceleration },

@@ -67,6 +67,16 @@ pub enum BemError {
         /// Area covered over its area.
         share: f64,
     },
+    /// A surface that should be flat is not.
+    #[error(
+        "panel {panel} lies up to {off:.1e} m out of the plane of the first; a thin plate is given by its flat midplane"
+    )]
+    NotFlat {
+        /// Number of the panel.
+        panel: usize,
+        /// Largest distance of its nodes from the plane \[m\].
+        off: f64,
+    },
     /// A panel has no area.
     #[error("panel {panel} has an area of {area:.1e} m2; remove it or repair the mesh")]
     DegeneratePanel {

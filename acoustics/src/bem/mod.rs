@@ -28,6 +28,7 @@ pub use modes::modal::{ModalBem, ModalErp};
 pub use modes::receivers::Receivers;
 pub use modes::summary::Summary;
 pub use modes::surface_fit::SurfaceFit;
+pub use solver::plate::{Plate, Wetted};
 pub use solver::problem::{Exterior, Patterns, SurfacePressure};
 pub use solver::resistance::{Estimate, TwoEvaluations};
 pub use solver::transfer::MovingPart;

@@ -1,5 +1,6 @@
 use crate::error::AcousticsError;
 use crate::fourier::{Transform, TransformSettings, Work};
+use crate::matrix::real_product;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::{Accum, Mat, MatMut, Par};
 use nalgebra::{Complex, DMatrix};
@@ -45,6 +46,16 @@ impl ModalSpectra {
             accelerations,
             range_hz,
         })
+    }
+
+    /// The spectra of modes that are combinations of these, modes x these.
+    #[must_use]
+    pub fn combined(&self, modes: &DMatrix<f64>) -> Self {
+        Self {
+            frequency: self.frequency.clone(),
+            accelerations: real_product(modes, &self.accelerations),
+            range_hz: self.range_hz,
+        }
     }
 
     /// Transforms the acceleration records of `modes` modes, `samples` long at `sample_interval` \[s\].

@@ -1,13 +1,16 @@
 //! One or several bodies by boundary elements up to their highest frequency, and by the high-frequency limit above.
 
 use super::{
-    MovingBody, Pressures, RadiatedSound, RadiationBand, RadiationReport, Radiator, Uncertainty, damping_ratios,
-    mode_shares, motions,
+    FluidLoading, FluidLoads, Loading, MovingBody, Pressures, RadiatedSound, RadiationBand, RadiationReport, Radiator,
+    Uncertainty, damping_ratios, mode_shares, motions,
 };
 use crate::bem::ModalBem;
 use crate::error::AcousticsError;
+use crate::fluid_loading::{DryModes, WetModes};
 use crate::levels::{BandLevel, SourceSpectrum, Weighting, energy_level, energy_weights};
-use crate::radiation::{ModalSpectra, mode_energies, radiated_energy, radiated_signals};
+use crate::radiation::{ModalRadiation, ModalSpectra, mode_energies, radiated_energy, radiated_signals};
+use nalgebra::DVector;
+use std::f64::consts::TAU;
 
 /// Number of uppermost bands of boundary elements from which the error of the limit is estimated.
 const JUDGED: usize = 3;
@@ -29,6 +32,7 @@ impl Radiator for ModalBem {
         let energies = mode_energies(self, &together, &weights)?;
         let mut report = report(self, &together, [&spectrum, &surface, &erp]);
         report.modes = mode_shares(bodies, &energies);
+        report.fluid_loading = FluidLoading::new(bodies, &energies, self.solved_hz()[1]);
         let signals = vec![(source, radiated_signals(self, &together, &spectrum)?)];
         let lacking_db = lacking_db(self, &spectrum, &together);
         Ok(RadiatedSound {
@@ -39,13 +43,32 @@ impl Radiator for ModalBem {
         })
     }
 
-    fn damping(&self, omega: &[&[f64]]) -> Vec<Vec<f64>> {
-        let mut rest = damping_ratios(self, &omega.concat());
-        let of_body = |omega: &&[f64]| {
-            let tail = rest.split_off(omega.len());
-            std::mem::replace(&mut rest, tail)
+    fn loads(&self, bodies: &[DryModes], acts: Loading) -> Result<Vec<FluidLoads>, AcousticsError> {
+        let omega: Vec<f64> = bodies.iter().flat_map(|body| body.omega()).copied().collect();
+        let damping = damping_ratios(self, &omega);
+        let mut first = 0;
+        let of_body = |body: &DryModes| {
+            let (own, n) = (first, body.count());
+            first += n;
+            let mass_at = |mode: usize, hz: f64| self.added_mass(own + mode, hz)[own + mode];
+            let damping = damping[own..own + n].to_vec();
+            let mut loads = FluidLoads::new(damping, body.omega(), (own, self), mass_at);
+            if acts == Loading::Full {
+                // Rigid motion keeps the mass with which forces and weight are in balance.
+                let elastic = |mode: usize| f64::from(u8::from(body.omega()[mode] > 0.0));
+                let column = |mode: usize, omega: f64| {
+                    let mass = self.added_mass(own + mode, omega / TAU);
+                    DVector::from_fn(n, |other, _| elastic(mode) * elastic(other) * mass[own + other])
+                };
+                let form = |omega: f64, v: &DVector<f64>| {
+                    let motion = v.iter().enumerate().map(|(mode, v)| (own + mode, *v)).collect();
+                    self.sparse_forms(&[(omega / TAU, motion)]).iter().sum()
+                };
+                loads.wet = Some(WetModes::new(body, TAU, column, form)?);
+            }
+            Ok(loads)
         };
-        omega.iter().map(of_body).collect()
+        bodies.iter().map(of_body).collect()
     }
 
     fn pressures(&self, motions: &[&ModalSpectra]) -> Result<Option<Pressures>, AcousticsError> {
@@ -174,6 +197,7 @@ fn report(bem: &ModalBem, together: &ModalSpectra, [far_field, surface, erp]: [&
         limit_error_db: if ends[0] <= ends[1] { ends } else { [0.0; 2] },
         blend_error_db: error([compared[1] * 2f64.powf(-1.0 / 3.0), compared[1]]),
         erp_lwa_db: level(erp, range),
+        fluid_loading: None,
         modes: Vec::new(),
         bands: rows
             .filter(|((far, _), _)| inside(far))

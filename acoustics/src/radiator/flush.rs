@@ -1,10 +1,12 @@
 //! A surface flush with the sand around it, by Rayleigh's integral.
 
+use super::fluid_loading::needs_no_mass;
 use super::{
-    MovingBody, Pressures, RadiatedSound, RadiationBand, RadiationReport, Radiator, Uncertainty, damping_ratios,
-    mode_shares,
+    FluidLoading, FluidLoads, Loading, MovingBody, Pressures, RadiatedSound, RadiationBand, RadiationReport, Radiator,
+    Uncertainty, damping_ratios, mode_shares,
 };
 use crate::error::AcousticsError;
+use crate::fluid_loading::DryModes;
 use crate::levels::{BandLevel, SourceSpectrum, Weighting, energy_level, energy_weights};
 use crate::radiation::{
     AbsorbingSand, Erp, ModalRadiation, ModalSpectra, mode_energies, radiated_energy, radiated_signals,
@@ -34,7 +36,9 @@ impl Radiator for FlushRadiator {
         let erp = radiated_energy(source, &self.erp, motion)?;
         let mut report = report(&self.sound, &spectrum, &ratios, &erp);
         let weights = energy_weights(&spectrum.frequency, spectrum.range_hz, Weighting::A);
-        report.modes = mode_shares(bodies, &mode_energies(waves, motion, &weights)?);
+        let energies = mode_energies(waves, motion, &weights)?;
+        report.modes = mode_shares(bodies, &energies);
+        report.fluid_loading = FluidLoading::new(bodies, &energies, report.solved_hz[1]);
         Ok(RadiatedSound {
             uncertainty: sand_band(&spectrum, &self.sand, motion.range_hz),
             spectrum,
@@ -43,11 +47,10 @@ impl Radiator for FlushRadiator {
         })
     }
 
-    fn damping(&self, omega: &[&[f64]]) -> Vec<Vec<f64>> {
-        omega
-            .iter()
-            .map(|omega| damping_ratios(&self.sound.waves, omega))
-            .collect()
+    fn loads(&self, bodies: &[DryModes], acts: Loading) -> Result<Vec<FluidLoads>, AcousticsError> {
+        needs_no_mass(acts, "Rayleigh's integral over the surface in sand")?;
+        let of_body = |body: &DryModes| FluidLoads::damping_only(damping_ratios(&self.sound.waves, body.omega()));
+        Ok(bodies.iter().map(of_body).collect())
     }
 
     fn pressures(&self, motions: &[&ModalSpectra]) -> Result<Option<Pressures>, AcousticsError> {
@@ -96,6 +99,7 @@ fn report(flush: &FlushSound, waves: &SourceSpectrum, ratios: &[Option<f64>], er
         limit_error_db: [0.0; 2],
         blend_error_db: None,
         erp_lwa_db: energy_level(erp.energy(range, Weighting::A)),
+        fluid_loading: None,
         modes: Vec::new(),
         bands: rows
             .filter(|(waves, _)| inside(waves))

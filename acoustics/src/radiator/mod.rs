@@ -5,18 +5,21 @@
 //! radiates as the [sphere](RigidSphere) of its volume.
 
 mod boundary_elements;
+mod fluid_loading;
 mod flush;
 mod report;
 mod separate;
 mod sphere;
 
 pub use boundary_elements::FADE_OCTAVES;
+pub use fluid_loading::{FluidLoading, FluidLoads, Loading};
 pub use flush::FlushRadiator;
 pub use report::{ModeShare, RadiationBand, RadiationReport, Uncertainty};
 pub use separate::SeparateBodies;
 pub use sphere::RigidSphere;
 
 use crate::error::AcousticsError;
+use crate::fluid_loading::DryModes;
 use crate::levels::{PowerSignals, SourceSpectrum};
 use crate::radiation::{ModalRadiation, ModalSpectra};
 use nalgebra::{Complex, DMatrix};
@@ -38,9 +41,11 @@ pub trait Radiator: Send + Sync {
     /// As [`Self::energy`].
     fn sound(&self, source: &'static str, bodies: &[MovingBody<'_>]) -> Result<RadiatedSound, AcousticsError>;
 
-    /// Damping ratio that radiation adds to each mode of each body, given the angular frequencies of its modes \[rad/s\],
-    /// see [`damping_ratios`].
-    fn damping(&self, omega: &[&[f64]]) -> Vec<Vec<f64>>;
+    /// What the fluid adds to each mode of each body.
+    ///
+    /// # Errors
+    /// Where the mass is to act: a method without reactance, those of [`WetModes::new`](crate::fluid_loading::WetModes::new).
+    fn loads(&self, bodies: &[DryModes], acts: Loading) -> Result<Vec<FluidLoads>, AcousticsError>;
 
     /// Pressures at the receivers of the radiator; `None` if only its power is known.
     ///
@@ -58,8 +63,12 @@ pub struct MovingBody<'a> {
     pub omega: &'a [f64],
     /// How many of these are modes.
     pub modes: usize,
-    /// Damping ratio due to radiation of each, if included \[-\].
-    pub damping: Option<&'a [f64]>,
+    /// Damping ratio of its structure \[-\].
+    pub zeta: f64,
+    /// What the fluid adds to each, where it is known.
+    pub loads: Option<&'a FluidLoads>,
+    /// What of that acts on its motion.
+    pub acts: Loading,
     /// Fourier transforms of the modal accelerations.
     pub spectra: &'a ModalSpectra,
 }
@@ -118,6 +127,7 @@ fn mode_shares(bodies: &[MovingBody<'_>], energies: &[f64]) -> Vec<ModeShare> {
     let mut shares = Vec::new();
     for body in bodies {
         let mut rest = 0.0;
+        let mass = |number: usize| Some(body.loads?.mass.as_ref()?[number]);
         for (number, (omega, energy)) in body.omega.iter().zip(&mut energies).enumerate() {
             if number >= body.modes {
                 rest += energy;
@@ -127,7 +137,12 @@ fn mode_shares(bodies: &[MovingBody<'_>], energies: &[f64]) -> Vec<ModeShare> {
                 body: body.name.into(),
                 mode: Some(number + 1),
                 hz: Some(omega / TAU),
-                radiation_damping: body.damping.map(|damping| damping[number]),
+                radiation_damping: body
+                    .loads
+                    .filter(|_| body.acts.damps())
+                    .map(|loads| loads.damping[number]),
+                added_mass: mass(number),
+                shift_hz: mass(number).map(|mass| fluid_loading::shift(mass) * omega / TAU),
                 share: energy / total,
             });
         }
@@ -136,6 +151,8 @@ fn mode_shares(bodies: &[MovingBody<'_>], energies: &[f64]) -> Vec<ModeShare> {
             mode: None,
             hz: None,
             radiation_damping: None,
+            added_mass: None,
+            shift_hz: None,
             share: rest / total,
         });
     }
@@ -156,8 +173,8 @@ impl Radiator for Box<dyn Radiator> {
         self.as_ref().sound(source, bodies)
     }
 
-    fn damping(&self, omega: &[&[f64]]) -> Vec<Vec<f64>> {
-        self.as_ref().damping(omega)
+    fn loads(&self, bodies: &[DryModes], acts: Loading) -> Result<Vec<FluidLoads>, AcousticsError> {
+        self.as_ref().loads(bodies, acts)
     }
 
     fn pressures(&self, motions: &[&ModalSpectra]) -> Result<Option<Pressures>, AcousticsError> {

@@ -1,5 +1,6 @@
 //! The second evaluation of a source's power, what each mode adds, and the uncertainty of the method.
 
+use super::fluid_loading::FluidLoading;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -43,6 +44,8 @@ pub struct RadiationReport {
     pub blend_error_db: Option<f64>,
     /// A-weighted level of radiation efficiency 1 over the source's range \[dB re 1 pW s\]; null when silent.
     pub erp_lwa_db: Option<f64>,
+    /// What fluid loading changes; null where its loads on the modes are not known.
+    pub fluid_loading: Option<FluidLoading>,
     /// What each mode adds; the shares sum to one. None of a rigid tool.
     pub modes: Vec<ModeShare>,
     /// One-third-octave bands.
@@ -60,6 +63,11 @@ pub struct ModeShare {
     pub hz: Option<f64>,
     /// Damping ratio that radiation adds to it \[-\]; null where radiation does not damp.
     pub radiation_damping: Option<f64>,
+    /// Mass of air that moves along at its resonance, relative to its own \[-\], an upper bound above the range of boundary
+    /// elements; null where the method gives no reactance.
+    pub added_mass: Option<f64>,
+    /// By how much that moves its frequency \[Hz\]; it does where the mass acts.
+    pub shift_hz: Option<f64>,
     /// Part of the source's A-weighted energy \[-\]; negative for a mode that takes sound from others.
     pub share: f64,
 }

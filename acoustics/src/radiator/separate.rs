@@ -1,7 +1,9 @@
 //! Bodies of radiation efficiency 1 without interaction.
 
-use super::{MovingBody, Pressures, RadiatedSound, Radiator, Uncertainty, motions};
+use super::fluid_loading::needs_no_mass;
+use super::{FluidLoads, Loading, MovingBody, Pressures, RadiatedSound, Radiator, Uncertainty, motions};
 use crate::error::AcousticsError;
+use crate::fluid_loading::DryModes;
 use crate::levels::SourceSpectrum;
 use crate::radiation::{Erp, ModalSpectra, radiated_energy, radiated_signals};
 
@@ -43,8 +45,10 @@ impl Radiator for SeparateBodies {
         })
     }
 
-    fn damping(&self, omega: &[&[f64]]) -> Vec<Vec<f64>> {
-        omega.iter().map(|omega| vec![0.0; omega.len()]).collect()
+    fn loads(&self, bodies: &[DryModes], acts: Loading) -> Result<Vec<FluidLoads>, AcousticsError> {
+        needs_no_mass(acts, "radiation efficiency 1")?;
+        let of_body = |body: &DryModes| FluidLoads::damping_only(vec![0.0; body.count()]);
+        Ok(bodies.iter().map(of_body).collect())
     }
 
     fn pressures(&self, _: &[&ModalSpectra]) -> Result<Option<Pressures>, AcousticsError> {

@@ -110,6 +110,7 @@ fn report(far_field: &SourceSpectrum, surface: &SourceSpectrum, volume: f64, air
         limit_error_db: [0.0; 2],
         blend_error_db: None,
         erp_lwa_db: level(&erp),
+        fluid_loading: None,
         modes: Vec::new(),
         bands: rows
             .filter(|((field, _), _)| field.band.high > range[0] && field.band.low < range[1])

@@ -199,3 +199,73 @@ pub fn octants(signs: &[[i32; 3]], n: usize, quarters: bool) -> BoundaryMesh {
         patches: vec!["sphere".to_owned(), "cut".to_owned()],
     }
 }
+
+/// A rectangle in the plane z = 0 of panels with nine nodes, normals along z; the lines of their nodes, corners and
+/// mid-sides in turn.
+pub fn rectangle(x: &[f64], y: &[f64]) -> BoundaryMesh {
+    let node = |i: usize, j: usize| j * x.len() + i;
+    let cells = (0..y.len() / 2).flat_map(|j| (0..x.len() / 2).map(move |i| [2 * i, 2 * j]));
+    let panel = |[i, j]: [usize; 2]| {
+        let corners = [[0, 0], [2, 0], [2, 2], [0, 2]];
+        let others = [[1, 0], [2, 1], [1, 2], [0, 1], [1, 1]];
+        let nodes: Vec<usize> = corners.iter().chain(&others).map(|[a, b]| node(i + a, j + b)).collect();
+        Panel::new(FaceKind::Quad9, &nodes, 0).unwrap()
+    };
+    let row = |&y: &f64| x.iter().map(move |&x| Point3::new(x, y, 0.0)).collect::<Vec<_>>();
+    BoundaryMesh {
+        points: y.iter().flat_map(row).collect(),
+        panels: cells.map(panel).collect(),
+        patches: vec!["plate".to_owned()],
+    }
+}
+
+/// Lines of the nodes of `count` equal panels from 0 to `length`.
+pub fn even(length: f64, count: usize) -> Vec<f64> {
+    (0..=2 * count)
+        .map(|n| length * n as f64 / (2 * count) as f64)
+        .collect()
+}
+
+/// Lines of the nodes of `count` panels from 0 to `length` that become narrow at both ends, as the cosine does: a function
+/// that is linear in the panel at the end rises with the root of the distance.
+pub fn graded(length: f64, count: usize) -> Vec<f64> {
+    let at = |n: usize| 0.5 * length * (1.0 - (PI * n as f64 / (2 * count) as f64).cos());
+    (0..=2 * count).map(at).collect()
+}
+
+/// A quarter of a disk in the plane z = 0 between the planes x = 0 and y = 0, normals along z: n² curved triangles, whose
+/// vertices lie at the radii that `place` gives for 0 to 1.
+pub fn quarter_disk(n: usize, place: impl Fn(f64) -> f64) -> BoundaryMesh {
+    let mut points = Points::default();
+    let mut panels = Vec::new();
+    let at = |u: usize, v: usize| {
+        let r = (u + v) as f64;
+        if u + v == 0 {
+            return Point3::origin();
+        }
+        // Equal angles on every ring.
+        let angle = 0.5 * PI * v as f64 / r;
+        Point3::from(Vector3::new(angle.cos(), angle.sin(), 0.0) * place(r / (2 * n) as f64))
+    };
+    let mut push = |p: [[usize; 2]; 3]| {
+        let mut nodes: Vec<usize> = p.iter().map(|q| points.index(at(2 * q[0], 2 * q[1]))).collect();
+        for m in 0..3 {
+            let (q, r) = (p[m], p[(m + 1) % 3]);
+            nodes.push(points.index(at(q[0] + r[0], q[1] + r[1])));
+        }
+        panels.push(Panel::new(FaceKind::Tri6, &nodes, 0).unwrap());
+    };
+    for u in 0..n {
+        for v in 0..n - u {
+            push([[u, v], [u + 1, v], [u, v + 1]]);
+            if u + v + 1 < n {
+                push([[u + 1, v], [u + 1, v + 1], [u, v + 1]]);
+            }
+        }
+    }
+    BoundaryMesh {
+        points: points.points,
+        panels,
+        patches: vec!["disk".to_owned()],
+    }
+}

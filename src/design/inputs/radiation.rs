@@ -2,11 +2,14 @@
 
 use nailnoise_acoustics::bem::SolidBox;
 use nailnoise_acoustics::radiation::{AbsorbingSand, MovingSand};
+use nailnoise_acoustics::radiator::Loading;
 use nailnoise_fem::supports::Sand;
 use nalgebra::Vector3;
 
 use super::microphones::{positions, reflecting_plane, tool_height};
-use crate::design::{BodyModel, Convention, Design, RadiationMethod, SupportKind, SurfaceName, WorktablePreset};
+use crate::design::{
+    BodyModel, Convention, Design, FluidLoading, RadiationMethod, SupportKind, SurfaceName, WorktablePreset,
+};
 use crate::error::Error;
 use crate::stages::radiation::{
     CapSurface, Covered, FlushTop, Places, Resolution, ToolRadiation, WorkpieceBoundaryElements, WorkpieceRadiation,
@@ -16,6 +19,15 @@ use crate::stages::radiation::{
 /// by about sin(2 k h)/(2 k h), a ripple every c/2h that requires twice as many frequencies at twice the height and cancels in
 /// every band that is wider; the reflection of a farther floor at a microphone is the sound at the microphone's image.
 pub(crate) const FARTHEST_FLOOR: f64 = 1.0;
+
+/// What of the air's reaction acts on the modes.
+pub(crate) fn loading(design: &Design) -> Loading {
+    match design.acoustics.fluid_loading {
+        FluidLoading::None => Loading::None,
+        FluidLoading::Damping => Loading::Damping,
+        FluidLoading::Full => Loading::Full,
+    }
+}
 
 /// How the radiation of the workpiece with its support is computed.
 ///

@@ -1,10 +1,11 @@
-//! The bodies as radiators in the ambient air, and the damping that radiation adds to their modes.
+//! The bodies as radiators in the ambient air, and what that air adds to their modes.
 
-use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::ModalBem;
+use nailnoise_acoustics::fluid_loading::DryModes;
 use nailnoise_acoustics::radiation::Erp;
-use nailnoise_acoustics::radiator::{FlushRadiator, Radiator, SeparateBodies};
+use nailnoise_acoustics::radiator::{FluidLoads, FlushRadiator, Loading, Radiator, SeparateBodies};
 use nailnoise_acoustics::sound::FlushSound;
+use nailnoise_acoustics::{AcousticsError, Air};
 use serde::Serialize;
 
 use super::CODE;
@@ -101,21 +102,23 @@ impl Stage for ToolRadiator {
     }
 }
 
-/// Damping ratio that radiation adds to each mode of each body \[-\].
+/// What the air adds to each mode of each body.
 #[derive(Serialize)]
 #[serde(bound = "")]
-pub struct RadiationDamping<R> {
+pub struct FluidLoadings<R> {
     /// How the bodies radiate.
     pub radiator: Stored<R>,
     /// The bodies.
     pub bodies: Vec<Stored<Body>>,
+    /// Damping ratio of the structure of each body, where the air's mass is to act \[-\].
+    pub with_mass: Option<Vec<f64>>,
 }
 
-impl<R: Radiator + 'static> Stage for RadiationDamping<R> {
-    /// Bodies x modes.
-    type Output = Vec<Vec<f64>>;
+impl<R: Radiator + 'static> Stage for FluidLoadings<R> {
+    /// One for each body.
+    type Output = Vec<FluidLoads>;
     type Codec = Postcard;
-    const NAME: &'static str = "radiation damping";
+    const NAME: &'static str = "fluid loading";
     const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
@@ -123,9 +126,18 @@ impl<R: Radiator + 'static> Stage for RadiationDamping<R> {
         bodies.chain([&self.radiator as &dyn Input]).collect()
     }
 
-    fn compute(&self, _: &Progress) -> Result<Vec<Vec<f64>>, Error> {
-        let bodies = all(&self.bodies)?;
-        let omega: Vec<&[f64]> = bodies.iter().map(|body| body.omega.as_slice()).collect();
-        Ok(self.radiator.get()?.damping(&omega))
+    fn compute(&self, _: &Progress) -> Result<Vec<FluidLoads>, Error> {
+        let mut modes = Vec::new();
+        for (index, body) in all(&self.bodies)?.iter().enumerate() {
+            let zeta = self.with_mass.as_ref().map_or(0.0, |zeta| zeta[index]);
+            let omega = body.omega.clone();
+            let zeta = vec![zeta; omega.len()];
+            modes.push(DryModes::new(omega, zeta).map_err(AcousticsError::from)?);
+        }
+        let acts = match self.with_mass {
+            Some(_) => Loading::Full,
+            None => Loading::Damping,
+        };
+        Ok(self.radiator.get()?.loads(&modes, acts)?)
     }
 }

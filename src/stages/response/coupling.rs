@@ -13,7 +13,7 @@ use nailnoise_dynamics::{
     simulate_on,
 };
 use nailnoise_fem::transient::{Driven, ModalBody, ModalResponse, Settings, Support};
-use nalgebra::DVectorView;
+use nalgebra::{DMatrix, DVectorView};
 
 use super::nail_force;
 use crate::error::Error;
@@ -47,6 +47,8 @@ pub struct Coupled {
     pub record: CycleRecord,
     /// The response of workpiece and support.
     pub response: Arc<ModalResponse>,
+    /// Amplitudes of each body's modes in vacuum for those in which it responds, where they differ.
+    pub coordinates: Vec<Option<DMatrix<f64>>>,
     /// Iterations of the coupling and the difference left.
     pub work: CouplingWork,
     /// Forces and work on both sides.
@@ -90,6 +92,7 @@ pub fn couple(
     Ok(Coupled {
         record,
         response: Arc::new(response),
+        coordinates: vec![None; bodies.len()],
         work,
         checks,
     })

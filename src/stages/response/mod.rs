@@ -5,15 +5,20 @@
 //! [`CouplingReport`] hand on what others read.
 
 mod coupling;
+mod fluid;
 mod nail_force;
 mod shot;
 mod two_way;
 
 use std::sync::Arc;
 
+use nailnoise_acoustics::radiator::FluidLoads;
 use nailnoise_dynamics::CycleRecord;
 use nailnoise_fem::transient::{Ending, ModalBody, ModalResponse};
+use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
+
+pub(in crate::stages) use fluid::in_air;
 
 pub use coupling::{COUPLED_LOADS, Coupled, couple};
 pub use shot::Shot;
@@ -25,13 +30,16 @@ use crate::error::Error;
 use crate::result::Check;
 
 /// Code that the stages of this module call.
-const CODE: Code = code!(dynamics, meshes, fem, stages_bodies, stages_response);
+const CODE: Code = code!(dynamics, meshes, fem, acoustics, stages_bodies, stages_response);
 
 /// Motion of one or several bodies in a shot.
 #[derive(Debug)]
 pub struct Vibration {
     /// Forces and motion.
     pub response: Arc<ModalResponse>,
+    /// Amplitudes of a body's modes in vacuum for those in which it responds, modes x coordinates; none where both are the
+    /// same.
+    pub coordinates: Vec<Option<DMatrix<f64>>>,
     /// Checks of the response.
     pub checks: Vec<Check>,
 }
@@ -43,29 +51,33 @@ pub struct Structure {
     pub bodies: Vec<Stored<Body>>,
     /// Loss factor of the modes of each \[-\].
     pub loss_factors: Vec<f64>,
-    /// Damping ratio that radiation adds to each mode of each body, where it damps them \[-\].
-    pub radiation_damping: Option<Stored<Vec<Vec<f64>>>>,
+    /// What the air adds to the modes of each body, where it acts on them.
+    pub fluid: Option<Stored<Vec<FluidLoads>>>,
 }
 
 impl Structure {
     fn inputs(&self) -> Vec<&dyn Input> {
         let bodies = self.bodies.iter().map(|body| body as &dyn Input);
-        let damping = self.radiation_damping.iter().map(|damping| damping as &dyn Input);
-        bodies.chain(damping).collect()
+        let fluid = self.fluid.iter().map(|fluid| fluid as &dyn Input);
+        bodies.chain(fluid).collect()
     }
 
-    /// The bodies as the transient solver takes them, the workpiece first.
-    fn modal_bodies(&self, shot: &Shot) -> Result<Vec<ModalBody>, Error> {
+    /// The bodies as the transient solver takes them, the workpiece first, with [`Vibration::coordinates`].
+    fn modal_bodies(&self, shot: &Shot) -> Result<(Vec<ModalBody>, Vec<Option<DMatrix<f64>>>), Error> {
         let mut bodies = Vec::new();
         for (index, (body, loss_factor)) in self.bodies.iter().zip(&self.loss_factors).enumerate() {
             bodies.push(shot.modal_body(&*body.get()?, *loss_factor, index == 0));
         }
-        if let Some(damping) = &self.radiation_damping {
-            for (body, added) in bodies.iter_mut().zip(damping.get()?.iter()) {
-                body.zeta.iter_mut().zip(added).for_each(|(zeta, added)| *zeta += added);
-            }
-        }
-        Ok(bodies)
+        let Some(fluid) = &self.fluid else {
+            let coordinates = vec![None; bodies.len()];
+            return Ok((bodies, coordinates));
+        };
+        let fluid = fluid.get()?;
+        let in_air = bodies
+            .into_iter()
+            .zip(fluid.iter())
+            .map(|(body, loads)| in_air(body, loads));
+        Ok(in_air.unzip())
     }
 }
 
@@ -96,11 +108,12 @@ impl Stage for Response {
     }
 
     fn compute(&self, _: &Progress) -> Result<Vibration, Error> {
-        let bodies = self.structure.modal_bodies(&self.shot)?;
+        let (bodies, coordinates) = self.structure.modal_bodies(&self.shot)?;
         let response = self.shot.one_way(&bodies, &*self.cycle.get()?, self.force_scale)?;
         Ok(Vibration {
             checks: checks("response", &response),
             response: Arc::new(response),
+            coordinates,
         })
     }
 }

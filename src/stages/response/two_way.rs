@@ -35,8 +35,9 @@ impl Stage for CoupledResponse {
     }
 
     fn compute(&self, _: &Progress) -> Result<Coupled, Error> {
-        self.shot
-            .two_way(&self.structure.modal_bodies(&self.shot)?, &self.cycle)
+        let (bodies, coordinates) = self.structure.modal_bodies(&self.shot)?;
+        let coupled = self.shot.two_way(&bodies, &self.cycle)?;
+        Ok(Coupled { coordinates, ..coupled })
     }
 }
 
@@ -74,9 +75,11 @@ impl Stage for CoupledVibration {
     }
 
     fn compute(&self, _: &Progress) -> Result<Vibration, Error> {
-        let response = Arc::clone(&self.0.get()?.response);
+        let both = self.0.get()?;
+        let response = Arc::clone(&both.response);
         Ok(Vibration {
             checks: checks("response", &response),
+            coordinates: both.coordinates.clone(),
             response,
         })
     }

@@ -6,7 +6,7 @@ use nailnoise_acoustics::radiation::{
     CompactErp, Erp, ModalSpectra, PartOfSurface, RadiatingSurface, radiated_energy, radiated_signals,
     sphere_efficiency,
 };
-use nailnoise_acoustics::radiator::{MovingBody, Radiator, RigidSphere};
+use nailnoise_acoustics::radiator::{FluidLoads, Loading, MovingBody, Radiator, RigidSphere};
 use nailnoise_acoustics::{AcousticsError, Air};
 use nailnoise_dynamics::CycleRecord;
 use nailnoise_meshes::open_faces;
@@ -60,8 +60,12 @@ pub struct Housing {
     pub motion: Stored<BodyMotion>,
     /// How it radiates by boundary elements, where the design asks for them.
     pub radiator: Option<Stored<ModalBem>>,
-    /// Damping ratio that radiation adds to its modes, where it damps them \[-\].
-    pub radiation_damping: Option<Stored<Vec<Vec<f64>>>>,
+    /// What the air adds to its modes, where boundary elements tell.
+    pub loads: Option<Stored<Vec<FluidLoads>>>,
+    /// What of that acts on its motion.
+    pub acts: Loading,
+    /// Loss factor of its modes \[-\].
+    pub loss_factor: f64,
     /// How it radiates with its cap alone in motion, behind each mode of the whole, where the cap counts to another source.
     pub cap: Option<Stored<ModalBem>>,
 }
@@ -73,7 +77,7 @@ impl BodySound {
         if let Some(housing) = &self.housing {
             inputs.extend([&housing.body as &dyn Input, &housing.motion]);
             inputs.extend(housing.radiator.iter().map(|radiator| radiator as &dyn Input));
-            inputs.extend(housing.radiation_damping.iter().map(|damping| damping as &dyn Input));
+            inputs.extend(housing.loads.iter().map(|loads| loads as &dyn Input));
             inputs.extend(housing.cap.iter().map(|cap| cap as &dyn Input));
         }
         inputs
@@ -88,9 +92,17 @@ impl BodySound {
         let (body, motion) = (housing.body.get()?, housing.motion.get()?);
         match &housing.radiator {
             Some(bem) => {
-                let damping = housing.radiation_damping.as_ref().map(Stored::get).transpose()?;
-                let damping = damping.as_ref().map(|all| all[0].as_slice());
-                self.by_boundary_elements(&*bem.get()?, &body, (damping, &motion.spectra), &record)
+                let loads = housing.loads.as_ref().map(Stored::get).transpose()?;
+                let moving = MovingBody {
+                    name: body.name,
+                    omega: &body.omega,
+                    modes: body.basis.hz.len(),
+                    zeta: 0.5 * housing.loss_factor,
+                    loads: loads.as_ref().and_then(|all| all.first()),
+                    acts: housing.acts,
+                    spectra: &motion.spectra,
+                };
+                self.by_boundary_elements(&*bem.get()?, &body, &moving, &record)
             }
             None => self.as_sphere(&body, &motion.spectra, &record),
         }
@@ -136,18 +148,11 @@ impl BodySound {
         &self,
         bem: &ModalBem,
         body: &Body,
-        (damping, spectra): (Option<&[f64]>, &ModalSpectra),
+        moving: &MovingBody<'_>,
         record: &CycleRecord,
     ) -> Result<Sound, Error> {
-        let moving = MovingBody {
-            name: body.name,
-            omega: &body.omega,
-            modes: body.basis.hz.len(),
-            damping,
-            spectra,
-        };
-        let mut sound = Sound::from(bem.sound(NAME, &[moving])?);
-        let sphere = self.energy_as_sphere(bem, body, spectra, record)?;
+        let mut sound = Sound::from(bem.sound(NAME, &[*moving])?);
+        let sphere = self.energy_as_sphere(bem, body, moving.spectra, record)?;
         sound.cross_check = Some(CrossCheck {
             quantity: "the tool's body".into(),
             lw_db: sound.spectrum.level(self.range_hz, Weighting::Z),

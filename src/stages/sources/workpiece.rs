@@ -2,7 +2,7 @@
 
 use nailnoise_acoustics::levels::SourceSpectrum;
 use nailnoise_acoustics::radiation::ModalSpectra;
-use nailnoise_acoustics::radiator::{MovingBody, Radiator};
+use nailnoise_acoustics::radiator::{FluidLoads, Loading, MovingBody, Radiator};
 use nailnoise_dynamics::CycleRecord;
 use serde::Serialize;
 
@@ -25,8 +25,12 @@ pub struct WorkpieceSound {
     pub radiator: Stored<Box<dyn Radiator>>,
     /// The bodies.
     pub bodies: Vec<Stored<Body>>,
-    /// Damping ratio that radiation adds to each mode of each body, where it damps them \[-\].
-    pub radiation_damping: Option<Stored<Vec<Vec<f64>>>>,
+    /// What the air adds to the modes of each body.
+    pub loads: Stored<Vec<FluidLoads>>,
+    /// What of that acts on their motion.
+    pub acts: Loading,
+    /// Loss factor of the modes of each \[-\].
+    pub loss_factors: Vec<f64>,
     /// Motion of each body.
     pub motions: Vec<Stored<BodyMotion>>,
 }
@@ -36,19 +40,15 @@ impl WorkpieceSound {
     pub(in crate::stages) fn inputs(&self) -> Vec<&dyn Input> {
         let bodies = self.bodies.iter().map(|body| body as &dyn Input);
         let motions = self.motions.iter().map(|motion| motion as &dyn Input);
-        let damping = self.radiation_damping.iter().map(|damping| damping as &dyn Input);
-        bodies
-            .chain(motions)
-            .chain(damping)
-            .chain([&self.radiator as &dyn Input])
-            .collect()
+        let others: [&dyn Input; 2] = [&self.loads, &self.radiator];
+        bodies.chain(motions).chain(others).collect()
     }
 
     /// Its sound.
     pub(in crate::stages) fn sound(&self) -> Result<Sound, Error> {
         let bodies = all(&self.bodies)?;
         let motions = all(&self.motions)?;
-        let damping = self.radiation_damping.as_ref().map(Stored::get).transpose()?;
+        let loads = self.loads.get()?;
         let moving: Vec<MovingBody<'_>> = bodies
             .iter()
             .zip(&motions)
@@ -57,7 +57,9 @@ impl WorkpieceSound {
                 name: body.name,
                 omega: &body.omega,
                 modes: body.basis.hz.len(),
-                damping: damping.as_ref().map(|all| all[index].as_slice()),
+                zeta: 0.5 * self.loss_factors[index],
+                loads: loads.get(index),
+                acts: self.acts,
                 spectra: &motion.spectra,
             })
             .collect();

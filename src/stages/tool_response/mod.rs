@@ -12,12 +12,13 @@ mod forces;
 use std::borrow::Cow;
 use std::sync::Arc;
 
+use nailnoise_acoustics::radiator::FluidLoads;
 use nailnoise_dynamics::{CycleRecord, Parameters};
 use nailnoise_fem::transient::{Loads, ModalBody, ModalResponse, ModalState, Motion, Settings, Start, respond};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-use super::response::Vibration;
+use super::response::{Vibration, in_air};
 use super::{Code, Input, NotKept, Postcard, Progress, Stage, Stored, code};
 use crate::error::Error;
 use crate::result::Check;
@@ -29,6 +30,7 @@ const CODE: Code = code!(
     dynamics,
     meshes,
     fem,
+    acoustics,
     stages_bodies,
     stages_response,
     stages_tool_response
@@ -54,8 +56,8 @@ pub struct ToolResponse {
     pub body: Stored<Body>,
     /// Its loss factor \[-\].
     pub loss_factor: f64,
-    /// Damping ratio that radiation adds to each of its modes, where it damps them \[-\].
-    pub radiation_damping: Option<Stored<Vec<Vec<f64>>>>,
+    /// What the air adds to its modes, where it acts on them.
+    pub fluid: Option<Stored<Vec<FluidLoads>>>,
     /// The cycle.
     pub cycle: Stored<CycleRecord>,
 }
@@ -68,18 +70,15 @@ impl Stage for ToolResponse {
     const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
-        let damping = self.radiation_damping.iter().map(|damping| damping as &dyn Input);
-        damping.chain([&self.body as &dyn Input, &self.cycle]).collect()
+        let fluid = self.fluid.iter().map(|fluid| fluid as &dyn Input);
+        fluid.chain([&self.body as &dyn Input, &self.cycle]).collect()
     }
 
     fn compute(&self, _: &Progress) -> Result<Vibration, Error> {
         let (body, record) = (self.body.get()?, self.cycle.get()?);
-        let damping = self.radiation_damping.as_ref().map(Stored::get).transpose()?;
-        let damping = damping
-            .as_deref()
-            .and_then(|damping| damping.first())
-            .map(Vec::as_slice);
-        self.shot.response(&body, self.loss_factor, damping, &record)
+        let fluid = self.fluid.as_ref().map(Stored::get).transpose()?;
+        let fluid = fluid.as_deref().and_then(|loads| loads.first());
+        self.shot.response(&body, self.loss_factor, fluid, &record)
     }
 }
 
@@ -147,8 +146,7 @@ const STRAY_LIMIT: f64 = 1e-4;
 const VELOCITY_LIMIT: f64 = 5e-3;
 
 impl ToolShot {
-    /// The response of the tool's body to a cycle. `radiation_damping` is added to the damping ratios that its loss factor
-    /// gives its modes.
+    /// The response of the tool's body to a cycle, in the air where its loads are given.
     ///
     /// # Errors
     /// Those of the transient solver, and [`MeshError`](nailnoise_meshes::MeshError) for a body without a bore.
@@ -156,34 +154,36 @@ impl ToolShot {
         &self,
         body: &Body,
         loss_factor: f64,
-        radiation_damping: Option<&[f64]>,
+        fluid: Option<&FluidLoads>,
         record: &CycleRecord,
     ) -> Result<Vibration, Error> {
         let parameters = &self.parameters;
         let guided = Guided::new(body, parameters.ambient.gravity);
         let loads = loads(&guided, forces::histories(parameters, &body.mesh, record)?, record);
+        let modal = ModalBody {
+            name: body.name.to_owned(),
+            omega: body.omega.clone(),
+            zeta: vec![0.5 * loss_factor; body.omega.len()],
+            loads: guided.loads.clone(),
+            supports: DMatrix::zeros(body.omega.len(), 0),
+        };
+        let (modal, coordinates) = match fluid {
+            Some(loads) => in_air(modal, loads),
+            None => (modal, None),
+        };
         let settings = Settings {
             step: self.step,
             duration: self.duration,
             decay: f64::INFINITY, // its flight does not decay
-            start: Start::State(vec![guided.rest(body, &loads)]),
+            start: Start::State(vec![rest(&modal, &loads)]),
             require_contact: false,
             ..Settings::default()
         };
-        let of_radiation = |mode: usize| radiation_damping.map_or(0.0, |damping| damping[mode]);
-        let modal = ModalBody {
-            name: body.name.to_owned(),
-            omega: body.omega.clone(),
-            zeta: (0..body.omega.len())
-                .map(|j| 0.5 * loss_factor + of_radiation(j))
-                .collect(),
-            loads: guided.loads.clone(),
-            supports: DMatrix::zeros(body.omega.len(), 0),
-        };
         let response = respond(&[modal], &[], &loads, &settings)?;
         Ok(Vibration {
-            checks: guided.checks(parameters, record, &loads, &response)?,
+            checks: guided.checks(parameters, record, &loads, (&response, coordinates.as_ref()))?,
             response: Arc::new(response),
+            coordinates: vec![coordinates],
         })
     }
 
@@ -248,22 +248,12 @@ impl Guided {
         self.loads.tr_mul(&self.descent)
     }
 
-    /// Bent as the loads at the start bend it, at rest.
-    fn rest(&self, body: &Body, loads: &Loads) -> ModalState {
-        let force = &self.loads * loads.history.column(0);
-        let mut state = ModalState::rest(body.omega.len());
-        for (j, omega) in body.omega.iter().enumerate().filter(|(_, omega)| **omega > 0.0) {
-            state.displacement[j] = force[j] / (omega * omega);
-        }
-        state
-    }
-
     fn checks(
         &self,
         parameters: &Parameters,
         record: &CycleRecord,
         loads: &Loads,
-        response: &ModalResponse,
+        (response, coordinates): (&ModalResponse, Option<&DMatrix<f64>>),
     ) -> Result<Vec<Check>, Error> {
         let (tool, mass) = (&record.tool, parameters.tool.mass);
         let largest = |values: &[f64]| values.iter().fold(f64::MIN_POSITIVE, |a: f64, b| a.max(b.abs()));
@@ -280,6 +270,7 @@ impl Guided {
         };
         let stray = (0..record.len()).map(stray).fold(0.0, f64::max);
         let fall = DMatrix::from_column_slice(self.descent.len(), 1, self.descent.as_slice()) / self.mass;
+        let fall = coordinates.map_or_else(|| fall.clone(), |coordinates| coordinates.tr_mul(&fall));
         let velocity = response.points(0, &fall, Motion::Velocity)?;
         // An impulse between two samples is spread over both, and the velocity over four.
         let smooth = |v: &[f64]| 0.25 * (v[0] + 2.0 * v[1] + v[2]);
@@ -305,6 +296,16 @@ impl Guided {
         checks.extend(super::response::checks("tool", response));
         Ok(checks)
     }
+}
+
+/// Bent as the loads at the start bend it, at rest.
+fn rest(body: &ModalBody, loads: &Loads) -> ModalState {
+    let force = &body.loads * loads.history.column(0);
+    let mut state = ModalState::rest(body.modes());
+    for (j, omega) in body.omega.iter().enumerate().filter(|(_, omega)| **omega > 0.0) {
+        state.displacement[j] = force[j] / (omega * omega);
+    }
+    state
 }
 
 /// The loads of a shot. After the record inner forces keep their values and the hand takes up what the others leave: the

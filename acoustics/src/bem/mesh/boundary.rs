@@ -16,11 +16,14 @@ pub struct Boundary {
     planes: [Option<f64>; 3],
     original: Vec<usize>,
     node: Vec<usize>,
-    /// Planes in which each unknown lies, a bit an axis.
+    /// Planes in which each unknown lies, a bit an axis, and [`FREE_EDGE`].
     in_planes: Vec<u8>,
     nodes: usize,
     repairs: Repairs,
 }
+
+/// Bit of an unknown on the free edge of a flat surface.
+const FREE_EDGE: u8 = 8;
 
 /// Changes that made a surface valid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -62,8 +65,38 @@ impl Boundary {
     /// # Errors
     /// Those of [`Boundary::new`], and [`BemError::MirrorThroughPart`].
     pub fn symmetric(mesh: BoundaryMesh, mirrors: [Option<f64>; 2], floor: Option<f64>) -> Result<Self, BemError> {
-        let mut mesh = mesh;
-        let planes = [mirrors[0], mirrors[1], floor];
+        Self::checked(mesh, [mirrors[0], mirrors[1], floor], true)
+    }
+
+    /// A flat surface with free edges, the midplane of a thin plate, for a [`Plate`](crate::bem::Plate). Its normals point
+    /// to one side; about `mirrors` as in [`Boundary::symmetric`].
+    ///
+    /// # Errors
+    /// Those of [`Boundary::symmetric`], and [`BemError::NotFlat`].
+    pub fn flat(mesh: BoundaryMesh, mirrors: [Option<f64>; 2]) -> Result<Self, BemError> {
+        let flat = Self::checked(mesh, [mirrors[0], mirrors[1], None], false)?;
+        let normal = |p: usize, xi: [f64; 2]| flat.mesh.point_at(p, xi).area_vector().normalize();
+        let first = normal(0, [0.0; 2]);
+        let plane = flat.mesh.point_at(0, [0.0; 2]).position.coords.dot(&first);
+        let size = extent(&flat.mesh);
+        for (p, panel) in flat.mesh.panels.iter().enumerate() {
+            let off = panel
+                .nodes()
+                .iter()
+                .map(|&n| (flat.mesh.points[n].coords.dot(&first) - plane).abs());
+            let off = off.fold(0.0, f64::max);
+            if off > 1e-6 * size {
+                return Err(BemError::NotFlat {
+                    panel: flat.original[p],
+                    off,
+                });
+            }
+        }
+        Ok(flat)
+    }
+
+    fn checked(mut mesh: BoundaryMesh, planes: [Option<f64>; 3], closed: bool) -> Result<Self, BemError> {
+        let floor = planes[2];
         let panels = mesh.panels.len();
         let size = extent(&mesh);
         let tolerance = 1e-6 * size;
@@ -107,8 +140,18 @@ impl Boundary {
             let inside = |axis: &usize| planes[*axis].is_some_and(|z| (mesh.points[n][*axis] - z).abs() <= tolerance);
             (0..3).filter(inside).map(|axis| 1 << axis).sum()
         };
-        let masks: Vec<u8> = (0..mesh.points.len()).map(in_planes).collect();
-        let neighbours = neighbours(&mesh, &masks)?;
+        let mut masks: Vec<u8> = (0..mesh.points.len()).map(in_planes).collect();
+        let (neighbours, open) = neighbours(&mesh, &masks)?;
+        if let Some(&(a, b)) = open.iter().min().filter(|_| closed) {
+            return Err(BemError::OpenSurface {
+                edges: open.len(),
+                at: nalgebra::center(&mesh.points[a], &mesh.points[b]).into(),
+            });
+        }
+        for (a, b) in open {
+            masks[a] |= FREE_EDGE;
+            masks[b] |= FREE_EDGE;
+        }
         let flipped = orient(&mut mesh, &neighbours, floor.unwrap_or(0.0));
         let mut node = vec![usize::MAX; mesh.points.len()];
         let mut in_planes = Vec::new();
@@ -221,6 +264,11 @@ impl Boundary {
         self.in_planes[node]
     }
 
+    /// Whether an unknown lies on the free edge of a flat surface.
+    pub(crate) fn on_free_edge(&self, node: usize) -> bool {
+        self.in_planes[node] & FREE_EDGE != 0
+    }
+
     /// Highest frequency at which every panel's edges measure at most 1/`per_wavelength` of a wave \[Hz\].
     pub fn highest_hz(&self, sound_speed: f64, per_wavelength: f64) -> f64 {
         sound_speed / (per_wavelength * self.mesh.longest_edge())
@@ -327,8 +375,10 @@ fn extent(mesh: &BoundaryMesh) -> f64 {
 /// The panel across an edge, and whether it traverses the edge in the same direction (its normal is then reversed).
 type Beyond = (usize, bool);
 
-/// The panel across every edge of every panel.
-fn neighbours(mesh: &BoundaryMesh, in_planes: &[u8]) -> Result<Vec<Vec<Beyond>>, BemError> {
+/// The panel across every edge of every panel, and the edges of one panel that lie in no plane.
+type Neighbours = (Vec<Vec<Beyond>>, Vec<(usize, usize)>);
+
+fn neighbours(mesh: &BoundaryMesh, in_planes: &[u8]) -> Result<Neighbours, BemError> {
     let mut edges: HashMap<(usize, usize), Vec<(usize, bool)>> = HashMap::new();
     for (p, panel) in mesh.panels.iter().enumerate() {
         let c = panel.corners();
@@ -356,13 +406,7 @@ fn neighbours(mesh: &BoundaryMesh, in_planes: &[u8]) -> Result<Vec<Vec<Beyond>>,
             }
         }
     }
-    if let Some(&(a, b)) = open.iter().min() {
-        return Err(BemError::OpenSurface {
-            edges: open.len(),
-            at: nalgebra::center(&mesh.points[a], &mesh.points[b]).into(),
-        });
-    }
-    Ok(result)
+    Ok((result, open))
 }
 
 /// Reverses panels until all normals point out of the bodies; returns the number of reversed panels.

@@ -1,5 +1,6 @@
 //! Modes of a body over frequency: radiation matrices, pressures at receivers, and fields band by band.
 
+pub(crate) mod added_mass;
 pub(crate) mod band_fields;
 pub(crate) mod combination;
 pub(crate) mod independent;

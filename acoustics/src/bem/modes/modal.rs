@@ -1,6 +1,7 @@
 use crate::air::Air;
 use crate::bem::high_frequencies::composite::{CompositeRadiation, HighFrequencyRadiation};
 use crate::bem::high_frequencies::frequencies::{HighFrequencies, limits};
+use crate::bem::modes::added_mass::{AddedMasses, MassSamples};
 use crate::bem::modes::combination::Combination;
 use crate::bem::modes::independent::independent;
 use crate::bem::modes::mesh_range::MeshRange;
@@ -14,7 +15,7 @@ use crate::error::AcousticsError;
 use crate::radiation::{
     AveragedResistance, Erp, ModalRadiation, ModalSpectra, ROUND, Resistance, SampledRadiation, Sampling,
 };
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, DMatrix, DVector};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -44,6 +45,8 @@ pub struct ModalBem {
     parities: Arc<Vec<CompositeRadiation>>,
     #[serde(with = "shared")]
     pressures: Arc<ModalPressures>,
+    #[serde(with = "shared")]
+    masses: Arc<AddedMasses>,
     /// Summary of the sampling.
     pub summary: Summary,
     air: AirScale,
@@ -57,6 +60,7 @@ pub struct ModalBem {
 ///
 /// ```text
 /// R(f; rho, c) = (rho c)/(rho0 c0) R0(f c0/c)        p/a (f; rho, c) = rho/rho0 (p/a)0 (f c0/c)
+/// X/omega (f; rho, c) = rho/rho0 (X/omega)0 (f c0/c)
 /// ```
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 struct AirScale {
@@ -163,6 +167,7 @@ impl ModalBem {
         let mut low = sampling.range_hz[0];
         let mut coarser: Option<RangeSolver<'_>> = None;
         let mut alike: Option<RangeSolver<'_>> = None;
+        let mut masses = MassSamples::default();
         for (number, level) in levels.into_iter().enumerate() {
             let range = Sampling {
                 range_hz: [low, level.top_hz],
@@ -189,6 +194,8 @@ impl ModalBem {
                 ranges[c].push(found.with_roots());
             }
             solver.report(&mut summary);
+            predictor.add_masses(&mut masses);
+            solver.add_masses(&mut masses);
             alike = coarser.replace(solver).filter(|_| follows);
         }
         let mut nodes: Vec<Vec<(f64, Vec<Resistance>)>> = vec![Vec::new(); chosen.len()];
@@ -205,6 +212,8 @@ impl ModalBem {
                     .for_each(|(nodes, mean)| nodes.push((hz, mean)));
             }
         }
+        let present = counts.iter().enumerate().filter(|(_, count)| **count > 0);
+        let masses = masses.thinned(&present.map(|(parity, _)| parity).collect::<Vec<_>>());
         let (mut combinations, mut parities) = (Vec::new(), Vec::new());
         let limits = nodes.into_iter().zip(limits);
         for ((((pick, ranges), samples), erp), (mut nodes, limit)) in
@@ -230,6 +239,7 @@ impl ModalBem {
             combinations,
             parities: Arc::new(parities),
             pressures: Arc::new(pressures),
+            masses: Arc::new(masses),
             summary,
             air: AirScale::NONE,
             fit: None,
@@ -289,6 +299,21 @@ impl ModalBem {
             },
             ..self.clone()
         }
+    }
+
+    /// A column of the mass of air that moves along, relative to modal masses of 1, X(omega)/omega at the frequency `hz`.
+    pub fn added_mass(&self, column: usize, hz: f64) -> DVector<f64> {
+        let hz = self.air.computed(hz);
+        let mut mass = DMatrix::zeros(self.modes, 1);
+        for (parity, t) in self.combinations.iter().enumerate() {
+            let moving = t.of_sparse(&[(column, 1.0)]);
+            if moving.is_empty() {
+                continue;
+            }
+            let own = self.masses.product(parity, hz, &moving).map(Complex::from);
+            t.add_transposed(&DMatrix::from_column_slice(own.len(), 1, own.as_slice()), &mut mass);
+        }
+        mass.column(0).map(|m: Complex<f64>| self.air.density * m.re)
     }
 
     /// The equivalent radiated power of the same surface.

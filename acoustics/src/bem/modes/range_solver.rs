@@ -1,3 +1,4 @@
+use crate::bem::modes::added_mass::{MassSamples, PackedMass};
 use crate::bem::modes::independent::Independent;
 use crate::bem::modes::mesh_range::MeshRange;
 use crate::bem::modes::receivers::{ReceiverPressures, Receivers, receiver_pressures};
@@ -11,9 +12,10 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Solution at one frequency: R of every parity and patch, and receiver pressures of every parity.
+/// Solution at one frequency: R of every parity and patch, added mass and receiver pressures of every parity.
 pub(crate) struct Solved {
     pub(crate) resistances: Vec<Vec<Resistance>>,
+    masses: Vec<PackedMass>,
     pressures: Vec<ReceiverPressures>,
 }
 
@@ -119,6 +121,7 @@ impl<'a> RangeSolver<'a> {
                 .iter()
                 .map(|t| t.split().into_iter().map(Resistance::single).collect())
                 .collect(),
+            masses: two.iter().map(|t| PackedMass::new(&t.added_mass)).collect(),
             pressures: all,
         });
         let mut solved = self.solved.lock().unwrap_or_else(PoisonError::into_inner);
@@ -170,6 +173,14 @@ impl<'a> RangeSolver<'a> {
             }
         }
         Ok(means)
+    }
+
+    /// Adds the added masses at all frequencies solved so far.
+    pub(crate) fn add_masses(&self, to: &mut MassSamples) {
+        let solved = self.solved.lock().unwrap_or_else(PoisonError::into_inner);
+        for (hz, solution) in solved.iter() {
+            to.insert(f64::from_bits(*hz), &solution.masses);
+        }
     }
 
     /// Adds the number of solutions and the errors found so far to the summary.

@@ -3,6 +3,7 @@
 pub(crate) mod around;
 pub(crate) mod far_field;
 pub(crate) mod field;
+pub(crate) mod plate;
 pub(crate) mod problem;
 pub(crate) mod resistance;
 pub(crate) mod transfer;

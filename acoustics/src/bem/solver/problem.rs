@@ -252,7 +252,7 @@ impl Exterior {
     }
 
     /// A field that is odd about a plane is zero in it.
-    fn hold_odd(&self, parity: Parity, sums: &mut Sums) {
+    pub(crate) fn hold_odd(&self, parity: Parity, sums: &mut Sums) {
         let nodes = 0..self.boundary.nodes();
         for node in nodes.filter(|&node| parity.vanishes(self.boundary.in_planes(node))) {
             sums.hold(node);
@@ -261,6 +261,15 @@ impl Exterior {
 
     /// 1/2 - K + alpha W, and (S + alpha (1/2 + K')) v, for every parity.
     fn assemble(&self, wave: Wave, all: &[Patterns]) -> Vec<Sums> {
+        let mut sums = self.integrals(wave, all);
+        for (sums, patterns) in sums.iter_mut().zip(all) {
+            self.add_jump(wave, &patterns.velocities, sums);
+        }
+        sums
+    }
+
+    /// -K + alpha W, and (S + alpha K') v, for every parity.
+    pub(crate) fn integrals(&self, wave: Wave, all: &[Patterns]) -> Vec<Sums> {
         let n = self.boundary.nodes();
         let single = |v: Mat<f64>| Mat::from_fn(v.nrows(), v.ncols(), |i, j| v[(i, j)] as f32);
         let by_block: Vec<Vec<Mat<f32>>> = all
@@ -289,10 +298,7 @@ impl Exterior {
                 );
             }
         }
-        for (sums, patterns) in sums.iter_mut().zip(all) {
-            sums.join();
-            self.add_jump(wave, &patterns.velocities, sums);
-        }
+        sums.iter_mut().for_each(Sums::join);
         sums
     }
 
@@ -304,16 +310,33 @@ impl Exterior {
 
     /// 1/2 on both sides.
     fn add_jump(&self, wave: Wave, velocities: &DMatrix<f64>, sums: &mut Sums) {
-        let mut first = 0;
+        self.add_mass(&mut sums.matrix, 0.5);
+        // alpha is imaginary.
+        self.add_moments(velocities, -0.5 * wave.coupling, &mut sums.right[1]);
+    }
+
+    /// Adds `factor` int phi_i phi_j dS.
+    pub(crate) fn add_mass(&self, matrix: &mut Mat<Complex<f32>>, factor: f64) {
         for (panel, mass) in self.boundary.mesh().panels.iter().zip(&self.masses) {
             let nodes = self.unknowns_of(panel);
             for (i, &row) in nodes.iter().enumerate() {
                 for (j, &column) in nodes.iter().enumerate() {
-                    sums.matrix[(row, column)] += 0.5 * mass[i][j] as f32;
-                    // alpha is imaginary.
-                    let half = -0.5 * mass[i][j] * wave.coupling;
+                    matrix[(row, column)] += (factor * mass[i][j]) as f32;
+                }
+            }
+        }
+    }
+
+    /// Adds `factor` int phi_i v dS for every pattern v, patterns x unknowns.
+    pub(crate) fn add_moments(&self, velocities: &DMatrix<f64>, factor: f64, to: &mut Mat<f64>) {
+        let mut first = 0;
+        for (panel, mass) in self.boundary.mesh().panels.iter().zip(&self.masses) {
+            let nodes = self.unknowns_of(panel);
+            for (i, &row) in nodes.iter().enumerate() {
+                for j in 0..nodes.len() {
+                    let moment = factor * mass[i][j];
                     for m in 0..velocities.ncols() {
-                        sums.right[1][(m, row)] += half * velocities[(first + j, m)];
+                        to[(m, row)] += moment * velocities[(first + j, m)];
                     }
                 }
             }

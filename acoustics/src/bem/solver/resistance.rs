@@ -5,6 +5,7 @@ use crate::bem::solver::problem::{Exterior, Patterns, SurfacePressure};
 use crate::radiation::error::RadiationError;
 use crate::radiation::{RadiatingSurface, Resistance};
 use nalgebra::{DMatrix, Point3};
+use std::f64::consts::TAU;
 
 /// Radiation resistance at one frequency, evaluated twice.
 #[derive(Clone, Debug)]
@@ -15,6 +16,8 @@ pub struct TwoEvaluations {
     pub far_field: DMatrix<f64>,
     /// From the intensity on the surface, by patch; symmetric part.
     pub patches: Vec<DMatrix<f64>>,
+    /// Added mass X / omega of the whole surface \[kg for velocities in m/s\]; symmetric part.
+    pub added_mass: DMatrix<f64>,
     /// Largest |R_ij - R_ji| of the surface's evaluation, relative to the largest entry of R. Reciprocity makes it zero;
     /// the discretisation does not.
     pub asymmetry: f64,
@@ -136,20 +139,18 @@ impl Exterior {
         far_field: DMatrix<f64>,
     ) -> Result<TwoEvaluations, BemError> {
         let hz = solution.hz;
-        let raw: Vec<DMatrix<f64>> = self
-            .impedance(velocities, solution)?
-            .into_iter()
-            .map(|z| z.map(|z| z.re))
-            .collect();
-        let whole = raw
-            .iter()
-            .fold(DMatrix::zeros(velocities.ncols(), velocities.ncols()), |sum, r| sum + r);
+        let impedances = self.impedance(velocities, solution)?;
+        let zeros = || DMatrix::zeros(velocities.ncols(), velocities.ncols());
+        let mass = impedances.iter().fold(zeros(), |sum, z| sum + z.map(|z| z.im)) / (TAU * hz);
+        let raw: Vec<DMatrix<f64>> = impedances.into_iter().map(|z| z.map(|z| z.re)).collect();
+        let whole = raw.iter().fold(zeros(), |sum, r| sum + r);
         let largest = far_field.amax().max(f64::MIN_POSITIVE);
         let mut two = TwoEvaluations {
             hz,
             asymmetry: (&whole - whole.transpose()).amax() / largest,
             difference_db: 0.0,
             patches: raw.iter().map(|r| (r + r.transpose()) * 0.5).collect(),
+            added_mass: (&mass + mass.transpose()) * 0.5,
             far_field,
         };
         two.difference_db = two.difference_within(1e-3 * two.far_field.amax());

@@ -1,0 +1,34 @@
+use crate::checks::InputError;
+use thiserror::Error;
+
+/// Why modes cannot be loaded by a fluid.
+#[derive(Debug, Error)]
+pub enum FluidLoadingError {
+    /// An invalid argument.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The mass of structure and fluid is not positive definite.
+    #[error(
+        "the mass of modes and fluid is not positive definite at {hz:.1} Hz; X / omega must be positive: refine the boundary \
+         elements, or leave out modes that move the surface alike"
+    )]
+    Mass {
+        /// Frequency \[Hz\].
+        hz: f64,
+    },
+    /// The equations of motion have no solution at a frequency.
+    #[error("the modal equations are singular at {hz:.3} Hz; an undamped mode is driven at its resonance")]
+    Singular {
+        /// Frequency \[Hz\].
+        hz: f64,
+    },
+    /// A method gives no mass of the fluid.
+    #[error(
+        "{method} gives radiation resistance alone, no mass of air that moves along; let radiation act as damping, or compute \
+         it by boundary elements"
+    )]
+    NoReactance {
+        /// The method.
+        method: &'static str,
+    },
+}

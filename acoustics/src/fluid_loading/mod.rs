@@ -1,0 +1,27 @@
+//! Fluid loading: modes of a structure that move with the fluid around it.
+//!
+//! With mass-normalised modes of the structure in vacuum, time factor e^{+j omega t}, Omega their angular frequencies and
+//! zeta their damping ratios, the modal velocities q' follow from the modal forces f by
+//!
+//! ```text
+//! [-omega² I + j omega (C + Z(omega)) + Omega²] q = f        C = diag(2 zeta Omega), Z = R + jX symmetric
+//! Z_ij = int (phi_i . n) p_j dS                              p_j: pressure on the surface per unit modal velocity
+//! ```
+//!
+//! (Junger & Feit 1986, chapter 9). R damps, and X / omega is the mass of fluid that moves along. [`velocities`] solves the
+//! equation at one frequency, [`resonances`] finds the complex frequencies of free motion. For motion in time with contact
+//! that opens, [`WetModes`] freeze Z at each mode's own resonance.
+
+mod error;
+mod modes;
+mod resonances;
+mod response;
+mod table;
+mod wet_modes;
+
+pub use error::FluidLoadingError;
+pub use modes::DryModes;
+pub use resonances::{Resonance, resonances};
+pub use response::{PowerBalance, velocities};
+pub use table::ImpedanceTable;
+pub use wet_modes::WetModes;

@@ -1,0 +1,189 @@
+//! What the fluid adds to the modes of radiating bodies, and what that changes in their sound.
+
+use super::MovingBody;
+use crate::fluid_loading::{FluidLoadingError, WetModes};
+use crate::radiation::ModalRadiation;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// Which part of the radiation impedance Z = R + jX acts on the modes of a structure.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Loading {
+    /// None: the motion is that in vacuum.
+    None,
+    /// R as damping.
+    #[default]
+    Damping,
+    /// R and X: damping and added mass.
+    Full,
+}
+
+impl Loading {
+    /// Whether R acts.
+    pub fn damps(self) -> bool {
+        self != Self::None
+    }
+}
+
+/// An error where a mass is to act of which a method knows nothing.
+pub(super) fn needs_no_mass(acts: Loading, method: &'static str) -> Result<(), FluidLoadingError> {
+    match acts {
+        Loading::Full => Err(FluidLoadingError::NoReactance { method }),
+        Loading::None | Loading::Damping => Ok(()),
+    }
+}
+
+/// What the fluid adds to each mode of a body, for modal masses of 1.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FluidLoads {
+    /// Damping ratio R_jj/(2 omega_j) at the mode's resonance in vacuum \[-\].
+    pub damping: Vec<f64>,
+    /// Added mass X_jj/omega at the mode's resonance in the fluid \[-\]; none where the method gives no reactance.
+    pub mass: Option<Vec<f64>>,
+    /// R_jj at the resonance in the fluid over that in vacuum \[-\].
+    pub resistance_ratio: Vec<f64>,
+    /// The modes with the fluid's mass, where it acts on the motion.
+    pub wet: Option<WetModes>,
+}
+
+impl FluidLoads {
+    /// Of a method that gives no reactance.
+    pub(super) fn damping_only(damping: Vec<f64>) -> Self {
+        Self {
+            resistance_ratio: vec![1.0; damping.len()],
+            damping,
+            mass: None,
+            wet: None,
+        }
+    }
+
+    /// From the damping ratios, a diagonal element of X/omega (of a mode's number, a frequency in hertz), and R_jj; `first`
+    /// is the number of the body's first mode in `radiation`.
+    pub(super) fn new(
+        damping: Vec<f64>,
+        omega: &[f64],
+        (first, radiation): (usize, &dyn ModalRadiation),
+        mass_at: impl Fn(usize, f64) -> f64,
+    ) -> Self {
+        let lowest = TAU;
+        let in_fluid = |w: f64, m: f64| w / (1.0 + m.max(0.0)).sqrt();
+        let of_mode = |(j, &w): (usize, &f64)| {
+            let dry = mass_at(j, w.max(lowest) / TAU);
+            mass_at(j, in_fluid(w, dry).max(lowest) / TAU)
+        };
+        let mass: Vec<f64> = omega.iter().enumerate().map(of_mode).collect();
+        let resistances = |scale: &dyn Fn(usize) -> f64| -> Vec<f64> {
+            let at = |(j, w): (usize, &f64)| {
+                let hz = (scale(j) * w.max(lowest) / TAU).min(radiation.highest_hz());
+                (hz, vec![(first + j, 1.0)])
+            };
+            radiation.sparse_forms(&omega.iter().enumerate().map(at).collect::<Vec<_>>())
+        };
+        let (dry, wet) = (resistances(&|_| 1.0), resistances(&|j| in_fluid(1.0, mass[j])));
+        let ratio = |(dry, wet): (f64, f64)| if dry > 0.0 { (wet / dry).max(0.0) } else { 1.0 };
+        Self {
+            resistance_ratio: dry.into_iter().zip(wet).map(ratio).collect(),
+            damping,
+            mass: Some(mass),
+            wet: None,
+        }
+    }
+
+    /// Radiated energy of a mode with the fluid's mass over that without it.
+    ///
+    /// An impulse p sets the mode in motion, which then decays at its resonance:
+    ///
+    /// ```text
+    /// E = (p/m)² R(w)/(4 zeta w),  m = 1 + M,  w = Omega/sqrt(m)   =>   E/E_dry = m^-3/2 R(w)/R(Omega)
+    /// ```
+    fn of_mass(&self, mode: usize) -> f64 {
+        let mass = self.mass.as_ref().map_or(0.0, |mass| mass[mode].max(0.0));
+        (1.0 + mass).powf(-1.5) * self.resistance_ratio[mode]
+    }
+
+    /// Radiated energy of a mode without radiation damping over that with it, (zeta + zeta_r)/zeta for the damping ratio zeta
+    /// of the structure.
+    fn of_damping(&self, mode: usize, zeta: f64) -> f64 {
+        if zeta > 0.0 {
+            1.0 + self.damping[mode] / zeta
+        } else {
+            1.0
+        }
+    }
+}
+
+/// What fluid loading changes in the sound of a source, mode by mode: each mode's share of the energy times what the fluid
+/// does to that mode ringing at its resonance.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct FluidLoading {
+    /// What acts on the modes.
+    pub acts: Loading,
+    /// Change of the A-weighted level by R as damping \[dB\]: the modes' own damping and that of radiation, contact
+    /// left aside. That which acted, or would have.
+    pub damping_db: f64,
+    /// Change by X as mass \[dB\], as above; null where the method gives no reactance.
+    pub mass_db: Option<f64>,
+    /// Largest added mass of a mode up to the highest frequency that boundary elements solve, relative to its own \[-\].
+    pub largest_mass: Option<f64>,
+    /// Largest shift of such a mode's frequency, relative \[-\]; negative.
+    pub largest_shift: Option<f64>,
+}
+
+/// Frequency with an added mass relative to that in vacuum, less one.
+pub(super) fn shift(mass: f64) -> f64 {
+    (1.0 + mass.max(0.0)).sqrt().recip() - 1.0
+}
+
+impl FluidLoading {
+    /// From the energies of all modes of all bodies, one after the other. Masses above `top_hz`, which are upper bounds, are
+    /// not among the largest. None where a body's loads are not known.
+    pub(super) fn new(bodies: &[MovingBody<'_>], energies: &[f64], top_hz: f64) -> Option<Self> {
+        let total: f64 = energies.iter().sum();
+        let acts = bodies.first()?.acts;
+        let (mut damped, mut loaded) = (0.0, 0.0);
+        let (mut known, mut largest): (bool, Option<f64>) = (true, None);
+        let mut energies = energies.iter();
+        for body in bodies {
+            let loads = body.loads?;
+            known &= loads.mass.is_some();
+            for (mode, omega) in body.omega.iter().enumerate() {
+                let share = energies.next()? / total;
+                if *omega == 0.0 || mode >= body.modes {
+                    continue;
+                }
+                if let Some(mass) = loads.mass.as_ref().filter(|_| *omega <= TAU * top_hz) {
+                    largest = Some(largest.unwrap_or(0.0).max(mass[mode]));
+                }
+                // A mode that takes sound from others does so whatever its damping.
+                if share > 0.0 {
+                    let (by_damping, by_mass) = (loads.of_damping(mode, body.zeta), loads.of_mass(mode));
+                    damped += share
+                        * if acts.damps() {
+                            by_damping - 1.0
+                        } else {
+                            by_damping.recip() - 1.0
+                        };
+                    loaded += share
+                        * if acts == Loading::Full {
+                            by_mass.recip() - 1.0
+                        } else {
+                            by_mass - 1.0
+                        };
+                }
+            }
+        }
+        let level = |change: f64, acted: bool| {
+            let level = 10.0 * (1.0 + change).log10();
+            if acted { 0.0 - level } else { level }
+        };
+        (total > 0.0).then(|| Self {
+            acts,
+            damping_db: level(damped, acts.damps()),
+            mass_db: known.then(|| level(loaded, acts == Loading::Full)),
+            largest_mass: largest,
+            largest_shift: largest.map(shift),
+        })
+    }
+}
