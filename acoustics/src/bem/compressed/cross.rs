@@ -12,12 +12,12 @@
 //! Pressure and velocity share the crosses: the left factors of both operators are sound fields of the same sources.
 
 use super::kernel::Kernels;
-use super::points::ClusterPoints;
+use super::points::{ClusterPoints, LANES};
 use crate::bem::operators::kernel::load;
 use pulp::{Simd, WithSimd};
 
 /// Rows that sample the residual.
-const SAMPLES: usize = 6;
+const SAMPLES: usize = 4;
 
 /// A product of two thin matrices; a vector holds real parts before imaginary parts.
 #[derive(Debug, Default)]
@@ -38,18 +38,30 @@ pub(super) struct CrossedBlock<'a> {
     pub(super) scale: f32,
 }
 
+/// Squared norm of a padded vector.
 fn norm_squared(v: &[f32]) -> f64 {
-    v.iter().map(|v| f64::from(v * v)).sum()
+    let mut sums = [0f32; LANES];
+    for v in v.chunks_exact(LANES) {
+        sums.iter_mut().zip(v).for_each(|(sum, v)| *sum += v * v);
+    }
+    sums.iter().map(|&sum| f64::from(sum)).sum()
 }
 
-/// Place of the largest complex number, and its squared magnitude; real parts before imaginary ones.
+/// Place of the largest complex number among the first `count`, and its squared magnitude; real parts before imaginary
+/// ones.
 fn largest(v: &[f32], count: usize) -> (usize, f32) {
     let (re, im) = v.split_at(v.len() / 2);
     let mut best = (0, -1.0);
-    for (i, (re, im)) in re.iter().zip(im).take(count).enumerate() {
-        let size = re * re + im * im;
-        if size > best.1 {
-            best = (i, size);
+    // Most chunks hold no new largest number.
+    for start in (0..count).step_by(LANES) {
+        let size = |i: usize| re[i] * re[i] + im[i] * im[i];
+        let chunk = start..(start + LANES).min(count);
+        let of_chunk = chunk.clone().map(size).fold(0.0, f32::max);
+        if of_chunk > best.1 {
+            best = (
+                chunk.into_iter().find(|&i| size(i) == of_chunk).unwrap_or(start),
+                of_chunk,
+            );
         }
     }
     best

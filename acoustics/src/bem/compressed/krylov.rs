@@ -1,15 +1,15 @@
 //! Block GMRES for many right-hand sides, in the form of generalised conjugate residuals.
 //!
 //! ```text
-//! Z = independent residuals, made orthonormal, times the inverse of the mass      A Z = Q T, Q orthonormal
+//! Z = independent residuals, made orthonormal and preconditioned      A Z = Q T, Q orthonormal
 //! R <- R - Q Q^H R                                                                X = Z T^-1 Q^H B
 //! ```
 //!
 //! All right-hand sides share one space. Directions in which no residual above the tolerance points are left out, so
 //! that patterns that depend on one another, or converge early, cost nothing. The residual is computed anew at the end.
 
-use super::mass::Mass;
 use super::operator::Compressed;
+use super::schwarz::Schwarz;
 use crate::bem::error::BemError;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
@@ -19,22 +19,22 @@ use nalgebra::Complex;
 const STEPS: usize = 200;
 /// Most columns of the space, as a multiple of the right-hand sides, before it is built anew.
 const COLUMNS: usize = 30;
-/// A direction is left out if the residuals along it are smaller than this part of the tolerance.
+/// Directions are added until the rest of every residual is below this part of it: a step reduces the residual less.
+const PART: f64 = 0.25;
+/// Or below this part of the tolerance.
 const SHARE: f64 = 0.3;
 
 type C32 = Complex<f32>;
 type C64 = Complex<f64>;
 
-/// A solution in progress, and what it took.
+/// A solution in progress.
 pub(super) struct Krylov<'a> {
     matrix: &'a Compressed,
-    mass: &'a Mass,
+    schwarz: &'a Schwarz,
     held: &'a [bool],
     tolerance: f64,
-    /// Columns by which the matrix was multiplied.
-    pub(super) columns: usize,
     /// Steps taken.
-    pub(super) steps: usize,
+    steps: usize,
 }
 
 /// The space: Z, Q and T.
@@ -49,20 +49,18 @@ struct Space {
 
 impl<'a> Krylov<'a> {
     /// `held` unknowns are zero.
-    pub(super) fn new(matrix: &'a Compressed, mass: &'a Mass, held: &'a [bool], tolerance: f64) -> Self {
+    pub(super) fn new(matrix: &'a Compressed, schwarz: &'a Schwarz, held: &'a [bool], tolerance: f64) -> Self {
         Self {
             matrix,
-            mass,
+            schwarz,
             held,
             tolerance,
-            columns: 0,
             steps: 0,
         }
     }
 
     /// D^-1/2 A D^-1/2 x for x that is zero where unknowns are held.
-    fn apply(&mut self, x: &Mat<C32>) -> Mat<C32> {
-        self.columns += x.ncols();
+    fn apply(&self, x: &Mat<C32>) -> Mat<C32> {
         let mut y = x.clone();
         self.scale(&mut y);
         let mut y = self.matrix.times(y.as_ref());
@@ -74,7 +72,7 @@ impl<'a> Krylov<'a> {
     fn scale(&self, x: &mut Mat<C32>) {
         for column in 0..x.ncols() {
             let values = x.col_as_slice_mut(column).iter_mut();
-            for ((x, scale), held) in values.zip(&self.mass.scale).zip(self.held) {
+            for ((x, scale), held) in values.zip(&self.schwarz.scale).zip(self.held) {
                 *x = if *held { C32::default() } else { *x * *scale as f32 };
             }
         }
@@ -86,7 +84,7 @@ impl<'a> Krylov<'a> {
     /// [`BemError::NotConverged`].
     pub(super) fn solve(&mut self, right: &Mat<C64>) -> Result<Mat<C64>, BemError> {
         let (n, patterns) = right.shape();
-        let scaled = |i: usize| if self.held[i] { 0.0 } else { self.mass.scale[i] };
+        let scaled = |i: usize| if self.held[i] { 0.0 } else { self.schwarz.scale[i] };
         let size = |m: usize| {
             (0..n)
                 .map(|i| (right[(i, m)] * scaled(i)).norm_sqr())
@@ -130,7 +128,7 @@ impl<'a> Krylov<'a> {
         let mut columns = 0;
         while largest(residual) > tolerance && self.steps < STEPS && columns < most {
             let z = independent(residual, SHARE * tolerance);
-            let mut z = self.mass.solve(&z);
+            let mut z = self.schwarz.times(z.as_ref());
             for column in 0..z.ncols() {
                 let values = z.col_as_slice_mut(column).iter_mut();
                 values
@@ -239,23 +237,23 @@ fn gram(x: &Mat<C32>) -> Mat<C64> {
     gram
 }
 
-/// Orthonormal columns that span those of `x` but for parts smaller than `smallest`: by Cholesky's factors of the
-/// Gramian with pivoting.
+/// Orthonormal columns that span those of `x` but for rests smaller than [`PART`] of each or than `smallest`: by
+/// Cholesky's factors of the Gramian with pivoting.
 fn independent(x: &Mat<C32>, smallest: f64) -> Mat<C32> {
     let mut rest = gram(x);
     let n = rest.nrows();
+    let allowed: Vec<f64> = (0..n)
+        .map(|i| (PART * PART * rest[(i, i)].re).max(smallest * smallest))
+        .collect();
     let mut chosen: Vec<usize> = Vec::new();
     // Columns of the factor L, of all n rows.
     let mut factor: Vec<Vec<C64>> = Vec::new();
     for _ in 0..n {
-        let unused = (0..n).filter(|i| !chosen.contains(i));
-        let Some(pivot) = unused.max_by(|&a, &b| rest[(a, a)].re.total_cmp(&rest[(b, b)].re).then(b.cmp(&a))) else {
+        let open = (0..n).filter(|&i| rest[(i, i)].re > allowed[i] && !chosen.contains(&i));
+        let Some(pivot) = open.max_by(|&a, &b| rest[(a, a)].re.total_cmp(&rest[(b, b)].re).then(b.cmp(&a))) else {
             break;
         };
         let size = rest[(pivot, pivot)].re;
-        if size <= smallest * smallest {
-            break;
-        }
         let root = size.sqrt();
         let column: Vec<C64> = (0..n).map(|i| rest[(i, pivot)] / root).collect();
         for j in 0..n {

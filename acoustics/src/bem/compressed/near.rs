@@ -116,9 +116,12 @@ impl NearPairs {
         let mut sums: Vec<NearSums> = patterns.iter().map(zeros).collect();
         let near = equations.near.at(equations.boundary, equations.wave.k);
         let parities: Vec<Parity> = patterns.iter().map(|p| p.0).collect();
+        let single = |v: Mat<f64>| Mat::from_fn(v.nrows(), v.ncols(), |i, j| v[(i, j)] as f32);
+        let on = |b: &Block| patterns.iter().map(|p| single(b.patterns(p.1))).collect();
+        let on_blocks: Vec<Vec<Mat<f32>>> = map_in_parallel(blocks.iter().collect(), on);
         for first in (0..blocks.len()).step_by(BATCH) {
             let rows: Vec<usize> = (first..blocks.len().min(first + BATCH)).collect();
-            let found = map_in_parallel(rows, |i| self.row(equations, &near, i, &parities, patterns));
+            let found = map_in_parallel(rows, |i| self.row(equations, &near, i, &parities, &on_blocks));
             for (i, contributions) in found.into_iter().enumerate() {
                 let e = &blocks[first + i].nodes;
                 for one in contributions {
@@ -136,24 +139,21 @@ impl NearPairs {
         sums
     }
 
-    /// Contributions of a block of panels and those close to it.
+    /// Contributions of a block of panels and those close to it; `patterns` holds those of every parity at the points of
+    /// each block.
     fn row(
         &self,
         equations: &Equations<'_>,
         near: &NearAt<'_>,
         i: usize,
         parities: &[Parity],
-        patterns: &[(Parity, &DMatrix<f64>)],
+        patterns: &[Vec<Mat<f32>>],
     ) -> Vec<Contribution> {
-        let single = |v: Mat<f64>| Mat::from_fn(v.nrows(), v.ncols(), |i, j| v[(i, j)] as f32);
-        let on = |block: &Block| patterns.iter().map(|p| single(block.patterns(p.1))).collect::<Vec<_>>();
         let e = &equations.blocks[i];
-        let on_e = on(e);
         let mut tile = Tile::default();
         let mut found = Vec::new();
         for &j in &self.close[i] {
             let f = &equations.blocks[j];
-            let on_f = on(f);
             let operators = tile.evaluate(
                 equations.boundary.planes(),
                 equations.images,
@@ -173,9 +173,9 @@ impl NearPairs {
                         if both { operators.pressure_back(f) } else { Vec::new() },
                     ],
                     velocity: [
-                        operators.velocity(e, &on_f[parity]),
+                        operators.velocity(e, &patterns[j][parity]),
                         if both {
-                            operators.velocity_back(f, &on_e[parity])
+                            operators.velocity_back(f, &patterns[i][parity])
                         } else {
                             Mat::new()
                         },
@@ -201,6 +201,14 @@ impl NearPairs {
                     to[block][(self.local[row] as usize, self.local[column] as usize)] += value;
                 }
             }
+        }
+    }
+
+    /// The entry of two unknowns; zero if their leaves are distant.
+    pub(super) fn entry(&self, row: usize, column: usize, of: &[Dense]) -> Complex<f32> {
+        match self.block(self.leaf_of[row], self.leaf_of[column]) {
+            Some(block) => of[block].matrix[(self.local[row] as usize, self.local[column] as usize)],
+            None => Complex::default(),
         }
     }
 

@@ -6,8 +6,8 @@ use nalgebra::Complex;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Columns that are multiplied at a time.
-const COLUMNS: usize = 32;
+/// Most columns that are multiplied at a time.
+const COLUMNS: usize = 64;
 
 /// A block of low rank, left times right transposed.
 #[derive(Debug)]
@@ -35,24 +35,9 @@ pub(super) struct Compressed {
 }
 
 impl Compressed {
-    /// Numbers stored.
-    pub(super) fn entries(&self) -> usize {
-        let thin = |b: &LowRank| b.left.ncols() * (b.left.nrows() + b.right.nrows());
-        let full = |b: &Dense| b.matrix.nrows() * b.matrix.ncols();
-        self.low_rank.iter().map(thin).sum::<usize>() + self.dense.iter().map(full).sum::<usize>()
-    }
-
     /// The matrix times `x`. The result does not depend on the number of threads: each thread multiplies other columns.
     pub(super) fn times(&self, x: MatRef<'_, Complex<f32>>) -> Mat<Complex<f32>> {
-        let firsts = (0..x.ncols()).step_by(COLUMNS).collect();
-        let parts = map_in_parallel(firsts, |first| {
-            self.times_some(x.subcols(first, COLUMNS.min(x.ncols() - first)))
-        });
-        let mut product = Mat::zeros(self.unknowns, x.ncols());
-        for (part, first) in parts.iter().zip((0..x.ncols()).step_by(COLUMNS)) {
-            product.as_mut().subcols_mut(first, part.ncols()).copy_from(part);
-        }
-        product
+        by_columns(x, |x| self.times_some(x))
     }
 
     fn times_some(&self, x: MatRef<'_, Complex<f32>>) -> Mat<Complex<f32>> {
@@ -82,6 +67,23 @@ impl Compressed {
         }
         product
     }
+}
+
+/// Applies an operator of as many rows as columns to some columns at a time.
+pub(super) fn by_columns(
+    x: MatRef<'_, Complex<f32>>,
+    each: impl Fn(MatRef<'_, Complex<f32>>) -> Mat<Complex<f32>> + Sync + Send,
+) -> Mat<Complex<f32>> {
+    let chunk = x.ncols().div_ceil(x.ncols().div_ceil(COLUMNS).max(1)).max(1);
+    let firsts: Vec<usize> = (0..x.ncols()).step_by(chunk).collect();
+    let parts = map_in_parallel(firsts.clone(), |first| {
+        each(x.subcols(first, chunk.min(x.ncols() - first)))
+    });
+    let mut product = Mat::zeros(x.nrows(), x.ncols());
+    for (part, first) in parts.iter().zip(firsts) {
+        product.as_mut().subcols_mut(first, part.ncols()).copy_from(part);
+    }
+    product
 }
 
 /// Applies `each` to all items; the results are in the order of the items. In parallel, or in turn on a thread of a pool

@@ -64,8 +64,10 @@ pub struct Exterior {
 /// How the equations of a surface are stored and solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum EquationSolver {
-    /// A dense matrix and its LU factors.
+    /// Compressed if that takes less than half as long as with the dense matrix by [`Exterior::estimate`].
     #[default]
+    Auto,
+    /// A dense matrix and its LU factors.
     Dense,
     /// Distant blocks of the matrix as products of thin matrices by adaptive cross approximation, and a block Krylov
     /// method.
@@ -128,7 +130,7 @@ impl Exterior {
         }
     }
 
-    /// Sets how the equations are solved; the default is the dense matrix.
+    /// Sets how the equations are solved; the default is what costs less.
     #[must_use]
     pub fn with_equation_solver(mut self, solver: EquationSolver) -> Self {
         self.equations = solver;
@@ -268,7 +270,7 @@ impl Exterior {
         };
         // dp/dn = -j omega rho v turns -(S + alpha K' + alpha/2) dp/dn into j omega rho (...) v.
         let factor = Complex::new(0.0, omega * self.air.density);
-        if self.equations == EquationSolver::Compressed {
+        if self.is_compressed() {
             return self.solve_compressed(hz, wave, factor, patterns);
         }
         let sums = self.assemble(wave, patterns);
@@ -281,6 +283,15 @@ impl Exterior {
             }
         });
         Ok(solved.collect())
+    }
+
+    /// Whether the matrix is compressed.
+    pub fn is_compressed(&self) -> bool {
+        match self.equations {
+            EquationSolver::Auto => self.compression_pays(),
+            EquationSolver::Dense => false,
+            EquationSolver::Compressed => true,
+        }
     }
 
     fn solve_compressed(
@@ -302,7 +313,7 @@ impl Exterior {
             wave,
         };
         let all: Vec<(Parity, &DMatrix<f64>)> = patterns.iter().map(|p| (p.parity, &p.velocities)).collect();
-        let (pressures, _) = surface.solve(&equations, &all, factor, ACCURACY)?;
+        let pressures = surface.solve(&equations, &all, factor, ACCURACY)?;
         let solved = pressures
             .into_iter()
             .zip(patterns)
