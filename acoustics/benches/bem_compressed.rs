@@ -1,8 +1,9 @@
 //! CPU time and memory of one frequency with the compressed matrix against size:
-//! `cargo bench -p nailnoise-acoustics --bench bem_compressed -- [PATTERNS [UNKNOWNS ...]]`; with `quads` on
-//! quadrilaterals, with `dense` the dense matrix beside it at 6 000 unknowns.
+//! `cargo bench -p nailnoise-acoustics --bench bem_compressed -- [PATTERNS [UNKNOWNS ...]]`.
 //!
-//! A box of 1 x 0.8 x 0.6 m above the floor, six panels a wavelength at every size. The exponent is the slope of the logarithms of time and size.
+//! A box of 1 x 0.8 x 0.6 m above the floor, six panels a wavelength at every size; `quads`: of quadrilaterals; `sphere`:
+//! a sphere of triangles in free space, no two pairs of which are congruent; `low`: at a tenth of the frequency; `dense`:
+//! the dense matrix beside it at about 6 000 unknowns. The exponent is the slope of the logarithms of time and size.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 #[path = "../tests/bem_common/mod.rs"]
@@ -41,16 +42,37 @@ struct Case {
     hz: f64,
 }
 
-/// About so many unknowns.
-fn case(unknowns: f64, patterns: usize, quads: bool) -> Case {
-    let air = Air::default();
+/// A sphere from an uneven mesh, as a mesh generator makes it.
+fn sphere(unknowns: f64) -> Boundary {
+    let n = (unknowns / 10.0).sqrt().round() as usize;
+    let mut mesh = bem_common::sphere(0.4, n, false);
+    for (i, p) in mesh.points.iter_mut().enumerate() {
+        let shift = [12.9, 78.2, 37.7].map(|s| (s * (i + 1) as f64).sin() * 0.05 / n as f64);
+        p.coords = (p.coords + nalgebra::Vector3::from(shift)).normalize() * 0.4;
+    }
+    Boundary::new(mesh, None).unwrap()
+}
+
+/// A box above the floor.
+fn cuboid(unknowns: f64, quads: bool) -> Boundary {
     let sides = [1.0, 0.8, 0.6];
     let area = 2.0 * (sides[0] * sides[1] + sides[1] * sides[2] + sides[2] * sides[0]);
     let edge = (area / unknowns).sqrt();
     let mesh = bem_common::cuboid([0.0, 0.0, 0.3], [sides[0], sides[1], 0.3 + sides[2]], edge, quads);
-    let boundary = Boundary::new(mesh, Some(0.0)).unwrap();
+    Boundary::new(mesh, Some(0.0)).unwrap()
+}
+
+/// About so many unknowns.
+fn case(unknowns: f64, patterns: usize) -> Case {
+    let is = |word: &str| std::env::args().any(|a| a == word);
+    let air = Air::default();
+    let boundary = if is("sphere") {
+        sphere(unknowns)
+    } else {
+        cuboid(unknowns, is("quads"))
+    };
     let problem = Exterior::new(boundary, &air);
-    let hz = problem.estimate().highest_hz;
+    let hz = problem.estimate().highest_hz * if is("low") { 0.1 } else { 1.0 };
     let k = 2.0 * PI * hz / air.sound_speed;
     // Bending waves, supersonic and subsonic.
     let velocities = problem.boundary().project(patterns, |_, _, point, v| {
@@ -76,8 +98,7 @@ fn main() {
         Some(given @ [_, ..]) => given.to_vec(),
         _ => vec![1500.0, 3000.0, 6000.0, 12_000.0, 20_500.0],
     };
-    let quads = std::env::args().any(|a| a == "quads");
-    println!("panels  unknowns  patterns      Hz  set up   solve  CPU s  peak GiB  exponent");
+    println!("panels  unknowns  patterns      Hz  set up   solve  peak GiB  exponent  (CPU s)");
     let mut before: Option<(f64, f64)> = None;
     for unknowns in sizes {
         let t0 = cpu(start);
@@ -85,7 +106,7 @@ fn main() {
             problem,
             velocities,
             hz,
-        } = case(unknowns, patterns, quads);
+        } = case(unknowns, patterns);
         let problem = problem.with_equation_solver(EquationSolver::Compressed);
         let t1 = cpu(start);
         let found = problem.solve(hz, &velocities).unwrap();
@@ -94,11 +115,12 @@ fn main() {
         let exponent = before.map_or(String::new(), |(m, t)| format!("{:.2}", (time / t).ln() / (n / m).ln()));
         before = Some((n, time));
         println!(
-            "{:6} {n:9} {patterns:9} {hz:7.0} {:7.2} {time:7.2}       {:9.2} {exponent:>9}",
+            "{:6} {n:9} {patterns:9} {hz:7.0} {:7.2} {time:7.2} {:9.2} {exponent:>9}",
             problem.boundary().mesh().panels.len(),
             t1 - t0,
             memory("VmHWM:"),
         );
+        println!("        estimated: {}", problem.estimate());
         if (5000.0..7000.0).contains(&unknowns) && std::env::args().any(|a| a == "dense") {
             let dense = problem.with_equation_solver(EquationSolver::Dense);
             let t3 = cpu(start);
