@@ -102,4 +102,17 @@ pub enum BemError {
         /// Highest frequency the mesh resolves \[Hz\].
         highest: f64,
     },
+    /// The compressed equations were not solved.
+    #[error(
+        "after {steps} steps the residual of the compressed boundary-element equations is {residual:.1e} of the right-hand \
+         side, {tolerance:.0e} is needed; solve them with the dense matrix"
+    )]
+    NotConverged {
+        /// Largest residual of a pattern relative to its right-hand side.
+        residual: f64,
+        /// Residual asked for.
+        tolerance: f64,
+        /// Steps taken.
+        steps: usize,
+    },
 }

@@ -9,6 +9,7 @@
 //!
 //! One frequency runs on one thread; different frequencies run in parallel.
 
+mod compressed;
 pub(crate) mod error;
 mod high_frequencies;
 mod mesh;
@@ -29,6 +30,6 @@ pub use modes::receivers::Receivers;
 pub use modes::summary::Summary;
 pub use modes::surface_fit::SurfaceFit;
 pub use solver::plate::{Plate, Wetted};
-pub use solver::problem::{Exterior, Patterns, SurfacePressure};
+pub use solver::problem::{EquationSolver, Exterior, Patterns, SurfacePressure};
 pub use solver::resistance::{Estimate, TwoEvaluations};
 pub use solver::transfer::MovingPart;

@@ -1,7 +1,9 @@
 use crate::bem::mesh::boundary::Boundary;
-use crate::bem::mesh::panel::PanelShape;
+use crate::bem::mesh::panel::{PanelShape, Shape};
 use crate::bem::mesh::rules;
-use nalgebra::Vector3;
+use faer::Mat;
+use nailnoise_meshes::FaceKind;
+use nalgebra::{DMatrix, Vector3};
 
 /// Most panels of a block.
 const MOST: usize = 16;
@@ -91,6 +93,27 @@ fn bisect(mut panels: Vec<usize>, centres: &[Vector3<f64>], groups: &mut Vec<Vec
 }
 
 impl Block {
+    /// Patterns, given by corner values of every panel, at the points of the block's panels: patterns x points, panel
+    /// fastest.
+    pub(crate) fn patterns(&self, velocities: &DMatrix<f64>) -> Mat<f64> {
+        let kind = if self.corners == 3 {
+            FaceKind::Tri3
+        } else {
+            FaceKind::Quad4
+        };
+        let shapes: Vec<Shape> = rules::far(self.corners).iter().map(|&(xi, _)| kind.at(xi)).collect();
+        let mut m = Mat::zeros(velocities.ncols(), self.corners * self.width);
+        for mode in 0..velocities.ncols() {
+            for (f, first) in self.first_value.iter().enumerate() {
+                for (point, shape) in shapes.iter().enumerate() {
+                    let corner = |j: usize| shape.n[j] * velocities[(first + j, mode)];
+                    m[(mode, point * self.width + f)] = (0..self.corners).map(corner).sum();
+                }
+            }
+        }
+        m
+    }
+
     fn new(boundary: &Boundary, panels: Vec<usize>, first_value: &[usize]) -> Self {
         let mesh = boundary.mesh();
         let corners = mesh.panels[panels[0]].corners().len();

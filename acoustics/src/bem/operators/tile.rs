@@ -51,11 +51,28 @@ impl Tile {
         wave: Wave,
         [e, f]: [&Block; 2],
         patterns: &[(Parity, [&Mat<f32>; 2])],
-        (near, pairs): (&NearAt<'_>, &[NearPair]),
+        near: (&NearAt<'_>, &[NearPair]),
         sums: &mut [Sums],
     ) {
+        let parities: Vec<Parity> = patterns.iter().map(|(parity, _)| *parity).collect();
+        let operators = self.evaluate(planes, images, wave, [e, f], &parities, near).iter();
+        for ((operators, (_, patterns)), sums) in operators.zip(patterns).zip(sums) {
+            operators.gather([e, f], *patterns, sums);
+        }
+    }
+
+    /// The operators between the blocks e and f (both directions if they differ) of every parity.
+    pub(crate) fn evaluate(
+        &mut self,
+        planes: &[Option<f64>; 3],
+        images: &[Image],
+        wave: Wave,
+        [e, f]: [&Block; 2],
+        all_parities: &[Parity],
+        (near, pairs): (&NearAt<'_>, &[NearPair]),
+    ) -> &mut [Operators] {
         let diagonal = std::ptr::eq(e, f);
-        self.parities.resize_with(patterns.len(), Operators::default);
+        self.parities.resize_with(all_parities.len(), Operators::default);
         self.parities.iter_mut().for_each(|p| p.reset([e, f], diagonal));
         self.mask.clear();
         for _ in 0..images.len() * e.panels.len() {
@@ -69,7 +86,7 @@ impl Tile {
                 self.mask[(first + pair.f) * f.width + pair.e] = 0.0;
             }
         }
-        let odd: Vec<usize> = patterns.iter().map(|(parity, _)| parity.odd_axes()).collect();
+        let odd: Vec<usize> = all_parities.iter().map(|parity| parity.odd_axes()).collect();
         // A field may be needed twice: at most four at once.
         for (parities, to) in odd.chunks(4).zip(self.parities.chunks_mut(4)) {
             let mask = &self.mask;
@@ -87,13 +104,11 @@ impl Tile {
         let mut own = PairMatrices::default();
         for pair in pairs {
             let pair = Close::new(pair, wave, [e, f], &self.to_points, near.matrices(pair, &mut own));
-            for (to, (parity, _)) in self.parities.iter_mut().zip(patterns) {
+            for (to, parity) in self.parities.iter_mut().zip(all_parities) {
                 pair.add(parity.sign(images[pair.pair.image]), [e, f], diagonal, to);
             }
         }
-        for ((operators, (_, patterns)), sums) in self.parities.iter().zip(patterns).zip(sums) {
-            operators.gather([e, f], diagonal, *patterns, sums);
-        }
+        &mut self.parities
     }
 }
 
@@ -155,76 +170,91 @@ impl<'a> Close<'a> {
     }
 }
 
-impl Operators {
-    /// Adds corners to nodes and applies B to the patterns.
-    fn gather(&self, [e, f]: [&Block; 2], diagonal: bool, patterns: [&Mat<f32>; 2], sums: &mut Sums) {
-        let modes = patterns[0].nrows();
-        let mut local = Vec::new();
-        let to_nodes = |buffer: &Buffer, local: &mut Vec<f32>| {
-            local.clear();
-            for rows in buffer.data.chunks_exact(2 * buffer.columns) {
-                let (first, second) = rows.split_at(buffer.columns);
-                let start = local.len();
-                local.resize(start + 2 * f.nodes.len(), 0.0);
-                let (to_first, to_second) = local[start..].split_at_mut(f.nodes.len());
-                let mut begin = 0;
-                for ((to_first, to_second), &end) in to_first.iter_mut().zip(to_second).zip(&f.columns_end) {
-                    let (mut of_first, mut of_second) = (0.0, 0.0);
-                    for &column in &f.columns[begin..end] {
-                        of_first += first[column];
-                        of_second += second[column];
-                    }
-                    (*to_first, *to_second, begin) = (of_first, of_second, end);
-                }
-            }
-        };
-        let at = |local: &[f32], r: usize, c: usize, rows: usize| {
-            let n = f.nodes.len();
-            Complex::new(local[r * n + c], local[(rows + r) * n + c])
-        };
-        to_nodes(&self.a, &mut local);
-        for (r, &row) in e.nodes.iter().enumerate() {
-            let to = sums.transposed.col_as_slice_mut(row);
-            for (c, &column) in f.nodes.iter().enumerate() {
-                to[column] += at(&local, r, c, e.nodes.len());
+/// Sums the corners of the panels f to its nodes: rows x nodes, all real parts before all imaginary parts.
+fn to_nodes(buffer: &Buffer, f: &Block) -> [Vec<f32>; 2] {
+    let half = buffer.rows * buffer.columns;
+    [0, 1].map(|part| {
+        let mut nodal = Vec::with_capacity(buffer.rows * f.nodes.len());
+        let values = &buffer.data[part * half..(part + 1) * half];
+        for row in values.chunks_exact(buffer.columns.max(1)) {
+            let mut begin = 0;
+            for &end in &f.columns_end {
+                nodal.push(f.columns[begin..end].iter().map(|&column| row[column]).sum());
+                begin = end;
             }
         }
-        let mut product = Mat::<f32>::zeros(modes, 2 * e.nodes.len());
+        nodal
+    })
+}
+
+fn complex([re, im]: [Vec<f32>; 2]) -> Vec<Complex<f32>> {
+    re.into_iter().zip(im).map(|(re, im)| Complex::new(re, im)).collect()
+}
+
+impl Operators {
+    /// A from the nodes of f to those of e, row by row.
+    pub(crate) fn pressure(&self, f: &Block) -> Vec<Complex<f32>> {
+        complex(to_nodes(&self.a, f))
+    }
+
+    /// The transpose of A from the nodes of e to those of f, row by row; empty if they are the same block.
+    pub(crate) fn pressure_back(&self, f: &Block) -> Vec<Complex<f32>> {
+        complex(to_nodes(&self.a_back, f))
+    }
+
+    /// B from the patterns on f to the nodes of e, patterns x nodes, real parts before imaginary parts.
+    pub(crate) fn velocity(&self, e: &Block, on_f: &Mat<f32>) -> Mat<f32> {
+        let mut product = Mat::<f32>::zeros(on_f.nrows(), 2 * e.nodes.len());
         matmul(
             product.as_mut(),
             Accum::Replace,
-            patterns[1].as_ref(),
+            on_f.as_ref(),
             self.b.stacked().transpose(),
             1.0,
             Par::Seq,
         );
-        spread(&e.nodes, product.as_ref(), sums);
-        if diagonal {
-            return;
+        product
+    }
+
+    /// B from the patterns on e to the nodes of f, likewise.
+    pub(crate) fn velocity_back(&self, f: &Block, on_e: &Mat<f32>) -> Mat<f32> {
+        let mut product = Mat::<f32>::zeros(on_e.nrows(), 2 * f.nodes.len());
+        for (part, b) in to_nodes(&self.b_back, f).iter().enumerate() {
+            let b = MatRef::from_row_major_slice(b, self.b_back.rows, f.nodes.len());
+            let to = product.as_mut().subcols_mut(part * f.nodes.len(), f.nodes.len());
+            matmul(to, Accum::Replace, on_e.as_ref(), b, 1.0, Par::Seq);
         }
-        to_nodes(&self.a_back, &mut local);
-        for (r, &column) in e.nodes.iter().enumerate() {
-            let to = sums.matrix.col_as_slice_mut(column);
-            for (c, &row) in f.nodes.iter().enumerate() {
-                to[row] += at(&local, r, c, e.nodes.len());
+        product
+    }
+
+    /// Adds corners to nodes and applies B to the patterns.
+    fn gather(&self, [e, f]: [&Block; 2], patterns: [&Mat<f32>; 2], sums: &mut Sums) {
+        let columns = f.nodes.len();
+        let pressure = self.pressure(f);
+        for (&row, values) in e.nodes.iter().zip(pressure.chunks_exact(columns)) {
+            let to = sums.transposed.col_as_slice_mut(row);
+            for (&column, value) in f.nodes.iter().zip(values) {
+                to[column] += value;
             }
         }
-        to_nodes(&self.b_back, &mut local);
-        let rows = self.b_back.rows;
-        let half = rows * f.nodes.len();
-        let mut product = Mat::<f32>::zeros(modes, 2 * f.nodes.len());
-        for part in 0..2 {
-            let b = MatRef::from_row_major_slice(&local[part * half..(part + 1) * half], rows, f.nodes.len());
-            let to = product.as_mut().subcols_mut(part * f.nodes.len(), f.nodes.len());
-            matmul(to, Accum::Replace, patterns[0].as_ref(), b, 1.0, Par::Seq);
+        spread(&e.nodes, self.velocity(e, patterns[1]).as_ref(), &mut sums.right);
+        if std::ptr::eq(e, f) {
+            return;
         }
-        spread(&f.nodes, product.as_ref(), sums);
+        let pressure = self.pressure_back(f);
+        for (&column, values) in e.nodes.iter().zip(pressure.chunks_exact(columns)) {
+            let to = sums.matrix.col_as_slice_mut(column);
+            for (&row, value) in f.nodes.iter().zip(values) {
+                to[row] += value;
+            }
+        }
+        spread(&f.nodes, self.velocity_back(f, patterns[0]).as_ref(), &mut sums.right);
     }
 }
 
 /// Adds the columns of a block's product, real before imaginary, to the right-hand sides.
-fn spread(nodes: &[usize], product: MatRef<'_, f32>, sums: &mut Sums) {
-    for (part, right) in sums.right.iter_mut().enumerate() {
+pub(crate) fn spread(nodes: &[usize], product: MatRef<'_, f32>, to: &mut [Mat<f64>; 2]) {
+    for (part, right) in to.iter_mut().enumerate() {
         for (r, &row) in nodes.iter().enumerate() {
             let from = product.col(part * nodes.len() + r);
             right

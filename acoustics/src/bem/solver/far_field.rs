@@ -215,11 +215,7 @@ struct Radiating {
 impl Radiating {
     fn new(problem: &Exterior, (velocities, solution): &Radiated<'_>, planes: [bool; 3], points: usize) -> Self {
         let (n, modes) = (solution.pressure.nrows(), velocities.ncols());
-        let at_points: Vec<Mat<f64>> = problem
-            .blocks()
-            .iter()
-            .map(|b| crate::bem::solver::problem::of_block(b, velocities))
-            .collect();
+        let at_points: Vec<Mat<f64>> = problem.blocks().iter().map(|b| b.patterns(velocities)).collect();
         let mut all = Mat::zeros(modes, points);
         let mut first = 0;
         for block in at_points {

@@ -1,7 +1,8 @@
 use crate::air::Air;
+use crate::bem::compressed::{Accuracy, CompressedSurface, Equations};
 use crate::bem::error::BemError;
 use crate::bem::mesh::boundary::Boundary;
-use crate::bem::mesh::panel::{Panel, PanelShape, Shape};
+use crate::bem::mesh::panel::{Panel, PanelShape};
 use crate::bem::mesh::rules;
 use crate::bem::mesh::symmetry::{Image, Parity};
 use crate::bem::operators::blocks::{Block, blocks};
@@ -11,9 +12,15 @@ use crate::bem::operators::tile::Tile;
 use crate::bem::operators::wave::Wave;
 use crate::checks::{InputError, positive, same_length};
 use faer::{Mat, MatRef, Par};
-use nailnoise_meshes::FaceKind;
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::PI;
+use std::sync::OnceLock;
+
+/// Accuracy of the compressed equations.
+const ACCURACY: Accuracy = Accuracy {
+    block: 1e-4,
+    residual: 1e-4,
+};
 
 /// The exterior problem of a surface, set up once for all frequencies.
 ///
@@ -50,6 +57,21 @@ pub struct Exterior {
     images: Vec<Image>,
     /// Integrals of phi_i phi_j over every panel.
     masses: Vec<[[f64; 4]; 4]>,
+    equations: EquationSolver,
+    compressed: OnceLock<CompressedSurface>,
+}
+
+/// How the equations of a surface are stored and solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum EquationSolver {
+    /// Compressed if that takes less than half as long as with the dense matrix by [`Exterior::estimate`].
+    #[default]
+    Auto,
+    /// A dense matrix and its LU factors.
+    Dense,
+    /// Distant blocks of the matrix as products of thin matrices by adaptive cross approximation, and a block Krylov
+    /// method.
+    Compressed,
 }
 
 /// Normal velocities of one parity about the mirror planes.
@@ -103,7 +125,16 @@ impl Exterior {
             blocks,
             near,
             masses,
+            equations: EquationSolver::default(),
+            compressed: OnceLock::new(),
         }
+    }
+
+    /// Sets how the equations are solved; the default is what costs less.
+    #[must_use]
+    pub fn with_equation_solver(mut self, solver: EquationSolver) -> Self {
+        self.equations = solver;
+        self
     }
 
     /// Sets the cap L_c \[m\] of the coupling parameter; the default is half the width of the body.
@@ -239,6 +270,9 @@ impl Exterior {
         };
         // dp/dn = -j omega rho v turns -(S + alpha K' + alpha/2) dp/dn into j omega rho (...) v.
         let factor = Complex::new(0.0, omega * self.air.density);
+        if self.is_compressed() {
+            return self.solve_compressed(hz, wave, factor, patterns);
+        }
         let sums = self.assemble(wave, patterns);
         let solved = sums.into_iter().zip(patterns).map(|(mut sums, patterns)| {
             self.hold_odd(patterns.parity, &mut sums);
@@ -248,6 +282,46 @@ impl Exterior {
                 pressure: sums.solve(factor),
             }
         });
+        Ok(solved.collect())
+    }
+
+    /// Whether the matrix is compressed.
+    pub fn is_compressed(&self) -> bool {
+        match self.equations {
+            EquationSolver::Auto => self.compression_pays(),
+            EquationSolver::Dense => false,
+            EquationSolver::Compressed => true,
+        }
+    }
+
+    fn solve_compressed(
+        &self,
+        hz: f64,
+        wave: Wave,
+        factor: Complex<f64>,
+        patterns: &[Patterns],
+    ) -> Result<Vec<SurfacePressure>, BemError> {
+        let surface = self
+            .compressed
+            .get_or_init(|| CompressedSurface::new(&self.boundary, &self.blocks));
+        let equations = Equations {
+            boundary: &self.boundary,
+            images: &self.images,
+            blocks: &self.blocks,
+            near: &self.near,
+            masses: &self.masses,
+            wave,
+        };
+        let all: Vec<(Parity, &DMatrix<f64>)> = patterns.iter().map(|p| (p.parity, &p.velocities)).collect();
+        let pressures = surface.solve(&equations, &all, factor, ACCURACY)?;
+        let solved = pressures
+            .into_iter()
+            .zip(patterns)
+            .map(|(pressure, patterns)| SurfacePressure {
+                hz,
+                parity: patterns.parity,
+                pressure,
+            });
         Ok(solved.collect())
     }
 
@@ -274,7 +348,7 @@ impl Exterior {
         let single = |v: Mat<f64>| Mat::from_fn(v.nrows(), v.ncols(), |i, j| v[(i, j)] as f32);
         let by_block: Vec<Vec<Mat<f32>>> = all
             .iter()
-            .map(|p| self.blocks.iter().map(|b| single(of_block(b, &p.velocities))).collect())
+            .map(|p| self.blocks.iter().map(|b| single(b.patterns(&p.velocities))).collect())
             .collect();
         let empty = |p: &Patterns| Sums::zeros(n, p.velocities.ncols());
         let mut sums: Vec<Sums> = all.iter().map(empty).collect();
@@ -414,24 +488,4 @@ impl Exterior {
         }
         Ok(result)
     }
-}
-
-/// The patterns at the points of a block's panels, patterns x points, panel fastest.
-pub(crate) fn of_block(b: &Block, velocities: &DMatrix<f64>) -> Mat<f64> {
-    let kind = if b.corners == 3 {
-        FaceKind::Tri3
-    } else {
-        FaceKind::Quad4
-    };
-    let shapes: Vec<Shape> = rules::far(b.corners).iter().map(|&(xi, _)| kind.at(xi)).collect();
-    let mut m = Mat::zeros(velocities.ncols(), b.corners * b.width);
-    for mode in 0..velocities.ncols() {
-        for (f, first) in b.first_value.iter().enumerate() {
-            for (point, shape) in shapes.iter().enumerate() {
-                let corner = |j: usize| shape.n[j] * velocities[(first + j, mode)];
-                m[(mode, point * b.width + f)] = (0..b.corners).map(corner).sum();
-            }
-        }
-    }
-    m
 }

@@ -50,6 +50,22 @@ impl TwoEvaluations {
     }
 }
 
+/// Patterns for which the way of solving the equations is chosen.
+const PATTERNS: f64 = 100.0;
+
+/// Memory and time of the equations of one frequency.
+struct Cost {
+    bytes: f64,
+    seconds: f64,
+    seconds_per_pattern: f64,
+}
+
+impl Cost {
+    fn with(&self, patterns: f64) -> f64 {
+        self.seconds + self.seconds_per_pattern * patterns
+    }
+}
+
 /// Cost of one frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
@@ -57,6 +73,8 @@ pub struct Estimate {
     pub unknowns: usize,
     /// Panels.
     pub panels: usize,
+    /// Whether the matrix is compressed.
+    pub compressed: bool,
     /// Memory of one frequency \[bytes\], times the number of threads.
     pub bytes: f64,
     /// Memory shared by all frequencies, with [`Exterior::with_near_field_cache`] \[bytes\].
@@ -85,11 +103,12 @@ impl std::fmt::Display for Estimate {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
             f,
-            "{} panels, {} unknowns: about {:.1} s (with a hundred modes) and {:.0} MB a frequency, {:.0} MB for all; \
+            "{} panels, {} unknowns{}: about {:.1} s (with a hundred modes) and {:.0} MB a frequency, {:.0} MB for all; \
              resolved up to {:.0} Hz; irregular frequencies of the inside from about {:.0} Hz (coupled formulation)",
             self.panels,
             self.unknowns,
-            self.seconds_with(100),
+            if self.compressed { " (compressed matrix)" } else { "" },
+            self.seconds_with(PATTERNS as usize),
             self.bytes / 1e6,
             self.bytes_shared / 1e6,
             self.highest_hz,
@@ -157,31 +176,78 @@ impl Exterior {
         Ok(two)
     }
 
-    /// Memory, time and limits, before any is spent. Times are those of one core at about 3 GHz with AVX2, as measured
-    /// by `benches/bem.rs`: for a pair of points 8 ns an image and 9 ns a parity, 7 us a shape of close pairs (1 us once
-    /// it is kept, which takes 250 us), 45 GFlop/s for factors and 35 for patterns in single precision.
+    /// Memory, time and limits, before any is spent. Times are those of one core at about 3 GHz with AVX2.
     pub fn estimate(&self) -> Estimate {
+        let cost = if self.is_compressed() {
+            self.cost_compressed()
+        } else {
+            self.cost_dense()
+        };
         let boundary = self.boundary();
-        let mesh = boundary.mesh();
-        let (n, values) = (boundary.nodes() as f64, boundary.velocity_values() as f64);
-        let (parities, images) = (boundary.copies() as f64, boundary.images().len() as f64);
-        let far = 0.5 * values * values * (8e-9 * images + 9e-9 * parities);
         let (close, shapes) = (self.close_pairs() as f64, self.close_shapes() as f64);
-        let kept = self.near().costly() as f64;
-        let factorisation = parities * 8.0 / 3.0 * n.powi(3) / 45e9;
-        // B v, the solution and the far field for each pattern.
-        let pattern = parities * (4.0 * n * values + 8.0 * n * n + 8e3 * values) / 35e9;
         let is_kept = self.near().is_kept();
         Estimate {
             unknowns: boundary.nodes(),
-            panels: mesh.panels.len(),
-            bytes: parities * 16.0 * n * n,
+            panels: boundary.mesh().panels.len(),
+            compressed: self.is_compressed(),
+            bytes: cost.bytes,
             bytes_shared: self.near().bytes_shared(),
-            seconds: far + if is_kept { 1e-6 } else { 7e-6 } * shapes + 1e-6 * close + factorisation,
-            seconds_per_pattern: pattern,
-            seconds_shared: if is_kept { 0.0 } else { 250e-6 * kept },
+            seconds: cost.seconds + if is_kept { 1e-6 } else { 7e-6 } * shapes + 1e-6 * close,
+            seconds_per_pattern: cost.seconds_per_pattern,
+            seconds_shared: if is_kept {
+                0.0
+            } else {
+                250e-6 * self.near().costly() as f64
+            },
             highest_hz: boundary.highest_hz(self.air().sound_speed, self.panels_per_wavelength()),
             irregular_hz: self.lowest_resonance(),
+        }
+    }
+
+    /// Whether the compressed matrix takes less than half the time of the dense one with a hundred patterns, as surfaces
+    /// with deep recesses may take twice the usual number of steps.
+    pub(crate) fn compression_pays(&self) -> bool {
+        let [dense, compressed] = [self.cost_dense(), self.cost_compressed()].map(|c| c.with(PATTERNS));
+        2.0 * compressed < dense
+    }
+
+    /// Time of a pair of points by the far rule \[s\]: 8 ns an image and 9 ns a parity.
+    fn pair_of_points(&self) -> f64 {
+        8e-9 * self.boundary().images().len() as f64 + 9e-9 * self.boundary().copies() as f64
+    }
+
+    /// Cost without the shapes of close pairs, as measured by `benches/bem.rs`: 7 us a shape (1 us once it is kept, which
+    /// takes 250 us), 45 GFlop/s for factors and 35 for patterns in single precision.
+    fn cost_dense(&self) -> Cost {
+        let (n, values) = (self.boundary().nodes() as f64, self.boundary().velocity_values() as f64);
+        let parities = self.boundary().copies() as f64;
+        Cost {
+            bytes: parities * 16.0 * n * n,
+            seconds: 0.5 * values * values * self.pair_of_points() + parities * 8.0 / 3.0 * n.powi(3) / 45e9,
+            // B v, the solution and the far field for each pattern.
+            seconds_per_pattern: parities * (4.0 * n * values + 8.0 * n * n + 8e3 * values) / 35e9,
+        }
+    }
+
+    /// The same of the compressed matrix at the highest frequency, as measured by `benches/bem_compressed.rs`: 1 300 close
+    /// panels each; 750 entries an unknown in near blocks and 24 sqrt(N) in others; of an entry of the latter, 100 ns and
+    /// 17 ns an image for its approximation and 0.5 ns a pattern; eight products a pattern at 0.15 ns an entry.
+    fn cost_compressed(&self) -> Cost {
+        let (n, values) = (self.boundary().nodes() as f64, self.boundary().velocity_values() as f64);
+        let (parities, images) = (self.boundary().copies() as f64, self.boundary().images().len() as f64);
+        let corners = values / self.boundary().mesh().panels.len().max(1) as f64;
+        let close = values * (0.5 * values).min(1300.0 * corners);
+        let near = n * n.min(750.0);
+        let distant = 24.0 * n.powf(1.5);
+        Cost {
+            // The blocks, and the Krylov space of ten columns a pattern.
+            bytes: parities * 8.0 * (near + distant) + 16.0 * n * 10.0 * PATTERNS,
+            seconds: close * self.pair_of_points() + parities * distant * (100e-9 + 17e-9 * images),
+            seconds_per_pattern: parities
+                * (4.0 * close / corners / 35e9
+                    + distant * 0.5e-9
+                    + 8.0 * 0.15e-9 * (near + distant)
+                    + 8e3 * values / 35e9),
         }
     }
 

@@ -34,6 +34,9 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use tables::Sampled;
 
+/// Distance of two panels' centres, as a multiple of the sum of their radii, from which the far rule suffices.
+pub(crate) const FAR_RATIO: f64 = RATIOS[0];
+
 /// A pair of panels that the far rule must leave out.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NearPair {
@@ -283,7 +286,7 @@ impl NearAt<'_> {
 }
 
 /// Centre of a panel's nodes, and the radius around it that holds them.
-fn sphere(mesh: &crate::bem::BoundaryMesh, p: usize) -> (Vector3<f64>, f64) {
+pub(crate) fn sphere(mesh: &crate::bem::BoundaryMesh, p: usize) -> (Vector3<f64>, f64) {
     let nodes = mesh.panels[p].nodes();
     let corners = mesh.panels[p].corners();
     let middle = corners.iter().map(|&n| mesh.points[n].coords).sum::<Vector3<f64>>() / corners.len() as f64;
