@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use crate::chain::solved_bodies;
 use crate::design::inputs::bodies::{below_hz, block_size};
-use crate::design::{BodyModel, Convention, Design, RadiationMethod, SupportKind};
+use crate::design::{BemEquations, BodyModel, Convention, Design, RadiationMethod, SupportKind};
 use crate::error::Error;
 use crate::stages::bodies::BodyKind;
 
@@ -64,6 +64,12 @@ const CAP_APART: f64 = 1.15;
 
 /// Top frequency of boundary elements on the shipped mesh of the tool's body \[Hz\].
 const TOOL_TOP: f64 = 2300.0;
+
+/// Unknowns from which equations are compressed, in half the time of the dense ones.
+const COMPRESSED_FROM: f64 = 4000.0;
+
+/// Power of the unknowns with which the time of compressed equations grows.
+const COMPRESSED_GROWTH: f64 = 1.3;
 
 /// Speed of sound of the estimates \[m/s\].
 const SOUND_SPEED: f64 = 343.0;
@@ -141,7 +147,7 @@ fn response(design: &Design, modes: f64) -> StageCost {
 }
 
 /// Boundary elements of the workpiece with its support: unknowns of the four sectors grow with the area and the square of
-/// the top frequency, memory with their square, work with their cube.
+/// the top frequency; memory with their square and work with their cube, until the equations are compressed.
 fn radiation(design: &Design) -> Option<StageCost> {
     let elements = design.acoustics.method == RadiationMethod::Bem && design.support.kind != SupportKind::Sandbox;
     elements.then(|| {
@@ -157,11 +163,13 @@ fn radiation(design: &Design) -> Option<StageCost> {
         let panels = (block + on_table) / (panel * panel);
         let unknowns = panels / 4.0;
         let (unknowns_0, seconds_0) = RADIATION;
+        let dense = seconds_0 * (unknowns / unknowns_0).powi(3);
+        let (gigabytes, seconds) = of_equations(acoustics.bem_equations, unknowns, 4.0, dense);
         StageCost {
             stage: "radiation of the workpiece",
             counts: vec![("panels", panels)],
-            gigabytes: 1e-9 * 3.0 * 16.0 * unknowns * unknowns,
-            cpu_seconds: seconds_0 * (unknowns / unknowns_0).powi(3) + 1e-3 * unknowns,
+            gigabytes,
+            cpu_seconds: seconds + 1e-3 * unknowns,
             keys: &[("acoustics.bem_top", "lower"), ("acoustics.bem_panels", "lower")],
         }
     })
@@ -181,13 +189,32 @@ fn radiation_of_tool(design: &Design) -> Result<Option<StageCost>, Error> {
         Convention::Physical => 1.0,
         Convention::Wrapping => 1.0 + CAP_APART,
     };
+    let dense = seconds_0 * (panels / panels_0).powi(3);
+    let (gigabytes, seconds) = of_equations(acoustics.bem_equations, 0.5 * panels, 1.0, dense);
     Ok(Some(StageCost {
         stage: "radiation of the tool",
         counts: vec![("panels", panels)],
-        gigabytes: 1e-9 * 3.0 * 16.0 * (0.5 * panels).powi(2),
-        cpu_seconds: solved * seconds_0 * (panels / panels_0).powi(3),
+        gigabytes,
+        cpu_seconds: solved * seconds,
         keys: &[("acoustics.bem_top", "lower"), ("acoustics.bem_panels", "lower")],
     }))
+}
+
+/// Memory \[GB\] and time \[s\] of the equations of boundary elements, of which `dense` is the time of the dense matrix. The
+/// compressed matrix of a parity has 750 N + 24 N^1.5 entries (`acoustics/benches/bem_compressed.rs`).
+fn of_equations(solver: BemEquations, unknowns: f64, parities: f64, dense: f64) -> (f64, f64) {
+    let compressed = match solver {
+        BemEquations::Auto => unknowns > COMPRESSED_FROM,
+        BemEquations::Dense => false,
+        BemEquations::Compressed => true,
+    };
+    if !compressed {
+        return (1e-9 * 3.0 * 16.0 * unknowns * unknowns, dense);
+    }
+    let entries = parities * (750.0 * unknowns + 24.0 * unknowns.powf(1.5));
+    let time = 0.5 * dense * (COMPRESSED_FROM / unknowns).powf(3.0 - COMPRESSED_GROWTH);
+    // With ten directions of the Krylov space for each of a hundred patterns.
+    (1e-9 * 3.0 * (8.0 * entries + 16e3 * unknowns), time)
 }
 
 /// Refuses a design of which a stage needs more memory than allowed.

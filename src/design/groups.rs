@@ -542,6 +542,18 @@ choice! {
     }
 }
 
+choice! {
+    /// How the equations of boundary elements are stored and solved.
+    BemEquations {
+        /// The cheaper of the two by their estimated time: compressed from about 4 000 unknowns.
+        Auto = "auto",
+        /// A dense matrix and its factors.
+        Dense = "dense",
+        /// Blocks of low rank by adaptive cross approximation, and a block Krylov method.
+        Compressed = "compressed",
+    }
+}
+
 group! {
     /// Radiation of vibrating surfaces.
     Acoustics {
@@ -553,6 +565,8 @@ group! {
         /// Highest frequency of the boundary elements in air of 20 degrees Celsius, in other air higher as its speed of sound is;
         /// half an octave more is solved in the mean over frequency.
         bem_top: f64 = positive(FREQUENCY).within(20.0, 1e5), "";
+        /// How the equations of boundary elements are stored and solved.
+        bem_equations: BemEquations = BemEquations::KIND, "";
         /// Least number of panels per wavelength of sound.
         bem_panels: f64 = positive(NUMBER).within(2.0, 30.0), "";
         /// Largest interpolation error of the radiation matrix over frequency: root mean square of the entries R_ij, relative

@@ -28,6 +28,7 @@ const STRUCTURES: &[&str] = &[
     // A fitting filters sound and leaves the cycle as it is; a muffler acts where there is one.
     "exhaust.fitting.",
     "exhaust.muffler.",
+    "workpiece.board.",
     "workpiece.mesh_unit",
     "nail.offset_along",
     "nail.offset_across",

@@ -1,6 +1,6 @@
 //! Inputs of the radiation of workpiece and tool: surroundings, microphones, resolution, sand.
 
-use nailnoise_acoustics::bem::SolidBox;
+use nailnoise_acoustics::bem::{EquationSolver, SolidBox};
 use nailnoise_acoustics::radiation::{AbsorbingSand, MovingSand};
 use nailnoise_acoustics::radiator::Loading;
 use nailnoise_fem::supports::Sand;
@@ -8,7 +8,8 @@ use nalgebra::Vector3;
 
 use super::microphones::{positions, reflecting_plane, tool_height};
 use crate::design::{
-    BodyModel, Convention, Design, FluidLoading, RadiationMethod, SupportKind, SurfaceName, WorktablePreset,
+    BemEquations, BodyModel, Convention, Design, FluidLoading, RadiationMethod, SupportKind, SurfaceName,
+    WorktablePreset,
 };
 use crate::error::Error;
 use crate::stages::radiation::{
@@ -154,6 +155,11 @@ fn resolution(design: &Design) -> Resolution {
     Resolution {
         top_hz: acoustics.bem_top,
         panels: acoustics.bem_panels,
+        equations: match acoustics.bem_equations {
+            BemEquations::Auto => EquationSolver::Auto,
+            BemEquations::Dense => EquationSolver::Dense,
+            BemEquations::Compressed => EquationSolver::Compressed,
+        },
         tolerance: acoustics.bem_tolerance,
     }
 }

@@ -11,7 +11,8 @@ use nailnoise_meshes::{JOINT, Mesh, MeshError, gauss_legendre};
 use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 
-use super::load_places::{ContactCells, NailPlace};
+use super::contact_cells::ContactCells;
+use super::nail_stations::NailPlace;
 
 /// Points of the mean along a part of the shank.
 const POINTS: usize = 3;

@@ -2,16 +2,17 @@
 
 use std::sync::Arc;
 
-use nailnoise_fem::supports::{ContactGrid, GridRule, RectangularBase, Sand};
+use nailnoise_fem::supports::{RectangularBase, Sand};
 use nailnoise_fem::transient::{Support, SupportLaw};
 use nailnoise_fem::{LoadVector, Rectangle};
 use nailnoise_meshes::{Mesh, MeshError, Surface};
 use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 
+use super::contact_cells::ContactCells;
 use super::geometry::{BodyKind, Meshed};
 use super::joint::Joint;
-use super::nail_stations;
+use super::nail_stations::NailPlace;
 use super::tool_loads::{self, ToolPlaces};
 use crate::error::Error;
 use crate::stages::{Code, Input, NotKept, Progress, Stage, Stored, code};
@@ -84,65 +85,6 @@ pub struct LoadPlaces {
     pub joint: Option<Joint>,
     /// Number of supports behind these that act on another body alone.
     pub elsewhere: usize,
-}
-
-/// Place of the nail and of the tool's nose on the top of the workpiece.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct NailPlace {
-    /// Position (x, y) \[m\].
-    pub at: [f64; 2],
-    /// Height of the top \[m\].
-    pub top: f64,
-    /// Length of the nail \[m\].
-    pub length: f64,
-    /// Lengths of the nose along x and y \[m\].
-    pub nose: [f64; 2],
-}
-
-impl NailPlace {
-    /// Downward displacement of the nail's stations, then of the nose.
-    fn load_vectors(&self, mesh: &Mesh) -> Result<Vec<LoadVector>, MeshError> {
-        let ([x, y], down) = (self.at, -Vector3::z());
-        let station = |depth: f64| LoadVector::point(mesh, Point3::new(x, y, self.top - depth), down, 0.0);
-        let nose = Rectangle::horizontal(Point3::new(x, y, self.top), self.nose);
-        let stations = nail_stations::depths(self.length).map(station).into_iter();
-        stations
-            .chain([LoadVector::rectangle(mesh, "top", &nose, down)])
-            .collect()
-    }
-}
-
-/// Cells in which the underside of the workpiece touches what it stands on.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct ContactCells {
-    /// Lengths of the underside along x and y \[m\].
-    pub size: [f64; 2],
-    /// Number of cells along x and y.
-    pub cells: [u32; 2],
-}
-
-impl ContactCells {
-    /// Their centres and areas.
-    pub fn grid(&self) -> ContactGrid {
-        let ([length, width], [along, across]) = (self.size, self.cells.map(|n| n as usize));
-        ContactGrid::new(length, width, along, across, GridRule::CellCentred)
-    }
-
-    /// Mean displacement of each cell on a face group at a height \[m\] along a direction.
-    pub(super) fn load_vectors(
-        &self,
-        mesh: &Mesh,
-        group: &str,
-        height: f64,
-        direction: Vector3<f64>,
-    ) -> Result<Vec<LoadVector>, MeshError> {
-        let size = [0, 1].map(|axis| self.size[axis] / f64::from(self.cells[axis]));
-        let cell = |&[x, y]: &[f64; 2]| {
-            let cell = Rectangle::horizontal(Point3::new(x, y, height), size);
-            LoadVector::rectangle(mesh, group, &cell, direction)
-        };
-        self.grid().points.iter().map(cell).collect()
-    }
 }
 
 /// Sand at the sides of a block: cells in which it holds them, each in three directions.

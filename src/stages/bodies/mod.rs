@@ -6,6 +6,7 @@
 //! reduces them to what a shot reads: a run whose bodies have not changed needs neither mesh nor whole shapes.
 
 mod body;
+mod contact_cells;
 mod geometry;
 mod joint;
 mod load_places;
@@ -19,11 +20,13 @@ pub(crate) mod tool_loads;
 mod tool_surfaces;
 
 pub use body::{Body, ModalModel, MovingSurface, Resolution, SIDES_PER_WAVE};
+pub use contact_cells::ContactCells;
 pub use geometry::{AddedSand, BodyKind, Geometry, MeshSource, Meshed, PartMaterials, Remainder};
 pub use joint::{Joint, JointSpring};
-pub use load_places::{ContactCells, Discretisation, LoadPlaces, Model, NailPlace, SideSand, SpringFoot};
+pub use load_places::{Discretisation, LoadPlaces, Model, SideSand, SpringFoot};
 pub use mesh_file::{Extent, MeshFile};
 pub use modes::{Modes, WholeModes};
+pub use nail_stations::NailPlace;
 pub(crate) use nail_stations::STATIONS;
 pub use sensor_modes::{BodySensors, SensorModes, SensorPoint};
 pub use surfaces::{FoundSurface, Naming, Origin, SurfacePlace};

@@ -1,6 +1,6 @@
 //! Boundary elements of a body on several meshes: what is solved, what it costs, and the radiation matrix.
 
-use nailnoise_acoustics::bem::{MeshRange, ModalBem, Receivers};
+use nailnoise_acoustics::bem::{EquationSolver, MeshRange, ModalBem, Receivers};
 use nailnoise_acoustics::radiation::Sampling;
 use nalgebra::Point3;
 use serde::Serialize;
@@ -24,6 +24,9 @@ pub struct Resolution {
     pub top_hz: f64,
     /// Panels per wavelength.
     pub panels: f64,
+    /// How the equations are stored and solved.
+    #[serde(skip_serializing_if = "EquationSolver::is_auto")]
+    pub equations: EquationSolver,
     /// Tolerance of the interpolation over frequency, relative to sqrt(R_ii R_jj).
     pub tolerance: f64,
 }

@@ -177,9 +177,16 @@ impl ToolRadiation {
             parity: Parity::default(),
             velocities,
         };
-        let Resolution { top_hz, panels, .. } = self.resolution;
+        let Resolution {
+            top_hz,
+            panels,
+            equations,
+            ..
+        } = self.resolution;
         let top_hz = boundary.highest_hz(air.sound_speed, panels).min(top_hz);
-        let problem = Exterior::new(boundary, air).with_panels_per_wavelength(panels)?;
+        let problem = Exterior::new(boundary, air)
+            .with_panels_per_wavelength(panels)?
+            .with_equation_solver(equations);
         Ok(MeshRange {
             problem,
             top_hz,
@@ -209,7 +216,9 @@ impl ToolRadiation {
             })
         };
         let patterns: Vec<Patterns> = fine.patterns.iter().map(carried).collect::<Result<_, _>>()?;
-        let problem = Exterior::new(coarse, air).with_panels_per_wavelength(panels)?;
+        let problem = Exterior::new(coarse, air)
+            .with_panels_per_wavelength(panels)?
+            .with_equation_solver(self.resolution.equations);
         let below = MeshRange {
             problem,
             top_hz: ALONE * fine.top_hz,

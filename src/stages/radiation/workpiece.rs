@@ -203,7 +203,9 @@ impl WorkpieceBoundaryElements {
         let mesh = BoundaryMesh::of_boxes(&self.boxes, planes, edge, names, patch)?;
         let boundary = Boundary::symmetric(mesh, mirrors, floor)?;
         let patterns = boundary.transfer(&parts)?;
-        let problem = Exterior::new(boundary, air).with_panels_per_wavelength(fine.panels)?;
+        let problem = Exterior::new(boundary, air)
+            .with_panels_per_wavelength(fine.panels)?
+            .with_equation_solver(fine.equations);
         Ok(MeshRange {
             problem,
             top_hz: top_hz * (air.sound_speed / computed.sound_speed),
@@ -227,7 +229,9 @@ impl WorkpieceBoundaryElements {
             velocities: boundary.project_displacements(&body.modes.map(f64::from))?,
         };
         let resolved = boundary.highest_hz(computed.sound_speed, fine.panels);
-        let problem = Exterior::new(boundary, air).with_panels_per_wavelength(fine.panels)?;
+        let problem = Exterior::new(boundary, air)
+            .with_panels_per_wavelength(fine.panels)?
+            .with_equation_solver(fine.equations);
         Ok(MeshRange {
             problem,
             top_hz: resolved.min(fine.top_hz) * (air.sound_speed / computed.sound_speed),

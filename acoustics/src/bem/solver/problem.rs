@@ -13,6 +13,7 @@ use crate::bem::operators::wave::Wave;
 use crate::checks::{InputError, positive, same_length};
 use faer::{Mat, MatRef, Par};
 use nalgebra::{Complex, DMatrix};
+use serde::Serialize;
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
@@ -62,7 +63,7 @@ pub struct Exterior {
 }
 
 /// How the equations of a surface are stored and solved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub enum EquationSolver {
     /// Compressed if that takes less than half as long as with the dense matrix by [`Exterior::estimate`].
     #[default]
@@ -72,6 +73,13 @@ pub enum EquationSolver {
     /// Distant blocks of the matrix as products of thin matrices by adaptive cross approximation, and a block Krylov
     /// method.
     Compressed,
+}
+
+impl EquationSolver {
+    /// Whether the program chooses.
+    pub fn is_auto(&self) -> bool {
+        *self == Self::Auto
+    }
 }
 
 /// Normal velocities of one parity about the mirror planes.
