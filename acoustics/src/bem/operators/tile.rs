@@ -170,36 +170,42 @@ impl<'a> Close<'a> {
     }
 }
 
-/// Sums the corners of the panels f to its nodes: rows x nodes, all real parts before all imaginary parts.
-fn to_nodes(buffer: &Buffer, f: &Block) -> [Vec<f32>; 2] {
-    let half = buffer.rows * buffer.columns;
-    [0, 1].map(|part| {
-        let mut nodal = Vec::with_capacity(buffer.rows * f.nodes.len());
-        let values = &buffer.data[part * half..(part + 1) * half];
-        for row in values.chunks_exact(buffer.columns.max(1)) {
-            let mut begin = 0;
-            for &end in &f.columns_end {
-                nodal.push(f.columns[begin..end].iter().map(|&column| row[column]).sum());
-                begin = end;
+/// Sums the corners of the panels f to its nodes: 2 rows x nodes, all real parts before all imaginary parts. Two rows at
+/// a time, so that their additions overlap.
+fn to_nodes(buffer: &Buffer, f: &Block) -> Vec<f32> {
+    let mut nodal = vec![0.0; 2 * buffer.rows * f.nodes.len()];
+    let pairs = buffer.data.chunks_exact((2 * buffer.columns).max(1));
+    for (rows, to) in pairs.zip(nodal.chunks_exact_mut((2 * f.nodes.len()).max(1))) {
+        let (first, second) = rows.split_at(buffer.columns);
+        let (to_first, to_second) = to.split_at_mut(f.nodes.len());
+        let mut begin = 0;
+        for ((to_first, to_second), &end) in to_first.iter_mut().zip(to_second).zip(&f.columns_end) {
+            let (mut of_first, mut of_second) = (0.0, 0.0);
+            for &column in &f.columns[begin..end] {
+                of_first += first[column];
+                of_second += second[column];
             }
+            (*to_first, *to_second, begin) = (of_first, of_second, end);
         }
-        nodal
-    })
+    }
+    nodal
 }
 
-fn complex([re, im]: [Vec<f32>; 2]) -> Vec<Complex<f32>> {
-    re.into_iter().zip(im).map(|(re, im)| Complex::new(re, im)).collect()
+/// Rows x columns of complex numbers from all real parts before all imaginary parts.
+fn complex(parts: &[f32]) -> impl Iterator<Item = Complex<f32>> {
+    let (re, im) = parts.split_at(parts.len() / 2);
+    re.iter().zip(im).map(|(&re, &im)| Complex::new(re, im))
 }
 
 impl Operators {
     /// A from the nodes of f to those of e, row by row.
     pub(crate) fn pressure(&self, f: &Block) -> Vec<Complex<f32>> {
-        complex(to_nodes(&self.a, f))
+        complex(&to_nodes(&self.a, f)).collect()
     }
 
     /// The transpose of A from the nodes of e to those of f, row by row; empty if they are the same block.
     pub(crate) fn pressure_back(&self, f: &Block) -> Vec<Complex<f32>> {
-        complex(to_nodes(&self.a_back, f))
+        complex(&to_nodes(&self.a_back, f)).collect()
     }
 
     /// B from the patterns on f to the nodes of e, patterns x nodes, real parts before imaginary parts.
@@ -219,7 +225,9 @@ impl Operators {
     /// B from the patterns on e to the nodes of f, likewise.
     pub(crate) fn velocity_back(&self, f: &Block, on_e: &Mat<f32>) -> Mat<f32> {
         let mut product = Mat::<f32>::zeros(on_e.nrows(), 2 * f.nodes.len());
-        for (part, b) in to_nodes(&self.b_back, f).iter().enumerate() {
+        let nodal = to_nodes(&self.b_back, f);
+        let half = self.b_back.rows * f.nodes.len();
+        for (part, b) in nodal.chunks_exact(half.max(1)).enumerate() {
             let b = MatRef::from_row_major_slice(b, self.b_back.rows, f.nodes.len());
             let to = product.as_mut().subcols_mut(part * f.nodes.len(), f.nodes.len());
             matmul(to, Accum::Replace, on_e.as_ref(), b, 1.0, Par::Seq);
@@ -229,25 +237,23 @@ impl Operators {
 
     /// Adds corners to nodes and applies B to the patterns.
     fn gather(&self, [e, f]: [&Block; 2], patterns: [&Mat<f32>; 2], sums: &mut Sums) {
-        let columns = f.nodes.len();
-        let pressure = self.pressure(f);
-        for (&row, values) in e.nodes.iter().zip(pressure.chunks_exact(columns)) {
-            let to = sums.transposed.col_as_slice_mut(row);
-            for (&column, value) in f.nodes.iter().zip(values) {
-                to[column] += value;
+        let add = |nodal: &[f32], to: &mut Mat<Complex<f32>>| {
+            let columns = f.nodes.len();
+            let (re, im) = nodal.split_at(nodal.len() / 2);
+            let rows = re.chunks_exact(columns).zip(im.chunks_exact(columns));
+            for (&row, (re, im)) in e.nodes.iter().zip(rows) {
+                let to = to.col_as_slice_mut(row);
+                for (&column, (&re, &im)) in f.nodes.iter().zip(re.iter().zip(im)) {
+                    to[column] += Complex::new(re, im);
+                }
             }
-        }
+        };
+        add(&to_nodes(&self.a, f), &mut sums.transposed);
         spread(&e.nodes, self.velocity(e, patterns[1]).as_ref(), &mut sums.right);
         if std::ptr::eq(e, f) {
             return;
         }
-        let pressure = self.pressure_back(f);
-        for (&column, values) in e.nodes.iter().zip(pressure.chunks_exact(columns)) {
-            let to = sums.matrix.col_as_slice_mut(column);
-            for (&row, value) in f.nodes.iter().zip(values) {
-                to[row] += value;
-            }
-        }
+        add(&to_nodes(&self.a_back, f), &mut sums.matrix);
         spread(&f.nodes, self.velocity_back(f, patterns[0]).as_ref(), &mut sums.right);
     }
 }
