@@ -2,7 +2,7 @@
 
     cluster.py DESIGN [DRAWS [SECONDS]]
 
-Three checks with DRAWS drawn shots (2000 unless given) on a local cluster of two workers:
+Three checks with DRAWS drawn shots (2000 unless given, 384 at least) on a local cluster of two workers:
 
 1. The wall time is within 15 % of that on two threads (not demanded below 1000 draws, where it is no more than noise), and the numbers
    are the same. The time a task spends outside its work is printed.
@@ -27,15 +27,17 @@ from nailnoise._native import CANDIDATES
 
 #: Largest ratio of the wall time on a cluster to that on threads, and largest share of scheduling.
 RATIO, SHARE = 1.15, 0.05
+#: Workers that are killed, and the least blocks of candidates that leave time for it: progress is reported after each block.
+KILLS, BLOCKS = 3, 6
 #: Simulated workers, and the time of a simulated and of a real draw [s].
 WORKERS, PAUSE, REAL = 20, 0.24, 2.4
 
 
 @contextlib.contextmanager
-def local() -> Iterator[Client]:
+def local() -> Iterator[tuple[LocalCluster, Client]]:
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
         client.wait_for_workers(2)
-        yield client
+        yield cluster, client
 
 
 def once(made: nn.Shots, draws: int) -> None:
@@ -49,7 +51,7 @@ def compared(design: nn.Design, draws: int) -> nn.Shots:
     begin = time.perf_counter()
     alone = nn.shots(design, draws)
     of_threads = time.perf_counter() - begin
-    with local() as client:
+    with local() as (_, client):
         # Imports, the design and the sampler are there before the clock runs, as they are on a cluster that is at work.
         nn.shots(design, 2 * CANDIDATES, seed=9, client=client)
         with get_task_stream(client) as stream:
@@ -75,17 +77,22 @@ def compared(design: nn.Design, draws: int) -> nn.Shots:
 def killed(design: nn.Design, alone: nn.Shots, draws: int) -> None:
     """The same draws while a worker is killed three times."""
     kills: list[int] = []
-    with local() as client, tempfile.TemporaryDirectory() as store:
+    with local() as (cluster, client), tempfile.TemporaryDirectory() as store:
+
+        def alive() -> list[int]:
+            """Workers that were not killed; a killed one is listed until its nanny has noticed."""
+            return [worker.pid for worker in cluster.workers.values() if worker.pid and worker.pid not in kills]
 
         def kill(stage: str, done: int, of: int) -> None:
-            if len(kills) < 3 and done >= of * (len(kills) + 1) / 5:
-                process = next(iter(client.run(os.getpid).values()))
-                os.kill(process, signal.SIGKILL)
-                kills.append(process)
+            if len(kills) < KILLS and done >= of * (len(kills) + 1) / BLOCKS:
+                while not (processes := alive()):
+                    time.sleep(0.05)
+                os.kill(processes[0], signal.SIGKILL)
+                kills.append(processes[0])
 
         spread = nn.shots(design, draws, client=client, store=store, progress=kill)
         left = [name for name in os.listdir(store) if not name.endswith(".entry")]
-    assert len(set(kills)) == 3, f"{len(kills)} workers were killed"
+    assert len(kills) == KILLS, f"{len(kills)} workers were killed"
     once(spread, draws)
     assert spread.json == alone.json, "the numbers changed when workers died"
     print(f"workers {', '.join(map(str, kills))} killed: every draw once, same numbers; left over: {len(left)} files of claims")
@@ -118,7 +125,7 @@ def simulated(pause: float, counts: list[int]) -> None:
 
 def main() -> int:
     design = nn.load(sys.argv[1])
-    draws = int(sys.argv[2]) if len(sys.argv) > 2 else 2000
+    draws = max(int(sys.argv[2]) if len(sys.argv) > 2 else 2000, BLOCKS * CANDIDATES)
     killed(design, compared(design, draws), draws)
     pause = float(sys.argv[3]) if len(sys.argv) > 3 else PAUSE
     simulated(pause, [400] if draws < 1000 else [2000, 10_000])
