@@ -1,5 +1,6 @@
 //! Levels of a shot alone, without its sound at microphones and histories: what a study keeps of a draw.
 
+use nailnoise_acoustics::radiator::Detail;
 use nailnoise_dynamics::CycleRecord;
 use serde::{Deserialize, Serialize};
 
@@ -107,10 +108,10 @@ impl Stage for ShotLevels {
         let edges = EventEdges::new(&record.events, *self.end.get()?);
         let analysed = |sound| SoundSource::new(sound, &edges, self.range_hz);
         let (exhaust, vent, _) = noise(&self.openings, &record)?;
-        let (body, cap) = self.body.analysed(self.body.sound()?, &edges)?;
+        let (body, cap) = self.body.analysed(self.body.sound(Detail::Levels)?, &edges)?;
         let (exhaust, vent) = (analysed(exhaust), vent.map(analysed));
         let [exhaust, body] = counted([&exhaust, &body], [cap.as_ref(), vent.as_ref()], self.range_hz);
-        let sources = [analysed(self.workpiece.sound()?), exhaust, body];
+        let sources = [analysed(self.workpiece.sound(Detail::Levels)?), exhaust, body];
         let (ranking, _) = rank(&sources.each_ref(), self.range_hz);
         let levels = |source: &SoundSource| {
             let ranked = ranking.iter().find(|own| own.source == source.spectrum.source)?;

@@ -56,6 +56,16 @@ impl AveragedResistance {
         Self { hz, patches, roots }
     }
 
+    /// With the first `count` patches as one.
+    #[must_use]
+    pub(crate) fn with_sum_of_patches(&self, count: usize) -> Self {
+        Self {
+            hz: self.hz.clone(),
+            patches: self.patches.iter().map(|node| node.with_sum_of(count)).collect(),
+            roots: self.roots.clone(),
+        }
+    }
+
     /// Frequencies of the nodes \[Hz\].
     pub(crate) fn hz(&self) -> &[f64] {
         &self.hz

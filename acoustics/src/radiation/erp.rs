@@ -3,6 +3,7 @@ use super::operator::ModalRadiation;
 use super::packed::{Motions, PackedHermitian};
 use super::products::forms;
 use super::resistance::Resistance;
+use super::sampled::sum_of_names;
 use super::surface::RadiatingSurface;
 use crate::air::Air;
 use crate::matrix::real_product;
@@ -64,6 +65,16 @@ impl Erp {
         self.patches.push(name.to_owned());
         self.resistances.push(DMatrix::zeros(modes, modes));
         Self::of(self.patches, self.resistances)
+    }
+
+    /// With the first `count` patches as one of the name `name`.
+    #[must_use]
+    pub(crate) fn with_sum_of_patches(&self, count: usize, name: &str) -> Self {
+        let modes = self.modes();
+        let (first, others) = self.resistances.split_at(count.min(self.resistances.len()));
+        let sum = first.iter().fold(DMatrix::zeros(modes, modes), |sum, r| sum + r);
+        let resistances = std::iter::once(sum).chain(others.iter().cloned()).collect();
+        Self::of(sum_of_names(&self.patches, count, name), resistances)
     }
 
     fn packed(&self) -> &PackedHermitian {

@@ -88,11 +88,7 @@ impl PackedHermitian {
 
     /// The sum of all rows.
     fn summed(&self) -> Vec<f64> {
-        let mut sums = vec![0.0; self.stride()];
-        for row in self.rows() {
-            sums.iter_mut().zip(row).for_each(|(sum, v)| *sum += f64::from(*v));
-        }
-        sums
+        summed(&self.values, self.stride())
     }
 
     fn unpacked(&self, value: impl Fn(usize) -> f64) -> Resistance {
@@ -113,6 +109,19 @@ impl PackedHermitian {
         Resistance {
             real,
             imaginary: self.skew.then(|| triangle(0, -1.0)),
+        }
+    }
+
+    /// The first `count` matrices as one, and the others.
+    pub(super) fn with_sum_of(&self, count: usize) -> Self {
+        let stride = self.stride();
+        let (first, others) = self.values.split_at(count.min(self.matrices) * stride);
+        let mut values: Vec<f32> = summed(first, stride).into_iter().map(|v| v as f32).collect();
+        values.extend(others);
+        Self {
+            matrices: 1 + self.matrices.saturating_sub(count),
+            values,
+            ..*self
         }
     }
 
@@ -173,6 +182,15 @@ impl PackedHermitian {
         };
         self.rows().map(of_row).sum()
     }
+}
+
+/// The sum of rows of a length that stand one behind the other.
+fn summed(rows: &[f32], length: usize) -> Vec<f64> {
+    let mut sums = vec![0.0; length];
+    for row in rows.chunks_exact(length.max(1)) {
+        sums.iter_mut().zip(row).for_each(|(sum, v)| *sum += f64::from(*v));
+    }
+    sums
 }
 
 /// The sum of some matrices in the order of a row, not rounded.

@@ -275,6 +275,20 @@ impl SampledRadiation {
         (self, taken)
     }
 
+    /// With the first `count` patches as one of the name `name`.
+    #[must_use]
+    pub(crate) fn with_sum_of_patches(&self, count: usize, name: &str) -> Self {
+        Self {
+            patches: sum_of_names(&self.patches, count, name),
+            samples: self.samples.iter().map(|sample| sample.with_sum_of(count)).collect(),
+            method: self.method.clone(),
+            grid: self.grid.clone(),
+            slopes: self.slopes.clone(),
+            roots: self.roots.clone(),
+            ..*self
+        }
+    }
+
     /// Computes and stores the roots that signals need, instead of computing them for every motion.
     #[must_use]
     pub fn with_roots(mut self) -> Self {
@@ -324,6 +338,12 @@ impl SampledRadiation {
         let root = hermitian_root(&self.samples[sample].sum(1.0));
         PackedHermitian::new(self.modes, std::iter::once(&root))
     }
+}
+
+/// The names of patches of which the first `count` are one of the name `name`.
+pub(super) fn sum_of_names(patches: &[String], count: usize, name: &str) -> Vec<String> {
+    let others = patches.iter().skip(count).cloned();
+    std::iter::once(name.to_owned()).chain(others).collect()
 }
 
 /// Power laws of the diagonal of R at the lowest sample, rounded to even numbers from 2 up.

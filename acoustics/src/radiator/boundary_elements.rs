@@ -1,8 +1,8 @@
 //! One or several bodies by boundary elements up to their highest frequency, and by the high-frequency limit above.
 
 use super::{
-    FluidLoading, FluidLoads, Loading, MovingBody, Pressures, RadiatedSound, RadiationBand, RadiationReport, Radiator,
-    Uncertainty, damping_ratios, mode_shares, motions,
+    Detail, FluidLoading, FluidLoads, Loading, MovingBody, Pressures, RadiatedSound, RadiationBand, RadiationReport,
+    Radiator, Uncertainty, damping_ratios, mode_shares, motions,
 };
 use crate::bem::ModalBem;
 use crate::error::AcousticsError;
@@ -23,23 +23,39 @@ impl Radiator for ModalBem {
         radiated_energy(source, self, &ModalSpectra::side_by_side(motions))
     }
 
-    fn sound(&self, source: &'static str, bodies: &[MovingBody<'_>]) -> Result<RadiatedSound, AcousticsError> {
+    fn sound(
+        &self,
+        source: &'static str,
+        bodies: &[MovingBody<'_>],
+        detail: Detail,
+    ) -> Result<RadiatedSound, AcousticsError> {
         let together = ModalSpectra::side_by_side(&motions(bodies));
-        let mut spectrum = radiated_energy(source, self, &together)?;
-        let erp = radiated_energy(source, &self.reference(), &together)?;
+        let bem = match detail {
+            Detail::Levels => &self.undivided(),
+            Detail::Report => self,
+        };
+        let mut spectrum = radiated_energy(source, bem, &together)?;
         let surface = share_out(&mut spectrum);
-        let weights = energy_weights(&spectrum.frequency, spectrum.range_hz, Weighting::A);
-        let energies = mode_energies(self, &together, &weights)?;
-        let mut report = report(self, &together, [&spectrum, &surface, &erp]);
-        report.modes = mode_shares(bodies, &energies);
-        report.fluid_loading = FluidLoading::new(bodies, &energies, self.solved_hz()[1]);
+        let differences = Differences::new(bem, &together, [&spectrum, &surface]);
+        let report = match detail {
+            Detail::Levels => None,
+            Detail::Report => {
+                let erp = radiated_energy(source, &self.reference(), &together)?;
+                let mut report = report(self, &differences, [&spectrum, &surface, &erp]);
+                let weights = energy_weights(&spectrum.frequency, spectrum.range_hz, Weighting::A);
+                let energies = mode_energies(self, &together, &weights)?;
+                report.modes = mode_shares(bodies, &energies);
+                report.fluid_loading = FluidLoading::new(bodies, &energies, self.solved_hz()[1]);
+                Some(report)
+            }
+        };
         let signals = vec![(source, radiated_signals(self, &together, &spectrum)?)];
         let lacking_db = lacking_db(self, &spectrum, &together);
         Ok(RadiatedSound {
-            uncertainty: uncertainty(self, &spectrum, together.range_hz, (&report, lacking_db)),
+            uncertainty: uncertainty(self, &spectrum, together.range_hz, (&differences, lacking_db)),
             spectrum,
             signals,
-            report: Some(report),
+            report,
         })
     }
 
@@ -93,7 +109,7 @@ fn uncertainty(
     bem: &ModalBem,
     source: &SourceSpectrum,
     range: [f64; 2],
-    (report, lacking_db): (&RadiationReport, Option<f64>),
+    (differences, lacking_db): (&Differences, Option<f64>),
 ) -> Uncertainty {
     let above = |factor: f64| {
         let join = bem.transition_hz()[0].clamp(range[0], range[1]);
@@ -103,11 +119,11 @@ fn uncertainty(
         );
         10.0 * ((low + factor * high) / (low + high)).log10()
     };
-    let [mut least, mut most] = report.limit_error_db;
-    if let Some(error) = report.blend_error_db {
+    let [mut least, mut most] = differences.limit_error_db;
+    if let Some(error) = differences.blend_error_db {
         (least, most) = (least.min(error), most.max(error));
     }
-    let evaluations = report.surface_difference_db.map_or(0.0, f64::abs) + lacking_db.unwrap_or(0.0);
+    let evaluations = differences.surface_db.map_or(0.0, f64::abs) + lacking_db.unwrap_or(0.0);
     let lacking = lacking_db.map_or_else(String::new, |db| {
         format!("; standard modes of the same surface lack motion worth at most {db:.2} dB")
     });
@@ -162,51 +178,87 @@ fn share_out(source: &mut SourceSpectrum) -> SourceSpectrum {
     surface
 }
 
+/// How far evaluations of the power of one source are apart.
+struct Differences {
+    /// By the surface less by the far field, where boundary elements alone are used \[dB, A-weighted\].
+    surface_db: Option<f64>,
+    /// Smallest and largest difference of the high-frequency limit in the uppermost bands of boundary elements \[dB\].
+    limit_error_db: [f64; 2],
+    /// Difference of the high-frequency limit in the uppermost third of an octave of boundary elements \[dB\].
+    blend_error_db: Option<f64>,
+    /// The same in each band of the spectrum that boundary elements cover \[dB\].
+    by_band_db: Vec<Option<f64>>,
+}
+
+impl Differences {
+    fn new(bem: &ModalBem, together: &ModalSpectra, [far_field, surface]: [&SourceSpectrum; 2]) -> Self {
+        let range = far_field.range_hz;
+        let level = |spectrum: &SourceSpectrum| energy_level(spectrum.energy(solved(bem, range), Weighting::A));
+        let limit = limit(bem, together, far_field);
+        let compared = bem.compared_hz();
+        let within = |[low, high]: [f64; 2]| low >= compared[0].max(range[0]) && high <= compared[1].min(range[1]);
+        let error = |[low, high]: [f64; 2]| {
+            let energies = [&limit, far_field].map(|spectrum| spectrum.energy([low, high], Weighting::Z));
+            (within([low, high]) && energies.iter().all(|e| *e > 0.0))
+                .then(|| 10.0 * (energies[0] / energies[1]).log10())
+        };
+        let bands = far_field.band_levels(range);
+        let by_band_db: Vec<Option<f64>> = bands.iter().map(|b| error([b.band.low, b.band.high])).collect();
+        let ends = by_band_db.iter().rev().flatten().take(JUDGED);
+        let ends = ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], &error| {
+            [least.min(error), most.max(error)]
+        });
+        Self {
+            surface_db: level(surface)
+                .zip(level(far_field))
+                .map(|(surface, far_field)| surface - far_field),
+            limit_error_db: if ends[0] <= ends[1] { ends } else { [0.0; 2] },
+            blend_error_db: error([compared[1] * 2f64.powf(-1.0 / 3.0), compared[1]]),
+            by_band_db,
+        }
+    }
+}
+
+/// The part of a range in which boundary elements alone are used \[Hz\].
+fn solved(bem: &ModalBem, range: [f64; 2]) -> [f64; 2] {
+    [range[0], bem.transition_hz()[0].min(range[1])]
+}
+
 /// The report of one source: its power by the far field, by the surface, with radiation efficiency 1, and by the
 /// high-frequency limit where boundary elements are available too.
-fn report(bem: &ModalBem, together: &ModalSpectra, [far_field, surface, erp]: [&SourceSpectrum; 3]) -> RadiationReport {
+fn report(
+    bem: &ModalBem,
+    differences: &Differences,
+    [far_field, surface, erp]: [&SourceSpectrum; 3],
+) -> RadiationReport {
     let range = far_field.range_hz;
-    let [from, to] = bem.transition_hz();
-    let solved = [range[0], from.min(range[1])];
-    let level = |spectrum: &SourceSpectrum, range: [f64; 2]| energy_level(spectrum.energy(range, Weighting::A));
-    let difference = level(surface, solved)
-        .zip(level(far_field, solved))
-        .map(|(surface, far_field)| surface - far_field);
+    let join_hz = bem.transition_hz();
     let bands = far_field.band_levels(range);
     let (by_surface, by_erp) = (surface.band_levels(range), erp.band_levels(range));
     let inside = |b: &BandLevel| b.band.high > range[0] && b.band.low < range[1];
-    let rows = bands.iter().zip(&by_surface).zip(&by_erp);
-    let limit = limit(bem, together, far_field);
-    let compared = bem.compared_hz();
-    let within = |[low, high]: [f64; 2]| low >= compared[0].max(range[0]) && high <= compared[1].min(range[1]);
-    let error = |[low, high]: [f64; 2]| {
-        let energies = [&limit, far_field].map(|spectrum| spectrum.energy([low, high], Weighting::Z));
-        (within([low, high]) && energies.iter().all(|e| *e > 0.0)).then(|| 10.0 * (energies[0] / energies[1]).log10())
-    };
-    let edges = |band: &BandLevel| [band.band.low, band.band.high];
-    let judged = bands.iter().rev().filter_map(|band| error(edges(band))).take(JUDGED);
-    let ends = judged.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], error| {
-        [least.min(error), most.max(error)]
-    });
+    let rows = bands
+        .iter()
+        .zip(&differences.by_band_db)
+        .zip(by_surface.iter().zip(&by_erp));
     RadiationReport {
-        join_hz: [from, to],
-        solved_hz: [bem.solved_hz()[1], compared[1]],
+        join_hz,
+        solved_hz: [bem.solved_hz()[1], bem.compared_hz()[1]],
         frequencies: bem.summary.samples,
         interpolation_error: bem.summary.interpolation,
-        surface_difference_db: difference,
-        limit_error_db: if ends[0] <= ends[1] { ends } else { [0.0; 2] },
-        blend_error_db: error([compared[1] * 2f64.powf(-1.0 / 3.0), compared[1]]),
-        erp_lwa_db: level(erp, range),
+        surface_difference_db: differences.surface_db,
+        limit_error_db: differences.limit_error_db,
+        blend_error_db: differences.blend_error_db,
+        erp_lwa_db: energy_level(erp.energy(range, Weighting::A)),
         fluid_loading: None,
         modes: Vec::new(),
         bands: rows
             .filter(|((far, _), _)| inside(far))
-            .map(|((far, surface), erp)| RadiationBand {
+            .map(|((far, error), (surface, erp))| RadiationBand {
                 hz: far.band.nominal_hz(),
                 lw_db: far.lw,
-                surface_lw_db: if far.band.high <= from { surface.lw } else { None },
+                surface_lw_db: if far.band.high <= join_hz[0] { surface.lw } else { None },
                 erp_lw_db: erp.lw,
-                limit_lw_db: far.lw.zip(error(edges(far))).map(|(lw, error)| lw + error),
+                limit_lw_db: far.lw.zip(*error).map(|(lw, error)| lw + error),
             })
             .collect(),
     }

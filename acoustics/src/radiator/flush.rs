@@ -2,8 +2,8 @@
 
 use super::fluid_loading::needs_no_mass;
 use super::{
-    FluidLoading, FluidLoads, Loading, MovingBody, Pressures, RadiatedSound, RadiationBand, RadiationReport, Radiator,
-    Uncertainty, damping_ratios, mode_shares,
+    Detail, FluidLoading, FluidLoads, Loading, MovingBody, Pressures, RadiatedSound, RadiationBand, RadiationReport,
+    Radiator, Uncertainty, damping_ratios, mode_shares,
 };
 use crate::error::AcousticsError;
 use crate::fluid_loading::DryModes;
@@ -28,22 +28,33 @@ impl Radiator for FlushRadiator {
         radiated_energy(source, &self.sound.waves, motions[0])
     }
 
-    fn sound(&self, source: &'static str, bodies: &[MovingBody<'_>]) -> Result<RadiatedSound, AcousticsError> {
+    fn sound(
+        &self,
+        source: &'static str,
+        bodies: &[MovingBody<'_>],
+        detail: Detail,
+    ) -> Result<RadiatedSound, AcousticsError> {
         let (waves, motion) = (&self.sound.waves, bodies[0].spectra);
         let spectrum = radiated_energy(source, waves, motion)?;
         let signals = vec![(source, radiated_signals(waves, motion, &spectrum)?)];
-        let ratios = self.sound.surface.ratios(waves, motion)?;
-        let erp = radiated_energy(source, &self.erp, motion)?;
-        let mut report = report(&self.sound, &spectrum, &ratios, &erp);
-        let weights = energy_weights(&spectrum.frequency, spectrum.range_hz, Weighting::A);
-        let energies = mode_energies(waves, motion, &weights)?;
-        report.modes = mode_shares(bodies, &energies);
-        report.fluid_loading = FluidLoading::new(bodies, &energies, report.solved_hz[1]);
+        let report = match detail {
+            Detail::Levels => None,
+            Detail::Report => {
+                let ratios = self.sound.surface.ratios(waves, motion)?;
+                let erp = radiated_energy(source, &self.erp, motion)?;
+                let mut report = report(&self.sound, &spectrum, &ratios, &erp);
+                let weights = energy_weights(&spectrum.frequency, spectrum.range_hz, Weighting::A);
+                let energies = mode_energies(waves, motion, &weights)?;
+                report.modes = mode_shares(bodies, &energies);
+                report.fluid_loading = FluidLoading::new(bodies, &energies, report.solved_hz[1]);
+                Some(report)
+            }
+        };
         Ok(RadiatedSound {
             uncertainty: sand_band(&spectrum, &self.sand, motion.range_hz),
             spectrum,
             signals,
-            report: Some(report),
+            report,
         })
     }
 

@@ -35,11 +35,17 @@ pub trait Radiator: Send + Sync {
     /// A number of modes that differs from the bodies', a range beyond the radiator's.
     fn energy(&self, source: &str, motions: &[&ModalSpectra]) -> Result<SourceSpectrum, AcousticsError>;
 
-    /// Energy spectrum and signals of the source `source`, with the second evaluation of its power if there is one.
+    /// Energy spectrum and signals of the source `source`, with the second evaluation of its power if there is one and the
+    /// report is asked for.
     ///
     /// # Errors
     /// As [`Self::energy`].
-    fn sound(&self, source: &'static str, bodies: &[MovingBody<'_>]) -> Result<RadiatedSound, AcousticsError>;
+    fn sound(
+        &self,
+        source: &'static str,
+        bodies: &[MovingBody<'_>],
+        detail: Detail,
+    ) -> Result<RadiatedSound, AcousticsError>;
 
     /// What the fluid adds to each mode of each body.
     ///
@@ -52,6 +58,15 @@ pub trait Radiator: Send + Sync {
     /// # Errors
     /// As [`Self::energy`].
     fn pressures(&self, motions: &[&ModalSpectra]) -> Result<Option<Pressures>, AcousticsError>;
+}
+
+/// How much of a sound is computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Detail {
+    /// What levels need: energy, signals and uncertainty. The parts of a surface count as one.
+    Levels,
+    /// The comparisons of a report, too: other methods, shares of the modes, fluid loading.
+    Report,
 }
 
 /// A body in motion.
@@ -81,7 +96,7 @@ pub struct RadiatedSound {
     pub signals: Vec<(&'static str, PowerSignals)>,
     /// Uncertainty of the method.
     pub uncertainty: Uncertainty,
-    /// The second evaluation of its power.
+    /// The second evaluation of its power, where it was asked for.
     pub report: Option<RadiationReport>,
 }
 
@@ -169,8 +184,13 @@ impl Radiator for Box<dyn Radiator> {
         self.as_ref().energy(source, motions)
     }
 
-    fn sound(&self, source: &'static str, bodies: &[MovingBody<'_>]) -> Result<RadiatedSound, AcousticsError> {
-        self.as_ref().sound(source, bodies)
+    fn sound(
+        &self,
+        source: &'static str,
+        bodies: &[MovingBody<'_>],
+        detail: Detail,
+    ) -> Result<RadiatedSound, AcousticsError> {
+        self.as_ref().sound(source, bodies, detail)
     }
 
     fn loads(&self, bodies: &[DryModes], acts: Loading) -> Result<Vec<FluidLoads>, AcousticsError> {

@@ -1,7 +1,7 @@
 //! Bodies of radiation efficiency 1 without interaction.
 
 use super::fluid_loading::needs_no_mass;
-use super::{FluidLoads, Loading, MovingBody, Pressures, RadiatedSound, Radiator, Uncertainty, motions};
+use super::{Detail, FluidLoads, Loading, MovingBody, Pressures, RadiatedSound, Radiator, Uncertainty, motions};
 use crate::error::AcousticsError;
 use crate::fluid_loading::DryModes;
 use crate::levels::SourceSpectrum;
@@ -26,7 +26,12 @@ impl Radiator for SeparateBodies {
         Ok(sum)
     }
 
-    fn sound(&self, source: &'static str, bodies: &[MovingBody<'_>]) -> Result<RadiatedSound, AcousticsError> {
+    fn sound(
+        &self,
+        source: &'static str,
+        bodies: &[MovingBody<'_>],
+        _: Detail,
+    ) -> Result<RadiatedSound, AcousticsError> {
         let mut signals = Vec::new();
         for ((name, erp), body) in self.0.iter().zip(bodies) {
             let part = radiated_energy(*name, erp, body.spectra)?;

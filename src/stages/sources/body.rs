@@ -6,7 +6,7 @@ use nailnoise_acoustics::radiation::{
     CompactErp, Erp, ModalSpectra, PartOfSurface, RadiatingSurface, radiated_energy, radiated_signals,
     sphere_efficiency,
 };
-use nailnoise_acoustics::radiator::{FluidLoads, Loading, MovingBody, Radiator, RigidSphere};
+use nailnoise_acoustics::radiator::{Detail, FluidLoads, Loading, MovingBody, Radiator, RigidSphere};
 use nailnoise_acoustics::{AcousticsError, Air};
 use nailnoise_dynamics::CycleRecord;
 use nailnoise_meshes::open_faces;
@@ -84,7 +84,7 @@ impl BodySound {
     }
 
     /// Its sound.
-    pub(in crate::stages) fn sound(&self) -> Result<Sound, Error> {
+    pub(in crate::stages) fn sound(&self, detail: Detail) -> Result<Sound, Error> {
         let record = self.cycle.get()?;
         let Some(housing) = &self.housing else {
             return Ok(self.rigid(&record).sound_with_check(NAME)?.into());
@@ -102,7 +102,7 @@ impl BodySound {
                     acts: housing.acts,
                     spectra: &motion.spectra,
                 };
-                self.by_boundary_elements(&*bem.get()?, &body, &moving, &record)
+                self.by_boundary_elements((&*bem.get()?, detail), &body, &moving, &record)
             }
             None => self.as_sphere(&body, &motion.spectra, &record),
         }
@@ -143,22 +143,24 @@ impl BodySound {
         }
     }
 
-    /// By boundary elements, beside the sound of a sphere.
+    /// By boundary elements, in a report beside the sound of a sphere.
     fn by_boundary_elements(
         &self,
-        bem: &ModalBem,
+        (bem, detail): (&ModalBem, Detail),
         body: &Body,
         moving: &MovingBody<'_>,
         record: &CycleRecord,
     ) -> Result<Sound, Error> {
-        let mut sound = Sound::from(bem.sound(NAME, &[*moving])?);
-        let sphere = self.energy_as_sphere(bem, body, moving.spectra, record)?;
-        sound.cross_check = Some(CrossCheck {
-            quantity: "the tool's body".into(),
-            lw_db: sound.spectrum.level(self.range_hz, Weighting::Z),
-            other: "rigid motion and ERP of a sphere of its volume".into(),
-            other_lw_db: sphere.level(self.range_hz, Weighting::Z),
-        });
+        let mut sound = Sound::from(bem.sound(NAME, &[*moving], detail)?);
+        if detail == Detail::Report {
+            let sphere = self.energy_as_sphere(bem, body, moving.spectra, record)?;
+            sound.cross_check = Some(CrossCheck {
+                quantity: "the tool's body".into(),
+                lw_db: sound.spectrum.level(self.range_hz, Weighting::Z),
+                other: "rigid motion and ERP of a sphere of its volume".into(),
+                other_lw_db: sphere.level(self.range_hz, Weighting::Z),
+            });
+        }
         sound.uncertainty.basis += "; what is nailed neither reflects nor shades";
         Ok(sound)
     }
@@ -268,7 +270,7 @@ impl Stage for BodySource {
     }
 
     fn compute(&self, _: &Progress) -> Result<SurfaceSource, Error> {
-        let sound = self.sound.sound()?;
+        let sound = self.sound.sound(Detail::Report)?;
         let (record, end) = (self.sound.cycle.get()?, *self.end.get()?);
         let housing = self.sound.housing.as_ref();
         let by_pressures = housing.and_then(|housing| Some((housing.radiator.as_ref()?, &housing.motion)));
@@ -335,7 +337,7 @@ impl Stage for BodyEnergy {
     }
 
     fn compute(&self, _: &Progress) -> Result<(SourceSpectrum, Option<SourceSpectrum>), Error> {
-        let whole = self.sound.sound()?.spectrum;
+        let whole = self.sound.sound(Detail::Levels)?.spectrum;
         let Some(cap) = self.sound.cap()? else {
             return Ok((whole, None));
         };

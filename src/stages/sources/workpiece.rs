@@ -2,7 +2,7 @@
 
 use nailnoise_acoustics::levels::SourceSpectrum;
 use nailnoise_acoustics::radiation::ModalSpectra;
-use nailnoise_acoustics::radiator::{FluidLoads, Loading, MovingBody, Radiator};
+use nailnoise_acoustics::radiator::{Detail, FluidLoads, Loading, MovingBody, Radiator};
 use nailnoise_dynamics::CycleRecord;
 use serde::Serialize;
 
@@ -45,7 +45,7 @@ impl WorkpieceSound {
     }
 
     /// Its sound.
-    pub(in crate::stages) fn sound(&self) -> Result<Sound, Error> {
+    pub(in crate::stages) fn sound(&self, detail: Detail) -> Result<Sound, Error> {
         let bodies = all(&self.bodies)?;
         let motions = all(&self.motions)?;
         let loads = self.loads.get()?;
@@ -63,7 +63,7 @@ impl WorkpieceSound {
                 spectra: &motion.spectra,
             })
             .collect();
-        Ok(Sound::from(self.radiator.get()?.sound(NAME, &moving)?))
+        Ok(Sound::from(self.radiator.get()?.sound(NAME, &moving, detail)?))
     }
 }
 
@@ -96,7 +96,7 @@ impl Stage for WorkpieceSource {
     }
 
     fn compute(&self, _: &Progress) -> Result<SurfaceSource, Error> {
-        let (sound, end) = (self.sound.sound()?, *self.end.get()?);
+        let (sound, end) = (self.sound.sound(Detail::Report)?, *self.end.get()?);
         let (bodies, motions) = (all(&self.sound.bodies)?, all(&self.sound.motions)?);
         let spectra: Vec<&ModalSpectra> = motions.iter().map(|motion| &motion.spectra).collect();
         let received = match self.sound.radiator.get()?.pressures(&spectra)? {

@@ -49,6 +49,19 @@ impl CompositeRadiation {
         }
     }
 
+    /// With the first `count` patches as one of the name `name`.
+    #[must_use]
+    pub(crate) fn with_sum_of_patches(&self, count: usize, name: &str) -> Self {
+        let of_level = |level: &SampledRadiation| level.with_sum_of_patches(count, name);
+        Self {
+            levels: self.levels.iter().map(of_level).collect(),
+            above: self.above.with_sum_of_patches(count),
+            limit: self.limit.with_sum_of_patches(count),
+            erp: self.erp.with_sum_of_patches(count, name),
+            ..*self
+        }
+    }
+
     /// The ranges of single frequencies.
     pub(crate) fn levels(&self) -> &[SampledRadiation] {
         &self.levels

@@ -18,10 +18,13 @@ use crate::radiation::{
 use nalgebra::{Complex, DMatrix, DVector};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Name of the last patch of [`ModalBem`]: the power by the far field minus that by the intensity on the surface.
 const REST: &str = "far field less surface";
+
+/// Name of all patches of the surface together.
+const SURFACE: &str = "surface";
 
 /// Samples added at a time when a mesh corrects a coarser one that resolves the same frequencies.
 const FEW: usize = 2;
@@ -50,6 +53,9 @@ pub struct ModalBem {
     /// Summary of the sampling.
     pub summary: Summary,
     air: AirScale,
+    /// The parities of [`Self::undivided`], once they were asked for.
+    #[serde(skip)]
+    sums: Arc<OnceLock<Arc<Vec<CompositeRadiation>>>>,
     /// How the modes combine from those whose radiation was solved, where those are of another body.
     #[serde(skip)]
     fit: Option<Arc<SurfaceFit>>,
@@ -242,6 +248,7 @@ impl ModalBem {
             masses: Arc::new(masses),
             summary,
             air: AirScale::NONE,
+            sums: Arc::default(),
             fit: None,
         })
     }
@@ -314,6 +321,20 @@ impl ModalBem {
             t.add_transposed(&DMatrix::from_column_slice(own.len(), 1, own.as_slice()), &mut mass);
         }
         mass.column(0).map(|m: Complex<f64>| self.air.density * m.re)
+    }
+
+    /// The same radiation with all patches of the surface as one: its energies cost a fraction of those of each patch.
+    #[must_use]
+    pub(crate) fn undivided(&self) -> Self {
+        let surface = self.patches.len() - 1;
+        let sum = |parity: &CompositeRadiation| parity.with_sum_of_patches(surface, SURFACE);
+        let sums = || Arc::new(self.parities.iter().map(sum).collect());
+        Self {
+            patches: vec![SURFACE.to_owned(), REST.to_owned()],
+            parities: Arc::clone(self.sums.get_or_init(sums)),
+            sums: Arc::default(),
+            ..self.clone()
+        }
     }
 
     /// The equivalent radiated power of the same surface.
