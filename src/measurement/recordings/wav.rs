@@ -64,7 +64,29 @@ pub fn encode(signals: &[&[f64]], rate: u32, full_scale: f64, coding: Coding) ->
         }
     }
     writer.finalize().map_err(io::Error::other)?;
-    Ok(bytes.into_inner())
+    plain(bytes.into_inner(), coding).ok_or_else(|| io::Error::other("the header of a WAV file is not extensible"))
+}
+
+/// A WAV file with the format chunk of 16 bytes in the place of the extensible one of 40 bytes that hound writes for more than
+/// 16 bits, because Python's `wave` before 3.12 and other simple readers open no extensible one.
+fn plain(mut file: Vec<u8>, coding: Coding) -> Option<Vec<u8>> {
+    const CHUNK: std::ops::Range<usize> = 12..20;
+    const FORMAT: std::ops::Range<usize> = 20..22;
+    const EXTENSION: std::ops::Range<usize> = 36..60;
+    let extensible = [&b"fmt "[..], &40_u32.to_le_bytes()].concat();
+    if file.get(CHUNK)? != extensible || file.get(FORMAT)? != 0xfffe_u16.to_le_bytes() || file.len() < EXTENSION.end {
+        return None;
+    }
+    let tag: u16 = match coding {
+        Coding::Integer24 => 1,
+        Coding::Float32 => 3,
+    };
+    file[FORMAT].copy_from_slice(&tag.to_le_bytes());
+    file[16..20].copy_from_slice(&16_u32.to_le_bytes());
+    file.drain(EXTENSION);
+    let rest = u32::try_from(file.len() - 8).ok()?;
+    file[4..8].copy_from_slice(&rest.to_le_bytes());
+    Some(file)
 }
 
 /// The largest integer of so many bits.
@@ -154,6 +176,23 @@ mod tests {
         assert_eq!((tracks[0].rate, tracks[0].samples.len()), (48_000.0, 1000));
         for (sample, pressure) in tracks[0].samples.iter().zip(&signal) {
             assert!((sample * 5.0 - pressure).abs() < 0.51 * 5.0 / largest(24));
+        }
+    }
+
+    /// 16 bytes of format, data behind 44 bytes: as every reader of WAV files knows it.
+    #[test]
+    fn the_header_is_the_plain_one() {
+        for (coding, tag, bytes) in [(Coding::Integer24, 1, 3), (Coding::Float32, 3, 4)] {
+            let file = encode(&[&[0.5; 10], &[-0.5; 10]], 48_000, 1.0, coding).unwrap_or_default();
+            assert_eq!(
+                (&file[12..16], file[16], file[20], file[22]),
+                (&b"fmt "[..], 16, tag, 2)
+            );
+            assert_eq!(
+                (&file[36..40], usize::from(file[40]), file.len()),
+                (&b"data"[..], 20 * bytes, 44 + 20 * bytes)
+            );
+            assert_eq!(usize::from(file[4]), file.len() - 8);
         }
     }
 }
