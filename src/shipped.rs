@@ -28,7 +28,7 @@ pub const DESIGNS: &[(&str, &str)] = files![
 pub const MEASURED: &[(&str, &str)] = files!["measured/n80cb.json"];
 
 /// Studies of designs, for the intervals of `nailnoise run`.
-pub const STUDIES: &[(&str, &str)] = files!["studies/n80cb.json"];
+pub const STUDIES: &[(&str, &str)] = files!["studies/n80cb.json", "studies/n80cb-sandbox.json"];
 
 /// The design of this name, with or without folder and extension: `n80cb`, `muffler.toml`, `quieter/muffler`.
 pub fn design(name: &str) -> Option<(&'static str, &'static str)> {
