@@ -38,6 +38,15 @@ fn standard(design: &Design) -> Option<Design> {
     (table.top, table.top_density) = (own.top.clone(), own.top_density);
     (table.legs, table.leg_density) = (own.legs.clone(), own.leg_density);
     (table.steel.material, table.steel.tube_wall) = (own.steel.material.clone(), own.steel.tube_wall);
+    let (body, own) = (&mut standard.body, &from.body);
+    (body.housing, body.nose, body.sleeve) = (own.housing.clone(), own.nose.clone(), own.sleeve.clone());
+    if body.mesh.is_empty() && body.dimensions == own.dimensions {
+        (body.lumped, body.lumped_nose, body.lumped_magazine) = (own.lumped, own.lumped_nose, own.lumped_magazine);
+        standard.tool.mass = from.tool.mass;
+    } else {
+        // A housing of other dimensions may be heavier than that tool.
+        body.lumped = false;
+    }
     Some(standard)
 }
 
