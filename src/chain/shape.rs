@@ -211,6 +211,14 @@ mod tests {
             |design: &mut Design| design.body.housing.young_modulus *= 1.5,
             |design: &mut Design| design.body.nose.density *= 1.01,
             |design: &mut Design| design.body.sleeve.poisson_ratio *= 0.95,
+            |design: &mut Design| design.body.handle_wall *= 1.1,
+            |design: &mut Design| design.body.cap_wall *= 1.1,
+            |design: &mut Design| design.body.nose_wall *= 0.9,
+            |design: &mut Design| {
+                // The gap takes what the wall gives.
+                design.body.barrel_wall += 1e-4;
+                design.body.sleeve_gap -= 1e-4;
+            },
         ] {
             let mut other = base.clone();
             change(&mut other);
@@ -225,6 +233,7 @@ mod tests {
             |design: &mut Design| design.body.cap_radius *= 1.01,
             |design: &mut Design| design.body.handle_length *= 1.01,
             |design: &mut Design| design.piston.bore *= 1.01,
+            |design: &mut Design| design.body.barrel_wall *= 1.1,
         ] {
             let mut other = base.clone();
             larger(&mut other);
