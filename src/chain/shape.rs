@@ -390,4 +390,30 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn where_the_standard_tool_lacks_motion_the_modes_of_the_tool_are_solved() {
+        let mut design = slab();
+        // Few modes of the standard, and a mass at the nose as large as the slab's.
+        design.analysis.body_top = 2000.0;
+        design.body.housing.poisson_ratio = 0.25;
+        (design.body.lumped, design.body.lumped_nose, design.body.lumped_magazine) = (true, 0.9, 0.0);
+        design.tool.mass = 1810.0 * 0.1 * 0.012 * 0.3 + 1.0;
+        let graph = Graph::default();
+        let standard = standard_bodies(&graph, &design, &[BodyKind::Tool]).unwrap();
+        let bodies = vec![BodyStages::add(&graph, &design, BodyKind::Tool, true).unwrap().body];
+        let [shape, _] = tool_shapes(&design);
+        let fitted = ShapeFit {
+            shape: shape.clone(),
+            standard: standard.clone().unwrap(),
+            bodies: bodies.clone(),
+        };
+        let fitted = graph.get(fitted).unwrap();
+        assert!(fitted.fit.is_some() && !fitted.holds(), "{:?}", fitted.lacking);
+        let own = matrix(&graph, &shape, &bodies).get().unwrap();
+        let by_shape = by_shape(&graph, shape, standard, bodies).get().unwrap();
+        for hz in [100.0, 800.0, 1400.0] {
+            assert_eq!(by_shape.resistance(hz).real, own.resistance(hz).real);
+        }
+    }
 }
