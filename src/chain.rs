@@ -3,11 +3,12 @@
 //! [`Chain::new`] adds the stages of a design to a graph without computing any. [`Chain::run`] (`run.rs`) makes the outputs
 //! that a result needs, side by side, and ranks the sources.
 
+mod shape;
+
 use std::sync::Arc;
 use std::time::Instant;
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::bem::ModalBem;
 use nailnoise_acoustics::exhaust::ExhaustNoise;
 use nailnoise_acoustics::levels::SourceSpectrum;
 use nailnoise_acoustics::radiator::{Loading, Radiator};
@@ -26,8 +27,7 @@ use crate::stages::cycle::{Cycle, Preset};
 use crate::stages::exhaust::{Exhaust, ExhaustSource, noise};
 use crate::stages::levels::{Levels, ShotLevels};
 use crate::stages::radiation::{
-    FluidLoadings, FlushMatrix, ShapeFit, ShapeMatrix, ToolCapMatrix, ToolMatrix, ToolRadiator,
-    WorkpieceBoundaryElements, WorkpieceMatrix, WorkpieceMethod, WorkpieceRadiation, WorkpieceRadiator,
+    FluidLoadings, FlushMatrix, RadiatingShape, ToolRadiator, WorkpieceMethod, WorkpieceRadiation, WorkpieceRadiator,
 };
 use crate::stages::requirements::{Radiating, Requirements, Usable};
 use crate::stages::response::{
@@ -44,6 +44,7 @@ use crate::stages::starts::OtherStarts;
 use crate::stages::tool_response::{ToolChecks, ToolReport, ToolResponse};
 use crate::stages::transducers::{PressureRecord, Transducers};
 use crate::stages::{Digest, Progress, Stage, Stored};
+use shape::{by_shape, standard_bodies};
 
 /// What a run may change about the physics without being another design; for studies and tests of laws.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -321,13 +322,14 @@ impl Chain {
             with_mass: zeta(&structure.iter().collect::<Vec<_>>()),
         });
         let tool_elements = tool.as_ref().zip(inputs::radiation::tool(design));
+        let standard_tool = match &tool_elements {
+            Some(_) => standard_bodies(graph, design, &[BodyKind::Tool])?,
+            None => None,
+        };
         let mut tool_matrix_key = None;
         let tool_matrix = tool_elements.map(|(stages, elements)| {
-            let body = stages.body.clone();
-            let matrix = graph.add(ToolMatrix {
-                elements: elements.clone(),
-                body,
-            });
+            let shape = RadiatingShape::Tool(elements.clone());
+            let matrix = by_shape(graph, shape, standard_tool.clone(), vec![stages.body.clone()]);
             tool_matrix_key = Some(*matrix.key());
             (elements, graph.add(ToolRadiator { matrix, air }))
         });
@@ -337,11 +339,8 @@ impl Chain {
             .zip(inputs::radiation::cap(design));
         let mut cap_matrix_key = None;
         let cap_radiator = cap.map(|((stages, (elements, _)), cap)| {
-            let matrix = graph.add(ToolCapMatrix {
-                elements: elements.clone(),
-                cap,
-                body: stages.body.clone(),
-            });
+            let shape = RadiatingShape::Cap(elements.clone(), cap);
+            let matrix = by_shape(graph, shape, standard_tool.clone(), vec![stages.body.clone()]);
             cap_matrix_key = Some(*matrix.key());
             graph.add(ToolRadiator { matrix, air })
         });
@@ -622,41 +621,6 @@ impl Chain {
     }
 }
 
-/// Standard bodies in the shape of a design's; none where these have no standard.
-fn standard_bodies(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> Result<Option<Vec<Stored<Body>>>, Error> {
-    let Some(standard) = inputs::shape::standard_bodies(design, kinds)? else {
-        return Ok(None);
-    };
-    let body = |&kind| Ok(BodyStages::add(graph, &standard, kind, true)?.body);
-    kinds.iter().map(body).collect::<Result<_, Error>>().map(Some)
-}
-
-/// The radiation matrix of bodies from that of standard bodies of their shape; `matrix` solves it for any bodies.
-fn by_shape(
-    graph: &Graph,
-    elements: WorkpieceBoundaryElements,
-    standard: Option<Vec<Stored<Body>>>,
-    bodies: Vec<Stored<Body>>,
-    matrix: impl Fn(Vec<Stored<Body>>) -> Stored<ModalBem>,
-) -> Stored<ModalBem> {
-    let own = matrix(bodies.clone());
-    let Some(standard) = standard else { return own };
-    let known = matrix(standard.clone());
-    if known.key() == own.key() {
-        return own;
-    }
-    let fit = graph.add(ShapeFit {
-        elements,
-        standard,
-        bodies,
-    });
-    graph.add(ShapeMatrix {
-        fit,
-        standard: known,
-        own,
-    })
-}
-
 /// A radiator, how its sound field is computed, and the key of its radiation matrix.
 type RadiationStages = (Stored<Box<dyn Radiator>>, FieldMethod, Option<Digest>);
 
@@ -676,15 +640,14 @@ fn workpiece_radiation(
     };
     Ok(match inputs::radiation::workpiece(design)? {
         WorkpieceRadiation::BoundaryElements(elements) => {
-            let matrix = |bodies| {
-                graph.add(WorkpieceMatrix {
-                    elements: elements.clone(),
-                    bodies,
-                })
-            };
             let kinds = [BodyKind::Workpiece, BodyKind::Worktable];
             let standard = standard_bodies(graph, design, &kinds[..bodies.len()])?;
-            let matrix = by_shape(graph, elements.clone(), standard, bodies.to_vec(), matrix);
+            let matrix = by_shape(
+                graph,
+                RadiatingShape::Workpiece(elements.clone()),
+                standard,
+                bodies.to_vec(),
+            );
             let (field, key) = (FieldMethod::BoundaryElements(elements, matrix.clone()), *matrix.key());
             (radiator(WorkpieceMethod::BoundaryElements(matrix)), field, Some(key))
         }
@@ -796,100 +759,5 @@ mod tests {
         assert_eq!(matrix(&base), matrix(&other));
         other.workpiece.length *= 1.01;
         assert_ne!(matrix(&base), matrix(&other));
-    }
-
-    /// Key of what boundary elements solve for the workpiece, and that of the matrix of the design's own modes.
-    fn solved_keys(design: &Design) -> [Digest; 2] {
-        let graph = Graph::default();
-        let WorkpieceRadiation::BoundaryElements(elements) = inputs::radiation::workpiece(design).unwrap() else {
-            panic!("boundary elements")
-        };
-        let kinds = [BodyKind::Workpiece, BodyKind::Worktable];
-        let standard = standard_bodies(&graph, design, &kinds).unwrap().unwrap();
-        let own = kinds.map(|kind| BodyStages::add(&graph, design, kind, true).unwrap().body);
-        [standard, own.to_vec()].map(|bodies| {
-            let elements = elements.clone();
-            *graph.add(WorkpieceMatrix { elements, bodies }).key()
-        })
-    }
-
-    #[test]
-    fn boundary_elements_are_kept_by_the_shape_of_workpiece_and_table() {
-        let base = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/small-bem.toml")).unwrap();
-        let [known, own] = solved_keys(&base);
-        assert_eq!(known, own, "the N80CB has the standard materials");
-        let mut other = base.clone();
-        other.wood.density *= 1.05;
-        other.wood.elastic.e_l *= 0.9;
-        other.wood.loss_factor *= 2.0;
-        other.nail.length *= 0.9;
-        other.support.worktable.top_density *= 1.1;
-        other.support.worktable.steel.tube_wall *= 1.1;
-        let [same, own] = solved_keys(&other);
-        assert_eq!(known, same);
-        assert_ne!(known, own);
-        for longer in [
-            |design: &mut Design| design.workpiece.thickness *= 1.01,
-            |design: &mut Design| design.support.worktable.height *= 1.01,
-        ] {
-            let mut other = base.clone();
-            longer(&mut other);
-            assert_ne!(known, solved_keys(&other)[0]);
-        }
-    }
-
-    /// Radiation carried over from the standard bodies against boundary elements with the design's own modes.
-    #[test]
-    fn another_wood_radiates_as_by_boundary_elements_of_its_own() {
-        let mut design = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/small-bem.toml")).unwrap();
-        design.wood.density *= 1.05;
-        design.nail.length *= 0.9;
-        let graph = Graph::default();
-        let air = inputs::air(&design).unwrap();
-        let kinds = [BodyKind::Workpiece, BodyKind::Worktable];
-        let bodies = kinds.map(|kind| BodyStages::add(&graph, &design, kind, true).unwrap().body);
-        let (_, field, _) = workpiece_radiation(&graph, &design, &bodies, air).unwrap();
-        let FieldMethod::BoundaryElements(elements, by_shape) = field else {
-            panic!("boundary elements")
-        };
-        let standard = standard_bodies(&graph, &design, &kinds).unwrap().unwrap();
-        let fitted = ShapeFit {
-            elements: elements.clone(),
-            standard,
-            bodies: bodies.to_vec(),
-        };
-        let fitted = graph.get(fitted).unwrap();
-        assert!(fitted.holds(), "{:?}", fitted.lacking);
-        println!("lacking at most {:.1e}", fitted.worst());
-        let own = WorkpieceMatrix {
-            elements,
-            bodies: bodies.to_vec(),
-        };
-        let (by_shape, own) = (by_shape.get().unwrap(), graph.get(own).unwrap());
-        // A force of 1 N at the nail's head and 1 N on the middle of the table.
-        for hz in [60.0f64, 130.0, 240.0, 390.0] {
-            let mut power = [0.0; 2];
-            for first_body in [0, 1] {
-                let mut amplitudes = Vec::new();
-                for (number, body) in bodies.iter().enumerate() {
-                    let body = body.get().unwrap();
-                    let loads = if number == 0 { &body.loads } else { &body.contacts };
-                    let column = loads.column(if number == 0 { 0 } else { loads.ncols() / 2 });
-                    for (force, omega) in column.iter().zip(&body.omega) {
-                        let (square, driven) = (omega * omega, (std::f64::consts::TAU * hz).powi(2));
-                        let response = force / (square - driven).hypot(0.05 * square);
-                        amplitudes.push(if number == first_body { response } else { 0.0 });
-                    }
-                }
-                for (power, matrix) in power.iter_mut().zip([&by_shape, &own]) {
-                    let resistance = nailnoise_acoustics::radiation::ModalRadiation::resistance(&**matrix, hz).real;
-                    let v = nalgebra::DVector::from_column_slice(&amplitudes);
-                    *power += v.dot(&(resistance * &v));
-                }
-            }
-            let apart = 10.0 * (power[0] / power[1]).log10();
-            println!("{hz} Hz: {apart:+.4} dB");
-            assert!(apart.abs() < 0.02, "{hz} Hz: {apart} dB");
-        }
     }
 }

@@ -5,7 +5,7 @@ mod bem_common;
 
 use bem_common::{cuboid, octants, sphere};
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior};
+use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior, MeshRange, Parity, Patterns, SurfaceFit};
 use nalgebra::{Complex, DMatrix, Vector3};
 use std::f64::consts::PI;
 
@@ -124,6 +124,64 @@ fn a_quarter_of_the_panels_of_a_sphere_radiate_the_same_power() {
             );
         }
     }
+}
+
+/// Root mean square over a sphere of what interpolation between two of its meshes changes of every pattern \[-\].
+fn changed(from: usize, to: usize) -> Vec<f64> {
+    let [other, own] = [from, to].map(|n| Boundary::new(sphere(1.0, n, true), None).unwrap());
+    let (expected, found) = (patterns(&own), own.interpolate_from(&other, &patterns(&other)).unwrap());
+    let norms =
+        (0..expected.ncols()).map(|m| (found.column(m) - expected.column(m)).norm() / expected.column(m).norm());
+    norms.collect()
+}
+
+#[test]
+fn velocities_on_another_mesh_of_a_sphere_have_an_error_of_second_order() {
+    let (coarse, fine) = (changed(5, 7), changed(10, 14));
+    println!("{coarse:?} {fine:?}");
+    assert!(coarse[0] < 1e-12 && fine[0] < 1e-12, "a constant stays");
+    for m in [1, 2] {
+        let order = (coarse[m] / fine[m]).log2();
+        assert!(order > 1.8, "pattern {m}: {order}");
+    }
+}
+
+/// A sphere in the motion of [`patterns`].
+fn moving_sphere(n: usize) -> MeshRange {
+    let boundary = Boundary::new(sphere(1.0, n, true), None).unwrap();
+    let patterns = Patterns {
+        parity: Parity::default(),
+        velocities: patterns(&boundary),
+    };
+    MeshRange {
+        problem: Exterior::new(boundary, &Air::default()),
+        top_hz: 100.0,
+        patterns: vec![patterns],
+    }
+}
+
+#[test]
+fn what_a_fit_lacks_between_two_meshes_of_a_surface_is_of_second_order() {
+    let lacking = |known, body| {
+        SurfaceFit::new(&moving_sphere(known), &moving_sphere(body))
+            .unwrap()
+            .residuals()
+    };
+    let (coarse, fine) = (lacking(5, 7), lacking(10, 14));
+    println!("{coarse:?} {fine:?}");
+    for m in [1, 2] {
+        let order = (coarse[m] / fine[m]).log2();
+        assert!(order > 1.8 && fine[m] < 0.02, "pattern {m}: {order}, {}", fine[m]);
+    }
+}
+
+#[test]
+fn velocities_stay_on_panels_that_two_meshes_share_and_are_not_taken_to_another_surface() {
+    let sphere_of = |radius| Boundary::new(sphere(radius, 6, true), None).unwrap();
+    let own = sphere_of(1.0);
+    let v = patterns(&own);
+    assert!((own.interpolate_from(&own, &v).unwrap() - &v).amax() < 1e-12);
+    assert!(own.interpolate_from(&sphere_of(1.2), &v).is_none());
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! Standard bodies: the shape of a design's bodies with the materials and the nail of the N80CB.
+//! Standard bodies: the shape of a design's bodies with the materials, the nail, the tool's walls and the lumped masses of
+//! the N80CB.
 //!
 //! The radiation of boundary elements is solved for the modes of these bodies, and kept. Assumption: on the outer surface
 //! the modes of any body of this shape combine from them. How well is stated for every design; where it does not hold, the
@@ -6,6 +7,8 @@
 //! bodies, and nothing is assumed.
 
 use std::sync::OnceLock;
+
+use nailnoise_meshes::ToolDimensions;
 
 use super::bodies::geometry;
 use crate::design::Design;
@@ -15,6 +18,9 @@ use crate::stages::bodies::{BodyKind, MeshSource};
 
 /// Name of the shipped design that gives the materials.
 const STANDARD: &str = "n80cb";
+
+/// Largest difference of the barrel's radii \[m\] that is rounding.
+const SAME_RADIUS: f64 = 1e-9;
 
 /// The shipped design, read once; none only if it does not parse, which a test excludes.
 fn shipped_design() -> Option<&'static Design> {
@@ -26,7 +32,8 @@ fn shipped_design() -> Option<&'static Design> {
     READ.get_or_init(read).as_ref()
 }
 
-/// The design with standard materials and nail; its bodies have the outer surfaces of the design's.
+/// The design with standard materials, nail, and walls and masses of the tool; its bodies have the outer surfaces of the
+/// design's.
 fn standard(design: &Design) -> Option<Design> {
     let from = shipped_design()?;
     let mut standard = design.clone();
@@ -38,7 +45,38 @@ fn standard(design: &Design) -> Option<Design> {
     (table.top, table.top_density) = (own.top.clone(), own.top_density);
     (table.legs, table.leg_density) = (own.legs.clone(), own.leg_density);
     (table.steel.material, table.steel.tube_wall) = (own.steel.material.clone(), own.steel.tube_wall);
+    let (body, own) = (&mut standard.body, &from.body);
+    (body.housing, body.nose, body.sleeve) = (own.housing.clone(), own.nose.clone(), own.sleeve.clone());
+    let sleeve = 0.5 * design.piston.bore;
+    let as_wide = (body.dimensions.barrel_radius(sleeve) - own.dimensions.barrel_radius(sleeve)).abs() < SAME_RADIUS;
+    if as_wide && with_inside_of(&body.dimensions, &own.dimensions) == own.dimensions {
+        body.dimensions = own.dimensions.clone();
+    }
+    if body.mesh.is_empty() && body.dimensions == own.dimensions {
+        (body.lumped, body.lumped_nose, body.lumped_magazine) = (own.lumped, own.lumped_nose, own.lumped_magazine);
+        standard.tool.mass = from.tool.mass;
+    } else {
+        // A housing of other dimensions may be heavier than that tool.
+        body.lumped = false;
+    }
     Some(standard)
+}
+
+/// Dimensions of a housing with walls and all that they enclose from another one.
+fn with_inside_of(dimensions: &ToolDimensions, from: &ToolDimensions) -> ToolDimensions {
+    ToolDimensions {
+        barrel_wall: from.barrel_wall,
+        cap_wall: from.cap_wall,
+        handle_wall: from.handle_wall,
+        magazine_wall: from.magazine_wall,
+        nose_wall: from.nose_wall,
+        nose_overlap: from.nose_overlap,
+        sleeve_wall: from.sleeve_wall,
+        sleeve_height: from.sleeve_height,
+        sleeve_gap: from.sleeve_gap,
+        sleeve_fit: from.sleeve_fit,
+        ..dimensions.clone()
+    }
 }
 
 /// The design with the standard bodies of these kinds; none where a body is meshed for its material, so that another
@@ -55,6 +93,8 @@ pub(crate) fn standard_bodies(design: &Design, kinds: &[BodyKind]) -> Result<Opt
         let alike = match (own?, other?) {
             // Their walls may differ.
             (MeshSource::Worktable(own, _), MeshSource::Worktable(other, _)) => own == other,
+            // So may those of the tool, in whose place the standard's stand.
+            (MeshSource::Tool(..), MeshSource::Tool(..)) => true,
             (own, other) => own == other,
         };
         if !alike {

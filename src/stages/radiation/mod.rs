@@ -16,7 +16,7 @@ pub use boundary_elements::{Places, Resolution};
 pub use flush::{FlushTop, top_of};
 pub use matrices::{FlushMatrix, ToolCapMatrix, ToolMatrix, WorkpieceMatrix};
 pub use radiators::{FluidLoadings, ToolRadiator, WorkpieceMethod, WorkpieceRadiator};
-pub use shape::{Fitted, ShapeFit, ShapeMatrix};
+pub use shape::{Fitted, RadiatingShape, ShapeFit, ShapeMatrix};
 pub use tool::{CapSurface, ToolRadiation};
 pub use workpiece::{Covered, WorkpieceBoundaryElements, WorkpieceRadiation};
 

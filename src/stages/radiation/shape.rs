@@ -9,11 +9,12 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::bem::{ModalBem, SurfaceFit};
+use nailnoise_acoustics::bem::{MeshRange, ModalBem, SurfaceFit};
 use nalgebra::{Complex, DMatrix};
 use serde::{Deserialize, Serialize};
 
 use super::CODE;
+use super::tool::{CapSurface, ToolRadiation};
 use super::workpiece::WorkpieceBoundaryElements;
 use crate::error::Error;
 use crate::stages::bodies::Body;
@@ -52,11 +53,42 @@ impl Fitted {
     }
 }
 
+/// The surface that the boundary elements cover, with its surroundings and resolution.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub enum RadiatingShape {
+    /// The workpiece, and the worktable where there is one.
+    Workpiece(WorkpieceBoundaryElements),
+    /// The tool's housing.
+    Tool(ToolRadiation),
+    /// The tool's housing in the motion of each mode, and behind them with its cap alone in that motion.
+    Cap(ToolRadiation, CapSurface),
+}
+
+impl RadiatingShape {
+    /// The finest mesh with the velocities of all modes, in standard air.
+    fn finest(&self, bodies: &[Arc<Body>]) -> Result<Option<MeshRange>, Error> {
+        let surfaces: Vec<_> = bodies.iter().map(|body| body.moving_surface()).collect();
+        let air = Air::default();
+        match self {
+            Self::Workpiece(elements) => elements.finest(&surfaces, &air),
+            Self::Tool(elements) => elements.finest(&surfaces[0], None, &air).map(Some),
+            Self::Cap(elements, cap) => elements.finest(&surfaces[0], Some(cap), &air).map(Some),
+        }
+    }
+
+    fn top_hz(&self) -> f64 {
+        match self {
+            Self::Workpiece(elements) => elements.resolution.top_hz,
+            Self::Tool(elements) | Self::Cap(elements, _) => elements.resolution.top_hz,
+        }
+    }
+}
+
 /// Fits the modes of the design's bodies by those of standard bodies of the same shape.
 #[derive(Serialize)]
 pub struct ShapeFit {
-    /// Surfaces, surroundings and resolution.
-    pub elements: WorkpieceBoundaryElements,
+    /// The surface.
+    pub shape: RadiatingShape,
     /// The standard bodies.
     pub standard: Vec<Stored<Body>>,
     /// The design's bodies.
@@ -76,16 +108,10 @@ impl Stage for ShapeFit {
 
     fn compute(&self, _: &Progress) -> Result<Fitted, Error> {
         let (standard, bodies) = (all(&self.standard)?, all(&self.bodies)?);
-        let finest = |bodies: &[Arc<Body>]| {
-            let surfaces: Vec<_> = bodies.iter().map(|body| body.moving_surface()).collect();
-            self.elements.finest(&surfaces, &Air::default())
-        };
-        let both = finest(&standard)?.zip(finest(&bodies)?);
+        let both = self.shape.finest(&standard)?.zip(self.shape.finest(&bodies)?);
         let fit = both.and_then(|(known, own)| SurfaceFit::new(&known, &own));
         let bodies: Vec<&Body> = bodies.iter().map(|body| &**body).collect();
-        let lacking = fit
-            .as_ref()
-            .map(|fit| lacking(fit, &bodies, self.elements.resolution.top_hz));
+        let lacking = fit.as_ref().map(|fit| lacking(fit, &bodies, self.shape.top_hz()));
         Ok(Fitted {
             lacking: lacking.unwrap_or_default(),
             fit,

@@ -148,7 +148,7 @@ impl ToolRadiation {
             surface,
             modes: &modes,
         };
-        self.level_with_cap(&body, cap, &Air::default()).map(drop)
+        self.finest(&body, cap, &Air::default()).map(drop)
     }
 
     /// The housing's own mesh, its nose closed, up to the frequency that it resolves.
@@ -156,16 +156,14 @@ impl ToolRadiation {
     /// # Errors
     /// Those of the mesh.
     pub fn level(&self, body: &MovingSurface<'_>, air: &Air) -> Result<MeshRange, Error> {
-        self.level_with_cap(body, None, air)
+        self.finest(body, None, air)
     }
 
     /// The same, with each mode of the cap alone behind those of the whole where it is apart.
-    fn level_with_cap(
-        &self,
-        body: &MovingSurface<'_>,
-        cap: Option<&CapSurface>,
-        air: &Air,
-    ) -> Result<MeshRange, Error> {
+    ///
+    /// # Errors
+    /// As [`Self::level`], and [`Error::NoCapSurface`].
+    pub fn finest(&self, body: &MovingSurface<'_>, cap: Option<&CapSurface>, air: &Air) -> Result<MeshRange, Error> {
         let outline = ClosedOutline::new(body.surface, self.floor)?;
         let motion = outline.motion(body.surface, body.modes);
         let boundary = Boundary::new(outline.mesh, self.floor)?;
@@ -199,7 +197,7 @@ impl ToolRadiation {
     /// finer.
     fn levels(&self, body: &MovingSurface<'_>, cap: Option<&CapSurface>, air: &Air) -> Result<Vec<MeshRange>, Error> {
         let panels = self.resolution.panels;
-        let fine = self.level_with_cap(body, cap, air)?;
+        let fine = self.finest(body, cap, air)?;
         let boundary = fine.problem.boundary();
         let edge = air.sound_speed / (panels * fine.top_hz);
         let worth_while = WORTH_WHILE * boundary.mesh().panels.len() as f64;

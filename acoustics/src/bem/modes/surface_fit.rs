@@ -9,12 +9,14 @@
 //!
 //! where W holds the areas of the panels. The rest is stated; it is orthogonal to all that B holds.
 
+use crate::bem::mesh::boundary::Boundary;
 use crate::bem::modes::combination::Combination;
 use crate::bem::modes::independent::{independent, weighted, weights};
 use crate::bem::modes::mesh_range::MeshRange;
 use crate::matrix::real_product;
 use nalgebra::{Complex, DMatrix, DVectorView};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 /// Ridge of the normal equations, relative to the square of each known mode's own velocity: it keeps the amplitudes of
@@ -29,7 +31,7 @@ const ABSENT: f64 = 1e-6;
 pub struct SurfaceFit {
     /// Numbers of the independent known modes of each parity, and T.
     parities: Vec<(Vec<usize>, Combination)>,
-    /// V^T W V of all parities together, and the same of the rest.
+    /// V^T W V of all parities together, and the same of the rest, with what is lost between different meshes.
     #[serde(with = "crate::blocks")]
     whole: DMatrix<f64>,
     #[serde(with = "crate::blocks")]
@@ -39,21 +41,22 @@ pub struct SurfaceFit {
 }
 
 impl SurfaceFit {
-    /// Fits the modes of `body` by those of `known`, both on the finest mesh; none if the meshes differ.
+    /// Fits the modes of `body` by those of `known`, both on the finest mesh; none if the surfaces differ. If only their
+    /// meshes of triangles differ, the velocities of `body` are interpolated on the mesh of `known`
+    /// ([`Boundary::interpolate_from`]), and what changes on the way there and back counts as part of the rest.
     pub fn new(known: &MeshRange, body: &MeshRange) -> Option<Self> {
         let boundary = known.problem.boundary();
-        let (ours, theirs) = (boundary.mesh(), body.problem.boundary().mesh());
-        let alike = ours.points == theirs.points && ours.panels == theirs.panels;
-        if !alike || known.patterns.len() != body.patterns.len() {
+        if known.patterns.len() != body.patterns.len() {
             return None;
         }
         let areas = weights(boundary);
         let modes = body.patterns.first().map_or(0, |p| p.velocities.ncols());
-        let squares: Vec<Vec<f64>> = body
+        let carried = body
             .patterns
             .iter()
-            .map(|p| column_squares(&p.velocities, &areas))
-            .collect();
+            .map(|p| Carried::new(boundary, body, &p.velocities));
+        let carried: Vec<Carried> = carried.collect::<Option<_>>()?;
+        let squares: Vec<Vec<f64>> = carried.iter().map(|p| column_squares(&p.velocities, &areas)).collect();
         let square = |mode: usize| squares.iter().map(|of_parity| of_parity[mode]).sum::<f64>();
         let mut fit = Self {
             parities: Vec::new(),
@@ -63,7 +66,10 @@ impl SurfaceFit {
         };
         let copies = boundary.copies() as f64;
         let chosen = independent(known);
-        for (((pick, of_known), of_body), own) in chosen.iter().zip(&known.patterns).zip(&body.patterns).zip(&squares) {
+        for (((pick, of_known), of_body), own) in chosen.iter().zip(&known.patterns).zip(&carried).zip(&squares) {
+            if let Some(lost) = &of_body.lost {
+                fit.rest += lost * copies;
+            }
             let present: Vec<usize> = (0..modes)
                 .filter(|&mode| own[mode] > ABSENT * ABSENT * square(mode))
                 .collect();
@@ -151,6 +157,32 @@ impl SurfaceFit {
     }
 }
 
+/// Velocities of a body on the mesh of the known modes.
+struct Carried<'a> {
+    velocities: Cow<'a, DMatrix<f64>>,
+    /// Gram matrix of what the way to that mesh and back changes, weighted with areas; none on the same mesh.
+    lost: Option<DMatrix<f64>>,
+}
+
+impl<'a> Carried<'a> {
+    fn new(boundary: &Boundary, body: &MeshRange, velocities: &'a DMatrix<f64>) -> Option<Self> {
+        let own = body.problem.boundary();
+        let (ours, theirs) = (boundary.mesh(), own.mesh());
+        if ours.points == theirs.points && ours.panels == theirs.panels {
+            return Some(Self {
+                velocities: Cow::Borrowed(velocities),
+                lost: None,
+            });
+        }
+        let there = boundary.interpolate_from(own, velocities)?;
+        let lost = velocities - own.interpolate_from(boundary, &there)?;
+        Some(Self {
+            velocities: Cow::Owned(there),
+            lost: Some(lost.tr_mul(&weighted(&lost, &weights(own)))),
+        })
+    }
+}
+
 /// Weighted squares of all columns.
 fn column_squares(values: &DMatrix<f64>, weights: &[f64]) -> Vec<f64> {
     let square = |column: DVectorView<'_, f64>| column.iter().zip(weights).map(|(v, w)| v * v * w).sum();
@@ -190,7 +222,7 @@ fn solved(gram: &DMatrix<f64>, right: DMatrix<f64>) -> DMatrix<f64> {
 mod tests {
     use super::*;
     use crate::air::Air;
-    use crate::bem::{Boundary, BoundaryMesh, Exterior, ModalBem, Patterns, Receivers, SolidBox};
+    use crate::bem::{BoundaryMesh, Exterior, ModalBem, Patterns, Receivers, SolidBox};
     use crate::radiation::{ModalRadiation, Sampling};
 
     /// Highest frequency of the tests \[Hz\].
@@ -261,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn another_mesh_has_no_fit() {
+    fn another_surface_has_no_fit() {
         let (known, mut other) = (moving(&[ONE]), moving(&[ONE]));
         let finer = other.problem.boundary().mesh().clone();
         let mut shifted = finer;

@@ -7,10 +7,12 @@
 //! curved      nearest point of a surface
 //! sides       midpoints of sides are moved to the finer surface
 //! projection  each point of the finer surface contributes its volume flow to one panel of the coarser
+//! interpolation  velocities on another mesh of the same surface, as fine
 //! ```
 
 mod collapse;
 mod curved;
+mod interpolation;
 mod lines;
 mod projection;
 mod sides;

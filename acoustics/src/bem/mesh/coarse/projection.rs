@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 /// Cosine of the largest angle between the normals of a point and of the panel that receives its volume flow, if such a
 /// panel exists.
-const ALIKE: f64 = 0.5;
+pub(super) const ALIKE: f64 = 0.5;
 
 /// Contribution of a panel of the finer surface to a panel of the coarser one: moments of its corner functions with the
 /// corner functions of the other.

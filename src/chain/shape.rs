@@ -1,0 +1,419 @@
+//! Radiation by shape: the matrix that boundary elements solve for standard bodies, carried over to the design's.
+
+use nailnoise_acoustics::bem::ModalBem;
+
+use super::BodyStages;
+use crate::design::{Design, inputs};
+use crate::error::Error;
+use crate::graph::Graph;
+use crate::stages::Stored;
+use crate::stages::bodies::{Body, BodyKind};
+use crate::stages::radiation::{RadiatingShape, ShapeFit, ShapeMatrix, ToolCapMatrix, ToolMatrix, WorkpieceMatrix};
+
+/// Standard bodies in the shape of a design's; none where these have no standard.
+pub(super) fn standard_bodies(
+    graph: &Graph,
+    design: &Design,
+    kinds: &[BodyKind],
+) -> Result<Option<Vec<Stored<Body>>>, Error> {
+    let Some(standard) = inputs::shape::standard_bodies(design, kinds)? else {
+        return Ok(None);
+    };
+    let body = |&kind| Ok(BodyStages::add(graph, &standard, kind, true)?.body);
+    kinds.iter().map(body).collect::<Result<_, Error>>().map(Some)
+}
+
+/// The radiation matrix of bodies from that of standard bodies of their shape.
+pub(super) fn by_shape(
+    graph: &Graph,
+    shape: RadiatingShape,
+    standard: Option<Vec<Stored<Body>>>,
+    bodies: Vec<Stored<Body>>,
+) -> Stored<ModalBem> {
+    let own = matrix(graph, &shape, &bodies);
+    let Some(standard) = standard else { return own };
+    let known = matrix(graph, &shape, &standard);
+    if known.key() == own.key() {
+        return own;
+    }
+    let fit = graph.add(ShapeFit {
+        shape,
+        standard,
+        bodies,
+    });
+    graph.add(ShapeMatrix {
+        fit,
+        standard: known,
+        own,
+    })
+}
+
+/// The radiation matrix that boundary elements give for the modes of bodies.
+fn matrix(graph: &Graph, shape: &RadiatingShape, bodies: &[Stored<Body>]) -> Stored<ModalBem> {
+    match shape.clone() {
+        RadiatingShape::Workpiece(elements) => graph.add(WorkpieceMatrix {
+            elements,
+            bodies: bodies.to_vec(),
+        }),
+        RadiatingShape::Tool(elements) => graph.add(ToolMatrix {
+            elements,
+            body: bodies[0].clone(),
+        }),
+        RadiatingShape::Cap(elements, cap) => graph.add(ToolCapMatrix {
+            elements,
+            cap,
+            body: bodies[0].clone(),
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use std::f64::consts::TAU;
+
+    use nailnoise_acoustics::radiation::{ModalRadiation, ModalSpectra};
+    use nailnoise_acoustics::radiator::Radiator;
+    use nailnoise_meshes::msh::{self, Format};
+    use nailnoise_meshes::{Block, FaceGroup, FaceRef, Surface, block};
+    use nalgebra::{Complex, DMatrix, DVector, Vector3};
+
+    use super::super::workpiece_radiation;
+    use super::*;
+    use crate::design::{BodyModel, Convention, RadiationMethod};
+    use crate::stages::Digest;
+    use crate::stages::radiation::WorkpieceRadiation;
+    use crate::stages::sound_fields::FieldMethod;
+
+    /// Key of what boundary elements solve for the workpiece, and that of the matrix of the design's own modes.
+    fn solved_keys(design: &Design) -> [Digest; 2] {
+        let graph = Graph::default();
+        let WorkpieceRadiation::BoundaryElements(elements) = inputs::radiation::workpiece(design).unwrap() else {
+            panic!("boundary elements")
+        };
+        let kinds = [BodyKind::Workpiece, BodyKind::Worktable];
+        let standard = standard_bodies(&graph, design, &kinds).unwrap().unwrap();
+        let own = kinds.map(|kind| BodyStages::add(&graph, design, kind, true).unwrap().body);
+        [standard, own.to_vec()].map(|bodies| {
+            let elements = elements.clone();
+            *graph.add(WorkpieceMatrix { elements, bodies }).key()
+        })
+    }
+
+    #[test]
+    fn boundary_elements_are_kept_by_the_shape_of_workpiece_and_table() {
+        let base = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/small-bem.toml")).unwrap();
+        let [known, own] = solved_keys(&base);
+        assert_eq!(known, own, "the N80CB has the standard materials");
+        let mut other = base.clone();
+        other.wood.density *= 1.05;
+        other.wood.elastic.e_l *= 0.9;
+        other.wood.loss_factor *= 2.0;
+        other.nail.length *= 0.9;
+        other.support.worktable.top_density *= 1.1;
+        other.support.worktable.steel.tube_wall *= 1.1;
+        let [same, own] = solved_keys(&other);
+        assert_eq!(known, same);
+        assert_ne!(known, own);
+        for longer in [
+            |design: &mut Design| design.workpiece.thickness *= 1.01,
+            |design: &mut Design| design.support.worktable.height *= 1.01,
+        ] {
+            let mut other = base.clone();
+            longer(&mut other);
+            assert_ne!(known, solved_keys(&other)[0]);
+        }
+    }
+
+    /// Radiation carried over from the standard bodies against boundary elements with the design's own modes.
+    #[test]
+    fn another_wood_radiates_as_by_boundary_elements_of_its_own() {
+        let mut design = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/small-bem.toml")).unwrap();
+        design.wood.density *= 1.05;
+        design.nail.length *= 0.9;
+        let graph = Graph::default();
+        let air = inputs::air(&design).unwrap();
+        let kinds = [BodyKind::Workpiece, BodyKind::Worktable];
+        let bodies = kinds.map(|kind| BodyStages::add(&graph, &design, kind, true).unwrap().body);
+        let (_, field, _) = workpiece_radiation(&graph, &design, &bodies, air).unwrap();
+        let FieldMethod::BoundaryElements(elements, by_shape) = field else {
+            panic!("boundary elements")
+        };
+        let standard = standard_bodies(&graph, &design, &kinds).unwrap().unwrap();
+        let fitted = ShapeFit {
+            shape: RadiatingShape::Workpiece(elements.clone()),
+            standard,
+            bodies: bodies.to_vec(),
+        };
+        let fitted = graph.get(fitted).unwrap();
+        assert!(fitted.holds(), "{:?}", fitted.lacking);
+        println!("lacking at most {:.1e}", fitted.worst());
+        let own = WorkpieceMatrix {
+            elements,
+            bodies: bodies.to_vec(),
+        };
+        let (by_shape, own) = (by_shape.get().unwrap(), graph.get(own).unwrap());
+        // A force of 1 N at the nail's head and 1 N on the middle of the table.
+        for hz in [60.0f64, 130.0, 240.0, 390.0] {
+            let mut power = [0.0; 2];
+            for first_body in [0, 1] {
+                let mut amplitudes = Vec::new();
+                for (number, body) in bodies.iter().enumerate() {
+                    let body = body.get().unwrap();
+                    let loads = if number == 0 { &body.loads } else { &body.contacts };
+                    let column = loads.column(if number == 0 { 0 } else { loads.ncols() / 2 });
+                    for (force, omega) in column.iter().zip(&body.omega) {
+                        let (square, driven) = (omega * omega, (TAU * hz).powi(2));
+                        let response = force / (square - driven).hypot(0.05 * square);
+                        amplitudes.push(if number == first_body { response } else { 0.0 });
+                    }
+                }
+                for (power, matrix) in power.iter_mut().zip([&by_shape, &own]) {
+                    let resistance = ModalRadiation::resistance(&**matrix, hz).real;
+                    let v = DVector::from_column_slice(&amplitudes);
+                    *power += v.dot(&(resistance * &v));
+                }
+            }
+            let apart = 10.0 * (power[0] / power[1]).log10();
+            println!("{hz} Hz: {apart:+.4} dB");
+            assert!(apart.abs() < 0.02, "{hz} Hz: {apart} dB");
+        }
+    }
+    /// The surfaces of the tool that boundary elements cover: with and without its cap apart.
+    fn tool_shapes(design: &Design) -> [RadiatingShape; 2] {
+        let elements = inputs::radiation::tool(design).unwrap();
+        let mut wrapped = design.clone();
+        wrapped.sources.convention = Convention::Wrapping;
+        let cap = inputs::radiation::cap(&wrapped).unwrap();
+        [
+            RadiatingShape::Tool(elements.clone()),
+            RadiatingShape::Cap(elements, cap),
+        ]
+    }
+
+    /// Keys of what boundary elements solve for the tool, and of the matrices of its own modes.
+    fn solved_keys_of_tool(design: &Design) -> [[Digest; 2]; 2] {
+        let graph = Graph::default();
+        let standard = standard_bodies(&graph, design, &[BodyKind::Tool]).unwrap().unwrap();
+        let own = BodyStages::add(&graph, design, BodyKind::Tool, true).unwrap().body;
+        [standard, vec![own]].map(|bodies| tool_shapes(design).map(|shape| *matrix(&graph, &shape, &bodies).key()))
+    }
+
+    #[test]
+    fn boundary_elements_are_kept_by_the_shape_of_the_tool() {
+        let base = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml")).unwrap();
+        let [known, own] = solved_keys_of_tool(&base);
+        assert_eq!(known, own, "the N80CB is the standard tool");
+        for change in [
+            |design: &mut Design| design.tool.mass *= 1.05,
+            |design: &mut Design| design.body.lumped_magazine *= 1.1,
+            |design: &mut Design| design.body.housing.young_modulus *= 1.5,
+            |design: &mut Design| design.body.nose.density *= 1.01,
+            |design: &mut Design| design.body.sleeve.poisson_ratio *= 0.95,
+            |design: &mut Design| design.body.handle_wall *= 1.1,
+            |design: &mut Design| design.body.cap_wall *= 1.1,
+            |design: &mut Design| design.body.nose_wall *= 0.9,
+            |design: &mut Design| {
+                // The gap takes what the wall gives.
+                design.body.barrel_wall += 1e-4;
+                design.body.sleeve_gap -= 1e-4;
+            },
+        ] {
+            let mut other = base.clone();
+            change(&mut other);
+            let [same, own] = solved_keys_of_tool(&other);
+            assert_eq!(known, same);
+            assert!(known.iter().zip(&own).all(|(known, own)| known != own));
+        }
+        let mut damped = base.clone();
+        damped.body.loss_factor *= 2.0;
+        assert_eq!(solved_keys_of_tool(&damped), [known, known]);
+        for larger in [
+            |design: &mut Design| design.body.cap_radius *= 1.01,
+            |design: &mut Design| design.body.handle_length *= 1.01,
+            |design: &mut Design| design.piston.bore *= 1.01,
+            |design: &mut Design| design.body.barrel_wall *= 1.1,
+        ] {
+            let mut other = base.clone();
+            larger(&mut other);
+            let [known_of_other, _] = solved_keys_of_tool(&other);
+            assert!(known.iter().zip(&known_of_other).all(|(known, other)| known != other));
+        }
+    }
+
+    /// A slab as the housing, with the surfaces on which the forces of a tool act; its modes begin at some 700 Hz.
+    fn slab() -> Design {
+        const SIZE: [f64; 3] = [0.1, 0.012, 0.3];
+        let mut mesh = block(&Block {
+            size: SIZE,
+            divisions: [3, 1, 8],
+            origin: [-0.05, -0.006, 0.0],
+        })
+        .unwrap();
+        let surface = Surface::of(&mesh);
+        let names = [
+            "cap",
+            "nose_tip",
+            "handle",
+            "cap_outside",
+            "seat",
+            "bumper_seat",
+            "gas_bore",
+        ];
+        let mut groups: [Vec<FaceRef>; 7] = Default::default();
+        for face in &surface.faces {
+            let sum: Vector3<f64> = face.nodes.iter().map(|&node| surface.points[node].coords).sum();
+            let centre = sum / face.nodes.len() as f64;
+            let group = match () {
+                () if centre.z > SIZE[2] - 1e-9 => 0,
+                () if centre.z < 1e-9 => 1,
+                () if centre.x > 0.05 - 1e-9 => 2,
+                () if centre.z > 0.25 && centre.y > 0.006 - 1e-9 => 3,
+                () if centre.z > 0.25 => 4,
+                () if centre.z < 0.05 => 5,
+                () => 6,
+            };
+            groups[group].push(face.of);
+        }
+        mesh.groups = names
+            .into_iter()
+            .zip(groups)
+            .map(|(name, faces)| FaceGroup {
+                name: name.to_owned(),
+                faces,
+            })
+            .collect();
+        let path = std::env::temp_dir().join(format!("nailnoise-slab-{}.msh", std::process::id()));
+        std::fs::write(&path, msh::to_bytes(&mesh, Format::Binary41, "of a test")).unwrap();
+        let mut design = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/small-bem.toml")).unwrap();
+        design.body.model = BodyModel::Elastic;
+        design.body.mesh = path.to_string_lossy().into_owned();
+        design.body.mesh_unit = 1.0;
+        design.acoustics.body_method = RadiationMethod::Bem;
+        design.acoustics.bem_top = 1500.0;
+        design.acoustics.bem_tolerance = 0.005;
+        design.analysis.body_top = 8000.0;
+        design.sensors.remove("handle"); // the slab has none
+        design
+    }
+
+    /// Fourier transforms of the modal accelerations under 1 N at a load, at all frequencies alike \[m/s\].
+    fn driven(body: &Body, load: usize, to_hz: f64) -> ModalSpectra {
+        let frequency: Vec<f64> = (0..=(to_hz / 5.0) as usize).map(|bin| 5.0 * bin as f64).collect();
+        let column = body.loads.column(load);
+        let accelerations = DMatrix::from_fn(body.omega.len(), frequency.len(), |mode, bin| {
+            let (square, driven) = (body.omega[mode].powi(2), (TAU * frequency[bin]).powi(2));
+            // The stiffness of static corrections and of modes has the loss factor 0.02; rigid modes keep 1/m.
+            let response = Complex::new(square - driven, 0.02 * square);
+            if bin == 0 {
+                Complex::default()
+            } else {
+                Complex::from(-driven * column[mode]) / response
+            }
+        });
+        ModalSpectra {
+            frequency,
+            accelerations,
+            range_hz: [50.0, to_hz],
+        }
+    }
+
+    /// Radiation and pressures carried over from the standard housing, which has no lumped mass, against boundary elements
+    /// with the design's own modes: a mass of 0.3 kg, most of it at the nose, another modulus, Poisson's ratio and density.
+    #[test]
+    fn another_tool_mass_and_alloy_radiate_as_by_boundary_elements_of_their_own() {
+        let mut design = slab();
+        design.body.housing.young_modulus = 60e9;
+        design.body.housing.poisson_ratio = 0.30;
+        design.body.housing.density = 2500.0;
+        (design.body.lumped, design.body.lumped_nose, design.body.lumped_magazine) = (true, 0.6, 0.0);
+        design.tool.mass = 2500.0 * 0.1 * 0.012 * 0.3 + 0.3;
+        let graph = Graph::default();
+        let standard = standard_bodies(&graph, &design, &[BodyKind::Tool]).unwrap().unwrap();
+        let bodies = vec![BodyStages::add(&graph, &design, BodyKind::Tool, true).unwrap().body];
+        let body = bodies[0].get().unwrap();
+        assert!(
+            body.omega
+                .iter()
+                .filter(|omega| **omega > 0.0 && **omega < TAU * 1500.0)
+                .count()
+                > 0
+        );
+        // Rings of the bore off the slab move nothing.
+        let loads: Vec<usize> = (0..body.loads.ncols())
+            .filter(|&load| body.loads.column(load).norm() > 0.0)
+            .collect();
+        assert!(loads.len() > 10);
+        for shape in tool_shapes(&design) {
+            let fitted = graph.get(ShapeFit {
+                shape: shape.clone(),
+                standard: standard.clone(),
+                bodies: bodies.clone(),
+            });
+            let fitted = fitted.unwrap();
+            println!("lacking at most {:.1e}", fitted.worst());
+            assert!(fitted.holds(), "{:?}", fitted.lacking);
+            let own = matrix(&graph, &shape, &bodies);
+            let by_shape = by_shape(&graph, shape.clone(), Some(standard.clone()), bodies.clone());
+            let both = [by_shape, own].map(|matrix| matrix.get().unwrap());
+            for &load in &loads {
+                let spectra = match shape {
+                    RadiatingShape::Cap(..) => {
+                        let whole = driven(&body, load, 4000.0);
+                        let modes = whole.accelerations.nrows();
+                        let accelerations = whole.accelerations.insert_rows(0, modes, Complex::default());
+                        ModalSpectra { accelerations, ..whole }
+                    }
+                    _ => driven(&body, load, 4000.0),
+                };
+                let [a, b] = [0, 1].map(|index| both[index].energy("body", &[&spectra]).unwrap());
+                for (a, b) in a
+                    .band_levels(spectra.range_hz)
+                    .iter()
+                    .zip(b.band_levels(spectra.range_hz))
+                {
+                    if let (Some(a_db), Some(b_db)) = (a.lw, b.lw) {
+                        let hz = a.band.nominal_hz();
+                        assert!(
+                            (a_db - b_db).abs() < 0.02,
+                            "load {load}, {hz} Hz: {a_db} against {b_db} dB"
+                        );
+                    }
+                }
+                let [p, q] = [0, 1].map(|index| {
+                    let bem: &ModalBem = &both[index];
+                    bem.pressures(&spectra.frequency, &spectra.accelerations).unwrap()
+                });
+                let apart = (&p - &q).norm() / q.norm();
+                assert!(apart < 0.005, "load {load}: pressures {apart} of their norm apart");
+            }
+        }
+    }
+
+    #[test]
+    fn where_the_standard_tool_lacks_motion_the_modes_of_the_tool_are_solved() {
+        let mut design = slab();
+        // Few modes of the standard, and a mass at the nose as large as the slab's.
+        design.analysis.body_top = 2000.0;
+        design.body.housing.poisson_ratio = 0.25;
+        (design.body.lumped, design.body.lumped_nose, design.body.lumped_magazine) = (true, 0.9, 0.0);
+        design.tool.mass = 1810.0 * 0.1 * 0.012 * 0.3 + 1.0;
+        let graph = Graph::default();
+        let standard = standard_bodies(&graph, &design, &[BodyKind::Tool]).unwrap();
+        let bodies = vec![BodyStages::add(&graph, &design, BodyKind::Tool, true).unwrap().body];
+        let [shape, _] = tool_shapes(&design);
+        let fitted = ShapeFit {
+            shape: shape.clone(),
+            standard: standard.clone().unwrap(),
+            bodies: bodies.clone(),
+        };
+        let fitted = graph.get(fitted).unwrap();
+        assert!(fitted.fit.is_some() && !fitted.holds(), "{:?}", fitted.lacking);
+        let own = matrix(&graph, &shape, &bodies).get().unwrap();
+        let by_shape = by_shape(&graph, shape, standard, bodies).get().unwrap();
+        for hz in [100.0, 800.0, 1400.0] {
+            assert_eq!(by_shape.resistance(hz).real, own.resistance(hz).real);
+        }
+    }
+}
