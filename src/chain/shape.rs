@@ -242,8 +242,9 @@ mod tests {
         }
     }
 
-    /// A slab as the housing, with the surfaces on which the forces of a tool act; its modes begin at some 700 Hz.
-    fn slab() -> Design {
+    /// A slab as the housing, with the surfaces on which the forces of a tool act; its modes begin at some 700 Hz. Its file has
+    /// the name of the test, because tests run side by side.
+    fn slab(name: &str) -> Design {
         const SIZE: [f64; 3] = [0.1, 0.012, 0.3];
         let mut mesh = block(&Block {
             size: SIZE,
@@ -284,7 +285,7 @@ mod tests {
                 faces,
             })
             .collect();
-        let path = std::env::temp_dir().join(format!("nailnoise-slab-{}.msh", std::process::id()));
+        let path = std::env::temp_dir().join(format!("nailnoise-slab-{}-{name}.msh", std::process::id()));
         std::fs::write(&path, msh::to_bytes(&mesh, Format::Binary41, "of a test")).unwrap();
         let mut design = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/small-bem.toml")).unwrap();
         design.body.model = BodyModel::Elastic;
@@ -323,7 +324,7 @@ mod tests {
     /// with the design's own modes: a mass of 0.3 kg, most of it at the nose, another modulus, Poisson's ratio and density.
     #[test]
     fn another_tool_mass_and_alloy_radiate_as_by_boundary_elements_of_their_own() {
-        let mut design = slab();
+        let mut design = slab("carried");
         design.body.housing.young_modulus = 60e9;
         design.body.housing.poisson_ratio = 0.30;
         design.body.housing.density = 2500.0;
@@ -393,7 +394,7 @@ mod tests {
 
     #[test]
     fn where_the_standard_tool_lacks_motion_the_modes_of_the_tool_are_solved() {
-        let mut design = slab();
+        let mut design = slab("own");
         // Few modes of the standard, and a mass at the nose as large as the slab's.
         design.analysis.body_top = 2000.0;
         design.body.housing.poisson_ratio = 0.25;
