@@ -322,9 +322,11 @@ impl Chain {
             with_mass: zeta(&structure.iter().collect::<Vec<_>>()),
         });
         let tool_elements = tool.as_ref().zip(inputs::radiation::tool(design));
+        // The modes of a user's housing are its own: no other run has them, and what a standard housing lacks of them may be
+        // worth a decibel.
         let standard_tool = match &tool_elements {
-            Some(_) => standard_bodies(graph, design, &[BodyKind::Tool])?,
-            None => None,
+            Some(_) if design.body.mesh.is_empty() => standard_bodies(graph, design, &[BodyKind::Tool])?,
+            _ => None,
         };
         let mut tool_matrix_key = None;
         let tool_matrix = tool_elements.map(|(stages, elements)| {
