@@ -53,6 +53,14 @@ pub enum Error {
         /// The parameter most like it, if one is near.
         nearest: Option<String>,
     },
+    /// No draw of a study has levels.
+    #[error("the levels of none of {draws} draws can be computed; first reason: {reason}")]
+    NoLevels {
+        /// How many draws count.
+        draws: usize,
+        /// Why those of the first cannot be computed.
+        reason: String,
+    },
     /// No candidate of a study is a design whose shot counts.
     #[error("none of {candidates} candidates gives a shot that counts: {outcomes}{}", if refused.is_empty() { String::new() } else { format!("; no designs: {refused}") })]
     #[diagnostic(help("{}", if require.is_empty() {
@@ -638,7 +646,7 @@ impl Error {
         match self {
             Self::Acoustics(cause) if cause.is_of_the_design() => 2,
             Self::Unusable { problems, .. } => problems.iter().map(Self::exit_status).min().unwrap_or(2),
-            Self::Fem(_) | Self::Transient(_) | Self::Acoustics(_) | Self::Json(_) => 3,
+            Self::Fem(_) | Self::Transient(_) | Self::Acoustics(_) | Self::Json(_) | Self::NoLevels { .. } => 3,
             Self::Cycle(CycleError::Integration { .. } | CycleError::Collapse { .. } | CycleError::Chatter { .. }) => 3,
             _ => 2,
         }

@@ -30,6 +30,9 @@ UNITS = {
     "": 1.0, "m": 1.0, "mm": 1e-3, "m/s": 1.0, "N": 1.0, "kN": 1e3, "kg": 1.0, "g": 1e-3, "J": 1.0, "s": 1.0, "ms": 1e-3, "dB": 1.0,
 }  # fmt: skip
 
+#: Most candidates for each trial: where hardly any shot meets the constraints, an optimisation ends.
+CANDIDATES_A_TRIAL = 20
+
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
 
 
@@ -156,10 +159,16 @@ class Proposal:
     """A design that was tried."""
 
     values: dict[str, Value]
+    #: Figures of the shot and, where these meet the constraints, levels.
     figures: dict[str, Any]
     feasible: bool
     #: Why it is no design; empty where it is one.
     refused: str = ""
+
+    @property
+    def has_levels(self) -> bool:
+        """Whether its sound was computed: its shot meets the constraints."""
+        return "total" in self.figures
 
     def toml(self, base: str, before: Mapping[str, Value] | None = None) -> str:
         """The design as a file over its base, with values that were set before."""
@@ -223,7 +232,8 @@ class Optimisation(_Shown):
         return files
 
     def _shown(self) -> tuple[str, list[str], list[list[str]]]:
-        title = f"{self.design.name}: {len(self.trials)} designs, {len(self.feasible)} of them feasible"
+        with_levels = sum(own.has_levels for own in self.trials)
+        title = f"{self.design.name}: {len(self.trials)} candidates, levels of {with_levels}, {len(self.feasible)} feasible"
         if not self.feasible:
             return f"{title}; loosen a constraint or widen a range", ["design"], []
         varied = list(self.trials[0].values)
@@ -254,7 +264,8 @@ def optimise(
 
     ``vary`` maps keys to ranges (``"80psig..110psig"``, ``"0.01..0.08:log"``) or choices. ``minimise`` is ``total``, a source, or a
     figure of the shot; ``pareto`` a second objective, with a minus to maximise it (``"-drive_energy"``). A shot that breaks a
-    constraint costs a cycle and no sound. The same seed tries the same designs.
+    constraint costs a cycle and no sound, and is no trial: ``trials`` counts the designs whose levels are computed. An optimisation ends
+    earlier after ``CANDIDATES_A_TRIAL`` candidates for each trial that was asked for. The same seed tries the same designs.
 
     With a ``client`` of dask.distributed, ``batch`` designs at a time (one for each thread of the cluster) are tasks on its workers.
     The optimiser then knows less when it proposes one, so that seed and batch decide which designs are tried. ``store`` is that of
@@ -284,18 +295,20 @@ def optimise(
         folder = None if store is None else os.path.abspath(store)
         tried, threads = _on_cluster(client, folder, design, variables, constraints)
         at_once = batch or threads
-    while len(found.trials) < trials:
-        asked = [study.ask() for _ in range(min(at_once, trials - len(found.trials)))]
+    done = 0
+    while done < trials and len(found.trials) < CANDIDATES_A_TRIAL * trials:
+        asked = [study.ask() for _ in range(min(at_once, trials - done))]
         values = [{variable.key: variable.suggest(trial) for variable in variables} for trial in asked]
         for trial, (proposal, excesses) in zip(asked, tried(values)):
             found.trials.append(proposal)
+            done += proposal.has_levels
             for name, excess in excesses.items():
                 trial.set_constraint(name, excess)
             # Of an infeasible trial only the constraints count.
             score = found._score(proposal) if proposal.feasible else tuple(math.inf for _ in objectives)
             study.tell(trial, [max(-1e9, min(value, 1e9)) for value in score])
         if show is not None:
-            show("designs", len(found.trials), trials)
+            show("designs", done, trials)
     return found
 
 

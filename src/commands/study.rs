@@ -255,14 +255,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         provide(file, (arguments, path), (&design, &result, &made))?;
     }
     progress.end();
-    for (draw, error) in &made.failures {
-        message(&format!("draw {draw} cannot be computed: {error}"));
-    }
-    for (candidate, error) in &made.tally.failures {
-        message(&format!(
-            "the shot of candidate {candidate} cannot be computed: {error}"
-        ));
-    }
+    report_failures("draw", &made.failures);
+    report_failures("the shot of candidate", &made.tally.failures);
     if common.json {
         print(&json)?;
     } else {
@@ -279,6 +273,25 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     } else {
         ExitCode::from(1)
     })
+}
+
+/// Reports what cannot be computed, each reason once, in the order of the first that has it.
+fn report_failures<N: std::fmt::Display>(what: &str, failures: &[(N, String)]) {
+    let mut reasons: Vec<(&str, &N, usize)> = Vec::new();
+    for (number, reason) in failures {
+        match reasons.iter_mut().find(|(own, ..)| own == reason) {
+            Some((.., more)) => *more += 1,
+            None => reasons.push((reason, number, 0)),
+        }
+    }
+    for (reason, number, more) in reasons {
+        let more = if more > 0 {
+            format!(" and {more} more")
+        } else {
+            String::new()
+        };
+        message(&format!("{what} {number}{more} cannot be computed: {reason}"));
+    }
 }
 
 /// Writes a study of a shipped design for those who have the program.
@@ -312,9 +325,7 @@ fn arguments_of(request: &Request) -> Vec<String> {
 /// States what a task did.
 fn execute_task(task: Task, made: &Draws, folder: &Path, json: bool, progress: &Progress) -> Result<ExitCode, Error> {
     progress.end();
-    made.failures
-        .iter()
-        .for_each(|(draw, error)| message(&format!("draw {draw} of the task cannot be computed: {error}")));
+    report_failures("draw", &made.failures);
     if json {
         print_json(&TaskResult {
             schema: "nailnoise-study-task/1",

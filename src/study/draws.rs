@@ -79,7 +79,8 @@ pub(super) struct Planned {
 /// Makes the draws that are asked for on a graph, and says on `progress` how far they are.
 ///
 /// # Errors
-/// Those of the chain of the design itself; [`Error::NothingDrawn`] where no candidate is accepted.
+/// Those of the chain of the design itself; [`Error::NothingDrawn`] where no candidate is accepted; [`Error::NoLevels`] where those
+/// of no draw can be computed.
 pub fn draws(graph: &Graph, design: &Design, request: &Request, progress: &Progress) -> Result<Draws, Error> {
     let made = common_draws(graph, &[design], request, progress)?;
     Ok(made.into_iter().next().unwrap_or_default())
@@ -113,6 +114,14 @@ pub fn common_draws(
         request.part.holds(if held { draw } else { own.structure })
     });
     let (draws, failures) = levels(graph, (&designs, &sampler), planned, request.part, progress)?;
+    if let (true, Some((_, reason))) = (draws.iter().all(Vec::is_empty), failures.first())
+        && request.part != Part::Kept
+    {
+        return Err(Error::NoLevels {
+            draws: failures.len(),
+            reason: reason.clone(),
+        });
+    }
     let conflicting: Vec<Vec<String>> = sampler
         .conflicting()
         .into_iter()

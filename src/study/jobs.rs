@@ -44,7 +44,7 @@ pub(super) fn on_threads<T: Send>(
 
 /// The levels of the shot of a chain, where they are kept.
 pub(super) fn kept_levels(graph: &Graph, chain: Result<Chain, Error>) -> Result<Levels, String> {
-    let chain = chain.map_err(|error| error.to_string())?;
+    let chain = chain.map_err(|error| error.in_words())?;
     let kept = graph
         .store()
         .load::<Levels, Postcard>(ShotLevels::NAME, chain.levels.key());
@@ -59,5 +59,5 @@ pub(super) fn levels_of_shot(chain: Result<Chain, Error>) -> Result<Levels, Stri
     });
     levels
         .map(|levels| Levels::clone(&levels))
-        .map_err(|error| error.to_string())
+        .map_err(|error| error.in_words())
 }

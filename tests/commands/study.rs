@@ -321,6 +321,29 @@ fn groups_over_drawn_structures_are_refused_with_a_remedy() {
     assert!(!folder.join("out/study").exists());
 }
 
+/// The tool of a drawn structure is new geometry.
+#[test]
+fn a_study_without_the_levels_of_any_draw_ends_with_the_reason_and_its_remedy() {
+    let folder = folder("study/no-mesher");
+    let tool = format!("{ANY}[body]\nmodel = \"elastic\"\n");
+    let design = over(&folder, "drawn", &tool);
+    let arguments = ["study", &design, "--out", "out", "-n", "2", "--structures=1"];
+    let cache = folder.join("cache");
+    let output = command(&arguments)
+        .current_dir(&folder)
+        .env("NAILNOISE_CACHE", cache)
+        .env("NAILNOISE_GMSH", "no-such-program")
+        .output()
+        .unwrap();
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(3), "{message}");
+    assert!(
+        message.contains("none of 2 draws") && message.contains("install it with"),
+        "{message}"
+    );
+    assert!(!folder.join("out/study").exists());
+}
+
 #[test]
 fn a_study_to_come_with_the_program_is_of_a_shipped_design() {
     let (folder, design) = made("provided");
