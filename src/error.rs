@@ -42,7 +42,7 @@ pub enum Error {
         known: String,
     },
     /// A parameter for whose sensitivity there is nothing to go by.
-    #[error("`{key}` is no quantity with a range that takes part in the nailing cycle")]
+    #[error("`{key}` is not a quantity of the nailing cycle with a range")]
     #[diagnostic(help("{}", match nearest {
         Some(near) => format!("is it `{near}`?"),
         None => "give it a range in the design, or leave --parameters out for all that have one".to_owned(),
@@ -64,7 +64,7 @@ pub enum Error {
     /// No candidate of a study is a design whose shot counts.
     #[error("none of {candidates} candidates gives a shot that counts: {outcomes}{}", if refused.is_empty() { String::new() } else { format!("; no designs: {refused}") })]
     #[diagnostic(help("{}", if require.is_empty() {
-        "narrow the ranges: their values do not go together".to_owned()
+        "narrow the ranges: their values are incompatible".to_owned()
     } else {
         format!("remove `require = \"{require}\"` from [study], or narrow the ranges")
     }))]
@@ -115,7 +115,7 @@ pub enum Error {
     /// A cluster did not compute what it was asked for.
     #[error("the cluster of the scheduler {scheduler} did not compute all of it")]
     #[diagnostic(help(
-        "its message stands above; what is done is kept, and the same command goes on from there, with or without --scheduler"
+        "see its message above; finished work is kept, and the same command resumes, with or without --scheduler"
     ))]
     OnCluster {
         /// Address of the scheduler.
@@ -273,7 +273,7 @@ pub enum Error {
     },
     /// The user's mesh of the tool has no surface for a lumped mass.
     #[error(
-        "{mass:.3} kg of the tool's mass belong on the surface \"{group}\", which the mesh has not; it has: {known}"
+        "{mass:.3} kg of the tool's mass belong on the surface \"{group}\"; the mesh has no such surface; it has: {known}"
     )]
     #[diagnostic(help(
         "name that surface (gmsh: Physical Surface(\"{group}\") = ...), give its place in the design ([surfaces.NAME] with \
@@ -316,7 +316,7 @@ pub enum Error {
         what: &'static str,
     },
     /// A place of the design is on no face of its body.
-    #[error("no face of the body that looks its way is at the place of the surface \"{entry}\"")]
+    #[error("no face with that outward direction lies at the position of the surface \"{entry}\"")]
     #[diagnostic(help("move its x, y and z onto the face; along_x, along_y and along_z point out of the body there"))]
     SurfaceOutside {
         /// Its name in the design.

@@ -4,7 +4,7 @@
 //! [`figures`] draws them, [`report`] makes a page of them, [`bundle`] keeps all of it for the next run, [`comparison`] lays
 //! results side by side, [`watch`] serves the page of a design that is being changed, and [`commands`] is the command line over all of it. [`measurement`] takes the recordings of a test to
 //! levels, [`penetration`] compares penetration laws, [`cost`] estimates what a run needs before it begins; [`sensitivity`] and
-//! [`study`] tell what a design's ranges do to its shot.
+//! [`study`] quantify how the ranges of a design affect its shot.
 #![forbid(unsafe_code)]
 
 pub mod bundle;

@@ -131,7 +131,7 @@ fn text(name: &str, seed: u64, sampler: &ShotSampler, study: &Counted) -> String
         .map(|(reason, count)| vec![reason.clone(), count.to_string()])
         .collect();
     if !rows.is_empty() {
-        text.push_str(&table(&["values that do not go together", "drawn anew"], &rows));
+        text.push_str(&table(&["incompatible values", "drawn anew"], &rows));
     }
     text
 }

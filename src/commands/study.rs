@@ -58,7 +58,7 @@ pub(super) struct Arguments {
     /// Keep the draws in this folder, which tasks on several machines may share, and not in the cache
     #[arg(long, value_name = "DIR", conflicts_with = "no_cache")]
     store: Option<PathBuf>,
-    /// Compute only task K of N of the draws, and state no result: for the jobs of an array that share a store
+    /// Compute only task K of N of the draws, without printing a result: for the jobs of an array that share a store
     #[arg(long, value_name = "K/N", requires = "store", conflicts_with_all = ["collect", "figures"])]
     task: Option<Task>,
     /// State the result of draws that are in the store, and compute none
@@ -538,7 +538,7 @@ fn text(result: &StudyResult) -> String {
         .map(|(keys, count)| vec![keys.clone(), count.to_string()])
         .collect();
     if !rows.is_empty() {
-        text.push_str(&table(&["values that do not go together", "drawn anew"], &rows));
+        text.push_str(&table(&["incompatible values", "drawn anew"], &rows));
     }
     text.push('\n');
     text + &noted(&result.notes)

@@ -1,7 +1,7 @@
 //! What a run will cost, estimated from the design alone: before anything is meshed, solved or written.
 //!
-//! Estimates hold within a factor of about two for the shipped designs. They serve to refuse what does not fit the memory
-//! and to announce what takes long, not to predict a time.
+//! Estimates hold within a factor of about two for the shipped designs. They are used to reject runs that exceed
+//! the memory and to announce long ones, not to predict a time.
 
 mod bodies;
 mod memory;

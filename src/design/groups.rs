@@ -55,8 +55,8 @@ group! {
     /// Exhaust holes behind the head valve; A_ma = n pi d^2/4.
     Exhaust {
         ..cycle: dynamics::Exhaust;
-        /// Distance of neighbouring holes, centre to centre. More than 3 d, each hole's jet sounds for itself; nearer,
-        /// the jets merge and sound as one of the same area. Without effect for one hole.
+        /// Distance of neighbouring holes, centre to centre. Above 3 d, the jets radiate separately; closer than
+        /// that, they merge and radiate as one jet of the same total area. Without effect for one hole.
         pitch: f64 = positive(LENGTH), "";
     }
     groups {
@@ -572,8 +572,8 @@ group! {
         /// Largest interpolation error of the radiation matrix over frequency: root mean square of the entries R_ij, relative
         /// to sqrt(R_ii R_jj).
         bem_tolerance: f64 = positive(NUMBER).within(1e-6, 0.5), "";
-        /// What of the air's reaction acts on the modes of workpiece, support and tool: nothing, radiation as damping, or that
-        /// and the mass of air that moves along, which takes boundary elements. Every run states what it changes.
+        /// Fluid loading of the modes of workpiece, support and tool: none, radiation damping, or damping and added mass.
+        /// Added mass needs boundary elements. Every run states what fluid loading changes.
         fluid_loading: FluidLoading = FluidLoading::KIND, "";
         /// Equivalent absorption area of the room in which the microphones stand; 0 for none but the reflecting plane.
         room_absorption: f64 = nonnegative(AREA), "A";

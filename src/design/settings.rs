@@ -63,7 +63,7 @@ impl Layer {
 /// Members of a list that a design may have; every sensor keeps the signals of a whole shot.
 const MOST_MEMBERS: usize = 250;
 
-/// Keys of earlier versions, and what a design gives in their place.
+/// Keys of earlier versions, and their replacements.
 const REPLACED: &[(&str, &str)] = &[
     (
         "acoustics.radiation_damping",

@@ -1,4 +1,4 @@
-//! What a result rests on: every value of the design by where it comes from.
+//! The assumptions of a result: every value of the design, grouped by provenance.
 
 use maud::{Markup, html};
 

@@ -173,7 +173,7 @@ fn candidates(result: &StudyResult) -> Markup {
             } } }
         } }
         @if !result.candidates.rejections.is_empty() { div.scroll { table {
-            thead { tr { th { "values that do not go together" } th.n { "drawn anew" } } }
+            thead { tr { th { "incompatible values" } th.n { "drawn anew" } } }
             tbody { @for (keys, count) in &result.candidates.rejections { tr { td.key-name { (keys) } td.n { (count) } } } }
         } } }
     }

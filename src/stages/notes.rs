@@ -55,14 +55,13 @@ pub fn notes(inputs: &NoteInputs<'_>, record: &CycleRecord, openings: &Openings,
     let mut shot = vec![match record.outcome {
         Outcome::Drives => format!("the nail is driven, its head {depth:.1} mm below the surface"),
         Outcome::Overdriven => format!(
-            "the nail is overdriven: its head ends {depth:.1} mm below the surface; the model of the wood under a \
-                 head does not hold that deep"
+            "the nail is overdriven: its head ends {depth:.1} mm below the surface; the model of the wood under a head is not valid at this depth"
         ),
         Outcome::StrikesBumper => format!(
             "the piston strikes the bumper before it stops on the wood; the head of the nail ends {depth:.1} mm \
                  below the surface"
         ),
-        Outcome::Underdriven => format!("the nail is not driven to its length: {:.1} mm stand out", -depth),
+        Outcome::Underdriven => format!("the nail is not driven to its length: {:.1} mm of it protrude", -depth),
         Outcome::DoesNotOpen => "the head valve does not open: no shot".to_owned(),
         Outcome::DoesNotRelease => "the tool does not rise far enough to release the trigger valve".to_owned(),
     }];
@@ -70,7 +69,10 @@ pub fn notes(inputs: &NoteInputs<'_>, record: &CycleRecord, openings: &Openings,
     shot.extend(inputs.outside_ranges.iter().cloned());
     shot.extend(estimates(inputs));
     let list = |what: &str, names: &[&str]| (!names.is_empty()).then(|| format!("{what}: {}", names.join(", ")));
-    shot.extend(list("springs on bodies that this design lacks", &inputs.idle_springs));
+    shot.extend(list(
+        "springs on bodies that are not in this design",
+        &inputs.idle_springs,
+    ));
     shot.extend(list(
         "surfaces of bodies that this design builds itself",
         &inputs.idle_surfaces,
@@ -85,7 +87,10 @@ pub fn notes(inputs: &NoteInputs<'_>, record: &CycleRecord, openings: &Openings,
     methods.extend(exhaust_notes(inputs.range_high, record, openings, exhaust));
     methods.extend(inputs.convention.iter().cloned());
     methods.push(inputs.ending.to_owned());
-    methods.extend(list("sensors on bodies that this design lacks", &inputs.idle_sensors));
+    methods.extend(list(
+        "sensors on bodies that are not in this design",
+        &inputs.idle_sensors,
+    ));
     let limited: Vec<String> = inputs
         .limited_sensors
         .iter()
@@ -190,7 +195,7 @@ fn exhaust_notes(range_high: f64, record: &CycleRecord, openings: &Openings, exh
     if let Some(fitting) = &openings.fitting {
         notes.push(format!(
             "exhaust fitting: plane waves up to {:.0} Hz in air at rest, between choked holes and an open end that its jet \
-             damps; above, the outflow sounds as without it. The jets of the holes are not filtered; the uncertainty of the \
+             damps; above, the outflow radiates as if there were no fitting. The jets of the holes are not filtered; the uncertainty of the \
              level holds the case that they are",
             fitting.plane_wave_limit(&openings.air)
         ));

@@ -25,6 +25,18 @@ fn the_corpora_of_the_fuzz_targets_end_without_a_panic() {
     }
 }
 
+/// Seeds of the target `design`, too: they are complete, whatever keys are added.
+#[test]
+fn the_shipped_designs_end_without_a_panic() {
+    let designs = Path::new(env!("CARGO_MANIFEST_DIR")).join("designs");
+    for entry in fs::read_dir(&designs).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|end| end == "toml") {
+            targets::design(&fs::read(path).unwrap());
+        }
+    }
+}
+
 /// Every number of the design file with its kind.
 fn numbers() -> Vec<(String, Kind)> {
     let mut numbers = Vec::new();

@@ -1,4 +1,12 @@
 //! One nailing cycle: segments of smooth motion between located events.
+//!
+//! | part | modules |
+//! |---|---|
+//! | states, constants and kinematics | `state`, `system`, `start` |
+//! | physics | `gas` (restrictions), `flows`, `forces` (friction, springs, contacts, pressures), `wood`, `rates` (the right-hand side) |
+//! | contacts and passages that open and close | `mode`, `switching`, `marks` (events), `history` (delays) |
+//! | integration | `integrate`, `equations`, `block_lu`, `tolerances`, `locate`, `real`; `coupled` on a flexible workpiece |
+//! | results | `recorder`, `balance` (conservation), `summary` |
 
 mod balance;
 mod block_lu;
