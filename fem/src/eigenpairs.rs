@@ -1,18 +1,25 @@
 //! Eigenpairs with their residuals, and the refinement that brings these below a limit.
 
-use faer::{Mat, MatRef};
+use faer::{ColRef, Mat, MatRef};
 use nalgebra_sparse::CscMatrix;
 
 use crate::ModalSettings;
 use crate::dense::{add_product, transpose_product};
 use crate::factor::Factor;
-use crate::sparse::product;
+use crate::rows::{Rows, SIDES};
+use crate::sparse::{Room, product, product_into};
 
 /// A mode is rigid when lambda is below this fraction of the edge: its frequency is then below 5e-5 of the top.
 pub(crate) const RIGID: f64 = 2.5e-9;
 
 /// The sums of K phi may cancel down to this fraction of their terms: what is left has eight digits more than rounding.
 const CANCELLED: f64 = 1e-6;
+
+/// Entries of Phi^T M Phi - I that count as rounding.
+const ORTHOGONAL: f64 = 1e-14;
+
+/// Steps of inverse iteration at most.
+const REFINEMENTS: usize = 4;
 
 /// The matrices of K phi = lambda M phi.
 #[derive(Clone, Copy)]
@@ -35,51 +42,89 @@ pub(crate) struct Eigenpairs {
     ceiling: f64,
 }
 
+/// What K phi and lambda M phi of a mass-normalised phi differ by.
+struct Balance {
+    lambda: f64,
+    rigid: bool,
+    /// |K phi - lambda M phi|^2, or |K phi|^2 of a rigid mode.
+    difference: f64,
+    /// |M phi|^2.
+    size: f64,
+    /// |`parts` phi|^2, see [`CANCELLED`].
+    parts: f64,
+}
+
+impl Balance {
+    /// Of the columns phi, K phi and M phi; below `rigid` |lambda| is that of a rigid mode.
+    fn new([phi, k_phi, m_phi]: [ColRef<'_, f64>; 3], parts: &[f64], rigid: f64) -> Self {
+        let lambda: f64 = phi.iter().zip(k_phi.iter()).map(|(x, y)| x * y).sum();
+        let rigid = lambda.abs() < rigid;
+        let value = if rigid { 0.0 } else { lambda };
+        let mut balance = Self {
+            lambda,
+            rigid,
+            difference: 0.0,
+            size: 0.0,
+            parts: 0.0,
+        };
+        let rows = k_phi.iter().zip(m_phi.iter()).zip(phi.iter().zip(parts));
+        for ((a, b), (x, part)) in rows {
+            balance.difference += (a - value * b).powi(2);
+            balance.size += b.powi(2);
+            balance.parts += (part * x).powi(2);
+        }
+        balance
+    }
+
+    /// See [`crate::ModalBasis::residuals`].
+    fn residual(&self, elastic: f64) -> f64 {
+        let scale = if self.rigid { elastic } else { self.lambda };
+        (self.difference / (scale.powi(2) * self.size).max(self.parts)).sqrt()
+    }
+}
+
 impl Eigenpairs {
     pub(crate) fn new(pencil: Pencil<'_>, mut phi: Mat<f64>, edge: f64, ceiling: f64) -> Self {
-        let mut m_phi = product(pencil.mass, phi.as_ref());
-        for i in 0..phi.ncols() {
+        let (n, count) = (phi.nrows(), phi.ncols());
+        let mut room = Room::default();
+        let mut m_phi = Mat::zeros(n, count);
+        product_into(pencil.mass, phi.as_ref(), m_phi.as_mut(), &mut room);
+        for i in 0..count {
             let scale = 1.0 / dot(phi.as_ref(), m_phi.as_ref(), i).sqrt();
             phi.col_mut(i).iter_mut().for_each(|x| *x *= scale);
             m_phi.col_mut(i).iter_mut().for_each(|x| *x *= scale);
         }
-        let k_phi = product(pencil.stiffness, phi.as_ref());
-        let lambda: Vec<f64> = (0..phi.ncols()).map(|i| dot(phi.as_ref(), k_phi.as_ref(), i)).collect();
-        let rigid: Vec<bool> = lambda.iter().map(|l| l.abs() < RIGID * edge).collect();
+        // The diagonal opens each column of the lower triangle.
+        let diagonal = |row: usize| pencil.stiffness.values()[pencil.stiffness.col_offsets()[row]];
+        let parts: Vec<f64> = (0..n).map(|row| CANCELLED * diagonal(row)).collect();
+        let mut balances = Vec::with_capacity(count);
+        // K Phi is needed in passing only: it has room for one block.
+        let mut k_phi = Mat::zeros(n, SIDES.min(count));
+        for start in (0..count).step_by(SIDES) {
+            let width = SIDES.min(count - start);
+            let block = phi.subcols(start, width);
+            product_into(pencil.stiffness, block, k_phi.subcols_mut(0, width), &mut room);
+            for c in 0..width {
+                let columns = [phi.col(start + c), k_phi.col(c), m_phi.col(start + c)];
+                balances.push(Balance::new(columns, &parts, RIGID * edge));
+            }
+        }
         let mut pairs = Self {
-            lambda,
+            lambda: balances.iter().map(|b| b.lambda).collect(),
             phi,
             m_phi,
             residuals: Vec::new(),
-            rigid,
+            rigid: balances.iter().map(|b| b.rigid).collect(),
             edge,
             ceiling,
         };
         let elastic = pairs.elastic();
-        pairs.residuals = (0..pairs.lambda.len())
-            .map(|i| {
-                let lambda = pairs.lambda[i];
-                let (value, scale) = if pairs.rigid[i] {
-                    (0.0, elastic)
-                } else {
-                    (lambda, lambda)
-                };
-                let (mut difference, mut size, mut parts) = (0.0, 0.0, 0.0);
-                for (row, (a, b)) in k_phi.col(i).iter().zip(pairs.m_phi.col(i).iter()).enumerate() {
-                    difference += (a - value * b).powi(2);
-                    size += (scale * b).powi(2);
-                    // The diagonal opens each column of the lower triangle.
-                    let diagonal = pencil.stiffness.values()[pencil.stiffness.col_offsets()[row]];
-                    parts += (CANCELLED * diagonal * pairs.phi[(row, i)]).powi(2);
-                }
-                (difference / size.max(parts)).sqrt()
-            })
-            .collect();
+        pairs.residuals = balances.iter().map(|b| b.residual(elastic)).collect();
         pairs
     }
 
-    /// Takes modes whose residual r = K phi - lambda M phi is above half the limit through one step of inverse iteration with
-    /// the factor of K - sigma M, and says how many.
+    /// Takes modes whose residual r = K phi - lambda M phi is above half the limit through steps of inverse iteration with
+    /// the factor of K - sigma M, until none is or a step no longer halves the largest, and says how many solves it took.
     ///
     /// Rounding leaves components of high modes in the Lanczos basis, which K multiplies by their frequency squared; a
     /// solve divides them by it again. In the form phi - (K - sigma M)^-1 r the solve's own rounding is relative to r,
@@ -88,33 +133,54 @@ impl Eigenpairs {
     /// of a basis of several decades need.
     pub(crate) fn refine(&mut self, pencil: Pencil<'_>, factor: &Factor<'_>, settings: &ModalSettings) -> usize {
         let limit = settings.residual_limit / 2.0;
-        let poor: Vec<usize> = (0..self.lambda.len()).filter(|&i| self.residuals[i] > limit).collect();
-        for chosen in poor.chunks(settings.block.max(1)) {
-            let rows = self.phi.nrows();
-            let phi = Mat::from_fn(rows, chosen.len(), |r, c| self.phi[(r, chosen[c])]);
-            let mut x = product(pencil.stiffness, phi.as_ref());
-            for (c, &i) in chosen.iter().enumerate() {
-                let lambda = self.lambda[i];
-                for (x, m_phi) in x.col_mut(c).iter_mut().zip(self.m_phi.col(i).iter()) {
-                    *x -= lambda * m_phi;
-                }
+        let mut rooms = (Room::default(), Rows::default());
+        let (mut solves, mut last) = (0, f64::INFINITY);
+        for _ in 0..REFINEMENTS {
+            let poor: Vec<usize> = (0..self.lambda.len()).filter(|&i| self.residuals[i] > limit).collect();
+            let worst = self.worst();
+            if poor.is_empty() || worst > 0.5 * last {
+                break;
             }
-            factor.solve(x.as_mut());
-            x = phi - x;
-            self.purge(pencil, &mut x, chosen);
-            let refined = Self::new(pencil, x, self.edge, self.elastic());
-            for (c, &i) in chosen.iter().enumerate() {
-                self.lambda[i] = refined.lambda[c];
-                self.rigid[i] = refined.rigid[c];
-                self.residuals[i] = refined.residuals[c];
-                self.phi.col_mut(i).copy_from(refined.phi.col(c));
-                self.m_phi.col_mut(i).copy_from(refined.m_phi.col(c));
+            last = worst;
+            for chosen in poor.chunks(SIDES) {
+                self.step(pencil, factor, chosen, &mut rooms);
             }
+            solves += poor.len();
         }
-        if !poor.is_empty() {
+        if solves > 0 {
             self.orthogonalise(pencil);
         }
-        poor.len()
+        solves
+    }
+
+    /// A step of inverse iteration for the modes `chosen`.
+    fn step(&mut self, pencil: Pencil<'_>, factor: &Factor<'_>, chosen: &[usize], rooms: &mut (Room, Rows)) {
+        let n = self.phi.nrows();
+        let phi = Mat::from_fn(n, chosen.len(), |r, c| self.phi[(r, chosen[c])]);
+        let mut x = Mat::zeros(n, chosen.len());
+        product_into(pencil.stiffness, phi.as_ref(), x.as_mut(), &mut rooms.0);
+        for (c, &i) in chosen.iter().enumerate() {
+            let lambda = self.lambda[i];
+            for (x, m_phi) in x.col_mut(c).iter_mut().zip(self.m_phi.col(i).iter()) {
+                *x -= lambda * m_phi;
+            }
+        }
+        factor.solve_within(x.as_mut(), &mut rooms.1);
+        x = phi - x;
+        self.purge(pencil, &mut x, chosen);
+        let refined = Self::new(pencil, x, self.edge, self.elastic());
+        self.replace(chosen, &refined);
+    }
+
+    /// Puts other pairs in the place of those `chosen`.
+    fn replace(&mut self, chosen: &[usize], pairs: &Self) {
+        for (c, &i) in chosen.iter().enumerate() {
+            self.lambda[i] = pairs.lambda[c];
+            self.rigid[i] = pairs.rigid[c];
+            self.residuals[i] = pairs.residuals[c];
+            self.phi.col_mut(i).copy_from(pairs.phi.col(c));
+            self.m_phi.col_mut(i).copy_from(pairs.m_phi.col(c));
+        }
     }
 
     /// Makes modes that were refined one by one orthogonal again: with Phi^T M Phi = I + E, E some 1e-8,
@@ -137,9 +203,15 @@ impl Eigenpairs {
                 0.0
             }
         });
-        let mut phi = self.phi.clone();
+        // Modes that are orthogonal to rounding stay as they are.
+        let changed: Vec<usize> = (0..u.ncols())
+            .filter(|&j| u.col(j).iter().any(|u| u.is_nan() || u.abs() > ORTHOGONAL))
+            .collect();
+        let mut phi = Mat::from_fn(self.phi.nrows(), changed.len(), |r, c| self.phi[(r, changed[c])]);
+        let u = Mat::from_fn(u.nrows(), changed.len(), |i, c| u[(i, changed[c])]);
         add_product(phi.as_mut(), -1.0, self.phi.as_ref(), u.as_ref());
-        *self = Self::new(pencil, phi, self.edge, self.ceiling);
+        let pairs = Self::new(pencil, phi, self.edge, self.elastic());
+        self.replace(&changed, &pairs);
     }
 
     /// Takes out of X, whose columns approximate the modes `chosen`, what it holds of other modes of the basis.
@@ -187,6 +259,15 @@ impl Eigenpairs {
         let ratio = before / self.elastic();
         for (residual, _) in self.residuals.iter_mut().zip(&self.rigid).filter(|(_, rigid)| **rigid) {
             *residual *= ratio;
+        }
+    }
+
+    /// The same modes with their unknowns in another order, to which `reorder` takes columns.
+    pub(crate) fn reordered(self, reorder: impl Fn(MatRef<'_, f64>) -> Mat<f64>) -> Self {
+        Self {
+            phi: reorder(self.phi.as_ref()),
+            m_phi: reorder(self.m_phi.as_ref()),
+            ..self
         }
     }
 

@@ -16,6 +16,7 @@ use faer::{Mat, MatMut, Par};
 use nalgebra_sparse::CscMatrix;
 
 use crate::random::Random;
+use crate::rows::Rows;
 use crate::sparse::product;
 use crate::{FemError, panels};
 
@@ -86,8 +87,7 @@ impl Symbolic {
     pub(crate) fn cholesky(&self, a: &CscMatrix<f64>, shift: f64, values: Vec<f64>) -> Result<Factor<'_>, FemError> {
         let request = factorize_supernodal_numeric_llt_scratch::<usize, f64>(&self.supernodal, PAR, Default::default());
         let mut memory = buffer(request, a.nrows())?;
-        let mut values = values;
-        values.resize(self.values(), 0.0);
+        let mut values = self.storage(values);
         factorize_supernodal_numeric_llt(
             &mut values,
             view(a),
@@ -106,8 +106,7 @@ impl Symbolic {
         let request =
             factorize_supernodal_numeric_ldlt_scratch::<usize, f64>(&self.supernodal, PAR, Default::default());
         let mut memory = buffer(request, a.nrows())?;
-        let mut values = values;
-        values.resize(self.values(), 0.0);
+        let mut values = self.storage(values);
         factorize_supernodal_numeric_ldlt(
             &mut values,
             view(a),
@@ -119,6 +118,14 @@ impl Symbolic {
         )
         .map_err(|LdltError::ZeroPivot { index }| FemError::Pivot { shift, pivot: index })?;
         self.finish(a, shift, values, true)
+    }
+
+    /// Room for the values; pages that the system hands out as zeros are not written before the factor is.
+    fn storage(&self, values: Vec<f64>) -> Vec<f64> {
+        if values.len() == self.values() {
+            return values;
+        }
+        vec![0.0; self.values()]
     }
 
     /// Lays the factor out for the solves and probes it.
@@ -151,8 +158,13 @@ enum Kind {
 impl Factor<'_> {
     /// Overwrites x by A^-1 x.
     pub(crate) fn solve(&self, x: MatMut<'_, f64>) {
+        self.solve_within(x, &mut Rows::default());
+    }
+
+    /// The same with room kept for the next solve.
+    pub(crate) fn solve_within(&self, x: MatMut<'_, f64>, room: &mut Rows) {
         match &self.kind {
-            Kind::Symmetric { values, diagonal } => panels::solve(&self.symbolic.supernodal, values, diagonal, x),
+            Kind::Symmetric { values, diagonal } => panels::solve(&self.symbolic.supernodal, values, diagonal, x, room),
             Kind::Pivoted(lu) => lu.solve_in_place(x),
         }
     }

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use faer::prelude::ReborrowMut;
 use faer::{Mat, MatRef, Scale};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -11,6 +12,7 @@ use crate::dense::{add_product, symmetric_eigen, transpose_product};
 use crate::eigenpairs::{Eigenpairs, Pencil, dot};
 use crate::factor::{Factor, Symbolic};
 use crate::lanczos::{Target, lanczos};
+use crate::rows::Rows;
 use crate::sparse::{product, shifted};
 use crate::symmetry::{Sector, sectors, whole};
 use crate::{FemError, ModalBasis, ModalSettings, ModalWork, Sturm, System};
@@ -186,6 +188,11 @@ impl<'a> Problem<'a> {
             return Ok(None);
         }
         let elastic = solutions.iter().map(|s| s.pairs.elastic()).fold(edge, f64::min);
+        // With loads there will be a factor at a shift near zero, which serves all modes.
+        if self.loads.is_some() {
+            solutions.iter_mut().for_each(|s| s.pairs.refer_to(elastic));
+            return Ok(Some(solutions));
+        }
         let solves = (self.sectors, &mut solutions).into_par_iter().map(|(sector, s)| {
             s.pairs.refer_to(elastic);
             s.pairs.refine(sector.pencil(), &s.factor, self.settings)
@@ -256,7 +263,13 @@ impl<'a> Problem<'a> {
     }
 
     /// The modes of the body, with residuals by its own matrices.
-    fn together(&self, pairs: Vec<Eigenpairs>, edge: f64) -> Eigenpairs {
+    fn together(&self, mut pairs: Vec<Eigenpairs>, edge: f64) -> Eigenpairs {
+        if let [sector] = self.sectors
+            && let Some(alone) = pairs.pop()
+        {
+            // The matrices of the only sector are those of the body in another order.
+            return alone.reordered(|x| sector.expand(x));
+        }
         let (n, count) = (self.system.equations.len(), pairs.iter().map(|p| p.lambda.len()).sum());
         let mut phi = Mat::zeros(n, count);
         let mut start = 0;
@@ -305,11 +318,10 @@ fn find(
         before = before.max(found);
         counter.report();
     };
-    let found = lanczos(pencil.mass, &target, report, |z| {
-        let mut x = z.clone();
-        factor.solve(x.as_mut());
+    let mut room = Rows::default();
+    let found = lanczos(pencil.mass, &target, report, |mut x| {
+        factor.solve_within(x.rb_mut(), &mut room);
         x *= Scale(edge);
-        Ok(x)
     })?;
     Ok(found.map(|pairs| {
         work.block_steps += pairs.steps;
@@ -384,7 +396,7 @@ fn basis(system: &System, pairs: Eigenpairs, sturm: Sturm, corrections: Correcti
         }
     };
     let modes = order.len();
-    let all = Mat::from_fn(pairs.phi.nrows(), modes + corrections.hz.len(), |i, j| {
+    let all = DMatrix::from_fn(pairs.phi.nrows(), modes + corrections.hz.len(), |i, j| {
         order
             .get(j)
             .map_or_else(|| corrections.shapes[(i, j - modes)], |&mode| pairs.phi[(i, mode)])
@@ -392,7 +404,7 @@ fn basis(system: &System, pairs: Eigenpairs, sturm: Sturm, corrections: Correcti
     ModalBasis {
         dofs: system.equations.len(),
         hz: order.iter().map(|&i| hz(i)).collect(),
-        shapes: expand(system, all.as_ref()),
+        shapes: system.equations.expand(&all),
         residuals: order.iter().map(|&i| pairs.residuals[i]).collect(),
         rigid: order.iter().map(|&i| pairs.rigid[i]).collect(),
         orthonormality: pairs.orthonormality(),
@@ -413,12 +425,4 @@ fn independent(x: &Mat<f64>, gram: MatRef<'_, f64>) -> Result<Mat<f64>, FemError
     let mut basis = Mat::zeros(x.nrows(), kept.len());
     add_product(basis.as_mut(), 1.0, x.as_ref(), s.as_ref());
     Ok(basis)
-}
-
-fn expand(system: &System, columns: MatRef<'_, f64>) -> DMatrix<f64> {
-    system
-        .equations
-        .expand(&DMatrix::from_fn(columns.nrows(), columns.ncols(), |i, j| {
-            columns[(i, j)]
-        }))
 }

@@ -1,46 +1,46 @@
 //! Products with symmetric sparse matrices of which the lower triangle is stored.
 
-use faer::{Mat, MatRef};
+use faer::prelude::ReborrowMut;
+use faer::{Mat, MatMut, MatRef};
 use nalgebra_sparse::CscMatrix;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Columns multiplied at once; a row of so many stands together in memory.
-const WIDTH: usize = 16;
+use crate::rows::{Row, Rows, SIDES};
+
+/// Room that products work in.
+#[derive(Default)]
+pub(crate) struct Room {
+    from: Rows,
+    to: Rows,
+}
 
 /// A X for symmetric A.
 pub(crate) fn product(a: &CscMatrix<f64>, x: MatRef<'_, f64>) -> Mat<f64> {
-    let n = a.nrows();
-    let mut y = Mat::zeros(n, x.ncols());
-    let mut from = vec![[0.0; WIDTH]; n];
-    let mut to = vec![[0.0; WIDTH]; n];
-    for start in (0..x.ncols()).step_by(WIDTH) {
-        let width = WIDTH.min(x.ncols() - start);
-        for c in 0..width {
-            let column = x.col(start + c);
-            for (row, value) in from.iter_mut().zip(column.iter()) {
-                row[c] = *value;
-            }
-        }
-        to.fill([0.0; WIDTH]);
+    let mut y = Mat::zeros(a.nrows(), x.ncols());
+    product_into(a, x, y.as_mut(), &mut Room::default());
+    y
+}
+
+/// Y = A X for symmetric A.
+pub(crate) fn product_into(a: &CscMatrix<f64>, x: MatRef<'_, f64>, mut y: MatMut<'_, f64>, room: &mut Room) {
+    for start in (0..x.ncols()).step_by(SIDES) {
+        let width = SIDES.min(x.ncols() - start);
+        room.from.gather(x.subcols(start, width));
+        room.to.clear(a.nrows());
         Arch::new().dispatch(RowsProduct {
             a,
-            x: &from,
-            y: &mut to,
+            x: room.from.as_slice(),
+            y: room.to.as_mut_slice(),
         });
-        for c in 0..width {
-            for (value, row) in y.col_mut(start + c).iter_mut().zip(&to) {
-                *value = row[c];
-            }
-        }
+        room.to.scatter(y.rb_mut().subcols_mut(start, width));
     }
-    y
 }
 
 /// Y = A X with the columns of X side by side in each row, compiled for the vector instructions found at run time.
 struct RowsProduct<'a> {
     a: &'a CscMatrix<f64>,
-    x: &'a [[f64; WIDTH]],
-    y: &'a mut [[f64; WIDTH]],
+    x: &'a [Row],
+    y: &'a mut [Row],
 }
 
 impl WithSimd for RowsProduct<'_> {
@@ -50,27 +50,29 @@ impl WithSimd for RowsProduct<'_> {
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { a, x, y } = self;
         let (offsets, rows, values) = (a.col_offsets(), a.row_indices(), a.values());
-        let row = WIDTH / S::F64_LANES;
-        let x = S::as_simd_f64s(x.as_flattened()).0;
-        let y = S::as_mut_simd_f64s(y.as_flattened_mut()).0;
         for (j, range) in offsets.windows(2).enumerate() {
-            let (rows, values) = (&rows[range[0]..range[1]], &values[range[0]..range[1]]);
+            // The diagonal, where there is one, opens the column.
+            let own = usize::from(range[0] < range[1] && rows[range[0]] == j);
+            let diagonal = if own == 1 { values[range[0]] } else { 0.0 };
+            let (rows, values) = (&rows[range[0] + own..range[1]], &values[range[0] + own..range[1]]);
             // A pair of vectors at a time: sums and operands stay in registers, and the column of A in the cache.
-            for pair in (0..row).step_by(2) {
-                let at = |i: usize| i * row + pair;
-                let x_j = [x[at(j)], x[at(j) + 1]];
-                let mut y_j = [y[at(j)], y[at(j) + 1]];
+            for h in 0..SIDES / S::F64_LANES / 2 {
+                let x_j = x[j].pair::<S>(h);
+                let mut y_j = y[j].pair::<S>(h);
+                let diagonal = simd.splat_f64s(diagonal);
+                for c in 0..2 {
+                    y_j[c] = simd.mul_add_e_f64s(diagonal, x_j[c], y_j[c]);
+                }
                 for (&i, &value) in rows.iter().zip(values) {
                     let value = simd.splat_f64s(value);
+                    let x_i = x[i].pair::<S>(h);
+                    let y_i = &mut y[i].vectors_mut::<S>()[2 * h..2 * h + 2];
                     for c in 0..2 {
-                        y_j[c] = simd.mul_add_e_f64s(value, x[at(i) + c], y_j[c]);
-                        if i != j {
-                            y[at(i) + c] = simd.mul_add_e_f64s(value, x_j[c], y[at(i) + c]);
-                        }
+                        y_j[c] = simd.mul_add_e_f64s(value, x_i[c], y_j[c]);
+                        y_i[c] = simd.mul_add_e_f64s(value, x_j[c], y_i[c]);
                     }
                 }
-                y[at(j)] = y_j[0];
-                y[at(j) + 1] = y_j[1];
+                y[j].vectors_mut::<S>()[2 * h..2 * h + 2].copy_from_slice(&y_j);
             }
         }
     }
