@@ -5,8 +5,7 @@ use nalgebra_sparse::CscMatrix;
 
 use crate::ModalSettings;
 use crate::dense::{add_product, transpose_product};
-use crate::factor::Factor;
-use crate::rows::{Rows, SIDES};
+use crate::rows::SIDES;
 use crate::sparse::{Room, product, product_into};
 
 /// A mode is rigid when lambda is below this fraction of the edge: its frequency is then below 5e-5 of the top.
@@ -124,16 +123,22 @@ impl Eigenpairs {
     }
 
     /// Takes modes whose residual r = K phi - lambda M phi is above half the limit through steps of inverse iteration with
-    /// the factor of K - sigma M, until none is or a step no longer halves the largest, and says how many solves it took.
+    /// (K - sigma M)^-1, by which `solve` multiplies, until none is or a step no longer halves the largest, and says how
+    /// many vectors it solved for.
     ///
     /// Rounding leaves components of high modes in the Lanczos basis, which K multiplies by their frequency squared; a
     /// solve divides them by it again. In the form phi - (K - sigma M)^-1 r the solve's own rounding is relative to r,
     /// not to phi. A component of mode j is multiplied by (lambda - sigma) / (lambda_j - sigma): with sigma at the edge
     /// that serves modes far above, with a small negative sigma all that are not in the basis, which the lowest modes
     /// of a basis of several decades need.
-    pub(crate) fn refine(&mut self, pencil: Pencil<'_>, factor: &Factor<'_>, settings: &ModalSettings) -> usize {
+    pub(crate) fn refine(
+        &mut self,
+        pencil: Pencil<'_>,
+        settings: &ModalSettings,
+        mut solve: impl FnMut(&mut Mat<f64>),
+    ) -> usize {
         let limit = settings.residual_limit / 2.0;
-        let mut rooms = (Room::default(), Rows::default());
+        let mut room = Room::default();
         let (mut solves, mut last) = (0, f64::INFINITY);
         for _ in 0..REFINEMENTS {
             let poor: Vec<usize> = (0..self.lambda.len()).filter(|&i| self.residuals[i] > limit).collect();
@@ -143,7 +148,7 @@ impl Eigenpairs {
             }
             last = worst;
             for chosen in poor.chunks(SIDES) {
-                self.step(pencil, factor, chosen, &mut rooms);
+                self.step(pencil, chosen, &mut solve, &mut room);
             }
             solves += poor.len();
         }
@@ -154,18 +159,24 @@ impl Eigenpairs {
     }
 
     /// A step of inverse iteration for the modes `chosen`.
-    fn step(&mut self, pencil: Pencil<'_>, factor: &Factor<'_>, chosen: &[usize], rooms: &mut (Room, Rows)) {
+    fn step(
+        &mut self,
+        pencil: Pencil<'_>,
+        chosen: &[usize],
+        solve: &mut impl FnMut(&mut Mat<f64>),
+        room: &mut Room,
+    ) {
         let n = self.phi.nrows();
         let phi = Mat::from_fn(n, chosen.len(), |r, c| self.phi[(r, chosen[c])]);
         let mut x = Mat::zeros(n, chosen.len());
-        product_into(pencil.stiffness, phi.as_ref(), x.as_mut(), &mut rooms.0);
+        product_into(pencil.stiffness, phi.as_ref(), x.as_mut(), room);
         for (c, &i) in chosen.iter().enumerate() {
             let lambda = self.lambda[i];
             for (x, m_phi) in x.col_mut(c).iter_mut().zip(self.m_phi.col(i).iter()) {
                 *x -= lambda * m_phi;
             }
         }
-        factor.solve_within(x.as_mut(), &mut rooms.1);
+        solve(&mut x);
         x = phi - x;
         self.purge(pencil, &mut x, chosen);
         let refined = Self::new(pencil, x, self.edge, self.elastic());
@@ -259,15 +270,6 @@ impl Eigenpairs {
         let ratio = before / self.elastic();
         for (residual, _) in self.residuals.iter_mut().zip(&self.rigid).filter(|(_, rigid)| **rigid) {
             *residual *= ratio;
-        }
-    }
-
-    /// The same modes with their unknowns in another order, to which `reorder` takes columns.
-    pub(crate) fn reordered(self, reorder: impl Fn(MatRef<'_, f64>) -> Mat<f64>) -> Self {
-        Self {
-            phi: reorder(self.phi.as_ref()),
-            m_phi: reorder(self.m_phi.as_ref()),
-            ..self
         }
     }
 

@@ -264,4 +264,36 @@ mod tests {
         let singular = lower(&[&[0.0, 0.0, 0.0], &[0.0, 0.0, 0.0], &[0.0, 0.0, 0.0]]);
         assert!(symbolic.best(&singular, 0.0, Vec::new()).is_err());
     }
+
+    #[test]
+    fn supernodes_of_several_blocks_and_panels_of_every_height_solve() {
+        // A full matrix is one supernode.
+        for n in [5, 64, 65, 131, 134] {
+            let entry = |i: usize, j: usize| ((3 * i + 7 * j) as f64).cos() + if i == j { 3.0 * n as f64 } else { 0.0 };
+            let offsets = (0..=n).map(|j: usize| j * n - j * j.saturating_sub(1) / 2).collect();
+            let indices = (0..n).flat_map(|j| j..n).collect();
+            let values = (0..n).flat_map(|j| (j..n).map(move |i| entry(i, j))).collect();
+            let full = CscMatrix::try_from_csc_data(n, n, offsets, indices, values).unwrap();
+            let symbolic = Symbolic::new(&full).unwrap();
+            solves(&symbolic.indefinite(&full, 0.0, Vec::new()).unwrap(), &full);
+            solves(&symbolic.cholesky(&full, 0.0, Vec::new()).unwrap(), &full);
+        }
+    }
+
+    #[test]
+    fn rows_below_several_supernodes_take_panels_of_every_height() {
+        for shared in 1..9 {
+            let (part, n) = (70, 2 * 70 + shared);
+            let couples = |i: usize, j: usize| i >= 2 * part || i / part == j / part;
+            let column = |j: usize| (j..n).filter(move |&i| couples(i, j));
+            let mut offsets = vec![0];
+            (0..n).for_each(|j| offsets.push(offsets[j] + column(j).count()));
+            let indices: Vec<usize> = (0..n).flat_map(column).collect();
+            let value = |(i, j): (usize, usize)| ((i + 5 * j) as f64).sin() + if i == j { 3.0 * n as f64 } else { 0.0 };
+            let values = (0..n).flat_map(|j| column(j).map(move |i| (i, j))).map(value).collect();
+            let arrow = CscMatrix::try_from_csc_data(n, n, offsets, indices, values).unwrap();
+            let symbolic = Symbolic::new(&arrow).unwrap();
+            solves(&symbolic.indefinite(&arrow, 0.0, Vec::new()).unwrap(), &arrow);
+        }
+    }
 }

@@ -316,7 +316,7 @@ impl<'a> Basis<'a> {
 
     /// The Ritz vectors one application of the operator ahead, B y / theta = y + Q R s_last / theta, which costs none
     /// (Ericsson & Ruhe 1980, Math. Comp. 35, 1251-1268); lambda ascends as theta descends from -1.
-    fn improved(&self, ritz: &Ritz, count: usize) -> Mat<f64> {
+    fn improved(self, ritz: &Ritz, count: usize) -> Mat<f64> {
         let (m, b) = (self.size, self.block);
         let mut s = Mat::zeros(m + b, count);
         for i in 0..count {
@@ -327,9 +327,7 @@ impl<'a> Basis<'a> {
                 s[(m + k, i)] = last[k] / ritz.theta[from];
             }
         }
-        let mut y = Mat::zeros(self.m_q.nrows(), count);
-        self.v.add_product(0..m + b, y.as_mut(), 1.0, s.as_ref());
-        y
+        self.v.into_product(s.as_ref())
     }
 
     /// Keeps the lowest Ritz vectors and the next block (thick restart, Wu & Simon 2000).
