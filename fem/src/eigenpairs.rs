@@ -35,6 +35,8 @@ pub(crate) struct Eigenpairs {
     /// See [`crate::ModalBasis::residuals`].
     pub(crate) residuals: Vec<f64>,
     pub(crate) rigid: Vec<bool>,
+    /// Modes just above the edge, not wanted themselves.
+    pub(crate) above: Option<Box<Eigenpairs>>,
     /// Upper edge of lambda.
     edge: f64,
     /// The lowest lambda of an elastic mode of the body, as far as known: that of a rigid mode's residual.
@@ -114,6 +116,7 @@ impl Eigenpairs {
             m_phi,
             residuals: Vec::new(),
             rigid: balances.iter().map(|b| b.rigid).collect(),
+            above: None,
             edge,
             ceiling,
         };
@@ -123,14 +126,15 @@ impl Eigenpairs {
     }
 
     /// Takes modes whose residual r = K phi - lambda M phi is above half the limit through steps of inverse iteration with
-    /// (K - sigma M)^-1, by which `solve` multiplies, until none is or a step no longer halves the largest, and says how
-    /// many vectors it solved for.
+    /// (K - sigma M)^-1, by which `solve` multiplies, until none is or a step no longer halves any, and says how many
+    /// vectors it solved for.
     ///
     /// Rounding leaves components of high modes in the Lanczos basis, which K multiplies by their frequency squared; a
     /// solve divides them by it again. In the form phi - (K - sigma M)^-1 r the solve's own rounding is relative to r,
     /// not to phi. A component of mode j is multiplied by (lambda - sigma) / (lambda_j - sigma): with sigma at the edge
     /// that serves modes far above, with a small negative sigma all that are not in the basis, which the lowest modes
-    /// of a basis of several decades need.
+    /// of a basis of several decades need. Components of modes just above the edge, which the first would enlarge and
+    /// the second hardly reduces, are taken out as those of the basis are. What a step does not improve stays as it is.
     pub(crate) fn refine(
         &mut self,
         pencil: Pencil<'_>,
@@ -139,18 +143,21 @@ impl Eigenpairs {
     ) -> usize {
         let limit = settings.residual_limit / 2.0;
         let mut room = Room::default();
-        let (mut solves, mut last) = (0, f64::INFINITY);
+        let mut solves = 0;
         for _ in 0..REFINEMENTS {
             let poor: Vec<usize> = (0..self.lambda.len()).filter(|&i| self.residuals[i] > limit).collect();
-            let worst = self.worst();
-            if poor.is_empty() || worst > 0.5 * last {
-                break;
-            }
-            last = worst;
+            let before: Vec<f64> = poor.iter().map(|&i| self.residuals[i]).collect();
             for chosen in poor.chunks(SIDES) {
                 self.step(pencil, chosen, &mut solve, &mut room);
             }
             solves += poor.len();
+            if poor
+                .iter()
+                .zip(before)
+                .all(|(&i, before)| self.residuals[i] > 0.5 * before)
+            {
+                break;
+            }
         }
         if solves > 0 {
             self.orthogonalise(pencil);
@@ -159,13 +166,7 @@ impl Eigenpairs {
     }
 
     /// A step of inverse iteration for the modes `chosen`.
-    fn step(
-        &mut self,
-        pencil: Pencil<'_>,
-        chosen: &[usize],
-        solve: &mut impl FnMut(&mut Mat<f64>),
-        room: &mut Room,
-    ) {
+    fn step(&mut self, pencil: Pencil<'_>, chosen: &[usize], solve: &mut impl FnMut(&mut Mat<f64>), room: &mut Room) {
         let n = self.phi.nrows();
         let phi = Mat::from_fn(n, chosen.len(), |r, c| self.phi[(r, chosen[c])]);
         let mut x = Mat::zeros(n, chosen.len());
@@ -180,12 +181,14 @@ impl Eigenpairs {
         x = phi - x;
         self.purge(pencil, &mut x, chosen);
         let refined = Self::new(pencil, x, self.edge, self.elastic());
-        self.replace(chosen, &refined);
+        let better = |c: usize, i: usize| refined.residuals[c] < self.residuals[i];
+        let better: Vec<bool> = chosen.iter().enumerate().map(|(c, &i)| better(c, i)).collect();
+        self.replace(chosen, &refined, |c| better[c]);
     }
 
-    /// Puts other pairs in the place of those `chosen`.
-    fn replace(&mut self, chosen: &[usize], pairs: &Self) {
-        for (c, &i) in chosen.iter().enumerate() {
+    /// Puts other pairs in the place of those `chosen` where `accepted`.
+    fn replace(&mut self, chosen: &[usize], pairs: &Self, accepted: impl Fn(usize) -> bool) {
+        for (c, &i) in chosen.iter().enumerate().filter(|(c, _)| accepted(*c)) {
             self.lambda[i] = pairs.lambda[c];
             self.rigid[i] = pairs.rigid[c];
             self.residuals[i] = pairs.residuals[c];
@@ -222,31 +225,42 @@ impl Eigenpairs {
         let u = Mat::from_fn(u.nrows(), changed.len(), |i, c| u[(i, changed[c])]);
         add_product(phi.as_mut(), -1.0, self.phi.as_ref(), u.as_ref());
         let pairs = Self::new(pencil, phi, self.edge, self.elastic());
-        self.replace(&changed, &pairs);
+        self.replace(&changed, &pairs, |_| true);
     }
 
-    /// Takes out of X, whose columns approximate the modes `chosen`, what it holds of other modes of the basis.
+    /// Takes out of X, whose columns approximate the modes `chosen`, what it holds of other modes, those above included.
     ///
     /// Mode i holds phi_j^T (K - lambda_i M) x / (lambda_j - lambda_i) of mode j. Mere orthogonalisation would not do:
     /// a high mode's own trace of a low one, invisible in its residual, would be pushed into the low mode and there
     /// weigh lambda_j / lambda_i times as much. Near-degenerate modes, where the quotient says nothing, are made
     /// orthogonal.
     fn purge(&self, pencil: Pencil<'_>, x: &mut Mat<f64>, chosen: &[usize]) {
-        let by_k = transpose_product(self.phi.as_ref(), product(pencil.stiffness, x.as_ref()).as_ref());
-        let by_m = transpose_product(self.m_phi.as_ref(), x.as_ref());
-        let c = Mat::from_fn(self.lambda.len(), chosen.len(), |j, column| {
-            let i = chosen[column];
-            let (distance, m_j) = (self.lambda[j] - self.lambda[i], by_m[(j, column)]);
-            let near = distance.abs() < 1e-3 * self.lambda[j].abs().max(self.lambda[i].abs());
-            if i == j {
-                0.0
-            } else if near || (self.rigid[i] && self.rigid[j]) {
-                m_j
-            } else {
-                (by_k[(j, column)] - self.lambda[i] * m_j) / distance
-            }
-        });
-        add_product(x.as_mut(), -1.0, self.phi.as_ref(), c.as_ref());
+        let k_x = product(pencil.stiffness, x.as_ref());
+        let traces = |of: &Self| {
+            let by_k = transpose_product(of.phi.as_ref(), k_x.as_ref());
+            let by_m = transpose_product(of.m_phi.as_ref(), x.as_ref());
+            Mat::from_fn(of.lambda.len(), chosen.len(), |j, column| {
+                let i = chosen[column];
+                let (distance, m_j) = (of.lambda[j] - self.lambda[i], by_m[(j, column)]);
+                let near = distance.abs() < 1e-3 * of.lambda[j].abs().max(self.lambda[i].abs());
+                if std::ptr::eq(of, self) && i == j {
+                    0.0
+                } else if near || (self.rigid[i] && of.rigid[j]) {
+                    m_j
+                } else {
+                    (by_k[(j, column)] - self.lambda[i] * m_j) / distance
+                }
+            })
+        };
+        let above = self.above.as_deref();
+        let sets: Vec<_> = [Some(self), above]
+            .into_iter()
+            .flatten()
+            .map(|of| (of, traces(of)))
+            .collect();
+        for (of, c) in sets {
+            add_product(x.as_mut(), -1.0, of.phi.as_ref(), c.as_ref());
+        }
     }
 
     /// The largest residual, or NaN if one is.

@@ -26,6 +26,13 @@ const REFINABLE: f64 = 1e-3;
 /// Checks without improvement after which a basis counts as stagnant.
 const STAGNANT_CHECKS: usize = 2;
 
+/// Eigenvectors of a larger theta are handed out too: their lambda is at most a tenth above sigma. The operator multiplies
+/// rounding most along these, and the refinement has to know them to take it out.
+const ABOVE: f64 = 10.0;
+
+/// Largest relative residual |B y - theta y| / theta of such an eigenvector.
+const ABOVE_ERROR: f64 = 1e-7;
+
 /// Restarts before the iteration gives up.
 const RESTARTS: usize = 50;
 
@@ -43,8 +50,8 @@ pub(crate) struct Target {
 
 /// What was found.
 pub(crate) struct Pairs {
-    /// The eigenvectors of the negative eigenvalues, lambda ascending, one step of the power method ahead of the Ritz
-    /// vectors, not normalised.
+    /// The eigenvectors of the negative eigenvalues, lambda ascending, and behind them those just above sigma, see
+    /// [`ABOVE`]; one step of the power method ahead of the Ritz vectors, not normalised.
     pub(crate) vectors: Mat<f64>,
     /// Applications of the operator to a block.
     pub(crate) steps: usize,
@@ -278,7 +285,9 @@ impl<'a> Basis<'a> {
             for _ in 0..5 {
                 let before = norm(&column, &product(self.mass, column.as_ref()));
                 for _ in 0..2 {
-                    let c = self.v.transpose_product(0..self.size, product(self.mass, column.as_ref()).as_ref());
+                    let c = self
+                        .v
+                        .transpose_product(0..self.size, product(self.mass, column.as_ref()).as_ref());
                     self.v.add_product(0..self.size, column.as_mut(), -1.0, c.as_ref());
                     let c = transpose_product(q.as_ref(), product(self.mass, column.as_ref()).as_ref());
                     add_product(column.as_mut(), -1.0, q.as_ref(), c.as_ref());
@@ -318,9 +327,13 @@ impl<'a> Basis<'a> {
     /// (Ericsson & Ruhe 1980, Math. Comp. 35, 1251-1268); lambda ascends as theta descends from -1.
     fn improved(self, ritz: &Ritz, count: usize) -> Mat<f64> {
         let (m, b) = (self.size, self.block);
-        let mut s = Mat::zeros(m + b, count);
-        for i in 0..count {
-            let from = count - 1 - i;
+        let above = (0..ritz.theta.len())
+            .rev()
+            .take_while(|&i| ritz.theta[i] > ABOVE)
+            .filter(|&i| ritz.residual[i] < ABOVE_ERROR * ritz.theta[i]);
+        let chosen: Vec<usize> = (0..count).rev().chain(above).collect();
+        let mut s = Mat::zeros(m + b, chosen.len());
+        for (i, &from) in chosen.iter().enumerate() {
             s.col_mut(i).subrows_mut(0, m).copy_from(ritz.s.col(from));
             let last = &self.coupling * ritz.s.col(from).subrows(m - b, b);
             for k in 0..b {

@@ -206,7 +206,9 @@ impl<'a> Problem<'a> {
 
     fn refine(&self, sector: &Sector, pairs: &mut Eigenpairs, factor: &Factor<'_>) -> usize {
         let mut room = Rows::default();
-        pairs.refine(sector.pencil(self.system), self.settings, |x| sector.solve(factor, x, &mut room))
+        pairs.refine(sector.pencil(self.system), self.settings, |x| {
+            sector.solve(factor, x, &mut room)
+        })
     }
 
     fn sector_below<'s>(
@@ -230,15 +232,19 @@ impl<'a> Problem<'a> {
             } else {
                 vectors
             };
-            Solution {
-                pairs: Eigenpairs::new(sector.pencil(self.system), vectors, edge, edge),
-                count,
-                factor,
-            }
+            let part = |start: usize, count: usize| {
+                let vectors = vectors.subcols(start, count).to_owned();
+                Eigenpairs::new(sector.pencil(self.system), vectors, edge, edge)
+            };
+            let mut pairs = part(0, count);
+            let above = vectors.ncols() - count;
+            pairs.above = (above > 0).then(|| Box::new(part(count, above)));
+            Solution { pairs, count, factor }
         }))
     }
 
-    /// The eigenvectors of the `count` eigenvalues below the edge, ascending; none when the edge falls on a mode.
+    /// The eigenvectors of the `count` eigenvalues below the edge, ascending, and behind them those of some just above it;
+    /// none when the edge falls on a mode.
     fn find(
         &self,
         sector: &Sector,

@@ -115,10 +115,7 @@ pub(crate) fn reordered(a: &CscMatrix<f64>, place: impl Fn(usize) -> usize) -> R
 }
 
 /// What comes with each of `n` keys, in the order of the keys and for each as it comes.
-fn buckets<T: Copy + Default>(
-    n: usize,
-    entries: impl Iterator<Item = (usize, T)> + Clone,
-) -> (Vec<usize>, Vec<T>) {
+fn buckets<T: Copy + Default>(n: usize, entries: impl Iterator<Item = (usize, T)> + Clone) -> (Vec<usize>, Vec<T>) {
     let mut offsets = vec![0; n + 1];
     entries.clone().for_each(|(key, _)| offsets[key + 1] += 1);
     for key in 0..n {

@@ -1,6 +1,5 @@
 //! Support forces at the end of a step.
 
-
 use super::error::TransientError;
 use super::kernels::{Arch, Columns, Lane, combine, lanes, pivot};
 use super::model::{Support, SupportLaw};
