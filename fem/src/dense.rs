@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use crate::FemError;
 
 /// Rows of a piece; the split depends on the matrix alone.
-const ROWS: usize = 4096;
+pub(crate) const ROWS: usize = 4096;
 
 /// V^T W.
 pub(crate) fn transpose_product(v: MatRef<'_, f64>, w: MatRef<'_, f64>) -> Mat<f64> {

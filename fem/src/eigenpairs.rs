@@ -1,18 +1,24 @@
 //! Eigenpairs with their residuals, and the refinement that brings these below a limit.
 
-use faer::{Mat, MatRef};
+use faer::{ColRef, Mat, MatRef};
 use nalgebra_sparse::CscMatrix;
 
 use crate::ModalSettings;
 use crate::dense::{add_product, transpose_product};
-use crate::factor::Factor;
-use crate::sparse::product;
+use crate::rows::SIDES;
+use crate::sparse::{Room, product, product_into};
 
 /// A mode is rigid when lambda is below this fraction of the edge: its frequency is then below 5e-5 of the top.
 pub(crate) const RIGID: f64 = 2.5e-9;
 
 /// The sums of K phi may cancel down to this fraction of their terms: what is left has eight digits more than rounding.
 const CANCELLED: f64 = 1e-6;
+
+/// Entries of Phi^T M Phi - I that count as rounding.
+const ORTHOGONAL: f64 = 1e-14;
+
+/// Steps of inverse iteration at most.
+const REFINEMENTS: usize = 4;
 
 /// The matrices of K phi = lambda M phi.
 #[derive(Clone, Copy)]
@@ -29,92 +35,166 @@ pub(crate) struct Eigenpairs {
     /// See [`crate::ModalBasis::residuals`].
     pub(crate) residuals: Vec<f64>,
     pub(crate) rigid: Vec<bool>,
+    /// Modes just above the edge, not wanted themselves.
+    pub(crate) above: Option<Box<Eigenpairs>>,
     /// Upper edge of lambda.
     edge: f64,
     /// The lowest lambda of an elastic mode of the body, as far as known: that of a rigid mode's residual.
     ceiling: f64,
 }
 
+/// What K phi and lambda M phi of a mass-normalised phi differ by.
+struct Balance {
+    lambda: f64,
+    rigid: bool,
+    /// |K phi - lambda M phi|^2, or |K phi|^2 of a rigid mode.
+    difference: f64,
+    /// |M phi|^2.
+    size: f64,
+    /// |`parts` phi|^2, see [`CANCELLED`].
+    parts: f64,
+}
+
+impl Balance {
+    /// Of the columns phi, K phi and M phi; below `rigid` |lambda| is that of a rigid mode.
+    fn new([phi, k_phi, m_phi]: [ColRef<'_, f64>; 3], parts: &[f64], rigid: f64) -> Self {
+        let lambda: f64 = phi.iter().zip(k_phi.iter()).map(|(x, y)| x * y).sum();
+        let rigid = lambda.abs() < rigid;
+        let value = if rigid { 0.0 } else { lambda };
+        let mut balance = Self {
+            lambda,
+            rigid,
+            difference: 0.0,
+            size: 0.0,
+            parts: 0.0,
+        };
+        let rows = k_phi.iter().zip(m_phi.iter()).zip(phi.iter().zip(parts));
+        for ((a, b), (x, part)) in rows {
+            balance.difference += (a - value * b).powi(2);
+            balance.size += b.powi(2);
+            balance.parts += (part * x).powi(2);
+        }
+        balance
+    }
+
+    /// See [`crate::ModalBasis::residuals`].
+    fn residual(&self, elastic: f64) -> f64 {
+        let scale = if self.rigid { elastic } else { self.lambda };
+        (self.difference / (scale.powi(2) * self.size).max(self.parts)).sqrt()
+    }
+}
+
 impl Eigenpairs {
     pub(crate) fn new(pencil: Pencil<'_>, mut phi: Mat<f64>, edge: f64, ceiling: f64) -> Self {
-        let mut m_phi = product(pencil.mass, phi.as_ref());
-        for i in 0..phi.ncols() {
+        let (n, count) = (phi.nrows(), phi.ncols());
+        let mut room = Room::default();
+        let mut m_phi = Mat::zeros(n, count);
+        product_into(pencil.mass, phi.as_ref(), m_phi.as_mut(), &mut room);
+        for i in 0..count {
             let scale = 1.0 / dot(phi.as_ref(), m_phi.as_ref(), i).sqrt();
             phi.col_mut(i).iter_mut().for_each(|x| *x *= scale);
             m_phi.col_mut(i).iter_mut().for_each(|x| *x *= scale);
         }
-        let k_phi = product(pencil.stiffness, phi.as_ref());
-        let lambda: Vec<f64> = (0..phi.ncols()).map(|i| dot(phi.as_ref(), k_phi.as_ref(), i)).collect();
-        let rigid: Vec<bool> = lambda.iter().map(|l| l.abs() < RIGID * edge).collect();
+        // The diagonal opens each column of the lower triangle.
+        let diagonal = |row: usize| pencil.stiffness.values()[pencil.stiffness.col_offsets()[row]];
+        let parts: Vec<f64> = (0..n).map(|row| CANCELLED * diagonal(row)).collect();
+        let mut balances = Vec::with_capacity(count);
+        // K Phi is needed in passing only: it has room for one block.
+        let mut k_phi = Mat::zeros(n, SIDES.min(count));
+        for start in (0..count).step_by(SIDES) {
+            let width = SIDES.min(count - start);
+            let block = phi.subcols(start, width);
+            product_into(pencil.stiffness, block, k_phi.subcols_mut(0, width), &mut room);
+            for c in 0..width {
+                let columns = [phi.col(start + c), k_phi.col(c), m_phi.col(start + c)];
+                balances.push(Balance::new(columns, &parts, RIGID * edge));
+            }
+        }
         let mut pairs = Self {
-            lambda,
+            lambda: balances.iter().map(|b| b.lambda).collect(),
             phi,
             m_phi,
             residuals: Vec::new(),
-            rigid,
+            rigid: balances.iter().map(|b| b.rigid).collect(),
+            above: None,
             edge,
             ceiling,
         };
         let elastic = pairs.elastic();
-        pairs.residuals = (0..pairs.lambda.len())
-            .map(|i| {
-                let lambda = pairs.lambda[i];
-                let (value, scale) = if pairs.rigid[i] {
-                    (0.0, elastic)
-                } else {
-                    (lambda, lambda)
-                };
-                let (mut difference, mut size, mut parts) = (0.0, 0.0, 0.0);
-                for (row, (a, b)) in k_phi.col(i).iter().zip(pairs.m_phi.col(i).iter()).enumerate() {
-                    difference += (a - value * b).powi(2);
-                    size += (scale * b).powi(2);
-                    // The diagonal opens each column of the lower triangle.
-                    let diagonal = pencil.stiffness.values()[pencil.stiffness.col_offsets()[row]];
-                    parts += (CANCELLED * diagonal * pairs.phi[(row, i)]).powi(2);
-                }
-                (difference / size.max(parts)).sqrt()
-            })
-            .collect();
+        pairs.residuals = balances.iter().map(|b| b.residual(elastic)).collect();
         pairs
     }
 
-    /// Takes modes whose residual r = K phi - lambda M phi is above half the limit through one step of inverse iteration with
-    /// the factor of K - sigma M, and says how many.
+    /// Takes modes whose residual r = K phi - lambda M phi is above half the limit through steps of inverse iteration with
+    /// (K - sigma M)^-1, by which `solve` multiplies, until none is or a step no longer halves any, and says how many
+    /// vectors it solved for.
     ///
     /// Rounding leaves components of high modes in the Lanczos basis, which K multiplies by their frequency squared; a
     /// solve divides them by it again. In the form phi - (K - sigma M)^-1 r the solve's own rounding is relative to r,
     /// not to phi. A component of mode j is multiplied by (lambda - sigma) / (lambda_j - sigma): with sigma at the edge
     /// that serves modes far above, with a small negative sigma all that are not in the basis, which the lowest modes
-    /// of a basis of several decades need.
-    pub(crate) fn refine(&mut self, pencil: Pencil<'_>, factor: &Factor<'_>, settings: &ModalSettings) -> usize {
+    /// of a basis of several decades need. Components of modes just above the edge, which the first would enlarge and
+    /// the second hardly reduces, are taken out as those of the basis are. What a step does not improve stays as it is.
+    pub(crate) fn refine(
+        &mut self,
+        pencil: Pencil<'_>,
+        settings: &ModalSettings,
+        mut solve: impl FnMut(&mut Mat<f64>),
+    ) -> usize {
         let limit = settings.residual_limit / 2.0;
-        let poor: Vec<usize> = (0..self.lambda.len()).filter(|&i| self.residuals[i] > limit).collect();
-        for chosen in poor.chunks(settings.block.max(1)) {
-            let rows = self.phi.nrows();
-            let phi = Mat::from_fn(rows, chosen.len(), |r, c| self.phi[(r, chosen[c])]);
-            let mut x = product(pencil.stiffness, phi.as_ref());
-            for (c, &i) in chosen.iter().enumerate() {
-                let lambda = self.lambda[i];
-                for (x, m_phi) in x.col_mut(c).iter_mut().zip(self.m_phi.col(i).iter()) {
-                    *x -= lambda * m_phi;
-                }
+        let mut room = Room::default();
+        let mut solves = 0;
+        for _ in 0..REFINEMENTS {
+            let poor: Vec<usize> = (0..self.lambda.len()).filter(|&i| self.residuals[i] > limit).collect();
+            let before: Vec<f64> = poor.iter().map(|&i| self.residuals[i]).collect();
+            for chosen in poor.chunks(SIDES) {
+                self.step(pencil, chosen, &mut solve, &mut room);
             }
-            factor.solve(x.as_mut());
-            x = phi - x;
-            self.purge(pencil, &mut x, chosen);
-            let refined = Self::new(pencil, x, self.edge, self.elastic());
-            for (c, &i) in chosen.iter().enumerate() {
-                self.lambda[i] = refined.lambda[c];
-                self.rigid[i] = refined.rigid[c];
-                self.residuals[i] = refined.residuals[c];
-                self.phi.col_mut(i).copy_from(refined.phi.col(c));
-                self.m_phi.col_mut(i).copy_from(refined.m_phi.col(c));
+            solves += poor.len();
+            if poor
+                .iter()
+                .zip(before)
+                .all(|(&i, before)| self.residuals[i] > 0.5 * before)
+            {
+                break;
             }
         }
-        if !poor.is_empty() {
+        if solves > 0 {
             self.orthogonalise(pencil);
         }
-        poor.len()
+        solves
+    }
+
+    /// A step of inverse iteration for the modes `chosen`.
+    fn step(&mut self, pencil: Pencil<'_>, chosen: &[usize], solve: &mut impl FnMut(&mut Mat<f64>), room: &mut Room) {
+        let n = self.phi.nrows();
+        let phi = Mat::from_fn(n, chosen.len(), |r, c| self.phi[(r, chosen[c])]);
+        let mut x = Mat::zeros(n, chosen.len());
+        product_into(pencil.stiffness, phi.as_ref(), x.as_mut(), room);
+        for (c, &i) in chosen.iter().enumerate() {
+            let lambda = self.lambda[i];
+            for (x, m_phi) in x.col_mut(c).iter_mut().zip(self.m_phi.col(i).iter()) {
+                *x -= lambda * m_phi;
+            }
+        }
+        solve(&mut x);
+        x = phi - x;
+        self.purge(pencil, &mut x, chosen);
+        let refined = Self::new(pencil, x, self.edge, self.elastic());
+        let better = |c: usize, i: usize| refined.residuals[c] < self.residuals[i];
+        let better: Vec<bool> = chosen.iter().enumerate().map(|(c, &i)| better(c, i)).collect();
+        self.replace(chosen, &refined, |c| better[c]);
+    }
+
+    /// Puts other pairs in the place of those `chosen` where `accepted`.
+    fn replace(&mut self, chosen: &[usize], pairs: &Self, accepted: impl Fn(usize) -> bool) {
+        for (c, &i) in chosen.iter().enumerate().filter(|(c, _)| accepted(*c)) {
+            self.lambda[i] = pairs.lambda[c];
+            self.rigid[i] = pairs.rigid[c];
+            self.residuals[i] = pairs.residuals[c];
+            self.phi.col_mut(i).copy_from(pairs.phi.col(c));
+            self.m_phi.col_mut(i).copy_from(pairs.m_phi.col(c));
+        }
     }
 
     /// Makes modes that were refined one by one orthogonal again: with Phi^T M Phi = I + E, E some 1e-8,
@@ -137,33 +217,50 @@ impl Eigenpairs {
                 0.0
             }
         });
-        let mut phi = self.phi.clone();
+        // Modes that are orthogonal to rounding stay as they are.
+        let changed: Vec<usize> = (0..u.ncols())
+            .filter(|&j| u.col(j).iter().any(|u| u.is_nan() || u.abs() > ORTHOGONAL))
+            .collect();
+        let mut phi = Mat::from_fn(self.phi.nrows(), changed.len(), |r, c| self.phi[(r, changed[c])]);
+        let u = Mat::from_fn(u.nrows(), changed.len(), |i, c| u[(i, changed[c])]);
         add_product(phi.as_mut(), -1.0, self.phi.as_ref(), u.as_ref());
-        *self = Self::new(pencil, phi, self.edge, self.ceiling);
+        let pairs = Self::new(pencil, phi, self.edge, self.elastic());
+        self.replace(&changed, &pairs, |_| true);
     }
 
-    /// Takes out of X, whose columns approximate the modes `chosen`, what it holds of other modes of the basis.
+    /// Takes out of X, whose columns approximate the modes `chosen`, what it holds of other modes, those above included.
     ///
     /// Mode i holds phi_j^T (K - lambda_i M) x / (lambda_j - lambda_i) of mode j. Mere orthogonalisation would not do:
     /// a high mode's own trace of a low one, invisible in its residual, would be pushed into the low mode and there
     /// weigh lambda_j / lambda_i times as much. Near-degenerate modes, where the quotient says nothing, are made
     /// orthogonal.
     fn purge(&self, pencil: Pencil<'_>, x: &mut Mat<f64>, chosen: &[usize]) {
-        let by_k = transpose_product(self.phi.as_ref(), product(pencil.stiffness, x.as_ref()).as_ref());
-        let by_m = transpose_product(self.m_phi.as_ref(), x.as_ref());
-        let c = Mat::from_fn(self.lambda.len(), chosen.len(), |j, column| {
-            let i = chosen[column];
-            let (distance, m_j) = (self.lambda[j] - self.lambda[i], by_m[(j, column)]);
-            let near = distance.abs() < 1e-3 * self.lambda[j].abs().max(self.lambda[i].abs());
-            if i == j {
-                0.0
-            } else if near || (self.rigid[i] && self.rigid[j]) {
-                m_j
-            } else {
-                (by_k[(j, column)] - self.lambda[i] * m_j) / distance
-            }
-        });
-        add_product(x.as_mut(), -1.0, self.phi.as_ref(), c.as_ref());
+        let k_x = product(pencil.stiffness, x.as_ref());
+        let traces = |of: &Self| {
+            let by_k = transpose_product(of.phi.as_ref(), k_x.as_ref());
+            let by_m = transpose_product(of.m_phi.as_ref(), x.as_ref());
+            Mat::from_fn(of.lambda.len(), chosen.len(), |j, column| {
+                let i = chosen[column];
+                let (distance, m_j) = (of.lambda[j] - self.lambda[i], by_m[(j, column)]);
+                let near = distance.abs() < 1e-3 * of.lambda[j].abs().max(self.lambda[i].abs());
+                if std::ptr::eq(of, self) && i == j {
+                    0.0
+                } else if near || (self.rigid[i] && of.rigid[j]) {
+                    m_j
+                } else {
+                    (by_k[(j, column)] - self.lambda[i] * m_j) / distance
+                }
+            })
+        };
+        let above = self.above.as_deref();
+        let sets: Vec<_> = [Some(self), above]
+            .into_iter()
+            .flatten()
+            .map(|of| (of, traces(of)))
+            .collect();
+        for (of, c) in sets {
+            add_product(x.as_mut(), -1.0, of.phi.as_ref(), c.as_ref());
+        }
     }
 
     /// The largest residual, or NaN if one is.

@@ -16,6 +16,7 @@ use faer::{Mat, MatMut, Par};
 use nalgebra_sparse::CscMatrix;
 
 use crate::random::Random;
+use crate::rows::Rows;
 use crate::sparse::product;
 use crate::{FemError, panels};
 
@@ -86,8 +87,7 @@ impl Symbolic {
     pub(crate) fn cholesky(&self, a: &CscMatrix<f64>, shift: f64, values: Vec<f64>) -> Result<Factor<'_>, FemError> {
         let request = factorize_supernodal_numeric_llt_scratch::<usize, f64>(&self.supernodal, PAR, Default::default());
         let mut memory = buffer(request, a.nrows())?;
-        let mut values = values;
-        values.resize(self.values(), 0.0);
+        let mut values = self.storage(values);
         factorize_supernodal_numeric_llt(
             &mut values,
             view(a),
@@ -106,8 +106,7 @@ impl Symbolic {
         let request =
             factorize_supernodal_numeric_ldlt_scratch::<usize, f64>(&self.supernodal, PAR, Default::default());
         let mut memory = buffer(request, a.nrows())?;
-        let mut values = values;
-        values.resize(self.values(), 0.0);
+        let mut values = self.storage(values);
         factorize_supernodal_numeric_ldlt(
             &mut values,
             view(a),
@@ -119,6 +118,14 @@ impl Symbolic {
         )
         .map_err(|LdltError::ZeroPivot { index }| FemError::Pivot { shift, pivot: index })?;
         self.finish(a, shift, values, true)
+    }
+
+    /// Room for the values; pages that the system hands out as zeros are not written before the factor is.
+    fn storage(&self, values: Vec<f64>) -> Vec<f64> {
+        if values.len() == self.values() {
+            return values;
+        }
+        vec![0.0; self.values()]
     }
 
     /// Lays the factor out for the solves and probes it.
@@ -151,8 +158,13 @@ enum Kind {
 impl Factor<'_> {
     /// Overwrites x by A^-1 x.
     pub(crate) fn solve(&self, x: MatMut<'_, f64>) {
+        self.solve_within(x, &mut Rows::default());
+    }
+
+    /// The same with room kept for the next solve.
+    pub(crate) fn solve_within(&self, x: MatMut<'_, f64>, room: &mut Rows) {
         match &self.kind {
-            Kind::Symmetric { values, diagonal } => panels::solve(&self.symbolic.supernodal, values, diagonal, x),
+            Kind::Symmetric { values, diagonal } => panels::solve(&self.symbolic.supernodal, values, diagonal, x, room),
             Kind::Pivoted(lu) => lu.solve_in_place(x),
         }
     }
@@ -251,5 +263,37 @@ mod tests {
         solves(&factor, &saddle);
         let singular = lower(&[&[0.0, 0.0, 0.0], &[0.0, 0.0, 0.0], &[0.0, 0.0, 0.0]]);
         assert!(symbolic.best(&singular, 0.0, Vec::new()).is_err());
+    }
+
+    #[test]
+    fn supernodes_of_several_blocks_and_panels_of_every_height_solve() {
+        // A full matrix is one supernode.
+        for n in [5, 64, 65, 131, 134] {
+            let entry = |i: usize, j: usize| ((3 * i + 7 * j) as f64).cos() + if i == j { 3.0 * n as f64 } else { 0.0 };
+            let offsets = (0..=n).map(|j: usize| j * n - j * j.saturating_sub(1) / 2).collect();
+            let indices = (0..n).flat_map(|j| j..n).collect();
+            let values = (0..n).flat_map(|j| (j..n).map(move |i| entry(i, j))).collect();
+            let full = CscMatrix::try_from_csc_data(n, n, offsets, indices, values).unwrap();
+            let symbolic = Symbolic::new(&full).unwrap();
+            solves(&symbolic.indefinite(&full, 0.0, Vec::new()).unwrap(), &full);
+            solves(&symbolic.cholesky(&full, 0.0, Vec::new()).unwrap(), &full);
+        }
+    }
+
+    #[test]
+    fn rows_below_several_supernodes_take_panels_of_every_height() {
+        for shared in 1..9 {
+            let (part, n) = (70, 2 * 70 + shared);
+            let couples = |i: usize, j: usize| i >= 2 * part || i / part == j / part;
+            let column = |j: usize| (j..n).filter(move |&i| couples(i, j));
+            let mut offsets = vec![0];
+            (0..n).for_each(|j| offsets.push(offsets[j] + column(j).count()));
+            let indices: Vec<usize> = (0..n).flat_map(column).collect();
+            let value = |(i, j): (usize, usize)| ((i + 5 * j) as f64).sin() + if i == j { 3.0 * n as f64 } else { 0.0 };
+            let values = (0..n).flat_map(|j| column(j).map(move |i| (i, j))).map(value).collect();
+            let arrow = CscMatrix::try_from_csc_data(n, n, offsets, indices, values).unwrap();
+            let symbolic = Symbolic::new(&arrow).unwrap();
+            solves(&symbolic.indefinite(&arrow, 0.0, Vec::new()).unwrap(), &arrow);
+        }
     }
 }

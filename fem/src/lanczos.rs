@@ -6,14 +6,16 @@
 //! rounding, so there are no ghosts, and by Cauchy interlacing no more Ritz values than eigenvalues are negative: when
 //! as many have converged, none is missing (Grimes, Lewis & Simon 1994, SIAM J. Matrix Anal. Appl. 15, 228-272).
 
-use faer::Mat;
+use faer::prelude::ReborrowMut;
+use faer::{Mat, MatMut, MatRef};
 use nalgebra_sparse::CscMatrix;
 
 use crate::FemError;
+use crate::columns::Columns;
 use crate::dense::{add_product, cholesky_qr, negative_pivots, symmetric_eigen, transpose_product};
 use crate::eigenpairs::RIGID;
 use crate::random::Random;
-use crate::sparse::product;
+use crate::sparse::{Room, product, product_into};
 
 /// Least relative distance in lambda between sigma and any eigenvalue.
 const GAP: f64 = 1e-5;
@@ -23,6 +25,13 @@ const REFINABLE: f64 = 1e-3;
 
 /// Checks without improvement after which a basis counts as stagnant.
 const STAGNANT_CHECKS: usize = 2;
+
+/// Eigenvectors of a larger theta are handed out too: their lambda is at most a tenth above sigma. The operator multiplies
+/// rounding most along these, and the refinement has to know them to take it out.
+const ABOVE: f64 = 10.0;
+
+/// Largest relative residual |B y - theta y| / theta of such an eigenvector.
+const ABOVE_ERROR: f64 = 1e-7;
 
 /// Restarts before the iteration gives up.
 const RESTARTS: usize = 50;
@@ -41,8 +50,8 @@ pub(crate) struct Target {
 
 /// What was found.
 pub(crate) struct Pairs {
-    /// The eigenvectors of the negative eigenvalues, lambda ascending, one step of the power method ahead of the Ritz
-    /// vectors, not normalised.
+    /// The eigenvectors of the negative eigenvalues, lambda ascending, and behind them those just above sigma, see
+    /// [`ABOVE`]; one step of the power method ahead of the Ritz vectors, not normalised.
     pub(crate) vectors: Mat<f64>,
     /// Applications of the operator to a block.
     pub(crate) steps: usize,
@@ -54,7 +63,7 @@ pub(crate) struct Pairs {
 struct Basis<'a> {
     mass: &'a CscMatrix<f64>,
     /// The accepted vectors and behind them Q.
-    v: Mat<f64>,
+    v: Columns,
     /// M Q.
     m_q: Mat<f64>,
     /// M times the last vectors accepted, those that the next application of B overlaps with by more than rounding.
@@ -68,6 +77,9 @@ struct Basis<'a> {
     /// R of the last step: B V = V T + Q R E^T with the last block's columns E of the identity.
     coupling: Mat<f64>,
     random: Random,
+    /// The next block while it is formed.
+    w: Mat<f64>,
+    room: Room,
 }
 
 /// Ritz pairs of the present basis.
@@ -79,26 +91,27 @@ struct Ritz {
     residual: Vec<f64>,
 }
 
-/// Finds the `target.count` negative eigenpairs; `apply` maps Z to sigma (K - sigma M)^-1 Z, and `progress` is called after
+/// Finds the `target.count` negative eigenpairs; `apply` overwrites Z by sigma (K - sigma M)^-1 Z, and `progress` is called after
 /// every step with the number of negative Ritz values. The order must exceed the count by five blocks at least. None when
 /// an eigenvalue lies so near sigma that others would lose their digits.
 pub(crate) fn lanczos(
     mass: &CscMatrix<f64>,
     target: &Target,
     mut progress: impl FnMut(usize),
-    mut apply: impl FnMut(&Mat<f64>) -> Result<Mat<f64>, FemError>,
+    mut apply: impl FnMut(MatMut<'_, f64>),
 ) -> Result<Option<Pairs>, FemError> {
     let n = mass.nrows();
     let block = target.block.clamp(1, n);
     let limit = target.max_vectors.max(target.count + 4 * block).min(n - block);
-    let mut basis = Basis::new(mass, block, (3 * target.count + 4 * block).min(limit + block))?;
+    let mut basis = Basis::new(mass, block)?;
     let (mut steps, mut restarts, mut next_check) = (0, 0, target.count + block);
     let mut last_worst = f64::INFINITY;
     let mut stagnant = 0;
     loop {
-        let w = apply(&basis.m_q)?;
+        basis.w.copy_from(&basis.m_q);
+        apply(basis.w.as_mut());
         steps += 1;
-        basis.extend(w)?;
+        basis.extend()?;
         let full = basis.size + block > limit;
         // The count of the band matrix costs little and shows whether the full check can succeed at all.
         let negative = negative_pivots(basis.t.as_ref(), basis.band);
@@ -178,7 +191,7 @@ impl Ritz {
 }
 
 impl<'a> Basis<'a> {
-    fn new(mass: &'a CscMatrix<f64>, block: usize, capacity: usize) -> Result<Self, FemError> {
+    fn new(mass: &'a CscMatrix<f64>, block: usize) -> Result<Self, FemError> {
         let n = mass.nrows();
         let mut random = Random::new(0x6e61_696c);
         let mut q = Mat::from_fn(n, block, |_, _| random.next());
@@ -189,8 +202,8 @@ impl<'a> Basis<'a> {
             vectors: 0,
         };
         cholesky_qr(&mut q, &mut m_q).ok_or(lost)?;
-        let mut v = Mat::zeros(n, capacity.max(2 * block));
-        v.subcols_mut(0, block).copy_from(&q);
+        let mut v = Columns::new(n);
+        v.put(0, q.as_ref());
         Ok(Self {
             mass,
             v,
@@ -202,32 +215,36 @@ impl<'a> Basis<'a> {
             band: 2 * block - 1,
             coupling: Mat::zeros(block, block),
             random,
+            w: q,
+            room: Room::default(),
         })
     }
 
     /// Accepts Q, given W = B Q, and forms the block after it.
-    fn extend(&mut self, mut w: Mat<f64>) -> Result<(), FemError> {
+    fn extend(&mut self) -> Result<(), FemError> {
         let (b, old) = (self.block, self.size);
         self.size += b;
         let mut t = Mat::zeros(self.size, self.size);
         t.submatrix_mut(0, 0, old, old).copy_from(&self.t);
+        let mut w = std::mem::replace(&mut self.w, Mat::new());
         // Twice is enough: W overlaps with the last blocks only, and a pass over the whole basis removes what rounding
         // left of it in every direction.
         let start = old - self.m_last.ncols();
-        for (start, m_v) in [(start, Some(&self.m_last)), (old, Some(&self.m_q)), (0, None)] {
-            let size = m_v.map_or(self.size - start, Mat::ncols);
-            let v = self.v.subcols(start, size);
-            let c = match m_v {
-                Some(m_v) => transpose_product(m_v.as_ref(), w.as_ref()),
-                None => transpose_product(v, product(self.mass, w.as_ref()).as_ref()),
-            };
-            add_product(w.as_mut(), -1.0, v, c.as_ref());
-            for j in 0..b {
-                for i in 0..size {
-                    t[(start + i, old + j)] += c[(i, j)];
-                }
-            }
+        let last = [(start..old, &self.m_last), (old..self.size, &self.m_q)];
+        for (range, m_v) in last {
+            let c = transpose_product(m_v.as_ref(), w.as_ref());
+            self.v.add_product(range.clone(), w.as_mut(), -1.0, c.as_ref());
+            accumulate(t.as_mut().submatrix_mut(range.start, old, range.len(), b), c.as_ref());
         }
+        // What M V of the block before last held is needed no more: M W takes its place.
+        let mut z = std::mem::replace(&mut self.m_last, Mat::new());
+        if z.ncols() != b {
+            z = Mat::zeros(w.nrows(), b);
+        }
+        product_into(self.mass, w.as_ref(), z.as_mut(), &mut self.room);
+        let c = self.v.transpose_product(0..self.size, z.as_ref());
+        self.v.add_product(0..self.size, w.as_mut(), -1.0, c.as_ref());
+        accumulate(t.as_mut().subcols_mut(old, b), c.as_ref());
         for j in old..self.size {
             for i in 0..=j {
                 let mean = if i < old {
@@ -240,16 +257,13 @@ impl<'a> Basis<'a> {
             }
         }
         self.t = t;
-        let mut z = product(self.mass, w.as_ref());
+        product_into(self.mass, w.as_ref(), z.as_mut(), &mut self.room);
         self.coupling = match cholesky_qr(&mut w, &mut z) {
             Some(r) => r,
             None => self.replace(&mut w, &mut z)?,
         };
-        if self.size + b > self.v.ncols() {
-            let (rows, columns) = (self.v.nrows(), (self.v.ncols() * 3 / 2).max(self.size + b));
-            self.v.resize_with(rows, columns, |_, _| 0.0);
-        }
-        self.v.subcols_mut(self.size, b).copy_from(&w);
+        self.v.put(self.size, w.as_ref());
+        self.w = w;
         self.m_last = std::mem::replace(&mut self.m_q, z);
         Ok(())
     }
@@ -271,10 +285,12 @@ impl<'a> Basis<'a> {
             for _ in 0..5 {
                 let before = norm(&column, &product(self.mass, column.as_ref()));
                 for _ in 0..2 {
-                    for basis in [self.v.subcols(0, self.size), q.as_ref()] {
-                        let c = transpose_product(basis, product(self.mass, column.as_ref()).as_ref());
-                        add_product(column.as_mut(), -1.0, basis, c.as_ref());
-                    }
+                    let c = self
+                        .v
+                        .transpose_product(0..self.size, product(self.mass, column.as_ref()).as_ref());
+                    self.v.add_product(0..self.size, column.as_mut(), -1.0, c.as_ref());
+                    let c = transpose_product(q.as_ref(), product(self.mass, column.as_ref()).as_ref());
+                    add_product(column.as_mut(), -1.0, q.as_ref(), c.as_ref());
                 }
                 let after = norm(&column, &product(self.mass, column.as_ref()));
                 if after > 1e-3 * before {
@@ -309,33 +325,44 @@ impl<'a> Basis<'a> {
 
     /// The Ritz vectors one application of the operator ahead, B y / theta = y + Q R s_last / theta, which costs none
     /// (Ericsson & Ruhe 1980, Math. Comp. 35, 1251-1268); lambda ascends as theta descends from -1.
-    fn improved(&self, ritz: &Ritz, count: usize) -> Mat<f64> {
+    fn improved(self, ritz: &Ritz, count: usize) -> Mat<f64> {
         let (m, b) = (self.size, self.block);
-        let mut s = Mat::zeros(m + b, count);
-        for i in 0..count {
-            let from = count - 1 - i;
+        let above = (0..ritz.theta.len())
+            .rev()
+            .take_while(|&i| ritz.theta[i] > ABOVE)
+            .filter(|&i| ritz.residual[i] < ABOVE_ERROR * ritz.theta[i]);
+        let chosen: Vec<usize> = (0..count).rev().chain(above).collect();
+        let mut s = Mat::zeros(m + b, chosen.len());
+        for (i, &from) in chosen.iter().enumerate() {
             s.col_mut(i).subrows_mut(0, m).copy_from(ritz.s.col(from));
             let last = &self.coupling * ritz.s.col(from).subrows(m - b, b);
             for k in 0..b {
                 s[(m + k, i)] = last[k] / ritz.theta[from];
             }
         }
-        let mut y = Mat::zeros(self.v.nrows(), count);
-        add_product(y.as_mut(), 1.0, self.v.subcols(0, m + b), s.as_ref());
-        y
+        self.v.into_product(s.as_ref())
     }
 
     /// Keeps the lowest Ritz vectors and the next block (thick restart, Wu & Simon 2000).
     fn restart(&mut self, ritz: &Ritz, keep: usize) {
         let (m, b) = (self.size, self.block);
-        let mut kept = Mat::zeros(self.v.nrows(), keep);
-        add_product(kept.as_mut(), 1.0, self.v.subcols(0, m), ritz.s.subcols(0, keep));
-        let next = self.v.subcols(m, b).to_owned();
-        self.v.subcols_mut(0, keep).copy_from(&kept);
-        self.v.subcols_mut(keep, b).copy_from(&next);
+        let mut kept = Mat::zeros(self.m_q.nrows(), keep);
+        self.v.add_product(0..m, kept.as_mut(), 1.0, ritz.s.subcols(0, keep));
+        let next = self.v.columns(m..m + b);
+        self.v.put(0, kept.as_ref());
+        self.v.put(keep, next.as_ref());
         self.size = keep;
         self.m_last = product(self.mass, kept.as_ref());
         self.band = self.band.max(keep + b);
         self.t = Mat::from_fn(keep, keep, |i, j| if i == j { ritz.theta[i] } else { 0.0 });
+    }
+}
+
+/// T += C.
+fn accumulate(mut t: MatMut<'_, f64>, c: MatRef<'_, f64>) {
+    for j in 0..c.ncols() {
+        for (t, c) in t.rb_mut().col_mut(j).iter_mut().zip(c.col(j).iter()) {
+            *t += c;
+        }
     }
 }

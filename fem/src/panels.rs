@@ -1,7 +1,8 @@
 //! Triangular solves with many right-hand sides.
 //!
-//! After the factorisation every supernode's columns are laid out anew, in blocks of at most [`WIDTH`] columns: the unit
-//! triangle by rows, then panels of [`HEIGHT`] rows in which the values of one column stand together. A solve then reads
+//! After the factorisation every supernode's columns are laid out anew, in blocks of at most [`WIDTH`] columns. The rows
+//! of a block, those of its own unit triangle first, are cut into panels of [`HEIGHT`] rows in which the values of one
+//! column stand together; what a panel of the triangle holds of its own columns follows it by rows. A solve then reads
 //! the factor front to back as a stream, and the right-hand sides, [`SIDES`] of them side by side in a row, are gathered
 //! and scattered by whole rows.
 
@@ -10,17 +11,13 @@ use faer::prelude::{Reborrow, ReborrowMut};
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use pulp::{Arch, Simd, WithSimd};
 
+use crate::rows::{Row, Rows, SIDES};
+
 /// Columns of a block.
-const WIDTH: usize = 32;
+const WIDTH: usize = 64;
 
-/// Rows of a panel.
-const HEIGHT: usize = 4;
-
-/// Right-hand sides solved at once.
-const SIDES: usize = 16;
-
-/// The right-hand sides' values of one unknown.
-type Row = [f64; SIDES];
+/// Rows of a panel: with a pair of vectors each they, an operand and a value of L fill sixteen registers.
+const HEIGHT: usize = 6;
 
 /// Lays the columns of every supernode out in place as described above and returns the diagonal; `unit` says whether the
 /// triangle's diagonal is that of L D L^T, else the columns of L L^T are divided by theirs and its square is returned.
@@ -48,8 +45,14 @@ pub(crate) fn pack(symbolic: &SymbolicSupernodalCholesky<usize>, values: &mut [f
         };
         for first in (0..n).step_by(WIDTH) {
             let last = (first + WIDTH).min(n);
-            for i in first..last {
-                (first..i).for_each(|k| put(i, k));
+            for panel in (first..last).step_by(HEIGHT) {
+                let panel_end = (panel + HEIGHT).min(last);
+                for k in first..panel {
+                    (panel..panel_end).for_each(|i| put(i, k));
+                }
+                for i in panel..panel_end {
+                    (panel..i).for_each(|k| put(i, k));
+                }
             }
             for panel in (last..rows).step_by(HEIGHT) {
                 let panel_end = (panel + HEIGHT).min(rows);
@@ -62,33 +65,24 @@ pub(crate) fn pack(symbolic: &SymbolicSupernodalCholesky<usize>, values: &mut [f
     diagonal
 }
 
-/// Overwrites X by (L D L^T)^-1 X.
+/// Overwrites X by (L D L^T)^-1 X; `room` is room to work.
 pub(crate) fn solve(
     symbolic: &SymbolicSupernodalCholesky<usize>,
     values: &[f64],
     diagonal: &[f64],
     mut x: MatMut<'_, f64>,
+    room: &mut Rows,
 ) {
-    let n = x.nrows();
-    let mut rows: Vec<Row> = vec![[0.0; SIDES]; n];
     for start in (0..x.ncols()).step_by(SIDES) {
         let width = SIDES.min(x.ncols() - start);
-        for c in 0..width {
-            for (row, value) in rows.iter_mut().zip(x.rb().col(start + c).iter()) {
-                row[c] = *value;
-            }
-        }
+        room.gather(x.rb().subcols(start, width));
         Arch::new().dispatch(Sweeps {
             symbolic,
             values,
             diagonal,
-            x: &mut rows,
+            x: room.as_mut_slice(),
         });
-        for c in 0..width {
-            for (value, row) in x.rb_mut().col_mut(start + c).iter_mut().zip(&rows) {
-                *value = row[c];
-            }
-        }
+        room.scatter(x.rb_mut().subcols_mut(start, width));
     }
 }
 
@@ -111,10 +105,7 @@ impl WithSimd for Sweeps<'_> {
             diagonal,
             x,
         } = self;
-        let mut x = Lanes {
-            simd,
-            vectors: S::as_mut_simd_f64s(x.as_flattened_mut()).0,
-        };
+        let mut x = Lanes { simd, rows: x };
         let count = symbolic.n_supernodes();
         for s in 0..count {
             let supernode = Supernode::new(symbolic, values, s);
@@ -126,10 +117,10 @@ impl WithSimd for Sweeps<'_> {
         }
         for (i, d) in diagonal.iter().enumerate() {
             let inverse = simd.splat_f64s(1.0 / d);
-            x.row(i).iter_mut().for_each(|v| *v = simd.mul_f64s(*v, inverse));
+            x.row_mut(i).iter_mut().for_each(|v| *v = simd.mul_f64s(*v, inverse));
         }
         let mut places = Vec::new();
-        let mut sums = [[0.0; SIDES]; WIDTH];
+        let mut sums = [Row::ZERO; WIDTH];
         for s in (0..count).rev() {
             let supernode = Supernode::new(symbolic, values, s);
             places.clear();
@@ -145,48 +136,125 @@ impl WithSimd for Sweeps<'_> {
     }
 }
 
-/// The rows of X as vectors of the machine. They are taken in pairs: those of [`HEIGHT`] rows and a pair of operands fill
-/// the registers.
+/// The rows of X as vectors of the machine, taken in pairs.
 struct Lanes<'a, S: Simd> {
     simd: S,
-    vectors: &'a mut [S::f64s],
+    rows: &'a mut [Row],
 }
 
 impl<S: Simd> Lanes<'_, S> {
-    /// Vectors in a row.
-    const ROW: usize = SIDES / S::F64_LANES;
+    /// Pairs of vectors in a row.
+    const PAIRS: usize = SIDES / S::F64_LANES / 2;
 
     #[inline(always)]
-    fn row(&mut self, i: usize) -> &mut [S::f64s] {
-        &mut self.vectors[i * Self::ROW..(i + 1) * Self::ROW]
-    }
-
-    /// x_to -= l x_from.
-    #[inline(always)]
-    fn subtract(&mut self, to: usize, l: f64, from: usize) {
-        let l = self.simd.splat_f64s(-l);
-        let (to, from) = (to * Self::ROW, from * Self::ROW);
-        for c in 0..Self::ROW {
-            self.vectors[to + c] = self
-                .simd
-                .mul_add_e_f64s(l, self.vectors[from + c], self.vectors[to + c]);
-        }
+    fn row_mut(&mut self, i: usize) -> &mut [S::f64s] {
+        self.rows[i].vectors_mut::<S>()
     }
 
     /// Pair `h` of row `i`.
     #[inline(always)]
     fn pair(&self, i: usize, h: usize) -> [S::f64s; 2] {
-        let at = i * Self::ROW + 2 * h;
-        [self.vectors[at], self.vectors[at + 1]]
+        self.rows[i].pair::<S>(h)
+    }
+
+    /// x_i -= sum for pair `h`.
+    #[inline(always)]
+    fn subtract(&mut self, i: usize, h: usize, sum: [S::f64s; 2]) {
+        let row = self.rows[i].vectors_mut::<S>();
+        for c in 0..2 {
+            row[2 * h + c] = self.simd.sub_f64s(row[2 * h + c], sum[c]);
+        }
     }
 
     /// sum + l x for a pair.
     #[inline(always)]
-    fn add(simd: S, sum: &mut [S::f64s], l: f64, x: [S::f64s; 2]) {
+    fn add(simd: S, sum: &mut [S::f64s; 2], l: f64, x: [S::f64s; 2]) {
         let l = simd.splat_f64s(l);
         sum[0] = simd.mul_add_e_f64s(l, x[0], sum[0]);
         sum[1] = simd.mul_add_e_f64s(l, x[1], sum[1]);
     }
+
+    /// x_t -= sum over the columns of L_tk x_k for the `H` rows t of a panel, whose columns begin at `start`.
+    #[inline(always)]
+    fn forward<const H: usize>(&mut self, panel: &[f64], start: usize, target: impl Fn(usize) -> usize) {
+        let simd = self.simd;
+        let from = start..start + panel.len() / H;
+        for h in 0..Self::PAIRS {
+            let mut sums = [[simd.splat_f64s(0.0); 2]; H];
+            for (l, x_k) in panel.chunks_exact(H).zip(&self.rows[from.clone()]) {
+                let x_k = x_k.pair::<S>(h);
+                for r in 0..H {
+                    Self::add(simd, &mut sums[r], l[r], x_k);
+                }
+            }
+            for (r, sum) in sums.into_iter().enumerate() {
+                self.subtract(target(r), h, sum);
+            }
+        }
+    }
+
+    /// sum_k += sum of L_tk x_t over the `H` rows t of a panel.
+    #[inline(always)]
+    fn backward<const H: usize>(&self, panel: &[f64], sums: &mut [Row], target: impl Fn(usize) -> usize) {
+        let simd = self.simd;
+        for h in 0..Self::PAIRS {
+            let mut from = [[simd.splat_f64s(0.0); 2]; H];
+            for (r, from) in from.iter_mut().enumerate() {
+                *from = self.pair(target(r), h);
+            }
+            for (l, sum) in panel.chunks_exact(H).zip(sums.iter_mut()) {
+                let mut kept = sum.pair::<S>(h);
+                for r in 0..H {
+                    Self::add(simd, &mut kept, l[r], from[r]);
+                }
+                sum.vectors_mut::<S>()[2 * h..2 * h + 2].copy_from_slice(&kept);
+            }
+        }
+    }
+
+    /// x_t -= sum of L_tk x_k over the rows of the triangle that begins at `start`, from above.
+    #[inline(always)]
+    fn forward_triangle(&mut self, triangle: &[f64], start: usize, height: usize) {
+        for h in 0..Self::PAIRS {
+            let mut entries = triangle.iter();
+            for i in 1..height {
+                let mut sum = [self.simd.splat_f64s(0.0); 2];
+                for (k, &l) in (0..i).zip(&mut entries) {
+                    Self::add(self.simd, &mut sum, l, self.pair(start + k, h));
+                }
+                self.subtract(start + i, h, sum);
+            }
+        }
+    }
+
+    /// x_k -= sum of L_tk x_t over the rows of the triangle that begins at `start`, from below.
+    #[inline(always)]
+    fn backward_triangle(&mut self, triangle: &[f64], start: usize, height: usize) {
+        for h in 0..Self::PAIRS {
+            for k in (0..height.saturating_sub(1)).rev() {
+                let mut sum = [self.simd.splat_f64s(0.0); 2];
+                for i in k + 1..height {
+                    let l = triangle[i * (i - 1) / 2 + k];
+                    Self::add(self.simd, &mut sum, l, self.pair(start + i, h));
+                }
+                self.subtract(start + k, h, sum);
+            }
+        }
+    }
+}
+
+/// Calls a method for a panel of `$height` rows, at most [`HEIGHT`], with their number known to the compiler.
+macro_rules! of_height {
+    ($height:expr, $x:ident.$method:ident($($argument:expr),*)) => {
+        match $height {
+            1 => $x.$method::<1>($($argument),*),
+            2 => $x.$method::<2>($($argument),*),
+            3 => $x.$method::<3>($($argument),*),
+            4 => $x.$method::<4>($($argument),*),
+            5 => $x.$method::<5>($($argument),*),
+            _ => $x.$method::<HEIGHT>($($argument),*),
+        }
+    };
 }
 
 struct Supernode<'a> {
@@ -201,7 +269,7 @@ struct Block<'a> {
     /// First column.
     start: usize,
     columns: usize,
-    /// Strict lower triangle, by rows.
+    /// Strict lower triangle, in panels.
     triangle: &'a [f64],
     /// Panels of the rows below, first those of the supernode's own later columns, then those of its pattern.
     panels: &'a [f64],
@@ -251,89 +319,59 @@ impl Block<'_> {
         }
     }
 
-    /// Whole panels and the rows left over.
+    /// The panels of the rows below, each with its first row.
     #[inline(always)]
-    fn split(&self) -> (usize, usize) {
-        let below = self.own + self.pattern.len();
-        (below / HEIGHT, below % HEIGHT)
+    fn panels(&self) -> impl Iterator<Item = (usize, &[f64])> {
+        let panels = self.panels.chunks(HEIGHT * self.columns);
+        panels.enumerate().map(|(p, panel)| (HEIGHT * p, panel))
+    }
+
+    /// The rows `top..top + height` of the triangle: their panel and their own triangle.
+    #[inline(always)]
+    fn own_panel(&self, top: usize, height: usize) -> (&[f64], &[f64]) {
+        let start = top * top.saturating_sub(1) / 2;
+        let end = (top + height) * (top + height - 1) / 2;
+        self.triangle[start..end].split_at(top * height)
     }
 
     /// x_k = b_k - sum of L_ki x_i within the triangle, then x -= L x_k below it.
     #[inline(always)]
     fn forward<S: Simd>(&self, x: &mut Lanes<'_, S>) {
-        let simd = x.simd;
-        let mut entries = self.triangle.iter();
-        for i in 1..self.columns {
-            for (k, &l) in (0..i).zip(&mut entries) {
-                x.subtract(self.start + i, l, self.start + k);
-            }
+        for top in (0..self.columns).step_by(HEIGHT) {
+            let (start, height) = (self.start + top, HEIGHT.min(self.columns - top));
+            let (panel, triangle) = self.own_panel(top, height);
+            of_height!(height, x.forward(panel, self.start, |r| start + r));
+            x.forward_triangle(triangle, start, height);
         }
-        let (whole, height) = self.split();
-        let (panels, rest) = self.panels.split_at(whole * HEIGHT * self.columns);
-        for (p, panel) in panels.chunks_exact(HEIGHT * self.columns).enumerate() {
-            for h in 0..Lanes::<S>::ROW / 2 {
-                let mut sums = [[simd.splat_f64s(0.0); 2]; HEIGHT];
-                for (k, l) in panel.chunks_exact(HEIGHT).enumerate() {
-                    let x_k = x.pair(self.start + k, h);
-                    for r in 0..HEIGHT {
-                        Lanes::add(simd, &mut sums[r], l[r], x_k);
-                    }
-                }
-                for (r, sum) in sums.iter().enumerate() {
-                    let row = x.row(self.target(HEIGHT * p + r));
-                    for c in 0..2 {
-                        row[2 * h + c] = simd.sub_f64s(row[2 * h + c], sum[c]);
-                    }
-                }
-            }
-        }
-        for (k, column) in rest.chunks_exact(height.max(1)).enumerate() {
-            for (r, &l) in column.iter().enumerate() {
-                x.subtract(self.target(HEIGHT * whole + r), l, self.start + k);
-            }
+        for (top, panel) in self.panels() {
+            of_height!(
+                panel.len() / self.columns,
+                x.forward(panel, self.start, |r| self.target(top + r))
+            );
         }
     }
 
     /// x_k -= sum of L_ik x_i over the rows below, then within the triangle from its last row up; `sums` is room to work.
     #[inline(always)]
     fn backward<S: Simd>(&self, x: &mut Lanes<'_, S>, sums: &mut [Row; WIDTH]) {
-        let simd = x.simd;
         let sums = &mut sums[..self.columns];
-        sums.fill([0.0; SIDES]);
-        let sums = S::as_mut_simd_f64s(sums.as_flattened_mut()).0;
-        let (whole, height) = self.split();
-        let (panels, rest) = self.panels.split_at(whole * HEIGHT * self.columns);
-        for (p, panel) in panels.chunks_exact(HEIGHT * self.columns).enumerate() {
-            for h in 0..Lanes::<S>::ROW / 2 {
-                let from: [_; HEIGHT] = std::array::from_fn(|r| x.pair(self.target(HEIGHT * p + r), h));
-                for (l, sum) in panel.chunks_exact(HEIGHT).zip(sums.chunks_exact_mut(Lanes::<S>::ROW)) {
-                    let sum = &mut sum[2 * h..2 * h + 2];
-                    for r in 0..HEIGHT {
-                        Lanes::add(simd, sum, l[r], from[r]);
-                    }
+        sums.fill(Row::ZERO);
+        for (top, panel) in self.panels() {
+            of_height!(
+                panel.len() / self.columns,
+                x.backward(panel, sums, |r| self.target(top + r))
+            );
+        }
+        for top in (0..self.columns).step_by(HEIGHT).rev() {
+            let (start, height) = (self.start + top, HEIGHT.min(self.columns - top));
+            let (panel, triangle) = self.own_panel(top, height);
+            for (r, sum) in sums[top..top + height].iter().enumerate() {
+                for h in 0..Lanes::<S>::PAIRS {
+                    x.subtract(start + r, h, sum.pair::<S>(h));
                 }
             }
-        }
-        for (column, sum) in rest
-            .chunks_exact(height.max(1))
-            .zip(sums.chunks_exact_mut(Lanes::<S>::ROW))
-        {
-            for (r, &l) in column.iter().enumerate() {
-                for (h, sum) in sum.chunks_exact_mut(2).enumerate() {
-                    Lanes::add(simd, sum, l, x.pair(self.target(HEIGHT * whole + r), h));
-                }
-            }
-        }
-        for (k, sum) in sums.chunks_exact(Lanes::<S>::ROW).enumerate() {
-            for (v, sum) in x.row(self.start + k).iter_mut().zip(sum) {
-                *v = simd.sub_f64s(*v, *sum);
-            }
-        }
-        for i in (1..self.columns).rev() {
-            let row = &self.triangle[i * (i - 1) / 2..i * (i + 1) / 2];
-            for (k, &l) in row.iter().enumerate() {
-                x.subtract(self.start + k, l, self.start + i);
-            }
+            x.backward_triangle(triangle, start, height);
+            of_height!(height, x.backward(panel, sums, |r| start + r));
         }
     }
 }

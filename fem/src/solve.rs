@@ -3,15 +3,18 @@
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use faer::prelude::ReborrowMut;
 use faer::{Mat, MatRef, Scale};
 use nalgebra::DMatrix;
+use nalgebra_sparse::CscMatrix;
 use rayon::prelude::*;
 
 use crate::dense::{add_product, symmetric_eigen, transpose_product};
 use crate::eigenpairs::{Eigenpairs, Pencil, dot};
 use crate::factor::{Factor, Symbolic};
 use crate::lanczos::{Target, lanczos};
-use crate::sparse::{product, shifted};
+use crate::rows::Rows;
+use crate::sparse::product;
 use crate::symmetry::{Sector, sectors, whole};
 use crate::{FemError, ModalBasis, ModalSettings, ModalWork, Sturm, System};
 
@@ -102,7 +105,9 @@ impl<'a> Problem<'a> {
         loads: Option<&'a Mat<f64>>,
         progress: &'a Progress<'a>,
     ) -> Result<Self, FemError> {
-        let symbolic = sectors.par_iter().map(|sector| Symbolic::new(&sector.stiffness));
+        let symbolic = sectors
+            .par_iter()
+            .map(|sector| Symbolic::new(&*sector.stiffness(system)?));
         Ok(Self {
             system,
             sectors,
@@ -186,12 +191,24 @@ impl<'a> Problem<'a> {
             return Ok(None);
         }
         let elastic = solutions.iter().map(|s| s.pairs.elastic()).fold(edge, f64::min);
+        // With loads there will be a factor at a shift near zero, which serves all modes.
+        if self.loads.is_some() {
+            solutions.iter_mut().for_each(|s| s.pairs.refer_to(elastic));
+            return Ok(Some(solutions));
+        }
         let solves = (self.sectors, &mut solutions).into_par_iter().map(|(sector, s)| {
             s.pairs.refer_to(elastic);
-            s.pairs.refine(sector.pencil(), &s.factor, self.settings)
+            self.refine(sector, &mut s.pairs, &s.factor)
         });
         work.solves += solves.sum::<usize>();
         Ok(Some(solutions))
+    }
+
+    fn refine(&self, sector: &Sector, pairs: &mut Eigenpairs, factor: &Factor<'_>) -> usize {
+        let mut room = Rows::default();
+        pairs.refine(sector.pencil(self.system), self.settings, |x| {
+            sector.solve(factor, x, &mut room)
+        })
     }
 
     fn sector_below<'s>(
@@ -202,18 +219,73 @@ impl<'a> Problem<'a> {
         counter: &Counter<'_>,
         work: &mut ModalWork,
     ) -> Result<Option<Solution<'s>>, FemError> {
-        let pencil = sector.pencil();
         work.factorisations += 1;
-        let factor = symbolic.indefinite(&shifted(pencil.stiffness, pencil.mass, edge), edge, Vec::new())?;
+        let factor = symbolic.indefinite(&sector.shifted(self.system, edge)?, edge, Vec::new())?;
         let Some(count) = factor.negative_eigenvalues() else {
             return Ok(None);
         };
         counter.count.fetch_add(count, Ordering::Relaxed);
-        let vectors = find(pencil, self.settings, &factor, (edge, count), counter, work)?;
-        Ok(vectors.map(|vectors| Solution {
-            pairs: Eigenpairs::new(pencil, vectors, edge, edge),
+        let vectors = self.find(sector, &factor, (edge, count), counter, work)?;
+        Ok(vectors.map(|vectors| {
+            let vectors = if sector.is_whole() {
+                sector.expand(vectors.as_ref())
+            } else {
+                vectors
+            };
+            let part = |start: usize, count: usize| {
+                let vectors = vectors.subcols(start, count).to_owned();
+                Eigenpairs::new(sector.pencil(self.system), vectors, edge, edge)
+            };
+            let mut pairs = part(0, count);
+            let above = vectors.ncols() - count;
+            pairs.above = (above > 0).then(|| Box::new(part(count, above)));
+            Solution { pairs, count, factor }
+        }))
+    }
+
+    /// The eigenvectors of the `count` eigenvalues below the edge, ascending, and behind them those of some just above it;
+    /// none when the edge falls on a mode.
+    fn find(
+        &self,
+        sector: &Sector,
+        factor: &Factor<'_>,
+        (edge, count): (f64, usize),
+        counter: &Counter<'_>,
+        work: &mut ModalWork,
+    ) -> Result<Option<Mat<f64>>, FemError> {
+        let (n, settings) = (sector.len(), self.settings);
+        // A sector with few modes needs few vectors a block: its basis grows in finer steps.
+        let block = settings.block.min((count / 2).next_multiple_of(4).max(4)).clamp(1, n);
+        if count == 0 {
+            return Ok(Some(Mat::zeros(n, 0)));
+        }
+        if 2 * count + 8 * block > n {
+            return dense(&*sector.stiffness(self.system)?, &sector.mass, count).map(Some);
+        }
+        let (tolerance, max_vectors) = (settings.residual_limit / 10.0, settings.max_vectors);
+        let target = Target {
             count,
-            factor,
+            tolerance,
+            block,
+            max_vectors,
+        };
+        let mut before = 0;
+        let report = |found: usize| {
+            // A restart keeps what counts, and rounding may lose one for a step.
+            counter.found.fetch_add(found.saturating_sub(before), Ordering::Relaxed);
+            before = before.max(found);
+            counter.report();
+        };
+        let mut room = Rows::default();
+        let found = lanczos(&sector.mass, &target, report, |mut x| {
+            factor.solve_within(x.rb_mut(), &mut room);
+            x *= Scale(edge);
+        })?;
+        Ok(found.map(|pairs| {
+            work.block_steps += pairs.steps;
+            work.solves += pairs.steps * block;
+            work.restarts += pairs.restarts;
+            pairs.vectors
         }))
     }
 
@@ -227,10 +299,9 @@ impl<'a> Problem<'a> {
         let parts: Vec<_> = (self.sectors, &self.symbolic, solutions)
             .into_par_iter()
             .map(|(sector, symbolic, solution)| {
-                let Pencil { stiffness, mass } = sector.pencil();
                 let (mut pairs, storage) = (solution.pairs, solution.factor.into_storage());
-                let factor = symbolic.best(&shifted(stiffness, mass, shift), shift, storage)?;
-                let refined = pairs.refine(sector.pencil(), &factor, self.settings);
+                let factor = symbolic.best(&sector.shifted(self.system, shift)?, shift, storage)?;
+                let refined = self.refine(sector, &mut pairs, &factor);
                 let response = self.loads.map(|loads| {
                     let mut x = sector.restrict(loads.as_ref());
                     factor.solve(x.as_mut());
@@ -256,7 +327,13 @@ impl<'a> Problem<'a> {
     }
 
     /// The modes of the body, with residuals by its own matrices.
-    fn together(&self, pairs: Vec<Eigenpairs>, edge: f64) -> Eigenpairs {
+    fn together(&self, mut pairs: Vec<Eigenpairs>, edge: f64) -> Eigenpairs {
+        if let [sector] = self.sectors
+            && sector.is_whole()
+            && let Some(alone) = pairs.pop()
+        {
+            return alone;
+        }
         let (n, count) = (self.system.equations.len(), pairs.iter().map(|p| p.lambda.len()).sum());
         let mut phi = Mat::zeros(n, count);
         let mut start = 0;
@@ -273,62 +350,16 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// The eigenvectors of the `count` eigenvalues below the edge, ascending; none when the edge falls on a mode.
-fn find(
-    pencil: Pencil<'_>,
-    settings: &ModalSettings,
-    factor: &Factor<'_>,
-    (edge, count): (f64, usize),
-    counter: &Counter<'_>,
-    work: &mut ModalWork,
-) -> Result<Option<Mat<f64>>, FemError> {
-    let n = pencil.mass.nrows();
-    // A sector with few modes needs few vectors a block: its basis grows in finer steps.
-    let block = settings.block.min((count / 2).next_multiple_of(4).max(4)).clamp(1, n);
-    if count == 0 {
-        return Ok(Some(Mat::zeros(n, 0)));
-    }
-    if 2 * count + 8 * block > n {
-        return dense(pencil, count).map(Some);
-    }
-    let (tolerance, max_vectors) = (settings.residual_limit / 10.0, settings.max_vectors);
-    let target = Target {
-        count,
-        tolerance,
-        block,
-        max_vectors,
-    };
-    let mut before = 0;
-    let report = |found: usize| {
-        // A restart keeps what counts, and rounding may lose one for a step.
-        counter.found.fetch_add(found.saturating_sub(before), Ordering::Relaxed);
-        before = before.max(found);
-        counter.report();
-    };
-    let found = lanczos(pencil.mass, &target, report, |z| {
-        let mut x = z.clone();
-        factor.solve(x.as_mut());
-        x *= Scale(edge);
-        Ok(x)
-    })?;
-    Ok(found.map(|pairs| {
-        work.block_steps += pairs.steps;
-        work.solves += pairs.steps * block;
-        work.restarts += pairs.restarts;
-        pairs.vectors
-    }))
-}
-
 /// All of a model so small that the modes wanted are half of what there is: with M = U D U^T and S = U D^-1/2 the
 /// eigenvectors of S^T K S, times S.
-fn dense(pencil: Pencil<'_>, count: usize) -> Result<Mat<f64>, FemError> {
-    let n = pencil.mass.nrows();
+fn dense(stiffness: &CscMatrix<f64>, mass: &CscMatrix<f64>, count: usize) -> Result<Mat<f64>, FemError> {
+    let n = mass.nrows();
     let identity: Mat<f64> = Mat::identity(n, n);
-    let (d, mut s) = symmetric_eigen(product(pencil.mass, identity.as_ref()).as_ref())?;
+    let (d, mut s) = symmetric_eigen(product(mass, identity.as_ref()).as_ref())?;
     for (j, d) in d.iter().enumerate() {
         s.col_mut(j).iter_mut().for_each(|x| *x /= d.sqrt());
     }
-    let reduced = transpose_product(s.as_ref(), product(pencil.stiffness, s.as_ref()).as_ref());
+    let reduced = transpose_product(s.as_ref(), product(stiffness, s.as_ref()).as_ref());
     let (_, y) = symmetric_eigen(reduced.as_ref())?;
     let mut phi = Mat::zeros(n, count);
     add_product(phi.as_mut(), 1.0, s.as_ref(), y.subcols(0, count));
@@ -384,7 +415,7 @@ fn basis(system: &System, pairs: Eigenpairs, sturm: Sturm, corrections: Correcti
         }
     };
     let modes = order.len();
-    let all = Mat::from_fn(pairs.phi.nrows(), modes + corrections.hz.len(), |i, j| {
+    let all = DMatrix::from_fn(pairs.phi.nrows(), modes + corrections.hz.len(), |i, j| {
         order
             .get(j)
             .map_or_else(|| corrections.shapes[(i, j - modes)], |&mode| pairs.phi[(i, mode)])
@@ -392,7 +423,7 @@ fn basis(system: &System, pairs: Eigenpairs, sturm: Sturm, corrections: Correcti
     ModalBasis {
         dofs: system.equations.len(),
         hz: order.iter().map(|&i| hz(i)).collect(),
-        shapes: expand(system, all.as_ref()),
+        shapes: system.equations.expand(&all),
         residuals: order.iter().map(|&i| pairs.residuals[i]).collect(),
         rigid: order.iter().map(|&i| pairs.rigid[i]).collect(),
         orthonormality: pairs.orthonormality(),
@@ -413,12 +444,4 @@ fn independent(x: &Mat<f64>, gram: MatRef<'_, f64>) -> Result<Mat<f64>, FemError
     let mut basis = Mat::zeros(x.nrows(), kept.len());
     add_product(basis.as_mut(), 1.0, x.as_ref(), s.as_ref());
     Ok(basis)
-}
-
-fn expand(system: &System, columns: MatRef<'_, f64>) -> DMatrix<f64> {
-    system
-        .equations
-        .expand(&DMatrix::from_fn(columns.nrows(), columns.ncols(), |i, j| {
-            columns[(i, j)]
-        }))
 }

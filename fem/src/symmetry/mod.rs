@@ -14,13 +14,17 @@
 
 mod mirror;
 
+use std::borrow::Cow;
+
 use faer::{Mat, MatRef};
 use nalgebra_sparse::CscMatrix;
 
 use crate::eigenpairs::Pencil;
+use crate::factor::Factor;
 use crate::order::{Graph, elimination_order};
 use crate::random::Random;
-use crate::sparse::product;
+use crate::rows::Rows;
+use crate::sparse::{product, reordered, subtract};
 use crate::{FemError, System};
 
 pub(crate) use mirror::Mirror;
@@ -32,23 +36,63 @@ const ASYMMETRY: f64 = 1e-11;
 
 /// One of the independent problems K_c, M_c, with its own order of elimination.
 pub(crate) struct Sector {
-    pub(crate) stiffness: CscMatrix<f64>,
+    /// None where the sector is the whole: K is then that of the body in another order, and as large.
+    stiffness: Option<CscMatrix<f64>>,
     pub(crate) mass: CscMatrix<f64>,
     /// For each unknown of the whole its row of T_c, which has one entry at most: column and value.
     rows: Vec<Option<(usize, f64)>>,
 }
 
 impl Sector {
-    pub(crate) fn pencil(&self) -> Pencil<'_> {
-        Pencil {
-            stiffness: &self.stiffness,
-            mass: &self.mass,
+    /// Whether it is the body in another order.
+    pub(crate) fn is_whole(&self) -> bool {
+        self.stiffness.is_none()
+    }
+
+    /// K_c.
+    pub(crate) fn stiffness(&self, system: &System) -> Result<Cow<'_, CscMatrix<f64>>, FemError> {
+        if let Some(stiffness) = &self.stiffness {
+            return Ok(Cow::Borrowed(stiffness));
+        }
+        let place = |e: usize| self.rows[e].map_or(e, |(at, _)| at);
+        reordered(&system.stiffness, place).map(Cow::Owned)
+    }
+
+    /// K_c - sigma M_c.
+    pub(crate) fn shifted(&self, system: &System, sigma: f64) -> Result<CscMatrix<f64>, FemError> {
+        let mut a = self.stiffness(system)?.into_owned();
+        subtract(&mut a, sigma, &self.mass);
+        Ok(a)
+    }
+
+    /// The matrices by which residuals are taken: those of the sector, or those of the body where it is the whole.
+    pub(crate) fn pencil<'a>(&'a self, system: &'a System) -> Pencil<'a> {
+        match &self.stiffness {
+            Some(stiffness) => Pencil {
+                stiffness,
+                mass: &self.mass,
+            },
+            None => Pencil {
+                stiffness: &system.stiffness,
+                mass: &system.mass,
+            },
+        }
+    }
+
+    /// Overwrites x, in the order of [`Self::pencil`], by (K - sigma M)^-1 x.
+    pub(crate) fn solve(&self, factor: &Factor<'_>, x: &mut Mat<f64>, room: &mut Rows) {
+        if self.is_whole() {
+            let mut part = self.restrict(x.as_ref());
+            factor.solve_within(part.as_mut(), room);
+            *x = self.expand(part.as_ref());
+        } else {
+            factor.solve_within(x.as_mut(), room);
         }
     }
 
     /// Number of unknowns.
     pub(crate) fn len(&self) -> usize {
-        self.stiffness.nrows()
+        self.mass.nrows()
     }
 
     /// T_c x.
@@ -90,6 +134,15 @@ pub(crate) fn whole(system: &System) -> Result<Vec<Sector>, FemError> {
 fn divided(system: &System, mirrors: &[&Mirror]) -> Result<Vec<Sector>, FemError> {
     let orbits = Orbits::new(mirrors, system.equations.len());
     let nodes = orbits.in_order_of_elimination(system)?;
+    if mirrors.is_empty() {
+        let mut place = vec![0; system.equations.len()];
+        nodes.iter().flatten().enumerate().for_each(|(at, &e)| place[e] = at);
+        return Ok(vec![Sector {
+            stiffness: None,
+            mass: reordered(&system.mass, |e| place[e])?,
+            rows: place.into_iter().map(|at| Some((at, 1.0))).collect(),
+        }]);
+    }
     let columns = [&system.stiffness, &system.mass].map(|a| Columns::of(a, &orbits));
     let sectors = (0..1 << mirrors.len()).map(|parities| orbits.sector(mirrors, parities, &nodes, &columns));
     // A small body may have no vector of some combination.
@@ -211,7 +264,7 @@ impl Orbits {
         }
         let [stiffness, mass] = columns;
         Ok(Sector {
-            stiffness: stiffness.reduced(&unknowns, &rows)?,
+            stiffness: Some(stiffness.reduced(&unknowns, &rows)?),
             mass: mass.reduced(&unknowns, &rows)?,
             rows,
         })

@@ -1,9 +1,7 @@
 //! Support forces at the end of a step.
 
-use pulp::Arch;
-
 use super::error::TransientError;
-use super::kernels::{Columns, Lane, combine, lanes, pivot};
+use super::kernels::{Arch, Columns, Lane, combine, lanes, pivot};
 use super::model::{Support, SupportLaw};
 use super::response::Work;
 

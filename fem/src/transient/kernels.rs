@@ -6,9 +6,31 @@
 
 use std::ops::Range;
 
-use pulp::{Arch, Simd, WithSimd};
+#[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+pub(super) use pulp::Arch;
+use pulp::{Simd, WithSimd};
 
 use super::recurrence::Recurrence;
+
+/// The vector instructions that the machine has, with four values in a vector at most.
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Arch(Option<pulp::x86::V3>);
+
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+impl Arch {
+    pub(super) fn new() -> Self {
+        Self(pulp::x86::V3::try_new())
+    }
+
+    #[inline(always)]
+    fn dispatch<Op: WithSimd>(self, op: Op) -> Op::Output {
+        match self.0 {
+            Some(simd) => Simd::vectorize(simd, op),
+            None => Simd::vectorize(pulp::Scalar::new(), op),
+        }
+    }
+}
 
 /// Four values side by side.
 pub(super) type Lane = [f64; 4];
@@ -117,7 +139,7 @@ impl State {
 /// Views four-value lanes as the machine's vectors (of one, two or four values).
 #[inline(always)]
 fn vectors<S: Simd>(lanes: &[Lane]) -> &[S::f64s] {
-    // Longer ones (pulp's feature `x86-v4`) would leave out the end of an odd number of lanes.
+    // Longer ones would leave out the end of an odd number of lanes.
     const {
         assert!(
             size_of::<S::f64s>() <= size_of::<Lane>(),

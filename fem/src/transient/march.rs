@@ -2,12 +2,11 @@
 
 use nailnoise_quantities::Check;
 use nalgebra::DMatrix;
-use pulp::Arch;
 
 use super::contact::ContactSolver;
 use super::energy::{EnergyHistory, Ledger, Unresolved, elastic_energy};
 use super::error::TransientError;
-use super::kernels::{Lane, State, combine, finish, lanes, predict, project};
+use super::kernels::{Arch, Lane, State, combine, finish, lanes, predict, project};
 use super::model::{Loads, ModalBody, ModalState, Settings, Start, Support, SupportLaw};
 use super::response::{Ending, MARK, ModalResponse, Work};
 use super::statics::{Equilibrium, equilibrium};
