@@ -20,6 +20,9 @@ use crate::stages::sound::SoundSource;
 /// How often the factors are corrected for what a signal loses where it is cut at the ends of the record.
 const PASSES: usize = 6;
 
+/// Exposures \[A, Z\] by band, and the signal, of each part at one receiver.
+type OfReceiver = (Vec<Vec<[f64; 2]>>, Vec<Vec<f64>>);
+
 impl MicrophoneArray {
     /// The complete signals and exposures of a source, and of the part of it that counts to another source, if there is one. The
     /// noise follows from `seed` and the source's number.
@@ -48,7 +51,7 @@ impl MicrophoneArray {
         let continuation = Continuation::new(&sources, &whole, [end, top]);
         let noise = continuation.as_ref().map(|continuation| {
             let length = (f64::from(SAMPLE_RATE), samples);
-            // Jets count their seeds from the same number on.
+            // Apart from the seeds of the jets, which are small numbers above the same multiple.
             let seed = (u64::from(noise_seed) << 32) + (1 << 31);
             continuation.noise(&self.travel_times(), length, (seed, number))
         });
@@ -57,6 +60,7 @@ impl MicrophoneArray {
         let radiated: Vec<Vec<[f64; 2]>> = (sources.iter())
             .map(|source| radiated_above(source, continuation.as_ref(), &above))
             .collect();
+        let shares = shares_of_parts(&radiated);
         let spectra = Spectra::new(samples, f64::from(SAMPLE_RATE));
         let (inside, fading) = (
             Integration::new(&spectra.frequency, &all),
@@ -68,14 +72,9 @@ impl MicrophoneArray {
             let exposures = exposures_of(&known, place, &lines, (&fading, continuation.as_ref(), &radiated));
             if let Some(noise) = &noise {
                 let drawn = spectra.lines(&noise[place]);
-                for (lines, own) in lines.iter_mut().zip(&radiated) {
-                    let share = |band: usize| {
-                        let sum: f64 = radiated.iter().map(|part| part[band][1]).sum();
-                        if sum > 0.0 { own[band][1] / sum } else { 0.0 }
-                    };
-                    let shares: Vec<f64> = (0..all.len()).map(share).collect();
+                for (lines, shares) in lines.iter_mut().zip(&shares) {
                     each_band(&spectra.frequency, &all, |line, band| {
-                        lines[line] += shares[band] * drawn[line]
+                        lines[line] += shares[band] * drawn[line];
                     });
                 }
             }
@@ -85,7 +84,7 @@ impl MicrophoneArray {
             let signals = scaled(&spectra, &lines, (&all, &inside, &target), samples);
             (exposures, signals)
         };
-        let found: Vec<(Vec<Vec<[f64; 2]>>, Vec<Vec<f64>>)> = (0..whole.len()).into_par_iter().map(at).collect();
+        let found: Vec<OfReceiver> = (0..whole.len()).into_par_iter().map(at).collect();
         let complete = |number: usize, (source, known): (&SoundSource, &AtMicrophones)| {
             let range_hz = [known.range_hz[0], top];
             let spectrum = &source.spectrum;
@@ -139,6 +138,16 @@ fn radiated_above(source: &SoundSource, continuation: Option<&Continuation<'_>>,
     let pairs = spectrum.frequency.iter().zip(&spectrum.energy_density);
     let risen: Vec<f64> = pairs.map(|(hz, energy)| continuation.risen(*hz) * energy).collect();
     integrals(&spectrum.frequency, &risen, above)
+}
+
+/// Which share of the noise of the whole is that of each part, band by band: that of its energy, of either sign.
+fn shares_of_parts(radiated: &[Vec<[f64; 2]>]) -> Vec<Vec<f64>> {
+    let share = |own: f64, band: usize| {
+        let whole: f64 = radiated.iter().map(|part| part[band][1]).sum();
+        if whole > 0.0 { own / whole } else { 0.0 }
+    };
+    let of_part = |part: &Vec<[f64; 2]>| part.iter().enumerate().map(|(band, own)| share(own[1], band)).collect();
+    radiated.iter().map(of_part).collect()
 }
 
 /// The signals of parts with these lines, scaled so that their sum has the energies `target` in the bands after it was cut at the ends
