@@ -262,6 +262,8 @@ pub struct Chain {
     pub(crate) tool_report: Option<Stored<ToolChecks>>,
     /// The same shot one way, for a two-way coupled one.
     pub(crate) one_way: Option<OneWay>,
+    /// As in [`Options`].
+    pub(crate) noise_seed: u32,
 }
 
 /// A two-way coupled shot beside the one-way shot of the same design.
@@ -619,6 +621,7 @@ impl Chain {
             response_report,
             tool_report,
             one_way,
+            noise_seed: options.noise_seed,
         })
     }
 }

@@ -79,8 +79,8 @@ pub fn lines(own: &Declaration, ear: &EarReport) -> [String; 2] {
         (Some(k), Some(_)) => format!("; K = {k} dB (1.645 sigma of the draws)"),
         _ => "; K not known without a study".to_owned(),
     };
-    let peak = match (&ear.not_stated, ear.lpc_peak_known_db) {
-        (Some(reason), Some(known)) => format!("not stated: {reason}; known part {known:.0} dB"),
+    let peak = match (&ear.not_stated, ear.lpc_peak_signal_db) {
+        (Some(reason), Some(known)) => format!("not stated: {reason}; with drawn phases {known:.0} dB"),
         (Some(reason), None) => format!("not stated: {reason}"),
         (None, _) => level(own.lpc_peak_db),
     };
@@ -107,9 +107,9 @@ mod tests {
         EarReport {
             position_m: [0.0; 3],
             lpa_1s_db: Some(91.6),
-            spread_share: 0.1,
+            synthetic_share: 0.1,
             lpc_peak_db: Some(128.4).filter(|_| not_stated.is_none()),
-            lpc_peak_known_db: Some(128.4),
+            lpc_peak_signal_db: Some(128.4),
             not_stated,
         }
     }
@@ -125,7 +125,10 @@ mod tests {
         assert_eq!(peak, "L_pC,peak 128 dB");
         let unknown = ear(Some("body known to 1818 Hz".to_owned()));
         let [_, peak] = lines(&declaration(Some(102.3), &unknown), &unknown);
-        assert_eq!(peak, "L_pC,peak not stated: body known to 1818 Hz; known part 128 dB");
+        assert_eq!(
+            peak,
+            "L_pC,peak not stated: body known to 1818 Hz; with drawn phases 128 dB"
+        );
     }
 
     #[test]

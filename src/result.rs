@@ -181,6 +181,8 @@ pub struct MicrophoneReport {
     pub area_m2: f64,
     /// Places of the microphones relative to the device's axis and the reflecting plane \[m\].
     pub positions_m: Vec<[f64; 3]>,
+    /// Range of all levels and of the files of sound \[Hz\]; neither holds anything outside.
+    pub range_hz: [f64; 2],
     /// Pressure of a full-scale sample in the files of sound \[Pa\].
     pub full_scale_pa: f64,
     /// Each source alone, without room and background.
@@ -212,12 +214,13 @@ pub struct EarReport {
     pub position_m: [f64; 3],
     /// A-weighted level L_pA,1s of one shot over 1 s \[dB re 20 uPa\]; null when silent.
     pub lpa_1s_db: Option<f64>,
-    /// Part of that exposure which lies outside the ranges over which pressures are known; it is spread evenly \[-\].
-    pub spread_share: f64,
+    /// Part of that exposure which is synthetic: above the frequencies to which phases are known \[-\].
+    pub synthetic_share: f64,
     /// C-weighted peak level L_pC,peak \[dB re 20 uPa\]; null when silent, or not stated.
     pub lpc_peak_db: Option<f64>,
-    /// The same over the ranges in which pressures are known \[dB re 20 uPa\]; null when silent.
-    pub lpc_peak_known_db: Option<f64>,
+    /// C-weighted peak level of the complete signal, whose phases are partly drawn where the peak is not stated: one draw
+    /// among many \[dB re 20 uPa\]; null when silent.
+    pub lpc_peak_signal_db: Option<f64>,
     /// Why L_pC,peak is not stated; null where it is.
     pub not_stated: Option<String>,
 }
@@ -231,6 +234,9 @@ pub struct ReceivedSource {
     pub how: String,
     /// Frequencies over which it is heard and compared \[Hz\].
     pub range_hz: [f64; 2],
+    /// Frequency above which its signals are synthetic \[Hz\]: they have the energy and the power over time of the source, and
+    /// phases that are drawn or chosen; null where the phases are the model's over the whole range.
+    pub synthetic_from_hz: Option<f64>,
     /// Error of interpolated pressures over frequency, relative to the loudest mode at any microphone \[-\]; null where
     /// none are interpolated.
     pub interpolation_error: Option<f64>,
@@ -244,11 +250,11 @@ pub struct ReceivedSource {
     pub bands: Vec<MicrophoneBand>,
 }
 
-/// All sources at once by the procedure of ISO 3744, L_WA = mean L_EA + 10 lg S - K1 - K2. Energies of sources add: what
-/// block and tool move together does not interfere here.
+/// All sources at once by the procedure of ISO 3744, L_WA = mean L_EA + 10 lg S - K1 - K2. Energies of sources add in levels of
+/// power: interference of block and tool, which changes single low bands by up to a decibel, is in `levels` alone.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct ArrayMeasurement {
-    /// Microphone by microphone, direct sound alone.
+    /// Microphone by microphone, direct sound alone: of the sum of all pressures, which the files of the total hold.
     pub levels: Vec<MicrophoneLevel>,
     /// A-weighted mean level with room and background \[dB re (20 uPa)2 s\]; null when silent.
     pub lpa_db: Option<f64>,

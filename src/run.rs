@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use nailnoise_acoustics::levels::{SourceSpectrum, level_energy};
+use nailnoise_acoustics::levels::SourceSpectrum;
 use nailnoise_dynamics::CycleRecord;
 
 use crate::chain::{Chain, Options};
@@ -138,14 +138,13 @@ impl Chain {
         let sources = [&workpiece.source, &exhaust_source, &body_source];
         let (mut ranking, total) = ranking::rank(&sources, range_hz);
         let microphones = self.graph.time("microphones", || {
-            let room = inputs::microphones::room(design);
-            let parts = [cap, vent].map(|part| part.map(|part| &part.received));
-            let [exhaust, body] = received([&exhaust.received, &body.received], parts);
-            inputs::microphones::array(design)?.measurement(
-                &room,
-                [&workpiece.received, &exhaust, &body],
-                (end, level_energy(total.lwa_db)),
-            )
+            let array = inputs::microphones::array(design)?;
+            let (workpiece, _) = array.complete((&workpiece.source, &workpiece.received), None, (self.noise_seed, 0));
+            let [vent, cap] = [vent, cap].map(|part| part.map(|part| (&part.source, &part.received)));
+            let (exhaust, vent) = array.complete((&exhaust.source, &exhaust.received), vent, (self.noise_seed, 1));
+            let (body, cap) = array.complete((&body.source, &body.received), cap, (self.noise_seed, 2));
+            let [exhaust, body] = received([&exhaust, &body], [cap.as_ref(), vent.as_ref()]);
+            array.measurement(&inputs::microphones::room(design), [&workpiece, &exhaust, &body])
         })?;
         let powers = ranking::powers(&ranking, &sources, end);
         let interval_checks = ranking::interval_checks(&ranking, &sources, design.acoustics.bem_tolerance);

@@ -10,14 +10,15 @@ use crate::result::MicrophoneReport;
 use crate::run::Run;
 use crate::stages::microphones::SAMPLE_RATE;
 
-/// `microphones.csv`, `microphones-bands.csv` and `microphones/SOURCE-N.wav`: mono, 48 kHz, 24 bits, full scale as the table
-/// states.
+/// `microphones.csv`, `microphones-bands.csv`, `microphones/SOURCE-N.wav`: mono, 48 kHz, 24 bits, full scale as the table
+/// states; and `microphones/about.txt`.
 pub(super) fn files(run: &Run) -> Result<Vec<File>, Error> {
     let microphones = &run.microphones;
     let report = &microphones.report;
     let mut files = vec![
         File::new("microphones.csv", levels(report)?),
         File::new("microphones-bands.csv", bands(report)?),
+        File::new("microphones/about.txt", note(report)),
     ];
     for (source, signals) in &microphones.signals {
         for (number, signal) in signals.iter().enumerate() {
@@ -38,6 +39,39 @@ pub(crate) fn sound(source: &str, microphone: usize) -> PathBuf {
     format!("microphones/{source}-{}.wav", microphone + 1).into()
 }
 
+/// Frequency above which a source in the sum of all is synthetic \[Hz\].
+fn synthetic_from(report: &MicrophoneReport) -> Option<f64> {
+    report
+        .sources
+        .iter()
+        .filter_map(|source| source.synthetic_from_hz)
+        .reduce(f64::min)
+}
+
+/// What the files of sound hold, in words beside them.
+fn note(report: &MicrophoneReport) -> String {
+    let [low, high] = report.range_hz;
+    let mut text = format!(
+        "Sound pressure from the trigger on, {SAMPLE_RATE} samples a second, 24 bits; a full-scale sample is {} Pa.\n\
+         All files hold {low} Hz to {high} Hz and nothing outside, with the energy that microphones.csv states.\n\n",
+        report.full_scale_pa
+    );
+    for source in &report.sources {
+        let phases = match source.synthetic_from_hz {
+            None => "no synthetic part".to_owned(),
+            Some(from) if from <= low * (1.0 + 1e-9) => "synthetic: energies of the model, phases chosen".to_owned(),
+            Some(from) => {
+                format!("synthetic above {from:.0} Hz: noise with the energy and the power over time of the model")
+            }
+        };
+        text.push_str(&format!("{}: {}; {phases}.\n", source.source, source.how));
+    }
+    text.push_str(
+        "\nJets are random: the exhaust is one draw of them. Peaks of synthetic parts and of jets are those of one draw.\n",
+    );
+    text
+}
+
 /// Levels by source and microphone.
 fn levels(report: &MicrophoneReport) -> Result<Vec<u8>, Error> {
     let header = [
@@ -50,11 +84,15 @@ fn levels(report: &MicrophoneReport) -> Result<Vec<u8>, Error> {
         "L_E [dB]",
         "peak [Pa]",
         "full scale of the file [Pa]",
+        "range from [Hz]",
+        "range to [Hz]",
+        "synthetic from [Hz]",
     ];
-    let sources = report.sources.iter().map(|s| (s.source.as_str(), &s.levels));
+    let sources = (report.sources.iter()).map(|s| (s.source.as_str(), &s.levels, s.synthetic_from_hz));
+    let [low, high] = report.range_hz;
     let rows = sources
-        .chain([("total", &report.total.levels)])
-        .flat_map(|(source, levels)| {
+        .chain([("total", &report.total.levels, synthetic_from(report))])
+        .flat_map(|(source, levels, synthetic)| {
             let places = levels.iter().zip(&report.positions_m).enumerate();
             places.map(move |(number, (m, [x, y, z]))| {
                 [
@@ -67,6 +105,9 @@ fn levels(report: &MicrophoneReport) -> Result<Vec<u8>, Error> {
                     optional(m.le_db, 3),
                     format!("{:.4e}", m.peak_pa),
                     report.full_scale_pa.to_string(),
+                    low.to_string(),
+                    high.to_string(),
+                    optional(synthetic, 0),
                 ]
             })
         });

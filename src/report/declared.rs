@@ -19,9 +19,9 @@ pub(super) fn section(result: &RunResult) -> Markup {
              operator's ear, " (format!("x = {along:.2} m, y = {across:.2} m, z = {height:.2} m"))
             " from the middle of the block's underside (acoustics.ear_along, ear_across and ear_height). K = 1.645 sigma over draws of inputs and methods is that \
              of the sound power for all three. "
-            @if ear.spread_share > 0.005 {
-                (format!("{:.0} % ", 100.0 * ear.spread_share))
-                "of the exposure at the ear lies above the frequencies to which pressures are known and is spread evenly."
+            @if ear.synthetic_share > 0.005 {
+                (format!("{:.0} % ", 100.0 * ear.synthetic_share))
+                "of the exposure at the ear lies above the frequencies to which phases are known."
             }
         }
     }

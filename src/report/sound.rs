@@ -31,15 +31,20 @@ fn by_source(report: &MicrophoneReport) -> Markup {
              microphones, not with the true power: nine positions do not cover all directions of a source."
         }
         div.scroll { table {
-            thead { tr { th { "source" } th { "sound carried by" } th.n { "range, Hz" } th.n { "by microphones, dB" } th.n { "radiated in this range, dB" } } }
+            thead { tr { th { "source" } th { "sound carried by" } th.n { "range, Hz" } th.n { "by microphones, dB" } th.n { "radiated, dB" } th.n { "synthetic above, Hz" } } }
             tbody { @for source in &report.sources { tr {
                 th scope="row" { (source.source) }
                 td { (source.how) }
                 td.n { (format!("{:.0} to {:.0}", source.range_hz[0], source.range_hz[1])) }
                 td.n { (decibels(source.lwa_db)) }
                 td.n { (decibels(source.true_lwa_db)) }
+                td.n { (source.synthetic_from_hz.map_or_else(|| "\u{2013}".to_owned(), |hz| format!("{hz:.0}"))) }
             } } }
         } }
+        p.quiet {
+            "Above the frequency in the last column the phases of a source are not the model's: its sound there is noise with the \
+             energy and the power over time of the model, or phases are chosen. Jets are random, and their sound is one draw."
+        }
     }
 }
 
@@ -58,12 +63,6 @@ fn totals(result: &RunResult) -> Markup {
             result.total.lwa_db,
             String::new(),
             "",
-        ),
-        (
-            "radiated, in the ranges above",
-            array.true_lwa_db,
-            step(result.total.lwa_db, array.true_lwa_db),
-            "pressures are not carried to the microphones over the whole range of each source",
         ),
         (
             "by the nine microphones",

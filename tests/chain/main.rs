@@ -15,6 +15,7 @@ mod layering;
 mod radiation;
 mod requirements;
 mod sensitivity;
+mod sound_files;
 mod store;
 mod study;
 mod tool;

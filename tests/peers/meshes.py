@@ -1,8 +1,10 @@
 """Reads back what tests/peers/meshes.sh has the command write."""
 
+import csv
 import json
 import pathlib
 import sys
+import wave
 
 import numpy
 import pyuff
@@ -97,6 +99,57 @@ sets += len(sensors)
 known = {work / "run/sensors.uff", *(work / folder / "modes.uff" for folder in ("plate/modes/tool", "small/modes/worktable"))}
 assert set(work.rglob("*.uff")) == known, "a universal file that nobody read"
 print(f"pyuff read {sets} datasets")
+
+# Sound files hold the exposures and the bands that the tables state.
+EDGES = 1000 * 10 ** (0.1 * (numpy.arange(-13, 15) - 0.5))
+REFERENCE = 4e-10
+LENGTH = 1 << 19
+
+
+def table(name):
+    with open(work / "run" / name, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def pressure(path, full_scale):
+    with wave.open(str(path)) as file:
+        assert (file.getnchannels(), file.getsampwidth(), file.getframerate()) == (1, 3, 48000), path
+        raw = numpy.frombuffer(file.readframes(file.getnframes()), dtype=numpy.uint8).reshape(-1, 3)
+    wide = numpy.concatenate([numpy.zeros((len(raw), 1), numpy.uint8), raw], axis=1)
+    return full_scale * wide.view("<i4")[:, 0] / 2**31
+
+
+def cumulated(signal):
+    """Exposure from 0 Hz on, at the lines of a padded transform."""
+    density = 2 * numpy.abs(numpy.fft.rfft(signal, LENGTH) / 48000) ** 2
+    step = 48000 / LENGTH
+    return numpy.arange(len(density)) * step, numpy.concatenate([[0], numpy.cumsum(0.5 * (density[1:] + density[:-1]))]) * step
+
+
+def decibels(ratio):
+    return 10 * numpy.log10(ratio)
+
+
+below, sounds = {}, 0
+for row in table("microphones.csv"):
+    path = work / f"run/microphones/{row['source']}-{row['microphone']}.wav"
+    signal = pressure(path, float(row["full scale of the file [Pa]"]))
+    apart = decibels((signal**2).sum() / 48000 / REFERENCE) - float(row["L_E [dB]"])
+    assert abs(apart) < 0.05, (path, apart)
+    hz, sums = cumulated(signal)
+    low, high = (numpy.interp(float(row[f"range {end} [Hz]"]) * factor, hz, sums) for end, factor in (("from", 0.8), ("to", 1.1)))
+    assert high - low > 0.995 * sums[-1], (path, "sound outside the range")
+    below.setdefault(row["source"], []).append(numpy.interp(EDGES, hz, sums))
+    sounds += 1
+assert sounds == len(list(work.rglob("*.wav"))) == 36, sounds
+area = load("run.json")["microphones"]["area_m2"]
+for row in table("microphones-bands.csv"):
+    if row["microphones L_W [dB]"]:
+        band = round(10 * numpy.log10(float(row["band [Hz]"]) / 1000)) + 13
+        mean = numpy.mean([sums[band + 1] - sums[band] for sums in below[row["source"]]])
+        apart = decibels(mean / REFERENCE * area) - float(row["microphones L_W [dB]"])
+        assert abs(apart) < 0.1, (row, apart)
+print(f"Python's wave read {sounds} sound files, which hold what the tables state")
 
 # The plate's first bending mode, f = 22.37/(2 pi L^2) sqrt(E h^2/(12 rho)) for a beam, within the effect of its width,
 # shear and rotary inertia; free: six rigid modes.

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Reads the output of the command with programs that share no code with it: every .vtu with VTK, every .uff with pyuff,
-# every .msh with gmsh. Also computes modes from a STEP file written by gmsh, and checks that a damaged mesh ends with
-# status 2.
+# every .msh with gmsh, every .wav with Python's own reader. Also computes modes from a STEP file written by gmsh, and checks
+# that a damaged mesh ends with status 2.
 # Needs gmsh and Python with vtk, pyuff and numpy; `NAILNOISE` names the program, `PYTHON` the interpreter.
 set -euo pipefail
 for tool in gmsh "${PYTHON:-python3}"; do

@@ -7,7 +7,6 @@
 pub mod bare;
 pub mod exact;
 mod minimum_phase;
-mod noise;
 mod resampling;
 mod sources;
 
@@ -27,10 +26,10 @@ use crate::design::{Design, SupportKind, Value};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::Input;
+use crate::stages::microphones::noise::{normal, under_envelope};
 use crate::stages::sensors::SensorRecord;
 use crate::stages::transducers::PressureRecord;
 use minimum_phase::MinimumPhase;
-use noise::{normal, under_envelope};
 use resampling::Resampling;
 use sources::Synthesis;
 

@@ -1,21 +1,24 @@
 //! Virtual microphones around the device: sound power as EN 12549 would measure it, beside the power radiated.
 
+mod bands;
+mod completion;
+mod continuation;
 mod ear;
+pub(crate) mod noise;
 mod sources;
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::levels::{
-    BandLevel, SILENCE, SourceSpectrum, Weighting, energy_level, energy_weights, level_energy,
-};
+use nailnoise_acoustics::levels::{SILENCE, band_containing, energy_level, level_energy};
 use nailnoise_acoustics::sound::{Iso3744Box, background_correction, environmental_correction};
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
 use crate::result::{ArrayMeasurement, EarReport, MicrophoneBand, MicrophoneLevel, MicrophoneReport, ReceivedSource};
-pub use ear::AtEar;
+use bands::{Integration, Spectra, bands, density, integrals, within};
+pub(crate) use continuation::Continuation;
 pub use sources::{JetOutlet, ToolSphere};
-use sources::{Part, Received, samples};
+use sources::{Part, Received};
 
 /// Reference exposure (20 uPa)² s \[Pa² s\] over reference energy 1 pW s and reference area 1 m²: 400 Pa s/m, which
 /// stands for the impedance of air in L_W = L_p + 10 lg S.
@@ -59,7 +62,11 @@ pub struct Room {
     pub background_level: f64,
 }
 
-/// Sound of a source, or of a part of one, at the microphones. The energies of a part may have either sign.
+/// Sound of a source, or of a part of one, at the microphones and, behind them, at the operator's ear. The energies of a part may
+/// have either sign.
+///
+/// Stages that make sources give it as far as its pressures are known; [`MicrophoneArray::complete`] continues it to the top of the
+/// range of comparison.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct AtMicrophones {
     /// Name of the source.
@@ -68,44 +75,86 @@ pub struct AtMicrophones {
     pub how: String,
     /// Frequencies over which it is received and compared \[Hz\].
     pub range_hz: [f64; 2],
+    /// Frequency up to which its signals have the phases of the model \[Hz\]; phases above are drawn or chosen.
+    pub phases_to_hz: f64,
     /// Error of interpolated pressures over frequency, see [`ReceivedSource`].
     pub interpolation_error: Option<f64>,
-    /// A-weighted and unweighted exposure at each microphone \[Pa² s\].
-    pub exposures: Vec<[f64; 2]>,
-    /// A-weighted energy by the microphones, and radiated over the same range \[J\].
-    pub energies: [f64; 2],
-    /// Bands that lie in the range: nominal mid-band frequency \[Hz\], energy by the microphones and radiated \[J\].
-    pub bands: Vec<(f64, [f64; 2])>,
-    /// Its pressure at 48 kHz from the trigger on, microphone by microphone \[Pa\].
+    /// A-weighted and unweighted exposure at each receiver in each one-third-octave band of the range of comparison \[Pa² s\].
+    pub exposures: Vec<Vec<[f64; 2]>>,
+    /// A-weighted and unweighted energy radiated over `range_hz` in each of these bands \[J\].
+    pub radiated: Vec<[f64; 2]>,
+    /// Its pressure at 48 kHz from the trigger on, receiver by receiver \[Pa\].
     pub signals: Vec<Vec<f64>>,
-    /// At the operator's ear.
-    pub ear: AtEar,
+}
+
+/// A-weighted and unweighted sum over bands.
+fn over_bands(bands: &[[f64; 2]]) -> [f64; 2] {
+    bands.iter().fold([0.0; 2], |[a, z], band| [a + band[0], z + band[1]])
 }
 
 impl AtMicrophones {
-    /// Its levels.
-    fn levels(&self) -> ReceivedSource {
-        let microphones = self.exposures.iter().zip(&self.signals);
-        let [measured, radiated] = self.energies.map(energy_level);
-        let of_band = |&(hz, energies): &(f64, [f64; 2])| {
-            let [lw_db, true_lw_db] = energies.map(energy_level);
-            MicrophoneBand { hz, lw_db, true_lw_db }
+    /// A-weighted and unweighted exposure at a receiver \[Pa² s\].
+    fn exposure(&self, receiver: usize) -> [f64; 2] {
+        over_bands(&self.exposures[receiver])
+    }
+
+    /// Number of microphones, without the ear.
+    fn microphones(&self) -> usize {
+        self.exposures.len() - 1
+    }
+
+    /// Energies by the microphones, the mean exposure over a surface of this area as the power that an impedance of 400 Pa s/m
+    /// makes of it, A-weighted and unweighted in each band \[J\].
+    fn measured(&self, area: f64) -> Vec<[f64; 2]> {
+        let scale = area / (REFERENCE * self.microphones() as f64);
+        let mean = |band: usize| {
+            let all = self.exposures[..self.microphones()].iter();
+            all.fold([0.0; 2], |[a, z], own| {
+                [a + scale * own[band][0], z + scale * own[band][1]]
+            })
+        };
+        (0..self.radiated.len()).map(mean).collect()
+    }
+
+    /// Its levels in the bands of the range of comparison, by a surface of this area.
+    fn levels(&self, bands: &[[f64; 2]], area: f64) -> ReceivedSource {
+        let measured = self.measured(area);
+        let [low, high] = self.range_hz;
+        let energies = bands.iter().zip(measured.iter().zip(&self.radiated));
+        let of_band = |(&[from, to], (measured, radiated)): (&[f64; 2], (&[f64; 2], &[f64; 2]))| {
+            let band = band_containing((from * to).sqrt());
+            let whole = from <= band.low * (1.0 + 1e-9)
+                && to >= band.high * (1.0 - 1e-9)
+                && band.low >= low * (1.0 - 1e-9)
+                && band.high <= high * (1.0 + 1e-9);
+            whole.then(|| MicrophoneBand {
+                hz: band.nominal_hz(),
+                lw_db: energy_level(measured[1]),
+                true_lw_db: energy_level(radiated[1]),
+            })
+        };
+        let level = |(row, signal): (usize, &Vec<f64>)| {
+            let [lae_db, le_db] = self.exposure(row).map(exposure_level);
+            MicrophoneLevel {
+                lae_db,
+                le_db,
+                peak_pa: peak(signal),
+            }
         };
         ReceivedSource {
             source: self.source.clone(),
             how: self.how.clone(),
             range_hz: self.range_hz,
+            synthetic_from_hz: (self.phases_to_hz < high * (1.0 - 1e-9)).then_some(self.phases_to_hz),
             interpolation_error: self.interpolation_error,
-            levels: microphones
-                .map(|([weighted, plain], signal)| MicrophoneLevel {
-                    lae_db: exposure_level(*weighted),
-                    le_db: exposure_level(*plain),
-                    peak_pa: peak(signal),
-                })
+            levels: self.signals[..self.microphones()]
+                .iter()
+                .enumerate()
+                .map(level)
                 .collect(),
-            lwa_db: measured,
-            true_lwa_db: radiated,
-            bands: self.bands.iter().map(of_band).collect(),
+            lwa_db: energy_level(over_bands(&measured)[0]),
+            true_lwa_db: energy_level(over_bands(&self.radiated)[0]),
+            bands: energies.filter_map(of_band).collect(),
         }
     }
 
@@ -113,27 +162,23 @@ impl AtMicrophones {
     /// over which it is received.
     #[must_use]
     pub fn with(&self, part: &Self, factor: f64) -> Self {
-        let add = |own: [f64; 2], other: [f64; 2]| [own[0] + factor * other[0], own[1] + factor * other[1]];
+        let add = |own: &mut [[f64; 2]], other: &[[f64; 2]]| {
+            let pairs = own.iter_mut().flatten().zip(other.iter().flatten());
+            pairs.for_each(|(own, other)| *own += factor * other);
+        };
         let mut sum = self.clone();
         for (own, other) in sum.exposures.iter_mut().zip(&part.exposures) {
-            *own = add(*own, *other);
+            add(own, other);
         }
-        sum.energies = add(sum.energies, part.energies);
-        for (hz, energies) in &part.bands {
-            match sum.bands.iter_mut().find(|(own, _)| own == hz) {
-                Some((_, own)) => *own = add(*own, *energies),
-                None => sum.bands.push((*hz, add([0.0; 2], *energies))),
-            }
-        }
-        sum.bands.sort_by(|a, b| a.0.total_cmp(&b.0));
+        add(&mut sum.radiated, &part.radiated);
         for (own, other) in sum.signals.iter_mut().zip(&part.signals) {
             own.iter_mut().zip(other).for_each(|(own, p)| *own += factor * p);
         }
-        sum.ear.add(&part.ear, factor);
         if factor > 0.0 {
             let ([low, high], [from, to]) = (sum.range_hz, part.range_hz);
             sum.how = format!("{}; {}: {}, {from:.0} to {to:.0} Hz", sum.how, part.source, part.how);
             sum.range_hz = [low.min(from), high.max(to)];
+            sum.phases_to_hz = sum.phases_to_hz.min(part.phases_to_hz);
             sum.interpolation_error = [sum.interpolation_error, part.interpolation_error]
                 .into_iter()
                 .flatten()
@@ -173,35 +218,65 @@ impl MicrophoneArray {
         all
     }
 
-    /// Energies of a source at the microphones, in the range in which all are compared.
-    fn received(&self, received: Received<'_>) -> Result<AtMicrophones, Error> {
-        let [low, high] = self.range_hz;
-        let within = [received.range[0].max(low), received.range[1].min(high)];
-        energies(received, self.surface().area(), within)
+    /// Travel time from the device's centre to each receiver \[s\].
+    fn travel_times(&self) -> Vec<f64> {
+        let [x, y, foot] = self.foot;
+        let centre = Point3::new(x, y, foot + self.centre_height);
+        let time = |place: &Point3<f64>| (place - centre).norm() / self.air.sound_speed;
+        self.receivers().iter().map(time).collect()
     }
 
-    /// Levels and signals of every source and of all together, for a shot whose records last until `end` \[s\]; `radiated` is
-    /// the A-weighted energy of all sources \[J\].
+    /// Energies of a source at the microphones, in the range in which all are compared.
+    fn received(&self, received: Received<'_>) -> AtMicrophones {
+        let [low, high] = self.range_hz;
+        let range = received.range.map(|end| end.clamp(low, high));
+        let bands = within(&bands(self.range_hz), range);
+        let mut exposures = vec![vec![[0.0; 2]; bands.len()]; received.signals.len()];
+        for Part { frequency, exposure } in &received.parts {
+            let integration = Integration::new(frequency, &bands);
+            for (own, density) in exposures.iter_mut().zip(exposure.row_iter()) {
+                let density: Vec<f64> = density.iter().copied().collect();
+                let found = integration.energies(&density);
+                (own.iter_mut().flatten().zip(found.iter().flatten())).for_each(|(own, e)| *own += e);
+            }
+        }
+        let spectrum = received.radiated;
+        AtMicrophones {
+            source: spectrum.source.clone(),
+            how: received.how.to_owned(),
+            range_hz: range,
+            phases_to_hz: received.phases_to_hz.clamp(range[0], range[1]),
+            interpolation_error: received.interpolation_error,
+            exposures,
+            radiated: integrals(&spectrum.frequency, &spectrum.energy_density, &bands),
+            signals: received.signals,
+        }
+    }
+
+    /// Levels and signals of every source and of all together; sources are complete, see [`Self::complete`].
     ///
     /// # Errors
-    /// Those of the standard's corrections.
-    pub fn measurement(
-        &self,
-        room: &Room,
-        all: [&AtMicrophones; 3],
-        (end, radiated): (f64, f64),
-    ) -> Result<Microphones, Error> {
+    /// Those of the standard's corrections; signals that are not finite.
+    pub fn measurement(&self, room: &Room, all: [&AtMicrophones; 3]) -> Result<Microphones, Error> {
         let surface = self.surface();
         let positions = surface.positions();
-        let mut total = vec![vec![0.0; samples(end)]; positions.len()];
+        let ear = self.at_ear(&all)?;
+        let mut total: Vec<Vec<f64>> = Vec::new();
         for source in all {
+            total.resize(positions.len(), Vec::new());
             for (sum, signal) in total.iter_mut().zip(&source.signals) {
+                sum.resize(sum.len().max(signal.len()), 0.0);
                 sum.iter_mut().zip(signal).for_each(|(sum, p)| *sum += p);
             }
         }
-        let sources: Vec<ReceivedSource> = all.iter().map(|source| source.levels()).collect();
-        let measured = by_iso_3744(room, &self.air, &surface, &all, &total)?;
-        let own = all.iter().map(|source| (source.source.clone(), source.signals.clone()));
+        let bands = bands(self.range_hz);
+        let sources: Vec<ReceivedSource> = all.iter().map(|source| source.levels(&bands, surface.area())).collect();
+        let levels = together(&total, &bands);
+        let measured = by_iso_3744(room, &self.air, &surface, &all, levels)?;
+        let own = all.iter().map(|source| {
+            let signals = source.signals[..positions.len()].to_vec();
+            (source.source.clone(), signals)
+        });
         let signals: Vec<(String, Vec<Vec<f64>>)> = own.chain([(TOTAL.to_owned(), total)]).collect();
         let peaks = signals
             .iter()
@@ -211,66 +286,30 @@ impl MicrophoneArray {
             box_m: surface.sides,
             area_m2: surface.area(),
             positions_m: positions.map(Into::into).to_vec(),
+            range_hz: self.range_hz,
             full_scale_pa: full_scale(peaks.fold(0.0, f64::max)),
             sources,
             total: measured,
         };
-        let ear = self.at_ear(&all, radiated)?;
         Ok(Microphones { report, ear, signals })
     }
 }
 
-/// A source's energies at the microphones, and by the standard's surface without room and background.
-fn energies(mut received: Received<'_>, area: f64, range: [f64; 2]) -> Result<AtMicrophones, Error> {
-    let exposure = |row: usize, parts: &[Part], weighting: Weighting| -> f64 {
-        let of_part = |part: &Part| -> f64 {
-            let weights = energy_weights(&part.frequency, range, weighting);
-            weights
-                .iter()
-                .zip(part.exposure.row(row).iter())
-                .map(|(w, e)| w * e)
-                .sum()
-        };
-        parts.iter().map(of_part).sum()
+/// Levels of the sound of all sources together, whose pressures add.
+fn together(signals: &[Vec<f64>], bands: &[[f64; 2]]) -> Vec<MicrophoneLevel> {
+    let samples = signals.iter().map(Vec::len).max().unwrap_or(0);
+    let spectra = Spectra::new(samples, f64::from(SAMPLE_RATE));
+    let integration = Integration::new(&spectra.frequency, bands);
+    let level = |signal: &Vec<f64>| {
+        let energies = integration.energies(&density(&spectra.lines(signal)));
+        let [lae_db, le_db] = over_bands(&energies).map(exposure_level);
+        MicrophoneLevel {
+            lae_db,
+            le_db,
+            peak_pa: peak(signal),
+        }
     };
-    // The ear is the last receiver.
-    let signal = received.signals.pop().unwrap_or_default();
-    let microphones = received.signals.len();
-    let ear = AtEar {
-        exposure: exposure(microphones, &received.parts, Weighting::A),
-        signal,
-    };
-    let of_row = |row: usize| [Weighting::A, Weighting::Z].map(|weighting| exposure(row, &received.parts, weighting));
-    let exposures: Vec<[f64; 2]> = (0..microphones).map(of_row).collect();
-    // The mean exposure over the surface, as the power that an impedance of 400 Pa s/m makes of it.
-    let as_power = |part: &Part| {
-        let mean = part.exposure.rows(0, microphones).row_mean();
-        let mean = mean.iter().map(|e| e * area / REFERENCE).collect();
-        SourceSpectrum::new("microphones", "ISO 3744", part.frequency.clone(), mean, range)
-    };
-    let parts = received.parts.iter().map(as_power).collect::<Result<Vec<_>, _>>()?;
-    let measured = SourceSpectrum::sum("microphones", "ISO 3744", &parts);
-    let whole = |b: &BandLevel| b.band.low >= range[0] * (1.0 - 1e-9) && b.band.high <= range[1] * (1.0 + 1e-9);
-    let bands = measured.band_levels(range);
-    let of_band = |(measured, radiated): (&BandLevel, &BandLevel)| {
-        (measured.band.nominal_hz(), [measured.energy, radiated.energy])
-    };
-    Ok(AtMicrophones {
-        source: received.radiated.source.clone(),
-        how: received.how.to_owned(),
-        range_hz: range,
-        interpolation_error: received.interpolation_error,
-        exposures,
-        ear,
-        energies: [&measured, received.radiated].map(|spectrum| spectrum.energy(range, Weighting::A)),
-        bands: bands
-            .iter()
-            .zip(&received.radiated.band_levels(range))
-            .filter(|(b, _)| whole(b))
-            .map(of_band)
-            .collect(),
-        signals: received.signals,
-    })
+    signals.iter().map(level).collect()
 }
 
 /// All sources at once by the procedure of ISO 3744, in a room with background noise.
@@ -279,7 +318,7 @@ fn by_iso_3744(
     air: &Air,
     surface: &Iso3744Box,
     sources: &[&AtMicrophones],
-    signals: &[Vec<f64>],
+    levels: Vec<MicrophoneLevel>,
 ) -> Result<ArrayMeasurement, Error> {
     // Those of the levels that the result gives of each source.
     let rounded = |energy: f64| {
@@ -290,15 +329,10 @@ fn by_iso_3744(
         }
     };
     let sum = |energy: &dyn Fn(&AtMicrophones) -> f64| -> f64 { sources.iter().map(|s| rounded(energy(s))).sum() };
-    let levels = (0..signals.len()).map(|row| MicrophoneLevel {
-        lae_db: energy_level(sum(&|s| s.exposures[row][0] / REFERENCE)),
-        le_db: energy_level(sum(&|s| s.exposures[row][1] / REFERENCE)),
-        peak_pa: peak(&signals[row]),
-    });
     let area = surface.area();
-    let radiated = sum(&|s| s.energies[1]);
+    let radiated = sum(&|s| over_bands(&s.radiated)[0]);
     // Energies as they stand for mean exposures: E = 400 Pa s/m x S x mean.
-    let direct = sum(&|s| s.energies[0]);
+    let direct = sum(&|s| over_bands(&s.measured(area))[0]);
     let (reverberant, k2) = if room.absorption > 0.0 {
         let absorption = room.absorption;
         (
@@ -322,7 +356,7 @@ fn by_iso_3744(
     };
     let measured = energy_level(of_tool + background);
     Ok(ArrayMeasurement {
-        levels: levels.collect(),
+        levels,
         lpa_db: measured.map(|level| level - 10.0 * area.log10()),
         k1_db: k1,
         k2_db: k2,

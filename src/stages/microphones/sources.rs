@@ -17,9 +17,6 @@ use super::{AtMicrophones, LONGEST, MicrophoneArray, SAMPLE_RATE, TAIL};
 use crate::error::Error;
 use crate::stages::sound::Sound;
 
-/// How a source is received of which neither directions nor phases are known.
-pub(super) const SPREAD_EVENLY: &str = "spread evenly: ERP knows no directions";
-
 /// Azimuths of the exhaust's jets: enough that the mean over them is that over all.
 const AZIMUTHS: usize = 12;
 
@@ -57,10 +54,12 @@ pub(super) struct Received<'a> {
     pub(super) how: &'static str,
     /// Range over which the sound at the microphones is given \[Hz\].
     pub(super) range: [f64; 2],
+    /// Frequency up to which the signals have the phases of the source \[Hz\].
+    pub(super) phases_to_hz: f64,
     /// Error of interpolated pressures over frequency, relative to the loudest mode at any microphone.
     pub(super) interpolation_error: Option<f64>,
     pub(super) parts: Vec<Part>,
-    /// Pressure at [`SAMPLE_RATE`] from the trigger on, microphone by microphone \[Pa\].
+    /// Pressure at [`SAMPLE_RATE`] from the trigger on, receiver by receiver \[Pa\].
     pub(super) signals: Vec<Vec<f64>>,
 }
 
@@ -123,14 +122,15 @@ impl MicrophoneArray {
             }
         }
         let (_, signals) = receivers.of_pressures(frequency, &pressures);
-        self.received(Received {
+        Ok(self.received(Received {
             radiated,
             how: found.method,
             range: found.range_hz,
+            phases_to_hz: found.range_hz[1],
             interpolation_error: Some(found.interpolation_error),
             parts: vec![part],
             signals,
-        })
+        }))
     }
 
     /// Sound of a source without directivity, all of its signals from one point; `end` is that of all records \[s\].
@@ -142,14 +142,15 @@ impl MicrophoneArray {
         let spread = |(_, signals): &(&str, PowerSignals)| receivers.spread(centre.into(), signals);
         let parts = source.signals.iter().map(spread);
         let (parts, signals): (Vec<Part>, Vec<_>) = parts.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
-        self.received(Received {
+        Ok(self.received(Received {
             radiated: &source.spectrum,
-            how: SPREAD_EVENLY,
+            how: "spread evenly: ERP knows no directions",
             range: source.spectrum.range_hz,
+            phases_to_hz: source.spectrum.range_hz[0],
             interpolation_error: None,
             parts,
             signals: sum(signals, receivers.samples),
-        })
+        }))
     }
 
     /// Sound of the tool as an oscillating sphere, the vibration of its housing spread evenly; `end` is that of all records
@@ -190,18 +191,21 @@ impl MicrophoneArray {
             parts.push(part);
             signals.push(signal);
         }
-        self.received(Received {
+        let (range, spread) = (source.spectrum.range_hz, parts.len() > 1);
+        Ok(self.received(Received {
             radiated: &source.spectrum,
-            how: if parts.len() > 1 {
+            how: if spread {
                 "shaken sphere, vibration of the housing spread evenly"
             } else {
                 "shaken sphere"
             },
-            range: source.spectrum.range_hz,
+            range,
+            // The vibration has an energy at each frequency, and no phases.
+            phases_to_hz: range[usize::from(!spread)],
             interpolation_error: None,
             parts,
             signals: sum(signals, receivers.samples),
-        })
+        }))
     }
 
     /// Sound of the exhaust's openings, numbered from `first` on: jets in all directions around the tool's top, and the point
@@ -248,14 +252,16 @@ impl MicrophoneArray {
             });
             signals.push(of_opening);
         }
-        self.received(Received {
+        Ok(self.received(Received {
             radiated,
             how: "jets all around the tool's top",
             range: radiated.range_hz,
+            // Jets are random, and each signal is a draw of them.
+            phases_to_hz: radiated.range_hz[1],
             interpolation_error: None,
             parts,
             signals: sum(signals, receivers.samples),
-        })
+        }))
     }
 }
 

@@ -7,14 +7,14 @@ use nailnoise_acoustics::random::uniform;
 use nalgebra::Complex;
 
 /// A standard normal number for a place of a sequence (Box and Muller 1958).
-pub(super) fn normal(seed: u64, first: u64, second: u64) -> f64 {
+pub(crate) fn normal(seed: u64, first: u64, second: u64) -> f64 {
     let (u, v) = (uniform(seed, first, 2 * second), uniform(seed, first, 2 * second + 1));
     (-2.0 * (1.0 - u).ln()).sqrt() * (TAU * v).cos()
 }
 
 /// Noise whose expected energy has the one-sided density `density(hz)` \[unit2 s/Hz\], under an `envelope` of power over time
 /// (one value a sample, its scale does not matter) at `rate` \[1/s\]; silent where the envelope is.
-pub(super) fn under_envelope(
+pub(crate) fn under_envelope(
     envelope: &[f64],
     rate: f64,
     density: impl Fn(f64) -> f64,
