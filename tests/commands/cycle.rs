@@ -181,7 +181,7 @@ fn unknown_or_conflicting_options_are_refused() {
         ),
         (
             &["--sensitivity", "--parameters", "body.cap_height"],
-            vec!["takes part in the nailing cycle", "--parameters"],
+            vec!["not a quantity of the nailing cycle", "--parameters"],
         ),
         (&["--outputs", "speed"], vec!["--sensitivity"]),
         (&["--sensitivity", "--draw", "5"], vec!["cannot be used with"]),

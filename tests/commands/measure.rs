@@ -76,6 +76,13 @@ fn perfect_wraps_return_the_sources_of_the_shots() {
     assert!(result["closure_db"].as_f64().unwrap().abs() < 0.3);
 }
 
+/// Three standard deviations of the mean level of drawn noise in a one-third octave \[dB\]: 10 lg e / sqrt(B T) a draw, of two shots at
+/// nine microphones, for the 50 ms of the exhaust.
+fn drawn_within(hz: f64) -> f64 {
+    let bandwidth = 0.232 * hz;
+    3.0 * 4.34 / (2.0 * 9.0 * bandwidth * 0.05).sqrt()
+}
+
 /// With the design's own wraps, the levels by subtraction are those of the exact energies within the scatter of the shots.
 #[test]
 fn recordings_give_what_the_energies_give() {
@@ -93,11 +100,16 @@ fn recordings_give_what_the_energies_give() {
             };
             // The small design ends at 2 kHz; lines near the residual have a bias, which the energies do not have.
             let residual = exact["configurations_db"][1].as_f64().unwrap();
-            if exact["hz"].as_f64() < Some(1900.0) && exact_db > (residual + 6.0).max(40.0) {
+            let hz = exact["hz"].as_f64().unwrap();
+            if hz < 1900.0 && exact_db > (residual + 6.0).max(40.0) {
+                let within = if source == "exhaust" {
+                    drawn_within(hz).max(1.0)
+                } else {
+                    1.0
+                };
                 assert!(
-                    (exact_db - own_db).abs() < 1.0,
-                    "{source} {} Hz: {own_db} for {exact_db} dB",
-                    exact["hz"]
+                    (exact_db - own_db).abs() < within,
+                    "{source} {hz} Hz: {own_db} for {exact_db} dB"
                 );
                 compared += 1;
             }
