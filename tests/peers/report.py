@@ -1,12 +1,13 @@
 """Opens reports in headless Chromium as readers would, without a network.
 
-    report.py PICTURES REPORT.html ...
+    report.py PICTURES REPORT.html ... [--every-picture]
 
 Windows of four widths, light and dark, without JavaScript, without WebGL, and in print. Asserts for each that nothing is asked of a
 network, that no error is in the console, that no label of a chart touches another or leaves the window, that texts have
 enough contrast and pictures a text; that the values under the pointer are there, series can be hidden, time is zoomed in all
 charts together, the 3D view turns, sounds load, and A and B run in step; that the file is short enough, and in print the summary
-has at most four pages. Saves screenshots and the page as printed. Uses the Chromium of the system, or else that of playwright.
+has at most four pages. Saves screenshots (of all windows with --every-picture) and the page as printed. Uses the Chromium of the
+system, or else that of playwright.
 """
 
 import shutil
@@ -199,7 +200,7 @@ def printed(page: Page, report: Path, path: Path) -> None:
         print(f"{report}: {summary} pages of summary, {len(pages) - 1} in all")
 
 
-def look(browser: Browser, report: Path, pictures: Path) -> None:
+def look(browser: Browser, report: Path, pictures: Path, every: bool) -> None:
     name = f"{report.parent.name}-{report.stem}"
     limit = 2 if report.stem.startswith("compare") else 3
     assert report.stat().st_size <= limit * MEGABYTE, f"{report}: {report.stat().st_size} bytes"
@@ -208,7 +209,9 @@ def look(browser: Browser, report: Path, pictures: Path) -> None:
         for width in WIDTHS:
             page = opened(browser, report, errors, viewport={"width": width, "height": 900}, color_scheme=scheme)
             sound(page, report, f"{width} px, {scheme}")
-            scroll(page, lambda part: pictures / f"{name}-{width}-{scheme}-{part}.png")
+            # Charts are drawn as they come into view: one pass sees the errors of all, further ones are for a reader of the pictures.
+            if every or (width, scheme) == (WIDTHS[-1], "dark"):
+                scroll(page, lambda part: pictures / f"{name}-{width}-{scheme}-{part}.png")
             page.context.close()
     # A reader without JavaScript sees every chart and the picture of the surfaces.
     page = opened(browser, report, errors, viewport={"width": 1000, "height": 900}, java_script_enabled=False)
@@ -230,14 +233,15 @@ def look(browser: Browser, report: Path, pictures: Path) -> None:
     print(f"{report}: {count} charts, {sounds} sounds, {report.stat().st_size / MEGABYTE:.2f} MB, no error")
 
 
-def main(pictures: Path, reports: list[Path]) -> None:
+def main(pictures: Path, reports: list[Path], every: bool) -> None:
     pictures.mkdir(parents=True, exist_ok=True)
     system = next((found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name))), None)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=system, args=ARGUMENTS)
         for report in reports:
-            look(browser, report, pictures)
+            look(browser, report, pictures, every)
         browser.close()
 
 
-main(Path(sys.argv[1]), [Path(report) for report in sys.argv[2:]])
+arguments = [argument for argument in sys.argv[1:] if argument != "--every-picture"]
+main(Path(arguments[0]), [Path(report) for report in arguments[1:]], "--every-picture" in sys.argv)
