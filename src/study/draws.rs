@@ -10,7 +10,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use super::jobs::{kept_levels, levels_of_shot, on_threads};
+use super::jobs::{CONSEQUENCE, kept_levels, levels_of_shot, on_threads};
 use super::request::{Part, Request};
 use super::sampling::{Frame, Point, Sampler};
 use super::screening::{Candidate, Tally, drawn, screen};
@@ -262,6 +262,8 @@ pub(super) fn levels(
             levels
         });
         drop(anchors);
+        let cause = results.iter().filter_map(|result| result.as_ref().err());
+        let cause = cause.filter(|message| *message != CONSEQUENCE).cloned().next();
         for (place, (planned, results)) in group.iter().zip(results.chunks(designs.len())).enumerate() {
             let candidate = &planned.candidate;
             let draw = |(result, fate): (&Result<Levels, String>, &Fate)| match (result, fate) {
@@ -273,6 +275,7 @@ pub(super) fn levels(
                     shot: shot.clone(),
                     levels: levels.clone(),
                 }),
+                (Err(message), _) if message == CONSEQUENCE => Err(cause.as_ref().unwrap_or(message).clone()),
                 (Err(message), _) => Err(message.clone()),
                 _ => Err("its computation ended".to_owned()),
             };

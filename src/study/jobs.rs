@@ -10,6 +10,9 @@ use crate::graph::Graph;
 use crate::stages::levels::{Levels, ShotLevels};
 use crate::stages::{Postcard, Stage};
 
+/// The message of a job that failed because of another's failure.
+pub(super) const CONSEQUENCE: &str = "an input could not be computed";
+
 /// Computes the jobs `0 .. count`, as many at a time as the pool has threads; the results come in the order of the jobs.
 pub(super) fn on_threads<T: Send>(
     count: usize,
@@ -59,5 +62,9 @@ pub(super) fn levels_of_shot(chain: Result<Chain, Error>) -> Result<Levels, Stri
     });
     levels
         .map(|levels| Levels::clone(&levels))
-        .map_err(|error| error.in_words())
+        .map_err(|error| match error {
+            // The job in which the input failed has the reason.
+            Error::Upstream { .. } => CONSEQUENCE.to_owned(),
+            cause => cause.in_words(),
+        })
 }
