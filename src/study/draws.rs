@@ -262,8 +262,8 @@ pub(super) fn levels(
             levels
         });
         drop(anchors);
-        let cause = results.iter().filter_map(|result| result.as_ref().err());
-        let cause = cause.filter(|message| *message != CONSEQUENCE).cloned().next();
+        let mut causes = results.iter().filter_map(|result| result.as_ref().err());
+        let cause = causes.find(|message| *message != CONSEQUENCE).cloned();
         for (place, (planned, results)) in group.iter().zip(results.chunks(designs.len())).enumerate() {
             let candidate = &planned.candidate;
             let draw = |(result, fate): (&Result<Levels, String>, &Fate)| match (result, fate) {
