@@ -1,7 +1,8 @@
 //! Digests the code of every crate and of every stage, so that a kept result is used only by the code that made it.
 //!
-//! Comments, documentation, layout and unit tests do not count: they change no result. The digest of a crate includes
-//! those of the workspace crates it depends on, and the lock file, which fixes all other dependencies.
+//! Comments, documentation, layout and unit tests do not count: they change no result. Files that code includes count whole.
+//! The digest of a crate includes those of the workspace crates it depends on, and the lock file, which fixes all other
+//! dependencies.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -135,22 +136,40 @@ fn digest_code(root: &Path, path: &Path, digest: &mut Sha256) -> Result<(), Box<
         entries.sort();
         return entries.iter().try_for_each(|entry| digest_code(root, entry, digest));
     }
-    // Style, scripts and whatever else a page or an export holds.
-    if path
-        .extension()
-        .is_some_and(|extension| ["css", "js", "py"].iter().any(|own| extension == *own))
-    {
-        digest.update(path.strip_prefix(root)?.to_string_lossy().as_bytes());
-        digest.update(fs::read(path)?);
-    }
     if path.extension().is_some_and(|extension| extension == "rs") {
         digest.update(path.strip_prefix(root)?.to_string_lossy().as_bytes());
         let text = fs::read_to_string(path)?;
         // What is no Rust fails in the compiler, with a better message.
-        let code = TokenStream::from_str(&text).map_or(text, |tokens| significant(tokens).to_string());
-        digest.update(code);
+        let Ok(tokens) = TokenStream::from_str(&text) else {
+            digest.update(text);
+            return Ok(());
+        };
+        let code = significant(tokens);
+        digest.update(code.to_string());
+        for name in included(code) {
+            let file = path.with_file_name(&name);
+            println!("cargo:rerun-if-changed={}", file.display());
+            digest.update(&name);
+            digest.update(fs::read(file)?);
+        }
     }
     Ok(())
+}
+
+/// Files that code includes by `include_str!("...")` or `include_bytes!("...")`: geometries, meshes, styles and scripts.
+fn included(tokens: TokenStream) -> Vec<String> {
+    let tokens: Vec<TokenTree> = tokens.into_iter().collect();
+    let mut names = Vec::new();
+    for (at, tree) in tokens.iter().enumerate() {
+        let TokenTree::Group(group) = tree else { continue };
+        let macros = ["include_str", "include_bytes"];
+        let includes = at >= 2 && macros.iter().any(|name| tokens[at - 2].to_string() == *name);
+        match group.stream().into_iter().next() {
+            Some(TokenTree::Literal(name)) if includes => names.push(name.to_string().trim_matches('"').to_owned()),
+            _ => names.extend(included(group.stream())),
+        }
+    }
+    names
 }
 
 /// Tokens without documentation and without what is compiled for tests alone.
