@@ -332,6 +332,13 @@ pub enum Error {
         /// Panels of the cap, and of all of the outline.
         panels: [usize; 2],
     },
+    /// A surface within the tool that is open to the outside.
+    #[error("the tool's surface `{surface}`, the wall of an enclosed volume of air, lies in the open air")]
+    #[diagnostic(help("close the gap in the wall around that volume"))]
+    OpenCavity {
+        /// Name of the surface.
+        surface: String,
+    },
     /// Pieces of a body that nothing joins.
     #[error(
         "the {body} falls into {pieces} pieces that nothing joins or holds; the smallest has {:.2} cm3 around ({:.1}, {:.1}, \

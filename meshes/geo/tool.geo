@@ -33,16 +33,22 @@ barrel() = BooleanDifference{ Volume{1}; Delete; }{ Volume{2}; Delete; };
 Cylinder(3) = {0, 0, roof, 0, 0, cap_height, cap_radius};
 Cylinder(4) = {0, 0, roof + c, 0, 0, cap_height - 2*c, cap_radius - c};
 cap() = BooleanDifference{ Volume{3}; Delete; }{ Volume{4}; Delete; };
-grip = barrel_radius - 4; // where the handle's tube begins, within the barrel's wall
-Cylinder(5) = {grip, 0, handle_level, handle_length, 0, 0, handle_radius};
-Cylinder(6) = {grip, 0, handle_level, handle_length - handle_wall, 0, 0, handle_radius - handle_wall};
+grip = barrel_radius - 4; // from where the handle's length counts
+Cylinder(5) = {0, 0, handle_level, grip + handle_length, 0, 0, handle_radius};
+Cylinder(6) = {0, 0, handle_level, grip + handle_length - handle_wall, 0, 0, handle_radius - handle_wall};
 handle() = BooleanDifference{ Volume{5}; Delete; }{ Volume{6}; Delete; };
 h = magazine_height/2;
 Cylinder(7) = {magazine_offset, -h, magazine_level, 0, 2*h, 0, magazine_radius};
 Cylinder(8) = {magazine_offset, -(h - m), magazine_level, 0, 2*(h - m), 0, magazine_radius - m};
 can() = BooleanDifference{ Volume{7}; Delete; }{ Volume{8}; Delete; };
 Box(9) = {nose_width/2 - 1, -arm_depth/2, magazine_level - arm_height/2, arm_reach - nose_width/2 + 1, arm_depth, arm_height};
-housing() = BooleanUnion{ Volume{barrel()}; Delete; }{ Volume{cap(), handle(), can(), 9}; Delete; };
+// Handle, can and arm end within the walls of barrel and cap, all round: a tube that ends in a plane would leave its cavity open at the
+// sides of a round barrel.
+Cylinder(10) = {0, 0, floor + b/2, 0, 0, barrel_height - b/2, barrel_radius - b/2};
+Cylinder(11) = {0, 0, roof, 0, 0, cap_height - c/2, cap_radius - c/2};
+core() = BooleanUnion{ Volume{10}; Delete; }{ Volume{11}; Delete; };
+added() = BooleanDifference{ Volume{handle(), can(), 9}; Delete; }{ Volume{core()}; Delete; };
+housing() = BooleanUnion{ Volume{barrel()}; Delete; }{ Volume{cap(), added()}; Delete; };
 
 w = nose_width/2;
 d = nose_depth/2;
@@ -163,8 +169,13 @@ For k In {0 : #cans() - 1}
 EndFor
 Physical Surface("magazine") = {ends()};
 
-// Chords of the sleeve and of the barrel around it must not cross: a chord of length l lies l^2/(8 r) inside its arc.
-near = 0.7*Sqrt(8*r*(q - r));
+// Chords of the sleeve's two sides and of the barrel around it must not cross: a chord of length l lies l^2/(8 r) inside its arc.
+// The longest sides are half as long again as the size.
+near = 0.65*Sqrt(8*r*(q - r));
+thin = 0.65*Sqrt(8*r*sleeve_wall);
+If (thin < near)
+  near = thin;
+EndIf
 walls() = Surface In BoundingBox {-q - e, -q - e, floor + b - e, q + e, q + e, roof - b + e};
 If (near < size)
   Characteristic Length{ PointsOf{ Surface{walls()}; } } = near;
@@ -189,7 +200,11 @@ Field[4] = Min;
 Field[4].FieldsList = {1, 2, 3};
 Background Field = 4;
 Mesh.CharacteristicLengthMax = size;
-Mesh.CharacteristicLengthMin = fine;
+least = fine;
+If (near < least)
+  least = near;
+EndIf
+Mesh.CharacteristicLengthMin = least;
 Mesh.ElementOrder = 2;
 Mesh.HighOrderOptimize = 2;
 Mesh.ScalingFactor = 0.001;

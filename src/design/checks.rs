@@ -606,6 +606,7 @@ fn body(v: &Values) -> Option<Conflict> {
             hollow,
         )
     })
+    .or_else(|| parts_meet(v))
     .or_else(|| {
         at_most(
             ("body.nose_overlap", b.nose_overlap),
@@ -637,6 +638,48 @@ fn body(v: &Values) -> Option<Conflict> {
     .or_else(|| incompressible("body.housing.poisson_ratio", b.housing.poisson_ratio))
     .or_else(|| incompressible("body.nose.poisson_ratio", b.nose.poisson_ratio))
     .or_else(|| incompressible("body.sleeve.poisson_ratio", b.sleeve.poisson_ratio))
+}
+
+/// The parts of the tool body meet, and none is below the tip of the nose.
+fn parts_meet(v: &Values) -> Option<Conflict> {
+    let b = &v.body;
+    let top = b.nose_height + b.barrel_height + b.cap_height;
+    below(
+        ("body.handle_radius", b.handle_radius),
+        (
+            "body.barrel_radius",
+            b.barrel_radius(0.5 * v.piston.bore) - b.barrel_wall,
+        ),
+        "the handle's tube is narrower than the cavity of the barrel that it ends on",
+    )
+    .or_else(|| {
+        at_most(
+            ("body.handle_level", b.handle_level),
+            ("body.barrel_height", top - b.handle_radius),
+            "the handle ends on barrel and cap, its top no higher than the cap's",
+        )
+    })
+    .or_else(|| {
+        at_most(
+            ("body.nose_height", b.nose_height),
+            ("body.handle_level", b.handle_level - b.handle_radius),
+            "the handle ends on the barrel, its underside no lower than the barrel's",
+        )
+    })
+    .or_else(|| {
+        at_most(
+            ("body.magazine_offset", b.magazine_offset),
+            ("body.arm_reach", b.arm_reach + b.magazine_radius - b.magazine_wall),
+            "the arm from the nose reaches through the magazine's wall, which is a radius from the magazine's axis",
+        )
+    })
+    .or_else(|| {
+        at_most(
+            ("body.magazine_radius", b.magazine_radius),
+            ("body.magazine_level", b.magazine_level),
+            "no part of the tool is below the nose's tip",
+        )
+    })
 }
 
 fn support(v: &Values) -> Option<Conflict> {

@@ -65,6 +65,9 @@ impl CapSurface {
     }
 }
 
+/// Surfaces of enclosed air: supply in the handle and around the sleeve, exhaust in the cap.
+const ENCLOSED: [&str; 3] = ["supply", "sleeve_outside", "plenum"];
+
 /// Most panels of a useful coarser mesh over those of the finest.
 const WORTH_WHILE: f64 = 0.6;
 
@@ -162,9 +165,10 @@ impl ToolRadiation {
     /// The same, with each mode of the cap alone behind those of the whole where it is apart.
     ///
     /// # Errors
-    /// As [`Self::level`], and [`Error::NoCapSurface`].
+    /// As [`Self::level`], [`Error::OpenCavity`], and [`Error::NoCapSurface`].
     pub fn finest(&self, body: &MovingSurface<'_>, cap: Option<&CapSurface>, air: &Air) -> Result<MeshRange, Error> {
         let outline = ClosedOutline::new(body.surface, self.floor)?;
+        refuse_open_cavities(&outline.mesh)?;
         let motion = outline.motion(body.surface, body.modes);
         let boundary = Boundary::new(outline.mesh, self.floor)?;
         let mut velocities = boundary.project_displacements(&motion)?;
@@ -223,6 +227,18 @@ impl ToolRadiation {
             patterns,
         };
         Ok(vec![below, fine])
+    }
+}
+
+/// A cavity that a slit connects with the outside is a Helmholtz resonator, which multiplies the radiation of all modes
+/// near its resonance; the volumes of air in a tool are closed.
+fn refuse_open_cavities(outline: &BoundaryMesh) -> Result<(), Error> {
+    let name = |panel: &Panel| outline.patches[panel.patch].as_str();
+    match outline.panels.iter().map(name).find(|name| ENCLOSED.contains(name)) {
+        Some(surface) => Err(Error::OpenCavity {
+            surface: surface.to_owned(),
+        }),
+        None => Ok(()),
     }
 }
 
