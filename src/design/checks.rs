@@ -3,324 +3,9 @@
 //! Each rule reads plain values, so that a design changed by a program can be checked as well as a file.
 
 use nailnoise_acoustics::muffler::plane_wave_limit;
-use nailnoise_quantities::dimension::*;
 
+use super::conflict::{Conflict, SAMPLES, SPRING_LIMIT};
 use super::groups::*;
-use super::show::{Short, show};
-use super::springs::Sprung;
-
-/// Compression up to which the printed polynomial of the closing spring (Eq. 4.60) holds \[m\].
-const SPRING_LIMIT: f64 = 5e-3;
-
-/// Two or more values that do not go together, with their numbers in SI units.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum Conflict {
-    /// The nail would come out below the block.
-    #[error("the nail ({}) is longer than the block is thick ({})", mm(*length), mm(*thickness))]
-    NailLongerThanBlock {
-        /// Length of the nail \[m\].
-        length: f64,
-        /// Thickness of the block \[m\].
-        thickness: f64,
-    },
-    /// A board is part of the built-in block.
-    #[error("`workpiece.board.thickness` puts a board on the built-in block, and `workpiece.mesh` replaces that block")]
-    BoardOnMesh,
-    /// The head of the waiting nail would be above the rod's end.
-    #[error(
-        "`nail.feed_height` ({}) must be below `piston.stroke` less `piston.rod_protrusion` ({})",
-        mm(*feed_height),
-        mm(*setback)
-    )]
-    NailAboveRod {
-        /// Height of the head above the nose's face \[m\].
-        feed_height: f64,
-        /// Height of the rod's end before the shot, stroke less protrusion \[m\].
-        setback: f64,
-    },
-    /// A length that must be smaller than another, or equal where `strict` is false.
-    #[error("`{small}` ({}) must be {} `{large}` ({})", mm(*value), order(*strict), mm(*limit))]
-    Order {
-        /// Key of the smaller length.
-        small: &'static str,
-        /// Its value \[m\].
-        value: f64,
-        /// Key of the larger length.
-        large: &'static str,
-        /// Its value \[m\].
-        limit: f64,
-        /// Whether equality is refused too.
-        strict: bool,
-        /// Why.
-        because: &'static str,
-    },
-    /// The closing spring is pressed beyond the range of its law.
-    #[error("the head valve's lift ({}) and spring preload ({}) add up to {}, the spring's law (Eq. 4.60) ends at {}",
-        mm(*lift), mm(*preload), mm(lift + preload), mm(SPRING_LIMIT))]
-    SpringBeyondLaw {
-        /// Full lift \[m\].
-        lift: f64,
-        /// Preload \[m\].
-        preload: f64,
-    },
-    /// Static friction below sliding friction.
-    #[error("`{group}` has less static ({} N) than sliding friction ({} N)",
-        Short(*static_force), Short(*sliding_force))]
-    Friction {
-        /// The group.
-        group: &'static str,
-        /// Static friction \[N\].
-        static_force: f64,
-        /// Sliding friction \[N\].
-        sliding_force: f64,
-    },
-    /// The guard's spring lifts the tool off the wood before the shot.
-    #[error("hand and weight push with {} N, the guard's spring lifts with {} N: the tool does not sit on the wood",
-        Short(*push), Short(*guard))]
-    NotSeated {
-        /// Push of the hand and weight of the tool \[N\].
-        push: f64,
-        /// Force of the guard's spring at its full travel \[N\].
-        guard: f64,
-    },
-    /// Elastic constants with which a solid would give energy away.
-    #[error("the elastic constants of `{group}` are not positive definite: {minor} = {}", Short(*value))]
-    NotElastic {
-        /// The group.
-        group: &'static str,
-        /// The minor of the compliance matrix, scaled by its diagonal, that is not above zero.
-        minor: &'static str,
-        /// Its value.
-        value: f64,
-    },
-    /// Poisson's ratio of an isotropic solid.
-    #[error("`{key}` is {}, an isotropic solid has less than 0.5", Short(*value))]
-    Incompressible {
-        /// The key.
-        key: &'static str,
-        /// Its value.
-        value: f64,
-    },
-    /// A supply that cannot drive anything.
-    #[error("`supply.pressure` ({} kPa absolute) is not above `ambient.pressure` ({} kPa)",
-        Short(1e-3 * supply), Short(1e-3 * ambient))]
-    SupplyBelowAmbient {
-        /// Supply pressure \[Pa\].
-        supply: f64,
-        /// Ambient pressure \[Pa\].
-        ambient: f64,
-    },
-    /// A muffler is asked for frequencies at which waves run across it.
-    #[error("`{key}` ({}) carries plane waves alone up to {:.0} Hz, the exhaust is analysed to {:.0} Hz",
-        mm(*diameter), highest, top)]
-    NotPlaneWaves {
-        /// Key of the diameter.
-        key: &'static str,
-        /// Its value \[m\].
-        diameter: f64,
-        /// Frequency at which the first wave across it propagates \[Hz\].
-        highest: f64,
-        /// Top of the analysis \[Hz\].
-        top: f64,
-    },
-    /// The muffler's tail pipe cannot have the flow area given.
-    #[error("`exhaust.muffler.flow_area` ({}) is more than the tail pipe of {} has ({})",
-        show(*area, AREA), mm(*diameter), show(*bore, AREA))]
-    MufflerArea {
-        /// Flow area given \[m2\].
-        area: f64,
-        /// Diameter of the tail pipe \[m\].
-        diameter: f64,
-        /// Its bore \[m2\].
-        bore: f64,
-    },
-    /// A fitting and a muffler on the same holes.
-    #[error("`exhaust.fitting.kind` and `exhaust.muffler.kind` put a fitting and a muffler on the same holes")]
-    FittingAndMuffler,
-    /// Nothing carries a body that stands on springs.
-    #[error("nothing carries the {}: it stands on springs, and none on it has a `stiffness_z` above 0", body.as_str())]
-    NotCarried {
-        /// The body.
-        body: Sprung,
-        /// The key that takes other supports away.
-        key: &'static str,
-    },
-    /// Microphones below the sand, on a measurement surface that stands on the floor.
-    #[error("a sandbox of {} on the floor is not below {}, where the microphones would be in the sand", mm(*depth), mm(*highest))]
-    MicrophonesInSand {
-        /// Depth of the box \[m\].
-        depth: f64,
-        /// Depth that it must not reach \[m\].
-        highest: f64,
-    },
-    /// Ratio of specific heats of 1 or less.
-    #[error("`ambient.heat_capacity_ratio` is {}, a gas has more than 1", Short(*value))]
-    HeatCapacityRatio {
-        /// Its value.
-        value: f64,
-    },
-    /// The range for the ranking is empty.
-    #[error("the range of the ranking runs from {} Hz to {} Hz", Short(*low), Short(*high))]
-    EmptyRange {
-        /// Lower end \[Hz\].
-        low: f64,
-        /// Upper end \[Hz\].
-        high: f64,
-    },
-    /// The time step samples the top frequency too coarsely.
-    #[error("a time step of {} us samples {} Hz {} times a period, fewer than {SAMPLES} times",
-        Short(time_step * 1e6), Short(*top), Short(1.0 / (time_step * top)))]
-    TimeStep {
-        /// Time step \[s\].
-        time_step: f64,
-        /// Highest frequency asked for \[Hz\].
-        top: f64,
-    },
-    /// A time that must be shorter than another.
-    #[error("`{short}` ({} ms) must be below `{long}` ({} ms)", Short(value * 1e3), Short(limit * 1e3))]
-    Duration {
-        /// Key of the shorter time.
-        short: &'static str,
-        /// Its value \[s\].
-        value: f64,
-        /// Key of the longer time.
-        long: &'static str,
-        /// Its value \[s\].
-        limit: f64,
-    },
-}
-
-/// Samples a period at the highest frequency, for a record that a Fourier transform can use.
-const SAMPLES: f64 = 4.0;
-
-fn mm(length: f64) -> String {
-    show(length, LENGTH)
-}
-
-fn order(strict: bool) -> &'static str {
-    if strict { "below" } else { "at most" }
-}
-
-impl Conflict {
-    /// The keys in conflict.
-    pub fn keys(&self) -> Vec<&'static str> {
-        match self {
-            Self::NailLongerThanBlock { .. } => vec!["nail.length", "workpiece.thickness"],
-            Self::BoardOnMesh => vec!["workpiece.board.thickness", "workpiece.mesh"],
-            Self::NailAboveRod { .. } => vec!["nail.feed_height", "piston.rod_protrusion", "piston.stroke"],
-            Self::Order { small, large, .. } => vec![small, large],
-            Self::SpringBeyondLaw { .. } => vec!["head_valve.lift", "head_valve.spring_preload"],
-            Self::Friction {
-                group: "piston.friction",
-                ..
-            } => {
-                vec!["piston.friction.static_force", "piston.friction.sliding_force"]
-            }
-            Self::Friction { .. } => vec!["head_valve.friction.static_force", "head_valve.friction.sliding_force"],
-            Self::NotSeated { .. } => {
-                vec![
-                    "hand.force",
-                    "contacts.guard_travel",
-                    "contacts.guard_stiffness",
-                    "tool.mass",
-                ]
-            }
-            Self::NotElastic { group, .. } => elastic_keys(group),
-            Self::Incompressible { key, .. } => vec![key],
-            Self::SupplyBelowAmbient { .. } => vec!["supply.pressure", "ambient.pressure"],
-            Self::NotPlaneWaves { key, .. } => vec![key, "exhaust.muffler.kind", "analysis.exhaust_top"],
-            Self::NotCarried { key, .. } => vec![key],
-            Self::MufflerArea { .. } => vec!["exhaust.muffler.flow_area", "exhaust.muffler.tail_diameter"],
-            Self::MicrophonesInSand { .. } => vec!["support.sand.box_depth", "support.sand.measurement_plane"],
-            Self::FittingAndMuffler => vec!["exhaust.fitting.kind", "exhaust.muffler.kind"],
-            Self::HeatCapacityRatio { .. } => vec!["ambient.heat_capacity_ratio"],
-            Self::EmptyRange { .. } => vec!["analysis.range_low", "analysis.range_high"],
-            Self::TimeStep { .. } => vec!["analysis.time_step", "analysis.range_high", "analysis.exhaust_top"],
-            Self::Duration { short, long, .. } => vec![short, long],
-        }
-    }
-
-    /// What to do about it.
-    pub fn remedy(&self) -> String {
-        match self {
-            Self::NailLongerThanBlock { .. } => {
-                "shorten `nail.length` or raise `workpiece.thickness`: the point must stay in the wood".to_owned()
-            }
-            Self::BoardOnMesh => "set `workpiece.board.thickness` to 0, or remove `workpiece.mesh`".to_owned(),
-            Self::NailAboveRod { .. } => {
-                "lower `nail.feed_height` or `piston.rod_protrusion`, or raise `piston.stroke`: the rod \
-                                          begins above the nail's head"
-                    .to_owned()
-            }
-            Self::Order {
-                small, large, because, ..
-            } => format!("{because}: lower `{small}` or raise `{large}`"),
-            Self::SpringBeyondLaw { .. } => {
-                "lower `head_valve.lift` or `head_valve.spring_preload`; beyond 5 mm the printed polynomial falls"
-                    .to_owned()
-            }
-            Self::Friction { group, .. } => format!("raise `{group}.static_force` or lower `{group}.sliding_force`"),
-            Self::NotSeated { .. } => {
-                "raise `hand.force`, or lower `contacts.guard_travel` or `contacts.guard_stiffness`".to_owned()
-            }
-            Self::NotElastic { group, .. } => {
-                format!(
-                    "lower the Poisson's ratios of `{group}`: nu_ij^2 < E_i/E_j must hold, and all minors be positive"
-                )
-            }
-            Self::Incompressible { key, .. } => format!("give `{key}` a value below 0.5"),
-            Self::SupplyBelowAmbient { .. } => {
-                "give `supply.pressure` as absolute pressure, or with a gauge unit such as psig or barg".to_owned()
-            }
-            Self::NotPlaneWaves { key, highest, .. } => format!(
-                "narrow `{key}`, lower `analysis.exhaust_top` to {:.0} Hz and `analysis.range_high` with it, or give \
-                 the measured insertion loss: `exhaust.muffler.kind = \"insertion_loss\"`",
-                highest.floor()
-            ),
-            Self::MufflerArea { .. } => {
-                "lower `exhaust.muffler.flow_area` or widen `exhaust.muffler.tail_diameter`".to_owned()
-            }
-            Self::FittingAndMuffler => {
-                "choose one: `exhaust.fitting.kind = \"none\"` or `exhaust.muffler.kind = \"none\"`".to_owned()
-            }
-            Self::MicrophonesInSand { .. } => {
-                "lower `support.sand.box_depth`, or choose `support.sand.measurement_plane = \"sand\"`".to_owned()
-            }
-            Self::NotCarried { body, .. } => format!(
-                "name its springs: [springs.NAME] with body = \"{}\", x, y, z, and stiffness and damping along each axis",
-                body.as_str()
-            ),
-            Self::HeatCapacityRatio { .. } => "give `ambient.heat_capacity_ratio` as 1.4 for air".to_owned(),
-            Self::EmptyRange { .. } => "give `analysis.range_low` below `analysis.range_high`".to_owned(),
-            Self::TimeStep { top, .. } => {
-                format!(
-                    "lower `analysis.time_step` to {} us or less",
-                    Short(1e6 / (SAMPLES * top))
-                )
-            }
-            Self::Duration { short, long, .. } => format!("lower `{short}` or raise `{long}`"),
-        }
-    }
-}
-
-fn elastic_keys(group: &str) -> Vec<&'static str> {
-    match group {
-        "wood.elastic" => vec!["wood.elastic.nu_lr", "wood.elastic.nu_lt", "wood.elastic.nu_rt"],
-        "support.worktable.top" => {
-            vec![
-                "support.worktable.top.nu12",
-                "support.worktable.top.nu13",
-                "support.worktable.top.nu23",
-            ]
-        }
-        _ => vec![
-            "support.worktable.legs.nu12",
-            "support.worktable.legs.nu13",
-            "support.worktable.legs.nu23",
-        ],
-    }
-}
 
 impl Values {
     /// The first conflict between the values, if there is one.
@@ -553,25 +238,24 @@ fn seated(v: &Values) -> Option<Conflict> {
 
 /// The nose stands wholly on the block.
 fn nose(v: &Values) -> Option<Conflict> {
-    let within = |offset: (&'static str, f64), nose: f64, block: (&'static str, f64)| {
-        let reach = (offset.0, 2.0 * offset.1.abs() + nose);
-        at_most(
-            reach,
-            block,
-            "the nose, which stands over the nail, must stand on the block",
-        )
-    };
     let (nail, block, body) = (&v.nail, &v.workpiece, &v.body);
-    within(
-        ("nail.offset_along", nail.offset_along),
-        body.nose_width,
+    let on_block = "the nose, which stands over the nail, must stand on the block";
+    at_most(
+        (
+            "twice the size of `nail.offset_along` plus `body.nose_width`",
+            2.0 * nail.offset_along.abs() + body.nose_width,
+        ),
         ("workpiece.length", block.length),
+        on_block,
     )
     .or_else(|| {
-        within(
-            ("nail.offset_across", nail.offset_across),
-            body.nose_depth,
+        at_most(
+            (
+                "twice the size of `nail.offset_across` plus `body.nose_depth`",
+                2.0 * nail.offset_across.abs() + body.nose_depth,
+            ),
             ("workpiece.width", block.width),
+            on_block,
         )
     })
 }
@@ -582,7 +266,7 @@ fn body(v: &Values) -> Option<Conflict> {
     let hollow = "the part is hollow";
     below(
         ("body.cap_wall", b.cap_wall),
-        ("body.cap_height", b.cap_height / 2.0),
+        ("half of `body.cap_height`", b.cap_height / 2.0),
         hollow,
     )
     .or_else(|| {
@@ -595,16 +279,14 @@ fn body(v: &Values) -> Option<Conflict> {
     .or_else(|| {
         below(
             ("body.magazine_wall", b.magazine_wall),
-            ("body.magazine_height", b.magazine_height / 2.0),
+            ("half of `body.magazine_height`", b.magazine_height / 2.0),
             hollow,
         )
     })
     .or_else(|| {
-        below(
-            ("body.nose_wall", b.nose_wall),
-            ("body.nose_width", b.nose_width.min(b.nose_depth) / 2.0),
-            hollow,
-        )
+        let wall = ("body.nose_wall", b.nose_wall);
+        below(wall, ("half of `body.nose_width`", b.nose_width / 2.0), hollow)
+            .or_else(|| below(wall, ("half of `body.nose_depth`", b.nose_depth / 2.0), hollow))
     })
     .or_else(|| parts_meet(v))
     .or_else(|| {
@@ -617,7 +299,10 @@ fn body(v: &Values) -> Option<Conflict> {
     .or_else(|| {
         below(
             ("body.sleeve_height", b.sleeve_height),
-            ("body.barrel_height", b.barrel_height - 2.0 * b.barrel_wall),
+            (
+                "`body.barrel_height` less twice `body.barrel_wall`",
+                b.barrel_height - 2.0 * b.barrel_wall,
+            ),
             "the sleeve stands between the barrel's floor and roof",
         )
     })
@@ -629,11 +314,10 @@ fn body(v: &Values) -> Option<Conflict> {
         )
     })
     .or_else(|| {
-        at_most(
-            ("body.lumped_nose", b.lumped_nose),
-            ("body.lumped_magazine", 1.0 - b.lumped_magazine),
-            "the shares of nose and magazine add up to 1 at most",
-        )
+        (b.lumped_nose > 1.0 - b.lumped_magazine).then_some(Conflict::LumpedShares {
+            nose: b.lumped_nose,
+            magazine: b.lumped_magazine,
+        })
     })
     .or_else(|| incompressible("body.housing.poisson_ratio", b.housing.poisson_ratio))
     .or_else(|| incompressible("body.nose.poisson_ratio", b.nose.poisson_ratio))
@@ -647,7 +331,7 @@ fn parts_meet(v: &Values) -> Option<Conflict> {
     below(
         ("body.handle_radius", b.handle_radius),
         (
-            "body.barrel_radius",
+            "half of `piston.bore` plus `body.sleeve_wall` and `body.sleeve_gap`",
             b.barrel_radius(0.5 * v.piston.bore) - b.barrel_wall,
         ),
         "the handle's tube is narrower than the cavity of the barrel that it ends on",
@@ -655,22 +339,31 @@ fn parts_meet(v: &Values) -> Option<Conflict> {
     .or_else(|| {
         at_most(
             ("body.handle_level", b.handle_level),
-            ("body.barrel_height", top - b.handle_radius),
+            (
+                "`body.barrel_height` plus `body.nose_height` and `body.cap_height` less `body.handle_radius`",
+                top - b.handle_radius,
+            ),
             "the handle ends on barrel and cap, its top no higher than the cap's",
         )
     })
     .or_else(|| {
         at_most(
             ("body.nose_height", b.nose_height),
-            ("body.handle_level", b.handle_level - b.handle_radius),
+            (
+                "`body.handle_level` less `body.handle_radius`",
+                b.handle_level - b.handle_radius,
+            ),
             "the handle ends on the barrel, its underside no lower than the barrel's",
         )
     })
     .or_else(|| {
         at_most(
-            ("body.magazine_offset", b.magazine_offset),
-            ("body.arm_reach", b.arm_reach + b.magazine_radius - b.magazine_wall),
-            "the arm from the nose reaches through the magazine's wall, which is a radius from the magazine's axis",
+            (
+                "`body.magazine_offset` less `body.magazine_radius` plus `body.magazine_wall`",
+                b.magazine_offset - b.magazine_radius + b.magazine_wall,
+            ),
+            ("body.arm_reach", b.arm_reach),
+            "the arm from the nose reaches through the magazine's wall",
         )
     })
     .or_else(|| {
@@ -696,14 +389,14 @@ fn support(v: &Values) -> Option<Conflict> {
                 .or_else(|| {
                     below(
                         leg,
-                        ("support.worktable.length", table.length / 2.0),
+                        ("half of `support.worktable.length`", table.length / 2.0),
                         "the legs stand apart",
                     )
                 })
                 .or_else(|| {
                     below(
                         leg,
-                        ("support.worktable.width", table.width / 2.0),
+                        ("half of `support.worktable.width`", table.width / 2.0),
                         "the legs stand apart",
                     )
                 })
@@ -719,7 +412,10 @@ fn support(v: &Values) -> Option<Conflict> {
                     let wall = ("support.worktable.steel.tube_wall", table.steel.tube_wall);
                     below(
                         wall,
-                        ("support.worktable.steel.tube_width", table.steel.tube_width / 2.0),
+                        (
+                            "half of `support.worktable.steel.tube_width`",
+                            table.steel.tube_width / 2.0,
+                        ),
                         "a tube is hollow",
                     )
                 })

@@ -8,7 +8,7 @@ use miette::{Diagnostic, LabeledSpan, Severity, SourceCode};
 use nailnoise_quantities::dimension::LENGTH;
 use nailnoise_quantities::{Dimension, UnitError};
 
-use super::checks::Conflict;
+use super::conflict::Conflict;
 use super::place::Place;
 use super::sensors::SensorProblem;
 use super::show::show;

@@ -15,6 +15,7 @@
 mod assignment;
 mod catalogue;
 mod checks;
+mod conflict;
 mod dependencies;
 mod derived;
 mod distribution;
@@ -49,7 +50,7 @@ use sha2::{Digest as _, Sha256};
 
 pub use assignment::{Assignment, AssignmentError};
 pub use catalogue::{NailKind, Named, NamedValue, Species, nails, woods};
-pub use checks::Conflict;
+pub use conflict::Conflict;
 pub use dependencies::dependencies;
 pub use derived::{AGREEMENT, DERIVED, Derived};
 pub use distribution::Distribution;

@@ -270,3 +270,38 @@ fn solves(levels: &[MeshRange]) -> Vec<f64> {
         _ => vec![3.0 * SAMPLES + ModalBem::IN_MEAN as f64; levels.len()],
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use nailnoise_meshes::Grid;
+
+    /// A cube of 3 x 3 x 3 cells with a cavity that is called `plenum`, whose wall has a hole or none.
+    fn outline(hole: bool) -> BoundaryMesh {
+        let line = || vec![0.0, 0.1, 0.2, 0.3];
+        let grid = Grid::new(line(), line(), line()).unwrap();
+        let empty = |[x, y, z]: [usize; 3]| x == 1 && y == 1 && (z == 1 || (hole && z == 2));
+        let inside = |x: f64| (0.05..0.25).contains(&x);
+        let mesh = grid.mesh(
+            &["cube"],
+            |cell| (!empty(cell)).then_some(0),
+            |_, _, _, at| {
+                if [at.x, at.y, at.z].into_iter().all(inside) {
+                    "plenum"
+                } else {
+                    "outside"
+                }
+            },
+        );
+        ClosedOutline::new(&Surface::of(&mesh), None).unwrap().mesh
+    }
+
+    #[test]
+    fn a_cavity_that_is_open_to_the_outside_is_refused() {
+        refuse_open_cavities(&outline(false)).unwrap();
+        let error = refuse_open_cavities(&outline(true)).unwrap_err();
+        assert!(error.to_string().contains("`plenum`"), "{error}");
+    }
+}

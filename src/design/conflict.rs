@@ -1,0 +1,353 @@
+//! Values of a design that do not go together: what a message says of them, their keys, and the remedy.
+
+use nailnoise_quantities::dimension::*;
+
+use super::show::{Short, show};
+use super::springs::Sprung;
+
+/// Compression up to which the printed polynomial of the closing spring (Eq. 4.60) holds \[m\].
+pub(super) const SPRING_LIMIT: f64 = 5e-3;
+
+/// Two or more values that do not go together, with their numbers in SI units.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Conflict {
+    /// The nail would come out below the block.
+    #[error("the nail ({}) is longer than the block is thick ({})", mm(*length), mm(*thickness))]
+    NailLongerThanBlock {
+        /// Length of the nail \[m\].
+        length: f64,
+        /// Thickness of the block \[m\].
+        thickness: f64,
+    },
+    /// A board is part of the built-in block.
+    #[error("`workpiece.board.thickness` puts a board on the built-in block, and `workpiece.mesh` replaces that block")]
+    BoardOnMesh,
+    /// The head of the waiting nail would be above the rod's end.
+    #[error(
+        "`nail.feed_height` ({}) must be below `piston.stroke` less `piston.rod_protrusion` ({})",
+        mm(*feed_height),
+        mm(*setback)
+    )]
+    NailAboveRod {
+        /// Height of the head above the nose's face \[m\].
+        feed_height: f64,
+        /// Height of the rod's end before the shot, stroke less protrusion \[m\].
+        setback: f64,
+    },
+    /// A length that must be smaller than another, or equal where `strict` is false.
+    #[error("{} ({}) must be {} {} ({})", term(small), mm(*value), order(*strict), term(large), mm(*limit))]
+    Order {
+        /// The smaller length: a key, or a term with keys in backticks.
+        small: &'static str,
+        /// Its value \[m\].
+        value: f64,
+        /// The larger length, likewise.
+        large: &'static str,
+        /// Its value \[m\].
+        limit: f64,
+        /// Whether equality is refused too.
+        strict: bool,
+        /// Why.
+        because: &'static str,
+    },
+    /// Nose and magazine carry more than all of the lumped mass.
+    #[error("`body.lumped_nose` ({nose}) and `body.lumped_magazine` ({magazine}) must add up to 1 at most")]
+    LumpedShares {
+        /// Share on the nose \[-\].
+        nose: f64,
+        /// Share on the magazine \[-\].
+        magazine: f64,
+    },
+    /// The closing spring is pressed beyond the range of its law.
+    #[error("the head valve's lift ({}) and spring preload ({}) add up to {}, the spring's law (Eq. 4.60) ends at {}",
+        mm(*lift), mm(*preload), mm(lift + preload), mm(SPRING_LIMIT))]
+    SpringBeyondLaw {
+        /// Full lift \[m\].
+        lift: f64,
+        /// Preload \[m\].
+        preload: f64,
+    },
+    /// Static friction below sliding friction.
+    #[error("`{group}` has less static ({} N) than sliding friction ({} N)",
+        Short(*static_force), Short(*sliding_force))]
+    Friction {
+        /// The group.
+        group: &'static str,
+        /// Static friction \[N\].
+        static_force: f64,
+        /// Sliding friction \[N\].
+        sliding_force: f64,
+    },
+    /// The guard's spring lifts the tool off the wood before the shot.
+    #[error("hand and weight push with {} N, the guard's spring lifts with {} N: the tool does not sit on the wood",
+        Short(*push), Short(*guard))]
+    NotSeated {
+        /// Push of the hand and weight of the tool \[N\].
+        push: f64,
+        /// Force of the guard's spring at its full travel \[N\].
+        guard: f64,
+    },
+    /// Elastic constants with which a solid would give energy away.
+    #[error("the elastic constants of `{group}` are not positive definite: {minor} = {}", Short(*value))]
+    NotElastic {
+        /// The group.
+        group: &'static str,
+        /// The minor of the compliance matrix, scaled by its diagonal, that is not above zero.
+        minor: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// Poisson's ratio of an isotropic solid.
+    #[error("`{key}` is {}, an isotropic solid has less than 0.5", Short(*value))]
+    Incompressible {
+        /// The key.
+        key: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A supply that cannot drive anything.
+    #[error("`supply.pressure` ({} kPa absolute) is not above `ambient.pressure` ({} kPa)",
+        Short(1e-3 * supply), Short(1e-3 * ambient))]
+    SupplyBelowAmbient {
+        /// Supply pressure \[Pa\].
+        supply: f64,
+        /// Ambient pressure \[Pa\].
+        ambient: f64,
+    },
+    /// A muffler is asked for frequencies at which waves run across it.
+    #[error("`{key}` ({}) carries plane waves alone up to {:.0} Hz, the exhaust is analysed to {:.0} Hz",
+        mm(*diameter), highest, top)]
+    NotPlaneWaves {
+        /// Key of the diameter.
+        key: &'static str,
+        /// Its value \[m\].
+        diameter: f64,
+        /// Frequency at which the first wave across it propagates \[Hz\].
+        highest: f64,
+        /// Top of the analysis \[Hz\].
+        top: f64,
+    },
+    /// The muffler's tail pipe cannot have the flow area given.
+    #[error("`exhaust.muffler.flow_area` ({}) is more than the tail pipe of {} has ({})",
+        show(*area, AREA), mm(*diameter), show(*bore, AREA))]
+    MufflerArea {
+        /// Flow area given \[m2\].
+        area: f64,
+        /// Diameter of the tail pipe \[m\].
+        diameter: f64,
+        /// Its bore \[m2\].
+        bore: f64,
+    },
+    /// A fitting and a muffler on the same holes.
+    #[error("`exhaust.fitting.kind` and `exhaust.muffler.kind` put a fitting and a muffler on the same holes")]
+    FittingAndMuffler,
+    /// Nothing carries a body that stands on springs.
+    #[error("nothing carries the {}: it stands on springs, and none on it has a `stiffness_z` above 0", body.as_str())]
+    NotCarried {
+        /// The body.
+        body: Sprung,
+        /// The key that takes other supports away.
+        key: &'static str,
+    },
+    /// Microphones below the sand, on a measurement surface that stands on the floor.
+    #[error("a sandbox of {} on the floor is not below {}, where the microphones would be in the sand", mm(*depth), mm(*highest))]
+    MicrophonesInSand {
+        /// Depth of the box \[m\].
+        depth: f64,
+        /// Depth that it must not reach \[m\].
+        highest: f64,
+    },
+    /// Ratio of specific heats of 1 or less.
+    #[error("`ambient.heat_capacity_ratio` is {}, a gas has more than 1", Short(*value))]
+    HeatCapacityRatio {
+        /// Its value.
+        value: f64,
+    },
+    /// The range for the ranking is empty.
+    #[error("the range of the ranking runs from {} Hz to {} Hz", Short(*low), Short(*high))]
+    EmptyRange {
+        /// Lower end \[Hz\].
+        low: f64,
+        /// Upper end \[Hz\].
+        high: f64,
+    },
+    /// The time step samples the top frequency too coarsely.
+    #[error("a time step of {} us samples {} Hz {} times a period, fewer than {SAMPLES} times",
+        Short(time_step * 1e6), Short(*top), Short(1.0 / (time_step * top)))]
+    TimeStep {
+        /// Time step \[s\].
+        time_step: f64,
+        /// Highest frequency asked for \[Hz\].
+        top: f64,
+    },
+    /// A time that must be shorter than another.
+    #[error("`{short}` ({} ms) must be below `{long}` ({} ms)", Short(value * 1e3), Short(limit * 1e3))]
+    Duration {
+        /// Key of the shorter time.
+        short: &'static str,
+        /// Its value \[s\].
+        value: f64,
+        /// Key of the longer time.
+        long: &'static str,
+        /// Its value \[s\].
+        limit: f64,
+    },
+}
+
+/// Samples a period at the highest frequency, for a record that a Fourier transform can use.
+pub(super) const SAMPLES: f64 = 4.0;
+
+fn mm(length: f64) -> String {
+    show(length, LENGTH)
+}
+
+fn order(strict: bool) -> &'static str {
+    if strict { "below" } else { "at most" }
+}
+
+/// A length as a message shows it: a key in backticks, or a term as it is.
+fn term(length: &str) -> String {
+    if length.contains('`') {
+        length.to_owned()
+    } else {
+        format!("`{length}`")
+    }
+}
+
+/// The keys of a length.
+fn keys_of(length: &'static str) -> Vec<&'static str> {
+    if length.contains('`') {
+        length.split('`').skip(1).step_by(2).collect()
+    } else {
+        vec![length]
+    }
+}
+
+impl Conflict {
+    /// The keys in conflict.
+    pub fn keys(&self) -> Vec<&'static str> {
+        match self {
+            Self::NailLongerThanBlock { .. } => vec!["nail.length", "workpiece.thickness"],
+            Self::BoardOnMesh => vec!["workpiece.board.thickness", "workpiece.mesh"],
+            Self::NailAboveRod { .. } => vec!["nail.feed_height", "piston.rod_protrusion", "piston.stroke"],
+            Self::Order { small, large, .. } => [keys_of(small), keys_of(large)].concat(),
+            Self::LumpedShares { .. } => vec!["body.lumped_nose", "body.lumped_magazine"],
+            Self::SpringBeyondLaw { .. } => vec!["head_valve.lift", "head_valve.spring_preload"],
+            Self::Friction {
+                group: "piston.friction",
+                ..
+            } => {
+                vec!["piston.friction.static_force", "piston.friction.sliding_force"]
+            }
+            Self::Friction { .. } => vec!["head_valve.friction.static_force", "head_valve.friction.sliding_force"],
+            Self::NotSeated { .. } => {
+                vec![
+                    "hand.force",
+                    "contacts.guard_travel",
+                    "contacts.guard_stiffness",
+                    "tool.mass",
+                ]
+            }
+            Self::NotElastic { group, .. } => elastic_keys(group),
+            Self::Incompressible { key, .. } => vec![key],
+            Self::SupplyBelowAmbient { .. } => vec!["supply.pressure", "ambient.pressure"],
+            Self::NotPlaneWaves { key, .. } => vec![key, "exhaust.muffler.kind", "analysis.exhaust_top"],
+            Self::NotCarried { key, .. } => vec![key],
+            Self::MufflerArea { .. } => vec!["exhaust.muffler.flow_area", "exhaust.muffler.tail_diameter"],
+            Self::MicrophonesInSand { .. } => vec!["support.sand.box_depth", "support.sand.measurement_plane"],
+            Self::FittingAndMuffler => vec!["exhaust.fitting.kind", "exhaust.muffler.kind"],
+            Self::HeatCapacityRatio { .. } => vec!["ambient.heat_capacity_ratio"],
+            Self::EmptyRange { .. } => vec!["analysis.range_low", "analysis.range_high"],
+            Self::TimeStep { .. } => vec!["analysis.time_step", "analysis.range_high", "analysis.exhaust_top"],
+            Self::Duration { short, long, .. } => vec![short, long],
+        }
+    }
+
+    /// What to do about it.
+    pub fn remedy(&self) -> String {
+        match self {
+            Self::NailLongerThanBlock { .. } => {
+                "shorten `nail.length` or raise `workpiece.thickness`: the point must stay in the wood".to_owned()
+            }
+            Self::BoardOnMesh => "set `workpiece.board.thickness` to 0, or remove `workpiece.mesh`".to_owned(),
+            Self::NailAboveRod { .. } => {
+                "lower `nail.feed_height` or `piston.rod_protrusion`, or raise `piston.stroke`: the rod \
+                                          begins above the nail's head"
+                    .to_owned()
+            }
+            Self::Order {
+                small, large, because, ..
+            } => {
+                let [small, large] = [small, large].map(|length| keys_of(length)[0]);
+                format!("{because}: lower `{small}` or raise `{large}`")
+            }
+            Self::LumpedShares { .. } => {
+                "lower one of them; what nose and magazine leave of the lumped mass rests on the sleeve's seat"
+                    .to_owned()
+            }
+            Self::SpringBeyondLaw { .. } => {
+                "lower `head_valve.lift` or `head_valve.spring_preload`; beyond 5 mm the printed polynomial falls"
+                    .to_owned()
+            }
+            Self::Friction { group, .. } => format!("raise `{group}.static_force` or lower `{group}.sliding_force`"),
+            Self::NotSeated { .. } => {
+                "raise `hand.force`, or lower `contacts.guard_travel` or `contacts.guard_stiffness`".to_owned()
+            }
+            Self::NotElastic { group, .. } => {
+                format!(
+                    "lower the Poisson's ratios of `{group}`: nu_ij^2 < E_i/E_j must hold, and all minors be positive"
+                )
+            }
+            Self::Incompressible { key, .. } => format!("give `{key}` a value below 0.5"),
+            Self::SupplyBelowAmbient { .. } => {
+                "give `supply.pressure` as absolute pressure, or with a gauge unit such as psig or barg".to_owned()
+            }
+            Self::NotPlaneWaves { key, highest, .. } => format!(
+                "narrow `{key}`, lower `analysis.exhaust_top` to {:.0} Hz and `analysis.range_high` with it, or give \
+                 the measured insertion loss: `exhaust.muffler.kind = \"insertion_loss\"`",
+                highest.floor()
+            ),
+            Self::MufflerArea { .. } => {
+                "lower `exhaust.muffler.flow_area` or widen `exhaust.muffler.tail_diameter`".to_owned()
+            }
+            Self::FittingAndMuffler => {
+                "choose one: `exhaust.fitting.kind = \"none\"` or `exhaust.muffler.kind = \"none\"`".to_owned()
+            }
+            Self::MicrophonesInSand { .. } => {
+                "lower `support.sand.box_depth`, or choose `support.sand.measurement_plane = \"sand\"`".to_owned()
+            }
+            Self::NotCarried { body, .. } => format!(
+                "name its springs: [springs.NAME] with body = \"{}\", x, y, z, and stiffness and damping along each axis",
+                body.as_str()
+            ),
+            Self::HeatCapacityRatio { .. } => "give `ambient.heat_capacity_ratio` as 1.4 for air".to_owned(),
+            Self::EmptyRange { .. } => "give `analysis.range_low` below `analysis.range_high`".to_owned(),
+            Self::TimeStep { top, .. } => {
+                format!(
+                    "lower `analysis.time_step` to {} us or less",
+                    Short(1e6 / (SAMPLES * top))
+                )
+            }
+            Self::Duration { short, long, .. } => format!("lower `{short}` or raise `{long}`"),
+        }
+    }
+}
+
+fn elastic_keys(group: &str) -> Vec<&'static str> {
+    match group {
+        "wood.elastic" => vec!["wood.elastic.nu_lr", "wood.elastic.nu_lt", "wood.elastic.nu_rt"],
+        "support.worktable.top" => {
+            vec![
+                "support.worktable.top.nu12",
+                "support.worktable.top.nu13",
+                "support.worktable.top.nu23",
+            ]
+        }
+        _ => vec![
+            "support.worktable.legs.nu12",
+            "support.worktable.legs.nu13",
+            "support.worktable.legs.nu23",
+        ],
+    }
+}
