@@ -44,6 +44,7 @@ use crate::stages::starts::OtherStarts;
 use crate::stages::tool_response::{ToolChecks, ToolReport, ToolResponse};
 use crate::stages::transducers::{PressureRecord, Transducers};
 use crate::stages::{Digest, Progress, Stage, Stored};
+pub use shape::SharedShapes;
 use shape::{by_shape, standard_bodies};
 
 /// What a run may change about the physics without being another design; for studies and tests of laws.
@@ -53,6 +54,8 @@ pub struct Options {
     pub workpiece_force_scale: f64,
     /// Seed of the jets' noise at the microphones; its levels do not depend on it.
     pub noise_seed: u32,
+    /// Shapes that other designs share.
+    pub shared: SharedShapes,
 }
 
 impl Default for Options {
@@ -61,6 +64,7 @@ impl Default for Options {
         Self {
             workpiece_force_scale: 1.0,
             noise_seed: 0,
+            shared: SharedShapes::default(),
         }
     }
 }
@@ -312,7 +316,8 @@ impl Chain {
         let usable = usable.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
 
         // Radiation per unit of modal motion, and the damping that it adds to the modes.
-        let (radiator, field_method, workpiece_matrix) = workpiece_radiation(graph, design, &bodies, air)?;
+        let (radiator, field_method, workpiece_matrix) =
+            workpiece_radiation(graph, design, &bodies, (air, options.shared))?;
         let acts = inputs::radiation::loading(design);
         let zeta = |bodies: &[&BodyStages]| {
             let zeta = bodies.iter().map(|stages| 0.5 * stages.loss_factor);
@@ -327,7 +332,9 @@ impl Chain {
         // The modes of a user's housing are its own: no other run has them, and what a standard housing lacks of them may be
         // worth a decibel.
         let standard_tool = match &tool_elements {
-            Some(_) if design.body.mesh.is_empty() => standard_bodies(graph, design, &[BodyKind::Tool])?,
+            Some(_) if design.body.mesh.is_empty() && options.shared.tool => {
+                standard_bodies(graph, design, &[BodyKind::Tool])?
+            }
             _ => None,
         };
         let mut tool_matrix_key = None;
@@ -634,7 +641,7 @@ fn workpiece_radiation(
     graph: &Graph,
     design: &Design,
     bodies: &[Stored<Body>],
-    air: Air,
+    (air, shared): (Air, SharedShapes),
 ) -> Result<RadiationStages, Error> {
     let radiator = |method| {
         graph.add(WorkpieceRadiator {
@@ -646,7 +653,10 @@ fn workpiece_radiation(
     Ok(match inputs::radiation::workpiece(design)? {
         WorkpieceRadiation::BoundaryElements(elements) => {
             let kinds = [BodyKind::Workpiece, BodyKind::Worktable];
-            let standard = standard_bodies(graph, design, &kinds[..bodies.len()])?;
+            let standard = match shared.workpiece {
+                true => standard_bodies(graph, design, &kinds[..bodies.len()])?,
+                false => None,
+            };
             let matrix = by_shape(
                 graph,
                 RadiatingShape::Workpiece(elements.clone()),
@@ -748,9 +758,14 @@ mod tests {
             let graph = Graph::default();
             let chain = Chain::new(&graph, design, Options::default()).unwrap();
             let bodies: Vec<_> = chain.structure.iter().map(|stages| stages.body.clone()).collect();
-            match workpiece_radiation(&graph, design, &bodies, inputs::air(design).unwrap())
-                .unwrap()
-                .1
+            match workpiece_radiation(
+                &graph,
+                design,
+                &bodies,
+                (inputs::air(design).unwrap(), SharedShapes::default()),
+            )
+            .unwrap()
+            .1
             {
                 FieldMethod::BoundaryElements(_, matrix) => *matrix.key(),
                 FieldMethod::Rayleigh(..) | FieldMethod::Erp => panic!("boundary elements"),

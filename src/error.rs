@@ -61,6 +61,9 @@ pub enum Error {
         /// Why those of the first cannot be computed.
         reason: String,
     },
+    /// Levels of a draw that another process was to compute.
+    #[error("its levels are not kept")]
+    LevelsNotKept,
     /// No candidate of a study is a design whose shot counts.
     #[error("none of {candidates} candidates gives a shot that counts: {outcomes}{}", if refused.is_empty() { String::new() } else { format!("; no designs: {refused}") })]
     #[diagnostic(help("{}", if require.is_empty() {

@@ -2,13 +2,55 @@
 
 use nailnoise_acoustics::bem::ModalBem;
 
-use super::BodyStages;
+use super::{BodyStages, solved_bodies};
 use crate::design::{Design, inputs};
 use crate::error::Error;
 use crate::graph::Graph;
-use crate::stages::Stored;
 use crate::stages::bodies::{Body, BodyKind};
 use crate::stages::radiation::{RadiatingShape, ShapeFit, ShapeMatrix, ToolCapMatrix, ToolMatrix, WorkpieceMatrix};
+use crate::stages::{Digest, Stored};
+
+/// Whether other designs have the shape of a design's bodies. Where none does, boundary elements are solved for its own modes,
+/// and standard bodies need no modes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SharedShapes {
+    /// Of the workpiece with its table.
+    pub workpiece: bool,
+    /// Of the tool.
+    pub tool: bool,
+}
+
+impl Default for SharedShapes {
+    /// All.
+    fn default() -> Self {
+        Self {
+            workpiece: true,
+            tool: true,
+        }
+    }
+}
+
+impl SharedShapes {
+    /// Shapes that two designs have in common.
+    ///
+    /// # Errors
+    /// Those of the bodies' materials and mesh files.
+    pub(crate) fn of(graph: &Graph, design: &Design, other: &Design) -> Result<Self, Error> {
+        let alike = |is_tool: bool| -> Result<bool, Error> {
+            let keys = |design: &Design| {
+                let kinds = solved_bodies(design).into_iter();
+                let kinds: Vec<BodyKind> = kinds.filter(|kind| (*kind == BodyKind::Tool) == is_tool).collect();
+                let bodies = standard_bodies(graph, design, &kinds)?;
+                Ok::<_, Error>(bodies.map(|bodies| bodies.iter().map(|body| *body.key()).collect::<Vec<Digest>>()))
+            };
+            Ok(keys(design)? == keys(other)?)
+        };
+        Ok(Self {
+            workpiece: alike(false)?,
+            tool: alike(true)?,
+        })
+    }
+}
 
 /// Standard bodies in the shape of a design's; none where these have no standard.
 pub(super) fn standard_bodies(
@@ -82,7 +124,6 @@ mod tests {
     use super::super::workpiece_radiation;
     use super::*;
     use crate::design::{BodyModel, Convention, RadiationMethod};
-    use crate::stages::Digest;
     use crate::stages::radiation::WorkpieceRadiation;
     use crate::stages::sound_fields::FieldMethod;
 
@@ -126,6 +167,22 @@ mod tests {
         }
     }
 
+    #[test]
+    fn designs_share_the_shapes_that_materials_and_masses_leave() {
+        let base = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml")).unwrap();
+        let shared = |change: fn(&mut Design)| {
+            let mut other = base.clone();
+            change(&mut other);
+            let SharedShapes { workpiece, tool } = SharedShapes::of(&Graph::default(), &base, &other).unwrap();
+            [workpiece, tool]
+        };
+        assert_eq!(shared(|_| {}), [true, true]);
+        assert_eq!(shared(|design| design.wood.density *= 1.1), [true, true]);
+        assert_eq!(shared(|design| design.tool.mass *= 1.1), [true, true]);
+        assert_eq!(shared(|design| design.support.worktable.height *= 1.1), [false, true]);
+        assert_eq!(shared(|design| design.body.cap_radius *= 1.1), [true, false]);
+    }
+
     /// Radiation carried over from the standard bodies against boundary elements with the design's own modes.
     #[test]
     fn another_wood_radiates_as_by_boundary_elements_of_its_own() {
@@ -136,7 +193,7 @@ mod tests {
         let air = inputs::air(&design).unwrap();
         let kinds = [BodyKind::Workpiece, BodyKind::Worktable];
         let bodies = kinds.map(|kind| BodyStages::add(&graph, &design, kind, true).unwrap().body);
-        let (_, field, _) = workpiece_radiation(&graph, &design, &bodies, air).unwrap();
+        let (_, field, _) = workpiece_radiation(&graph, &design, &bodies, (air, SharedShapes::default())).unwrap();
         let FieldMethod::BoundaryElements(elements, by_shape) = field else {
             panic!("boundary elements")
         };

@@ -10,12 +10,12 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use super::jobs::{CONSEQUENCE, kept_levels, levels_of_shot, on_threads};
+use super::jobs::{kept_levels, levels_of_shot, on_threads, reason};
 use super::request::{Part, Request};
 use super::sampling::{Frame, Point, Sampler};
 use super::screening::{Candidate, Tally, drawn, screen};
 use super::variables::{Kind, Scope, Variable, common_variables, with_workpiece_sensors, without_sensors};
-use crate::chain::{Chain, Options};
+use crate::chain::{Chain, Options, SharedShapes};
 use crate::design::{Design, Values};
 use crate::error::Error;
 use crate::graph::Graph;
@@ -244,16 +244,27 @@ pub(super) fn levels(
     let (mut draws, mut failures) = (vec![Vec::with_capacity(planned.len()); designs.len()], Vec::new());
     let mut first = 0;
     for group in planned.chunk_by(|a, b| a.structure == b.structure) {
-        let of = |place: usize, design: &Design| -> Result<Chain, Error> {
-            let point = &group[place].candidate.point;
-            let drawn = drawn(design, sampler, design, point).map_err(|reason| Error::NoDesign { reason })?;
-            Chain::new(graph, &drawn, Options::default())
+        let shared = |design| shared_shapes(graph, (design, sampler), &group[0].candidate.point);
+        let shared: Vec<SharedShapes> = designs
+            .iter()
+            .map(|design| shared(design).unwrap_or_default())
+            .collect();
+        let of = |place: usize, which: usize| -> Result<Chain, Error> {
+            let options = Options {
+                shared: shared[which],
+                ..Options::default()
+            };
+            Chain::new(
+                graph,
+                &made(&designs[which], sampler, &group[place].candidate.point)?,
+                options,
+            )
         };
         // Hold the structures' stages while their draws come and go.
-        let anchors: Vec<_> = designs.iter().map(|design| of(0, design)).collect();
+        let anchors: Vec<_> = (0..designs.len()).map(|which| of(0, which)).collect();
         let count = group.len() * designs.len();
-        let results = on_threads(count, |job| {
-            let chain = of(job / designs.len(), &designs[job % designs.len()]);
+        let all = on_threads(count, |job| {
+            let chain = of(job / designs.len(), job % designs.len());
             let levels = match part {
                 Part::Kept => kept_levels(graph, chain),
                 Part::All | Part::Task { .. } | Part::Screened { .. } => levels_of_shot(chain),
@@ -262,11 +273,9 @@ pub(super) fn levels(
             levels
         });
         drop(anchors);
-        let mut causes = results.iter().filter_map(|result| result.as_ref().err());
-        let cause = causes.find(|message| *message != CONSEQUENCE).cloned();
-        for (place, (planned, results)) in group.iter().zip(results.chunks(designs.len())).enumerate() {
+        for (place, (planned, results)) in group.iter().zip(all.chunks(designs.len())).enumerate() {
             let candidate = &planned.candidate;
-            let draw = |(result, fate): (&Result<Levels, String>, &Fate)| match (result, fate) {
+            let draw = |(result, fate): (&Result<Levels, Error>, &Fate)| match (result, fate) {
                 (Ok(levels), Fate::Shot(shot)) => Ok(Draw {
                     structure: planned.structure,
                     candidate: candidate.index,
@@ -275,16 +284,11 @@ pub(super) fn levels(
                     shot: shot.clone(),
                     levels: levels.clone(),
                 }),
-                (Err(message), _) if message == CONSEQUENCE => Err(cause.as_ref().unwrap_or(message).clone()),
-                (Err(message), _) => Err(message.clone()),
-                _ => Err("its computation ended".to_owned()),
+                (Err(error), _) => Err(reason(error, all.iter().filter_map(|result| result.as_ref().err()))),
+                (Ok(_), fate) => Err(format!("its shot ends as {}", fate.name())),
             };
-            match results
-                .iter()
-                .zip(&candidate.fates)
-                .map(draw)
-                .collect::<Result<Vec<Draw>, String>>()
-            {
+            let own = results.iter().zip(&candidate.fates).map(draw);
+            match own.collect::<Result<Vec<Draw>, String>>() {
                 Ok(own) => draws.iter_mut().zip(own).for_each(|(draws, own)| draws.push(own)),
                 Err(message) => failures.push((first + place, message)),
             }
@@ -292,6 +296,23 @@ pub(super) fn levels(
         first += group.len();
     }
     Ok((draws, failures))
+}
+
+/// The design of a point.
+fn made(design: &Design, sampler: &Sampler, point: &Point) -> Result<Design, Error> {
+    drawn(design, sampler, design, point).map_err(|reason| Error::NoDesign { reason })
+}
+
+/// The shapes of a drawn structure that other structures may have too: those that its alternatives alone give. A dimension from
+/// a range gives each structure a shape of its own.
+fn shared_shapes(graph: &Graph, (design, sampler): (&Design, &Sampler), point: &Point) -> Result<SharedShapes, Error> {
+    let mut chosen = point.clone();
+    for (share, variable) in chosen.shares.iter_mut().zip(sampler.variables()) {
+        if !matches!(variable.kind, Kind::Alternatives(_)) {
+            *share = f64::NAN;
+        }
+    }
+    SharedShapes::of(graph, &made(design, sampler, &chosen)?, &made(design, sampler, point)?)
 }
 
 /// The error of each source's method in a draw \[dB\]; an end that is open counts as 0 dB.

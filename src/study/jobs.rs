@@ -1,8 +1,8 @@
 //! Jobs on threads of their own. The pool of threads serves the stages within a job, which wait for each other.
 
 use std::panic::resume_unwind;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use crate::chain::Chain;
 use crate::error::Error;
@@ -10,25 +10,17 @@ use crate::graph::Graph;
 use crate::stages::levels::{Levels, ShotLevels};
 use crate::stages::{Postcard, Stage};
 
-/// The message of a job that failed because of another's failure.
-pub(super) const CONSEQUENCE: &str = "an input could not be computed";
-
 /// Computes the jobs `0 .. count`, as many at a time as the pool has threads; the results come in the order of the jobs.
-pub(super) fn on_threads<T: Send>(
-    count: usize,
-    compute: impl Fn(usize) -> Result<T, String> + Sync,
-) -> Vec<Result<T, String>> {
+pub(super) fn on_threads<T: Send>(count: usize, compute: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let next = AtomicUsize::new(0);
-    let results: Mutex<Vec<Option<Result<T, String>>>> = Mutex::new((0..count).map(|_| None).collect());
+    let results: Mutex<Vec<Option<T>>> = Mutex::new((0..count).map(|_| None).collect());
     let work = || loop {
         let job = next.fetch_add(1, Ordering::Relaxed);
         if job >= count {
             return;
         }
         let result = compute(job);
-        if let Ok(mut results) = results.lock() {
-            results[job] = Some(result);
-        }
+        results.lock().unwrap_or_else(PoisonError::into_inner)[job] = Some(result);
     };
     std::thread::scope(|scope| {
         let others: Vec<_> = (1..rayon::current_num_threads().min(count))
@@ -40,31 +32,31 @@ pub(super) fn on_threads<T: Send>(
             thread.join().unwrap_or_else(|panic| resume_unwind(panic));
         }
     });
-    let results = results.into_inner().unwrap_or_default();
-    let ended = || Err("its computation ended".to_owned());
-    results.into_iter().map(|result| result.unwrap_or_else(ended)).collect()
+    // Every job has a result here, since a panic has gone on.
+    let results = results.into_inner().unwrap_or_else(PoisonError::into_inner);
+    results.into_iter().flatten().collect()
 }
 
 /// The levels of the shot of a chain, where they are kept.
-pub(super) fn kept_levels(graph: &Graph, chain: Result<Chain, Error>) -> Result<Levels, String> {
-    let chain = chain.map_err(|error| error.in_words())?;
+pub(super) fn kept_levels(graph: &Graph, chain: Result<Chain, Error>) -> Result<Levels, Error> {
     let kept = graph
         .store()
-        .load::<Levels, Postcard>(ShotLevels::NAME, chain.levels.key());
-    kept.ok_or_else(|| "its levels are not kept".to_owned())
+        .load::<Levels, Postcard>(ShotLevels::NAME, chain?.levels.key());
+    kept.ok_or(Error::LevelsNotKept)
 }
 
 /// The levels of the shot of a chain whose bodies a run can use.
-pub(super) fn levels_of_shot(chain: Result<Chain, Error>) -> Result<Levels, String> {
-    let levels = chain.and_then(|chain| {
-        chain.check_bodies()?;
-        chain.levels.get()
-    });
-    levels
-        .map(|levels| Levels::clone(&levels))
-        .map_err(|error| match error {
-            // The job in which the input failed has the reason.
-            Error::Upstream { .. } => CONSEQUENCE.to_owned(),
-            cause => cause.in_words(),
-        })
+pub(super) fn levels_of_shot(chain: Result<Chain, Error>) -> Result<Levels, Error> {
+    let chain = chain?;
+    chain.check_bodies()?;
+    chain.levels.get().map(|levels| Levels::clone(&levels))
+}
+
+/// Why a job failed, in words. An input that several jobs share fails in one of them, which has the cause.
+pub(super) fn reason<'a>(error: &'a Error, of_all: impl IntoIterator<Item = &'a Error>) -> String {
+    let is_cause = |error: &&Error| !matches!(error, Error::Upstream { .. });
+    let cause = Some(error)
+        .filter(is_cause)
+        .or_else(|| of_all.into_iter().find(is_cause));
+    cause.unwrap_or(error).in_words()
 }

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use serde::Serialize;
 
 use super::draws::common_draws;
-use super::jobs::{levels_of_shot, on_threads};
+use super::jobs::{levels_of_shot, on_threads, reason};
 use super::level_table::total_of;
 use super::paired::{Change, changes};
 use super::request::Request;
@@ -175,10 +175,8 @@ pub fn sweep(
         .transpose()?;
     let done = AtomicUsize::new(0);
     let results = on_threads(points.len(), |place| {
-        let computed = designs[place]
-            .as_ref()
-            .map_err(String::clone)
-            .and_then(|design| levels_of_shot(Chain::new(graph, design, Options::default())));
+        let design = designs[place].as_ref().ok();
+        let computed = design.map(|design| levels_of_shot(Chain::new(graph, design, Options::default())));
         progress.done(done.fetch_add(1, Ordering::Relaxed) as u64 + 1, points.len() as u64);
         computed
     });
@@ -188,20 +186,27 @@ pub fn sweep(
         Some(request) => drawn(graph, &designs, request, progress)?,
     }
     .into_iter();
-    let mut point = |(values, result): (Vec<String>, Result<Levels, String>)| {
-        let (levels, refused) = match result {
-            Ok(levels) => (Some(levels), String::new()),
-            Err(reason) => (None, reason),
-        };
-        SweptPoint {
-            values,
-            total_db: levels.as_ref().and_then(total_of),
-            levels,
-            refused,
-            drawn: drawn.next().flatten(),
+    let failures: Vec<&Error> = results
+        .iter()
+        .flatten()
+        .filter_map(|result| result.as_ref().err())
+        .collect();
+    let computed = designs.iter().zip(&results).map(|both| match both {
+        (Err(conflict), _) => (None, conflict.clone()),
+        (_, Some(Err(error))) => (None, reason(error, failures.iter().copied())),
+        (_, result) => {
+            let levels = result.as_ref().and_then(|levels| levels.as_ref().ok());
+            (levels.cloned(), String::new())
         }
+    });
+    let point = |(values, (levels, refused)): (Vec<String>, (Option<Levels>, String))| SweptPoint {
+        values,
+        total_db: levels.as_ref().and_then(total_of),
+        levels,
+        refused,
+        drawn: drawn.next().flatten(),
     };
-    Ok(points.into_iter().zip(results).map(&mut point).collect())
+    Ok(points.into_iter().zip(computed).map(point).collect())
 }
 
 /// Levels of each point that is a design over common draws, with the change from the first of them.
