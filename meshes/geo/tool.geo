@@ -180,6 +180,16 @@ walls() = Surface In BoundingBox {-q - e, -q - e, floor + b - e, q + e, q + e, r
 If (near < size)
   Characteristic Length{ PointsOf{ Surface{walls()}; } } = near;
 EndIf
+// Nor must chords of the rims of barrel and cap, which meet in one plane.
+rim = 0.65*Sqrt(8*barrel_radius*Fabs(cap_radius - barrel_radius));
+wide = (cap_radius > barrel_radius) ? cap_radius : barrel_radius;
+rims() = Curve In BoundingBox {-wide - e, -wide - e, roof - e, wide + e, wide + e, roof + e};
+If (rim < size && rim > 0)
+  Characteristic Length{ PointsOf{ Curve{rims()}; } } = rim;
+  If (rim < near)
+    near = rim;
+  EndIf
+EndIf
 // Nose in floor, arm between nose and can, and root of the handle bend locally and carry the lowest modes: elements there
 // are a third as long. Without, the bare housing comes out up to 6 % too stiff.
 fine = size/3;

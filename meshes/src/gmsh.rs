@@ -197,12 +197,6 @@ pub(crate) fn run(job: &Job<'_>) -> Result<Imported, MeshError> {
         });
     }
     let said = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
-    let errors: Vec<&str> = said
-        .lines()
-        .filter_map(|line| line.trim().strip_prefix("Error"))
-        .map(|line| line.trim_start_matches([' ', ':']))
-        .filter(|line| !line.starts_with(['-', 'M']) && !line.is_empty())
-        .collect();
     let failed = |reason: String| MeshError::Gmsh {
         what: job.what.clone(),
         reason,
@@ -218,14 +212,10 @@ pub(crate) fn run(job: &Job<'_>) -> Result<Imported, MeshError> {
         });
     }
     let result = at("mesh.msh");
-    // A folded element that stays folded after its optimisation is an error to gmsh; straightening mends it.
-    let fatal: Vec<&str> = errors
-        .into_iter()
-        .filter(|line| !line.contains("ptimization failed") && !line.contains("critical value"))
-        .collect();
-    if !fatal.is_empty() || !result.exists() {
-        let reason = match fatal.first() {
-            Some(first) => (*first).to_owned(),
+    let fatal = fatal(&said);
+    if fatal.is_some() || !result.exists() {
+        let reason = match fatal {
+            Some(first) => first.to_owned(),
             None => format!("it ended with {} and wrote no mesh", output.status),
         };
         return Err(failed(reason));
@@ -233,6 +223,20 @@ pub(crate) fn run(job: &Job<'_>) -> Result<Imported, MeshError> {
     let mut built = msh::read(&result, 1.0).map_err(|error| failed(error.to_string()))?;
     built.mesh.nodes.iter_mut().for_each(|p| *p = p.map(rounded));
     Ok(built)
+}
+
+/// The first error that gmsh reports, without frame and counts of its summary. A folded element that stays folded after its
+/// optimisation is an error to gmsh; straightening mends it.
+fn fatal(said: &str) -> Option<&str> {
+    let lines = said.lines().filter_map(|line| line.trim().strip_prefix("Error"));
+    let mut errors = lines.map(|line| line.trim_start_matches([' ', ':']));
+    let of_summary = |line: &str| {
+        let count = line.trim_start_matches(|c: char| c.is_ascii_digit());
+        let counts = [" warning", " warnings", " error", " errors"];
+        line.starts_with(['-', 'M']) || line.starts_with("Check the full log") || counts.contains(&count)
+    };
+    let mended = |line: &str| line.contains("ptimization failed") || line.contains("critical value");
+    errors.find(|line| !line.is_empty() && !of_summary(line) && !mended(line))
 }
 
 /// A length to the nearest 2^-26 m (15 nm), so that a mesh that ships compressed is the one that is made.
@@ -265,4 +269,27 @@ pub fn name_by_height(mesh: &mut Mesh) {
             faces,
         })
         .collect();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fold_that_straightening_mends_is_no_error_and_the_summary_is_no_reason() {
+        let folded = "Warning : Final volume mesh: worst distortion = -0.1\n\
+                      Error   : Failed to reach critical value in pass 1 for measure(s): ScaledJac\n\
+                      Error   : Optimization failed (some measures below critical value)\n\
+                      Error   : ------------------------------\n\
+                      Error   : Mesh generation error summary\n\
+                      Error   :     5 warnings\n\
+                      Error   :     2 errors\n\
+                      Error   : Check the full log for details\n";
+        assert_eq!(fatal(folded), None);
+        let crossed = format!("{folded}Error   : PLC Error:  A segment and a facet intersect at point\n");
+        assert_eq!(
+            fatal(&crossed),
+            Some("PLC Error:  A segment and a facet intersect at point")
+        );
+    }
 }
