@@ -146,7 +146,7 @@ fn digest_code(root: &Path, path: &Path, digest: &mut Sha256) -> Result<(), Box<
         };
         let code = significant(tokens);
         digest.update(code.to_string());
-        for name in included(code) {
+        for name in included_files(code) {
             let file = path.with_file_name(&name);
             println!("cargo:rerun-if-changed={}", file.display());
             digest.update(&name);
@@ -157,7 +157,7 @@ fn digest_code(root: &Path, path: &Path, digest: &mut Sha256) -> Result<(), Box<
 }
 
 /// Files that code includes by `include_str!("...")` or `include_bytes!("...")`: geometries, meshes, styles and scripts.
-fn included(tokens: TokenStream) -> Vec<String> {
+fn included_files(tokens: TokenStream) -> Vec<String> {
     let tokens: Vec<TokenTree> = tokens.into_iter().collect();
     let mut names = Vec::new();
     for (at, tree) in tokens.iter().enumerate() {
@@ -166,7 +166,7 @@ fn included(tokens: TokenStream) -> Vec<String> {
         let includes = at >= 2 && macros.iter().any(|name| tokens[at - 2].to_string() == *name);
         match group.stream().into_iter().next() {
             Some(TokenTree::Literal(name)) if includes => names.push(name.to_string().trim_matches('"').to_owned()),
-            _ => names.extend(included(group.stream())),
+            _ => names.extend(included_files(group.stream())),
         }
     }
     names

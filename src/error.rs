@@ -643,6 +643,11 @@ impl Error {
         matches!(self, Self::NoLoadSurface { group, .. } if *group == surface)
     }
 
+    /// Whether it is a cause, not the consequence of an input that failed.
+    pub(crate) fn is_cause(&self) -> bool {
+        !matches!(self, Self::Upstream { .. })
+    }
+
     /// The error in one line: causes and remedy behind it.
     pub(crate) fn in_words(&self) -> String {
         let help = Diagnostic::help(self).map_or_else(String::new, |help| format!("; {help}"));

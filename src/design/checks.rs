@@ -288,7 +288,7 @@ fn body(v: &Values) -> Option<Conflict> {
         below(wall, ("half of `body.nose_width`", b.nose_width / 2.0), hollow)
             .or_else(|| below(wall, ("half of `body.nose_depth`", b.nose_depth / 2.0), hollow))
     })
-    .or_else(|| parts_meet(v))
+    .or_else(|| assembly(v))
     .or_else(|| {
         at_most(
             ("body.nose_overlap", b.nose_overlap),
@@ -325,7 +325,7 @@ fn body(v: &Values) -> Option<Conflict> {
 }
 
 /// The parts of the tool body meet, and none is below the tip of the nose.
-fn parts_meet(v: &Values) -> Option<Conflict> {
+fn assembly(v: &Values) -> Option<Conflict> {
     let b = &v.body;
     let top = b.nose_height + b.barrel_height + b.cap_height;
     below(

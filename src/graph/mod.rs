@@ -238,7 +238,6 @@ fn prepare(inputs: &[&dyn Input]) -> Result<(), Error> {
 /// # Errors
 /// That one.
 pub(crate) fn first_cause(errors: impl Iterator<Item = Error>) -> Result<(), Error> {
-    let (causes, consequences): (Vec<Error>, Vec<Error>) =
-        errors.partition(|error| !matches!(error, Error::Upstream { .. }));
+    let (causes, consequences): (Vec<Error>, Vec<Error>) = errors.partition(Error::is_cause);
     causes.into_iter().chain(consequences).next().map_or(Ok(()), Err)
 }

@@ -256,7 +256,7 @@ pub(super) fn levels(
             };
             Chain::new(
                 graph,
-                &made(&designs[which], sampler, &group[place].candidate.point)?,
+                &design_of(&designs[which], sampler, &group[place].candidate.point)?,
                 options,
             )
         };
@@ -299,7 +299,7 @@ pub(super) fn levels(
 }
 
 /// The design of a point.
-fn made(design: &Design, sampler: &Sampler, point: &Point) -> Result<Design, Error> {
+fn design_of(design: &Design, sampler: &Sampler, point: &Point) -> Result<Design, Error> {
     drawn(design, sampler, design, point).map_err(|reason| Error::NoDesign { reason })
 }
 
@@ -312,7 +312,11 @@ fn shared_shapes(graph: &Graph, (design, sampler): (&Design, &Sampler), point: &
             *share = f64::NAN;
         }
     }
-    SharedShapes::of(graph, &made(design, sampler, &chosen)?, &made(design, sampler, point)?)
+    SharedShapes::of(
+        graph,
+        &design_of(design, sampler, &chosen)?,
+        &design_of(design, sampler, point)?,
+    )
 }
 
 /// The error of each source's method in a draw \[dB\]; an end that is open counts as 0 dB.

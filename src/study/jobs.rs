@@ -52,11 +52,9 @@ pub(super) fn levels_of_shot(chain: Result<Chain, Error>) -> Result<Levels, Erro
     chain.levels.get().map(|levels| Levels::clone(&levels))
 }
 
-/// Why a job failed, in words. An input that several jobs share fails in one of them, which has the cause.
+/// The reason why a job failed, as text. An input that several jobs share fails in the job that computes it; the error of that job
+/// is the cause for all.
 pub(super) fn reason<'a>(error: &'a Error, of_all: impl IntoIterator<Item = &'a Error>) -> String {
-    let is_cause = |error: &&Error| !matches!(error, Error::Upstream { .. });
-    let cause = Some(error)
-        .filter(is_cause)
-        .or_else(|| of_all.into_iter().find(is_cause));
-    cause.unwrap_or(error).in_words()
+    let mut all = std::iter::once(error).chain(of_all);
+    all.find(|error| error.is_cause()).unwrap_or(error).in_words()
 }

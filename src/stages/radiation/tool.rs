@@ -230,8 +230,8 @@ impl ToolRadiation {
     }
 }
 
-/// A cavity that a slit connects with the outside is a Helmholtz resonator, which multiplies the radiation of all modes
-/// near its resonance; the volumes of air in a tool are closed.
+/// Refuses an outline that contains walls of enclosed air. A cavity with a slit to the outside is a Helmholtz resonator: it
+/// multiplies the radiation of all modes near its resonance. The cavities of a tool are closed.
 fn refuse_open_cavities(outline: &BoundaryMesh) -> Result<(), Error> {
     let name = |panel: &Panel| outline.patches[panel.patch].as_str();
     match outline.panels.iter().map(name).find(|name| ENCLOSED.contains(name)) {
