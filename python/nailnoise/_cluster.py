@@ -126,6 +126,11 @@ def _candidates(sent: Sent, kind: str, seed: int) -> _native.Candidates:
     return _native.Candidates.of_study(native, seed, kind == "structures")
 
 
+def itself(value: Any) -> Any:
+    """Task: a value that other tasks read."""
+    return value
+
+
 def outcomes(sent: Sent, kind: str, seed: int, block: int, shared: str | None) -> tuple[int, Files]:
     """Task: the shots of a block of candidates; how many are accepted."""
     folder = _begin(shared, [])
@@ -186,10 +191,12 @@ class Cluster:
         """A task; identical ones are tasks of their own, because what counts is what they leave behind."""
         return self.client.submit(task, *arguments, pure=False, retries=RETRIES)
 
-    def scatter(self, value: Any) -> Any:
-        """A value that many tasks read: it goes to a worker once, and from there to others that need it."""
-        # In a list, because a dictionary would be scattered value by value.
-        return self.client.scatter([value], hash=False)[0]  # type: ignore[no-untyped-call]
+    def share(self, value: Any) -> Any:
+        """A value that many tasks read: it goes to a worker once, and from there to others that need it.
+
+        It is the result of a task, because Dask makes that again where a worker has died that alone held it; scattered values are lost.
+        """
+        return self.submit(itself, value)
 
     def collect(self, what: str, futures: Sequence[Any]) -> None:
         """Waits for tasks and puts what they return into the client's folder."""
@@ -232,11 +239,11 @@ class Cluster:
 
     def study(self, design: Design, n: int, seed: int, each: int | None, tasks: int | None) -> None:
         """Computes the draws of a study. Structures are made once: the design's own before its draws, drawn ones with theirs."""
-        sent = self.scatter(Sent.of(design))
+        sent = self.share(Sent.of(design))
         units = n if not each else -(-n // each)
         screened = self.screen(sent, "structures" if each else "study", seed, units)
         first = self.submit(structures, sent, self.shared)
-        received = [self.scatter(screened)] + ([] if each else [first])
+        received = [self.share(screened)] + ([] if each else [first])
         count = units if each else tasks or max(1, min(n, 4 * self.threads()))
         made = [
             self.submit(draws, sent, (n, seed, each), (number, count), self.shared, *received) for number in range(1, count + 1)
@@ -246,7 +253,7 @@ class Cluster:
 
     def shots(self, design: Design, n: int, seed: int) -> None:
         """Computes the shots of drawn designs."""
-        self.screen(self.scatter(Sent.of(design)), "shots", seed, n)
+        self.screen(self.share(Sent.of(design)), "shots", seed, n)
 
     def levels(self, designs: Sequence[Design]) -> None:
         """Computes the levels of designs; those that share their structures wait for the first of them."""

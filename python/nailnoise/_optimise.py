@@ -330,7 +330,7 @@ def _on_cluster(
     from ._cluster import Cluster, Sent, structures, trial
 
     cluster = Cluster(client, shared, "", None)
-    sent = cluster.scatter(Sent.of(design))
+    sent = cluster.share(Sent.of(design))
     first = cluster.submit(structures, sent, shared)
 
     def tried(batch: list[Values]) -> list[Tried]:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -48,6 +49,17 @@ def test_a_design_travels_with_its_bases(tmp_path: Path) -> None:
     sent = Sent.of(design)
     assert {str(own), str(base), str(SMALL)} <= {str(Path(name).resolve()) for name, _ in sent.files}
     assert sent.design() == design
+
+
+def test_a_shared_value_outlives_the_worker_that_holds_it() -> None:
+    from nailnoise._cluster import Cluster, itself
+
+    with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+        work = Cluster(client, None, "", None)
+        value = work.share({"a": b"1"})
+        assert value.result() == {"a": b"1"}
+        os.kill(next(iter(cluster.workers.values())).pid, signal.SIGKILL)
+        assert work.submit(itself, value).result(timeout=60) == {"a": b"1"}
 
 
 def test_points_of_a_sweep_are_those_of_one_process(drawn: nn.Design, client: Client, tmp_path: Path) -> None:
