@@ -180,6 +180,14 @@ walls() = Surface In BoundingBox {-q - e, -q - e, floor + b - e, q + e, q + e, r
 If (near < size)
   Characteristic Length{ PointsOf{ Surface{walls()}; } } = near;
 EndIf
+// The same holds for the two sides of the handle's wall.
+shell = 0.65*Sqrt(8*hr*handle_wall);
+If (shell < size)
+  Characteristic Length{ PointsOf{ Surface{grips()}; } } = shell;
+  If (shell < near)
+    near = shell;
+  EndIf
+EndIf
 // Nor must chords of the rims of barrel and cap, which meet in one plane.
 rim = 0.65*Sqrt(8*barrel_radius*Fabs(cap_radius - barrel_radius));
 wide = (cap_radius > barrel_radius) ? cap_radius : barrel_radius;

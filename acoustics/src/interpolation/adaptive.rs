@@ -65,7 +65,9 @@ pub(crate) fn pieces([low, high]: Range, widest: f64, kinks: &[f64]) -> Result<V
 ///
 /// Each piece begins with two rounds of Leja's sequence. Rounds are added until the last one agrees to the tolerance
 /// with the polynomial without it. The polynomial through all samples is more accurate; [`Grid::error`] assumes that
-/// its error decreases by the same factor as in the previous round, at most by ten.
+/// its error decreases by the same factor as in the previous round, at most by ten. A piece is halved when its samples
+/// are as many as one polynomial takes, or from half as many on once the last two rounds show that it would not take them:
+/// the narrower a resonance is beside the interval, the slower a polynomial converges.
 ///
 /// # Errors
 /// A tolerance that is not positive, [`SamplingError::Unresolved`], those of `take`.
@@ -102,12 +104,20 @@ pub(crate) fn sample<T: Send + Sync>(
             let zero = || misfit(&interval.tested_by(interval.nodes.len()), &samples);
             let before = before.or_else(|| plan.near_zero.then(zero));
             let found = misfit(&interval, &samples);
-            let before = before.filter(|_| !plan.cautious);
-            (interval, found, extrapolated(found, before))
+            let estimate = extrapolated(found, before);
+            let rounds = MOST.saturating_sub(*count) / plan.round;
+            let promising = 2 * count < MOST
+                || piece.complete.is_some()
+                || estimate * (estimate / found).powi(rounds as i32) <= tolerance;
+            (
+                interval,
+                (found, if plan.cautious { found } else { estimate }),
+                promising,
+            )
         };
-        let judged: Vec<(Interval, f64, f64)> = pending.par_iter().map(judge).collect();
+        let judged: Vec<(Interval, (f64, f64), bool)> = pending.par_iter().map(judge).collect();
         let mut next = Vec::new();
-        for ((interval, found, error), (piece, count, _)) in judged.into_iter().zip(pending) {
+        for ((interval, (found, error), promising), (piece, count, _)) in judged.into_iter().zip(pending) {
             let [low, high] = piece.range;
             if error <= tolerance || piece.complete.is_some_and(|complete| count >= complete) {
                 largest = largest.max(error);
@@ -121,7 +131,7 @@ pub(crate) fn sample<T: Send + Sync>(
                     tolerance,
                 }
                 .into());
-            } else if count + plan.round <= MOST {
+            } else if count + plan.round <= MOST && promising {
                 next.push((piece, count + plan.round, Some(found)));
             } else {
                 let halves = [[low, 0.5 * (low + high)], [0.5 * (low + high), high]];

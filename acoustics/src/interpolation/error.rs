@@ -13,7 +13,7 @@ pub enum SamplingError {
     },
     /// The radiation matrix was not resolved over frequency with the samples allowed.
     #[error(
-        "the radiation matrix near {hz} Hz is interpolated with error {error:.1e} after {samples} samples, \
+        "the radiation matrix near {hz:.0} Hz is interpolated with error {error:.1e} after {samples} samples, \
          above the tolerance {tolerance:.1e}; allow more samples or a larger tolerance"
     )]
     Unresolved {
