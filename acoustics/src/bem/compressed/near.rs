@@ -116,8 +116,7 @@ impl NearPairs {
         let mut sums: Vec<NearSums> = patterns.iter().map(zeros).collect();
         let near = equations.near.at(equations.boundary, equations.wave.k);
         let parities: Vec<Parity> = patterns.iter().map(|p| p.0).collect();
-        let single = |v: Mat<f64>| Mat::from_fn(v.nrows(), v.ncols(), |i, j| v[(i, j)] as f32);
-        let on = |b: &Block| patterns.iter().map(|p| single(b.patterns(p.1))).collect();
+        let on = |b: &Block| patterns.iter().map(|p| b.patterns(p.1)).collect();
         let on_blocks: Vec<Vec<Mat<f32>>> = map_in_parallel(blocks.iter().collect(), on);
         for first in (0..blocks.len()).step_by(BATCH) {
             let rows: Vec<usize> = (first..blocks.len().min(first + BATCH)).collect();
@@ -165,6 +164,12 @@ impl NearPairs {
             for (parity, operators) in operators.iter_mut().enumerate() {
                 self.clear_distant(operators, [e, f], i == j);
                 let both = i != j;
+                let sums = |block: &Block| Mat::zeros(patterns[i][parity].nrows(), 2 * block.nodes.len());
+                let mut velocity = [sums(e), if both { sums(f) } else { Mat::new() }];
+                operators.add_velocity(&patterns[j][parity], &mut velocity[0]);
+                if both {
+                    operators.add_velocity_back(f, &patterns[i][parity], &mut velocity[1]);
+                }
                 found.push(Contribution {
                     second: j,
                     parity,
@@ -172,14 +177,7 @@ impl NearPairs {
                         operators.pressure(f),
                         if both { operators.pressure_back(f) } else { Vec::new() },
                     ],
-                    velocity: [
-                        operators.velocity(e, &patterns[j][parity]),
-                        if both {
-                            operators.velocity_back(f, &patterns[i][parity])
-                        } else {
-                            Mat::new()
-                        },
-                    ],
+                    velocity,
                 });
             }
         }

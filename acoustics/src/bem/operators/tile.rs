@@ -9,8 +9,39 @@ use crate::bem::operators::near::{NearAt, NearPair, PairMatrices};
 use crate::bem::operators::wave::{Buffer, Operators, Wave};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
+use nalgebra::DMatrix;
 use pulp::Arch;
 use rustfft::num_complex::Complex;
+
+/// The velocity patterns of one parity, and what B makes of them.
+#[derive(Debug)]
+pub(crate) struct Flow {
+    parity: Parity,
+    /// At the points of each block's panels, patterns x points, panel fastest.
+    patterns: Vec<Mat<f32>>,
+    /// (S + alpha K') v at the nodes of each block, patterns x nodes, real parts before imaginary parts. Blocks add up their
+    /// own nodes, so that matrix products accumulate in place.
+    sums: Vec<Mat<f32>>,
+}
+
+impl Flow {
+    /// For velocities given by the corner values of every panel.
+    pub(crate) fn new(blocks: &[Block], parity: Parity, velocities: &DMatrix<f64>) -> Self {
+        let count = velocities.ncols();
+        Self {
+            parity,
+            patterns: blocks.iter().map(|b| b.patterns(velocities)).collect(),
+            sums: blocks.iter().map(|b| Mat::zeros(count, 2 * b.nodes.len())).collect(),
+        }
+    }
+
+    /// Adds the sums of all blocks to the right-hand sides.
+    pub(crate) fn spread(&self, blocks: &[Block], to: &mut [Mat<f64>; 2]) {
+        for (block, sums) in blocks.iter().zip(&self.sums) {
+            spread(&block.nodes, sums.as_ref(), to);
+        }
+    }
+}
 
 /// Work space: the operators of every parity, and the pairs that the far rule leaves out.
 #[derive(Debug)]
@@ -39,25 +70,28 @@ fn inverse<const E: usize>() -> Mat<f64> {
 }
 
 impl Tile {
-    /// Adds the operators between the blocks e and f (both directions if they differ) to the sums of every parity.
-    ///
-    /// `patterns` holds the normal velocities of a parity at the points of each block's panels, patterns x points, panel
-    /// fastest.
+    /// Adds the operators between the blocks i and j (both directions if they differ) to the sums of every parity.
     #[allow(clippy::too_many_arguments)] // one call, in the hot loop
     pub(crate) fn add(
         &mut self,
         planes: &[Option<f64>; 3],
         images: &[Image],
         wave: Wave,
-        [e, f]: [&Block; 2],
-        patterns: &[(Parity, [&Mat<f32>; 2])],
-        near: (&NearAt<'_>, &[NearPair]),
+        (blocks, [i, j]): (&[Block], [usize; 2]),
+        near: &NearAt<'_>,
+        flows: &mut [Flow],
         sums: &mut [Sums],
     ) {
-        let parities: Vec<Parity> = patterns.iter().map(|(parity, _)| *parity).collect();
+        let [e, f] = [&blocks[i], &blocks[j]];
+        let parities: Vec<Parity> = flows.iter().map(|flow| flow.parity).collect();
+        let near = (near, near.pairs(i, j));
         let operators = self.evaluate(planes, images, wave, [e, f], &parities, near).iter();
-        for ((operators, (_, patterns)), sums) in operators.zip(patterns).zip(sums) {
-            operators.gather([e, f], *patterns, sums);
+        for ((operators, flow), sums) in operators.zip(flows).zip(sums) {
+            operators.gather([e, f], sums);
+            operators.add_velocity(&flow.patterns[j], &mut flow.sums[i]);
+            if i != j {
+                operators.add_velocity_back(f, &flow.patterns[i], &mut flow.sums[j]);
+            }
         }
     }
 
@@ -208,35 +242,25 @@ impl Operators {
         complex(&to_nodes(&self.a_back, f)).collect()
     }
 
-    /// B from the patterns on f to the nodes of e, patterns x nodes, real parts before imaginary parts.
-    pub(crate) fn velocity(&self, e: &Block, on_f: &Mat<f32>) -> Mat<f32> {
-        let mut product = Mat::<f32>::zeros(on_f.nrows(), 2 * e.nodes.len());
-        matmul(
-            product.as_mut(),
-            Accum::Replace,
-            on_f.as_ref(),
-            self.b.stacked().transpose(),
-            1.0,
-            Par::Seq,
-        );
-        product
+    /// Adds B from the patterns on f to the nodes of e, patterns x nodes, real parts before imaginary parts.
+    pub(crate) fn add_velocity(&self, on_f: &Mat<f32>, to: &mut Mat<f32>) {
+        let b = self.b.stacked();
+        matmul(to.as_mut(), Accum::Add, on_f.as_ref(), b.transpose(), 1.0, Par::Seq);
     }
 
-    /// B from the patterns on e to the nodes of f, likewise.
-    pub(crate) fn velocity_back(&self, f: &Block, on_e: &Mat<f32>) -> Mat<f32> {
-        let mut product = Mat::<f32>::zeros(on_e.nrows(), 2 * f.nodes.len());
+    /// Adds B from the patterns on e to the nodes of f, likewise.
+    pub(crate) fn add_velocity_back(&self, f: &Block, on_e: &Mat<f32>, to: &mut Mat<f32>) {
         let nodal = to_nodes(&self.b_back, f);
         let half = self.b_back.rows * f.nodes.len();
         for (part, b) in nodal.chunks_exact(half.max(1)).enumerate() {
             let b = MatRef::from_row_major_slice(b, self.b_back.rows, f.nodes.len());
-            let to = product.as_mut().subcols_mut(part * f.nodes.len(), f.nodes.len());
-            matmul(to, Accum::Replace, on_e.as_ref(), b, 1.0, Par::Seq);
+            let to = to.as_mut().subcols_mut(part * f.nodes.len(), f.nodes.len());
+            matmul(to, Accum::Add, on_e.as_ref(), b, 1.0, Par::Seq);
         }
-        product
     }
 
-    /// Adds corners to nodes and applies B to the patterns.
-    fn gather(&self, [e, f]: [&Block; 2], patterns: [&Mat<f32>; 2], sums: &mut Sums) {
+    /// Adds A from corners to nodes.
+    fn gather(&self, [e, f]: [&Block; 2], sums: &mut Sums) {
         let add = |nodal: &[f32], to: &mut Mat<Complex<f32>>| {
             let columns = f.nodes.len();
             let (re, im) = nodal.split_at(nodal.len() / 2);
@@ -249,12 +273,9 @@ impl Operators {
             }
         };
         add(&to_nodes(&self.a, f), &mut sums.transposed);
-        spread(&e.nodes, self.velocity(e, patterns[1]).as_ref(), &mut sums.right);
-        if std::ptr::eq(e, f) {
-            return;
+        if !std::ptr::eq(e, f) {
+            add(&to_nodes(&self.a_back, f), &mut sums.matrix);
         }
-        add(&to_nodes(&self.a_back, f), &mut sums.matrix);
-        spread(&f.nodes, self.velocity_back(f, patterns[0]).as_ref(), &mut sums.right);
     }
 }
 
