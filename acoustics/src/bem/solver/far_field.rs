@@ -202,7 +202,7 @@ impl Exterior {
 /// The far field of the patterns of one parity. With both mirrors and a floor, waves are real up to a power of j, and
 /// only their real or imaginary part is stored. In single precision, as the pressure that radiates was solved.
 struct Radiating {
-    /// Real and imaginary part of the pressure one below the other, 2 patterns x unknowns.
+    /// Real and imaginary part of the pressure side by side, unknowns x 2 patterns.
     pressure: Mat<f32>,
     /// Velocities at the points of the far rule, patterns x points.
     velocities: Mat<f32>,
@@ -225,9 +225,9 @@ impl Radiating {
         }
         let odd = (0..3).filter(|&axis| solution.parity.is_odd(axis)).count();
         Self {
-            pressure: Mat::from_fn(2 * modes, n, |row, node| {
-                let p = solution.pressure[(node, row % modes)];
-                (if row < modes { p.re } else { p.im }) as f32
+            pressure: Mat::from_fn(n, 2 * modes, |node, column| {
+                let p = solution.pressure[(node, column % modes)];
+                (if column < modes { p.re } else { p.im }) as f32
             }),
             velocities: all,
             parts: if planes == [true; 3] { vec![odd % 2] } else { vec![0, 1] },
@@ -276,7 +276,7 @@ impl Radiating {
             matmul(
                 from_p.as_mut(),
                 Accum::Replace,
-                self.pressure.as_ref(),
+                self.pressure.transpose(),
                 self.on_p[part].as_ref(),
                 1.0,
                 Par::Seq,

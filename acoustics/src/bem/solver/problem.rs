@@ -405,13 +405,14 @@ impl Exterior {
         }
     }
 
-    /// Adds `factor` int phi_i v dS for every pattern v, patterns x unknowns.
+    /// Adds `factor` int phi_i v dS for every pattern v, unknowns x patterns.
     pub(crate) fn add_moments(&self, velocities: &DMatrix<f64>, factor: f64, to: &mut Mat<f64>) {
         let (nodes, moments) = self.moments(velocities, |_| true);
-        for (i, node) in nodes.into_iter().enumerate() {
-            let to = to.col_mut(node).iter_mut();
-            to.zip(moments.row(i).iter())
-                .for_each(|(to, moment)| *to += factor * moment);
+        for (m, moments) in moments.column_iter().enumerate() {
+            let to = to.col_as_slice_mut(m);
+            for (&node, moment) in nodes.iter().zip(moments.iter()) {
+                to[node] += factor * moment;
+            }
         }
     }
 
