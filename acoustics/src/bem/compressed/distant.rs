@@ -31,7 +31,7 @@ impl DistantBlocks {
         &self.points
     }
 
-    /// The distant blocks to the relative accuracy `tolerance`; adds their share to the right-hand sides (patterns x
+    /// The distant blocks to the relative accuracy `tolerance`; adds their share to the right-hand sides (unknowns x
     /// unknowns, real and imaginary part) for `velocities`, the patterns at all points (points x patterns).
     pub(super) fn assemble(
         &self,
@@ -57,10 +57,10 @@ impl DistantBlocks {
                     one,
                     Par::Seq,
                 );
-                for (i, &node) in tree.order[block.rows.clone()].iter().enumerate() {
-                    for m in 0..velocities.ncols() {
-                        right[0][(m, node)] += f64::from(product[(i, m)].re);
-                        right[1][(m, node)] += f64::from(product[(i, m)].im);
+                for m in 0..velocities.ncols() {
+                    for (i, &node) in tree.order[block.rows.clone()].iter().enumerate() {
+                        right[0][(node, m)] += f64::from(product[(i, m)].re);
+                        right[1][(node, m)] += f64::from(product[(i, m)].im);
                     }
                 }
                 all.push(block);

@@ -141,9 +141,9 @@ impl CompressedSurface {
             let held = |&node: &usize| parity.vanishes(boundary.in_planes(node));
             let held: Vec<bool> = self.tree.order.iter().map(held).collect();
             let [re, im] = &right;
-            let right = Mat::from_fn(re.ncols(), re.nrows(), |place, m| {
+            let right = Mat::from_fn(re.nrows(), re.ncols(), |place, m| {
                 let node = self.tree.order[place];
-                Complex::new(re[(m, node)], im[(m, node)])
+                Complex::new(re[(node, m)], im[(node, m)])
             });
             let schwarz = Schwarz::new(equations, &self.tree, &self.near, &matrix, &held);
             let x = Krylov::new(&matrix, &schwarz, &held, accuracy.residual).solve(&right)?;
@@ -176,7 +176,7 @@ impl CompressedSurface {
                     self.near.add_entry(row, column, half as f32, &mut matrix.dense);
                     for m in 0..velocities.ncols() {
                         // alpha is imaginary.
-                        right[1][(m, row)] -= half * equations.wave.coupling * velocities[(first + j, m)];
+                        right[1][(row, m)] -= half * equations.wave.coupling * velocities[(first + j, m)];
                     }
                 }
             }

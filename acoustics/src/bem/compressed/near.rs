@@ -34,7 +34,7 @@ pub(super) struct NearPairs {
 /// Marks distant leaves.
 const NONE: u32 = u32::MAX;
 
-/// The near blocks of one parity, and their share of the right-hand sides: patterns x unknowns, real and imaginary part.
+/// The near blocks of one parity, and their share of the right-hand sides: unknowns x patterns, real and imaginary part.
 pub(super) struct NearSums {
     pub(super) blocks: Vec<Mat<Complex<f32>>>,
     pub(super) right: [Mat<f64>; 2],
@@ -111,13 +111,12 @@ impl NearPairs {
                 .iter()
                 .map(|&[rows, columns]| Mat::zeros(rows, columns))
                 .collect(),
-            right: [0, 1].map(|_| Mat::zeros(p.1.ncols(), self.leaf_of.len())),
+            right: [0, 1].map(|_| Mat::zeros(self.leaf_of.len(), p.1.ncols())),
         };
         let mut sums: Vec<NearSums> = patterns.iter().map(zeros).collect();
         let near = equations.near.at(equations.boundary, equations.wave.k);
         let parities: Vec<Parity> = patterns.iter().map(|p| p.0).collect();
-        let single = |v: Mat<f64>| Mat::from_fn(v.nrows(), v.ncols(), |i, j| v[(i, j)] as f32);
-        let on = |b: &Block| patterns.iter().map(|p| single(b.patterns(p.1))).collect();
+        let on = |b: &Block| patterns.iter().map(|p| b.patterns(p.1)).collect();
         let on_blocks: Vec<Vec<Mat<f32>>> = map_in_parallel(blocks.iter().collect(), on);
         for first in (0..blocks.len()).step_by(BATCH) {
             let rows: Vec<usize> = (first..blocks.len().min(first + BATCH)).collect();
@@ -126,12 +125,13 @@ impl NearPairs {
                 let e = &blocks[first + i].nodes;
                 for one in contributions {
                     let (f, sums) = (&blocks[one.second].nodes, &mut sums[one.parity]);
+                    let all: Vec<usize> = (0..one.velocity[0].nrows()).collect();
                     let [forward, backward] = one.pressure;
                     self.add([e, f], &forward, false, &mut sums.blocks);
-                    spread(e, one.velocity[0].as_ref(), &mut sums.right);
+                    spread(e, &all, one.velocity[0].as_ref(), &mut sums.right);
                     if one.second != first + i {
                         self.add([e, f], &backward, true, &mut sums.blocks);
-                        spread(f, one.velocity[1].as_ref(), &mut sums.right);
+                        spread(f, &all, one.velocity[1].as_ref(), &mut sums.right);
                     }
                 }
             }
@@ -165,6 +165,12 @@ impl NearPairs {
             for (parity, operators) in operators.iter_mut().enumerate() {
                 self.clear_distant(operators, [e, f], i == j);
                 let both = i != j;
+                let sums = |block: &Block| Mat::zeros(patterns[i][parity].nrows(), 2 * block.nodes.len());
+                let mut velocity = [sums(e), if both { sums(f) } else { Mat::new() }];
+                operators.add_velocity(patterns[j][parity].as_ref(), velocity[0].as_mut());
+                if both {
+                    operators.add_velocity_back(f, patterns[i][parity].as_ref(), velocity[1].as_mut());
+                }
                 found.push(Contribution {
                     second: j,
                     parity,
@@ -172,14 +178,7 @@ impl NearPairs {
                         operators.pressure(f),
                         if both { operators.pressure_back(f) } else { Vec::new() },
                     ],
-                    velocity: [
-                        operators.velocity(e, &patterns[j][parity]),
-                        if both {
-                            operators.velocity_back(f, &patterns[i][parity])
-                        } else {
-                            Mat::new()
-                        },
-                    ],
+                    velocity,
                 });
             }
         }

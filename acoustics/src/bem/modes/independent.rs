@@ -31,7 +31,8 @@ pub(crate) fn independent(level: &MeshRange) -> Vec<Independent> {
     let grams: Vec<DMatrix<f64>> = level
         .patterns
         .iter()
-        .map(|p| p.velocities.tr_mul(&weighted(&p.velocities, &weights)))
+        // nalgebra's `tr_mul` is a column at a time, its product is blocked.
+        .map(|p| p.velocities.transpose() * weighted(&p.velocities, &weights))
         .collect();
     let modes = grams.first().map_or(0, DMatrix::ncols);
     let scale: Vec<f64> = (0..modes)

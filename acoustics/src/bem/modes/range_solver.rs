@@ -3,6 +3,7 @@ use crate::bem::modes::independent::Independent;
 use crate::bem::modes::mesh_range::MeshRange;
 use crate::bem::modes::receivers::{ReceiverPressures, Receivers, receiver_pressures};
 use crate::bem::modes::summary::Summary;
+use crate::bem::solver::far_field::Radiated;
 use crate::bem::solver::problem::{Exterior, Patterns};
 use crate::error::AcousticsError;
 use crate::interpolation::Grid;
@@ -103,10 +104,8 @@ impl<'a> RangeSolver<'a> {
         }
         let solutions = self.problem.solve_parities(hz, &self.patterns)?;
         let two = self.problem.two_evaluations(&self.patterns, &solutions)?;
-        let mut all = Vec::new();
-        for (patterns, solution) in self.patterns.iter().zip(&solutions) {
-            all.push(receiver_pressures(&self.problem, self.receivers, patterns, solution)?);
-        }
+        let all: Vec<Radiated<'_>> = self.patterns.iter().map(|p| &p.velocities).zip(&solutions).collect();
+        let pressures = receiver_pressures(&self.problem, self.receivers, &all)?;
         {
             let mut worst = self.worst.lock().unwrap_or_else(PoisonError::into_inner);
             let loudest = two.iter().map(|t| t.far_field.amax()).fold(0.0, f64::max);
@@ -122,7 +121,7 @@ impl<'a> RangeSolver<'a> {
                 .map(|t| t.split().into_iter().map(Resistance::single).collect())
                 .collect(),
             masses: two.iter().map(|t| PackedMass::new(&t.added_mass)).collect(),
-            pressures: all,
+            pressures,
         });
         let mut solved = self.solved.lock().unwrap_or_else(PoisonError::into_inner);
         Ok(solved.entry(hz.to_bits()).or_insert(solution).clone())

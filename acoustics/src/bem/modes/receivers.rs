@@ -1,5 +1,6 @@
 use crate::bem::high_frequencies::composite::CompositeRadiation;
-use crate::bem::solver::problem::{Exterior, Patterns, SurfacePressure};
+use crate::bem::solver::far_field::Radiated;
+use crate::bem::solver::problem::Exterior;
 use crate::error::AcousticsError;
 use crate::radiation::SampledRadiation;
 use nalgebra::{Complex, DMatrix, Point3};
@@ -29,25 +30,30 @@ impl Receivers {
 /// sound in the first rows and floor reflection in the rows below.
 pub(crate) type ReceiverPressures = DMatrix<Complex<f64>>;
 
-/// The pressure at receivers without the travel times.
+/// The pressure at receivers without the travel times, for every parity of one frequency.
 pub(crate) fn receiver_pressures(
     problem: &Exterior,
     receivers: &Receivers,
-    patterns: &Patterns,
-    solution: &SurfacePressure,
-) -> Result<ReceiverPressures, AcousticsError> {
-    let (count, omega) = (receivers.points.len(), 2.0 * PI * solution.hz);
+    all: &[Radiated<'_>],
+) -> Result<Vec<ReceiverPressures>, AcousticsError> {
+    let (count, omega) = (
+        receivers.points.len(),
+        2.0 * PI * all.first().map_or(0.0, |(_, solution)| solution.hz),
+    );
     let k = omega / problem.air().sound_speed;
-    let mut all = ReceiverPressures::zeros(2 * count, patterns.velocities.ncols());
-    let parts = problem.pressure_at(&receivers.points, &patterns.velocities, solution)?;
     let distances = receivers.distances(problem.boundary().floor());
-    for (half, (part, distances)) in parts.iter().zip(&distances).enumerate() {
-        for (i, r) in distances.iter().enumerate() {
-            let turn = Complex::from_polar(1.0, k * r) / Complex::new(0.0, omega);
-            all.row_mut(half * count + i).copy_from(&(part.row(i) * turn));
+    let of_parity = |parts: [DMatrix<Complex<f64>>; 2]| {
+        let mut pressures = ReceiverPressures::zeros(2 * count, parts[0].ncols());
+        for (half, (part, distances)) in parts.iter().zip(&distances).enumerate() {
+            for (i, r) in distances.iter().enumerate() {
+                let turn = Complex::from_polar(1.0, k * r) / Complex::new(0.0, omega);
+                pressures.row_mut(half * count + i).copy_from(&(part.row(i) * turn));
+            }
         }
-    }
-    Ok(all)
+        pressures
+    };
+    let parities = problem.pressures_at(&receivers.points, all)?;
+    Ok(parities.into_iter().map(of_parity).collect())
 }
 
 /// Receiver pressures of one parity at the samples of its radiation matrix, by range.

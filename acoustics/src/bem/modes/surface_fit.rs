@@ -77,11 +77,12 @@ impl SurfaceFit {
                 pick.of(of_known).velocities,
                 of_body.velocities.select_columns(&present),
             );
-            let weighted_b = weighted(&b, &areas);
-            let t = solved(&weighted_b.tr_mul(&b), weighted_b.tr_mul(&v));
+            // nalgebra's `tr_mul` is a column at a time, its product is blocked.
+            let weighted_b = weighted(&b, &areas).transpose();
+            let t = solved(&(&weighted_b * &b), &weighted_b * &v);
             let left = &v - &b * &t;
             for (to, from) in [(&mut fit.whole, &v), (&mut fit.rest, &left)] {
-                let gram = from.tr_mul(&weighted(from, &areas));
+                let gram = from.transpose() * weighted(from, &areas);
                 for (j, &to_j) in present.iter().enumerate() {
                     for (i, &to_i) in present.iter().enumerate() {
                         to[(to_i, to_j)] += copies * gram[(i, j)];
@@ -178,7 +179,7 @@ impl<'a> Carried<'a> {
         let lost = velocities - own.interpolate_from(boundary, &there)?;
         Some(Self {
             velocities: Cow::Owned(there),
-            lost: Some(lost.tr_mul(&weighted(&lost, &weights(own)))),
+            lost: Some(lost.transpose() * weighted(&lost, &weights(own))),
         })
     }
 }

@@ -95,7 +95,7 @@ fn bisect(mut panels: Vec<usize>, centres: &[Vector3<f64>], groups: &mut Vec<Vec
 impl Block {
     /// Patterns, given by corner values of every panel, at the points of the block's panels: patterns x points, panel
     /// fastest.
-    pub(crate) fn patterns(&self, velocities: &DMatrix<f64>) -> Mat<f64> {
+    pub(crate) fn patterns(&self, velocities: &DMatrix<f64>) -> Mat<f32> {
         let kind = if self.corners == 3 {
             FaceKind::Tri3
         } else {
@@ -103,11 +103,12 @@ impl Block {
         };
         let shapes: Vec<Shape> = rules::far(self.corners).iter().map(|&(xi, _)| kind.at(xi)).collect();
         let mut m = Mat::zeros(velocities.ncols(), self.corners * self.width);
-        for mode in 0..velocities.ncols() {
-            for (f, first) in self.first_value.iter().enumerate() {
+        for (mode, velocities) in velocities.column_iter().enumerate() {
+            for (f, &first) in self.first_value.iter().enumerate() {
+                let corners = &velocities.as_slice()[first..first + self.corners];
                 for (point, shape) in shapes.iter().enumerate() {
-                    let corner = |j: usize| shape.n[j] * velocities[(first + j, mode)];
-                    m[(mode, point * self.width + f)] = (0..self.corners).map(corner).sum();
+                    let value: f64 = corners.iter().zip(&shape.n).map(|(v, n)| v * n).sum();
+                    m[(mode, point * self.width + f)] = value as f32;
                 }
             }
         }

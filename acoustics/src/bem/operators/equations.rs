@@ -18,7 +18,7 @@ pub(crate) struct Sums {
     pub(crate) matrix: Mat<Complex<f32>>,
     /// The transpose of the other part, so that the contributions of a block to its own rows are contiguous in memory.
     pub(crate) transposed: Mat<Complex<f32>>,
-    /// (S + alpha K') v, real and imaginary part, patterns x unknowns.
+    /// (S + alpha K') v, real and imaginary part, unknowns x patterns.
     pub(crate) right: [Mat<f64>; 2],
 }
 
@@ -27,7 +27,7 @@ impl Sums {
         Self {
             matrix: Mat::zeros(unknowns, unknowns),
             transposed: Mat::zeros(unknowns, unknowns),
-            right: [0, 1].map(|_| Mat::zeros(patterns, unknowns)),
+            right: [0, 1].map(|_| Mat::zeros(unknowns, patterns)),
         }
     }
 
@@ -58,7 +58,7 @@ impl Sums {
         self.matrix.col_mut(node).fill(Complex::default());
         self.matrix[(node, node)] = Complex::new(1.0, 0.0);
         for right in &mut self.right {
-            right.col_mut(node).fill(0.0);
+            right.row_mut(node).iter_mut().for_each(|right| *right = 0.0);
         }
     }
 
@@ -68,16 +68,16 @@ impl Sums {
     /// double precision.
     pub(crate) fn solve(self, factor: Complex<f64>) -> DMatrix<Complex<f64>> {
         let [re, im] = &self.right;
-        let (patterns, n) = re.shape();
+        let (n, patterns) = re.shape();
         let mut work = self.matrix.clone();
-        let mut found = Mat::from_fn(n, patterns, |i, m| Complex::new(re[(m, i)] as f32, im[(m, i)] as f32));
+        let mut found = Mat::from_fn(n, patterns, |i, m| Complex::new(re[(i, m)] as f32, im[(i, m)] as f32));
         factorise_and_solve(work.as_mut(), found.as_mut());
         let double = |z: Complex<f32>| Complex::new(f64::from(z.re), f64::from(z.im));
         if self.residual(&found) <= RESIDUAL {
             return DMatrix::from_fn(n, patterns, |i, m| factor * double(found[(i, m)]));
         }
         let mut work = Mat::from_fn(n, n, |i, j| double(self.matrix[(i, j)]));
-        let mut found = Mat::from_fn(n, patterns, |i, m| Complex::new(re[(m, i)], im[(m, i)]));
+        let mut found = Mat::from_fn(n, patterns, |i, m| Complex::new(re[(i, m)], im[(i, m)]));
         factorise_and_solve(work.as_mut(), found.as_mut());
         DMatrix::from_fn(n, patterns, |i, m| factor * found[(i, m)])
     }
@@ -85,23 +85,19 @@ impl Sums {
     /// |b - A x| / |b| of a mixture of all patterns.
     fn residual(&self, found: &Mat<Complex<f32>>) -> f64 {
         let [re, im] = &self.right;
-        let (patterns, n) = re.shape();
-        let weights: Vec<f64> = (0..patterns).map(|m| (1.0 + m as f64).sin()).collect();
+        let (n, patterns) = re.shape();
         let mut rest = vec![Complex::<f64>::default(); n];
-        let mut size = 0.0;
-        for (i, rest) in rest.iter_mut().enumerate() {
-            let (re, im) = (re.col(i), im.col(i));
-            *rest = weights
-                .iter()
-                .enumerate()
-                .map(|(m, w)| Complex::new(re[m], im[m]) * w)
-                .sum();
-            size += rest.norm_sqr();
+        let mut mixed = rest.clone();
+        for m in 0..patterns {
+            let weight = (1.0 + m as f64).sin();
+            for (i, (rest, x)) in rest.iter_mut().zip(&mut mixed).enumerate() {
+                let found = found[(i, m)];
+                *rest += Complex::new(re[(i, m)], im[(i, m)]) * weight;
+                *x += Complex::new(f64::from(found.re), f64::from(found.im)) * weight;
+            }
         }
-        for j in 0..n {
-            let x: Complex<f64> = (0..patterns)
-                .map(|m| Complex::new(f64::from(found[(j, m)].re), f64::from(found[(j, m)].im)) * weights[m])
-                .sum();
+        let size: f64 = rest.iter().map(Complex::norm_sqr).sum();
+        for (j, x) in mixed.into_iter().enumerate() {
             for (rest, a) in rest.iter_mut().zip(self.matrix.col(j).iter()) {
                 *rest -= x * Complex::new(f64::from(a.re), f64::from(a.im));
             }
@@ -154,8 +150,8 @@ mod tests {
             }
             sums.matrix[(i, i)] += Complex::new(diagonal as f32, 0.0);
             for m in 0..3 {
-                sums.right[0][(m, i)] = ((i + m) as f64).cos();
-                sums.right[1][(m, i)] = 0.1 * m as f64;
+                sums.right[0][(i, m)] = ((i + m) as f64).cos();
+                sums.right[1][(i, m)] = 0.1 * m as f64;
             }
         }
         sums.join();
@@ -168,7 +164,7 @@ mod tests {
         [0, 1, 2].map(|m| {
             let (mut left, mut size) = (0.0, 0.0);
             for i in 0..x.nrows() {
-                let b = Complex::new(given.right[0][(m, i)], given.right[1][(m, i)]);
+                let b = Complex::new(given.right[0][(i, m)], given.right[1][(i, m)]);
                 let double = |a: Complex<f32>| Complex::new(f64::from(a.re), f64::from(a.im));
                 let product = |j: usize| double(given.matrix[(i, j)]) * x[(j, m)];
                 left += (b - (0..x.nrows()).map(product).sum::<Complex<f64>>()).norm_sqr();

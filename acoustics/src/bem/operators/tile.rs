@@ -8,9 +8,74 @@ use crate::bem::operators::far::{Far, corner_values};
 use crate::bem::operators::near::{NearAt, NearPair, PairMatrices};
 use crate::bem::operators::wave::{Buffer, Operators, Wave};
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par};
+use faer::{Accum, Mat, MatMut, MatRef, Par};
+use nalgebra::DMatrix;
 use pulp::Arch;
 use rustfft::num_complex::Complex;
+
+/// The velocity patterns of one parity, and what B makes of them.
+///
+/// Patterns are in the order of the first block that they move, so that those of one body of several follow each other,
+/// and a block multiplies only a range of them.
+#[derive(Debug)]
+pub(crate) struct Flow {
+    parity: Parity,
+    order: Vec<usize>,
+    on_blocks: Vec<OnBlock>,
+    /// (S + alpha K') v at the nodes of each block, patterns x nodes, real parts before imaginary parts. Blocks add up their
+    /// own nodes, so that matrix products accumulate in place.
+    sums: Vec<Mat<f32>>,
+}
+
+/// The patterns that move a block: the first of them, and their values at the points of its panels, patterns x points,
+/// panel fastest.
+#[derive(Debug)]
+struct OnBlock {
+    first: usize,
+    patterns: Mat<f32>,
+}
+
+impl Flow {
+    /// For velocities given by the corner values of every panel.
+    pub(crate) fn new(blocks: &[Block], parity: Parity, velocities: &DMatrix<f64>) -> Self {
+        let count = velocities.ncols();
+        let all: Vec<Mat<f32>> = blocks.iter().map(|b| b.patterns(velocities)).collect();
+        let moves = |block: usize, m: usize| all[block].row(m).iter().any(|v| *v != 0.0);
+        let mut order: Vec<usize> = (0..count).collect();
+        order.sort_by_cached_key(|&m| (0..blocks.len()).find(|&block| moves(block, m)));
+        let on_block = |(block, all): (usize, &Mat<f32>)| {
+            let moved = |place: &usize| moves(block, order[*place]);
+            let first = (0..count).find(moved).unwrap_or(count);
+            let end = (first..count).rfind(moved).map_or(first, |last| last + 1);
+            OnBlock {
+                first,
+                patterns: Mat::from_fn(end - first, all.ncols(), |i, point| all[(order[first + i], point)]),
+            }
+        };
+        Self {
+            parity,
+            on_blocks: all.iter().enumerate().map(on_block).collect(),
+            sums: blocks.iter().map(|b| Mat::zeros(count, 2 * b.nodes.len())).collect(),
+            order,
+        }
+    }
+
+    /// Adds the flow from one block to the nodes of another.
+    fn add(&mut self, from: usize, to: usize, add: impl FnOnce(MatRef<'_, f32>, MatMut<'_, f32>)) {
+        let OnBlock { first, patterns } = &self.on_blocks[from];
+        if patterns.nrows() > 0 {
+            let sums = self.sums[to].as_mut().subrows_mut(*first, patterns.nrows());
+            add(patterns.as_ref(), sums);
+        }
+    }
+
+    /// Adds the sums of all blocks to the right-hand sides.
+    pub(crate) fn spread(&self, blocks: &[Block], to: &mut [Mat<f64>; 2]) {
+        for (block, sums) in blocks.iter().zip(&self.sums) {
+            spread(&block.nodes, &self.order, sums.as_ref(), to);
+        }
+    }
+}
 
 /// Work space: the operators of every parity, and the pairs that the far rule leaves out.
 #[derive(Debug)]
@@ -39,25 +104,28 @@ fn inverse<const E: usize>() -> Mat<f64> {
 }
 
 impl Tile {
-    /// Adds the operators between the blocks e and f (both directions if they differ) to the sums of every parity.
-    ///
-    /// `patterns` holds the normal velocities of a parity at the points of each block's panels, patterns x points, panel
-    /// fastest.
+    /// Adds the operators between the blocks i and j (both directions if they differ) to the sums of every parity.
     #[allow(clippy::too_many_arguments)] // one call, in the hot loop
     pub(crate) fn add(
         &mut self,
         planes: &[Option<f64>; 3],
         images: &[Image],
         wave: Wave,
-        [e, f]: [&Block; 2],
-        patterns: &[(Parity, [&Mat<f32>; 2])],
-        near: (&NearAt<'_>, &[NearPair]),
+        (blocks, [i, j]): (&[Block], [usize; 2]),
+        near: &NearAt<'_>,
+        flows: &mut [Flow],
         sums: &mut [Sums],
     ) {
-        let parities: Vec<Parity> = patterns.iter().map(|(parity, _)| *parity).collect();
+        let [e, f] = [&blocks[i], &blocks[j]];
+        let parities: Vec<Parity> = flows.iter().map(|flow| flow.parity).collect();
+        let near = (near, near.pairs(i, j));
         let operators = self.evaluate(planes, images, wave, [e, f], &parities, near).iter();
-        for ((operators, (_, patterns)), sums) in operators.zip(patterns).zip(sums) {
-            operators.gather([e, f], *patterns, sums);
+        for ((operators, flow), sums) in operators.zip(flows).zip(sums) {
+            operators.gather([e, f], sums);
+            flow.add(j, i, |on_f, to| operators.add_velocity(on_f, to));
+            if i != j {
+                flow.add(i, j, |on_e, to| operators.add_velocity_back(f, on_e, to));
+            }
         }
     }
 
@@ -170,104 +238,77 @@ impl<'a> Close<'a> {
     }
 }
 
-/// Sums the corners of the panels f to its nodes: 2 rows x nodes, all real parts before all imaginary parts. Two rows at
-/// a time, so that their additions overlap.
-fn to_nodes(buffer: &Buffer, f: &Block) -> Vec<f32> {
-    let mut nodal = vec![0.0; 2 * buffer.rows * f.nodes.len()];
-    let pairs = buffer.data.chunks_exact((2 * buffer.columns).max(1));
-    for (rows, to) in pairs.zip(nodal.chunks_exact_mut((2 * f.nodes.len()).max(1))) {
-        let (first, second) = rows.split_at(buffer.columns);
-        let (to_first, to_second) = to.split_at_mut(f.nodes.len());
-        let mut begin = 0;
-        for ((to_first, to_second), &end) in to_first.iter_mut().zip(to_second).zip(&f.columns_end) {
-            let (mut of_first, mut of_second) = (0.0, 0.0);
-            for &column in &f.columns[begin..end] {
-                of_first += first[column];
-                of_second += second[column];
-            }
-            (*to_first, *to_second, begin) = (of_first, of_second, end);
+/// The sums of a row over the corners of the panels f, node by node.
+fn at_nodes<'a>(buffer: &'a Buffer, row: usize, f: &'a Block) -> impl Iterator<Item = Complex<f32>> + 'a {
+    let [re, im] = [0, 1].map(|part| &buffer.data[buffer.start(part, row)..][..buffer.columns]);
+    let mut begin = 0;
+    f.columns_end.iter().map(move |&end| {
+        let mut sum = Complex::default();
+        for &column in &f.columns[begin..end] {
+            sum += Complex::new(re[column], im[column]);
         }
-    }
-    nodal
-}
-
-/// Rows x columns of complex numbers from all real parts before all imaginary parts.
-fn complex(parts: &[f32]) -> impl Iterator<Item = Complex<f32>> {
-    let (re, im) = parts.split_at(parts.len() / 2);
-    re.iter().zip(im).map(|(&re, &im)| Complex::new(re, im))
+        begin = end;
+        sum
+    })
 }
 
 impl Operators {
     /// A from the nodes of f to those of e, row by row.
     pub(crate) fn pressure(&self, f: &Block) -> Vec<Complex<f32>> {
-        complex(&to_nodes(&self.a, f)).collect()
+        (0..self.a.rows).flat_map(|row| at_nodes(&self.a, row, f)).collect()
     }
 
     /// The transpose of A from the nodes of e to those of f, row by row; empty if they are the same block.
     pub(crate) fn pressure_back(&self, f: &Block) -> Vec<Complex<f32>> {
-        complex(&to_nodes(&self.a_back, f)).collect()
+        (0..self.a_back.rows)
+            .flat_map(|row| at_nodes(&self.a_back, row, f))
+            .collect()
     }
 
-    /// B from the patterns on f to the nodes of e, patterns x nodes, real parts before imaginary parts.
-    pub(crate) fn velocity(&self, e: &Block, on_f: &Mat<f32>) -> Mat<f32> {
-        let mut product = Mat::<f32>::zeros(on_f.nrows(), 2 * e.nodes.len());
-        matmul(
-            product.as_mut(),
-            Accum::Replace,
-            on_f.as_ref(),
-            self.b.stacked().transpose(),
-            1.0,
-            Par::Seq,
-        );
-        product
+    /// Adds B from the patterns on f to the nodes of e, patterns x nodes, real parts before imaginary parts.
+    pub(crate) fn add_velocity(&self, on_f: MatRef<'_, f32>, to: MatMut<'_, f32>) {
+        let b = self.b.stacked();
+        matmul(to, Accum::Add, on_f, b.transpose(), 1.0, Par::Seq);
     }
 
-    /// B from the patterns on e to the nodes of f, likewise.
-    pub(crate) fn velocity_back(&self, f: &Block, on_e: &Mat<f32>) -> Mat<f32> {
-        let mut product = Mat::<f32>::zeros(on_e.nrows(), 2 * f.nodes.len());
-        let nodal = to_nodes(&self.b_back, f);
-        let half = self.b_back.rows * f.nodes.len();
-        for (part, b) in nodal.chunks_exact(half.max(1)).enumerate() {
-            let b = MatRef::from_row_major_slice(b, self.b_back.rows, f.nodes.len());
-            let to = product.as_mut().subcols_mut(part * f.nodes.len(), f.nodes.len());
-            matmul(to, Accum::Replace, on_e.as_ref(), b, 1.0, Par::Seq);
+    /// Adds B from the patterns on e to the nodes of f, likewise.
+    pub(crate) fn add_velocity_back(&self, f: &Block, on_e: MatRef<'_, f32>, to: MatMut<'_, f32>) {
+        let nodes = f.nodes.len();
+        let mut nodal = vec![0.0; self.b_back.rows * 2 * nodes];
+        for (row, to) in nodal.chunks_exact_mut(2 * nodes).enumerate() {
+            let (re, im) = to.split_at_mut(nodes);
+            for ((re, im), sum) in re.iter_mut().zip(im).zip(at_nodes(&self.b_back, row, f)) {
+                (*re, *im) = (sum.re, sum.im);
+            }
         }
-        product
+        let b = MatRef::from_row_major_slice(&nodal, self.b_back.rows, 2 * nodes);
+        matmul(to, Accum::Add, on_e, b, 1.0, Par::Seq);
     }
 
-    /// Adds corners to nodes and applies B to the patterns.
-    fn gather(&self, [e, f]: [&Block; 2], patterns: [&Mat<f32>; 2], sums: &mut Sums) {
-        let add = |nodal: &[f32], to: &mut Mat<Complex<f32>>| {
-            let columns = f.nodes.len();
-            let (re, im) = nodal.split_at(nodal.len() / 2);
-            let rows = re.chunks_exact(columns).zip(im.chunks_exact(columns));
-            for (&row, (re, im)) in e.nodes.iter().zip(rows) {
-                let to = to.col_as_slice_mut(row);
-                for (&column, (&re, &im)) in f.nodes.iter().zip(re.iter().zip(im)) {
-                    to[column] += Complex::new(re, im);
+    /// Adds A from corners to nodes.
+    fn gather(&self, [e, f]: [&Block; 2], sums: &mut Sums) {
+        let add = |buffer: &Buffer, to: &mut Mat<Complex<f32>>| {
+            for (row, &node) in e.nodes.iter().enumerate().take(buffer.rows) {
+                let to = to.col_as_slice_mut(node);
+                for (&column, sum) in f.nodes.iter().zip(at_nodes(buffer, row, f)) {
+                    to[column] += sum;
                 }
             }
         };
-        add(&to_nodes(&self.a, f), &mut sums.transposed);
-        spread(&e.nodes, self.velocity(e, patterns[1]).as_ref(), &mut sums.right);
-        if std::ptr::eq(e, f) {
-            return;
-        }
-        add(&to_nodes(&self.a_back, f), &mut sums.matrix);
-        spread(&f.nodes, self.velocity_back(f, patterns[0]).as_ref(), &mut sums.right);
+        add(&self.a, &mut sums.transposed);
+        add(&self.a_back, &mut sums.matrix);
     }
 }
 
-/// Adds the columns of a block's product, real before imaginary, to the right-hand sides.
-pub(crate) fn spread(nodes: &[usize], product: MatRef<'_, f32>, to: &mut [Mat<f64>; 2]) {
+/// Adds a product at the nodes of a block, patterns x nodes, real before imaginary, to the right-hand sides.
+pub(crate) fn spread(nodes: &[usize], patterns: &[usize], product: MatRef<'_, f32>, to: &mut [Mat<f64>; 2]) {
     for (part, right) in to.iter_mut().enumerate() {
-        for (r, &row) in nodes.iter().enumerate() {
-            let from = product.col(part * nodes.len() + r);
-            right
-                .col_mut(row)
-                .iter_mut()
-                .zip(from.iter())
-                .for_each(|(to, v)| *to += f64::from(*v));
+        let product = product.subcols(part * nodes.len(), nodes.len());
+        for (&pattern, from) in patterns.iter().zip(product.row_iter()) {
+            let to = right.col_as_slice_mut(pattern);
+            for (&node, value) in nodes.iter().zip(from.iter()) {
+                to[node] += f64::from(*value);
+            }
         }
     }
 }

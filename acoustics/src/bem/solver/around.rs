@@ -1,8 +1,9 @@
 //! Pressure around the body for several parities at once, and validity of field points.
 #![allow(clippy::needless_range_loop)] // indices are those of the equations, several arrays at once
 
+use crate::bem::mesh::symmetry::Image;
 use crate::bem::solver::far_field::{Radiated, Source};
-use crate::bem::solver::problem::Exterior;
+use crate::bem::solver::problem::{Exterior, SurfacePressure};
 use crate::trig::{green, load};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
@@ -22,7 +23,7 @@ impl Exterior {
     ///
     /// Inside a closed surface the solid angle is complete, int d . n / (4 pi r³) dS = 1.
     pub fn is_clear(&self, points: &[Point3<f64>]) -> Vec<bool> {
-        let images = self.imaged();
+        let images = self.imaged(&self.boundary().images());
         let needed = self.boundary().mesh().longest_edge();
         let floor = self.boundary().floor().unwrap_or(f64::NEG_INFINITY);
         let clear = |point: &Point3<f64>| {
@@ -46,11 +47,11 @@ impl Exterior {
         (radius, Point3::from(origin))
     }
 
-    /// Positions and vector areas of all quadrature points of each image, the surface itself first.
-    fn imaged(&self) -> Vec<Vec<(Vector3<f64>, Vector3<f64>)>> {
+    /// Positions and vector areas of all quadrature points of images.
+    pub(crate) fn imaged(&self, images: &[Image]) -> Vec<Vec<(Vector3<f64>, Vector3<f64>)>> {
         let boundary = self.boundary();
         let (sources, origin, _) = self.quadrature();
-        let of_image = |image| {
+        let of_image = |&image: &Image| {
             let place = |source: &Source| {
                 let at = source.position + origin;
                 (
@@ -60,55 +61,58 @@ impl Exterior {
             };
             sources.iter().map(place).collect()
         };
-        boundary.images().into_iter().map(of_image).collect()
+        images.iter().map(of_image).collect()
     }
 
     /// Complex pressure at points that are [clear](Exterior::is_clear) for every pattern of several parities of one
     /// frequency, for each parity points x patterns \[Pa s/m for velocities in m/s\]: as [`Exterior::pressure_at`], at the
     /// cost of one parity.
     pub(crate) fn around(&self, points: &[Point3<f64>], all: &[Radiated<'_>]) -> Vec<Mat<Complex<f64>>> {
-        let boundary = self.boundary();
-        let nodes = boundary.nodes();
+        self.around_by(&self.boundary().images(), points, all)
+    }
+
+    /// The same by some of the images of the surface alone; zero without any.
+    pub(crate) fn around_by(
+        &self,
+        images: &[Image],
+        points: &[Point3<f64>],
+        all: &[Radiated<'_>],
+    ) -> Vec<Mat<Complex<f64>>> {
+        let zeros = |a: &Radiated<'_>| Mat::zeros(points.len(), a.0.ncols());
+        let mut result: Vec<Mat<Complex<f64>>> = all.iter().map(zeros).collect();
+        if images.is_empty() {
+            return result;
+        }
+        let (nodes, values) = (self.boundary().nodes(), self.boundary().velocity_values());
         let (sources, _, _) = self.quadrature();
-        let images = self.imaged();
         let omega = 2.0 * PI * all.first().map_or(0.0, |(_, solution)| solution.hz);
         let k = omega / self.air().sound_speed;
         let on_flow = omega * self.air().density;
         let signs: Vec<Vec<f64>> = all
             .iter()
-            .map(|(_, s)| {
-                boundary
-                    .images()
-                    .into_iter()
-                    .map(|image| s.parity.sign(image))
-                    .collect()
-            })
+            .map(|(_, s)| images.iter().map(|&image| s.parity.sign(image)).collect())
             .collect();
-        // Real and imaginary part of the pressure, and omega rho v_n at the points of the far rule.
-        let fields: Vec<[Mat<f64>; 3]> = all
+        let images = self.imaged(images);
+        // Real and imaginary part of the pressure.
+        let pressures: Vec<[Mat<f64>; 2]> = all
             .iter()
-            .map(|(v, s)| {
-                let p = &s.pressure;
-                let flow = |i: usize, m: usize| {
-                    let source = &sources[i];
-                    let corner = |j: usize| source.phi[j] * v[(source.first_value + j, m)];
-                    on_flow * (0..source.corners).map(corner).sum::<f64>()
-                };
+            .map(|(_, SurfacePressure { pressure: p, .. })| {
                 [
                     Mat::from_fn(nodes, p.ncols(), |i, m| p[(i, m)].re),
                     Mat::from_fn(nodes, p.ncols(), |i, m| p[(i, m)].im),
-                    Mat::from_fn(sources.len(), v.ncols(), flow),
                 ]
             })
             .collect();
-        let mut result: Vec<Mat<Complex<f64>>> = all.iter().map(|(v, _)| Mat::zeros(points.len(), v.ncols())).collect();
         let mut on_p = vec![[0, 1].map(|_| vec![0.0; nodes * CHUNK]); all.len()];
-        let mut on_v = vec![[0, 1].map(|_| vec![0.0; sources.len() * CHUNK]); all.len()];
+        let mut on_v = vec![[0, 1].map(|_| vec![0.0; values * CHUNK]); all.len()];
         for start in (0..points.len()).step_by(CHUNK) {
             let chunk = &points[start..points.len().min(start + CHUNK)];
             // A last chunk that is not full repeats its last point.
             let place = |axis: usize| std::array::from_fn(|i| chunk[i.min(chunk.len() - 1)][axis]);
-            on_p.iter_mut().flatten().for_each(|part| part.fill(0.0));
+            on_p.iter_mut()
+                .chain(&mut on_v)
+                .flatten()
+                .for_each(|part| part.fill(0.0));
             Arch::new().dispatch(Waves {
                 sources: &sources,
                 images: &images,
@@ -118,21 +122,24 @@ impl Exterior {
                 on_p: &mut on_p,
                 on_v: &mut on_v,
             });
-            for (((to, fields), on_p), on_v) in result.iter_mut().zip(&fields).zip(&on_p).zip(&on_v) {
+            for ((((to, pressure), (v, _)), on_p), on_v) in
+                result.iter_mut().zip(&pressures).zip(all).zip(&on_p).zip(&on_v)
+            {
                 let modes = to.ncols();
                 let mut sums = [0, 1].map(|_| Mat::<f64>::zeros(CHUNK, modes));
-                let of = |m: &Vec<f64>, by: &Mat<f64>, factor: f64, to: &mut Mat<f64>| {
+                let of = |m: &Vec<f64>, by: MatRef<'_, f64>, factor: f64, to: &mut Mat<f64>| {
                     let m = MatRef::from_column_major_slice(m, CHUNK, by.nrows());
-                    matmul(to.as_mut(), Accum::Add, m, by.as_ref(), factor, Par::Seq);
+                    matmul(to.as_mut(), Accum::Add, m, by, factor, Par::Seq);
                 };
-                let [re, im, flow] = fields;
+                let [re, im] = pressure.each_ref().map(Mat::as_ref);
+                let flow = MatRef::from_column_major_slice(v.as_slice(), values, modes);
                 // (a + jb)(p + jq) + j (c + jd) f
                 of(&on_p[0], re, 1.0, &mut sums[0]);
                 of(&on_p[1], im, -1.0, &mut sums[0]);
-                of(&on_v[1], flow, -1.0, &mut sums[0]);
+                of(&on_v[1], flow, -on_flow, &mut sums[0]);
                 of(&on_p[0], im, 1.0, &mut sums[1]);
                 of(&on_p[1], re, 1.0, &mut sums[1]);
-                of(&on_v[0], flow, 1.0, &mut sums[1]);
+                of(&on_v[0], flow, on_flow, &mut sums[1]);
                 for row in 0..chunk.len() {
                     for mode in 0..modes {
                         to[(start + row, mode)] = Complex::new(sums[0][(row, mode)], sums[1][(row, mode)]);
@@ -152,9 +159,9 @@ struct Waves<'a> {
     signs: &'a [Vec<f64>],
     k: f64,
     points: [[f64; CHUNK]; 3],
-    /// By corner functions: parity, real and imaginary part, unknown, point.
+    /// By corner functions of the unknowns: parity, real and imaginary part, unknown, point.
     on_p: &'a mut [[Vec<f64>; 2]],
-    /// Parity, real and imaginary part, source, point.
+    /// By corner functions of the panels: parity, real and imaginary part, velocity value, point.
     on_v: &'a mut [[Vec<f64>; 2]],
 }
 
@@ -192,16 +199,18 @@ impl WithSimd for Waves<'_> {
                 for parity in 0..self.signs.len() {
                     let sum = sums[parity];
                     for part in 0..2 {
+                        let flow = simd.mul_f64s(simd.splat_f64s(source.weight), sum[2 + part]);
                         for j in 0..source.corners {
+                            let phi = simd.splat_f64s(source.phi[j]);
                             let at = source.nodes[j] * CHUNK + first;
                             let to = &mut self.on_p[parity][part][at..at + lanes];
                             let to = &mut S::as_mut_simd_f64s(to).0[0];
-                            *to = simd.mul_add_e_f64s(simd.splat_f64s(source.phi[j]), sum[part], *to);
+                            *to = simd.mul_add_e_f64s(phi, sum[part], *to);
+                            let at = (source.first_value + j) * CHUNK + first;
+                            let to = &mut self.on_v[parity][part][at..at + lanes];
+                            let to = &mut S::as_mut_simd_f64s(to).0[0];
+                            *to = simd.mul_add_e_f64s(phi, flow, *to);
                         }
-                        let at = number * CHUNK + first;
-                        let to = &mut self.on_v[parity][part][at..at + lanes];
-                        let weight = simd.splat_f64s(source.weight);
-                        S::as_mut_simd_f64s(to).0[0] = simd.mul_f64s(weight, sum[2 + part]);
                     }
                 }
             }

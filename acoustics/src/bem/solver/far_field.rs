@@ -66,9 +66,10 @@ impl Exterior {
         }
         let hz = all.first().map_or(0.0, |(_, solution)| solution.hz);
         let k = 2.0 * PI * hz / self.air().sound_speed;
-        let (_, _, radius) = self.quadrature();
+        let (sources, _, radius) = self.quadrature();
+        let across = sources.iter().map(|s| s.position.xy().norm()).fold(0.0, f64::max);
         let planes = boundary.planes().map(|plane| plane.is_some());
-        let directions = directions(k * radius, planes);
+        let directions = directions([k * radius, k * across], planes);
         let mut totals: Vec<Mat<f64>> = all.iter().map(|(v, _)| Mat::zeros(v.ncols(), v.ncols())).collect();
         self.in_directions(all, k, &directions, |chunk, parts| {
             for (part, total) in parts.iter().zip(&mut totals) {
@@ -98,15 +99,17 @@ impl Exterior {
             .iter()
             .map(|(_, s)| [0, 1, 2].map(|axis| s.parity.is_odd(axis)))
             .collect();
-        let mut corners = Vec::new();
+        let (mut corners, mut flows) = (Vec::new(), Vec::new());
         for chunk in directions.chunks(CHUNK) {
             let rows = chunk.len();
             parts.iter_mut().for_each(|part| part.clear(n, points, rows));
             for (row, (d, _)) in chunk.iter().enumerate() {
                 let mut first = 0;
                 for block in self.blocks() {
+                    let size = 2 * block.corners * block.width;
                     corners.clear();
-                    corners.resize(2 * all.len() * block.corners * block.width, 0.0);
+                    corners.resize(all.len() * size, 0.0);
+                    flows.resize(all.len() * size, 0.0);
                     Arch::new().dispatch(Waves {
                         block,
                         direction: [k * d.x, k * d.y, k * d.z],
@@ -114,13 +117,11 @@ impl Exterior {
                         planes,
                         odd: &odd,
                         corners: &mut corners,
-                        first,
-                        points,
-                        row,
-                        to: &mut parts,
+                        flows: &mut flows,
                     });
-                    for (part, corners) in parts.iter_mut().zip(corners.chunks(2 * block.corners * block.width)) {
+                    for ((part, corners), flows) in parts.iter_mut().zip(corners.chunks(size)).zip(flows.chunks(size)) {
                         part.add_corners(block, corners, row);
+                        part.set_flows(flows, row * points + first);
                     }
                     first += block.corners * block.width;
                 }
@@ -199,23 +200,23 @@ impl Exterior {
 }
 
 /// The far field of the patterns of one parity. With both mirrors and a floor, waves are real up to a power of j, and
-/// only their real or imaginary part is stored.
+/// only their real or imaginary part is stored. In single precision, as the pressure that radiates was solved.
 struct Radiating {
-    /// Real and imaginary part of the pressure one below the other, 2 patterns x unknowns.
-    pressure: Mat<f64>,
+    /// Real and imaginary part of the pressure side by side, unknowns x 2 patterns.
+    pressure: Mat<f32>,
     /// Velocities at the points of the far rule, patterns x points.
-    velocities: Mat<f64>,
+    velocities: Mat<f32>,
     /// Whether waves have a real and an imaginary part.
     parts: Vec<usize>,
     /// Unknowns x directions and points x directions, for each part.
-    on_p: [Mat<f64>; 2],
-    on_v: [Vec<f64>; 2],
+    on_p: [Mat<f32>; 2],
+    on_v: [Vec<f32>; 2],
 }
 
 impl Radiating {
     fn new(problem: &Exterior, (velocities, solution): &Radiated<'_>, planes: [bool; 3], points: usize) -> Self {
         let (n, modes) = (solution.pressure.nrows(), velocities.ncols());
-        let at_points: Vec<Mat<f64>> = problem.blocks().iter().map(|b| b.patterns(velocities)).collect();
+        let at_points: Vec<Mat<f32>> = problem.blocks().iter().map(|b| b.patterns(velocities)).collect();
         let mut all = Mat::zeros(modes, points);
         let mut first = 0;
         for block in at_points {
@@ -224,9 +225,9 @@ impl Radiating {
         }
         let odd = (0..3).filter(|&axis| solution.parity.is_odd(axis)).count();
         Self {
-            pressure: Mat::from_fn(2 * modes, n, |row, node| {
-                let p = solution.pressure[(node, row % modes)];
-                if row < modes { p.re } else { p.im }
+            pressure: Mat::from_fn(n, 2 * modes, |node, column| {
+                let p = solution.pressure[(node, column % modes)];
+                (if column < modes { p.re } else { p.im }) as f32
             }),
             velocities: all,
             parts: if planes == [true; 3] { vec![odd % 2] } else { vec![0, 1] },
@@ -249,9 +250,19 @@ impl Radiating {
             for j in 0..block.corners {
                 let from = &corners[part * size + j * block.width..];
                 for (value, local) in from.iter().zip(&block.local) {
-                    to[block.nodes[local[j]]] += value;
+                    to[block.nodes[local[j]]] += *value as f32;
                 }
             }
+        }
+    }
+
+    /// Stores the waves of a block's points, times the points' areas.
+    fn set_flows(&mut self, flows: &[f64], at: usize) {
+        let size = flows.len() / 2;
+        for &part in &self.parts {
+            let to = &mut self.on_v[part][at..at + size];
+            let from = &flows[part * size..(part + 1) * size];
+            to.iter_mut().zip(from).for_each(|(to, from)| *to = *from as f32);
         }
     }
 
@@ -260,12 +271,12 @@ impl Radiating {
         let modes = self.velocities.nrows();
         let mut field = Mat::<f64>::zeros(modes, 2 * rows);
         for &part in &self.parts {
-            let mut from_p = Mat::<f64>::zeros(2 * modes, rows);
-            let mut from_v = Mat::<f64>::zeros(modes, rows);
+            let mut from_p = Mat::<f32>::zeros(2 * modes, rows);
+            let mut from_v = Mat::<f32>::zeros(modes, rows);
             matmul(
                 from_p.as_mut(),
                 Accum::Replace,
-                self.pressure.as_ref(),
+                self.pressure.transpose(),
                 self.on_p[part].as_ref(),
                 1.0,
                 Par::Seq,
@@ -280,9 +291,9 @@ impl Radiating {
                 Par::Seq,
             );
             for row in 0..rows {
-                for m in 0..modes {
-                    let flow = Complex::new(0.0, k * impedance * from_v[(m, row)]);
-                    let all = Complex::new(from_p[(m, row)], from_p[(modes + m, row)]) + flow;
+                let (re, im) = from_p.col_as_slice(row).split_at(modes);
+                for (m, ((&re, &im), &flow)) in re.iter().zip(im).zip(from_v.col_as_slice(row)).enumerate() {
+                    let all = Complex::new(f64::from(re), f64::from(im) + k * impedance * f64::from(flow));
                     let all = if part == 0 { all } else { all * Complex::i() };
                     field[(m, row)] += all.re;
                     field[(m, rows + row)] += all.im;
@@ -329,12 +340,8 @@ struct Waves<'a> {
     odd: &'a [[bool; 3]],
     /// k d . n e^{jk d.y} by corner functions: parity, part, corner, panel.
     corners: &'a mut [f64],
-    /// First point of the block among all.
-    first: usize,
-    /// Points of all blocks.
-    points: usize,
-    row: usize,
-    to: &'a mut [Radiating],
+    /// e^{jk d.y} times the area: parity, part, point, panel.
+    flows: &'a mut [f64],
 }
 
 impl WithSimd for Waves<'_> {
@@ -413,10 +420,9 @@ impl Waves<'_> {
                         slope[0] = simd.mul_add_e_f64s(along, by[c][0], slope[0]);
                         slope[1] = simd.mul_add_e_f64s(along, by[c][1], slope[1]);
                     }
-                    for index in 0..self.to[p].parts.len() {
-                        let part = self.to[p].parts[index];
-                        let at = self.row * self.points + self.first + b * width + chunk * lanes;
-                        let to = &mut self.to[p].on_v[part][at..at + lanes];
+                    for part in 0..2 {
+                        let at = (2 * p + part) * size + b * width + chunk * lanes;
+                        let to = &mut self.flows[at..at + lanes];
                         S::as_mut_simd_f64s(to).0[0] = simd.mul_f64s(value[part], w);
                         for j in 0..E {
                             let start = (2 * p + part) * size + j * width + chunk * lanes;
@@ -430,22 +436,28 @@ impl Waves<'_> {
     }
 }
 
-/// Directions and weights that integrate the squared far field of a body of size k a over the unit sphere, or over its
-/// half above the floor: spherical harmonics up to k a + 4 (k a)^{1/3} + 4 (Wiscombe 1980, rounded up). With mirror
+/// Highest order of the spherical or cylindrical harmonics of a wave at the distance x / k from their origin (Wiscombe
+/// 1980, rounded up).
+fn order(x: f64) -> usize {
+    (x + 4.0 * x.cbrt() + 4.0).ceil() as usize
+}
+
+/// Directions and weights that integrate the squared far field of a body over the unit sphere, or over its half above the
+/// floor. k times its largest distance from the origin, `ka`, limits the spherical harmonics; that from the vertical axis,
+/// `across`, times the sine of the polar angle limits those around the axis (Jacobi & Anger's expansion). With mirror
 /// planes only the directions above them are listed, the others contribute as much.
-fn directions(ka: f64, planes: [bool; 3]) -> Vec<(Vector3<f64>, f64)> {
-    let order = (ka + 4.0 * ka.cbrt() + 4.0).ceil() as usize;
-    let around = (2 * order + 1).next_multiple_of(4);
+fn directions([ka, across]: [f64; 2], planes: [bool; 3]) -> Vec<(Vector3<f64>, f64)> {
     let copies: f64 = planes[..2]
         .iter()
         .map(|mirror| if *mirror { 2.0 } else { 1.0 })
         .product();
     let mut result = Vec::new();
-    for (z, w) in gauss_legendre((order + 1).next_multiple_of(2)) {
+    for (z, w) in gauss_legendre((order(ka) + 1).next_multiple_of(2)) {
         if planes[2] && z < 0.0 {
             continue;
         }
         let r = (1.0 - z * z).sqrt();
+        let around = (2 * order(across * r) + 1).next_multiple_of(4);
         for i in 0..around {
             // Half a step off the planes, so that every direction has its images.
             let (sine, cosine) = (2.0 * PI * (i as f64 + 0.5) / around as f64).sin_cos();
@@ -457,4 +469,34 @@ fn directions(ka: f64, planes: [bool; 3]) -> Vec<(Vector3<f64>, f64)> {
         }
     }
     result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// int e^{jk d.(x - y)} dOmega = 4 pi sin(kr)/kr, r = |x - y|, for points x, y of a cylinder.
+    #[test]
+    fn directions_integrate_the_waves_of_any_two_points() {
+        for k in [0.1, 2.0, 15.0, 60.0] {
+            let (across, half_height) = (0.5, 0.9);
+            let ka = k * f64::hypot(across, half_height);
+            let directions = directions([ka, k * across], [false; 3]);
+            let place = |i: usize| {
+                let angle = 2.4 * i as f64;
+                let height = half_height * (1.0 - 2.0 * ((i * i) % 7) as f64 / 6.0);
+                Vector3::new(across * angle.cos(), across * angle.sin(), height)
+            };
+            for (i, j) in (0..14).flat_map(|i| (0..=i).map(move |j| (i, j))) {
+                let apart = place(i) - place(j);
+                let found: f64 = directions.iter().map(|(d, w)| w * (k * d.dot(&apart)).cos()).sum();
+                let kr = k * apart.norm();
+                let exact = 4.0 * PI * if kr == 0.0 { 1.0 } else { kr.sin() / kr };
+                assert!(
+                    (found - exact).abs() < 1e-5 * 4.0 * PI,
+                    "k {k}, {i}, {j}: {found} {exact}"
+                );
+            }
+        }
+    }
 }

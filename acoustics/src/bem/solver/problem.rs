@@ -8,10 +8,11 @@ use crate::bem::mesh::symmetry::{Image, Parity};
 use crate::bem::operators::blocks::{Block, blocks};
 use crate::bem::operators::equations::Sums;
 use crate::bem::operators::near::NearField;
-use crate::bem::operators::tile::Tile;
+use crate::bem::operators::tile::{Flow, Tile};
 use crate::bem::operators::wave::Wave;
 use crate::checks::{InputError, positive, same_length};
-use faer::{Mat, MatRef, Par};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatRef, Par};
 use nalgebra::{Complex, DMatrix};
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -353,34 +354,29 @@ impl Exterior {
     /// -K + alpha W, and (S + alpha K') v, for every parity.
     pub(crate) fn integrals(&self, wave: Wave, all: &[Patterns]) -> Vec<Sums> {
         let n = self.boundary.nodes();
-        let single = |v: Mat<f64>| Mat::from_fn(v.nrows(), v.ncols(), |i, j| v[(i, j)] as f32);
-        let by_block: Vec<Vec<Mat<f32>>> = all
-            .iter()
-            .map(|p| self.blocks.iter().map(|b| single(b.patterns(&p.velocities))).collect())
-            .collect();
+        let flow = |p: &Patterns| Flow::new(&self.blocks, p.parity, &p.velocities);
+        let mut flows: Vec<Flow> = all.iter().map(flow).collect();
         let empty = |p: &Patterns| Sums::zeros(n, p.velocities.ncols());
         let mut sums: Vec<Sums> = all.iter().map(empty).collect();
         let mut tile = Tile::default();
         let near = self.near.at(&self.boundary, wave.k);
-        for (i, e) in self.blocks.iter().enumerate() {
-            for (j, f) in self.blocks.iter().enumerate().skip(i) {
-                let patterns: Vec<(Parity, [&Mat<f32>; 2])> = all
-                    .iter()
-                    .zip(&by_block)
-                    .map(|(p, blocks)| (p.parity, [&blocks[i], &blocks[j]]))
-                    .collect();
+        for i in 0..self.blocks.len() {
+            for j in i..self.blocks.len() {
                 tile.add(
                     self.boundary.planes(),
                     &self.images,
                     wave,
-                    [e, f],
-                    &patterns,
-                    (&near, near.pairs(i, j)),
+                    (&self.blocks, [i, j]),
+                    &near,
+                    &mut flows,
                     &mut sums,
                 );
             }
         }
-        sums.iter_mut().for_each(Sums::join);
+        for (sums, flow) in sums.iter_mut().zip(&flows) {
+            flow.spread(&self.blocks, &mut sums.right);
+            sums.join();
+        }
         sums
     }
 
@@ -409,21 +405,45 @@ impl Exterior {
         }
     }
 
-    /// Adds `factor` int phi_i v dS for every pattern v, patterns x unknowns.
+    /// Adds `factor` int phi_i v dS for every pattern v, unknowns x patterns.
     pub(crate) fn add_moments(&self, velocities: &DMatrix<f64>, factor: f64, to: &mut Mat<f64>) {
-        let mut first = 0;
+        let (nodes, moments) = self.moments(velocities, |_| true);
+        for (m, moments) in moments.column_iter().enumerate() {
+            let to = to.col_as_slice_mut(m);
+            for (&node, moment) in nodes.iter().zip(moments.iter()) {
+                to[node] += factor * moment;
+            }
+        }
+    }
+
+    /// int phi_i v dS over some of the panels for every pattern v: the unknowns of these panels, and these x patterns.
+    fn moments(&self, velocities: &DMatrix<f64>, among: impl Fn(&Panel) -> bool) -> (Vec<usize>, DMatrix<f64>) {
+        let mut rows = vec![None; self.boundary.nodes()];
+        let (mut nodes, mut pieces, mut first) = (Vec::new(), Vec::new(), 0);
         for (panel, mass) in self.boundary.mesh().panels.iter().zip(&self.masses) {
-            let nodes = self.unknowns_of(panel);
-            for (i, &row) in nodes.iter().enumerate() {
-                for j in 0..nodes.len() {
-                    let moment = factor * mass[i][j];
-                    for m in 0..velocities.ncols() {
-                        to[(m, row)] += moment * velocities[(first + j, m)];
-                    }
+            if among(panel) {
+                let row = |node: usize| {
+                    *rows[node].get_or_insert_with(|| {
+                        nodes.push(node);
+                        nodes.len() - 1
+                    })
+                };
+                let own: Vec<usize> = self.unknowns_of(panel).into_iter().map(row).collect();
+                pieces.push((first, own, mass));
+            }
+            first += panel.corners().len();
+        }
+        let mut moments = DMatrix::zeros(nodes.len(), velocities.ncols());
+        for (mut to, v) in moments.column_iter_mut().zip(velocities.column_iter()) {
+            let v = v.as_slice();
+            for (first, own, mass) in &pieces {
+                let corners = &v[*first..first + own.len()];
+                for (&row, mass) in own.iter().zip(*mass) {
+                    to[row] += corners.iter().zip(mass).map(|(v, mass)| v * mass).sum::<f64>();
                 }
             }
-            first += nodes.len();
         }
+        (nodes, moments)
     }
 
     /// Modal radiation impedance Z_ij = int v_i p_j dS of every patch: its real part is R, its imaginary part is omega
@@ -451,49 +471,25 @@ impl Exterior {
             .unwrap_or(0)
             .max(mesh.patches.len());
         let (modes, columns) = (velocities.ncols(), solution.pressure.ncols());
-        let mut result = Vec::with_capacity(patches);
-        for patch in 0..patches {
-            let (mut first, mut rows, mut forces) = (0, Vec::new(), Vec::<Complex<f64>>::new());
-            for (panel, mass) in mesh.panels.iter().zip(&self.masses) {
-                let nodes = self.unknowns_of(panel);
-                if panel.patch == patch {
-                    for (i, row) in mass.iter().enumerate().take(nodes.len()) {
-                        rows.push(first + i);
-                        for m in 0..columns {
-                            forces.push(
-                                nodes
-                                    .iter()
-                                    .zip(row)
-                                    .map(|(&n, w)| solution.pressure[(n, m)] * *w)
-                                    .sum(),
-                            );
-                        }
-                    }
-                }
-                first += nodes.len();
-            }
-            let v = velocities.select_rows(&rows);
-            let forces = MatRef::from_row_major_slice(&forces, rows.len(), columns);
-            let v = MatRef::from_column_major_slice(v.as_slice(), rows.len(), modes);
-            let part = |part: fn(&Complex<f64>) -> f64| {
-                let f = Mat::from_fn(rows.len(), columns, |i, j| part(&forces[(i, j)]));
+        let copies = self.boundary.copies() as f64;
+        let of_patch = |patch: usize| {
+            let (nodes, moments) = self.moments(velocities, |panel| panel.patch == patch);
+            let moments = MatRef::from_column_major_slice(moments.as_slice(), nodes.len(), modes);
+            let [re, im] = [|z: Complex<f64>| z.re, |z: Complex<f64>| z.im].map(|part| {
+                let p = Mat::from_fn(nodes.len(), columns, |i, j| part(solution.pressure[(nodes[i], j)]));
                 let mut z = Mat::<f64>::zeros(modes, columns);
-                faer::linalg::matmul::matmul(
+                matmul(
                     z.as_mut(),
-                    faer::Accum::Replace,
-                    v.transpose(),
-                    f.as_ref(),
-                    1.0,
+                    Accum::Replace,
+                    moments.transpose(),
+                    p.as_ref(),
+                    copies,
                     Par::Seq,
                 );
                 z
-            };
-            let (re, im) = (part(|z| z.re), part(|z| z.im));
-            let copies = self.boundary.copies() as f64;
-            result.push(DMatrix::from_fn(modes, columns, |i, j| {
-                Complex::new(re[(i, j)], im[(i, j)]) * copies
-            }));
-        }
-        Ok(result)
+            });
+            DMatrix::from_fn(modes, columns, |i, j| Complex::new(re[(i, j)], im[(i, j)]))
+        };
+        Ok((0..patches).map(of_patch).collect())
     }
 }

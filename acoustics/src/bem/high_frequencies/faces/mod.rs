@@ -119,12 +119,18 @@ impl<'a> Faces<'a> {
                 let reflect = |y: &Vector3<f64>| y - 2.0 * (y - wall.at).dot(&wall.normal) * wall.normal;
                 seen.iter().map(reflect).collect::<Vec<_>>()
             });
-            Mat::from_fn(n, n, |i, j| {
-                let x = points.at[i];
-                let wall = reflected.as_ref().map_or(0.0, |y| kernel.at((x - y[j]).norm()));
-                // As accurate as a stored resistance.
-                (kernel.at((x - seen[j]).norm()) + wall) as f32
-            })
+            // Two points see each other's images at the same distance: reflections in perpendicular planes commute.
+            let mut values = Mat::zeros(n, n);
+            for j in 0..n {
+                for i in j..n {
+                    let x = points.at[i];
+                    let wall = reflected.as_ref().map_or(0.0, |y| kernel.at((x - y[j]).norm()));
+                    // As accurate as a stored resistance.
+                    values[(i, j)] = (kernel.at((x - seen[j]).norm()) + wall) as f32;
+                    values[(j, i)] = values[(i, j)];
+                }
+            }
+            values
         };
         let kernels: Vec<Mat<f32>> = face.images.iter().map(of_image).collect();
         let factor = self.boundary.copies() as f64 * air.impedance() / (2.0 * PI);
