@@ -38,6 +38,7 @@ pub use energy::{mode_energies, radiated_energy, radiated_signals};
 pub use erp::Erp;
 pub use error::RadiationError;
 pub use operator::ModalRadiation;
+pub(crate) use packed::PackedHermitian;
 pub use part::PartOfSurface;
 pub use rayleigh::Rayleigh;
 pub use resistance::Resistance;

@@ -11,7 +11,7 @@ const LANES: usize = 16;
 /// Hermitian matrices of one size: of each the upper triangle by columns, followed by the imaginary part of the upper
 /// triangle without its diagonal if some matrix has one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct PackedHermitian {
+pub(crate) struct PackedHermitian {
     modes: usize,
     skew: bool,
     matrices: usize,
@@ -27,7 +27,7 @@ impl PackedHermitian {
     }
 
     /// Rounds to single precision.
-    pub(super) fn new<'a>(modes: usize, matrices: impl ExactSizeIterator<Item = &'a Resistance> + Clone) -> Self {
+    pub(crate) fn new<'a>(modes: usize, matrices: impl ExactSizeIterator<Item = &'a Resistance> + Clone) -> Self {
         let skew = matrices.clone().any(|m| m.imaginary.is_some());
         let (count, stride) = (matrices.len(), Self::length(modes, skew));
         let mut values = vec![0.0; count * stride];
@@ -73,6 +73,11 @@ impl PackedHermitian {
 
     pub(super) fn rows(&self) -> impl Iterator<Item = &[f32]> {
         (0..self.matrices).map(|m| self.row(m))
+    }
+
+    /// All matrices.
+    pub(crate) fn unpack(&self) -> Vec<Resistance> {
+        (0..self.matrices).map(|m| self.matrix(m, 1.0)).collect()
     }
 
     /// `factor` times one matrix.

@@ -39,14 +39,6 @@ impl Resistance {
         self
     }
 
-    /// Rounded to single precision.
-    pub(crate) fn single(mut self) -> Self {
-        let round = |v: &mut f64| *v = f64::from(*v as f32);
-        self.real.iter_mut().for_each(round);
-        self.imaginary.iter_mut().flatten().for_each(round);
-        self
-    }
-
     /// Adds `factor` times another resistance.
     pub fn add_scaled(&mut self, factor: f64, other: &Self) {
         add_scaled(&mut self.real, factor, &other.real);

@@ -187,7 +187,7 @@ impl ModalBem {
             let follows = coarser.as_ref().is_some_and(|coarser| coarser.follows(level.top_hz));
             let solver = RangeSolver::new(level, (kept_to, !follows), &chosen, receivers, progress)?;
             let predictor = coarser.as_ref().unwrap_or(&solver);
-            let at = |solver: &RangeSolver<'_>, hz: f64| Ok(solver.at(hz)?.resistances.clone());
+            let at = |solver: &RangeSolver<'_>, hz: f64| Ok(solver.at(hz)?.resistances());
             let mut found = SampledRadiation::of_parities("BEM", &counts, &patches, &range, |hz| at(predictor, hz))?;
             let round = if follows { FEW } else { ROUND };
             let correction = match &coarser {

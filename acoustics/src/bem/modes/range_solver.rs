@@ -7,17 +7,25 @@ use crate::bem::solver::far_field::Radiated;
 use crate::bem::solver::problem::{Exterior, Patterns};
 use crate::error::AcousticsError;
 use crate::interpolation::Grid;
-use crate::radiation::{Resistance, SampledRadiation};
+use crate::radiation::{PackedHermitian, Resistance, SampledRadiation};
 use nalgebra::Complex;
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Solution at one frequency: R of every parity and patch, added mass and receiver pressures of every parity.
+/// Solution at one frequency: R of every patch, added mass and receiver pressures of every parity. R is packed in single
+/// precision, because hundreds of solutions are held at the same time.
 pub(crate) struct Solved {
-    pub(crate) resistances: Vec<Vec<Resistance>>,
+    resistances: Vec<PackedHermitian>,
     masses: Vec<PackedMass>,
     pressures: Vec<ReceiverPressures>,
+}
+
+impl Solved {
+    /// R of every parity and patch.
+    pub(crate) fn resistances(&self) -> Vec<Vec<Resistance>> {
+        self.resistances.iter().map(PackedHermitian::unpack).collect()
+    }
 }
 
 /// Centre of an averaging band \[Hz\], and the mean R of every parity and patch over it.
@@ -118,7 +126,7 @@ impl<'a> RangeSolver<'a> {
         let solution = Arc::new(Solved {
             resistances: two
                 .iter()
-                .map(|t| t.split().into_iter().map(Resistance::single).collect())
+                .map(|t| PackedHermitian::new(t.far_field.nrows(), t.split().iter()))
                 .collect(),
             masses: two.iter().map(|t| PackedMass::new(&t.added_mass)).collect(),
             pressures,
@@ -138,16 +146,12 @@ impl<'a> RangeSolver<'a> {
         let of_range = |(middle, hz): &(f64, Vec<f64>)| {
             let mut mean: Vec<Vec<Resistance>> = Vec::new();
             for &hz in hz {
-                let solved = self.at(hz)?;
+                let solved = self.at(hz)?.resistances();
                 if mean.is_empty() {
-                    let zeros = |r: &Resistance| Resistance::zeros(r.real.nrows());
-                    mean = solved
-                        .resistances
-                        .iter()
-                        .map(|c| c.iter().map(zeros).collect())
-                        .collect();
+                    mean = solved;
+                    continue;
                 }
-                for (to, from) in mean.iter_mut().flatten().zip(solved.resistances.iter().flatten()) {
+                for (to, from) in mean.iter_mut().flatten().zip(solved.iter().flatten()) {
                     to.add_scaled(1.0, from);
                 }
             }
