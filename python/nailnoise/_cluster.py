@@ -194,7 +194,7 @@ class Cluster:
     def share(self, value: Any) -> Any:
         """A value that many tasks read: it goes to a worker once, and from there to others that need it.
 
-        It is the result of a task, because Dask makes that again where a worker has died that alone held it; scattered values are lost.
+        It is the result of a task, because Dask computes a result again if the only worker that held it has died. A scattered value is lost.
         """
         return self.submit(itself, value)
 

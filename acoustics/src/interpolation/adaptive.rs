@@ -65,9 +65,11 @@ pub(crate) fn pieces([low, high]: Range, widest: f64, kinks: &[f64]) -> Result<V
 ///
 /// Each piece begins with two rounds of Leja's sequence. Rounds are added until the last one agrees to the tolerance
 /// with the polynomial without it. The polynomial through all samples is more accurate; [`Grid::error`] assumes that
-/// its error decreases by the same factor as in the previous round, at most by ten. A piece is halved when its samples
-/// are as many as one polynomial takes, or from half as many on once the last two rounds show that it would not take them:
-/// the narrower a resonance is beside the interval, the slower a polynomial converges.
+/// its error decreases by the same factor as in the previous round, at most by ten.
+///
+/// A piece is halved once it has the largest number of samples of one polynomial. It is halved earlier, from half that
+/// number on, if the convergence of the last two rounds shows that the full number would not meet the tolerance: the
+/// narrower a resonance is relative to the interval, the more slowly a polynomial converges.
 ///
 /// # Errors
 /// A tolerance that is not positive, [`SamplingError::Unresolved`], those of `take`.

@@ -14,8 +14,8 @@ pub(super) const LOWEST_SAMPLE: f64 = 40.0;
 /// A mode that radiates less than this share of the best radiator is interpolated as accurately as that share requires.
 const FLOOR: f64 = 1e-2;
 
-/// Most frequencies of one range: enough for narrow resonances, as those of the air between a table and the floor, each of
-/// which takes about fifty.
+/// Most frequencies of one range. A narrow resonance, such as those of the air between a table and the floor, takes about
+/// fifty.
 const MOST_SAMPLES: usize = 400;
 
 /// How finely boundary elements resolve space and frequency.

@@ -13,7 +13,7 @@ use nalgebra::DMatrix;
 use pulp::Arch;
 use rustfft::num_complex::Complex;
 
-/// The velocity patterns of one parity, and what B makes of them.
+/// The velocity patterns of one parity, and the product of B with them.
 ///
 /// Patterns are in the order of the first block that they move, so that those of one body of several follow each other,
 /// and a block multiplies only a range of them.
@@ -60,7 +60,7 @@ impl Flow {
         }
     }
 
-    /// Adds the flow from one block to the nodes of another.
+    /// Adds the contribution of the patterns on one block to the sums at the nodes of another.
     fn add(&mut self, from: usize, to: usize, add: impl FnOnce(MatRef<'_, f32>, MatMut<'_, f32>)) {
         let OnBlock { first, patterns } = &self.on_blocks[from];
         if patterns.nrows() > 0 {

@@ -71,7 +71,7 @@ impl Exterior {
         self.around_by(&self.boundary().images(), points, all)
     }
 
-    /// The same by some of the images of the surface alone; zero without any.
+    /// The part of [`Exterior::around`] that comes from some images of the surface; zero without images.
     pub(crate) fn around_by(
         &self,
         images: &[Image],
