@@ -65,7 +65,10 @@ pub enum Error {
     #[error("its levels are not kept")]
     LevelsNotKept,
     /// No candidate of a study is a design whose shot counts.
-    #[error("none of {candidates} candidates gives a shot that counts: {outcomes}{}", if refused.is_empty() { String::new() } else { format!("; no designs: {refused}") })]
+    #[error(
+        "none of {candidates} candidates gives a shot that counts: {}",
+        in_vain(outcomes, refused)
+    )]
     #[diagnostic(help("{}", if require.is_empty() {
         "narrow the ranges: their values are incompatible".to_owned()
     } else {
@@ -616,6 +619,16 @@ from_modules_of_acoustics!(
     nailnoise_acoustics::levels::LevelsError,
     nailnoise_acoustics::radiation::RadiationError,
 );
+
+/// What became of candidates none of which counts: outcomes of shots, and reasons why others are no designs.
+fn in_vain(outcomes: &str, refused: &str) -> String {
+    let refused = (!refused.is_empty()).then(|| format!("no designs: {refused}"));
+    let parts = (!outcomes.is_empty())
+        .then(|| outcomes.to_owned())
+        .into_iter()
+        .chain(refused);
+    parts.collect::<Vec<_>>().join("; ")
+}
 
 impl Error {
     /// Fails with the problems of a body, if there are any; one alone is the error itself.

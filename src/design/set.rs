@@ -39,6 +39,15 @@ pub enum SetError {
     },
 }
 
+impl SetError {
+    /// The key that cannot be set.
+    pub fn key(&self) -> &str {
+        match self {
+            Self::UnknownKey { key, .. } | Self::WrongKind { key, .. } | Self::OutsideLimits { key, .. } => key,
+        }
+    }
+}
+
 impl Values {
     /// Sets keys by their full names (`piston.mass`), quantities in SI units. A key given twice takes its last value.
     ///

@@ -161,6 +161,7 @@ fn plan(
         bases: &bases,
         active,
         stream,
+        given: None,
         partner_of: None,
     };
     let done = |before: usize| move |found: usize| progress.done((before + found) as u64, request.draws as u64);
@@ -185,47 +186,21 @@ fn plan(
     let mut planned = Vec::new();
     let own = first.into_iter().enumerate();
     for (structure, candidate) in own.filter(|(structure, _)| request.part.holds(*structure)) {
-        let held = |design: &Design| structure_of(design, sampler, &candidate.point, &shots);
-        let held: Vec<Values> = designs.iter().map(held).collect();
         let more = each.min(request.draws - each * structure) - 1;
         let mut own = vec![candidate];
         if more > 0 {
+            let given = own[0].point.clone();
             let frame = Frame {
-                bases: &held,
-                active: &shots,
-                stream: structure as u64 + 1,
-                partner_of: None,
+                given: Some(&given),
+                ..frame(&shots, structure as u64 + 1)
             };
             let (others, counts) = screen(graph, (designs, sampler), frame, more, Part::All, done(planned.len()))?;
             tally.add(counts);
-            // What shots of a structure have in common is what the first of them drew.
-            let first = own[0].clone();
-            own.extend(others.into_iter().map(|other| other.with(&first, &shots)));
+            own.extend(others);
         }
         planned.extend(own.into_iter().map(|candidate| Planned { structure, candidate }));
     }
     Ok((planned, tally))
-}
-
-/// The values of a design with the structure of a point.
-fn structure_of(design: &Design, sampler: &Sampler, point: &Point, shots: &[bool]) -> Values {
-    let mut values: Values = Values::clone(design);
-    let mut structure = point.clone();
-    let of_shots = structure.shares.iter_mut().zip(shots).filter(|(_, shot)| **shot);
-    of_shots.for_each(|(share, _)| *share = f64::NAN);
-    // A point that was accepted has values that can be set.
-    let _ = values.set(&sampler.changes(&structure));
-    values
-}
-
-impl Candidate {
-    /// With what another one drew for all that is not part of the shot.
-    fn with(mut self, other: &Self, shots: &[bool]) -> Self {
-        for (place, _) in shots.iter().enumerate().filter(|(_, shot)| !**shot) {
-            self.point.shares[place] = other.point.shares[place];
-        }
-        self
-    }
 }
 
 /// Draws of each design, and those that cannot be computed.

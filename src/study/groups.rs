@@ -11,7 +11,7 @@ use super::draws::{Draw, Draws, Planned, levels};
 use super::group_indices::{Row, indices};
 use super::level_table::{LevelTable, TOTAL};
 use super::request::{Part, Request};
-use super::sampling::{Frame, Partner, Point, Sampler};
+use super::sampling::{Frame, Point, Sampler};
 use super::screening::screen;
 use super::statistics::Estimate;
 use super::variables::{Scope, without_sensors};
@@ -146,10 +146,8 @@ pub fn group_study(
                     bases: &bases,
                     active: &active,
                     stream: STREAM,
-                    partner_of: Some(Partner {
-                        point: &point,
-                        number: row as u64,
-                    }),
+                    given: Some(&point),
+                    partner_of: Some(row as u64),
                 };
                 let found = screen(graph, (&designs, &sampler), frame, 1, Part::All, |_| {});
                 let found = match found {

@@ -40,7 +40,7 @@ pub use result::{
     Candidates, Contribution, Contributions, Convergence, LabelledStudy, LevelStudy, Louder, OrderProbability, SCHEMA,
     SourceStudy, StudyResult,
 };
-pub use sampling::{Frame, Partner, Point, Rejections, Sampler};
+pub use sampling::{Frame, NoValues, Point, Rejections, Sampler};
 pub use screening::{Candidate, Tally, screen};
 pub use shots::{Counted, DrawnShot, ShotSampler, Shots, shots};
 pub use statistics::{Estimate, Quantiles};

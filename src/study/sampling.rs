@@ -68,17 +68,21 @@ pub struct Frame<'a> {
     pub active: &'a [bool],
     /// Number of the sequence.
     pub stream: u64,
-    /// A point that gives all variables that are not drawn; without it they are those of the bases.
-    pub partner_of: Option<Partner<'a>>,
+    /// A point of the bases whose values go together. It gives all variables that are not drawn; without it they are those of
+    /// the bases.
+    pub given: Option<&'a Point>,
+    /// Number of the given point where partners of many points are drawn: their first candidates are the points of one sequence.
+    pub partner_of: Option<u64>,
 }
 
-/// A point of which some variables are drawn anew.
-#[derive(Clone, Copy)]
-pub struct Partner<'a> {
-    /// The point.
-    pub point: &'a Point,
-    /// Its number: the first candidates for the partners of all points are the points of one sequence.
-    pub number: u64,
+/// Variables that are drawn together have no values that go together.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{MOST_ATTEMPTS} draws of {drawn} broke a rule, the last one that of {keys}")]
+pub struct NoValues {
+    /// Names of the variables.
+    pub drawn: String,
+    /// Keys of the rule that the last draw broke.
+    pub keys: String,
 }
 
 /// How often values were rejected, by the keys that do not go together.
@@ -119,42 +123,43 @@ impl Sampler {
             .collect()
     }
 
-    /// Point `index` of a frame, or none where a component has no values that go together.
-    pub fn point(&self, frame: Frame<'_>, index: u64, rejections: &mut Rejections) -> Option<Point> {
+    /// Point `index` of a frame.
+    ///
+    /// # Errors
+    /// [`NoValues`] where values of a component did not go together in any attempt.
+    pub fn point(&self, frame: Frame<'_>, index: u64, rejections: &mut Rejections) -> Result<Point, NoValues> {
         let count = self.variables.len();
-        let mut point = match frame.partner_of {
-            Some(partner) => partner.point.clone(),
-            None => Point {
-                shares: vec![f64::NAN; count],
-            },
-        };
+        let mut point = frame.given.cloned().unwrap_or_else(|| Point {
+            shares: vec![f64::NAN; count],
+        });
         // Each further candidate for a partner comes from another scramble.
-        let index = frame
-            .partner_of
-            .map_or(index, |partner| index * LENGTH + partner.number);
+        let index = frame.partner_of.map_or(index, |number| index * LENGTH + number);
         for component in &self.components {
             let members: Vec<usize> = component.members.iter().copied().filter(|&m| frame.active[m]).collect();
             if members.is_empty() {
                 continue;
             }
-            let mut attempts = 0..MOST_ATTEMPTS;
-            let goes_together = attempts.any(|attempt| {
+            let bases = match component.conflicts {
+                true => self.bases_around(component, frame),
+                false => Vec::new(),
+            };
+            let mut broken = None;
+            for attempt in 0..MOST_ATTEMPTS {
                 self.draw(component, &members, (frame.stream, index, attempt), &mut point);
-                let together = !component.conflicts
-                    || frame
-                        .bases
-                        .iter()
-                        .all(|base| self.goes_together(base, &members, &point));
-                if !together {
-                    *rejections.entry(self.names(&component.members).join(", ")).or_default() += 1;
+                broken = bases.iter().find_map(|base| self.broken_rule(base, &members, &point));
+                if broken.is_none() {
+                    break;
                 }
-                together
-            });
-            if !goes_together {
-                return None;
+                *rejections.entry(self.names(&component.members).join(", ")).or_default() += 1;
+            }
+            if let Some(keys) = broken {
+                return Err(NoValues {
+                    drawn: self.names(&members).join(", "),
+                    keys,
+                });
             }
         }
-        Some(point)
+        Ok(point)
     }
 
     /// Draws the active members of a component.
@@ -192,9 +197,30 @@ impl Sampler {
         f64::from(number) + HALF_STEP
     }
 
-    fn goes_together(&self, base: &Values, members: &[usize], point: &Point) -> bool {
+    /// The bases with the values that the given point has outside the active members of a component: they break no rule by
+    /// themselves, as the bases alone may where the given point changes one of two values that a rule compares.
+    fn bases_around(&self, component: &Component, frame: Frame<'_>) -> Vec<Values> {
+        let mut bases = frame.bases.to_vec();
+        if let Some(given) = frame.given {
+            let mut around = given.clone();
+            let own = component.members.iter().filter(|member| frame.active[**member]);
+            own.for_each(|&member| around.shares[member] = f64::NAN);
+            let changes = self.changes(&around);
+            for base in &mut bases {
+                // The given point was accepted, so that its values can be set.
+                let _ = base.set(&changes);
+            }
+        }
+        bases
+    }
+
+    /// Keys of the rule that is broken when members are drawn; none where their values go together.
+    fn broken_rule(&self, base: &Values, members: &[usize], point: &Point) -> Option<String> {
         let mut values = base.clone();
-        values.set(&self.changes_of(members, point)).is_ok() && values.conflict().is_none()
+        match values.set(&self.changes_of(members, point)) {
+            Ok(()) => Some(values.conflict()?.keys().join(", ")),
+            Err(error) => Some(error.key().to_owned()),
+        }
     }
 
     fn changes_of<'a>(&'a self, members: &[usize], point: &Point) -> Vec<(&'a str, Value)> {
@@ -355,6 +381,7 @@ mod tests {
             bases: &bases,
             active: &active,
             stream: 0,
+            given: None,
             partner_of: None,
         };
         let points = (0..N).map(|index| sampler.point(frame, index, &mut rejections).unwrap());
@@ -446,6 +473,66 @@ mod tests {
             .iter()
             .for_each(|point| cells[(64.0 * point.shares[2]) as usize] += 1);
         assert!(cells.iter().all(|count| *count == N / 64), "{cells:?}");
+    }
+
+    /// The given diameter of the seat is wider than the ring of the base: other rules are judged with the ring that was given too.
+    #[test]
+    fn rules_are_judged_around_the_given_point() {
+        let design = design("");
+        let keys = [
+            "piston.friction.static_force",
+            "piston.friction.sliding_force",
+            "head_valve.outer_diameter",
+            "head_valve.seat_diameter",
+        ];
+        let sampler = Sampler::new(&design, of(&design, &keys), 1);
+        let given = Point {
+            shares: vec![0.9, 0.1, 0.99, 0.9],
+        };
+        let bases = [Values::clone(&design)];
+        let frame = Frame {
+            bases: &bases,
+            active: &[true, true, true, false],
+            stream: 1,
+            given: Some(&given),
+            partner_of: None,
+        };
+        let mut wider = bases[0].clone();
+        wider
+            .set(&sampler.changes(&Point {
+                shares: vec![f64::NAN, f64::NAN, f64::NAN, 0.9],
+            }))
+            .unwrap();
+        assert!(wider.conflict().is_some(), "the seat alone breaks a rule of the base");
+        for index in 0..64 {
+            let point = sampler.point(frame, index, &mut Rejections::new()).unwrap();
+            assert_eq!(point.shares[3], 0.9);
+            let mut values = bases[0].clone();
+            values.set(&sampler.changes(&point)).unwrap();
+            assert_eq!(values.conflict(), None);
+        }
+    }
+
+    #[test]
+    fn the_rule_that_no_draw_meets_is_named() {
+        let design = design("head_valve.seat_diameter = { value = \"66 mm\", range = \"66 .. 66 mm\" }\n");
+        let keys = ["head_valve.outer_diameter"];
+        let sampler = Sampler::new(&design, of(&design, &keys), 1);
+        let narrow = Point { shares: vec![0.01] };
+        let mut bases = [Values::clone(&design)];
+        bases[0]
+            .set(&[("head_valve.seat_diameter", Value::Number(1.0))])
+            .unwrap();
+        let frame = Frame {
+            bases: &bases,
+            active: &[true],
+            stream: 0,
+            given: Some(&narrow),
+            partner_of: None,
+        };
+        let error = sampler.point(frame, 0, &mut Rejections::new()).unwrap_err();
+        assert_eq!(error.drawn, "head_valve.outer_diameter");
+        assert_eq!(error.keys, "head_valve.seat_diameter, head_valve.outer_diameter");
     }
 
     #[test]

@@ -96,8 +96,9 @@ pub(super) fn cycles_of(
     index: u64,
     rejections: &mut Rejections,
 ) -> Result<(Point, Vec<Cycle>), String> {
-    let point = sampler.point(frame, index, rejections);
-    let point = point.ok_or_else(|| "no values of a group go together".to_owned())?;
+    let point = sampler
+        .point(frame, index, rejections)
+        .map_err(|error| error.to_string())?;
     let cycle = |(design, base): (&Design, &Values)| {
         let design = drawn(design, sampler, base, &point)?;
         let settings = nailnoise_dynamics::Settings {
@@ -214,16 +215,16 @@ pub fn screen(
         found(accepted.len());
     }
     if accepted.is_empty() && want > 0 {
-        let named = |counts: &BTreeMap<String, u64>| {
+        let counted = |counts: &BTreeMap<String, u64>, space: &str| {
             let counts = counts
                 .iter()
-                .map(|(name, count)| format!("{} {count}", name.replace('_', " ")));
+                .map(|(name, count)| format!("{} ({count})", name.replace('_', space)));
             counts.collect::<Vec<_>>().join(", ")
         };
         return Err(Error::NothingDrawn {
             candidates: tally.candidates,
-            outcomes: named(&tally.outcomes),
-            refused: named(&tally.refused),
+            outcomes: counted(&tally.outcomes, " "),
+            refused: counted(&tally.refused, "_"),
             require: designs[0].study().require.join(", "),
         });
     }

@@ -144,6 +144,7 @@ impl ShotSampler {
             bases: &bases,
             active: &active,
             stream: 0,
+            given: None,
             partner_of: None,
         };
         let designs = std::slice::from_ref(&self.design);

@@ -68,6 +68,7 @@ impl Candidates {
             bases: &bases,
             active: &self.active,
             stream: 0,
+            given: None,
             partner_of: None,
         };
         let (_, outcomes) = block_of((designs, &self.sampler), frame, block * BLOCK..(block + 1) * BLOCK);
