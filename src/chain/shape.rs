@@ -265,6 +265,8 @@ mod tests {
         for change in [
             |design: &mut Design| design.tool.mass *= 1.05,
             |design: &mut Design| design.body.lumped_magazine *= 1.1,
+            |design: &mut Design| design.head_valve.outer_diameter *= 0.99,
+            |design: &mut Design| design.chambers.check_hole_position *= 0.8,
             |design: &mut Design| design.body.housing.young_modulus *= 1.5,
             |design: &mut Design| design.body.nose.density *= 1.01,
             |design: &mut Design| design.body.sleeve.poisson_ratio *= 0.95,

@@ -1,5 +1,5 @@
-//! Standard bodies: the shape of a design's bodies with the materials, the nail, the tool's walls and the lumped masses of
-//! the N80CB.
+//! Standard bodies: the shape of a design's bodies with the materials, the nail, the tool's walls, lumped masses
+//! and places of loads of the N80CB.
 //!
 //! The radiation of boundary elements is solved for the modes of these bodies, and kept. Assumption: on the outer surface
 //! the modes of any body of this shape combine from them. How well is stated for every design; where it does not hold, the
@@ -32,8 +32,8 @@ fn shipped_design() -> Option<&'static Design> {
     READ.get_or_init(read).as_ref()
 }
 
-/// The design with standard materials, nail, and walls and masses of the tool; its bodies have the outer surfaces of the
-/// design's.
+/// The design with standard materials, nail, and walls, masses and loads of the tool; its bodies have the outer surfaces of
+/// the design's. The loads count because the static corrections of the modes depend on them.
 fn standard(design: &Design) -> Option<Design> {
     let from = shipped_design()?;
     let mut standard = design.clone();
@@ -55,6 +55,9 @@ fn standard(design: &Design) -> Option<Design> {
     if body.mesh.is_empty() && body.dimensions == own.dimensions {
         (body.lumped, body.lumped_nose, body.lumped_magazine) = (own.lumped, own.lumped_nose, own.lumped_magazine);
         standard.tool.mass = from.tool.mass;
+        standard.head_valve.inner_diameter = from.head_valve.inner_diameter;
+        standard.head_valve.outer_diameter = from.head_valve.outer_diameter;
+        standard.chambers.check_hole_position = from.chambers.check_hole_position;
     } else {
         // A housing of other dimensions may be heavier than that tool.
         body.lumped = false;
