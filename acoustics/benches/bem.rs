@@ -2,7 +2,7 @@
 //! last rows alone.
 #![allow(clippy::unwrap_used, missing_docs)]
 
-#[path = "../tests/bem_common/mod.rs"]
+#[path = "../tests/bem/common.rs"]
 mod bem_common;
 
 use nailnoise_acoustics::Air;

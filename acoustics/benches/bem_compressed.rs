@@ -6,7 +6,7 @@
 //! the dense matrix beside it at about 6 000 unknowns. The exponent is the slope of the logarithms of time and size.
 #![allow(clippy::unwrap_used, missing_docs)]
 
-#[path = "../tests/bem_common/mod.rs"]
+#[path = "../tests/bem/common.rs"]
 mod bem_common;
 
 use nailnoise_acoustics::Air;

@@ -1,0 +1,14 @@
+//! Boundary elements, and bodies in a heavy fluid.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+mod coarse;
+mod compressed;
+mod fluid_plates;
+mod fluid_shell;
+mod laws;
+mod modal;
+mod monopole;
+mod sphere;
+mod symmetry;

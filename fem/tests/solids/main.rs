@@ -1,0 +1,16 @@
+//! Elements, materials, modes and supports.
+#![allow(clippy::unwrap_used)]
+
+#[path = "../common/bodies.rs"]
+mod bodies;
+#[path = "../common/kinds.rs"]
+mod kinds;
+
+mod assembly;
+mod attachments;
+mod elements;
+mod material;
+mod modes;
+mod spheres;
+mod supports;
+mod symmetry;

@@ -1,0 +1,96 @@
+//! Points located in a mesh.
+#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
+
+use std::sync::LazyLock;
+
+use crate::common::close;
+use nailnoise_meshes::{Block, Location, Mesh, MeshError, block};
+use nalgebra::{Point3, Vector3};
+use proptest::prelude::*;
+
+const SIZE: [f64; 3] = [0.4064, 0.1524, 0.09525];
+const ORIGIN: [f64; 3] = [0.1, -0.2, 0.3];
+
+static MESH: LazyLock<Mesh> = LazyLock::new(|| {
+    block(&Block {
+        size: SIZE,
+        divisions: [5, 3, 2],
+        origin: ORIGIN,
+    })
+    .unwrap()
+});
+
+/// The point at fractions of the sides of the block.
+fn point(s: [f64; 3]) -> Point3<f64> {
+    Point3::from([0, 1, 2].map(|k| ORIGIN[k] + s[k] * SIZE[k]))
+}
+
+/// The point that nodes and weights of a location give.
+fn carried(at: &Location) -> Point3<f64> {
+    let sum: Vector3<f64> = at
+        .nodes
+        .iter()
+        .zip(&at.weights)
+        .map(|(&n, w)| MESH.nodes[n].coords * *w)
+        .sum();
+    Point3::from(sum)
+}
+
+proptest! {
+    #[test]
+    fn a_location_reproduces_its_point_and_its_weights_sum_to_one(s in prop::array::uniform3(0.0..=1.0f64)) {
+        let at = MESH.locate(point(s)).unwrap();
+        prop_assert!((carried(&at) - point(s)).norm() < 1e-13);
+        prop_assert!((at.weights.iter().sum::<f64>() - 1.0).abs() < 1e-13);
+    }
+
+    #[test]
+    fn a_location_on_a_group_is_its_nearest_point(x in 0.0..=1.0f64, y in 0.0..=1.0f64) {
+        let top = point([x, y, 1.0]);
+        let at = MESH.locate_on("top", top + Vector3::z() * 1e-4, 1e-3).unwrap();
+        prop_assert!((carried(&at) - top).norm() < 1e-13);
+    }
+
+    #[test]
+    fn a_point_within_a_distance_of_the_mesh_is_extrapolated(x in 0.0..=1.0f64, y in 0.0..=1.0f64) {
+        let above = point([x, y, 1.0]) + Vector3::z() * 1e-4;
+        let at = MESH.locate_within(above, 2e-4).unwrap();
+        prop_assert!((carried(&at) - above).norm() < 1e-13);
+    }
+
+    #[test]
+    fn a_point_beyond_the_distance_is_refused_with_its_own(x in 0.0..=1.0f64, y in 0.0..=1.0f64) {
+        let above = point([x, y, 1.0]) + Vector3::z() * 1e-4;
+        match MESH.locate_within(above, 0.9e-4) {
+            Err(MeshError::Outside { distance, .. }) => prop_assert!((distance - 1e-4).abs() < 1e-12),
+            found => prop_assert!(false, "{found:?}"),
+        }
+    }
+
+    #[test]
+    fn within_no_distance_a_point_is_located_inside(s in prop::array::uniform3(0.0..=1.0f64)) {
+        prop_assert_eq!(MESH.locate_within(point(s), 0.0).unwrap(), MESH.locate(point(s)).unwrap());
+    }
+}
+
+#[test]
+fn a_point_outside_is_refused_with_its_distance() {
+    let mesh = block(&Block {
+        size: [1.0; 3],
+        divisions: [2; 3],
+        origin: [0.0; 3],
+    })
+    .unwrap();
+    match mesh.locate(Point3::new(0.5, 0.5, 1.25)) {
+        Err(MeshError::Outside { distance, .. }) => close(distance, 0.25, 1e-12),
+        other => panic!("{other:?}"),
+    }
+    assert!(matches!(
+        mesh.locate_on("top", Point3::new(0.5, 0.5, 0.5), 1e-3),
+        Err(MeshError::Outside { .. })
+    ));
+    assert!(matches!(
+        mesh.locate_on("lid", Point3::origin(), 1.0),
+        Err(MeshError::UnknownGroup { .. })
+    ));
+}

@@ -1,0 +1,85 @@
+//! The shipped mesh of the body of the tool.
+#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
+
+use std::f64::consts::PI;
+use std::sync::LazyLock;
+
+use nailnoise_meshes::msh::Imported;
+use nailnoise_meshes::{Tool, tool};
+use nailnoise_quantities::dimension::LENGTH;
+use nailnoise_quantities::positive;
+
+use crate::base_design::{group, number};
+use crate::common::{area, close};
+
+const MM: f64 = 1e-3;
+
+/// The N80CB, as its design has it.
+fn n80cb() -> Tool {
+    Tool {
+        dimensions: group("body"),
+        sleeve_radius: number("piston.bore", positive(LENGTH)) / 2.0,
+        size: number("analysis.body_element", positive(LENGTH)),
+    }
+}
+
+/// The mesh of the N80CB that is part of the crate. With other dimensions, gmsh would be needed.
+static SHIPPED: LazyLock<Imported> = LazyLock::new(|| tool(&n80cb(), false).unwrap());
+
+#[test]
+fn the_shipped_mesh_has_the_signature_of_its_dimensions() {
+    assert_eq!(SHIPPED.comment, n80cb().signature());
+}
+
+#[test]
+fn the_shipped_mesh_is_one_closed_piece() {
+    let quality = SHIPPED.mesh.quality().unwrap();
+    assert_eq!((quality.inverted, quality.open_edges, quality.pieces), (0, 0, 1));
+    assert_eq!(quality.coincident_nodes, 0);
+}
+
+#[test]
+fn the_parts_of_the_shipped_mesh_have_their_volumes() {
+    let mesh = &SHIPPED.mesh;
+    assert_eq!(mesh.part_names, ["housing", "nose", "sleeve"]);
+    let volumes = mesh.part_volumes().unwrap();
+    let nose = (20.0 * 30.0 - 8.0 * 18.0) * 112.0 * MM.powi(3);
+    close(volumes[1], nose, 1e-5);
+    // Quadratic sides lie on the cylinders within a few parts in a thousand.
+    let sleeve = PI * (32.0_f64.powi(2) - 30.0_f64.powi(2)) * 150.0 * MM.powi(3);
+    close(volumes[2], sleeve, 5e-3);
+}
+
+#[test]
+fn the_shipped_mesh_has_the_outer_dimensions_of_the_tool() {
+    let (low, high) = SHIPPED.mesh.bounds();
+    close(high.z - low.z, 345.0 * MM, 1e-6);
+    close(high.x, (33.0 + 170.0) * MM, 1e-6);
+}
+
+#[test]
+fn the_groups_of_the_shipped_mesh_have_their_areas() {
+    let mesh = &SHIPPED.mesh;
+    close(area(mesh, "nose_tip"), (20.0 * 30.0 - 8.0 * 18.0) * MM * MM, 1e-5);
+    close(area(mesh, "gas_bore"), 2.0 * PI * 30.0 * 150.0 * MM * MM, 5e-3);
+    close(area(mesh, "bumper_seat"), PI * (30.0 * MM).powi(2), 5e-3);
+    close(area(mesh, "magazine"), 2.0 * PI * (55.0 * MM).powi(2), 5e-3);
+    close(area(mesh, "fit_slave"), 2.0 * PI * 32.0 * 10.0 * MM * MM, 5e-3);
+    close(area(mesh, "fit_master"), 2.0 * PI * 32.5 * 181.0 * MM * MM, 5e-3);
+    for group in ["seat", "cap", "handle"] {
+        assert!(area(mesh, group) > 0.0, "{group}");
+    }
+}
+
+#[test]
+fn the_signature_contains_every_dimension() {
+    let signature = n80cb().signature();
+    for (k, (name, _)) in n80cb().dimensions().iter().enumerate() {
+        assert!(signature.contains(&format!(" {name}=")), "{name}");
+        let words: Vec<&str> = signature.split(' ').collect();
+        assert!(words[k + 1].starts_with(name), "{name}");
+    }
+    let mut other = n80cb();
+    other.dimensions.sleeve_wall += 1e-6 * MM;
+    assert_ne!(other.signature(), signature);
+}

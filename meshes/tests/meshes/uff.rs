@@ -1,0 +1,368 @@
+//! Universal files: what is written is read back, and damage is an error that names it.
+#![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
+
+use std::path::PathBuf;
+
+use nailnoise_meshes::uff::{self, Mode, UffError};
+use nailnoise_meshes::{Block, Surface, block};
+use nalgebra::Complex;
+
+/// A file for one test, deleted at its end.
+struct Scratch(PathBuf);
+
+impl Scratch {
+    fn new(name: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("nailnoise-uff-{}-{name}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        Self(folder.join("modes.uff"))
+    }
+
+    fn holding(name: &str, text: &str) -> Self {
+        let own = Self::new(name);
+        std::fs::write(&own.0, text).unwrap();
+        own
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(self.0.parent().unwrap());
+    }
+}
+
+fn written(name: &str) -> (Scratch, Surface, Vec<Vec<f64>>) {
+    let mesh = block(&Block {
+        size: [0.4, 0.15, 0.1],
+        divisions: [3, 2, 1],
+        origin: [-0.2, 0.0, 1e-3],
+    })
+    .unwrap();
+    let surface = Surface::of(&mesh);
+    let shapes: Vec<Vec<f64>> = (1..=3)
+        .map(|mode| {
+            (0..3 * mesh.nodes.len())
+                .map(|dof| (dof as f64 * 0.37 + f64::from(mode)).sin() * 10f64.powi(mode - 3))
+                .collect()
+        })
+        .collect();
+    let file = Scratch::new(name);
+    let modes: Vec<Mode<'_>> = shapes
+        .iter()
+        .zip([0.0, 1483.25, 9876.5])
+        .map(|(shape, hz)| Mode {
+            hz,
+            loss_factor: 0.02,
+            shape,
+        })
+        .collect();
+    std::fs::write(&file.0, uff::text("block", &surface, &modes).unwrap()).unwrap();
+    (file, surface, shapes)
+}
+
+#[test]
+fn nodes_are_read_back() {
+    let (file, surface, _) = written("nodes");
+    let read = uff::read(&file.0).unwrap();
+    assert_eq!(read.nodes.len(), surface.points.len());
+    for (point, &node) in surface.points.iter().zip(&surface.volume_nodes) {
+        // Sixteen digits after the point.
+        assert!((read.nodes[&(node as u64 + 1)] - point).norm() < 1e-15);
+    }
+}
+
+#[test]
+fn modes_are_read_back() {
+    let (file, surface, shapes) = written("modes");
+    let read = uff::read(&file.0).unwrap();
+    assert_eq!(read.modes.len(), 3);
+    for ((mode, shape), hz) in read.modes.iter().zip(&shapes).zip([0.0, 1483.25, 9876.5]) {
+        assert!((mode.hz - hz).abs() <= 1e-5 * hz);
+        assert_eq!(mode.shape.len(), surface.points.len());
+        for (label, u) in &mode.shape {
+            for axis in 0..3 {
+                let expected = shape[3 * (*label as usize - 1) + axis];
+                assert!((u[axis].re - expected).abs() <= 1e-5 * expected.abs());
+                assert_eq!(u[axis].im, 0.0);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_shape_that_is_too_short_is_refused() {
+    let (_file, surface, shapes) = written("short");
+    let mode = Mode {
+        hz: 1.0,
+        loss_factor: 0.0,
+        shape: &shapes[0][..30],
+    };
+    assert!(uff::text("block", &surface, &[mode]).is_err());
+}
+
+#[test]
+fn measured_complex_modes_are_read_with_their_frequency_in_hertz() {
+    let text = "    -1\n    55\na\nNONE\nNONE\nNONE\nNONE\n         1         3         2         8         5         3\n         \
+                2         6         1         1\n -6.28319E+00  6.28319D+02  0.0 0.0 0.0 0.0\n        17\n  1.0 0.5 0.0 0.0 \
+                -1.0 0.25\n    -1\n";
+    let read = uff::read(&Scratch::holding("complex", text).0).unwrap();
+    assert!(read.nodes.is_empty());
+    assert!((read.modes[0].hz - 100.005).abs() < 1e-3, "{}", read.modes[0].hz);
+    let expected = [Complex::new(1.0, 0.5), Complex::new(0.0, 0.0), Complex::new(-1.0, 0.25)];
+    assert_eq!(read.modes[0].shape, [(17, expected)]);
+}
+
+/// The text of a correct file.
+fn good(name: &str) -> String {
+    std::fs::read_to_string(&written(name).0.0).unwrap()
+}
+
+#[test]
+fn a_truncated_file_is_refused() {
+    let good = good("truncated");
+    let file = Scratch::holding("cut", &good[..good.len() / 2]);
+    assert!(matches!(uff::read(&file.0), Err(UffError::Truncated { .. })));
+}
+
+#[test]
+fn a_file_without_modes_is_refused() {
+    let good = good("geometry");
+    let geometry = good.split("    -1\n    55\n").next().unwrap();
+    for text in [geometry, "no universal file"] {
+        let file = Scratch::holding("modeless", text);
+        assert!(matches!(uff::read(&file.0), Err(UffError::NoModes { .. })));
+    }
+}
+
+#[test]
+fn a_missing_file_is_an_error() {
+    let absent = Scratch::new("absent");
+    assert!(matches!(uff::read(&absent.0), Err(UffError::Read { .. })));
+}
+
+#[test]
+fn a_wrong_line_is_named_with_its_number_and_text() {
+    let good = good("line");
+    let line = good.lines().position(|line| line.contains("mode 1 at")).unwrap();
+    let mut lines: Vec<&str> = good.lines().collect();
+    lines[line + 3] = "  one hertz";
+    let error = uff::read(&Scratch::holding("wrong", &lines.join("\n")).0).unwrap_err();
+    assert!(
+        matches!(error, UffError::Line { line: at, dataset: 55, .. } if at == line + 4),
+        "{error}"
+    );
+    assert!(error.to_string().contains("one hertz"), "{error}");
+}
+
+#[test]
+fn damaged_files_cause_no_panic() {
+    let (file, ..) = written("damaged");
+    let good = std::fs::read(&file.0).unwrap();
+    let mut state = 1u64;
+    // The generator of Knuth, The Art of Computer Programming 2, section 3.3.4.
+    let mut next = |below: usize| {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        ((state >> 33) % below as u64) as usize
+    };
+    let mut refused = 0;
+    for _ in 0..100 {
+        let mut bytes = good.clone();
+        for _ in 0..=next(6) {
+            let at = next(bytes.len());
+            match next(4) {
+                0 => bytes[at] = b"-1 eE.\n\0"[next(8)],
+                1 => bytes.truncate(at.max(1)),
+                2 => {
+                    let end = (at + next(90)).min(bytes.len());
+                    bytes.drain(at..end);
+                }
+                _ => bytes[at] = next(256) as u8,
+            }
+        }
+        std::fs::write(&file.0, &bytes).unwrap();
+        refused += usize::from(uff::read(&file.0).is_err());
+    }
+    assert!(refused > 30, "{refused}");
+}
+
+/// A dataset 58 of these values.
+fn history(header: &str, axes: [&str; 2], values: &str) -> String {
+    let axis = |text: &str| format!("{text}\n");
+    let none = "         0    0    0    0 NONE                 NONE                \n";
+    format!(
+        "    -1\n    58\nforce\nNONE\nNONE\nNONE\nNONE\n    1         0    0         0 NONE                1   3 NONE                0   0\n\
+         {header}\n{}{}{none}{none}{values}\n    -1\n",
+        axis(axes[0]),
+        axis(axes[1])
+    )
+}
+
+const TIME: &str = "        17    0    0    0 time                 s                   ";
+const FORCE: &str = "        13    0    0    0 force                kN                  ";
+
+#[test]
+fn a_time_history_is_read_in_each_of_its_forms() {
+    let even = history(
+        "         4         3         1  1.00000e+00  5.00000e-01  0.00000e+00",
+        [TIME, FORCE],
+        "  1.000000000000e+00  2.000000000000e+00 -3.000000000000e+00",
+    );
+    let single = history(
+        "         2         3         1  1.00000e+00  5.00000e-01  0.00000e+00",
+        [TIME, FORCE],
+        "  1.00000e+00  2.00000e+00 -3.00000e+00",
+    );
+    let uneven = history(
+        "         2         3         0  0.00000e+00  0.00000e+00  0.00000e+00",
+        [TIME, FORCE],
+        "  1.00000e+00  1.00000e+00  1.50000e+00  2.00000e+00\n  2.00000e+00 -3.00000e+00",
+    );
+    // Fields of 13 and 20 columns that run together.
+    let close = history(
+        "         4         3         0  0.00000e+00  0.00000e+00  0.00000e+00",
+        [TIME, FORCE],
+        " 1.00000e+000 1.00000000000000e+00 1.50000e+000 2.00000000000000e+00\n 2.00000e+000-3.0000000000000e+00",
+    );
+    for text in [even, single, uneven, close] {
+        let found = uff::functions(text.as_bytes(), "a.uff".as_ref()).unwrap();
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].abscissa, [1.0, 1.5, 2.0], "{text}");
+        assert_eq!(found[0].ordinate, [1.0, 2.0, -3.0], "{text}");
+        assert_eq!(
+            (found[0].kinds, found[0].units.clone()),
+            ([17, 13], ["s".to_owned(), "kN".to_owned()])
+        );
+        assert_eq!(found[0].lines[0], 14);
+    }
+}
+
+#[test]
+fn damaged_time_histories_name_their_line() {
+    let header = "         4         3         1  1.00000e+00  5.00000e-01  0.00000e+00";
+    let few = history(header, [TIME, FORCE], "  1.0  2.0");
+    let text = history(header, [TIME, FORCE], "  1.0  2.0 none");
+    let complex = history(&header.replacen('4', "6", 1), [TIME, FORCE], "  1.0  2.0 3.0");
+    let binary = few.replacen("    58\n", "    58b     1     2\n", 1);
+    for (text, line) in [
+        (few, "line 9"),
+        (text, "line 14"),
+        (complex, "line 1"),
+        (binary, "line 1"),
+    ] {
+        let error = uff::functions(text.as_bytes(), "a.uff".as_ref())
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains(line), "{error}");
+    }
+}
+
+/// A binary dataset of the samples 1, 2, -3 at 1, 1.5 and 2 s with this header and these bytes.
+fn binary(data: u32, even: u32, order: u32, format: u32, bytes: &[u8]) -> Vec<u8> {
+    let header = format!("{data:10}         3{even:10}  1.00000e+00  5.00000e-01  0.00000e+00");
+    let text = history(&header, [TIME, FORCE], "");
+    let kind = format!(
+        "    58b{order:6}{format:6}{:12}{:12}     0     0           0           0",
+        11,
+        bytes.len()
+    );
+    let text = text.replacen("    58", &kind, 1);
+    let text = text.strip_suffix("\n    -1\n").unwrap();
+    [text.as_bytes(), bytes, b"\n    -1\n"].concat()
+}
+
+/// Samples as bytes, each with its time where that is not even.
+fn bytes(times: bool, number: impl Fn(f64) -> Vec<u8>, time: impl Fn(f64) -> Vec<u8>) -> Vec<u8> {
+    let samples = [(1.0, 1.0), (1.5, 2.0), (2.0, -3.0)];
+    let pair = |(x, y)| [if times { time(x) } else { Vec::new() }, number(y)].concat();
+    samples.into_iter().flat_map(pair).collect()
+}
+
+#[test]
+fn a_binary_time_history_is_read_in_each_of_its_forms() {
+    let single = |x: f64| (x as f32).to_le_bytes().to_vec();
+    let single_big = |x: f64| (x as f32).to_be_bytes().to_vec();
+    let double = |x: f64| x.to_le_bytes().to_vec();
+    let double_big = |x: f64| x.to_be_bytes().to_vec();
+    let files = [
+        binary(4, 1, 1, 2, &bytes(false, double, double)),
+        binary(4, 1, 2, 2, &bytes(false, double_big, double)),
+        binary(2, 1, 1, 2, &bytes(false, single, single)),
+        binary(2, 1, 2, 2, &bytes(false, single_big, single)),
+        binary(2, 0, 1, 2, &bytes(true, single, single)),
+        // The times of double precision are in single precision, or as some programs write them in double.
+        binary(4, 0, 1, 2, &bytes(true, double, single)),
+        binary(4, 0, 2, 2, &bytes(true, double_big, double_big)),
+    ];
+    for (index, file) in files.iter().enumerate() {
+        // Another dataset behind it is found whatever the bytes are.
+        let second = history(
+            "         2         3         1  1.00000e+00  5.00000e-01  0.00000e+00",
+            [TIME, FORCE],
+            "  1.00000e+00  2.00000e+00 -3.00000e+00",
+        );
+        let found = uff::functions(&[file, second.as_bytes()].concat(), "a.uff".as_ref()).unwrap();
+        assert_eq!(found.len(), 2, "{index}");
+        for function in &found {
+            assert_eq!(function.abscissa, [1.0, 1.5, 2.0], "{index}");
+            assert_eq!(function.ordinate, [1.0, 2.0, -3.0], "{index}");
+            assert_eq!(function.units, ["s", "kN"]);
+        }
+    }
+}
+
+#[test]
+fn the_mark_of_an_end_among_the_bytes_ends_no_dataset() {
+    let bytes: Vec<u8> = b"\n    -1\n    -1\n    -1\n  ".iter().copied().take(24).collect();
+    let found = uff::functions(&binary(4, 1, 1, 2, &bytes), "a.uff".as_ref()).unwrap();
+    let expected: Vec<f64> = bytes
+        .chunks_exact(8)
+        .map(|word| f64::from_le_bytes(word.try_into().unwrap()))
+        .collect();
+    assert_eq!(found[0].ordinate, expected);
+}
+
+#[test]
+fn damaged_binary_time_histories_are_refused() {
+    let good = bytes(false, |x| x.to_le_bytes().to_vec(), |x| x.to_le_bytes().to_vec());
+    let refused = |file: &[u8]| uff::functions(file, "a.uff".as_ref()).unwrap_err();
+    let vax = refused(&binary(4, 1, 1, 1, &good)).to_string();
+    assert!(vax.contains("line 1") && vax.contains("IEEE 754"), "{vax}");
+    let few = refused(&binary(4, 1, 1, 2, &good[..16])).to_string();
+    assert!(few.contains("line 9") && few.contains("bytes"), "{few}");
+    let whole = binary(4, 1, 1, 2, &good);
+    let cut = refused(&whole[..whole.len() - 12]);
+    assert!(
+        matches!(
+            cut,
+            UffError::Truncated {
+                line: 1,
+                dataset: 58,
+                ..
+            }
+        ),
+        "{cut}"
+    );
+    let nan = [&good[..8], &f64::NAN.to_le_bytes(), &good[16..]].concat();
+    let nan = refused(&binary(4, 1, 1, 2, &nan)).to_string();
+    assert!(nan.contains("sample 2 is NaN"), "{nan}");
+}
+
+/// `data/pyuff-58b.uff` was written by pyuff 2.5.8: two binary datasets and one in text, k 5 sin(0.3 i) for k = 1, 2, 3 at
+/// 48 kHz.
+#[test]
+fn a_file_of_another_program_is_read() {
+    let bytes = include_bytes!("../data/pyuff-58b.uff");
+    let found = uff::functions(bytes, "pyuff-58b.uff".as_ref()).unwrap();
+    assert_eq!(found.len(), 3);
+    for (k, function) in (1..).zip(&found) {
+        assert_eq!(function.kinds, [17, 12]);
+        assert_eq!(function.units, ["s", "m/s2"]);
+        assert_eq!(function.ordinate.len(), 40);
+        for (i, (time, value)) in (0..).zip(function.abscissa.iter().zip(&function.ordinate)) {
+            // Six digits of the interval; twelve of the samples in text.
+            assert!((time - f64::from(i) / 48e3).abs() <= 2e-6 * time);
+            assert!((value - f64::from(k) * 5.0 * (0.3 * f64::from(i)).sin()).abs() < 1e-10);
+        }
+    }
+}
