@@ -54,10 +54,10 @@ const RESPONSE_RATE: f64 = 1.5e8;
 const SPECTRUM_LINE: f64 = 64.0;
 
 /// Unknowns of a sector and processor time \[s\] of the calibration: block and worktable of the N80CB to 3.2 kHz.
-const RADIATION: (f64, f64) = (1210.0, 90.0);
+const RADIATION: (f64, f64) = (1210.0, 46.0);
 
 /// Panels and processor time \[s\] of the calibration: the body of the N80CB.
-const TOOL_RADIATION: (f64, f64) = (275.0, 56.0);
+const TOOL_RADIATION: (f64, f64) = (275.0, 18.0);
 
 /// Processor time for the same body with its cap apart, which doubles the velocity patterns, over that of the body alone.
 const CAP_APART: f64 = 1.15;
@@ -66,7 +66,7 @@ const CAP_APART: f64 = 1.15;
 const TOOL_TOP: f64 = 2300.0;
 
 /// Unknowns from which equations are compressed, in half the time of the dense ones.
-const COMPRESSED_FROM: f64 = 4000.0;
+const COMPRESSED_FROM: f64 = 6000.0;
 
 /// Power of the unknowns with which the time of compressed equations grows.
 const COMPRESSED_GROWTH: f64 = 1.3;

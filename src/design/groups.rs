@@ -545,7 +545,7 @@ choice! {
 choice! {
     /// How the equations of boundary elements are stored and solved.
     BemEquations {
-        /// The cheaper of the two by their estimated time: compressed from about 4 000 unknowns.
+        /// The cheaper of the two by their estimated time: compressed from about 6 000 unknowns.
         Auto = "auto",
         /// A dense matrix and its factors.
         Dense = "dense",

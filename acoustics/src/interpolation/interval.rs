@@ -102,9 +102,12 @@ impl Interval {
 }
 
 /// Error with the samples of a round, from the misfit `found` without them and the misfit one round before: each round
-/// is assumed to reduce the error by the same factor as the previous one, but at most by [`GAIN`].
+/// is assumed to reduce the error by the same factor as the previous one, but at most by [`GAIN`]. What is exact has no error.
 pub(super) fn extrapolated(found: f64, before: Option<f64>) -> f64 {
-    found * before.map_or(1.0, |before| (found / before).clamp(GAIN, 1.0))
+    match before {
+        Some(before) if found > 0.0 => found * (found / before).clamp(GAIN, 1.0),
+        _ => found,
+    }
 }
 
 /// Most samples of an interval.

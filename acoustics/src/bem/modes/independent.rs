@@ -28,12 +28,7 @@ impl Independent {
 /// By the Cholesky factorisation with pivots of the patterns' Gram matrix, every mode scaled by its whole pattern.
 pub(crate) fn independent(level: &MeshRange) -> Vec<Independent> {
     let weights = weights(level.problem.boundary());
-    let grams: Vec<DMatrix<f64>> = level
-        .patterns
-        .iter()
-        // nalgebra's `tr_mul` is a column at a time, its product is blocked.
-        .map(|p| p.velocities.transpose() * weighted(&p.velocities, &weights))
-        .collect();
+    let grams: Vec<DMatrix<f64>> = level.patterns.iter().map(|p| gram(&p.velocities, &weights)).collect();
     let modes = grams.first().map_or(0, DMatrix::ncols);
     let scale: Vec<f64> = (0..modes)
         .map(|m| {
@@ -57,6 +52,12 @@ pub(crate) fn weights(boundary: &Boundary) -> Vec<f64> {
         weights.extend(std::iter::repeat_n(mesh.panel_area(p) / corners as f64, corners));
     }
     weights
+}
+
+/// Gram matrix V^T W V of the columns of V with the weights W of its rows.
+pub(crate) fn gram(values: &DMatrix<f64>, weights: &[f64]) -> DMatrix<f64> {
+    // nalgebra's `tr_mul` is a column at a time, its product is blocked.
+    values.transpose() * weighted(values, weights)
 }
 
 /// Every row times its weight.

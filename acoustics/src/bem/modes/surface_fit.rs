@@ -11,7 +11,7 @@
 
 use crate::bem::mesh::boundary::Boundary;
 use crate::bem::modes::combination::Combination;
-use crate::bem::modes::independent::{independent, weighted, weights};
+use crate::bem::modes::independent::{gram, independent, weighted, weights};
 use crate::bem::modes::mesh_range::MeshRange;
 use crate::matrix::real_product;
 use nalgebra::{Complex, DMatrix, DVectorView};
@@ -77,12 +77,11 @@ impl SurfaceFit {
                 pick.of(of_known).velocities,
                 of_body.velocities.select_columns(&present),
             );
-            // nalgebra's `tr_mul` is a column at a time, its product is blocked.
             let weighted_b = weighted(&b, &areas).transpose();
             let t = solved(&(&weighted_b * &b), &weighted_b * &v);
             let left = &v - &b * &t;
             for (to, from) in [(&mut fit.whole, &v), (&mut fit.rest, &left)] {
-                let gram = from.transpose() * weighted(from, &areas);
+                let gram = gram(from, &areas);
                 for (j, &to_j) in present.iter().enumerate() {
                     for (i, &to_i) in present.iter().enumerate() {
                         to[(to_i, to_j)] += copies * gram[(i, j)];
@@ -179,7 +178,7 @@ impl<'a> Carried<'a> {
         let lost = velocities - own.interpolate_from(boundary, &there)?;
         Some(Self {
             velocities: Cow::Owned(there),
-            lost: Some(lost.transpose() * weighted(&lost, &weights(own))),
+            lost: Some(gram(&lost, &weights(own))),
         })
     }
 }
@@ -191,13 +190,15 @@ fn column_squares(values: &DMatrix<f64>, weights: &[f64]) -> Vec<f64> {
 }
 
 /// T of the normal equations with their ridge, every known mode scaled to unit velocity.
-fn solved(gram: &DMatrix<f64>, right: DMatrix<f64>) -> DMatrix<f64> {
-    let scale: Vec<f64> = gram
+fn solved(normal: &DMatrix<f64>, right: DMatrix<f64>) -> DMatrix<f64> {
+    let scale: Vec<f64> = normal
         .diagonal()
         .iter()
         .map(|g| g.max(f64::MIN_POSITIVE).sqrt().recip())
         .collect();
-    let mut scaled = DMatrix::from_fn(gram.nrows(), gram.ncols(), |i, j| gram[(i, j)] * scale[i] * scale[j]);
+    let mut scaled = DMatrix::from_fn(normal.nrows(), normal.ncols(), |i, j| {
+        normal[(i, j)] * scale[i] * scale[j]
+    });
     for i in 0..scaled.nrows() {
         scaled[(i, i)] += RIDGE;
     }

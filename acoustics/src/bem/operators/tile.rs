@@ -13,12 +13,12 @@ use nalgebra::DMatrix;
 use pulp::Arch;
 use rustfft::num_complex::Complex;
 
-/// The velocity patterns of one parity, and the product of B with them.
+/// The right-hand sides of one parity: its velocity patterns, and the product of B with them.
 ///
 /// Patterns are in the order of the first block that they move, so that those of one body of several follow each other,
 /// and a block multiplies only a range of them.
 #[derive(Debug)]
-pub(crate) struct Flow {
+pub(crate) struct RightHandSide {
     parity: Parity,
     order: Vec<usize>,
     on_blocks: Vec<OnBlock>,
@@ -35,7 +35,7 @@ struct OnBlock {
     patterns: Mat<f32>,
 }
 
-impl Flow {
+impl RightHandSide {
     /// For velocities given by the corner values of every panel.
     pub(crate) fn new(blocks: &[Block], parity: Parity, velocities: &DMatrix<f64>) -> Self {
         let count = velocities.ncols();
@@ -113,18 +113,21 @@ impl Tile {
         wave: Wave,
         (blocks, [i, j]): (&[Block], [usize; 2]),
         near: &NearAt<'_>,
-        flows: &mut [Flow],
+        right_hand_sides: &mut [RightHandSide],
         sums: &mut [Sums],
     ) {
         let [e, f] = [&blocks[i], &blocks[j]];
-        let parities: Vec<Parity> = flows.iter().map(|flow| flow.parity).collect();
+        let parities: Vec<Parity> = right_hand_sides
+            .iter()
+            .map(|right_hand_side| right_hand_side.parity)
+            .collect();
         let near = (near, near.pairs(i, j));
         let operators = self.evaluate(planes, images, wave, [e, f], &parities, near).iter();
-        for ((operators, flow), sums) in operators.zip(flows).zip(sums) {
+        for ((operators, right_hand_side), sums) in operators.zip(right_hand_sides).zip(sums) {
             operators.gather([e, f], sums);
-            flow.add(j, i, |on_f, to| operators.add_velocity(on_f, to));
+            right_hand_side.add(j, i, |on_f, to| operators.add_velocity(on_f, to));
             if i != j {
-                flow.add(i, j, |on_e, to| operators.add_velocity_back(f, on_e, to));
+                right_hand_side.add(i, j, |on_e, to| operators.add_velocity_back(f, on_e, to));
             }
         }
     }

@@ -8,7 +8,7 @@ use crate::bem::mesh::symmetry::{Image, Parity};
 use crate::bem::operators::blocks::{Block, blocks};
 use crate::bem::operators::equations::Sums;
 use crate::bem::operators::near::NearField;
-use crate::bem::operators::tile::{Flow, Tile};
+use crate::bem::operators::tile::{RightHandSide, Tile};
 use crate::bem::operators::wave::Wave;
 use crate::checks::{InputError, positive, same_length};
 use faer::linalg::matmul::matmul;
@@ -354,8 +354,8 @@ impl Exterior {
     /// -K + alpha W, and (S + alpha K') v, for every parity.
     pub(crate) fn integrals(&self, wave: Wave, all: &[Patterns]) -> Vec<Sums> {
         let n = self.boundary.nodes();
-        let flow = |p: &Patterns| Flow::new(&self.blocks, p.parity, &p.velocities);
-        let mut flows: Vec<Flow> = all.iter().map(flow).collect();
+        let right_hand_side = |p: &Patterns| RightHandSide::new(&self.blocks, p.parity, &p.velocities);
+        let mut right_hand_sides: Vec<RightHandSide> = all.iter().map(right_hand_side).collect();
         let empty = |p: &Patterns| Sums::zeros(n, p.velocities.ncols());
         let mut sums: Vec<Sums> = all.iter().map(empty).collect();
         let mut tile = Tile::default();
@@ -368,13 +368,13 @@ impl Exterior {
                     wave,
                     (&self.blocks, [i, j]),
                     &near,
-                    &mut flows,
+                    &mut right_hand_sides,
                     &mut sums,
                 );
             }
         }
-        for (sums, flow) in sums.iter_mut().zip(&flows) {
-            flow.spread(&self.blocks, &mut sums.right);
+        for (sums, right_hand_side) in sums.iter_mut().zip(&right_hand_sides) {
+            right_hand_side.spread(&self.blocks, &mut sums.right);
             sums.join();
         }
         sums

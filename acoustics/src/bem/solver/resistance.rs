@@ -176,7 +176,8 @@ impl Exterior {
         Ok(two)
     }
 
-    /// Memory, time and limits, before any is spent. Times are those of one core at about 3 GHz with AVX2.
+    /// Memory, time and limits, before any is spent. Times are those of one core at about 3 GHz with AVX-512; with AVX2
+    /// they are up to twice as long.
     pub fn estimate(&self) -> Estimate {
         let cost = if self.is_compressed() {
             self.cost_compressed()
@@ -197,7 +198,7 @@ impl Exterior {
             seconds_shared: if is_kept {
                 0.0
             } else {
-                250e-6 * self.near().costly() as f64
+                110e-6 * self.near().costly() as f64
             },
             highest_hz: boundary.highest_hz(self.air().sound_speed, self.panels_per_wavelength()),
             irregular_hz: self.lowest_resonance(),
@@ -211,21 +212,21 @@ impl Exterior {
         2.0 * compressed < dense
     }
 
-    /// Time of a pair of points by the far rule \[s\]: 8 ns an image and 9 ns a parity.
+    /// Time of a pair of points by the far rule \[s\]: 3 ns an image and 3 ns a parity.
     fn pair_of_points(&self) -> f64 {
-        8e-9 * self.boundary().images().len() as f64 + 9e-9 * self.boundary().copies() as f64
+        3e-9 * (self.boundary().images().len() + self.boundary().copies()) as f64
     }
 
     /// Cost without the shapes of close pairs, as measured by `benches/bem.rs`: 7 us a shape (1 us once it is kept, which
-    /// takes 250 us), 45 GFlop/s for factors and 35 for patterns in single precision.
+    /// takes 110 us), 120 GFlop/s for factors and 100 for patterns in single precision.
     fn cost_dense(&self) -> Cost {
         let (n, values) = (self.boundary().nodes() as f64, self.boundary().velocity_values() as f64);
         let parities = self.boundary().copies() as f64;
         Cost {
             bytes: parities * 16.0 * n * n,
-            seconds: 0.5 * values * values * self.pair_of_points() + parities * 8.0 / 3.0 * n.powi(3) / 45e9,
+            seconds: 0.5 * values * values * self.pair_of_points() + parities * 8.0 / 3.0 * n.powi(3) / 120e9,
             // B v, the solution and the far field for each pattern.
-            seconds_per_pattern: parities * (4.0 * n * values + 8.0 * n * n + 8e3 * values) / 35e9,
+            seconds_per_pattern: parities * (4.0 * n * values + 8.0 * n * n + 8e3 * values) / 100e9,
         }
     }
 
@@ -244,10 +245,10 @@ impl Exterior {
             bytes: parities * 8.0 * (near + distant) + 16.0 * n * 10.0 * PATTERNS,
             seconds: close * self.pair_of_points() + parities * distant * (100e-9 + 17e-9 * images),
             seconds_per_pattern: parities
-                * (4.0 * close / corners / 35e9
+                * (4.0 * close / corners / 100e9
                     + distant * 0.5e-9
                     + 8.0 * 0.15e-9 * (near + distant)
-                    + 8e3 * values / 35e9),
+                    + 8e3 * values / 100e9),
         }
     }
 
