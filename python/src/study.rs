@@ -57,6 +57,7 @@ pub(crate) fn study_of(
         let nominal = study::nominal(&graph, &design, &request)?;
         let result = StudyResult::new(&design, &request, &made, nominal.as_deref());
         study::keep(&cache, &design, &result)?;
+        let result = result.with_surrogates(&design, &made);
         let charts = drawn(&figures::study(&result));
         Ok((result, study::csv(&made)?, charts))
     })?;

@@ -20,7 +20,7 @@ use crate::graph::Graph;
 use crate::stages::{Progress, WithoutStages};
 use crate::staging::{self, Staging};
 use crate::store::Store;
-use crate::study::{self, Draws, Estimate, GroupStudy, Part, ProvidedStudy, Request, StudyResult};
+use crate::study::{self, Draws, Estimate, GroupStudy, Part, ProvidedStudy, Request, StudyResult, Surrogate};
 use crate::wording::drawn_structures;
 use crate::{figures, report, shipped};
 
@@ -224,6 +224,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         }
         request.draws = most.min(2 * request.draws);
     };
+    result = result.with_surrogates(&design, &made);
     let mut partners = None;
     if arguments.groups {
         let graph = graph(&store, &progress);
@@ -406,6 +407,35 @@ fn percent(part: u64, whole: u64) -> String {
     format!("{:.1}", 100.0 * part as f64 / whole.max(1) as f64)
 }
 
+/// Surrogates: how much they predict, and the total indices of the inputs where that is enough.
+fn of_surrogates(surrogates: &[Surrogate]) -> String {
+    if surrogates.is_empty() {
+        return String::new();
+    }
+    let row = |own: &Surrogate| {
+        let named = own.inputs.iter().take(PRINTED);
+        let named: Vec<String> = named
+            .map(|input| format!("{} {:.2}", input.variable, input.total))
+            .collect();
+        let indices = match &own.not_resolved {
+            Some(reason) => format!("not stated: {reason}"),
+            None => named.join(", "),
+        };
+        vec![
+            own.output.clone(),
+            format!("{:.2}", own.q2),
+            own.terms.to_string(),
+            indices,
+        ]
+    };
+    let rows: Vec<Vec<String>> = surrogates.iter().map(row).collect();
+    let degree = surrogates.iter().map(|own| own.degree).max().unwrap_or(0);
+    let about = format!(
+        "\n  polynomial in all inputs, degree {degree}; Q2: part of the variance of draws left out that it predicts\n"
+    );
+    about + &table(&["output", "Q2", "terms", "total indices"], &rows)
+}
+
 /// The groups of inputs that decide each level.
 fn of_groups(study: &GroupStudy) -> String {
     let mut text = format!(
@@ -514,6 +544,7 @@ fn text(result: &StudyResult) -> String {
             ));
         }
     }
+    text.push_str(&of_surrogates(&result.surrogates));
     if let Some(groups) = &result.groups {
         text.push_str(&of_groups(groups));
     }

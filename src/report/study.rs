@@ -24,7 +24,7 @@ pub(super) fn page(result: &StudyResult, charts: &[Chart], scatter: &[Chart]) ->
         Section::new(
             "inputs",
             "What decides",
-            html! { (contributions(result)) @if let Some(own) = &result.groups { (groups(own)) } @for c in scatter { (markup(c)) } },
+            html! { (contributions(result)) (surrogates(result)) @if let Some(own) = &result.groups { (groups(own)) } @for c in scatter { (markup(c)) } },
         ),
         Section::new(
             "bands",
@@ -133,6 +133,29 @@ fn contributions(result: &StudyResult) -> Markup {
                     td.n { (format!("{:+.1}", input.effect_db)) }
                 } } }
             } } }
+        }
+    }
+}
+
+/// Surrogates in all inputs, an output a row.
+fn surrogates(result: &StudyResult) -> Markup {
+    html! {
+        @if let Some(degree) = result.surrogates.iter().map(|own| own.degree).max() {
+            h3 { "Polynomial in all inputs" }
+            p.quiet { "Degree " (degree) ". Q\u{b2}: part of the variance of draws left out that the polynomial predicts; 1 less this is its error. \
+                       Total index: part of the variance in which an input has a share." }
+            div.scroll { table {
+                thead { tr { th { "output" } th.n { "Q\u{b2}" } th.n { "terms" } th { "total indices" } } }
+                tbody { @for own in &result.surrogates { tr {
+                    td { (own.output) } td.n { (format!("{:.2}", own.q2)) } td.n { (own.terms) }
+                    td { @match &own.not_resolved {
+                        Some(reason) => { "not stated: " (reason) }
+                        None => { @for (place, input) in own.inputs.iter().enumerate() {
+                            @if place > 0 { ", " } span.key-name { (input.variable) } (format!(" {:.2}", input.total))
+                        } }
+                    } }
+                } } }
+            } }
         }
     }
 }

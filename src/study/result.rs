@@ -13,6 +13,7 @@ use super::level_table::{LevelTable, TOTAL, number, total_of};
 use super::notes::notes;
 use super::request::Request;
 use super::statistics::{Bootstrap, Estimate, Quantiles, benefit, loss, order, weighted_mean};
+use super::surrogate::{Surrogate, surrogates};
 use super::variable_report::{VariableReport, variable_reports};
 use crate::design::Design;
 use crate::result::{DesignId, schema_of};
@@ -56,6 +57,9 @@ pub struct StudyResult {
     /// Which groups of inputs decide each level; null without `--groups`.
     #[serde(default)]
     pub groups: Option<GroupStudy>,
+    /// Polynomial surrogates of the levels, by `nailnoise study`; empty with too few draws.
+    #[serde(default)]
+    pub surrogates: Vec<Surrogate>,
     /// P50 of the total and P(first) of each source over the first draws, doubling.
     pub convergence: Vec<Convergence>,
     /// What was drawn.
@@ -273,13 +277,22 @@ impl StudyResult {
             orders: orders(&table, &bootstrap),
             louder: louder(&table, &bootstrap, &names),
             perfect_information_db: perfect,
-            contributions: contributions(made, &table, &totals, &names),
+            contributions: contributions(made, &names),
             groups: None,
+            surrogates: Vec::new(),
             convergence: convergence(&table, &totals, &clusters, &names),
             variables,
             notes,
             sources,
         }
+    }
+
+    /// The same with surrogates of the levels, which take a second or two.
+    #[must_use]
+    pub fn with_surrogates(mut self, design: &Design, made: &Draws) -> Self {
+        let names: Vec<String> = self.sources.iter().map(|source| source.source.clone()).collect();
+        self.surrogates = surrogates(design, made, &names);
+        self
     }
 
     /// A source by its name.
@@ -366,8 +379,23 @@ fn louder(table: &LevelTable, bootstrap: &Bootstrap, names: &[String]) -> Vec<Lo
     pairs.map(pair).collect()
 }
 
-/// Contributions of inputs to each source, to the total, and to the difference of the two loudest sources.
-fn contributions(made: &Draws, table: &LevelTable, totals: &[f64], names: &[String]) -> Vec<Contributions> {
+/// Levels of the total, each source, and the difference of the two loudest, in each draw \[dB\], where none is silent; `names` are the
+/// sources in their order.
+pub(super) fn outputs(made: &Draws, names: &[String]) -> Vec<(String, Vec<f64>)> {
+    let table = LevelTable::new(&made.draws);
+    let of = |name: &String| table.column(table.place(name));
+    let mut outputs: Vec<(String, Vec<f64>)> = vec![(TOTAL.to_owned(), table.totals())];
+    outputs.extend(names.iter().map(|name| (name.clone(), of(name))));
+    if let [first, second, ..] = names {
+        let difference = of(first).iter().zip(of(second)).map(|(a, b)| a - b).collect();
+        outputs.push((format!("{first} less {second}"), difference));
+    }
+    outputs.retain(|(_, levels)| levels.iter().all(|level| level.is_finite()));
+    outputs
+}
+
+/// Contributions of inputs to each of the outputs.
+fn contributions(made: &Draws, names: &[String]) -> Vec<Contributions> {
     if made.draws.len() < first_order::FEWEST {
         return Vec::new();
     }
@@ -385,14 +413,6 @@ fn contributions(made: &Draws, table: &LevelTable, totals: &[f64], names: &[Stri
             known.push(variable);
         }
     }
-    let of = |name: &String| table.column(table.place(name));
-    let mut outputs: Vec<(String, Vec<f64>)> = vec![(TOTAL.to_owned(), totals.to_vec())];
-    outputs.extend(names.iter().map(|name| (name.clone(), of(name))));
-    if let [first, second, ..] = names {
-        let difference = of(first).iter().zip(of(second)).map(|(a, b)| a - b).collect();
-        outputs.push((format!("{first} less {second}"), difference));
-    }
-    outputs.retain(|(_, levels)| levels.iter().all(|level| level.is_finite()));
     let contribution = |(output, levels): (String, Vec<f64>)| {
         let mean = levels.iter().sum::<f64>() / levels.len() as f64;
         let by_chance = first_order::by_chance(&inputs, &levels);
@@ -415,7 +435,7 @@ fn contributions(made: &Draws, table: &LevelTable, totals: &[f64], names: &[Stri
             inputs: above,
         }
     };
-    outputs.into_iter().map(contribution).collect()
+    outputs(made, names).into_iter().map(contribution).collect()
 }
 
 fn convergence(table: &LevelTable, totals: &[f64], clusters: &[usize], names: &[String]) -> Vec<Convergence> {
