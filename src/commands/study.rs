@@ -20,7 +20,9 @@ use crate::graph::Graph;
 use crate::stages::{Progress, WithoutStages};
 use crate::staging::{self, Staging};
 use crate::store::Store;
-use crate::study::{self, Draws, Estimate, GroupStudy, Part, ProvidedStudy, Request, StudyResult, Surrogate};
+use crate::study::{
+    self, Draws, Estimate, GroupStudy, Part, ProvidedStudy, Request, StudyResult, Surrogate, SurrogateIndex,
+};
 use crate::wording::drawn_structures;
 use crate::{figures, report, shipped};
 
@@ -412,28 +414,39 @@ fn of_surrogates(surrogates: &[Surrogate]) -> String {
     if surrogates.is_empty() {
         return String::new();
     }
-    let row = |own: &Surrogate| {
-        let named = own.inputs.iter().take(PRINTED);
-        let named: Vec<String> = named
-            .map(|input| format!("{} {:.2}", input.variable, input.total))
-            .collect();
-        let indices = match &own.not_resolved {
-            Some(reason) => format!("not stated: {reason}"),
-            None => named.join(", "),
-        };
-        vec![
-            own.output.clone(),
-            format!("{:.2}", own.q2),
-            own.terms.to_string(),
-            indices,
-        ]
-    };
-    let rows: Vec<Vec<String>> = surrogates.iter().map(row).collect();
     let degree = surrogates.iter().map(|own| own.degree).max().unwrap_or(0);
-    let about = format!(
+    let mut text = format!(
         "\n  polynomial in all inputs, degree {degree}; Q2: part of the variance of draws left out that it predicts\n"
     );
-    about + &table(&["output", "Q2", "terms", "total indices"], &rows)
+    let common = surrogates[0].not_resolved.as_ref();
+    let common = common.filter(|_| {
+        surrogates
+            .iter()
+            .all(|own| own.not_resolved == surrogates[0].not_resolved)
+    });
+    let row = |own: &Surrogate| {
+        let total = |input: &SurrogateIndex| format!("{} {:.2}", input.variable, input.total);
+        let indices = match &own.not_resolved {
+            Some(reason) => format!("not stated: {reason}"),
+            None => own
+                .inputs
+                .iter()
+                .take(PRINTED)
+                .map(total)
+                .collect::<Vec<_>>()
+                .join(", "),
+        };
+        let mut row = vec![own.output.clone(), format!("{:.2}", own.q2), own.terms.to_string()];
+        row.extend(common.is_none().then_some(indices));
+        row
+    };
+    let rows: Vec<Vec<String>> = surrogates.iter().map(row).collect();
+    let headings = ["output", "Q2", "terms", "total indices"];
+    text.push_str(&table(&headings[..rows[0].len()], &rows));
+    if let Some(reason) = common {
+        let _ = writeln!(text, "  indices of single inputs are not stated: {reason}");
+    }
+    text
 }
 
 /// The groups of inputs that decide each level.

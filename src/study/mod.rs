@@ -15,6 +15,7 @@ mod normal;
 mod notes;
 mod paired;
 mod parameters;
+mod polynomial;
 mod provided;
 mod request;
 mod result;

@@ -66,23 +66,57 @@ fn more_draws_begin_with_those_that_are_kept_and_threads_change_nothing() {
     assert_ne!(other["total"]["level_db"], result["total"]["level_db"]);
 }
 
+/// A design in a folder whose ranges have no width, but for those of `other` keys, of which each line gives one.
+fn held(folder: &Path, other: &[(&str, &str)], model: &str) -> String {
+    let mut text = format!("base = \"{ROOT}/{SMALL}\"\n");
+    for entry in design(SMALL).entries() {
+        let free = other.iter().any(|(key, _)| *key == entry.key);
+        if let (Some(_), Ok(Value::Number(value)), false) = (entry.range, serde_json::to_value(&entry.value), free) {
+            text += &format!("{} = {{ range = [{value}, {value}] }}\n", entry.key);
+        }
+    }
+    for (key, range) in other {
+        text += &format!("{key} = {{ range = \"{range}\" }}\n");
+    }
+    text += &format!("[study]\nscreening = 0\nrequire = []\n[study.model]\n{model}");
+    let path = folder.join("held.toml");
+    fs::write(&path, text).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+/// The level is the sum of the method's error, uniform over 6 dB, and of what the pressure does to it: 1/12 36 dB2 of the variance
+/// is the error's.
+#[test]
+fn a_polynomial_gives_the_indices_of_independent_inputs() {
+    let folder = folder("study/polynomial");
+    let model = "workpiece = \"0 .. 0 dB\"\nexhaust = \"-3 .. 3 dB\"\nbody = \"0 .. 0 dB\"\n";
+    let path = held(&folder, &[("supply.pressure", "700 .. 800 kPa")], model);
+    let result = json(&study(&folder, &path, &["-n", "64", "--json"]));
+    let of_exhaust = result["surrogates"].as_array().unwrap().iter();
+    let found = of_exhaust.clone().find(|own| own["output"] == "exhaust").unwrap();
+    assert!(found["q2"].as_f64().unwrap() > 0.9, "{found}");
+    assert_eq!(found["not_resolved"], Value::Null);
+    let variance = result["contributions"].as_array().unwrap().iter();
+    let variance = variance.clone().find(|own| own["output"] == "exhaust").unwrap()["variance_db2"]
+        .as_f64()
+        .unwrap();
+    let inputs = found["inputs"].as_array().unwrap();
+    let of_error = inputs.iter().find(|own| own["variable"] == "method.exhaust").unwrap();
+    for index in ["first_order", "total"] {
+        let index = of_error[index].as_f64().unwrap();
+        assert!(
+            (index - 3.0 / variance).abs() < 0.05,
+            "{index}: {found}, variance {variance}"
+        );
+    }
+}
+
 /// Draws from ranges of no width are the design itself.
 #[test]
 fn ranges_of_no_width_reproduce_the_run() {
     let folder = folder("study/zero");
-    let base = design(SMALL);
-    let mut text = String::from("base = \"");
-    text += &format!("{ROOT}/{SMALL}\"\n");
-    for entry in base.entries() {
-        if let (Some(_), Ok(Value::Number(value))) = (entry.range, serde_json::to_value(&entry.value)) {
-            text += &format!("{} = {{ range = [{value}, {value}] }}\n", entry.key);
-        }
-    }
-    text += "[study]\nscreening = 0\n[study.model]\n";
-    text += "workpiece = \"0 .. 0 dB\"\nexhaust = \"0 .. 0 dB\"\nbody = \"0 .. 0 dB\"\n";
-    let path = folder.join("zero.toml");
-    fs::write(&path, text).unwrap();
-    let path = path.to_str().unwrap();
+    let model = "workpiece = \"0 .. 0 dB\"\nexhaust = \"0 .. 0 dB\"\nbody = \"0 .. 0 dB\"\n";
+    let path = &held(&folder, &[], model);
     let result = json(&study(&folder, path, &["-n", "3", "--json"]));
     let run = command(&["run", path, "--json", "--out", "out"])
         .current_dir(&folder)
