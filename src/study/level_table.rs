@@ -58,6 +58,21 @@ pub(super) fn total_of(levels: &Levels) -> Option<f64> {
     total.is_finite().then_some(total)
 }
 
+/// Levels of the total, each source, and the difference of the two loudest, in each draw \[dB\], where none is silent; `names` are the
+/// sources in their order.
+pub(super) fn outputs(made: &Draws, names: &[String]) -> Vec<(String, Vec<f64>)> {
+    let table = LevelTable::new(&made.draws);
+    let of = |name: &String| table.column(table.place(name));
+    let mut outputs: Vec<(String, Vec<f64>)> = vec![(TOTAL.to_owned(), table.totals())];
+    outputs.extend(names.iter().map(|name| (name.clone(), of(name))));
+    if let [first, second, ..] = names {
+        let difference = of(first).iter().zip(of(second)).map(|(a, b)| a - b).collect();
+        outputs.push((format!("{first} less {second}"), difference));
+    }
+    outputs.retain(|(_, levels)| levels.iter().all(|level| level.is_finite()));
+    outputs
+}
+
 /// A number for what a variable is in a draw.
 pub(super) fn number(drawn: Option<Drawn>) -> Option<f64> {
     match drawn? {

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::contributions::{self as first_order, Binned};
 use super::draws::{Draw, Draws};
 use super::groups::GroupStudy;
-use super::level_table::{LevelTable, TOTAL, number, total_of};
+use super::level_table::{LevelTable, number, outputs, total_of};
 use super::notes::notes;
 use super::request::Request;
 use super::statistics::{Bootstrap, Estimate, Quantiles, benefit, loss, order, weighted_mean};
@@ -377,21 +377,6 @@ fn louder(table: &LevelTable, bootstrap: &Bootstrap, names: &[String]) -> Vec<Lo
         }
     };
     pairs.map(pair).collect()
-}
-
-/// Levels of the total, each source, and the difference of the two loudest, in each draw \[dB\], where none is silent; `names` are the
-/// sources in their order.
-pub(super) fn outputs(made: &Draws, names: &[String]) -> Vec<(String, Vec<f64>)> {
-    let table = LevelTable::new(&made.draws);
-    let of = |name: &String| table.column(table.place(name));
-    let mut outputs: Vec<(String, Vec<f64>)> = vec![(TOTAL.to_owned(), table.totals())];
-    outputs.extend(names.iter().map(|name| (name.clone(), of(name))));
-    if let [first, second, ..] = names {
-        let difference = of(first).iter().zip(of(second)).map(|(a, b)| a - b).collect();
-        outputs.push((format!("{first} less {second}"), difference));
-    }
-    outputs.retain(|(_, levels)| levels.iter().all(|level| level.is_finite()));
-    outputs
 }
 
 /// Contributions of inputs to each of the outputs.

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use super::contributions::FEWEST;
 use super::draws::Draws;
+use super::level_table::outputs;
 use super::polynomial::{Candidates, fold_of};
-use super::result::outputs;
 use crate::design::Design;
 
 /// Least Q2 at which indices are stated.
