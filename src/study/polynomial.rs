@@ -1,7 +1,7 @@
 //! Sparse polynomials of points in the unit cube.
 //!
 //! A figure is expanded in products of Legendre polynomials, which are orthonormal for independent uniform coordinates (Xiu and
-//! Karniadakis, SIAM J. Sci. Comput. 24, 619 (2002)). Terms enter one by one, the one first that correlates most with what is left
+//! Karniadakis, SIAM J. Sci. Comput. 24, 619 (2002)). Terms enter one by one: the next is the one that correlates most with the rest
 //! of the figure (orthogonal matching pursuit; for polynomials Blatman and Sudret, J. Comput. Phys. 230, 2345 (2011)). Their
 //! number is the one that best predicts points which took no part in choosing them; Q2 is the part of the variance at these
 //! points that is predicted. Sobol' indices are sums of squared coefficients (Sudret, Reliab. Eng. Syst. Saf. 93, 964 (2008)).
@@ -94,7 +94,7 @@ impl Candidates {
     /// The polynomial of levels at the points, of which each belongs to a fold.
     pub(super) fn fitted(&self, levels: &[f64], folds: &[u64]) -> Polynomial {
         let most = (levels.len() / 4).min(MOST_TERMS).min(self.terms.len() - 1);
-        // Squared errors of prediction by the number of terms, fold by fold; each mean is that of the others, too.
+        // Sum of squared errors at the points of a fold for every number of terms, predicted from the other folds.
         let of_fold = |fold: u64| {
             let known: Vec<bool> = folds.iter().map(|&own| own != fold).collect();
             let mut errors = Vec::with_capacity(most + 1);

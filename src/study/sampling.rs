@@ -475,7 +475,7 @@ mod tests {
         assert!(cells.iter().all(|count| *count == N / 64), "{cells:?}");
     }
 
-    /// The given diameter of the seat is wider than the ring of the base: other rules are judged with the ring that was given too.
+    /// The seat of the given point is wider than the ring of the base. Other rules are judged with the ring of that point.
     #[test]
     fn rules_are_judged_around_the_given_point() {
         let design = design("");
