@@ -67,7 +67,7 @@ pub enum Error {
     /// No candidate of a study is a design whose shot counts.
     #[error(
         "none of {candidates} candidates gives a shot that counts: {}",
-        in_vain(outcomes, refused)
+        outcomes_and_reasons(outcomes, refused)
     )]
     #[diagnostic(help("{}", if require.is_empty() {
         "narrow the ranges: their values are incompatible".to_owned()
@@ -621,7 +621,7 @@ from_modules_of_acoustics!(
 );
 
 /// What became of candidates none of which counts: outcomes of shots, and reasons why others are no designs.
-fn in_vain(outcomes: &str, refused: &str) -> String {
+fn outcomes_and_reasons(outcomes: &str, refused: &str) -> String {
     let refused = (!refused.is_empty()).then(|| format!("no designs: {refused}"));
     let parts = (!outcomes.is_empty())
         .then(|| outcomes.to_owned())

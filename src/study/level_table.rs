@@ -60,8 +60,7 @@ pub(super) fn total_of(levels: &Levels) -> Option<f64> {
 
 /// Levels of the total, each source, and the difference of the two loudest, in each draw \[dB\], where none is silent; `names` are the
 /// sources in their order.
-pub(super) fn outputs(made: &Draws, names: &[String]) -> Vec<(String, Vec<f64>)> {
-    let table = LevelTable::new(&made.draws);
+pub(super) fn outputs(table: &LevelTable, names: &[String]) -> Vec<(String, Vec<f64>)> {
     let of = |name: &String| table.column(table.place(name));
     let mut outputs: Vec<(String, Vec<f64>)> = vec![(TOTAL.to_owned(), table.totals())];
     outputs.extend(names.iter().map(|name| (name.clone(), of(name))));

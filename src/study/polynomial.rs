@@ -206,7 +206,11 @@ impl Candidates {
                 .zip(combination)
                 .for_each(|(c, own)| *c += amplitude * own);
         }
-        (chosen.split_off(1), coefficients.split_off(1))
+        // Without known points there is not even a constant.
+        (
+            chosen.into_iter().skip(1).collect(),
+            coefficients.into_iter().skip(1).collect(),
+        )
     }
 
     /// First-order and total index of every input that is in a term.
@@ -344,6 +348,14 @@ mod tests {
         let candidates = Candidates::new(&points, 60);
         let polynomial = candidates.fitted(&levels, &folds(200));
         assert!(polynomial.q2 < 0.1, "{}", polynomial.q2);
+    }
+
+    #[test]
+    fn points_of_one_fold_are_not_predicted() {
+        let points = points(64, 3);
+        let levels: Vec<f64> = points.iter().map(|point| point[0]).collect();
+        let polynomial = Candidates::new(&points, 3).fitted(&levels, &[2; 64]);
+        assert_eq!(polynomial.q2, 0.0);
     }
 
     #[test]

@@ -277,7 +277,7 @@ impl StudyResult {
             orders: orders(&table, &bootstrap),
             louder: louder(&table, &bootstrap, &names),
             perfect_information_db: perfect,
-            contributions: contributions(made, &names),
+            contributions: contributions(made, &table, &names),
             groups: None,
             surrogates: Vec::new(),
             convergence: convergence(&table, &totals, &clusters, &names),
@@ -380,7 +380,7 @@ fn louder(table: &LevelTable, bootstrap: &Bootstrap, names: &[String]) -> Vec<Lo
 }
 
 /// Contributions of inputs to each of the outputs.
-fn contributions(made: &Draws, names: &[String]) -> Vec<Contributions> {
+fn contributions(made: &Draws, table: &LevelTable, names: &[String]) -> Vec<Contributions> {
     if made.draws.len() < first_order::FEWEST {
         return Vec::new();
     }
@@ -420,7 +420,7 @@ fn contributions(made: &Draws, names: &[String]) -> Vec<Contributions> {
             inputs: above,
         }
     };
-    outputs(made, names).into_iter().map(contribution).collect()
+    outputs(table, names).into_iter().map(contribution).collect()
 }
 
 fn convergence(table: &LevelTable, totals: &[f64], clusters: &[usize], names: &[String]) -> Vec<Convergence> {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::contributions::FEWEST;
 use super::draws::Draws;
-use super::level_table::outputs;
+use super::level_table::{LevelTable, outputs};
 use super::polynomial::{Candidates, fold_of};
 use crate::design::Design;
 
@@ -98,7 +98,10 @@ pub(super) fn surrogates(design: &Design, made: &Draws, names: &[String]) -> Vec
             inputs: indices,
         }
     };
-    outputs(made, names).into_iter().map(of_output).collect()
+    outputs(&LevelTable::new(&made.draws), names)
+        .into_iter()
+        .map(of_output)
+        .collect()
 }
 
 /// Why the inputs of the draws depend on each other; none where they do not.
