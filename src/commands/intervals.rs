@@ -222,7 +222,11 @@ pub(super) fn legend(Known { result: study, origin }: &Known) -> String {
         .take(DECIDING)
         .peekable();
     if inputs.peek().is_some() {
-        let named = inputs.map(|own| format!("`{}` ({:.0} %)", own.variable, 100.0 * own.first_order));
+        let named = inputs.map(|own| {
+            let error = own.part().half_width();
+            let error = error.map_or_else(String::new, |half| format!(" +-{:.0}", 100.0 * half));
+            format!("`{}` ({:.0}{error} %)", own.variable, 100.0 * own.first_order)
+        });
         let named: Vec<String> = named.collect();
         let _ = writeln!(text, "  inputs that decide the total: {}", named.join(", "));
     }

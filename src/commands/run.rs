@@ -13,14 +13,18 @@ use super::table::{decibels, table};
 use super::{Common, Keeping, message, print, progress, status_of};
 use crate::bundle::{Bundle, Text, deliver};
 use crate::chain::{Chain, Options};
+use crate::cost::MemoryLimit;
 use crate::declaration;
+use crate::design::Design;
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::output::{self, Exports, event_name};
 use crate::report;
-use crate::result::{Component, Coupling, RankedSource, RunResult};
+use crate::result::{Check, Component, Coupling, RankedSource, RunResult};
 use crate::run::Run;
+use crate::stages::Progress;
 use crate::staging;
+use crate::store::Store;
 use crate::wording::{band, order, readable};
 
 #[derive(Args)]
@@ -57,28 +61,16 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let cache = arguments.keeping.cache()?;
     let store = cache.clone();
     let progress = progress();
-    let (bundle, unchanged) = deliver(
-        &design,
-        &folder,
-        Exports {
-            figures: arguments.figures,
-            films: arguments.fields,
-            histories: arguments.histories,
-        },
-        text,
-        &cache,
-        common.memory.limit(),
-        &progress,
-    )?;
-    let mut checks = bundle.checks.clone();
-    if arguments.fields {
-        let graph = Graph::new(Arc::new(cache), progress.observer());
-        let fields = Chain::new(&graph, &design, Options::default())?.fields.get()?;
-        fields.notes.iter().for_each(|note| progress.note(note));
-        progress.stage("writing sound fields");
-        output::write_sound_fields(&folder, &design.digest(), &fields)?;
-        checks.extend(fields.checks.iter().cloned());
-    }
+    let exports = Exports {
+        figures: arguments.figures,
+        films: arguments.fields,
+        histories: arguments.histories,
+    };
+    let Delivered {
+        bundle,
+        unchanged,
+        checks,
+    } = delivered(&design, &folder, exports, cache, common.memory.limit(), &progress)?;
     progress.end();
     if common.json {
         print(&bundle.json)?;
@@ -103,6 +95,41 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         ))?;
     }
     Ok(status_of(&checks))
+}
+
+/// What a run left in its folder.
+pub(super) struct Delivered {
+    bundle: Bundle,
+    /// Whether it is that of an earlier run.
+    unchanged: bool,
+    /// Its checks, and those of sound fields.
+    pub(super) checks: Vec<Check>,
+}
+
+/// Runs a design and leaves its files in a folder; with films, the sound fields, too.
+pub(super) fn delivered(
+    design: &Design,
+    folder: &Path,
+    exports: Exports,
+    store: Store,
+    memory: MemoryLimit,
+    progress: &Progress,
+) -> Result<Delivered, Error> {
+    let (bundle, unchanged) = deliver(design, folder, exports, text, &store, memory, progress)?;
+    let mut checks = bundle.checks.clone();
+    if exports.films {
+        let graph = Graph::new(Arc::new(store), progress.observer());
+        let fields = Chain::new(&graph, design, Options::default())?.fields.get()?;
+        fields.notes.iter().for_each(|note| progress.note(note));
+        progress.stage("writing sound fields");
+        output::write_sound_fields(folder, &design.digest(), &fields)?;
+        checks.extend(fields.checks.iter().cloned());
+    }
+    Ok(Delivered {
+        bundle,
+        unchanged,
+        checks,
+    })
 }
 
 /// Adds what a study states to report and result in a folder, which are whole without it.

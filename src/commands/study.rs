@@ -21,7 +21,8 @@ use crate::stages::{Progress, WithoutStages};
 use crate::staging::{self, Staging};
 use crate::store::Store;
 use crate::study::{
-    self, Draws, Estimate, GroupStudy, Part, ProvidedStudy, Request, StudyResult, Surrogate, SurrogateIndex,
+    self, Contributions, Draws, Estimate, GroupStudy, Part, ProvidedStudy, Request, StudyResult, Surrogate,
+    SurrogateIndex,
 };
 use crate::wording::drawn_structures;
 use crate::{figures, report, shipped};
@@ -405,6 +406,14 @@ fn level(estimate: &Estimate) -> String {
     }
 }
 
+/// A difference of levels with its sign.
+fn signed(difference: &Estimate) -> String {
+    match difference.value {
+        Some(value) if value > 0.0 => format!("+{}", level(difference)),
+        _ => level(difference),
+    }
+}
+
 fn percent(part: u64, whole: u64) -> String {
     format!("{:.1}", 100.0 * part as f64 / whole.max(1) as f64)
 }
@@ -418,14 +427,9 @@ fn of_surrogates(surrogates: &[Surrogate]) -> String {
     let mut text = format!(
         "\n  polynomial in all inputs, degree {degree}; Q2: part of the variance of draws left out that it predicts\n"
     );
-    let common = surrogates[0].not_resolved.as_ref();
-    let common = common.filter(|_| {
-        surrogates
-            .iter()
-            .all(|own| own.not_resolved == surrogates[0].not_resolved)
-    });
+    let common = study::common_reason(surrogates);
     let row = |own: &Surrogate| {
-        let total = |input: &SurrogateIndex| format!("{} {:.2}", input.variable, input.total);
+        let total = |input: &SurrogateIndex| format!("{} {}", input.variable, probability(&input.total));
         let indices = match &own.not_resolved {
             Some(reason) => format!("not stated: {reason}"),
             None => own
@@ -447,6 +451,14 @@ fn of_surrogates(surrogates: &[Surrogate]) -> String {
         let _ = writeln!(text, "  indices of single inputs are not stated: {reason}");
     }
     text
+}
+
+/// What the largest contribution exceeds by chance.
+fn by_chance(own: &Contributions) -> String {
+    match own.by_chance_of_structures {
+        None => format!("{:.2}", own.by_chance),
+        Some(limit) => format!("{:.2} of shots, {limit:.2} of structures", own.by_chance),
+    }
 }
 
 /// The groups of inputs that decide each level.
@@ -537,14 +549,16 @@ fn text(result: &StudyResult) -> String {
         // Writing to a string cannot fail, here and below.
         let _ = writeln!(
             text,
-            "\n  {}: variance {:.1} dB2; inputs that explain more of it than chance ({:.2}):",
-            own.output, own.variance_db2, own.by_chance
+            "\n  {}: variance {:.1} dB2; inputs that explain more of it than chance ({}):",
+            own.output,
+            own.variance_db2,
+            by_chance(own)
         );
         let rows = own.inputs.iter().take(PRINTED).map(|input| {
             vec![
                 input.variable.clone(),
-                format!("{:.2}", input.first_order),
-                format!("{:+.1}", input.effect_db),
+                probability(&input.part()),
+                signed(&input.effect()),
             ]
         });
         let rows: Vec<Vec<String>> = rows.collect();

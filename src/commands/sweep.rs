@@ -1,5 +1,6 @@
 //! `nailnoise sweep`: levels over a grid of values.
 
+use std::collections::HashSet;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -8,18 +9,19 @@ use clap::Args;
 use serde::Serialize;
 
 use super::python::Cluster;
+use super::run::delivered;
 use super::study::probability;
 use super::table::{decibels, table};
-use super::{Common, Keeping, print, print_json, progress};
+use super::{Common, Keeping, print, print_json, progress, status_of};
 use crate::error::Error;
 use crate::figures::{self, Chart};
 use crate::graph::Graph;
-use crate::output;
+use crate::output::{self, Exports};
 use crate::result::DesignId;
 use crate::stages::WithoutStages;
 use crate::staging::Staging;
 use crate::store::Store;
-use crate::study::{Axis, Part, Quantiles, Request, SweptPoint, sweep};
+use crate::study::{Axis, Part, Quantiles, Request, SweptPoint, at_point, sweep};
 
 /// The file that is written last, so that a folder that holds it holds all the rest.
 const LAST: &str = "sweep.csv";
@@ -28,6 +30,7 @@ const LAST: &str = "sweep.csv";
 #[command(after_help = examples!(
     "nailnoise sweep my-tool.toml --vary supply.pressure=80psig..110psig:7" => "levels over the pressure",
     "nailnoise sweep my-tool.toml --vary exhaust.holes=3,5,12 --vary ambient.temperature=0degC,20degC --figures" => "a grid of two keys, as a chart, too",
+    "nailnoise sweep my-tool.toml --vary exhaust.holes=3,5 --fields" => "films of both for ParaView in out/my-tool/sweep/exhaust.holes=3/ and .../exhaust.holes=5/",
 ))]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -53,6 +56,10 @@ pub(super) struct Arguments {
     /// Draw the levels over the first key as SVG
     #[arg(long)]
     figures: bool,
+    /// Also run each point and leave its films and sound fields for ParaView, report and result in a folder named after its
+    /// values. Each takes as long as `nailnoise run --fields`
+    #[arg(long)]
+    fields: bool,
 }
 
 /// Layout of `sweep --json`.
@@ -96,7 +103,29 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         workpiece_sensors: false,
     });
     let limit = common.memory.limit();
-    let points = sweep(&graph, base, &arguments.vary, request.as_ref(), limit, &progress)?;
+    let mut points = sweep(&graph, base, &arguments.vary, request.as_ref(), limit, &progress)?;
+    let mut checks = Vec::new();
+    if arguments.fields {
+        name_folders(&mut points, &arguments.vary);
+        let films = Exports {
+            films: true,
+            ..Exports::default()
+        };
+        for point in &points {
+            let Some(name) = &point.folder else { continue };
+            progress.note(&format!("films of {name}"));
+            let design = at_point(base, &arguments.vary, &point.values)?;
+            let delivered = delivered(
+                &design,
+                &folder.join(name),
+                films,
+                graph.store().clone(),
+                limit,
+                &progress,
+            )?;
+            checks.extend(delivered.checks);
+        }
+    }
     let staging = Staging::within(&folder)?;
     if arguments.figures {
         let chart: Chart = figures::sweep(design.name(), &arguments.vary, &points);
@@ -119,7 +148,27 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         print(&text(design.name(), &arguments.vary, &points))?;
         print(&format!("\n  files in {}\n", folder.display()))?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(status_of(&checks))
+}
+
+/// Names a folder for each point with levels after its values.
+fn name_folders(points: &mut [SweptPoint], axes: &[Axis]) {
+    let safe = |c: char| {
+        if c.is_alphanumeric() || "=.,+-_".contains(c) {
+            c
+        } else {
+            '_'
+        }
+    };
+    let mut taken = HashSet::new();
+    for point in points.iter_mut().filter(|point| point.levels.is_some()) {
+        let values = axes.iter().zip(&point.values);
+        let values: Vec<String> = values.map(|(axis, value)| format!("{}={value}", axis.key)).collect();
+        // Most file systems allow 255 bytes.
+        let name: String = values.join(",").replace(' ', "").chars().map(safe).take(80).collect();
+        let names = std::iter::once(name.clone()).chain((2..).map(|number| format!("{name}-{number}")));
+        point.folder = names.into_iter().find(|name| taken.insert(name.clone()));
+    }
 }
 
 /// Names of the sources, in the order of the levels.
@@ -187,6 +236,8 @@ fn csv(axes: &[Axis], points: &[SweptPoint]) -> Result<Vec<u8>, Error> {
     let header = axes.iter().map(|axis| axis.key.clone());
     let header = header.chain(sources.iter().map(|source| format!("L_WA,1s {source} [dB]")));
     let header = header.chain(["L_WA,1s total [dB]", "outcome", "refused"].map(str::to_owned));
+    let with_films = points.iter().any(|point| point.folder.is_some());
+    let header = header.chain(with_films.then(|| "folder".to_owned()));
     let drawn = points.iter().find_map(|point| point.drawn.as_ref());
     let quantiles = |own: &Quantiles| [own.p05, own.p50, own.p95].map(|own| own.value);
     let header = header.chain(drawn.into_iter().flatten().flat_map(|change| {
@@ -202,6 +253,7 @@ fn csv(axes: &[Axis], points: &[SweptPoint]) -> Result<Vec<u8>, Error> {
         let cells = point.values.iter().cloned().chain((0..sources.len()).map(own));
         cells
             .chain([decibels(point.total_db), outcome, point.refused.clone()])
+            .chain(with_films.then(|| point.folder.clone().unwrap_or_default()))
             .chain(match &point.drawn {
                 None => vec![String::new(); widths],
                 Some(drawn) => drawn

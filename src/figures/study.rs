@@ -4,7 +4,7 @@ use super::BLACK;
 use super::chart::{Axis, Chart, Panel, Series, Shape};
 use super::levels::{SHOWN, in_palette};
 use crate::study::{
-    Axis as SweepAxis, Contributions, Draws, Estimate, LabelledStudy, Quantiles, StudyResult, SweptPoint, column,
+    Axis as SweepAxis, Contributions, Draws, Estimate, Kind, LabelledStudy, Quantiles, StudyResult, SweptPoint, column,
     levels_of,
 };
 
@@ -201,9 +201,10 @@ pub fn scatter(result: &StudyResult, made: &Draws) -> Vec<Chart> {
             [low - margin, high + margin]
         };
         let (across, up) = (ends(&x), ends(&y));
-        let label = match variable.unit() {
-            "" => input.variable.clone(),
-            unit => format!("{} ({unit})", input.variable),
+        let label = match (&variable.kind, variable.unit()) {
+            (Kind::Method(_), _) => format!("{}: place in its range", input.variable),
+            (_, "") => input.variable.clone(),
+            (_, unit) => format!("{} ({unit})", input.variable),
         };
         let dots = Series {
             x,

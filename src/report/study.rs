@@ -6,7 +6,7 @@ use super::chart::markup;
 use super::page::{Page, Section};
 use super::tables::{decibels, with_code};
 use crate::figures::Chart;
-use crate::study::{Estimate, GroupStudy, LevelStudy, StudyResult};
+use crate::study::{Estimate, GroupStudy, LevelStudy, StudyResult, common_reason};
 
 pub(super) fn page(result: &StudyResult, charts: &[Chart], scatter: &[Chart]) -> Page {
     let chart = |name: &str| charts.iter().find(|chart| chart.name == name).map(markup);
@@ -123,14 +123,15 @@ fn contributions(result: &StudyResult) -> Markup {
         @for own in &result.contributions {
             h3 { (own.output) }
             p.quiet { "Variance " (format!("{:.1}", own.variance_db2)) " dB\u{b2}. Parts below " (format!("{:.2}", own.by_chance))
-                      " may be chance: the largest of all inputs exceeds it in one of twenty random pairings." }
+                      @if let Some(limit) = own.by_chance_of_structures { " of shots and " (format!("{limit:.2}")) " of structures" }
+                      " may be chance: in one of twenty random pairings an input exceeds them." }
             @if own.inputs.is_empty() { p { "Not resolved with so many draws." } }
             @else { div.scroll { table {
                 thead { tr { th { "input" } th.n { "part of the variance" } th { } th.n { "upper less lower third, dB" } } }
                 tbody { @for input in &own.inputs { tr {
-                    td.key-name { (input.variable) } td.n { (format!("{:.2}", input.first_order)) }
+                    td.key-name { (input.variable) } td.n { (probability(&input.part())) }
                     td { div.c0 style={ "height:0.8em;background:var(--c);width:" (format!("{:.1}", 12.0 * input.first_order.clamp(0.0, 1.0))) "em" } {} }
-                    td.n { (format!("{:+.1}", input.effect_db)) }
+                    td.n { @if input.effect_db > 0.0 { b { "+" } } (level(&input.effect())) }
                 } } }
             } } }
         }
@@ -144,18 +145,20 @@ fn surrogates(result: &StudyResult) -> Markup {
             h3 { "Polynomial in all inputs" }
             p.quiet { "Degree " (degree) ". Q\u{b2}: part of the variance of draws left out that the polynomial predicts; 1 less this is its error. \
                        Total index: part of the variance in which an input has a share." }
+            @let common = common_reason(&result.surrogates);
             div.scroll { table {
-                thead { tr { th { "output" } th.n { "Q\u{b2}" } th.n { "terms" } th { "total indices" } } }
+                thead { tr { th { "output" } th.n { "Q\u{b2}" } th.n { "terms" } @if common.is_none() { th { "total indices" } } } }
                 tbody { @for own in &result.surrogates { tr {
                     td { (own.output) } td.n { (format!("{:.2}", own.q2)) } td.n { (own.terms) }
-                    td { @match &own.not_resolved {
+                    @if common.is_none() { td { @match &own.not_resolved {
                         Some(reason) => { "not stated: " (reason) }
                         None => { @for (place, input) in own.inputs.iter().enumerate() {
-                            @if place > 0 { ", " } span.key-name { (input.variable) } (format!(" {:.2}", input.total))
+                            @if place > 0 { ", " } span.key-name { (input.variable) } " " (probability(&input.total))
                         } }
-                    } }
+                    } } }
                 } } }
             } }
+            @if let Some(reason) = common { p { "Indices of single inputs are not stated: " (reason) "." } }
         }
     }
 }

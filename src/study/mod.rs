@@ -4,6 +4,7 @@
 //! count, [`draws`] computes their levels, and [`StudyResult`] states what follows. [`shots`] draws for the cycle alone.
 
 mod contributions;
+mod correlation_ratio;
 mod draws;
 mod group_indices;
 mod groups;
@@ -30,6 +31,7 @@ pub mod tasks;
 mod variable_report;
 mod variables;
 
+pub use contributions::{Contribution, Contributions};
 pub use draws::{Draw, Draws, common_draws, draws, nominal};
 pub use groups::{Group, GroupContribution, GroupContributions, GroupStudy, group_study};
 pub use kept::{keep, kept};
@@ -39,15 +41,14 @@ pub use parameters::{Parameter, taking_part};
 pub use provided::ProvidedStudy;
 pub use request::{Part, Request};
 pub use result::{
-    Candidates, Contribution, Contributions, Convergence, LabelledStudy, LevelStudy, Louder, OrderProbability, SCHEMA,
-    SourceStudy, StudyResult,
+    Candidates, Convergence, LabelledStudy, LevelStudy, Louder, OrderProbability, SCHEMA, SourceStudy, StudyResult,
 };
 pub use sampling::{Frame, NoValues, Point, Rejections, Sampler};
 pub use screening::{Candidate, Tally, screen};
 pub use shots::{Counted, DrawnShot, ShotSampler, Shots, shots};
 pub use statistics::{Estimate, Quantiles};
-pub use surrogate::{Surrogate, SurrogateIndex};
-pub use sweep::{Axis, SweptPoint, sweep};
+pub use surrogate::{Surrogate, SurrogateIndex, common_reason};
+pub use sweep::{Axis, SweptPoint, at_point, sweep};
 pub use table::csv;
 pub use variable_report::VariableReport;
 pub use variables::{Drawn, Kind, Scope, Variable, common_variables, differing_keys, variables};

@@ -7,6 +7,7 @@
 //! points that is predicted. Sobol' indices are sums of squared coefficients (Sudret, Reliab. Eng. Syst. Saf. 93, 964 (2008)).
 
 use nailnoise_acoustics::random::uniform;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 /// Most terms from which those of a polynomial are chosen, and the highest degree.
@@ -213,6 +214,42 @@ impl Candidates {
         )
     }
 
+    /// The same terms with the coefficients that fit levels best at points that count several times each. None where these points
+    /// do not determine them.
+    pub(super) fn refitted(&self, polynomial: &Polynomial, levels: &[f64], counts: &[u32]) -> Option<Polynomial> {
+        let places = || std::iter::once(0).chain(polynomial.terms.iter().copied());
+        let weighted: Vec<Vec<f64>> = places()
+            .map(|place| {
+                self.columns[place]
+                    .iter()
+                    .zip(counts)
+                    .map(|(v, &n)| v * f64::from(n))
+                    .collect()
+            })
+            .collect();
+        let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+        let columns: Vec<&[f64]> = places().map(|place| &self.columns[place][..]).collect();
+        let size = columns.len();
+        let normal = DMatrix::from_fn(
+            size,
+            size,
+            |i, j| if i >= j { dot(&weighted[i], columns[j]) } else { 0.0 },
+        );
+        let right = DVector::from_iterator(size, weighted.iter().map(|column| dot(column, levels)));
+        // The factorisation reads the lower triangle alone.
+        let factor = normal.cholesky()?;
+        let diagonal = factor.l_dirty().diagonal();
+        if diagonal.min() < 1e-6 * diagonal.max() {
+            return None;
+        }
+        let coefficients: Vec<f64> = factor.solve(&right).iter().skip(1).copied().collect();
+        Some(Polynomial {
+            terms: polynomial.terms.clone(),
+            coefficients,
+            q2: polynomial.q2,
+        })
+    }
+
     /// First-order and total index of every input that is in a term.
     pub(super) fn indices(&self, polynomial: &Polynomial) -> Vec<(usize, [f64; 2])> {
         let mut indices = std::collections::BTreeMap::<usize, [f64; 2]>::new();
@@ -356,6 +393,22 @@ mod tests {
         let levels: Vec<f64> = points.iter().map(|point| point[0]).collect();
         let polynomial = Candidates::new(&points, 3).fitted(&levels, &[2; 64]);
         assert_eq!(polynomial.q2, 0.0);
+    }
+
+    #[test]
+    fn terms_refitted_to_the_same_points_keep_their_coefficients() {
+        let points = points(200, 4);
+        let level = |u: &Vec<f64>| (3.0 * u[0]).exp() + u[1] * u[2] + 0.2 * u[3];
+        let levels: Vec<f64> = points.iter().map(level).collect();
+        let candidates = Candidates::new(&points, 4);
+        let polynomial = candidates.fitted(&levels, &folds(200));
+        let again = candidates.refitted(&polynomial, &levels, &[2; 200]).unwrap();
+        for (found, expected) in again.coefficients.iter().zip(&polynomial.coefficients) {
+            assert!((found - expected).abs() < 1e-8, "{found}, expected {expected}");
+        }
+        let mut few = vec![0; 200];
+        few[..polynomial.terms.len()].fill(1);
+        assert!(candidates.refitted(&polynomial, &levels, &few).is_none());
     }
 
     #[test]

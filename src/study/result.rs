@@ -6,10 +6,10 @@ use rayon::prelude::*;
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
-use super::contributions::{self as first_order, Binned};
+use super::contributions::{Contributions, contributions};
 use super::draws::{Draw, Draws};
 use super::groups::GroupStudy;
-use super::level_table::{LevelTable, number, outputs, total_of};
+use super::level_table::{LevelTable, total_of};
 use super::notes::notes;
 use super::request::Request;
 use super::statistics::{Bootstrap, Estimate, Quantiles, benefit, loss, order, weighted_mean};
@@ -146,30 +146,6 @@ pub struct Louder {
     pub probability: Estimate,
 }
 
-/// Inputs that decide a level.
-#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
-pub struct Contributions {
-    /// Source, `total`, or the difference of two sources.
-    pub output: String,
-    /// Variance over the draws \[dB2\].
-    pub variance_db2: f64,
-    /// First-order contribution that the largest of all inputs exceeds by chance in one of twenty cases.
-    pub by_chance: f64,
-    /// Inputs above it.
-    pub inputs: Vec<Contribution>,
-}
-
-/// Contribution of an input.
-#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
-pub struct Contribution {
-    /// The variable.
-    pub variable: String,
-    /// Part of the variance that it explains alone \[-\].
-    pub first_order: f64,
-    /// Mean level of the draws in the upper third of its values, less that in the lower third \[dB\].
-    pub effect_db: f64,
-}
-
 /// Results over the first draws.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct Convergence {
@@ -277,7 +253,7 @@ impl StudyResult {
             orders: orders(&table, &bootstrap),
             louder: louder(&table, &bootstrap, &names),
             perfect_information_db: perfect,
-            contributions: contributions(made, &table, &names),
+            contributions: contributions(made, &table, &names, &bootstrap),
             groups: None,
             surrogates: Vec::new(),
             convergence: convergence(&table, &totals, &clusters, &names),
@@ -377,50 +353,6 @@ fn louder(table: &LevelTable, bootstrap: &Bootstrap, names: &[String]) -> Vec<Lo
         }
     };
     pairs.map(pair).collect()
-}
-
-/// Contributions of inputs to each of the outputs.
-fn contributions(made: &Draws, table: &LevelTable, names: &[String]) -> Vec<Contributions> {
-    if made.draws.len() < first_order::FEWEST {
-        return Vec::new();
-    }
-    let column = |place: usize| -> Option<Vec<f64>> {
-        made.draws
-            .iter()
-            .map(|draw| number(made.variables[place].drawn(draw.shares[place])))
-            .collect()
-    };
-    // The columns themselves are made anew where one is needed: of many draws they are long.
-    let (mut inputs, mut known) = (Vec::new(), Vec::new());
-    for variable in 0..made.variables.len() {
-        if let Some(binned) = column(variable).and_then(|values| Binned::new(&values)) {
-            inputs.push(binned);
-            known.push(variable);
-        }
-    }
-    let contribution = |(output, levels): (String, Vec<f64>)| {
-        let mean = levels.iter().sum::<f64>() / levels.len() as f64;
-        let by_chance = first_order::by_chance(&inputs, &levels);
-        let estimates = inputs.iter().zip(&known);
-        let estimates = estimates.map(|(binned, variable)| (*variable, binned.first_order(&levels)));
-        let above = estimates.filter(|(_, first_order)| *first_order > by_chance);
-        let above = above.filter_map(|(variable, first_order)| {
-            Some(Contribution {
-                variable: made.variables[variable].name.clone(),
-                first_order,
-                effect_db: first_order::effect(&column(variable)?, &levels),
-            })
-        });
-        let mut above: Vec<Contribution> = above.collect();
-        above.sort_by(|a, b| b.first_order.total_cmp(&a.first_order));
-        Contributions {
-            output,
-            variance_db2: levels.iter().map(|level| (level - mean).powi(2)).sum::<f64>() / (levels.len() - 1) as f64,
-            by_chance,
-            inputs: above,
-        }
-    };
-    outputs(table, names).into_iter().map(contribution).collect()
 }
 
 fn convergence(table: &LevelTable, totals: &[f64], clusters: &[usize], names: &[String]) -> Vec<Convergence> {

@@ -130,6 +130,15 @@ impl Bootstrap {
         estimate(statistic(&vec![1; self.draws]), self.resampled(&statistic))
     }
 
+    /// 90 % intervals of several figures of each resample.
+    pub(super) fn intervals(&self, statistics: impl FnMut(&[u32]) -> Vec<f64>) -> Vec<[Option<f64>; 2]> {
+        let resampled = self.resampled(statistics);
+        let figures = resampled.first().map_or(0, Vec::len);
+        (0..figures)
+            .map(|place| interval(resampled.iter().map(|own| own[place]).collect()))
+            .collect()
+    }
+
     /// The mean of a figure of each draw.
     pub(super) fn mean(&self, figures: &[f64]) -> Estimate {
         self.estimate(|counts| weighted_mean(figures, counts))
@@ -162,13 +171,17 @@ impl Bootstrap {
 }
 
 /// An estimate, with the interval that resampled ones have.
-fn estimate(value: f64, mut resampled: Vec<f64>) -> Estimate {
-    resampled.sort_by(f64::total_cmp);
-    let finite = |value: f64| value.is_finite().then_some(value);
+fn estimate(value: f64, resampled: Vec<f64>) -> Estimate {
     Estimate {
-        value: finite(value),
-        interval: [0.05, 0.95].map(|p| finite(quantile(&resampled, p))),
+        value: value.is_finite().then_some(value),
+        interval: interval(resampled),
     }
+}
+
+/// 5th and 95th percentile.
+fn interval(mut resampled: Vec<f64>) -> [Option<f64>; 2] {
+    resampled.sort_by(f64::total_cmp);
+    [0.05, 0.95].map(|p| Some(quantile(&resampled, p)).filter(|value| value.is_finite()))
 }
 
 /// Quantiles of levels that count several times each; `order` holds their places from the lowest level on.

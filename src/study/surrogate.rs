@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::contributions::FEWEST;
 use super::draws::Draws;
 use super::level_table::{LevelTable, outputs};
-use super::polynomial::{Candidates, fold_of};
+use super::polynomial::{Candidates, Polynomial, fold_of};
+use super::statistics::{Bootstrap, Estimate};
 use crate::design::Design;
 
 /// Least Q2 at which indices are stated.
@@ -35,15 +36,16 @@ pub struct Surrogate {
     pub inputs: Vec<SurrogateIndex>,
 }
 
-/// Sobol' indices of an input by a surrogate.
+/// Sobol' indices of an input by a surrogate. The intervals are those of the coefficients over resampled draws; the choice of terms
+/// is not repeated.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SurrogateIndex {
     /// The variable.
     pub variable: String,
     /// Part of the surrogate's variance that the input explains alone \[-\].
-    pub first_order: f64,
+    pub first_order: Estimate,
     /// Part that it explains alone and together with others \[-\].
-    pub total: f64,
+    pub total: Estimate,
 }
 
 /// Surrogates of the total, each source, and the difference of the two loudest; `names` are the sources in their order. None
@@ -78,16 +80,14 @@ pub(super) fn surrogates(design: &Design, made: &Draws, names: &[String]) -> Vec
             None if polynomial.q2 < ENOUGH => Some(format!("Q2 is below {ENOUGH}")),
             None => None,
         };
-        let index = |(place, [first_order, total]): (usize, [f64; 2])| SurrogateIndex {
-            variable: made.variables[inputs[place]].name.clone(),
-            first_order,
-            total,
-        };
-        let mut indices: Vec<SurrogateIndex> = match not_resolved {
-            None => candidates.indices(&polynomial).into_iter().map(index).collect(),
+        let mut indices = match not_resolved {
+            None => indices(&candidates, &polynomial, &levels[..draws.len()], |place| {
+                made.variables[inputs[place]].name.clone()
+            }),
             Some(_) => Vec::new(),
         };
-        indices.sort_by(|a, b| b.total.total_cmp(&a.total));
+        let total = |index: &SurrogateIndex| index.total.value.unwrap_or_default();
+        indices.sort_by(|a, b| total(b).total_cmp(&total(a)));
         Surrogate {
             output,
             draws: draws.len(),
@@ -102,6 +102,44 @@ pub(super) fn surrogates(design: &Design, made: &Draws, names: &[String]) -> Vec
         .into_iter()
         .map(of_output)
         .collect()
+}
+
+/// The reason why none of them states indices, where it is the same for all.
+pub fn common_reason(surrogates: &[Surrogate]) -> Option<&str> {
+    let reason = surrogates.first()?.not_resolved.as_deref()?;
+    let same = |own: &Surrogate| own.not_resolved.as_deref() == Some(reason);
+    surrogates.iter().all(same).then_some(reason)
+}
+
+/// Indices of the inputs in a polynomial's terms.
+fn indices(
+    candidates: &Candidates,
+    polynomial: &Polynomial,
+    levels: &[f64],
+    name: impl Fn(usize) -> String,
+) -> Vec<SurrogateIndex> {
+    let own = candidates.indices(polynomial);
+    let bootstrap = Bootstrap::new(&vec![0; levels.len()]);
+    let intervals = bootstrap.intervals(|counts| match candidates.refitted(polynomial, levels, counts) {
+        Some(again) => candidates
+            .indices(&again)
+            .into_iter()
+            .flat_map(|(_, own)| own)
+            .collect(),
+        None => vec![f64::NAN; 2 * own.len()],
+    });
+    let index = |((place, values), intervals): (&(usize, [f64; 2]), &[[Option<f64>; 2]])| {
+        let estimate = |kind: usize| Estimate {
+            value: Some(values[kind]),
+            interval: intervals[kind],
+        };
+        SurrogateIndex {
+            variable: name(*place),
+            first_order: estimate(0),
+            total: estimate(1),
+        }
+    };
+    own.iter().zip(intervals.chunks(2)).map(index).collect()
 }
 
 /// Why the inputs of the draws depend on each other; none where they do not.

@@ -42,6 +42,9 @@ pub struct SweptPoint {
     pub total_db: Option<f64>,
     /// Why there are no levels; empty where there are.
     pub refused: String,
+    /// Folder of its films; none where none were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub folder: Option<String>,
     /// Each source, then the total, over draws that all points have in common, and the change from the first point; none where
     /// no draws are asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -135,6 +138,15 @@ fn assignments(axes: &[Axis], values: &[String]) -> Result<Vec<Assignment>, Assi
         .collect()
 }
 
+/// The design in a file, with changes that all points share, at a point of the grid.
+///
+/// # Errors
+/// Values that no design can have, or that do not go together.
+pub fn at_point((path, changes): (&Path, &[Assignment]), axes: &[Axis], values: &[String]) -> Result<Design, Error> {
+    let own = assignments(axes, values).map_err(|error| Error::NoAxis { error })?;
+    Ok(Design::load_with(path, &[changes, &own].concat())?)
+}
+
 /// Levels of the design in a file, with changes that all points share, over a grid of values; on `request`, over draws that all
 /// points have in common, too. Points whose values do not go together are refused with their conflict.
 ///
@@ -158,14 +170,13 @@ pub fn sweep(
     let points = grid(axes);
     let mut designs = Vec::with_capacity(points.len());
     for values in &points {
-        let own = assignments(axes, values).map_err(|error| Error::NoAxis { error })?;
-        designs.push(match Design::load_with(path, &[changes, &own].concat()) {
+        designs.push(match at_point((path, changes), axes, values) {
             Ok(design) => {
                 cost::refuse(&design, &cost::of_run(&design)?, memory)?;
                 Ok(without_sensors(&design))
             }
-            Err(DesignError::Conflict { conflict, .. }) => Err(conflict.to_string()),
-            Err(error) => return Err(error.into()),
+            Err(Error::Design(DesignError::Conflict { conflict, .. })) => Err(conflict.to_string()),
+            Err(error) => return Err(error),
         });
     }
     // Structures stay at hand while the points that share them are computed.
@@ -204,6 +215,7 @@ pub fn sweep(
         total_db: levels.as_ref().and_then(total_of),
         levels,
         refused,
+        folder: None,
         drawn: drawn.next().flatten(),
     };
     Ok(points.into_iter().zip(computed).map(point).collect())

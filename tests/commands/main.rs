@@ -17,4 +17,5 @@ mod prf_fit;
 mod report;
 mod run;
 mod study;
+mod sweep;
 mod watch;
