@@ -21,8 +21,8 @@ use crate::stages::{Progress, WithoutStages};
 use crate::staging::{self, Staging};
 use crate::store::Store;
 use crate::study::{
-    self, Contributions, Draws, Estimate, GroupStudy, Part, ProvidedStudy, Request, StudyResult, Surrogate,
-    SurrogateIndex,
+    self, Contributions, Draws, Estimate, GroupStudy, InputChanges, InputEnd, OneAtATime, Part, ProvidedStudy, Request,
+    StudyResult, Surrogate, SurrogateIndex,
 };
 use crate::wording::drawn_structures;
 use crate::{figures, report, shipped};
@@ -70,6 +70,10 @@ pub(super) struct Arguments {
     /// State which groups of inputs decide each level, by two more draws for each draw and group, as `exhaust` or `wood`
     #[arg(long, conflicts_with_all = ["task", "collect"])]
     groups: bool,
+    /// State what each input does to the levels of the design itself, by two shots for each: at the 5th and the 95th percentile of its
+    /// distribution, all others as in the design
+    #[arg(long, conflicts_with_all = ["task", "collect"])]
+    one_at_a_time: bool,
     /// Also write the study of a shipped design to this file, as those in designs/studies that `nailnoise run` uses
     #[arg(long, value_name = "FILE", conflicts_with = "task")]
     provide: Option<PathBuf>,
@@ -234,7 +238,14 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         let (groups, table) = study::group_study(&graph, &design, &request, &made, &progress)?;
         (result.groups, partners) = (Some(groups), Some(table));
     }
-    if arguments.store.is_some() || arguments.groups {
+    if arguments.one_at_a_time {
+        let graph = graph(&store, &progress);
+        if let Some(nominal) = study::nominal(&graph, &design, &request)? {
+            let own = study::one_at_a_time(&graph, &design, &request, (&made, &nominal), &progress)?;
+            result.one_at_a_time = Some(own);
+        }
+    }
+    if arguments.store.is_some() || arguments.groups || arguments.one_at_a_time {
         study::keep(&cache, &design, &result)?;
     }
     let within = arguments.until.iter().all(|own| own.is_met(&result));
@@ -252,6 +263,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     staging.write("draws.csv".as_ref(), &study::csv(&made)?)?;
     if let Some(partners) = partners {
         staging.write("groups.csv".as_ref(), &partners)?;
+    }
+    if let Some(own) = &result.one_at_a_time {
+        staging.write("one-at-a-time.csv".as_ref(), &study::one_at_a_time_csv(own)?)?;
     }
     staging.write(LAST.as_ref(), json.as_bytes())?;
     staging.place(&[], LAST.as_ref())?;
@@ -461,6 +475,39 @@ fn by_chance(own: &Contributions) -> String {
     }
 }
 
+/// What single inputs do to the levels of the design.
+fn of_single_inputs(own: &OneAtATime) -> String {
+    let mut text = String::from(
+        "\n  one input at a time, at the 5th and the 95th percentile of its distribution, all others as in the design; changes in dB\n",
+    );
+    let change = |change: &Option<f64>| change.map_or_else(|| "-".to_owned(), |change| format!("{change:+.1}"));
+    let row = |input: &InputChanges| {
+        let [low, high] = &input.ends;
+        let changes = low.change_db.iter().zip(&high.change_db);
+        let mut row = vec![input.variable.clone()];
+        row.extend(changes.map(|(low, high)| format!("{} / {}", change(low), change(high))));
+        let shot = |end: &InputEnd| match &end.refused {
+            reason if reason.is_empty() => end.outcome.replace('_', " "),
+            reason => reason.clone(),
+        };
+        let shots = [low, high].map(shot);
+        row.push(if shots[0] == shots[1] {
+            shots[0].clone()
+        } else {
+            shots.join(" / ")
+        });
+        row
+    };
+    let rows: Vec<Vec<String>> = own.inputs.iter().take(PRINTED).map(row).collect();
+    let outputs = own.outputs.iter().map(String::as_str);
+    let headings: Vec<&str> = std::iter::once("input").chain(outputs).chain(["shot"]).collect();
+    text.push_str(&table(&headings, &rows));
+    if own.left_out > 0 {
+        let _ = writeln!(text, "  {} quantities of bodies are left out", own.left_out);
+    }
+    text
+}
+
 /// The groups of inputs that decide each level.
 fn of_groups(study: &GroupStudy) -> String {
     let mut text = format!(
@@ -574,6 +621,9 @@ fn text(result: &StudyResult) -> String {
     text.push_str(&of_surrogates(&result.surrogates));
     if let Some(groups) = &result.groups {
         text.push_str(&of_groups(groups));
+    }
+    if let Some(own) = &result.one_at_a_time {
+        text.push_str(&of_single_inputs(own));
     }
     let candidates = &result.candidates;
     let shots: u64 = candidates.outcomes.values().sum();

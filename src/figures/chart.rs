@@ -92,6 +92,8 @@ pub enum Shape {
     Band(Vec<f64>),
     /// Horizontal bars from these abscissas to `x` in the categories `y` of the vertical axis, each joined to the next.
     Spans(Vec<f64>),
+    /// Horizontal bars from these abscissas to `x` in the categories `y` of the vertical axis, beside those of other series.
+    Swings(Vec<f64>),
 }
 
 /// An event on an axis of time.

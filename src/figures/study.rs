@@ -4,9 +4,13 @@ use super::BLACK;
 use super::chart::{Axis, Chart, Panel, Series, Shape};
 use super::levels::{SHOWN, in_palette};
 use crate::study::{
-    Axis as SweepAxis, Contributions, Draws, Estimate, Kind, LabelledStudy, Quantiles, StudyResult, SweptPoint, column,
-    levels_of,
+    Axis as SweepAxis, Contributions, Draws, Estimate, InputChanges, Kind, LabelledStudy, OneAtATime, Quantiles,
+    StudyResult, SweptPoint, column, levels_of,
 };
+
+/// Inputs whose changes of a level are drawn, and the least change that is \[dB\].
+const SWINGS: usize = 10;
+const LEAST_SWING: f64 = 0.05;
 
 /// Inputs of each output that are drawn as scatter.
 const SCATTERED: usize = 2;
@@ -46,7 +50,42 @@ pub fn study(result: &StudyResult) -> Vec<Chart> {
         "Probability of being the loudest over the first draws, with its 90 % interval.",
         vec![convergence(result)],
     ));
+    if let Some(own) = &result.one_at_a_time {
+        charts.push(chart(
+            "study-one-at-a-time",
+            "One input at a time",
+            "Change of the level of the design with one input at the 5th (upper bar) and the 95th percentile (lower bar) of its distribution.",
+            own.outputs.iter().enumerate().filter_map(|(place, name)| swings(own, place, name)).collect(),
+        ));
+    }
     charts
+}
+
+/// Changes of a level, the inputs that change it most first; none where no input does.
+fn swings(own: &OneAtATime, output: usize, name: &str) -> Option<Panel> {
+    let mut inputs: Vec<&InputChanges> = own
+        .inputs
+        .iter()
+        .filter(|input| input.largest(output) >= LEAST_SWING)
+        .collect();
+    inputs.sort_by(|a, b| b.largest(output).total_cmp(&a.largest(output)));
+    inputs.truncate(SWINGS);
+    let widest = inputs.first()?.largest(output);
+    let series = |end: usize, name: &str| {
+        let changes: Vec<Option<f64>> = inputs.iter().map(|input| input.ends[end].change_db[output]).collect();
+        let note = |change: &Option<f64>| change.map_or_else(|| "-".to_owned(), |change| format!("{change:+.1} dB"));
+        Series {
+            notes: changes.iter().map(note).collect(),
+            ..Series::over(name, end, Shape::Swings(vec![0.0; changes.len()]), changes)
+        }
+        .sideways()
+    };
+    Some(Panel {
+        x: Axis::new(format!("Change of {name}"), "dB", [-1.05 * widest, 1.05 * widest]),
+        height: 8 * inputs.len() as u32,
+        y: Axis::categories("Input", "", inputs.iter().map(|input| input.variable.clone()).collect()),
+        series: vec![series(0, "at P5"), series(1, "at P95")],
+    })
 }
 
 fn whiskers(name: &str, colour: usize, rows: &[(usize, &Quantiles)]) -> Series {

@@ -230,7 +230,7 @@ impl Panel {
         let bars = self
             .series
             .iter()
-            .filter(|series| matches!(series.shape, Shape::Bars(_) | Shape::Whiskers(_)))
+            .filter(|series| matches!(series.shape, Shape::Bars(_) | Shape::Whiskers(_) | Shape::Swings(_)))
             .count();
         for (place, series) in self.series.iter().enumerate().rev() {
             axes.draw_series(series.elements(self, [place, bars]))?;
@@ -315,6 +315,13 @@ impl Series {
                 elements
                     .push(Polygon::new(points().chain(lower).collect::<Vec<_>>(), self.colour().mix(0.13)).into_dyn());
             }
+            Shape::Swings(from) => {
+                let width = 0.8 / bars as f64;
+                for ((to, row), from) in points().zip(from).filter(|((to, _), _)| to.is_finite()) {
+                    let [upper, lower] = [0, 1].map(|end| row + 0.1 + width * (place + end) as f64);
+                    elements.push(Rectangle::new([(*from, upper), (to, lower)], filled).into_dyn());
+                }
+            }
             Shape::Spans(from) => {
                 for (((to, row), from), note) in points().zip(from).zip(&self.notes) {
                     let [upper, lower] = [row + 0.15, row + 0.85];
@@ -342,7 +349,7 @@ impl Series {
     fn sample<'s>(&self, (x, y): (i32, i32)) -> DynElement<'static, Svg<'s>, (i32, i32)> {
         let ends = [(x, y), (x + SAMPLE, y)];
         match self.shape {
-            Shape::Bars(_) | Shape::Spans(_) | Shape::Whiskers(_) => {
+            Shape::Bars(_) | Shape::Spans(_) | Shape::Swings(_) | Shape::Whiskers(_) => {
                 Rectangle::new([(x, y - MM), (x + SAMPLE, y + MM)], self.colour().filled()).into_dyn()
             }
             Shape::Band(_) => {

@@ -28,7 +28,7 @@ fn sample(shape: &Shape) -> &'static str {
         Shape::Broad => "broad",
         Shape::Dashed => "dashed",
         Shape::Points => "dots",
-        Shape::Bars(_) | Shape::Spans(_) => "area",
+        Shape::Bars(_) | Shape::Spans(_) | Shape::Swings(_) => "area",
         Shape::Band(_) | Shape::Whiskers(_) => "pale",
     }
 }

@@ -57,7 +57,7 @@ pub(super) fn of(panel: &Panel, place: usize, series: &Series) -> Vec<(&'static 
             ]
         }
         // Horizontal bars are rows.
-        Shape::Spans(_) => Vec::new(),
+        Shape::Spans(_) | Shape::Swings(_) => Vec::new(),
     }
 }
 

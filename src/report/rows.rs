@@ -22,11 +22,11 @@ struct Bar<'a> {
 
 pub(super) fn markup(panel: &Panel) -> Markup {
     let ticks = across(&panel.x);
-    // Spans take turns in their rows; series of bars share them.
+    // Spans take turns in their rows; series of bars and swings share them.
     let shared = panel
         .series
         .iter()
-        .filter(|own| matches!(own.shape, Shape::Bars(_)))
+        .filter(|own| matches!(own.shape, Shape::Bars(_) | Shape::Swings(_)))
         .count();
     let height = if shared > 1 { THIN * shared + 5 } else { THICK + 5 };
     html! {
@@ -77,11 +77,11 @@ fn bars(panel: &Panel, row: usize) -> Vec<Bar<'_>> {
         for index in (0..series.y.len()).filter(|&index| series.y[index] as usize == row) {
             let value = series.x[index];
             let (from, mark) = match &series.shape {
-                Shape::Spans(from) => (from[index], None),
+                Shape::Spans(from) | Shape::Swings(from) => (from[index], None),
                 Shape::Bars(marks) => (low, marks.get(index).copied().filter(|mark| *mark > low)),
                 _ => continue,
             };
-            if value.is_finite() && (value > low || matches!(series.shape, Shape::Spans(_))) {
+            if value.is_finite() && (value > low || !matches!(series.shape, Shape::Bars(_))) {
                 found.push(Bar {
                     place,
                     colour: series.colour,

@@ -24,7 +24,8 @@ pub(super) fn page(result: &StudyResult, charts: &[Chart], scatter: &[Chart]) ->
         Section::new(
             "inputs",
             "What decides",
-            html! { (contributions(result)) (surrogates(result)) @if let Some(own) = &result.groups { (groups(own)) } @for c in scatter { (markup(c)) } },
+            html! { (contributions(result)) (surrogates(result)) @if let Some(own) = &result.groups { (groups(own)) }
+            @if let Some(c) = chart("study-one-at-a-time") { h3 { "One input at a time" } (c) } @for c in scatter { (markup(c)) } },
         ),
         Section::new(
             "bands",

@@ -295,7 +295,7 @@ fn shared_shapes(graph: &Graph, (design, sampler): (&Design, &Sampler), point: &
 }
 
 /// The error of each source's method in a draw \[dB\]; an end that is open counts as 0 dB.
-fn method_errors(variables: &[Variable], point: &Point, levels: &Levels) -> [f64; 3] {
+pub(super) fn method_errors(variables: &[Variable], point: &Point, levels: &Levels) -> [f64; 3] {
     let mut errors = [0.0; 3];
     for (variable, share) in variables.iter().zip(&point.shares).filter(|(_, share)| !share.is_nan()) {
         let Kind::Method(bounds) = &variable.kind else { continue };

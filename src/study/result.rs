@@ -11,6 +11,7 @@ use super::draws::{Draw, Draws};
 use super::groups::GroupStudy;
 use super::level_table::{LevelTable, total_of};
 use super::notes::notes;
+use super::one_at_a_time::OneAtATime;
 use super::request::Request;
 use super::statistics::{Bootstrap, Estimate, Quantiles, benefit, loss, order, weighted_mean};
 use super::surrogate::{Surrogate, surrogates};
@@ -60,6 +61,9 @@ pub struct StudyResult {
     /// Polynomial surrogates of the levels, by `nailnoise study`; empty with too few draws.
     #[serde(default)]
     pub surrogates: Vec<Surrogate>,
+    /// What each input does to the levels of the design itself; null without `--one-at-a-time`.
+    #[serde(default)]
+    pub one_at_a_time: Option<OneAtATime>,
     /// P50 of the total and P(first) of each source over the first draws, doubling.
     pub convergence: Vec<Convergence>,
     /// What was drawn.
@@ -256,6 +260,7 @@ impl StudyResult {
             contributions: contributions(made, &table, &names, &bootstrap),
             groups: None,
             surrogates: Vec::new(),
+            one_at_a_time: None,
             convergence: convergence(&table, &totals, &clusters, &names),
             variables,
             notes,

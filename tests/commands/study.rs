@@ -113,6 +113,47 @@ fn a_polynomial_gives_the_indices_of_independent_inputs() {
     }
 }
 
+/// The error of a method moves its level by itself, a quantity as a run with its value does.
+#[test]
+fn changes_of_one_input_are_those_of_runs() {
+    let folder = folder("study/one-at-a-time");
+    let model = "workpiece = \"0 .. 0 dB\"\nexhaust = \"-3 .. 3 dB\"\nbody = \"0 .. 0 dB\"\n";
+    let path = held(&folder, &[("supply.pressure", "700 .. 800 kPa")], model);
+    let found = json(&study(&folder, &path, &["-n", "2", "--one-at-a-time", "--json"]));
+    let found = &found["one_at_a_time"];
+    let place = found["outputs"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .position(|name| name == "exhaust")
+        .unwrap();
+    let change = |variable: &str, end: usize| {
+        let mut inputs = found["inputs"].as_array().unwrap().iter();
+        let input = inputs.find(|own| own["variable"] == variable).unwrap();
+        input["ends"][end]["change_db"][place].as_f64().unwrap()
+    };
+    let of_method = [0, 1].map(|end| change("method.exhaust", end));
+    assert!(
+        (of_method[0] + 2.7).abs() < 1e-9 && (of_method[1] - 2.7).abs() < 1e-9,
+        "{of_method:?}"
+    );
+    let level = |set: &[&str]| {
+        let run = command(&[&["run", &path, "--json", "--out", "out"], set].concat());
+        let run = json(&{ run }.current_dir(&folder).output().unwrap());
+        let mut sources = run["ranking"].as_array().unwrap().iter();
+        sources.find(|own| own["source"] == "exhaust").unwrap()["lwa_db"]
+            .as_f64()
+            .unwrap()
+    };
+    let of_run = level(&["--set", "supply.pressure=795 kPa"]) - level(&[]);
+    assert!((change("supply.pressure", 1) - of_run).abs() < 1e-9, "{of_run}");
+    let table = fs::read_to_string(folder.join("out/study/one-at-a-time.csv")).unwrap();
+    assert!(
+        table.starts_with("input,unit,value at P5") && table.lines().count() > 2,
+        "{table}"
+    );
+}
+
 /// Draws from ranges of no width are the design itself.
 #[test]
 fn ranges_of_no_width_reproduce_the_run() {
