@@ -196,7 +196,7 @@ fn changes(paired: &PairedStudy) -> String {
             level(&quantiles.p05),
             level(&quantiles.p50),
             level(&quantiles.p95),
-            super::study::probability(&own.quieter),
+            super::study_text::probability(&own.quieter),
             width(own.width_db),
             width(own.level_width_db),
         ]

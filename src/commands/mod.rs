@@ -37,6 +37,7 @@ mod run;
 mod schema;
 mod sensitivity;
 mod study;
+mod study_text;
 mod sweep;
 mod table;
 mod test;

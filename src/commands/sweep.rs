@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use super::python::Cluster;
 use super::run::delivered;
-use super::study::probability;
+use super::study_text::probability;
 use super::table::{decibels, table};
 use super::{Common, Keeping, print, print_json, progress, status_of};
 use crate::error::Error;
