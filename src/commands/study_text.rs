@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 use super::progress::noted;
 use super::table::{decibels, table};
 use crate::study::{
-    Contributions, Estimate, GroupStudy, InputChanges, InputEnd, LevelStudy, OneAtATime, StudyResult, Surrogate,
-    SurrogateIndex, common_reason,
+    Condition, Contributions, Estimate, GroupStudy, InputChanges, InputEnd, LevelStudy, OneAtATime, StudyResult,
+    Surrogate, SurrogateIndex, common_reason,
 };
 use crate::wording::drawn_structures;
 
@@ -120,6 +120,32 @@ fn of_single_inputs(own: &OneAtATime) -> String {
     if own.left_out > 0 {
         let _ = writeln!(text, "  {} quantities of bodies are left out", own.left_out);
     }
+    text
+}
+
+/// The inputs that decide whether a shot counts.
+fn of_condition(own: &Condition) -> String {
+    let mut text = format!(
+        "\n  {:.1} % of {} shots count; inputs that decide it by more than chance ({:.3}):\n",
+        100.0 * own.share,
+        own.shots,
+        own.by_chance
+    );
+    if own.inputs.is_empty() {
+        return text + "  not resolved with so many shots\n";
+    }
+    let rows = own.inputs.iter().take(PRINTED).map(|input| {
+        let [lower, upper] = input.halves.map(|share| format!("{:.1} %", 100.0 * share));
+        vec![input.variable.clone(), probability(&input.first_order), lower, upper]
+    });
+    let headings = [
+        "input",
+        "part of variance",
+        "count in its lower half",
+        "in its upper half",
+    ];
+    text.push_str(&table(&headings, &rows.collect::<Vec<_>>()));
+    text.push('\n');
     text
 }
 
@@ -257,6 +283,9 @@ pub(super) fn text(result: &StudyResult) -> String {
         ]
     });
     text.push_str(&table(&["the shot", "candidates", "%", ""], &rows.collect::<Vec<_>>()));
+    if let Some(condition) = &result.condition {
+        text.push_str(&of_condition(condition));
+    }
     let reasons = candidates.refused.iter().chain(&candidates.rejections);
     let rows: Vec<Vec<String>> = reasons
         .map(|(keys, count)| vec![keys.clone(), count.to_string()])

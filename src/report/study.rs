@@ -199,6 +199,19 @@ fn candidates(result: &StudyResult) -> Markup {
                 td { (name.replace('_', " ")) } td.n { (count) } td.n { (format!("{:.1}", 100.0 * *count as f64 / shots.max(1) as f64)) }
             } } }
         } }
+        @if let Some(own) = &result.condition {
+            h3 { "What decides whether a shot counts" }
+            p.quiet { (format!("{:.1}", 100.0 * own.share)) " % of " (own.shots) " shots count. Parts of the variance below "
+                      (format!("{:.3}", own.by_chance)) " may be chance." }
+            @if own.inputs.is_empty() { p { "Not resolved with so many shots." } }
+            @else { div.scroll { table {
+                thead { tr { th { "input" } th.n { "part of the variance" } th.n { "count in its lower half, %" } th.n { "in its upper half, %" } } }
+                tbody { @for input in &own.inputs { tr {
+                    td.key-name { (input.variable) } td.n { (probability(&input.first_order)) }
+                    @for share in input.halves { td.n { (format!("{:.1}", 100.0 * share)) } }
+                } } }
+            } } }
+        }
         @if !result.candidates.rejections.is_empty() { div.scroll { table {
             thead { tr { th { "incompatible values" } th.n { "drawn anew" } } }
             tbody { @for (keys, count) in &result.candidates.rejections { tr { td.key-name { (keys) } td.n { (count) } } } }

@@ -3,6 +3,7 @@
 //! [`variables`] lists what is drawn, [`Sampler`] draws it, [`screen`] computes the shots of candidates and accepts those that
 //! count, [`draws`] computes their levels, and [`StudyResult`] states what follows. [`shots`] draws for the cycle alone.
 
+mod condition;
 mod contributions;
 mod correlation_ratio;
 mod draws;
@@ -32,6 +33,7 @@ pub mod tasks;
 mod variable_report;
 mod variables;
 
+pub use condition::{Condition, ConditionInput};
 pub use contributions::{Contribution, Contributions};
 pub use draws::{Draw, Draws, common_draws, draws, nominal};
 pub use groups::{Group, GroupContribution, GroupContributions, GroupStudy, group_study};

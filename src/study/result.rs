@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
+use super::condition::{Condition, condition};
 use super::contributions::{Contributions, contributions};
 use super::draws::{Draw, Draws};
 use super::groups::GroupStudy;
@@ -55,6 +56,9 @@ pub struct StudyResult {
     pub perfect_information_db: Estimate,
     /// Which inputs decide each level, the largest contribution first.
     pub contributions: Vec<Contributions>,
+    /// Which inputs decide whether a shot counts; null with too few candidates, or where nearly all of them count.
+    #[serde(default)]
+    pub condition: Option<Condition>,
     /// Which groups of inputs decide each level; null without `--groups`.
     #[serde(default)]
     pub groups: Option<GroupStudy>,
@@ -258,6 +262,7 @@ impl StudyResult {
             louder: louder(&table, &bootstrap, &names),
             perfect_information_db: perfect,
             contributions: contributions(made, &table, &names, &bootstrap),
+            condition: condition(&made.tally.condition, &made.variables),
             groups: None,
             surrogates: Vec::new(),
             one_at_a_time: None,

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::condition::Counts;
 use super::request::Part;
 use super::sampling::{Frame, Point, Rejections, Sampler};
 use super::variables::drawn_scores;
@@ -48,10 +49,13 @@ pub struct Tally {
     pub outcomes: BTreeMap<String, u64>,
     /// Candidates whose shot cannot be computed, with the message.
     pub failures: Vec<(u64, String)>,
+    /// Where in the distributions the shots are that count.
+    pub condition: Counts,
 }
 
 impl Tally {
-    /// Counts another tally in.
+    /// Counts another tally in. The condition stays that of the first: further candidates on a structure that was accepted are not
+    /// independent of it.
     pub fn add(&mut self, other: Self) {
         self.candidates += other.candidates;
         let into = |own: &mut BTreeMap<String, u64>, counts: BTreeMap<String, u64>| {
@@ -208,7 +212,9 @@ pub fn screen(
                 _ => None,
             });
             tally.failures.extend(messages);
-            if fates.iter().zip(designs).all(|(fate, design)| qualifies(design, fate)) {
+            let counts = fates.iter().zip(designs).all(|(fate, design)| qualifies(design, fate));
+            tally.condition.add(&point.shares, counts);
+            if counts {
                 accepted.push(Candidate { index, point, fates });
             }
         }

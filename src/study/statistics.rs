@@ -10,7 +10,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Resamples of a bootstrap.
-const RESAMPLES: usize = 1000;
+pub(super) const RESAMPLES: usize = 1000;
 
 /// Seed of the resamples: the same draws have the same intervals.
 const SEED: u64 = 0x0B00_7577;
@@ -179,7 +179,7 @@ fn estimate(value: f64, resampled: Vec<f64>) -> Estimate {
 }
 
 /// 5th and 95th percentile.
-fn interval(mut resampled: Vec<f64>) -> [Option<f64>; 2] {
+pub(super) fn interval(mut resampled: Vec<f64>) -> [Option<f64>; 2] {
     resampled.sort_by(f64::total_cmp);
     [0.05, 0.95].map(|p| Some(quantile(&resampled, p)).filter(|value| value.is_finite()))
 }
