@@ -231,9 +231,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     }
     if arguments.one_at_a_time {
         let graph = graph(&store, &progress);
-        if let Some(nominal) = study::nominal(&graph, &design, &request)? {
-            let own = study::one_at_a_time(&graph, &design, &request, (&made, &nominal), &progress)?;
-            result.one_at_a_time = Some(own);
+        match study::nominal(&graph, &design, &request)? {
+            Some(nominal) => {
+                let own = study::one_at_a_time(&graph, &design, &request, (&made, &nominal), &progress)?;
+                result.one_at_a_time = Some(own);
+            }
+            None => message("the design itself has no levels from which one input at a time could change them"),
         }
     }
     if arguments.store.is_some() || arguments.groups || arguments.one_at_a_time {
