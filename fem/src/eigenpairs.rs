@@ -1,7 +1,9 @@
 //! Eigenpairs with their residuals, and the refinement that brings these below a limit.
 
+use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{ColRef, Mat, MatRef};
 use nalgebra_sparse::CscMatrix;
+use rayon::prelude::*;
 
 use crate::ModalSettings;
 use crate::dense::{add_product, transpose_product};
@@ -87,29 +89,28 @@ impl Balance {
 impl Eigenpairs {
     pub(crate) fn new(pencil: Pencil<'_>, mut phi: Mat<f64>, edge: f64, ceiling: f64) -> Self {
         let (n, count) = (phi.nrows(), phi.ncols());
-        let mut room = Room::default();
         let mut m_phi = Mat::zeros(n, count);
-        product_into(pencil.mass, phi.as_ref(), m_phi.as_mut(), &mut room);
-        for i in 0..count {
-            let scale = 1.0 / dot(phi.as_ref(), m_phi.as_ref(), i).sqrt();
-            phi.col_mut(i).iter_mut().for_each(|x| *x *= scale);
-            m_phi.col_mut(i).iter_mut().for_each(|x| *x *= scale);
-        }
         // The diagonal opens each column of the lower triangle.
         let diagonal = |row: usize| pencil.stiffness.values()[pencil.stiffness.col_offsets()[row]];
         let parts: Vec<f64> = (0..n).map(|row| CANCELLED * diagonal(row)).collect();
-        let mut balances = Vec::with_capacity(count);
-        // K Phi is needed in passing only: it has room for one block.
-        let mut k_phi = Mat::zeros(n, SIDES.min(count));
-        for start in (0..count).step_by(SIDES) {
-            let width = SIDES.min(count - start);
-            let block = phi.subcols(start, width);
-            product_into(pencil.stiffness, block, k_phi.subcols_mut(0, width), &mut room);
-            for c in 0..width {
-                let columns = [phi.col(start + c), k_phi.col(c), m_phi.col(start + c)];
-                balances.push(Balance::new(columns, &parts, RIGID * edge));
+        // Threads share the blocks. K Phi is needed in passing only: it has room for one block each.
+        let blocks = phi.par_col_chunks_mut(SIDES).zip(m_phi.par_col_chunks_mut(SIDES));
+        let balances = blocks.map_init(Room::default, |room, (mut phi, mut m_phi)| {
+            product_into(pencil.mass, phi.rb(), m_phi.rb_mut(), room);
+            for i in 0..phi.ncols() {
+                let scale = 1.0 / dot(phi.rb(), m_phi.rb(), i).sqrt();
+                phi.rb_mut().col_mut(i).iter_mut().for_each(|x| *x *= scale);
+                m_phi.rb_mut().col_mut(i).iter_mut().for_each(|x| *x *= scale);
             }
-        }
+            let mut k_phi = Mat::zeros(n, phi.ncols());
+            product_into(pencil.stiffness, phi.rb(), k_phi.as_mut(), room);
+            let balance = |c: usize| {
+                let columns = [phi.rb().col(c), k_phi.col(c), m_phi.rb().col(c)];
+                Balance::new(columns, &parts, RIGID * edge)
+            };
+            (0..phi.ncols()).map(balance).collect::<Vec<_>>()
+        });
+        let balances: Vec<Balance> = balances.collect::<Vec<_>>().into_iter().flatten().collect();
         let mut pairs = Self {
             lambda: balances.iter().map(|b| b.lambda).collect(),
             phi,
@@ -139,16 +140,22 @@ impl Eigenpairs {
         &mut self,
         pencil: Pencil<'_>,
         settings: &ModalSettings,
-        mut solve: impl FnMut(&mut Mat<f64>),
+        solve: impl Fn(&mut Mat<f64>) + Sync,
     ) -> usize {
         let limit = settings.residual_limit / 2.0;
-        let mut room = Room::default();
         let mut solves = 0;
         for _ in 0..REFINEMENTS {
             let poor: Vec<usize> = (0..self.lambda.len()).filter(|&i| self.residuals[i] > limit).collect();
             let before: Vec<f64> = poor.iter().map(|&i| self.residuals[i]).collect();
-            for chosen in poor.chunks(SIDES) {
-                self.step(pencil, chosen, &mut solve, &mut room);
+            // All blocks start from the same modes, so that threads can share them.
+            let steps: Vec<Self> = poor
+                .par_chunks(SIDES)
+                .map(|chosen| self.step(pencil, chosen, &solve))
+                .collect();
+            for (chosen, refined) in poor.chunks(SIDES).zip(steps) {
+                let better = |c: usize, i: usize| refined.residuals[c] < self.residuals[i];
+                let better: Vec<bool> = chosen.iter().enumerate().map(|(c, &i)| better(c, i)).collect();
+                self.replace(chosen, &refined, |c| better[c]);
             }
             solves += poor.len();
             if poor
@@ -166,11 +173,10 @@ impl Eigenpairs {
     }
 
     /// A step of inverse iteration for the modes `chosen`.
-    fn step(&mut self, pencil: Pencil<'_>, chosen: &[usize], solve: &mut impl FnMut(&mut Mat<f64>), room: &mut Room) {
+    fn step(&self, pencil: Pencil<'_>, chosen: &[usize], solve: &impl Fn(&mut Mat<f64>)) -> Self {
         let n = self.phi.nrows();
         let phi = Mat::from_fn(n, chosen.len(), |r, c| self.phi[(r, chosen[c])]);
-        let mut x = Mat::zeros(n, chosen.len());
-        product_into(pencil.stiffness, phi.as_ref(), x.as_mut(), room);
+        let mut x = product(pencil.stiffness, phi.as_ref());
         for (c, &i) in chosen.iter().enumerate() {
             let lambda = self.lambda[i];
             for (x, m_phi) in x.col_mut(c).iter_mut().zip(self.m_phi.col(i).iter()) {
@@ -180,10 +186,7 @@ impl Eigenpairs {
         solve(&mut x);
         x = phi - x;
         self.purge(pencil, &mut x, chosen);
-        let refined = Self::new(pencil, x, self.edge, self.elastic());
-        let better = |c: usize, i: usize| refined.residuals[c] < self.residuals[i];
-        let better: Vec<bool> = chosen.iter().enumerate().map(|(c, &i)| better(c, i)).collect();
-        self.replace(chosen, &refined, |c| better[c]);
+        Self::new(pencil, x, self.edge, self.elastic())
     }
 
     /// Puts other pairs in the place of those `chosen` where `accepted`.

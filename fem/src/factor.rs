@@ -1,27 +1,22 @@
 //! Supernodal factors of K - sigma M.
 
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
-use faer::linalg::cholesky::ldlt::factor::LdltError;
-use faer::linalg::cholesky::llt::factor::LltError;
 use faer::prelude::Solve;
 use faer::sparse::linalg::cholesky::simplicial::prefactorize_symbolic_cholesky;
 use faer::sparse::linalg::cholesky::supernodal::{
-    SymbolicSupernodalCholesky, factorize_supernodal_numeric_ldlt, factorize_supernodal_numeric_ldlt_scratch,
-    factorize_supernodal_numeric_llt, factorize_supernodal_numeric_llt_scratch, factorize_supernodal_symbolic_cholesky,
-    factorize_supernodal_symbolic_cholesky_scratch,
+    SymbolicSupernodalCholesky, factorize_supernodal_symbolic_cholesky, factorize_supernodal_symbolic_cholesky_scratch,
 };
 use faer::sparse::linalg::solvers::Lu;
-use faer::sparse::{SparseColMat, SparseColMatRef, SymbolicSparseColMatRef, Triplet};
-use faer::{Mat, MatMut, Par};
+use faer::sparse::{SparseColMat, SymbolicSparseColMatRef, Triplet};
+use faer::{Mat, MatMut};
 use nalgebra_sparse::CscMatrix;
 
+use crate::FemError;
+use crate::numeric::{Descendants, Numeric};
+use crate::panels::{self, Panels};
 use crate::random::Random;
-use crate::rows::Rows;
 use crate::sparse::product;
-use crate::{FemError, panels};
-
-/// Sequential inside, so that no bit depends on the number of threads.
-const PAR: Par = Par::Seq;
+use crate::subtrees::{PartRows, Subtrees};
 
 /// Largest residual of a probe; a sound factor stays many orders below.
 const PROBE_LIMIT: f64 = 1e-7;
@@ -29,6 +24,8 @@ const PROBE_LIMIT: f64 = 1e-7;
 /// The pattern of the factor, shared by all shifts.
 pub(crate) struct Symbolic {
     supernodal: SymbolicSupernodalCholesky<usize>,
+    descendants: Descendants,
+    subtrees: Subtrees,
 }
 
 impl Symbolic {
@@ -46,7 +43,16 @@ impl Symbolic {
         let etree = prefactorize_symbolic_cholesky::<usize>(&mut etree, &mut counts, upper, stack);
         let supernodal = factorize_supernodal_symbolic_cholesky(upper, etree, &counts, stack, Default::default())
             .map_err(|_| large)?;
-        Ok(Self { supernodal })
+        Ok(Self {
+            subtrees: Subtrees::new(&supernodal),
+            descendants: Descendants::new(&supernodal),
+            supernodal,
+        })
+    }
+
+    /// How work in this order of elimination is split among threads.
+    pub(crate) fn subtrees(&self) -> &Subtrees {
+        &self.subtrees
     }
 
     /// Number of stored values of the factor.
@@ -54,12 +60,9 @@ impl Symbolic {
         self.supernodal.len_val()
     }
 
-    /// A factor of A that serves for solves: L L^T if A is positive definite, else L D L^T, else L U with pivoting,
-    /// each tried when a pivot or the probe of the one before it fails.
+    /// A factor of A that serves for solves: L D L^T, or L U with pivoting when a pivot or the probe of that fails.
     pub(crate) fn best(&self, a: &CscMatrix<f64>, shift: f64, values: Vec<f64>) -> Result<Factor<'_>, FemError> {
-        self.cholesky(a, shift, values)
-            .or_else(|_| self.indefinite(a, shift, Vec::new()))
-            .or_else(|_| self.pivoted(a, shift))
+        self.symmetric(a, shift, values).or_else(|_| self.pivoted(a, shift))
     }
 
     /// P A Q = L U, with a fill-reducing order of its own.
@@ -83,41 +86,24 @@ impl Symbolic {
         Ok(factor)
     }
 
-    /// L L^T = A for a positive definite A; `values` is the storage of an earlier factor, or empty.
-    pub(crate) fn cholesky(&self, a: &CscMatrix<f64>, shift: f64, values: Vec<f64>) -> Result<Factor<'_>, FemError> {
-        let request = factorize_supernodal_numeric_llt_scratch::<usize, f64>(&self.supernodal, PAR, Default::default());
-        let mut memory = buffer(request, a.nrows())?;
+    /// L D L^T = A. There is no pivoting; the probe checks its stability. `values` is the storage of an earlier factor, or
+    /// empty.
+    pub(crate) fn symmetric(&self, a: &CscMatrix<f64>, shift: f64, values: Vec<f64>) -> Result<Factor<'_>, FemError> {
         let mut values = self.storage(values);
-        factorize_supernodal_numeric_llt(
-            &mut values,
-            view(a),
-            Default::default(),
-            &self.supernodal,
-            PAR,
-            MemStack::new(&mut memory),
-            Default::default(),
-        )
-        .map_err(|LltError::NonPositivePivot { index }| FemError::Pivot { shift, pivot: index })?;
-        self.finish(a, shift, values, false)
-    }
-
-    /// L D L^T = A for an indefinite A. There is no pivoting; the probe checks its stability.
-    pub(crate) fn indefinite(&self, a: &CscMatrix<f64>, shift: f64, values: Vec<f64>) -> Result<Factor<'_>, FemError> {
-        let request =
-            factorize_supernodal_numeric_ldlt_scratch::<usize, f64>(&self.supernodal, PAR, Default::default());
-        let mut memory = buffer(request, a.nrows())?;
-        let mut values = self.storage(values);
-        factorize_supernodal_numeric_ldlt(
-            &mut values,
-            view(a),
-            Default::default(),
-            &self.supernodal,
-            PAR,
-            MemStack::new(&mut memory),
-            Default::default(),
-        )
-        .map_err(|LdltError::ZeroPivot { index }| FemError::Pivot { shift, pivot: index })?;
-        self.finish(a, shift, values, true)
+        let numeric = Numeric {
+            symbolic: &self.supernodal,
+            descendants: &self.descendants,
+            a,
+        };
+        let factorised = numeric.factorise(&self.subtrees, &mut values);
+        factorised.map_err(|pivot| FemError::Pivot { shift, pivot })?;
+        let diagonal = panels::pack(&self.supernodal, &mut values);
+        let factor = Factor {
+            symbolic: self,
+            kind: Kind::Symmetric { values, diagonal },
+        };
+        factor.probe(a, shift)?;
+        Ok(factor)
     }
 
     /// Room for the values; pages that the system hands out as zeros are not written before the factor is.
@@ -126,17 +112,6 @@ impl Symbolic {
             return values;
         }
         vec![0.0; self.values()]
-    }
-
-    /// Lays the factor out for the solves and probes it.
-    fn finish(&self, a: &CscMatrix<f64>, shift: f64, mut values: Vec<f64>, unit: bool) -> Result<Factor<'_>, FemError> {
-        let diagonal = panels::pack(&self.supernodal, &mut values, unit);
-        let factor = Factor {
-            symbolic: self,
-            kind: Kind::Symmetric { values, diagonal },
-        };
-        factor.probe(a, shift)?;
-        Ok(factor)
     }
 }
 
@@ -158,15 +133,28 @@ enum Kind {
 impl Factor<'_> {
     /// Overwrites x by A^-1 x.
     pub(crate) fn solve(&self, x: MatMut<'_, f64>) {
-        self.solve_within(x, &mut Rows::default());
+        self.solve_within(x, &mut PartRows::default());
     }
 
     /// The same with room kept for the next solve.
-    pub(crate) fn solve_within(&self, x: MatMut<'_, f64>, room: &mut Rows) {
+    pub(crate) fn solve_within(&self, x: MatMut<'_, f64>, room: &mut PartRows) {
         match &self.kind {
-            Kind::Symmetric { values, diagonal } => panels::solve(&self.symbolic.supernodal, values, diagonal, x, room),
+            Kind::Symmetric { values, diagonal } => {
+                let panels = Panels {
+                    symbolic: &self.symbolic.supernodal,
+                    subtrees: &self.symbolic.subtrees,
+                    values,
+                    diagonal,
+                };
+                panels.solve(x, room);
+            }
             Kind::Pivoted(lu) => lu.solve_in_place(x),
         }
+    }
+
+    /// The pattern.
+    pub(crate) fn symbolic(&self) -> &Symbolic {
+        self.symbolic
     }
 
     /// The number of negative eigenvalues of A, by Sylvester's law of inertia that of the negative pivots; none where
@@ -203,14 +191,6 @@ impl Factor<'_> {
         }
         Ok(())
     }
-}
-
-fn view(a: &CscMatrix<f64>) -> SparseColMatRef<'_, usize, f64> {
-    let n = a.nrows();
-    SparseColMatRef::new(
-        SymbolicSparseColMatRef::new_checked(n, n, a.col_offsets(), None, a.row_indices()),
-        a.values(),
-    )
 }
 
 fn buffer(request: StackReq, dofs: usize) -> Result<MemBuffer, FemError> {
@@ -251,13 +231,12 @@ mod tests {
         assert_eq!(factor.negative_eigenvalues(), Some(0));
         solves(&factor, &definite);
         let indefinite = lower(&[&[4.0, 0.0, 0.0], &[1.0, -3.0, 0.0], &[0.5, -1.0, 5.0]]);
-        assert!(symbolic.cholesky(&indefinite, 0.0, Vec::new()).is_err());
         let factor = symbolic.best(&indefinite, 0.0, Vec::new()).unwrap();
         assert_eq!(factor.negative_eigenvalues(), Some(1));
         solves(&factor, &indefinite);
         // Its first pivot is zero: without pivoting there is no factor.
         let saddle = lower(&[&[0.0, 0.0, 0.0], &[1.0, 0.0, 0.0], &[2.0, -1.0, 0.0]]);
-        assert!(symbolic.indefinite(&saddle, 0.0, Vec::new()).is_err());
+        assert!(symbolic.symmetric(&saddle, 0.0, Vec::new()).is_err());
         let factor = symbolic.best(&saddle, 0.0, Vec::new()).unwrap();
         assert_eq!(factor.negative_eigenvalues(), None);
         solves(&factor, &saddle);
@@ -275,8 +254,7 @@ mod tests {
             let values = (0..n).flat_map(|j| (j..n).map(move |i| entry(i, j))).collect();
             let full = CscMatrix::try_from_csc_data(n, n, offsets, indices, values).unwrap();
             let symbolic = Symbolic::new(&full).unwrap();
-            solves(&symbolic.indefinite(&full, 0.0, Vec::new()).unwrap(), &full);
-            solves(&symbolic.cholesky(&full, 0.0, Vec::new()).unwrap(), &full);
+            solves(&symbolic.symmetric(&full, 0.0, Vec::new()).unwrap(), &full);
         }
     }
 
@@ -293,7 +271,7 @@ mod tests {
             let values = (0..n).flat_map(|j| column(j).map(move |i| (i, j))).map(value).collect();
             let arrow = CscMatrix::try_from_csc_data(n, n, offsets, indices, values).unwrap();
             let symbolic = Symbolic::new(&arrow).unwrap();
-            solves(&symbolic.indefinite(&arrow, 0.0, Vec::new()).unwrap(), &arrow);
+            solves(&symbolic.symmetric(&arrow, 0.0, Vec::new()).unwrap(), &arrow);
         }
     }
 }

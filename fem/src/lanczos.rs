@@ -8,14 +8,14 @@
 
 use faer::prelude::ReborrowMut;
 use faer::{Mat, MatMut, MatRef};
-use nalgebra_sparse::CscMatrix;
 
 use crate::FemError;
 use crate::columns::Columns;
 use crate::dense::{add_product, cholesky_qr, negative_pivots, symmetric_eigen, transpose_product};
 use crate::eigenpairs::RIGID;
 use crate::random::Random;
-use crate::sparse::{Room, product, product_into};
+use crate::sparse::{PartsRoom, Split};
+use crate::subtrees::PartRows;
 
 /// Least relative distance in lambda between sigma and any eigenvalue.
 const GAP: f64 = 1e-5;
@@ -61,7 +61,7 @@ pub(crate) struct Pairs {
 
 /// The basis V, T = V^T M B V, and the next block Q.
 struct Basis<'a> {
-    mass: &'a CscMatrix<f64>,
+    mass: &'a Split<'a>,
     /// The accepted vectors and behind them Q.
     v: Columns,
     /// M Q.
@@ -79,7 +79,7 @@ struct Basis<'a> {
     random: Random,
     /// The next block while it is formed.
     w: Mat<f64>,
-    room: Room,
+    room: PartsRoom,
 }
 
 /// Ritz pairs of the present basis.
@@ -95,12 +95,12 @@ struct Ritz {
 /// every step with the number of negative Ritz values. The order must exceed the count by five blocks at least. None when
 /// an eigenvalue lies so near sigma that others would lose their digits.
 pub(crate) fn lanczos(
-    mass: &CscMatrix<f64>,
+    mass: &Split<'_>,
     target: &Target,
     mut progress: impl FnMut(usize),
-    mut apply: impl FnMut(MatMut<'_, f64>),
+    mut apply: impl FnMut(MatMut<'_, f64>, &mut PartRows),
 ) -> Result<Option<Pairs>, FemError> {
-    let n = mass.nrows();
+    let n = mass.len();
     let block = target.block.clamp(1, n);
     let limit = target.max_vectors.max(target.count + 4 * block).min(n - block);
     let mut basis = Basis::new(mass, block)?;
@@ -109,7 +109,7 @@ pub(crate) fn lanczos(
     let mut stagnant = 0;
     loop {
         basis.w.copy_from(&basis.m_q);
-        apply(basis.w.as_mut());
+        apply(basis.w.as_mut(), &mut basis.room.from);
         steps += 1;
         basis.extend()?;
         let full = basis.size + block > limit;
@@ -191,11 +191,11 @@ impl Ritz {
 }
 
 impl<'a> Basis<'a> {
-    fn new(mass: &'a CscMatrix<f64>, block: usize) -> Result<Self, FemError> {
-        let n = mass.nrows();
+    fn new(mass: &'a Split<'a>, block: usize) -> Result<Self, FemError> {
+        let n = mass.len();
         let mut random = Random::new(0x6e61_696c);
         let mut q = Mat::from_fn(n, block, |_, _| random.next());
-        let mut m_q = product(mass, q.as_ref());
+        let mut m_q = mass.product(q.as_ref());
         let lost = FemError::NotConverged {
             wanted: block,
             converged: 0,
@@ -216,7 +216,7 @@ impl<'a> Basis<'a> {
             coupling: Mat::zeros(block, block),
             random,
             w: q,
-            room: Room::default(),
+            room: PartsRoom::default(),
         })
     }
 
@@ -241,7 +241,7 @@ impl<'a> Basis<'a> {
         if z.ncols() != b {
             z = Mat::zeros(w.nrows(), b);
         }
-        product_into(self.mass, w.as_ref(), z.as_mut(), &mut self.room);
+        self.mass.product_into(w.as_ref(), z.as_mut(), &mut self.room);
         let c = self.v.transpose_product(0..self.size, z.as_ref());
         self.v.add_product(0..self.size, w.as_mut(), -1.0, c.as_ref());
         accumulate(t.as_mut().subcols_mut(old, b), c.as_ref());
@@ -257,7 +257,7 @@ impl<'a> Basis<'a> {
             }
         }
         self.t = t;
-        product_into(self.mass, w.as_ref(), z.as_mut(), &mut self.room);
+        self.mass.product_into(w.as_ref(), z.as_mut(), &mut self.room);
         self.coupling = match cholesky_qr(&mut w, &mut z) {
             Some(r) => r,
             None => self.replace(&mut w, &mut z)?,
@@ -283,16 +283,16 @@ impl<'a> Basis<'a> {
                 done = false;
             }
             for _ in 0..5 {
-                let before = norm(&column, &product(self.mass, column.as_ref()));
+                let before = norm(&column, &self.mass.product(column.as_ref()));
                 for _ in 0..2 {
                     let c = self
                         .v
-                        .transpose_product(0..self.size, product(self.mass, column.as_ref()).as_ref());
+                        .transpose_product(0..self.size, self.mass.product(column.as_ref()).as_ref());
                     self.v.add_product(0..self.size, column.as_mut(), -1.0, c.as_ref());
-                    let c = transpose_product(q.as_ref(), product(self.mass, column.as_ref()).as_ref());
+                    let c = transpose_product(q.as_ref(), self.mass.product(column.as_ref()).as_ref());
                     add_product(column.as_mut(), -1.0, q.as_ref(), c.as_ref());
                 }
-                let after = norm(&column, &product(self.mass, column.as_ref()));
+                let after = norm(&column, &self.mass.product(column.as_ref()));
                 if after > 1e-3 * before {
                     column *= faer::Scale(1.0 / after);
                     done = true;
@@ -309,7 +309,7 @@ impl<'a> Basis<'a> {
             }
             q.resize_with(w.nrows(), j + 1, |i, _| column[(i, 0)]);
         }
-        *z = product(self.mass, q.as_ref());
+        *z = self.mass.product(q.as_ref());
         let r = transpose_product(z.as_ref(), original.as_ref());
         *w = q;
         Ok(r)
@@ -352,7 +352,7 @@ impl<'a> Basis<'a> {
         self.v.put(0, kept.as_ref());
         self.v.put(keep, next.as_ref());
         self.size = keep;
-        self.m_last = product(self.mass, kept.as_ref());
+        self.m_last = self.mass.product(kept.as_ref());
         self.band = self.band.max(keep + b);
         self.t = Mat::from_fn(keep, keep, |i, j| if i == j { ritz.theta[i] } else { 0.0 });
     }

@@ -6,12 +6,16 @@
 //! the factor front to back as a stream, and the right-hand sides, [`SIDES`] of them side by side in a row, are gathered
 //! and scattered by whole rows.
 
+use std::ops::Range;
+
 use faer::MatMut;
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use pulp::{Arch, Simd, WithSimd};
+use rayon::prelude::*;
 
 use crate::rows::{Row, Rows, SIDES};
+use crate::subtrees::{Member, Part, PartRows, Subtrees};
 
 /// Columns of a block.
 const WIDTH: usize = 64;
@@ -19,24 +23,30 @@ const WIDTH: usize = 64;
 /// Rows of a panel: with a pair of vectors each they, an operand and a value of L fill sixteen registers.
 const HEIGHT: usize = 6;
 
-/// Lays the columns of every supernode out in place as described above and returns the diagonal; `unit` says whether the
-/// triangle's diagonal is that of L D L^T, else the columns of L L^T are divided by theirs and its square is returned.
-pub(crate) fn pack(symbolic: &SymbolicSupernodalCholesky<usize>, values: &mut [f64], unit: bool) -> Vec<f64> {
+/// Rows below a block of the top that one thread takes at a time.
+const PIECE: usize = 64 * HEIGHT;
+
+/// Lays the columns of every supernode out in place as described above and returns the diagonal, D of L D L^T.
+pub(crate) fn pack(symbolic: &SymbolicSupernodalCholesky<usize>, values: &mut [f64]) -> Vec<f64> {
     let mut diagonal = vec![0.0; symbolic.nrows()];
-    let mut columns = Vec::new();
-    for s in 0..symbolic.n_supernodes() {
-        let (start, end) = (symbolic.supernode_begin()[s], symbolic.supernode_end()[s]);
-        let range = symbolic.col_ptr_for_val()[s]..symbolic.col_ptr_for_val()[s + 1];
-        let (n, rows) = (end - start, range.len() / (end - start).max(1));
-        let target = &mut values[range];
+    let (mut rest, mut rest_diagonal) = (values, diagonal.as_mut_slice());
+    let mut supernodes = Vec::with_capacity(symbolic.n_supernodes());
+    for (s, range) in symbolic.col_ptr_for_val().windows(2).enumerate() {
+        let (own, behind) = rest.split_at_mut(range[1] - range[0]);
+        let columns = symbolic.supernode_end()[s] - symbolic.supernode_begin()[s];
+        let (own_diagonal, behind_diagonal) = rest_diagonal.split_at_mut(columns);
+        supernodes.push((own, own_diagonal));
+        (rest, rest_diagonal) = (behind, behind_diagonal);
+    }
+    // Threads share the supernodes, whose numbers are moved only.
+    let moved = supernodes.into_par_iter().with_min_len(8);
+    moved.for_each_init(Vec::new, |columns, (target, diagonal)| {
+        let n = diagonal.len();
+        let rows = target.len() / n.max(1);
         columns.clear();
         columns.extend_from_slice(target);
-        for j in 0..n {
-            let d = columns[j * rows + j];
-            diagonal[start + j] = if unit { d } else { d * d };
-            if !unit {
-                columns[j * rows + j..(j + 1) * rows].iter_mut().for_each(|v| *v /= d);
-            }
+        for (j, d) in diagonal.iter_mut().enumerate() {
+            *d = columns[j * rows + j];
         }
         let mut place = 0;
         let mut put = |row: usize, column: usize| {
@@ -61,68 +71,182 @@ pub(crate) fn pack(symbolic: &SymbolicSupernodalCholesky<usize>, values: &mut [f
                 }
             }
         }
-    }
+    });
     diagonal
 }
 
-/// Overwrites X by (L D L^T)^-1 X; `room` is room to work.
-pub(crate) fn solve(
-    symbolic: &SymbolicSupernodalCholesky<usize>,
-    values: &[f64],
-    diagonal: &[f64],
-    mut x: MatMut<'_, f64>,
-    room: &mut Rows,
-) {
-    for start in (0..x.ncols()).step_by(SIDES) {
-        let width = SIDES.min(x.ncols() - start);
-        room.gather(x.rb().subcols(start, width));
-        Arch::new().dispatch(Sweeps {
-            symbolic,
-            values,
-            diagonal,
-            x: room.as_mut_slice(),
+/// Calls a method for a panel of `$height` rows, at most [`HEIGHT`], with their number known to the compiler.
+macro_rules! of_height {
+    ($height:expr, $x:expr, $method:ident($($argument:expr),*)) => {
+        match $height {
+            1 => $x.$method::<1>($($argument),*),
+            2 => $x.$method::<2>($($argument),*),
+            3 => $x.$method::<3>($($argument),*),
+            4 => $x.$method::<4>($($argument),*),
+            5 => $x.$method::<5>($($argument),*),
+            _ => $x.$method::<HEIGHT>($($argument),*),
+        }
+    };
+}
+
+/// L and D of L D L^T.
+pub(crate) struct Panels<'a> {
+    pub(crate) symbolic: &'a SymbolicSupernodalCholesky<usize>,
+    pub(crate) subtrees: &'a Subtrees,
+    pub(crate) values: &'a [f64],
+    pub(crate) diagonal: &'a [f64],
+}
+
+impl<'a> Panels<'a> {
+    /// Overwrites X by (L D L^T)^-1 X; `room` is room to work.
+    pub(crate) fn solve(&self, mut x: MatMut<'_, f64>, room: &mut PartRows) {
+        for start in (0..x.ncols()).step_by(SIDES) {
+            let width = SIDES.min(x.ncols() - start);
+            self.solve_block(x.rb_mut().subcols_mut(start, width), room);
+        }
+    }
+
+    /// The subtrees forward, side by side, the top both ways, and the subtrees backward.
+    fn solve_block(&self, x: MatMut<'_, f64>, room: &mut PartRows) {
+        let Subtrees { subtrees, top } = self.subtrees;
+        let (mut rows, top_rows) = room.split(self.subtrees);
+        (subtrees, &mut rows).into_par_iter().for_each(|(part, x_part)| {
+            let (own, reached) = x_part.split_at_mut(part.len());
+            part.gather(own, x.rb());
+            reached.fill(Row::ZERO);
+            Arch::new().dispatch(Forward {
+                panels: self,
+                part,
+                x: x_part,
+            });
         });
-        room.scatter(x.rb_mut().subcols_mut(start, width));
+        top.gather(top_rows, x.rb());
+        self.subtrees.add_reached(&rows, top_rows);
+        self.top_forward(top_rows);
+        self.scale(top, top_rows);
+        self.top_backward(top_rows);
+        let (own, of_top) = self.subtrees.rows_mut(x);
+        top.scatter(top_rows, of_top);
+        let top_rows = &*top_rows;
+        (subtrees, rows, own).into_par_iter().for_each(|(part, x_part, to)| {
+            for (row, &at) in x_part[part.len()..].iter_mut().zip(&part.reached) {
+                *row = top_rows[at as usize];
+            }
+            self.scale(part, x_part);
+            Arch::new().dispatch(Backward {
+                panels: self,
+                part,
+                x: x_part,
+            });
+            Row::scatter(&x_part[..part.len()], to);
+        });
+    }
+
+    /// X <- D^-1 X in the own rows of a part.
+    fn scale(&self, part: &Part, rows: &mut [Row]) {
+        let diagonal = part.rows.iter().flat_map(|range| &self.diagonal[range.clone()]);
+        rows.iter_mut().zip(diagonal).for_each(|(row, d)| row.scale(1.0 / d));
+    }
+
+    /// The supernodes of the top are large: threads share the panels of each block.
+    fn top_forward(&self, x: &mut [Row]) {
+        let (arch, mut sums) = (Arch::new(), Rows::default());
+        for block in self.top_blocks() {
+            arch.dispatch(Triangle {
+                block: &block,
+                x: &mut *x,
+            });
+            sums.resize(block.own + block.pattern.len());
+            let pieces = sums.as_mut_slice().par_chunks_mut(PIECE).enumerate();
+            pieces.for_each(|(k, sums)| {
+                let (block, x, first) = (&block, &*x, k * PIECE);
+                arch.dispatch(BelowForward { block, x, first, sums });
+            });
+            for (i, sum) in sums.as_slice().iter().enumerate() {
+                x[block.target(i)].subtract(sum);
+            }
+        }
+    }
+
+    fn top_backward(&self, x: &mut [Row]) {
+        let arch = Arch::new();
+        let blocks: Vec<Block<'_>> = self.top_blocks().collect();
+        for block in blocks.iter().rev() {
+            let rows = block.own + block.pattern.len();
+            let pieces = (0..rows.div_ceil(PIECE)).into_par_iter().map(|k| {
+                let mut sums = vec![Row::ZERO; block.columns];
+                let range = k * PIECE..rows.min((k + 1) * PIECE);
+                arch.dispatch(BelowBackward {
+                    block,
+                    x: &*x,
+                    range,
+                    sums: &mut sums,
+                });
+                sums
+            });
+            let mut sums = [Row::ZERO; WIDTH];
+            for piece in pieces.collect::<Vec<_>>() {
+                sums.iter_mut().zip(&piece).for_each(|(sum, part)| sum.add(part));
+            }
+            arch.dispatch(TriangleBackward {
+                block,
+                x: &mut *x,
+                sums: &mut sums,
+            });
+        }
+    }
+
+    fn top_blocks(&self) -> impl Iterator<Item = Block<'a>> {
+        let top = &self.subtrees.top;
+        top.supernodes.iter().flat_map(|member| {
+            let supernode = Supernode::new(self, top, member);
+            let mut place = 0;
+            (0..supernode.columns)
+                .step_by(WIDTH)
+                .map(move |first| supernode.block(first, &mut place))
+        })
     }
 }
 
-/// Both sweeps, compiled for the vector instructions found at run time.
-struct Sweeps<'a> {
-    symbolic: &'a SymbolicSupernodalCholesky<usize>,
-    values: &'a [f64],
-    diagonal: &'a [f64],
+/// The forward sweep through a subtree, compiled for the vector instructions found at run time, as all that follows.
+struct Forward<'a> {
+    panels: &'a Panels<'a>,
+    part: &'a Part,
     x: &'a mut [Row],
 }
 
-impl WithSimd for Sweeps<'_> {
+impl WithSimd for Forward<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self {
-            symbolic,
-            values,
-            diagonal,
-            x,
-        } = self;
-        let mut x = Lanes { simd, rows: x };
-        let count = symbolic.n_supernodes();
-        for s in 0..count {
-            let supernode = Supernode::new(symbolic, values, s);
+        let mut x = Lanes { simd, rows: self.x };
+        for member in &self.part.supernodes {
+            let supernode = Supernode::new(self.panels, self.part, member);
             let mut place = 0;
             for first in (0..supernode.columns).step_by(WIDTH) {
-                let block = supernode.block(first, &mut place);
-                block.forward(&mut x);
+                supernode.block(first, &mut place).forward(&mut x);
             }
         }
-        for (i, d) in diagonal.iter().enumerate() {
-            let inverse = simd.splat_f64s(1.0 / d);
-            x.row_mut(i).iter_mut().for_each(|v| *v = simd.mul_f64s(*v, inverse));
-        }
+    }
+}
+
+struct Backward<'a> {
+    panels: &'a Panels<'a>,
+    part: &'a Part,
+    x: &'a mut [Row],
+}
+
+impl WithSimd for Backward<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let mut x = Lanes { simd, rows: self.x };
         let mut places = Vec::new();
         let mut sums = [Row::ZERO; WIDTH];
-        for s in (0..count).rev() {
-            let supernode = Supernode::new(symbolic, values, s);
+        for member in self.part.supernodes.iter().rev() {
+            let supernode = Supernode::new(self.panels, self.part, member);
             places.clear();
             let mut place = 0;
             for first in (0..supernode.columns).step_by(WIDTH) {
@@ -136,6 +260,87 @@ impl WithSimd for Sweeps<'_> {
     }
 }
 
+/// [`Block::triangle_forward`].
+struct Triangle<'a> {
+    block: &'a Block<'a>,
+    x: &'a mut [Row],
+}
+
+impl WithSimd for Triangle<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.block.triangle_forward(&mut Lanes { simd, rows: self.x });
+    }
+}
+
+/// [`Block::triangle_backward`].
+struct TriangleBackward<'a> {
+    block: &'a Block<'a>,
+    x: &'a mut [Row],
+    sums: &'a mut [Row; WIDTH],
+}
+
+impl WithSimd for TriangleBackward<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let sums = &mut self.sums[..self.block.columns];
+        self.block.triangle_backward(&mut Lanes { simd, rows: self.x }, sums);
+    }
+}
+
+/// The sums of L_tk x_k over a block's columns for some rows t below it, from the `first` on.
+struct BelowForward<'a> {
+    block: &'a Block<'a>,
+    x: &'a [Row],
+    first: usize,
+    sums: &'a mut [Row],
+}
+
+impl WithSimd for BelowForward<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { block, x, first, sums } = self;
+        let x = &x[block.start..block.start + block.columns];
+        let panels = &block.panels[first * block.columns..(first + sums.len()) * block.columns];
+        for (panel, sums) in panels.chunks(HEIGHT * block.columns).zip(sums.chunks_mut(HEIGHT)) {
+            of_height!(sums.len(), Products { simd, x }, rows_into(panel, sums));
+        }
+    }
+}
+
+/// The sums of L_tk x_t over the rows t of `range` below a block, for its columns k.
+struct BelowBackward<'a> {
+    block: &'a Block<'a>,
+    x: &'a [Row],
+    range: Range<usize>,
+    sums: &'a mut [Row],
+}
+
+impl WithSimd for BelowBackward<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { block, x, range, sums } = self;
+        let x = Products { simd, x };
+        let panels = &block.panels[range.start * block.columns..range.end * block.columns];
+        for (p, panel) in panels.chunks(HEIGHT * block.columns).enumerate() {
+            let top = range.start + HEIGHT * p;
+            of_height!(
+                panel.len() / block.columns,
+                x,
+                backward(panel, sums, |r| block.target(top + r))
+            );
+        }
+    }
+}
+
 /// The rows of X as vectors of the machine, taken in pairs.
 struct Lanes<'a, S: Simd> {
     simd: S,
@@ -145,11 +350,6 @@ struct Lanes<'a, S: Simd> {
 impl<S: Simd> Lanes<'_, S> {
     /// Pairs of vectors in a row.
     const PAIRS: usize = SIDES / S::F64_LANES / 2;
-
-    #[inline(always)]
-    fn row_mut(&mut self, i: usize) -> &mut [S::f64s] {
-        self.rows[i].vectors_mut::<S>()
-    }
 
     /// Pair `h` of row `i`.
     #[inline(always)]
@@ -174,6 +374,15 @@ impl<S: Simd> Lanes<'_, S> {
         sum[1] = simd.mul_add_e_f64s(l, x[1], sum[1]);
     }
 
+    /// What only reads the rows.
+    #[inline(always)]
+    fn products(&self) -> Products<'_, S> {
+        Products {
+            simd: self.simd,
+            x: self.rows,
+        }
+    }
+
     /// x_t -= sum over the columns of L_tk x_k for the `H` rows t of a panel, whose columns begin at `start`.
     #[inline(always)]
     fn forward<const H: usize>(&mut self, panel: &[f64], start: usize, target: impl Fn(usize) -> usize) {
@@ -189,25 +398,6 @@ impl<S: Simd> Lanes<'_, S> {
             }
             for (r, sum) in sums.into_iter().enumerate() {
                 self.subtract(target(r), h, sum);
-            }
-        }
-    }
-
-    /// sum_k += sum of L_tk x_t over the `H` rows t of a panel.
-    #[inline(always)]
-    fn backward<const H: usize>(&self, panel: &[f64], sums: &mut [Row], target: impl Fn(usize) -> usize) {
-        let simd = self.simd;
-        for h in 0..Self::PAIRS {
-            let mut from = [[simd.splat_f64s(0.0); 2]; H];
-            for (r, from) in from.iter_mut().enumerate() {
-                *from = self.pair(target(r), h);
-            }
-            for (l, sum) in panel.chunks_exact(H).zip(sums.iter_mut()) {
-                let mut kept = sum.pair::<S>(h);
-                for r in 0..H {
-                    Self::add(simd, &mut kept, l[r], from[r]);
-                }
-                sum.vectors_mut::<S>()[2 * h..2 * h + 2].copy_from_slice(&kept);
             }
         }
     }
@@ -243,24 +433,56 @@ impl<S: Simd> Lanes<'_, S> {
     }
 }
 
-/// Calls a method for a panel of `$height` rows, at most [`HEIGHT`], with their number known to the compiler.
-macro_rules! of_height {
-    ($height:expr, $x:ident.$method:ident($($argument:expr),*)) => {
-        match $height {
-            1 => $x.$method::<1>($($argument),*),
-            2 => $x.$method::<2>($($argument),*),
-            3 => $x.$method::<3>($($argument),*),
-            4 => $x.$method::<4>($($argument),*),
-            5 => $x.$method::<5>($($argument),*),
-            _ => $x.$method::<HEIGHT>($($argument),*),
+/// Sums of products with rows of X, which stay as they are.
+#[derive(Clone, Copy)]
+struct Products<'a, S: Simd> {
+    simd: S,
+    x: &'a [Row],
+}
+
+impl<S: Simd> Products<'_, S> {
+    /// sum_t = sum over the columns of L_tk x_k for the `H` rows t of a panel.
+    #[inline(always)]
+    fn rows_into<const H: usize>(self, panel: &[f64], out: &mut [Row]) {
+        let simd = self.simd;
+        for h in 0..Lanes::<S>::PAIRS {
+            let mut sums = [[simd.splat_f64s(0.0); 2]; H];
+            for (l, x_k) in panel.chunks_exact(H).zip(self.x) {
+                let x_k = x_k.pair::<S>(h);
+                for r in 0..H {
+                    Lanes::<S>::add(simd, &mut sums[r], l[r], x_k);
+                }
+            }
+            for (out, sum) in out.iter_mut().zip(&sums) {
+                out.vectors_mut::<S>()[2 * h..2 * h + 2].copy_from_slice(sum);
+            }
         }
-    };
+    }
+
+    /// sum_k += sum of L_tk x_t over the `H` rows t of a panel.
+    #[inline(always)]
+    fn backward<const H: usize>(self, panel: &[f64], sums: &mut [Row], target: impl Fn(usize) -> usize) {
+        let simd = self.simd;
+        for h in 0..Lanes::<S>::PAIRS {
+            let mut from = [[simd.splat_f64s(0.0); 2]; H];
+            for (r, from) in from.iter_mut().enumerate() {
+                *from = self.x[target(r)].pair::<S>(h);
+            }
+            for (l, sum) in panel.chunks_exact(H).zip(sums.iter_mut()) {
+                let mut kept = sum.pair::<S>(h);
+                for r in 0..H {
+                    Lanes::<S>::add(simd, &mut kept, l[r], from[r]);
+                }
+                sum.vectors_mut::<S>()[2 * h..2 * h + 2].copy_from_slice(&kept);
+            }
+        }
+    }
 }
 
 struct Supernode<'a> {
     start: usize,
     columns: usize,
-    pattern: &'a [usize],
+    pattern: &'a [u32],
     values: &'a [f64],
 }
 
@@ -274,18 +496,19 @@ struct Block<'a> {
     /// Panels of the rows below, first those of the supernode's own later columns, then those of its pattern.
     panels: &'a [f64],
     own: usize,
-    pattern: &'a [usize],
+    pattern: &'a [u32],
 }
 
 impl<'a> Supernode<'a> {
     #[inline(always)]
-    fn new(symbolic: &'a SymbolicSupernodalCholesky<usize>, values: &'a [f64], s: usize) -> Self {
-        let start = symbolic.supernode_begin()[s];
+    fn new(panels: &Panels<'a>, part: &'a Part, member: &Member) -> Self {
+        let (symbolic, s) = (panels.symbolic, member.supernode);
+        let offsets = symbolic.col_ptr_for_val();
         Self {
-            start,
-            columns: symbolic.supernode_end()[s] - start,
-            pattern: symbolic.supernode(s).pattern(),
-            values: &values[symbolic.col_ptr_for_val()[s]..symbolic.col_ptr_for_val()[s + 1]],
+            start: member.start,
+            columns: symbolic.supernode_end()[s] - symbolic.supernode_begin()[s],
+            pattern: part.pattern(member),
+            values: &panels.values[offsets[s]..offsets[s + 1]],
         }
     }
 
@@ -315,7 +538,7 @@ impl Block<'_> {
         if i < self.own {
             self.start + self.columns + i
         } else {
-            self.pattern[i - self.own]
+            self.pattern[i - self.own] as usize
         }
     }
 
@@ -337,17 +560,24 @@ impl Block<'_> {
     /// x_k = b_k - sum of L_ki x_i within the triangle, then x -= L x_k below it.
     #[inline(always)]
     fn forward<S: Simd>(&self, x: &mut Lanes<'_, S>) {
-        for top in (0..self.columns).step_by(HEIGHT) {
-            let (start, height) = (self.start + top, HEIGHT.min(self.columns - top));
-            let (panel, triangle) = self.own_panel(top, height);
-            of_height!(height, x.forward(panel, self.start, |r| start + r));
-            x.forward_triangle(triangle, start, height);
-        }
+        self.triangle_forward(x);
         for (top, panel) in self.panels() {
             of_height!(
                 panel.len() / self.columns,
-                x.forward(panel, self.start, |r| self.target(top + r))
+                x,
+                forward(panel, self.start, |r| self.target(top + r))
             );
+        }
+    }
+
+    /// x_k = b_k - sum of L_ki x_i within the triangle.
+    #[inline(always)]
+    fn triangle_forward<S: Simd>(&self, x: &mut Lanes<'_, S>) {
+        for top in (0..self.columns).step_by(HEIGHT) {
+            let (start, height) = (self.start + top, HEIGHT.min(self.columns - top));
+            let (panel, triangle) = self.own_panel(top, height);
+            of_height!(height, x, forward(panel, self.start, |r| start + r));
+            x.forward_triangle(triangle, start, height);
         }
     }
 
@@ -359,9 +589,16 @@ impl Block<'_> {
         for (top, panel) in self.panels() {
             of_height!(
                 panel.len() / self.columns,
-                x.backward(panel, sums, |r| self.target(top + r))
+                x.products(),
+                backward(panel, sums, |r| self.target(top + r))
             );
         }
+        self.triangle_backward(x, sums);
+    }
+
+    /// x_k -= the sum of its column and those within the triangle, from its last row up.
+    #[inline(always)]
+    fn triangle_backward<S: Simd>(&self, x: &mut Lanes<'_, S>, sums: &mut [Row]) {
         for top in (0..self.columns).step_by(HEIGHT).rev() {
             let (start, height) = (self.start + top, HEIGHT.min(self.columns - top));
             let (panel, triangle) = self.own_panel(top, height);
@@ -371,7 +608,7 @@ impl Block<'_> {
                 }
             }
             x.backward_triangle(triangle, start, height);
-            of_height!(height, x.backward(panel, sums, |r| start + r));
+            of_height!(height, x.products(), backward(panel, sums, |r| start + r));
         }
     }
 }

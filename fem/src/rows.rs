@@ -27,6 +27,48 @@ impl Row {
         S::as_mut_simd_f64s(&mut self.0).0
     }
 
+    /// Adds another row.
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.0.iter_mut().zip(&other.0).for_each(|(x, y)| *x += y);
+    }
+
+    /// Subtracts another row.
+    pub(crate) fn subtract(&mut self, other: &Self) {
+        self.0.iter_mut().zip(&other.0).for_each(|(x, y)| *x -= y);
+    }
+
+    /// Multiplies it.
+    pub(crate) fn scale(&mut self, factor: f64) {
+        self.0.iter_mut().for_each(|x| *x *= factor);
+    }
+
+    /// Takes over up to [`SIDES`] columns; the other sides become zero.
+    pub(crate) fn gather(rows: &mut [Self], x: MatRef<'_, f64>) {
+        for (t, tile) in rows.chunks_mut(TILE).enumerate() {
+            let x = x.subrows(t * TILE, tile.len());
+            for c in 0..x.ncols() {
+                for (row, value) in tile.iter_mut().zip(x.col(c).iter()) {
+                    row.0[c] = *value;
+                }
+            }
+            if x.ncols() < SIDES {
+                tile.iter_mut().for_each(|row| row.0[x.ncols()..].fill(0.0));
+            }
+        }
+    }
+
+    /// Gives the first columns back.
+    pub(crate) fn scatter(rows: &[Self], mut x: MatMut<'_, f64>) {
+        for (t, tile) in rows.chunks(TILE).enumerate() {
+            let mut x = x.as_mut().subrows_mut(t * TILE, tile.len());
+            for c in 0..x.ncols() {
+                for (value, row) in x.as_mut().col_mut(c).iter_mut().zip(tile) {
+                    *value = row.0[c];
+                }
+            }
+        }
+    }
+
     /// Vectors 2 `h` and 2 `h` + 1.
     #[inline(always)]
     pub(crate) fn pair<S: Simd>(&self, h: usize) -> [S::f64s; 2] {
@@ -43,29 +85,18 @@ pub(crate) struct Rows(Vec<Row>);
 impl Rows {
     /// Takes over up to [`SIDES`] columns; the other sides are zero.
     pub(crate) fn gather(&mut self, x: MatRef<'_, f64>) {
-        if x.ncols() < SIDES || self.0.len() != x.nrows() {
-            self.clear(x.nrows());
-        }
-        for (t, tile) in self.0.chunks_mut(TILE).enumerate() {
-            let x = x.subrows(t * TILE, tile.len());
-            for c in 0..x.ncols() {
-                for (row, value) in tile.iter_mut().zip(x.col(c).iter()) {
-                    row.0[c] = *value;
-                }
-            }
-        }
+        self.resize(x.nrows());
+        Row::gather(&mut self.0, x);
     }
 
     /// Gives the first columns back.
-    pub(crate) fn scatter(&self, mut x: MatMut<'_, f64>) {
-        for (t, tile) in self.0.chunks(TILE).enumerate() {
-            let mut x = x.as_mut().subrows_mut(t * TILE, tile.len());
-            for c in 0..x.ncols() {
-                for (value, row) in x.as_mut().col_mut(c).iter_mut().zip(tile) {
-                    *value = row.0[c];
-                }
-            }
-        }
+    pub(crate) fn scatter(&self, x: MatMut<'_, f64>) {
+        Row::scatter(&self.0, x);
+    }
+
+    /// Makes it `n` rows of which the first are those it has.
+    pub(crate) fn resize(&mut self, n: usize) {
+        self.0.resize(n, Row::ZERO);
     }
 
     /// Makes it `n` rows of zeros.

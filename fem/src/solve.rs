@@ -13,8 +13,7 @@ use crate::dense::{add_product, symmetric_eigen, transpose_product};
 use crate::eigenpairs::{Eigenpairs, Pencil, dot};
 use crate::factor::{Factor, Symbolic};
 use crate::lanczos::{Target, lanczos};
-use crate::rows::Rows;
-use crate::sparse::product;
+use crate::sparse::{Split, product};
 use crate::symmetry::{Sector, sectors, whole};
 use crate::{FemError, ModalBasis, ModalSettings, ModalWork, Sturm, System};
 
@@ -105,9 +104,7 @@ impl<'a> Problem<'a> {
         loads: Option<&'a Mat<f64>>,
         progress: &'a Progress<'a>,
     ) -> Result<Self, FemError> {
-        let symbolic = sectors
-            .par_iter()
-            .map(|sector| Symbolic::new(&*sector.stiffness(system)?));
+        let symbolic = sectors.par_iter().map(|sector| sector.analyse(system));
         Ok(Self {
             system,
             sectors,
@@ -205,10 +202,7 @@ impl<'a> Problem<'a> {
     }
 
     fn refine(&self, sector: &Sector, pairs: &mut Eigenpairs, factor: &Factor<'_>) -> usize {
-        let mut room = Rows::default();
-        pairs.refine(sector.pencil(self.system), self.settings, |x| {
-            sector.solve(factor, x, &mut room)
-        })
+        pairs.refine(sector.pencil(self.system), self.settings, |x| sector.solve(factor, x))
     }
 
     fn sector_below<'s>(
@@ -220,7 +214,7 @@ impl<'a> Problem<'a> {
         work: &mut ModalWork,
     ) -> Result<Option<Solution<'s>>, FemError> {
         work.factorisations += 1;
-        let factor = symbolic.indefinite(&sector.shifted(self.system, edge)?, edge, Vec::new())?;
+        let factor = symbolic.symmetric(&sector.shifted(self.system, edge)?, edge, Vec::new())?;
         let Some(count) = factor.negative_eigenvalues() else {
             return Ok(None);
         };
@@ -276,9 +270,9 @@ impl<'a> Problem<'a> {
             before = before.max(found);
             counter.report();
         };
-        let mut room = Rows::default();
-        let found = lanczos(&sector.mass, &target, report, |mut x| {
-            factor.solve_within(x.rb_mut(), &mut room);
+        let mass = Split::new(&sector.mass, factor.symbolic().subtrees());
+        let found = lanczos(&mass, &target, report, |mut x, room| {
+            factor.solve_within(x.rb_mut(), room);
             x *= Scale(edge);
         })?;
         Ok(found.map(|pairs| {

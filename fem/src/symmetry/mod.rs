@@ -15,15 +15,15 @@
 mod mirror;
 
 use std::borrow::Cow;
+use std::sync::{Mutex, PoisonError};
 
 use faer::{Mat, MatRef};
 use nalgebra_sparse::CscMatrix;
 
 use crate::eigenpairs::Pencil;
-use crate::factor::Factor;
+use crate::factor::{Factor, Symbolic};
 use crate::order::{Graph, elimination_order};
 use crate::random::Random;
-use crate::rows::Rows;
 use crate::sparse::{product, reordered, subtract};
 use crate::{FemError, System};
 
@@ -38,6 +38,8 @@ const ASYMMETRY: f64 = 1e-11;
 pub(crate) struct Sector {
     /// None where the sector is the whole: K is then that of the body in another order, and as large.
     stiffness: Option<CscMatrix<f64>>,
+    /// K of the whole in its own order, from the analysis of its pattern to the first factorisation.
+    whole: Mutex<Option<CscMatrix<f64>>>,
     pub(crate) mass: CscMatrix<f64>,
     /// For each unknown of the whole its row of T_c, which has one entry at most: column and value.
     rows: Vec<Option<(usize, f64)>>,
@@ -54,8 +56,22 @@ impl Sector {
         if let Some(stiffness) = &self.stiffness {
             return Ok(Cow::Borrowed(stiffness));
         }
+        let kept = self.whole.lock().unwrap_or_else(PoisonError::into_inner).take();
+        if let Some(stiffness) = kept {
+            return Ok(Cow::Owned(stiffness));
+        }
         let place = |e: usize| self.rows[e].map_or(e, |(at, _)| at);
         reordered(&system.stiffness, place).map(Cow::Owned)
+    }
+
+    /// Analyses the pattern of K_c.
+    pub(crate) fn analyse(&self, system: &System) -> Result<Symbolic, FemError> {
+        let stiffness = self.stiffness(system)?;
+        let symbolic = Symbolic::new(&stiffness)?;
+        if let Cow::Owned(stiffness) = stiffness {
+            *self.whole.lock().unwrap_or_else(PoisonError::into_inner) = Some(stiffness);
+        }
+        Ok(symbolic)
     }
 
     /// K_c - sigma M_c.
@@ -80,13 +96,13 @@ impl Sector {
     }
 
     /// Overwrites x, in the order of [`Self::pencil`], by (K - sigma M)^-1 x.
-    pub(crate) fn solve(&self, factor: &Factor<'_>, x: &mut Mat<f64>, room: &mut Rows) {
+    pub(crate) fn solve(&self, factor: &Factor<'_>, x: &mut Mat<f64>) {
         if self.is_whole() {
             let mut part = self.restrict(x.as_ref());
-            factor.solve_within(part.as_mut(), room);
+            factor.solve(part.as_mut());
             *x = self.expand(part.as_ref());
         } else {
-            factor.solve_within(x.as_mut(), room);
+            factor.solve(x.as_mut());
         }
     }
 
@@ -137,9 +153,12 @@ fn divided(system: &System, mirrors: &[&Mirror]) -> Result<Vec<Sector>, FemError
     if mirrors.is_empty() {
         let mut place = vec![0; system.equations.len()];
         nodes.iter().flatten().enumerate().for_each(|(at, &e)| place[e] = at);
+        let [stiffness, mass] = [&system.stiffness, &system.mass];
+        let (stiffness, mass) = rayon::join(|| reordered(stiffness, |e| place[e]), || reordered(mass, |e| place[e]));
         return Ok(vec![Sector {
             stiffness: None,
-            mass: reordered(&system.mass, |e| place[e])?,
+            whole: Mutex::new(Some(stiffness?)),
+            mass: mass?,
             rows: place.into_iter().map(|at| Some((at, 1.0))).collect(),
         }]);
     }
@@ -265,6 +284,7 @@ impl Orbits {
         let [stiffness, mass] = columns;
         Ok(Sector {
             stiffness: Some(stiffness.reduced(&unknowns, &rows)?),
+            whole: Mutex::new(None),
             mass: mass.reduced(&unknowns, &rows)?,
             rows,
         })
