@@ -18,12 +18,15 @@ mod operators;
 mod solver;
 
 pub use error::BemError;
+pub use high_frequencies::mean_bands::{MeanBand, MeanBands};
 pub use mesh::boundary::{Boundary, Repairs};
 pub use mesh::boxes::{Side, SolidBox};
 pub use mesh::outline::ClosedOutline;
 pub use mesh::panel::{BoundaryMesh, Panel, PanelPoint};
+pub use mesh::subdivision::Subdivision;
 pub use mesh::symmetry::Parity;
 pub use modes::band_fields::{BandFields, SurfaceBand, WholeSurface};
+pub use modes::mean_ranges::MeanRanges;
 pub use modes::mesh_range::MeshRange;
 pub use modes::modal::{ModalBem, ModalErp};
 pub use modes::receivers::Receivers;

@@ -9,7 +9,7 @@
 
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{
-    Boundary, BoundaryMesh, ClosedOutline, Exterior, MeshRange, ModalBem, Panel, Parity, Patterns,
+    BemError, Boundary, BoundaryMesh, ClosedOutline, Exterior, MeanBands, MeanRanges, MeshRange, ModalBem, Panel, Parity, Patterns,
 };
 use nailnoise_meshes::Surface;
 use nalgebra::DMatrix;
@@ -95,7 +95,7 @@ impl ToolRadiation {
     /// Those of mesh and boundary elements.
     pub fn compute(&self, body: &MovingSurface<'_>, progress: &Progress) -> Result<ModalBem, Error> {
         self.solve(
-            self.levels(body, None, &Air::default())?,
+            &self.housing(body, None)?,
             ("tool", "boundary elements of the tool"),
             progress,
         )
@@ -112,7 +112,7 @@ impl ToolRadiation {
         progress: &Progress,
     ) -> Result<ModalBem, Error> {
         self.solve(
-            self.levels(body, Some(cap), &Air::default())?,
+            &self.housing(body, Some(cap))?,
             ("tool with its cap apart", "boundary elements of the tool's cap"),
             progress,
         )
@@ -120,13 +120,16 @@ impl ToolRadiation {
 
     fn solve(
         &self,
-        levels: Vec<MeshRange>,
+        housing: &Housing,
         (body, task): (&str, &'static str),
         progress: &Progress,
     ) -> Result<ModalBem, Error> {
+        let air = Air::default();
+        let levels = self.levels(housing, &air)?;
         let top_hz = levels.iter().map(|level| level.top_hz).fold(0.0, f64::max);
         let ranges = MeshRanges {
-            solves: solves(&levels),
+            solves: solves(&levels, &self.resolution.mean_bands(top_hz)),
+            means: self.mean_ranges(housing, top_hz, &air)?,
             levels,
             lowest_hz: LOWEST_SAMPLE.min(0.1 * top_hz),
         };
@@ -167,41 +170,76 @@ impl ToolRadiation {
     /// # Errors
     /// As [`Self::level`], [`Error::OpenCavity`], and [`Error::NoCapSurface`].
     pub fn finest(&self, body: &MovingSurface<'_>, cap: Option<&CapSurface>, air: &Air) -> Result<MeshRange, Error> {
+        self.of_own_mesh(&self.housing(body, cap)?, air)
+    }
+
+    /// The housing's outer surface in motion.
+    fn housing(&self, body: &MovingSurface<'_>, cap: Option<&CapSurface>) -> Result<Housing, Error> {
         let outline = ClosedOutline::new(body.surface, self.floor)?;
         refuse_open_cavities(&outline.mesh)?;
-        let motion = outline.motion(body.surface, body.modes);
-        let boundary = Boundary::new(outline.mesh, self.floor)?;
-        let mut velocities = boundary.project_displacements(&motion)?;
-        if let Some(cap) = cap {
-            velocities = beside_part(velocities, boundary.mesh(), &cap.panels(boundary.mesh())?);
+        Ok(Housing {
+            motion: outline.motion(body.surface, body.modes),
+            cap: cap.map(|cap| cap.panels(&outline.mesh)).transpose()?,
+            mesh: outline.mesh,
+        })
+    }
+
+    /// The housing's own mesh.
+    fn of_own_mesh(&self, housing: &Housing, air: &Air) -> Result<MeshRange, Error> {
+        let boundary = Boundary::new(housing.mesh.clone(), self.floor)?;
+        let part = housing.cap.as_ref().map(|cap| of_panels(&boundary, |panel| cap[panel]));
+        let velocities = boundary.project_displacements(&housing.motion)?;
+        let top_hz = boundary.highest_hz(air.sound_speed, self.resolution.panels);
+        self.range(boundary, (velocities, part), top_hz.min(self.resolution.top_hz), air)
+    }
+
+    /// The housing in finer panels, which resolve the waves at `top_hz`.
+    fn of_finer_mesh(&self, housing: &Housing, top_hz: f64, air: &Air) -> Result<MeshRange, Error> {
+        let edge = air.sound_speed / (self.resolution.panels * top_hz);
+        let finer = housing.mesh.subdivided(edge).map_err(BemError::from)?;
+        let motion = finer.fields(&housing.motion).map_err(BemError::from)?;
+        let boundary = Boundary::new(finer.mesh, self.floor)?;
+        let part = housing.cap.as_ref().map(|cap| of_panels(&boundary, |panel| cap[finer.parents[panel]]));
+        let velocities = boundary.project_displacements(&motion)?;
+        self.range(boundary, (velocities, part), top_hz, air)
+    }
+
+    /// A boundary with velocities of all panels, and behind them those of a part alone.
+    fn range(
+        &self,
+        boundary: Boundary,
+        (mut velocities, part): (DMatrix<f64>, Option<Vec<bool>>),
+        top_hz: f64,
+        air: &Air,
+    ) -> Result<MeshRange, Error> {
+        if let Some(part) = part {
+            velocities = beside_part(velocities, boundary.mesh(), &part);
         }
-        let patterns = Patterns {
+        let patterns = vec![Patterns {
             parity: Parity::default(),
             velocities,
-        };
-        let Resolution {
-            top_hz,
-            panels,
-            equations,
-            ..
-        } = self.resolution;
-        let top_hz = boundary.highest_hz(air.sound_speed, panels).min(top_hz);
+        }];
         let problem = Exterior::new(boundary, air)
-            .with_panels_per_wavelength(panels)?
-            .with_equation_solver(equations);
+            .with_panels_per_wavelength(self.resolution.panels)?
+            .with_equation_solver(self.resolution.equations);
         Ok(MeshRange {
             problem,
             top_hz,
-            patterns: vec![patterns],
+            patterns,
         })
+    }
+
+    /// The meshes of the means above the highest single frequency.
+    fn mean_ranges(&self, housing: &Housing, top_hz: f64, air: &Air) -> Result<MeanRanges, Error> {
+        self.resolution.mean_ranges(top_hz, |hz| self.of_finer_mesh(housing, hz, air))
     }
 
     /// The housing's mesh, below it where that saves much a coarser one of the same surface, which resolves the same waves:
     /// alone in the lower part of the range, in the upper part to predict the matrix between the few frequencies of the
     /// finer.
-    fn levels(&self, body: &MovingSurface<'_>, cap: Option<&CapSurface>, air: &Air) -> Result<Vec<MeshRange>, Error> {
+    fn levels(&self, housing: &Housing, air: &Air) -> Result<Vec<MeshRange>, Error> {
         let panels = self.resolution.panels;
-        let fine = self.finest(body, cap, air)?;
+        let fine = self.of_own_mesh(housing, air)?;
         let boundary = fine.problem.boundary();
         let edge = air.sound_speed / (panels * fine.top_hz);
         let worth_while = WORTH_WHILE * boundary.mesh().panels.len() as f64;
@@ -228,6 +266,20 @@ impl ToolRadiation {
         };
         Ok(vec![below, fine])
     }
+}
+
+/// The outer surface of a housing, its nose closed.
+struct Housing {
+    mesh: BoundaryMesh,
+    /// Displacements at the mesh's points, (3 x points) x modes.
+    motion: DMatrix<f64>,
+    /// The panels of the cap, where it is apart.
+    cap: Option<Vec<bool>>,
+}
+
+/// Which panels of a boundary belong to a part, by the numbers that they have in the mesh it was made of.
+fn of_panels(boundary: &Boundary, part: impl Fn(usize) -> bool) -> Vec<bool> {
+    boundary.original().iter().map(|&panel| part(panel)).collect()
 }
 
 /// Refuses an outline that contains walls of enclosed air. A cavity with a slit to the outside is a Helmholtz resonator: it
@@ -261,13 +313,12 @@ fn beside_part(velocities: DMatrix<f64>, mesh: &BoundaryMesh, part: &[bool]) -> 
 
 /// Number of frequencies that are solved on each mesh, about: alone on three pieces of the range, beside a coarser one at
 /// half as many on the last piece and in the middles of the means.
-fn solves(levels: &[MeshRange]) -> Vec<f64> {
+fn solves(levels: &[MeshRange], bands: &MeanBands) -> Vec<f64> {
+    let means = bands.on_same_mesh();
+    let in_means = MeanBands::samples(means) as f64;
     match levels {
-        [_, _] => vec![
-            4.0 * SAMPLES + ModalBem::IN_MEAN as f64,
-            0.5 * SAMPLES + ModalBem::MEANS as f64,
-        ],
-        _ => vec![3.0 * SAMPLES + ModalBem::IN_MEAN as f64; levels.len()],
+        [_, _] => vec![4.0 * SAMPLES + in_means, 0.5 * SAMPLES + means as f64],
+        _ => vec![3.0 * SAMPLES + in_means; levels.len()],
     }
 }
 

@@ -7,7 +7,7 @@
 //! shape (`workpiece.mesh`) radiates from the faces of its own mesh.
 
 use nailnoise_acoustics::bem::{
-    BemError, Boundary, BoundaryMesh, Exterior, MeshRange, ModalBem, MovingPart, Parity, Patterns, Side, SolidBox,
+    BemError, Boundary, BoundaryMesh, Exterior, MeanBands, MeanRanges, MeshRange, ModalBem, MovingPart, Parity, Patterns, Side, SolidBox,
 };
 use nailnoise_acoustics::radiation::{Erp, RadiatingSurface};
 use nailnoise_acoustics::{AcousticsError, Air};
@@ -104,11 +104,14 @@ impl WorkpieceBoundaryElements {
     /// # Errors
     /// Those of [`Self::levels`] and of the boundary elements.
     pub fn compute(&self, bodies: &[MovingSurface<'_>], progress: &Progress) -> Result<ModalBem, Error> {
-        let levels = self.levels(bodies, &Air::default())?;
+        let air = Air::default();
+        let levels = self.levels(bodies, &air)?;
+        let top_hz = levels.iter().map(|level| level.top_hz).fold(0.0, f64::max);
         let lowest = levels.first().map_or(0.0, |level| level.top_hz);
         let lowest_hz = LOWEST_SAMPLE.min(0.5 * lowest);
         let ranges = MeshRanges {
-            solves: solves(&levels, lowest_hz),
+            solves: solves(&levels, lowest_hz, &self.resolution.mean_bands(top_hz)),
+            means: self.mean_ranges(bodies, top_hz, &air)?,
             levels,
             lowest_hz,
         };
@@ -160,11 +163,23 @@ impl WorkpieceBoundaryElements {
         let of_boxes = shares.iter().map(|share| self.of_boxes(bodies, air, *share));
         match of_boxes.collect() {
             Err(AcousticsError::Bem(BemError::Uncovered { .. })) if !self.on_table => {
-                Ok(vec![self.of_skin(&bodies[0], air)?])
+                Ok(vec![self.of_skin(&bodies[0], air, None)?])
             }
             Err(cause @ AcousticsError::Bem(BemError::Uncovered { .. })) => Err(Error::NotBoxes { cause }),
             other => Ok(other?),
         }
+    }
+
+    /// The meshes of the means above the highest single frequency.
+    fn mean_ranges(&self, bodies: &[MovingSurface<'_>], top_hz: f64, air: &Air) -> Result<MeanRanges, Error> {
+        self.resolution.mean_ranges(top_hz, |hz| {
+            match self.of_boxes(bodies, air, hz / self.resolution.top_hz) {
+                Err(AcousticsError::Bem(BemError::Uncovered { .. })) if !self.on_table => {
+                    self.of_skin(&bodies[0], air, Some(hz))
+                }
+                other => Ok(other?),
+            }
+        })
     }
 
     /// The boxes' surface up to a share of the top of all ranges.
@@ -213,8 +228,8 @@ impl WorkpieceBoundaryElements {
         })
     }
 
-    /// The faces of a block's own mesh, up to the frequency that they resolve.
-    fn of_skin(&self, body: &MovingSurface<'_>, air: &Air) -> Result<MeshRange, Error> {
+    /// The faces of a block's own mesh up to the frequency that they resolve, or in finer panels up to `top_hz`.
+    fn of_skin(&self, body: &MovingSurface<'_>, air: &Air, top_hz: Option<f64>) -> Result<MeshRange, Error> {
         let (fine, computed) = (&self.resolution, Air::default());
         let open = open_faces(body.surface, self.floor)?;
         let mut mesh = BoundaryMesh::of_skin(body.surface);
@@ -223,18 +238,24 @@ impl WorkpieceBoundaryElements {
         mesh.patches
             .iter_mut()
             .for_each(|name| name.insert_str(0, "workpiece "));
+        let mut motion = body.modes.map(f64::from);
+        if let Some(top_hz) = top_hz {
+            let finer = mesh.subdivided(computed.sound_speed / (fine.panels * top_hz)).map_err(BemError::from)?;
+            (motion, mesh) = (finer.fields(&motion).map_err(BemError::from)?, finer.mesh);
+        }
         let boundary = Boundary::new(mesh, self.floor)?;
         let patterns = Patterns {
             parity: Parity::default(),
-            velocities: boundary.project_displacements(&body.modes.map(f64::from))?,
+            velocities: boundary.project_displacements(&motion)?,
         };
         let resolved = boundary.highest_hz(computed.sound_speed, fine.panels);
+        let top_hz = top_hz.unwrap_or_else(|| resolved.min(fine.top_hz));
         let problem = Exterior::new(boundary, air)
             .with_panels_per_wavelength(fine.panels)?
             .with_equation_solver(fine.equations);
         Ok(MeshRange {
             problem,
-            top_hz: resolved.min(fine.top_hz) * (air.sound_speed / computed.sound_speed),
+            top_hz: top_hz * (air.sound_speed / computed.sound_speed),
             patterns: vec![patterns],
         })
     }
@@ -242,8 +263,8 @@ impl WorkpieceBoundaryElements {
 
 /// Number of frequencies that are solved on each mesh, about. The samples of a range follow how many more wavelengths twice
 /// the body's largest extent, or its height above the floor, holds at its top than at its bottom. They are solved on the
-/// mesh below and corrected by the range's own; the last mesh also solves the means above.
-fn solves(levels: &[MeshRange], low: f64) -> Vec<f64> {
+/// mesh below and corrected by the range's own; the last mesh also solves the means half an octave above.
+fn solves(levels: &[MeshRange], low: f64, bands: &MeanBands) -> Vec<f64> {
     let mut from = low;
     let mut solves = vec![0.0; levels.len()];
     for (number, level) in levels.iter().enumerate() {
@@ -259,7 +280,7 @@ fn solves(levels: &[MeshRange], low: f64) -> Vec<f64> {
         }
     }
     if let Some(last) = solves.last_mut() {
-        *last += ModalBem::IN_MEAN as f64;
+        *last += MeanBands::samples(bands.on_same_mesh()) as f64;
     }
     solves
 }

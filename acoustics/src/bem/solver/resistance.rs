@@ -56,6 +56,7 @@ const PATTERNS: f64 = 100.0;
 /// Memory and time of the equations of one frequency.
 struct Cost {
     bytes: f64,
+    bytes_per_pattern: f64,
     seconds: f64,
     seconds_per_pattern: f64,
 }
@@ -75,8 +76,10 @@ pub struct Estimate {
     pub panels: usize,
     /// Whether the matrix is compressed.
     pub compressed: bool,
-    /// Memory of one frequency \[bytes\], times the number of threads.
+    /// Memory of one frequency and a hundred patterns \[bytes\], times the number of threads.
     pub bytes: f64,
+    /// Memory that every further pattern adds to it \[bytes\].
+    pub bytes_per_pattern: f64,
     /// Memory shared by all frequencies, with [`Exterior::with_near_field_cache`] \[bytes\].
     pub bytes_shared: f64,
     /// Time of one frequency and a single pattern on one core \[s\], with the same cache.
@@ -96,6 +99,11 @@ impl Estimate {
     /// Time of one frequency on one core with so many patterns in every parity \[s\].
     pub fn seconds_with(&self, patterns: usize) -> f64 {
         self.seconds + self.seconds_per_pattern * patterns as f64
+    }
+
+    /// Memory of one frequency with so many patterns in every parity \[bytes\].
+    pub fn bytes_with(&self, patterns: usize) -> f64 {
+        self.bytes + self.bytes_per_pattern * (patterns as f64 - PATTERNS)
     }
 }
 
@@ -192,6 +200,7 @@ impl Exterior {
             panels: boundary.mesh().panels.len(),
             compressed: self.is_compressed(),
             bytes: cost.bytes,
+            bytes_per_pattern: cost.bytes_per_pattern,
             bytes_shared: self.near().bytes_shared(),
             seconds: cost.seconds + if is_kept { 1e-6 } else { 7e-6 } * shapes + 1e-6 * close,
             seconds_per_pattern: cost.seconds_per_pattern,
@@ -224,6 +233,7 @@ impl Exterior {
         let parities = self.boundary().copies() as f64;
         Cost {
             bytes: parities * 16.0 * n * n,
+            bytes_per_pattern: 0.0,
             seconds: 0.5 * values * values * self.pair_of_points() + parities * 8.0 / 3.0 * n.powi(3) / 120e9,
             // B v, the solution and the far field for each pattern.
             seconds_per_pattern: parities * (4.0 * n * values + 8.0 * n * n + 8e3 * values) / 100e9,
@@ -243,6 +253,7 @@ impl Exterior {
         Cost {
             // The blocks, and the Krylov space of ten columns a pattern.
             bytes: parities * 8.0 * (near + distant) + 16.0 * n * 10.0 * PATTERNS,
+            bytes_per_pattern: 16.0 * n * 10.0,
             seconds: close * self.pair_of_points() + parities * distant * (100e-9 + 17e-9 * images),
             seconds_per_pattern: parities
                 * (4.0 * close / corners / 100e9
