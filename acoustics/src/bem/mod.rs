@@ -32,6 +32,7 @@ pub use modes::modal::{ModalBem, ModalErp};
 pub use modes::receivers::Receivers;
 pub use modes::summary::Summary;
 pub use modes::surface_fit::SurfaceFit;
+pub use solver::cost::{FrequencyCost, SurfaceSize};
 pub use solver::plate::{Plate, Wetted};
 pub use solver::problem::{EquationSolver, Exterior, Patterns, SurfacePressure};
 pub use solver::resistance::{Estimate, TwoEvaluations};

@@ -159,12 +159,19 @@ impl MeshRanges {
         let Some(finest) = self.finest() else { return };
         let bands = MeanBands::new(finest.top_hz, self.means.to_hz);
         let mean = match self.means.finer.last() {
-            Some(mesh) => format!(
-                "; finest of the {} meshes of the mean, with {:.0} frequencies each: {}",
-                self.means.finer.len(),
-                self.mean_solves().iter().sum::<f64>() / self.means.finer.len() as f64,
-                mesh.problem.estimate()
-            ),
+            Some(mesh) => {
+                let (estimate, patterns) = (mesh.problem.estimate(), patterns(mesh));
+                format!(
+                    "; finest of {} meshes of the mean: {} panels, {} unknowns{}, about {:.1} s and {:.0} MB a frequency with {patterns} \
+                     modes",
+                    self.means.finer.len(),
+                    estimate.panels,
+                    estimate.unknowns,
+                    if estimate.compressed { " (compressed matrix)" } else { "" },
+                    estimate.seconds_with(patterns),
+                    1e-6 * estimate.bytes_with(patterns),
+                )
+            }
             None => String::new(),
         };
         progress.note(&format!(

@@ -165,7 +165,16 @@ impl ToolRadiation {
         self.finest(body, None, air)
     }
 
-    /// The same, with each mode of the cap alone behind those of the whole where it is apart.
+    /// The housing in panels that resolve the waves at a frequency \[Hz\]: those of its own mesh, and parts of those that are
+    /// too large.
+    ///
+    /// # Errors
+    /// As [`Self::level`].
+    pub fn resolving(&self, body: &MovingSurface<'_>, hz: f64, air: &Air) -> Result<MeshRange, Error> {
+        self.of_finer_mesh(&self.housing(body, None)?, hz, air)
+    }
+
+    /// The housing's own mesh, with each mode of the cap alone behind those of the whole where it is apart.
     ///
     /// # Errors
     /// As [`Self::level`], [`Error::OpenCavity`], and [`Error::NoCapSurface`].
@@ -327,6 +336,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
+    use nailnoise_acoustics::bem::EquationSolver;
     use nailnoise_meshes::Grid;
 
     /// A cube of 3 x 3 x 3 cells with a cavity that is called `plenum`, whose wall has a hole or none.
@@ -354,5 +364,82 @@ mod tests {
         refuse_open_cavities(&outline(false)).unwrap();
         let error = refuse_open_cavities(&outline(true)).unwrap_err();
         assert!(error.to_string().contains("`plenum`"), "{error}");
+    }
+
+    /// A block of 0.3 m on the ground of the tool's coordinates, in the motion of a rigid body along z, as a housing with its
+    /// upper side as the cap.
+    fn shaken(mean_top_hz: Option<f64>) -> (ToolRadiation, Surface, DMatrix<f32>) {
+        let line = || vec![0.0, 0.1, 0.2, 0.3];
+        let grid = Grid::new(line(), line(), line()).unwrap();
+        let mesh = grid.mesh(&["cube"], |_| Some(0), |_, axis, upper, _| match (axis, upper) {
+            (2, true) => "cap_outside",
+            _ => "outside",
+        });
+        let surface = Surface::of(&mesh);
+        let modes = DMatrix::from_fn(3 * surface.points.len(), 1, |dof, _| f32::from(u8::from(dof % 3 == 2)));
+        let elements = ToolRadiation {
+            resolution: Resolution {
+                top_hz: 1e5,
+                mean_top_hz,
+                panels: 6.0,
+                equations: EquationSolver::Auto,
+                tolerance: 0.02,
+            },
+            floor: None,
+            places: Places::new(std::iter::empty(), None, 0.0),
+        };
+        (elements, surface, modes)
+    }
+
+    #[test]
+    fn means_have_meshes_that_resolve_them_in_the_motion_of_the_housing_and_of_its_cap() {
+        let (elements, surface, modes) = shaken(Some(800.0));
+        let body = MovingSurface {
+            body: "tool",
+            surface: &surface,
+            modes: &modes,
+        };
+        let (cap, air) = (CapSurface::Named("cap_outside"), Air::default());
+        let housing = elements.housing(&body, Some(&cap)).unwrap();
+        let single = elements.of_own_mesh(&housing, &air).unwrap();
+        let means = elements.mean_ranges(&housing, single.top_hz, &air).unwrap();
+        // The cover of its mouth is a fan of triangles.
+        assert!((single.top_hz - 270.0).abs() < 1.0, "{}", single.top_hz);
+        assert_eq!(means.finer.len(), 3);
+        let mut panels = single.problem.boundary().mesh().panels.len();
+        for range in &means.finer {
+            let boundary = range.problem.boundary();
+            assert!(range.resolved_hz() >= range.top_hz * (1.0 - 1e-9));
+            assert!(boundary.mesh().panels.len() > panels);
+            panels = boundary.mesh().panels.len();
+            // Volume flows of both patterns through the upper side, 0.09 m2.
+            let velocities = &range.patterns[0].velocities;
+            let (mut row, mut flows) = (0, [0.0; 2]);
+            for (number, panel) in boundary.mesh().panels.iter().enumerate() {
+                let corners = panel.corners().len();
+                let upper = boundary.mesh().patches[panel.patch] == "cap_outside";
+                for (pattern, flow) in flows.iter_mut().enumerate() {
+                    let own = velocities.view((row, pattern), (corners, 1));
+                    assert!(upper || pattern == 0 || own.amax() < 1e-12);
+                    *flow += f64::from(u8::from(upper)) * own.mean() * boundary.mesh().panel_area(number);
+                }
+                row += corners;
+            }
+            assert!(flows.iter().all(|flow| (flow - 0.09).abs() < 1e-9), "{flows:?}");
+        }
+        assert!((means.finer[2].top_hz - 800.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn half_an_octave_of_means_needs_no_finer_mesh() {
+        let (elements, surface, modes) = shaken(None);
+        let body = MovingSurface {
+            body: "tool",
+            surface: &surface,
+            modes: &modes,
+        };
+        let housing = elements.housing(&body, None).unwrap();
+        let means = elements.mean_ranges(&housing, 270.0, &Air::default()).unwrap();
+        assert!(means.finer.is_empty() && means.to_hz.is_none());
     }
 }

@@ -325,6 +325,7 @@ mod tests {
     use std::sync::Arc;
 
     use nailnoise_acoustics::bem::TwoEvaluations;
+    use nailnoise_meshes::FaceKind;
     use nalgebra::Vector3;
 
     use super::*;
@@ -441,6 +442,29 @@ mod tests {
             let image = 1.0 - 3.0 * (x.sin() / x + 2.0 * x.cos() / (x * x) - 2.0 * x.sin() / x.powi(3));
             let found = near(Vector3::z(), hz)[0] / free(Vector3::z(), hz)[0];
             assert!((found / image - 1.0).abs() < 0.01, "{hz} Hz: {found} against {image}");
+        }
+    }
+
+    #[test]
+    fn means_have_meshes_of_their_own_where_they_go_farther_than_half_an_octave() {
+        let air = Air::default();
+        let floor = "support.kind = \"floor\"\nworkpiece.thickness = \"90 mm\"";
+        let block = block(&small(floor));
+        let means = |text: &str| {
+            let elements = boundary_elements(&small(&format!("{floor}\n{text}")));
+            let bodies = [block.moving_surface()];
+            let single = elements.finest(&bodies, &air).unwrap().unwrap();
+            elements.mean_ranges(&bodies, single.top_hz, &air).unwrap().finer
+        };
+        assert!(means("").is_empty());
+        for (length, kind) in [("", FaceKind::Quad4), ("workpiece.length = \"410 mm\"", FaceKind::Tri6)] {
+            let finer = means(&format!("acoustics.bem_mean_top = \"1.2 kHz\"\n{length}"));
+            let last = finer.last().unwrap();
+            assert!((last.top_hz - 1200.0).abs() < 1e-6);
+            assert!(last.resolved_hz() >= last.top_hz * (1.0 - 1e-9));
+            assert!(last.problem.boundary().mesh().panels.iter().any(|panel| panel.kind() == kind));
+            let found = shaken(last, &block, Vector3::z(), 300.0);
+            assert!((found[0] / found[1] - 1.0).abs() < 0.05, "{found:?}");
         }
     }
 

@@ -1,5 +1,6 @@
 use crate::bem::error::BemError;
 use crate::bem::mesh::panel::PanelShape;
+use crate::bem::solver::cost::{FrequencyCost, PATTERNS, SurfaceSize};
 use crate::bem::solver::far_field::Radiated;
 use crate::bem::solver::problem::{Exterior, Patterns, SurfacePressure};
 use crate::radiation::error::RadiationError;
@@ -47,23 +48,6 @@ impl TwoEvaluations {
             imaginary: None,
         };
         self.patches.iter().chain([&rest]).map(part).collect()
-    }
-}
-
-/// Patterns for which the way of solving the equations is chosen.
-const PATTERNS: f64 = 100.0;
-
-/// Memory and time of the equations of one frequency.
-struct Cost {
-    bytes: f64,
-    bytes_per_pattern: f64,
-    seconds: f64,
-    seconds_per_pattern: f64,
-}
-
-impl Cost {
-    fn with(&self, patterns: f64) -> f64 {
-        self.seconds + self.seconds_per_pattern * patterns
     }
 }
 
@@ -185,20 +169,16 @@ impl Exterior {
     }
 
     /// Memory, time and limits, before any is spent. Times are those of one core at about 3 GHz with AVX-512; with AVX2
-    /// they are up to twice as long.
+    /// they are up to twice as long. A shape of close pairs takes 7 us, or 1 us once it is kept, which takes 110 us.
     pub fn estimate(&self) -> Estimate {
-        let cost = if self.is_compressed() {
-            self.cost_compressed()
-        } else {
-            self.cost_dense()
-        };
+        let cost = self.frequency_cost();
         let boundary = self.boundary();
         let (close, shapes) = (self.close_pairs() as f64, self.close_shapes() as f64);
         let is_kept = self.near().is_kept();
         Estimate {
             unknowns: boundary.nodes(),
             panels: boundary.mesh().panels.len(),
-            compressed: self.is_compressed(),
+            compressed: cost.compressed,
             bytes: cost.bytes,
             bytes_per_pattern: cost.bytes_per_pattern,
             bytes_shared: self.near().bytes_shared(),
@@ -214,53 +194,17 @@ impl Exterior {
         }
     }
 
-    /// Whether the compressed matrix takes less than half the time of the dense one with a hundred patterns, as surfaces
-    /// with deep recesses may take twice the usual number of steps.
-    pub(crate) fn compression_pays(&self) -> bool {
-        let [dense, compressed] = [self.cost_dense(), self.cost_compressed()].map(|c| c.with(PATTERNS));
-        2.0 * compressed < dense
-    }
-
-    /// Time of a pair of points by the far rule \[s\]: 3 ns an image and 3 ns a parity.
-    fn pair_of_points(&self) -> f64 {
-        3e-9 * (self.boundary().images().len() + self.boundary().copies()) as f64
-    }
-
-    /// Cost without the shapes of close pairs, as measured by `benches/bem.rs`: 7 us a shape (1 us once it is kept, which
-    /// takes 110 us), 120 GFlop/s for factors and 100 for patterns in single precision.
-    fn cost_dense(&self) -> Cost {
-        let (n, values) = (self.boundary().nodes() as f64, self.boundary().velocity_values() as f64);
-        let parities = self.boundary().copies() as f64;
-        Cost {
-            bytes: parities * 16.0 * n * n,
-            bytes_per_pattern: 0.0,
-            seconds: 0.5 * values * values * self.pair_of_points() + parities * 8.0 / 3.0 * n.powi(3) / 120e9,
-            // B v, the solution and the far field for each pattern.
-            seconds_per_pattern: parities * (4.0 * n * values + 8.0 * n * n + 8e3 * values) / 100e9,
-        }
-    }
-
-    /// The same of the compressed matrix at the highest frequency, as measured by `benches/bem_compressed.rs`: 1 300 close
-    /// panels each; 750 entries an unknown in near blocks and 24 sqrt(N) in others; of an entry of the latter, 100 ns and
-    /// 17 ns an image for its approximation and 0.5 ns a pattern; eight products a pattern at 0.15 ns an entry.
-    fn cost_compressed(&self) -> Cost {
-        let (n, values) = (self.boundary().nodes() as f64, self.boundary().velocity_values() as f64);
-        let (parities, images) = (self.boundary().copies() as f64, self.boundary().images().len() as f64);
-        let corners = values / self.boundary().mesh().panels.len().max(1) as f64;
-        let close = values * (0.5 * values).min(1300.0 * corners);
-        let near = n * n.min(750.0);
-        let distant = 24.0 * n.powf(1.5);
-        Cost {
-            // The blocks, and the Krylov space of ten columns a pattern.
-            bytes: parities * 8.0 * (near + distant) + 16.0 * n * 10.0 * PATTERNS,
-            bytes_per_pattern: 16.0 * n * 10.0,
-            seconds: close * self.pair_of_points() + parities * distant * (100e-9 + 17e-9 * images),
-            seconds_per_pattern: parities
-                * (4.0 * close / corners / 100e9
-                    + distant * 0.5e-9
-                    + 8.0 * 0.15e-9 * (near + distant)
-                    + 8e3 * values / 100e9),
-        }
+    /// Memory and time without close pairs.
+    pub(crate) fn frequency_cost(&self) -> FrequencyCost {
+        let boundary = self.boundary();
+        let size = SurfaceSize {
+            unknowns: boundary.nodes() as f64,
+            panels: boundary.mesh().panels.len() as f64,
+            values: boundary.velocity_values() as f64,
+            copies: boundary.copies() as f64,
+            images: boundary.images().len() as f64,
+        };
+        size.cost(self.equation_solver())
     }
 
     /// The surface with its modes at quadrature points, for operators that need no solution of equations. With mirror
