@@ -1,7 +1,8 @@
-//! One frequency of the tool's radiation far above what its own mesh resolves, with the dense and with the compressed matrix:
-//! `cargo bench -p nailnoise --bench tool_radiation -- [HZ ...]`, 8 kHz unless given.
+//! One frequency of the tool's radiation far above what its own mesh resolves, with the dense and with the compressed
+//! matrix: `cargo bench -p nailnoise --bench tool_radiation -- [HZ ...]`, 8 kHz unless given.
 //!
-//! The body of the N80CB moves in all its modes. Times are processor time of the whole process, its modes kept in the cache.
+//! The body of the N80CB moves in all its modes. Times are processor time of the whole process, its modes kept in the
+//! cache.
 
 use std::error::Error;
 use std::path::Path;
@@ -52,7 +53,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
         let mut problem = range.problem;
         let mut found: Vec<SurfacePressure> = Vec::new();
-        for (solver, name) in [(EquationSolver::Compressed, "compressed"), (EquationSolver::Dense, "dense")] {
+        for (solver, name) in [
+            (EquationSolver::Compressed, "compressed"),
+            (EquationSolver::Dense, "dense"),
+        ] {
             problem = problem.with_equation_solver(solver);
             let before = cpu(start);
             found.push(problem.solve(hz, &velocities)?);
@@ -65,7 +69,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let off = (0..b.nrows()).filter(|&m| b[(m, m)] > 1e-3 * loudest);
         println!(
             "        power of modes within 30 dB of the loudest: {:.4} dB apart; pressure: {:.1e} apart",
-            off.map(|m| (10.0 * (a[(m, m)] / b[(m, m)]).log10()).abs()).fold(0.0, f64::max),
+            off.map(|m| (10.0 * (a[(m, m)] / b[(m, m)]).log10()).abs())
+                .fold(0.0, f64::max),
             (&found[0].pressure - &found[1].pressure).norm() / found[1].pressure.norm()
         );
     }

@@ -64,9 +64,14 @@ pub(super) fn equation_solver(acoustics: &Acoustics) -> EquationSolver {
     }
 }
 
-/// Adds the finer meshes of the means to the cost of a radiation at single frequencies up to `top_hz`, of a surface that
-/// moves in so many modes.
-pub(super) fn add(stage: &mut StageCost, acoustics: &Acoustics, (surface, modes): (&RadiatingSurface, f64), top_hz: f64) {
+/// Adds the finer meshes of the means to the cost of a radiation at single frequencies up to `top_hz`, of a surface
+/// that moves in so many modes.
+pub(super) fn add(
+    stage: &mut StageCost,
+    acoustics: &Acoustics,
+    (surface, modes): (&RadiatingSurface, f64),
+    top_hz: f64,
+) {
     let mean_top = (acoustics.bem_mean_top > 0.0).then_some(acoustics.bem_mean_top);
     for (hz, bands) in MeanBands::new(top_hz, mean_top).finer_meshes() {
         let (size, close) = surface.size(SOUND_SPEED / (acoustics.bem_panels * hz));
@@ -120,7 +125,13 @@ mod tests {
     #[test]
     fn finer_meshes_are_part_of_the_cost_of_a_run() {
         let mut design = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml")).unwrap();
-        let total = |design: &Design| of_run(design).unwrap().iter().map(|stage| stage.cpu_seconds).sum::<f64>();
+        let total = |design: &Design| {
+            of_run(design)
+                .unwrap()
+                .iter()
+                .map(|stage| stage.cpu_seconds)
+                .sum::<f64>()
+        };
         let before = total(&design);
         design.acoustics.bem_mean_top = 8000.0;
         assert!(total(&design) > 3.0 * before);

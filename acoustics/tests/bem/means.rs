@@ -11,7 +11,9 @@ use nalgebra::DMatrix;
 /// A cube in free space that shakes and pulsates, on panels of at most `edge` \[m\].
 fn shaken_cube(edge: f64, top_hz: f64) -> MeshRange {
     let boundary = Boundary::new(cuboid([0.0; 3], [0.3; 3], edge, true), None).unwrap();
-    let velocities = boundary.project(2, |_, _, point, v| (v[0], v[1]) = (point.area_vector().normalize().z, 1.0));
+    let velocities = boundary.project(2, |_, _, point, v| {
+        (v[0], v[1]) = (point.area_vector().normalize().z, 1.0)
+    });
     let patterns = vec![Patterns {
         parity: Parity::default(),
         velocities,
@@ -43,17 +45,33 @@ fn averages_on_finer_meshes_are_means_of_single_solutions() {
     };
     let bem = solve(finer()).unwrap();
     let limit_from = bem.transition_hz()[0];
-    assert!((limit_from / bands.all()[11].centre_hz - 1.0).abs() < 1e-9, "{limit_from}");
+    assert!(
+        (limit_from / bands.all()[11].centre_hz - 1.0).abs() < 1e-9,
+        "{limit_from}"
+    );
     assert!((bem.compared_hz()[1] / 1200.0 - 1.0).abs() < 1e-9);
     for (band, mesh) in [(4, 0), (11, 2)] {
         let (band, mesh) = (&bands.all()[band], &finer()[mesh]);
-        let at = |hz: &f64| mesh.problem.resistance(*hz, &mesh.patterns[0].velocities).unwrap().far_field;
-        let mean = band.samples_hz.iter().map(at).fold(DMatrix::zeros(2, 2), |sum, r| sum + r) / 3.0;
+        let at = |hz: &f64| {
+            mesh.problem
+                .resistance(*hz, &mesh.patterns[0].velocities)
+                .unwrap()
+                .far_field
+        };
+        let mean = band
+            .samples_hz
+            .iter()
+            .map(at)
+            .fold(DMatrix::zeros(2, 2), |sum, r| sum + r)
+            / 3.0;
         let found = bem.resistance(band.centre_hz).real;
         assert!((found - &mean).amax() < 1e-5 * mean.amax(), "{:.0} Hz", band.centre_hz);
     }
     for missing in [0, 1] {
         let meshes = finer().drain(..missing).collect();
-        assert!(matches!(solve(meshes), Err(AcousticsError::Bem(BemError::TooCoarse { .. } | BemError::Input(_)))));
+        assert!(matches!(
+            solve(meshes),
+            Err(AcousticsError::Bem(BemError::TooCoarse { .. } | BemError::Input(_)))
+        ));
     }
 }

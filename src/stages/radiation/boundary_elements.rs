@@ -23,8 +23,8 @@ const MOST_SAMPLES: usize = 400;
 pub struct Resolution {
     /// Highest single frequency of boundary elements in standard air \[Hz\].
     pub top_hz: f64,
-    /// Upper end of boundary elements in the mean over frequency, in standard air \[Hz\]; without it half an octave above
-    /// single frequencies.
+    /// Upper end of boundary elements in the mean over frequency, in standard air \[Hz\]; without it half an octave
+    /// above single frequencies.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mean_top_hz: Option<f64>,
     /// Panels per wavelength.
@@ -44,7 +44,8 @@ impl Resolution {
 
     /// Highest frequency that the user asks boundary elements for \[Hz\].
     pub(super) fn highest_hz(&self) -> f64 {
-        self.mean_top_hz.map_or(self.top_hz, |mean_top| mean_top.max(self.top_hz))
+        self.mean_top_hz
+            .map_or(self.top_hz, |mean_top| mean_top.max(self.top_hz))
     }
 
     /// Finer meshes of the means above the highest single frequency of a body \[Hz\], each made by `mesh` for a
@@ -114,12 +115,14 @@ impl MeshRanges {
     /// Number of frequencies of each finer mesh of the means.
     fn mean_solves(&self) -> Vec<f64> {
         let Some(finest) = self.finest() else { return Vec::new() };
-        let meshes = MeanBands::new(finest.top_hz, self.means.to_hz).finer_meshes().into_iter();
+        let meshes = MeanBands::new(finest.top_hz, self.means.to_hz)
+            .finer_meshes()
+            .into_iter();
         meshes.map(|(_, bands)| MeanBands::samples(bands) as f64).collect()
     }
 
-    /// Every mesh with the number of its frequencies, and whether operators are stored for all of them: where there are more
-    /// than `few`.
+    /// Every mesh with the number of its frequencies, and whether operators are stored for all of them: where there
+    /// are more than `few`.
     fn all(&self, few: f64) -> impl Iterator<Item = (&MeshRange, f64, bool)> {
         let alone = self.levels.len() == 1;
         let single = self.levels.iter().zip(&self.solves);
@@ -138,8 +141,8 @@ impl MeshRanges {
         self.all(few).map(of_mesh).sum()
     }
 
-    /// Peak of memory \[GB\], about: as many frequencies as there are threads on the most expensive mesh, beside the velocities
-    /// of all modes on all meshes.
+    /// Peak of memory \[GB\], about: as many frequencies as there are threads on the most expensive mesh, beside the
+    /// velocities of all modes on all meshes.
     fn gigabytes(&self, few: f64) -> f64 {
         let threads = rayon::current_num_threads() as f64;
         let of_mesh = |(mesh, _, stored): (&MeshRange, f64, bool)| {
@@ -162,12 +165,16 @@ impl MeshRanges {
             Some(mesh) => {
                 let (estimate, patterns) = (mesh.problem.estimate(), patterns(mesh));
                 format!(
-                    "; finest of {} meshes of the mean: {} panels, {} unknowns{}, about {:.1} s and {:.0} MB a frequency with {patterns} \
-                     modes",
+                    "; finest of {} meshes of the mean: {} panels, {} unknowns{}, about {:.1} s and {:.0} MB a \
+                     frequency with {patterns} modes",
                     self.means.finer.len(),
                     estimate.panels,
                     estimate.unknowns,
-                    if estimate.compressed { " (compressed matrix)" } else { "" },
+                    if estimate.compressed {
+                        " (compressed matrix)"
+                    } else {
+                        ""
+                    },
                     estimate.seconds_with(patterns),
                     1e-6 * estimate.bytes_with(patterns),
                 )
@@ -175,8 +182,8 @@ impl MeshRanges {
             None => String::new(),
         };
         progress.note(&format!(
-            "{body}: boundary elements up to {:.0} Hz and in the mean up to {:.0} Hz, computed once for these bodies, about {:.0} s \
-             of processor time and {:.1} GB in all; finest mesh: {}{mean}",
+            "{body}: boundary elements up to {:.0} Hz and in the mean up to {:.0} Hz, computed once for these bodies, about \
+             {:.0} s of processor time and {:.1} GB in all; finest mesh: {}{mean}",
             finest.top_hz,
             bands.upper_hz(),
             self.seconds(few),

@@ -9,7 +9,8 @@
 
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{
-    BemError, Boundary, BoundaryMesh, ClosedOutline, Exterior, MeanBands, MeanRanges, MeshRange, ModalBem, Panel, Parity, Patterns,
+    BemError, Boundary, BoundaryMesh, ClosedOutline, Exterior, MeanBands, MeanRanges, MeshRange, ModalBem, Panel,
+    Parity, Patterns,
 };
 use nailnoise_meshes::Surface;
 use nalgebra::DMatrix;
@@ -165,8 +166,8 @@ impl ToolRadiation {
         self.finest(body, None, air)
     }
 
-    /// The housing in panels that resolve the waves at a frequency \[Hz\]: those of its own mesh, and parts of those that are
-    /// too large.
+    /// The housing in panels that resolve the waves at a frequency \[Hz\]: those of its own mesh, and parts of those
+    /// that are too large.
     ///
     /// # Errors
     /// As [`Self::level`].
@@ -208,7 +209,10 @@ impl ToolRadiation {
         let finer = housing.mesh.subdivided(edge).map_err(BemError::from)?;
         let motion = finer.fields(&housing.motion).map_err(BemError::from)?;
         let boundary = Boundary::new(finer.mesh, self.floor)?;
-        let part = housing.cap.as_ref().map(|cap| of_panels(&boundary, |panel| cap[finer.parents[panel]]));
+        let part = housing
+            .cap
+            .as_ref()
+            .map(|cap| of_panels(&boundary, |panel| cap[finer.parents[panel]]));
         let velocities = boundary.project_displacements(&motion)?;
         self.range(boundary, (velocities, part), top_hz, air)
     }
@@ -240,7 +244,8 @@ impl ToolRadiation {
 
     /// The meshes of the means above the highest single frequency.
     fn mean_ranges(&self, housing: &Housing, top_hz: f64, air: &Air) -> Result<MeanRanges, Error> {
-        self.resolution.mean_ranges(top_hz, |hz| self.of_finer_mesh(housing, hz, air))
+        self.resolution
+            .mean_ranges(top_hz, |hz| self.of_finer_mesh(housing, hz, air))
     }
 
     /// The housing's mesh, below it where that saves much a coarser one of the same surface, which resolves the same waves:
@@ -366,15 +371,19 @@ mod tests {
         assert!(error.to_string().contains("`plenum`"), "{error}");
     }
 
-    /// A block of 0.3 m on the ground of the tool's coordinates, in the motion of a rigid body along z, as a housing with its
-    /// upper side as the cap.
+    /// A block of 0.3 m on the ground of the tool's coordinates, in the motion of a rigid body along z, as a housing
+    /// with its upper side as the cap.
     fn shaken(mean_top_hz: Option<f64>) -> (ToolRadiation, Surface, DMatrix<f32>) {
         let line = || vec![0.0, 0.1, 0.2, 0.3];
         let grid = Grid::new(line(), line(), line()).unwrap();
-        let mesh = grid.mesh(&["cube"], |_| Some(0), |_, axis, upper, _| match (axis, upper) {
-            (2, true) => "cap_outside",
-            _ => "outside",
-        });
+        let mesh = grid.mesh(
+            &["cube"],
+            |_| Some(0),
+            |_, axis, upper, _| match (axis, upper) {
+                (2, true) => "cap_outside",
+                _ => "outside",
+            },
+        );
         let surface = Surface::of(&mesh);
         let modes = DMatrix::from_fn(3 * surface.points.len(), 1, |dof, _| f32::from(u8::from(dof % 3 == 2)));
         let elements = ToolRadiation {

@@ -7,7 +7,8 @@
 //! shape (`workpiece.mesh`) radiates from the faces of its own mesh.
 
 use nailnoise_acoustics::bem::{
-    BemError, Boundary, BoundaryMesh, Exterior, MeanBands, MeanRanges, MeshRange, ModalBem, MovingPart, Parity, Patterns, Side, SolidBox,
+    BemError, Boundary, BoundaryMesh, Exterior, MeanBands, MeanRanges, MeshRange, ModalBem, MovingPart, Parity,
+    Patterns, Side, SolidBox,
 };
 use nailnoise_acoustics::radiation::{Erp, RadiatingSurface};
 use nailnoise_acoustics::{AcousticsError, Air};
@@ -240,7 +241,9 @@ impl WorkpieceBoundaryElements {
             .for_each(|name| name.insert_str(0, "workpiece "));
         let mut motion = body.modes.map(f64::from);
         if let Some(top_hz) = top_hz {
-            let finer = mesh.subdivided(computed.sound_speed / (fine.panels * top_hz)).map_err(BemError::from)?;
+            let finer = mesh
+                .subdivided(computed.sound_speed / (fine.panels * top_hz))
+                .map_err(BemError::from)?;
             (motion, mesh) = (finer.fields(&motion).map_err(BemError::from)?, finer.mesh);
         }
         let boundary = Boundary::new(mesh, self.floor)?;
@@ -462,7 +465,14 @@ mod tests {
             let last = finer.last().unwrap();
             assert!((last.top_hz - 1200.0).abs() < 1e-6);
             assert!(last.resolved_hz() >= last.top_hz * (1.0 - 1e-9));
-            assert!(last.problem.boundary().mesh().panels.iter().any(|panel| panel.kind() == kind));
+            assert!(
+                last.problem
+                    .boundary()
+                    .mesh()
+                    .panels
+                    .iter()
+                    .any(|panel| panel.kind() == kind)
+            );
             let found = shaken(last, &block, Vector3::z(), 300.0);
             assert!((found[0] / found[1] - 1.0).abs() < 0.05, "{found:?}");
         }

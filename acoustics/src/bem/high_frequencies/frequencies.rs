@@ -16,8 +16,8 @@ const COMPARED: i32 = 2;
 /// Highest frequency at which the limit is evaluated \[Hz\]; it is constant above.
 const FARTHEST: f64 = 10e3;
 
-/// Frequencies at which the limit is compared with boundary elements \[Hz\]: the last is the centre of the last averaging
-/// band, the others are no closer to it than half their distance.
+/// Frequencies at which the limit is compared with boundary elements \[Hz\]: the last is the centre of the last
+/// averaging band, the others are no closer to it than half their distance.
 fn compared(bands: &MeanBands) -> Vec<f64> {
     let last = bands.last_octaves();
     let octaves = (-COMPARED..).map(|i| f64::from(i) * LIMIT_OCTAVES);
@@ -88,12 +88,19 @@ mod tests {
     #[test]
     fn the_limit_is_compared_every_third_of_an_octave_up_to_the_last_band() {
         let of = |to: Option<f64>| {
-            let octaves = compared(&MeanBands::new(1000.0, to)).into_iter().map(|hz| (hz / 1000.0).log2());
-            octaves.map(|octaves| (60.0 * octaves).round() / 60.0).collect::<Vec<f64>>()
+            let octaves = compared(&MeanBands::new(1000.0, to))
+                .into_iter()
+                .map(|hz| (hz / 1000.0).log2());
+            octaves
+                .map(|octaves| (60.0 * octaves).round() / 60.0)
+                .collect::<Vec<f64>>()
         };
         let third = 20.0 / 60.0;
         assert_eq!(of(None), [-2.0 * third, -third, 0.0, 25.0 / 60.0]);
-        assert_eq!(of(Some(2000.0)), [-2.0 * third, -third, 0.0, third, 2.0 * third, 55.0 / 60.0]);
+        assert_eq!(
+            of(Some(2000.0)),
+            [-2.0 * third, -third, 0.0, third, 2.0 * third, 55.0 / 60.0]
+        );
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! The boundary as panels: checks, mirror planes, quadrature rules, boxes, and coarser and finer meshes of the same surface.
+//! The boundary as panels: checks, mirror planes, quadrature rules, boxes, and coarser and finer meshes of the same
+//! surface.
 
 pub(crate) mod boundary;
 pub(crate) mod boxes;

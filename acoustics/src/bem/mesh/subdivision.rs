@@ -1,10 +1,10 @@
 //! Finer panels of the same surface for higher frequencies.
 //!
-//! Triangles are bisected at their longest edges until no edge is longer than wanted. A panel whose neighbour is cut at
-//! their common edge is bisected too, its longest edge first, so that no panel ends within the edge of another and angles
-//! stay above half the smallest that there was (Rivara, *Int. J. Numer. Methods Eng.* 20, 745 (1984)). Quadrilaterals that
-//! must be cut become two triangles before. All new points lie on the given panels: the surface stays as it is, and shape
-//! functions of the given panels state their motion.
+//! Triangles are bisected at their longest edges until no edge is longer than wanted. A panel whose neighbour is cut
+//! at their common edge is bisected too, its longest edge first, so that no panel ends within the edge of another and
+//! angles stay above half the smallest that there was (Rivara, *Int. J. Numer. Methods Eng.* 20, 745 (1984)).
+//! Quadrilaterals that must be cut become two triangles before. All new points lie on the given panels: the surface
+//! stays as it is, and shape functions of the given panels state their motion.
 
 use crate::bem::mesh::panel::{BoundaryMesh, MOST_NODES, Panel, PanelShape};
 use crate::checks::{InputError, positive, same_length};
@@ -48,8 +48,8 @@ impl Subdivision {
 }
 
 impl BoundaryMesh {
-    /// The same surface in panels whose corners are at most `edge` \[m\] apart along each side; panels that need not be cut
-    /// stay as they are.
+    /// The same surface in panels whose corners are at most `edge` \[m\] apart along each side; panels that need not
+    /// be cut stay as they are.
     ///
     /// # Errors
     /// A length that is not positive.
@@ -69,7 +69,11 @@ impl BoundaryMesh {
                     let natural = panel.kind().natural_nodes();
                     let corners = [a, b, c];
                     let xi = [natural[0], natural[1], natural[2]];
-                    bisection.triangles.push(Triangle { parent: number, corners, xi });
+                    bisection.triangles.push(Triangle {
+                        parent: number,
+                        corners,
+                        xi,
+                    });
                 }
                 _ => bisection.quadrilaterals.push(number),
             }
@@ -165,14 +169,16 @@ impl Bisection<'_> {
         }
     }
 
-    /// Makes two triangles, along the shorter diagonal, of every quadrilateral of which an edge is cut or too long; returns
-    /// whether there was one.
+    /// Makes two triangles, along the shorter diagonal, of every quadrilateral of which an edge is cut or too long;
+    /// returns whether there was one.
     fn cut_quadrilaterals(&mut self, marked: &BTreeSet<(usize, usize)>, limit: f64) -> bool {
         let before = self.quadrilaterals.len();
         for number in std::mem::take(&mut self.quadrilaterals) {
             let panel = &self.given.panels[number];
             let (c, natural) = (panel.corners(), panel.kind().natural_nodes());
-            let cut = (0..4).map(|k| key(c[k], c[(k + 1) % 4])).any(|edge| marked.contains(&edge) || self.square(edge) > limit);
+            let cut = (0..4)
+                .map(|k| key(c[k], c[(k + 1) % 4]))
+                .any(|edge| marked.contains(&edge) || self.square(edge) > limit);
             if !cut {
                 self.quadrilaterals.push(number);
                 continue;
@@ -230,7 +236,10 @@ impl Bisection<'_> {
         let shape = panel.kind().at(xi);
         let mut nodes = [panel.nodes()[0]; MOST_NODES];
         nodes[..panel.nodes().len()].copy_from_slice(panel.nodes());
-        let terms = nodes.iter().zip(shape.n).map(|(&node, n)| n * self.given.points[node].coords);
+        let terms = nodes
+            .iter()
+            .zip(shape.n)
+            .map(|(&node, n)| n * self.given.points[node].coords);
         let number = self.points.len();
         self.points.push(Point3::from(terms.sum::<Vector3<f64>>()));
         self.added.push((nodes, shape.n));

@@ -133,8 +133,8 @@ impl ModalBem {
     /// The same with averages up to another frequency, of which those above half an octave have finer meshes.
     ///
     /// # Errors
-    /// As [`ModalBem::new`], and [`BemError::TooCoarse`](crate::bem::BemError) where the meshes of the averages end below
-    /// their bands.
+    /// As [`ModalBem::new`], and [`BemError::TooCoarse`](crate::bem::BemError) where the meshes of the averages end
+    /// below their bands.
     pub fn with_means(
         levels: Vec<MeshRange>,
         means: MeanRanges,

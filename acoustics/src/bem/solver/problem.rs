@@ -66,7 +66,8 @@ pub struct Exterior {
 /// How the equations of a surface are stored and solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub enum EquationSolver {
-    /// Compressed if that takes less than half as long as with the dense matrix by [`SurfaceSize::cost`](crate::bem::SurfaceSize::cost).
+    /// Compressed if that takes less than half as long as with the dense matrix by
+    /// [`SurfaceSize::cost`](crate::bem::SurfaceSize::cost).
     #[default]
     Auto,
     /// A dense matrix and its LU factors.
