@@ -4,8 +4,10 @@
 //! the memory and to announce long ones, not to predict a time.
 
 mod bodies;
+mod means;
 mod memory;
 
+use means::RadiatingSurface;
 use nailnoise_fem::ModalCost;
 use serde::Serialize;
 
@@ -104,18 +106,19 @@ pub fn of_body(design: &Design, kind: BodyKind) -> Result<StageCost, Error> {
 /// As [`of_body`].
 pub fn of_run(design: &Design) -> Result<Vec<StageCost>, Error> {
     let mut stages = vec![of_cycle(design)];
+    let (mut of_tool, mut of_others) = (0.0, 0.0);
     for kind in solved_bodies(design) {
-        stages.push(of_body(design, kind)?);
+        let stage = of_body(design, kind)?;
+        let modes = stage.modes().unwrap_or(0.0);
+        match kind {
+            BodyKind::Tool => of_tool += modes,
+            BodyKind::Workpiece | BodyKind::Worktable => of_others += modes,
+        }
+        stages.push(stage);
     }
-    let modes: f64 = stages
-        .iter()
-        .flat_map(|stage| &stage.counts)
-        .filter(|(what, _)| *what == "modes")
-        .map(|(_, n)| n)
-        .sum();
-    stages.push(response(design, modes));
-    stages.extend(radiation(design));
-    stages.extend(radiation_of_tool(design)?);
+    stages.push(response(design, of_tool + of_others));
+    stages.extend(radiation(design, of_others));
+    stages.extend(radiation_of_tool(design, of_tool)?);
     Ok(stages)
 }
 
@@ -148,7 +151,7 @@ fn response(design: &Design, modes: f64) -> StageCost {
 
 /// Boundary elements of the workpiece with its support: unknowns of the four sectors grow with the area and the square of
 /// the top frequency; memory with their square and work with their cube, until the equations are compressed.
-fn radiation(design: &Design) -> Option<StageCost> {
+fn radiation(design: &Design, modes: f64) -> Option<StageCost> {
     let elements = design.acoustics.method == RadiationMethod::Bem && design.support.kind != SupportKind::Sandbox;
     elements.then(|| {
         let [x, y, z] = block_size(design);
@@ -165,25 +168,29 @@ fn radiation(design: &Design) -> Option<StageCost> {
         let (unknowns_0, seconds_0) = RADIATION;
         let dense = seconds_0 * (unknowns / unknowns_0).powi(3);
         let (gigabytes, seconds) = of_equations(acoustics.bem_equations, unknowns, 4.0, dense);
-        StageCost {
+        let mut stage = StageCost {
             stage: "radiation of the workpiece",
             counts: vec![("panels", panels)],
             gigabytes,
             cpu_seconds: seconds + 1e-3 * unknowns,
             keys: &[("acoustics.bem_top", "lower"), ("acoustics.bem_panels", "lower")],
-        }
+        };
+        let surface = RadiatingSurface::Boxes(block + on_table);
+        means::add(&mut stage, acoustics, (&surface, modes), acoustics.bem_top);
+        stage
     })
 }
 
-/// Boundary elements of the tool's body, which end where its mesh no longer resolves the waves.
-fn radiation_of_tool(design: &Design) -> Result<Option<StageCost>, Error> {
+/// Boundary elements of the tool's body, at single frequencies as far as its mesh resolves the waves.
+fn radiation_of_tool(design: &Design, modes: f64) -> Result<Option<StageCost>, Error> {
     let acoustics = &design.acoustics;
     if acoustics.body_method == RadiationMethod::Erp || design.body.model == BodyModel::Rigid {
         return Ok(None);
     }
     let top = acoustics.bem_top.min(TOOL_TOP);
     let panel = SOUND_SPEED / (top * acoustics.bem_panels);
-    let panels = bodies::tool_area(design)? / (panel * panel);
+    let area = bodies::tool_area(design)?;
+    let panels = area / (panel * panel);
     let (panels_0, seconds_0) = TOOL_RADIATION;
     let solved = match design.sources.convention {
         Convention::Physical => 1.0,
@@ -191,13 +198,16 @@ fn radiation_of_tool(design: &Design) -> Result<Option<StageCost>, Error> {
     };
     let dense = seconds_0 * (panels / panels_0).powi(3);
     let (gigabytes, seconds) = of_equations(acoustics.bem_equations, 0.5 * panels, 1.0, dense);
-    Ok(Some(StageCost {
+    let mut stage = StageCost {
         stage: "radiation of the tool",
         counts: vec![("panels", panels)],
         gigabytes,
-        cpu_seconds: solved * seconds,
+        cpu_seconds: seconds,
         keys: &[("acoustics.bem_top", "lower"), ("acoustics.bem_panels", "lower")],
-    }))
+    };
+    means::add(&mut stage, acoustics, (&RadiatingSurface::Body(area), modes), top);
+    stage.cpu_seconds *= solved;
+    Ok(Some(stage))
 }
 
 /// Memory \[GB\] and time \[s\] of the equations of boundary elements, of which `dense` is the time of the dense matrix. The
@@ -264,6 +274,12 @@ impl StageCost {
     pub fn dofs(&self) -> Option<f64> {
         let own = self.counts.iter().find(|(what, _)| *what == DOFS);
         own.map(|(_, count)| *count)
+    }
+
+    /// Modes of a body; none for other stages.
+    fn modes(&self) -> Option<f64> {
+        let own = self.counts.iter().find(|(what, _)| *what == "modes");
+        own.map(|(_, count)| *count).filter(|_| self.dofs().is_some())
     }
 
     /// Takes the counts and the cost of modes from a mesh.

@@ -559,12 +559,16 @@ group! {
     Acoustics {
         /// Radiation of the workpiece with its support.
         method: RadiationMethod = RadiationMethod::KIND, "";
-        /// Radiation of the tool's body where it is elastic: boundary elements on its housing, up to `bem_top` or as far as
-        /// its mesh resolves the waves, or that of a sphere of its volume.
+        /// Radiation of the tool's body where it is elastic: boundary elements on its housing, at single frequencies
+        /// up to `bem_top` or as far as its mesh resolves the waves, or that of a sphere of its volume.
         body_method: RadiationMethod = RadiationMethod::KIND, "";
-        /// Highest frequency of the boundary elements in air of 20 degrees Celsius, in other air higher as its speed of sound is;
-        /// half an octave more is solved in the mean over frequency.
+        /// Highest single frequency of the boundary elements in air of 20 degrees Celsius, in other air higher as its
+        /// speed of sound is; above it they are solved in the mean over frequency, up to `bem_mean_top`.
         bem_top: f64 = positive(FREQUENCY).within(20.0, 1e5), "";
+        /// Upper end of the boundary elements in the mean over bands of at most a sixth of an octave, for workpiece
+        /// and tool, in the same air as `bem_top`; 0 for half an octave above the highest single frequency, which
+        /// needs no finer mesh. At least one band is solved. Above it the high-frequency limit applies.
+        bem_mean_top: f64 = nonnegative(FREQUENCY).within(0.0, 1e5), "";
         /// How the equations of boundary elements are stored and solved.
         bem_equations: BemEquations = BemEquations::KIND, "";
         /// Least number of panels per wavelength of sound.

@@ -154,6 +154,7 @@ fn resolution(design: &Design) -> Resolution {
     let acoustics = &design.acoustics;
     Resolution {
         top_hz: acoustics.bem_top,
+        mean_top_hz: (acoustics.bem_mean_top > 0.0).then_some(acoustics.bem_mean_top),
         panels: acoustics.bem_panels,
         equations: match acoustics.bem_equations {
             BemEquations::Auto => EquationSolver::Auto,

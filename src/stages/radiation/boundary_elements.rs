@@ -1,6 +1,6 @@
 //! Boundary elements of a body on several meshes: what is solved, what it costs, and the radiation matrix.
 
-use nailnoise_acoustics::bem::{EquationSolver, MeshRange, ModalBem, Receivers};
+use nailnoise_acoustics::bem::{EquationSolver, MeanBands, MeanRanges, MeshRange, ModalBem, Patterns, Receivers};
 use nailnoise_acoustics::radiation::Sampling;
 use nalgebra::Point3;
 use serde::Serialize;
@@ -21,8 +21,12 @@ const MOST_SAMPLES: usize = 400;
 /// How finely boundary elements resolve space and frequency.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Resolution {
-    /// Highest frequency of boundary elements in standard air \[Hz\].
+    /// Highest single frequency of boundary elements in standard air \[Hz\].
     pub top_hz: f64,
+    /// Upper end of boundary elements in the mean over frequency, in standard air \[Hz\]; without it half an octave
+    /// above single frequencies.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mean_top_hz: Option<f64>,
     /// Panels per wavelength.
     pub panels: f64,
     /// How the equations are stored and solved.
@@ -30,6 +34,33 @@ pub struct Resolution {
     pub equations: EquationSolver,
     /// Tolerance of the interpolation over frequency, relative to sqrt(R_ii R_jj).
     pub tolerance: f64,
+}
+
+impl Resolution {
+    /// Bands of the means above the highest single frequency of a body \[Hz\].
+    pub(super) fn mean_bands(&self, top_hz: f64) -> MeanBands {
+        MeanBands::new(top_hz, self.mean_top_hz)
+    }
+
+    /// Highest frequency that the user asks boundary elements for \[Hz\].
+    pub(super) fn highest_hz(&self) -> f64 {
+        self.mean_top_hz
+            .map_or(self.top_hz, |mean_top| mean_top.max(self.top_hz))
+    }
+
+    /// Finer meshes of the means above the highest single frequency of a body \[Hz\], each made by `mesh` for a
+    /// frequency.
+    pub(super) fn mean_ranges<E>(
+        &self,
+        top_hz: f64,
+        mesh: impl FnMut(f64) -> Result<MeshRange, E>,
+    ) -> Result<MeanRanges, E> {
+        let tops = self.mean_bands(top_hz).finer_meshes().into_iter().map(|(top, _)| top);
+        Ok(MeanRanges {
+            to_hz: self.mean_top_hz,
+            finer: tops.map(mesh).collect::<Result<_, E>>()?,
+        })
+    }
 }
 
 /// The places at which the pressure of every mode is wanted, in the coordinates of the body \[m\].
@@ -69,6 +100,8 @@ pub(super) struct MeshRanges {
     pub(super) levels: Vec<MeshRange>,
     /// Number of frequencies that are solved on each mesh, about.
     pub(super) solves: Vec<f64>,
+    /// Means above single frequencies, and their meshes.
+    pub(super) means: MeanRanges,
     /// Lowest frequency that is solved \[Hz\].
     pub(super) lowest_hz: f64,
 }
@@ -79,31 +112,82 @@ impl MeshRanges {
         self.levels.last()
     }
 
-    /// Processor time \[s\], about. Operators are stored for all frequencies if there are more than `few` of them.
+    /// Number of frequencies of each finer mesh of the means.
+    fn mean_solves(&self) -> Vec<f64> {
+        let Some(finest) = self.finest() else { return Vec::new() };
+        let meshes = MeanBands::new(finest.top_hz, self.means.to_hz)
+            .finer_meshes()
+            .into_iter();
+        meshes.map(|(_, bands)| MeanBands::samples(bands) as f64).collect()
+    }
+
+    /// Every mesh with the number of its frequencies, and whether operators are stored for all of them: where there
+    /// are more than `few`.
+    fn all(&self, few: f64) -> impl Iterator<Item = (&MeshRange, f64, bool)> {
+        let alone = self.levels.len() == 1;
+        let single = self.levels.iter().zip(&self.solves);
+        let single = single.map(move |(level, solves)| (level, *solves, alone || *solves > few));
+        let means = self.means.finer.iter().zip(self.mean_solves());
+        single.chain(means.map(|(mesh, solves)| (mesh, solves, false)))
+    }
+
+    /// Processor time \[s\], about.
     fn seconds(&self, few: f64) -> f64 {
-        let of_mesh = |(level, solves): (&MeshRange, &f64)| {
-            let estimate = level.problem.estimate();
-            let modes = level.patterns.first().map_or(0, |patterns| patterns.velocities.ncols());
-            // Most modes of a symmetric body have one parity.
-            let patterns = modes.div_ceil(level.problem.boundary().copies());
-            let stored = if self.levels.len() == 1 || *solves > few {
-                estimate.seconds_shared
-            } else {
-                0.0
-            };
-            stored + solves * estimate.seconds_with(patterns)
+        let of_mesh = |(mesh, solves, stored): (&MeshRange, f64, bool)| {
+            let estimate = mesh.problem.estimate();
+            let shared = if stored { estimate.seconds_shared } else { 0.0 };
+            shared + solves * estimate.seconds_with(patterns(mesh))
         };
-        self.levels.iter().zip(&self.solves).map(of_mesh).sum()
+        self.all(few).map(of_mesh).sum()
+    }
+
+    /// Peak of memory \[GB\], about: as many frequencies as there are threads on the most expensive mesh, beside the
+    /// velocities of all modes on all meshes.
+    fn gigabytes(&self, few: f64) -> f64 {
+        let threads = rayon::current_num_threads() as f64;
+        let of_mesh = |(mesh, _, stored): (&MeshRange, f64, bool)| {
+            let estimate = mesh.problem.estimate();
+            let shared = if stored { estimate.bytes_shared } else { 0.0 };
+            shared + threads * estimate.bytes_with(patterns(mesh))
+        };
+        let velocities = |(mesh, ..): (&MeshRange, f64, bool)| {
+            let values = |patterns: &Patterns| 8.0 * patterns.velocities.len() as f64;
+            mesh.patterns.iter().map(values).sum::<f64>()
+        };
+        1e-9 * (self.all(few).map(of_mesh).fold(0.0, f64::max) + self.all(few).map(velocities).sum::<f64>())
     }
 
     /// Notes what will be computed before any time is spent.
     pub(super) fn note(&self, body: &str, few: f64, progress: &Progress) {
         let Some(finest) = self.finest() else { return };
+        let bands = MeanBands::new(finest.top_hz, self.means.to_hz);
+        let mean = match self.means.finer.last() {
+            Some(mesh) => {
+                let (estimate, patterns) = (mesh.problem.estimate(), patterns(mesh));
+                format!(
+                    "; finest of {} meshes of the mean: {} panels, {} unknowns{}, about {:.1} s and {:.0} MB a \
+                     frequency with {patterns} modes",
+                    self.means.finer.len(),
+                    estimate.panels,
+                    estimate.unknowns,
+                    if estimate.compressed {
+                        " (compressed matrix)"
+                    } else {
+                        ""
+                    },
+                    estimate.seconds_with(patterns),
+                    1e-6 * estimate.bytes_with(patterns),
+                )
+            }
+            None => String::new(),
+        };
         progress.note(&format!(
-            "{body}: boundary elements up to {:.0} Hz, computed once for these bodies, about {:.0} s of processor time in \
-             all; finest mesh: {}",
+            "{body}: boundary elements up to {:.0} Hz and in the mean up to {:.0} Hz, computed once for these bodies, about \
+             {:.0} s of processor time and {:.1} GB in all; finest mesh: {}{mean}",
             finest.top_hz,
+            bands.upper_hz(),
             self.seconds(few),
+            self.gigabytes(few),
             finest.problem.estimate()
         ));
     }
@@ -126,9 +210,15 @@ impl MeshRanges {
             floor: FLOOR,
             most_samples: MOST_SAMPLES,
         };
-        let expected = self.solves.iter().sum::<f64>() as u64;
+        let expected = self.solves.iter().chain(&self.mean_solves()).sum::<f64>() as u64;
         Ok(progress.count_each((task, "frequencies"), expected, |solved| {
-            ModalBem::new(self.levels, &sampling, &places.receivers(), solved)
+            ModalBem::with_means(self.levels, self.means, &sampling, &places.receivers(), solved)
         })?)
     }
+}
+
+/// Velocity patterns that are solved together, about: most modes of a symmetric body have one parity.
+fn patterns(mesh: &MeshRange) -> usize {
+    let modes = mesh.patterns.first().map_or(0, |patterns| patterns.velocities.ncols());
+    modes.div_ceil(mesh.problem.boundary().copies())
 }

@@ -78,8 +78,8 @@ impl RadiatingShape {
 
     fn top_hz(&self) -> f64 {
         match self {
-            Self::Workpiece(elements) => elements.resolution.top_hz,
-            Self::Tool(elements) | Self::Cap(elements, _) => elements.resolution.top_hz,
+            Self::Workpiece(elements) => elements.resolution.highest_hz(),
+            Self::Tool(elements) | Self::Cap(elements, _) => elements.resolution.highest_hz(),
         }
     }
 }

@@ -9,7 +9,8 @@
 
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{
-    Boundary, BoundaryMesh, ClosedOutline, Exterior, MeshRange, ModalBem, Panel, Parity, Patterns,
+    BemError, Boundary, BoundaryMesh, ClosedOutline, Exterior, MeanBands, MeanRanges, MeshRange, ModalBem, Panel,
+    Parity, Patterns,
 };
 use nailnoise_meshes::Surface;
 use nalgebra::DMatrix;
@@ -95,7 +96,7 @@ impl ToolRadiation {
     /// Those of mesh and boundary elements.
     pub fn compute(&self, body: &MovingSurface<'_>, progress: &Progress) -> Result<ModalBem, Error> {
         self.solve(
-            self.levels(body, None, &Air::default())?,
+            &self.housing(body, None)?,
             ("tool", "boundary elements of the tool"),
             progress,
         )
@@ -112,7 +113,7 @@ impl ToolRadiation {
         progress: &Progress,
     ) -> Result<ModalBem, Error> {
         self.solve(
-            self.levels(body, Some(cap), &Air::default())?,
+            &self.housing(body, Some(cap))?,
             ("tool with its cap apart", "boundary elements of the tool's cap"),
             progress,
         )
@@ -120,13 +121,16 @@ impl ToolRadiation {
 
     fn solve(
         &self,
-        levels: Vec<MeshRange>,
+        housing: &Housing,
         (body, task): (&str, &'static str),
         progress: &Progress,
     ) -> Result<ModalBem, Error> {
+        let air = Air::default();
+        let levels = self.levels(housing, &air)?;
         let top_hz = levels.iter().map(|level| level.top_hz).fold(0.0, f64::max);
         let ranges = MeshRanges {
-            solves: solves(&levels),
+            solves: solves(&levels, &self.resolution.mean_bands(top_hz)),
+            means: self.mean_ranges(housing, top_hz, &air)?,
             levels,
             lowest_hz: LOWEST_SAMPLE.min(0.1 * top_hz),
         };
@@ -162,46 +166,94 @@ impl ToolRadiation {
         self.finest(body, None, air)
     }
 
-    /// The same, with each mode of the cap alone behind those of the whole where it is apart.
+    /// The housing in panels that resolve the waves at a frequency \[Hz\]: those of its own mesh, and parts of those
+    /// that are too large.
+    ///
+    /// # Errors
+    /// As [`Self::level`].
+    pub fn resolving(&self, body: &MovingSurface<'_>, hz: f64, air: &Air) -> Result<MeshRange, Error> {
+        self.of_finer_mesh(&self.housing(body, None)?, hz, air)
+    }
+
+    /// The housing's own mesh, with each mode of the cap alone behind those of the whole where it is apart.
     ///
     /// # Errors
     /// As [`Self::level`], [`Error::OpenCavity`], and [`Error::NoCapSurface`].
     pub fn finest(&self, body: &MovingSurface<'_>, cap: Option<&CapSurface>, air: &Air) -> Result<MeshRange, Error> {
+        self.of_own_mesh(&self.housing(body, cap)?, air)
+    }
+
+    /// The housing's outer surface in motion.
+    fn housing(&self, body: &MovingSurface<'_>, cap: Option<&CapSurface>) -> Result<Housing, Error> {
         let outline = ClosedOutline::new(body.surface, self.floor)?;
         refuse_open_cavities(&outline.mesh)?;
-        let motion = outline.motion(body.surface, body.modes);
-        let boundary = Boundary::new(outline.mesh, self.floor)?;
-        let mut velocities = boundary.project_displacements(&motion)?;
-        if let Some(cap) = cap {
-            velocities = beside_part(velocities, boundary.mesh(), &cap.panels(boundary.mesh())?);
+        Ok(Housing {
+            motion: outline.motion(body.surface, body.modes),
+            cap: cap.map(|cap| cap.panels(&outline.mesh)).transpose()?,
+            mesh: outline.mesh,
+        })
+    }
+
+    /// The housing's own mesh.
+    fn of_own_mesh(&self, housing: &Housing, air: &Air) -> Result<MeshRange, Error> {
+        let boundary = Boundary::new(housing.mesh.clone(), self.floor)?;
+        let part = housing.cap.as_ref().map(|cap| of_panels(&boundary, |panel| cap[panel]));
+        let velocities = boundary.project_displacements(&housing.motion)?;
+        let top_hz = boundary.highest_hz(air.sound_speed, self.resolution.panels);
+        self.range(boundary, (velocities, part), top_hz.min(self.resolution.top_hz), air)
+    }
+
+    /// The housing in finer panels, which resolve the waves at `top_hz`.
+    fn of_finer_mesh(&self, housing: &Housing, top_hz: f64, air: &Air) -> Result<MeshRange, Error> {
+        let edge = air.sound_speed / (self.resolution.panels * top_hz);
+        let finer = housing.mesh.subdivided(edge).map_err(BemError::from)?;
+        let motion = finer.fields(&housing.motion).map_err(BemError::from)?;
+        let boundary = Boundary::new(finer.mesh, self.floor)?;
+        let part = housing
+            .cap
+            .as_ref()
+            .map(|cap| of_panels(&boundary, |panel| cap[finer.parents[panel]]));
+        let velocities = boundary.project_displacements(&motion)?;
+        self.range(boundary, (velocities, part), top_hz, air)
+    }
+
+    /// A boundary with velocities of all panels, and behind them those of a part alone.
+    fn range(
+        &self,
+        boundary: Boundary,
+        (mut velocities, part): (DMatrix<f64>, Option<Vec<bool>>),
+        top_hz: f64,
+        air: &Air,
+    ) -> Result<MeshRange, Error> {
+        if let Some(part) = part {
+            velocities = beside_part(velocities, boundary.mesh(), &part);
         }
-        let patterns = Patterns {
+        let patterns = vec![Patterns {
             parity: Parity::default(),
             velocities,
-        };
-        let Resolution {
-            top_hz,
-            panels,
-            equations,
-            ..
-        } = self.resolution;
-        let top_hz = boundary.highest_hz(air.sound_speed, panels).min(top_hz);
+        }];
         let problem = Exterior::new(boundary, air)
-            .with_panels_per_wavelength(panels)?
-            .with_equation_solver(equations);
+            .with_panels_per_wavelength(self.resolution.panels)?
+            .with_equation_solver(self.resolution.equations);
         Ok(MeshRange {
             problem,
             top_hz,
-            patterns: vec![patterns],
+            patterns,
         })
+    }
+
+    /// The meshes of the means above the highest single frequency.
+    fn mean_ranges(&self, housing: &Housing, top_hz: f64, air: &Air) -> Result<MeanRanges, Error> {
+        self.resolution
+            .mean_ranges(top_hz, |hz| self.of_finer_mesh(housing, hz, air))
     }
 
     /// The housing's mesh, below it where that saves much a coarser one of the same surface, which resolves the same waves:
     /// alone in the lower part of the range, in the upper part to predict the matrix between the few frequencies of the
     /// finer.
-    fn levels(&self, body: &MovingSurface<'_>, cap: Option<&CapSurface>, air: &Air) -> Result<Vec<MeshRange>, Error> {
+    fn levels(&self, housing: &Housing, air: &Air) -> Result<Vec<MeshRange>, Error> {
         let panels = self.resolution.panels;
-        let fine = self.finest(body, cap, air)?;
+        let fine = self.of_own_mesh(housing, air)?;
         let boundary = fine.problem.boundary();
         let edge = air.sound_speed / (panels * fine.top_hz);
         let worth_while = WORTH_WHILE * boundary.mesh().panels.len() as f64;
@@ -228,6 +280,20 @@ impl ToolRadiation {
         };
         Ok(vec![below, fine])
     }
+}
+
+/// The outer surface of a housing, its nose closed.
+struct Housing {
+    mesh: BoundaryMesh,
+    /// Displacements at the mesh's points, (3 x points) x modes.
+    motion: DMatrix<f64>,
+    /// The panels of the cap, where it is apart.
+    cap: Option<Vec<bool>>,
+}
+
+/// Which panels of a boundary belong to a part, by the numbers that they have in the mesh it was made of.
+fn of_panels(boundary: &Boundary, part: impl Fn(usize) -> bool) -> Vec<bool> {
+    boundary.original().iter().map(|&panel| part(panel)).collect()
 }
 
 /// Refuses an outline that contains walls of enclosed air. A cavity with a slit to the outside is a Helmholtz resonator: it
@@ -261,13 +327,12 @@ fn beside_part(velocities: DMatrix<f64>, mesh: &BoundaryMesh, part: &[bool]) -> 
 
 /// Number of frequencies that are solved on each mesh, about: alone on three pieces of the range, beside a coarser one at
 /// half as many on the last piece and in the middles of the means.
-fn solves(levels: &[MeshRange]) -> Vec<f64> {
+fn solves(levels: &[MeshRange], bands: &MeanBands) -> Vec<f64> {
+    let means = bands.on_same_mesh();
+    let in_means = MeanBands::samples(means) as f64;
     match levels {
-        [_, _] => vec![
-            4.0 * SAMPLES + ModalBem::IN_MEAN as f64,
-            0.5 * SAMPLES + ModalBem::MEANS as f64,
-        ],
-        _ => vec![3.0 * SAMPLES + ModalBem::IN_MEAN as f64; levels.len()],
+        [_, _] => vec![4.0 * SAMPLES + in_means, 0.5 * SAMPLES + means as f64],
+        _ => vec![3.0 * SAMPLES + in_means; levels.len()],
     }
 }
 
@@ -276,6 +341,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
+    use nailnoise_acoustics::bem::EquationSolver;
     use nailnoise_meshes::Grid;
 
     /// A cube of 3 x 3 x 3 cells with a cavity that is called `plenum`, whose wall has a hole or none.
@@ -303,5 +369,86 @@ mod tests {
         refuse_open_cavities(&outline(false)).unwrap();
         let error = refuse_open_cavities(&outline(true)).unwrap_err();
         assert!(error.to_string().contains("`plenum`"), "{error}");
+    }
+
+    /// A block of 0.3 m on the ground of the tool's coordinates, in the motion of a rigid body along z, as a housing
+    /// with its upper side as the cap.
+    fn shaken(mean_top_hz: Option<f64>) -> (ToolRadiation, Surface, DMatrix<f32>) {
+        let line = || vec![0.0, 0.1, 0.2, 0.3];
+        let grid = Grid::new(line(), line(), line()).unwrap();
+        let mesh = grid.mesh(
+            &["cube"],
+            |_| Some(0),
+            |_, axis, upper, _| match (axis, upper) {
+                (2, true) => "cap_outside",
+                _ => "outside",
+            },
+        );
+        let surface = Surface::of(&mesh);
+        let modes = DMatrix::from_fn(3 * surface.points.len(), 1, |dof, _| f32::from(u8::from(dof % 3 == 2)));
+        let elements = ToolRadiation {
+            resolution: Resolution {
+                top_hz: 1e5,
+                mean_top_hz,
+                panels: 6.0,
+                equations: EquationSolver::Auto,
+                tolerance: 0.02,
+            },
+            floor: None,
+            places: Places::new(std::iter::empty(), None, 0.0),
+        };
+        (elements, surface, modes)
+    }
+
+    #[test]
+    fn means_have_meshes_that_resolve_them_in_the_motion_of_the_housing_and_of_its_cap() {
+        let (elements, surface, modes) = shaken(Some(800.0));
+        let body = MovingSurface {
+            body: "tool",
+            surface: &surface,
+            modes: &modes,
+        };
+        let (cap, air) = (CapSurface::Named("cap_outside"), Air::default());
+        let housing = elements.housing(&body, Some(&cap)).unwrap();
+        let single = elements.of_own_mesh(&housing, &air).unwrap();
+        let means = elements.mean_ranges(&housing, single.top_hz, &air).unwrap();
+        // The cover of its mouth is a fan of triangles.
+        assert!((single.top_hz - 270.0).abs() < 1.0, "{}", single.top_hz);
+        assert_eq!(means.finer.len(), 3);
+        let mut panels = single.problem.boundary().mesh().panels.len();
+        for range in &means.finer {
+            let boundary = range.problem.boundary();
+            assert!(range.resolved_hz() >= range.top_hz * (1.0 - 1e-9));
+            assert!(boundary.mesh().panels.len() > panels);
+            panels = boundary.mesh().panels.len();
+            // Volume flows of both patterns through the upper side, 0.09 m2.
+            let velocities = &range.patterns[0].velocities;
+            let (mut row, mut flows) = (0, [0.0; 2]);
+            for (number, panel) in boundary.mesh().panels.iter().enumerate() {
+                let corners = panel.corners().len();
+                let upper = boundary.mesh().patches[panel.patch] == "cap_outside";
+                for (pattern, flow) in flows.iter_mut().enumerate() {
+                    let own = velocities.view((row, pattern), (corners, 1));
+                    assert!(upper || pattern == 0 || own.amax() < 1e-12);
+                    *flow += f64::from(u8::from(upper)) * own.mean() * boundary.mesh().panel_area(number);
+                }
+                row += corners;
+            }
+            assert!(flows.iter().all(|flow| (flow - 0.09).abs() < 1e-9), "{flows:?}");
+        }
+        assert!((means.finer[2].top_hz - 800.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn half_an_octave_of_means_needs_no_finer_mesh() {
+        let (elements, surface, modes) = shaken(None);
+        let body = MovingSurface {
+            body: "tool",
+            surface: &surface,
+            modes: &modes,
+        };
+        let housing = elements.housing(&body, None).unwrap();
+        let means = elements.mean_ranges(&housing, 270.0, &Air::default()).unwrap();
+        assert!(means.finer.is_empty() && means.to_hz.is_none());
     }
 }

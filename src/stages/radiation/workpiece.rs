@@ -7,7 +7,8 @@
 //! shape (`workpiece.mesh`) radiates from the faces of its own mesh.
 
 use nailnoise_acoustics::bem::{
-    BemError, Boundary, BoundaryMesh, Exterior, MeshRange, ModalBem, MovingPart, Parity, Patterns, Side, SolidBox,
+    BemError, Boundary, BoundaryMesh, Exterior, MeanBands, MeanRanges, MeshRange, ModalBem, MovingPart, Parity,
+    Patterns, Side, SolidBox,
 };
 use nailnoise_acoustics::radiation::{Erp, RadiatingSurface};
 use nailnoise_acoustics::{AcousticsError, Air};
@@ -104,11 +105,14 @@ impl WorkpieceBoundaryElements {
     /// # Errors
     /// Those of [`Self::levels`] and of the boundary elements.
     pub fn compute(&self, bodies: &[MovingSurface<'_>], progress: &Progress) -> Result<ModalBem, Error> {
-        let levels = self.levels(bodies, &Air::default())?;
+        let air = Air::default();
+        let levels = self.levels(bodies, &air)?;
+        let top_hz = levels.iter().map(|level| level.top_hz).fold(0.0, f64::max);
         let lowest = levels.first().map_or(0.0, |level| level.top_hz);
         let lowest_hz = LOWEST_SAMPLE.min(0.5 * lowest);
         let ranges = MeshRanges {
-            solves: solves(&levels, lowest_hz),
+            solves: solves(&levels, lowest_hz, &self.resolution.mean_bands(top_hz)),
+            means: self.mean_ranges(bodies, top_hz, &air)?,
             levels,
             lowest_hz,
         };
@@ -160,11 +164,23 @@ impl WorkpieceBoundaryElements {
         let of_boxes = shares.iter().map(|share| self.of_boxes(bodies, air, *share));
         match of_boxes.collect() {
             Err(AcousticsError::Bem(BemError::Uncovered { .. })) if !self.on_table => {
-                Ok(vec![self.of_skin(&bodies[0], air)?])
+                Ok(vec![self.of_skin(&bodies[0], air, None)?])
             }
             Err(cause @ AcousticsError::Bem(BemError::Uncovered { .. })) => Err(Error::NotBoxes { cause }),
             other => Ok(other?),
         }
+    }
+
+    /// The meshes of the means above the highest single frequency.
+    fn mean_ranges(&self, bodies: &[MovingSurface<'_>], top_hz: f64, air: &Air) -> Result<MeanRanges, Error> {
+        self.resolution.mean_ranges(top_hz, |hz| {
+            match self.of_boxes(bodies, air, hz / self.resolution.top_hz) {
+                Err(AcousticsError::Bem(BemError::Uncovered { .. })) if !self.on_table => {
+                    self.of_skin(&bodies[0], air, Some(hz))
+                }
+                other => Ok(other?),
+            }
+        })
     }
 
     /// The boxes' surface up to a share of the top of all ranges.
@@ -213,8 +229,8 @@ impl WorkpieceBoundaryElements {
         })
     }
 
-    /// The faces of a block's own mesh, up to the frequency that they resolve.
-    fn of_skin(&self, body: &MovingSurface<'_>, air: &Air) -> Result<MeshRange, Error> {
+    /// The faces of a block's own mesh up to the frequency that they resolve, or in finer panels up to `top_hz`.
+    fn of_skin(&self, body: &MovingSurface<'_>, air: &Air, top_hz: Option<f64>) -> Result<MeshRange, Error> {
         let (fine, computed) = (&self.resolution, Air::default());
         let open = open_faces(body.surface, self.floor)?;
         let mut mesh = BoundaryMesh::of_skin(body.surface);
@@ -223,18 +239,26 @@ impl WorkpieceBoundaryElements {
         mesh.patches
             .iter_mut()
             .for_each(|name| name.insert_str(0, "workpiece "));
+        let mut motion = body.modes.map(f64::from);
+        if let Some(top_hz) = top_hz {
+            let finer = mesh
+                .subdivided(computed.sound_speed / (fine.panels * top_hz))
+                .map_err(BemError::from)?;
+            (motion, mesh) = (finer.fields(&motion).map_err(BemError::from)?, finer.mesh);
+        }
         let boundary = Boundary::new(mesh, self.floor)?;
         let patterns = Patterns {
             parity: Parity::default(),
-            velocities: boundary.project_displacements(&body.modes.map(f64::from))?,
+            velocities: boundary.project_displacements(&motion)?,
         };
         let resolved = boundary.highest_hz(computed.sound_speed, fine.panels);
+        let top_hz = top_hz.unwrap_or_else(|| resolved.min(fine.top_hz));
         let problem = Exterior::new(boundary, air)
             .with_panels_per_wavelength(fine.panels)?
             .with_equation_solver(fine.equations);
         Ok(MeshRange {
             problem,
-            top_hz: resolved.min(fine.top_hz) * (air.sound_speed / computed.sound_speed),
+            top_hz: top_hz * (air.sound_speed / computed.sound_speed),
             patterns: vec![patterns],
         })
     }
@@ -242,8 +266,8 @@ impl WorkpieceBoundaryElements {
 
 /// Number of frequencies that are solved on each mesh, about. The samples of a range follow how many more wavelengths twice
 /// the body's largest extent, or its height above the floor, holds at its top than at its bottom. They are solved on the
-/// mesh below and corrected by the range's own; the last mesh also solves the means above.
-fn solves(levels: &[MeshRange], low: f64) -> Vec<f64> {
+/// mesh below and corrected by the range's own; the last mesh also solves the means half an octave above.
+fn solves(levels: &[MeshRange], low: f64, bands: &MeanBands) -> Vec<f64> {
     let mut from = low;
     let mut solves = vec![0.0; levels.len()];
     for (number, level) in levels.iter().enumerate() {
@@ -259,7 +283,7 @@ fn solves(levels: &[MeshRange], low: f64) -> Vec<f64> {
         }
     }
     if let Some(last) = solves.last_mut() {
-        *last += ModalBem::IN_MEAN as f64;
+        *last += MeanBands::samples(bands.on_same_mesh()) as f64;
     }
     solves
 }
@@ -304,6 +328,7 @@ mod tests {
     use std::sync::Arc;
 
     use nailnoise_acoustics::bem::TwoEvaluations;
+    use nailnoise_meshes::FaceKind;
     use nalgebra::Vector3;
 
     use super::*;
@@ -420,6 +445,36 @@ mod tests {
             let image = 1.0 - 3.0 * (x.sin() / x + 2.0 * x.cos() / (x * x) - 2.0 * x.sin() / x.powi(3));
             let found = near(Vector3::z(), hz)[0] / free(Vector3::z(), hz)[0];
             assert!((found / image - 1.0).abs() < 0.01, "{hz} Hz: {found} against {image}");
+        }
+    }
+
+    #[test]
+    fn means_have_meshes_of_their_own_where_they_go_farther_than_half_an_octave() {
+        let air = Air::default();
+        let floor = "support.kind = \"floor\"\nworkpiece.thickness = \"90 mm\"";
+        let block = block(&small(floor));
+        let means = |text: &str| {
+            let elements = boundary_elements(&small(&format!("{floor}\n{text}")));
+            let bodies = [block.moving_surface()];
+            let single = elements.finest(&bodies, &air).unwrap().unwrap();
+            elements.mean_ranges(&bodies, single.top_hz, &air).unwrap().finer
+        };
+        assert!(means("").is_empty());
+        for (length, kind) in [("", FaceKind::Quad4), ("workpiece.length = \"410 mm\"", FaceKind::Tri6)] {
+            let finer = means(&format!("acoustics.bem_mean_top = \"1.2 kHz\"\n{length}"));
+            let last = finer.last().unwrap();
+            assert!((last.top_hz - 1200.0).abs() < 1e-6);
+            assert!(last.resolved_hz() >= last.top_hz * (1.0 - 1e-9));
+            assert!(
+                last.problem
+                    .boundary()
+                    .mesh()
+                    .panels
+                    .iter()
+                    .any(|panel| panel.kind() == kind)
+            );
+            let found = shaken(last, &block, Vector3::z(), 300.0);
+            assert!((found[0] / found[1] - 1.0).abs() < 0.05, "{found:?}");
         }
     }
 

@@ -1,17 +1,10 @@
-//! Frequencies above those solved one by one: bands over which boundary elements are averaged, and frequencies at which
-//! the high-frequency limit is evaluated.
+//! Frequencies at which the high-frequency limit is evaluated: above boundary elements, and beside them for comparison.
 
 use crate::bem::high_frequencies::faces::Faces;
+use crate::bem::high_frequencies::mean_bands::MeanBands;
 use crate::bem::solver::problem::{Exterior, Patterns};
 use crate::radiation::Resistance;
 use nalgebra::DMatrix;
-
-/// Bands over which boundary elements are averaged, a sixth of an octave each.
-const MEANS: usize = 3;
-
-/// Width of such a band in octaves, and number of frequencies solved in it.
-const MEAN_OCTAVES: f64 = 1.0 / 6.0;
-const MEAN_SAMPLES: usize = 3;
 
 /// Octaves between neighbouring evaluations of the high-frequency limit; each is averaged over the same width.
 const LIMIT_OCTAVES: f64 = 1.0 / 3.0;
@@ -23,60 +16,22 @@ const COMPARED: i32 = 2;
 /// Highest frequency at which the limit is evaluated \[Hz\]; it is constant above.
 const FARTHEST: f64 = 10e3;
 
-/// Frequencies above the top of the boundary elements at single frequencies \[Hz\].
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct HighFrequencies {
-    top: f64,
+/// Frequencies at which the limit is compared with boundary elements \[Hz\]: the last is the centre of the last
+/// averaging band, the others are no closer to it than half their distance.
+fn compared(bands: &MeanBands) -> Vec<f64> {
+    let last = bands.last_octaves();
+    let octaves = (-COMPARED..).map(|i| f64::from(i) * LIMIT_OCTAVES);
+    let below = octaves.take_while(|octaves| *octaves <= f64::max(last - 0.5 * LIMIT_OCTAVES, 0.0));
+    below.chain([last]).map(|octaves| bands.above(octaves)).collect()
 }
 
-impl HighFrequencies {
-    /// Number of bands of [`HighFrequencies::solved`].
-    pub(crate) const MEANS: usize = MEANS;
-
-    /// Number of frequencies of [`HighFrequencies::solved`].
-    pub(crate) const COUNT: usize = MEANS * MEAN_SAMPLES;
-
-    pub(crate) fn new(top_hz: f64) -> Self {
-        Self { top: top_hz }
-    }
-
-    /// Upper end of the averaged boundary elements \[Hz\].
-    pub(crate) fn solved_to_hz(&self) -> f64 {
-        self.above(MEANS as f64 * MEAN_OCTAVES)
-    }
-
-    /// Centres of the averaging bands, and the frequencies solved in each \[Hz\].
-    pub(crate) fn solved(&self) -> Vec<(f64, Vec<f64>)> {
-        let range = |i: usize| {
-            let at = |share: f64| self.above((i as f64 + share) * MEAN_OCTAVES);
-            let sample = |j: usize| at((j as f64 + 0.5) / MEAN_SAMPLES as f64);
-            (at(0.5), (0..MEAN_SAMPLES).map(sample).collect())
-        };
-        (0..MEANS).map(range).collect()
-    }
-
-    /// Centre of the last averaging band \[Hz\].
-    fn last(&self) -> f64 {
-        self.above((MEANS as f64 - 0.5) * MEAN_OCTAVES)
-    }
-
-    /// Frequencies at which the limit is compared with boundary elements \[Hz\].
-    fn compared(&self) -> Vec<f64> {
-        let below = (-COMPARED..=0).map(|i| self.above(f64::from(i) * LIMIT_OCTAVES));
-        below.chain([self.last()]).collect()
-    }
-
-    /// Frequencies above boundary elements at which the limit is evaluated \[Hz\].
-    fn limit(&self) -> Vec<f64> {
-        let count = ((FARTHEST / self.last()).log2() / LIMIT_OCTAVES).ceil().max(1.0) as usize;
-        (1..=count)
-            .map(|i| self.last() * 2f64.powf(i as f64 * LIMIT_OCTAVES))
-            .collect()
-    }
-
-    fn above(&self, octaves: f64) -> f64 {
-        self.top * 2f64.powf(octaves)
-    }
+/// Frequencies above boundary elements at which the limit is evaluated \[Hz\].
+fn above(bands: &MeanBands) -> Vec<f64> {
+    let last = bands.above(bands.last_octaves());
+    let count = ((FARTHEST / last).log2() / LIMIT_OCTAVES).ceil().max(1.0) as usize;
+    (1..=count)
+        .map(|i| last * 2f64.powf(i as f64 * LIMIT_OCTAVES))
+        .collect()
 }
 
 /// The high-frequency limit of one parity: frequency \[Hz\], and resistance of every patch.
@@ -88,10 +43,10 @@ pub(crate) struct Limit {
 }
 
 /// The limit of all parities. The last patch, added to those of the boundary, radiates nothing.
-pub(crate) fn limits(problem: &Exterior, motions: &[Patterns], ladder: &HighFrequencies) -> Vec<Limit> {
+pub(crate) fn limits(problem: &Exterior, motions: &[Patterns], bands: &MeanBands) -> Vec<Limit> {
     let air = problem.air();
-    let faces = Faces::new(problem.boundary(), air.sound_speed / ladder.solved_to_hz());
-    let (mut below, mut above) = (ladder.compared(), ladder.limit());
+    let faces = Faces::new(problem.boundary(), air.sound_speed / bands.upper_hz());
+    let (mut below, mut above) = (compared(bands), above(bands));
     if faces.is_empty() {
         // It does not depend on frequency.
         below.truncate(1);
@@ -124,4 +79,36 @@ pub(crate) fn limits(problem: &Exterior, motions: &[Patterns], ladder: &HighFreq
         .into_iter()
         .map(of_parity)
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_limit_is_compared_every_third_of_an_octave_up_to_the_last_band() {
+        let of = |to: Option<f64>| {
+            let octaves = compared(&MeanBands::new(1000.0, to))
+                .into_iter()
+                .map(|hz| (hz / 1000.0).log2());
+            octaves
+                .map(|octaves| (60.0 * octaves).round() / 60.0)
+                .collect::<Vec<f64>>()
+        };
+        let third = 20.0 / 60.0;
+        assert_eq!(of(None), [-2.0 * third, -third, 0.0, 25.0 / 60.0]);
+        assert_eq!(
+            of(Some(2000.0)),
+            [-2.0 * third, -third, 0.0, third, 2.0 * third, 55.0 / 60.0]
+        );
+    }
+
+    #[test]
+    fn the_limit_takes_over_a_third_of_an_octave_above_the_last_band() {
+        for to in [None, Some(8e3), Some(20e3)] {
+            let bands = MeanBands::new(2443.0, to);
+            let last = bands.above(bands.last_octaves());
+            assert!((above(&bands)[0] / last).log2() - LIMIT_OCTAVES < 1e-12);
+        }
+    }
 }

@@ -3,3 +3,4 @@
 pub(crate) mod composite;
 pub(crate) mod faces;
 pub(crate) mod frequencies;
+pub(crate) mod mean_bands;

@@ -1,4 +1,5 @@
-//! The boundary as panels: checks, mirror planes, quadrature rules, boxes, and coarser meshes of the same surface.
+//! The boundary as panels: checks, mirror planes, quadrature rules, boxes, and coarser and finer meshes of the same
+//! surface.
 
 pub(crate) mod boundary;
 pub(crate) mod boxes;
@@ -6,4 +7,5 @@ pub(crate) mod coarse;
 pub(crate) mod outline;
 pub(crate) mod panel;
 pub(crate) mod rules;
+pub(crate) mod subdivision;
 pub(crate) mod symmetry;

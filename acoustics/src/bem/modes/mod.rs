@@ -4,6 +4,7 @@ pub(crate) mod added_mass;
 pub(crate) mod band_fields;
 pub(crate) mod combination;
 pub(crate) mod independent;
+pub(crate) mod mean_ranges;
 pub(crate) mod mesh_range;
 pub(crate) mod modal;
 pub(crate) mod range_solver;

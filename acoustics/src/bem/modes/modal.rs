@@ -1,9 +1,11 @@
 use crate::air::Air;
 use crate::bem::high_frequencies::composite::{CompositeRadiation, HighFrequencyRadiation};
-use crate::bem::high_frequencies::frequencies::{HighFrequencies, limits};
+use crate::bem::high_frequencies::frequencies::limits;
+use crate::bem::high_frequencies::mean_bands::MeanBands;
 use crate::bem::modes::added_mass::{AddedMasses, MassSamples};
 use crate::bem::modes::combination::Combination;
 use crate::bem::modes::independent::independent;
+use crate::bem::modes::mean_ranges::MeanRanges;
 use crate::bem::modes::mesh_range::MeshRange;
 use crate::bem::modes::range_solver::RangeSolver;
 use crate::bem::modes::receivers::{ModalPressures, ReceiverPressures, Receivers};
@@ -50,6 +52,8 @@ pub struct ModalBem {
     pressures: Arc<ModalPressures>,
     #[serde(with = "shared")]
     masses: Arc<AddedMasses>,
+    /// Octaves of the averaged boundary elements above single frequencies.
+    mean_octaves: f64,
     /// Summary of the sampling.
     pub summary: Summary,
     air: AirScale,
@@ -103,19 +107,14 @@ impl AirScale {
 }
 
 impl ModalBem {
-    /// Number of frequencies solved for averages above the range of single frequencies, see [`ModalBem::new`].
-    pub const IN_MEAN: usize = HighFrequencies::COUNT;
-
-    /// Number of averaging bands.
-    pub const MEANS: usize = HighFrequencies::MEANS;
-
     /// Samples R(f) from `sampling.range_hz[0]` up, on meshes that become finer; the upper end is that of the last
     /// level. In the range of a level, the next coarser mesh gives the frequency dependence of R(f), and the level's
     /// own mesh corrects it at fewer frequencies ([`SampledRadiation::of_parities`] describes the error estimate). If
     /// the coarser mesh resolves the same range, as that of [`Boundary::coarsened`](crate::bem::Boundary::coarsened)
     /// does, only the shape differs and few corrections are needed. Half an octave more is solved on the last mesh as
-    /// averages over a few frequencies. Above that, the high-frequency limit is used: Rayleigh's integral for flat
-    /// faces, the equivalent radiated power for curved parts and parts small compared with the wavelength.
+    /// averages over a few frequencies; [`ModalBem::with_means`] goes on to higher frequencies. Above that, the
+    /// high-frequency limit is used: Rayleigh's integral for flat faces, the equivalent radiated power for curved parts
+    /// and parts small compared with the wavelength.
     ///
     /// Pressures of every mode are sampled at `receivers`; `progress` is called after each frequency solved.
     ///
@@ -128,6 +127,21 @@ impl ModalBem {
         receivers: &Receivers,
         progress: &(dyn Fn() + Sync),
     ) -> Result<Self, AcousticsError> {
+        Self::with_means(levels, MeanRanges::default(), sampling, receivers, progress)
+    }
+
+    /// The same with averages up to another frequency, of which those above half an octave have finer meshes.
+    ///
+    /// # Errors
+    /// As [`ModalBem::new`], and [`BemError::TooCoarse`](crate::bem::BemError) where the meshes of the averages end
+    /// below their bands.
+    pub fn with_means(
+        levels: Vec<MeshRange>,
+        means: MeanRanges,
+        sampling: &Sampling,
+        receivers: &Receivers,
+        progress: &(dyn Fn() + Sync),
+    ) -> Result<Self, AcousticsError> {
         let Some(finest) = levels.last() else {
             return Err(InputError::Length {
                 what: "meshes of the boundary",
@@ -136,7 +150,9 @@ impl ModalBem {
             }
             .into());
         };
-        for level in &levels {
+        let bands = MeanBands::new(finest.top_hz, means.to_hz);
+        means.check(&bands)?;
+        for level in levels.iter().chain(&means.finer) {
             level.problem.check_resolution(level.top_hz)?;
             same_length("parities of a level", level.patterns.len(), finest.patterns.len())?;
             let values = level.problem.boundary().velocity_values();
@@ -151,7 +167,6 @@ impl ModalBem {
         let mut ranges: Vec<Vec<SampledRadiation>> = vec![Vec::new(); chosen.len()];
         let mut samples: Vec<Vec<Vec<ReceiverPressures>>> = vec![Vec::new(); chosen.len()];
         let mut pressures = ModalPressures::new(receivers, &finest.problem);
-        let high = HighFrequencies::new(finest.top_hz);
         let (mut erps, mut motions) = (Vec::new(), Vec::new());
         for (pick, patterns) in chosen.iter().zip(&finest.patterns) {
             let own = pick.of(patterns);
@@ -159,7 +174,7 @@ impl ModalBem {
             erps.push(Erp::new(&surface, finest.problem.air()).with_silent_patch(REST));
             motions.push(own);
         }
-        let limits = limits(&finest.problem, &motions, &high);
+        let limits = limits(&finest.problem, &motions, &bands);
         let mut summary = Summary {
             samples: 0,
             interpolation: 0.0,
@@ -183,7 +198,7 @@ impl ModalBem {
             // The solver also predicts the next range, and the last one solves the averages.
             let next = tops.get(number + 1).copied();
             let last = number + 2 == tops.len() && next.is_some_and(|next| resolved[number] >= next);
-            let kept_to = next.filter(|_| !last).unwrap_or(high.solved_to_hz());
+            let kept_to = next.filter(|_| !last).unwrap_or(bands.same_mesh_to_hz());
             let follows = coarser.as_ref().is_some_and(|coarser| coarser.follows(level.top_hz));
             let solver = RangeSolver::new(level, (kept_to, !follows), &chosen, receivers, progress)?;
             let predictor = coarser.as_ref().unwrap_or(&solver);
@@ -205,13 +220,17 @@ impl ModalBem {
             alike = coarser.replace(solver).filter(|_| follows);
         }
         let mut nodes: Vec<Vec<(f64, Vec<Resistance>)>> = vec![Vec::new(); chosen.len()];
-        if let Some(solver) = &coarser {
-            let ranges = high.solved();
-            let means = match &alike {
-                Some(alike) => solver.means_beside(alike, &ranges)?,
-                None => solver.means(&ranges)?,
+        if let Some(solver) = coarser {
+            let mut own = bands.all();
+            own.truncate(bands.on_same_mesh());
+            let mut found = match &alike {
+                Some(alike) => solver.means_beside(alike, &own)?,
+                None => solver.means(&own)?,
             };
-            for (hz, means) in means {
+            drop((solver, alike));
+            let solved = (receivers, progress);
+            found.extend(MeanRanges::means(means.finer, &bands, &chosen, solved, &mut summary)?);
+            for (hz, means) in found {
                 nodes
                     .iter_mut()
                     .zip(means)
@@ -246,6 +265,7 @@ impl ModalBem {
             parities: Arc::new(parities),
             pressures: Arc::new(pressures),
             masses: Arc::new(masses),
+            mean_octaves: bands.octaves(),
             summary,
             air: AirScale::NONE,
             sums: Arc::default(),
@@ -362,7 +382,7 @@ impl ModalBem {
         let from = self.parities.first().map_or(0.0, CompositeRadiation::limit_from_hz);
         [
             from * self.air.speed,
-            HighFrequencies::new(self.solved_hz()[1]).solved_to_hz(),
+            MeanBands::of_octaves(self.solved_hz()[1], self.mean_octaves).upper_hz(),
         ]
     }
 

@@ -1,3 +1,4 @@
+use crate::bem::high_frequencies::mean_bands::MeanBand;
 use crate::bem::modes::added_mass::{MassSamples, PackedMass};
 use crate::bem::modes::independent::Independent;
 use crate::bem::modes::mesh_range::MeshRange;
@@ -45,7 +46,7 @@ pub(crate) struct RangeSolver<'a> {
 }
 
 impl<'a> RangeSolver<'a> {
-    /// For frequencies up to `highest_hz`, which may lie above the range that the mesh resolves well. `keeping` stores
+    /// For frequencies up to the top of the range, or to `highest_hz` beyond it. `keeping` stores
     /// the integrals of close panels for all frequencies, which pays off if many frequencies are solved.
     pub(crate) fn new(
         level: MeshRange,
@@ -135,15 +136,15 @@ impl<'a> RangeSolver<'a> {
         Ok(solved.entry(hz.to_bits()).or_insert(solution).clone())
     }
 
-    /// Mean resistance of every parity and patch over several bands, each given by its centre and its frequencies
-    /// \[Hz\].
-    pub(crate) fn means(&self, ranges: &[(f64, Vec<f64>)]) -> Result<Vec<Mean>, AcousticsError> {
-        let all: Vec<f64> = ranges.iter().flat_map(|(_, hz)| hz).copied().collect();
+    /// Mean resistance of every parity and patch over several bands.
+    pub(crate) fn means(&self, bands: &[MeanBand]) -> Result<Vec<Mean>, AcousticsError> {
+        let all: Vec<f64> = bands.iter().flat_map(|band| &band.samples_hz).copied().collect();
         // One frequency per task, because all take equally long.
         all.par_iter()
             .with_max_len(1)
             .try_for_each(|&hz| self.at(hz).map(|_| ()))?;
-        let of_range = |(middle, hz): &(f64, Vec<f64>)| {
+        let of_band = |band: &MeanBand| {
+            let hz = &band.samples_hz;
             let mut mean: Vec<Vec<Resistance>> = Vec::new();
             for &hz in hz {
                 let solved = self.at(hz)?.resistances();
@@ -157,16 +158,20 @@ impl<'a> RangeSolver<'a> {
             }
             let scaled = |r: Resistance| r.scaled(1.0 / hz.len() as f64);
             let mean = mean.into_iter().map(|c| c.into_iter().map(scaled).collect());
-            Ok((*middle, mean.collect()))
+            Ok((band.centre_hz, mean.collect()))
         };
-        ranges.iter().map(of_range).collect()
+        bands.iter().map(of_band).collect()
     }
 
     /// Mean resistances by a coarser mesh that resolves the same frequencies, corrected by the difference to this one
     /// at the centre of each band.
-    pub(crate) fn means_beside(&self, coarser: &Self, ranges: &[(f64, Vec<f64>)]) -> Result<Vec<Mean>, AcousticsError> {
-        let mut means = coarser.means(ranges)?;
-        let middles: Vec<(f64, Vec<f64>)> = ranges.iter().map(|(middle, _)| (*middle, vec![*middle])).collect();
+    pub(crate) fn means_beside(&self, coarser: &Self, bands: &[MeanBand]) -> Result<Vec<Mean>, AcousticsError> {
+        let mut means = coarser.means(bands)?;
+        let centre = |band: &MeanBand| MeanBand {
+            samples_hz: vec![band.centre_hz],
+            ..band.clone()
+        };
+        let middles: Vec<MeanBand> = bands.iter().map(centre).collect();
         let differences = self.means(&middles)?.into_iter().zip(coarser.means(&middles)?);
         for ((_, mean), ((_, own), (_, theirs))) in means.iter_mut().zip(differences) {
             let differences = own.iter().flatten().zip(theirs.iter().flatten());
@@ -188,8 +193,13 @@ impl<'a> RangeSolver<'a> {
 
     /// Adds the number of solutions and the errors found so far to the summary.
     pub(crate) fn report(&self, summary: &mut Summary) {
-        let worst = *self.worst.lock().unwrap_or_else(PoisonError::into_inner);
         summary.samples += self.solved.lock().unwrap_or_else(PoisonError::into_inner).len();
+        self.report_errors(summary);
+    }
+
+    /// Adds the errors alone.
+    pub(crate) fn report_errors(&self, summary: &mut Summary) {
+        let worst = *self.worst.lock().unwrap_or_else(PoisonError::into_inner);
         summary.difference_db = summary.difference_db.max(worst.0);
         summary.asymmetry = summary.asymmetry.max(worst.1);
     }

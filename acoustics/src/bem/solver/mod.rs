@@ -1,6 +1,7 @@
 //! One frequency: pressures on the surface, around it and in the far field, and the resistances that follow.
 
 pub(crate) mod around;
+pub(crate) mod cost;
 pub(crate) mod far_field;
 pub(crate) mod field;
 pub(crate) mod plate;

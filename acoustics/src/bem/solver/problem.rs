@@ -66,7 +66,8 @@ pub struct Exterior {
 /// How the equations of a surface are stored and solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub enum EquationSolver {
-    /// Compressed if that takes less than half as long as with the dense matrix by [`Exterior::estimate`].
+    /// Compressed if that takes less than half as long as with the dense matrix by
+    /// [`SurfaceSize::cost`](crate::bem::SurfaceSize::cost).
     #[default]
     Auto,
     /// A dense matrix and its LU factors.
@@ -296,11 +297,11 @@ impl Exterior {
 
     /// Whether the matrix is compressed.
     pub fn is_compressed(&self) -> bool {
-        match self.equations {
-            EquationSolver::Auto => self.compression_pays(),
-            EquationSolver::Dense => false,
-            EquationSolver::Compressed => true,
-        }
+        self.frequency_cost().compressed
+    }
+
+    pub(crate) fn equation_solver(&self) -> EquationSolver {
+        self.equations
     }
 
     fn solve_compressed(

@@ -1,5 +1,6 @@
 use crate::bem::error::BemError;
 use crate::bem::mesh::panel::PanelShape;
+use crate::bem::solver::cost::{FrequencyCost, PATTERNS, SurfaceSize};
 use crate::bem::solver::far_field::Radiated;
 use crate::bem::solver::problem::{Exterior, Patterns, SurfacePressure};
 use crate::radiation::error::RadiationError;
@@ -50,22 +51,6 @@ impl TwoEvaluations {
     }
 }
 
-/// Patterns for which the way of solving the equations is chosen.
-const PATTERNS: f64 = 100.0;
-
-/// Memory and time of the equations of one frequency.
-struct Cost {
-    bytes: f64,
-    seconds: f64,
-    seconds_per_pattern: f64,
-}
-
-impl Cost {
-    fn with(&self, patterns: f64) -> f64 {
-        self.seconds + self.seconds_per_pattern * patterns
-    }
-}
-
 /// Cost of one frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
@@ -75,8 +60,10 @@ pub struct Estimate {
     pub panels: usize,
     /// Whether the matrix is compressed.
     pub compressed: bool,
-    /// Memory of one frequency \[bytes\], times the number of threads.
+    /// Memory of one frequency and a hundred patterns \[bytes\], times the number of threads.
     pub bytes: f64,
+    /// Memory that every further pattern adds to it \[bytes\].
+    pub bytes_per_pattern: f64,
     /// Memory shared by all frequencies, with [`Exterior::with_near_field_cache`] \[bytes\].
     pub bytes_shared: f64,
     /// Time of one frequency and a single pattern on one core \[s\], with the same cache.
@@ -96,6 +83,11 @@ impl Estimate {
     /// Time of one frequency on one core with so many patterns in every parity \[s\].
     pub fn seconds_with(&self, patterns: usize) -> f64 {
         self.seconds + self.seconds_per_pattern * patterns as f64
+    }
+
+    /// Memory of one frequency with so many patterns in every parity \[bytes\].
+    pub fn bytes_with(&self, patterns: usize) -> f64 {
+        self.bytes + self.bytes_per_pattern * (patterns as f64 - PATTERNS)
     }
 }
 
@@ -177,21 +169,18 @@ impl Exterior {
     }
 
     /// Memory, time and limits, before any is spent. Times are those of one core at about 3 GHz with AVX-512; with AVX2
-    /// they are up to twice as long.
+    /// they are up to twice as long. A shape of close pairs takes 7 us, or 1 us once it is kept, which takes 110 us.
     pub fn estimate(&self) -> Estimate {
-        let cost = if self.is_compressed() {
-            self.cost_compressed()
-        } else {
-            self.cost_dense()
-        };
+        let cost = self.frequency_cost();
         let boundary = self.boundary();
         let (close, shapes) = (self.close_pairs() as f64, self.close_shapes() as f64);
         let is_kept = self.near().is_kept();
         Estimate {
             unknowns: boundary.nodes(),
             panels: boundary.mesh().panels.len(),
-            compressed: self.is_compressed(),
+            compressed: cost.compressed,
             bytes: cost.bytes,
+            bytes_per_pattern: cost.bytes_per_pattern,
             bytes_shared: self.near().bytes_shared(),
             seconds: cost.seconds + if is_kept { 1e-6 } else { 7e-6 } * shapes + 1e-6 * close,
             seconds_per_pattern: cost.seconds_per_pattern,
@@ -205,51 +194,17 @@ impl Exterior {
         }
     }
 
-    /// Whether the compressed matrix takes less than half the time of the dense one with a hundred patterns, as surfaces
-    /// with deep recesses may take twice the usual number of steps.
-    pub(crate) fn compression_pays(&self) -> bool {
-        let [dense, compressed] = [self.cost_dense(), self.cost_compressed()].map(|c| c.with(PATTERNS));
-        2.0 * compressed < dense
-    }
-
-    /// Time of a pair of points by the far rule \[s\]: 3 ns an image and 3 ns a parity.
-    fn pair_of_points(&self) -> f64 {
-        3e-9 * (self.boundary().images().len() + self.boundary().copies()) as f64
-    }
-
-    /// Cost without the shapes of close pairs, as measured by `benches/bem.rs`: 7 us a shape (1 us once it is kept, which
-    /// takes 110 us), 120 GFlop/s for factors and 100 for patterns in single precision.
-    fn cost_dense(&self) -> Cost {
-        let (n, values) = (self.boundary().nodes() as f64, self.boundary().velocity_values() as f64);
-        let parities = self.boundary().copies() as f64;
-        Cost {
-            bytes: parities * 16.0 * n * n,
-            seconds: 0.5 * values * values * self.pair_of_points() + parities * 8.0 / 3.0 * n.powi(3) / 120e9,
-            // B v, the solution and the far field for each pattern.
-            seconds_per_pattern: parities * (4.0 * n * values + 8.0 * n * n + 8e3 * values) / 100e9,
-        }
-    }
-
-    /// The same of the compressed matrix at the highest frequency, as measured by `benches/bem_compressed.rs`: 1 300 close
-    /// panels each; 750 entries an unknown in near blocks and 24 sqrt(N) in others; of an entry of the latter, 100 ns and
-    /// 17 ns an image for its approximation and 0.5 ns a pattern; eight products a pattern at 0.15 ns an entry.
-    fn cost_compressed(&self) -> Cost {
-        let (n, values) = (self.boundary().nodes() as f64, self.boundary().velocity_values() as f64);
-        let (parities, images) = (self.boundary().copies() as f64, self.boundary().images().len() as f64);
-        let corners = values / self.boundary().mesh().panels.len().max(1) as f64;
-        let close = values * (0.5 * values).min(1300.0 * corners);
-        let near = n * n.min(750.0);
-        let distant = 24.0 * n.powf(1.5);
-        Cost {
-            // The blocks, and the Krylov space of ten columns a pattern.
-            bytes: parities * 8.0 * (near + distant) + 16.0 * n * 10.0 * PATTERNS,
-            seconds: close * self.pair_of_points() + parities * distant * (100e-9 + 17e-9 * images),
-            seconds_per_pattern: parities
-                * (4.0 * close / corners / 100e9
-                    + distant * 0.5e-9
-                    + 8.0 * 0.15e-9 * (near + distant)
-                    + 8e3 * values / 100e9),
-        }
+    /// Memory and time without close pairs.
+    pub(crate) fn frequency_cost(&self) -> FrequencyCost {
+        let boundary = self.boundary();
+        let size = SurfaceSize {
+            unknowns: boundary.nodes() as f64,
+            panels: boundary.mesh().panels.len() as f64,
+            values: boundary.velocity_values() as f64,
+            copies: boundary.copies() as f64,
+            images: boundary.images().len() as f64,
+        };
+        size.cost(self.equation_solver())
     }
 
     /// The surface with its modes at quadrature points, for operators that need no solution of equations. With mirror
