@@ -198,12 +198,22 @@ impl Numeric<'_> {
             let scaled = scale(l, tail.subrows(0, middle), scaled);
             places.clear();
             places.extend(pattern[from..].iter().map(|&row| place[row]));
+            let columns_meet = pattern[from + middle - 1] + 1 - pattern[from] == middle;
             for top in (0..tail.nrows()).step_by(HEIGHT) {
                 let height = HEIGHT.min(tail.nrows() - top);
-                let mut update = within(update, height, middle);
                 let rows = tail.subrows(top, height);
-                matmul(update.rb_mut(), Accum::Replace, rows, scaled.transpose(), 1.0, Par::Seq);
                 let places = &places[top..top + height];
+                let place = places[0] as usize;
+                // Where rows and columns stand together in both, the product needs no room of its own.
+                if columns_meet && places[height - 1] as usize + 1 - place == height {
+                    let to = target
+                        .rb_mut()
+                        .submatrix_mut(place, pattern[from] - first, height, middle);
+                    matmul(to, Accum::Add, rows, scaled.transpose(), -1.0, Par::Seq);
+                    continue;
+                }
+                let mut update = within(update, height, middle);
+                matmul(update.rb_mut(), Accum::Replace, rows, scaled.transpose(), 1.0, Par::Seq);
                 for (j, &row) in pattern[from..from + middle].iter().enumerate() {
                     let to = target.rb_mut().col_mut(row - first).try_as_col_major_mut();
                     let from = update.rb().col(j).try_as_col_major();

@@ -208,7 +208,7 @@ impl<'a> Panels<'a> {
     }
 }
 
-/// The forward sweep through a subtree, compiled for the vector instructions found at run time, as all that follows.
+/// The forward sweep through a subtree, compiled for the vector instructions found at run time as the other kernels are.
 struct Forward<'a> {
     panels: &'a Panels<'a>,
     part: &'a Part,
