@@ -10,6 +10,7 @@ use nailnoise_acoustics::random::uniform;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::correlation_ratio::corrected;
 use super::normal;
 use super::statistics::{Estimate, RESAMPLES, interval};
 use super::variables::Variable;
@@ -51,11 +52,17 @@ impl Counts {
     }
 }
 
+/// All shots of some parts, and how many of them count.
+fn sum(bins: &[[u64; 2]]) -> [u64; 2] {
+    bins.iter()
+        .fold([0, 0], |sums, bin| [sums[0] + bin[0], sums[1] + bin[1]])
+}
+
 /// S of an input without the correction, and its degrees of freedom; none for an input that is held.
 fn explained(bins: &[[u64; 2]]) -> Option<(f64, f64)> {
     let occupied = || bins.iter().filter(|[shots, _]| *shots > 0);
     let degrees = occupied().count().checked_sub(1).filter(|degrees| *degrees > 0)?;
-    let [shots, counting] = occupied().fold([0, 0], |sums, bin| [sums[0] + bin[0], sums[1] + bin[1]]);
+    let [shots, counting] = sum(bins);
     let (n, share) = (shots as f64, counting as f64 / shots as f64);
     let between: f64 = occupied()
         .map(|&[shots, counting]| shots as f64 * (counting as f64 / shots as f64 - share).powi(2))
@@ -76,7 +83,7 @@ fn interval_of(bins: &[[u64; 2]], chance: f64) -> [Option<f64>; 2] {
         };
         let bins: Vec<[u64; 2]> = bins.iter().enumerate().map(drawn).collect();
         let explained = explained(&bins).map_or(0.0, |(explained, _)| explained);
-        1.0 - (1.0 - explained) / (1.0 - chance).powi(2)
+        corrected(explained, chance, 2)
     };
     interval((0..RESAMPLES).map(resample).collect())
 }
@@ -142,27 +149,22 @@ pub(super) fn condition(counts: &Counts, variables: &[Variable]) -> Option<Condi
     let known: Vec<(usize, f64, f64)> = (0..variables.len().min(counts.inputs.len()))
         .filter_map(|input| explained(&counts.inputs[input]).map(|(explained, degrees)| (input, explained, degrees)))
         .collect();
-    let corrected = |explained: f64, degrees: f64| {
-        let chance = degrees / (n - 1.0);
-        (explained - chance) / (1.0 - chance)
-    };
+    let chance = |degrees: f64| degrees / (n - 1.0);
     let limit = |degrees: f64| {
         let largest = chi_squared(degrees, 1.0 - CHANCE / known.len().max(1) as f64) / n;
-        corrected(largest, degrees)
+        corrected(largest, chance(degrees), 1)
     };
     let share_of = |bins: &[[u64; 2]]| {
-        let sums = bins
-            .iter()
-            .fold([0, 0], |sums, bin| [sums[0] + bin[0], sums[1] + bin[1]]);
-        sums[1] as f64 / (sums[0].max(1)) as f64
+        let [shots, counting] = sum(bins);
+        counting as f64 / shots.max(1) as f64
     };
     let above = known.iter().filter_map(|&(input, explained, degrees)| {
-        let value = corrected(explained, degrees);
+        let value = corrected(explained, chance(degrees), 1);
         (value > limit(degrees)).then(|| ConditionInput {
             variable: variables[input].name.clone(),
             first_order: Estimate {
                 value: Some(value),
-                interval: interval_of(&counts.inputs[input], degrees / (n - 1.0)),
+                interval: interval_of(&counts.inputs[input], chance(degrees)),
             },
             halves: [0..BINS / 2, BINS / 2..BINS].map(|half| share_of(&counts.inputs[input][half])),
         })

@@ -120,14 +120,20 @@ pub(super) fn contributions(
         });
         let mut found: Vec<Found<'_>> = found.collect();
         found.sort_by(|a, b| b.first_order.total_cmp(&a.first_order));
-        let intervals = bootstrap.intervals(|counts| {
+        // Where no input is above its limit, no resample is needed.
+        let figures_of = |counts: &[u32]| {
             let sums = sums_of(counts);
             let figures = |own: &Found<'_>| {
                 let part = own.input.resampled(&sums[own.input.unit as usize]);
                 [part, own.thirds.effect(&levels, counts)]
             };
             found.iter().flat_map(figures).collect()
-        });
+        };
+        let intervals = if found.is_empty() {
+            Vec::new()
+        } else {
+            bootstrap.intervals(figures_of)
+        };
         let stated = found
             .iter()
             .zip(intervals.chunks(2))

@@ -46,7 +46,8 @@ impl Unit {
 /// Structures of draws, numbered from 0 on; none where all draws are on that of the design.
 pub(super) struct Structures {
     of_draws: Vec<usize>,
-    count: usize,
+    /// The first draw on each.
+    first_draws: Vec<usize>,
 }
 
 impl Structures {
@@ -56,20 +57,26 @@ impl Structures {
         known.sort_unstable();
         known.dedup();
         let place = |number: &usize| known.partition_point(|own| own < number);
+        let of_draws: Vec<usize> = numbers.iter().filter(|_| drawn).map(place).collect();
+        let mut first = vec![None; known.len()];
+        for (draw, &structure) in of_draws.iter().enumerate() {
+            first[structure].get_or_insert(draw);
+        }
         Self {
-            of_draws: numbers.iter().filter(|_| drawn).map(place).collect(),
-            count: if drawn { known.len() } else { 0 },
+            of_draws,
+            first_draws: first.into_iter().flatten().collect(),
         }
     }
 
-    /// The first draw on each structure.
-    fn first_draws(&self) -> Vec<usize> {
-        let mut first = vec![None; self.count];
-        for (draw, &structure) in self.of_draws.iter().enumerate() {
-            first[structure].get_or_insert(draw);
-        }
-        first.into_iter().flatten().collect()
+    fn count(&self) -> usize {
+        self.first_draws.len()
     }
+}
+
+/// What an input explains of a variance, part of the whole, less what it explains by chance, after so many such corrections: what it
+/// does not explain grows by the same factor with each.
+pub(super) fn corrected(explained: f64, chance: f64, corrections: i32) -> f64 {
+    1.0 - (1.0 - explained) / (1.0 - chance).powi(corrections)
 }
 
 /// Levels of draws that count several times each, as sums over units.
@@ -104,17 +111,17 @@ impl Sums {
                 total,
             },
             Unit::Structure => {
-                let mut units = vec![(0.0, 0.0); structures.count];
+                let mut units = vec![(0.0, 0.0); structures.count()];
                 for ((count, sum), &structure) in own.zip(&structures.of_draws) {
                     units[structure].0 += count;
                     units[structure].1 += sum;
                 }
                 let occupied = units.iter().filter(|unit| unit.0 > 0.0);
                 let between = occupied.map(|(count, sum)| sum * sum / count).sum();
-                let first = structures.first_draws();
+                let first = structures.first_draws.iter();
                 Self {
                     units,
-                    count: first.into_iter().map(|draw| f64::from(counts[draw])).sum(),
+                    count: first.map(|&draw| f64::from(counts[draw])).sum(),
                     between,
                     total,
                 }
@@ -136,16 +143,16 @@ impl Binned {
     /// Puts units into about sqrt(n) bins of equal counts; equal values share a bin. None for a constant input, and for one of too
     /// few structures.
     pub(super) fn new(values: &[f64], structures: &Structures) -> Option<Self> {
-        if structures.count == 0 {
+        if structures.count() == 0 {
             return Self::along(values, Unit::Draw);
         }
-        let first = structures.first_draws();
+        let first = &structures.first_draws;
         let same = |(draw, &structure): (usize, &usize)| values[draw].total_cmp(&values[first[structure]]).is_eq();
         if !structures.of_draws.iter().enumerate().all(same) {
             return Self::along(values, Unit::Draw);
         }
-        let values: Vec<f64> = first.into_iter().map(|draw| values[draw]).collect();
-        (structures.count >= FEWEST_STRUCTURES)
+        let values: Vec<f64> = first.iter().map(|&draw| values[draw]).collect();
+        (structures.count() >= FEWEST_STRUCTURES)
             .then(|| Self::along(&values, Unit::Structure))
             .flatten()
     }
@@ -175,16 +182,16 @@ impl Binned {
 
     /// S of levels, which may be below 0 for an input that does nothing.
     pub(super) fn first_order(&self, sums: &Sums) -> f64 {
-        self.corrected(sums, &sums.units, 1)
+        self.explained(sums, &sums.units, 1)
     }
 
     /// S of the levels of a resample.
     pub(super) fn resampled(&self, sums: &Sums) -> f64 {
-        self.corrected(sums, &sums.units, 2)
+        self.explained(sums, &sums.units, 2)
     }
 
     /// S of the levels of `units`, which may be those of `sums` in another order, after so many corrections for chance.
-    fn corrected(&self, sums: &Sums, units: &[(f64, f64)], corrections: i32) -> f64 {
+    fn explained(&self, sums: &Sums, units: &[(f64, f64)], corrections: i32) -> f64 {
         let mut bins = [(0.0, 0.0); MOST_BINS];
         for (&bin, (count, sum)) in self.bins.iter().zip(units) {
             let own = &mut bins[usize::from(bin)];
@@ -197,8 +204,7 @@ impl Binned {
             return 0.0;
         }
         let explained = occupied.map(|(count, sum)| sum * sum / count).sum::<f64>() / sums.between;
-        // What is not explained falls by the same factor with each correction.
-        (1.0 - (1.0 - explained) / (1.0 - chance).powi(corrections)) * sums.between / sums.total
+        corrected(explained, chance, corrections) * sums.between / sums.total
     }
 }
 
@@ -213,7 +219,7 @@ pub(super) fn by_chance(inputs: &[&Binned], sums: &Sums, alone: bool) -> f64 {
         }
         inputs
             .iter()
-            .map(|input| input.corrected(sums, &shuffled, 1))
+            .map(|input| input.explained(sums, &shuffled, 1))
             .fold(0.0, f64::max)
     };
     let mut largest: Vec<f64> = (0..PERMUTATIONS as u64).into_par_iter().map(largest).collect();

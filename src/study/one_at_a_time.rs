@@ -174,16 +174,12 @@ pub fn one_at_a_time_csv(own: &OneAtATime) -> Result<Vec<u8>, Error> {
     };
     let header = ["input", "unit"].map(str::to_owned);
     let header = header.into_iter().chain(ends.iter().flat_map(|end| of_end(end)));
-    let number =
-        |value: Option<f64>, digits: usize| value.map_or_else(String::new, |value| format!("{value:.digits$}"));
+    let decibels = |change: &Option<f64>| change.map_or_else(String::new, |change| format!("{change:.4}"));
     let row = |input: &InputChanges| -> Vec<String> {
         let of_end = |end: &InputEnd| -> Vec<String> {
             let value = end.value.map_or_else(String::new, |value| format!("{value:.6e}"));
             let about = [value, end.outcome.clone(), end.refused.clone()];
-            about
-                .into_iter()
-                .chain(end.change_db.iter().map(|change| number(*change, 4)))
-                .collect()
+            about.into_iter().chain(end.change_db.iter().map(decibels)).collect()
         };
         let name = [input.variable.clone(), input.unit.clone()];
         name.into_iter().chain(input.ends.iter().flat_map(of_end)).collect()
