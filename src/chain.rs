@@ -45,7 +45,7 @@ use crate::stages::tool_response::{ToolChecks, ToolReport, ToolResponse};
 use crate::stages::transducers::{PressureRecord, Transducers};
 use crate::stages::{Digest, Progress, Stage, Stored};
 pub use shape::SharedShapes;
-use shape::{by_shape, standard_bodies};
+use shape::{Standards, by_shape, standards};
 
 /// What a run may change about the physics without being another design; for studies and tests of laws.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -333,14 +333,14 @@ impl Chain {
         // worth a decibel.
         let standard_tool = match &tool_elements {
             Some(_) if design.body.mesh.is_empty() && options.shared.tool => {
-                standard_bodies(graph, design, &[BodyKind::Tool])?
+                standards(graph, design, &[BodyKind::Tool])?
             }
-            _ => None,
+            _ => Standards::new(),
         };
         let mut tool_matrix_key = None;
         let tool_matrix = tool_elements.map(|(stages, elements)| {
             let shape = RadiatingShape::Tool(elements.clone());
-            let matrix = by_shape(graph, shape, standard_tool.clone(), vec![stages.body.clone()]);
+            let matrix = by_shape(graph, &shape, &standard_tool, vec![stages.body.clone()]);
             tool_matrix_key = Some(*matrix.key());
             (elements, graph.add(ToolRadiator { matrix, air }))
         });
@@ -351,7 +351,7 @@ impl Chain {
         let mut cap_matrix_key = None;
         let cap_radiator = cap.map(|((stages, (elements, _)), cap)| {
             let shape = RadiatingShape::Cap(elements.clone(), cap);
-            let matrix = by_shape(graph, shape, standard_tool.clone(), vec![stages.body.clone()]);
+            let matrix = by_shape(graph, &shape, &standard_tool, vec![stages.body.clone()]);
             cap_matrix_key = Some(*matrix.key());
             graph.add(ToolRadiator { matrix, air })
         });
@@ -653,16 +653,12 @@ fn workpiece_radiation(
     Ok(match inputs::radiation::workpiece(design)? {
         WorkpieceRadiation::BoundaryElements(elements) => {
             let kinds = [BodyKind::Workpiece, BodyKind::Worktable];
-            let standard = match shared.workpiece {
-                true => standard_bodies(graph, design, &kinds[..bodies.len()])?,
-                false => None,
+            let standards = match shared.workpiece {
+                true => standards(graph, design, &kinds[..bodies.len()])?,
+                false => Standards::new(),
             };
-            let matrix = by_shape(
-                graph,
-                RadiatingShape::Workpiece(elements.clone()),
-                standard,
-                bodies.to_vec(),
-            );
+            let shape = RadiatingShape::Workpiece(elements.clone());
+            let matrix = by_shape(graph, &shape, &standards, bodies.to_vec());
             let (field, key) = (FieldMethod::BoundaryElements(elements, matrix.clone()), *matrix.key());
             (radiator(WorkpieceMethod::BoundaryElements(matrix)), field, Some(key))
         }

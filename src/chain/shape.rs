@@ -7,7 +7,9 @@ use crate::design::{Design, inputs};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::bodies::{Body, BodyKind};
-use crate::stages::radiation::{RadiatingShape, ShapeFit, ShapeMatrix, ToolCapMatrix, ToolMatrix, WorkpieceMatrix};
+use crate::stages::radiation::{
+    Known, RadiatingShape, ShapeFit, ShapeMatrix, SurfaceModes, ToolCapMatrix, ToolMatrix, WorkpieceMatrix,
+};
 use crate::stages::{Digest, Stored};
 
 /// Whether other designs have the shape of a design's bodies. Where none does, boundary elements are solved for its own modes,
@@ -52,60 +54,81 @@ impl SharedShapes {
     }
 }
 
-/// Standard bodies in the shape of a design's; none where these have no standard.
-pub(super) fn standard_bodies(
-    graph: &Graph,
-    design: &Design,
-    kinds: &[BodyKind],
-) -> Result<Option<Vec<Stored<Body>>>, Error> {
-    let Some(standard) = inputs::shape::standard_bodies(design, kinds)? else {
-        return Ok(None);
-    };
-    let body = |&kind| Ok(BodyStages::add(graph, &standard, kind, true)?.body);
-    kinds.iter().map(body).collect::<Result<_, Error>>().map(Some)
+/// The first standard bodies in the shape of a design's; none where these have no standard.
+fn standard_bodies(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> Result<Option<Vec<Stored<Body>>>, Error> {
+    let standards = inputs::shape::standards(design, kinds)?;
+    standards
+        .map(|standards| bodies(graph, &standards.first, kinds))
+        .transpose()
 }
 
-/// The radiation matrix of bodies from that of standard bodies of their shape.
+/// The bodies of a design.
+fn bodies(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> Result<Vec<Stored<Body>>, Error> {
+    kinds
+        .iter()
+        .map(|&kind| Ok(BodyStages::add(graph, design, kind, true)?.body))
+        .collect()
+}
+
+/// Structures whose modes may hold the motion of a design's bodies, in the order in which they are tried, with their names.
+pub(super) type Standards = Vec<(SurfaceModes, &'static str)>;
+
+/// Standard structures in the shape of a design's tool, or of its workpiece and table; none where these have no standard.
+///
+/// # Errors
+/// Those of the bodies' materials and mesh files.
+pub(super) fn standards(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> Result<Standards, Error> {
+    let Some(standards) = inputs::shape::standards(design, kinds)? else {
+        return Ok(Vec::new());
+    };
+    let structure = |design: &Design| bodies(graph, design, kinds);
+    let first = structure(&standards.first)?;
+    let mut all = vec![(SurfaceModes(vec![first.clone()]), "standard bodies of the same shape")];
+    // Tools differ less from the first than blocks and tables do.
+    if kinds.contains(&BodyKind::Workpiece)
+        && let Some(second) = &standards.second
+    {
+        all.push((
+            SurfaceModes(vec![first, structure(second)?]),
+            "two standard structures of the same shape",
+        ));
+    }
+    Ok(all)
+}
+
+/// The radiation matrix of bodies from those of standard bodies of their shape.
 pub(super) fn by_shape(
     graph: &Graph,
-    shape: RadiatingShape,
-    standard: Option<Vec<Stored<Body>>>,
+    shape: &RadiatingShape,
+    standards: &Standards,
     bodies: Vec<Stored<Body>>,
 ) -> Stored<ModalBem> {
-    let own = matrix(graph, &shape, &bodies);
-    let Some(standard) = standard else { return own };
-    let known = matrix(graph, &shape, &standard);
-    if known.key() == own.key() {
+    let own = matrix(graph, shape, SurfaceModes(vec![bodies.clone()]));
+    let mut known = Vec::new();
+    for (standard, name) in standards {
+        let matrix = matrix(graph, shape, standard.clone());
+        if matrix.key() == own.key() && known.is_empty() {
+            return own;
+        }
+        let fit = graph.add(ShapeFit {
+            shape: shape.clone(),
+            standard: standard.clone(),
+            bodies: bodies.clone(),
+        });
+        known.push(Known { fit, matrix, name });
+    }
+    if known.is_empty() {
         return own;
     }
-    let fit = graph.add(ShapeFit {
-        shape,
-        standard,
-        bodies,
-    });
-    graph.add(ShapeMatrix {
-        fit,
-        standard: known,
-        own,
-    })
+    graph.add(ShapeMatrix { known, own })
 }
 
 /// The radiation matrix that boundary elements give for the modes of bodies.
-fn matrix(graph: &Graph, shape: &RadiatingShape, bodies: &[Stored<Body>]) -> Stored<ModalBem> {
+fn matrix(graph: &Graph, shape: &RadiatingShape, modes: SurfaceModes) -> Stored<ModalBem> {
     match shape.clone() {
-        RadiatingShape::Workpiece(elements) => graph.add(WorkpieceMatrix {
-            elements,
-            bodies: bodies.to_vec(),
-        }),
-        RadiatingShape::Tool(elements) => graph.add(ToolMatrix {
-            elements,
-            body: bodies[0].clone(),
-        }),
-        RadiatingShape::Cap(elements, cap) => graph.add(ToolCapMatrix {
-            elements,
-            cap,
-            body: bodies[0].clone(),
-        }),
+        RadiatingShape::Workpiece(elements) => graph.add(WorkpieceMatrix { elements, modes }),
+        RadiatingShape::Tool(elements) => graph.add(ToolMatrix { elements, modes }),
+        RadiatingShape::Cap(elements, cap) => graph.add(ToolCapMatrix { elements, cap, modes }),
     }
 }
 
@@ -138,7 +161,8 @@ mod tests {
         let own = kinds.map(|kind| BodyStages::add(&graph, design, kind, true).unwrap().body);
         [standard, own.to_vec()].map(|bodies| {
             let elements = elements.clone();
-            *graph.add(WorkpieceMatrix { elements, bodies }).key()
+            let modes = SurfaceModes(vec![bodies]);
+            *graph.add(WorkpieceMatrix { elements, modes }).key()
         })
     }
 
@@ -183,35 +207,37 @@ mod tests {
         assert_eq!(shared(|design| design.body.cap_radius *= 1.1), [true, false]);
     }
 
-    /// Radiation carried over from the standard bodies against boundary elements with the design's own modes.
-    #[test]
-    fn another_wood_radiates_as_by_boundary_elements_of_its_own() {
-        let mut design = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/small-bem.toml")).unwrap();
-        design.wood.density *= 1.05;
-        design.nail.length *= 0.9;
+    /// Whether each of the standards holds the motion of a design's workpiece and table, and the largest difference in power
+    /// \[dB\] between the radiation by shape and boundary elements with the design's own modes, under a force of 1 N at the nail's
+    /// head and 1 N on the middle of the table.
+    fn carried_over(design: &Design) -> (Vec<bool>, f64) {
         let graph = Graph::default();
-        let air = inputs::air(&design).unwrap();
+        let air = inputs::air(design).unwrap();
         let kinds = [BodyKind::Workpiece, BodyKind::Worktable];
-        let bodies = kinds.map(|kind| BodyStages::add(&graph, &design, kind, true).unwrap().body);
-        let (_, field, _) = workpiece_radiation(&graph, &design, &bodies, (air, SharedShapes::default())).unwrap();
+        let bodies = kinds.map(|kind| BodyStages::add(&graph, design, kind, true).unwrap().body);
+        let (_, field, _) = workpiece_radiation(&graph, design, &bodies, (air, SharedShapes::default())).unwrap();
         let FieldMethod::BoundaryElements(elements, by_shape) = field else {
             panic!("boundary elements")
         };
-        let standard = standard_bodies(&graph, &design, &kinds).unwrap().unwrap();
-        let fitted = ShapeFit {
-            shape: RadiatingShape::Workpiece(elements.clone()),
-            standard,
-            bodies: bodies.to_vec(),
+        let holds = |(standard, name): (SurfaceModes, &str)| {
+            let fitted = ShapeFit {
+                shape: RadiatingShape::Workpiece(elements.clone()),
+                standard,
+                bodies: bodies.to_vec(),
+            };
+            let fitted = graph.get(fitted).unwrap();
+            println!("{name} lack at most {:.1e}", fitted.worst());
+            fitted.holds()
         };
-        let fitted = graph.get(fitted).unwrap();
-        assert!(fitted.holds(), "{:?}", fitted.lacking);
-        println!("lacking at most {:.1e}", fitted.worst());
-        let own = WorkpieceMatrix {
-            elements,
-            bodies: bodies.to_vec(),
-        };
+        let held = standards(&graph, design, &kinds)
+            .unwrap()
+            .into_iter()
+            .map(holds)
+            .collect();
+        let modes = SurfaceModes(vec![bodies.to_vec()]);
+        let own = WorkpieceMatrix { elements, modes };
         let (by_shape, own) = (by_shape.get().unwrap(), graph.get(own).unwrap());
-        // A force of 1 N at the nail's head and 1 N on the middle of the table.
+        let mut largest: f64 = 0.0;
         for hz in [60.0f64, 130.0, 240.0, 390.0] {
             let mut power = [0.0; 2];
             for first_body in [0, 1] {
@@ -234,9 +260,36 @@ mod tests {
             }
             let apart = 10.0 * (power[0] / power[1]).log10();
             println!("{hz} Hz: {apart:+.4} dB");
-            assert!(apart.abs() < 0.02, "{hz} Hz: {apart} dB");
+            largest = largest.max(apart.abs());
         }
+        (held, largest)
     }
+
+    #[test]
+    fn another_wood_radiates_as_by_boundary_elements_of_its_own() {
+        let mut design = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/small-bem.toml")).unwrap();
+        design.wood.density *= 1.05;
+        design.nail.length *= 0.9;
+        let (held, apart) = carried_over(&design);
+        assert!(held[0]);
+        assert!(apart < 0.02, "{apart} dB");
+    }
+
+    #[test]
+    fn a_soft_block_radiates_by_two_structures_as_by_boundary_elements_of_its_own() {
+        let mut design = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/small-bem.toml")).unwrap();
+        let wood = &mut design.wood.elastic;
+        for modulus in [&mut wood.e_l, &mut wood.e_r, &mut wood.e_t] {
+            *modulus *= 0.1;
+        }
+        for modulus in [&mut wood.g_lr, &mut wood.g_lt, &mut wood.g_rt] {
+            *modulus *= 0.3;
+        }
+        let (held, apart) = carried_over(&design);
+        assert_eq!(held, [false, true]);
+        assert!(apart < 0.02, "{apart} dB");
+    }
+
     /// The surfaces of the tool that boundary elements cover: with and without its cap apart.
     fn tool_shapes(design: &Design) -> [RadiatingShape; 2] {
         let elements = inputs::radiation::tool(design).unwrap();
@@ -254,7 +307,9 @@ mod tests {
         let graph = Graph::default();
         let standard = standard_bodies(&graph, design, &[BodyKind::Tool]).unwrap().unwrap();
         let own = BodyStages::add(&graph, design, BodyKind::Tool, true).unwrap().body;
-        [standard, vec![own]].map(|bodies| tool_shapes(design).map(|shape| *matrix(&graph, &shape, &bodies).key()))
+        [standard, vec![own]]
+            .map(|bodies| SurfaceModes(vec![bodies]))
+            .map(|modes| tool_shapes(design).map(|shape| *matrix(&graph, &shape, modes.clone()).key()))
     }
 
     #[test]
@@ -390,7 +445,7 @@ mod tests {
         (design.body.lumped, design.body.lumped_nose, design.body.lumped_magazine) = (true, 0.6, 0.0);
         design.tool.mass = 2500.0 * 0.1 * 0.012 * 0.3 + 0.3;
         let graph = Graph::default();
-        let standard = standard_bodies(&graph, &design, &[BodyKind::Tool]).unwrap().unwrap();
+        let standards = standards(&graph, &design, &[BodyKind::Tool]).unwrap();
         let bodies = vec![BodyStages::add(&graph, &design, BodyKind::Tool, true).unwrap().body];
         let body = bodies[0].get().unwrap();
         assert!(
@@ -408,14 +463,14 @@ mod tests {
         for shape in tool_shapes(&design) {
             let fitted = graph.get(ShapeFit {
                 shape: shape.clone(),
-                standard: standard.clone(),
+                standard: standards[0].0.clone(),
                 bodies: bodies.clone(),
             });
             let fitted = fitted.unwrap();
             println!("lacking at most {:.1e}", fitted.worst());
             assert!(fitted.holds(), "{:?}", fitted.lacking);
-            let own = matrix(&graph, &shape, &bodies);
-            let by_shape = by_shape(&graph, shape.clone(), Some(standard.clone()), bodies.clone());
+            let own = matrix(&graph, &shape, SurfaceModes(vec![bodies.clone()]));
+            let by_shape = by_shape(&graph, &shape, &standards, bodies.clone());
             let both = [by_shape, own].map(|matrix| matrix.get().unwrap());
             for &load in &loads {
                 let spectra = match shape {
@@ -460,18 +515,20 @@ mod tests {
         (design.body.lumped, design.body.lumped_nose, design.body.lumped_magazine) = (true, 0.9, 0.0);
         design.tool.mass = 1810.0 * 0.1 * 0.012 * 0.3 + 1.0;
         let graph = Graph::default();
-        let standard = standard_bodies(&graph, &design, &[BodyKind::Tool]).unwrap();
+        let standards = standards(&graph, &design, &[BodyKind::Tool]).unwrap();
         let bodies = vec![BodyStages::add(&graph, &design, BodyKind::Tool, true).unwrap().body];
         let [shape, _] = tool_shapes(&design);
         let fitted = ShapeFit {
             shape: shape.clone(),
-            standard: standard.clone().unwrap(),
+            standard: standards[0].0.clone(),
             bodies: bodies.clone(),
         };
         let fitted = graph.get(fitted).unwrap();
         assert!(fitted.fit.is_some() && !fitted.holds(), "{:?}", fitted.lacking);
-        let own = matrix(&graph, &shape, &bodies).get().unwrap();
-        let by_shape = by_shape(&graph, shape, standard, bodies).get().unwrap();
+        let own = matrix(&graph, &shape, SurfaceModes(vec![bodies.clone()]))
+            .get()
+            .unwrap();
+        let by_shape = by_shape(&graph, &shape, &standards, bodies).get().unwrap();
         for hz in [100.0, 800.0, 1400.0] {
             assert_eq!(by_shape.resistance(hz).real, own.resistance(hz).real);
         }

@@ -9,19 +9,20 @@ use serde::Serialize;
 use super::CODE;
 use super::boundary_elements::Places;
 use super::flush::{sampled, sampling_to, top_of};
+use super::surface_modes::SurfaceModes;
 use super::tool::{CapSurface, ToolRadiation};
 use super::workpiece::WorkpieceBoundaryElements;
 use crate::error::Error;
 use crate::stages::bodies::Body;
-use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, all};
+use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored};
 
 /// Boundary elements of workpiece and worktable as one surface, or of a workpiece alone.
 #[derive(Serialize)]
 pub struct WorkpieceMatrix {
     /// Surroundings and resolution.
     pub elements: WorkpieceBoundaryElements,
-    /// The bodies.
-    pub bodies: Vec<Stored<Body>>,
+    /// The modes.
+    pub modes: SurfaceModes,
 }
 
 impl Stage for WorkpieceMatrix {
@@ -31,13 +32,11 @@ impl Stage for WorkpieceMatrix {
     const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
-        self.bodies.iter().map(|body| body as &dyn Input).collect()
+        self.modes.inputs()
     }
 
     fn compute(&self, progress: &Progress) -> Result<ModalBem, Error> {
-        let bodies = all(&self.bodies)?;
-        let surfaces: Vec<_> = bodies.iter().map(|body| body.moving_surface()).collect();
-        self.elements.compute(&surfaces, progress)
+        self.elements.compute(&self.modes.get()?.surfaces(), progress)
     }
 }
 
@@ -46,8 +45,8 @@ impl Stage for WorkpieceMatrix {
 pub struct ToolMatrix {
     /// Surroundings and resolution.
     pub elements: ToolRadiation,
-    /// The body.
-    pub body: Stored<Body>,
+    /// The modes.
+    pub modes: SurfaceModes,
 }
 
 impl Stage for ToolMatrix {
@@ -57,11 +56,11 @@ impl Stage for ToolMatrix {
     const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
-        vec![&self.body]
+        self.modes.inputs()
     }
 
     fn compute(&self, progress: &Progress) -> Result<ModalBem, Error> {
-        self.elements.compute(&self.body.get()?.moving_surface(), progress)
+        self.elements.compute(&self.modes.get()?.surfaces()[0], progress)
     }
 }
 
@@ -72,8 +71,8 @@ pub struct ToolCapMatrix {
     pub elements: ToolRadiation,
     /// The cap.
     pub cap: CapSurface,
-    /// The body.
-    pub body: Stored<Body>,
+    /// The modes.
+    pub modes: SurfaceModes,
 }
 
 impl Stage for ToolCapMatrix {
@@ -83,13 +82,13 @@ impl Stage for ToolCapMatrix {
     const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
-        vec![&self.body]
+        self.modes.inputs()
     }
 
     fn compute(&self, progress: &Progress) -> Result<ModalBem, Error> {
-        let body = self.body.get()?;
+        let modes = self.modes.get()?;
         self.elements
-            .compute_with_cap(&body.moving_surface(), &self.cap, progress)
+            .compute_with_cap(&modes.surfaces()[0], &self.cap, progress)
     }
 }
 

@@ -9,6 +9,7 @@ mod flush;
 mod matrices;
 mod radiators;
 mod shape;
+mod surface_modes;
 mod tool;
 mod workpiece;
 
@@ -16,7 +17,8 @@ pub use boundary_elements::{Places, Resolution};
 pub use flush::{FlushTop, top_of};
 pub use matrices::{FlushMatrix, ToolCapMatrix, ToolMatrix, WorkpieceMatrix};
 pub use radiators::{FluidLoadings, ToolRadiator, WorkpieceMethod, WorkpieceRadiator};
-pub use shape::{Fitted, RadiatingShape, ShapeFit, ShapeMatrix};
+pub use shape::{Fitted, Known, RadiatingShape, ShapeFit, ShapeMatrix};
+pub use surface_modes::SurfaceModes;
 pub use tool::{CapSurface, ToolRadiation};
 pub use workpiece::{Covered, WorkpieceBoundaryElements, WorkpieceRadiation};
 

@@ -3,10 +3,10 @@
 //! The radiation matrix is solved for the modes of standard bodies, which have the shape of the design's bodies and fixed
 //! materials. The velocities of the design's own modes are fitted by theirs on the finest mesh ([`ShapeFit`]), and the
 //! matrix follows by products ([`ShapeMatrix`]). A body of another material, loss factor or nail thus needs no boundary
-//! elements, as long as the fit holds its motion; otherwise the matrix is solved for the body's own modes.
+//! elements, as long as the fit holds its motion. Otherwise the modes of further standard bodies are added, and where these do
+//! not hold it either, the matrix is solved for the body's own modes.
 
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{MeshRange, ModalBem, SurfaceFit};
@@ -14,10 +14,11 @@ use nalgebra::{Complex, DMatrix};
 use serde::{Deserialize, Serialize};
 
 use super::CODE;
+use super::surface_modes::SurfaceModes;
 use super::tool::{CapSurface, ToolRadiation};
 use super::workpiece::WorkpieceBoundaryElements;
 use crate::error::Error;
-use crate::stages::bodies::Body;
+use crate::stages::bodies::{Body, MovingSurface};
 use crate::stages::{Code, Input, NotKept, Postcard, Progress, Stage, Stored, all};
 
 /// Largest share of a surface's energy of motion under any load that the known modes may lack; beyond it the matrix is
@@ -66,11 +67,10 @@ pub enum RadiatingShape {
 
 impl RadiatingShape {
     /// The finest mesh with the velocities of all modes, in standard air.
-    fn finest(&self, bodies: &[Arc<Body>]) -> Result<Option<MeshRange>, Error> {
-        let surfaces: Vec<_> = bodies.iter().map(|body| body.moving_surface()).collect();
+    fn finest(&self, surfaces: &[MovingSurface<'_>]) -> Result<Option<MeshRange>, Error> {
         let air = Air::default();
         match self {
-            Self::Workpiece(elements) => elements.finest(&surfaces, &air),
+            Self::Workpiece(elements) => elements.finest(surfaces, &air),
             Self::Tool(elements) => elements.finest(&surfaces[0], None, &air).map(Some),
             Self::Cap(elements, cap) => elements.finest(&surfaces[0], Some(cap), &air).map(Some),
         }
@@ -89,8 +89,8 @@ impl RadiatingShape {
 pub struct ShapeFit {
     /// The surface.
     pub shape: RadiatingShape,
-    /// The standard bodies.
-    pub standard: Vec<Stored<Body>>,
+    /// The modes of standard bodies.
+    pub standard: SurfaceModes,
     /// The design's bodies.
     pub bodies: Vec<Stored<Body>>,
 }
@@ -102,13 +102,14 @@ impl Stage for ShapeFit {
     const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
-        let all = self.standard.iter().chain(&self.bodies);
-        all.map(|body| body as &dyn Input).collect()
+        let own = self.bodies.iter().map(|body| body as &dyn Input);
+        self.standard.inputs().into_iter().chain(own).collect()
     }
 
     fn compute(&self, _: &Progress) -> Result<Fitted, Error> {
-        let (standard, bodies) = (all(&self.standard)?, all(&self.bodies)?);
-        let both = self.shape.finest(&standard)?.zip(self.shape.finest(&bodies)?);
+        let (standard, bodies) = (self.standard.get()?, all(&self.bodies)?);
+        let own: Vec<_> = bodies.iter().map(|body| body.moving_surface()).collect();
+        let both = self.shape.finest(&standard.surfaces())?.zip(self.shape.finest(&own)?);
         let fit = both.and_then(|(known, own)| SurfaceFit::new(&known, &own));
         let bodies: Vec<&Body> = bodies.iter().map(|body| &**body).collect();
         let lacking = fit.as_ref().map(|fit| lacking(fit, &bodies, self.shape.top_hz()));
@@ -154,15 +155,24 @@ fn lacking(fit: &SurfaceFit, bodies: &[&Body], top_hz: f64) -> Vec<[f64; 2]> {
     (0..=count).map(at).collect()
 }
 
-/// The radiation matrix of the design's bodies: that of standard bodies carried over, or where these do not hold their
-/// motion their own.
+/// Standard bodies for a design's.
+#[derive(Clone, Serialize)]
+pub struct Known {
+    /// How their modes hold those of the design's bodies.
+    pub fit: Stored<Fitted>,
+    /// Their radiation matrix; read only where the fit holds.
+    pub matrix: Stored<ModalBem>,
+    /// What they are, in words.
+    pub name: &'static str,
+}
+
+/// The radiation matrix of the design's bodies: that of the first standard bodies that hold their motion carried over, or
+/// where none do their own.
 #[derive(Serialize)]
 pub struct ShapeMatrix {
-    /// How the modes of standard bodies hold those of the design's.
-    pub fit: Stored<Fitted>,
-    /// The matrix of the standard bodies.
-    pub standard: Stored<ModalBem>,
-    /// The matrix of the design's own modes; read only where the fit does not hold.
+    /// Standard bodies, in the order in which they are tried.
+    pub known: Vec<Known>,
+    /// The matrix of the design's own modes; read only where no fit holds.
     pub own: Stored<ModalBem>,
 }
 
@@ -172,27 +182,33 @@ impl Stage for ShapeMatrix {
     const NAME: &'static str = "radiation by shape";
     const CODE: Code = CODE;
 
+    /// The first fit; others are made where it does not hold.
     fn inputs(&self) -> Vec<&dyn Input> {
-        vec![&self.fit]
+        self.known
+            .iter()
+            .take(1)
+            .map(|known| &known.fit as &dyn Input)
+            .collect()
     }
 
     fn compute(&self, progress: &Progress) -> Result<ModalBem, Error> {
-        let fitted = self.fit.get()?;
-        if let Some(fit) = fitted.fit.as_ref().filter(|_| fitted.holds())
-            && let Some(matrix) = self.standard.get()?.of_modes(fit)
-        {
-            progress.note(&format!(
-                "radiation: that of standard bodies of the same shape; their modes lack at most {:.1e} of the energy of the \
-                 surface's motion",
+        for Known { fit, matrix, name } in &self.known {
+            let fitted = fit.get()?;
+            let lack = format!(
+                "lack at most {:.1e} of the energy of the surface's motion",
                 fitted.worst()
+            );
+            if let Some(fit) = fitted.fit.as_ref().filter(|_| fitted.holds())
+                && let Some(matrix) = matrix.get()?.of_modes(fit)
+            {
+                progress.note(&format!("radiation: that of {name}; their modes {lack}"));
+                return Ok(matrix);
+            }
+            progress.note(&format!(
+                "radiation: the modes of {name} {lack}, which is more than {LIMIT:.0e}"
             ));
-            return Ok(matrix);
         }
-        progress.note(&format!(
-            "radiation: standard bodies of the same shape lack up to {:.1e} of the energy of the surface's motion, more than \
-             {LIMIT:.0e}; solved for these bodies",
-            fitted.worst()
-        ));
+        progress.note("radiation: solved for the modes of these bodies");
         Ok(ModalBem::clone(&*self.own.get()?))
     }
 }
