@@ -12,6 +12,7 @@ mod shape;
 mod tool;
 mod workpiece;
 
+pub(crate) use boundary_elements::gap_in_words;
 pub use boundary_elements::{Places, Resolution};
 pub use flush::{FlushTop, top_of};
 pub use matrices::{FlushMatrix, ToolCapMatrix, ToolMatrix, WorkpieceMatrix};
