@@ -27,6 +27,10 @@ pub(crate) const GROWTH: f64 = 1.0;
 /// viscosity, which the equations do not have.
 pub(crate) const LEAST_HEIGHT: f64 = 1e-3;
 
+/// Height of a thin gap over its area per length of rim, at most: a strip is at least four times as wide as high. Air between
+/// surfaces that are farther apart needs no finer panels than at other edges.
+const THIN: f64 = 0.5;
+
 /// Cosine of the angle between a normal and the opposite of another one from which their panels face each other.
 const FACING: f64 = 0.5;
 
@@ -44,8 +48,8 @@ const BAND_ERROR: [f64; 2] = [1.0, 1.5];
 /// Error of the power in wide bands over w P/A, in which shifts of resonances cancel.
 const LEVEL_ERROR: f64 = 0.5;
 
-/// A thin gap: a connected part of the surface which faces a floor, or another part of it, at a distance that is smaller
-/// than the gap is wide.
+/// A thin gap: a connected part of the surface which faces a floor, or another part of it, at less than half of the gap's
+/// area over the length of its rim.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gap {
     /// Smallest height \[m\].
@@ -191,7 +195,7 @@ impl Gaps {
                 extent: area / length,
                 panel_width,
             };
-            if gap.height < gap.extent {
+            if gap.height < THIN * gap.extent {
                 all.push((gap, rims));
             }
         }
