@@ -525,8 +525,8 @@ mod tests {
         let [a, b] = [&boxes, &own].map(|level| shaken(level, &block, Vector3::z(), 200.0)[0]);
         let decibels = 10.0 * (b / a).log10();
         println!("{decibels} dB, {} panels", own.problem.boundary().mesh().panels.len());
-        // The upper side and the sides keep their faces, 60 mm wide.
-        assert!(decibels.abs() < 0.15, "{b} against {a}");
+        // The upper side keeps its faces, 60 mm wide: 0.24 dB.
+        assert!(decibels.abs() < 0.3, "{b} against {a}");
     }
 
     /// Their meshes are those of the boxes alone, and of the housing's file.

@@ -58,6 +58,8 @@ pub struct Gap {
     pub extent: f64,
     /// Width of the widest panel at its rim, across the rim \[m\].
     pub panel_width: f64,
+    /// Whether it faces the floor, else another part of the surface.
+    pub above_floor: bool,
 }
 
 impl Gap {
@@ -128,12 +130,15 @@ pub struct Gaps {
 impl Gaps {
     /// Finds the gaps of a surface by the distance that the air reaches from the middle of each panel along its normal.
     pub fn of(boundary: &Boundary) -> Self {
-        let heights = heights(boundary);
+        let facing = heights(boundary);
+        let heights: Vec<Option<f64>> = facing.iter().map(|facing| facing.map(|(height, _)| height)).collect();
+        let floor = |p: usize| facing[p].is_some_and(|(_, floor)| floor);
         let mesh = boundary.mesh();
         let normals: Vec<Vector3<f64>> = (0..mesh.panels.len()).map(|p| normal(mesh, p)).collect();
         let edges = edges(mesh);
         // Panels that face something are connected to those beside them which face it at a similar distance.
         let similar = |p: usize, q: usize| match (heights[p], heights[q]) {
+            (Some(_), Some(_)) if floor(p) != floor(q) => false,
             (Some(a), Some(b)) => a.max(b) <= 2.0 * a.min(b) || normals[p].dot(&normals[q]) > SHARP,
             _ => false,
         };
@@ -194,6 +199,7 @@ impl Gaps {
                 height,
                 extent: area / length,
                 panel_width,
+                above_floor: floor(number),
             };
             if gap.height < THIN * gap.extent {
                 all.push((gap, rims));
@@ -212,18 +218,21 @@ impl Gaps {
         self.all.iter().map(|(gap, _)| gap)
     }
 
-    /// The gap of the largest error.
+    /// The gap above the floor that has the largest error. Bounds are not known of gaps between parts of a surface.
     pub fn worst(&self) -> Option<Gap> {
         let error = |gap: &&Gap| gap.panel_width / gap.extent;
-        self.iter().max_by(|a, b| error(a).total_cmp(&error(b))).copied()
+        self.iter()
+            .filter(|gap| gap.above_floor)
+            .max_by(|a, b| error(a).total_cmp(&error(b)))
+            .copied()
     }
 
-    /// Rims of the gaps whose panels are wider than half of what they face is away.
+    /// Rims of the gaps above the floor whose panels are wider than half their height.
     pub fn coarse_rims(&self) -> Vec<Rim> {
         let coarse = self
             .all
             .iter()
-            .filter(|(gap, _)| gap.panel_width > RIM_WIDTH * gap.height);
+            .filter(|(gap, _)| gap.above_floor && gap.panel_width > RIM_WIDTH * gap.height);
         coarse.flat_map(|(_, rims)| rims.iter().copied()).collect()
     }
 }
@@ -260,8 +269,8 @@ fn longest(mesh: &BoundaryMesh, panel: usize) -> f64 {
 }
 
 /// Distance from the middle of every panel along its normal to the floor, or to a panel that faces it, whichever is
-/// closer \[m\]; none where nothing faces it closer than half the extent of the body.
-fn heights(boundary: &Boundary) -> Vec<Option<f64>> {
+/// closer \[m\], and whether it is the floor; none where nothing faces it closer than half the extent of the body.
+fn heights(boundary: &Boundary) -> Vec<Option<(f64, bool)>> {
     let mesh = boundary.mesh();
     let images: Vec<Image> = boundary
         .images()
@@ -277,7 +286,8 @@ fn heights(boundary: &Boundary) -> Vec<Option<f64>> {
         let to_floor = floor.map_or(f64::INFINITY, |floor| (floor - from.z) / along.z);
         let hit = |facet: &Facet| facet.hit(from, along);
         let to_panel = facets.iter().filter_map(hit).fold(f64::INFINITY, f64::min);
-        Some(to_floor.min(to_panel)).filter(|height| *height < farthest)
+        let nearest = (to_floor.min(to_panel), to_floor <= to_panel);
+        Some(nearest).filter(|(height, _)| *height < farthest)
     };
     (0..mesh.panels.len()).into_par_iter().map(nearest).collect()
 }
