@@ -12,9 +12,11 @@ use super::{print, print_json};
 use crate::chain;
 use crate::cost::{self, MemoryLimit, StageCost};
 use crate::design::inputs::bodies as inputs;
+use crate::design::inputs::radiation::workpiece;
 use crate::design::{Design, Entry, Provenance};
 use crate::error::Error;
 use crate::stages::bodies::{BodyKind, MeshSource};
+use crate::stages::radiation::{WorkpieceRadiation, gap_in_words as in_words};
 
 /// Estimates in the table.
 const LISTED: usize = 20;
@@ -41,6 +43,8 @@ struct Explanation {
     bodies: Vec<BodyPlan>,
     /// Estimated cost of each stage that is not kept, from the design alone.
     stages: Vec<StageCost>,
+    /// The thin gap below the workpiece, and the error of its panels; null where there is none.
+    gap: Option<String>,
     /// Obstacles to a run, and their remedies.
     obstacles: Vec<String>,
 }
@@ -162,8 +166,17 @@ fn explain(design: &Design, mut stages: Vec<StageCost>) -> Result<Explanation, E
         },
         bodies,
         stages,
+        gap: gap(design)?,
         obstacles,
     })
+}
+
+/// What the panels below a workpiece near the floor leave uncertain, where its radiation is by boundary elements.
+fn gap(design: &Design) -> Result<Option<String>, Error> {
+    match workpiece(design)? {
+        WorkpieceRadiation::BoundaryElements(elements) => Ok(elements.gap()?.map(|gap| in_words(&gap))),
+        _ => Ok(None),
+    }
 }
 
 fn origin(source: &MeshSource, gmsh: bool) -> String {
@@ -299,6 +312,9 @@ fn text(e: &Explanation) -> String {
             e.unknowns.len(),
             e.unknowns.join(", ")
         ));
+    }
+    if let Some(gap) = &e.gap {
+        text.push_str(&format!("\n  workpiece: {gap}\n"));
     }
     for obstacle in &e.obstacles {
         text.push_str(&format!("\n  obstacle: {obstacle}\n"));

@@ -21,6 +21,7 @@ pub use error::BemError;
 pub use high_frequencies::mean_bands::{MeanBand, MeanBands};
 pub use mesh::boundary::{Boundary, Repairs};
 pub use mesh::boxes::{Side, SolidBox};
+pub use mesh::gaps::{Gap, Gaps, Rim};
 pub use mesh::outline::ClosedOutline;
 pub use mesh::panel::{BoundaryMesh, Panel, PanelPoint};
 pub use mesh::subdivision::Subdivision;

@@ -104,7 +104,7 @@ impl Radiator for ModalBem {
 
 /// Uncertainty from the difference of both evaluations, and above the boundary elements from the error of the
 /// high-frequency limit: its difference to boundary elements in their uppermost bands is taken as its error above. What
-/// standard modes of the same surface lack of the motion adds its bound.
+/// standard modes of the same surface lack of the motion adds its bound, and so do the panels of thin gaps.
 fn uncertainty(
     bem: &ModalBem,
     source: &SourceSpectrum,
@@ -123,16 +123,21 @@ fn uncertainty(
     if let Some(error) = differences.blend_error_db {
         (least, most) = (least.min(error), most.max(error));
     }
-    let evaluations = differences.surface_db.map_or(0.0, f64::abs) + lacking_db.unwrap_or(0.0);
+    let evaluations =
+        differences.surface_db.map_or(0.0, f64::abs) + lacking_db.unwrap_or(0.0) + bem.summary.gap_error_db;
     let lacking = lacking_db.map_or_else(String::new, |db| {
         format!("; standard modes of the same surface lack motion worth at most {db:.2} dB")
     });
+    let gap = match bem.summary.gap_error_db {
+        0.0 => String::new(),
+        db => format!("; panels at the rims of thin gaps, at most {db:.2} dB"),
+    };
     Uncertainty {
         minus: Some(evaluations - above(10f64.powf(-most.max(0.0) / 10.0)).min(0.0)),
         plus: Some(evaluations + above(10f64.powf(-least.min(0.0) / 10.0)).max(0.0)),
         basis: format!(
             "power by surface and by far field, and above {:.0} Hz the limit of high frequencies, {least:+.1} to {most:+.1} dB \
-             off in the last bands of boundary elements{lacking}",
+             off in the last bands of boundary elements{lacking}{gap}",
             bem.transition_hz()[0]
         ),
     }

@@ -7,6 +7,7 @@ mod coarse;
 mod compressed;
 mod fluid_plates;
 mod fluid_shell;
+mod gaps;
 mod laws;
 mod means;
 mod modal;

@@ -1,6 +1,8 @@
 //! Boundary elements of a body on several meshes: what is solved, what it costs, and the radiation matrix.
 
-use nailnoise_acoustics::bem::{EquationSolver, MeanBands, MeanRanges, MeshRange, ModalBem, Patterns, Receivers};
+use nailnoise_acoustics::bem::{
+    EquationSolver, Gap, Gaps, MeanBands, MeanRanges, MeshRange, ModalBem, Patterns, Receivers,
+};
 use nailnoise_acoustics::radiation::Sampling;
 use nalgebra::Point3;
 use serde::Serialize;
@@ -17,6 +19,10 @@ const FLOOR: f64 = 1e-2;
 /// Most frequencies of one range. A narrow resonance, such as those of the air between a table and the floor, takes about
 /// fifty.
 const MOST_SAMPLES: usize = 400;
+
+/// Most panels of a user's mesh that is made finer at the rims of thin gaps; beyond them panels at the rims are wider. A
+/// compressed matrix of so many panels takes about a minute a frequency.
+pub(super) const MOST_AT_GAPS: usize = 20_000;
 
 /// How finely boundary elements resolve space and frequency.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -157,6 +163,13 @@ impl MeshRanges {
         1e-9 * (self.all(few).map(of_mesh).fold(0.0, f64::max) + self.all(few).map(velocities).sum::<f64>())
     }
 
+    /// The thin gap of the largest error on any of the meshes.
+    fn worst_gap(&self) -> Option<Gap> {
+        let meshes = self.levels.iter().chain(&self.means.finer);
+        let gaps = meshes.filter_map(|mesh| Gaps::of(mesh.problem.boundary()).worst());
+        gaps.max_by(|a, b| a.mass_error().total_cmp(&b.mass_error()))
+    }
+
     /// Notes what will be computed before any time is spent.
     pub(super) fn note(&self, body: &str, few: f64, progress: &Progress) {
         let Some(finest) = self.finest() else { return };
@@ -190,6 +203,9 @@ impl MeshRanges {
             self.gigabytes(few),
             finest.problem.estimate()
         ));
+        if let Some(gap) = self.worst_gap() {
+            progress.note(&format!("{body}: {}", gap_in_words(&gap)));
+        }
     }
 
     /// Solves the meshes and interpolates over frequency.
@@ -215,6 +231,19 @@ impl MeshRanges {
             ModalBem::with_means(self.levels, self.means, &sampling, &places.receivers(), solved)
         })?)
     }
+}
+
+/// A thin gap and the error of its panels, in words.
+pub(crate) fn gap_in_words(gap: &Gap) -> String {
+    format!(
+        "a gap {:.1} mm high, panels at its rim up to {:.1} mm wide ({:.2} of its height): the mass of the air in it is known \
+         to {:.1} %, what it radiates to {:.2} dB in third octaves; friction of the air is left out",
+        1e3 * gap.height,
+        1e3 * gap.panel_width,
+        gap.panel_width / gap.height,
+        100.0 * gap.mass_error(),
+        gap.band_error_db()
+    )
 }
 
 /// Velocity patterns that are solved together, about: most modes of a symmetric body have one parity.

@@ -13,6 +13,7 @@ mod surface_modes;
 mod tool;
 mod workpiece;
 
+pub(crate) use boundary_elements::gap_in_words;
 pub use boundary_elements::{Places, Resolution};
 pub use flush::{FlushTop, top_of};
 pub use matrices::{FlushMatrix, ToolCapMatrix, ToolMatrix, WorkpieceMatrix};

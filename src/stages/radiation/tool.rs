@@ -9,14 +9,14 @@
 
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{
-    BemError, Boundary, BoundaryMesh, ClosedOutline, Exterior, MeanBands, MeanRanges, MeshRange, ModalBem, Panel,
-    Parity, Patterns,
+    BemError, Boundary, BoundaryMesh, ClosedOutline, Exterior, Gaps, MeanBands, MeanRanges, MeshRange, ModalBem, Panel,
+    Parity, Patterns, Rim,
 };
 use nailnoise_meshes::Surface;
 use nalgebra::DMatrix;
 use serde::Serialize;
 
-use super::boundary_elements::{LOWEST_SAMPLE, MeshRanges, Places, Resolution};
+use super::boundary_elements::{LOWEST_SAMPLE, MOST_AT_GAPS, MeshRanges, Places, Resolution};
 use crate::error::Error;
 use crate::stages::Progress;
 use crate::stages::bodies::MovingSurface;
@@ -187,7 +187,9 @@ impl ToolRadiation {
     fn housing(&self, body: &MovingSurface<'_>, cap: Option<&CapSurface>) -> Result<Housing, Error> {
         let outline = ClosedOutline::new(body.surface, self.floor)?;
         refuse_open_cavities(&outline.mesh)?;
+        let boundary = Boundary::new(outline.mesh.clone(), self.floor)?;
         Ok(Housing {
+            rims: Gaps::of(&boundary).coarse_rims(),
             motion: outline.motion(body.surface, body.modes),
             cap: cap.map(|cap| cap.panels(&outline.mesh)).transpose()?,
             mesh: outline.mesh,
@@ -197,16 +199,28 @@ impl ToolRadiation {
     /// The housing's own mesh.
     fn of_own_mesh(&self, housing: &Housing, air: &Air) -> Result<MeshRange, Error> {
         let boundary = Boundary::new(housing.mesh.clone(), self.floor)?;
+        let top_hz = boundary.highest_hz(air.sound_speed, self.resolution.panels);
+        let top_hz = top_hz.min(self.resolution.top_hz);
+        if !housing.rims.is_empty() {
+            return self.of_panels_within(housing, boundary.mesh().longest_edge(), top_hz, air);
+        }
         let part = housing.cap.as_ref().map(|cap| of_panels(&boundary, |panel| cap[panel]));
         let velocities = boundary.project_displacements(&housing.motion)?;
-        let top_hz = boundary.highest_hz(air.sound_speed, self.resolution.panels);
-        self.range(boundary, (velocities, part), top_hz.min(self.resolution.top_hz), air)
+        self.range(boundary, (velocities, part), top_hz, air)
     }
 
     /// The housing in finer panels, which resolve the waves at `top_hz`.
     fn of_finer_mesh(&self, housing: &Housing, top_hz: f64, air: &Air) -> Result<MeshRange, Error> {
         let edge = air.sound_speed / (self.resolution.panels * top_hz);
-        let finer = housing.mesh.subdivided(edge).map_err(BemError::from)?;
+        self.of_panels_within(housing, edge, top_hz, air)
+    }
+
+    /// The housing in panels whose sides measure at most `edge` \[m\], and less at the rims of thin gaps.
+    fn of_panels_within(&self, housing: &Housing, edge: f64, top_hz: f64, air: &Air) -> Result<MeshRange, Error> {
+        let finer = housing
+            .mesh
+            .subdivided_at(edge, &housing.rims, MOST_AT_GAPS)
+            .map_err(BemError::from)?;
         let motion = finer.fields(&housing.motion).map_err(BemError::from)?;
         let boundary = Boundary::new(finer.mesh, self.floor)?;
         let part = housing
@@ -257,6 +271,10 @@ impl ToolRadiation {
         let boundary = fine.problem.boundary();
         let edge = air.sound_speed / (panels * fine.top_hz);
         let worth_while = WORTH_WHILE * boundary.mesh().panels.len() as f64;
+        // A coarser surface would have wide panels at the rims of gaps.
+        if !housing.rims.is_empty() {
+            return Ok(vec![fine]);
+        }
         // A surface that cannot be coarsened is solved as it is.
         let coarse = match boundary.coarsened(edge) {
             Ok(coarse) if coarse.mesh().panels.len() as f64 <= worth_while => coarse,
@@ -285,6 +303,8 @@ impl ToolRadiation {
 /// The outer surface of a housing, its nose closed.
 struct Housing {
     mesh: BoundaryMesh,
+    /// Rims of the thin gaps that its panels are too wide for.
+    rims: Vec<Rim>,
     /// Displacements at the mesh's points, (3 x points) x modes.
     motion: DMatrix<f64>,
     /// The panels of the cap, where it is apart.
@@ -341,6 +361,10 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
+    use crate::chain::BodyStages;
+    use crate::design::Design;
+    use crate::graph::Graph;
+    use crate::stages::bodies::BodyKind;
     use nailnoise_acoustics::bem::EquationSolver;
     use nailnoise_meshes::Grid;
 
@@ -369,6 +393,27 @@ mod tests {
         refuse_open_cavities(&outline(false)).unwrap();
         let error = refuse_open_cavities(&outline(true)).unwrap_err();
         assert!(error.to_string().contains("`plenum`"), "{error}");
+    }
+
+    #[test]
+    fn the_shipped_housing_has_no_gap_that_needs_other_panels() {
+        for name in ["n80cb.toml", "n80cb-sandbox.toml"] {
+            let path = format!("{}/designs/{name}", env!("CARGO_MANIFEST_DIR"));
+            let design = Design::load(path).unwrap();
+            let stages = BodyStages::add(&Graph::default(), &design, BodyKind::Tool, false).unwrap();
+            let surface = Surface::of(&stages.meshed.get().unwrap().imported.mesh);
+            let radiation = crate::design::inputs::radiation::tool(&design).unwrap();
+            let modes = DMatrix::zeros(3 * surface.points.len(), 0);
+            let body = MovingSurface {
+                body: "tool",
+                surface: &surface,
+                modes: &modes,
+            };
+            let housing = radiation.housing(&body, None).unwrap();
+            let gaps = Gaps::of(&Boundary::new(housing.mesh.clone(), radiation.floor).unwrap());
+            println!("{name}: {:?}", gaps.iter().collect::<Vec<_>>());
+            assert!(housing.rims.is_empty(), "{:?}", gaps.worst());
+        }
     }
 
     /// A block of 0.3 m on the ground of the tool's coordinates, in the motion of a rigid body along z, as a housing

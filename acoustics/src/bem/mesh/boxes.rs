@@ -1,3 +1,4 @@
+use crate::bem::mesh::gaps::{LEAST_HEIGHT, RIM_WIDTH, Rim};
 use crate::bem::mesh::panel::{BoundaryMesh, Panel};
 use nailnoise_meshes::{FaceKind, MeshError, subdivide};
 use nalgebra::Point3;
@@ -47,9 +48,24 @@ impl BoundaryMesh {
         patches: Vec<String>,
         patch: impl Fn(Side) -> usize,
     ) -> Result<Self, MeshError> {
+        Self::of_boxes_at(boxes, planes, (edge, &[]), patches, patch)
+    }
+
+    /// As [`BoundaryMesh::of_boxes`], with grid lines that get closer towards the `rims` of gaps: the first rectangle there
+    /// is half as wide as the gap is high, and each next one twice as wide.
+    ///
+    /// # Errors
+    /// As [`BoundaryMesh::of_boxes`].
+    pub fn of_boxes_at(
+        boxes: &[SolidBox],
+        planes: [Option<f64>; 3],
+        (edge, rims): (f64, &[Rim]),
+        patches: Vec<String>,
+        patch: impl Fn(Side) -> usize,
+    ) -> Result<Self, MeshError> {
         let mut lines: [Vec<f64>; 3] = Default::default();
         for (axis, line) in lines.iter_mut().enumerate() {
-            *line = grid_line(boxes, axis, planes[axis], edge)?;
+            *line = grid_line(boxes, axis, planes[axis], (edge, rims))?;
         }
         let cells = [0, 1, 2].map(|axis| lines[axis].len() - 1);
         let part_of = |cell: [usize; 3]| {
@@ -100,7 +116,12 @@ impl BoundaryMesh {
 }
 
 /// Grid lines across an axis: all sides of boxes above the plane, with stretches divided.
-fn grid_line(boxes: &[SolidBox], axis: usize, plane: Option<f64>, edge: f64) -> Result<Vec<f64>, MeshError> {
+fn grid_line(
+    boxes: &[SolidBox],
+    axis: usize,
+    plane: Option<f64>,
+    (edge, rims): (f64, &[Rim]),
+) -> Result<Vec<f64>, MeshError> {
     let mut ends = Vec::with_capacity(2 * boxes.len() + 1);
     for b in boxes {
         let value = b.high[axis] - b.low[axis];
@@ -121,7 +142,13 @@ fn grid_line(boxes: &[SolidBox], axis: usize, plane: Option<f64>, edge: f64) -> 
     }
     let mut line: Vec<f64> = ends.first().copied().into_iter().collect();
     for pair in ends.windows(2) {
-        line.extend(subdivide(pair[0], pair[1], edge.min((pair[1] - pair[0]) / LEAST))?);
+        let first = [pair[0], pair[1]].map(|end| width_at(rims, axis, end, tolerance));
+        stretch(
+            &mut line,
+            [pair[0], pair[1]],
+            edge.min((pair[1] - pair[0]) / LEAST),
+            first,
+        )?;
     }
     match line.len() {
         0 | 1 => Err(MeshError::Dimension {
@@ -130,6 +157,49 @@ fn grid_line(boxes: &[SolidBox], axis: usize, plane: Option<f64>, edge: f64) -> 
         }),
         _ => Ok(line),
     }
+}
+
+/// Width of the rectangles beside a grid line \[m\]: half the height of the lowest gap that has its rim there.
+fn width_at(rims: &[Rim], axis: usize, at: f64, tolerance: f64) -> f64 {
+    let there = |rim: &&Rim| rim.ends.iter().all(|end| (end[axis] - at).abs() <= tolerance);
+    let widths = rims
+        .iter()
+        .filter(there)
+        .map(|rim| RIM_WIDTH * rim.height.max(LEAST_HEIGHT));
+    widths.fold(f64::INFINITY, f64::min)
+}
+
+/// Adds the grid lines of a stretch: rectangles of the widths `first` at its ends, each twice as wide as the one before,
+/// and others of at most `edge` \[m\].
+fn stretch(line: &mut Vec<f64>, [from, to]: [f64; 2], edge: f64, first: [f64; 2]) -> Result<(), MeshError> {
+    let graded = first.iter().filter(|width| **width < edge).count();
+    let room = (to - from) / graded.max(1) as f64;
+    let mut edge = edge;
+    let widths = first.map(|first| {
+        let (mut widths, mut sum, mut width) = (Vec::new(), 0.0, first);
+        while width < edge && sum + 2.0 * width <= room {
+            widths.push(width);
+            sum += width;
+            width *= 2.0;
+        }
+        (widths, sum, width)
+    });
+    for (_, _, next) in &widths {
+        edge = edge.min(*next);
+    }
+    let [(low, before, _), (high, behind, _)] = widths;
+    for width in low {
+        line.push(line.last().unwrap_or(&from) + width);
+    }
+    line.extend(subdivide(from + before, to - behind, edge)?);
+    for width in high.into_iter().rev() {
+        line.push(line.last().unwrap_or(&to) + width);
+    }
+    if behind > 0.0 {
+        line.pop();
+        line.push(to);
+    }
+    Ok(())
 }
 
 /// Grid indices of the corners of a cell's side, outward by the right-hand rule.

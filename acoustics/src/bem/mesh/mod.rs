@@ -4,6 +4,7 @@
 pub(crate) mod boundary;
 pub(crate) mod boxes;
 pub(crate) mod coarse;
+pub(crate) mod gaps;
 pub(crate) mod outline;
 pub(crate) mod panel;
 pub(crate) mod rules;

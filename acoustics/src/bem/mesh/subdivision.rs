@@ -6,6 +6,7 @@
 //! Quadrilaterals that must be cut become two triangles before. All new points lie on the given panels: the surface
 //! stays as it is, and shape functions of the given panels state their motion.
 
+use crate::bem::mesh::gaps::{RIM_WIDTH, Rim, longest_side};
 use crate::bem::mesh::panel::{BoundaryMesh, MOST_NODES, Panel, PanelShape};
 use crate::checks::{InputError, positive, same_length};
 use nailnoise_meshes::FaceKind;
@@ -54,7 +55,37 @@ impl BoundaryMesh {
     /// # Errors
     /// A length that is not positive.
     pub fn subdivided(&self, edge: f64) -> Result<Subdivision, InputError> {
-        let edge = positive("length of edges [m]", edge)?;
+        let square = (positive("length of edges [m]", edge)? * (1.0 + SLACK)).powi(2);
+        Ok(self.bisected(&|_| square))
+    }
+
+    /// As [`BoundaryMesh::subdivided`], and with sides of at most half the height of a gap at its `rims`, which grow with the
+    /// distance from them.
+    ///
+    /// If there would be more panels than `most`, those at the rims are wider, by powers of two; panels may be more than
+    /// `most` because of `edge`.
+    ///
+    /// # Errors
+    /// A length that is not positive.
+    pub fn subdivided_at(&self, edge: f64, rims: &[Rim], most: usize) -> Result<Subdivision, InputError> {
+        let plain = self.subdivided(edge)?;
+        if rims.is_empty() {
+            return Ok(plain);
+        }
+        let plain = plain.mesh.panels.len();
+        let mut width = RIM_WIDTH;
+        loop {
+            let limit = |ends: [Point3<f64>; 2]| (edge.min(longest_side(rims, ends, width)) * (1.0 + SLACK)).powi(2);
+            let finer = self.bisected(&limit);
+            if finer.mesh.panels.len() <= most.max(plain) {
+                return Ok(finer);
+            }
+            width *= 2.0;
+        }
+    }
+
+    /// The same surface in panels whose sides have squares of at most `limit` of their ends \[m²\].
+    fn bisected(&self, limit: Limit<'_>) -> Subdivision {
         let mut bisection = Bisection {
             given: self,
             points: self.points.clone(),
@@ -78,10 +109,13 @@ impl BoundaryMesh {
                 _ => bisection.quadrilaterals.push(number),
             }
         }
-        bisection.run((edge * (1.0 + SLACK)).powi(2));
-        Ok(bisection.result())
+        bisection.run(limit);
+        bisection.result()
     }
 }
+
+/// Largest square of the length of an edge between two points \[m²\].
+type Limit<'a> = &'a dyn Fn([Point3<f64>; 2]) -> f64;
 
 /// A triangle of the finer mesh.
 #[derive(Clone, Copy, Debug)]
@@ -120,7 +154,7 @@ struct Bisection<'a> {
 
 impl Bisection<'_> {
     /// Bisects until the squares of all edges are at most `limit`.
-    fn run(&mut self, limit: f64) {
+    fn run(&mut self, limit: Limit<'_>) {
         loop {
             let marked = self.marked(limit);
             if self.cut_quadrilaterals(&marked, limit) {
@@ -135,6 +169,10 @@ impl Bisection<'_> {
             }
             self.triangles = finer;
         }
+    }
+
+    fn is_long(&self, (a, b): (usize, usize), limit: Limit<'_>) -> bool {
+        self.square((a, b)) > limit([self.points[a], self.points[b]])
     }
 
     fn square(&self, (a, b): (usize, usize)) -> f64 {
@@ -152,9 +190,9 @@ impl Bisection<'_> {
     }
 
     /// Edges to be cut: those that are too long, and the longest edge of every triangle of which an edge is cut.
-    fn marked(&self, limit: f64) -> BTreeSet<(usize, usize)> {
+    fn marked(&self, limit: Limit<'_>) -> BTreeSet<(usize, usize)> {
         let all = self.triangles.iter().flat_map(Triangle::edges);
-        let mut marked: BTreeSet<(usize, usize)> = all.filter(|&edge| self.square(edge) > limit).collect();
+        let mut marked: BTreeSet<(usize, usize)> = all.filter(|&edge| self.is_long(edge, limit)).collect();
         loop {
             let before = marked.len();
             for triangle in &self.triangles {
@@ -171,14 +209,14 @@ impl Bisection<'_> {
 
     /// Makes two triangles, along the shorter diagonal, of every quadrilateral of which an edge is cut or too long;
     /// returns whether there was one.
-    fn cut_quadrilaterals(&mut self, marked: &BTreeSet<(usize, usize)>, limit: f64) -> bool {
+    fn cut_quadrilaterals(&mut self, marked: &BTreeSet<(usize, usize)>, limit: Limit<'_>) -> bool {
         let before = self.quadrilaterals.len();
         for number in std::mem::take(&mut self.quadrilaterals) {
             let panel = &self.given.panels[number];
             let (c, natural) = (panel.corners(), panel.kind().natural_nodes());
             let cut = (0..4)
                 .map(|k| key(c[k], c[(k + 1) % 4]))
-                .any(|edge| marked.contains(&edge) || self.square(edge) > limit);
+                .any(|edge| marked.contains(&edge) || self.is_long(edge, limit));
             if !cut {
                 self.quadrilaterals.push(number);
                 continue;

@@ -2,6 +2,7 @@ use crate::air::Air;
 use crate::bem::high_frequencies::composite::{CompositeRadiation, HighFrequencyRadiation};
 use crate::bem::high_frequencies::frequencies::limits;
 use crate::bem::high_frequencies::mean_bands::MeanBands;
+use crate::bem::mesh::gaps::Gaps;
 use crate::bem::modes::added_mass::{AddedMasses, MassSamples};
 use crate::bem::modes::combination::Combination;
 use crate::bem::modes::independent::independent;
@@ -181,6 +182,12 @@ impl ModalBem {
             difference_db: 0.0,
             asymmetry: 0.0,
             pressure_error: 0.0,
+            gap_error_db: levels
+                .iter()
+                .chain(&means.finer)
+                .filter_map(|mesh| Gaps::of(mesh.problem.boundary()).worst())
+                .map(|gap| gap.level_error_db())
+                .fold(0.0, f64::max),
         };
         let counts: Vec<usize> = chosen.iter().map(|pick| pick.modes.len()).collect();
         let tops: Vec<f64> = levels.iter().map(|level| level.top_hz).collect();

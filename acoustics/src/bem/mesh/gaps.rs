@@ -1,0 +1,352 @@
+//! Thin gaps of air between surfaces that face each other, and panels that resolve the flow at their rims.
+//!
+//! Between a surface and a floor at the height h below it the pressure obeys Reynolds' equation and varies over the extent
+//! of the gap, not over its height: panels may be many heights wide there. At the rim, where the gap opens, the flow
+//! turns within a distance of about h. Wide panels put the rim in the wrong place: they change the end correction of the gap
+//! by about 0.04 of their width w, however high the gap is. As the mass of the air in it is proportional to the cube of
+//! its extent, that mass and the radiated power are off by about 3 0.04 w P/A, where A is the area of the gap and P the
+//! length of its rim. Therefore panels are small at the rim, half as wide as the gap is high, and grow with their distance
+//! from it.
+//!
+//! Source of the constants: blocks that heave 2 to 20 mm above a floor, `docs/verification.md`.
+
+use crate::bem::mesh::boundary::Boundary;
+use crate::bem::mesh::panel::BoundaryMesh;
+use crate::bem::mesh::symmetry::Image;
+use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// Width of the panels at the rim of a gap over its height.
+pub(crate) const RIM_WIDTH: f64 = 0.5;
+
+/// By how much panels may be wider per distance from the rim: each twice as wide as its neighbour.
+pub(crate) const GROWTH: f64 = 1.0;
+
+/// Height below which a gap is resolved as if it had this height \[m\]: the air between surfaces closer than this is ruled by
+/// viscosity, which the equations do not have.
+pub(crate) const LEAST_HEIGHT: f64 = 1e-3;
+
+/// Height of a thin gap over its area per length of rim, at most: a strip is at least four times as wide as high. Air between
+/// surfaces that are farther apart needs no finer panels than at other edges.
+const THIN: f64 = 0.5;
+
+/// Cosine of the angle between a normal and the opposite of another one from which their panels face each other.
+const FACING: f64 = 0.5;
+
+/// Cosine of the angle between two panels above which the surface is not sharp.
+const SHARP: f64 = 0.866;
+
+/// Error of the mass of the air in a gap over w P/A: three times the change of the end correction over the width of
+/// panels, 0.04, with a quarter more for what the study does not cover.
+const MASS_ERROR: f64 = 0.15;
+
+/// Error of the power in third octaves over w P/A, of panels at the rim that are narrower than the gap is high and of wider
+/// ones: near resonances of the gap the power depends strongly on its extent, the more the thinner the gap is.
+const BAND_ERROR: [f64; 2] = [1.0, 1.5];
+
+/// Error of the power in wide bands over w P/A, in which shifts of resonances cancel.
+const LEVEL_ERROR: f64 = 0.5;
+
+/// A thin gap: a connected part of the surface which faces a floor, or another part of it, at less than half of the gap's
+/// area over the length of its rim.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gap {
+    /// Smallest height \[m\].
+    pub height: f64,
+    /// Area over the length of the rim \[m\]: half the width of a strip, half the radius of a disc.
+    pub extent: f64,
+    /// Width of the widest panel at its rim, across the rim \[m\].
+    pub panel_width: f64,
+    /// Whether it faces the floor, else another part of the surface.
+    pub above_floor: bool,
+}
+
+impl Gap {
+    /// Bound of the relative error of the mass of the air in the gap, and of the power below its resonances.
+    ///
+    /// Measured on a block that heaves 2 to 20 mm above a floor with panels of 0.25 to 7.5 heights; `docs/verification.md`.
+    pub fn mass_error(&self) -> f64 {
+        MASS_ERROR * self.panel_width / self.extent
+    }
+
+    /// Bound of the error of the power in third octaves \[dB\], of motion that pumps the air in the gap.
+    ///
+    /// Measured as [`Gap::mass_error`], from 0.3 to 2 kHz.
+    pub fn band_error_db(&self) -> f64 {
+        let [narrow, wide] = BAND_ERROR;
+        // Equal up to rounding where the panels are made so.
+        let error = if self.panel_width < 1.001 * self.height {
+            narrow
+        } else {
+            wide
+        };
+        10.0 * (1.0 + error * self.panel_width / self.extent).log10()
+    }
+
+    /// Bound of the error of the power in all bands together \[dB\].
+    ///
+    /// Measured as [`Gap::band_error_db`].
+    pub fn level_error_db(&self) -> f64 {
+        10.0 * (1.0 + LEVEL_ERROR * self.panel_width / self.extent).log10()
+    }
+}
+
+/// Part of the rim of a gap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rim {
+    /// Its ends \[m\].
+    pub ends: [Point3<f64>; 2],
+    /// Height of the gap there \[m\].
+    pub height: f64,
+}
+
+impl Rim {
+    /// Largest length that the side of a panel between two points may have \[m\].
+    fn side(&self, [a, b]: [Point3<f64>; 2], width: f64) -> f64 {
+        let along = self.ends[1] - self.ends[0];
+        let apart = |x: Point3<f64>| {
+            let t = ((x - self.ends[0]).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+            (x - (self.ends[0] + along * t)).norm()
+        };
+        let apart = [a, nalgebra::center(&a, &b), b].map(apart);
+        width * self.height.max(LEAST_HEIGHT) + GROWTH * apart.into_iter().fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Largest length that the side of a panel between two points may have by all `rims` \[m\], with panels of `width` heights
+/// at them.
+pub(crate) fn longest_side(rims: &[Rim], ends: [Point3<f64>; 2], width: f64) -> f64 {
+    let sides = rims.iter().map(|rim| rim.side(ends, width));
+    sides.fold(f64::INFINITY, f64::min)
+}
+
+/// All thin gaps of a surface and their rims.
+#[derive(Clone, Debug, Default)]
+pub struct Gaps {
+    all: Vec<(Gap, Vec<Rim>)>,
+}
+
+impl Gaps {
+    /// Finds the gaps of a surface by the distance that the air reaches from the middle of each panel along its normal.
+    pub fn of(boundary: &Boundary) -> Self {
+        let facing = heights(boundary);
+        let heights: Vec<Option<f64>> = facing.iter().map(|facing| facing.map(|(height, _)| height)).collect();
+        let floor = |p: usize| facing[p].is_some_and(|(_, floor)| floor);
+        let mesh = boundary.mesh();
+        let normals: Vec<Vector3<f64>> = (0..mesh.panels.len()).map(|p| normal(mesh, p)).collect();
+        let edges = edges(mesh);
+        // Panels that face something are connected to those beside them which face it at a similar distance.
+        let similar = |p: usize, q: usize| match (heights[p], heights[q]) {
+            (Some(_), Some(_)) if floor(p) != floor(q) => false,
+            (Some(a), Some(b)) => a.max(b) <= 2.0 * a.min(b) || normals[p].dot(&normals[q]) > SHARP,
+            _ => false,
+        };
+        let mut group: Vec<usize> = (0..mesh.panels.len()).collect();
+        for panels in edges.values() {
+            if let [p, q] = panels[..] {
+                if similar(p, q) {
+                    let (a, b) = (root(&group, p), root(&group, q));
+                    group[a] = b;
+                }
+            }
+        }
+        let mut area: HashMap<usize, (f64, f64)> = HashMap::new();
+        for (p, height) in heights.iter().enumerate() {
+            if let Some(height) = height {
+                let (area, least) = area.entry(root(&group, p)).or_insert((0.0, f64::INFINITY));
+                *area += mesh.panel_area(p);
+                *least = least.min(*height);
+            }
+        }
+        let mut rims: HashMap<usize, (Vec<Rim>, f64)> = HashMap::new();
+        let mut sorted: Vec<_> = edges.iter().collect();
+        sorted.sort();
+        for (&(a, b), panels) in sorted {
+            // An edge of one panel lies in a plane of reflection, where the gap continues.
+            let [p, q] = panels[..] else { continue };
+            for (own, other) in [(p, q), (q, p)] {
+                let Some(height) = heights[own] else { continue };
+                if similar(p, q) || normals[p].dot(&normals[q]) > SHARP {
+                    continue;
+                }
+                let ends = [mesh.points[a], mesh.points[b]];
+                // At the closed end of a slot the surface turns into the air.
+                let turn =
+                    (mesh.point_at(other, mesh.panels[other].kind().centre()).position - ends[0]).dot(&normals[own]);
+                if turn > 0.0 || heights[other].is_some_and(|beyond| beyond < height) {
+                    continue;
+                }
+                let (rims, widest) = rims.entry(root(&group, own)).or_default();
+                let share = mesh.panels[own].corners().len() as f64 - 2.0;
+                let across = mesh.panel_area(own) * 2.0 / share.max(1.0) / (ends[1] - ends[0]).norm();
+                let across = if share > 1.0 {
+                    across
+                } else {
+                    across.min(longest(mesh, own))
+                };
+                *widest = widest.max(across);
+                rims.push(Rim { ends, height });
+            }
+        }
+        let mut all: Vec<(Gap, Vec<Rim>)> = Vec::new();
+        for (number, (rims, panel_width)) in rims {
+            let Some(&(area, height)) = area.get(&number) else {
+                continue;
+            };
+            let length: f64 = rims.iter().map(|rim| (rim.ends[1] - rim.ends[0]).norm()).sum();
+            let gap = Gap {
+                height,
+                extent: area / length,
+                panel_width,
+                above_floor: floor(number),
+            };
+            if gap.height < THIN * gap.extent {
+                all.push((gap, rims));
+            }
+        }
+        all.sort_by(|a, b| {
+            a.0.height
+                .total_cmp(&b.0.height)
+                .then(a.0.extent.total_cmp(&b.0.extent))
+        });
+        Self { all }
+    }
+
+    /// The gaps, the narrowest first.
+    pub fn iter(&self) -> impl Iterator<Item = &Gap> {
+        self.all.iter().map(|(gap, _)| gap)
+    }
+
+    /// The gap above the floor that has the largest error. Bounds are not known of gaps between parts of a surface.
+    pub fn worst(&self) -> Option<Gap> {
+        let error = |gap: &&Gap| gap.panel_width / gap.extent;
+        self.iter()
+            .filter(|gap| gap.above_floor)
+            .max_by(|a, b| error(a).total_cmp(&error(b)))
+            .copied()
+    }
+
+    /// Rims of the gaps above the floor whose panels are wider than half their height.
+    pub fn coarse_rims(&self) -> Vec<Rim> {
+        let coarse = self
+            .all
+            .iter()
+            .filter(|(gap, _)| gap.above_floor && gap.panel_width > RIM_WIDTH * gap.height);
+        coarse.flat_map(|(_, rims)| rims.iter().copied()).collect()
+    }
+}
+
+fn root(group: &[usize], mut p: usize) -> usize {
+    while group[p] != p {
+        p = group[p];
+    }
+    p
+}
+
+/// Panels at each edge.
+fn edges(mesh: &BoundaryMesh) -> HashMap<(usize, usize), Vec<usize>> {
+    let mut edges: HashMap<(usize, usize), Vec<usize>> = HashMap::new();
+    for (p, panel) in mesh.panels.iter().enumerate() {
+        let c = panel.corners();
+        for k in 0..c.len() {
+            let (a, b) = (c[k], c[(k + 1) % c.len()]);
+            edges.entry((a.min(b), a.max(b))).or_default().push(p);
+        }
+    }
+    edges
+}
+
+fn normal(mesh: &BoundaryMesh, panel: usize) -> Vector3<f64> {
+    let centre = mesh.panels[panel].kind().centre();
+    mesh.point_at(panel, centre).area_vector().normalize()
+}
+
+fn longest(mesh: &BoundaryMesh, panel: usize) -> f64 {
+    let c = mesh.panels[panel].corners();
+    let side = |k: usize| (mesh.points[c[k]] - mesh.points[c[(k + 1) % c.len()]]).norm();
+    (0..c.len()).map(side).fold(0.0, f64::max)
+}
+
+/// Distance from the middle of every panel along its normal to the floor, or to a panel that faces it, whichever is
+/// closer \[m\], and whether it is the floor; none where nothing faces it closer than half the extent of the body.
+fn heights(boundary: &Boundary) -> Vec<Option<(f64, bool)>> {
+    let mesh = boundary.mesh();
+    let images: Vec<Image> = boundary
+        .images()
+        .into_iter()
+        .filter(|i| i.sign_along(2) > 0.0)
+        .collect();
+    let farthest = 0.5 * boundary.extents().max();
+    let facets = facets(boundary, &images);
+    let nearest = |p: usize| {
+        let from = mesh.point_at(p, mesh.panels[p].kind().centre()).position;
+        let along = normal(mesh, p);
+        let floor = boundary.floor().filter(|_| along.z < -FACING);
+        let to_floor = floor.map_or(f64::INFINITY, |floor| (floor - from.z) / along.z);
+        let hit = |facet: &Facet| facet.hit(from, along);
+        let to_panel = facets.iter().filter_map(hit).fold(f64::INFINITY, f64::min);
+        let nearest = (to_floor.min(to_panel), to_floor <= to_panel);
+        Some(nearest).filter(|(height, _)| *height < farthest)
+    };
+    (0..mesh.panels.len()).into_par_iter().map(nearest).collect()
+}
+
+/// A triangle of the surface or of its image.
+struct Facet {
+    corner: Point3<f64>,
+    sides: [Vector3<f64>; 2],
+    normal: Vector3<f64>,
+    centre: Point3<f64>,
+    reach: f64,
+}
+
+impl Facet {
+    /// Distance at which a ray meets the triangle from the side of the air \[m\].
+    fn hit(&self, from: Point3<f64>, along: Vector3<f64>) -> Option<f64> {
+        let towards = self.centre - from;
+        let ahead = towards.dot(&along);
+        if self.normal.dot(&along) > -FACING || towards.norm_squared() - ahead * ahead > self.reach * self.reach {
+            return None;
+        }
+        // Möller & Trumbore (J. Graphics Tools 2, 21 (1997)).
+        let [u, v] = self.sides;
+        let h = along.cross(&v);
+        let inverse = 1.0 / u.dot(&h);
+        let s = from - self.corner;
+        let a = inverse * s.dot(&h);
+        let q = s.cross(&u);
+        let (b, t) = (inverse * along.dot(&q), inverse * v.dot(&q));
+        let slack = 1e-9;
+        (a >= -slack && b >= -slack && a + b <= 1.0 + slack && t > 1e-6 * self.reach).then_some(t)
+    }
+}
+
+/// The triangles of all panels and of their images in the mirror planes.
+fn facets(boundary: &Boundary, images: &[Image]) -> Vec<Facet> {
+    let mesh = boundary.mesh();
+    let mut facets = Vec::new();
+    for &image in images {
+        for panel in &mesh.panels {
+            let place = |n: usize| {
+                let x = mesh.points[n];
+                Point3::from(Vector3::from_fn(|axis, _| boundary.mirrored(image, axis, x[axis])))
+            };
+            let c = panel.corners();
+            for k in 2..c.len() {
+                let [x, y, z] = [c[0], c[k - 1], c[k]].map(place);
+                let sides = [y - x, z - x];
+                let centre = Point3::from((x.coords + y.coords + z.coords) / 3.0);
+                let reach = [x, y, z].map(|x| (x - centre).norm()).into_iter().fold(0.0, f64::max);
+                facets.push(Facet {
+                    corner: x,
+                    sides,
+                    normal: sides[0].cross(&sides[1]).normalize() * image.handedness(),
+                    centre,
+                    reach,
+                });
+            }
+        }
+    }
+    facets
+}
