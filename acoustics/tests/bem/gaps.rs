@@ -1,4 +1,4 @@
-//! Thin gaps above a floor and between surfaces that face each other: what is found of them, and the flow in them.
+//! Thin gaps above a floor: what is found of them, and the flow in them.
 
 use crate::common::cuboid;
 use nailnoise_acoustics::Air;
@@ -230,27 +230,6 @@ fn surfaces_far_from_the_floor_and_the_sides_of_a_plate_are_no_gap() {
     }
     let plate = Boundary::new(cuboid([0.0; 3], [0.3, 0.2, 0.005], 0.02, true), None).unwrap();
     assert!(Gaps::of(&plate).iter().next().is_none());
-}
-
-/// A plate with a slot: a gap between two surfaces of one body, which has a closed end.
-#[test]
-fn a_slot_between_two_surfaces_is_a_gap_with_its_rim_at_the_mouth() {
-    let solid = |low: [f64; 3], high: [f64; 3]| SolidBox { low, high, part: 0 };
-    let boxes = [
-        solid([0.0, 0.0, 0.0], [0.3, 0.2, 0.04]),
-        solid([0.0, 0.0, 0.05], [0.3, 0.2, 0.09]),
-        solid([0.0, 0.0, 0.04], [0.1, 0.2, 0.05]),
-    ];
-    let mesh = BoundaryMesh::of_boxes(&boxes, [None; 3], 0.02, vec![String::new()], |_| 0).unwrap();
-    let gaps = Gaps::of(&Boundary::new(mesh, None).unwrap());
-    let found: Vec<_> = gaps.iter().collect();
-    // Both sides of the slot.
-    assert_eq!(found.len(), 2, "{found:?}");
-    for gap in found {
-        assert!((gap.height - 0.01).abs() < 1e-9, "{gap:?}");
-        // 0.2 m deep and wide, open at three sides.
-        assert!((gap.extent / (0.04 / 0.6) - 1.0).abs() < 1e-9, "{gap:?}");
-    }
 }
 
 /// Motion that is linear on the given panels stays so on those that are cut.

@@ -1,4 +1,4 @@
-//! Thin gaps of air between surfaces that face each other, and panels that resolve the flow at their rims.
+//! Thin gaps of air between a surface and the floor below it, and panels that resolve the flow at their rims.
 //!
 //! Between a surface and a floor at the height h below it the pressure obeys Reynolds' equation and varies over the extent
 //! of the gap, not over its height: panels may be many heights wide there. At the rim, where the gap opens, the flow
@@ -48,8 +48,8 @@ const BAND_ERROR: [f64; 2] = [1.0, 1.5];
 /// Error of the power in wide bands over w P/A, in which shifts of resonances cancel.
 const LEVEL_ERROR: f64 = 0.5;
 
-/// A thin gap: a connected part of the surface which faces a floor, or another part of it, at less than half of the gap's
-/// area over the length of its rim.
+/// A thin gap: a connected part of the surface which faces the floor at less than half of the gap's area over the length of
+/// its rim.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gap {
     /// Smallest height \[m\].
@@ -58,8 +58,6 @@ pub struct Gap {
     pub extent: f64,
     /// Width of the widest panel at its rim, across the rim \[m\].
     pub panel_width: f64,
-    /// Whether it faces the floor, else another part of the surface.
-    pub above_floor: bool,
 }
 
 impl Gap {
@@ -121,24 +119,25 @@ pub(crate) fn longest_side(rims: &[Rim], ends: [Point3<f64>; 2], width: f64) -> 
     sides.fold(f64::INFINITY, f64::min)
 }
 
-/// All thin gaps of a surface and their rims.
+/// All thin gaps between a surface and the floor, and their rims. Gaps between two parts of a surface are not among them: the
+/// bounds are not known there.
 #[derive(Clone, Debug, Default)]
 pub struct Gaps {
     all: Vec<(Gap, Vec<Rim>)>,
 }
 
 impl Gaps {
-    /// Finds the gaps of a surface by the distance that the air reaches from the middle of each panel along its normal.
+    /// Finds the gaps of a surface by the distance from the middle of each panel along its normal to the floor.
     pub fn of(boundary: &Boundary) -> Self {
-        let facing = heights(boundary);
-        let heights: Vec<Option<f64>> = facing.iter().map(|facing| facing.map(|(height, _)| height)).collect();
-        let floor = |p: usize| facing[p].is_some_and(|(_, floor)| floor);
+        let heights = heights(boundary);
+        if heights.iter().all(Option::is_none) {
+            return Self::default();
+        }
         let mesh = boundary.mesh();
         let normals: Vec<Vector3<f64>> = (0..mesh.panels.len()).map(|p| normal(mesh, p)).collect();
         let edges = edges(mesh);
         // Panels that face something are connected to those beside them which face it at a similar distance.
         let similar = |p: usize, q: usize| match (heights[p], heights[q]) {
-            (Some(_), Some(_)) if floor(p) != floor(q) => false,
             (Some(a), Some(b)) => a.max(b) <= 2.0 * a.min(b) || normals[p].dot(&normals[q]) > SHARP,
             _ => false,
         };
@@ -199,7 +198,6 @@ impl Gaps {
                 height,
                 extent: area / length,
                 panel_width,
-                above_floor: floor(number),
             };
             if gap.height < THIN * gap.extent {
                 all.push((gap, rims));
@@ -218,21 +216,18 @@ impl Gaps {
         self.all.iter().map(|(gap, _)| gap)
     }
 
-    /// The gap above the floor that has the largest error. Bounds are not known of gaps between parts of a surface.
+    /// The gap that has the largest error.
     pub fn worst(&self) -> Option<Gap> {
         let error = |gap: &&Gap| gap.panel_width / gap.extent;
-        self.iter()
-            .filter(|gap| gap.above_floor)
-            .max_by(|a, b| error(a).total_cmp(&error(b)))
-            .copied()
+        self.iter().max_by(|a, b| error(a).total_cmp(&error(b))).copied()
     }
 
-    /// Rims of the gaps above the floor whose panels are wider than half their height.
+    /// Rims of the gaps whose panels are wider than half their height.
     pub fn coarse_rims(&self) -> Vec<Rim> {
         let coarse = self
             .all
             .iter()
-            .filter(|(gap, _)| gap.above_floor && gap.panel_width > RIM_WIDTH * gap.height);
+            .filter(|(gap, _)| gap.panel_width > RIM_WIDTH * gap.height);
         coarse.flat_map(|(_, rims)| rims.iter().copied()).collect()
     }
 }
@@ -268,28 +263,30 @@ fn longest(mesh: &BoundaryMesh, panel: usize) -> f64 {
     (0..c.len()).map(side).fold(0.0, f64::max)
 }
 
-/// Distance from the middle of every panel along its normal to the floor, or to a panel that faces it, whichever is
-/// closer \[m\], and whether it is the floor; none where nothing faces it closer than half the extent of the body.
-fn heights(boundary: &Boundary) -> Vec<Option<(f64, bool)>> {
+/// Distance from the middle of every panel along its normal to the floor \[m\]; none where the floor is not below it, is
+/// farther away than half the extent of the body, or is hidden by another panel.
+fn heights(boundary: &Boundary) -> Vec<Option<f64>> {
     let mesh = boundary.mesh();
-    let images: Vec<Image> = boundary
-        .images()
-        .into_iter()
-        .filter(|i| i.sign_along(2) > 0.0)
-        .collect();
     let farthest = 0.5 * boundary.extents().max();
-    let facets = facets(boundary, &images);
-    let nearest = |p: usize| {
+    let to_floor = |p: usize| {
         let from = mesh.point_at(p, mesh.panels[p].kind().centre()).position;
         let along = normal(mesh, p);
-        let floor = boundary.floor().filter(|_| along.z < -FACING);
-        let to_floor = floor.map_or(f64::INFINITY, |floor| (floor - from.z) / along.z);
-        let hit = |facet: &Facet| facet.hit(from, along);
-        let to_panel = facets.iter().filter_map(hit).fold(f64::INFINITY, f64::min);
-        let nearest = (to_floor.min(to_panel), to_floor <= to_panel);
-        Some(nearest).filter(|(height, _)| *height < farthest)
+        let floor = boundary.floor().filter(|_| along.z < -FACING)?;
+        let height = (floor - from.z) / along.z;
+        (height < farthest).then_some((height, from, along))
     };
-    (0..mesh.panels.len()).into_par_iter().map(nearest).collect()
+    let below: Vec<_> = (0..mesh.panels.len()).map(to_floor).collect();
+    if below.iter().all(Option::is_none) {
+        return vec![None; below.len()];
+    }
+    let images = boundary.images().into_iter().filter(|i| i.sign_along(2) > 0.0);
+    let facets = facets(boundary, &images.collect::<Vec<_>>());
+    let seen = |below: &Option<(f64, Point3<f64>, Vector3<f64>)>| {
+        let (height, from, along) = (*below)?;
+        let hidden = |facet: &Facet| facet.hit(from, along).is_some_and(|distance| distance < height);
+        (!facets.iter().any(hidden)).then_some(height)
+    };
+    below.par_iter().map(seen).collect()
 }
 
 /// A triangle of the surface or of its image.
