@@ -15,7 +15,7 @@ fn design(text: &str) -> Design {
     let text = format!("base = \"small-bem.toml\"\nacoustics.body_method = \"bem\"\n{text}\n");
     let mut design = Design::parse(&text, beside).unwrap();
     let tool = bar(1.0);
-    design.body = tool.body;
+    design.body = tool.body.clone();
     design.body.model = BodyModel::Elastic;
     design.analysis.body_top = tool.analysis.body_top;
     design.sensors.remove("handle"); // the bar has none
