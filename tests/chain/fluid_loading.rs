@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use crate::common::run as of;
-use crate::tool::{bar, put, bar_mesh};
+use crate::tool::{bar, bar_mesh, put};
 use nailnoise::Design;
 use nailnoise::design::BodyModel;
 use nailnoise::result::{LoadingChange, RankedSource};
@@ -43,7 +43,10 @@ fn every_check_of_linear_motion_in_air_is_met_its_energy_balance_among_them() {
     assert!(failed.is_empty(), "{failed:#?}");
     for name in ["response", "tool"] {
         let balance = format!("{name}: energy beyond the frozen impedance, balance over time");
-        assert!(LINEAR.result.checks.iter().any(|check| check.name == balance), "{balance}");
+        assert!(
+            LINEAR.result.checks.iter().any(|check| check.name == balance),
+            "{balance}"
+        );
     }
 }
 
@@ -53,7 +56,10 @@ fn on_a_bonded_contact_the_complete_impedance_acts_on_every_source() {
         let change = change(&LINEAR, name);
         assert!(change.complete_acts);
         let level = source(&LINEAR, name).lwa_db.unwrap();
-        assert!((change.complete_lwa_db.unwrap() - level).abs() < 0.01, "{name}: {change:?}, {level}");
+        assert!(
+            (change.complete_lwa_db.unwrap() - level).abs() < 0.01,
+            "{name}: {change:?}, {level}"
+        );
         let db = change.change_db().unwrap();
         assert!(db != 0.0 && db.abs() < 0.2, "{name}: {db}");
     }
@@ -68,12 +74,21 @@ fn a_contact_that_opens_keeps_the_frozen_impedance_and_states_the_change_with_a_
     let response = "response: energy beyond the frozen impedance, balance over time";
     assert!(OPENING.result.checks.iter().all(|check| check.name != response));
     let stated = |note: &String| note.contains("R and X of every frequency") && note.contains("with bonded contact");
-    assert!(OPENING.result.method_notes.iter().any(stated), "{:#?}", OPENING.result.method_notes);
+    assert!(
+        OPENING.result.method_notes.iter().any(stated),
+        "{:#?}",
+        OPENING.result.method_notes
+    );
 }
 
 #[test]
 fn radiation_as_damping_alone_has_nothing_to_complete() {
     let run = of(&design(BONDED));
     assert!(run.result.loading.is_empty());
-    assert!(run.result.checks.iter().all(|check| !check.name.contains("frozen impedance")));
+    assert!(
+        run.result
+            .checks
+            .iter()
+            .all(|check| !check.name.contains("frozen impedance"))
+    );
 }
