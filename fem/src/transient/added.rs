@@ -8,7 +8,7 @@ use std::sync::Arc;
 use nalgebra::{Complex, DMatrix};
 use realfft::{ComplexToReal, RealFftPlanner};
 
-use super::response::Motion;
+use super::model::Motion;
 
 /// Motion beyond that of the march, given by lines at the complex frequencies s_k = sigma + j 2 pi k/(N h):
 ///

@@ -58,5 +58,5 @@ pub use driven::Driven;
 pub use energy::EnergyHistory;
 pub use error::TransientError;
 pub use march::respond;
-pub use model::{Loads, ModalBody, ModalState, Settings, Start, Support, SupportLaw};
-pub use response::{Ending, ModalResponse, Motion, Work};
+pub use model::{Loads, ModalBody, ModalState, Motion, Settings, Start, Support, SupportLaw};
+pub use response::{Ending, ModalResponse, Work};

@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::added::AddedMotion;
 use super::energy::EnergyHistory;
 use super::error::TransientError;
-use super::model::{ModalBody, ModalState};
+use super::model::{ModalBody, ModalState, Motion};
 use super::recurrence::Recurrence;
 use super::system::effective_zeta;
 
@@ -51,18 +51,6 @@ pub struct Work {
     pub static_iterations: usize,
     /// Modes with omega h >= pi, which the step cannot follow: they give their static compliance, critically damped.
     pub modes_beyond_step: usize,
-}
-
-/// Which time derivative of the modal coordinates.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Motion {
-    /// q.
-    Displacement,
-    /// q'.
-    Velocity,
-    /// q''.
-    Acceleration,
 }
 
 /// Response of one or two bodies.
