@@ -31,8 +31,8 @@ use crate::stages::radiation::{
 };
 use crate::stages::requirements::{Radiating, Requirements, Usable};
 use crate::stages::response::{
-    Coupled, CoupledCycle, CoupledResponse, CoupledVibration, CouplingReport, End, Reported, Response, ResponseChecks,
-    ResponseReport, Structure, Vibration,
+    Coupled, CoupledCycle, CoupledResponse, CoupledVibration, CouplingReport, End, LinearResponse, Reported, Response,
+    ResponseChecks, ResponseReport, Shot, Structure, Vibration,
 };
 use crate::stages::sensors::{SensorRecord, Sensors};
 use crate::stages::sound_fields::{FieldMethod, Fields, SoundFields, ToolField};
@@ -266,6 +266,8 @@ pub struct Chain {
     pub(crate) tool_report: Option<Stored<ToolChecks>>,
     /// The same shot one way, for a two-way coupled one.
     pub(crate) one_way: Option<OneWay>,
+    /// Linear motion with the frozen and with the complete impedance of the air, where its mass acts.
+    pub(crate) loading: Option<BothLoadings>,
     /// As in [`Options`].
     pub(crate) noise_seed: u32,
 }
@@ -277,6 +279,17 @@ pub(crate) struct OneWay {
     pub(crate) workpiece: Stored<SourceSpectrum>,
     pub(crate) exhaust: Stored<ExhaustSource>,
     pub(crate) body: Stored<(SourceSpectrum, Option<SourceSpectrum>)>,
+}
+
+/// Energies of linear motion with the impedance of the air frozen at each mode's resonance, and with the complete one.
+pub(crate) struct BothLoadings {
+    /// Of the workpiece.
+    pub(crate) workpiece: [Stored<SourceSpectrum>; 2],
+    /// Whether the complete one acts on the workpiece of the run; otherwise its contact opens or acts back on the cycle, and
+    /// both are of the same shot one way with the contact bonded.
+    pub(crate) workpiece_is_linear: bool,
+    /// Of an elastic tool by boundary elements, which is linear in every case.
+    pub(crate) body: Option<[Stored<(SourceSpectrum, Option<SourceSpectrum>)>; 2]>,
 }
 
 /// What sets workpiece and support in motion, and the cycle that goes with it.
@@ -423,29 +436,80 @@ impl Chain {
             Some(stages) => stages.sensors(graph, design, Carrier::Tool)?,
             None => None,
         };
+        let tool_analysed = |stages: &BodyStages, vibration: &Stored<Vibration>| {
+            graph.add(BodyAnalysis {
+                vibration: vibration.clone(),
+                index: 0,
+                range_hz: within(stages.top_hz),
+                sensors: on_tool.clone(),
+            })
+        };
+        let frozen_tool_in = |stages: &BodyStages, cycle: &Stored<CycleRecord>| {
+            graph.add(ToolResponse {
+                shot: tool_shot.clone(),
+                body: stages.body.clone(),
+                loss_factor: stages.loss_factor,
+                fluid: tool_loads.clone().filter(|_| acts.damps()),
+                cycle: cycle.clone(),
+            })
+        };
+        let tool_fluid = tool_radiator.clone().zip(tool_loads.clone());
+        let tool_fluid = tool_fluid.filter(|_| acts == Loading::Full);
         let tool_in = |cycle: &Stored<CycleRecord>| {
             tool.as_ref().map(|stages| {
-                let vibration = graph.add(ToolResponse {
-                    shot: tool_shot.clone(),
-                    body: stages.body.clone(),
-                    loss_factor: stages.loss_factor,
-                    fluid: tool_loads.clone().filter(|_| acts.damps()),
-                    cycle: cycle.clone(),
-                });
-                let motion = graph.add(BodyAnalysis {
-                    vibration: vibration.clone(),
-                    index: 0,
-                    range_hz: within(stages.top_hz),
-                    sensors: on_tool.clone(),
-                });
+                let frozen = frozen_tool_in(stages, cycle);
+                let vibration = match &tool_fluid {
+                    None => frozen,
+                    Some((radiator, fluid)) => graph.add(LinearResponse {
+                        frozen,
+                        radiator: radiator.clone(),
+                        bodies: vec![stages.body.clone()],
+                        loss_factors: vec![stages.loss_factor],
+                        fluid: fluid.clone(),
+                        supports: Vec::new(),
+                        guided: true,
+                    }),
+                };
+                let motion = tool_analysed(stages, &vibration);
                 (vibration, motion)
             })
         };
+        // A response whose contact cannot open, with the complete impedance of the air.
+        let complete = |frozen: &Stored<Vibration>, shot: &Shot| {
+            graph.add(LinearResponse {
+                frozen: frozen.clone(),
+                radiator: radiator.clone(),
+                bodies: bodies.clone(),
+                loss_factors: driven_bodies.loss_factors.clone(),
+                fluid: loads.clone(),
+                supports: shot.supports.clone(),
+                guided: false,
+            })
+        };
+        let workpiece_is_linear = acts == Loading::Full && !two_way && !shot.can_lose_contact();
         let Driven {
             cycle,
-            vibration,
+            vibration: frozen,
             coupled,
         } = driven(0, two_way);
+        let vibration = match workpiece_is_linear {
+            true => complete(&frozen, &shot),
+            false => frozen.clone(),
+        };
+        let both_loadings = (acts == Loading::Full).then(|| {
+            if workpiece_is_linear {
+                return [frozen.clone(), vibration.clone()];
+            }
+            let bonded = shot.bonded();
+            let frozen = graph.add(Response {
+                shot: bonded.clone(),
+                structure: driven_bodies.clone(),
+                cycle: lumped.clone(),
+                force_scale: options.workpiece_force_scale,
+            });
+            let complete = complete(&frozen, &bonded);
+            [frozen, complete]
+        });
         let motions = analysed(&vibration, true);
         let tool_motion = tool_in(&cycle);
 
@@ -459,7 +523,7 @@ impl Chain {
         let workpiece_sound = WorkpieceSound {
             radiator: radiator.clone(),
             bodies: bodies.clone(),
-            loads,
+            loads: loads.clone(),
             acts,
             loss_factors: driven_bodies.loss_factors.clone(),
             motions: motions.clone(),
@@ -543,6 +607,25 @@ impl Chain {
                 motions: analysed(vibration, false),
             })
         };
+        let own_key = vibration.key();
+        let loading = both_loadings.map(|both| BothLoadings {
+            workpiece: both.map(|vibration| match vibration.key() == own_key {
+                true => graph.add(WorkpieceEnergy {
+                    radiator: radiator.clone(),
+                    motions: motions.clone(),
+                }),
+                false => energy(&vibration),
+            }),
+            workpiece_is_linear,
+            body: tool.as_ref().zip(tool_fluid.as_ref()).map(|(stages, _)| {
+                let frozen = tool_analysed(stages, &frozen_tool_in(stages, &cycle));
+                [Some(frozen), of_tool.clone()].map(|motion| {
+                    graph.add(BodyEnergy {
+                        sound: body_sound(&cycle, motion),
+                    })
+                })
+            }),
+        });
         let scatters = shot.can_lose_contact() && design.analysis.starts > 1;
         let starts = scatters.then(|| {
             let others = (1..design.analysis.starts).map(|start| energy(&driven(start, two_way).vibration));
@@ -628,6 +711,7 @@ impl Chain {
             response_report,
             tool_report,
             one_way,
+            loading,
             noise_seed: options.noise_seed,
         })
     }

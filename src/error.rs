@@ -615,6 +615,7 @@ from_modules_of_acoustics!(
     nailnoise_acoustics::ReceiverError,
     nailnoise_acoustics::bem::BemError,
     nailnoise_acoustics::exhaust::ExhaustError,
+    nailnoise_acoustics::fluid_loading::FluidLoadingError,
     nailnoise_acoustics::fourier::FourierError,
     nailnoise_acoustics::levels::LevelsError,
     nailnoise_acoustics::radiation::RadiationError,

@@ -45,6 +45,10 @@ pub struct RunResult {
     /// What the structures do to the shot and its sound, against a lumped workpiece; absent from a one-way run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coupling: Option<Coupling>,
+    /// What freezing the air's impedance at each mode's resonance changes of the linear motion of each source; absent unless
+    /// the air's mass acts.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub loading: Vec<LoadingChange>,
     /// Scatter of the workpiece's level over several starts; absent from a run with one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub starts: Option<Starts>,
@@ -427,6 +431,28 @@ pub struct Coupling {
     pub levels: Vec<LevelChange>,
     /// How cycle and structure found each other.
     pub work: nailnoise_dynamics::CouplingWork,
+}
+
+/// Linear motion of a source with the air's impedance frozen at each mode's resonance, as a contact that opens needs it, beside
+/// that with the complete impedance Z = R + jX of every frequency.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct LoadingChange {
+    /// The source.
+    pub source: String,
+    /// A-weighted single-event level with the frozen impedance \[dB re 1 pW s\]; null when silent.
+    pub frozen_lwa_db: Option<f64>,
+    /// The same with the complete one.
+    pub complete_lwa_db: Option<f64>,
+    /// Whether the complete one acts on the motion of this run. Otherwise its contact opens or acts back on the cycle: both
+    /// levels are those of the same shot one way with the contact bonded.
+    pub complete_acts: bool,
+}
+
+impl LoadingChange {
+    /// Level with the complete impedance less that with the frozen one \[dB\].
+    pub fn change_db(&self) -> Option<f64> {
+        Some(self.complete_lwa_db? - self.frozen_lwa_db?)
+    }
 }
 
 /// Levels of the workpiece for starts that differ by gaps of 1 um under the block.

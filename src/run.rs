@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use nailnoise_acoustics::levels::SourceSpectrum;
+use nailnoise_acoustics::levels::{SourceSpectrum, Weighting, energy_level};
 use nailnoise_dynamics::CycleRecord;
 
 use crate::chain::{Chain, Options};
@@ -11,7 +11,7 @@ use crate::design::inputs::{self, located};
 use crate::design::{Design, SupportKind};
 use crate::error::Error;
 use crate::graph::Graph;
-use crate::result::{DesignId, RunResult, SCHEMA};
+use crate::result::{DesignId, LoadingChange, RunResult, SCHEMA};
 use crate::stages::bodies::{FoundSurface, Origin};
 use crate::stages::convention::{counted, received, spectrum_with};
 use crate::stages::microphones::Microphones;
@@ -63,7 +63,36 @@ impl Chain {
             let sources: [&dyn Input; 4] = [&one_way.report, &one_way.workpiece, &one_way.exhaust, &one_way.body];
             all.extend(sources);
         }
+        if let Some(loading) = &self.loading {
+            all.extend(loading.workpiece.iter().map(|energy| energy as &dyn Input));
+            all.extend(loading.body.iter().flatten().map(|energy| energy as &dyn Input));
+        }
         all
+    }
+
+    /// Levels of linear motion with the frozen and the complete impedance of the air.
+    fn loading_changes(&self, range_hz: [f64; 2]) -> Result<Vec<LoadingChange>, Error> {
+        let Some(loading) = &self.loading else {
+            return Ok(Vec::new());
+        };
+        let energy = |spectrum: &SourceSpectrum| spectrum.energy(range_hz, Weighting::A);
+        let change = |source: &str, [frozen, complete]: [f64; 2], complete_acts| LoadingChange {
+            source: source.to_owned(),
+            frozen_lwa_db: energy_level(frozen),
+            complete_lwa_db: energy_level(complete),
+            complete_acts,
+        };
+        let [frozen, complete] = &loading.workpiece;
+        let workpiece = [energy(&*frozen.get()?), energy(&*complete.get()?)];
+        let mut changes = vec![change("workpiece", workpiece, loading.workpiece_is_linear)];
+        if let Some([frozen, complete]) = &loading.body {
+            // The cap counts to the housing here, whatever the convention.
+            let whole = |(rest, cap): &(SourceSpectrum, Option<SourceSpectrum>)| {
+                energy(rest) + cap.as_ref().map_or(0.0, energy)
+            };
+            changes.push(change("body", [whole(&*frozen.get()?), whole(&*complete.get()?)], true));
+        }
+        Ok(changes)
     }
 
     /// Makes the outputs of the stages and ranks the sources. `design` is that of which the chain was made.
@@ -107,6 +136,7 @@ impl Chain {
             Some(starts) => Option::clone(&*starts.get()?),
             None => None,
         };
+        let loading = self.loading_changes([design.analysis.range_low, design.analysis.range_high])?;
         let truncations: Vec<&Truncation> = workpiece.truncations.iter().chain(&body.truncations).collect();
         let notes = notes::notes(
             &notes::NoteInputs {
@@ -114,6 +144,7 @@ impl Chain {
                 in_sand: design.support.kind == SupportKind::Sandbox,
                 range_high: design.analysis.range_high,
                 radiation: [&workpiece, &body].map(|source| source.source.radiation.as_ref()),
+                loading: &loading,
                 stiffness: tool.as_ref().map(|tool| &tool.stiffness),
                 truncations: truncations.iter().map(|truncation| truncation.note()).collect(),
                 ending: &response.ending,
@@ -187,6 +218,7 @@ impl Chain {
             cycle: record.summary.clone(),
             events: record.events,
             coupling,
+            loading,
             starts,
             sensors: sensors.iter().map(SensorRecord::level).collect(),
             transducers: transducers.iter().map(PressureRecord::range).collect(),

@@ -577,7 +577,8 @@ group! {
         /// to sqrt(R_ii R_jj).
         bem_tolerance: f64 = positive(NUMBER).within(1e-6, 0.5), "";
         /// Fluid loading of the modes of workpiece, support and tool: none, radiation damping, or damping and added mass.
-        /// Added mass needs boundary elements. Every run states what fluid loading changes.
+        /// Added mass needs boundary elements; with it, linear motion has the impedance of every frequency. Every run states what
+        /// fluid loading changes.
         fluid_loading: FluidLoading = FluidLoading::KIND, "";
         /// Equivalent absorption area of the room in which the microphones stand; 0 for none but the reflecting plane.
         room_absorption: f64 = nonnegative(AREA), "A";

@@ -4,7 +4,7 @@ use nailnoise_dynamics::{CycleRecord, Outcome};
 
 use super::exhaust::{ExhaustDetails, Muffler, Openings};
 use super::tool_response::Stiffness;
-use crate::result::{FluidLoading, Loading, RadiationReport};
+use crate::result::{FluidLoading, Loading, LoadingChange, RadiationReport};
 
 /// What the notes of a run are made from, beside cycle and exhaust.
 pub struct NoteInputs<'a> {
@@ -16,6 +16,8 @@ pub struct NoteInputs<'a> {
     pub range_high: f64,
     /// Radiation of workpiece and tool.
     pub radiation: [Option<&'a RadiationReport>; 2],
+    /// Levels with the frozen and the complete impedance of the air, where its mass acts.
+    pub loading: &'a [LoadingChange],
     /// Stiffness of an elastic tool body at the cycle's contacts.
     pub stiffness: Option<&'a [Stiffness; 2]>,
     /// Parts that are absent above a frequency.
@@ -161,7 +163,11 @@ fn radiation_notes(inputs: &NoteInputs<'_>) -> Vec<String> {
             1e-6 * rim.contact
         )
     });
-    [workpiece, body, loading, stiffness].into_iter().flatten().collect()
+    let both = both_loadings_note(inputs.loading);
+    [workpiece, body, loading, both, stiffness]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 /// Notes on the exhaust.
@@ -270,6 +276,26 @@ fn loading_note(sources: &[(&str, &FluidLoading)]) -> Option<String> {
         )
     });
     (!parts.is_empty()).then(|| format!("fluid loading: {}{warning}", parts.join("; ")))
+}
+
+/// What the complete impedance of every frequency changes against that frozen at each mode's resonance.
+fn both_loadings_note(changes: &[LoadingChange]) -> Option<String> {
+    let part = |change: &LoadingChange| {
+        let acts = match change.complete_acts {
+            true => "acts in this run",
+            false => {
+                "with bonded contact; this run has the frozen one, because its contact opens or acts back on the cycle"
+            }
+        };
+        Some(format!("{} {:+.2} dB ({acts})", change.source, change.change_db()?))
+    };
+    let parts: Vec<String> = changes.iter().filter_map(part).collect();
+    (!parts.is_empty()).then(|| {
+        format!(
+            "fluid loading: R and X of every frequency, as full matrix, against those frozen at each mode's resonance: {}",
+            parts.join("; ")
+        )
+    })
 }
 
 /// Radiation of a workpiece in sand, compared with other methods.

@@ -8,6 +8,7 @@ mod convention;
 mod coupling;
 mod cycle;
 mod figures;
+mod fluid_loading;
 mod graph;
 mod joint;
 mod laws;

@@ -22,6 +22,14 @@ pub enum FluidLoadingError {
         /// Frequency \[Hz\].
         hz: f64,
     },
+    /// The iteration for the motion with the complete impedance does not converge.
+    #[error("the motion with the complete impedance does not converge at {hz:.1} Hz, residual {residual:.1e}")]
+    Iteration {
+        /// Frequency \[Hz\].
+        hz: f64,
+        /// Residual relative to the right-hand side \[-\].
+        residual: f64,
+    },
     /// A method gives no mass of the fluid.
     #[error(
         "{method} gives radiation resistance alone, no mass of air that moves along; let radiation act as damping, or compute \

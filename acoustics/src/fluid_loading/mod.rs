@@ -10,16 +10,24 @@
 //!
 //! (Junger & Feit 1986, chapter 9). R damps, and X / omega is the mass of fluid that moves along. [`velocities`] solves the
 //! equation at one frequency, [`resonances`] finds the complex frequencies of free motion. For motion in time with contact
-//! that opens, [`WetModes`] freeze Z at each mode's own resonance.
+//! that opens, [`WetModes`] freeze Z at each mode's own resonance. Where the motion stays linear, [`complete`] adds what the
+//! whole Z(omega) changes of it.
 
+mod damped_transform;
 mod error;
+mod gmres;
+mod impedance;
+mod linear;
 mod modes;
 mod resonances;
 mod response;
 mod table;
 mod wet_modes;
 
+pub use damped_transform::DampedTransform;
 pub use error::FluidLoadingError;
+pub use impedance::Impedance;
+pub use linear::{FrozenModes, ImpedanceCorrection, complete};
 pub use modes::DryModes;
 pub use resonances::{Resonance, resonances};
 pub use response::{PowerBalance, velocities};

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::bem::ModalBem;
 use crate::error::AcousticsError;
-use crate::fluid_loading::{DryModes, WetModes};
+use crate::fluid_loading::{DryModes, Impedance, WetModes};
 use crate::levels::{BandLevel, SourceSpectrum, Weighting, energy_level, energy_weights};
 use crate::radiation::{ModalRadiation, ModalSpectra, mode_energies, radiated_energy, radiated_signals};
 use nalgebra::DVector;
@@ -99,6 +99,10 @@ impl Radiator for ModalBem {
             range_hz: [together.range_hz[0], from.min(together.range_hz[1])],
             interpolation_error: self.summary.pressure_error,
         }))
+    }
+
+    fn impedance(&self) -> Option<&dyn Impedance> {
+        Some(self)
     }
 }
 

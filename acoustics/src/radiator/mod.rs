@@ -19,7 +19,7 @@ pub use separate::SeparateBodies;
 pub use sphere::RigidSphere;
 
 use crate::error::AcousticsError;
-use crate::fluid_loading::DryModes;
+use crate::fluid_loading::{DryModes, Impedance};
 use crate::levels::{PowerSignals, SourceSpectrum};
 use crate::radiation::{ModalRadiation, ModalSpectra};
 use nalgebra::{Complex, DMatrix};
@@ -58,6 +58,11 @@ pub trait Radiator: Send + Sync {
     /// # Errors
     /// As [`Self::energy`].
     fn pressures(&self, motions: &[&ModalSpectra]) -> Result<Option<Pressures>, AcousticsError>;
+
+    /// Radiation impedance of the modes of all bodies, one body after the other; none where the method gives no reactance.
+    fn impedance(&self) -> Option<&dyn Impedance> {
+        None
+    }
 }
 
 /// How much of a sound is computed.
@@ -199,5 +204,9 @@ impl Radiator for Box<dyn Radiator> {
 
     fn pressures(&self, motions: &[&ModalSpectra]) -> Result<Option<Pressures>, AcousticsError> {
         self.as_ref().pressures(motions)
+    }
+
+    fn impedance(&self) -> Option<&dyn Impedance> {
+        self.as_ref().impedance()
     }
 }

@@ -9,6 +9,7 @@ use nailnoise_acoustics::bem::{
     BandFields, Boundary, BoundaryMesh, Exterior, MeshRange, ModalBem, MovingPart, Parity, Patterns, Receivers,
     SolidBox,
 };
+use nailnoise_acoustics::fluid_loading::Impedance;
 use nailnoise_acoustics::levels::{Band, Weighting, energy_weights};
 use nailnoise_acoustics::radiation::{ModalRadiation, ModalSpectra, Sampling, mode_energies};
 use nailnoise_acoustics::radiator::{Detail, Loading, MovingBody, RadiatedSound, Radiator};
@@ -443,6 +444,28 @@ fn images_times_the_motion_equal_the_form_of_the_resistance() {
     let (frequency, a) = &*MOTION;
     let images = IN_COLD.images(frequency, a);
     equals_the_form(&*IN_COLD, 1e-5, |bin| a.column(bin).dotc(&images.column(bin)).re);
+}
+
+#[test]
+fn the_impedance_times_the_motion_is_that_of_resistance_and_added_mass_in_any_air() {
+    for bem in [&SAMPLED.bem, &*IN_COLD] {
+        let modes = ModalRadiation::modes(bem);
+        let hz = [30.0, 250.0, 250.0, 700.0];
+        let v = DMatrix::from_fn(modes, hz.len(), |i, k| {
+            Complex::new((i + k) as f64 - 3.0, (2 * i) as f64 - k as f64)
+        });
+        let found = bem.product(&hz, &v);
+        for (k, &hz) in hz.iter().enumerate() {
+            let resistance = bem.resistance(hz).real;
+            let mass: Vec<_> = (0..modes).map(|column| bem.added_mass(column, hz)).collect();
+            let z = DMatrix::from_fn(modes, modes, |i, j| {
+                Complex::new(resistance[(i, j)], TAU * hz * mass[j][i])
+            });
+            let expected = z * v.column(k);
+            let error = (found.column(k) - &expected).norm() / expected.norm();
+            assert!(error < 1e-6, "{hz} Hz: {error:.1e}");
+        }
+    }
 }
 
 #[test]

@@ -399,6 +399,7 @@ impl<'a> Run<'a> {
             checks,
             work: self.work,
             bodies: self.bodies.to_vec(),
+            added: None,
         })
     }
 

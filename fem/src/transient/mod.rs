@@ -17,7 +17,7 @@
 //!   + lost in contact, and a momentum balance of the rigid modes, from sums that the march itself does not use.
 //!
 //! The result keeps forces, not motions: [`ModalResponse::modal`] runs the recurrence again for the modes that are
-//! asked for.
+//! asked for. What a correction in the frequency domain adds to a linear motion ([`AddedMotion`]) counts with it.
 //!
 //! ```
 //! use nailnoise_fem::transient::{Loads, ModalBody, Motion, Settings, Support, SupportLaw, respond};
@@ -40,6 +40,7 @@
 //! # Ok::<(), nailnoise_fem::transient::TransientError>(())
 //! ```
 
+mod added;
 mod contact;
 mod driven;
 mod energy;
@@ -52,9 +53,10 @@ mod response;
 mod statics;
 mod system;
 
+pub use added::AddedMotion;
 pub use driven::Driven;
 pub use energy::EnergyHistory;
 pub use error::TransientError;
 pub use march::respond;
-pub use model::{Loads, ModalBody, ModalState, Settings, Start, Support, SupportLaw};
-pub use response::{Ending, ModalResponse, Motion, Work};
+pub use model::{Loads, ModalBody, ModalState, Motion, Settings, Start, Support, SupportLaw};
+pub use response::{Ending, ModalResponse, Work};

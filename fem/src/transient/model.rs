@@ -146,6 +146,18 @@ impl ModalState {
     }
 }
 
+/// Which time derivative of the modal coordinates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Motion {
+    /// q.
+    Displacement,
+    /// q'.
+    Velocity,
+    /// q''.
+    Acceleration,
+}
+
 /// State at t = 0.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Start {

@@ -7,9 +7,10 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::added::AddedMotion;
 use super::energy::EnergyHistory;
 use super::error::TransientError;
-use super::model::{ModalBody, ModalState};
+use super::model::{ModalBody, ModalState, Motion};
 use super::recurrence::Recurrence;
 use super::system::effective_zeta;
 
@@ -52,18 +53,6 @@ pub struct Work {
     pub modes_beyond_step: usize,
 }
 
-/// Which time derivative of the modal coordinates.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Motion {
-    /// q.
-    Displacement,
-    /// q'.
-    Velocity,
-    /// q''.
-    Acceleration,
-}
-
 /// Response of one or two bodies.
 ///
 /// The forces on the grid determine everything else, because between samples they are linear and each mode follows them
@@ -97,6 +86,8 @@ pub struct ModalResponse {
     pub(super) bodies: Vec<ModalBody>,
     /// State at every [`MARK`]th sample, one per body, from which [`Self::at`] continues.
     pub(super) marks: Vec<Vec<ModalState>>,
+    /// Motion beyond that of the march, which all methods add; forces, states and energies are those of the march.
+    pub(super) added: Option<AddedMotion>,
 }
 
 /// Samples from one kept state to the next: a thousandth of the memory of all.
@@ -111,6 +102,44 @@ impl ModalResponse {
     /// Time of the last sample \[s\].
     pub fn duration(&self) -> f64 {
         self.step * (self.samples() - 1) as f64
+    }
+
+    /// The bodies.
+    pub fn bodies(&self) -> &[ModalBody] {
+        &self.bodies
+    }
+
+    /// Damping ratios of a body's modes that the march used: critical at least where its step does not follow a mode.
+    ///
+    /// # Errors
+    /// [`TransientError::Size`] for a body that does not exist.
+    pub fn damping_ratios(&self, body: usize) -> Result<Vec<f64>, TransientError> {
+        let body = self.body(body)?;
+        let pairs = body.omega.iter().zip(&body.zeta);
+        Ok(pairs
+            .map(|(&omega, &zeta)| effective_zeta(omega, zeta, self.step))
+            .collect())
+    }
+
+    /// The same response with a motion in addition to that of the march; the forces do not change.
+    ///
+    /// # Errors
+    /// [`TransientError::Size`] for lines of another number of bodies or modes.
+    pub fn with_added(&self, added: AddedMotion) -> Result<Self, TransientError> {
+        for (index, body) in self.bodies.iter().enumerate() {
+            let found = added.modes(index);
+            if found != body.modes() {
+                return Err(TransientError::Size {
+                    what: format!("modes of the motion added to `{}`", body.name),
+                    expected: body.modes(),
+                    found,
+                });
+            }
+        }
+        Ok(Self {
+            added: Some(added),
+            ..self.clone()
+        })
     }
 
     /// Number of modes of a body.
@@ -149,6 +178,10 @@ impl ModalResponse {
                         own[first..first + column.len()].copy_from_slice(column.as_slice());
                     }
                 });
+                if let Some(added) = &self.added {
+                    let added = added.records(body, first..first + out.len() / samples, samples, motion);
+                    out.iter_mut().zip(added.as_slice()).for_each(|(x, d)| *x += d);
+                }
             });
         Ok(history)
     }
@@ -188,6 +221,9 @@ impl ModalResponse {
         let sums: Vec<DMatrix<f64>> = blocks.par_chunks(GROUP).map(of_group).collect();
         let mut points = DMatrix::zeros(self.samples(), shapes.ncols());
         sums.into_iter().for_each(|sum| points += sum);
+        if let Some(added) = &self.added {
+            points += added.of_points(body, shapes, self.samples(), motion);
+        }
         Ok(points)
     }
 
@@ -211,6 +247,10 @@ impl ModalResponse {
             replay.over(mark * MARK..sample + 1, motion, |_, piece| {
                 found = piece.row(piece.nrows() - 1).iter().copied().collect();
             });
+            if let Some(added) = &self.added {
+                let added = added.at(body, sample, motion);
+                found.iter_mut().zip(added).for_each(|(x, d)| *x += d);
+            }
             found
         };
         let columns: Vec<Vec<f64>> = samples.par_iter().map(of_sample).collect();

@@ -2,10 +2,12 @@
 //!
 //! One way, the cycle has a lumped workpiece of its own, and its forces on the wood drive the bodies: [`Response`]. Two-way,
 //! cycle and bodies are computed together: [`CoupledResponse`], of whose output [`CoupledCycle`], [`CoupledVibration`] and
-//! [`CouplingReport`] hand on what others read.
+//! [`CouplingReport`] hand on what others read. Where nothing opens, [`LinearResponse`] adds what the complete radiation
+//! impedance changes.
 
 mod coupling;
 mod fluid;
+mod linear;
 mod nail_force;
 mod shot;
 mod two_way;
@@ -21,6 +23,7 @@ use serde::{Deserialize, Serialize};
 pub(in crate::stages) use fluid::in_air;
 
 pub use coupling::{COUPLED_LOADS, Coupled, couple};
+pub use linear::LinearResponse;
 pub use shot::Shot;
 pub use two_way::{CoupledCycle, CoupledResponse, CoupledVibration, CouplingReport, Reported};
 

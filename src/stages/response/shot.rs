@@ -46,6 +46,19 @@ impl Shot {
         Self { start, ..self.clone() }
     }
 
+    /// The same on supports that cannot open.
+    #[must_use]
+    pub fn bonded(&self) -> Self {
+        let bonded = |support: &Support| Support {
+            law: SupportLaw::Bonded,
+            ..*support
+        };
+        Self {
+            supports: self.supports.iter().map(bonded).collect(),
+            ..self.clone()
+        }
+    }
+
     /// Response to the forces of a cycle on the wood, times `force_scale`.
     ///
     /// # Errors

@@ -15,12 +15,14 @@ use crate::bem::modes::summary::Summary;
 use crate::bem::modes::surface_fit::SurfaceFit;
 use crate::checks::{InputError, same_length};
 use crate::error::AcousticsError;
+use crate::fluid_loading::Impedance;
 use crate::radiation::{
     AveragedResistance, Erp, ModalRadiation, ModalSpectra, ROUND, Resistance, SampledRadiation, Sampling,
 };
 use nalgebra::{Complex, DMatrix, DVector};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
 use std::sync::{Arc, OnceLock};
 
 /// Name of the last patch of [`ModalBem`]: the power by the far field minus that by the intensity on the surface.
@@ -506,6 +508,37 @@ impl ModalRadiation for ModalBem {
         let frequency = &self.air.all_computed(frequency)[..];
         let parts = self.over_parities(accelerations, |_, radiation, a| radiation.root_signals(frequency, &a));
         stacked(&parts, frequency.len()) * Complex::from(self.air.form().sqrt())
+    }
+}
+
+impl Impedance for ModalBem {
+    fn modes(&self) -> usize {
+        self.modes
+    }
+
+    /// The end of [`ModalBem::solved_hz`]: above there are averages of R alone.
+    fn top_hz(&self) -> f64 {
+        self.solved_hz()[1]
+    }
+
+    fn product(&self, hz: &[f64], velocities: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+        let times = |power: i32| {
+            let mut scaled = velocities.clone();
+            for (mut column, hz) in scaled.column_iter_mut().zip(hz) {
+                column *= Complex::new(0.0, TAU * hz).powi(power);
+            }
+            scaled
+        };
+        // R v = -(R/omega²) (j omega)² v.
+        let mut force = -self.images(hz, &times(2));
+        let computed = self.air.all_computed(hz);
+        let of_parities = self.over_parities(&times(1), |parity, _, a| self.masses.products(parity, &computed, &a));
+        let mut inertia = DMatrix::zeros(self.modes, hz.len());
+        for (t, of) in self.combinations.iter().zip(&of_parities) {
+            t.add_transposed(of, &mut inertia);
+        }
+        force += inertia * Complex::from(self.air.density);
+        force
     }
 }
 

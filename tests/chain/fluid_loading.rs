@@ -1,0 +1,94 @@
+//! The complete reaction of the air in the whole chain.
+
+use std::sync::LazyLock;
+
+use crate::common::run as of;
+use crate::tool::{bar, bar_mesh, put};
+use nailnoise::Design;
+use nailnoise::design::BodyModel;
+use nailnoise::result::{LoadingChange, RankedSource};
+use nailnoise::run::Run;
+
+/// Coarse block and table by boundary elements with a bar as tool, and other keys.
+fn design(text: &str) -> Design {
+    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/over.toml");
+    let text = format!("base = \"small-bem.toml\"\nacoustics.body_method = \"bem\"\n{text}\n");
+    let mut design = Design::parse(&text, beside).unwrap();
+    let tool = bar(1.0);
+    design.body = tool.body.clone();
+    design.body.model = BodyModel::Elastic;
+    design.analysis.body_top = tool.analysis.body_top;
+    design.sensors.remove("handle"); // the bar has none
+    put(&mut design, &bar_mesh(), "loaded-bar.msh");
+    design
+}
+
+const FULL: &str = "acoustics.fluid_loading = \"full\"";
+const BONDED: &str = "support.contact.bonded = true";
+
+static LINEAR: LazyLock<Run> = LazyLock::new(|| of(&design(&format!("{FULL}\n{BONDED}"))));
+static OPENING: LazyLock<Run> = LazyLock::new(|| of(&design(FULL)));
+
+fn source<'a>(run: &'a Run, name: &str) -> &'a RankedSource {
+    run.result.ranking.iter().find(|source| source.source == name).unwrap()
+}
+
+fn change<'a>(run: &'a Run, name: &str) -> &'a LoadingChange {
+    run.result.loading.iter().find(|change| change.source == name).unwrap()
+}
+
+#[test]
+fn every_check_of_linear_motion_in_air_is_met_its_energy_balance_among_them() {
+    let failed: Vec<_> = LINEAR.result.checks.iter().filter(|check| !check.ok).collect();
+    assert!(failed.is_empty(), "{failed:#?}");
+    for name in ["response", "tool"] {
+        let balance = format!("{name}: energy beyond the frozen impedance, balance over time");
+        assert!(
+            LINEAR.result.checks.iter().any(|check| check.name == balance),
+            "{balance}"
+        );
+    }
+}
+
+#[test]
+fn on_a_bonded_contact_the_complete_impedance_acts_on_every_source() {
+    for name in ["workpiece", "body"] {
+        let change = change(&LINEAR, name);
+        assert!(change.complete_acts);
+        let level = source(&LINEAR, name).lwa_db.unwrap();
+        assert!(
+            (change.complete_lwa_db.unwrap() - level).abs() < 0.01,
+            "{name}: {change:?}, {level}"
+        );
+        let db = change.change_db().unwrap();
+        assert!(db != 0.0 && db.abs() < 0.2, "{name}: {db}");
+    }
+}
+
+#[test]
+fn a_contact_that_opens_keeps_the_frozen_impedance_and_states_the_change_with_a_bonded_one() {
+    let (opening, linear) = (change(&OPENING, "workpiece"), change(&LINEAR, "workpiece"));
+    assert!(!opening.complete_acts && change(&OPENING, "body").complete_acts);
+    assert_eq!(opening.frozen_lwa_db, linear.frozen_lwa_db);
+    assert_eq!(opening.complete_lwa_db, linear.complete_lwa_db);
+    let response = "response: energy beyond the frozen impedance, balance over time";
+    assert!(OPENING.result.checks.iter().all(|check| check.name != response));
+    let stated = |note: &String| note.contains("R and X of every frequency") && note.contains("with bonded contact");
+    assert!(
+        OPENING.result.method_notes.iter().any(stated),
+        "{:#?}",
+        OPENING.result.method_notes
+    );
+}
+
+#[test]
+fn radiation_as_damping_alone_has_nothing_to_complete() {
+    let run = of(&design(BONDED));
+    assert!(run.result.loading.is_empty());
+    assert!(
+        run.result
+            .checks
+            .iter()
+            .all(|check| !check.name.contains("frozen impedance"))
+    );
+}
