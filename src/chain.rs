@@ -267,7 +267,7 @@ pub struct Chain {
     /// The same shot one way, for a two-way coupled one.
     pub(crate) one_way: Option<OneWay>,
     /// Linear motion with the frozen and with the complete impedance of the air, where its mass acts.
-    pub(crate) loading: Option<BothLoadings>,
+    pub(crate) loading: Option<ImpedanceComparison>,
     /// As in [`Options`].
     pub(crate) noise_seed: u32,
 }
@@ -282,12 +282,14 @@ pub(crate) struct OneWay {
 }
 
 /// Energies of linear motion with the impedance of the air frozen at each mode's resonance, and with the complete one.
-pub(crate) struct BothLoadings {
+pub(crate) struct ImpedanceComparison {
     /// Of the workpiece.
     pub(crate) workpiece: [Stored<SourceSpectrum>; 2],
     /// Whether the complete one acts on the workpiece of the run; otherwise its contact opens or acts back on the cycle, and
     /// both are of the same shot one way with the contact bonded.
     pub(crate) workpiece_is_linear: bool,
+    /// Checks of the bonded motion, where it is not that of the run.
+    pub(crate) report: Option<Stored<ResponseChecks>>,
     /// Of an elastic tool by boundary elements, which is linear in every case.
     pub(crate) body: Option<[Stored<(SourceSpectrum, Option<SourceSpectrum>)>; 2]>,
 }
@@ -496,7 +498,7 @@ impl Chain {
             true => complete(&frozen, &shot),
             false => frozen.clone(),
         };
-        let both_loadings = (acts == Loading::Full).then(|| {
+        let compared_motions = (acts == Loading::Full).then(|| {
             if workpiece_is_linear {
                 return [frozen.clone(), vibration.clone()];
             }
@@ -608,7 +610,13 @@ impl Chain {
             })
         };
         let own_key = vibration.key();
-        let loading = both_loadings.map(|both| BothLoadings {
+        let loading = compared_motions.map(|both| ImpedanceComparison {
+            report: (!workpiece_is_linear).then(|| {
+                graph.add(ResponseReport {
+                    bodies: Vec::new(),
+                    vibration: both[1].clone(),
+                })
+            }),
             workpiece: both.map(|vibration| match vibration.key() == own_key {
                 true => graph.add(WorkpieceEnergy {
                     radiator: radiator.clone(),

@@ -45,10 +45,10 @@ pub struct RunResult {
     /// What the structures do to the shot and its sound, against a lumped workpiece; absent from a one-way run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coupling: Option<Coupling>,
-    /// What freezing the air's impedance at each mode's resonance changes of the linear motion of each source; absent unless
-    /// the air's mass acts.
+    /// Levels of each source in linear motion with the air's impedance frozen at each mode's resonance, and with the complete one;
+    /// absent unless the air's mass acts.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub loading: Vec<LoadingChange>,
+    pub fluid_loading_changes: Vec<FluidLoadingChange>,
     /// Scatter of the workpiece's level over several starts; absent from a run with one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub starts: Option<Starts>,
@@ -436,7 +436,7 @@ pub struct Coupling {
 /// Linear motion of a source with the air's impedance frozen at each mode's resonance, as a contact that opens needs it, beside
 /// that with the complete impedance Z = R + jX of every frequency.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
-pub struct LoadingChange {
+pub struct FluidLoadingChange {
     /// The source.
     pub source: String,
     /// A-weighted single-event level with the frozen impedance \[dB re 1 pW s\]; null when silent.
@@ -448,7 +448,7 @@ pub struct LoadingChange {
     pub complete_acts: bool,
 }
 
-impl LoadingChange {
+impl FluidLoadingChange {
     /// Level with the complete impedance less that with the frozen one \[dB\].
     pub fn change_db(&self) -> Option<f64> {
         Some(self.complete_lwa_db? - self.frozen_lwa_db?)

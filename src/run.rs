@@ -11,7 +11,7 @@ use crate::design::inputs::{self, located};
 use crate::design::{Design, SupportKind};
 use crate::error::Error;
 use crate::graph::Graph;
-use crate::result::{DesignId, LoadingChange, RunResult, SCHEMA};
+use crate::result::{DesignId, FluidLoadingChange, RunResult, SCHEMA};
 use crate::stages::bodies::{FoundSurface, Origin};
 use crate::stages::convention::{counted, received, spectrum_with};
 use crate::stages::microphones::Microphones;
@@ -66,17 +66,18 @@ impl Chain {
         if let Some(loading) = &self.loading {
             all.extend(loading.workpiece.iter().map(|energy| energy as &dyn Input));
             all.extend(loading.body.iter().flatten().map(|energy| energy as &dyn Input));
+            all.extend(loading.report.iter().map(|report| report as &dyn Input));
         }
         all
     }
 
     /// Levels of linear motion with the frozen and the complete impedance of the air.
-    fn loading_changes(&self, range_hz: [f64; 2]) -> Result<Vec<LoadingChange>, Error> {
+    fn fluid_loading_changes(&self, range_hz: [f64; 2]) -> Result<Vec<FluidLoadingChange>, Error> {
         let Some(loading) = &self.loading else {
             return Ok(Vec::new());
         };
         let energy = |spectrum: &SourceSpectrum| spectrum.energy(range_hz, Weighting::A);
-        let change = |source: &str, [frozen, complete]: [f64; 2], complete_acts| LoadingChange {
+        let change = |source: &str, [frozen, complete]: [f64; 2], complete_acts| FluidLoadingChange {
             source: source.to_owned(),
             frozen_lwa_db: energy_level(frozen),
             complete_lwa_db: energy_level(complete),
@@ -136,7 +137,8 @@ impl Chain {
             Some(starts) => Option::clone(&*starts.get()?),
             None => None,
         };
-        let loading = self.loading_changes([design.analysis.range_low, design.analysis.range_high])?;
+        let fluid_loading_changes =
+            self.fluid_loading_changes([design.analysis.range_low, design.analysis.range_high])?;
         let truncations: Vec<&Truncation> = workpiece.truncations.iter().chain(&body.truncations).collect();
         let notes = notes::notes(
             &notes::NoteInputs {
@@ -144,7 +146,7 @@ impl Chain {
                 in_sand: design.support.kind == SupportKind::Sandbox,
                 range_high: design.analysis.range_high,
                 radiation: [&workpiece, &body].map(|source| source.source.radiation.as_ref()),
-                loading: &loading,
+                fluid_loading_changes: &fluid_loading_changes,
                 stiffness: tool.as_ref().map(|tool| &tool.stiffness),
                 truncations: truncations.iter().map(|truncation| truncation.note()).collect(),
                 ending: &response.ending,
@@ -194,6 +196,15 @@ impl Chain {
         let mut checks = record.checks.clone();
         checks.extend(response.checks.iter().cloned());
         checks.extend(coupling_checks.into_iter().flatten());
+        if let Some(report) = self.loading.as_ref().and_then(|loading| loading.report.as_ref()) {
+            checks.extend(
+                report
+                    .get()?
+                    .checks
+                    .iter()
+                    .map(|check| check.clone().of("bonded for comparison")),
+            );
+        }
         checks.extend(tool.iter().flat_map(|tool| tool.checks.clone()));
         checks.extend(truncations.iter().map(|truncation| truncation.check()));
         checks.extend([&workpiece, &body].into_iter().filter_map(|source| source.check()));
@@ -218,7 +229,7 @@ impl Chain {
             cycle: record.summary.clone(),
             events: record.events,
             coupling,
-            loading,
+            fluid_loading_changes,
             starts,
             sensors: sensors.iter().map(SensorRecord::level).collect(),
             transducers: transducers.iter().map(PressureRecord::range).collect(),

@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::bodies::{Body, BodyKind};
 use crate::stages::radiation::{
-    Known, RadiatingShape, ShapeFit, ShapeMatrix, SurfaceModes, ToolCapMatrix, ToolMatrix, WorkpieceMatrix,
+    RadiatingShape, ShapeFit, ShapeMatrix, StandardMatrix, SurfaceModes, ToolCapMatrix, ToolMatrix, WorkpieceMatrix,
 };
 use crate::stages::{Digest, Stored};
 
@@ -115,7 +115,7 @@ pub(super) fn by_shape(
             standard: standard.clone(),
             bodies: bodies.clone(),
         });
-        known.push(Known { fit, matrix, name });
+        known.push(StandardMatrix { fit, matrix, name });
     }
     if known.is_empty() {
         return own;

@@ -16,7 +16,7 @@ use crate::design::inputs::radiation::workpiece;
 use crate::design::{Design, Entry, Provenance};
 use crate::error::Error;
 use crate::stages::bodies::{BodyKind, MeshSource};
-use crate::stages::radiation::{WorkpieceRadiation, gap_in_words as in_words};
+use crate::stages::radiation::{WorkpieceRadiation, describe_gap};
 
 /// Estimates in the table.
 const LISTED: usize = 20;
@@ -171,10 +171,14 @@ fn explain(design: &Design, mut stages: Vec<StageCost>) -> Result<Explanation, E
     })
 }
 
-/// What the panels below a workpiece near the floor leave uncertain, where its radiation is by boundary elements.
+/// Error of the panels below a workpiece near the floor, where its radiation is by boundary elements. That of a user's mesh
+/// is known when it is read.
 fn gap(design: &Design) -> Result<Option<String>, Error> {
+    if !design.workpiece.mesh.is_empty() {
+        return Ok(None);
+    }
     match workpiece(design)? {
-        WorkpieceRadiation::BoundaryElements(elements) => Ok(elements.gap()?.map(|gap| in_words(&gap))),
+        WorkpieceRadiation::BoundaryElements(elements) => Ok(elements.gap()?.map(|gap| describe_gap(&gap))),
         _ => Ok(None),
     }
 }

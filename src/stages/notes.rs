@@ -4,7 +4,7 @@ use nailnoise_dynamics::{CycleRecord, Outcome};
 
 use super::exhaust::{ExhaustDetails, Muffler, Openings};
 use super::tool_response::Stiffness;
-use crate::result::{FluidLoading, Loading, LoadingChange, RadiationReport};
+use crate::result::{FluidLoading, FluidLoadingChange, Loading, RadiationReport};
 
 /// What the notes of a run are made from, beside cycle and exhaust.
 pub struct NoteInputs<'a> {
@@ -17,7 +17,7 @@ pub struct NoteInputs<'a> {
     /// Radiation of workpiece and tool.
     pub radiation: [Option<&'a RadiationReport>; 2],
     /// Levels with the frozen and the complete impedance of the air, where its mass acts.
-    pub loading: &'a [LoadingChange],
+    pub fluid_loading_changes: &'a [FluidLoadingChange],
     /// Stiffness of an elastic tool body at the cycle's contacts.
     pub stiffness: Option<&'a [Stiffness; 2]>,
     /// Parts that are absent above a frequency.
@@ -163,7 +163,7 @@ fn radiation_notes(inputs: &NoteInputs<'_>) -> Vec<String> {
             1e-6 * rim.contact
         )
     });
-    let both = both_loadings_note(inputs.loading);
+    let both = complete_impedance_note(inputs.fluid_loading_changes);
     [workpiece, body, loading, both, stiffness]
         .into_iter()
         .flatten()
@@ -279,12 +279,13 @@ fn loading_note(sources: &[(&str, &FluidLoading)]) -> Option<String> {
 }
 
 /// What the complete impedance of every frequency changes against that frozen at each mode's resonance.
-fn both_loadings_note(changes: &[LoadingChange]) -> Option<String> {
-    let part = |change: &LoadingChange| {
+fn complete_impedance_note(changes: &[FluidLoadingChange]) -> Option<String> {
+    let part = |change: &FluidLoadingChange| {
         let acts = match change.complete_acts {
             true => "acts in this run",
             false => {
-                "with bonded contact; this run has the frozen one, because its contact opens or acts back on the cycle"
+                "with every contact bonded; this run uses the frozen impedance, because a contact can open or its cycle is \
+                 coupled to the bodies"
             }
         };
         Some(format!("{} {:+.2} dB ({acts})", change.source, change.change_db()?))
@@ -292,7 +293,7 @@ fn both_loadings_note(changes: &[LoadingChange]) -> Option<String> {
     let parts: Vec<String> = changes.iter().filter_map(part).collect();
     (!parts.is_empty()).then(|| {
         format!(
-            "fluid loading: R and X of every frequency, as full matrix, against those frozen at each mode's resonance: {}",
+            "fluid loading, complete impedance of every frequency against the one frozen at each mode's resonance: {}",
             parts.join("; ")
         )
     })

@@ -6,7 +6,7 @@ use crate::common::run as of;
 use crate::tool::{bar, bar_mesh, put};
 use nailnoise::Design;
 use nailnoise::design::BodyModel;
-use nailnoise::result::{LoadingChange, RankedSource};
+use nailnoise::result::{FluidLoadingChange, RankedSource};
 use nailnoise::run::Run;
 
 /// Coarse block and table by boundary elements with a bar as tool, and other keys.
@@ -33,8 +33,12 @@ fn source<'a>(run: &'a Run, name: &str) -> &'a RankedSource {
     run.result.ranking.iter().find(|source| source.source == name).unwrap()
 }
 
-fn change<'a>(run: &'a Run, name: &str) -> &'a LoadingChange {
-    run.result.loading.iter().find(|change| change.source == name).unwrap()
+fn change<'a>(run: &'a Run, name: &str) -> &'a FluidLoadingChange {
+    run.result
+        .fluid_loading_changes
+        .iter()
+        .find(|change| change.source == name)
+        .unwrap()
 }
 
 #[test]
@@ -84,7 +88,7 @@ fn a_contact_that_opens_keeps_the_frozen_impedance_and_states_the_change_with_a_
 #[test]
 fn radiation_as_damping_alone_has_nothing_to_complete() {
     let run = of(&design(BONDED));
-    assert!(run.result.loading.is_empty());
+    assert!(run.result.fluid_loading_changes.is_empty());
     assert!(
         run.result
             .checks

@@ -6,8 +6,8 @@ use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-/// What the factor e^{-sigma t} leaves of a motion after one period of the transform \[-\].
-const WRAPPED: f64 = 1e-5;
+/// Fraction of a motion that remains after one period of the transform \[-\].
+const WRAP_AROUND: f64 = 1e-5;
 
 /// Transforms of records of one length and their inverse, in a range of frequencies from zero.
 ///
@@ -38,7 +38,7 @@ impl DampedTransform {
             fft: RealTransform::new(length),
             samples,
             step,
-            sigma: -WRAPPED.ln() / period,
+            sigma: -WRAP_AROUND.ln() / period,
             bins: ((top_hz * period).ceil() as usize).clamp(1, lines),
         })
     }
@@ -73,7 +73,7 @@ impl DampedTransform {
     ///
     /// After its end a record goes on as 2 x_N - x_{2N-n}, without a jump of value or slope, and fades to its first value
     /// until the period ends; a causal system does not know of it before.
-    pub fn lines(&self, motion: &DMatrix<f64>) -> DMatrix<Complex<f64>> {
+    pub(crate) fn lines(&self, motion: &DMatrix<f64>) -> DMatrix<Complex<f64>> {
         let columns: Vec<Vec<Complex<f64>>> = motion
             .as_slice()
             .par_chunks(motion.nrows().max(1))

@@ -17,13 +17,18 @@ pub enum FluidLoadingError {
         hz: f64,
     },
     /// The equations of motion have no solution at a frequency.
-    #[error("the modal equations are singular at {hz:.3} Hz; an undamped mode is driven at its resonance")]
+    #[error(
+        "the modal equations are singular at {hz:.3} Hz; an undamped mode is driven at its resonance, or a support has no damping"
+    )]
     Singular {
         /// Frequency \[Hz\].
         hz: f64,
     },
     /// The iteration for the motion with the complete impedance does not converge.
-    #[error("the motion with the complete impedance does not converge at {hz:.1} Hz, residual {residual:.1e}")]
+    #[error(
+        "the motion with the complete impedance does not converge at {hz:.1} Hz, residual {residual:.1e}: refine the boundary \
+         elements, or let radiation act as damping alone"
+    )]
     Iteration {
         /// Frequency \[Hz\].
         hz: f64,

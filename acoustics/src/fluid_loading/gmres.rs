@@ -97,10 +97,13 @@ pub(super) fn solve(
     let n = sides.nrows();
     let mut solutions = DMatrix::zeros(n, sides.ncols());
     let mut active: Vec<Space> = Vec::new();
+    let mut failed: Option<(usize, f64)> = None;
     for (column, b) in sides.column_iter().enumerate() {
         let b: Vec<Complex<f64>> = b.iter().copied().collect();
         let norm = norm(&b);
-        if norm > 0.0 {
+        if !norm.is_finite() {
+            failed = failed.or(Some((column, norm)));
+        } else if norm > 0.0 {
             active.push(Space {
                 column,
                 triangle: Vec::new(),
@@ -112,7 +115,6 @@ pub(super) fn solve(
         }
     }
     let mut products = 0;
-    let mut failed: Option<(usize, f64)> = None;
     while !active.is_empty() {
         let columns: Vec<usize> = active.iter().map(|space| space.column).collect();
         let vectors = active.iter().flat_map(|space| space.basis[products].iter().copied());

@@ -16,7 +16,7 @@ const ROLL_OFF: f64 = 1.0 / 3.0;
 /// Residual of the equations at each frequency, relative to their right-hand side.
 const TOLERANCE: f64 = 1e-9;
 
-/// Lines solved together: what their Krylov spaces need of memory stays small.
+/// Lines solved together, few enough to keep their Krylov spaces small.
 const LINES: usize = 64;
 
 /// A structure on linear supports, in the coordinates u in which it moved with a frozen impedance:
@@ -84,7 +84,7 @@ pub struct ImpedanceCorrection {
 ///
 /// # Errors
 /// Lengths that do not fit; those of `motion`; [`FluidLoadingError::Iteration`].
-pub fn complete<E: From<FluidLoadingError>>(
+pub fn impedance_correction<E: From<FluidLoadingError>>(
     modes: &FrozenModes,
     impedance: &dyn Impedance,
     (samples, step): (usize, f64),
@@ -245,7 +245,7 @@ impl<'a> Operator<'a> {
         let mut reaction = real_product(&self.transposed, &force);
         reaction -= real_product(&self.mass, &times(v, &|k| s[k] * s[k]));
         reaction += real_product(&self.damping, &times(v, &|k| s[k]));
-        times(&reaction, &|k| Complex::from(self.share(self.transform.hz(lines[k]))))
+        times(&reaction, &|k| Complex::from(self.weight(self.transform.hz(lines[k]))))
     }
 
     /// Z(s)/s a for accelerations of the modes in vacuum.
@@ -272,7 +272,7 @@ impl<'a> Operator<'a> {
     }
 
     /// W at a frequency.
-    fn share(&self, hz: f64) -> f64 {
+    fn weight(&self, hz: f64) -> f64 {
         let [from, to] = self.roll_off;
         let beyond = ((hz - from) / (to - from)).clamp(0.0, 1.0);
         (0.5 * PI * beyond).cos().powi(2)

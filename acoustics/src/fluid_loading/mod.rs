@@ -10,7 +10,7 @@
 //!
 //! (Junger & Feit 1986, chapter 9). R damps, and X / omega is the mass of fluid that moves along. [`velocities`] solves the
 //! equation at one frequency, [`resonances`] finds the complex frequencies of free motion. For motion in time with contact
-//! that opens, [`WetModes`] freeze Z at each mode's own resonance. Where the motion stays linear, [`complete`] adds what the
+//! that opens, [`WetModes`] freeze Z at each mode's own resonance. Where the motion stays linear, [`impedance_correction`] adds what the
 //! whole Z(omega) changes of it.
 
 mod damped_transform;
@@ -27,7 +27,7 @@ mod wet_modes;
 pub use damped_transform::DampedTransform;
 pub use error::FluidLoadingError;
 pub use impedance::Impedance;
-pub use linear::{FrozenModes, ImpedanceCorrection, complete};
+pub use linear::{FrozenModes, ImpedanceCorrection, impedance_correction};
 pub use modes::DryModes;
 pub use resonances::{Resonance, resonances};
 pub use response::{PowerBalance, velocities};

@@ -19,7 +19,7 @@ fn block([a, b, c]: [f64; 3], height: f64, edge: f64, finer: bool) -> Boundary {
     };
     let of = |rims: &[Rim]| {
         let planes = [Some(0.0), Some(0.0), None];
-        let mesh = BoundaryMesh::of_boxes_at(&[whole], planes, (edge, rims), vec![String::new()], |_| 0).unwrap();
+        let mesh = BoundaryMesh::of_boxes_fine_at(&[whole], planes, (edge, rims), vec![String::new()], |_| 0).unwrap();
         Boundary::symmetric(mesh, [Some(0.0); 2], Some(-height)).unwrap()
     };
     let wide = of(&[]);
@@ -118,7 +118,7 @@ fn the_bound_holds_below_a_cylinder_with_wide_panels_and_with_fine_ones() {
     let rims = Gaps::of(&wide).coarse_rims();
     assert_eq!(rims.len(), 24);
     let edge = given.longest_edge();
-    let fine = of(given.subdivided_at(edge, &rims, 20_000).unwrap().mesh);
+    let fine = of(given.subdivided_fine_at(edge, &rims, 20_000).unwrap().mesh);
     // The same rim in panels half as wide: its gap passes for one of half the height.
     let halves: Vec<Rim> = rims
         .iter()
@@ -127,7 +127,7 @@ fn the_bound_holds_below_a_cylinder_with_wide_panels_and_with_fine_ones() {
             ..*rim
         })
         .collect();
-    let finest = of(given.subdivided_at(edge, &halves, 20_000).unwrap().mesh);
+    let finest = of(given.subdivided_fine_at(edge, &halves, 20_000).unwrap().mesh);
     let gaps = [&wide, &fine].map(|boundary| Gaps::of(boundary).worst().unwrap());
     assert!(gaps[1].panel_width <= 0.5 * height * (1.0 + 1e-9), "{gaps:?}");
     println!("{} {} {}", wide.nodes(), fine.nodes(), finest.nodes());
@@ -182,7 +182,8 @@ fn a_quarter_with_fine_panels_at_the_rim_equals_the_whole() {
                 })
             })
             .collect();
-        let mesh = BoundaryMesh::of_boxes_at(&quarters, [None; 3], (0.02, rims), vec![String::new()], |_| 0).unwrap();
+        let mesh =
+            BoundaryMesh::of_boxes_fine_at(&quarters, [None; 3], (0.02, rims), vec![String::new()], |_| 0).unwrap();
         Boundary::new(mesh, Some(-height)).unwrap()
     };
     let all = of(&Gaps::of(&of(&[])).coarse_rims());
@@ -237,7 +238,7 @@ fn surfaces_far_from_the_floor_and_the_sides_of_a_plate_are_no_gap() {
 fn motion_on_panels_that_are_cut_at_a_rim_is_that_of_the_given_ones() {
     let given = cylinder(0.06, 0.05, 24, 4);
     let rims = Gaps::of(&Boundary::new(given.clone(), Some(-4e-3)).unwrap()).coarse_rims();
-    let fine = given.subdivided_at(given.longest_edge(), &rims, 20_000).unwrap();
+    let fine = given.subdivided_fine_at(given.longest_edge(), &rims, 20_000).unwrap();
     assert!(fine.mesh.panels.len() > given.panels.len());
     assert!((fine.mesh.area() / given.area() - 1.0).abs() < 1e-12);
     let field = |points: &[Point3<f64>]| {
@@ -256,7 +257,7 @@ fn a_limit_of_panels_makes_those_at_the_rim_wider() {
     let given = cylinder(0.06, 0.05, 24, 4);
     let rims = Gaps::of(&Boundary::new(given.clone(), Some(-1e-3)).unwrap()).coarse_rims();
     let panels = |most: usize| {
-        let fine = given.subdivided_at(given.longest_edge(), &rims, most).unwrap();
+        let fine = given.subdivided_fine_at(given.longest_edge(), &rims, most).unwrap();
         fine.mesh.panels.len()
     };
     let (free, limited) = (panels(usize::MAX), panels(2000));

@@ -31,9 +31,9 @@ const MATERIALS: [&str; 7] = [
     "support.worktable.steel.material.",
 ];
 
-/// Places in the ranges of these keys, by turns. Ten draws of the N80CB's materials lacked up to 3.7e-3 of the energy with
+/// Places in the ranges of these keys, alternately. Ten draws of the N80CB's materials lacked up to 3.7e-3 of the energy with
 /// one structure; with a second they lacked up to 6e-4, at these places as at a tenth and nine tenths, in this order or the other.
-const VARIED: [f64; 2] = [0.75, 0.25];
+const RANGE_SHARES: [f64; 2] = [0.75, 0.25];
 
 /// Largest difference of the barrel's radii \[m\] that is rounding.
 const SAME_RADIUS: f64 = 1e-9;
@@ -48,7 +48,7 @@ fn shipped_design() -> Option<&'static Design> {
     READ.get_or_init(read).as_ref()
 }
 
-/// The shipped design with other materials: each quantity at one of [`VARIED`] in its range.
+/// The shipped design with other materials: each quantity at one of [`RANGE_SHARES`] in its range.
 fn varied() -> Option<&'static Design> {
     static READ: OnceLock<Option<Design>> = OnceLock::new();
     let read = || {
@@ -66,7 +66,7 @@ fn varied() -> Option<&'static Design> {
                 let [low, high] = entry.range?;
                 Some((entry.key.as_str(), low, high))
             });
-        let shares = VARIED.iter().cycle();
+        let shares = RANGE_SHARES.iter().cycle();
         let changes: Vec<(&str, Value)> = ranges
             .zip(shares)
             .map(|((key, low, high), share)| (key, Value::Number(low + share * (high - low))))
@@ -79,7 +79,7 @@ fn varied() -> Option<&'static Design> {
 
 /// The design with materials, nail, and walls, masses and loads of the tool `from` another design; its bodies have the outer
 /// surfaces of the design's. The loads count because the static corrections of the modes depend on them.
-fn with_structure(design: &Design, from: &Design) -> Design {
+fn with_materials_of(design: &Design, from: &Design) -> Design {
     let mut standard = design.clone();
     let (wood, own) = (&mut standard.wood, &from.wood);
     (wood.density, wood.elastic, wood.driven) = (own.density, own.elastic.clone(), own.driven);
@@ -143,9 +143,23 @@ pub(crate) fn standards(design: &Design, kinds: &[BodyKind]) -> Result<Option<St
     let Some(shipped) = shipped_design() else {
         return Ok(None);
     };
-    let first = with_structure(design, shipped);
+    let first = with_materials_of(design, shipped);
+    if !same_meshes(design, &first, kinds)? {
+        return Ok(None);
+    }
+    let mut second = varied().map(|varied| with_materials_of(design, varied));
+    if let Some(varied) = &second
+        && !same_meshes(&first, varied, kinds)?
+    {
+        second = None;
+    }
+    Ok(Some(Standards { first, second }))
+}
+
+/// Whether the bodies of two designs have the same outer surfaces.
+fn same_meshes(design: &Design, other: &Design, kinds: &[BodyKind]) -> Result<bool, Error> {
     for &kind in kinds {
-        let [own, other] = [design, &first].map(|design| Ok::<_, Error>(geometry(design, kind, false)?.mesh));
+        let [own, other] = [design, other].map(|design| Ok::<_, Error>(geometry(design, kind, false)?.mesh));
         let alike = match (own?, other?) {
             // Their walls may differ.
             (MeshSource::Worktable(own, _), MeshSource::Worktable(other, _)) => own == other,
@@ -154,13 +168,10 @@ pub(crate) fn standards(design: &Design, kinds: &[BodyKind]) -> Result<Option<St
             (own, other) => own == other,
         };
         if !alike {
-            return Ok(None);
+            return Ok(false);
         }
     }
-    Ok(Some(Standards {
-        second: varied().map(|varied| with_structure(design, varied)),
-        first,
-    }))
+    Ok(true)
 }
 
 #[cfg(test)]

@@ -204,7 +204,7 @@ impl MeshRanges {
             finest.problem.estimate()
         ));
         if let Some(gap) = self.worst_gap() {
-            progress.note(&format!("{body}: {}", gap_in_words(&gap)));
+            progress.note(&format!("{body}: {}", describe_gap(&gap)));
         }
     }
 
@@ -234,10 +234,10 @@ impl MeshRanges {
 }
 
 /// A thin gap and the error of its panels, in words.
-pub(crate) fn gap_in_words(gap: &Gap) -> String {
+pub(crate) fn describe_gap(gap: &Gap) -> String {
     format!(
-        "a gap {:.1} mm high, panels at its rim up to {:.1} mm wide ({:.2} of its height): the mass of the air in it is known \
-         to {:.1} %, what it radiates to {:.2} dB in third octaves; friction of the air is left out",
+        "a gap {:.1} mm high, panels at its rim up to {:.1} mm wide ({:.2} of its height): error at most {:.1} % in \
+         the mass of its air and {:.2} dB in its power in third octaves; friction of the air is not modelled",
         1e3 * gap.height,
         1e3 * gap.panel_width,
         gap.panel_width / gap.height,

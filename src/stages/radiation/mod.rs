@@ -13,12 +13,12 @@ mod surface_modes;
 mod tool;
 mod workpiece;
 
-pub(crate) use boundary_elements::gap_in_words;
+pub(crate) use boundary_elements::describe_gap;
 pub use boundary_elements::{Places, Resolution};
 pub use flush::{FlushTop, top_of};
 pub use matrices::{FlushMatrix, ToolCapMatrix, ToolMatrix, WorkpieceMatrix};
 pub use radiators::{FluidLoadings, ToolRadiator, WorkpieceMethod, WorkpieceRadiator};
-pub use shape::{Fitted, Known, RadiatingShape, ShapeFit, ShapeMatrix};
+pub use shape::{Fitted, RadiatingShape, ShapeFit, ShapeMatrix, StandardMatrix};
 pub use surface_modes::SurfaceModes;
 pub use tool::{CapSurface, ToolRadiation};
 pub use workpiece::{Covered, WorkpieceBoundaryElements, WorkpieceRadiation};

@@ -157,7 +157,7 @@ fn lacking(fit: &SurfaceFit, bodies: &[&Body], top_hz: f64) -> Vec<[f64; 2]> {
 
 /// Standard bodies for a design's.
 #[derive(Clone, Serialize)]
-pub struct Known {
+pub struct StandardMatrix {
     /// How their modes hold those of the design's bodies.
     pub fit: Stored<Fitted>,
     /// Their radiation matrix; read only where the fit holds.
@@ -171,7 +171,7 @@ pub struct Known {
 #[derive(Serialize)]
 pub struct ShapeMatrix {
     /// Standard bodies, in the order in which they are tried.
-    pub known: Vec<Known>,
+    pub known: Vec<StandardMatrix>,
     /// The matrix of the design's own modes; read only where no fit holds.
     pub own: Stored<ModalBem>,
 }
@@ -192,21 +192,21 @@ impl Stage for ShapeMatrix {
     }
 
     fn compute(&self, progress: &Progress) -> Result<ModalBem, Error> {
-        for Known { fit, matrix, name } in &self.known {
+        for StandardMatrix { fit, matrix, name } in &self.known {
             let fitted = fit.get()?;
-            let lack = format!(
-                "lack at most {:.1e} of the energy of the surface's motion",
-                fitted.worst()
-            );
-            if let Some(fit) = fitted.fit.as_ref().filter(|_| fitted.holds())
-                && let Some(matrix) = matrix.get()?.of_modes(fit)
-            {
-                progress.note(&format!("radiation: that of {name}; their modes {lack}"));
+            let Some(combinations) = &fitted.fit else {
+                progress.note(&format!("radiation: {name} have another surface"));
+                continue;
+            };
+            let lack = format!("{:.1e} of the energy of the surface's motion", fitted.worst());
+            if !fitted.holds() {
+                progress.note(&format!(
+                    "radiation: the modes of {name} lack up to {lack}, more than {LIMIT:.0e}"
+                ));
+            } else if let Some(matrix) = matrix.get()?.of_modes(combinations) {
+                progress.note(&format!("radiation: that of {name}; their modes lack at most {lack}"));
                 return Ok(matrix);
             }
-            progress.note(&format!(
-                "radiation: the modes of {name} {lack}, which is more than {LIMIT:.0e}"
-            ));
         }
         progress.note("radiation: solved for the modes of these bodies");
         Ok(ModalBem::clone(&*self.own.get()?))

@@ -23,7 +23,7 @@ impl SurfaceModes {
     ///
     /// # Errors
     /// Those of the stages that make the bodies.
-    pub fn get(&self) -> Result<SideBySide, Error> {
+    pub fn get(&self) -> Result<JoinedModes, Error> {
         let structures: Vec<Vec<Arc<Body>>> = self.0.iter().map(|bodies| all(bodies)).collect::<Result<_, _>>()?;
         let modes = |place: usize| {
             let columns = structures.iter().flat_map(|bodies| bodies[place].skin.column_iter());
@@ -33,7 +33,7 @@ impl SurfaceModes {
             [] | [_] => None,
             [first, ..] => Some((0..first.len()).map(modes).collect()),
         };
-        Ok(SideBySide {
+        Ok(JoinedModes {
             bodies: structures.into_iter().next().unwrap_or_default(),
             joined,
         })
@@ -41,13 +41,13 @@ impl SurfaceModes {
 }
 
 /// The bodies of the first structure in the modes of all.
-pub struct SideBySide {
+pub struct JoinedModes {
     bodies: Vec<Arc<Body>>,
     /// Modes of all structures on the surface of each body; none where there is only one structure.
     joined: Option<Vec<DMatrix<f32>>>,
 }
 
-impl SideBySide {
+impl JoinedModes {
     /// The surfaces of the bodies, and how they move.
     pub fn surfaces(&self) -> Vec<MovingSurface<'_>> {
         let own = self.bodies.iter().map(|body| body.moving_surface());

@@ -219,7 +219,7 @@ impl ToolRadiation {
     fn of_panels_within(&self, housing: &Housing, edge: f64, top_hz: f64, air: &Air) -> Result<MeshRange, Error> {
         let finer = housing
             .mesh
-            .subdivided_at(edge, &housing.rims, MOST_AT_GAPS)
+            .subdivided_fine_at(edge, &housing.rims, MOST_AT_GAPS)
             .map_err(BemError::from)?;
         let motion = finer.fields(&housing.motion).map_err(BemError::from)?;
         let boundary = Boundary::new(finer.mesh, self.floor)?;

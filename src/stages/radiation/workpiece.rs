@@ -216,7 +216,7 @@ impl WorkpieceBoundaryElements {
         let planes = [mirrors[0], mirrors[1], floor.filter(|floor| *floor >= lowest)];
         let names: Vec<String> = names.iter().map(|&name| name.to_owned()).collect();
         let of_panels = |rims: &[Rim]| {
-            let mesh = BoundaryMesh::of_boxes_at(&self.boxes, planes, (edge, rims), names.clone(), patch)?;
+            let mesh = BoundaryMesh::of_boxes_fine_at(&self.boxes, planes, (edge, rims), names.clone(), patch)?;
             Ok::<_, AcousticsError>(Boundary::symmetric(mesh, mirrors, floor)?)
         };
         let mut boundary = of_panels(&[])?;
@@ -272,7 +272,9 @@ impl WorkpieceBoundaryElements {
         let edge = top_hz.map(|top_hz| computed.sound_speed / (fine.panels * top_hz));
         if edge.is_some() || !rims.is_empty() {
             let edge = edge.unwrap_or_else(|| mesh.longest_edge());
-            let finer = mesh.subdivided_at(edge, &rims, MOST_AT_GAPS).map_err(BemError::from)?;
+            let finer = mesh
+                .subdivided_fine_at(edge, &rims, MOST_AT_GAPS)
+                .map_err(BemError::from)?;
             (motion, mesh) = (finer.fields(&motion).map_err(BemError::from)?, finer.mesh);
         }
         let boundary = Boundary::new(mesh, self.floor)?;

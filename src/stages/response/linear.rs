@@ -2,13 +2,15 @@
 //!
 //! A response in time has the impedance frozen at each mode's resonance, because its contact may open. Where nothing opens,
 //! what R and X of every frequency change of it follows in the frequency domain
-//! ([`complete`](nailnoise_acoustics::fluid_loading::complete)) and is added.
+//! ([`impedance_correction`](nailnoise_acoustics::fluid_loading::impedance_correction)) and is added.
 
 use std::ops::Range;
 use std::sync::Arc;
 
 use nailnoise_acoustics::AcousticsError;
-use nailnoise_acoustics::fluid_loading::{FluidLoadingError, FrozenModes, ImpedanceCorrection, WetModes, complete};
+use nailnoise_acoustics::fluid_loading::{
+    FluidLoadingError, FrozenModes, ImpedanceCorrection, WetModes, impedance_correction,
+};
 use nailnoise_acoustics::radiator::{FluidLoads, Radiator};
 use nailnoise_fem::transient::{AddedMotion, ModalResponse, Motion, Support};
 use nalgebra::DMatrix;
@@ -75,7 +77,7 @@ impl<R: Radiator + 'static> Stage for LinearResponse<R> {
         let modes = self.modes(response, &bodies, &wet)?;
         let places = places(response);
         let motion = |range: Range<usize>| motion_of(response, &places, range);
-        let correction = complete(&modes, impedance, (response.samples(), response.step), motion)?;
+        let correction = impedance_correction(&modes, impedance, (response.samples(), response.step), motion)?;
         let [added, reaction] = [&correction.motion, &correction.reaction].map(|lines| {
             let of_body = |range: &Range<usize>| lines.rows(range.start, range.len()).into_owned();
             let (length, sigma) = (correction.transform.length(), correction.transform.sigma());
@@ -83,7 +85,7 @@ impl<R: Radiator + 'static> Stage for LinearResponse<R> {
         });
         let name = if self.guided { "tool" } else { "response" };
         let mut checks = vibration.checks.clone();
-        checks.extend(residual(&correction).map(|check| check.of(name)));
+        checks.push(residual(&correction).of(name));
         let balance = self.balance(response, &added, &reaction)?;
         checks.push(
             Check::at_most(
@@ -101,12 +103,12 @@ impl<R: Radiator + 'static> Stage for LinearResponse<R> {
     }
 }
 
-fn residual(correction: &ImpedanceCorrection) -> [Check; 1] {
-    [Check::at_most(
+fn residual(correction: &ImpedanceCorrection) -> Check {
+    Check::at_most(
         "equations of motion with the complete impedance, residual",
         correction.residual,
         RESIDUAL_LIMIT,
-    )]
+    )
 }
 
 /// Coordinates of each body among those of all.
@@ -179,8 +181,7 @@ impl<R: Radiator + 'static> LinearResponse<R> {
         Ok(modes)
     }
 
-    /// What the motion in time leaves open of the energy that passes between structure and air beyond the frozen impedance,
-    /// over all that passes to and fro.
+    /// Energy that the balance over time misses, relative to the energy exchanged with the air beyond the frozen impedance.
     ///
     /// With u and f_0 the motion and the support forces of the frozen response, which has a balance of its own, d the added
     /// motion, x = P^T d, f_x = k x + c x' and r the force of the air beyond the frozen one, the difference of both balances is
@@ -237,7 +238,7 @@ impl<R: Radiator + 'static> LinearResponse<R> {
                 response.contact_forces[(i, n)] * rate[(n, i)] + force * (before[(n, i)] + rate[(n, i)])
             });
         }
-        Ok(if exchanged > 0.0 { open.abs() / exchanged } else { 0.0 })
+        Ok(if exchanged == 0.0 { 0.0 } else { open.abs() / exchanged })
     }
 }
 

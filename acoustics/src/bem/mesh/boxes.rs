@@ -48,7 +48,7 @@ impl BoundaryMesh {
         patches: Vec<String>,
         patch: impl Fn(Side) -> usize,
     ) -> Result<Self, MeshError> {
-        Self::of_boxes_at(boxes, planes, (edge, &[]), patches, patch)
+        Self::of_boxes_fine_at(boxes, planes, (edge, &[]), patches, patch)
     }
 
     /// As [`BoundaryMesh::of_boxes`], with grid lines that get closer towards the `rims` of gaps: the first rectangle there
@@ -56,7 +56,7 @@ impl BoundaryMesh {
     ///
     /// # Errors
     /// As [`BoundaryMesh::of_boxes`].
-    pub fn of_boxes_at(
+    pub fn of_boxes_fine_at(
         boxes: &[SolidBox],
         planes: [Option<f64>; 3],
         (edge, rims): (f64, &[Rim]),

@@ -23,13 +23,16 @@ pub(crate) const RIM_WIDTH: f64 = 0.5;
 /// By how much panels may be wider per distance from the rim: each twice as wide as its neighbour.
 pub(crate) const GROWTH: f64 = 1.0;
 
-/// Height below which a gap is resolved as if it had this height \[m\]: the air between surfaces closer than this is ruled by
-/// viscosity, which the equations do not have.
+/// Height below which a gap is resolved as if it had this height \[m\]: below it the equations, which lack viscosity, do not
+/// merit finer panels.
 pub(crate) const LEAST_HEIGHT: f64 = 1e-3;
 
-/// Height of a thin gap over its area per length of rim, at most: a strip is at least four times as wide as high. Air between
+/// Height of a thin gap over its area per length of rim, at most: a strip is at least four times as wide as high, a square eight times. Air between
 /// surfaces that are farther apart needs no finer panels than at other edges.
 const THIN: f64 = 0.5;
+
+/// Panels of just the wanted width are not too wide because of rounding.
+const SLACK: f64 = 1.001;
 
 /// Cosine of the angle between a normal and the opposite of another one from which their panels face each other.
 const FACING: f64 = 0.5;
@@ -48,8 +51,8 @@ const BAND_ERROR: [f64; 2] = [1.0, 1.5];
 /// Error of the power in wide bands over w P/A, in which shifts of resonances cancel.
 const LEVEL_ERROR: f64 = 0.5;
 
-/// A thin gap: a connected part of the surface which faces the floor at less than half of the gap's area over the length of
-/// its rim.
+/// A thin gap: a connected part of the surface that is closer to the floor than half its area divided by the length of its
+/// rim.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gap {
     /// Smallest height \[m\].
@@ -74,7 +77,7 @@ impl Gap {
     pub fn band_error_db(&self) -> f64 {
         let [narrow, wide] = BAND_ERROR;
         // Equal up to rounding where the panels are made so.
-        let error = if self.panel_width < 1.001 * self.height {
+        let error = if self.panel_width < SLACK * self.height {
             narrow
         } else {
             wide
@@ -119,8 +122,8 @@ pub(crate) fn longest_side(rims: &[Rim], ends: [Point3<f64>; 2], width: f64) -> 
     sides.fold(f64::INFINITY, f64::min)
 }
 
-/// All thin gaps between a surface and the floor, and their rims. Gaps between two parts of a surface are not among them: the
-/// bounds are not known there.
+/// All thin gaps between a surface and the floor, and their rims: edges at which it turns by more than 30 degrees. Gaps between
+/// two parts of a surface are not among them, because bounds are not known there, and neither are those that open along a fillet.
 #[derive(Clone, Debug, Default)]
 pub struct Gaps {
     all: Vec<(Gap, Vec<Rim>)>,
@@ -143,11 +146,11 @@ impl Gaps {
         };
         let mut group: Vec<usize> = (0..mesh.panels.len()).collect();
         for panels in edges.values() {
-            if let [p, q] = panels[..] {
-                if similar(p, q) {
-                    let (a, b) = (root(&group, p), root(&group, q));
-                    group[a] = b;
-                }
+            if let [p, q] = panels[..]
+                && similar(p, q)
+            {
+                let (a, b) = (root(&group, p), root(&group, q));
+                group[a] = b;
             }
         }
         let mut area: HashMap<usize, (f64, f64)> = HashMap::new();
@@ -227,7 +230,7 @@ impl Gaps {
         let coarse = self
             .all
             .iter()
-            .filter(|(gap, _)| gap.panel_width > RIM_WIDTH * gap.height);
+            .filter(|(gap, _)| gap.panel_width > SLACK * RIM_WIDTH * gap.height.max(LEAST_HEIGHT));
         coarse.flat_map(|(_, rims)| rims.iter().copied()).collect()
     }
 }

@@ -67,7 +67,7 @@ impl BoundaryMesh {
     ///
     /// # Errors
     /// A length that is not positive.
-    pub fn subdivided_at(&self, edge: f64, rims: &[Rim], most: usize) -> Result<Subdivision, InputError> {
+    pub fn subdivided_fine_at(&self, edge: f64, rims: &[Rim], most: usize) -> Result<Subdivision, InputError> {
         let plain = self.subdivided(edge)?;
         if rims.is_empty() {
             return Ok(plain);

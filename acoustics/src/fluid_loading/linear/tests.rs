@@ -1,6 +1,6 @@
 #![allow(clippy::unwrap_used)]
 
-use super::{FrozenModes, ImpedanceCorrection, complete};
+use super::{FrozenModes, ImpedanceCorrection, impedance_correction};
 use crate::fluid_loading::{DryModes, FluidLoadingError, Impedance, WetModes};
 use crate::fourier::RealTransform;
 use nalgebra::{Complex, DMatrix, DVector};
@@ -125,7 +125,7 @@ impl Spheres {
     fn corrected(&self, force: &[f64]) -> ([DMatrix<f64>; 2], DMatrix<f64>, ImpedanceCorrection) {
         let wet = self.wet();
         let [u, v] = self.with_frozen(&wet, force);
-        let found = complete(&self.frozen(&wet), &self.impedance(), (SAMPLES, STEP), |range| {
+        let found = impedance_correction(&self.frozen(&wet), &self.impedance(), (SAMPLES, STEP), |range| {
             Ok::<_, FluidLoadingError>(u.columns(range.start, range.len()).into_owned())
         })
         .unwrap();
@@ -268,7 +268,7 @@ fn nothing_is_added_where_the_complete_impedance_is_the_frozen_one() {
         dashpots: Vec::new(),
     };
     let u = DMatrix::from_fn(SAMPLES, 2, |n, i| 1.0 - (wet.omega[i] * STEP * n as f64).cos());
-    let found = complete(&frozen, &impedance, (SAMPLES, STEP), |range| {
+    let found = impedance_correction(&frozen, &impedance, (SAMPLES, STEP), |range| {
         Ok::<_, FluidLoadingError>(u.columns(range.start, range.len()).into_owned())
     })
     .unwrap();
