@@ -55,6 +55,19 @@ fn every_check_of_linear_motion_in_air_is_met_its_energy_balance_among_them() {
 }
 
 #[test]
+fn the_bonded_motion_that_a_contact_which_opens_is_compared_with_has_its_checks() {
+    let checks = OPENING.result.checks.iter();
+    let own: Vec<_> = checks
+        .filter(|check| check.name.starts_with("bonded for comparison: "))
+        .collect();
+    assert!(
+        own.iter().any(|check| check.name.ends_with("balance over time")),
+        "{own:?}"
+    );
+    assert!(own.iter().all(|check| check.ok), "{own:?}");
+}
+
+#[test]
 fn on_a_bonded_contact_the_complete_impedance_acts_on_every_source() {
     for name in ["workpiece", "body"] {
         let change = change(&LINEAR, name);
@@ -77,7 +90,9 @@ fn a_contact_that_opens_keeps_the_frozen_impedance_and_states_the_change_with_a_
     assert_eq!(opening.complete_lwa_db, linear.complete_lwa_db);
     let response = "response: energy beyond the frozen impedance, balance over time";
     assert!(OPENING.result.checks.iter().all(|check| check.name != response));
-    let stated = |note: &String| note.contains("R and X of every frequency") && note.contains("with bonded contact");
+    let stated = |note: &String| {
+        note.contains("complete impedance of every frequency") && note.contains("with every contact bonded")
+    };
     assert!(
         OPENING.result.method_notes.iter().any(stated),
         "{:#?}",
