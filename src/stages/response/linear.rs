@@ -28,8 +28,8 @@ const BLOCK: usize = 32;
 /// Largest residual of the equations of motion in the lines of the correction, over the largest force.
 const RESIDUAL_LIMIT: f64 = 1e-6;
 
-/// Largest part of the energy that passes between structure and air beyond the frozen impedance that the balance over time
-/// may miss: a hundredth of a change of some tenths of a decibel.
+/// Largest imbalance over time, as a share of the energy exchanged between structure and air beyond the frozen impedance: a
+/// hundredth of a change of some tenths of a decibel.
 const ENERGY_LIMIT: f64 = 0.01;
 
 /// A linear response with the complete impedance in place of the frozen one.
@@ -48,7 +48,7 @@ pub struct LinearResponse<R> {
     pub fluid: Stored<Vec<FluidLoads>>,
     /// Springs and dashpots, none of which opens.
     pub supports: Vec<Support>,
-    /// Whether a guide leaves the bodies no rigid motion but the descent.
+    /// Whether a guide restricts the rigid motion of the bodies to their descent along its axis.
     pub guided: bool,
 }
 

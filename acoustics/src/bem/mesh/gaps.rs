@@ -27,14 +27,15 @@ pub(crate) const GROWTH: f64 = 1.0;
 /// merit finer panels.
 pub(crate) const LEAST_HEIGHT: f64 = 1e-3;
 
-/// Height of a thin gap over its area per length of rim, at most: a strip is at least four times as wide as high, a square eight times. Air between
-/// surfaces that are farther apart needs no finer panels than at other edges.
+/// Largest height of a thin gap over its area per length of rim: a strip is at least four times as wide as high, a square eight
+/// times. At the edges of higher gaps panels need not be finer than at other edges.
 const THIN: f64 = 0.5;
 
-/// Panels of just the wanted width are not too wide because of rounding.
+/// Factor that keeps panels of exactly the wanted width from counting as too wide because of rounding.
 const SLACK: f64 = 1.001;
 
-/// Cosine of the angle between a normal and the opposite of another one from which their panels face each other.
+/// Least cosine of the angle at which a panel faces the floor: between its normal and the vertical. The same holds for a panel
+/// that hides the floor.
 const FACING: f64 = 0.5;
 
 /// Cosine of the angle between two panels above which the surface is not sharp.
@@ -139,7 +140,7 @@ impl Gaps {
         let mesh = boundary.mesh();
         let normals: Vec<Vector3<f64>> = (0..mesh.panels.len()).map(|p| normal(mesh, p)).collect();
         let edges = edges(mesh);
-        // Panels that face something are connected to those beside them which face it at a similar distance.
+        // A panel above the floor belongs together with those beside it that are at a similar height.
         let similar = |p: usize, q: usize| match (heights[p], heights[q]) {
             (Some(a), Some(b)) => a.max(b) <= 2.0 * a.min(b) || normals[p].dot(&normals[q]) > SHARP,
             _ => false,
