@@ -14,7 +14,7 @@ use nailnoise::chain::BodyStages;
 use nailnoise::graph::Graph;
 use nailnoise::stages::Silent;
 use nailnoise::stages::bodies::BodyKind;
-use nailnoise::stages::radiation::{Places, Resolution, ToolRadiation};
+use nailnoise::stages::radiation::{Resolution, ToolRadiation};
 use nailnoise::store::Store;
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{EquationSolver, SurfacePressure};
@@ -37,7 +37,6 @@ fn main() -> Result<(), Box<dyn Error>> {
             tolerance: design.acoustics.bem_tolerance,
         },
         floor: None,
-        places: Places::new(std::iter::empty(), None, 0.0),
     };
     println!("    Hz  panels  unknowns  modes  set up  matrix       CPU s  peak GB");
     for hz in frequencies {

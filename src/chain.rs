@@ -37,7 +37,8 @@ use crate::stages::response::{
 use crate::stages::sensors::{SensorRecord, Sensors};
 use crate::stages::sound_fields::{FieldMethod, Fields, SoundFields, ToolField};
 use crate::stages::sources::{
-    BodyEnergy, BodySound, BodySource, Housing, SurfaceSource, WorkpieceEnergy, WorkpieceSound, WorkpieceSource,
+    BodyEnergy, BodySound, BodySource, Housing, HousingAtMicrophones, SurfaceSource, WorkpieceEnergy, WorkpieceSound,
+    WorkpieceSource,
 };
 use crate::stages::spectra::{BodyAnalysis, BodyMotion, MovingBody};
 use crate::stages::starts::OtherStarts;
@@ -163,14 +164,16 @@ fn requirements(
     let (carrier, radiating) = match kind {
         BodyKind::Tool => {
             let cap = inputs::radiation::cap(design);
-            let radiating = inputs::radiation::tool(design).map(|elements| Radiating::Tool(elements, cap));
+            let places = inputs::radiation::tool_places(design);
+            let radiating = inputs::radiation::tool(design).map(|elements| Radiating::Tool(elements, cap, places));
             (Carrier::Tool, radiating)
         }
         BodyKind::Workpiece | BodyKind::Worktable => {
             let of = |wanted: BodyKind| stages.iter().find(|(kind, _)| *kind == wanted);
             let structure = [BodyKind::Workpiece, BodyKind::Worktable].into_iter().filter_map(of);
             let meshed = structure.map(|(_, stages)| stages.meshed.clone()).collect();
-            let radiating = Radiating::Workpiece(inputs::radiation::workpiece(design)?, meshed);
+            let places = inputs::radiation::workpiece_places(design);
+            let radiating = Radiating::Workpiece(inputs::radiation::workpiece(design)?, meshed, places);
             let carrier = match kind {
                 BodyKind::Worktable => Carrier::Worktable,
                 _ => Carrier::Workpiece,
@@ -331,8 +334,12 @@ impl Chain {
         let usable = usable.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
 
         // Radiation per unit of modal motion, and the damping that it adds to the modes.
-        let (radiator, field_method, workpiece_matrix) =
-            workpiece_radiation(graph, design, &bodies, (air, options.shared))?;
+        let RadiationStages {
+            radiator,
+            at_microphones,
+            field: field_method,
+            matrix_key: workpiece_matrix,
+        } = workpiece_radiation(graph, design, &bodies, (air, options.shared))?;
         let acts = inputs::radiation::loading(design);
         let zeta = |bodies: &[&BodyStages]| {
             let zeta = bodies.iter().map(|stages| 0.5 * stages.loss_factor);
@@ -352,25 +359,28 @@ impl Chain {
             }
             _ => Standards::new(),
         };
-        let mut tool_matrix_key = None;
-        let tool_matrix = tool_elements.map(|(stages, elements)| {
-            let shape = RadiatingShape::Tool(elements.clone());
-            let matrix = by_shape(graph, &shape, &standard_tool, vec![stages.body.clone()]);
-            tool_matrix_key = Some(*matrix.key());
-            (elements, graph.add(ToolRadiator { matrix, air }))
+        let tool_places = inputs::radiation::tool_places(design);
+        let of_tool = |shape: &RadiatingShape, stages: &BodyStages| {
+            let body = std::slice::from_ref(&stages.body);
+            let radiation = by_shape(graph, (shape, &tool_places), &standard_tool, body);
+            let (at_microphones, matrix) = (radiation.at_microphones(graph), radiation.matrix);
+            let key = *matrix.key();
+            let [alone, at_microphones] =
+                [matrix, at_microphones].map(|matrix| graph.add(ToolRadiator { matrix, air }));
+            (key, alone, at_microphones)
+        };
+        let tool_radiation = tool_elements.map(|(stages, elements)| {
+            let of_shape = of_tool(&RadiatingShape::Tool(elements.clone()), stages);
+            (elements, of_shape)
         });
         let cap = tool
             .as_ref()
-            .zip(tool_matrix.as_ref())
+            .zip(tool_radiation.as_ref())
             .zip(inputs::radiation::cap(design));
-        let mut cap_matrix_key = None;
-        let cap_radiator = cap.map(|((stages, (elements, _)), cap)| {
-            let shape = RadiatingShape::Cap(elements.clone(), cap);
-            let matrix = by_shape(graph, &shape, &standard_tool, vec![stages.body.clone()]);
-            cap_matrix_key = Some(*matrix.key());
-            graph.add(ToolRadiator { matrix, air })
-        });
-        let tool_radiator = tool_matrix.as_ref().map(|(_, radiator)| radiator.clone());
+        let cap_radiation =
+            cap.map(|((stages, (elements, _)), cap)| of_tool(&RadiatingShape::Cap(elements.clone(), cap), stages));
+        let tool_radiator = tool_radiation.as_ref().map(|(_, (_, radiator, _))| radiator.clone());
+        let cap_radiator = cap_radiation.as_ref().map(|(_, radiator, _)| radiator.clone());
         let tool_loads = tool.as_ref().zip(tool_radiator.clone()).map(|(stages, radiator)| {
             graph.add(FluidLoadings {
                 radiator,
@@ -380,6 +390,8 @@ impl Chain {
         });
 
         let modal = structure.iter().chain(&tool).map(|stages| *stages.body.key());
+        let tool_matrix_key = tool_radiation.as_ref().map(|(_, (key, ..))| *key);
+        let cap_matrix_key = cap_radiation.as_ref().map(|(key, ..)| *key);
         let matrices = [workpiece_matrix, tool_matrix_key, cap_matrix_key];
         let structures = modal.chain(matrices.into_iter().flatten()).collect();
 
@@ -532,6 +544,7 @@ impl Chain {
         };
         let workpiece = graph.add(WorkpieceSource {
             sound: workpiece_sound.clone(),
+            at_microphones,
             top_hz: structure.iter().map(|stages| stages.top_hz).collect(),
             cycle: cycle.clone(),
             end: end.clone(),
@@ -590,8 +603,13 @@ impl Chain {
                 .collect(),
             sensors: (!sensors.accelerometers.is_empty()).then(|| sensors.clone()),
         });
+        let housing_at_microphones = tool_radiation.as_ref().map(|(_, (.., whole))| HousingAtMicrophones {
+            whole: whole.clone(),
+            cap: cap_radiation.as_ref().map(|(.., cap)| cap.clone()),
+        });
         let body = graph.add(BodySource {
             sound: body_sound(&cycle, of_tool.clone()),
+            at_microphones: housing_at_microphones,
             end: end.clone(),
             microphones: microphones.clone(),
             sphere: inputs::microphones::tool_sphere(design),
@@ -675,7 +693,7 @@ impl Chain {
             tool: of_field.map(|(stages, motion)| ToolField {
                 body: stages.body.clone(),
                 motion,
-                elements: tool_matrix,
+                elements: tool_radiation.map(|(elements, (_, radiator, _))| (elements, radiator)),
                 nose: inputs::radiation::nose(design).into(),
             }),
             air,
@@ -725,10 +743,19 @@ impl Chain {
     }
 }
 
-/// A radiator, how its sound field is computed, and the key of its radiation matrix.
-type RadiationStages = (Stored<Box<dyn Radiator>>, FieldMethod, Option<Digest>);
+/// Radiation of the workpiece with its support.
+struct RadiationStages {
+    /// The radiator.
+    radiator: Stored<Box<dyn Radiator>>,
+    /// The same with its pressures at the microphones.
+    at_microphones: Stored<Box<dyn Radiator>>,
+    /// How its sound field is computed.
+    field: FieldMethod,
+    /// The key of its radiation matrix.
+    matrix_key: Option<Digest>,
+}
 
-/// The workpiece with its support as a radiator, how its sound field is computed, and the key of its radiation matrix.
+/// Radiation of the workpiece with its support.
 fn workpiece_radiation(
     graph: &Graph,
     design: &Design,
@@ -750,11 +777,25 @@ fn workpiece_radiation(
                 false => Standards::new(),
             };
             let shape = RadiatingShape::Workpiece(elements.clone());
-            let matrix = by_shape(graph, &shape, &standards, bodies.to_vec());
-            let (field, key) = (FieldMethod::BoundaryElements(elements, matrix.clone()), *matrix.key());
-            (radiator(WorkpieceMethod::BoundaryElements(matrix)), field, Some(key))
+            let places = inputs::radiation::workpiece_places(design);
+            let radiation = by_shape(graph, (&shape, &places), &standards, bodies);
+            let (at_microphones, matrix) = (radiation.at_microphones(graph), radiation.matrix);
+            RadiationStages {
+                radiator: radiator(WorkpieceMethod::BoundaryElements(matrix.clone())),
+                at_microphones: radiator(WorkpieceMethod::BoundaryElements(at_microphones)),
+                matrix_key: Some(*matrix.key()),
+                field: FieldMethod::BoundaryElements(elements, matrix),
+            }
         }
-        WorkpieceRadiation::Erp(covered) => (radiator(WorkpieceMethod::Erp(covered)), FieldMethod::Erp, None),
+        WorkpieceRadiation::Erp(covered) => {
+            let radiator = radiator(WorkpieceMethod::Erp(covered));
+            RadiationStages {
+                at_microphones: radiator.clone(),
+                radiator,
+                field: FieldMethod::Erp,
+                matrix_key: None,
+            }
+        }
         WorkpieceRadiation::Rayleigh(top) => {
             let alone = graph.add(FlushMatrix {
                 places: top.places.clone(),
@@ -762,9 +803,14 @@ fn workpiece_radiation(
                 air: FlushMatrix::computed_air(&air),
                 body: bodies[0].clone(),
             });
-            let key = *alone.key();
+            let matrix_key = Some(*alone.key());
             let radiator = radiator(WorkpieceMethod::Rayleigh(top.clone(), alone));
-            (radiator.clone(), FieldMethod::Rayleigh(top, radiator), Some(key))
+            RadiationStages {
+                at_microphones: radiator.clone(),
+                field: FieldMethod::Rayleigh(top, radiator.clone()),
+                radiator,
+                matrix_key,
+            }
         }
     })
 }
@@ -853,7 +899,7 @@ mod tests {
                 (inputs::air(design).unwrap(), SharedShapes::default()),
             )
             .unwrap()
-            .1
+            .field
             {
                 FieldMethod::BoundaryElements(_, matrix) => *matrix.key(),
                 FieldMethod::Rayleigh(..) | FieldMethod::Erp => panic!("boundary elements"),

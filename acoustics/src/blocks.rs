@@ -68,6 +68,18 @@ impl Blocks for Vec<f32> {
     }
 }
 
+impl Blocks for Vec<i16> {
+    type Stored<'a> = Block<'a>;
+
+    fn stored(&self) -> Block<'static> {
+        block(self.len(), 1, self, |v| v.to_le_bytes())
+    }
+
+    fn restored(stored: Block<'_>) -> Option<Self> {
+        values(&stored, i16::from_le_bytes)
+    }
+}
+
 impl Blocks for DMatrix<f64> {
     type Stored<'a> = Block<'a>;
 

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::bodies::tool_loads::MASS_LIMIT;
 use super::bodies::{BodyKind, FoundSurface, Meshed, Model, SensorPoint};
-use super::radiation::{CapSurface, ToolRadiation, WorkpieceRadiation};
+use super::radiation::{CapSurface, Places, ToolRadiation, WorkpieceRadiation};
 use super::{Code, Input, Postcard, Progress, Stage, Stored, all, code};
 use crate::error::Error;
 
@@ -30,10 +30,10 @@ pub struct Requirements {
 /// A surface that radiates, of one body or of several.
 #[derive(Serialize)]
 pub enum Radiating {
-    /// The tool's body, and its cap where that is apart.
-    Tool(ToolRadiation, Option<CapSurface>),
-    /// The workpiece, and the table that it may stand on.
-    Workpiece(WorkpieceRadiation, Vec<Stored<Meshed>>),
+    /// The tool's body, its cap where that is apart, and the microphones.
+    Tool(ToolRadiation, Option<CapSurface>, Places),
+    /// The workpiece, the table that it may stand on, and the microphones.
+    Workpiece(WorkpieceRadiation, Vec<Stored<Meshed>>, Places),
 }
 
 /// A body that a run can use.
@@ -59,7 +59,7 @@ impl Stage for Requirements {
     /// Without the model, whose errors stand beside the others.
     fn inputs(&self) -> Vec<&dyn Input> {
         let others = match &self.radiating {
-            Some(Radiating::Workpiece(_, bodies)) => &bodies[..],
+            Some(Radiating::Workpiece(_, bodies, _)) => &bodies[..],
             _ => &[],
         };
         let others = others.iter().map(|meshed| meshed as &dyn Input);
@@ -95,13 +95,13 @@ impl Stage for Requirements {
 impl Radiating {
     fn check(&self, own: &Surface) -> Result<(), Error> {
         match self {
-            Self::Tool(radiation, cap) => radiation.check(own, cap.as_ref()),
-            Self::Workpiece(radiation, bodies) => {
+            Self::Tool(radiation, cap, places) => radiation.check(own, cap.as_ref(), places),
+            Self::Workpiece(radiation, bodies, places) => {
                 let surfaces: Vec<Surface> = all(bodies)?
                     .iter()
                     .map(|meshed| Surface::of(&meshed.imported.mesh))
                     .collect();
-                radiation.check(&surfaces)
+                radiation.check(&surfaces, places)
             }
         }
     }

@@ -135,6 +135,11 @@ impl Grid {
         self.intervals.iter().map(error).fold(0.0, f64::max)
     }
 
+    /// The same of a field with a matrix for each sample, relative to the largest entry in an interval.
+    pub(crate) fn error_of_fields(&self, samples: &[DMatrix<Complex<f64>>]) -> f64 {
+        self.error_of(|interval| field_misfit(interval, |node| &samples[node]))
+    }
+
     /// All frequencies times `by`.
     pub(crate) fn stretch(&mut self, by: f64) {
         self.hz.iter_mut().for_each(|hz| *hz *= by);

@@ -6,7 +6,7 @@ use super::hermitian_root::hermitian_root;
 use super::packed::{self, PackedHermitian};
 use super::resistance::Resistance;
 use crate::error::AcousticsError;
-use crate::interpolation::{Grid, Interval, Piece, Plan, Run, WIDEST, field_misfit, pieces, sample};
+use crate::interpolation::{Grid, Interval, Piece, Plan, Run, WIDEST, pieces, sample};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -322,10 +322,14 @@ impl SampledRadiation {
         self.grid.hz()
     }
 
+    /// Its samples over frequency.
+    pub(crate) fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
     /// Estimated interpolation error of a field known at the same samples, relative to the largest entry in an interval.
     pub(crate) fn error_of(&self, samples: &[DMatrix<Complex<f64>>]) -> f64 {
-        self.grid
-            .error_of(|interval| field_misfit(interval, |node| &samples[node]))
+        self.grid.error_of_fields(samples)
     }
 
     /// Factor on the amplitude of a mode that evaluates the lowest sample's Q at a lower frequency.

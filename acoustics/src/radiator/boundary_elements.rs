@@ -97,7 +97,7 @@ impl Radiator for ModalBem {
             frequency: together.frequency.clone(),
             fade_hz: Some([from, to]),
             range_hz: [together.range_hz[0], from.min(together.range_hz[1])],
-            interpolation_error: self.summary.pressure_error,
+            interpolation_error: self.pressure_error(),
         }))
     }
 

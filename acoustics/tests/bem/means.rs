@@ -2,7 +2,7 @@
 
 use crate::common::cuboid;
 use nailnoise_acoustics::bem::{
-    BemError, Boundary, Exterior, MeanBands, MeanRanges, MeshRange, ModalBem, Parity, Patterns, Receivers,
+    BemError, Boundary, Exterior, MeanBands, MeanRanges, MeshRange, ModalBem, Parity, Patterns,
 };
 use nailnoise_acoustics::radiation::{ModalRadiation, Sampling};
 use nailnoise_acoustics::{AcousticsError, Air};
@@ -41,7 +41,7 @@ fn averages_on_finer_meshes_are_means_of_single_solutions() {
     let solve = |finer: Vec<MeshRange>| {
         let levels = vec![shaken_cube(edge(top_hz), top_hz)];
         let means = MeanRanges { to_hz, finer };
-        ModalBem::with_means(levels, means, &sampling, &Receivers::default(), &|| ())
+        ModalBem::solve(levels, means, &sampling, &|| ()).map(|(bem, _)| bem)
     };
     let bem = solve(finer()).unwrap();
     let limit_from = bem.transition_hz()[0];

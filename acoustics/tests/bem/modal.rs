@@ -1,13 +1,13 @@
 //! Radiation of a block on a slab with independent volume meshes: closed surface, velocities, sampled matrix.
 
 use std::f64::consts::TAU;
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::BemError;
 use nailnoise_acoustics::bem::{
-    BandFields, Boundary, BoundaryMesh, Exterior, MeshRange, ModalBem, MovingPart, Parity, Patterns, Receivers,
-    SolidBox,
+    BandFields, Boundary, BoundaryMesh, Exterior, MeanRanges, MeshRange, ModalBem, MovingPart, Parity, Patterns,
+    Receivers, SolidBox,
 };
 use nailnoise_acoustics::fluid_loading::Impedance;
 use nailnoise_acoustics::levels::{Band, Weighting, energy_weights};
@@ -210,10 +210,16 @@ struct Sampled {
     points: Vec<Point3<f64>>,
 }
 
+/// The radiation matrix on meshes, with the pressures at receivers.
+fn with_pressures(levels: impl Fn() -> Vec<MeshRange>, sampling: &Sampling, receivers: &Receivers) -> ModalBem {
+    let (bem, surface) = ModalBem::solve(levels(), MeanRanges::default(), sampling, &|| ()).unwrap();
+    bem.with_pressures(Arc::new(surface.at(receivers, &levels()).unwrap()))
+}
+
 static SAMPLED: LazyLock<Sampled> = LazyLock::new(|| {
     let solids = solids();
-    let levels = vec![level(&solids, 0.05, 6.0), level(&solids, 0.036, 6.0)];
-    let top_hz = levels[1].top_hz;
+    let levels = || vec![level(&solids, 0.05, 6.0), level(&solids, 0.036, 6.0)];
+    let top_hz = levels()[1].top_hz;
     let sampling = Sampling {
         range_hz: [40.0, top_hz],
         tolerance: 1e-2,
@@ -226,7 +232,7 @@ static SAMPLED: LazyLock<Sampled> = LazyLock::new(|| {
         origin: Point3::origin(),
     };
     Sampled {
-        bem: ModalBem::new(levels, &sampling, &receivers, &|| ()).unwrap(),
+        bem: with_pressures(levels, &sampling, &receivers),
         top_hz,
         velocities: whole().transfer(&parts(&solids)).unwrap().remove(0).velocities,
         points,
@@ -565,7 +571,7 @@ static SHOT: LazyLock<Shot> = LazyLock::new(|| {
         points,
         origin: Point3::origin(),
     };
-    let bem = ModalBem::new(two_meshes(&bands), &sampling, &receivers, &|| ()).unwrap();
+    let bem = with_pressures(|| two_meshes(&bands), &sampling, &receivers);
     Shot {
         bands,
         spectra,

@@ -47,19 +47,22 @@ pub(crate) fn workpiece(design: &Design) -> Result<WorkpieceRadiation, Error> {
 
 /// Boundary elements of the workpiece, and of the table that it may stand on.
 pub(crate) fn workpiece_boundary_elements(design: &Design) -> WorkpieceBoundaryElements {
-    let floor = workpiece_floor(design);
-    let image_in = floor.is_none().then(|| reflecting_plane(design));
-    let middle = match design.support.kind {
-        SupportKind::Springs => 0.5 * design.workpiece.thickness,
-        _ => 0.0,
-    };
     WorkpieceBoundaryElements {
         resolution: resolution(design),
         boxes: boxes(design),
         on_table: design.support.kind == SupportKind::Worktable,
-        floor,
-        places: Places::new(positions(design).into_iter(), image_in, middle),
+        floor: workpiece_floor(design),
     }
+}
+
+/// The microphones in the coordinates of the workpiece.
+pub(crate) fn workpiece_places(design: &Design) -> Places {
+    let image_in = workpiece_floor(design).is_none().then(|| reflecting_plane(design));
+    let middle = match design.support.kind {
+        SupportKind::Springs => 0.5 * design.workpiece.thickness,
+        _ => 0.0,
+    };
+    Places::new(positions(design).into_iter(), image_in, middle)
 }
 
 /// Height of the rigid floor if it is part of the workpiece's equations; the block's underside is at 0 \[m\].
@@ -73,17 +76,29 @@ pub(crate) fn tool(design: &Design) -> Option<ToolRadiation> {
     if design.acoustics.body_method == RadiationMethod::Erp {
         return None;
     }
-    let nose = nose(design);
-    // Not above the tip of its nose.
-    let plane = reflecting_plane(design) - design.workpiece.thickness;
-    let height = tool_height(design);
-    let floor = (-plane < height).then_some(plane);
-    let microphones = positions(design).into_iter().map(|point| point - nose);
     Some(ToolRadiation {
         resolution: resolution(design),
-        floor,
-        places: Places::new(microphones, floor.is_none().then_some(plane), 0.5 * height),
+        floor: tool_floor(design),
     })
+}
+
+/// The microphones in the coordinates of the tool.
+pub(crate) fn tool_places(design: &Design) -> Places {
+    let nose = nose(design);
+    let microphones = positions(design).into_iter().map(|point| point - nose);
+    let image_in = tool_floor(design).is_none().then(|| plane_below_nose(design));
+    Places::new(microphones, image_in, 0.5 * tool_height(design))
+}
+
+/// Height of the reflecting plane over the tip of the tool's nose \[m\]; it is not above it.
+fn plane_below_nose(design: &Design) -> f64 {
+    reflecting_plane(design) - design.workpiece.thickness
+}
+
+/// The same if the plane is part of the tool's equations.
+fn tool_floor(design: &Design) -> Option<f64> {
+    let plane = plane_below_nose(design);
+    (-plane < tool_height(design)).then_some(plane)
 }
 
 /// The outer side of the tool's cap, where it counts to another source than the rest of the body; none where the body's
@@ -207,12 +222,11 @@ mod tests {
         let sand = tool(&design("n80cb-sandbox.toml")).unwrap();
         assert_eq!(sand.floor, Some(0.0));
         // Nine microphones and the operator's ear.
-        assert_eq!(sand.places.points.len(), 10);
+        assert_eq!(tool_places(&design("n80cb-sandbox.toml")).points.len(), 10);
         let table = design("n80cb.toml");
         let plane = reflecting_plane(&table) - table.workpiece.thickness;
-        let table = tool(&table).unwrap();
-        assert_eq!(table.floor, None);
-        let points = table.places.points;
+        assert_eq!(tool(&table).unwrap().floor, None);
+        let points = tool_places(&table).points;
         assert_eq!(points.len(), 20);
         for ([_, _, z], [_, _, image]) in points[..10].iter().zip(&points[10..]) {
             assert!(*z > plane && *image < plane);

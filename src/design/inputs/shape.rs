@@ -83,6 +83,8 @@ fn with_materials_of(design: &Design, from: &Design) -> Design {
     let mut standard = design.clone();
     let (wood, own) = (&mut standard.wood, &from.wood);
     (wood.density, wood.elastic, wood.driven) = (own.density, own.elastic.clone(), own.driven);
+    let (nail, own) = (&mut standard.nail, &from.nail);
+    (nail.offset_along, nail.offset_across) = (own.offset_along, own.offset_across);
     // As deep in the block.
     standard.nail.length = from.nail.length * (design.workpiece.thickness / from.workpiece.thickness);
     let (table, own) = (&mut standard.support.worktable, &from.support.worktable);

@@ -7,6 +7,7 @@ use nailnoise_acoustics::radiation::Sampling;
 use nalgebra::Point3;
 use serde::Serialize;
 
+use super::matrices::Solution;
 use crate::error::Error;
 use crate::stages::Progress;
 
@@ -93,7 +94,7 @@ impl Places {
         }
     }
 
-    fn receivers(&self) -> Receivers {
+    pub(super) fn receivers(&self) -> Receivers {
         Receivers {
             points: self.points.iter().map(|&point| point.into()).collect(),
             origin: self.origin.into(),
@@ -216,9 +217,8 @@ impl MeshRanges {
         self,
         task: &'static str,
         resolution: &Resolution,
-        places: &Places,
         progress: &Progress,
-    ) -> Result<ModalBem, Error> {
+    ) -> Result<Solution, Error> {
         let top_hz = self.levels.iter().map(|level| level.top_hz).fold(0.0, f64::max);
         let sampling = Sampling {
             range_hz: [self.lowest_hz, top_hz],
@@ -227,9 +227,10 @@ impl MeshRanges {
             most_samples: MOST_SAMPLES,
         };
         let expected = self.solves.iter().chain(&self.mean_solves()).sum::<f64>() as u64;
-        Ok(progress.count_each((task, "frequencies"), expected, |solved| {
-            ModalBem::with_means(self.levels, self.means, &sampling, &places.receivers(), solved)
-        })?)
+        let (matrix, surface) = progress.count_each((task, "frequencies"), expected, |solved| {
+            ModalBem::solve(self.levels, self.means, &sampling, solved)
+        })?;
+        Ok(Solution { matrix, surface })
     }
 }
 

@@ -1,33 +1,53 @@
-//! Radiation matrices in standard air, which are kept: they depend on the wavelength alone.
+//! What boundary elements and Rayleigh's integral give in standard air, which is kept: it depends on the wavelength alone.
+//!
+//! ```text
+//! WorkpieceSolution, ToolSolution, ToolCapSolution     boundary elements for the modes of bodies
+//!   -> RadiationMatrix                                 powers
+//!   -> PressureOnSurface                               pressures on the surface
+//!      -> PressureAtMicrophones                        and from them those at the microphones
+//! both -> MatrixWithMicrophones                        powers and pressures at the microphones
+//! ```
+//!
+//! Other microphones need no boundary elements.
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::bem::ModalBem;
+use nailnoise_acoustics::bem::{ModalBem, ModalPressures, SurfacePressures};
 use nailnoise_acoustics::radiation::Rayleigh;
 use nailnoise_acoustics::sound::FlushSound;
+use nalgebra::DMatrix;
 use serde::Serialize;
 
 use super::CODE;
 use super::boundary_elements::Places;
 use super::flush::{sampled, sampling_to, top_of};
+use super::shape::RadiatingShape;
 use super::surface_modes::SurfaceModes;
 use super::tool::{CapSurface, ToolRadiation};
 use super::workpiece::WorkpieceBoundaryElements;
 use crate::error::Error;
-use crate::stages::bodies::Body;
-use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored};
+use crate::stages::bodies::{Body, MovingSurface};
+use crate::stages::{Code, Input, NotKept, Postcard, Progress, Stage, Stored, all};
+
+/// What boundary elements give for a surface.
+pub struct Solution {
+    /// Its radiation matrix.
+    pub matrix: ModalBem,
+    /// The pressures on it.
+    pub surface: SurfacePressures,
+}
 
 /// Boundary elements of workpiece and worktable as one surface, or of a workpiece alone.
 #[derive(Serialize)]
-pub struct WorkpieceMatrix {
+pub struct WorkpieceSolution {
     /// Surroundings and resolution.
     pub elements: WorkpieceBoundaryElements,
     /// The modes.
     pub modes: SurfaceModes,
 }
 
-impl Stage for WorkpieceMatrix {
-    type Output = ModalBem;
-    type Codec = Postcard;
+impl Stage for WorkpieceSolution {
+    type Output = Solution;
+    type Codec = NotKept;
     const NAME: &'static str = "radiation of workpiece and worktable";
     const CODE: Code = CODE;
 
@@ -35,23 +55,23 @@ impl Stage for WorkpieceMatrix {
         self.modes.inputs()
     }
 
-    fn compute(&self, progress: &Progress) -> Result<ModalBem, Error> {
+    fn compute(&self, progress: &Progress) -> Result<Solution, Error> {
         self.elements.compute(&self.modes.get()?.surfaces(), progress)
     }
 }
 
 /// Boundary elements of the tool's housing.
 #[derive(Serialize)]
-pub struct ToolMatrix {
+pub struct ToolSolution {
     /// Surroundings and resolution.
     pub elements: ToolRadiation,
     /// The modes.
     pub modes: SurfaceModes,
 }
 
-impl Stage for ToolMatrix {
-    type Output = ModalBem;
-    type Codec = Postcard;
+impl Stage for ToolSolution {
+    type Output = Solution;
+    type Codec = NotKept;
     const NAME: &'static str = "radiation of the tool";
     const CODE: Code = CODE;
 
@@ -59,14 +79,14 @@ impl Stage for ToolMatrix {
         self.modes.inputs()
     }
 
-    fn compute(&self, progress: &Progress) -> Result<ModalBem, Error> {
+    fn compute(&self, progress: &Progress) -> Result<Solution, Error> {
         self.elements.compute(&self.modes.get()?.surfaces()[0], progress)
     }
 }
 
 /// Boundary elements of the tool's housing in the motion of each mode, and behind them with its cap alone in that motion.
 #[derive(Serialize)]
-pub struct ToolCapMatrix {
+pub struct ToolCapSolution {
     /// Surroundings and resolution.
     pub elements: ToolRadiation,
     /// The cap.
@@ -75,9 +95,9 @@ pub struct ToolCapMatrix {
     pub modes: SurfaceModes,
 }
 
-impl Stage for ToolCapMatrix {
-    type Output = ModalBem;
-    type Codec = Postcard;
+impl Stage for ToolCapSolution {
+    type Output = Solution;
+    type Codec = NotKept;
     const NAME: &'static str = "radiation of the tool's cap";
     const CODE: Code = CODE;
 
@@ -85,10 +105,111 @@ impl Stage for ToolCapMatrix {
         self.modes.inputs()
     }
 
-    fn compute(&self, progress: &Progress) -> Result<ModalBem, Error> {
+    fn compute(&self, progress: &Progress) -> Result<Solution, Error> {
         let modes = self.modes.get()?;
         self.elements
             .compute_with_cap(&modes.surfaces()[0], &self.cap, progress)
+    }
+}
+
+/// The radiation matrix of a surface.
+#[derive(Serialize)]
+pub struct RadiationMatrix {
+    /// What boundary elements give for the surface.
+    pub solution: Stored<Solution>,
+    /// The pressures of the same solution.
+    pub surface: Stored<SurfacePressures>,
+}
+
+impl Stage for RadiationMatrix {
+    type Output = ModalBem;
+    type Codec = Postcard;
+    const NAME: &'static str = "radiation matrix";
+    const CODE: Code = CODE;
+
+    fn compute(&self, _: &Progress) -> Result<ModalBem, Error> {
+        let matrix = self.solution.get()?.matrix.clone();
+        // Kept too, so that the surface need not be solved again for the first microphones.
+        self.surface.get()?;
+        Ok(matrix)
+    }
+}
+
+/// The pressures on a surface in the motion of each mode.
+#[derive(Serialize)]
+pub struct PressureOnSurface {
+    /// What boundary elements give for the surface.
+    pub solution: Stored<Solution>,
+}
+
+impl Stage for PressureOnSurface {
+    type Output = SurfacePressures;
+    type Codec = Postcard;
+    const NAME: &'static str = "pressure on the surface";
+    const CODE: Code = CODE;
+
+    fn compute(&self, _: &Progress) -> Result<SurfacePressures, Error> {
+        Ok(self.solution.get()?.surface.clone())
+    }
+}
+
+/// The pressures at the microphones in the motion of each mode.
+#[derive(Serialize)]
+pub struct PressureAtMicrophones {
+    /// The surface.
+    pub shape: RadiatingShape,
+    /// Bodies with that surface.
+    pub bodies: Vec<Stored<Body>>,
+    /// The pressures on it.
+    pub surface: Stored<SurfacePressures>,
+    /// The microphones.
+    pub places: Places,
+}
+
+impl Stage for PressureAtMicrophones {
+    type Output = ModalPressures;
+    type Codec = Postcard;
+    const NAME: &'static str = "pressure at the microphones";
+    const CODE: Code = CODE;
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        let bodies = self.bodies.iter().map(|body| body as &dyn Input);
+        bodies.chain([&self.surface as &dyn Input]).collect()
+    }
+
+    fn compute(&self, _: &Progress) -> Result<ModalPressures, Error> {
+        let bodies = all(&self.bodies)?;
+        let still: Vec<DMatrix<f32>> = bodies.iter().map(|body| DMatrix::zeros(body.skin.nrows(), 0)).collect();
+        let surfaces = bodies.iter().zip(&still).map(|(body, modes)| MovingSurface {
+            modes,
+            ..body.moving_surface()
+        });
+        let levels = self.shape.levels(&surfaces.collect::<Vec<_>>())?;
+        Ok(self.surface.get()?.at(&self.places.receivers(), &levels)?)
+    }
+}
+
+/// A radiation matrix with the pressures at the microphones.
+#[derive(Serialize)]
+pub struct MatrixWithMicrophones {
+    /// The matrix.
+    pub matrix: Stored<ModalBem>,
+    /// The pressures at the microphones.
+    pub pressures: Stored<ModalPressures>,
+}
+
+impl Stage for MatrixWithMicrophones {
+    type Output = ModalBem;
+    type Codec = NotKept;
+    const NAME: &'static str = "radiation at the microphones";
+    const CODE: Code = CODE;
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        vec![&self.matrix, &self.pressures]
+    }
+
+    fn compute(&self, _: &Progress) -> Result<ModalBem, Error> {
+        Ok(self.matrix.get()?.with_pressures(self.pressures.get()?))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Radiation of the moving bodies per unit of modal motion, before the motion is known.
 //!
-//! What costs time depends on the wavelength alone: it is computed in standard air and kept ([`WorkpieceMatrix`],
-//! [`ToolMatrix`], [`FlushMatrix`]), of boundary elements for the modes of standard bodies of the same shape
+//! What costs time depends on the wavelength alone: it is computed in standard air and kept ([`RadiationMatrix`],
+//! [`PressureOnSurface`], [`FlushMatrix`]), of boundary elements for the modes of standard bodies of the same shape
 //! ([`ShapeMatrix`]). [`WorkpieceRadiator`] and [`ToolRadiator`] take it over to the ambient air.
 
 mod boundary_elements;
@@ -16,9 +16,12 @@ mod workpiece;
 pub(crate) use boundary_elements::describe_gap;
 pub use boundary_elements::{Places, Resolution};
 pub use flush::{FlushTop, top_of};
-pub use matrices::{FlushMatrix, ToolCapMatrix, ToolMatrix, WorkpieceMatrix};
+pub use matrices::{
+    FlushMatrix, MatrixWithMicrophones, PressureAtMicrophones, PressureOnSurface, RadiationMatrix, Solution,
+    ToolCapSolution, ToolSolution, WorkpieceSolution,
+};
 pub use radiators::{FluidLoadings, ToolRadiator, WorkpieceMethod, WorkpieceRadiator};
-pub use shape::{Fitted, RadiatingShape, ShapeFit, ShapeMatrix, StandardMatrix};
+pub use shape::{Fitted, RadiatingShape, ShapeFit, ShapeMatrix, ShapePressures, Standard};
 pub use surface_modes::SurfaceModes;
 pub use tool::{CapSurface, ToolRadiation};
 pub use workpiece::{Covered, WorkpieceBoundaryElements, WorkpieceRadiation};

@@ -2,14 +2,14 @@
 //!
 //! The radiation matrix is solved for the modes of standard bodies, which have the shape of the design's bodies and fixed
 //! materials. The velocities of the design's own modes are fitted by theirs on the finest mesh ([`ShapeFit`]), and the
-//! matrix follows by products ([`ShapeMatrix`]). A body of another material, loss factor or nail thus needs no boundary
+//! matrix follows by products ([`ShapeMatrix`]), the pressure at the microphones likewise ([`ShapePressures`]). A body of another material, loss factor or nail thus needs no boundary
 //! elements, as long as the fit holds its motion. Otherwise the modes of further standard bodies are added, and where these do
 //! not hold it either, the matrix is solved for the body's own modes.
 
 use std::f64::consts::TAU;
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::bem::{MeshRange, ModalBem, SurfaceFit};
+use nailnoise_acoustics::bem::{MeshRange, ModalBem, ModalPressures, SurfaceFit};
 use nalgebra::{Complex, DMatrix};
 use serde::{Deserialize, Serialize};
 
@@ -73,6 +73,16 @@ impl RadiatingShape {
             Self::Workpiece(elements) => elements.finest(surfaces, &air),
             Self::Tool(elements) => elements.finest(&surfaces[0], None, &air).map(Some),
             Self::Cap(elements, cap) => elements.finest(&surfaces[0], Some(cap), &air).map(Some),
+        }
+    }
+
+    /// The meshes that are solved, with the velocities of all modes, in standard air.
+    pub(super) fn levels(&self, surfaces: &[MovingSurface<'_>]) -> Result<Vec<MeshRange>, Error> {
+        let air = Air::default();
+        match self {
+            Self::Workpiece(elements) => elements.levels(surfaces, &air),
+            Self::Tool(elements) => elements.levels(&surfaces[0], None, &air),
+            Self::Cap(elements, cap) => elements.levels(&surfaces[0], Some(cap), &air),
         }
     }
 
@@ -155,13 +165,14 @@ fn lacking(fit: &SurfaceFit, bodies: &[&Body], top_hz: f64) -> Vec<[f64; 2]> {
     (0..=count).map(at).collect()
 }
 
-/// Standard bodies for a design's.
-#[derive(Clone, Serialize)]
-pub struct StandardMatrix {
+/// What is known of standard bodies in the shape of a design's.
+#[derive(Serialize)]
+#[serde(bound = "")]
+pub struct Standard<T> {
     /// How their modes hold those of the design's bodies.
     pub fit: Stored<Fitted>,
-    /// Their radiation matrix; read only where the fit holds.
-    pub matrix: Stored<ModalBem>,
+    /// What is known of their modes; read only where the fit holds.
+    pub known: Stored<T>,
     /// What they are, in words.
     pub name: &'static str,
 }
@@ -171,7 +182,7 @@ pub struct StandardMatrix {
 #[derive(Serialize)]
 pub struct ShapeMatrix {
     /// Standard bodies, in the order in which they are tried.
-    pub known: Vec<StandardMatrix>,
+    pub standards: Vec<Standard<ModalBem>>,
     /// The matrix of the design's own modes; read only where no fit holds.
     pub own: Stored<ModalBem>,
 }
@@ -184,15 +195,11 @@ impl Stage for ShapeMatrix {
 
     /// The first fit; others are made where it does not hold.
     fn inputs(&self) -> Vec<&dyn Input> {
-        self.known
-            .iter()
-            .take(1)
-            .map(|known| &known.fit as &dyn Input)
-            .collect()
+        first_fit(&self.standards)
     }
 
     fn compute(&self, progress: &Progress) -> Result<ModalBem, Error> {
-        for StandardMatrix { fit, matrix, name } in &self.known {
+        for Standard { fit, known, name } in &self.standards {
             let fitted = fit.get()?;
             let Some(combinations) = &fitted.fit else {
                 progress.note(&format!("radiation: {name} have another surface"));
@@ -203,12 +210,49 @@ impl Stage for ShapeMatrix {
                 progress.note(&format!(
                     "radiation: the modes of {name} lack up to {lack}, more than {LIMIT:.0e}"
                 ));
-            } else if let Some(matrix) = matrix.get()?.of_modes(combinations) {
-                progress.note(&format!("radiation: that of {name}; their modes lack at most {lack}"));
-                return Ok(matrix);
+                continue;
             }
+            progress.note(&format!("radiation: that of {name}; their modes lack at most {lack}"));
+            return known
+                .get()?
+                .of_modes(combinations)
+                .ok_or(Error::OtherModes { body: name });
         }
         progress.note("radiation: solved for the modes of these bodies");
         Ok(ModalBem::clone(&*self.own.get()?))
     }
+}
+
+/// The pressures at the microphones in the modes of which [`ShapeMatrix`] takes the radiation.
+#[derive(Serialize)]
+pub struct ShapePressures {
+    /// As in [`ShapeMatrix`].
+    pub standards: Vec<Standard<ModalPressures>>,
+    /// The pressures of the design's own modes; read only where no fit holds.
+    pub own: Stored<ModalPressures>,
+}
+
+impl Stage for ShapePressures {
+    type Output = ModalPressures;
+    type Codec = NotKept;
+    const NAME: &'static str = "pressure by shape";
+    const CODE: Code = CODE;
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        first_fit(&self.standards)
+    }
+
+    fn compute(&self, _: &Progress) -> Result<ModalPressures, Error> {
+        for Standard { fit, known, .. } in &self.standards {
+            if fit.get()?.holds() {
+                return Ok(ModalPressures::clone(&*known.get()?));
+            }
+        }
+        Ok(ModalPressures::clone(&*self.own.get()?))
+    }
+}
+
+fn first_fit<T>(standards: &[Standard<T>]) -> Vec<&dyn Input> {
+    let fits = standards.iter().take(1).map(|standard| &standard.fit as &dyn Input);
+    fits.collect()
 }

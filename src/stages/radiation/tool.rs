@@ -7,16 +7,17 @@
 //! source at the height h by sin(2 k h)/(2 k h), ripples of 170 Hz below a table that would require three times as many
 //! frequencies and cancel in every band that is wider; its reflection at a microphone is the sound at the microphone's image.
 
-use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{
-    BemError, Boundary, BoundaryMesh, ClosedOutline, Exterior, Gaps, MeanBands, MeanRanges, MeshRange, ModalBem, Panel,
-    Parity, Patterns, Rim,
+    BemError, Boundary, BoundaryMesh, ClosedOutline, Exterior, Gaps, MeanBands, MeanRanges, MeshRange, Panel, Parity,
+    Patterns, Rim,
 };
+use nailnoise_acoustics::{AcousticsError, Air};
 use nailnoise_meshes::Surface;
 use nalgebra::DMatrix;
 use serde::Serialize;
 
 use super::boundary_elements::{LOWEST_SAMPLE, MOST_AT_GAPS, MeshRanges, Places, Resolution};
+use super::matrices::Solution;
 use crate::error::Error;
 use crate::stages::Progress;
 use crate::stages::bodies::MovingSurface;
@@ -85,16 +86,14 @@ pub struct ToolRadiation {
     pub resolution: Resolution,
     /// Height of the reflecting plane in the tool's coordinates, if it is part of the equations \[m\].
     pub floor: Option<f64>,
-    /// The microphones.
-    pub places: Places,
 }
 
 impl ToolRadiation {
-    /// The radiation matrix in standard air: it depends on the wavelength alone.
+    /// The solution in standard air: it depends on the wavelength alone.
     ///
     /// # Errors
     /// Those of mesh and boundary elements.
-    pub fn compute(&self, body: &MovingSurface<'_>, progress: &Progress) -> Result<ModalBem, Error> {
+    pub fn compute(&self, body: &MovingSurface<'_>, progress: &Progress) -> Result<Solution, Error> {
         self.solve(
             &self.housing(body, None)?,
             ("tool", "boundary elements of the tool"),
@@ -111,7 +110,7 @@ impl ToolRadiation {
         body: &MovingSurface<'_>,
         cap: &CapSurface,
         progress: &Progress,
-    ) -> Result<ModalBem, Error> {
+    ) -> Result<Solution, Error> {
         self.solve(
             &self.housing(body, Some(cap))?,
             ("tool with its cap apart", "boundary elements of the tool's cap"),
@@ -124,9 +123,9 @@ impl ToolRadiation {
         housing: &Housing,
         (body, task): (&str, &'static str),
         progress: &Progress,
-    ) -> Result<ModalBem, Error> {
+    ) -> Result<Solution, Error> {
         let air = Air::default();
-        let levels = self.levels(housing, &air)?;
+        let levels = self.of_housing(housing, &air)?;
         let top_hz = levels.iter().map(|level| level.top_hz).fold(0.0, f64::max);
         let ranges = MeshRanges {
             solves: solves(&levels, &self.resolution.mean_bands(top_hz)),
@@ -141,21 +140,23 @@ impl ToolRadiation {
                 progress.note(&format!("tool: {repairs}; look at its mesh"));
             }
         }
-        ranges.solve(task, &self.resolution, &self.places, progress)
+        ranges.solve(task, &self.resolution, progress)
     }
 
-    /// Checks that the housing's own mesh can radiate, and has a cap where that is asked for, before it has modes.
+    /// Checks that the housing's own mesh can radiate, keeps away from the microphones, and has a cap where that is asked
+    /// for, before it has modes.
     ///
     /// # Errors
-    /// As [`Self::level`], and [`Error::NoCapSurface`].
-    pub fn check(&self, surface: &Surface, cap: Option<&CapSurface>) -> Result<(), Error> {
+    /// As [`Self::level`], [`Error::NoCapSurface`], and those of the microphones.
+    pub fn check(&self, surface: &Surface, cap: Option<&CapSurface>, places: &Places) -> Result<(), Error> {
         let modes = DMatrix::zeros(3 * surface.points.len(), 0);
         let body = MovingSurface {
             body: "tool",
             surface,
             modes: &modes,
         };
-        self.finest(&body, cap, &Air::default()).map(drop)
+        let mesh = self.finest(&body, cap, &Air::default())?;
+        Ok(places.receivers().check(&mesh.problem).map_err(AcousticsError::from)?)
     }
 
     /// The housing's own mesh, its nose closed, up to the frequency that it resolves.
@@ -262,10 +263,23 @@ impl ToolRadiation {
             .mean_ranges(top_hz, |hz| self.of_finer_mesh(housing, hz, air))
     }
 
+    /// The meshes on which the housing is solved.
+    ///
+    /// # Errors
+    /// As [`Self::finest`].
+    pub fn levels(
+        &self,
+        body: &MovingSurface<'_>,
+        cap: Option<&CapSurface>,
+        air: &Air,
+    ) -> Result<Vec<MeshRange>, Error> {
+        self.of_housing(&self.housing(body, cap)?, air)
+    }
+
     /// The housing's mesh, below it where that saves much a coarser one of the same surface, which resolves the same waves:
     /// alone in the lower part of the range, in the upper part to predict the matrix between the few frequencies of the
     /// finer.
-    fn levels(&self, housing: &Housing, air: &Air) -> Result<Vec<MeshRange>, Error> {
+    fn of_housing(&self, housing: &Housing, air: &Air) -> Result<Vec<MeshRange>, Error> {
         let panels = self.resolution.panels;
         let fine = self.of_own_mesh(housing, air)?;
         let boundary = fine.problem.boundary();
@@ -440,7 +454,6 @@ mod tests {
                 tolerance: 0.02,
             },
             floor: None,
-            places: Places::new(std::iter::empty(), None, 0.0),
         };
         (elements, surface, modes)
     }

@@ -7,8 +7,8 @@
 //! shape (`workpiece.mesh`) radiates from the faces of its own mesh.
 
 use nailnoise_acoustics::bem::{
-    BemError, Boundary, BoundaryMesh, Exterior, Gap, Gaps, MeanBands, MeanRanges, MeshRange, ModalBem, MovingPart,
-    Parity, Patterns, Rim, Side, SolidBox,
+    BemError, Boundary, BoundaryMesh, Exterior, Gap, Gaps, MeanBands, MeanRanges, MeshRange, MovingPart, Parity,
+    Patterns, Rim, Side, SolidBox,
 };
 use nailnoise_acoustics::radiation::{Erp, RadiatingSurface};
 use nailnoise_acoustics::{AcousticsError, Air};
@@ -18,6 +18,7 @@ use serde::Serialize;
 
 use super::boundary_elements::{LOWEST_SAMPLE, MOST_AT_GAPS, MeshRanges, Places, Resolution};
 use super::flush::{FlushTop, top_of};
+use super::matrices::Solution;
 use crate::error::Error;
 use crate::stages::Progress;
 use crate::stages::bodies::MovingSurface;
@@ -73,16 +74,14 @@ pub struct WorkpieceBoundaryElements {
     pub on_table: bool,
     /// Height of the rigid floor if it is part of the equations \[m\].
     pub floor: Option<f64>,
-    /// The microphones.
-    pub places: Places,
 }
 
 impl WorkpieceRadiation {
-    /// Checks that the surfaces of workpiece and table can radiate, before they have modes.
+    /// Checks that the surfaces of workpiece and table can radiate and keep away from the microphones, before they have modes.
     ///
     /// # Errors
-    /// As [`WorkpieceBoundaryElements::levels`]; those of the block's top in sand.
-    pub fn check(&self, surfaces: &[Surface]) -> Result<(), Error> {
+    /// As [`WorkpieceBoundaryElements::levels`]; those of the block's top in sand, and of the microphones.
+    pub fn check(&self, surfaces: &[Surface], places: &Places) -> Result<(), Error> {
         let still: Vec<DMatrix<f32>> = surfaces.iter().map(|s| DMatrix::zeros(3 * s.points.len(), 0)).collect();
         let names = ["workpiece", "worktable"].into_iter();
         let bodies: Vec<MovingSurface<'_>> = names
@@ -92,7 +91,13 @@ impl WorkpieceRadiation {
             .collect();
         match self {
             // The meshes of all ranges have the same sides.
-            Self::BoundaryElements(elements) => elements.of_bodies(&bodies, &Air::default(), &RANGES[..1]).map(drop),
+            Self::BoundaryElements(elements) => {
+                let receivers = places.receivers();
+                for mesh in elements.of_bodies(&bodies, &Air::default(), &RANGES[..1])? {
+                    receivers.check(&mesh.problem).map_err(AcousticsError::from)?;
+                }
+                Ok(())
+            }
             Self::Erp(_) => Ok(()),
             Self::Rayleigh(_) => top_of(&bodies[0]).map(drop),
         }
@@ -100,11 +105,11 @@ impl WorkpieceRadiation {
 }
 
 impl WorkpieceBoundaryElements {
-    /// The radiation matrix in standard air: it depends on the wavelength alone.
+    /// The solution in standard air: it depends on the wavelength alone.
     ///
     /// # Errors
     /// Those of [`Self::levels`] and of the boundary elements.
-    pub fn compute(&self, bodies: &[MovingSurface<'_>], progress: &Progress) -> Result<ModalBem, Error> {
+    pub fn compute(&self, bodies: &[MovingSurface<'_>], progress: &Progress) -> Result<Solution, Error> {
         let air = Air::default();
         let levels = self.levels(bodies, &air)?;
         let top_hz = levels.iter().map(|level| level.top_hz).fold(0.0, f64::max);
@@ -125,7 +130,7 @@ impl WorkpieceBoundaryElements {
                 only.problem.boundary().repairs()
             ));
         }
-        ranges.solve("boundary elements", &self.resolution, &self.places, progress)
+        ranges.solve("boundary elements", &self.resolution, progress)
     }
 
     /// Largest extent of the boxes \[m\].

@@ -49,6 +49,15 @@ pub struct BodySound {
     pub cycle: Stored<CycleRecord>,
 }
 
+/// A housing as a radiator with pressures at the microphones.
+#[derive(Clone, Serialize)]
+pub struct HousingAtMicrophones {
+    /// The whole.
+    pub whole: Stored<ModalBem>,
+    /// With its cap alone in motion, behind each mode of the whole, where the cap counts to another source.
+    pub cap: Option<Stored<ModalBem>>,
+}
+
 /// An elastic housing in motion.
 #[derive(Clone, Serialize)]
 pub struct Housing {
@@ -249,6 +258,8 @@ fn rigid_modes(body: &Body) -> usize {
 pub struct BodySource {
     /// What it is computed from.
     pub sound: BodySound,
+    /// Its housing as it reaches the microphones, where that is elastic and has boundary elements.
+    pub at_microphones: Option<HousingAtMicrophones>,
     /// End of all records \[s\].
     pub end: Stored<f64>,
     /// The microphones.
@@ -266,6 +277,10 @@ impl Stage for BodySource {
     fn inputs(&self) -> Vec<&dyn Input> {
         let mut inputs = self.sound.inputs();
         inputs.push(&self.end);
+        if let Some(housing) = &self.at_microphones {
+            inputs.push(&housing.whole);
+            inputs.extend(housing.cap.iter().map(|cap| cap as &dyn Input));
+        }
         inputs
     }
 
@@ -273,9 +288,9 @@ impl Stage for BodySource {
         let sound = self.sound.sound(Detail::Report)?;
         let (record, end) = (self.sound.cycle.get()?, *self.end.get()?);
         let housing = self.sound.housing.as_ref();
-        let by_pressures = housing.and_then(|housing| Some((housing.radiator.as_ref()?, &housing.motion)));
+        let by_pressures = self.at_microphones.as_ref().zip(housing);
         let pressures = match by_pressures {
-            Some((bem, motion)) => Radiator::pressures(&*bem.get()?, &[&motion.get()?.spectra])?,
+            Some((at, housing)) => Radiator::pressures(&*at.whole.get()?, &[&housing.motion.get()?.spectra])?,
             None => None,
         };
         let mut received = match &pressures {
@@ -292,7 +307,7 @@ impl Stage for BodySource {
         let range = self.microphones.range_hz;
         let truncations = truncations((NAME, &sound.spectrum), range, parts);
         let (source, cap) = self.sound.analysed(sound, &EventEdges::new(&record.events, end))?;
-        let moving = housing.and_then(|housing| Some((housing.cap.as_ref()?, &housing.motion)));
+        let moving = by_pressures.and_then(|(at, housing)| Some((at.cap.as_ref()?, &housing.motion)));
         let moved = match (cap, moving, pressures) {
             (Some(source), Some((bem, motion)), Some(whole)) => {
                 let motion = motion.get()?;

@@ -6,7 +6,7 @@ mod workpiece;
 use nailnoise_dynamics::Events;
 use serde::{Deserialize, Serialize};
 
-pub use body::{BodyEnergy, BodySound, BodySource, Housing};
+pub use body::{BodyEnergy, BodySound, BodySource, Housing, HousingAtMicrophones};
 pub use workpiece::{WorkpieceEnergy, WorkpieceSound, WorkpieceSource};
 
 use super::convention::MovedPart;

@@ -72,6 +72,8 @@ impl WorkpieceSound {
 pub struct WorkpieceSource {
     /// What it is computed from.
     pub sound: WorkpieceSound,
+    /// How it reaches the microphones.
+    pub at_microphones: Stored<Box<dyn Radiator>>,
     /// Frequency up to which the motion of each body is part of the result \[Hz\].
     pub top_hz: Vec<f64>,
     /// The cycle, whose events separate the intervals.
@@ -91,7 +93,7 @@ impl Stage for WorkpieceSource {
     const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
-        let others: [&dyn Input; 2] = [&self.cycle, &self.end];
+        let others: [&dyn Input; 3] = [&self.cycle, &self.end, &self.at_microphones];
         self.sound.inputs().into_iter().chain(others).collect()
     }
 
@@ -99,7 +101,7 @@ impl Stage for WorkpieceSource {
         let (sound, end) = (self.sound.sound(Detail::Report)?, *self.end.get()?);
         let (bodies, motions) = (all(&self.sound.bodies)?, all(&self.sound.motions)?);
         let spectra: Vec<&ModalSpectra> = motions.iter().map(|motion| &motion.spectra).collect();
-        let received = match self.sound.radiator.get()?.pressures(&spectra)? {
+        let received = match self.at_microphones.get()?.pressures(&spectra)? {
             Some(pressures) => self.microphones.pressures(&pressures, &sound.spectrum, end)?,
             None => self.microphones.spread_evenly(self.centre, &sound, end)?,
         };

@@ -1,3 +1,5 @@
+use serde::{Deserialize, Serialize};
+
 /// An image of the surface in the floor and in mirror planes: the axes along which it is reflected, a bit each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Image(u8);
@@ -32,7 +34,7 @@ pub(crate) fn axes_of(planes: &[Option<f64>; 3]) -> u8 {
 
 /// Parity of a motion about the mirror planes of constant x and y: even or odd. Motion is always even about the rigid
 /// floor.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Parity {
     /// Opposite sign across the plane of constant x.
     pub odd_x: bool,

@@ -3,7 +3,6 @@ use crate::bem::high_frequencies::mean_bands::{MeanBand, MeanBands};
 use crate::bem::modes::independent::Independent;
 use crate::bem::modes::mesh_range::MeshRange;
 use crate::bem::modes::range_solver::{Mean, RangeSolver};
-use crate::bem::modes::receivers::Receivers;
 use crate::bem::modes::summary::Summary;
 use crate::checks::InputError;
 use crate::error::AcousticsError;
@@ -31,7 +30,7 @@ impl MeanRanges {
         finer: Vec<MeshRange>,
         bands: &MeanBands,
         chosen: &[Independent],
-        (receivers, progress): (&Receivers, &(dyn Fn() + Sync)),
+        progress: &(dyn Fn() + Sync),
         summary: &mut Summary,
     ) -> Result<Vec<Mean>, AcousticsError> {
         let mut left = bands.all().split_off(bands.on_same_mesh());
@@ -45,7 +44,7 @@ impl MeanRanges {
             }
             let top_hz = mesh.top_hz;
             // Too few frequencies for integrals of close panels to be worth keeping.
-            let solver = RangeSolver::new(mesh, (top_hz, false), chosen, receivers, progress)?;
+            let solver = RangeSolver::new(mesh, top_hz, chosen, progress)?;
             means.extend(solver.means(&own)?);
             solver.report_errors(summary);
         }

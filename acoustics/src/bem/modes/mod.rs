@@ -12,3 +12,4 @@ pub(crate) mod receivers;
 mod shared;
 pub(crate) mod summary;
 pub(crate) mod surface_fit;
+pub(crate) mod surface_pressures;

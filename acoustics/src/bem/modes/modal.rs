@@ -9,10 +9,11 @@ use crate::bem::modes::independent::independent;
 use crate::bem::modes::mean_ranges::MeanRanges;
 use crate::bem::modes::mesh_range::MeshRange;
 use crate::bem::modes::range_solver::RangeSolver;
-use crate::bem::modes::receivers::{ModalPressures, ReceiverPressures, Receivers};
+use crate::bem::modes::receivers::ModalPressures;
 use crate::bem::modes::shared;
 use crate::bem::modes::summary::Summary;
 use crate::bem::modes::surface_fit::SurfaceFit;
+use crate::bem::modes::surface_pressures::SurfacePressures;
 use crate::checks::{InputError, same_length};
 use crate::error::AcousticsError;
 use crate::fluid_loading::Impedance;
@@ -51,6 +52,7 @@ pub struct ModalBem {
     // Shared, so that conversion to another air needs no memory.
     #[serde(with = "shared")]
     parities: Arc<Vec<CompositeRadiation>>,
+    /// At no receivers unless added.
     #[serde(with = "shared")]
     pressures: Arc<ModalPressures>,
     #[serde(with = "shared")]
@@ -115,36 +117,34 @@ impl ModalBem {
     /// own mesh corrects it at fewer frequencies ([`SampledRadiation::of_parities`] describes the error estimate). If
     /// the coarser mesh resolves the same range, as that of [`Boundary::coarsened`](crate::bem::Boundary::coarsened)
     /// does, only the shape differs and few corrections are needed. Half an octave more is solved on the last mesh as
-    /// averages over a few frequencies; [`ModalBem::with_means`] goes on to higher frequencies. Above that, the
+    /// averages over a few frequencies; [`ModalBem::solve`] goes on to higher frequencies. Above that, the
     /// high-frequency limit is used: Rayleigh's integral for flat faces, the equivalent radiated power for curved parts
     /// and parts small compared with the wavelength.
     ///
-    /// Pressures of every mode are sampled at `receivers`; `progress` is called after each frequency solved.
+    /// `progress` is called after each frequency solved.
     ///
     /// # Errors
-    /// [`BemError::TooCoarse`](crate::bem::BemError), [`SamplingError::Unresolved`](crate::SamplingError), lengths that do not fit, no level; receivers below the
-    /// floor or too close to the surface.
+    /// [`BemError::TooCoarse`](crate::bem::BemError), [`SamplingError::Unresolved`](crate::SamplingError), lengths that do not fit, no level.
     pub fn new(
         levels: Vec<MeshRange>,
         sampling: &Sampling,
-        receivers: &Receivers,
         progress: &(dyn Fn() + Sync),
     ) -> Result<Self, AcousticsError> {
-        Self::with_means(levels, MeanRanges::default(), sampling, receivers, progress)
+        Self::solve(levels, MeanRanges::default(), sampling, progress).map(|(radiation, _)| radiation)
     }
 
-    /// The same with averages up to another frequency, of which those above half an octave have finer meshes.
+    /// The same with averages up to another frequency, of which those above half an octave have finer meshes, and beside it
+    /// the pressures on the surface at the frequencies sampled.
     ///
     /// # Errors
     /// As [`ModalBem::new`], and [`BemError::TooCoarse`](crate::bem::BemError) where the meshes of the averages end
     /// below their bands.
-    pub fn with_means(
+    pub fn solve(
         levels: Vec<MeshRange>,
         means: MeanRanges,
         sampling: &Sampling,
-        receivers: &Receivers,
         progress: &(dyn Fn() + Sync),
-    ) -> Result<Self, AcousticsError> {
+    ) -> Result<(Self, SurfacePressures), AcousticsError> {
         let Some(finest) = levels.last() else {
             return Err(InputError::Length {
                 what: "meshes of the boundary",
@@ -168,8 +168,7 @@ impl ModalBem {
         let modes = finest.patterns.first().map_or(0, |p| p.velocities.ncols());
         let chosen = independent(finest);
         let mut ranges: Vec<Vec<SampledRadiation>> = vec![Vec::new(); chosen.len()];
-        let mut samples: Vec<Vec<Vec<ReceiverPressures>>> = vec![Vec::new(); chosen.len()];
-        let mut pressures = ModalPressures::new(receivers, &finest.problem);
+        let mut surface = SurfacePressures::default();
         let (mut erps, mut motions) = (Vec::new(), Vec::new());
         for (pick, patterns) in chosen.iter().zip(&finest.patterns) {
             let own = pick.of(patterns);
@@ -183,7 +182,6 @@ impl ModalBem {
             interpolation: 0.0,
             difference_db: 0.0,
             asymmetry: 0.0,
-            pressure_error: 0.0,
             gap_error_db: levels
                 .iter()
                 .chain(&means.finer)
@@ -209,7 +207,10 @@ impl ModalBem {
             let last = number + 2 == tops.len() && next.is_some_and(|next| resolved[number] >= next);
             let kept_to = next.filter(|_| !last).unwrap_or(bands.same_mesh_to_hz());
             let follows = coarser.as_ref().is_some_and(|coarser| coarser.follows(level.top_hz));
-            let solver = RangeSolver::new(level, (kept_to, !follows), &chosen, receivers, progress)?;
+            let mut solver = RangeSolver::new(level, kept_to, &chosen, progress)?.keeping_pressures();
+            if !follows {
+                solver = solver.with_near_field_cache(kept_to);
+            }
             let predictor = coarser.as_ref().unwrap_or(&solver);
             let at = |solver: &RangeSolver<'_>, hz: f64| Ok(solver.at(hz)?.resistances());
             let mut found = SampledRadiation::of_parities("BEM", &counts, &patches, &range, |hz| at(predictor, hz))?;
@@ -218,9 +219,12 @@ impl ModalBem {
                 Some(_) => SampledRadiation::correct(&mut found, (&range, round), |hz| at(&solver, hz))?,
                 None => None,
             };
+            // All parities are sampled at the same frequencies.
+            if let Some(found) = found.first() {
+                surface.add(found.grid(), (predictor, &solver), correction)?;
+            }
             for (c, found) in found.into_iter().enumerate().filter(|(c, _)| counts[*c] > 0) {
                 summary.interpolation = summary.interpolation.max(found.interpolation_error());
-                samples[c].push(solver.receiver_pressures(c, &found, predictor, correction.as_ref())?);
                 ranges[c].push(found.with_roots());
             }
             solver.report(&mut summary);
@@ -237,8 +241,7 @@ impl ModalBem {
                 None => solver.means(&own)?,
             };
             drop((solver, alike));
-            let solved = (receivers, progress);
-            found.extend(MeanRanges::means(means.finer, &bands, &chosen, solved, &mut summary)?);
+            found.extend(MeanRanges::means(means.finer, &bands, &chosen, progress, &mut summary)?);
             for (hz, means) in found {
                 nodes
                     .iter_mut()
@@ -250,11 +253,8 @@ impl ModalBem {
         let masses = masses.thinned(&present.map(|(parity, _)| parity).collect::<Vec<_>>());
         let (mut combinations, mut parities) = (Vec::new(), Vec::new());
         let limits = nodes.into_iter().zip(limits);
-        for ((((pick, ranges), samples), erp), (mut nodes, limit)) in
-            chosen.into_iter().zip(ranges).zip(samples).zip(erps).zip(limits)
-        {
+        for (((pick, ranges), erp), (mut nodes, limit)) in chosen.into_iter().zip(ranges).zip(erps).zip(limits) {
             if !pick.modes.is_empty() {
-                pressures.push(&ranges, samples);
                 combinations.push(pick.combination);
                 let solved = nodes.len();
                 nodes.extend(limit.above);
@@ -266,20 +266,34 @@ impl ModalBem {
                 parities.push(CompositeRadiation::new(ranges, above, erp));
             }
         }
-        summary.pressure_error = pressures.error();
-        Ok(Self {
+        let radiation = Self {
             patches,
             modes,
             combinations,
             parities: Arc::new(parities),
-            pressures: Arc::new(pressures),
+            pressures: Arc::default(),
             masses: Arc::new(masses),
             mean_octaves: bands.octaves(),
             summary,
             air: AirScale::NONE,
             sums: Arc::default(),
             fit: None,
-        })
+        };
+        Ok((radiation, surface))
+    }
+
+    /// The same radiation with pressures at receivers, as [`SurfacePressures::at`] gives them for it.
+    #[must_use]
+    pub fn with_pressures(&self, pressures: Arc<ModalPressures>) -> Self {
+        Self {
+            pressures,
+            ..self.clone()
+        }
+    }
+
+    /// Interpolation error of the pressures at the receivers over frequency, relative to the loudest mode at any of them.
+    pub fn pressure_error(&self) -> f64 {
+        self.pressures.error()
     }
 
     /// The same radiation for other modes on the same surface, which `fit` states as combinations of these; none

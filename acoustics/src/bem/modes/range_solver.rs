@@ -2,24 +2,21 @@ use crate::bem::high_frequencies::mean_bands::MeanBand;
 use crate::bem::modes::added_mass::{MassSamples, PackedMass};
 use crate::bem::modes::independent::Independent;
 use crate::bem::modes::mesh_range::MeshRange;
-use crate::bem::modes::receivers::{ReceiverPressures, Receivers, receiver_pressures};
 use crate::bem::modes::summary::Summary;
-use crate::bem::solver::far_field::Radiated;
+use crate::bem::modes::surface_pressures::PackedPressure;
 use crate::bem::solver::problem::{Exterior, Patterns};
 use crate::error::AcousticsError;
-use crate::interpolation::Grid;
-use crate::radiation::{PackedHermitian, Resistance, SampledRadiation};
-use nalgebra::Complex;
+use crate::radiation::{PackedHermitian, Resistance};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Solution at one frequency: R of every patch, added mass and receiver pressures of every parity. R is packed in single
-/// precision, because hundreds of solutions are held at the same time.
+/// Solution at one frequency: R of every patch, added mass and pressure on the surface of every parity. They are packed,
+/// because hundreds of solutions are held at the same time.
 pub(crate) struct Solved {
     resistances: Vec<PackedHermitian>,
     masses: Vec<PackedMass>,
-    pressures: Vec<ReceiverPressures>,
+    pressures: Arc<Vec<PackedPressure>>,
 }
 
 impl Solved {
@@ -38,7 +35,8 @@ pub(crate) struct RangeSolver<'a> {
     /// Highest frequency at which the mesh has as many panels per wavelength as are asked for \[Hz\].
     resolved_hz: f64,
     patterns: Vec<Patterns>,
-    receivers: &'a Receivers,
+    /// Whether solutions contain the pressure on the surface.
+    keeps_pressures: bool,
     /// Called after every frequency solved.
     progress: &'a (dyn Fn() + Sync),
     solved: Mutex<HashMap<u64, Arc<Solved>>>,
@@ -46,58 +44,51 @@ pub(crate) struct RangeSolver<'a> {
 }
 
 impl<'a> RangeSolver<'a> {
-    /// For frequencies up to the top of the range, or to `highest_hz` beyond it. `keeping` stores
-    /// the integrals of close panels for all frequencies, which pays off if many frequencies are solved.
+    /// For frequencies up to the top of the range, or to `highest_hz` beyond it.
     pub(crate) fn new(
         level: MeshRange,
-        (highest_hz, keeping): (f64, bool),
+        highest_hz: f64,
         chosen: &[Independent],
-        receivers: &'a Receivers,
         progress: &'a (dyn Fn() + Sync),
     ) -> Result<Self, AcousticsError> {
         let per_wavelength = level.problem.panels_per_wavelength() * (level.top_hz / highest_hz).min(1.0);
         let resolved_hz = level.resolved_hz();
-        let mut problem = level.problem.with_panels_per_wavelength(per_wavelength)?;
-        if keeping {
-            problem = problem.with_near_field_cache(highest_hz);
-        }
         Ok(Self {
-            problem,
+            problem: level.problem.with_panels_per_wavelength(per_wavelength)?,
             resolved_hz,
             patterns: chosen.iter().zip(&level.patterns).map(|(pick, p)| pick.of(p)).collect(),
-            receivers,
+            keeps_pressures: false,
             progress,
             solved: Mutex::default(),
             worst: Mutex::default(),
         })
     }
 
+    /// Stores the integrals of close panels for all frequencies up to `highest_hz`, which pays off if many are solved.
+    #[must_use]
+    pub(crate) fn with_near_field_cache(self, highest_hz: f64) -> Self {
+        let problem = self.problem.with_near_field_cache(highest_hz);
+        Self { problem, ..self }
+    }
+
+    /// Keeps the pressure on the surface at all frequencies solved, for [`Self::pressures`].
+    #[must_use]
+    pub(crate) fn keeping_pressures(self) -> Self {
+        Self {
+            keeps_pressures: true,
+            ..self
+        }
+    }
+
+    /// The independent modes' velocities by parity.
+    pub(crate) fn patterns(&self) -> &[Patterns] {
+        &self.patterns
+    }
+
     /// Whether the mesh resolves a range up to `top_hz` as well as the mesh of that range, so that the results differ
     /// only by the shape, smoothly over frequency.
     pub(crate) fn follows(&self, top_hz: f64) -> bool {
         self.resolved_hz >= top_hz * (1.0 - 1e-9)
-    }
-
-    /// Receiver pressures of a parity at the samples of its radiation matrix: those of the `predictor`, corrected.
-    pub(crate) fn receiver_pressures(
-        &self,
-        parity: usize,
-        found: &SampledRadiation,
-        predictor: &Self,
-        correction: Option<&Grid>,
-    ) -> Result<Vec<ReceiverPressures>, AcousticsError> {
-        let at = |hz: f64| {
-            let mut pressures = predictor.at(hz)?.pressures[parity].clone();
-            let terms = correction
-                .into_iter()
-                .flat_map(|grid| grid.weighted(hz).map(|(node, w)| (grid.hz()[node], w)));
-            for (node, weight) in terms {
-                let weight = Complex::from(weight);
-                pressures += (&self.at(node)?.pressures[parity] - &predictor.at(node)?.pressures[parity]) * weight;
-            }
-            Ok(pressures)
-        };
-        found.samples_hz().iter().map(|&hz| at(hz)).collect()
     }
 
     /// Solution at one frequency.
@@ -113,8 +104,6 @@ impl<'a> RangeSolver<'a> {
         }
         let solutions = self.problem.solve_parities(hz, &self.patterns)?;
         let two = self.problem.two_evaluations(&self.patterns, &solutions)?;
-        let all: Vec<Radiated<'_>> = self.patterns.iter().map(|p| &p.velocities).zip(&solutions).collect();
-        let pressures = receiver_pressures(&self.problem, self.receivers, &all)?;
         {
             let mut worst = self.worst.lock().unwrap_or_else(PoisonError::into_inner);
             let loudest = two.iter().map(|t| t.far_field.amax()).fold(0.0, f64::max);
@@ -124,13 +113,15 @@ impl<'a> RangeSolver<'a> {
             }
         }
         (self.progress)();
+        let kept = solutions.iter().filter(|_| self.keeps_pressures);
+        let pressures = kept.map(|solution| PackedPressure::new(&solution.pressure)).collect();
         let solution = Arc::new(Solved {
             resistances: two
                 .iter()
                 .map(|t| PackedHermitian::new(t.far_field.nrows(), t.split().iter()))
                 .collect(),
             masses: two.iter().map(|t| PackedMass::new(&t.added_mass)).collect(),
-            pressures,
+            pressures: Arc::new(pressures),
         });
         let mut solved = self.solved.lock().unwrap_or_else(PoisonError::into_inner);
         Ok(solved.entry(hz.to_bits()).or_insert(solution).clone())
@@ -189,6 +180,11 @@ impl<'a> RangeSolver<'a> {
         for (hz, solution) in solved.iter() {
             to.insert(f64::from_bits(*hz), &solution.masses);
         }
+    }
+
+    /// The pressure on the surface in every parity at one frequency, where [`Self::keeping_pressures`] asked for it.
+    pub(crate) fn pressures(&self, hz: f64) -> Result<Arc<Vec<PackedPressure>>, AcousticsError> {
+        Ok(Arc::clone(&self.at(hz)?.pressures))
     }
 
     /// Adds the number of solutions and the errors found so far to the summary.

@@ -1,8 +1,9 @@
 use crate::bem::high_frequencies::composite::CompositeRadiation;
 use crate::bem::solver::far_field::Radiated;
 use crate::bem::solver::problem::Exterior;
+use crate::checks::ReceiverError;
 use crate::error::AcousticsError;
-use crate::radiation::SampledRadiation;
+use crate::interpolation::Grid;
 use nalgebra::{Complex, DMatrix, Point3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -18,6 +19,14 @@ pub struct Receivers {
 }
 
 impl Receivers {
+    /// Checks that the pressure at the points can be computed.
+    ///
+    /// # Errors
+    /// Points below the floor or too close to the surface, as for [`Exterior::pressure_at`].
+    pub fn check(&self, problem: &Exterior) -> Result<(), ReceiverError> {
+        problem.check_points(&self.points)
+    }
+
     /// Distances to the origin, and to its image in the floor \[m\].
     fn distances(&self, floor: Option<f64>) -> [Vec<f64>; 2] {
         let image = |z: f64| Point3::new(self.origin.x, self.origin.y, 2.0 * z - self.origin.z);
@@ -57,12 +66,12 @@ pub(crate) fn receiver_pressures(
 }
 
 /// Receiver pressures of one parity at the samples of its radiation matrix, by range.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct ParityPressures(#[serde(with = "crate::blocks")] pub(crate) Vec<Vec<ReceiverPressures>>);
 
-/// Receiver pressures of the modes of a body.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-pub(crate) struct ModalPressures {
+/// Receiver pressures of the modes of a body, per unit of each mode's motion.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub struct ModalPressures {
     receivers: usize,
     sound_speed: f64,
     distances: [Vec<f64>; 2],
@@ -71,22 +80,21 @@ pub(crate) struct ModalPressures {
 }
 
 impl ModalPressures {
-    pub(crate) fn new(receivers: &Receivers, problem: &Exterior) -> Self {
+    /// Without any range; `parities` is their number.
+    pub(crate) fn new(receivers: &Receivers, problem: &Exterior, parities: usize) -> Self {
         Self {
             receivers: receivers.points.len(),
             sound_speed: problem.air().sound_speed,
             distances: receivers.distances(problem.boundary().floor()),
-            parities: Vec::new(),
+            parities: vec![ParityPressures::default(); parities],
             error: 0.0,
         }
     }
 
-    /// Adds a parity with the ranges of its radiation matrix.
-    pub(crate) fn push(&mut self, ranges: &[SampledRadiation], samples: Vec<Vec<ReceiverPressures>>) {
-        for (range, samples) in ranges.iter().zip(&samples) {
-            self.error = self.error.max(range.error_of(samples));
-        }
-        self.parities.push(ParityPressures(samples));
+    /// Adds the next range of a parity with the samples of its radiation matrix.
+    pub(crate) fn push(&mut self, parity: usize, grid: &Grid, samples: Vec<ReceiverPressures>) {
+        self.error = self.error.max(grid.error_of_fields(&samples));
+        self.parities[parity].0.push(samples);
     }
 
     /// Estimated interpolation error over frequency, relative to the loudest mode at the receivers.

@@ -11,8 +11,6 @@ pub struct Summary {
     pub difference_db: f64,
     /// Largest asymmetry of R, relative to its largest entry.
     pub asymmetry: f64,
-    /// Interpolation error of the pressure at the receivers, relative to the loudest mode at any of them.
-    pub pressure_error: f64,
     /// Bound of the error of the level by panels at the rims of thin gaps, see [`Gap`](crate::bem::Gap) \[dB\]; zero without
     /// gaps.
     pub gap_error_db: f64,

@@ -224,7 +224,7 @@ fn solved(normal: &DMatrix<f64>, right: DMatrix<f64>) -> DMatrix<f64> {
 mod tests {
     use super::*;
     use crate::air::Air;
-    use crate::bem::{BoundaryMesh, Exterior, ModalBem, Patterns, Receivers, SolidBox};
+    use crate::bem::{BoundaryMesh, Exterior, ModalBem, Patterns, SolidBox};
     use crate::radiation::{ModalRadiation, Sampling};
 
     /// Highest frequency of the tests \[Hz\].
@@ -316,7 +316,7 @@ mod tests {
             tolerance: 1e-3,
             ..Sampling::default()
         };
-        let solve = |level| ModalBem::new(vec![level], &sampling, &Receivers::default(), &|| ()).unwrap();
+        let solve = |level| ModalBem::new(vec![level], &sampling, &|| ()).unwrap();
         let (carried, own) = (solve(known).of_modes(&fit).unwrap(), solve(mixed()));
         assert!(own.of_modes(&fit).is_none(), "the fit belongs to the known modes");
         for hz in [100.0, 170.0, 250.0, 500.0, 2000.0] {

@@ -56,7 +56,7 @@ impl Exterior {
     }
 
     /// Refuses points below the floor or too close to the surface or to one of its images.
-    fn check_points(&self, points: &[Point3<f64>]) -> Result<(), ReceiverError> {
+    pub(crate) fn check_points(&self, points: &[Point3<f64>]) -> Result<(), ReceiverError> {
         let boundary = self.boundary();
         let images = self.imaged(&boundary.images());
         let needed = boundary.mesh().longest_edge();

@@ -1,0 +1,229 @@
+//! Pressures on the surface of a body at all frequencies of its radiation matrix, from which those at any receivers follow.
+
+use crate::bem::mesh::symmetry::Parity;
+use crate::bem::modes::mesh_range::MeshRange;
+use crate::bem::modes::range_solver::RangeSolver;
+use crate::bem::modes::receivers::{ModalPressures, ReceiverPressures, Receivers, receiver_pressures};
+use crate::bem::modes::shared;
+use crate::bem::solver::far_field::Radiated;
+use crate::bem::solver::problem::{Exterior, Patterns, SurfacePressure};
+use crate::checks::same_length;
+use crate::error::AcousticsError;
+use crate::interpolation::Grid;
+use nalgebra::{Complex, DMatrix};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// The pressure of one parity on a surface, unknowns x modes, in 16 bits a number: its rounding, 1.5e-5 of the mode's largest
+/// pressure, is far below the error of the equations, and hundreds of frequencies are held and kept.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct PackedPressure {
+    unknowns: usize,
+    /// Largest part of each mode, over [`i16::MAX`].
+    scales: Vec<f32>,
+    /// Real and imaginary parts by turns, over the scale of the mode.
+    #[serde(with = "crate::blocks")]
+    parts: Vec<i16>,
+}
+
+impl PackedPressure {
+    pub(crate) fn new(pressure: &DMatrix<Complex<f64>>) -> Self {
+        let (mut scales, mut parts) = (Vec::new(), Vec::with_capacity(2 * pressure.len()));
+        for column in pressure.column_iter() {
+            let largest = column.iter().map(|p| p.re.abs().max(p.im.abs())).fold(0.0, f64::max);
+            let scale = (largest / f64::from(i16::MAX)).max(f64::from(f32::MIN_POSITIVE)) as f32;
+            let packed = |part: f64| (part / f64::from(scale)).round() as i16;
+            parts.extend(column.iter().flat_map(|p| [packed(p.re), packed(p.im)]));
+            scales.push(scale);
+        }
+        Self {
+            unknowns: pressure.nrows(),
+            scales,
+            parts,
+        }
+    }
+
+    pub(crate) fn unpack(&self) -> DMatrix<Complex<f64>> {
+        let (parts, _) = self.parts.as_chunks::<2>();
+        DMatrix::from_fn(self.unknowns, self.scales.len(), |row, mode| {
+            let scale = f64::from(self.scales[mode]);
+            let part = parts.get(mode * self.unknowns + row).copied().unwrap_or_default();
+            let [re, im] = part.map(f64::from);
+            Complex::new(scale * re, scale * im)
+        })
+    }
+}
+
+/// Pressures on one mesh at one frequency.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct SolvedFrequency {
+    hz: f64,
+    /// Of every parity.
+    #[serde(with = "shared")]
+    parities: Arc<Vec<PackedPressure>>,
+}
+
+/// The normal velocities of the independent modes of one parity on a mesh.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct Velocities {
+    parity: Parity,
+    #[serde(with = "crate::blocks")]
+    values: DMatrix<f64>,
+}
+
+/// Velocities and pressures on one mesh.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+struct SolvedMesh {
+    /// Of every parity.
+    #[serde(with = "shared")]
+    velocities: Arc<Vec<Velocities>>,
+    pressures: Vec<SolvedFrequency>,
+}
+
+impl SolvedMesh {
+    fn new(solver: &RangeSolver<'_>) -> Self {
+        let of_parity = |patterns: &Patterns| Velocities {
+            parity: patterns.parity,
+            values: patterns.velocities.clone(),
+        };
+        Self {
+            velocities: Arc::new(solver.patterns().iter().map(of_parity).collect()),
+            pressures: Vec::new(),
+        }
+    }
+
+    /// Adds the pressures at frequencies that it does not contain yet.
+    fn add(&mut self, frequencies: &[f64], solver: &RangeSolver<'_>) -> Result<(), AcousticsError> {
+        for &hz in frequencies {
+            if self.pressures.iter().all(|known| known.hz != hz) {
+                let parities = solver.pressures(hz)?;
+                self.pressures.push(SolvedFrequency { hz, parities });
+            }
+        }
+        Ok(())
+    }
+
+    /// Receiver pressures of every parity at all frequencies.
+    fn at(&self, receivers: &Receivers, problem: &Exterior) -> Result<Samples, AcousticsError> {
+        let of_frequency = |SolvedFrequency { hz, parities }: &SolvedFrequency| {
+            let solution = |(packed, velocities): (&PackedPressure, &Velocities)| SurfacePressure {
+                hz: *hz,
+                parity: velocities.parity,
+                pressure: packed.unpack(),
+            };
+            let solutions: Vec<SurfacePressure> = parities.iter().zip(&*self.velocities).map(solution).collect();
+            let velocities = self.velocities.iter().map(|velocities| &velocities.values);
+            let all: Vec<Radiated<'_>> = velocities.zip(&solutions).collect();
+            Ok((hz.to_bits(), receiver_pressures(problem, receivers, &all)?))
+        };
+        // One frequency per task, because all take equally long.
+        self.pressures.par_iter().with_max_len(1).map(of_frequency).collect()
+    }
+}
+
+/// A range of frequencies: samples on one mesh, corrected by the difference of a finer one.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct SolvedRange {
+    /// The samples of the radiation matrix.
+    grid: Grid,
+    /// Number of the mesh that is solved at all of them.
+    predictor: usize,
+    /// Number of the mesh of the range, and the samples at which it corrects the other.
+    correction: Option<(usize, Grid)>,
+}
+
+/// Pressures on the surface of a body in the motion of each of its modes, at the samples of its radiation matrix
+/// ([`ModalBem::solve`](crate::bem::ModalBem::solve)). Those at receivers follow without another solution.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub struct SurfacePressures {
+    /// Meshes in the order of the ranges.
+    meshes: Vec<SolvedMesh>,
+    /// Ranges of frequencies, rising.
+    ranges: Vec<SolvedRange>,
+}
+
+impl SurfacePressures {
+    /// Adds the next range: the solver of the mesh that predicts it, and that of its own mesh.
+    pub(crate) fn add(
+        &mut self,
+        grid: &Grid,
+        (predictor, own): (&RangeSolver<'_>, &RangeSolver<'_>),
+        correction: Option<Grid>,
+    ) -> Result<(), AcousticsError> {
+        let number = self.ranges.len();
+        self.meshes.push(SolvedMesh::new(own));
+        let below = number.saturating_sub(1);
+        self.meshes[below].add(grid.hz(), predictor)?;
+        if let Some(correction) = &correction {
+            self.meshes[below].add(correction.hz(), predictor)?;
+            self.meshes[number].add(correction.hz(), own)?;
+        }
+        self.ranges.push(SolvedRange {
+            grid: grid.clone(),
+            predictor: below,
+            correction: correction.map(|grid| (number, grid)),
+        });
+        Ok(())
+    }
+
+    /// The pressures at receivers, by the surface integral of
+    /// [`Exterior::pressure_at`](crate::bem::Exterior::pressure_at) over the meshes `levels` on which the surface was solved;
+    /// their patterns are not read.
+    ///
+    /// # Errors
+    /// Other meshes than those; receivers below the floor or too close to the surface.
+    pub fn at(&self, receivers: &Receivers, levels: &[MeshRange]) -> Result<ModalPressures, AcousticsError> {
+        same_length("meshes of the boundary", levels.len(), self.meshes.len())?;
+        let (Some(finest), Some(velocities)) = (levels.last(), self.meshes.last().map(|mesh| &mesh.velocities)) else {
+            return Ok(ModalPressures::default());
+        };
+        let meshes = self.meshes.iter().zip(levels);
+        let at_samples: Vec<Samples> = meshes
+            .map(|(mesh, level)| mesh.at(receivers, &level.problem))
+            .collect::<Result<_, _>>()?;
+        let present = velocities.iter().enumerate().filter(|(_, v)| v.values.ncols() > 0);
+        let present: Vec<usize> = present.map(|(parity, _)| parity).collect();
+        let mut pressures = ModalPressures::new(receivers, &finest.problem, present.len());
+        for range in &self.ranges {
+            for (place, &parity) in present.iter().enumerate() {
+                let known = |mesh: usize, hz: f64| &at_samples[mesh][&hz.to_bits()][parity];
+                let at = |&hz: &f64| {
+                    let mut pressures = known(range.predictor, hz).clone();
+                    if let Some((own, grid)) = &range.correction {
+                        for (node, weight) in grid.weighted(hz) {
+                            let node = grid.hz()[node];
+                            pressures += (known(*own, node) - known(range.predictor, node)) * Complex::from(weight);
+                        }
+                    }
+                    pressures
+                };
+                pressures.push(place, &range.grid, range.grid.hz().par_iter().map(at).collect());
+            }
+        }
+        Ok(pressures)
+    }
+}
+
+/// Receiver pressures of every parity by frequency.
+type Samples = HashMap<u64, Vec<ReceiverPressures>>;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packed_pressures_are_within_their_rounding() {
+        let pressure = DMatrix::from_fn(40, 3, |row, mode| {
+            let amplitude = [1e-12, 0.0, 3e7][mode];
+            Complex::from_polar(amplitude * (1.0 + row as f64), 0.7 * row as f64)
+        });
+        let unpacked = PackedPressure::new(&pressure).unpack();
+        for (found, expected) in unpacked.column_iter().zip(pressure.column_iter()) {
+            let largest = expected.iter().map(|p| p.norm()).fold(0.0, f64::max);
+            let apart = (found - expected).iter().map(|p| p.norm()).fold(0.0, f64::max);
+            assert!(apart <= 2.3e-5 * largest, "{apart:e} of {largest:e}");
+        }
+    }
+}
