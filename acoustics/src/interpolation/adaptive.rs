@@ -31,9 +31,11 @@ pub(crate) struct Plan {
 pub(crate) type Range = [f64; 2];
 
 /// An interval to be sampled.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(crate) struct Piece {
     pub(crate) range: Range,
+    /// Frequencies with which its sequence of samples begins \[Hz\].
+    pub(crate) known: Vec<f64>,
     /// Number of samples at which it is complete, whatever the error; `None` if it is halved when it needs too many
     /// samples.
     pub(crate) complete: Option<usize>,
@@ -55,6 +57,7 @@ pub(crate) fn pieces([low, high]: Range, widest: f64, kinks: &[f64]) -> Result<V
     edges.dedup();
     let piece = |ends: &[f64]| Piece {
         range: [ends[0], ends[1]],
+        known: Vec::new(),
         complete: None,
     };
     Ok(edges.windows(2).map(piece).collect())
@@ -69,7 +72,8 @@ pub(crate) fn pieces([low, high]: Range, widest: f64, kinks: &[f64]) -> Result<V
 ///
 /// A piece is halved once it has the largest number of samples of one polynomial. It is halved earlier, from half that
 /// number on, if the convergence of the last two rounds shows that the full number would not meet the tolerance: the
-/// narrower a resonance is relative to the interval, the more slowly a polynomial converges.
+/// narrower a resonance is relative to the interval, the more slowly a polynomial converges. The sequences of the halves
+/// begin with the samples that lie in them, to which Leja's rule adds those that the new end needs.
 ///
 /// # Errors
 /// A tolerance that is not positive, [`SamplingError::Unresolved`], those of `take`.
@@ -82,10 +86,12 @@ pub(crate) fn sample<T: Send + Sync>(
     let tolerance = positive("interpolation tolerance", plan.tolerance)?;
     let (mut all_hz, mut samples, mut index) = (Vec::<f64>::new(), Vec::<T>::new(), BTreeMap::<u64, usize>::new());
     let (mut intervals, mut largest) = (Vec::new(), 0.0f64);
-    let begin = |piece: &Piece| (*piece, 2 * plan.round, None);
+    let begin = |piece: &Piece| (piece.clone(), 2 * plan.round, None);
     let mut pending: Vec<(Piece, usize, Option<f64>)> = pieces.iter().map(begin).collect();
     while !pending.is_empty() {
-        let nodes = |piece: &Piece, count: usize| leja_hz(piece.range, count.min(piece.complete.unwrap_or(count)));
+        let nodes = |piece: &Piece, count: usize| {
+            leja_hz(piece.range, &piece.known, count.min(piece.complete.unwrap_or(count)))
+        };
         let mut wanted: Vec<f64> = pending
             .iter()
             .flat_map(|(piece, count, _)| nodes(piece, *count))
@@ -101,8 +107,9 @@ pub(crate) fn sample<T: Send + Sync>(
             all_hz.push(hz);
         }
         let judge = |(piece, count, before): &(Piece, usize, Option<f64>)| {
-            let nodes: Vec<usize> = nodes(piece, *count).iter().map(|hz| index[&hz.to_bits()]).collect();
-            let interval = Interval::new(piece.range, nodes, plan.round);
+            let hz = nodes(piece, *count);
+            let numbers = hz.iter().map(|hz| index[&hz.to_bits()]).collect();
+            let interval = Interval::new(piece.range, numbers, hz, plan.round);
             let zero = || misfit(&interval.tested_by(interval.nodes.len()), &samples);
             let before = before.or_else(|| plan.near_zero.then(zero));
             let found = misfit(&interval, &samples);
@@ -137,7 +144,13 @@ pub(crate) fn sample<T: Send + Sync>(
                 next.push((piece, count + plan.round, Some(found)));
             } else {
                 let halves = [[low, 0.5 * (low + high)], [0.5 * (low + high), high]];
-                next.extend(halves.map(|range| begin(&Piece { range, ..piece })));
+                let half = |range: Range| {
+                    let own = |hz: &&f64| range[0] <= **hz && **hz <= range[1];
+                    let known: Vec<f64> = interval.samples_hz().iter().filter(own).copied().collect();
+                    let count = (known.len() + plan.round).max(2 * plan.round);
+                    (Piece { range, known, ..piece }, count, None)
+                };
+                next.extend(halves.map(half));
             }
         }
         pending = next;

@@ -10,7 +10,7 @@ const CANDIDATES: usize = 2048;
 /// Smallest factor by which a round of samples is assumed to reduce the error.
 const GAIN: f64 = 0.1;
 
-/// An interval of the frequency axis with samples at the first points of Leja's sequence.
+/// An interval of the frequency axis with samples at the first points of a sequence of Leja's.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Interval {
     pub(crate) low: f64,
@@ -26,8 +26,9 @@ pub(crate) struct Interval {
 }
 
 impl Interval {
-    pub(super) fn new([low, high]: [f64; 2], nodes: Vec<usize>, tests: usize) -> Self {
-        let x = &leja()[..nodes.len()];
+    /// With samples at these frequencies \[Hz\], in their order.
+    pub(super) fn new([low, high]: [f64; 2], nodes: Vec<usize>, hz: Vec<f64>, tests: usize) -> Self {
+        let x: Vec<f64> = hz.iter().map(|&hz| scaled([low, high], hz)).collect();
         let weight = |j: usize| {
             let others = x.iter().enumerate().filter(|(i, _)| *i != j);
             // The interval is scaled to a logarithmic capacity of 1/2, so that products stay near one.
@@ -36,11 +37,17 @@ impl Interval {
         Self {
             low,
             high,
-            hz: leja_hz([low, high], x.len()),
             weights: (0..x.len()).map(weight).collect(),
+            hz,
             nodes,
             tests,
         }
+    }
+
+    /// The same interval with its first samples alone.
+    fn with_first(&self, count: usize, tests: usize) -> Self {
+        let (nodes, hz) = (self.nodes[..count].to_vec(), self.hz[..count].to_vec());
+        Self::new([self.low, self.high], nodes, hz, tests)
     }
 
     /// All frequencies times `by`.
@@ -63,7 +70,7 @@ impl Interval {
     /// The interval before its last round of samples, if there were at least two rounds before it.
     pub(super) fn before(&self) -> Option<Self> {
         let fewer = self.nodes.len() - self.tests;
-        (fewer > self.tests).then(|| Self::new([self.low, self.high], self.nodes[..fewer].to_vec(), self.tests))
+        (fewer > self.tests).then(|| self.with_first(fewer, self.tests))
     }
 
     /// Frequencies of the samples \[Hz\], in their order.
@@ -89,7 +96,7 @@ impl Interval {
     /// Differences between the test samples and the interpolant through the others: weights of all samples for each.
     pub(crate) fn defects(&self) -> Vec<Vec<f64>> {
         let count = self.nodes.len();
-        let others = Self::new([self.low, self.high], self.nodes[..count - self.tests].to_vec(), 0);
+        let others = self.with_first(count - self.tests, 0);
         let defect = |j: usize| {
             let own = others.weights(self.hz[j]);
             let mut weights: Vec<f64> = own.into_iter().map(|w| -w).collect();
@@ -116,33 +123,52 @@ pub(super) const MOST: usize = 96;
 /// Leja's sequence on \[-1, 1\] (Leja 1957): each point maximises the product of the distances to the previous ones, so
 /// that each sample raises the order of the polynomial by one and all earlier samples are reused.
 fn leja() -> &'static [f64] {
-    static POINTS: LazyLock<Vec<f64>> = LazyLock::new(|| {
-        let at = |i: usize| -(PI * i as f64 / CANDIDATES as f64).cos();
-        let mut product = vec![0.0; CANDIDATES + 1];
-        let mut points: Vec<f64> = Vec::with_capacity(MOST);
-        for next in 0..MOST {
-            let best = match next {
-                0 => 0,
-                1 => CANDIDATES,
-                _ => (0..=CANDIDATES).fold(0, |best, i| if product[i] > product[best] { i } else { best }),
-            };
-            let x = at(best);
-            for (i, p) in product.iter_mut().enumerate() {
-                *p += (at(i) - x).abs().ln();
-            }
-            points.push(x);
-        }
-        points
-    });
+    static POINTS: LazyLock<Vec<f64>> = LazyLock::new(|| leja_from(Vec::new(), MOST));
     &POINTS
 }
 
-/// The first frequencies of Leja's sequence on an interval; the ends are exact.
-pub(super) fn leja_hz([low, high]: [f64; 2], count: usize) -> Vec<f64> {
+/// Leja's sequence of `count` points that begins with given ones.
+fn leja_from(mut points: Vec<f64>, count: usize) -> Vec<f64> {
+    let at = |i: usize| -(PI * i as f64 / CANDIDATES as f64).cos();
+    let distance = |i: usize, x: f64| (at(i) - x).abs().ln();
+    let mut product: Vec<f64> = (0..=CANDIDATES)
+        .map(|i| points.iter().map(|&x| distance(i, x)).sum())
+        .collect();
+    while points.len() < count {
+        let best = match points.len() {
+            0 => 0,
+            1 => CANDIDATES,
+            _ => (0..=CANDIDATES).fold(0, |best, i| if product[i] > product[best] { i } else { best }),
+        };
+        let x = at(best);
+        for (i, p) in product.iter_mut().enumerate() {
+            *p += distance(i, x);
+        }
+        points.push(x);
+    }
+    points
+}
+
+/// Position of a frequency in an interval that is scaled to \[-1, 1\].
+fn scaled([low, high]: [f64; 2], hz: f64) -> f64 {
+    ((hz - low) - (high - hz)) / (high - low)
+}
+
+/// The first frequencies of Leja's sequence on an interval that begins with `known` ones; the ends are exact.
+pub(super) fn leja_hz([low, high]: [f64; 2], known: &[f64], count: usize) -> Vec<f64> {
     let place = |x: &f64| match *x {
         -1.0 => low,
         1.0 => high,
         x => 0.5 * (low + high) + 0.5 * (high - low) * x,
     };
-    leja()[..count].iter().map(place).collect()
+    if known.is_empty() {
+        return leja()[..count].iter().map(place).collect();
+    }
+    let first = &known[..count.min(known.len())];
+    let points = leja_from(first.iter().map(|&hz| scaled([low, high], hz)).collect(), count);
+    first
+        .iter()
+        .copied()
+        .chain(points[first.len()..].iter().map(place))
+        .collect()
 }

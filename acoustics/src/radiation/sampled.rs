@@ -205,6 +205,7 @@ impl SampledRadiation {
         let modes: Vec<usize> = found.iter().map(|f| f.modes).collect();
         let piece = |cheap: &Interval| Piece {
             range: [cheap.low, cheap.high],
+            known: cheap.samples_hz().to_vec(),
             complete: Some(cheap.nodes.len()),
         };
         let pieces: Vec<Piece> = first.grid.intervals().iter().map(piece).collect();
