@@ -1,5 +1,5 @@
-//! Standard bodies: the shape of a design's bodies with the materials, the nail, the tool's walls, lumped masses
-//! and places of loads of the N80CB.
+//! Standard bodies: the shape of a design's bodies with the materials, the nail and its place, the tool's walls, lumped
+//! masses and places of loads of the N80CB.
 //!
 //! The radiation of boundary elements is solved for the modes of these bodies, and kept. Assumption: on the outer surface
 //! the modes of any body of this shape combine from them. How well is stated for every design. Where it does not hold, a
