@@ -1,13 +1,12 @@
 //! Boundary elements of a body on several meshes: what is solved, what it costs, and the radiation matrix.
 
 use nailnoise_acoustics::bem::{
-    EquationSolver, Gap, Gaps, MeanBands, MeanRanges, MeshRange, ModalBem, Patterns, Receivers,
+    EquationSolver, Gap, Gaps, MeanBands, MeanRanges, MeshRange, ModalBem, Patterns, Receivers, SurfacePressures,
 };
 use nailnoise_acoustics::radiation::Sampling;
 use nalgebra::Point3;
 use serde::Serialize;
 
-use super::matrices::Solution;
 use crate::error::Error;
 use crate::stages::Progress;
 
@@ -100,6 +99,14 @@ impl Places {
             origin: self.origin.into(),
         }
     }
+}
+
+/// What boundary elements give for a surface.
+pub struct Solution {
+    /// Its radiation matrix.
+    pub matrix: ModalBem,
+    /// The pressures on it.
+    pub surface: SurfacePressures,
 }
 
 /// The meshes of a body, and about how often each of them is solved.

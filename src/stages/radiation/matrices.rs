@@ -18,7 +18,7 @@ use nalgebra::DMatrix;
 use serde::Serialize;
 
 use super::CODE;
-use super::boundary_elements::Places;
+use super::boundary_elements::{Places, Solution};
 use super::flush::{sampled, sampling_to, top_of};
 use super::shape::RadiatingShape;
 use super::surface_modes::SurfaceModes;
@@ -27,14 +27,6 @@ use super::workpiece::WorkpieceBoundaryElements;
 use crate::error::Error;
 use crate::stages::bodies::{Body, MovingSurface};
 use crate::stages::{Code, Input, NotKept, Postcard, Progress, Stage, Stored, all};
-
-/// What boundary elements give for a surface.
-pub struct Solution {
-    /// Its radiation matrix.
-    pub matrix: ModalBem,
-    /// The pressures on it.
-    pub surface: SurfacePressures,
-}
 
 /// Boundary elements of workpiece and worktable as one surface, or of a workpiece alone.
 #[derive(Serialize)]

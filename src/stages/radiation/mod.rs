@@ -14,11 +14,11 @@ mod tool;
 mod workpiece;
 
 pub(crate) use boundary_elements::describe_gap;
-pub use boundary_elements::{Places, Resolution};
+pub use boundary_elements::{Places, Resolution, Solution};
 pub use flush::{FlushTop, top_of};
 pub use matrices::{
-    FlushMatrix, MatrixWithMicrophones, PressureAtMicrophones, PressureOnSurface, RadiationMatrix, Solution,
-    ToolCapSolution, ToolSolution, WorkpieceSolution,
+    FlushMatrix, MatrixWithMicrophones, PressureAtMicrophones, PressureOnSurface, RadiationMatrix, ToolCapSolution,
+    ToolSolution, WorkpieceSolution,
 };
 pub use radiators::{FluidLoadings, ToolRadiator, WorkpieceMethod, WorkpieceRadiator};
 pub use shape::{Fitted, RadiatingShape, ShapeFit, ShapeMatrix, ShapePressures, Standard};

@@ -16,8 +16,7 @@ use nailnoise_meshes::Surface;
 use nalgebra::DMatrix;
 use serde::Serialize;
 
-use super::boundary_elements::{LOWEST_SAMPLE, MOST_AT_GAPS, MeshRanges, Places, Resolution};
-use super::matrices::Solution;
+use super::boundary_elements::{LOWEST_SAMPLE, MOST_AT_GAPS, MeshRanges, Places, Resolution, Solution};
 use crate::error::Error;
 use crate::stages::Progress;
 use crate::stages::bodies::MovingSurface;

@@ -16,9 +16,8 @@ use nailnoise_meshes::{JOINT, Surface, open_faces};
 use nalgebra::{DMatrix, Point3};
 use serde::Serialize;
 
-use super::boundary_elements::{LOWEST_SAMPLE, MOST_AT_GAPS, MeshRanges, Places, Resolution};
+use super::boundary_elements::{LOWEST_SAMPLE, MOST_AT_GAPS, MeshRanges, Places, Resolution, Solution};
 use super::flush::{FlushTop, top_of};
-use super::matrices::Solution;
 use crate::error::Error;
 use crate::stages::Progress;
 use crate::stages::bodies::MovingSurface;

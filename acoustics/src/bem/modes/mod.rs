@@ -7,6 +7,7 @@ pub(crate) mod independent;
 pub(crate) mod mean_ranges;
 pub(crate) mod mesh_range;
 pub(crate) mod modal;
+pub(crate) mod packed_pressure;
 pub(crate) mod range_solver;
 pub(crate) mod receivers;
 mod shared;
