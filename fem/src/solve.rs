@@ -56,7 +56,7 @@ pub fn modes(system: &System, settings: &ModalSettings, progress: &Progress<'_>)
     } else {
         whole(system)?
     };
-    let solve = |sectors: &[Sector]| Problem::new(system, sectors, settings, loads.as_ref(), progress)?.solve();
+    let solve = |sectors: &[Sector<'_>]| Problem::new(system, sectors, settings, loads.as_ref(), progress)?.solve();
     match solve(&sectors) {
         // A symmetry that almost holds.
         Err(FemError::Residual { .. }) if sectors.len() > 1 => solve(&whole(system)?),
@@ -67,7 +67,7 @@ pub fn modes(system: &System, settings: &ModalSettings, progress: &Progress<'_>)
 /// A body in its sectors and what is wanted of it.
 struct Problem<'a> {
     system: &'a System,
-    sectors: &'a [Sector],
+    sectors: &'a [Sector<'a>],
     symbolic: Vec<Symbolic>,
     settings: &'a ModalSettings,
     /// On the equations.
@@ -99,7 +99,7 @@ struct Solution<'a> {
 impl<'a> Problem<'a> {
     fn new(
         system: &'a System,
-        sectors: &'a [Sector],
+        sectors: &'a [Sector<'a>],
         settings: &'a ModalSettings,
         loads: Option<&'a Mat<f64>>,
         progress: &'a Progress<'a>,
@@ -201,13 +201,13 @@ impl<'a> Problem<'a> {
         Ok(Some(solutions))
     }
 
-    fn refine(&self, sector: &Sector, pairs: &mut Eigenpairs, factor: &Factor<'_>) -> usize {
+    fn refine(&self, sector: &Sector<'_>, pairs: &mut Eigenpairs, factor: &Factor<'_>) -> usize {
         pairs.refine(sector.pencil(self.system), self.settings, |x| sector.solve(factor, x))
     }
 
     fn sector_below<'s>(
         &self,
-        sector: &Sector,
+        sector: &Sector<'_>,
         symbolic: &'s Symbolic,
         edge: f64,
         counter: &Counter<'_>,
@@ -221,7 +221,7 @@ impl<'a> Problem<'a> {
         counter.count.fetch_add(count, Ordering::Relaxed);
         let vectors = self.find(sector, &factor, (edge, count), counter, work)?;
         Ok(vectors.map(|vectors| {
-            let vectors = if sector.is_whole() {
+            let vectors = if sector.reorders() {
                 sector.expand(vectors.as_ref())
             } else {
                 vectors
@@ -241,7 +241,7 @@ impl<'a> Problem<'a> {
     /// none when the edge falls on a mode.
     fn find(
         &self,
-        sector: &Sector,
+        sector: &Sector<'_>,
         factor: &Factor<'_>,
         (edge, count): (f64, usize),
         counter: &Counter<'_>,

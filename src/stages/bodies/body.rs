@@ -7,7 +7,8 @@ use nalgebra::{DMatrix, DVector};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::geometry::{BodyKind, Meshed};
+use super::attachment::Meshed;
+use super::geometry::BodyKind;
 use super::load_places::Model;
 use super::modes::WholeModes;
 use crate::error::Error;
