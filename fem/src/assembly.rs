@@ -1,11 +1,14 @@
 //! From a mesh to K and M.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use nailnoise_meshes::Mesh;
 use nalgebra::{DMatrix, Vector3};
 use nalgebra_sparse::CscMatrix;
+use nalgebra_sparse::pattern::SparsityPattern;
 
+use crate::factor::Symbolic;
 use crate::layout::{Cliques, Layout};
 use crate::reduction::Reduction;
 use crate::symmetry::Mirror;
@@ -43,8 +46,8 @@ pub struct System {
     pub stiffness: CscMatrix<f64>,
     /// M \[kg\].
     pub mass: CscMatrix<f64>,
-    /// Whether the equations stand in an order of elimination.
-    pub(crate) ordered: bool,
+    /// The pattern of factors, where the equations stand in an order of elimination.
+    pub(crate) symbolic: Option<Arc<Symbolic>>,
 }
 
 impl Equations {
@@ -298,9 +301,13 @@ impl Nodes {
             cliques,
             ..
         } = self;
-        let layout = Layout::new(&cliques.graph(&index, active.len()), &active, &free, &reduction);
+        let layout = Layout::new(&cliques.graph(&index, active.len()), &active, &free, &reduction)?;
         drop(cliques);
-        let (stiffness, mass) = layout.scatter(mesh, materials, &index, &reduction)?;
+        let (values, symbolic) = rayon::join(
+            || layout.scatter(mesh, materials, &index, &reduction),
+            || order.map(|_| Symbolic::of_pattern(&layout.stiffness)).transpose(),
+        );
+        let (values, symbolic) = (values?, symbolic?);
         let mut equation_of = vec![None; 3 * reduction.nodes];
         layout
             .dof_of
@@ -330,9 +337,14 @@ impl Nodes {
                 rotations: reduction.rotations.iter().flat_map(|&r| 3 * r..3 * r + 3).collect(),
                 mirrors,
             },
-            stiffness,
-            mass,
-            ordered: order.is_some(),
+            stiffness: matrix(layout.stiffness, values.stiffness)?,
+            mass: matrix(layout.mass, values.mass)?,
+            symbolic: symbolic.map(Arc::new),
         })
     }
+}
+
+/// The symmetric matrix with these values in its lower triangle.
+fn matrix(pattern: SparsityPattern, values: Vec<f64>) -> Result<CscMatrix<f64>, FemError> {
+    CscMatrix::try_from_pattern_and_values(pattern, values).map_err(|e| FemError::Order { reason: e.to_string() })
 }

@@ -2,7 +2,7 @@
 
 use nailnoise_meshes::Mesh;
 use nalgebra::Matrix3;
-use nalgebra_sparse::CscMatrix;
+use nalgebra_sparse::pattern::SparsityPattern;
 use rayon::prelude::*;
 
 use crate::element::{ElementMaterial, ElementMatrices, Rule, integrate};
@@ -87,8 +87,9 @@ pub(crate) struct Layout {
     before: Vec<[usize; 4]>,
     /// How the mass of a node couples with others across axes.
     mixing: Vec<Mixing>,
-    stiffness: CscPattern,
-    mass: CscPattern,
+    /// The lower triangles of K and M by columns.
+    pub(crate) stiffness: SparsityPattern,
+    pub(crate) mass: SparsityPattern,
 }
 
 /// Elements couple like axes only; attachments may couple all.
@@ -112,7 +113,15 @@ fn mixes(a: Mixing, b: Mixing) -> bool {
 
 impl Layout {
     /// `order` names the node at each place of `graph`, `free` its free axes.
-    pub(crate) fn new(graph: &Graph, order: &[usize], free: &[[bool; 3]], reduction: &Reduction) -> Self {
+    ///
+    /// # Errors
+    /// [`FemError::Order`], never for the graph of a mesh.
+    pub(crate) fn new(
+        graph: &Graph,
+        order: &[usize],
+        free: &[[bool; 3]],
+        reduction: &Reduction,
+    ) -> Result<Self, FemError> {
         let mut mixing_of = vec![Mixing::Never; reduction.nodes];
         for added in &reduction.added {
             added.nodes.iter().for_each(|&n| mixing_of[n] = Mixing::Among);
@@ -166,25 +175,26 @@ impl Layout {
             }
             offsets.push(targets.len());
         }
-        Self {
+        let equations = dof_of.len();
+        Ok(Self {
             dof_of,
             equation,
             later: Graph { offsets, targets },
             before,
             mixing,
-            stiffness,
-            mass,
-        }
+            stiffness: stiffness.checked(equations)?,
+            mass: mass.checked(equations)?,
+        })
     }
 
-    /// K and M of the elements and the attachments; `index` gives the place of each node.
+    /// The values of K and M of the elements and the attachments; `index` gives the place of each node.
     pub(crate) fn scatter(
         &self,
         mesh: &Mesh,
         materials: &[Material],
         index: &[Option<usize>],
         reduction: &Reduction,
-    ) -> Result<(CscMatrix<f64>, CscMatrix<f64>), FemError> {
+    ) -> Result<Values, FemError> {
         let materials: Vec<ElementMaterial> = materials.iter().map(ElementMaterial::from).collect();
         let mut rules = Vec::new();
         for &kind in &mesh.kinds {
@@ -193,8 +203,8 @@ impl Layout {
             }
         }
         let mut values = Values {
-            stiffness: vec![0.0; self.stiffness.rows.len()],
-            mass: vec![0.0; self.mass.rows.len()],
+            stiffness: vec![0.0; self.stiffness.nnz()],
+            mass: vec![0.0; self.mass.nnz()],
         };
         // Elements are integrated in parallel and added up in their order, so the sums do not depend on the threads. One batch
         // is integrated while the one before it is added.
@@ -239,10 +249,7 @@ impl Layout {
                 }
             }
         }
-        Ok((
-            self.stiffness.matrix(values.stiffness, self.dof_of.len())?,
-            self.mass.matrix(values.mass, self.dof_of.len())?,
-        ))
+        Ok(values)
     }
 
     /// Adds an element all of whose nodes are independent.
@@ -285,8 +292,8 @@ impl Layout {
         let mut skipped = 0;
         for j in 0..3 {
             let Some(c) = self.equation[column][j] else { continue };
-            let of_stiffness = self.stiffness.offsets[c] + before[3];
-            let of_mass = self.mass.offsets[c] + before[j];
+            let of_stiffness = self.stiffness.major_offsets()[c] + before[3];
+            let of_mass = self.mass.major_offsets()[c] + before[j];
             let rows = (0..3).filter_map(|i| self.equation[row][i].map(|e| (i, e)));
             let mut rank_of_mass = 0;
             for (rank, (i, _)) in rows.enumerate().filter(|(_, (_, e))| *e >= c) {
@@ -346,9 +353,10 @@ impl Layout {
     }
 }
 
-struct Values {
-    stiffness: Vec<f64>,
-    mass: Vec<f64>,
+/// Values in the places of the pattern.
+pub(crate) struct Values {
+    pub(crate) stiffness: Vec<f64>,
+    pub(crate) mass: Vec<f64>,
 }
 
 impl CscPattern {
@@ -359,8 +367,8 @@ impl CscPattern {
         }
     }
 
-    fn matrix(&self, values: Vec<f64>, n: usize) -> Result<CscMatrix<f64>, FemError> {
-        CscMatrix::try_from_csc_data(n, n, self.offsets.clone(), self.rows.clone(), values)
+    fn checked(self, n: usize) -> Result<SparsityPattern, FemError> {
+        SparsityPattern::try_from_offsets_and_indices(n, n, self.offsets, self.rows)
             .map_err(|e| FemError::Order { reason: e.to_string() })
     }
 }

@@ -1,6 +1,7 @@
 //! All modes below a frequency, with the proof that none is missing.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use faer::prelude::ReborrowMut;
@@ -68,7 +69,7 @@ pub fn modes(system: &System, settings: &ModalSettings, progress: &Progress<'_>)
 struct Problem<'a> {
     system: &'a System,
     sectors: &'a [Sector<'a>],
-    symbolic: Vec<Symbolic>,
+    symbolic: Vec<Arc<Symbolic>>,
     settings: &'a ModalSettings,
     /// On the equations.
     loads: Option<&'a Mat<f64>>,
@@ -118,7 +119,7 @@ impl<'a> Problem<'a> {
     fn solve(&self) -> Result<ModalBasis, FemError> {
         let mut work = ModalWork {
             sectors: self.sectors.len(),
-            factor_values: self.symbolic.iter().map(Symbolic::values).sum(),
+            factor_values: self.symbolic.iter().map(|symbolic| symbolic.values()).sum(),
             ..ModalWork::default()
         };
         let mut upper_hz = self.settings.top_hz;

@@ -15,7 +15,7 @@
 mod mirror;
 
 use std::borrow::Cow;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use faer::{Mat, MatRef};
 use nalgebra_sparse::CscMatrix;
@@ -74,13 +74,16 @@ impl Sector<'_> {
     }
 
     /// Analyses the pattern of K_c.
-    pub(crate) fn analyse(&self, system: &System) -> Result<Symbolic, FemError> {
+    pub(crate) fn analyse(&self, system: &System) -> Result<Arc<Symbolic>, FemError> {
+        if let (None, None, Some(known)) = (&self.stiffness, &self.rows, &system.symbolic) {
+            return Ok(Arc::clone(known));
+        }
         let stiffness = self.stiffness(system)?;
         let symbolic = Symbolic::new(&stiffness)?;
         if let Cow::Owned(stiffness) = stiffness {
             *self.whole.lock().unwrap_or_else(PoisonError::into_inner) = Some(stiffness);
         }
-        Ok(symbolic)
+        Ok(Arc::new(symbolic))
     }
 
     /// K_c - sigma M_c.
@@ -163,7 +166,7 @@ pub(crate) fn whole(system: &System) -> Result<Vec<Sector<'_>>, FemError> {
 }
 
 fn divided<'a>(system: &'a System, mirrors: &[&Mirror]) -> Result<Vec<Sector<'a>>, FemError> {
-    if mirrors.is_empty() && system.ordered {
+    if mirrors.is_empty() && system.symbolic.is_some() {
         return Ok(vec![Sector {
             stiffness: None,
             whole: Mutex::new(None),
