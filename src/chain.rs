@@ -843,7 +843,7 @@ mod tests {
 
     /// Key of the tool's order of elimination.
     fn order(design: &Design) -> Digest {
-        let geometry = inputs::geometry(design, BodyKind::Tool, false).unwrap();
+        let geometry = inputs::bodies::geometry(design, BodyKind::Tool, false).unwrap();
         let graph = Graph::default();
         let mesh = graph.add(geometry.meshing());
         *graph.add(geometry.elimination(mesh)).key()
