@@ -92,3 +92,20 @@ fn an_order_of_other_nodes_is_refused() {
         assert!(matches!(refused, Err(FemError::Order { .. })));
     }
 }
+
+#[test]
+fn no_bit_depends_on_the_number_of_threads() {
+    let (mesh, material) = (bar([10, 4, 3]), [pine_block()]);
+    let attachments = weighted(0.4, Coupling::Distributed);
+    let order = elimination_order(&mesh, &Constraints::free(), &attachments)
+        .unwrap()
+        .unwrap();
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let system = assemble_in_order(&mesh, &material, &Constraints::free(), &attachments, &order).unwrap();
+            modes(&system, &ModalSettings::below(8e3).with_loads(loads(&mesh)), &|_, _| ()).unwrap()
+        })
+    };
+    assert_eq!(with(1), with(3));
+}
