@@ -231,9 +231,10 @@ impl<'a> Problem<'a> {
                 let vectors = vectors.subcols(start, count).to_owned();
                 Eigenpairs::new(sector.pencil(self.system), vectors, edge, edge)
             };
-            let mut pairs = part(0, count);
             let above = vectors.ncols() - count;
-            pairs.above = (above > 0).then(|| Box::new(part(count, above)));
+            let (mut pairs, above) =
+                rayon::join(|| part(0, count), || (above > 0).then(|| Box::new(part(count, above))));
+            pairs.above = above;
             Solution { pairs, count, factor }
         }))
     }
@@ -296,12 +297,13 @@ impl<'a> Problem<'a> {
             .map(|(sector, symbolic, solution)| {
                 let (mut pairs, storage) = (solution.pairs, solution.factor.into_storage());
                 let factor = symbolic.best(&sector.shifted(self.system, shift)?, shift, storage)?;
-                let refined = self.refine(sector, &mut pairs, &factor);
-                let response = self.loads.map(|loads| {
+                let of_loads = |loads: &Mat<f64>| {
                     let mut x = sector.restrict(loads.as_ref());
                     factor.solve(x.as_mut());
                     x
-                });
+                };
+                let (refined, response) =
+                    rayon::join(|| self.refine(sector, &mut pairs, &factor), || self.loads.map(of_loads));
                 Ok((pairs, refined, response))
             })
             .collect::<Result<_, FemError>>()?;
@@ -381,8 +383,7 @@ fn corrections(system: &System, pairs: &Eigenpairs, mut x: Mat<f64>) -> Result<C
         .map(|i| (i, dot(x.as_ref(), m_x.as_ref(), i)))
         .filter(|&(i, norm)| norm > 1e-20 * before[i] && norm > 0.0)
         .collect();
-    let x = Mat::from_fn(x.nrows(), kept.len(), |i, j| x[(i, kept[j].0)] / kept[j].1.sqrt());
-    let m_x = product(&system.mass, x.as_ref());
+    let [x, m_x] = [x, m_x].map(|x| Mat::from_fn(x.nrows(), kept.len(), |i, j| x[(i, kept[j].0)] / kept[j].1.sqrt()));
     let x = independent(&x, transpose_product(x.as_ref(), m_x.as_ref()).as_ref())?;
     let stiffness = product(&system.stiffness, x.as_ref());
     let reduced = transpose_product(x.as_ref(), stiffness.as_ref());
